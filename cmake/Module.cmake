@@ -1,0 +1,36 @@
+# Module libraries, and the include path <volccd/...> on top of a tree whose folders are the modules.
+
+# One link: headers lie beside their sources, and <volccd/mesh/mesh.hpp> is found through it.
+set(VOLCCD_INCLUDE_DIR "${CMAKE_BINARY_DIR}/include")
+file(MAKE_DIRECTORY "${VOLCCD_INCLUDE_DIR}")
+file(CREATE_LINK "${CMAKE_SOURCE_DIR}" "${VOLCCD_INCLUDE_DIR}/volccd" SYMBOLIC)
+
+# Warnings and floating-point rules for everything that is compiled here. Contraction into fused multiply-add would change
+# rounding from machine to machine, and the error bounds with it.
+add_library(volccd_flags INTERFACE)
+target_compile_options(volccd_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
+  $<$<BOOL:${VOLCCD_WERROR}>:-Werror>)
+
+# volccd_module(mesh [PUBLIC lib...] [PRIVATE lib...]): library volccd_mesh of all sources in this folder, exported as
+# volccd::mesh, with its headers installed but for those in detail/ that no public header needs.
+function(volccd_module name)
+  cmake_parse_arguments(ARG "" "" "PUBLIC;PRIVATE;SOURCES" ${ARGN})
+  if(NOT ARG_SOURCES)
+    file(GLOB ARG_SOURCES CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp" "${CMAKE_CURRENT_SOURCE_DIR}/detail/*.cpp")
+  endif()
+  set(target "volccd_${name}")
+  add_library(${target} STATIC ${ARG_SOURCES})
+  add_library(volccd::${name} ALIAS ${target})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_compile_options(${target} PUBLIC -ffp-contract=off)
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${VOLCCD_INCLUDE_DIR}>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+  target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:volccd_flags>)
+  install(TARGETS ${target} EXPORT volccdTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+  file(RELATIVE_PATH folder "${CMAKE_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
+  install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/volccd/${folder}"
+          FILES_MATCHING PATTERN "*.hpp")
+endfunction()

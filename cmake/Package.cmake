@@ -1,0 +1,2 @@
+# find_package(volccd) for other projects.
+include(CMakePackageConfigHelpers)

@@ -1,0 +1,95 @@
+// Elements of mixed type in CSR form, with stable ids. Positions are not here but in Motion.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <volccd/mesh/element_type.hpp>
+#include <volccd/mesh/types.hpp>
+
+namespace volccd {
+
+/// One element as a caller describes it.
+struct ElementSpec {
+  ElementType type = ElementType::none;
+  std::vector<Index> vertices;  ///< vertex slots in VTK node order; a polytope's distinct vertices
+  /// Polytope only: {n, v0 .. v(n-1), n, ...}, vertex slots in cyclic order around each face.
+  std::vector<Index> faces;
+  std::int32_t object = 0;
+  std::int64_t id = 0;
+};
+
+/// Invariants, kept by every member: vertex ids ascend strictly with the slot (so slot order is id order: "smallest id"
+/// is "smallest slot"); element ids are distinct; the vertices of one element are distinct and in range.
+///
+/// Removing an element empties its slot; the slot may be taken again by a later element. Vertices are never removed: one
+/// that no element uses is simply unused, and may be used again. Not thread-safe while it changes.
+class Mesh {
+ public:
+  Mesh() = default;
+
+  /// Appends vertices. Throws InputError if the ids do not ascend, or do not exceed those that are there.
+  void add_vertices(std::span<const std::int64_t> ids);
+  /// Appends n vertices with the next ids.
+  void add_vertices(Index n);
+
+  /// Returns the element's slot. Throws InputError: wrong number of vertices, a vertex out of range or twice in the
+  /// element, an id that is taken, a polytope whose faces do not use exactly its vertices or do not close up (each edge in
+  /// exactly two faces). Amortised O(vertices of the element).
+  Index add_element(const ElementSpec& element);
+
+  /// O(1). The slot must be alive.
+  void remove_element(Index slot);
+
+  Index vertex_count() const { return static_cast<Index>(vertex_ids_.size()); }
+  std::int64_t vertex_id(Index v) const { return vertex_ids_[v]; }
+  std::span<const std::int64_t> vertex_ids() const { return vertex_ids_; }
+
+  /// Slots, empty ones included: the range of element slots is [0, element_slots()).
+  Index element_slots() const { return static_cast<Index>(types_.size()); }
+  Index element_count() const { return live_; }
+  bool alive(Index o) const { return types_[o] != ElementType::none; }
+
+  ElementType type(Index o) const { return types_[o]; }
+  std::int32_t object(Index o) const { return objects_[o]; }
+  std::int64_t element_id(Index o) const { return element_ids_[o]; }
+  /// Vertex slots in node order; empty for an empty slot.
+  std::span<const Index> vertices(Index o) const {
+    return {connectivity_.data() + blocks_[o].begin, types_[o] == ElementType::none ? 0u : blocks_[o].vertices};
+  }
+  /// A polytope's face stream of vertex slots; empty for other types.
+  std::span<const Index> polytope_faces(Index o) const {
+    return {connectivity_.data() + blocks_[o].begin + blocks_[o].vertices,
+            types_[o] == ElementType::none ? 0u : blocks_[o].faces};
+  }
+  /// Slot of the element with this id, or kNone. O(1) expected.
+  Index find_element(std::int64_t id) const;
+
+  std::size_t bytes() const;
+
+ private:
+  /// Where an element's vertices and face stream lie in connectivity_.
+  struct Block {
+    std::size_t begin;
+    Index vertices, faces;
+  };
+  void check(const ElementSpec& element) const;
+  void check_polytope(const ElementSpec& element) const;
+  std::size_t allocate(std::size_t length);
+
+  std::vector<std::int64_t> vertex_ids_;
+  std::vector<ElementType> types_;
+  std::vector<std::int32_t> objects_;
+  std::vector<std::int64_t> element_ids_;
+  std::vector<Block> blocks_;
+  std::vector<Index> connectivity_;
+  std::vector<Index> free_slots_;
+  /// free_blocks_[length]: starts of unused runs of that length in connectivity_.
+  std::vector<std::vector<std::size_t>> free_blocks_;
+  /// Open-addressing table id -> slot (mesh/detail/id_table.hpp), sized to the live elements.
+  std::vector<Index> id_table_;
+  Index live_ = 0;
+};
+
+}  // namespace volccd

@@ -1,0 +1,69 @@
+// Mesh and Features that change together: the only way to edit a mesh whose features are in use.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <volccd/mesh/features.hpp>
+#include <volccd/mesh/mesh.hpp>
+
+namespace volccd {
+
+/// Elements and vertices that come and go between two steps (Section 5.1: O' = O + A_s - A_t).
+struct TopologyEdit {
+  std::vector<Index> removed;               ///< slots of live elements, each once
+  std::vector<std::int64_t> new_vertex_ids; ///< ascending, above all that are there; usable by `added`
+  std::vector<ElementSpec> added;
+
+  bool empty() const { return removed.empty() && added.empty() && new_vertex_ids.empty(); }
+};
+
+/// What an edit did. `version` is the topology's version after it.
+struct TopologyChange {
+  std::uint64_t version = 0;
+  std::vector<Index> removed_elements, added_elements;  ///< ascending slots; one slot may be in both
+  FeatureChange features;
+};
+
+/// Owns a Mesh and its Features. Every edit raises the version; stages keep the version that they have seen in their
+/// state, and ask for what has changed since.
+class Topology {
+ public:
+  explicit Topology(Mesh mesh, EdgeSet edge_set = EdgeSet::triangulated);
+
+  const Mesh& mesh() const { return mesh_; }
+  const Features& features() const { return features_; }
+
+  /// Distinct in every Topology object and after every edit (never 0), so that a state which was made for another topology
+  /// is noticed.
+  std::uint64_t version() const { return version_; }
+
+  /// All or nothing: throws InputError before anything is changed. Time proportional to the edit, not to the mesh.
+  const TopologyChange& apply(const TopologyEdit& edit);
+
+  /// The changes that lead from `version` to now, oldest first (none if it is the current one). Returns false, with
+  /// `changes` empty, if the history does not reach back that far (another topology, or more than kHistory edits ago): the
+  /// caller builds anew.
+  bool changes_since(std::uint64_t version, std::vector<const TopologyChange*>& changes) const;
+
+  static constexpr std::size_t kHistory = 8;
+
+  /// True if some vertex belongs to elements of different objects.
+  bool objects_share_vertices() const { return shared_vertices_ != 0; }
+
+  std::size_t bytes() const;
+
+ private:
+  void check(const TopologyEdit& edit) const;
+
+  Mesh mesh_;
+  Features features_;
+  std::uint64_t version_;
+  std::uint64_t base_version_;  ///< version before the oldest change kept
+  std::vector<std::unique_ptr<TopologyChange>> history_;
+  Index shared_vertices_ = 0;
+};
+
+}  // namespace volccd
