@@ -12,10 +12,11 @@ target_compile_options(volccd_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
   $<$<BOOL:${VOLCCD_WERROR}>:-Werror>)
 
-# volccd_module(mesh [PUBLIC lib...] [PRIVATE lib...]): library volccd_mesh of all sources in this folder, exported as
-# volccd::mesh, with its headers installed but for those in detail/ that no public header needs.
+# volccd_module(mesh [NO_INSTALL] [PUBLIC lib...] [PRIVATE lib...]): library volccd_mesh of all sources in this folder,
+# exported as volccd::mesh with its headers. NO_INSTALL keeps it out of the package: what it needs, users of the library
+# need not have.
 function(volccd_module name)
-  cmake_parse_arguments(ARG "" "" "PUBLIC;PRIVATE;SOURCES" ${ARGN})
+  cmake_parse_arguments(ARG "NO_INSTALL" "" "PUBLIC;PRIVATE;SOURCES" ${ARGN})
   if(NOT ARG_SOURCES)
     file(GLOB ARG_SOURCES CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp" "${CMAKE_CURRENT_SOURCE_DIR}/detail/*.cpp")
   endif()
@@ -29,6 +30,9 @@ function(volccd_module name)
     $<BUILD_INTERFACE:${VOLCCD_INCLUDE_DIR}>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:volccd_flags>)
+  if(ARG_NO_INSTALL)
+    return()
+  endif()
   install(TARGETS ${target} EXPORT volccdTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
   file(RELATIVE_PATH folder "${CMAKE_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
   install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/volccd/${folder}"

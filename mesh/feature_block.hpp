@@ -24,6 +24,10 @@ class FeatureBlock {
  public:
   static constexpr std::size_t kCapacity = 64;
 
+  FeatureBlock() = default;
+  FeatureBlock(const FeatureBlock&) = delete;
+  FeatureBlock& operator=(const FeatureBlock&) = delete;
+
   /// Takes in at most kCapacity tests of one kind. No allocation after the first call with that number of control points.
   void gather(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs);
 

@@ -19,6 +19,8 @@ class Motion {
   /// Straight lines from x0 to x1, both [vertices]. Throws InputError (source "motion", dataset "x0" or "x1", index) for a
   /// coordinate that is not finite, or arrays of different lengths.
   static Motion linear(std::span<const Vec3> x0, std::span<const Vec3> x1);
+  /// The same in place: no allocation where the number of vertices stays.
+  void set_linear(std::span<const Vec3> x0, std::span<const Vec3> x1);
   /// Quadratic Bezier curves with middle control points xm (not a point of the curve).
   static Motion quadratic(std::span<const Vec3> x0, std::span<const Vec3> xm, std::span<const Vec3> x1);
   /// Section 6.3: a vertex that the old step does not have starts from p' = p - s v. `is_new` flags vertices.

@@ -27,8 +27,10 @@ struct Shape {
 /// All splits conform from cell to cell.
 Shape block(ElementType type, int nx, int ny, int nz);
 
-/// A row of cells of every volume type glued face to face where they fit (hexahedron, two wedges, six pyramids, polytope,
-/// six tetrahedra), and a few shells on its top: the mix that properties are checked on. 5 x ny x nz cells.
+/// A row of cells of every volume type (in x: hexahedron, two wedges, six pyramids, polytope, six tetrahedra), glued at their
+/// common vertices, and shells on its top (triangles on the first column, quads on the second): the mix that properties
+/// are checked on. 5 x ny x nz cells. Between cells of different types the diagonals of a common face agree (they go by
+/// the smallest vertex), except where a split into tetrahedra or wedges brings its own.
 Shape mixed_block(int ny, int nz);
 
 /// The same shape with vertices renumbered and elements reordered by a permutation drawn from `seed`; cyclic orders of faces

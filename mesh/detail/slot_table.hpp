@@ -1,0 +1,105 @@
+// Open-addressing hash table of slots whose keys lie elsewhere (in the mesh, in the features): 4 bytes an entry.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include <volccd/mesh/types.hpp>
+
+namespace volccd::detail {
+
+/// A bijective mix of 64 bits; its upper half is used as hash.
+constexpr std::uint64_t mix(std::uint64_t x) {
+  x ^= x >> 32;
+  x *= 0x9E3779B97F4A7C15u;
+  x ^= x >> 29;
+  x *= 0xD6E8FEB86659FD93u;
+  return x ^ (x >> 32);
+}
+
+/// Linear probing, at most kLoad full. Deletion shifts later entries back, so that there are no tombstones and the table
+/// never degrades. Hashes are 32 bits wide; `hash_of(slot)` gives that of a slot in the table again. The number of places
+/// is arbitrary (the hash is scaled, not masked), so that a table of known size wastes nothing.
+class SlotTable {
+ public:
+  std::size_t size() const { return size_; }
+  std::size_t bytes() const { return places_.capacity() * sizeof(Index); }
+
+  void clear() { *this = SlotTable(); }
+
+  /// Slot with this hash for which `same(slot)` holds, or kNone.
+  template <class Same>
+  Index find(std::uint32_t hash, Same&& same) const {
+    if (places_.empty()) return kNone;
+    for (std::size_t i = home(hash); places_[i] != kNone; i = next(i))
+      if (same(places_[i])) return places_[i];
+    return kNone;
+  }
+
+  /// Slot for which `same` holds; if there is none, `slot` is put in and returned.
+  template <class Same, class HashOf>
+  Index find_or_insert(std::uint32_t hash, Index slot, Same&& same, HashOf&& hash_of) {
+    if (!fits(size_ + 1)) grow(hash_of);
+    std::size_t i = home(hash);
+    for (; places_[i] != kNone; i = next(i))
+      if (same(places_[i])) return places_[i];
+    places_[i] = slot;
+    ++size_;
+    return slot;
+  }
+
+  /// The slot must be in the table.
+  template <class HashOf>
+  void erase(Index slot, HashOf&& hash_of) {
+    std::size_t hole = home(hash_of(slot));
+    while (places_[hole] != slot) hole = next(hole);
+    for (std::size_t i = next(hole); places_[i] != kNone; i = next(i)) {
+      // An entry may move back into the hole unless its home lies (cyclically) after the hole.
+      const std::size_t h = home(hash_of(places_[i]));
+      const bool home_after_hole = hole <= i ? (hole < h && h <= i) : (hole < h || h <= i);
+      if (home_after_hole) continue;
+      places_[hole] = places_[i];
+      hole = i;
+    }
+    places_[hole] = kNone;
+    --size_;
+  }
+
+  /// Room for n slots without growing.
+  template <class HashOf>
+  void reserve(std::size_t n, HashOf&& hash_of) {
+    if (!fits(n)) resize(places_for(n), hash_of);
+  }
+
+ private:
+  bool fits(std::size_t n) const { return n * 3 <= places_.size() * 2; }  // at most two thirds full
+  static std::size_t places_for(std::size_t n) { return n + n / 2 + 8; }
+
+  std::size_t home(std::uint32_t hash) const {
+    return static_cast<std::size_t>((std::uint64_t{hash} * places_.size()) >> 32);
+  }
+  std::size_t next(std::size_t i) const { return i + 1 == places_.size() ? 0 : i + 1; }
+
+  template <class HashOf>
+  void grow(HashOf&& hash_of) {
+    resize(places_for(size_ + size_ / 2 + 16), hash_of);
+  }
+
+  template <class HashOf>
+  void resize(std::size_t places, HashOf&& hash_of) {
+    std::vector<Index> old(places, kNone);
+    old.swap(places_);
+    for (Index slot : old) {
+      if (slot == kNone) continue;
+      std::size_t i = home(hash_of(slot));
+      while (places_[i] != kNone) i = next(i);
+      places_[i] = slot;
+    }
+  }
+
+  std::vector<Index> places_;
+  std::size_t size_ = 0;
+};
+
+}  // namespace volccd::detail

@@ -1,0 +1,51 @@
+// Hash table from an ascending tuple of vertex slots (an edge, a triangle) to the slot of the feature.
+#pragma once
+
+#include <array>
+
+#include <volccd/mesh/detail/slot_table.hpp>
+
+namespace volccd::detail {
+
+/// The tuples themselves lie in the caller's array, which is handed to every call: tuples[slot] must hold the tuple of each
+/// slot in the table. Expected O(1) a call.
+template <std::size_t N>
+class TupleTable {
+ public:
+  using Tuple = std::array<Index, N>;
+  using Tuples = std::vector<Tuple>;
+
+  Index find(const Tuple& tuple, const Tuples& tuples) const {
+    return table_.find(hash(tuple), [&](Index slot) { return tuples[slot] == tuple; });
+  }
+
+  /// Slot of the tuple; if it has none, it becomes `slot`, and the caller stores the tuple there before the next call.
+  Index find_or_insert(const Tuple& tuple, Index slot, const Tuples& tuples) {
+    return table_.find_or_insert(
+        hash(tuple), slot, [&](Index other) { return tuples[other] == tuple; },
+        [&](Index other) { return hash(tuples[other]); });
+  }
+
+  /// The slot must be in the table.
+  void erase(Index slot, const Tuples& tuples) {
+    table_.erase(slot, [&](Index other) { return hash(tuples[other]); });
+  }
+
+  void reserve(std::size_t n, const Tuples& tuples) {
+    table_.reserve(n, [&](Index other) { return hash(tuples[other]); });
+  }
+
+  std::size_t size() const { return table_.size(); }
+  std::size_t bytes() const { return table_.bytes(); }
+
+ private:
+  static std::uint32_t hash(const Tuple& tuple) {
+    std::uint64_t h = std::uint64_t{tuple[0]} << 32 | tuple[1];
+    if constexpr (N == 3) h = mix(h) + tuple[2];
+    return static_cast<std::uint32_t>(mix(h) >> 32);
+  }
+
+  SlotTable table_;
+};
+
+}  // namespace volccd::detail

@@ -1,0 +1,56 @@
+// What a Workspace holds.
+#pragma once
+
+#include <chrono>
+#include <memory>
+#include <vector>
+
+#include <volccd/mesh/adjacency.hpp>
+#include <volccd/pipelines/pipeline.hpp>
+
+namespace volccd {
+
+namespace detail {
+
+/// Seconds since it was made or last asked.
+class StopWatch {
+ public:
+  double lap() {
+    const auto now = std::chrono::steady_clock::now();
+    const double seconds = std::chrono::duration<double>(now - last_).count();
+    last_ = now;
+    return seconds;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
+};
+
+/// Scratch and sums of one worker.
+struct WorkerScratch {
+  PairBatch batch;
+  TestBatch tests;
+  FeatureBlock block;
+  std::vector<std::uint8_t> keep;
+  std::vector<Contact> contacts;
+  NarrowCounters narrow;
+  Statistics sums;
+
+  std::size_t bytes() const {
+    return batch.pairs.capacity() * sizeof(ElementPair) + batch.masks.capacity() * sizeof(FeatureMask) +
+           (tests.vf.capacity() + tests.ee.capacity()) * sizeof(FeaturePair) + contacts.capacity() * sizeof(Contact) +
+           FeatureBlock::kCapacity * 36 * sizeof(double);
+  }
+};
+
+}  // namespace detail
+
+struct Workspace::Data {
+  std::unique_ptr<StageState> broad_phase, feature_culling;
+  std::vector<std::unique_ptr<StageState>> element_culling;
+  std::vector<std::unique_ptr<detail::WorkerScratch>> workers;
+  AdjacencyTest adjacency;  ///< only to count adjacent pairs where they are asked for
+  std::uint64_t adjacency_version = 0;
+};
+
+}  // namespace volccd

@@ -1,0 +1,75 @@
+#include <volccd/pipelines/pipeline.hpp>
+
+#include <fmt/format.h>
+
+#include <volccd/pipelines/detail/pipeline_run.hpp>
+#include <volccd/pipelines/detail/workspace_data.hpp>
+
+namespace volccd {
+
+Workspace::Workspace() = default;
+Workspace::~Workspace() = default;
+Workspace::Workspace(Workspace&&) noexcept = default;
+Workspace& Workspace::operator=(Workspace&&) noexcept = default;
+
+std::size_t Workspace::bytes() const {
+  if (!data_) return 0;
+  std::size_t sum = data_->adjacency.bytes();
+  if (data_->broad_phase) sum += data_->broad_phase->bytes();
+  if (data_->feature_culling) sum += data_->feature_culling->bytes();
+  for (const auto& state : data_->element_culling) sum += state ? state->bytes() : 0;
+  for (const auto& worker : data_->workers) sum += worker->bytes();
+  return sum;
+}
+
+namespace {
+
+/// Makes the stage and folds its guarantee into the pipeline's.
+template <class Stage>
+std::unique_ptr<Stage> make_stage(const Registry& registry, const StageChoice& choice, Guarantee& guarantee) {
+  const StageDescriptor<Stage>& descriptor = registry.stage<Stage>(choice.name);
+  guarantee = weakest(guarantee, descriptor.guarantee);
+  try {
+    return descriptor.make(choice.options);
+  } catch (const ConfigError& error) {
+    throw ConfigError(fmt::format("stage {}: {}", choice.name, error.what()));
+  }
+}
+
+}  // namespace
+
+Pipeline::Pipeline(const Registry& registry, const PipelineSpec& spec) : spec_(spec) {
+  broad_phase_ = make_stage<BroadPhase>(registry, spec.broad_phase, guarantee_);
+  for (const StageChoice& choice : spec.element_culling)
+    element_culling_.push_back(make_stage<ElementCulling>(registry, choice, guarantee_));
+  feature_culling_ = make_stage<FeatureCulling>(registry, spec.feature_culling, guarantee_);
+  for (const StageChoice& choice : spec.feature_filters)
+    feature_filters_.push_back(make_stage<FeatureFilter>(registry, choice, guarantee_));
+  narrow_phase_ = make_stage<NarrowPhase>(registry, spec.narrow_phase, guarantee_);
+  if (const std::string reason = feature_culling_->unsound(); !reason.empty())
+    throw ConfigError(fmt::format("pipeline {}: {} would lose contacts: {}", spec.name, spec.feature_culling.name, reason));
+}
+
+Workspace Pipeline::make_workspace() const {
+  Workspace workspace;
+  workspace.data_ = std::make_unique<Workspace::Data>();
+  workspace.data_->broad_phase = broad_phase_->make_state();
+  workspace.data_->feature_culling = feature_culling_->make_state();
+  for (const auto& stage : element_culling_) workspace.data_->element_culling.push_back(stage->make_state());
+  return workspace;
+}
+
+void Pipeline::run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result, Query query) const {
+  if (step.motion.vertex_count() != step.mesh().vertex_count())
+    throw InputError("step", "motion", fmt::format("moves {} vertices, the mesh has {}", step.motion.vertex_count(),
+                                                   step.mesh().vertex_count()));
+  if (step.motion.control_points() > narrow_phase_->max_control_points())
+    throw ConfigError(fmt::format("narrow phase {} handles motion of degree {} at most, not {}", spec_.narrow_phase.name,
+                                  narrow_phase_->max_control_points() - 1, step.motion.degree()));
+  if (!(step.separation >= 0)) throw ConfigError("separation: must not be negative");
+  if (step.separation > 0 && !narrow_phase_->handles_separation())
+    throw ConfigError(fmt::format("narrow phase {} does not handle a separation", spec_.narrow_phase.name));
+  Run(*this, step, *workspace.data_, executor, query).execute(result, workspace);
+}
+
+}  // namespace volccd

@@ -1,0 +1,71 @@
+// A pipeline: broad phase, element culling, feature culling, feature filters, narrow phase.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <volccd/pipelines/registry.hpp>
+#include <volccd/pipelines/statistics.hpp>
+
+namespace volccd {
+
+/// All memory that a pipeline needs from step to step. One workspace serves one run at a time.
+class Workspace {
+ public:
+  Workspace();
+  ~Workspace();
+  Workspace(Workspace&&) noexcept;
+  Workspace& operator=(Workspace&&) noexcept;
+
+  std::size_t bytes() const;
+
+ private:
+  friend class Pipeline;
+  struct Data;
+  std::unique_ptr<Data> data_;
+};
+
+enum class Query {
+  all,   ///< every contact of the step
+  first  ///< the earliest contact alone (the canonically smallest of equal times); what comes later is pruned
+};
+
+struct StepResult {
+  /// In canonical order, each feature pair once. The same bit for bit for any number of workers.
+  std::vector<Contact> contacts;
+  Statistics statistics;
+};
+
+/// Immutable once made; run() may be called from several threads with different workspaces.
+class Pipeline {
+ public:
+  /// Throws ConfigError: unknown stage or option, or a combination whose completeness argument does not hold, with the
+  /// reason.
+  Pipeline(const Registry& registry, const PipelineSpec& spec);
+
+  const PipelineSpec& spec() const { return spec_; }
+  /// The weakest of the stages'.
+  Guarantee guarantee() const { return guarantee_; }
+
+  Workspace make_workspace() const;
+
+  /// Runs one step. Throws ConfigError if a stage does not handle the step's degree of motion or separation, InputError if
+  /// motion and mesh differ in their number of vertices. Once the workspace has grown to the scene, a step on an unchanged
+  /// topology allocates nothing but what the result's vectors need.
+  void run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result,
+           Query query = Query::all) const;
+
+ private:
+  class Run;
+
+  PipelineSpec spec_;
+  Guarantee guarantee_ = Guarantee::exact;
+  std::unique_ptr<BroadPhase> broad_phase_;
+  std::vector<std::unique_ptr<ElementCulling>> element_culling_;
+  std::unique_ptr<FeatureCulling> feature_culling_;
+  std::vector<std::unique_ptr<FeatureFilter>> feature_filters_;
+  std::unique_ptr<NarrowPhase> narrow_phase_;
+};
+
+}  // namespace volccd

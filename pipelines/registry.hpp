@@ -1,0 +1,86 @@
+// Stages and pipelines by name. Explicit: a registry is a value, filled by calls; nothing registers itself at start-up.
+#pragma once
+
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include <volccd/broadphase/broad_phase.hpp>
+#include <volccd/culling/element_culling.hpp>
+#include <volccd/culling/feature_culling.hpp>
+#include <volccd/culling/feature_filter.hpp>
+#include <volccd/narrowphase/narrow_phase.hpp>
+
+namespace volccd {
+
+/// A stage by name, with the options that differ from its defaults.
+struct StageChoice {
+  std::string name;
+  OptionValues options;
+};
+
+/// A pipeline as data: what runs, in which order.
+struct PipelineSpec {
+  std::string name;         ///< as typed by a user, e.g. "VolCCD"
+  std::string description;  ///< one line
+  StageChoice broad_phase;
+  std::vector<StageChoice> element_culling;  ///< may be empty
+  StageChoice feature_culling;
+  std::vector<StageChoice> feature_filters;  ///< may be empty
+  StageChoice narrow_phase;
+};
+
+class Registry {
+ public:
+  /// Everything that the library has: all stages and the presets NavCCD, HashCCD, VolCCD, VolCCD+ and BruteForce.
+  static Registry standard();
+
+  /// Adds a stage. Throws ConfigError if the name is taken by any stage: `--set name.option=value` must be unambiguous.
+  template <class Stage>
+  void add(StageDescriptor<Stage> descriptor) {
+    check_new(descriptor.name);
+    std::get<Stages<Stage>>(stages_).push_back(std::move(descriptor));
+  }
+  /// Adds a pipeline. Throws ConfigError if the name is taken.
+  void add_pipeline(PipelineSpec spec);
+
+  /// Stage is BroadPhase, ElementCulling, FeatureCulling, FeatureFilter or NarrowPhase.
+  template <class Stage>
+  const std::vector<StageDescriptor<Stage>>& stages() const {
+    return std::get<Stages<Stage>>(stages_);
+  }
+  /// Throws ConfigError that names the known ones.
+  template <class Stage>
+  const StageDescriptor<Stage>& stage(const std::string& name) const {
+    std::string known;
+    for (const StageDescriptor<Stage>& descriptor : stages<Stage>()) {
+      if (descriptor.name == name) return descriptor;
+      known += (known.empty() ? "" : ", ") + descriptor.name;
+    }
+    unknown("stage", name, known);
+  }
+
+  const std::vector<PipelineSpec>& pipelines() const { return pipelines_; }
+  const PipelineSpec& pipeline(const std::string& name) const;
+
+  /// Changes a spec by one setting, as `--set` has it. Throws ConfigError.
+  ///     stage.option=value      an option of a stage that the pipeline has:  csat.axis=optimal
+  ///     role=name[,name...]     another stage in a role, or none:            feature-filters=feature-kdop,coplanarity
+  /// Roles: broad-phase, element-culling, feature-culling, feature-filters, narrow-phase. Options that a stage has stay when it
+  /// is named again.
+  void apply_setting(PipelineSpec& spec, const std::string& setting) const;
+
+ private:
+  template <class Stage>
+  using Stages = std::vector<StageDescriptor<Stage>>;
+
+  void check_new(const std::string& name) const;
+  [[noreturn]] static void unknown(const char* what, const std::string& name, const std::string& known);
+
+  std::tuple<Stages<BroadPhase>, Stages<ElementCulling>, Stages<FeatureCulling>, Stages<FeatureFilter>,
+             Stages<NarrowPhase>>
+      stages_;
+  std::vector<PipelineSpec> pipelines_;
+};
+
+}  // namespace volccd

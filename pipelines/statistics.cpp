@@ -1,0 +1,37 @@
+#include <volccd/pipelines/statistics.hpp>
+
+#include <algorithm>
+#include <cassert>
+
+namespace volccd {
+
+Statistics& Statistics::operator+=(const Statistics& other) {
+  steps += other.steps;
+  element_pairs += other.element_pairs;
+  adjacent_pairs += other.adjacent_pairs;
+  surviving_pairs += other.surviving_pairs;
+  owned_tests += other.owned_tests;
+  orphan_tests += other.orphan_tests;
+  vf_tests += other.vf_tests;
+  ee_tests += other.ee_tests;
+  contacts += other.contacts;
+  duplicates += other.duplicates;
+  degenerate += other.degenerate;
+  undecided += other.undecided;
+  earliest_toi = std::min(earliest_toi, other.earliest_toi);
+  seconds += other.seconds;
+  workspace_bytes = std::max(workspace_bytes, other.workspace_bytes);
+  if (stages.empty()) {
+    stages = other.stages;
+    return *this;
+  }
+  assert(stages.size() == other.stages.size());
+  for (std::size_t i = 0; i < stages.size(); ++i) {
+    stages[i].in += other.stages[i].in;
+    stages[i].out += other.stages[i].out;
+    stages[i].seconds += other.stages[i].seconds;
+  }
+  return *this;
+}
+
+}  // namespace volccd

@@ -1,0 +1,197 @@
+#!/usr/bin/env python3
+"""Holds the source tree to its module order.
+
+A folder is a module, and a module includes only what the table below allows it: everything under it, nothing above it or
+beside it. Also checked: detail/ headers are used by their own module alone, the libraries that CMake links agree with the
+includes, every header has `#pragma once`, no header has grown long without a reason, and third-party headers stay where
+they belong. Prints `file:line: problem` for each finding.
+
+Example:
+  scripts/check_layers.py               check the tree that this script lies in
+  scripts/check_layers.py --root DIR    check another one
+
+Exit code: 0 nothing found, 1 findings.
+"""
+
+import argparse
+import re
+import sys
+from pathlib import Path
+
+# module -> modules that it may include; itself always.
+LAYERS = {
+    "core": [],
+    "mesh": ["core"],
+    "mesh/sequence": ["core", "mesh"],
+    "broadphase": ["core", "mesh", "mesh/sequence"],
+    "culling": ["core", "mesh", "mesh/sequence"],
+    "narrowphase": ["core", "mesh", "mesh/sequence"],
+    "pipelines": ["core", "mesh", "mesh/sequence", "broadphase", "culling", "narrowphase"],
+    "oracle": ["core", "mesh", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines"],
+    "experiments": ["core", "mesh", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines"],
+}
+LIBRARY = [module for module in LAYERS if module not in ("oracle", "experiments")]
+# Users of the modules: not modules themselves.
+USERS = {"tests": list(LAYERS), "examples": LIBRARY}
+
+# Files of experiments/ that may ask the judges: `volccd verify` only.
+ORACLE_USERS = re.compile(r"^experiments/(.*/)?verify[^/]*$")
+
+# Third-party header prefix -> where it may be included. "header" = public headers too, else sources and detail/ only.
+THIRD_PARTY = {
+    "tbb/": (["core"], False),  # threads stay in one place
+    "hwy/": (["mesh", "broadphase", "culling", "narrowphase"], False),  # one binary for every CPU: never in an interface
+    "hdf5.h": (["mesh/sequence", "experiments"], False),
+    "fcl/": (["oracle", "broadphase"], False),
+    "ccd/": (["oracle", "culling", "broadphase"], False),
+    "gtest/": ([], False),
+}
+
+MAX_HEADER_LINES = 200
+# Longer headers, each with its reason.
+LONG_HEADERS = {}
+
+SOURCE_SUFFIXES = {".hpp", ".cpp", ".h"}
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+MODULE_CALL = re.compile(r"^\s*volccd_module\((\w+)([^)]*)\)", re.MULTILINE)
+
+
+def owner(path):
+    """Module or user folder of a path relative to the root (posix text), or None."""
+    for name in sorted([*LAYERS, *USERS], key=len, reverse=True):
+        if path.startswith(name + "/"):
+            return name
+    return None
+
+
+def may_use_detail(path, header_module):
+    """detail/ is for the module itself and for its own tests."""
+    return owner(path) == header_module or path.startswith(f"tests/{header_module.split('/')[-1]}/")
+
+
+def check_project_include(path, target, root):
+    """Problem with including <volccd/target> from path, or None."""
+    if not (root / target).is_file():
+        return f"<volccd/{target}> does not exist"
+    user, module = owner(path), owner(target)
+    if module is None or module in USERS:
+        return f"<volccd/{target}> is not part of a module"
+    if "/detail/" in target and not may_use_detail(path, module):
+        return f"<volccd/{target}> is a detail of {module}"
+    if module == user or module in {**LAYERS, **USERS}.get(user, []):
+        return None
+    if module == "oracle" and ORACLE_USERS.match(path):
+        return None
+    return f"{user} may not include {module} (<volccd/{target}>)"
+
+
+def check_third_party(path, target):
+    user = owner(path)
+    if user in USERS:
+        return None
+    for prefix, (modules, in_headers) in THIRD_PARTY.items():
+        if not target.startswith(prefix):
+            continue
+        if user not in modules:
+            return f"{user} may not include <{target}>"
+        if path.endswith(".hpp") and "/detail/" not in path and not in_headers:
+            return f"<{target}> may not be in a public header"
+    return None
+
+
+def links(root):
+    """module -> modules that its CMake target links, directly or through others."""
+    names = {"volccd_" + module.split("/")[-1]: module for module in LAYERS}
+    direct = {}
+    for module in LAYERS:
+        listing = root / module / "CMakeLists.txt"
+        text = listing.read_text() if listing.is_file() else ""
+        for name, arguments in MODULE_CALL.findall(re.sub(r"#.*", "", text)):
+            if name == module.split("/")[-1]:
+                direct[module] = {names[word] for word in arguments.split() if word in names}
+    closure = {}
+    for module in direct:
+        seen, todo = set(), [module]
+        while todo:
+            for other in direct.get(todo.pop(), ()):
+                if other not in seen:
+                    seen.add(other)
+                    todo.append(other)
+        closure[module] = seen
+    return direct, closure
+
+
+def check_links(root, used, closure, direct):
+    for module, others in sorted(direct.items()):
+        for other in sorted(others):
+            if other not in LAYERS[module] and not (module == "experiments" and other == "oracle"):
+                yield f"{module}/CMakeLists.txt:1: {module} may not link {other}"
+    for (module, other), place in sorted(used.items()):
+        if module in closure and other != module and other not in closure[module]:
+            yield f"{place}: {module} includes {other}, but its CMake target does not link it"
+
+
+def check_header(path, lines, long_headers):
+    if not any(re.match(r"\s*#\s*pragma\s+once\b", line) for line in lines):
+        yield f"{path}:1: no #pragma once"
+    if len(lines) > MAX_HEADER_LINES and path not in long_headers:
+        yield (f"{path}:{len(lines)}: {len(lines)} lines, more than {MAX_HEADER_LINES}: split it, "
+               "or list it in LONG_HEADERS with the reason")
+
+
+def check(root, long_headers):
+    """All findings of a tree, and how many files and includes were looked at."""
+    findings, used, files, includes = [], {}, 0, 0
+    for folder in [*[m for m in LAYERS if "/" not in m], *USERS]:
+        for file in sorted((root / folder).rglob("*")):
+            if file.suffix not in SOURCE_SUFFIXES or not file.is_file():
+                continue
+            path = file.relative_to(root).as_posix()
+            lines = file.read_text(encoding="utf-8").splitlines()
+            files += 1
+            if file.suffix != ".cpp":
+                findings += check_header(path, lines, long_headers)
+            for number, line in enumerate(lines, 1):
+                match = INCLUDE.match(line)
+                if not match:
+                    continue
+                includes += 1
+                quote, target = match.groups()
+                place = f"{path}:{number}"
+                if target.startswith("volccd/"):
+                    target = target[len("volccd/"):]
+                    problem = check_project_include(path, target, root)
+                    if problem is None and owner(path) in LAYERS:
+                        used.setdefault((owner(path), owner(target)), place)
+                    if problem is None and quote == '"':
+                        problem = f"write <volccd/{target}>"
+                elif quote == '"' and owner(path) in LAYERS and (file.parent / target).is_file():
+                    problem = f'"{target}" is relative: write <volccd/...>'
+                else:
+                    problem = check_third_party(path, target)
+                if problem:
+                    findings.append(f"{place}: {problem}")
+    direct, closure = links(root)
+    findings += check_links(root, used, closure, direct)
+    for path in long_headers:
+        if not (root / path).is_file():
+            findings.append(f"scripts/check_layers.py:1: LONG_HEADERS names {path}, which is gone")
+    return findings, files, includes
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--root", type=Path, default=Path(__file__).resolve().parent.parent, help="tree to check")
+    root = parser.parse_args().root
+    findings, files, includes = check(root, LONG_HEADERS)
+    for finding in findings:
+        print(finding)
+    print(f"check_layers: {files} files, {includes} includes, {len(findings)} findings")
+    if files == 0:
+        print(f"check_layers: no sources under {root}", file=sys.stderr)
+        return 1
+    return 1 if findings else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
