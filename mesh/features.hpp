@@ -21,9 +21,11 @@ enum class EdgeSet { triangulated, polytope };
 
 /// Which features a change of topology touched. All lists ascend and hold no slot twice.
 struct FeatureChange {
-  /// Features that died. Their slots may already stand for new features: those are in `added_*` too.
-  std::vector<Index> removed_edges, removed_triangles;
-  std::vector<Index> added_edges, added_triangles;
+  /// Features that died (vertices: are used by no element any more). Their slots may already stand for new features: those
+  /// are in `added_*` too.
+  std::vector<Index> removed_vertices, removed_edges, removed_triangles;
+  /// New features (vertices: used now, but not by any element before or not after the removals).
+  std::vector<Index> added_vertices, added_edges, added_triangles;
   /// Live features, new ones included, whose incident elements changed.
   std::vector<Index> touched_vertices, touched_edges, touched_triangles;
 };
@@ -42,7 +44,8 @@ class Features {
 
   /// Takes out elements that are about to be removed from `mesh` (call before Mesh::remove_element) and puts in those that
   /// have been added. Expected time proportional to the features of those elements and the length of their incidence
-  /// lists, independent of the size of the mesh. Equal to build() up to the numbering of edge and triangle slots.
+  /// lists, independent of the size of the mesh. Equal to build() up to the numbering of edge and triangle slots. What happened is
+  /// added to `change`; for one change, everything is removed before anything is added.
   void remove(const Mesh& mesh, std::span<const Index> elements, FeatureChange& change);
   void add(const Mesh& mesh, std::span<const Index> elements, FeatureChange& change);
 
@@ -76,8 +79,10 @@ class Features {
   std::size_t bytes() const;
 
  private:
-  void insert_element(const Mesh& mesh, Index o, FeatureChange* change);
-  void erase_element(const Mesh& mesh, Index o, FeatureChange* change);
+  void insert_element(const Mesh& mesh, Index o, FeatureChange& change);
+  void erase_element(const Mesh& mesh, Index o, FeatureChange& change);
+  Index live_edge(Index a, Index b, FeatureChange& change);
+  Index live_triangle(Index a, Index b, Index c, FeatureChange& change);
 
   EdgeSet edge_set_;
   std::vector<std::array<Index, 2>> edges_;

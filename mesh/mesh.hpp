@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
+#include <volccd/mesh/detail/slot_table.hpp>
 #include <volccd/mesh/element_type.hpp>
 #include <volccd/mesh/types.hpp>
 
@@ -74,8 +76,6 @@ class Mesh {
     std::size_t begin;
     Index vertices, faces;
   };
-  void check(const ElementSpec& element) const;
-  void check_polytope(const ElementSpec& element) const;
   std::size_t allocate(std::size_t length);
 
   std::vector<std::int64_t> vertex_ids_;
@@ -85,10 +85,9 @@ class Mesh {
   std::vector<Block> blocks_;
   std::vector<Index> connectivity_;
   std::vector<Index> free_slots_;
-  /// free_blocks_[length]: starts of unused runs of that length in connectivity_.
-  std::vector<std::vector<std::size_t>> free_blocks_;
-  /// Open-addressing table id -> slot (mesh/detail/id_table.hpp), sized to the live elements.
-  std::vector<Index> id_table_;
+  /// Starts of unused runs in connectivity_, by their length.
+  std::map<std::size_t, std::vector<std::size_t>> free_blocks_;
+  detail::SlotTable id_table_;  ///< by element id
   Index live_ = 0;
 };
 

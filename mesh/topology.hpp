@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -57,12 +58,20 @@ class Topology {
 
  private:
   void check(const TopologyEdit& edit) const;
+  void check_removed(const TopologyEdit& edit) const;
+  void check_new_vertices(const TopologyEdit& edit) const;
+  void check_added(const TopologyEdit& edit) const;
+  void note_object(std::int32_t object);
+  bool is_shared(Index vertex) const;
+  Index count_shared(std::span<const Index> vertices) const;
 
   Mesh mesh_;
   Features features_;
   std::uint64_t version_;
   std::uint64_t base_version_;  ///< version before the oldest change kept
   std::vector<std::unique_ptr<TopologyChange>> history_;
+  std::optional<std::int32_t> first_object_;
+  bool several_objects_ = false;  ///< as long as there never were, no vertex is shared and nothing need be counted
   Index shared_vertices_ = 0;
 };
 

@@ -30,10 +30,10 @@ class NarrowPhase {
   virtual bool handles_separation() const { return false; }
 
   /// Appends a Contact for each test that touches during [0, step.t_max], in the order of `pairs`. The answer to a pair
-  /// depends on the coordinates of its vertices in the order of test_vertices() alone, not on the batch: contacts are the
-  /// same bit for bit whatever pipeline asks. A pair that touches at t = 0 has toi 0. Concurrent calls allowed.
-  virtual void test(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs, std::vector<Contact>& contacts,
-                    NarrowCounters& counters) const = 0;
+  /// depends on the coordinates of its vertices in the order of test_vertices() alone, not on the batch: contacts are
+  /// the same bit for bit whatever pipeline asks. A pair that touches at t = 0 has toi 0. Concurrent calls allowed.
+  virtual void test(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs,
+                    std::vector<Contact>& contacts, NarrowCounters& counters) const = 0;
 };
 
 }  // namespace volccd

@@ -40,7 +40,7 @@ void IncidencePool::clear(std::size_t lists, std::size_t entries) {
 }
 
 void IncidencePool::insert(std::size_t i, Index value) {
-  if (lists_[i].size == lists_[i].capacity) relocate(i, lists_[i].size + 1);
+  if (lists_[i].size == lists_[i].capacity) grow(i);
   Index* const first = data_.data() + lists_[i].begin;
   Index* const last = first + lists_[i].size;
   Index* const at = std::lower_bound(first, last, value);
@@ -76,11 +76,9 @@ void IncidencePool::clear_list(std::size_t i) {
   compact_if_sparse();
 }
 
-void IncidencePool::relocate(std::size_t i, std::size_t least) {
+void IncidencePool::relocate(std::size_t i, std::size_t capacity) {
   compact_if_sparse();
   const List old = lists_[i];
-  // Exact at first (elements' features, boundaries), half again as much for a list that keeps growing.
-  const std::size_t capacity = old.size == 0 ? least : std::max(least, std::size_t{old.size} + old.size / 2);
   const bool at_end = old.capacity != 0 && std::size_t{old.begin} + old.capacity == data_.size();
   const std::size_t begin = at_end ? old.begin : data_.size();
   check_size(begin + capacity);

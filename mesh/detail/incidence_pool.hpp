@@ -31,7 +31,7 @@ class IncidencePool {
 
   /// At the end of list i.
   void append(std::size_t i, Index value) {
-    if (lists_[i].size == lists_[i].capacity) relocate(i, lists_[i].size + 1);
+    if (lists_[i].size == lists_[i].capacity) grow(i);
     data_[lists_[i].begin + lists_[i].size++] = value;
     ++used_;
   }
@@ -49,7 +49,11 @@ class IncidencePool {
   struct List {
     Index begin = 0, size = 0, capacity = 0;
   };
-  void relocate(std::size_t i, std::size_t least);
+  void grow(std::size_t i) {
+    const std::size_t least = std::size_t{lists_[i].size} + 1;
+    relocate(i, least + least / 2);
+  }
+  void relocate(std::size_t i, std::size_t capacity);
   void compact_if_sparse();
 
   std::vector<List> lists_;

@@ -9,15 +9,6 @@
 
 namespace volccd::detail {
 
-/// A bijective mix of 64 bits; its upper half is used as hash.
-constexpr std::uint64_t mix(std::uint64_t x) {
-  x ^= x >> 32;
-  x *= 0x9E3779B97F4A7C15u;
-  x ^= x >> 29;
-  x *= 0xD6E8FEB86659FD93u;
-  return x ^ (x >> 32);
-}
-
 /// Linear probing, at most kLoad full. Deletion shifts later entries back, so that there are no tombstones and the table
 /// never degrades. Hashes are 32 bits wide; `hash_of(slot)` gives that of a slot in the table again. The number of places
 /// is arbitrary (the hash is scaled, not masked), so that a table of known size wastes nothing.

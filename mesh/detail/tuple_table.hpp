@@ -3,6 +3,7 @@
 
 #include <array>
 
+#include <volccd/core/random.hpp>
 #include <volccd/mesh/detail/slot_table.hpp>
 
 namespace volccd::detail {

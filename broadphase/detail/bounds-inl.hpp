@@ -1,0 +1,82 @@
+// Vector operations on rows of a BoundsTable, compiled once for each instruction set (Highway). Include after
+// foreach_target.h.
+#if defined(VOLCCD_BROADPHASE_BOUNDS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef VOLCCD_BROADPHASE_BOUNDS_INL
+#undef VOLCCD_BROADPHASE_BOUNDS_INL
+#else
+#define VOLCCD_BROADPHASE_BOUNDS_INL
+#endif
+
+#include <cstddef>
+#include <limits>
+
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace volccd::detail::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+template <int kWidth>
+using RowTag = hn::CappedTag<float, kWidth>;
+
+/// Whether two bounds overlap, touching included.
+template <int kWidth>
+HWY_INLINE bool overlap(const float* a, const float* b) {
+  const RowTag<kWidth> d;
+  const std::size_t lanes = hn::Lanes(d);
+  auto inside = hn::And(hn::Le(hn::Load(d, a), hn::Load(d, b + kWidth)), hn::Le(hn::Load(d, b), hn::Load(d, a + kWidth)));
+  for (std::size_t i = lanes; i < kWidth; i += lanes) {
+    inside = hn::And(inside, hn::Le(hn::Load(d, a + i), hn::Load(d, b + kWidth + i)));
+    inside = hn::And(inside, hn::Le(hn::Load(d, b + i), hn::Load(d, a + kWidth + i)));
+  }
+  return hn::AllTrue(d, inside);
+}
+
+/// out = the bound of a and b.
+template <int kWidth>
+HWY_INLINE void unite(const float* a, const float* b, float* out) {
+  const RowTag<kWidth> d;
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(d)) {
+    hn::Store(hn::Min(hn::Load(d, a + i), hn::Load(d, b + i)), d, out + i);
+    hn::Store(hn::Max(hn::Load(d, a + kWidth + i), hn::Load(d, b + kWidth + i)), d, out + kWidth + i);
+  }
+}
+
+template <int kWidth>
+HWY_INLINE void make_empty(float* out) {
+  const RowTag<kWidth> d;
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(d)) {
+    hn::Store(hn::Set(d, std::numeric_limits<float>::infinity()), d, out + i);
+    hn::Store(hn::Set(d, -std::numeric_limits<float>::infinity()), d, out + kWidth + i);
+  }
+}
+
+/// out = the bound of rows[indices[0 .. count)], count > 0.
+template <int kWidth>
+HWY_INLINE void unite_rows(const float* rows, const std::uint32_t* indices, std::size_t count, float* out) {
+  const RowTag<kWidth> d;
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(d)) {
+    const float* first = rows + indices[0] * std::size_t{2 * kWidth} + i;
+    auto lo = hn::Load(d, first), hi = hn::Load(d, first + kWidth);
+    for (std::size_t v = 1; v < count; ++v) {
+      const float* row = rows + indices[v] * std::size_t{2 * kWidth} + i;
+      lo = hn::Min(lo, hn::Load(d, row));
+      hi = hn::Max(hi, hn::Load(d, row + kWidth));
+    }
+    hn::Store(lo, d, out + i);
+    hn::Store(hi, d, out + kWidth + i);
+  }
+}
+
+/// Calls f(std::integral_constant<int, width>) for the run-time width 4, 8 or 16.
+template <class F>
+HWY_INLINE auto with_width(int width, F&& f) {
+  if (width == 4) return f(std::integral_constant<int, 4>{});
+  if (width == 8) return f(std::integral_constant<int, 8>{});
+  return f(std::integral_constant<int, 16>{});
+}
+
+}  // namespace volccd::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

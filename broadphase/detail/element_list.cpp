@@ -1,0 +1,50 @@
+#include <volccd/broadphase/detail/element_list.hpp>
+
+namespace volccd::detail {
+
+void ElementList::truncate(std::size_t size) {
+  slots_.resize(size);
+  begins_.resize(size + 1);
+  vertices_.resize(begins_.back());
+}
+
+void ElementList::append(const Mesh& mesh, Index slot) {
+  const std::span<const Index> vertices = mesh.vertices(slot);
+  slots_.push_back(slot);
+  vertices_.insert(vertices_.end(), vertices.begin(), vertices.end());
+  begins_.push_back(vertices_.size());
+}
+
+void ElementList::assign_live(const Mesh& mesh) {
+  clear();
+  slots_.reserve(mesh.element_count());
+  begins_.reserve(mesh.element_count() + std::size_t{1});
+  for (Index o = 0; o < mesh.element_slots(); ++o)
+    if (mesh.alive(o)) append(mesh, o);
+}
+
+void ElementList::permute(std::size_t begin, std::span<const Index> order) {
+  const std::size_t end = begin + order.size(), base = begins_[begin];
+  slots_scratch_.assign(slots_.begin() + static_cast<std::ptrdiff_t>(begin),
+                        slots_.begin() + static_cast<std::ptrdiff_t>(end));
+  begins_scratch_.assign(begins_.begin() + static_cast<std::ptrdiff_t>(begin),
+                         begins_.begin() + static_cast<std::ptrdiff_t>(end) + 1);
+  vertices_scratch_.assign(vertices_.begin() + static_cast<std::ptrdiff_t>(base),
+                           vertices_.begin() + static_cast<std::ptrdiff_t>(begins_[end]));
+  std::size_t next = base;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    const std::size_t from = order[i] - begin;
+    slots_[begin + i] = slots_scratch_[from];
+    begins_[begin + i] = next;
+    for (std::size_t v = begins_scratch_[from]; v < begins_scratch_[from + 1]; ++v)
+      vertices_[next++] = vertices_scratch_[v - base];
+  }
+}
+
+std::size_t ElementList::bytes() const {
+  return (slots_.capacity() + vertices_.capacity() + slots_scratch_.capacity() + vertices_scratch_.capacity()) *
+             sizeof(Index) +
+         (begins_.capacity() + begins_scratch_.capacity()) * sizeof(std::size_t);
+}
+
+}  // namespace volccd::detail

@@ -1,0 +1,55 @@
+#include <volccd/broadphase/detail/filter_keys.hpp>
+
+#include <algorithm>
+
+namespace volccd::detail {
+
+namespace {
+constexpr std::size_t kMostTabled = 1024;
+}
+
+bool FilterKeys::update(const Step& step, bool topology_changed) {
+  if (topology_changed) keys_valid_ = false;
+  const bool filter_changed = !(filter_ == step.filter);
+  if (filter_changed) filter_ = step.filter;
+  if (trivial() || (keys_valid_ && !filter_changed)) return filter_changed;
+  if (!keys_valid_) make_keys(step.topology);
+  make_table();
+  keys_valid_ = true;
+  return true;
+}
+
+void FilterKeys::make_keys(const Topology& topology) {
+  const Mesh& mesh = topology.mesh();
+  objects_.clear();
+  for (Index o = 0; o < mesh.element_slots(); ++o)
+    if (mesh.alive(o) && (objects_.empty() || objects_.back() != mesh.object(o))) objects_.push_back(mesh.object(o));
+  std::sort(objects_.begin(), objects_.end());
+  objects_.erase(std::unique(objects_.begin(), objects_.end()), objects_.end());
+
+  keys_.assign(mesh.element_slots(), kMixed);
+  for (Index o = 0; o < mesh.element_slots(); ++o)
+    if (mesh.alive(o))
+      keys_[o] = static_cast<std::int32_t>(std::lower_bound(objects_.begin(), objects_.end(), mesh.object(o)) -
+                                           objects_.begin());
+  if (!topology.objects_share_vertices()) return;
+  const Features& features = topology.features();
+  for (Index v = 0; v < features.vertex_slots(); ++v) {
+    const auto around = features.vertex_elements(v);
+    const bool shared =
+        std::any_of(around.begin(), around.end(), [&](Index o) { return mesh.object(o) != mesh.object(around[0]); });
+    if (shared)
+      for (Index o : around) keys_[o] = kMixed;
+  }
+}
+
+void FilterKeys::make_table() {
+  table_.clear();
+  const std::size_t count = objects_.size();
+  if (count > kMostTabled) return;
+  table_.resize(count * count);
+  for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t j = 0; j < count; ++j) table_[i * count + j] = filter_.allows(objects_[i], objects_[j]);
+}
+
+}  // namespace volccd::detail

@@ -1,0 +1,182 @@
+#include <volccd/broadphase/detail/swept_bounds.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+#include <utility>
+
+#include <volccd/mesh/kdop.hpp>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "volccd/broadphase/detail/swept_bounds.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <volccd/broadphase/detail/bounds-inl.hpp>
+
+HWY_BEFORE_NAMESPACE();
+namespace volccd::detail::HWY_NAMESPACE {
+
+/// float_below (`down`) or float_above of finite values within the range of floats, lane by lane.
+template <bool kDown, class DD, class VD>
+HWY_INLINE auto round_outward(DD dd, VD x) {
+  const hn::Rebind<float, DD> df;
+  const hn::RebindToSigned<decltype(df)> di;
+  const auto nearest = hn::DemoteTo(df, x);
+  const auto back = hn::PromoteTo(dd, nearest);
+  const auto wrong = kDown ? hn::Gt(back, x) : hn::Lt(back, x);
+  const auto wrong_f = hn::Gt(hn::DemoteTo(df, hn::IfThenElseZero(wrong, hn::Set(dd, 1.0))), hn::Zero(df));
+  // The neighbour in bits: away from zero one more, towards zero one less, and from zero to the smallest denormal.
+  const auto bits = hn::BitCast(di, nearest);
+  const auto one = hn::Set(di, 1);
+  const auto away = kDown ? hn::Lt(nearest, hn::Zero(df)) : hn::Gt(nearest, hn::Zero(df));
+  const auto moved = hn::BitCast(df, hn::IfThenElse(hn::RebindMask(di, away), hn::Add(bits, one), hn::Sub(bits, one)));
+  const float denormal = std::numeric_limits<float>::denorm_min();
+  const auto next = hn::IfThenElse(hn::Eq(nearest, hn::Zero(df)), hn::Set(df, kDown ? -denormal : denormal), moved);
+  return hn::IfThenElse(wrong_f, next, nearest);
+}
+
+template <int kWidth>
+HWY_INLINE void store_outward(const double* lo, const double* hi, float* out) {
+  const hn::CappedTag<double, 4> dd;
+  const hn::Rebind<float, decltype(dd)> df;
+  const auto most = hn::Set(dd, static_cast<double>(std::numeric_limits<float>::max()));
+  const auto least = hn::Neg(most);
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(dd)) {
+    hn::Store(round_outward<true>(dd, hn::Min(hn::Max(hn::Load(dd, lo + i), least), most)), df, out + i);
+    hn::Store(round_outward<false>(dd, hn::Min(hn::Max(hn::Load(dd, hi + i), least), most)), df, out + kWidth + i);
+  }
+}
+
+template <int kK, int kAxis>
+HWY_INLINE double project(double x, double y, double z) {
+  constexpr std::array<int, 3> axis = kdop_axes<kK>()[kAxis];
+  if constexpr (axis_terms(axis) == 1) return axis[0] ? x : axis[1] ? y : z;
+  const double xy = axis[0] == 0 ? y : axis[1] == 0 ? x : axis[1] > 0 ? x + y : x - y;
+  return axis[2] == 0 ? xy : axis[2] > 0 ? xy + z : xy - z;
+}
+
+/// What each bound is widened by, for axes of one, two and three terms, and the rounding margin's factor for each.
+struct Widening {
+  double length[4], margin[4];
+};
+
+template <int kK, int kWidth>
+HWY_INLINE void bound_vertex(const double* points, int control_points, const Widening& widening, float* out) {
+  constexpr int axes = kK / 2;
+  constexpr double finite = std::numeric_limits<double>::max();
+  HWY_ALIGN double lo[kWidth] = {}, hi[kWidth] = {};
+  for (int i = 0; i < axes; ++i) lo[i] = finite, hi[i] = -finite;
+  double reach = 0;
+  for (int c = 0; c < control_points; ++c) {
+    const double x = points[3 * c], y = points[3 * c + 1], z = points[3 * c + 2];
+    reach = std::max(reach, std::abs(x) + std::abs(y) + std::abs(z));
+    [&]<int... kAxis>(std::integer_sequence<int, kAxis...>) {
+      ((lo[kAxis] = std::min(lo[kAxis], project<kK, kAxis>(x, y, z)),
+        hi[kAxis] = std::max(hi[kAxis], project<kK, kAxis>(x, y, z))),
+       ...);
+    }(std::make_integer_sequence<int, axes>{});
+  }
+  double by[4];
+  for (int t = 1; t <= 3; ++t) by[t] = widening.length[t] + (widening.margin[t] > 0 ? widening.margin[t] * reach : 0);
+  [&]<int... kAxis>(std::integer_sequence<int, kAxis...>) {
+    constexpr auto terms = [](int axis) { return axis_terms(kdop_axes<kK>()[static_cast<std::size_t>(axis)]); };
+    // Sums that overflowed are finite again, by the start values of the minimum and maximum and here: no inf - inf.
+    ((lo[kAxis] = std::max(lo[kAxis], -finite) - by[terms(kAxis)],
+      hi[kAxis] = std::min(hi[kAxis], finite) + by[terms(kAxis)]),
+     ...);
+  }(std::make_integer_sequence<int, axes>{});
+  store_outward<kWidth>(lo, hi, out);
+}
+
+template <int kK>
+void bound_vertex_range(const Motion& motion, const Widening& widening, std::size_t begin, std::size_t end,
+                        BoundsTable& out) {
+  for (std::size_t v = begin; v < end; ++v)
+    bound_vertex<kK, padded_axes(kK)>(motion.at(static_cast<Index>(v)), motion.control_points(), widening, out.row(v));
+}
+
+void bound_vertex_kernel(const Motion& motion, int k, const double* length, const double* margin, std::size_t begin,
+                         std::size_t end, BoundsTable& out) {
+  const Widening w{{length[0], length[1], length[2], length[3]}, {margin[0], margin[1], margin[2], margin[3]}};
+  switch (k) {
+    case 6: return bound_vertex_range<6>(motion, w, begin, end, out);
+    case 14: return bound_vertex_range<14>(motion, w, begin, end, out);
+    case 16: return bound_vertex_range<16>(motion, w, begin, end, out);
+    case 18: return bound_vertex_range<18>(motion, w, begin, end, out);
+    case 24: return bound_vertex_range<24>(motion, w, begin, end, out);
+    default: return bound_vertex_range<26>(motion, w, begin, end, out);
+  }
+}
+
+void bound_element_kernel(const BoundsTable& vertices, const ElementList& list, std::size_t begin, std::size_t end,
+                          BoundsTable& out) {
+  with_width(vertices.width(), [&](auto width) {
+    for (std::size_t p = begin; p < end; ++p) {
+      const auto ids = list.vertices(p);
+      if (list.slot(p) == kNone)
+        make_empty<width>(out.row(p));
+      else
+        unite_rows<width>(vertices.row(0), ids.data(), ids.size(), out.row(p));
+    }
+  });
+}
+
+}  // namespace volccd::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace volccd::detail {
+
+HWY_EXPORT(bound_vertex_kernel);
+HWY_EXPORT(bound_element_kernel);
+
+void BoundsTable::resize(std::size_t rows, int width) {
+  width_ = width;
+  grow(rows, 0);
+}
+
+void BoundsTable::grow(std::size_t rows, std::size_t kept) {
+  const std::size_t size = rows * stride();
+  if (size <= capacity_) return;
+  std::unique_ptr<float[], Free> larger(
+      static_cast<float*>(::operator new(size * sizeof(float), std::align_val_t{64})));
+  if (kept > 0) std::copy_n(data_.get(), kept * stride(), larger.get());
+  data_ = std::move(larger);
+  capacity_ = size;
+}
+
+void bound_vertices(const Step& step, int k, Executor& executor, BoundsTable& vertices) {
+  assert(step.motion.vertex_count() == step.mesh().vertex_count());
+  const std::size_t count = step.motion.vertex_count();
+  vertices.resize(count, padded_axes(k));
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  double length[4] = {}, margin[4] = {};
+  for (int terms = 1; terms <= 3; ++terms) {
+    const bool widened = step.separation > 0;
+    if (widened)
+      length[terms] = std::nextafter(step.separation * 0.5 * std::sqrt(double(terms)) * (1 + 0x1p-50), infinity);
+    margin[terms] = widened || terms == 3 ? 0x1p-51 : 0;
+  }
+  executor.parallel_for(count, 4096, [&](std::size_t begin, std::size_t end, unsigned) {
+    HWY_DYNAMIC_DISPATCH(bound_vertex_kernel)(step.motion, k, length, margin, begin, end, vertices);
+  });
+}
+
+void bound_elements(const BoundsTable& vertices, const ElementList& list, std::size_t begin, std::size_t end,
+                    BoundsTable& elements) {
+  HWY_DYNAMIC_DISPATCH(bound_element_kernel)(vertices, list, begin, end, elements);
+}
+
+void bound_elements(const BoundsTable& vertices, const ElementList& list, Executor& executor, BoundsTable& elements) {
+  elements.resize(list.size(), vertices.width());
+  executor.parallel_for(list.size(), 4096, [&](std::size_t begin, std::size_t end, unsigned) {
+    bound_elements(vertices, list, begin, end, elements);
+  });
+}
+
+}  // namespace volccd::detail
+#endif  // HWY_ONCE

@@ -1,0 +1,17 @@
+# Target header_check: each public header of the library, alone in a source file, through the compiler's front end. Not part
+# of `all`; `scripts/test` without --quick builds it.
+set(stubs)
+foreach(module core mesh mesh/sequence broadphase culling narrowphase pipelines)
+  file(GLOB headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${module}/*.hpp")
+  foreach(header IN LISTS headers)
+    file(RELATIVE_PATH path "${PROJECT_SOURCE_DIR}" "${header}")
+    set(stub "${CMAKE_BINARY_DIR}/header_check/${path}.cpp")
+    # Twice: the second time checks the include guard.
+    file(CONFIGURE OUTPUT "${stub}" CONTENT "#include <volccd/${path}>\n#include <volccd/${path}>\n")
+    list(APPEND stubs "${stub}")
+  endforeach()
+endforeach()
+
+add_library(header_check OBJECT EXCLUDE_FROM_ALL ${stubs})
+target_compile_options(header_check PRIVATE -O0)
+target_link_libraries(header_check PRIVATE volccd volccd_flags)

@@ -1,0 +1,68 @@
+// Axes L for CSAT tests. Any vector is a valid axis, so nothing here needs an error bound.
+#pragma once
+
+#include <cstdint>
+
+#include <Eigen/Geometry>
+
+#include <volccd/culling/detail/csat_points.hpp>
+#include <volccd/mesh/step.hpp>
+
+namespace volccd::detail {
+
+/// Well mixed bits of its arguments (SplitMix64's finaliser): the "random" picks of the paper, the same on every run.
+inline std::uint64_t csat_hash(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
+  const auto mix = [](std::uint64_t v) {
+    v += 0x9e3779b97f4a7c15ull;
+    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9ull;
+    v = (v ^ (v >> 27)) * 0x94d049bb133111ebull;
+    return v ^ (v >> 31);
+  };
+  return mix(mix(mix(x) ^ y) ^ z);
+}
+
+/// Largest component scaled to 1, so that products with lengths do not leave the range of doubles early. Not finite for 0.
+inline Vec3 csat_scaled(const Vec3& axis) { return axis * (1 / axis.lpNorm<Eigen::Infinity>()); }
+
+/// Normal at t = 0 of the face of element o that `hash` picks.
+inline Vec3 csat_face_normal(const Step& step, Index o, std::uint64_t hash) {
+  const auto faces = step.features().element_triangles(o);
+  const auto& f = step.features().triangle(faces[hash % faces.size()]);
+  const Vec3 p = step.motion.point(f[0], 0);
+  return csat_scaled((step.motion.point(f[1], 0) - p).cross(step.motion.point(f[2], 0) - p));
+}
+
+/// Direction at t = 0 of edge e.
+inline Vec3 csat_edge_direction(const Step& step, Index e) {
+  const auto& edge = step.features().edge(e);
+  return step.motion.point(edge[1], 0) - step.motion.point(edge[0], 0);
+}
+
+/// Direction at t = 0 of the edge of element o that `hash` picks.
+inline Vec3 csat_picked_edge(const Step& step, Index o, std::uint64_t hash) {
+  const auto edges = step.features().element_edges(o);
+  return csat_edge_direction(step, edges[hash % edges.size()]);
+}
+
+/// Mean of the vertices of one control point.
+inline Vec3 csat_mean(const CsatPoints& points, int control_point) {
+  Vec3 sum = Vec3::Zero();
+  for (int i = 0; i < points.count; ++i)
+    for (int k = 0; k < 3; ++k) sum[k] += points.at(control_point, k, i);
+  return sum / points.count;
+}
+
+/// From the mean of all control points of `a` to that of `b`.
+inline Vec3 csat_centroid_axis(const CsatPoints& a, const CsatPoints& b, int control_points) {
+  Vec3 axis = Vec3::Zero();
+  for (int c = 0; c < control_points; ++c) axis += csat_mean(b, c) - csat_mean(a, c);
+  return csat_scaled(axis);
+}
+
+/// Direction of the mean motion of `b` relative to `a`.
+inline Vec3 csat_velocity_axis(const CsatPoints& a, const CsatPoints& b, int control_points) {
+  const int last = control_points - 1;
+  return csat_scaled((csat_mean(b, last) - csat_mean(b, 0)) - (csat_mean(a, last) - csat_mean(a, 0)));
+}
+
+}  // namespace volccd::detail

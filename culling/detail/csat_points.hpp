@@ -1,0 +1,87 @@
+// The control points of an element, gathered for the projection kernels of CSAT.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <span>
+
+#include <volccd/mesh/motion.hpp>
+#include <volccd/mesh/rounding.hpp>
+
+namespace volccd::detail {
+
+inline constexpr int kCsatVertices = 32;
+inline constexpr int kCsatControlPoints = 3;
+
+/// Motion restricted to [0, s], and where differences are taken from: one reference point for each control point.
+struct CsatFrame {
+  int control_points = 2;
+  int levels = 0;  ///< of de Casteljau's scheme: 0 for all of the step, else the degree
+  double s = 1, rest = 0;
+  double reference[3 * kCsatControlPoints] = {};
+
+  CsatFrame(const Motion& motion, double t_max) : control_points(motion.control_points()) {
+    if (!(t_max < 1)) return;
+    levels = control_points - 1;
+    s = std::max(t_max, 0.0);
+    rest = 1 - s;
+  }
+};
+
+/// Differences of vertices and reference points, row (control point, axis) by vertex, padded to a multiple of 4 with copies of
+/// the first vertex.
+struct CsatPoints {
+  int count = 0, stride = 4;
+  double extent[3] = {};  ///< greatest magnitude on each axis before the restriction to [0, s]
+  alignas(64) double rows[3 * kCsatControlPoints * kCsatVertices];
+
+  const double* row(int control_point, int axis) const { return rows + (3 * control_point + axis) * stride; }
+  double at(int control_point, int axis, int i) const { return row(control_point, axis)[i]; }
+  void gather(const CsatFrame& frame, const Motion& motion, std::span<const Index> vertices);
+  /// Only vertices i0 and i1 of `from` (the extents stay those of the whole).
+  void take(const CsatPoints& from, int control_points, int i0, int i1);
+
+ private:
+  void restrict_to(const CsatFrame& frame);
+};
+
+inline void CsatPoints::gather(const CsatFrame& frame, const Motion& motion, std::span<const Index> vertices) {
+  count = static_cast<int>(vertices.size());
+  stride = (count + 3) / 4 * 4;
+  const int n = 3 * frame.control_points;
+  extent[0] = extent[1] = extent[2] = kLeastExtent;
+  for (int i = 0; i < stride; ++i) {
+    const double* p = motion.at(vertices[static_cast<std::size_t>(i < count ? i : 0)]);
+    for (int k = 0; k < n; ++k) {
+      const double difference = p[k] - frame.reference[k];
+      rows[k * stride + i] = difference;
+      extent[k % 3] = std::max(extent[k % 3], std::abs(difference));
+    }
+  }
+  if (frame.levels > 0) restrict_to(frame);
+}
+
+inline void CsatPoints::restrict_to(const CsatFrame& frame) {
+  // De Casteljau in place: control point c of [0, s] is the c-th level's first value.
+  for (int level = 1; level <= frame.levels; ++level)
+    for (int c = frame.levels; c >= level; --c)
+      for (int i = 0; i < 3 * stride; ++i) {
+        double& to = rows[3 * c * stride + i];
+        to = frame.rest * rows[3 * (c - 1) * stride + i] + frame.s * to;
+      }
+}
+
+inline void CsatPoints::take(const CsatPoints& from, int control_points, int i0, int i1) {
+  count = i0 == i1 ? 1 : 2;
+  stride = 4;
+  std::copy(from.extent, from.extent + 3, extent);
+  for (int k = 0; k < 3 * control_points; ++k) {
+    const double* source = from.rows + k * from.stride;
+    double* to = rows + 4 * k;
+    to[0] = to[2] = source[i0];
+    to[1] = to[3] = source[i1];
+  }
+}
+
+}  // namespace volccd::detail

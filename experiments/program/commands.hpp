@@ -1,0 +1,24 @@
+// The subcommands of `volccd`. Each adds itself to the app; its callback does the work and returns the exit code.
+#pragma once
+
+#include <functional>
+
+#include <CLI/CLI.hpp>
+
+#include <volccd/pipelines/registry.hpp>
+
+namespace volccd {
+
+/// What is to run once the command line has been parsed.
+using Action = std::function<int()>;
+
+void add_info_command(CLI::App& app, Action& action);
+void add_detect_command(CLI::App& app, const Registry& registry, Action& action);
+void add_verify_command(CLI::App& app, const Registry& registry, Action& action);
+void add_stages_command(CLI::App& app, const Registry& registry, Action& action);
+void add_scene_command(CLI::App& app, Action& action);
+void add_experiment_command(CLI::App& app, const Registry& registry, Action& action);
+
+inline constexpr int kDone = 0, kDifferent = 1, kBadInput = 2, kInterrupted = 130;
+
+}  // namespace volccd

@@ -1,0 +1,45 @@
+#include <volccd/experiments/program/program.hpp>
+
+#include <cstdio>
+#include <new>
+
+#include <fmt/format.h>
+
+#include <volccd/experiments/program/commands.hpp>
+
+namespace volccd {
+
+int program(int argc, const char* const* argv, const Registry& registry) {
+  CLI::App app("Continuous collision detection between deforming volume meshes: what touches what, and when.", "volccd");
+  app.set_version_flag("--version", "volccd " VOLCCD_VERSION " (" VOLCCD_COMMIT ")");
+  app.require_subcommand(1);
+  app.footer(
+      "Examples:\n"
+      "  volccd info run.vtkhdf                         what is in a sequence\n"
+      "  volccd detect run.vtkhdf --contacts c.csv      all contacts of all steps\n"
+      "  volccd detect run.vtkhdf --steps 3:5 --pipeline NavCCD --stats s.json\n"
+      "  volccd verify run.vtkhdf                       all pipelines against each other and against FCL\n"
+      "  volccd COMMAND --help                          options and examples of a command\n\n"
+      "Exit codes: 0 done, 1 verify found a difference, 2 bad input, 130 interrupted.");
+  Action action;
+  add_info_command(app, action);
+  add_detect_command(app, registry, action);
+  add_verify_command(app, registry, action);
+  add_stages_command(app, registry, action);
+  add_scene_command(app, action);
+  add_experiment_command(app, registry, action);
+  try {
+    app.parse(argc, argv);
+    return action();
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? kDone : kBadInput;
+  } catch (const Error& error) {
+    fmt::print(stderr, "volccd: {}\n", error.what());
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "volccd: out of memory\n");
+  }
+  return kBadInput;
+}
+
+}  // namespace volccd

@@ -1,0 +1,12 @@
+// The `volccd` program as a function, so that a program with stages of its own is three lines (examples/custom_culling).
+#pragma once
+
+#include <volccd/pipelines/registry.hpp>
+
+namespace volccd {
+
+/// Runs the command line on the stages and pipelines of `registry`. Returns the exit code: 0 done, 1 `verify` found a
+/// difference, 2 bad input or configuration (one line on stderr says what), 130 interrupted.
+int program(int argc, const char* const* argv, const Registry& registry);
+
+}  // namespace volccd

@@ -1,0 +1,44 @@
+// Options that several commands share: which steps of a file, which pipeline, how to run it.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include <volccd/core/executor.hpp>
+#include <volccd/mesh/object_filter.hpp>
+#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/pipelines/pipeline.hpp>
+
+namespace volccd {
+
+/// Motions k -> k+1 with begin <= k < end.
+struct StepRange {
+  int begin = 0, end = 0;
+};
+
+/// "A:B", "A:", ":B", "K" (one motion), "" (all), within the motions [0, motions) of the file. Throws InputError.
+StepRange parse_steps(const std::string& text, int motions, const std::string& file);
+
+/// What is read: --steps, --shells, --edges.
+struct SequenceOptions {
+  std::string file, steps, shells = "surface", edges = "triangulated";
+
+  void add_to(CLI::App& command);
+  SequenceStepper open() const;
+};
+
+/// What is asked: --pairs, --separation, --threads.
+struct QueryOptions {
+  std::string pairs = "all";
+  double separation = 0;
+  unsigned threads = 1;
+
+  void add_to(CLI::App& command);
+  ObjectFilter filter() const;
+};
+
+}  // namespace volccd

@@ -1,0 +1,101 @@
+#include <volccd/experiments/records/stats_json.hpp>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <thread>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace volccd {
+
+using nlohmann::json;
+
+namespace {
+
+std::string cpu_name() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
+  return "unknown";
+}
+
+json to_json(const StageChoice& choice) {
+  json options = json::object();
+  for (const auto& [name, value] : choice.options) options[name] = value;
+  return {{"name", choice.name}, {"options", options}};
+}
+
+}  // namespace
+
+json machine_facts() {
+  return {{"version", VOLCCD_VERSION},
+          {"commit", VOLCCD_COMMIT},
+          {"compiler", "g++ " __VERSION__},
+          {"build_type", VOLCCD_BUILD_TYPE},
+          {"cpu", cpu_name()},
+          {"cores", std::thread::hardware_concurrency()},
+          {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))}};
+}
+
+json to_json(const Pipeline& pipeline) {
+  const PipelineSpec& spec = pipeline.spec();
+  json culling = json::array(), filters = json::array();
+  for (const StageChoice& choice : spec.element_culling) culling.push_back(to_json(choice));
+  for (const StageChoice& choice : spec.feature_filters) filters.push_back(to_json(choice));
+  return {{"name", spec.name},
+          {"guarantee", to_string(pipeline.guarantee())},
+          {"broad_phase", to_json(spec.broad_phase)},
+          {"element_culling", culling},
+          {"feature_culling", to_json(spec.feature_culling)},
+          {"feature_filters", filters},
+          {"narrow_phase", to_json(spec.narrow_phase)}};
+}
+
+json to_json(const Statistics& s) {
+  json stages = json::array();
+  for (const StageStatistics& stage : s.stages)
+    stages.push_back({{"role", stage.role},
+                      {"name", stage.name},
+                      {"in", stage.in},
+                      {"out", stage.out},
+                      {"seconds", stage.seconds}});
+  return {{"steps", s.steps},
+          {"element_pairs", s.element_pairs},
+          {"adjacent_pairs", s.adjacent_pairs},
+          {"surviving_pairs", s.surviving_pairs},
+          {"owned_tests", s.owned_tests},
+          {"orphan_tests", s.orphan_tests},
+          {"vf_tests", s.vf_tests},
+          {"ee_tests", s.ee_tests},
+          {"contacts", s.contacts},
+          {"duplicates", s.duplicates},
+          {"degenerate", s.degenerate},
+          {"undecided", s.undecided},
+          {"earliest_toi", std::isfinite(s.earliest_toi) ? json(s.earliest_toi) : json(nullptr)},
+          {"seconds", s.seconds},
+          {"workspace_bytes", s.workspace_bytes},
+          {"stages", stages}};
+}
+
+void write_text_file(const std::string& path, const std::string& text) {
+  const std::string temporary = path + ".tmp";
+  {
+    std::ofstream file(temporary, std::ios::binary);
+    file << text;
+    file.close();
+    if (!file) {
+      std::remove(temporary.c_str());
+      throw InputError(path, "", "cannot be written");
+    }
+  }
+  if (std::rename(temporary.c_str(), path.c_str()) != 0) {
+    std::remove(temporary.c_str());
+    throw InputError(path, "", "cannot be written");
+  }
+}
+
+}  // namespace volccd

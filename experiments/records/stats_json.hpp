@@ -1,0 +1,24 @@
+// stats.json: the record of a run (DESIGN.md section 6).
+#pragma once
+
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <volccd/pipelines/pipeline.hpp>
+
+namespace volccd {
+
+/// What the figures depend on: commit, compiler, flags, CPU, cores, date (UTC).
+nlohmann::json machine_facts();
+
+/// Stages with their options, and the guarantee.
+nlohmann::json to_json(const Pipeline& pipeline);
+
+/// Counts, earliest_toi (null without contacts), seconds, and per stage: role, name, in, out, seconds.
+nlohmann::json to_json(const Statistics& statistics);
+
+/// Writes to a temporary name, then renames. Throws InputError.
+void write_text_file(const std::string& path, const std::string& text);
+
+}  // namespace volccd

@@ -1,0 +1,56 @@
+// The triangulated boundary of an element; see features.hpp.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <vector>
+
+#include <volccd/mesh/detail/element_tables.hpp>
+#include <volccd/mesh/features.hpp>
+
+namespace volccd {
+
+namespace detail {
+
+/// Edges and triangles of a polytope, tuples ascending, each list ascending and without duplicates: in a degenerate
+/// polytope the diagonal of one face may be an edge or a diagonal of another, and two triangles may coincide.
+struct PolytopeBoundary {
+  PolytopeBoundary(std::span<const Index> faces, EdgeSet edge_set);
+
+  std::vector<std::array<Index, 2>> edges;
+  std::vector<std::array<Index, 3>> triangles;
+};
+
+/// The quad's vertices in cyclic order from the smallest slot on: its diagonal is 0-2, its triangles 0-1-2 and 0-2-3.
+inline std::array<Index, 4> rotate_to_smallest(const Index* v, const std::array<std::uint8_t, 4>& quad) {
+  std::array<Index, 4> q{v[quad[0]], v[quad[1]], v[quad[2]], v[quad[3]]};
+  std::rotate(q.begin(), std::min_element(q.begin(), q.end()), q.end());
+  return q;
+}
+
+}  // namespace detail
+
+template <class EdgeVisitor, class TriangleVisitor>
+void visit_boundary(const Mesh& mesh, Index o, EdgeSet edge_set, EdgeVisitor&& edge, TriangleVisitor&& triangle) {
+  if (mesh.type(o) == ElementType::polytope) {
+    const detail::PolytopeBoundary boundary(mesh.polytope_faces(o), edge_set);
+    for (const auto& e : boundary.edges) edge(e[0], e[1]);
+    for (const auto& f : boundary.triangles) triangle(f[0], f[1], f[2]);
+    return;
+  }
+  // The vertices are distinct, so in a fixed type no diagonal coincides with an edge or another diagonal.
+  const detail::ElementTable& table = detail::element_table(mesh.type(o));
+  const Index* const v = mesh.vertices(o).data();
+  for (std::size_t i = 0; i < table.edges; ++i) edge(v[table.edge[i][0]], v[table.edge[i][1]]);
+  for (std::size_t i = 0; i < table.triangles; ++i)
+    triangle(v[table.triangle[i][0]], v[table.triangle[i][1]], v[table.triangle[i][2]]);
+  for (std::size_t i = 0; i < table.quads; ++i) {
+    const std::array<Index, 4> q = detail::rotate_to_smallest(v, table.quad[i]);
+    if (edge_set == EdgeSet::triangulated) edge(q[0], q[2]);
+    triangle(q[0], q[1], q[2]);
+    triangle(q[0], q[2], q[3]);
+  }
+}
+
+}  // namespace volccd

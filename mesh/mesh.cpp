@@ -1,0 +1,112 @@
+#include <volccd/mesh/mesh.hpp>
+
+#include <cassert>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include <volccd/core/error.hpp>
+#include <volccd/core/random.hpp>
+#include <volccd/mesh/detail/check_element.hpp>
+
+namespace volccd {
+
+namespace {
+
+std::uint32_t id_hash(std::int64_t id) {
+  return static_cast<std::uint32_t>(mix(static_cast<std::uint64_t>(id)) >> 32);
+}
+
+void check_vertex_number(std::size_t n) {
+  if (n >= kNone) throw InputError("mesh", "vertex ids", "more than 2^32 - 2 vertices");
+}
+
+}  // namespace
+
+void Mesh::add_vertices(std::span<const std::int64_t> ids) {
+  check_vertex_number(vertex_ids_.size() + ids.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    const bool first = i == 0 && vertex_ids_.empty();
+    const std::int64_t before = i != 0 ? ids[i - 1] : first ? 0 : vertex_ids_.back();
+    if (!first && ids[i] <= before)
+      throw InputError("mesh", "vertex ids", static_cast<std::int64_t>(i),
+                       fmt::format("ids must ascend, but {} follows {}", ids[i], before));
+  }
+  vertex_ids_.insert(vertex_ids_.end(), ids.begin(), ids.end());
+}
+
+void Mesh::add_vertices(Index n) {
+  check_vertex_number(vertex_ids_.size() + n);
+  const std::int64_t last = vertex_ids_.empty() ? -1 : vertex_ids_.back();
+  if (last > std::numeric_limits<std::int64_t>::max() - n)
+    throw InputError("mesh", "vertex ids", "no ids are left above the last vertex");
+  for (Index i = 1; i <= n; ++i) vertex_ids_.push_back(last + i);
+}
+
+Index Mesh::add_element(const ElementSpec& element) {
+  if (const std::string problem = detail::element_problem(element, vertex_count()); !problem.empty())
+    throw InputError("mesh", "elements", element.id, problem);
+  if (free_slots_.empty() && types_.size() + 1 >= kNone)
+    throw InputError("mesh", "elements", element.id, "more than 2^32 - 2 elements");
+
+  const Index slot = free_slots_.empty() ? element_slots() : free_slots_.back();
+  const Index holder = id_table_.find_or_insert(
+      id_hash(element.id), slot, [&](Index other) { return element_ids_[other] == element.id; },
+      [&](Index other) { return id_hash(element_ids_[other]); });
+  if (holder != slot) throw InputError("mesh", "elements", element.id, "another element has this id");
+
+  if (free_slots_.empty()) {
+    types_.push_back(ElementType::none);
+    objects_.push_back(0);
+    element_ids_.push_back(0);
+    blocks_.push_back({});
+  } else {
+    free_slots_.pop_back();
+  }
+  types_[slot] = element.type;
+  objects_[slot] = element.object;
+  element_ids_[slot] = element.id;
+  const std::size_t begin = allocate(element.vertices.size() + element.faces.size());
+  blocks_[slot] = {begin, static_cast<Index>(element.vertices.size()), static_cast<Index>(element.faces.size())};
+  const auto to = connectivity_.begin() + static_cast<std::ptrdiff_t>(begin);
+  std::copy(element.faces.begin(), element.faces.end(),
+            std::copy(element.vertices.begin(), element.vertices.end(), to));
+  ++live_;
+  return slot;
+}
+
+void Mesh::remove_element(Index slot) {
+  assert(slot < element_slots() && alive(slot));
+  id_table_.erase(slot, [&](Index other) { return id_hash(element_ids_[other]); });
+  const Block& block = blocks_[slot];
+  free_blocks_[std::size_t{block.vertices} + block.faces].push_back(block.begin);
+  types_[slot] = ElementType::none;
+  free_slots_.push_back(slot);
+  --live_;
+}
+
+Index Mesh::find_element(std::int64_t id) const {
+  return id_table_.find(id_hash(id), [&](Index slot) { return element_ids_[slot] == id; });
+}
+
+std::size_t Mesh::allocate(std::size_t length) {
+  if (const auto found = free_blocks_.find(length); found != free_blocks_.end() && !found->second.empty()) {
+    const std::size_t begin = found->second.back();
+    found->second.pop_back();
+    return begin;
+  }
+  const std::size_t begin = connectivity_.size();
+  connectivity_.resize(begin + length);
+  return begin;
+}
+
+std::size_t Mesh::bytes() const {
+  std::size_t total = vertex_ids_.capacity() * sizeof(std::int64_t) + types_.capacity() * sizeof(ElementType) +
+                      objects_.capacity() * sizeof(std::int32_t) + element_ids_.capacity() * sizeof(std::int64_t) +
+                      blocks_.capacity() * sizeof(Block) + connectivity_.capacity() * sizeof(Index) +
+                      free_slots_.capacity() * sizeof(Index) + id_table_.bytes();
+  for (const auto& [length, starts] : free_blocks_) total += starts.capacity() * sizeof(std::size_t);
+  return total;
+}
+
+}  // namespace volccd

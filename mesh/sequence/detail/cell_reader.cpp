@@ -1,0 +1,226 @@
+#include <volccd/mesh/sequence/detail/cell_reader.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <string>
+
+namespace volccd::detail {
+
+namespace {
+
+using std::to_string;
+
+std::string in_step(std::size_t step) { return " (step " + to_string(step) + ")"; }
+
+}  // namespace
+
+bool CellReader::same(std::size_t step, std::size_t other) const {
+  const auto same_rows = [&](const StepArray& array) { return array.first[step] == array.first[other]; };
+  const auto same_data = [&](const std::optional<StepArray>& array) { return !array || same_rows(*array); };
+  if (layout_.topology[step] != layout_.topology[other] || !same_rows(layout_.types) ||
+      !same_rows(layout_.connectivity) || !same_data(layout_.cell_ids) || !same_data(layout_.part_ids))
+    return false;
+  return !layout_.polyhedra || (same_rows(layout_.polyhedra->face_connectivity) &&
+                                same_rows(layout_.polyhedra->face_offsets) && same_rows(layout_.polyhedra->to_faces));
+}
+
+void CellReader::read(std::size_t step, SequenceCells& cells) {
+  cells.clear();
+  read_types(step, cells);
+  read_offsets(step, cells);
+  read_connectivity(step, cells);
+  read_parts(step, cells);
+  read_ids(step, cells);
+  read_polyhedra(step, cells);
+}
+
+void CellReader::read_types(std::size_t step, SequenceCells& cells) {
+  const StepArray& array = layout_.types;
+  const std::int64_t first = array.first[step];
+  array.data.read(first, layout_.cells[static_cast<std::size_t>(layout_.topology[step])], numbers_);
+  cells.types.resize(numbers_.size());
+  for (std::size_t i = 0; i < numbers_.size(); ++i) {
+    const std::int64_t type = numbers_[i];
+    if (type < 0 || type > 255 || !is_element_type(static_cast<int>(type)))
+      array.data.fail(first + static_cast<std::int64_t>(i), "the cell type " + to_string(type) + " is not known" + in_step(step));
+    cells.types[i] = static_cast<ElementType>(type);
+  }
+}
+
+void CellReader::read_monotone(const StepArray& array, std::size_t step, std::int64_t count, std::int64_t length,
+                               std::vector<std::int64_t>& out) {
+  const std::int64_t first = array.first[step];
+  array.data.read(first, count + 1, out);
+  if (out[0] != 0) array.data.fail(first, "the offsets of a topology start at " + to_string(out[0]) + ", not at 0" + in_step(step));
+  for (std::size_t i = 1; i < out.size(); ++i)
+    if (out[i] < out[i - 1] || out[i] > length)
+      array.data.fail(first + static_cast<std::int64_t>(i),
+                      "the offset " + to_string(out[i]) + " is less than the one before, or more than " +
+                          to_string(length) + in_step(step));
+  if (out.back() != length)
+    array.data.fail(first + count, "the last offset is " + to_string(out.back()) + ", not " + to_string(length) + in_step(step));
+}
+
+void CellReader::read_offsets(std::size_t step, SequenceCells& cells) {
+  const StepArray& array = layout_.offsets;
+  const std::size_t b = static_cast<std::size_t>(layout_.topology[step]);
+  read_monotone(array, step, layout_.cells[b], layout_.connectivity_ids[b], numbers_);
+  cells.offsets.assign(numbers_.begin(), numbers_.end());
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const std::int64_t length = numbers_[i + 1] - numbers_[i];
+    const ElementType type = cells.types[i];
+    const bool right = type == ElementType::polytope ? length >= 4 : length == vertex_count(type);
+    if (!right)
+      array.data.fail(array.first[step] + static_cast<std::int64_t>(i) + 1,
+                      "cell " + to_string(i) + " is a " + to_string(type) + " with " + to_string(length) + " points" +
+                          in_step(step));
+  }
+}
+
+Index CellReader::slot(const StepArray& array, std::int64_t row, std::int64_t value) const {
+  if (value < 0 || value >= layout_.points)
+    array.data.fail(row, "the point " + to_string(value) + " is out of range, there are " + to_string(layout_.points));
+  return order_.slots()[static_cast<std::size_t>(value)];
+}
+
+void CellReader::read_connectivity(std::size_t step, SequenceCells& cells) {
+  const StepArray& array = layout_.connectivity;
+  const std::int64_t first = array.first[step];
+  array.data.read(first, static_cast<std::int64_t>(cells.offsets.back()), numbers_);
+  cells.connectivity.resize(numbers_.size());
+  // used_[v] == i + 1: vertex v has been seen in cell i.
+  used_.assign(order_.slots().size(), 0);
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    for (std::size_t j = cells.offsets[i]; j < cells.offsets[i + 1]; ++j) {
+      const std::int64_t row = first + static_cast<std::int64_t>(j);
+      const Index v = slot(array, row, numbers_[j]);
+      if (used_[v] == i + 1)
+        array.data.fail(row, "cell " + to_string(i) + " has the point " + to_string(numbers_[j]) + " twice" + in_step(step));
+      used_[v] = static_cast<Index>(i + 1);
+      cells.connectivity[j] = v;
+    }
+}
+
+void CellReader::read_parts(std::size_t step, SequenceCells& cells) {
+  cells.parts.assign(cells.size(), 0);
+  if (!layout_.part_ids) return;
+  const StepArray& array = *layout_.part_ids;
+  const std::int64_t first = array.first[step];
+  array.data.read(first, static_cast<std::int64_t>(cells.size()), numbers_);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (numbers_[i] < std::numeric_limits<std::int32_t>::min() || numbers_[i] > std::numeric_limits<std::int32_t>::max())
+      array.data.fail(first + static_cast<std::int64_t>(i), "the part id " + to_string(numbers_[i]) + " exceeds 32 bits");
+    cells.parts[i] = static_cast<std::int32_t>(numbers_[i]);
+  }
+}
+
+void CellReader::read_ids(std::size_t step, SequenceCells& cells) {
+  cells.ids.resize(cells.size());
+  if (!layout_.cell_ids) {
+    std::iota(cells.ids.begin(), cells.ids.end(), std::int64_t{0});
+    return;
+  }
+  const StepArray& array = *layout_.cell_ids;
+  const std::int64_t first = array.first[step];
+  array.data.read(first, static_cast<std::int64_t>(cells.size()), cells.ids);
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (cells.ids[i] < 0)
+      array.data.fail(first + static_cast<std::int64_t>(i), "the id is negative: " + to_string(cells.ids[i]) + in_step(step));
+  sorted_ids_ = cells.ids;
+  std::sort(sorted_ids_.begin(), sorted_ids_.end());
+  const auto twice = std::adjacent_find(sorted_ids_.begin(), sorted_ids_.end());
+  if (twice == sorted_ids_.end()) return;
+  const auto one = std::find(cells.ids.begin(), cells.ids.end(), *twice);
+  const auto other = std::find(one + 1, cells.ids.end(), *twice);
+  array.data.fail(first + (other - cells.ids.begin()), "the id " + to_string(*twice) + " is there twice" + in_step(step));
+}
+
+void CellReader::read_polyhedra(std::size_t step, SequenceCells& cells) {
+  const auto first_polytope = std::find(cells.types.begin(), cells.types.end(), ElementType::polytope);
+  if (first_polytope == cells.types.end()) return;
+  if (!layout_.polyhedra)
+    layout_.types.data.fail(layout_.types.first[step] + (first_polytope - cells.types.begin()),
+                            "is a polyhedron, but VTKHDF/FaceConnectivity and the other arrays of faces are missing" +
+                                in_step(step));
+  const PolyhedronLayout& polyhedra = *layout_.polyhedra;
+  const std::size_t b = static_cast<std::size_t>(layout_.topology[step]);
+  read_monotone(polyhedra.face_offsets, step, polyhedra.faces[b], polyhedra.face_connectivity_ids[b], face_offsets_);
+  read_monotone(polyhedra.offsets, step, layout_.cells[b], polyhedra.to_face_ids[b], cell_faces_);
+  polyhedra.face_connectivity.data.read(polyhedra.face_connectivity.first[step], polyhedra.face_connectivity_ids[b],
+                                        face_connectivity_);
+  polyhedra.to_faces.data.read(polyhedra.to_faces.first[step], polyhedra.to_face_ids[b], to_faces_);
+  cells.face_offsets.assign(1, 0);
+  std::fill(used_.begin(), used_.end(), 0);
+  face_uses_.assign(face_offsets_.size() - 1, 0);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (cells.types[i] == ElementType::polytope) {
+      append_polyhedron(step, i, cells);
+    } else if (cell_faces_[i] != cell_faces_[i + 1]) {
+      polyhedra.offsets.data.fail(polyhedra.offsets.first[step] + static_cast<std::int64_t>(i) + 1,
+                                  "cell " + to_string(i) + " is no polyhedron but has faces" + in_step(step));
+    }
+    cells.face_offsets.push_back(cells.faces.size());
+    if (cells.types[i] == ElementType::polytope) check_polyhedron(step, i, cells);
+  }
+}
+
+void CellReader::append_polyhedron(std::size_t step, std::size_t cell, SequenceCells& cells) {
+  const PolyhedronLayout& polyhedra = *layout_.polyhedra;
+  const std::int64_t face_count = static_cast<std::int64_t>(face_offsets_.size()) - 1;
+  for (std::int64_t j = cell_faces_[cell]; j < cell_faces_[cell + 1]; ++j) {
+    const std::int64_t face = to_faces_[static_cast<std::size_t>(j)];
+    if (face < 0 || face >= face_count)
+      polyhedra.to_faces.data.fail(polyhedra.to_faces.first[step] + j,
+                                   "the face " + to_string(face) + " is out of range, there are " + to_string(face_count) +
+                                       in_step(step));
+    // This also bounds the memory: faces by reference could expand without end.
+    if (++face_uses_[static_cast<std::size_t>(face)] > 2)
+      polyhedra.to_faces.data.fail(polyhedra.to_faces.first[step] + j,
+                                   "the face " + to_string(face) + " belongs to more than two polyhedra" + in_step(step));
+    const std::int64_t begin = face_offsets_[static_cast<std::size_t>(face)];
+    const std::int64_t end = face_offsets_[static_cast<std::size_t>(face) + 1];
+    if (end - begin > layout_.points)
+      polyhedra.face_offsets.data.fail(polyhedra.face_offsets.first[step] + face + 1,
+                                       "a face has more points than there are" + in_step(step));
+    cells.faces.push_back(static_cast<Index>(end - begin));
+    for (std::int64_t i = begin; i < end; ++i)
+      cells.faces.push_back(slot(polyhedra.face_connectivity, polyhedra.face_connectivity.first[step] + i,
+                                 face_connectivity_[static_cast<std::size_t>(i)]));
+  }
+}
+
+void CellReader::check_polyhedron(std::size_t step, std::size_t cell, const SequenceCells& cells) {
+  const StepArray& array = layout_.polyhedra->offsets;
+  const auto fail = [&](const std::string& problem) {
+    array.data.fail(array.first[step] + static_cast<std::int64_t>(cell),
+                    "the faces of polyhedron " + to_string(cell) + " " + problem + in_step(step));
+  };
+  // used_: 0 = not of this cell, 1 = of this cell, 2 + f = met last in its face f.
+  const std::span<const Index> own = cells.vertices(cell), stream = cells.face_stream(cell);
+  for (const Index v : own) used_[v] = 1;
+  edges_.clear();
+  std::size_t met = 0;
+  Index stamp = 2;
+  for (std::size_t at = 0; at < stream.size(); at += stream[at] + 1, ++stamp) {
+    const std::span<const Index> face = stream.subspan(at + 1, stream[at]);
+    if (face.size() < 3) fail("have one with " + to_string(face.size()) + " points");
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const Index v = face[i], w = face[(i + 1) % face.size()];
+      if (used_[v] == 0) fail("use a point that the cell does not have");
+      if (used_[v] == stamp) fail("have one with a point twice");
+      if (used_[v] == 1) ++met;
+      used_[v] = stamp;
+      edges_.push_back(std::uint64_t{std::min(v, w)} << 32 | std::max(v, w));
+    }
+  }
+  if (met != own.size()) fail("leave out a point of the cell");
+  std::sort(edges_.begin(), edges_.end());
+  bool closed = edges_.size() % 2 == 0;
+  for (std::size_t i = 0; closed && i < edges_.size(); i += 2)
+    closed = edges_[i] == edges_[i + 1] && (i == 0 || edges_[i] != edges_[i - 1]);
+  if (!closed) fail("do not close up: an edge is not in exactly two of them");
+  for (const Index v : own) used_[v] = 0;
+}
+
+}  // namespace volccd::detail

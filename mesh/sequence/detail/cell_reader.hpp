@@ -1,0 +1,50 @@
+// The cells of a step, read and checked.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <volccd/mesh/sequence/cells.hpp>
+#include <volccd/mesh/sequence/detail/layout.hpp>
+#include <volccd/mesh/sequence/detail/point_order.hpp>
+
+namespace volccd::detail {
+
+class CellReader {
+ public:
+  /// Both outlive it.
+  CellReader(const SequenceLayout& layout, const PointOrder& order) : layout_(layout), order_(order) {}
+
+  /// Whether both steps read all their cell arrays (but for the thickness) from the same rows.
+  bool same(std::size_t step, std::size_t other) const;
+
+  /// Replaces `cells`. Throws InputError with dataset and row.
+  void read(std::size_t step, SequenceCells& cells);
+
+ private:
+  void read_types(std::size_t step, SequenceCells& cells);
+  void read_offsets(std::size_t step, SequenceCells& cells);
+  void read_connectivity(std::size_t step, SequenceCells& cells);
+  void read_parts(std::size_t step, SequenceCells& cells);
+  void read_ids(std::size_t step, SequenceCells& cells);
+  void read_polyhedra(std::size_t step, SequenceCells& cells);
+  void append_polyhedron(std::size_t step, std::size_t cell, SequenceCells& cells);
+  void check_polyhedron(std::size_t step, std::size_t cell, const SequenceCells& cells);
+
+  /// Reads `count` + 1 offsets into [0, length] that start at 0, never fall and end at `length`.
+  void read_monotone(const StepArray& array, std::size_t step, std::int64_t count, std::int64_t length,
+                     std::vector<std::int64_t>& out);
+  /// The vertex slot of point `value` of the file, which stands in row `row`.
+  Index slot(const StepArray& array, std::int64_t row, std::int64_t value) const;
+
+  const SequenceLayout& layout_;
+  const PointOrder& order_;
+  std::vector<std::int64_t> numbers_;
+  std::vector<std::int64_t> sorted_ids_;
+  std::vector<std::int64_t> face_connectivity_, face_offsets_, to_faces_, cell_faces_;
+  std::vector<Index> used_;
+  std::vector<std::uint8_t> face_uses_;
+  std::vector<std::uint64_t> edges_;
+};
+
+}  // namespace volccd::detail

@@ -1,0 +1,155 @@
+#include <volccd/mesh/sequence/detail/hdf5_output.hpp>
+
+#include <algorithm>
+#include <utility>
+
+#include <volccd/core/error.hpp>
+
+namespace volccd::detail {
+
+namespace {
+
+constexpr std::size_t kPlainEntries = 64;
+constexpr unsigned kDeflate = 6;
+
+hid_t stored(StoredType type) {
+  switch (type) {
+    case StoredType::int32: return H5T_STD_I32LE;
+    case StoredType::int64: return H5T_STD_I64LE;
+    case StoredType::uint8: return H5T_STD_U8LE;
+    case StoredType::float64: break;
+  }
+  return H5T_IEEE_F64LE;
+}
+
+}  // namespace
+
+void GrowingDataset::append(std::span<const std::int64_t> values) {
+  append_raw(values.data(), values.size(), H5T_NATIVE_INT64);
+}
+
+void GrowingDataset::append(std::span<const double> values) {
+  append_raw(values.data(), values.size(), H5T_NATIVE_DOUBLE);
+}
+
+void GrowingDataset::append_raw(const void* values, std::size_t count, hid_t type) {
+  if (count == 0) return;
+  const QuietHdf5 quiet;
+  const int rank = columns_ > 1 ? 2 : 1;
+  const hsize_t added[2] = {count / columns_, columns_};
+  const hsize_t start[2] = {static_cast<hsize_t>(rows_), 0};
+  const hsize_t extent[2] = {start[0] + added[0], columns_};
+  bool done = H5Dset_extent(id_.get(), extent) >= 0;
+  const Hdf5Id file_space(H5Dget_space(id_.get()), H5Sclose);
+  const Hdf5Id memory_space(H5Screate_simple(rank, added, nullptr), H5Sclose);
+  done = done && file_space && memory_space &&
+         H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, added, nullptr) >= 0 &&
+         H5Dwrite(id_.get(), type, memory_space.get(), file_space.get(), H5P_DEFAULT, values) >= 0;
+  if (!done) throw InputError(file_, path_, rows_, "cannot be written" + hdf5_reason());
+  rows_ += static_cast<std::int64_t>(added[0]);
+}
+
+Hdf5Output::Hdf5Output(const std::string& name, std::string shown_as) : shown_as_(std::move(shown_as)) {
+  const QuietHdf5 quiet;
+  const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
+  id_ = Hdf5Id(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose);
+  if (!id_) fail("", "cannot be written" + hdf5_reason());
+}
+
+void Hdf5Output::group(const std::string& path) {
+  const QuietHdf5 quiet;
+  const Hdf5Id id(H5Gcreate2(id_.get(), path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
+  if (!id) fail(path, "cannot be made" + hdf5_reason());
+}
+
+Hdf5Id Hdf5Output::create_dataset(const std::string& path, hid_t type, hid_t space, const hsize_t* chunk, int rank) {
+  const Hdf5Id creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  if (chunk && (H5Pset_chunk(creation.get(), rank, chunk) < 0 || H5Pset_shuffle(creation.get()) < 0 ||
+                H5Pset_deflate(creation.get(), kDeflate) < 0))
+    fail(path, "cannot be chunked and compressed" + hdf5_reason());
+  Hdf5Id id(H5Dcreate2(id_.get(), path.c_str(), type, space, H5P_DEFAULT, creation.get(), H5P_DEFAULT), H5Dclose);
+  if (!id) fail(path, "cannot be made" + hdf5_reason());
+  return id;
+}
+
+GrowingDataset Hdf5Output::growing(const std::string& path, StoredType type, std::int64_t columns,
+                                   std::int64_t chunk_rows) {
+  const QuietHdf5 quiet;
+  GrowingDataset result;
+  result.file_ = shown_as_;
+  result.path_ = path;
+  result.columns_ = static_cast<hsize_t>(columns);
+  const int rank = columns > 1 ? 2 : 1;
+  const hsize_t extent[2] = {0, result.columns_};
+  const hsize_t greatest[2] = {H5S_UNLIMITED, result.columns_};
+  const hsize_t chunk[2] = {static_cast<hsize_t>(chunk_rows), result.columns_};
+  const Hdf5Id space(H5Screate_simple(rank, extent, greatest), H5Sclose);
+  result.id_ = create_dataset(path, stored(type), space.get(), chunk, rank);
+  return result;
+}
+
+void Hdf5Output::whole(const std::string& path, hid_t file_type, hid_t memory_type, const void* values, std::size_t count,
+                       bool as_column) {
+  const QuietHdf5 quiet;
+  const int rank = as_column ? 2 : 1;
+  const hsize_t extent[2] = {count, 1};
+  const hsize_t chunk[2] = {std::min<hsize_t>(count, 16384), 1};
+  const Hdf5Id space(H5Screate_simple(rank, extent, nullptr), H5Sclose);
+  const Hdf5Id id = create_dataset(path, file_type, space.get(), count > kPlainEntries ? chunk : nullptr, rank);
+  if (H5Dwrite(id.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
+    fail(path, "cannot be written" + hdf5_reason());
+}
+
+void Hdf5Output::integers(const std::string& path, std::span<const std::int64_t> values, bool as_column) {
+  whole(path, H5T_STD_I64LE, H5T_NATIVE_INT64, values.data(), values.size(), as_column);
+}
+
+void Hdf5Output::reals(const std::string& path, std::span<const double> values) {
+  whole(path, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values.data(), values.size(), false);
+}
+
+void Hdf5Output::attribute(const std::string& group, const std::string& name, hid_t file_type, hid_t memory_type,
+                           hid_t space, const void* value) {
+  const Hdf5Id id(H5Acreate_by_name(id_.get(), group.c_str(), name.c_str(), file_type, space, H5P_DEFAULT, H5P_DEFAULT,
+                                    H5P_DEFAULT),
+                  H5Aclose);
+  if (!id || H5Awrite(id.get(), memory_type, value) < 0)
+    fail((group == "/" ? "" : group) + "@" + name, "cannot be written" + hdf5_reason());
+}
+
+void Hdf5Output::string_attribute(const std::string& group, const std::string& name, const std::string& text) {
+  const QuietHdf5 quiet;
+  const bool ascii = std::all_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 128; });
+  const Hdf5Id type(H5Tcopy(H5T_C_S1), H5Tclose);
+  H5Tset_size(type.get(), std::max<std::size_t>(text.size(), 1));
+  H5Tset_strpad(type.get(), H5T_STR_NULLPAD);
+  H5Tset_cset(type.get(), ascii ? H5T_CSET_ASCII : H5T_CSET_UTF8);
+  const Hdf5Id space(H5Screate(H5S_SCALAR), H5Sclose);
+  attribute(group, name, type.get(), type.get(), space.get(), text.c_str());
+}
+
+void Hdf5Output::integer_attribute(const std::string& group, const std::string& name,
+                                   std::span<const std::int64_t> values) {
+  const QuietHdf5 quiet;
+  const hsize_t extent = values.size();
+  const Hdf5Id space(H5Screate_simple(1, &extent, nullptr), H5Sclose);
+  attribute(group, name, H5T_STD_I64LE, H5T_NATIVE_INT64, space.get(), values.data());
+}
+
+void Hdf5Output::integer_attribute(const std::string& group, const std::string& name, std::int64_t value) {
+  const QuietHdf5 quiet;
+  const Hdf5Id space(H5Screate(H5S_SCALAR), H5Sclose);
+  attribute(group, name, H5T_STD_I64LE, H5T_NATIVE_INT64, space.get(), &value);
+}
+
+void Hdf5Output::close() {
+  const QuietHdf5 quiet;
+  if (H5Fflush(id_.get(), H5F_SCOPE_LOCAL) < 0 || !id_.reset()) fail("", "cannot be written" + hdf5_reason());
+}
+
+void Hdf5Output::fail(const std::string& path, const std::string& problem) const {
+  throw InputError(shown_as_, path, problem);
+}
+
+}  // namespace volccd::detail

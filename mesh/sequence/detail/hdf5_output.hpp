@@ -1,0 +1,63 @@
+// Writing HDF5: groups, attributes and datasets that grow, each call checked.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include <volccd/mesh/sequence/detail/hdf5_id.hpp>
+
+namespace volccd::detail {
+
+/// How numbers lie in the file, little-endian.
+enum class StoredType { int32, int64, uint8, float64 };
+
+/// A dataset of rank 1, or 2 if it has more than one column, to which rows are appended.
+class GrowingDataset {
+ public:
+  std::int64_t rows() const { return rows_; }
+  void append(std::span<const std::int64_t> values);
+  void append(std::span<const double> values);
+
+ private:
+  friend class Hdf5Output;
+  void append_raw(const void* values, std::size_t count, hid_t type);
+
+  std::string file_, path_;
+  Hdf5Id id_;
+  std::int64_t rows_ = 0;
+  hsize_t columns_ = 1;
+};
+
+/// A file open for writing. Errors are InputError with `shown_as` as the file, whatever the name on disk.
+class Hdf5Output {
+ public:
+  Hdf5Output(const std::string& name, std::string shown_as);
+
+  void group(const std::string& path);
+  /// Chunked, shuffled, gzipped, without bound; `chunk_rows` >= 1.
+  GrowingDataset growing(const std::string& path, StoredType type, std::int64_t columns, std::int64_t chunk_rows);
+  /// All at once: [values.size()], or [values.size(), 1] with `as_column`. More than 64 entries are shuffled and gzipped.
+  void integers(const std::string& path, std::span<const std::int64_t> values, bool as_column = false);
+  void reals(const std::string& path, std::span<const double> values);
+
+  void string_attribute(const std::string& group, const std::string& name, const std::string& text);
+  void integer_attribute(const std::string& group, const std::string& name, std::span<const std::int64_t> values);
+  void integer_attribute(const std::string& group, const std::string& name, std::int64_t value);
+
+  /// Writes out what is buffered, and closes. All datasets must have been closed before.
+  void close();
+
+ private:
+  Hdf5Id create_dataset(const std::string& path, hid_t type, hid_t space, const hsize_t* chunk, int rank);
+  void whole(const std::string& path, hid_t file_type, hid_t memory_type, const void* values, std::size_t count,
+             bool as_column);
+  void attribute(const std::string& group, const std::string& name, hid_t file_type, hid_t memory_type, hid_t space,
+                 const void* value);
+  [[noreturn]] void fail(const std::string& path, const std::string& problem) const;
+
+  std::string shown_as_;
+  Hdf5Id id_;
+};
+
+}  // namespace volccd::detail

@@ -1,0 +1,74 @@
+#include <volccd/mesh/sequence/detail/step_check.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include <volccd/core/error.hpp>
+
+namespace volccd::detail {
+
+namespace {
+
+void check_length(const std::string& file, const std::string& dataset, std::size_t length, std::size_t wanted) {
+  if (length != wanted)
+    throw InputError(file, dataset, "has " + std::to_string(length) + " entries, wanted are " + std::to_string(wanted));
+}
+
+/// CSR offsets: one more than cells, from 0 to `length`, never falling.
+void check_offsets(const std::string& file, const std::string& dataset, const std::vector<std::size_t>& offsets,
+                   std::size_t cells, std::size_t length) {
+  check_length(file, dataset, offsets.size(), cells + 1);
+  if (offsets.front() != 0 || offsets.back() != length || !std::is_sorted(offsets.begin(), offsets.end()))
+    throw InputError(file, dataset, "do not rise from 0 to the length of what they point into");
+}
+
+}  // namespace
+
+void check_ids(const std::string& file, const std::string& dataset, std::span<const std::int64_t> ids) {
+  for (std::size_t i = 0; i < ids.size(); ++i)
+    if (ids[i] < 0)
+      throw InputError(file, dataset, static_cast<std::int64_t>(i), "the id is negative: " + std::to_string(ids[i]));
+  std::vector<std::int64_t> sorted(ids.begin(), ids.end());
+  std::sort(sorted.begin(), sorted.end());
+  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
+  if (twice == sorted.end()) return;
+  const auto other = std::find(std::find(ids.begin(), ids.end(), *twice) + 1, ids.end(), *twice);
+  throw InputError(file, dataset, other - ids.begin(), "the id " + std::to_string(*twice) + " is there twice");
+}
+
+void check_vectors(const std::string& file, const std::string& dataset, std::span<const Vec3> vectors,
+                   std::size_t count) {
+  check_length(file, dataset, vectors.size(), count);
+  for (std::size_t i = 0; i < vectors.size(); ++i)
+    if (!vectors[i].allFinite()) throw InputError(file, dataset, static_cast<std::int64_t>(i), "is not finite");
+}
+
+void check_thickness(const std::string& file, const std::string& dataset, std::span<const double> values,
+                     std::size_t count) {
+  check_length(file, dataset, values.size(), count);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    if (!(std::isfinite(values[i]) && values[i] >= 0))
+      throw InputError(file, dataset, static_cast<std::int64_t>(i), "is negative or not finite");
+}
+
+void check_cells(const std::string& file, const SequenceCells& cells, Index points) {
+  if (cells.size() == 0) throw InputError(file, "VTKHDF/Types", "no cells");
+  check_offsets(file, "VTKHDF/Offsets", cells.offsets, cells.size(), cells.connectivity.size());
+  if (!cells.face_offsets.empty())
+    check_offsets(file, "VTKHDF/FaceOffsets", cells.face_offsets, cells.size(), cells.faces.size());
+  check_length(file, "VTKHDF/CellData/PartId", cells.parts.size(), cells.size());
+  check_length(file, "VTKHDF/CellData/GlobalCellIds", cells.ids.size(), cells.size());
+  check_ids(file, "VTKHDF/CellData/GlobalCellIds", cells.ids);
+  Mesh mesh;
+  mesh.add_vertices(points);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    try {
+      mesh.add_element(cells.spec(i));
+    } catch (const InputError& error) {
+      throw InputError(file, "VTKHDF/Connectivity", static_cast<std::int64_t>(i), error.what());
+    }
+  }
+}
+
+}  // namespace volccd::detail

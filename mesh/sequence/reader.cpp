@@ -1,0 +1,134 @@
+#include <volccd/mesh/sequence/reader.hpp>
+
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include <volccd/core/error.hpp>
+#include <volccd/mesh/sequence/detail/cell_reader.hpp>
+#include <volccd/mesh/sequence/detail/layout.hpp>
+#include <volccd/mesh/sequence/detail/point_order.hpp>
+
+namespace volccd {
+
+namespace {
+
+SequenceMetadata read_metadata(const detail::Hdf5File& file) {
+  const auto text = [&](const char* name) {
+    return file.has_attribute("/", name) ? file.string_attribute("/", name) : std::string();
+  };
+  return {text("Title"), text("Source"), text("License"), text("Units"), text("TimeUnit"),
+          parse_part_names(file.name(), text("Parts"))};
+}
+
+std::size_t index(int step) { return static_cast<std::size_t>(step); }
+
+}  // namespace
+
+struct SequenceReader::Impl {
+  explicit Impl(const std::string& name)
+      : file(name), metadata(read_metadata(file)), layout(detail::read_layout(file)), order(layout), cells(layout, order) {}
+
+  void read_vectors(const detail::StepArray& array, int step, const char* what, std::vector<Vec3>& out);
+
+  detail::Hdf5File file;
+  SequenceMetadata metadata;
+  detail::SequenceLayout layout;
+  detail::PointOrder order;
+  detail::CellReader cells;
+  std::vector<double> numbers;
+};
+
+SequenceReader::SequenceReader(const std::string& file) : impl_(std::make_unique<Impl>(file)) {}
+SequenceReader::SequenceReader(SequenceReader&&) noexcept = default;
+SequenceReader& SequenceReader::operator=(SequenceReader&&) noexcept = default;
+SequenceReader::~SequenceReader() = default;
+
+const std::string& SequenceReader::file() const { return impl_->file.name(); }
+const SequenceMetadata& SequenceReader::metadata() const { return impl_->metadata; }
+int SequenceReader::step_count() const { return static_cast<int>(impl_->layout.steps()); }
+
+double SequenceReader::time(int step) const {
+  assert(step >= 0 && step < step_count());
+  return impl_->layout.times[index(step)];
+}
+
+Index SequenceReader::point_count() const { return static_cast<Index>(impl_->layout.points); }
+std::span<const std::int64_t> SequenceReader::point_ids() const { return impl_->order.ids(); }
+std::span<const Index> SequenceReader::slot_of_point() const { return impl_->order.slots(); }
+
+Index SequenceReader::cell_count(int step) const {
+  assert(step >= 0 && step < step_count());
+  return static_cast<Index>(impl_->layout.cells_of(step));
+}
+
+int SequenceReader::topology_index(int step) const {
+  assert(step >= 0 && step < step_count());
+  return static_cast<int>(impl_->layout.topology[index(step)]);
+}
+
+bool SequenceReader::same_cells(int step, int other) const {
+  assert(step >= 0 && step < step_count() && other >= 0 && other < step_count());
+  return impl_->cells.same(index(step), index(other));
+}
+
+bool SequenceReader::has_velocity() const { return impl_->layout.velocity.has_value(); }
+bool SequenceReader::has_thickness() const { return impl_->layout.thickness.has_value(); }
+
+void SequenceReader::Impl::read_vectors(const detail::StepArray& array, int step, const char* what,
+                                        std::vector<Vec3>& out) {
+  const std::int64_t first = array.first[index(step)];
+  array.data.read(first, layout.points, numbers);
+  out.resize(static_cast<std::size_t>(layout.points));
+  const std::span<const Index> slots = order.slots();
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const double* p = numbers.data() + 3 * i;
+    if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])))
+      array.data.fail(first + static_cast<std::int64_t>(i),
+                      std::string("the ") + what + " is not finite (step " + std::to_string(step) + ")");
+    out[slots[i]] = Vec3(p[0], p[1], p[2]);
+  }
+}
+
+void SequenceReader::read_points(int step, std::vector<Vec3>& points) {
+  assert(step >= 0 && step < step_count());
+  impl_->order.check(impl_->layout, index(step));
+  impl_->read_vectors(impl_->layout.positions, step, "point", points);
+}
+
+void SequenceReader::read_velocity(int step, std::vector<Vec3>& velocity) {
+  assert(step >= 0 && step < step_count());
+  if (!has_velocity()) impl_->file.fail("VTKHDF/PointData/Velocity", "is missing");
+  impl_->read_vectors(*impl_->layout.velocity, step, "velocity", velocity);
+}
+
+void SequenceReader::read_thickness(int step, std::vector<double>& thickness) {
+  assert(step >= 0 && step < step_count());
+  if (!has_thickness()) impl_->file.fail("VTKHDF/CellData/Thickness", "is missing");
+  const detail::StepArray& array = *impl_->layout.thickness;
+  const std::int64_t first = array.first[index(step)];
+  array.data.read(first, impl_->layout.cells_of(step), thickness);
+  for (std::size_t i = 0; i < thickness.size(); ++i)
+    if (!(std::isfinite(thickness[i]) && thickness[i] >= 0))
+      array.data.fail(first + static_cast<std::int64_t>(i), "the thickness is negative or not finite (step " +
+                                                                std::to_string(step) + ")");
+}
+
+void SequenceReader::read_cells(int step, SequenceCells& cells) {
+  assert(step >= 0 && step < step_count());
+  impl_->cells.read(index(step), cells);
+}
+
+void SequenceReader::check_contents() {
+  std::vector<Vec3> vectors;
+  std::vector<double> thickness;
+  SequenceCells cells;
+  for (int k = 0; k < step_count(); ++k) {
+    read_points(k, vectors);
+    if (has_velocity()) read_velocity(k, vectors);
+    if (has_thickness()) read_thickness(k, thickness);
+    if (k == 0 || !same_cells(k, k - 1)) read_cells(k, cells);
+  }
+}
+
+}  // namespace volccd

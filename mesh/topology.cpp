@@ -1,0 +1,183 @@
+#include <volccd/mesh/topology.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <cassert>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include <volccd/core/error.hpp>
+#include <volccd/mesh/detail/check_element.hpp>
+
+namespace volccd {
+
+namespace {
+
+std::uint64_t next_version() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+[[noreturn]] void refuse(const char* dataset, std::size_t index, const std::string& problem) {
+  throw InputError("edit", dataset, static_cast<std::int64_t>(index), problem);
+}
+
+/// Positions of the values in ascending order of value.
+template <class Value>
+std::vector<std::size_t> ascending_order(std::size_t n, Value&& value) {
+  std::vector<std::size_t> order(n);
+  for (std::size_t i = 0; i < n; ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return value(i) < value(j); });
+  return order;
+}
+
+/// Vertices whose elements an edit changes, each once.
+std::vector<Index> vertices_of(const Mesh& mesh, const TopologyEdit& edit) {
+  std::vector<Index> vertices;
+  for (Index o : edit.removed) vertices.insert(vertices.end(), mesh.vertices(o).begin(), mesh.vertices(o).end());
+  for (const ElementSpec& spec : edit.added)
+    vertices.insert(vertices.end(), spec.vertices.begin(), spec.vertices.end());
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  return vertices;
+}
+
+}  // namespace
+
+Topology::Topology(Mesh mesh, EdgeSet edge_set)
+    : mesh_(std::move(mesh)), features_(edge_set), version_(next_version()), base_version_(version_) {
+  features_.build(mesh_);
+  for (Index o = 0; o < mesh_.element_slots(); ++o)
+    if (mesh_.alive(o)) note_object(mesh_.object(o));
+  if (several_objects_)
+    for (Index v = 0; v < mesh_.vertex_count(); ++v) shared_vertices_ += is_shared(v);
+}
+
+const TopologyChange& Topology::apply(const TopologyEdit& edit) {
+  check(edit);
+  auto change = std::make_unique<TopologyChange>();
+  change->removed_elements = edit.removed;
+  std::sort(change->removed_elements.begin(), change->removed_elements.end());
+
+  for (const ElementSpec& spec : edit.added) note_object(spec.object);
+  const std::vector<Index> vertices = several_objects_ ? vertices_of(mesh_, edit) : std::vector<Index>();
+  const Index shared_before = count_shared(vertices);
+
+  features_.remove(mesh_, change->removed_elements, change->features);
+  for (Index o : change->removed_elements) mesh_.remove_element(o);
+  mesh_.add_vertices(edit.new_vertex_ids);
+  for (const ElementSpec& spec : edit.added) change->added_elements.push_back(mesh_.add_element(spec));
+  std::sort(change->added_elements.begin(), change->added_elements.end());
+  features_.add(mesh_, change->added_elements, change->features);
+
+  shared_vertices_ = shared_vertices_ - shared_before + count_shared(vertices);
+  change->version = next_version();
+  if (history_.size() == kHistory) {
+    base_version_ = history_.front()->version;
+    history_.erase(history_.begin());
+  }
+  version_ = change->version;
+  history_.push_back(std::move(change));
+  return *history_.back();
+}
+
+bool Topology::changes_since(std::uint64_t version, std::vector<const TopologyChange*>& changes) const {
+  changes.clear();
+  if (version == version_) return true;
+  bool reached = version == base_version_;
+  for (const auto& change : history_) {
+    if (reached) changes.push_back(change.get());
+    reached |= change->version == version;
+  }
+  return reached;
+}
+
+void Topology::check(const TopologyEdit& edit) const {
+  check_removed(edit);
+  check_new_vertices(edit);
+  check_added(edit);
+}
+
+void Topology::check_removed(const TopologyEdit& edit) const {
+  for (std::size_t i = 0; i < edit.removed.size(); ++i) {
+    const Index o = edit.removed[i];
+    if (o >= mesh_.element_slots())
+      refuse("removed", i, fmt::format("element slot {} is out of range, there are {}", o, mesh_.element_slots()));
+    if (!mesh_.alive(o)) refuse("removed", i, fmt::format("element slot {} is empty", o));
+  }
+  const auto order = ascending_order(edit.removed.size(), [&](std::size_t i) { return edit.removed[i]; });
+  for (std::size_t i = 1; i < order.size(); ++i)
+    if (edit.removed[order[i]] == edit.removed[order[i - 1]])
+      refuse("removed", order[i], fmt::format("element slot {} occurs twice", edit.removed[order[i]]));
+}
+
+void Topology::check_new_vertices(const TopologyEdit& edit) const {
+  if (std::size_t{mesh_.vertex_count()} + edit.new_vertex_ids.size() >= kNone)
+    refuse("new_vertex_ids", 0, "more than 2^32 - 2 vertices");
+  for (std::size_t i = 0; i < edit.new_vertex_ids.size(); ++i) {
+    if (i == 0 && mesh_.vertex_count() == 0) continue;
+    const std::int64_t before = i == 0 ? mesh_.vertex_ids().back() : edit.new_vertex_ids[i - 1];
+    if (edit.new_vertex_ids[i] <= before)
+      refuse("new_vertex_ids", i, fmt::format("ids must ascend, but {} follows {}", edit.new_vertex_ids[i], before));
+  }
+}
+
+void Topology::check_added(const TopologyEdit& edit) const {
+  const auto vertices = static_cast<Index>(mesh_.vertex_count() + edit.new_vertex_ids.size());
+  for (std::size_t i = 0; i < edit.added.size(); ++i)
+    if (const std::string problem = detail::element_problem(edit.added[i], vertices); !problem.empty())
+      refuse("added", i, problem);
+  if (mesh_.element_slots() + edit.added.size() >= kNone) refuse("added", 0, "more than 2^32 - 2 elements");
+
+  std::vector<Index> removed;
+  for (std::size_t i = 0; i < edit.added.size(); ++i) {
+    const Index holder = mesh_.find_element(edit.added[i].id);
+    if (holder == kNone) continue;
+    if (removed.empty() && !edit.removed.empty()) {
+      removed = edit.removed;
+      std::sort(removed.begin(), removed.end());
+    }
+    if (!std::binary_search(removed.begin(), removed.end(), holder))
+      refuse("added", i, fmt::format("another element has the id {}", edit.added[i].id));
+  }
+  const auto order = ascending_order(edit.added.size(), [&](std::size_t i) { return edit.added[i].id; });
+  for (std::size_t i = 1; i < order.size(); ++i)
+    if (edit.added[order[i]].id == edit.added[order[i - 1]].id)
+      refuse("added", order[i], fmt::format("element id {} occurs twice", edit.added[order[i]].id));
+}
+
+void Topology::note_object(std::int32_t object) {
+  if (!first_object_) first_object_ = object;
+  several_objects_ |= *first_object_ != object;
+}
+
+bool Topology::is_shared(Index vertex) const {
+  const std::span<const Index> elements = features_.vertex_elements(vertex);
+  return std::any_of(elements.begin(), elements.end(),
+                     [&](Index o) { return mesh_.object(o) != mesh_.object(elements[0]); });
+}
+
+Index Topology::count_shared(std::span<const Index> vertices) const {
+  Index count = 0;
+  for (Index v : vertices)
+    if (v < features_.vertex_slots()) count += is_shared(v);
+  return count;
+}
+
+std::size_t Topology::bytes() const {
+  std::size_t total = mesh_.bytes() + features_.bytes();
+  const auto add = [&](const auto& list) { total += list.capacity() * sizeof(list[0]); };
+  for (const auto& change : history_) {
+    add(change->removed_elements);
+    add(change->added_elements);
+    const FeatureChange& f = change->features;
+    for (const auto* list : {&f.removed_vertices, &f.removed_edges, &f.removed_triangles, &f.added_vertices,
+                             &f.added_edges, &f.added_triangles, &f.touched_vertices, &f.touched_edges,
+                             &f.touched_triangles})
+      add(*list);
+  }
+  return total;
+}
+
+}  // namespace volccd

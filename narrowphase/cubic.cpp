@@ -1,0 +1,169 @@
+#include <volccd/narrowphase/cubic.hpp>
+
+#include <cassert>
+
+#include <volccd/narrowphase/detail/contact_frame.hpp>
+#include <volccd/narrowphase/detail/coplanar_events.hpp>
+#include <volccd/narrowphase/detail/coplanarity_block.hpp>
+#include <volccd/narrowphase/detail/polynomial_roots.hpp>
+
+namespace volccd {
+namespace {
+
+using namespace detail;
+
+enum class Verdict {
+  apart,
+  touch,
+  unclear  ///< some root is not proven with these coefficients
+};
+
+/// One test that the first pass left open.
+class ElementaryTest {
+ public:
+  /// `points` is kept by reference.
+  ElementaryTest(FeatureKind kind, const MovingPoints& points, double tolerance, double t_max)
+      : kind_(kind), points_(points), tolerance_(tolerance), t_max_(t_max) {
+    measure();
+  }
+
+  /// To be called when the points have been rescaled.
+  void measure() {
+    distance_ = tolerance_ * points_.size;
+    // While a root is off by this, the features move by less than half the distance.
+    slack_ = points_.travel > 0 ? std::min(1.0, distance_ / (8 * points_.travel)) : 1.0;
+  }
+
+  /// Looks for the first root in [0, t_max] at which the features touch. `refined`: coefficients as good as exact; then
+  /// stretches of time where the sign is not proven are taken for coplanar, and nothing is unclear.
+  Verdict solve(const CoplanarityCubic& cubic, bool refined) {
+    const MonotonePieces pieces = monotone_pieces(cubic);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(pieces.count); ++k) {
+      const double a = pieces.cut[k], b = pieces.cut[k + 1];
+      if (a > t_max_) break;
+      const int before = cubic.sign(a), after = cubic.sign(b);
+      if (before * after > 0) continue;
+      const Verdict verdict =
+          before * after < 0 ? crossing(cubic, a, b, before, refined) : unproven(cubic, a, b, before, after, refined);
+      if (verdict != Verdict::apart) return verdict;
+    }
+    return Verdict::apart;
+  }
+
+  bool degenerate() const { return degenerate_; }
+  double time() const { return touch_.t; }
+  int side() const { return side_; }
+  const std::array<double, 4>& weights() const { return touch_.closest.weights; }
+  double distance() const { return distance_; }
+
+ private:
+  /// A piece whose ends have opposite signs: one root.
+  Verdict crossing(const CoplanarityCubic& cubic, double a, double b, int before, bool refined) {
+    if (b > t_max_ && cubic.sign(t_max_) == before) return Verdict::apart;
+    const double root = bracketed_root(cubic, a, b);
+    const bool sharp =
+        cubic.sign(std::max(a, root - slack_)) == before && cubic.sign(std::min(b, root + slack_)) == -before;
+    if (sharp) return touches_at(root, before);
+    return refined ? coplanar(zero_stretch(cubic, a, b), before) : Verdict::unclear;
+  }
+
+  /// A piece with an end that may be a root.
+  Verdict unproven(const CoplanarityCubic& cubic, double a, double b, int before, int after, bool refined) {
+    if (!refined) return Verdict::unclear;
+    // At the start there is no before: the motion is continued backwards.
+    if (before == 0 && after != 0 && cubic.sign(std::min(b, a + slack_)) == after)
+      return touches_at(a, a == 0 ? -after : after);
+    if (after == 0 && before != 0 && cubic.sign(std::max(a, b - slack_)) == before) return touches_at(b, before);
+    return coplanar(zero_stretch(cubic, a, b), before != 0 ? before : a == 0 ? -after : after);
+  }
+
+  Verdict touches_at(double t, int side) {
+    if (t > t_max_) return Verdict::apart;
+    const Differences d = points_.at(t);
+    if (clearly_apart(kind_, d, distance_, points_.size)) return Verdict::apart;
+    touch_ = {t, closest_points(kind_, d)};
+    side_ = side;
+    return touch_.closest.squared_distance <= distance_ * distance_ ? Verdict::touch : Verdict::apart;
+  }
+
+  Verdict coplanar(const std::array<double, 2>& stretch, int side) {
+    degenerate_ = true;
+    const std::optional<Touch> touch = first_coplanar_touch(kind_, points_, stretch[0], stretch[1], distance_, slack_);
+    if (!touch || touch->t > t_max_) return Verdict::apart;
+    touch_ = *touch;
+    side_ = side;
+    return Verdict::touch;
+  }
+
+  FeatureKind kind_;
+  const MovingPoints& points_;
+  double tolerance_, t_max_, distance_ = 0, slack_ = 0;
+  bool degenerate_ = false;
+  int side_ = 0;
+  Touch touch_{};
+};
+
+Contact make_contact(FeatureKind kind, const CoplanarityBlock& block, std::size_t i, const MovingPoints& points,
+                     const ElementaryTest& test) {
+  Contact contact;
+  contact.kind = kind;
+  contact.vertices = block.vertices(i);
+  contact.toi = test.time();
+  contact.normal = contact_normal(kind, points, test.time(), test.side());
+  contact.weights = test.weights();
+  contact.point = contact_point(kind, block.coordinates(i), test.time(), test.weights());
+  return contact;
+}
+
+/// Second pass: one test that may touch.
+void test_open(FeatureKind kind, const CoplanarityBlock& block, std::size_t i, double tolerance, double t_max,
+               std::vector<Contact>& contacts, NarrowCounters& counters) {
+  const TestPoints& x = block.coordinates(i);
+  const CoplanarityCubic cubic = block.cubic(i);
+  MovingPoints points = block.points(i);
+  ElementaryTest test(kind, points, tolerance, t_max);
+  Verdict verdict = test.solve(cubic, false);
+  if (verdict == Verdict::unclear) {
+    const double scale = range_scale(x);
+    if (scale != 1) {
+      points = moving_points(x, scale);
+      test.measure();
+    }
+    verdict = centroid_axis_separates(kind, points, test.distance()) ? Verdict::apart
+                                                                     : test.solve(refined_coplanarity(x, scale), true);
+    counters.degenerate += test.degenerate() ? 1 : 0;
+  }
+  if (verdict == Verdict::touch) contacts.push_back(make_contact(kind, block, i, points, test));
+}
+
+}  // namespace
+
+const Options<Cubic::Config>& Cubic::options() {
+  static const Options<Config> table = [] {
+    Options<Config> options;
+    options.add("tolerance", &Config::tolerance, 1e-13, 1e-3,
+                "distance that counts as touching, relative to the size of a test");
+    options.add("axis_test", &Config::axis_test, "drop tests that the x, y or z axis separates before the cubic");
+    return options;
+  }();
+  return table;
+}
+
+void Cubic::test(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs, std::vector<Contact>& contacts,
+                 NarrowCounters& counters) const {
+  assert(step.motion.control_points() == 2 && step.separation == 0);
+  CoplanarityBlock block;
+  for (std::size_t begin = 0; begin < pairs.size(); begin += CoplanarityBlock::kCapacity) {
+    block.gather(step, kind, pairs.subspan(begin, std::min(CoplanarityBlock::kCapacity, pairs.size() - begin)));
+    block.compute(config_.axis_test);
+    for (std::size_t i = 0; i < block.size(); ++i)
+      if (block.open(i)) test_open(kind, block, i, config_.tolerance, step.t_max, contacts, counters);
+  }
+}
+
+StageDescriptor<NarrowPhase> describe_cubic() {
+  return describe_stage<NarrowPhase, Cubic>(
+      "cubic", "coplanarity cubic and inside test in doubles (Provot; Bridson et al.)", Guarantee::approximate);
+}
+
+}  // namespace volccd

@@ -1,0 +1,49 @@
+// The elementary test that the paper used (Provot 1997; Bridson et al. 2002): roots of the coplanarity cubic, then an
+// inside test at each, in doubles.
+#pragma once
+
+#include <volccd/narrowphase/narrow_phase.hpp>
+
+namespace volccd {
+
+/// Contact is defined by distance: at a time when the four points are coplanar, the features are at most `tolerance`
+/// times the size of the test apart. The size is the largest coordinate difference between the first point and another,
+/// at t = 0 or 1. Reported is the first such time; it is 0 for a pair that touches at the start.
+///
+/// Missed contacts: none are known. The cubic's coefficients have a rounding bound; a root that its sign changes do not
+/// prove is looked at again with coefficients of twice the precision. Extra contacts: only pairs that come within the
+/// tolerance. Time: where the cubic's slope at the root is not tiny, to about 1e-15 / slope (slope as a share of the
+/// determinant's magnitude); where it is, early by the time that the tolerance takes to close.
+///
+/// Degenerate geometry (coplanar over a stretch of time, parallel edges, triangles and edges without extent, no
+/// relative motion) is decided by the events at which coplanar features can begin to touch, and counted. The normal of
+/// such a contact is the direction in which the features were apart just before; at t = 0, with the motion continued
+/// backwards.
+///
+/// Two control points; no separation. Does not allocate but for the contacts. About O(1) a test; most tests end in a
+/// vector kernel that proves the cubic free of roots.
+class Cubic final : public NarrowPhase {
+ public:
+  struct Config {
+    /// Inside test, relative to the size of the test.
+    double tolerance = 1e-10;
+    /// Before the cubic, drop tests whose features the x, y or z axis separates at both ends (Corollaries 1 and 3).
+    bool axis_test = true;
+  };
+  static const Options<Config>& options();
+
+  Cubic() : Cubic(Config{}) {}
+  explicit Cubic(Config config) : config_(config) {}
+
+  /// A contact found with t_max = 1 is found with the same bits for every t_max >= its time, and not for a smaller one.
+  /// Pre: two control points, separation 0 (asserted; a pipeline refuses other combinations).
+  void test(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs, std::vector<Contact>& contacts,
+            NarrowCounters& counters) const override;
+
+ private:
+  Config config_;
+};
+
+StageDescriptor<NarrowPhase> describe_cubic();
+
+}  // namespace volccd

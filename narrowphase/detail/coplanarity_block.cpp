@@ -1,0 +1,153 @@
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "volccd/narrowphase/detail/coplanarity_block.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <volccd/narrowphase/detail/coplanarity_block.hpp>
+
+HWY_BEFORE_NAMESPACE();
+namespace volccd::detail::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+using D = hn::CappedTag<double, 8>;
+using V = hn::Vec<D>;
+
+struct Vector {
+  V x, y, z;
+};
+
+// Products and sums are written out: a fused multiply-add would change bits from one processor to the next.
+HWY_ATTR HWY_INLINE V difference(V a, V b, V c, V d) { return hn::Sub(hn::Mul(a, b), hn::Mul(c, d)); }
+HWY_ATTR HWY_INLINE Vector cross(const Vector& a, const Vector& b) {
+  return {difference(a.y, b.z, a.z, b.y), difference(a.z, b.x, a.x, b.z), difference(a.x, b.y, a.y, b.x)};
+}
+HWY_ATTR HWY_INLINE Vector sum(const Vector& a, const Vector& b) {
+  return {hn::Add(a.x, b.x), hn::Add(a.y, b.y), hn::Add(a.z, b.z)};
+}
+HWY_ATTR HWY_INLINE V dot(const Vector& a, const Vector& b) {
+  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+
+// Greatest magnitudes at both ends, not below kLeastExtent.
+HWY_ATTR HWY_INLINE V extent(V start, V end) {
+  return hn::Max(hn::Max(hn::Abs(start), hn::Abs(end)), hn::Set(D(), kLeastExtent));
+}
+HWY_ATTR HWY_INLINE Vector extent(const Vector& start, const Vector& end) {
+  return {extent(start.x, end.x), extent(start.y, end.y), extent(start.z, end.z)};
+}
+
+/// Along one axis: whether the second feature is beyond the first on the same side at both ends. `a`: coordinates of
+/// the differences 1, 2, 3; point 0 is the origin.
+HWY_ATTR HWY_INLINE hn::Mask<D> apart(bool edges, const V (&start)[3], const V (&end)[3]) {
+  const V zero = hn::Zero(D());
+  const auto gaps = [&](const V(&d)[3], V* above, V* below) HWY_ATTR {
+    V low = hn::Min(d[1], d[2]), high = hn::Max(d[1], d[2]);
+    if (edges) {
+      *above = hn::Sub(low, hn::Max(zero, d[0]));
+      *below = hn::Sub(hn::Min(zero, d[0]), high);
+    } else {
+      *above = hn::Min(low, d[0]);
+      *below = hn::Sub(zero, hn::Max(high, d[0]));
+    }
+  };
+  V above0, below0, above1, below1;
+  gaps(start, &above0, &below0);
+  gaps(end, &above1, &below1);
+  return hn::Or(hn::Gt(hn::Min(above0, above1), zero), hn::Gt(hn::Min(below0, below1), zero));
+}
+
+HWY_ATTR HWY_INLINE hn::Mask<D> axis_apart(bool edges, const Vector (&start)[3], const Vector (&end)[3]) {
+  const V sx[3] = {start[0].x, start[1].x, start[2].x}, ex[3] = {end[0].x, end[1].x, end[2].x};
+  const V sy[3] = {start[0].y, start[1].y, start[2].y}, ey[3] = {end[0].y, end[1].y, end[2].y};
+  const V sz[3] = {start[0].z, start[1].z, start[2].z}, ez[3] = {end[0].z, end[1].z, end[2].z};
+  return hn::Or(hn::Or(apart(edges, sx, ex), apart(edges, sy, ey)), apart(edges, sz, ez));
+}
+
+/// Bound of each Bernstein coefficient (binomial divided out); infinite where overflow or underflow is possible.
+HWY_ATTR HWY_INLINE V error_bound(const Vector (&start)[3], const Vector (&end)[3]) {
+  const D d;
+  const Vector e1 = extent(start[0], end[0]), e2 = extent(start[1], end[1]), e3 = extent(start[2], end[2]);
+  const auto minor = [](V a, V b, V c, V e) HWY_ATTR { return hn::Add(hn::Mul(a, b), hn::Mul(c, e)); };
+  const V permanent =
+      hn::Add(hn::Add(hn::Mul(e1.x, minor(e2.y, e3.z, e2.z, e3.y)), hn::Mul(e1.y, minor(e2.z, e3.x, e2.x, e3.z))),
+              hn::Mul(e1.z, minor(e2.x, e3.y, e2.y, e3.x)));
+  const auto largest = [](const Vector& v) HWY_ATTR { return hn::Max(hn::Max(v.x, v.y), v.z); };
+  const V size = hn::Max(hn::Max(largest(e1), largest(e2)), largest(e3));
+  const V slack = hn::Set(d, kDeterminantUnderflow * (1 + 3 * kGreatestSize));
+  const V bound = hn::Add(hn::Mul(hn::Set(d, determinant_error_factor(2, 0)), permanent), slack);
+  const auto ordinary = hn::And(hn::Ge(size, hn::Set(d, kLeastSize)), hn::Le(size, hn::Set(d, kGreatestSize)));
+  return hn::IfThenElse(ordinary, bound, hn::Inf(d));
+}
+
+HWY_ATTR void compute_rows(const CoplanarityBlock::Rows& rows) {
+  const D d;
+  constexpr std::size_t kCapacity = CoplanarityBlock::kCapacity;
+  const bool edges = rows.kind == FeatureKind::ee;
+  for (std::size_t i = 0; i < rows.padded_size; i += hn::Lanes(d)) {
+    Vector p[2][3];
+    for (std::size_t time = 0; time < 2; ++time)
+      for (std::size_t j = 0; j < 3; ++j) {
+        const double* at = rows.differences + (time * 3 + j) * 3 * kCapacity + i;
+        p[time][j] = {hn::Load(d, at), hn::Load(d, at + kCapacity), hn::Load(d, at + 2 * kCapacity)};
+      }
+    hn::Mask<D> closed = hn::MaskFromVec(hn::Zero(d));
+    if (rows.axis_test) {
+      closed = axis_apart(edges, p[0], p[1]);
+      if (hn::AllTrue(d, closed)) {
+        hn::Store(hn::Zero(d), d, rows.open + i);
+        continue;
+      }
+    }
+    const Vector n0 = cross(p[0][1], p[0][2]), n2 = cross(p[1][1], p[1][2]);
+    const Vector n1 = sum(cross(p[0][1], p[1][2]), cross(p[1][1], p[0][2]));
+    const V b0 = dot(p[0][0], n0), b1 = hn::Add(dot(p[0][0], n1), dot(p[1][0], n0));
+    const V b2 = hn::Add(dot(p[0][0], n2), dot(p[1][0], n1)), b3 = dot(p[1][0], n2);
+    const V error = error_bound(p[0], p[1]), error3 = hn::Mul(hn::Set(d, 3.0), error), zero = hn::Zero(d);
+    const auto positive = hn::And(hn::Gt(hn::Min(b0, b3), error), hn::Gt(hn::Min(b1, b2), error3));
+    const auto negative =
+        hn::And(hn::Lt(hn::Max(b0, b3), hn::Sub(zero, error)), hn::Lt(hn::Max(b1, b2), hn::Sub(zero, error3)));
+    closed = hn::Or(closed, hn::Or(positive, negative));
+    hn::Store(b0, d, rows.b[0] + i);
+    hn::Store(b1, d, rows.b[1] + i);
+    hn::Store(b2, d, rows.b[2] + i);
+    hn::Store(b3, d, rows.b[3] + i);
+    hn::Store(error, d, rows.error + i);
+    hn::Store(hn::IfThenZeroElse(closed, hn::Set(d, 1.0)), d, rows.open + i);
+  }
+}
+
+}  // namespace volccd::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace volccd::detail {
+
+HWY_EXPORT(compute_rows);
+
+void CoplanarityBlock::gather(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs) {
+  size_ = pairs.size();
+  kind_ = kind;
+  for (std::size_t i = 0; i < size_; ++i) {
+    vertices_[i] = test_vertices(step.features(), kind, pairs[i]);
+    TestPoints& x = coordinates_[i];
+    for (std::size_t p = 0; p < 4; ++p) x[p] = step.motion.at(vertices_[i][p]);
+    for (std::size_t time = 0; time < 2; ++time)
+      for (std::size_t j = 0; j < 3; ++j)
+        for (std::size_t axis = 0; axis < 3; ++axis)
+          differences_[row(time, j, axis) + i] = x[j + 1][3 * time + axis] - x[0][3 * time + axis];
+  }
+  const std::size_t padded = (size_ + 7) / 8 * 8;
+  for (std::size_t r = 0; r < 18; ++r)
+    for (std::size_t i = size_; i < padded; ++i)
+      differences_[r * kCapacity + i] = differences_[r * kCapacity + size_ - 1];
+}
+
+void CoplanarityBlock::compute(bool axis_test) {
+  HWY_DYNAMIC_DISPATCH(compute_rows)
+  ({differences_, {b_[0], b_[1], b_[2], b_[3]}, error_, open_, (size_ + 7) / 8 * 8, kind_, axis_test});
+}
+
+MovingPoints CoplanarityBlock::points(std::size_t i) const { return moving_points(coordinates_[i], 1); }
+
+}  // namespace volccd::detail
+#endif

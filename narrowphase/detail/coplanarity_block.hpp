@@ -1,0 +1,63 @@
+// First pass over a batch of tests: gathers differences, computes coplanarity cubics, and finds the tests that these
+// prove free of contact. On the stack: no allocation.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+#include <volccd/mesh/feature_block.hpp>
+#include <volccd/narrowphase/detail/coplanarity.hpp>
+
+namespace volccd::detail {
+
+/// Up to kCapacity tests of one kind with two control points, in structure of arrays. Where FeatureBlock holds
+/// coordinates, this holds the differences to the first point: all that the elementary tests need.
+class CoplanarityBlock {
+ public:
+  static constexpr std::size_t kCapacity = 64;
+
+  /// Takes in 1 to kCapacity tests.
+  void gather(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs);
+
+  /// Computes the cubics. Open are then all tests but those
+  ///  - whose cubic has no root in [0,1]: all Bernstein coefficients of one sign, beyond their rounding bound; or,
+  ///  - with `axis_test`, that the x, y or z axis separates at both ends (exact: rounding of differences is monotone).
+  /// The same bits for every vector length.
+  void compute(bool axis_test);
+
+  std::size_t size() const { return size_; }
+  bool open(std::size_t i) const { return open_[i] != 0; }
+  const TestPoints& coordinates(std::size_t i) const { return coordinates_[i]; }
+  const std::array<Index, 4>& vertices(std::size_t i) const { return vertices_[i]; }
+  MovingPoints points(std::size_t i) const;
+  /// `error` is infinite or NaN where the size of the test makes overflow or underflow possible.
+  CoplanarityCubic cubic(std::size_t i) const { return {{b_[0][i], b_[1][i], b_[2][i], b_[3][i]}, error_[i]}; }
+
+  /// Rows for the kernel: difference row(time, point - 1, axis), open flags as 1.0 or 0.0.
+  struct Rows {
+    const double* differences;
+    double* b[4];
+    double* error;
+    double* open;
+    std::size_t padded_size;
+    FeatureKind kind;
+    bool axis_test;
+  };
+
+ private:
+  static constexpr std::size_t row(std::size_t time, std::size_t i, std::size_t axis) {
+    return ((time * 3 + i) * 3 + axis) * kCapacity;
+  }
+
+  alignas(64) double differences_[18 * kCapacity];
+  alignas(64) double b_[4][kCapacity];
+  alignas(64) double error_[kCapacity];
+  alignas(64) double open_[kCapacity];
+  std::array<TestPoints, kCapacity> coordinates_;
+  std::array<std::array<Index, 4>, kCapacity> vertices_;
+  std::size_t size_ = 0;
+  FeatureKind kind_ = FeatureKind::vf;
+};
+
+}  // namespace volccd::detail

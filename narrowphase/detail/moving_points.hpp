@@ -1,0 +1,55 @@
+// The four points of one elementary test on straight lines, relative to the first of them.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include <volccd/mesh/types.hpp>
+
+namespace volccd::detail {
+
+/// Where a test's coordinates are: for each point, in the order of test_vertices(), {x, y, z} at t = 0 and at t = 1.
+using TestPoints = std::array<const double*, 4>;
+
+/// Differences to the first point at one time: point 1, 2, 3. VF: the triangle seen from the vertex. EE: the far end of
+/// edge 1, and edge 2, seen from the near end of edge 1.
+using Differences = std::array<Vec3, 3>;
+
+struct MovingPoints {
+  Differences start, end;
+  /// Largest coordinate difference, at t = 0 or 1.
+  double size;
+  /// Largest change of a coordinate difference.
+  double travel;
+
+  /// Exact at t = 0 and t = 1.
+  Differences at(double t) const {
+    const double s = 1 - t;
+    return {s * start[0] + t * end[0], s * start[1] + t * end[1], s * start[2] + t * end[2]};
+  }
+};
+
+/// Rounded differences of the coordinates times `scale`, a power of two that keeps them in range.
+inline MovingPoints moving_points(const TestPoints& x, double scale) {
+  MovingPoints points;
+  points.size = points.travel = 0;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (int k = 0; k < 3; ++k) {
+      const double a = scale * x[i + 1][k] - scale * x[0][k], b = scale * x[i + 1][k + 3] - scale * x[0][k + 3];
+      points.start[i][k] = a;
+      points.end[i][k] = b;
+      points.size = std::max({points.size, std::abs(a), std::abs(b)});
+      points.travel = std::max(points.travel, std::abs(b - a));
+    }
+  return points;
+}
+
+/// Sizes for which products of six lengths neither overflow nor lose digits to underflow.
+inline constexpr double kLeastSize = 0x1p-100, kGreatestSize = 0x1p100;
+
+/// 1 for points of ordinary size; else the power of two that brings the largest coordinate difference near 1.
+/// Coordinates so far apart that their difference overflows are included.
+double range_scale(const TestPoints& x);
+
+}  // namespace volccd::detail

@@ -1,0 +1,260 @@
+#include <volccd/oracle/overlap_oracle.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include <volccd/core/error.hpp>
+#include <volccd/oracle/detail/convex_pieces.hpp>
+#include <volccd/oracle/detail/fcl_pieces.hpp>
+#include <volccd/oracle/detail/separation.hpp>
+
+namespace volccd {
+
+namespace {
+
+using detail::append_pieces;
+using detail::ConvexPiece;
+using detail::Cover;
+
+/// All elements at one time: convex pieces in CSR form.
+struct Bodies {
+  std::vector<std::size_t> offsets;  ///< [slots + 1]
+  std::vector<ConvexPiece> pieces;
+  std::uint64_t inexact = 0;  ///< elements whose pieces are not the body itself
+
+  std::span<const ConvexPiece> of(Index o) const {
+    return {pieces.data() + offsets[o], offsets[std::size_t{o} + 1] - offsets[o]};
+  }
+};
+
+Bodies bodies_at(const Step& step, double t, Cover cover) {
+  const Mesh& mesh = step.mesh();
+  std::vector<Vec3> positions(mesh.vertex_count());
+  for (Index v = 0; v < mesh.vertex_count(); ++v) positions[v] = step.motion.position(v, t);
+  Bodies bodies;
+  bodies.offsets.push_back(0);
+  for (Index o = 0; o < mesh.element_slots(); ++o) {
+    if (mesh.alive(o) && !append_pieces(mesh, positions, o, cover, bodies.pieces)) ++bodies.inexact;
+    bodies.offsets.push_back(bodies.pieces.size());
+  }
+  return bodies;
+}
+
+struct Box {
+  Vec3 low = Vec3::Constant(INFINITY), high = Vec3::Constant(-INFINITY);
+
+  void add(std::span<const ConvexPiece> pieces) {
+    for (const ConvexPiece& piece : pieces)
+      for (const Vec3& p : piece.span()) {
+        low = low.cwiseMin(p);
+        high = high.cwiseMax(p);
+      }
+  }
+  double diagonal() const { return (high - low).norm(); }
+};
+
+Box box_of(std::span<const ConvexPiece> pieces) {
+  Box box;
+  box.add(pieces);
+  return box;
+}
+
+bool apart(const Box& a, const Box& b) {
+  return (a.low.array() > b.high.array()).any() || (b.low.array() > a.high.array()).any();
+}
+
+/// Depth of the deepest two pieces that FCL finds overlapping and no separating axis refutes; negative if there are none.
+double overlap_depth(std::span<const ConvexPiece> a, std::span<const ConvexPiece> b) {
+  double depth = -1;
+  for (const ConvexPiece& p : a) {
+    const Box box = box_of({&p, 1});
+    for (const ConvexPiece& q : b)
+      if (!apart(box, box_of({&q, 1})) && detail::fcl_overlap(p, q)) depth = std::max(depth, -detail::signed_gap(p, q));
+  }
+  return depth;
+}
+
+/// Whether the two bodies are disjoint beyond doubt: an axis with a gap above rounding for every two of their pieces.
+bool certainly_disjoint(std::span<const ConvexPiece> a, std::span<const ConvexPiece> b) {
+  Box both = box_of(a);
+  both.add(b);
+  const double rounding = 1e-15 * std::max(both.low.cwiseAbs().maxCoeff(), both.high.cwiseAbs().maxCoeff());
+  const double least = 1e-9 * both.diagonal() + 16 * rounding;
+  for (const ConvexPiece& p : a)
+    for (const ConvexPiece& q : b)
+      if (!(detail::signed_gap(p, q) > least)) return false;
+  return true;
+}
+
+struct Sample {
+  std::vector<Overlap> overlaps;
+  std::uint64_t candidates = 0, surface_only = 0;
+};
+
+Sample sample(const Step& step, double t, Executor& executor) {
+  const Mesh& mesh = step.mesh();
+  const Bodies bodies = bodies_at(step, t, Cover::within);
+  std::vector<detail::ElementBox> boxes;
+  for (Index o = 0; o < mesh.element_slots(); ++o)
+    if (mesh.alive(o)) {
+      const Box box = box_of(bodies.of(o));
+      boxes.push_back({o, box.low, box.high});
+    }
+  std::vector<ElementPair> pairs = detail::box_overlaps(boxes);
+  std::erase_if(pairs, [&](ElementPair p) { return detail::share_vertex(mesh, p.a, p.b); });
+  std::sort(pairs.begin(), pairs.end());
+
+  std::vector<double> depths(pairs.size());
+  executor.parallel_for(pairs.size(), 64, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t i = begin; i < end; ++i) depths[i] = overlap_depth(bodies.of(pairs[i].a), bodies.of(pairs[i].b));
+  });
+  Sample result;
+  result.candidates = pairs.size();
+  result.surface_only = bodies.inexact;
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (depths[i] >= 0) result.overlaps.push_back({pairs[i], depths[i]});
+  return result;
+}
+
+/// Contacts in canonical order, to be asked for by the features of two elements.
+class ContactIndex {
+ public:
+  explicit ContactIndex(std::span<const Contact> contacts) {
+    for (const Contact& c : contacts) entries_.push_back({c.kind, c.vertices, c.toi});
+    std::sort(entries_.begin(), entries_.end(), less);
+  }
+
+  /// Earliest contact between a feature of a and a feature of b; infinity if there is none.
+  double first_between(const Mesh& mesh, Index a, Index b) const {
+    double first = INFINITY;
+    std::vector<std::array<Index, 3>> triangles_a, triangles_b;
+    detail::boundary_triangles(mesh, a, triangles_a);
+    detail::boundary_triangles(mesh, b, triangles_b);
+    first = std::min(first, first_vf(mesh.vertices(a), triangles_b));
+    first = std::min(first, first_vf(mesh.vertices(b), triangles_a));
+    // A contact has the smaller edge in front, of whichever element it is.
+    first = std::min(first, first_ee(triangles_a, triangles_b));
+    return std::min(first, first_ee(triangles_b, triangles_a));
+  }
+
+ private:
+  struct Entry {
+    FeatureKind kind;
+    std::array<Index, 4> vertices;
+    double toi;
+  };
+  using Triangles = std::vector<std::array<Index, 3>>;
+
+  static bool less(const Entry& x, const Entry& y) {
+    return x.kind != y.kind ? x.kind < y.kind : x.vertices < y.vertices;
+  }
+
+  /// First entry of a kind whose vertices do not come before {v0, v1, ...}.
+  std::vector<Entry>::const_iterator begin_of(FeatureKind kind, Index v0, Index v1) const {
+    return std::lower_bound(entries_.begin(), entries_.end(), Entry{kind, {v0, v1, 0, 0}, 0}, less);
+  }
+
+  double first_vf(std::span<const Index> vertices, const Triangles& triangles) const {
+    double first = INFINITY;
+    for (const Index v : vertices)
+      for (auto e = begin_of(FeatureKind::vf, v, 0);
+           e != entries_.end() && e->kind == FeatureKind::vf && e->vertices[0] == v; ++e)
+        if (e->toi < first && has_triangle(triangles, {e->vertices[1], e->vertices[2], e->vertices[3]})) first = e->toi;
+    return first;
+  }
+
+  double first_ee(const Triangles& of_first, const Triangles& of_second) const {
+    double first = INFINITY;
+    for (const auto& f : of_first)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const auto [v0, v1] = std::minmax(f[i], f[(i + 1) % 3]);
+        for (auto e = begin_of(FeatureKind::ee, v0, v1);
+             e != entries_.end() && e->kind == FeatureKind::ee && e->vertices[0] == v0 && e->vertices[1] == v1; ++e)
+          if (e->toi < first && has_edge(of_second, e->vertices[2], e->vertices[3])) first = e->toi;
+      }
+    return first;
+  }
+
+  static bool has_triangle(const Triangles& triangles, const std::array<Index, 3>& ascending) {
+    return std::any_of(triangles.begin(), triangles.end(), [&](std::array<Index, 3> f) {
+      std::sort(f.begin(), f.end());
+      return f == ascending;
+    });
+  }
+
+  static bool has_edge(const Triangles& triangles, Index v0, Index v1) {
+    return std::any_of(triangles.begin(), triangles.end(), [&](const std::array<Index, 3>& f) {
+      return std::find(f.begin(), f.end(), v0) != f.end() && std::find(f.begin(), f.end(), v1) != f.end();
+    });
+  }
+
+  std::vector<Entry> entries_;
+};
+
+void refuse_what_owes_nothing(const Step& step, std::span<const double> times) {
+  if (step.features().edge_set() != EdgeSet::triangulated)
+    throw ConfigError("the overlap oracle needs the edge set `triangulated`: without face diagonals contacts are incomplete");
+  for (const double t : times)
+    if (!(t >= 0 && t <= step.t_max))
+      throw ConfigError("the overlap oracle was asked about time " + std::to_string(t) + ", which is not in [0, " +
+                        std::to_string(step.t_max) + "]");
+}
+
+enum class Verdict : char { confirmed, initial, shallow, filtered, violation };
+
+}  // namespace
+
+std::vector<Overlap> overlapping_elements(const Step& step, double t, Executor& executor) {
+  if (!(t >= 0 && t <= 1)) throw ConfigError("a time of a step is in [0, 1], not " + std::to_string(t));
+  return sample(step, t, executor).overlaps;
+}
+
+OverlapReport check_against_fcl(const Step& step, std::span<const Contact> contacts, std::span<const double> times,
+                                Executor& executor, const OverlapCheck& check) {
+  refuse_what_owes_nothing(step, times);
+  const Mesh& mesh = step.mesh();
+  const ContactIndex index(contacts);
+  const Bodies start = bodies_at(step, 0, Cover::around);
+  OverlapReport report;
+  std::vector<Verdict> verdicts;
+  std::vector<double> first;
+  for (const double t : times) {
+    const Sample found = sample(step, t, executor);
+    verdicts.assign(found.overlaps.size(), Verdict::violation);
+    first.assign(found.overlaps.size(), INFINITY);
+    executor.parallel_for(found.overlaps.size(), 16, [&](std::size_t begin, std::size_t end, unsigned) {
+      for (std::size_t i = begin; i < end; ++i) {
+        const auto [a, b] = found.overlaps[i].pair;
+        const double size = std::min(box_of(start.of(a)).diagonal(), box_of(start.of(b)).diagonal());
+        if (!step.filter.allows(mesh.object(a), mesh.object(b))) {
+          verdicts[i] = Verdict::filtered;
+        } else if (!certainly_disjoint(start.of(a), start.of(b))) {
+          verdicts[i] = Verdict::initial;
+        } else {
+          first[i] = index.first_between(mesh, a, b);
+          if (first[i] <= t + check.time_tolerance)
+            verdicts[i] = Verdict::confirmed;
+          else if (found.overlaps[i].depth < check.min_depth * size)
+            verdicts[i] = Verdict::shallow;
+        }
+      }
+    });
+    ++report.times;
+    report.candidates += found.candidates;
+    report.surface_only += found.surface_only;
+    report.hits += found.overlaps.size();
+    for (std::size_t i = 0; i < verdicts.size(); ++i) switch (verdicts[i]) {
+        case Verdict::confirmed: ++report.confirmed; break;
+        case Verdict::initial: ++report.initial; break;
+        case Verdict::shallow: ++report.shallow; break;
+        case Verdict::filtered: ++report.filtered; break;
+        case Verdict::violation:
+          report.violations.push_back({found.overlaps[i].pair, t, found.overlaps[i].depth, first[i]});
+      }
+  }
+  return report;
+}
+
+}  // namespace volccd

@@ -1,0 +1,72 @@
+// Judge of the pipelines: elements that FCL finds overlapping at sampled times (invariant 4).
+//
+// An element at time t is its triangulated surface together with every point that the surface winds around. A quad face is
+// split by the diagonal through its smallest vertex, a polytope's face into a fan around its smallest, as everywhere. If two
+// such bodies without a common vertex are disjoint at t = 0 and not at t, their surfaces have met in between, and so a
+// vertex or edge of one has met a triangle or edge of the other: there must be a contact with one feature in each element
+// and a time <= t. This holds for non-planar faces, and for inverted and degenerate elements.
+//
+// FCL sees convex pieces: a tetrahedron, a triangle, and for other elements the tetrahedra between their centroid and each
+// boundary triangle. Where these do not all have the same orientation (badly distorted elements) they may cover more than
+// the body; then only the surface is asked about at t, and all of the pieces at t = 0: no pair is ever skipped, and no
+// pair blamed wrongly. Shares no code with the stages, the feature tables or their visitors.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <volccd/core/executor.hpp>
+#include <volccd/mesh/step.hpp>
+
+namespace volccd {
+
+/// Two live elements without a common vertex, a < b, that FCL finds overlapping.
+struct Overlap {
+  ElementPair pair;
+  /// How far, as the largest depth over their convex pieces, in the unit of the positions: a lower estimate for elements of
+  /// several pieces.
+  double depth;
+};
+
+/// A pair that should have a contact and has none.
+struct OverlapViolation {
+  ElementPair pair;      ///< slots
+  double time;           ///< FCL finds them overlapping at this time
+  double depth;          ///< as in Overlap
+  double first_contact;  ///< earliest contact between the two elements, later than `time`; infinity if there is none at all
+};
+
+struct OverlapReport {
+  std::uint64_t times = 0;       ///< sampled
+  std::uint64_t candidates = 0;  ///< pairs of non-adjacent elements with overlapping boxes, summed over the times
+  std::uint64_t hits = 0;        ///< of which FCL finds overlapping: the sum of the next four and of the violations
+  std::uint64_t confirmed = 0;   ///< disjoint at t = 0, and with a contact in time
+  std::uint64_t initial = 0;     ///< not certainly disjoint at t = 0: nothing is owed
+  std::uint64_t shallow = 0;     ///< less deep than OverlapCheck::min_depth
+  std::uint64_t filtered = 0;    ///< step.filter does not ask for the two objects
+  /// Elements, summed over the times, of which only the surface could be asked about.
+  std::uint64_t surface_only = 0;
+  std::vector<OverlapViolation> violations;  ///< by time as given, then by pair
+
+  bool clean() const { return violations.empty(); }
+};
+
+struct OverlapCheck {
+  /// A contact is in time if its toi is at most this later than the sampled time.
+  double time_tolerance = 1e-6;
+  /// Hits less deep than this, in units of the smaller element's box diagonal, are counted only: FCL's hits are to be
+  /// trusted, but the position at a time inside the step is rounded, and an approximate narrow phase is no finer.
+  double min_depth = 1e-6;
+};
+
+/// All overlaps at time t in [0,1], in ascending order of pairs. A hit is to be trusted; overlaps less deep than about 1e-6 of
+/// the elements' size (1e-4 for slivers) may be missing. O(n log n + box overlaps).
+std::vector<Overlap> overlapping_elements(const Step& step, double t, Executor& executor);
+
+/// Holds the contacts of a step (any order) against the overlaps at the given times. Throws ConfigError if a time is not in
+/// [0, step.t_max], or if the edge set lacks the face diagonals, without which contacts are not complete.
+OverlapReport check_against_fcl(const Step& step, std::span<const Contact> contacts, std::span<const double> times,
+                                Executor& executor, const OverlapCheck& check = {});
+
+}  // namespace volccd

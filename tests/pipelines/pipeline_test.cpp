@@ -1,0 +1,322 @@
+// Pipelines as wholes: lossless, deterministic, refusing what is unsound (DESIGN.md section 4, invariants 1, 2, 5).
+#include <volccd/pipelines/pipeline.hpp>
+
+#include <map>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include <volccd/mesh/kdop.hpp>
+#include <volccd/pipelines/compare.hpp>
+
+#include "pipelines/scenes.hpp"
+
+namespace volccd {
+namespace {
+
+using test::Scene;
+
+const ObjectFilter kEverything;
+
+StepResult run(const PipelineSpec& spec, const Scene& scene, Query query = Query::all,
+               const ObjectFilter& filter = kEverything, Executor* executor = nullptr) {
+  static SerialExecutor serial;
+  const Pipeline pipeline(Registry::standard(), spec);
+  Workspace workspace = pipeline.make_workspace();
+  StepResult result;
+  pipeline.run({scene.topology, scene.motion, filter}, workspace, executor ? *executor : serial, result, query);
+  return result;
+}
+
+/// Every pair of elements, without even boxes: nothing is culled anywhere.
+PipelineSpec reference() {
+  PipelineSpec spec = Registry::standard().pipeline("BruteForce");
+  spec.broad_phase.options["bounds"] = "none";
+  return spec;
+}
+
+std::string summary(const ContactDifference& d) {
+  return std::to_string(d.missing.size()) + " missing, " + std::to_string(d.extra.size()) + " extra, " +
+         std::to_string(d.changed.size()) + " changed";
+}
+
+void expect_same(const StepResult& expected, const StepResult& found, const std::string& what) {
+  const ContactDifference d = compare_contacts(expected.contacts, found.contacts);
+  EXPECT_TRUE(d.empty()) << what << ": " << summary(d);
+}
+
+/// All sound combinations of stages: broad phase x element culling x feature culling x feature filters.
+std::vector<PipelineSpec> combinations() {
+  const Registry registry = Registry::standard();
+  const std::vector<std::vector<StageChoice>> element = {
+      {},
+      {{"csat", {{"axis", "face"}, {"mode", "features"}}}},
+      {{"csat", {{"axis", "predetermined"}, {"mode", "pair"}}}},
+      {{"csat", {{"axis", "velocity"}, {"mode", "both"}}}},
+      {{"csat", {{"axis", "centroid"}, {"mode", "pair"}}}},
+      {{"csat", {{"axis", "optimal"}, {"mode", "pair"}}}},
+      {{"csat", {{"axis", "optimal"}, {"mode", "both"}}}}};
+  const std::vector<StageChoice> feature = {{"all-pairs", {}},
+                                            {"all-pairs", {{"oset", "minimal"}}},
+                                            {"all-pairs", {{"oset", "literal"}}},
+                                            {"static-assignment", {}},
+                                            {"dynamic-assignment", {}},
+                                            {"dynamic-assignment", {{"oset", "literal"}}}};
+  const std::vector<std::vector<StageChoice>> filters = {
+      {}, {{"feature-kdop", {}}}, {{"coplanarity", {}}}, {{"feature-csat", {}}},
+      {{"feature-kdop", {}}, {"coplanarity", {}}, {"feature-csat", {}}}};
+  std::vector<PipelineSpec> specs;
+  for (const char* broad : {"kdop-bvh", "spatial-hash", "brute-force"})
+    for (const auto& e : element)
+      for (const auto& f : feature)
+        for (const auto& t : filters) {
+          PipelineSpec spec{broad, "", {broad, {}}, e, f, t, {"cubic", {}}};
+          spec.name += (e.empty() ? "" : "/" + e[0].options.at("axis") + "-" + e[0].options.at("mode")) + "/" + f.name +
+                       (f.options.empty() ? "" : "-" + f.options.begin()->second) + "/" + std::to_string(t.size()) +
+                       (t.size() == 1 ? t[0].name : "");
+          specs.push_back(spec);
+        }
+  return specs;
+}
+
+TEST(Pipelines, EveryPresetFindsTheContactsOfBruteForce) {
+  for (const double jitter : {0.02, 0.35})
+    for (const Scene& scene : test::small_scenes(7, jitter)) {
+      const StepResult expected = run(reference(), scene);
+      EXPECT_GT(expected.contacts.size(), 10u) << scene.name;
+      for (const PipelineSpec& spec : Registry::standard().pipelines())
+        expect_same(expected, run(spec, scene), scene.name + " " + spec.name);
+    }
+}
+
+TEST(Pipelines, EveryBroadPhaseCombinesWithEveryStage) {
+  const Scene scene = test::colliding("mixed", mixed_block(1, 1), 3, 0.3);
+  const StepResult expected = run(reference(), scene);
+  for (const PipelineSpec& spec : combinations()) expect_same(expected, run(spec, scene), spec.name);
+}
+
+TEST(LongPipelines, EveryBroadPhaseCombinesWithEveryStageOnEveryType) {
+  for (const std::uint64_t seed : {11u, 12u})
+    for (const Scene& scene : test::small_scenes(seed, 0.3)) {
+      const StepResult expected = run(reference(), scene);
+      for (const PipelineSpec& spec : combinations()) expect_same(expected, run(spec, scene), scene.name + " " + spec.name);
+    }
+}
+
+TEST(Pipelines, ExactlyOnceMeansNoDuplicates) {
+  for (const Scene& scene : test::small_scenes(5, 0.3)) {
+    for (const char* name : {"VolCCD", "VolCCD+"})
+      EXPECT_EQ(run(Registry::standard().pipeline(name), scene).statistics.duplicates, 0u) << scene.name << " " << name;
+    EXPECT_GT(run(Registry::standard().pipeline("NavCCD"), scene).statistics.duplicates, 0u) << scene.name;
+  }
+}
+
+TEST(ThreadsPipelines, SameResultAndCountsForAnyNumberOfWorkers) {
+  const Scene scene = test::colliding("tetrahedra", block(ElementType::tetrahedron, 4, 4, 2), 9, 0.2);
+  for (const PipelineSpec& spec : Registry::standard().pipelines()) {
+    const StepResult serial = run(spec, scene);
+    for (const unsigned threads : {1u, 2u, 3u, 4u}) {
+      const auto executor = make_thread_executor(threads);
+      const StepResult parallel = run(spec, scene, Query::all, kEverything, executor.get());
+      expect_same(serial, parallel, spec.name + " with " + std::to_string(threads));
+      EXPECT_EQ(serial.statistics.element_pairs, parallel.statistics.element_pairs);
+      EXPECT_EQ(serial.statistics.vf_tests, parallel.statistics.vf_tests);
+      EXPECT_EQ(serial.statistics.ee_tests, parallel.statistics.ee_tests);
+      EXPECT_EQ(serial.statistics.duplicates, parallel.statistics.duplicates);
+    }
+  }
+}
+
+TEST(Pipelines, TbbGivesTheSameAsOneThread) {
+  const Scene scene = test::colliding("hexahedra", block(ElementType::hexahedron, 3, 3, 2), 9, 0.2);
+  const auto executor = make_executor(3);
+  for (const PipelineSpec& spec : Registry::standard().pipelines())
+    expect_same(run(spec, scene), run(spec, scene, Query::all, kEverything, executor.get()), spec.name);
+}
+
+TEST(ThreadsPipelines, FirstIsTheEarliestOfAll) {
+  const auto executor = make_thread_executor(3);
+  for (const double jitter : {0.0, 0.02, 0.2})
+    for (const Scene& scene : test::small_scenes(21, jitter))
+      for (const PipelineSpec& spec : Registry::standard().pipelines()) {
+        const StepResult all = run(spec, scene);
+        for (Executor* e : {static_cast<Executor*>(nullptr), executor.get()}) {
+          const StepResult first = run(spec, scene, Query::first, kEverything, e);
+          ASSERT_EQ(first.contacts.size(), all.contacts.empty() ? 0u : 1u) << scene.name << " " << spec.name;
+          if (all.contacts.empty()) continue;
+          const Contact* earliest = &all.contacts.front();
+          for (const Contact& c : all.contacts)
+            if (c.toi < earliest->toi) earliest = &c;
+          EXPECT_TRUE(first.contacts.front() == *earliest) << scene.name << " " << spec.name;
+        }
+      }
+}
+
+TEST(Pipelines, PairScopesPartitionTheContacts) {
+  for (const Scene& scene : test::small_scenes(4, 0.3))
+    for (const PipelineSpec& spec : Registry::standard().pipelines()) {
+      const StepResult all = run(spec, scene);
+      const StepResult inter = run(spec, scene, Query::all, ObjectFilter(PairScope::inter));
+      const StepResult intra = run(spec, scene, Query::all, ObjectFilter(PairScope::intra));
+      const auto object = [&](Index v) {
+        return scene.topology.mesh().object(scene.topology.features().vertex_elements(v).front());
+      };
+      for (const Contact& c : inter.contacts) EXPECT_NE(object(c.vertices[0]), object(c.vertices[3])) << spec.name;
+      for (const Contact& c : intra.contacts) EXPECT_EQ(object(c.vertices[0]), object(c.vertices[3])) << spec.name;
+      EXPECT_EQ(inter.contacts.size() + intra.contacts.size(), all.contacts.size()) << scene.name << " " << spec.name;
+    }
+}
+
+TEST(Pipelines, ScopesAgreeWhereObjectsShareVertices) {
+  // One block, its elements dealt out to two objects: features on the interface belong to both.
+  Shape shape = block(ElementType::tetrahedron, 3, 2, 2);
+  for (std::size_t i = 0; i < shape.elements.size(); ++i) shape.elements[i].object = i % 3 == 0 ? 1 : 2;
+  const Scene scene{"shared", Topology(shape.mesh()),
+                    Motion::linear(shape.positions, jittered(shape.positions, 0.6, 5))};
+  for (const PairScope scope : {PairScope::inter, PairScope::intra}) {
+    const StepResult expected = run(reference(), scene, Query::all, ObjectFilter(scope));
+    EXPECT_GT(expected.contacts.size(), 0u);
+    for (const PipelineSpec& spec : Registry::standard().pipelines())
+      expect_same(expected, run(spec, scene, Query::all, ObjectFilter(scope)), spec.name);
+  }
+}
+
+/// Float bounds along the 16-DOP's axes, computed here, not by the library.
+using Bounds = std::array<std::array<float, 2>, 8>;
+Bounds naive_bounds(const Scene& scene, Index o) {
+  constexpr int axes[8][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, 0, 1}, {0, 1, 1}, {1, -1, 0}, {1, 0, -1}};
+  Bounds bounds;
+  for (std::size_t k = 0; k < 8; ++k) {
+    double low = INFINITY, high = -INFINITY;
+    for (const Index v : scene.topology.mesh().vertices(o))
+      for (int c = 0; c < 2; ++c) {
+        const Vec3 p = scene.motion.point(v, c);
+        const double s = axes[k][0] * p.x() + axes[k][1] * p.y() + axes[k][2] * p.z();
+        low = std::min(low, s), high = std::max(high, s);
+      }
+    bounds[k] = {float_below(low), float_above(high)};
+  }
+  return bounds;
+}
+
+TEST(Pipelines, NavCcdPerformsTheTestsOfAllOverlappingPairs) {
+  for (const Scene& scene : test::small_scenes(2, 0.1)) {
+    const Mesh& mesh = scene.topology.mesh();
+    const Features& features = scene.topology.features();
+    std::vector<Bounds> bounds;
+    for (Index o = 0; o < mesh.element_slots(); ++o) bounds.push_back(naive_bounds(scene, o));
+    std::uint64_t pairs = 0, vf = 0, ee = 0;
+    for (Index a = 0; a < mesh.element_slots(); ++a)
+      for (Index b = a; b < mesh.element_slots(); ++b) {
+        bool apart = false;
+        for (std::size_t k = 0; k < 8; ++k)
+          apart = apart || bounds[a][k][1] < bounds[b][k][0] || bounds[b][k][1] < bounds[a][k][0];
+        if (apart) continue;
+        ++pairs;
+        std::set<std::pair<Index, Index>> vf_pairs, ee_pairs;
+        for (const auto [x, y] : {std::pair{a, b}, std::pair{b, a}}) {
+          for (const Index v : mesh.vertices(x))
+            for (const Index f : features.element_triangles(y)) {
+              const auto& t = features.triangle(f);
+              if (std::find(t.begin(), t.end(), v) == t.end()) vf_pairs.emplace(v, f);
+            }
+          for (const Index e : features.element_edges(x))
+            for (const Index g : features.element_edges(y)) {
+              const auto &p = features.edge(e), &q = features.edge(g);
+              if (p[0] != q[0] && p[0] != q[1] && p[1] != q[0] && p[1] != q[1]) ee_pairs.insert(std::minmax(e, g));
+            }
+        }
+        vf += vf_pairs.size(), ee += ee_pairs.size();
+      }
+    const Statistics s = run(Registry::standard().pipeline("NavCCD"), scene).statistics;
+    EXPECT_EQ(s.element_pairs, pairs) << scene.name;
+    EXPECT_EQ(s.vf_tests, vf) << scene.name;
+    EXPECT_EQ(s.ee_tests, ee) << scene.name;
+  }
+}
+
+TEST(Pipelines, WorkspaceFollowsTopologyChanges) {
+  Shape shape = mixed_block(2, 2);
+  Random random(17);
+  for (const PipelineSpec& spec : Registry::standard().pipelines()) {
+    Topology topology(shape.mesh());
+    const Pipeline pipeline(Registry::standard(), spec);
+    Workspace kept = pipeline.make_workspace();
+    SerialExecutor serial;
+    std::vector<ElementSpec> out;
+    for (int round = 0; round < 6; ++round) {
+      const Motion motion = Motion::linear(jittered(shape.positions, 0.3, random.next()),
+                                           jittered(shape.positions, 0.3, random.next()));
+      StepResult with_kept, with_fresh;
+      pipeline.run({topology, motion, kEverything}, kept, serial, with_kept);
+      Workspace fresh = pipeline.make_workspace();
+      pipeline.run({topology, motion, kEverything}, fresh, serial, with_fresh);
+      expect_same(with_fresh, with_kept, spec.name + " round " + std::to_string(round));
+      EXPECT_EQ(with_fresh.statistics.tests(), with_kept.statistics.tests()) << spec.name;
+      TopologyEdit edit;
+      edit.added = std::move(out);
+      out.clear();
+      for (Index o = 0; o < topology.mesh().element_slots(); ++o)
+        if (topology.mesh().alive(o) && random.below(5) == 0) {
+          edit.removed.push_back(o);
+          for (const ElementSpec& element : shape.elements)
+            if (element.id == topology.mesh().element_id(o)) out.push_back(element);
+        }
+      topology.apply(edit);
+    }
+  }
+}
+
+TEST(Pipelines, RefuseWhatIsUnsound) {
+  const Registry registry = Registry::standard();
+  PipelineSpec spec = registry.pipeline("VolCCD");
+  spec.feature_culling = {"static-assignment", {{"oset", "minimal"}}};
+  EXPECT_THROW(Pipeline(registry, spec), ConfigError);
+  spec.feature_culling = {"dynamic-assignment", {{"oset", "none"}}};
+  EXPECT_THROW(Pipeline(registry, spec), ConfigError);
+  spec.feature_culling = {"no-such-stage", {}};
+  EXPECT_THROW(Pipeline(registry, spec), ConfigError);
+  spec = registry.pipeline("VolCCD");
+  spec.broad_phase.options["k"] = "17";
+  EXPECT_THROW(Pipeline(registry, spec), ConfigError);
+}
+
+TEST(Pipelines, RefuseStepsTheyCannotRun) {
+  const Scene scene = test::small_scenes(1, 0.1).front();
+  const Pipeline pipeline(Registry::standard(), Registry::standard().pipeline("VolCCD"));
+  Workspace workspace = pipeline.make_workspace();
+  SerialExecutor serial;
+  StepResult result;
+  const Motion other(scene.motion.vertex_count() + 1, 2), quadratic(scene.motion.vertex_count(), 3);
+  EXPECT_THROW(pipeline.run({scene.topology, other, kEverything}, workspace, serial, result), InputError);
+  EXPECT_THROW(pipeline.run({scene.topology, quadratic, kEverything}, workspace, serial, result), ConfigError);
+  EXPECT_THROW(pipeline.run({scene.topology, scene.motion, kEverything, 0.1}, workspace, serial, result), ConfigError);
+  EXPECT_THROW(pipeline.run({scene.topology, scene.motion, kEverything, -1}, workspace, serial, result), ConfigError);
+}
+
+TEST(Registry, SettingsChangeAPipeline) {
+  const Registry registry = Registry::standard();
+  PipelineSpec spec = registry.pipeline("VolCCD");
+  registry.apply_setting(spec, "csat.axis=centroid");
+  EXPECT_EQ(spec.element_culling.front().options.at("axis"), "centroid");
+  registry.apply_setting(spec, "feature-filters=feature-kdop,coplanarity");
+  EXPECT_EQ(spec.feature_filters.size(), 2u);
+  registry.apply_setting(spec, "element-culling=none");
+  EXPECT_TRUE(spec.element_culling.empty());
+  registry.apply_setting(spec, "broad-phase=spatial-hash");
+  EXPECT_EQ(spec.broad_phase.name, "spatial-hash");
+  for (const char* wrong : {"csat.axis=centroid", "x", "=x", "broad-phase=none", "no-role=x", "kdop-bvh.k=18"})
+    EXPECT_THROW(registry.apply_setting(spec, wrong), ConfigError) << wrong;
+}
+
+TEST(Registry, NamesAreUnique) {
+  Registry registry = Registry::standard();
+  StageDescriptor<FeatureFilter> again;
+  again.name = "kdop-bvh";
+  EXPECT_THROW(registry.add(again), ConfigError);
+  EXPECT_THROW(registry.add_pipeline(registry.pipelines().front()), ConfigError);
+  EXPECT_THROW(registry.pipeline("nothing"), ConfigError);
+}
+
+}  // namespace
+}  // namespace volccd
