@@ -57,6 +57,39 @@ class OSet::Writer {
   std::size_t written_ = 0;
 };
 
+namespace {
+
+/// Visits each vertex in use and each edge once, neighbours soon after each other (breadth first): around features that are
+/// near, the same elements are looked at, which numbering may have scattered over all of memory.
+template <class VisitVertex, class VisitEdge>
+void for_each_near(const Topology& topology, VisitVertex&& visit_vertex, VisitEdge&& visit_edge) {
+  const Features& features = topology.features();
+  std::vector<char> vertex_seen(features.vertex_slots(), 0), element_seen(topology.mesh().element_slots(), 0);
+  std::vector<Index> queue;
+  queue.reserve(features.vertex_count());
+  for (Index start = 0, next = 0; start < features.vertex_slots(); ++start) {
+    if (vertex_seen[start] || features.vertex_elements(start).empty()) continue;
+    vertex_seen[start] = 1;
+    queue.push_back(start);
+    for (; next < queue.size(); ++next) {
+      visit_vertex(queue[next]);
+      for (Index o : features.vertex_elements(queue[next])) {
+        if (element_seen[o]) continue;
+        element_seen[o] = 1;
+        for (Index e : features.element_edges(o))
+          if (features.edge_elements(e)[0] == o) visit_edge(e);
+        for (Index v : topology.mesh().vertices(o)) {
+          if (vertex_seen[v]) continue;
+          vertex_seen[v] = 1;
+          queue.push_back(v);
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+
 OSet::OSet(OSetKind kind) : kind_(kind) { assert(kind != OSetKind::none); }
 
 template <class Visit>
@@ -104,7 +137,7 @@ OSetCounts OSet::counts() const {
 }
 
 std::size_t OSet::bytes() const {
-  std::size_t bytes = blocks_.capacity() * sizeof(Block) + partners_.bytes();
+  std::size_t bytes = blocks_.capacity() * sizeof(Block) + vertices_.bytes() + partners_.bytes();
   for (const Block& block : blocks_) bytes += block.rows.capacity() * sizeof(Index);
   for (const auto* births : {&vertex_births_, &triangle_births_, &edge_births_})
     bytes += births->capacity() * sizeof(Epoch);
@@ -126,23 +159,20 @@ void OSet::build(const Topology& topology) {
   const Features& features = topology.features();
   const bool literal = kind_ == OSetKind::literal;
   start_over(features);
-  partners_.fit(topology.mesh());
+  vertices_.build(topology.mesh());
+  partners_.fit(features, vertices_, topology.mesh().element_slots());
 
   Writer vertex_rows(blocks_, Rows::vertex, epoch_), edge_rows(blocks_, Rows::edge, epoch_);
-  for (Index v = 0; v < features.vertex_slots(); ++v) {
-    if (features.vertex_elements(v).empty()) continue;
+  for_each_near(topology, [&](Index v) {
     vertex_rows.begin_row(v);
-    partners_.triangles_of_vertex(topology, literal, v, [&](Index f) { vertex_rows.add(f); });
+    partners_.triangles_of_vertex(literal, v, [&](Index f) { vertex_rows.add(f); });
     vertex_rows.end_row();
-  }
-  vertex_rows.flush();
-  for (Index e = 0; e < features.edge_slots(); ++e) {
-    if (features.edge_elements(e).empty()) continue;
+  }, [&](Index e) {
     edge_rows.begin_row(e);
-    partners_.edges_of_edge(topology, literal, e, [e](Index e2) { return e2 > e; },
-                            [&](Index e2) { edge_rows.add(e2); });
+    partners_.edges_of_edge(literal, e, [e](Index e2) { return e2 > e; }, [&](Index e2) { edge_rows.add(e2); });
     edge_rows.end_row();
-  }
+  });
+  vertex_rows.flush();
   edge_rows.flush();
   blocks_.shrink_to_fit();
   sound_pairs_ = vertex_rows.written() + edge_rows.written();
@@ -187,7 +217,11 @@ void OSet::update(const Topology& topology) {
   if (changes.empty()) return;
   ++epoch_;
   collect_touched(topology, changes);
-  partners_.fit(topology.mesh());
+  for (const TopologyChange* change : changes) {
+    vertices_.update(topology.mesh(), change->removed_elements);
+    vertices_.update(topology.mesh(), change->added_elements);
+  }
+  partners_.fit(topology.features(), vertices_, topology.mesh().element_slots());
 
   // A pair of two touched features is written once: VF by its vertex, EE by its smaller edge.
   const bool literal = kind_ == OSetKind::literal;
@@ -195,20 +229,20 @@ void OSet::update(const Topology& topology) {
       edge_rows(blocks_, Rows::edge, epoch_);
   for (Index v : touched_.vertices) {
     vertex_rows.begin_row(v);
-    partners_.triangles_of_vertex(topology, literal, v, [&](Index f) { vertex_rows.add(f); });
+    partners_.triangles_of_vertex(literal, v, [&](Index f) { vertex_rows.add(f); });
     vertex_rows.end_row();
   }
   vertex_rows.flush();
   for (Index f : touched_.triangles) {
     triangle_rows.begin_row(f);
-    partners_.vertices_of_triangle(topology, literal, f, [&](Index v) { return vertex_births_[v] != epoch_; },
+    partners_.vertices_of_triangle(topology.mesh(), literal, f, [&](Index v) { return vertex_births_[v] != epoch_; },
                                    [&](Index v) { triangle_rows.add(v); });
     triangle_rows.end_row();
   }
   triangle_rows.flush();
   for (Index e : touched_.edges) {
     edge_rows.begin_row(e);
-    partners_.edges_of_edge(topology, literal, e, [&](Index e2) { return e2 > e || edge_births_[e2] != epoch_; },
+    partners_.edges_of_edge(literal, e, [&](Index e2) { return e2 > e || edge_births_[e2] != epoch_; },
                             [&](Index e2) { edge_rows.add(e2); });
     edge_rows.end_row();
   }

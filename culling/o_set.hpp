@@ -97,6 +97,7 @@ class OSet {
   std::size_t written_pairs_ = 0;  ///< since then
   std::size_t births_ = 0;         ///< since then
   Touched touched_;                ///< scratch of update()
+  detail::ElementVertices vertices_;
   detail::OSetPartners partners_;  ///< scratch of build() and update()
 };
 

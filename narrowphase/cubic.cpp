@@ -18,6 +18,9 @@ enum class Verdict {
   unclear  ///< some root is not proven with these coefficients
 };
 
+/// Contacts whose time is not proven to be this accurate are computed again with refined coefficients.
+constexpr double kTimeAccuracy = 0x1p-42;
+
 /// One test that the first pass left open.
 class ElementaryTest {
  public:
@@ -61,9 +64,13 @@ class ElementaryTest {
   Verdict crossing(const CoplanarityCubic& cubic, double a, double b, int before, bool refined) {
     if (b > t_max_ && cubic.sign(t_max_) == before) return Verdict::apart;
     const double root = bracketed_root(cubic, a, b);
-    const bool sharp =
-        cubic.sign(std::max(a, root - slack_)) == before && cubic.sign(std::min(b, root + slack_)) == -before;
-    if (sharp) return touches_at(root, before);
+    const auto within = [&](double slack) {
+      return cubic.sign(std::max(a, root - slack)) == before && cubic.sign(std::min(b, root + slack)) == -before;
+    };
+    if (within(slack_)) {
+      const Verdict verdict = touches_at(root, before);
+      return verdict == Verdict::touch && !refined && !within(kTimeAccuracy) ? Verdict::unclear : verdict;
+    }
     return refined ? coplanar(zero_stretch(cubic, a, b), before) : Verdict::unclear;
   }
 

@@ -35,7 +35,7 @@ LIBRARY = [module for module in LAYERS if module not in ("oracle", "experiments"
 USERS = {"tests": list(LAYERS), "examples": LIBRARY + ["experiments"]}
 
 # Files of experiments/ that may ask the judges: `volccd verify` only.
-ORACLE_USERS = re.compile(r"^experiments/(.*/)?verify[^/]*$")
+ORACLE_USERS = re.compile(r"^experiments/((.*/)?verify[^/]*|verify/.*)$")
 
 # Third-party header prefix -> where it may be included. "header" = public headers too, else sources and detail/ only.
 THIRD_PARTY = {

@@ -30,6 +30,17 @@ struct TreeCost {
   double nodes, elements;
 };
 
+/// The list once more, as the leaf kernels read it: vertex v of the element at position p is ids[v * stride + p]. Short
+/// elements repeat a vertex; gaps have kNone, as their slot too. All rows may be read kPadding positions past the end.
+struct LeafLanes {
+  static constexpr std::size_t kPadding = 4;
+
+  const Index* ids;
+  const Index* slots;
+  std::size_t stride;
+  int vertices;  ///< 4 or 8; 0: there are larger elements, and no ids
+};
+
 class KdopTree {
  public:
   static constexpr int kMostLeafSize = 8;
@@ -56,6 +67,7 @@ class KdopTree {
   const std::vector<TreeNode>& nodes() const { return nodes_; }
   const BoundsTable& node_bounds() const { return node_bounds_; }
   const BoundsTable& element_bounds() const { return element_bounds_; }
+  LeafLanes lanes() const;
   /// Root nodes: none, one or two.
   std::vector<Index> const& roots() const { return roots_; }
   int depth() const { return depth_; }
@@ -70,19 +82,22 @@ class KdopTree {
     Index node, begin, end;
     int depth;
   };
-  struct Bin;
+  struct Box;
+  struct Split;
 
   Index nodes_of(Index elements) const { return 2 * ((elements + leaf_size_ - 1) / leaf_size_) - 1; }
   void build_range(Range range, Executor& executor);
-  Range split(Range& range);
-  int build_subtree(Range range);
+  Range split(Range& range, Index offset);
+  int build_subtree(Range range, Index offset);
   Index split_position(Range range, int& axis) const;
+  void sweep_bins(Range range, int axis, const Box& centres, Split& best) const;
+  static double centre(const BuildItem& item, std::size_t axis);
   void gather_items(Index begin, Index end);
   void find_blocks();
-  void refit_nodes(Index begin, Index end, const BoundsTable& vertices);
-  void refit_upper();
+  void fill_lanes(std::size_t begin, std::size_t end);
+  void make_lanes();
+  int depth_of(Index node) const;
   void note_costs(Index node);
-  Index worst_subtree(Index node, double degradation) const;
   void collect_degraded(Index node, double degradation);
 
   Index leaf_size_ = 4;
@@ -95,6 +110,9 @@ class KdopTree {
   Index gaps_ = 0;
   int depth_ = 0;
   BoundsTable node_bounds_, element_bounds_;
+  std::vector<Index> lanes_;      ///< rows of LeafLanes, slots first
+  std::size_t lane_stride_ = 0;
+  int lane_vertices_ = 4;
   std::vector<Index> positions_;  ///< slot -> position
   std::vector<Index> blocks_;     ///< roots of disjoint subtrees, refitted in parallel
   std::vector<Index> upper_;      ///< the nodes above them, in preorder

@@ -1,6 +1,7 @@
-// A worker's way to the sink: drops pairs that the query does not want, and hands on the rest in batches.
+// Which pairs a query wants, and their way to the sink.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <optional>
 #include <vector>
@@ -11,25 +12,47 @@
 
 namespace volccd::detail {
 
+/// Which pairs a query wants.
+struct PairRules {
+  const AdjacencyTest* adjacency;  ///< null: adjacent pairs are wanted
+  const FilterKeys* keys;          ///< null: the filter drops nothing
+  bool self_pairs;                 ///< (o, o) is wanted
+
+  PairRules(PairRange range, const AdjacencyTest& test, const FilterKeys& filter)
+      : adjacency(range == PairRange::nonadjacent ? &test : nullptr),
+        keys(filter.trivial() ? nullptr : &filter),
+        self_pairs(range == PairRange::every) {}
+
+  bool want(Index a, Index b) const {
+    if (adjacency && adjacency->adjacent(a, b)) return false;
+    return !keys || keys->allowed(keys->key(a), keys->key(b));
+  }
+};
+
+/// A worker's way to the sink: batches of pairs.
 class PairWriter {
  public:
-  /// `adjacency` is null if adjacent pairs are wanted, `keys` if no pair is dropped by the filter.
-  void start(const AdjacencyTest* adjacency, const FilterKeys* keys, PairSink sink, unsigned worker) {
-    adjacency_ = adjacency;
-    keys_ = keys;
+  /// What a kernel may write in one go.
+  static constexpr std::size_t kRoom = 64;
+
+  void start(PairSink sink, unsigned worker) {
     sink_.emplace(sink);
     worker_ = worker;
     size_ = 0;
   }
 
-  /// Takes the pair of elements a != b whose bounds overlap, or (o, o).
-  void offer(Index a, Index b) {
-    pairs_[size_] = a < b ? ElementPair{a, b} : ElementPair{b, a};
-    bool wanted = true;
-    if (adjacency_) wanted = !adjacency_->adjacent(a, b);
-    if (keys_) wanted = wanted && keys_->allowed(keys_->key(a), keys_->key(b));
-    size_ += wanted;
-    if (size_ == pairs_.size()) flush();
+  /// Where the next kRoom pairs can be written, and one more that does not count.
+  ElementPair* room() {
+    if (size_ + kRoom > BroadPhase::kMaxBatch) flush();
+    return pairs_.data() + size_;
+  }
+  /// Takes in what lies between room() and `end`: pairs a <= b.
+  void written(const ElementPair* end) { size_ = static_cast<std::size_t>(end - pairs_.data()); }
+
+  void push(Index a, Index b) {
+    ElementPair* const next = room();
+    *next = {std::min(a, b), std::max(a, b)};
+    written(next + 1);
   }
 
   void flush() {
@@ -38,21 +61,18 @@ class PairWriter {
   }
 
  private:
-  const AdjacencyTest* adjacency_ = nullptr;
-  const FilterKeys* keys_ = nullptr;
   std::optional<PairSink> sink_;
   unsigned worker_ = 0;
   std::size_t size_ = 0;
-  std::array<ElementPair, BroadPhase::kMaxBatch> pairs_;
+  std::array<ElementPair, BroadPhase::kMaxBatch + 1> pairs_;
 };
 
 /// One writer for each worker. Reused from query to query.
 class PairWriters {
  public:
-  void start(PairRange range, const AdjacencyTest& adjacency, const FilterKeys& keys, unsigned workers, PairSink sink) {
+  void start(unsigned workers, PairSink sink) {
     writers_.resize(workers);
-    for (unsigned w = 0; w < workers; ++w)
-      writers_[w].start(range == PairRange::nonadjacent ? &adjacency : nullptr, keys.trivial() ? nullptr : &keys, sink, w);
+    for (unsigned w = 0; w < workers; ++w) writers_[w].start(sink, w);
   }
 
   PairWriter& operator[](unsigned worker) { return writers_[worker]; }

@@ -25,6 +25,8 @@ constexpr int padded_axes(int k) { return k <= 8 ? 4 : k <= 16 ? 8 : 16; }
 /// A row for each bound: width() minima, then width() maxima; rows are aligned to their size, or 64 bytes.
 class BoundsTable {
  public:
+  static constexpr std::size_t kMostFloats = 32;  ///< in a row
+
   /// Contents are undefined afterwards. Allocates only to grow beyond any size before.
   void resize(std::size_t rows, int width);
   /// The same, keeping the first `kept` rows.
@@ -52,7 +54,7 @@ void bound_vertices(const Step& step, int k, Executor& executor, BoundsTable& ve
 /// Bounds of the listed elements [begin, end) into the same rows of `elements`; gaps of the list get empty bounds.
 void bound_elements(const BoundsTable& vertices, const ElementList& list, std::size_t begin, std::size_t end,
                     BoundsTable& elements);
-/// The same for the whole list, in parallel; resizes `elements`.
+/// The same for the whole list, in parallel; makes `elements` large enough.
 void bound_elements(const BoundsTable& vertices, const ElementList& list, Executor& executor, BoundsTable& elements);
 
 }  // namespace volccd::detail

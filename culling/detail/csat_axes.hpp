@@ -52,11 +52,11 @@ inline Vec3 csat_mean(const CsatPoints& points, int control_point) {
   return sum / points.count;
 }
 
-/// From the mean of all control points of `a` to that of `b`.
-inline Vec3 csat_centroid_axis(const CsatPoints& a, const CsatPoints& b, int control_points) {
-  Vec3 axis = Vec3::Zero();
-  for (int c = 0; c < control_points; ++c) axis += csat_mean(b, c) - csat_mean(a, c);
-  return csat_scaled(axis);
+/// From the mean of all control points of `a` to that of `b`, as a point of the hull of differences.
+inline Vec3 csat_centroid_difference(const CsatPoints& a, const CsatPoints& b, int control_points) {
+  const double of_a = 1.0 / (control_points * a.count), of_b = 1.0 / (control_points * b.count);
+  return {b.total[0] * of_b - a.total[0] * of_a, b.total[1] * of_b - a.total[1] * of_a,
+          b.total[2] * of_b - a.total[2] * of_a};
 }
 
 /// Direction of the mean motion of `b` relative to `a`.

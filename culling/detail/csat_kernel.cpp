@@ -13,6 +13,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/detail/csat_kernel.cpp"
 #include <hwy/foreach_target.h>
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -69,18 +70,20 @@ class Separator {
     return hn::GetLane(ahead) > bound || hn::GetLane(behind) > bound;
   }
 
-  /// Searches an axis by Gilbert-Johnson-Keerthi steps, the first of them along `axis`.
-  bool search(Vec3 axis, int iterations) const {
+  /// Searches an axis by Gilbert-Johnson-Keerthi steps, the first of them along the difference of centroids.
+  bool search(int iterations) const {
     const double scale = 1 / std::max({extent_[0], extent_[1], extent_[2]});
+    Vec3 axis = scale * csat_centroid_difference(a_, b_, control_points_), support;
+    if (ahead(axis, support)) return true;
     CsatSimplex simplex;
-    for (int i = 0; i < iterations; ++i) {
-      Vec3 support;
-      if (ahead(axis, support)) return true;
+    simplex.add(axis);
+    for (int i = 1; i < iterations; ++i) {
       support *= scale;
       if (simplex.contains(support)) return false;  // no axis does better
       simplex.add(support);
       if (!simplex.nearest(axis)) return false;
       axis = csat_scaled(axis);
+      if (ahead(axis, support)) return true;
     }
     return false;
   }
@@ -140,6 +143,7 @@ class Culler {
     if (frame_.control_points > kCsatControlPoints) return;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < batch.size(); ++i) {
+      if (i + kAhead < batch.size()) prefetch(batch.pairs[i + kAhead].b);
       const ElementPair pair = batch.pairs[i];
       FeatureMask mask = batch.masks[i];
       if (drops(pair, mask)) continue;
@@ -151,6 +155,13 @@ class Culler {
   }
 
  private:
+  /// Gathering waits for memory; this many pairs hide it.
+  static constexpr std::size_t kAhead = 4;
+
+  void prefetch(Index o) const {
+    for (const Index v : step_.mesh().vertices(o)) hwy::Prefetch(step_.motion.at(v));
+  }
+
   bool drops(ElementPair pair, FeatureMask& mask) {
     const auto vertices_a = step_.mesh().vertices(pair.a), vertices_b = step_.mesh().vertices(pair.b);
     if (pair.a == pair.b || vertices_a.size() > kCsatVertices || vertices_b.size() > kCsatVertices) return false;
@@ -179,8 +190,9 @@ class Culler {
   bool separated(const Separator& s) const {
     switch (config_.axis) {
       case CsatAxis::velocity: return s.separates(csat_velocity_axis(s.a(), s.b(), s.control_points()));
-      case CsatAxis::centroid: return s.separates(csat_centroid_axis(s.a(), s.b(), s.control_points()));
-      case CsatAxis::optimal: return s.search(csat_centroid_axis(s.a(), s.b(), s.control_points()), config_.iterations);
+      case CsatAxis::centroid:
+        return s.separates(csat_scaled(csat_centroid_difference(s.a(), s.b(), s.control_points())));
+      case CsatAxis::optimal: return s.search(config_.iterations);
       default: break;
     }
     for (const auto& axis : kdop_axes<26>())

@@ -34,11 +34,18 @@ struct CsatFrame {
 struct CsatPoints {
   int count = 0, stride = 4;
   double extent[3] = {};  ///< greatest magnitude on each axis before the restriction to [0, s]
+  double total[3] = {};   ///< sum over vertices and control points, likewise
   alignas(64) double rows[3 * kCsatControlPoints * kCsatVertices];
 
   const double* row(int control_point, int axis) const { return rows + (3 * control_point + axis) * stride; }
   double at(int control_point, int axis, int i) const { return row(control_point, axis)[i]; }
+
+  template <int kControlPoints>
   void gather(const CsatFrame& frame, const Motion& motion, std::span<const Index> vertices);
+  void gather(const CsatFrame& frame, const Motion& motion, std::span<const Index> vertices) {
+    if (frame.control_points == 2) return gather<2>(frame, motion, vertices);
+    gather<3>(frame, motion, vertices);
+  }
   /// Only vertices i0 and i1 of `from` (the extents stay those of the whole).
   void take(const CsatPoints& from, int control_points, int i0, int i1);
 
@@ -46,17 +53,29 @@ struct CsatPoints {
   void restrict_to(const CsatFrame& frame);
 };
 
-inline void CsatPoints::gather(const CsatFrame& frame, const Motion& motion, std::span<const Index> vertices) {
+template <int kControlPoints>
+void CsatPoints::gather(const CsatFrame& frame, const Motion& motion, std::span<const Index> vertices) {
+  constexpr int n = 3 * kControlPoints;
   count = static_cast<int>(vertices.size());
   stride = (count + 3) / 4 * 4;
-  const int n = 3 * frame.control_points;
-  extent[0] = extent[1] = extent[2] = kLeastExtent;
-  for (int i = 0; i < stride; ++i) {
-    const double* p = motion.at(vertices[static_cast<std::size_t>(i < count ? i : 0)]);
+  double greatest[n] = {}, sum[n] = {};
+  for (int i = 0; i < count; ++i) {
+    const double* p = motion.at(vertices[static_cast<std::size_t>(i)]);
     for (int k = 0; k < n; ++k) {
       const double difference = p[k] - frame.reference[k];
       rows[k * stride + i] = difference;
-      extent[k % 3] = std::max(extent[k % 3], std::abs(difference));
+      greatest[k] = std::max(greatest[k], std::abs(difference));
+      sum[k] += difference;
+    }
+  }
+  for (int k = 0; k < n; ++k)
+    for (int i = count; i < stride; ++i) rows[k * stride + i] = rows[k * stride];
+  for (int k = 0; k < 3; ++k) {
+    extent[k] = kLeastExtent;
+    total[k] = 0;
+    for (int c = k; c < n; c += 3) {
+      extent[k] = std::max(extent[k], greatest[c]);
+      total[k] += sum[c];
     }
   }
   if (frame.levels > 0) restrict_to(frame);
@@ -76,11 +95,13 @@ inline void CsatPoints::take(const CsatPoints& from, int control_points, int i0,
   count = i0 == i1 ? 1 : 2;
   stride = 4;
   std::copy(from.extent, from.extent + 3, extent);
+  std::fill(total, total + 3, 0.0);
   for (int k = 0; k < 3 * control_points; ++k) {
     const double* source = from.rows + k * from.stride;
     double* to = rows + 4 * k;
     to[0] = to[2] = source[i0];
     to[1] = to[3] = source[i1];
+    total[k % 3] += count == 1 ? source[i0] : source[i0] + source[i1];
   }
 }
 

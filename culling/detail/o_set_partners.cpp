@@ -9,31 +9,16 @@ namespace {
 constexpr std::size_t kBits = 64;  // elements of inc(a) that are looked at together
 
 bool contains(std::span<const Index> values, Index value) {
-  return std::find(values.begin(), values.end(), value) != values.end();
+  for (Index v : values)
+    if (v == value) return true;
+  return false;
 }
 
-bool adjacent(const Mesh& mesh, Index a, Index b) {
-  const std::span<const Index> va = mesh.vertices(a), vb = mesh.vertices(b);
-  return std::any_of(va.begin(), va.end(), [&](Index v) { return contains(vb, v); });
+bool share_vertex(std::span<const Index> a, std::span<const Index> b) {
+  return std::any_of(a.begin(), a.end(), [&](Index v) { return contains(b, v); });
 }
 
 std::uint64_t full(std::size_t n) { return ~std::uint64_t{0} >> (kBits - n); }
-
-/// The element of inc(a) whose vertices outside a have the fewest elements around them.
-Index pivot(const Topology& topology, std::span<const Index> vertices, std::span<const Index> inc) {
-  Index best = inc[0];
-  std::size_t least = std::numeric_limits<std::size_t>::max();
-  for (Index o : inc) {
-    std::size_t around = 0;
-    for (Index w : topology.mesh().vertices(o))
-      if (!contains(vertices, w)) around += topology.features().vertex_elements(w).size();
-    if (around < least) {
-      least = around;
-      best = o;
-    }
-  }
-  return best;
-}
 
 }  // namespace
 
@@ -45,9 +30,9 @@ void OSetPartners::next_mark() {
   mark_ += 2;
 }
 
-void OSetPartners::touch(const Mesh& mesh, std::span<const Index> inc) {
+void OSetPartners::touch(std::span<const Index> inc) {
   for (std::size_t k = 0; k < inc.size(); ++k)
-    for (Index w : mesh.vertices(inc[k])) {
+    for (Index w : (*vertices_)[inc[k]]) {
       if (touching_[w] == 0) touched_.push_back(w);
       touching_[w] |= std::uint64_t{1} << k;
     }
@@ -58,58 +43,66 @@ void OSetPartners::untouch() {
   touched_.clear();
 }
 
-std::uint64_t OSetPartners::touched_by(const Mesh& mesh, Index o) const {
-  std::uint64_t bits = 0;
-  for (Index w : mesh.vertices(o)) bits |= touching_[w];
-  return bits;
+/// The element of inc(a) whose vertices outside a have the fewest elements around them.
+Index OSetPartners::pivot(std::span<const Index> vertices, std::span<const Index> inc) const {
+  Index best = inc[0];
+  std::size_t least = std::numeric_limits<std::size_t>::max();
+  for (Index o : inc) {
+    std::size_t around = 0;
+    for (Index w : (*vertices_)[o])
+      if (!contains(vertices, w)) around += features_->vertex_elements(w).size();
+    if (around >= least) continue;
+    least = around;
+    best = o;
+  }
+  return best;
 }
 
-void OSetPartners::find_covering(const Topology& topology, std::span<const Index> vertices,
-                                 std::span<const Index> inc) {
-  const Mesh& mesh = topology.mesh();
-  const Features& features = topology.features();
+void OSetPartners::find_covering(std::span<const Index> vertices, std::span<const Index> inc) {
   next_mark();
   covering_.clear();
   for (Index w : vertices)
-    for (Index o : features.vertex_elements(w))
+    for (Index o : features_->vertex_elements(w))
       if (marks_[o] < mark_) {
         marks_[o] = mark_;
         covering_.push_back(o);
       }
+  find_far(vertices, inc);
+}
 
-  // The others, by the first kBits elements of inc(a); the rest of inc(a) can only take some of them out again.
-  const std::size_t sure = covering_.size();
+/// Those without a vertex of a, by the first kBits elements of inc(a); the rest can only take some of them out again.
+void OSetPartners::find_far(std::span<const Index> vertices, std::span<const Index> inc) {
+  const std::size_t near = covering_.size();
   const std::span<const Index> first = inc.first(std::min(inc.size(), kBits));
-  touch(mesh, first);
+  touch(first);
   const std::uint64_t all = full(first.size());
-  for (Index w : mesh.vertices(pivot(topology, vertices, inc))) {
+  for (Index w : (*vertices_)[pivot(vertices, inc)]) {
     if (contains(vertices, w)) continue;
-    for (Index o : features.vertex_elements(w)) {
+    for (Index o : features_->vertex_elements(w)) {
       if (marks_[o] >= mark_) continue;
-      const bool covering = touched_by(mesh, o) == all;
+      const bool covering = touched_by(o) == all;
       marks_[o] = covering ? mark_ : mark_ + 1;
       if (covering) covering_.push_back(o);
     }
   }
   untouch();
-  for (std::size_t k = kBits; k < inc.size() && covering_.size() > sure; k += kBits) {
+  for (std::size_t k = kBits; k < inc.size() && covering_.size() > near; k += kBits) {
     const std::span<const Index> part = inc.subspan(k, std::min(inc.size() - k, kBits));
-    touch(mesh, part);
-    const auto rest = covering_.begin() + static_cast<std::ptrdiff_t>(sure);
-    covering_.erase(std::remove_if(rest, covering_.end(),
-                                   [&](Index o) {
-                                     if (touched_by(mesh, o) == full(part.size())) return false;
-                                     marks_[o] = mark_ + 1;
-                                     return true;
-                                   }),
-                    covering_.end());
+    touch(part);
+    const auto end = std::remove_if(covering_.begin() + static_cast<std::ptrdiff_t>(near), covering_.end(), [&](Index o) {
+      if (touched_by(o) == full(part.size())) return false;
+      marks_[o] = mark_ + 1;
+      return true;
+    });
+    covering_.erase(end, covering_.end());
     untouch();
   }
 }
 
-bool OSetPartners::some_touches_all(const Mesh& mesh, std::span<const Index> some, std::span<const Index> all) {
+bool OSetPartners::some_touches_all(std::span<const Index> some, std::span<const Index> all) const {
   return std::any_of(some.begin(), some.end(), [&](Index o) {
-    return std::all_of(all.begin(), all.end(), [&](Index other) { return adjacent(mesh, o, other); });
+    return std::all_of(all.begin(), all.end(),
+                       [&](Index other) { return share_vertex((*vertices_)[o], (*vertices_)[other]); });
   });
 }
 

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include <volccd/experiments/program/text_table.hpp>
+#include <volccd/experiments/tables/text_table.hpp>
 
 namespace volccd {
 

@@ -28,7 +28,7 @@ struct SequenceOptions {
   std::string file, steps, shells = "surface", edges = "triangulated";
 
   void add_to(CLI::App& command);
-  SequenceStepper open() const;
+  SequenceStepper::Config stepper() const;
 };
 
 /// What is asked: --pairs, --separation, --threads.

@@ -11,19 +11,20 @@ namespace volccd::detail {
 /// The tuples themselves lie in the caller's array, which is handed to every call: tuples[slot] must hold the tuple of each
 /// slot in the table. Expected O(1) a call.
 template <std::size_t N>
+  requires(N == 2 || N == 3)
 class TupleTable {
  public:
   using Tuple = std::array<Index, N>;
   using Tuples = std::vector<Tuple>;
 
   Index find(const Tuple& tuple, const Tuples& tuples) const {
-    return table_.find(hash(tuple), [&](Index slot) { return tuples[slot] == tuple; });
+    return table_.find(hash(tuple), [&](Index slot) { return same(tuples[slot], tuple); });
   }
 
   /// Slot of the tuple; if it has none, it becomes `slot`, and the caller stores the tuple there before the next call.
   Index find_or_insert(const Tuple& tuple, Index slot, const Tuples& tuples) {
     return table_.find_or_insert(
-        hash(tuple), slot, [&](Index other) { return tuples[other] == tuple; },
+        hash(tuple), slot, [&](Index other) { return same(tuples[other], tuple); },
         [&](Index other) { return hash(tuples[other]); });
   }
 
@@ -44,6 +45,13 @@ class TupleTable {
     std::uint64_t h = std::uint64_t{tuple[0]} << 32 | tuple[1];
     if constexpr (N == 3) h = mix(h) + tuple[2];
     return static_cast<std::uint32_t>(mix(h) >> 32);
+  }
+
+  /// Spelled out: for std::array's own operator== g++ calls memcmp.
+  static bool same(const Tuple& x, const Tuple& y) {
+    bool equal = x[0] == y[0] && x[1] == y[1];
+    if constexpr (N == 3) equal = equal && x[2] == y[2];
+    return equal;
   }
 
   SlotTable table_;

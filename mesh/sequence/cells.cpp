@@ -1,6 +1,18 @@
 #include <volccd/mesh/sequence/cells.hpp>
 
+#include <algorithm>
+
 namespace volccd {
+
+namespace {
+
+bool same_element(const Mesh& mesh, Index o, const SequenceCells& cells, std::size_t i) {
+  return mesh.type(o) == cells.types[i] && mesh.object(o) == cells.parts[i] &&
+         std::ranges::equal(mesh.vertices(o), cells.vertices(i)) &&
+         std::ranges::equal(mesh.polytope_faces(o), cells.face_stream(i));
+}
+
+}  // namespace
 
 ElementSpec SequenceCells::spec(std::size_t i) const {
   const std::span<const Index> nodes = vertices(i), stream = face_stream(i);
@@ -45,6 +57,21 @@ Mesh mesh_of(std::span<const std::int64_t> point_ids, const SequenceCells& cells
   mesh.add_vertices(point_ids);
   for (std::size_t i = 0; i < cells.size(); ++i) mesh.add_element(cells.spec(i));
   return mesh;
+}
+
+TopologyEdit edit_to(const Mesh& mesh, const SequenceCells& cells) {
+  TopologyEdit edit;
+  std::vector<char> stays(mesh.element_slots(), 0);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const Index o = mesh.find_element(cells.ids[i]);
+    if (o != kNone && same_element(mesh, o, cells, i))
+      stays[o] = 1;
+    else
+      edit.added.push_back(cells.spec(i));
+  }
+  for (Index o = 0; o < mesh.element_slots(); ++o)
+    if (mesh.alive(o) && !stays[o]) edit.removed.push_back(o);
+  return edit;
 }
 
 }  // namespace volccd

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <volccd/mesh/mesh.hpp>
+#include <volccd/mesh/topology.hpp>
 
 namespace volccd {
 
@@ -44,5 +45,9 @@ SequenceCells cells_of(const Mesh& mesh);
 /// A mesh of vertices with these ids (ascending) and these cells: element i gets slot i. Throws InputError as
 /// Mesh::add_element does.
 Mesh mesh_of(std::span<const std::int64_t> point_ids, const SequenceCells& cells);
+
+/// What turns the elements of `mesh` into `cells`, told apart by their ids. An element whose type, vertices, faces or part
+/// differ under the same id is removed and added. Added ones are in the order of `cells`. O(elements + cells) expected.
+TopologyEdit edit_to(const Mesh& mesh, const SequenceCells& cells);
 
 }  // namespace volccd

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
+#include <Eigen/Geometry>
+
 namespace volccd::detail {
 
 namespace {

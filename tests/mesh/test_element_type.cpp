@@ -2,6 +2,8 @@
 
 #include <map>
 
+#include <Eigen/Geometry>
+
 #include <volccd/mesh/detail/element_tables.hpp>
 #include <volccd/mesh/element_type.hpp>
 

@@ -7,6 +7,9 @@
 #include <optional>
 #include <vector>
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
 #include <volccd/mesh/feature_block.hpp>
 #include <volccd/mesh/step.hpp>
 

@@ -226,7 +226,7 @@ TEST(CheckAgainstFcl, RefusesWhatItCannotJudge) {
   Scene scene(cell, moved(cell, Vec3(2, 0, 0)), Vec3::Zero(), 0, 1);
   EXPECT_THROW(scene.check({}, std::vector{1.5}), ConfigError);
   EXPECT_THROW(scene.check({}, std::vector{-0.1}), ConfigError);
-  EXPECT_THROW(scene.check({}, std::vector{NAN}), ConfigError);
+  EXPECT_THROW(scene.check({}, std::vector<double>{NAN}), ConfigError);
   EXPECT_THROW(overlapping_elements(scene.step(), NAN, scene.executor), ConfigError);
   Step early = scene.step();
   early.t_max = 0.5;

@@ -6,6 +6,9 @@
 #include <random>
 #include <set>
 
+#include <Eigen/Geometry>
+#include <Eigen/LU>
+
 #include <volccd/mesh/shapes.hpp>
 #include <volccd/oracle/detail/convex_pieces.hpp>
 #include <volccd/oracle/detail/fcl_pieces.hpp>
@@ -92,7 +95,9 @@ TEST(ConvexPieces, CoverTheBodyAndNothingElse) {
       const bool in_pieces =
           std::any_of(around.begin(), around.end(), [&](const ConvexPiece& q) { return in_tetrahedron(q, p); });
       EXPECT_TRUE(in_pieces || !in_body) << to_string(type) << " trial " << trial;
-      if (is_body) EXPECT_EQ(in_pieces, in_body) << to_string(type) << " trial " << trial;
+      if (is_body) {
+        EXPECT_EQ(in_pieces, in_body) << to_string(type) << " trial " << trial;
+      }
       inside += in_body;
     }
   }

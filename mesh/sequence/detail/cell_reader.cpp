@@ -5,6 +5,8 @@
 #include <numeric>
 #include <string>
 
+#include <volccd/mesh/detail/check_element.hpp>
+
 namespace volccd::detail {
 
 namespace {
@@ -151,7 +153,6 @@ void CellReader::read_polyhedra(std::size_t step, SequenceCells& cells) {
                                         face_connectivity_);
   polyhedra.to_faces.data.read(polyhedra.to_faces.first[step], polyhedra.to_face_ids[b], to_faces_);
   cells.face_offsets.assign(1, 0);
-  std::fill(used_.begin(), used_.end(), 0);
   face_uses_.assign(face_offsets_.size() - 1, 0);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (cells.types[i] == ElementType::polytope) {
@@ -161,7 +162,10 @@ void CellReader::read_polyhedra(std::size_t step, SequenceCells& cells) {
                                   "cell " + to_string(i) + " is no polyhedron but has faces" + in_step(step));
     }
     cells.face_offsets.push_back(cells.faces.size());
-    if (cells.types[i] == ElementType::polytope) check_polyhedron(step, i, cells);
+    if (cells.types[i] != ElementType::polytope) continue;
+    if (const std::string problem = element_problem(cells.spec(i), static_cast<Index>(layout_.points)); !problem.empty())
+      polyhedra.offsets.data.fail(polyhedra.offsets.first[step] + static_cast<std::int64_t>(i),
+                                  "cell " + to_string(i) + ": " + problem + in_step(step));
   }
 }
 
@@ -188,39 +192,6 @@ void CellReader::append_polyhedron(std::size_t step, std::size_t cell, SequenceC
       cells.faces.push_back(slot(polyhedra.face_connectivity, polyhedra.face_connectivity.first[step] + i,
                                  face_connectivity_[static_cast<std::size_t>(i)]));
   }
-}
-
-void CellReader::check_polyhedron(std::size_t step, std::size_t cell, const SequenceCells& cells) {
-  const StepArray& array = layout_.polyhedra->offsets;
-  const auto fail = [&](const std::string& problem) {
-    array.data.fail(array.first[step] + static_cast<std::int64_t>(cell),
-                    "the faces of polyhedron " + to_string(cell) + " " + problem + in_step(step));
-  };
-  // used_: 0 = not of this cell, 1 = of this cell, 2 + f = met last in its face f.
-  const std::span<const Index> own = cells.vertices(cell), stream = cells.face_stream(cell);
-  for (const Index v : own) used_[v] = 1;
-  edges_.clear();
-  std::size_t met = 0;
-  Index stamp = 2;
-  for (std::size_t at = 0; at < stream.size(); at += stream[at] + 1, ++stamp) {
-    const std::span<const Index> face = stream.subspan(at + 1, stream[at]);
-    if (face.size() < 3) fail("have one with " + to_string(face.size()) + " points");
-    for (std::size_t i = 0; i < face.size(); ++i) {
-      const Index v = face[i], w = face[(i + 1) % face.size()];
-      if (used_[v] == 0) fail("use a point that the cell does not have");
-      if (used_[v] == stamp) fail("have one with a point twice");
-      if (used_[v] == 1) ++met;
-      used_[v] = stamp;
-      edges_.push_back(std::uint64_t{std::min(v, w)} << 32 | std::max(v, w));
-    }
-  }
-  if (met != own.size()) fail("leave out a point of the cell");
-  std::sort(edges_.begin(), edges_.end());
-  bool closed = edges_.size() % 2 == 0;
-  for (std::size_t i = 0; closed && i < edges_.size(); i += 2)
-    closed = edges_[i] == edges_[i + 1] && (i == 0 || edges_[i] != edges_[i - 1]);
-  if (!closed) fail("do not close up: an edge is not in exactly two of them");
-  for (const Index v : own) used_[v] = 0;
 }
 
 }  // namespace volccd::detail

@@ -29,7 +29,6 @@ class CellReader {
   void read_ids(std::size_t step, SequenceCells& cells);
   void read_polyhedra(std::size_t step, SequenceCells& cells);
   void append_polyhedron(std::size_t step, std::size_t cell, SequenceCells& cells);
-  void check_polyhedron(std::size_t step, std::size_t cell, const SequenceCells& cells);
 
   /// Reads `count` + 1 offsets into [0, length] that start at 0, never fall and end at `length`.
   void read_monotone(const StepArray& array, std::size_t step, std::int64_t count, std::int64_t length,
@@ -44,7 +43,6 @@ class CellReader {
   std::vector<std::int64_t> face_connectivity_, face_offsets_, to_faces_, cell_faces_;
   std::vector<Index> used_;
   std::vector<std::uint8_t> face_uses_;
-  std::vector<std::uint64_t> edges_;
 };
 
 }  // namespace volccd::detail

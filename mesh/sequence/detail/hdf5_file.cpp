@@ -123,10 +123,7 @@ Hdf5File::Hdf5File(const std::string& name) : name_(name) {
   if (error) throw InputError(name, "", "cannot be opened: " + error.message());
 
   const QuietHdf5 quiet;
-  const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  // Whatever a damaged file leaves open is closed with it.
-  H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
-  id_ = Hdf5Id(H5Fopen(name.c_str(), H5F_ACC_RDONLY, access.get()), H5Fclose);
+  id_ = Hdf5Id(H5Fopen(name.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), H5Fclose);
   if (id_) return;
   const std::string reason = hdf5_reason();
   const htri_t is_hdf5 = H5Fis_hdf5(name.c_str());

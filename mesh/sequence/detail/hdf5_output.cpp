@@ -51,9 +51,7 @@ void GrowingDataset::append_raw(const void* values, std::size_t count, hid_t typ
 
 Hdf5Output::Hdf5Output(const std::string& name, std::string shown_as) : shown_as_(std::move(shown_as)) {
   const QuietHdf5 quiet;
-  const Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_fclose_degree(access.get(), H5F_CLOSE_STRONG);
-  id_ = Hdf5Id(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose);
+  id_ = Hdf5Id(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
   if (!id_) fail("", "cannot be written" + hdf5_reason());
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include <volccd/core/error.hpp>
+#include <volccd/mesh/detail/check_element.hpp>
 
 namespace volccd::detail {
 
@@ -60,15 +61,9 @@ void check_cells(const std::string& file, const SequenceCells& cells, Index poin
   check_length(file, "VTKHDF/CellData/PartId", cells.parts.size(), cells.size());
   check_length(file, "VTKHDF/CellData/GlobalCellIds", cells.ids.size(), cells.size());
   check_ids(file, "VTKHDF/CellData/GlobalCellIds", cells.ids);
-  Mesh mesh;
-  mesh.add_vertices(points);
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    try {
-      mesh.add_element(cells.spec(i));
-    } catch (const InputError& error) {
-      throw InputError(file, "VTKHDF/Connectivity", static_cast<std::int64_t>(i), error.what());
-    }
-  }
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (const std::string problem = element_problem(cells.spec(i), points); !problem.empty())
+      throw InputError(file, "VTKHDF/Connectivity", static_cast<std::int64_t>(i), problem);
 }
 
 }  // namespace volccd::detail

@@ -19,7 +19,7 @@ void check_vectors(const std::string& file, const std::string& dataset, std::spa
 /// `count` of them, finite and not negative.
 void check_thickness(const std::string& file, const std::string& dataset, std::span<const double> values,
                      std::size_t count);
-/// Arrays of fitting lengths, and cells that a Mesh of `points` vertices takes.
+/// Arrays of fitting lengths, and cells that a Mesh of `points` vertices takes. The index is the cell's.
 void check_cells(const std::string& file, const SequenceCells& cells, Index points);
 
 }  // namespace volccd::detail

@@ -1,4 +1,4 @@
-#include <volccd/experiments/program/text_table.hpp>
+#include <volccd/experiments/tables/text_table.hpp>
 
 #include <algorithm>
 

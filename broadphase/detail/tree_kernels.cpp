@@ -1,0 +1,291 @@
+#include <volccd/broadphase/detail/tree_kernels.hpp>
+
+#include <type_traits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "volccd/broadphase/detail/tree_kernels.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+#include <volccd/broadphase/detail/bounds-inl.hpp>
+
+HWY_BEFORE_NAMESPACE();
+namespace volccd::detail::HWY_NAMESPACE {
+
+/// Squared half perimeter along x, y, z; 0 for an empty bound.
+template <int kWidth>
+HWY_INLINE double size_of(const float* row) {
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) sum += static_cast<double>(row[kWidth + i]) - static_cast<double>(row[i]);
+  return sum >= 0 ? sum * sum : 0;
+}
+
+template <int kWidth>
+void refit_leaf(const RefitArrays& t, Index node) {
+  float* const bound = t.node_bounds->row(node);
+  make_empty<kWidth>(bound);
+  double elements = 0;
+  for (Index p = t.nodes[node].begin; p < t.nodes[node].end; ++p) {
+    float* const row = t.element_bounds->row(p);
+    if (t.list->slot(p) == kNone) {
+      make_empty<kWidth>(row);
+      continue;
+    }
+    const std::span<const Index> vertices = t.list->vertices(p);
+    unite_rows<kWidth>(t.vertices->row(0), vertices.data(), vertices.size(), row);
+    unite<kWidth>(bound, row, bound);
+    elements += size_of<kWidth>(row);
+  }
+  t.costs[node] = {size_of<kWidth>(bound), elements};
+}
+
+void refit_kernel(const RefitArrays& t, Index begin, Index end) {
+  with_width(t.vertices->width(), [&](auto width) {
+    for (Index node = end; node-- > begin;) {
+      const Index left = node + 1, right = t.nodes[node].right;
+      if (right == 0) {
+        refit_leaf<width>(t, node);
+        continue;
+      }
+      unite<width>(t.node_bounds->row(left), t.node_bounds->row(right), t.node_bounds->row(node));
+      t.costs[node] = {size_of<width>(t.node_bounds->row(node)) + t.costs[left].nodes + t.costs[right].nodes,
+                       t.costs[left].elements + t.costs[right].elements};
+    }
+  });
+}
+
+template <int kWidth>
+class Traversal {
+ public:
+  Traversal(const KdopTree& tree, const PairRules& rules)
+      : nodes_(tree.nodes().data()),
+        lanes_(tree.lanes()),
+        node_rows_(tree.node_bounds().row(0)),
+        element_rows_(tree.element_bounds().row(0)),
+        rules_(rules) {}
+
+  std::uint64_t tests() const { return tests_; }
+
+  /// Calls push(a, b) for the pairs that follow from one, which is not of two leaves nor of a leaf with itself.
+  template <class Push>
+  HWY_INLINE void descend(NodePair pair, Push&& push) {
+    const TreeNode &a = nodes_[pair.a], &b = nodes_[pair.b];
+    const Index al = pair.a + 1, bl = pair.b + 1;
+    if (pair.a == pair.b) {
+      if (wanted(al, al)) push(al, al);
+      if (wanted(a.right, a.right)) push(a.right, a.right);
+      test(al, a.right, push);
+    } else if (a.right == 0) {
+      test(pair.a, bl, push);
+      test(pair.a, b.right, push);
+    } else if (b.right == 0) {
+      test(al, pair.b, push);
+      test(a.right, pair.b, push);
+    } else {
+      test(al, bl, push);
+      test(al, b.right, push);
+      test(a.right, bl, push);
+      test(a.right, b.right, push);
+    }
+  }
+
+  bool is_leaf(Index node) const { return nodes_[node].right == 0; }
+
+  void run(NodePair start, NodePair* stack, PairWriter& out) {
+    std::size_t top = 0;
+    stack[top++] = start;
+    const auto push = [&](Index a, Index b) { stack[top++] = {a, b}; };
+    while (top > 0) {
+      const NodePair pair = stack[--top];
+      if (is_leaf(pair.a) && is_leaf(pair.b))
+        leaves(pair, out);
+      else
+        descend(pair, push);
+    }
+  }
+
+  /// Whether the filter may want a pair below these nodes.
+  HWY_INLINE bool wanted(Index a, Index b) const {
+    return !rules_.keys || rules_.keys->allowed(nodes_[a].key, nodes_[b].key);
+  }
+
+ private:
+  static constexpr Index kLanes = 4;
+
+  HWY_INLINE const float* node_row(Index i) const { return node_rows_ + i * std::size_t{2 * kWidth}; }
+  HWY_INLINE const float* element_row(Index i) const { return element_rows_ + i * std::size_t{2 * kWidth}; }
+
+  template <class Push>
+  HWY_INLINE void test(Index a, Index b, Push&& push) {
+    ++tests_;
+    if (overlap<kWidth>(node_row(a), node_row(b)) && wanted(a, b)) push(a, b);
+  }
+
+  /// Each element of the first leaf against four at a time of the second: as much as possible without branches, since most
+  /// of these pairs overlap, but not predictably.
+  HWY_INLINE void leaves(NodePair pair, PairWriter& out) {
+    const TreeNode &a = nodes_[pair.a], &b = nodes_[pair.b];
+    const bool itself = pair.a == pair.b;
+    const bool mixed = rules_.keys && (a.key == FilterKeys::kMixed || b.key == FilterKeys::kMixed);
+    ElementPair* next = out.room();
+    for (Index i = a.begin; i < a.end; ++i)
+      for (Index j = b.begin; j < b.end; j += kLanes) {
+        unsigned hits = overlaps(i, j) & ((1u << std::min(b.end - j, kLanes)) - 1);
+        if (itself) hits = after(hits, i, j);
+        hits &= ~unwanted(i, j, mixed);
+        next = emit(hits, i, j, next);
+      }
+    out.written(next);
+  }
+
+  /// Bit l: element i overlaps element j + l.
+  HWY_INLINE unsigned overlaps(Index i, Index j) const {
+    const float* const row = element_row(i);
+    unsigned hits = 0;
+    for (Index l = 0; l < kLanes; ++l) hits |= unsigned{overlap<kWidth>(row, element_row(j + l))} << l;
+    return hits;
+  }
+
+  /// Within one leaf: the bits of elements behind i, and that of i itself if it lives and such pairs are wanted.
+  HWY_INLINE unsigned after(unsigned hits, Index i, Index j) const {
+    const Index first = rules_.self_pairs && lanes_.slots[i] != kNone ? i : i + 1;
+    if (first <= j) return hits;
+    return first - j >= kLanes ? 0 : hits & (~0u << (first - j));
+  }
+
+  /// Bits of adjacent pairs if only others are wanted, and of pairs that the filter drops.
+  HWY_INLINE unsigned unwanted(Index i, Index j, bool mixed) const {
+    unsigned bits = 0;
+    if (rules_.adjacency) {
+      if (lanes_.vertices == 4)
+        bits = adjacent<4>(i, j);
+      else if (lanes_.vertices == 8)
+        bits = adjacent<8>(i, j);
+      else
+        bits = adjacent_large(i, j);
+    }
+    if (mixed) bits |= dropped(i, j);
+    return bits;
+  }
+
+  template <std::size_t kVertices>
+  HWY_INLINE unsigned adjacent(Index i, Index j) const {
+    const hn::CappedTag<std::uint32_t, kLanes> d;
+    unsigned bits = 0;
+    for (Index l = 0; l < kLanes; l += static_cast<Index>(hn::Lanes(d))) {
+      auto same = hn::Eq(hn::Set(d, lanes_.ids[i]), hn::LoadU(d, lanes_.ids + j + l));
+      for (std::size_t u = 0; u < kVertices; ++u) {
+        const auto id = hn::Set(d, lanes_.ids[u * lanes_.stride + i]);
+        for (std::size_t v = 0; v < kVertices; ++v)
+          same = hn::Or(same, hn::Eq(id, hn::LoadU(d, lanes_.ids + v * lanes_.stride + j + l)));
+      }
+      std::uint8_t mask[8];
+      hn::StoreMaskBits(d, same, mask);
+      bits |= unsigned{mask[0]} << l;
+    }
+    return bits;
+  }
+
+  HWY_NOINLINE unsigned adjacent_large(Index i, Index j) const {
+    return lane_bits(i, j, [&](Index a, Index b) { return rules_.adjacency->adjacent(a, b); });
+  }
+
+  HWY_NOINLINE unsigned dropped(Index i, Index j) const {
+    const FilterKeys& keys = *rules_.keys;
+    return lane_bits(i, j, [&](Index a, Index b) { return !keys.allowed(keys.key(a), keys.key(b)); });
+  }
+
+  template <class F>
+  HWY_INLINE unsigned lane_bits(Index i, Index j, F&& f) const {
+    unsigned bits = 0;
+    for (Index l = 0; l < kLanes; ++l)
+      if (lanes_.slots[i] != kNone && lanes_.slots[j + l] != kNone)
+        bits |= unsigned{f(lanes_.slots[i], lanes_.slots[j + l])} << l;
+    return bits;
+  }
+
+  HWY_INLINE ElementPair* emit(unsigned hits, Index i, Index j, ElementPair* next) const {
+    const Index a = lanes_.slots[i];
+    for (Index l = 0; l < kLanes; ++l) {
+      const Index b = lanes_.slots[j + l];
+      *next = {std::min(a, b), std::max(a, b)};
+      next += hits >> l & 1;
+    }
+    return next;
+  }
+
+  const TreeNode* const nodes_;
+  const LeafLanes lanes_;
+  const float* const node_rows_;
+  const float* const element_rows_;
+  const PairRules rules_;
+  std::uint64_t tests_ = 0;
+};
+
+/// Calls f with a Traversal fit for the tree, returns the number of its node tests.
+template <class F>
+std::uint64_t with_traversal(const KdopTree& tree, const PairRules& rules, F&& f) {
+  return with_width(tree.node_bounds().width(), [&](auto width) {
+    Traversal<width> traversal(tree, rules);
+    f(traversal);
+    return traversal.tests();
+  });
+}
+
+std::uint64_t start_kernel(const KdopTree& tree, const PairRules& rules, std::vector<NodePair>& out) {
+  return with_traversal(tree, rules, [&](auto& traversal) {
+    for (Index i = 0; i < tree.roots().size(); ++i)
+      for (Index j = i; j < tree.roots().size(); ++j)
+        if (traversal.wanted(tree.roots()[i], tree.roots()[j])) out.push_back({tree.roots()[i], tree.roots()[j]});
+  });
+}
+
+std::uint64_t expand_kernel(const KdopTree& tree, const PairRules& rules, const std::vector<NodePair>& pairs,
+                            std::vector<NodePair>& out) {
+  constexpr Index small = 64;  // elements of both nodes together
+  const auto count = [&](Index node) { return tree.nodes()[node].end - tree.nodes()[node].begin; };
+  return with_traversal(tree, rules, [&](auto& traversal) {
+    for (const NodePair pair : pairs)
+      if (count(pair.a) + count(pair.b) <= small)
+        out.push_back(pair);
+      else
+        traversal.descend(pair, [&](Index a, Index b) { out.push_back({a, b}); });
+  });
+}
+
+std::uint64_t traverse_kernel(const KdopTree& tree, const PairRules& rules, NodePair start,
+                              NodePair* stack, PairWriter& out) {
+  return with_traversal(tree, rules, [&](auto& traversal) { traversal.run(start, stack, out); });
+}
+
+}  // namespace volccd::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace volccd::detail {
+
+HWY_EXPORT(refit_kernel);
+HWY_EXPORT(start_kernel);
+HWY_EXPORT(expand_kernel);
+HWY_EXPORT(traverse_kernel);
+
+void refit_range(const RefitArrays& arrays, Index begin, Index end) {
+  HWY_DYNAMIC_DISPATCH(refit_kernel)(arrays, begin, end);
+}
+
+std::uint64_t start_pairs(const KdopTree& tree, const PairRules& rules, std::vector<NodePair>& out) {
+  return HWY_DYNAMIC_DISPATCH(start_kernel)(tree, rules, out);
+}
+
+std::uint64_t expand_pairs(const KdopTree& tree, const PairRules& rules, const std::vector<NodePair>& pairs,
+                           std::vector<NodePair>& out) {
+  return HWY_DYNAMIC_DISPATCH(expand_kernel)(tree, rules, pairs, out);
+}
+
+std::uint64_t traverse(const KdopTree& tree, const PairRules& rules, NodePair start, NodePair* stack,
+                       PairWriter& out) {
+  return HWY_DYNAMIC_DISPATCH(traverse_kernel)(tree, rules, start, stack, out);
+}
+
+}  // namespace volccd::detail
+#endif  // HWY_ONCE

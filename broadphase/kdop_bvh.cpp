@@ -1,0 +1,132 @@
+#include <volccd/broadphase/kdop_bvh.hpp>
+
+#include <vector>
+
+#include <volccd/broadphase/detail/kdop_option.hpp>
+#include <volccd/broadphase/detail/kdop_tree.hpp>
+#include <volccd/broadphase/detail/pair_writer.hpp>
+#include <volccd/broadphase/detail/topology_watch.hpp>
+#include <volccd/broadphase/detail/tree_kernels.hpp>
+
+namespace volccd {
+
+namespace {
+
+using detail::NodePair;
+using detail::TopologyWatch;
+
+/// Pairs of nodes that are shared out to the workers. Expansion stops once there are this many, and at most quadruples.
+constexpr std::size_t kTasks = 1024;
+
+struct alignas(64) Worker {
+  std::vector<NodePair> stack;
+  std::uint64_t node_tests = 0;
+};
+
+struct State final : StageState {
+  TopologyWatch watch;
+  detail::FilterKeys keys;
+  detail::BoundsTable vertices;
+  detail::KdopTree tree;
+  detail::PairWriters writers;
+  std::vector<NodePair> tasks, expanded;
+  std::vector<Worker> workers;
+  KdopBvh::Counters counters;
+
+  std::size_t bytes() const override {
+    std::size_t sum = watch.bytes() + keys.bytes() + vertices.bytes() + tree.bytes() + writers.bytes() +
+                      (tasks.capacity() + expanded.capacity()) * sizeof(NodePair);
+    for (const Worker& worker : workers) sum += sizeof(Worker) + worker.stack.capacity() * sizeof(NodePair);
+    return sum;
+  }
+};
+
+/// The deterministic front of node pairs that a query starts from, in state.tasks. Returns the number of node tests.
+std::uint64_t make_tasks(State& state, const detail::PairRules& rules) {
+  state.tasks.clear();
+  state.tasks.reserve(4 * kTasks);
+  state.expanded.reserve(4 * kTasks);
+  std::uint64_t tests = detail::start_pairs(state.tree, rules, state.tasks);
+  for (bool grows = true; grows && state.tasks.size() < kTasks;) {
+    state.expanded.clear();
+    const std::uint64_t more = detail::expand_pairs(state.tree, rules, state.tasks, state.expanded);
+    state.tasks.swap(state.expanded);
+    tests += more;
+    grows = more > 0;
+  }
+  return tests;
+}
+
+}  // namespace
+
+KdopBvh::KdopBvh(const Config& config) : config_(config) {
+  detail::check_k(config.k);
+  if (config.leaf_size < 1 || config.leaf_size > detail::KdopTree::kMostLeafSize)
+    throw ConfigError("kdop-bvh: leaf_size must lie in 1 .. 8");
+  if (!(config.degradation >= 1)) throw ConfigError("kdop-bvh: degradation must be at least 1");
+}
+
+const Options<KdopBvh::Config>& KdopBvh::options() {
+  static const Options<Config> options = [] {
+    Options<Config> o;
+    o.add("k", &Config::k, detail::k_choices(), "directions of the k-DOPs, 6 being boxes");
+    o.add("leaf_size", &Config::leaf_size, 1, detail::KdopTree::kMostLeafSize, "elements a leaf");
+    o.add("restructure", &Config::restructure,
+          {{"none", Restructure::none}, {"subtrees", Restructure::subtrees}, {"always", Restructure::always}},
+          "rebuild nothing, the subtrees that degraded, or all at every step");
+    o.add("degradation", &Config::degradation, 1, 1e9, "tolerated growth of a subtree's cost before it is rebuilt");
+    return o;
+  }();
+  return options;
+}
+
+std::unique_ptr<StageState> KdopBvh::make_state() const { return std::make_unique<State>(); }
+
+void KdopBvh::update(const Step& step, StageState& stage_state, Executor& executor) const {
+  State& state = static_cast<State&>(stage_state);
+  detail::bound_vertices(step, config_.k, executor, state.vertices);
+  const TopologyWatch::News news = state.watch.look(step.topology);
+  bool build = news == TopologyWatch::News::everything || config_.restructure == Restructure::always;
+  if (!build && news == TopologyWatch::News::edited)
+    build = !state.tree.edit(step.mesh(), state.watch.touched(), state.vertices, executor);
+  std::size_t restructured = 0;
+  if (build) {
+    state.tree.build(step.mesh(), config_.leaf_size, state.vertices, executor);
+    ++state.counters.builds;
+  } else {
+    state.tree.refit(state.vertices, executor);
+    if (config_.restructure == Restructure::subtrees)
+      restructured = state.tree.restructure(config_.degradation, state.vertices, executor);
+    state.counters.restructured_elements += restructured;
+  }
+  const bool new_nodes = build || news != TopologyWatch::News::none || restructured > 0;
+  const bool new_keys = state.keys.update(step, news != TopologyWatch::News::none);
+  if (!state.keys.trivial() && (new_nodes || new_keys)) state.tree.set_keys(state.keys);
+}
+
+void KdopBvh::query(const Step&, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
+  State& state = static_cast<State&>(stage_state);
+  const detail::PairRules rules(range, state.watch.adjacency(), state.keys);
+  state.counters.node_tests += make_tasks(state, rules);
+  state.workers.resize(executor.workers());
+  for (Worker& worker : state.workers) {
+    worker.stack.resize(std::max(worker.stack.size(), detail::stack_length(state.tree)));
+    worker.node_tests = 0;
+  }
+  state.writers.start(executor.workers(), sink);
+  executor.parallel_for(state.tasks.size(), 1, [&](std::size_t begin, std::size_t end, unsigned w) {
+    for (std::size_t i = begin; i < end; ++i)
+      state.workers[w].node_tests += detail::traverse(state.tree, rules, state.tasks[i], state.workers[w].stack.data(), state.writers[w]);
+  });
+  state.writers.finish();
+  for (const Worker& worker : state.workers) state.counters.node_tests += worker.node_tests;
+}
+
+const KdopBvh::Counters& KdopBvh::counters(const StageState& state) { return static_cast<const State&>(state).counters; }
+
+StageDescriptor<BroadPhase> describe_kdop_bvh() {
+  return describe_stage<BroadPhase, KdopBvh>("kdop-bvh", "bounding volume hierarchy of swept k-DOPs, refitted each step",
+                                             Guarantee::conservative);
+}
+
+}  // namespace volccd

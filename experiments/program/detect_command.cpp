@@ -1,0 +1,179 @@
+#include <cmath>
+#include <cstdio>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <volccd/experiments/program/commands.hpp>
+#include <volccd/experiments/program/progress.hpp>
+#include <volccd/experiments/program/query_options.hpp>
+#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/mesh/sequence/contacts_csv.hpp>
+
+namespace volccd {
+
+namespace {
+
+struct DetectOptions {
+  SequenceOptions sequence;
+  QueryOptions query;
+  std::string pipeline = "VolCCD", contacts, stats;
+  std::vector<std::string> settings;
+  bool first = false;
+};
+
+std::string time_text(double toi) { return std::isfinite(toi) ? fmt::format("{:.6f}", toi) : "-"; }
+
+std::vector<std::string> row_of(const std::string& title, const Statistics& s) {
+  return {title,
+          grouped(s.element_pairs),
+          grouped(s.surviving_pairs),
+          grouped(s.orphan_tests),
+          grouped(s.vf_tests),
+          grouped(s.ee_tests),
+          grouped(s.contacts),
+          time_text(s.earliest_toi),
+          duration(s.seconds)};
+}
+
+void print_stages(const Statistics& total) {
+  TextTable table({"stage", "name", "in", "out", "time", "share"});
+  double attributed = 0;
+  for (const StageStatistics& stage : total.stages) {
+    attributed += stage.seconds;
+    table.add({stage.role, stage.name, grouped(stage.in), grouped(stage.out), duration(stage.seconds),
+               fmt::format("{:.1f} %", 100 * stage.seconds / std::max(total.seconds, 1e-300))});
+  }
+  const double rest = std::max(0.0, total.seconds - attributed);
+  table.add({"remainder", "", "", "", duration(rest), fmt::format("{:.1f} %", 100 * rest / std::max(total.seconds, 1e-300))});
+  fmt::print("\n{}", table.text());
+}
+
+/// Runs the steps and keeps what the reports need.
+class Detection {
+ public:
+  Detection(const DetectOptions& options, const Registry& registry)
+      : options_(options),
+        spec_(make_spec(options, registry)),
+        pipeline_(registry, spec_),
+        workspace_(pipeline_.make_workspace()),
+        reader_(options.sequence.file),
+        stepper_(reader_, options.sequence.stepper()),
+        range_(parse_steps(options.sequence.steps, stepper_.motion_count(), options.sequence.file)),
+        executor_(make_executor(options.query.threads)),
+        filter_(options.query.filter()) {
+    if (!options.contacts.empty()) csv_.emplace(options.contacts);
+  }
+
+  int run() {
+    const InterruptGuard guard;
+    {
+      Progress progress("detecting, step", static_cast<std::size_t>(range_.end - range_.begin));
+      for (int k = range_.begin; k < range_.end && !InterruptGuard::interrupted(); ++k) {
+        run_step(k);
+        progress.advance(static_cast<std::size_t>(k + 1 - range_.begin));
+      }
+    }
+    report();
+    return InterruptGuard::interrupted() ? kInterrupted : kDone;
+  }
+
+ private:
+  static PipelineSpec make_spec(const DetectOptions& options, const Registry& registry) {
+    PipelineSpec spec = registry.pipeline(options.pipeline);
+    for (const std::string& setting : options.settings) registry.apply_setting(spec, setting);
+    return spec;
+  }
+
+  void run_step(int k) {
+    stepper_.go_to(k);
+    const Step step{stepper_.topology(), stepper_.motion(), filter_, options_.query.separation};
+    pipeline_.run(step, workspace_, *executor_, result_, options_.first ? Query::first : Query::all);
+    if (csv_) csv_->write_step(k, result_.contacts, stepper_.topology().mesh());
+    steps_.push_back(result_.statistics);
+    total_ += result_.statistics;
+  }
+
+  void report() {
+    TextTable table({"step", "element pairs", "after culling", "O-Set tests", "VF tests", "EE tests", "contacts",
+                     "earliest t", "time"});
+    for (std::size_t i = 0; i < steps_.size(); ++i)
+      table.add(row_of(fmt::format("{}", range_.begin + static_cast<int>(i)), steps_[i]));
+    table.rule();
+    table.add(row_of("all", total_));
+    fmt::print("{}: {}, {}, {} thread(s)\n\n{}", options_.sequence.file, spec_.name, to_string(pipeline_.guarantee()),
+               executor_->workers(), table.text());
+    print_stages(total_);
+    if (csv_) {
+      csv_->finish();
+      fmt::print("\ncontacts written to {}\n", options_.contacts);
+    }
+    if (!options_.stats.empty()) {
+      write_text_file(options_.stats, stats().dump(2) + "\n");
+      fmt::print("{}statistics written to {}\n", csv_ ? "" : "\n", options_.stats);
+    }
+  }
+
+  nlohmann::json stats() const {
+    nlohmann::json steps = nlohmann::json::array();
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+      nlohmann::json entry = to_json(steps_[i]);
+      entry["step"] = range_.begin + static_cast<int>(i);
+      steps.push_back(std::move(entry));
+    }
+    return {{"sequence", options_.sequence.file},
+            {"query", options_.first ? "first" : "all"},
+            {"pairs", options_.query.pairs},
+            {"separation", options_.query.separation},
+            {"shells", options_.sequence.shells},
+            {"edges", options_.sequence.edges},
+            {"threads", executor_->workers()},
+            {"pipeline", to_json(pipeline_)},
+            {"machine", machine_facts()},
+            {"steps", steps},
+            {"total", to_json(total_)}};
+  }
+
+  const DetectOptions& options_;
+  PipelineSpec spec_;
+  Pipeline pipeline_;
+  Workspace workspace_;
+  SequenceReader reader_;
+  SequenceStepper stepper_;
+  StepRange range_;
+  std::unique_ptr<Executor> executor_;
+  ObjectFilter filter_;
+  std::optional<ContactsCsvWriter> csv_;
+  StepResult result_;
+  std::vector<Statistics> steps_;
+  Statistics total_;
+};
+
+}  // namespace
+
+void add_detect_command(CLI::App& app, const Registry& registry, Action& action) {
+  CLI::App* command = app.add_subcommand("detect", "contacts of the motions in a sequence");
+  const auto options = std::make_shared<DetectOptions>();
+  options->sequence.add_to(*command);
+  command->add_option("--pipeline", options->pipeline, "see `volccd stages`")->type_name("NAME")->capture_default_str();
+  command->add_option("--set", options->settings, "stage.option=value, or role=stage[,stage...]; may be repeated")
+      ->type_name("X=Y")
+      ->allow_extra_args(false);
+  command->add_option("--contacts", options->contacts, "write the contacts as CSV")->type_name("FILE");
+  command->add_option("--stats", options->stats, "write counts and times as JSON")->type_name("FILE");
+  command->add_flag("--first", options->first, "the earliest contact of each step alone, found faster");
+  options->query.add_to(*command);
+  command->footer(
+      "Examples:\n"
+      "  volccd detect run.vtkhdf --contacts contacts.csv --stats stats.json\n"
+      "  volccd detect run.vtkhdf --steps 4:8 --pipeline NavCCD --threads 2\n"
+      "  volccd detect run.vtkhdf --pipeline VolCCD --set csat.axis=optimal --set broad-phase=spatial-hash\n"
+      "  volccd detect crash.vtkhdf --shells solid --pairs inter --first");
+  command->callback([options, &registry, &action] {
+    action = [options, &registry] { return Detection(*options, registry).run(); };
+  });
+}
+
+}  // namespace volccd

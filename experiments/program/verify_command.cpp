@@ -1,0 +1,144 @@
+#include <cmath>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include <volccd/experiments/program/commands.hpp>
+#include <volccd/experiments/program/progress.hpp>
+#include <volccd/experiments/program/query_options.hpp>
+#include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/experiments/verify/verify.hpp>
+
+namespace volccd {
+
+namespace {
+
+struct VerifyOptions {
+  SequenceOptions sequence;
+  QueryOptions query;
+  VerifyConfig config;
+  bool no_fcl = false, no_truth = false;
+};
+
+constexpr std::size_t kShown = 5;  ///< differences of a kind shown in full; all are counted
+
+std::string text_of(const ContactRow& row) {
+  const auto& v = row.ids;
+  return row.kind == FeatureKind::vf ? fmt::format("VF {} | {} {} {} at {:.17g}", v[0], v[1], v[2], v[3], row.toi)
+                                     : fmt::format("EE {} {} | {} {} at {:.17g}", v[0], v[1], v[2], v[3], row.toi);
+}
+
+void show(const char* what, const std::vector<ContactRow>& rows) {
+  for (std::size_t i = 0; i < std::min(rows.size(), kShown); ++i) fmt::print("    {}: {}\n", what, text_of(rows[i]));
+  if (rows.size() > kShown) fmt::print("    {}: {} more\n", what, rows.size() - kShown);
+}
+
+std::vector<ContactRow> rows_of(int k, const std::vector<Contact>& contacts, const Mesh& mesh) {
+  std::vector<ContactRow> rows;
+  for (const Contact& contact : contacts) rows.push_back(contact_row(k, contact, mesh));
+  return rows;
+}
+
+void show_differences(int k, const StepVerdict& verdict, const Mesh& mesh) {
+  for (const PipelineVerdict& one : verdict.pipelines) {
+    if (one.difference.empty()) continue;
+    fmt::print("  step {}: {} differs from {}: {} missing, {} extra, {} changed\n", k, one.pipeline, verdict.reference,
+               one.difference.missing.size(), one.difference.extra.size(), one.difference.changed.size());
+    show("missing", rows_of(k, one.difference.missing, mesh));
+    show("extra", rows_of(k, one.difference.extra, mesh));
+    std::vector<Contact> changed;
+    for (const auto& [expected, found] : one.difference.changed) changed.push_back(found);
+    show("changed", rows_of(k, changed, mesh));
+  }
+  for (std::size_t i = 0; i < std::min(verdict.fcl.violations.size(), kShown); ++i) {
+    const OverlapViolation& v = verdict.fcl.violations[i];
+    fmt::print("  step {}: FCL finds elements {} and {} overlapping by {:.3g} at t = {:g}, first contact {}\n", k,
+               mesh.element_id(v.pair.a), mesh.element_id(v.pair.b), v.depth, v.time,
+               std::isfinite(v.first_contact) ? fmt::format("{:.6f}", v.first_contact) : "none");
+  }
+}
+
+bool check_truth(SequenceReader& reader, const Mesh& mesh, const std::vector<Contact>& contacts, const VerifyConfig& config) {
+  const auto truth = read_ground_truth(reader);
+  if (!truth) return true;
+  const TruthVerdict verdict = check_against_truth(mesh, contacts, *truth, config.truth_time_tolerance);
+  fmt::print("ground truth of motion 0: {} pairs touch; {} missing, {} extra, {} with a wrong time (largest error {:.2g})\n",
+             grouped(verdict.colliding), verdict.missing.size(), verdict.extra.size(), verdict.wrong_time.size(),
+             verdict.largest_time_error);
+  show("missing", verdict.missing);
+  show("extra", verdict.extra);
+  show("wrong time", verdict.wrong_time);
+  return verdict.clean();
+}
+
+std::string fcl_text(const StepVerdict& verdict) {
+  if (verdict.fcl.times == 0) return "-";
+  return fmt::format("{} of {}", grouped(verdict.fcl.violations.size()), grouped(verdict.fcl.hits));
+}
+
+int verify(const VerifyOptions& options, const Registry& registry) {
+  SequenceReader reader(options.sequence.file);
+  SequenceStepper stepper(reader, options.sequence.stepper());
+  const StepRange range = parse_steps(options.sequence.steps, stepper.motion_count(), options.sequence.file);
+  const auto executor = make_executor(options.query.threads);
+  const ObjectFilter filter = options.query.filter();
+  VerifyConfig config = options.config;
+  if (options.no_fcl) config.fcl_times.clear();
+  Verifier verifier(registry, config);
+  bool clean = true;
+  TextTable table({"step", "reference", "contacts", "earliest t", "pipelines that differ", "FCL violations of hits"});
+  // The truth is that of surfaces and of all pairs.
+  const bool truth_fits = !options.no_truth && options.sequence.shells == "surface" && filter.trivial() &&
+                          options.query.separation == 0 && options.sequence.edges == "triangulated";
+  const InterruptGuard guard;
+  {
+    Progress progress("verifying, step", static_cast<std::size_t>(range.end - range.begin));
+    for (int k = range.begin; k < range.end && !InterruptGuard::interrupted(); ++k) {
+      stepper.go_to(k);
+      const Mesh& mesh = stepper.topology().mesh();
+      std::vector<Contact> contacts;
+      const StepVerdict verdict = verifier.check(
+          {stepper.topology(), stepper.motion(), filter, options.query.separation}, *executor, &contacts);
+      std::string differ;
+      for (const PipelineVerdict& one : verdict.pipelines)
+        if (!one.difference.empty()) differ += (differ.empty() ? "" : ", ") + one.pipeline;
+      table.add({std::to_string(k), verdict.reference, grouped(verdict.contacts),
+                 std::isfinite(verdict.earliest_toi) ? fmt::format("{:.6f}", verdict.earliest_toi) : "-",
+                 differ.empty() ? fmt::format("none of {}", verdict.pipelines.size()) : differ, fcl_text(verdict)});
+      show_differences(k, verdict, mesh);
+      clean = clean && verdict.clean();
+      if (k == 0 && truth_fits) clean = check_truth(reader, mesh, contacts, config) && clean;
+      progress.advance(static_cast<std::size_t>(k + 1 - range.begin));
+    }
+  }
+  fmt::print("{}", table.text());
+  if (InterruptGuard::interrupted()) return kInterrupted;
+  fmt::print("{}\n", clean ? "clean: no difference" : "DIFFERENCES FOUND");
+  return clean ? kDone : kDifferent;
+}
+
+}  // namespace
+
+void add_verify_command(CLI::App& app, const Registry& registry, Action& action) {
+  CLI::App* command = app.add_subcommand("verify", "all pipelines against brute force, FCL and the file's ground truth");
+  const auto options = std::make_shared<VerifyOptions>();
+  options->sequence.add_to(*command);
+  options->query.add_to(*command);
+  command->add_option("--brute-force-limit", options->config.brute_force_limit,
+                      "elements up to which brute force is the reference; beyond, NavCCD")
+      ->capture_default_str();
+  command->add_flag("--no-fcl", options->no_fcl, "without the FCL oracle");
+  command->add_flag("--no-truth", options->no_truth, "without the file's ground truth");
+  command->footer(
+      "Every registered pipeline must find the contacts of the reference, bit for bit. Where FCL finds two elements\n"
+      "overlapping at t = 1/4, 1/2, 3/4 or 1, they overlapped at t = 0 or must have a contact by then.\n"
+      "Exit code 1 if anything differs.\n"
+      "Examples:\n"
+      "  volccd verify run.vtkhdf\n"
+      "  volccd verify run.vtkhdf --steps 0:2 --threads 2 --no-fcl");
+  command->callback([options, &registry, &action] {
+    action = [options, &registry] { return verify(*options, registry); };
+  });
+}
+
+}  // namespace volccd

@@ -1,0 +1,151 @@
+#include <volccd/experiments/scenes/builtin.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include <volccd/core/error.hpp>
+
+namespace volccd {
+
+namespace {
+
+const Options<BuiltinConfig>& builtin_options() {
+  static const auto options = Options<BuiltinConfig>()
+                                  .add("elements", &BuiltinConfig::elements, 100, 10'000'000, "hexahedra, about")
+                                  .add("steps", &BuiltinConfig::steps, 2, 100'000, "frames of the sequence");
+  return options;
+}
+
+// Sizes in centimetres; the event lasts kDuration units of time, one a default step.
+constexpr double kDuration = 8;
+constexpr double kWidth = 1, kLength = 2.5;           // the block
+constexpr double kPlateSide = 8, kPlateThickness = 1.5;
+constexpr double kGap = 0.3;                          // from the block's end to the plate, along its way
+constexpr double kSpeed = 0.62, kSlowing = 0.28;      // share of the speed that is lost
+constexpr double kReach = 1.1;                        // how far around its way the plate gives
+constexpr double kDelay = 0.3;                        // how far an element is passed before it erodes
+
+/// The block's rest frame: origin at the middle of its leading end, z backwards along its way.
+struct Flight {
+  Eigen::Matrix3d axes =
+      (Eigen::AngleAxisd(0.21, Vec3::UnitY()) * Eigen::AngleAxisd(0.35, Vec3::UnitZ())).toRotationMatrix();
+
+  Vec3 backwards() const { return axes.col(2); }
+  double travel(double time) const { return kSpeed * time * (1 - kSlowing * time / kDuration); }
+  /// Where the leading end would be if nothing slowed it.
+  Vec3 tip(double time) const { return (kGap + 0.12 - travel(time)) * backwards(); }
+  /// How far the tip is inside or beyond the plate.
+  double depth(double time) const { return std::max(0.0, travel(time) - kGap); }
+};
+
+/// Keeps faces from being planar.
+Vec3 ripple(const Vec3& p, double amount) {
+  return amount * Vec3(std::sin(5.1 * p.y() + 3.3 * p.z()), std::sin(4.7 * p.z() + 2.9 * p.x()),
+                       std::sin(5.5 * p.x() + 3.7 * p.y()));
+}
+
+class Penetration final : public Scene {
+ public:
+  explicit Penetration(const BuiltinConfig& config) : steps_(config.steps) {
+    const double finer = std::cbrt(config.elements / 1530.0);
+    const auto cells = [&](int n) { return std::max(1, static_cast<int>(std::lround(n * finer))); };
+    Shape shot = block(ElementType::hexahedron, cells(5), cells(5), cells(10));
+    Shape plate = block(ElementType::hexahedron, cells(16), cells(16), cells(5));
+    fit(shot, Vec3(kWidth, kWidth, kLength), Vec3(0.5, 0.5, 0));
+    fit(plate, Vec3(kPlateSide, kPlateSide, kPlateThickness), Vec3(0.5, 0.5, 1));
+    shot_vertices_ = shot.positions.size();
+    rest_.append(shot, 1).append(plate, 2);
+    metadata_.title = "Built-in scene: block penetrating a plate, made up by formula";
+    metadata_.source = "volccd scene builtin";
+    metadata_.units = "cm";
+    metadata_.time_unit = "5 microseconds";
+    metadata_.part_names = {{1, "Projectile"}, {2, "Plate"}};
+    find_erosion();
+  }
+
+  const SequenceMetadata& metadata() const override { return metadata_; }
+  int frames() const override { return steps_; }
+  double time(int frame) const override { return kDuration * frame / (steps_ - 1); }
+  Index vertex_count() const override { return static_cast<Index>(rest_.positions.size()); }
+
+  void positions(int frame, std::vector<Vec3>& out) const override {
+    out.resize(rest_.positions.size());
+    for (std::size_t v = 0; v < out.size(); ++v)
+      out[v] = v < shot_vertices_ ? shot_point(rest_.positions[v], time(frame)) : plate_point(rest_.positions[v], time(frame));
+  }
+
+  void cells(int frame, SequenceCells& out) const override {
+    out.clear();
+    for (std::size_t i = 0; i < rest_.elements.size(); ++i)
+      if (frame < erodes_at_[i]) out.add(rest_.elements[i]);
+  }
+
+ private:
+  /// Scales to `size` and puts the point at the given fractions of it at the origin.
+  static void fit(Shape& shape, const Vec3& size, const Vec3& origin) {
+    Vec3 extent = Vec3::Zero();
+    for (const Vec3& p : shape.positions) extent = extent.cwiseMax(p);
+    for (Vec3& p : shape.positions) p = (p.cwiseQuotient(extent) - origin).cwiseProduct(size);
+  }
+
+  /// The leading end is upset: it stays behind and spreads.
+  Vec3 shot_point(const Vec3& p, double t) const {
+    const double upset = 0.4 * std::min(1.0, flight_.depth(t) / 2) * std::exp(-p.z() / 0.6);
+    Vec3 local(p.x() * (1 + 0.6 * upset), p.y() * (1 + 0.6 * upset), p.z() + upset);
+    local += ripple(p, 0.008 + 0.012 * std::min(1.0, flight_.depth(t)));
+    return flight_.tip(t) + flight_.axes * local;
+  }
+
+  /// The plate is dished and pushed aside around the block's way.
+  Vec3 plate_point(const Vec3& p, double t) const {
+    const double depth = flight_.depth(t);
+    const Vec3 way = flight_.backwards();
+    const Vec3 aside = p - way * (p.z() / way.z());
+    const double r = std::hypot(aside.x(), aside.y()) / kReach;
+    const double near = std::exp(-r * r) * std::min(1.0, depth / kPlateThickness);
+    const Vec3 pushed(0.3 * near * aside.x(), 0.3 * near * aside.y(), -0.45 * near);
+    return p + pushed + ripple(p, 0.01 + 0.02 * near);
+  }
+
+  bool is_eroded(std::size_t element, double t) const {
+    Vec3 centre = Vec3::Zero();
+    for (const Index v : rest_.elements[element].vertices) centre += rest_.positions[v] / 8;
+    const double depth = flight_.depth(t);
+    if (rest_.elements[element].object == 1)
+      return centre.z() < 0.35 * (depth - 0.9) - 0.3 * std::abs(std::hypot(centre.x(), centre.y()) - 0.4);
+    const Vec3 local = flight_.axes.transpose() * (plate_point(centre, t) - flight_.tip(t));
+    return local.z() > kDelay && std::max(std::abs(local.x()), std::abs(local.y())) < kWidth / 2 + 0.1;
+  }
+
+  void find_erosion() {
+    erodes_at_.assign(rest_.elements.size(), steps_);
+    for (std::size_t i = 0; i < rest_.elements.size(); ++i)
+      for (int frame = 1; frame < steps_ && erodes_at_[i] == steps_; ++frame)
+        if (is_eroded(i, time(frame))) erodes_at_[i] = frame;
+  }
+
+  int steps_;
+  Flight flight_;
+  Shape rest_;
+  std::size_t shot_vertices_ = 0;
+  std::vector<int> erodes_at_;  ///< first frame without the element
+  SequenceMetadata metadata_;
+};
+
+}  // namespace
+
+std::unique_ptr<Scene> make_builtin(const BuiltinConfig& config) {
+  if (config.elements < 100 || config.elements > 10'000'000) throw ConfigError("builtin: elements is not in 100 .. 10000000");
+  if (config.steps < 2 || config.steps > 100'000) throw ConfigError("builtin: steps is not in 2 .. 100000");
+  return std::make_unique<Penetration>(config);
+}
+
+SceneDescriptor describe_builtin() {
+  return {"builtin", "a block of hexahedra goes through a plate, by formula; elements erode; needs no data", false,
+          builtin_options().describe(),
+          [](const OptionValues& values, const Shape*) { return make_builtin(builtin_options().parse(values)); }};
+}
+
+}  // namespace volccd

@@ -1,0 +1,84 @@
+#include <volccd/experiments/scenes/scene.hpp>
+
+#include <numeric>
+
+#include <volccd/core/error.hpp>
+#include <volccd/experiments/scenes/builtin.hpp>
+#include <volccd/experiments/scenes/deform.hpp>
+#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/mesh/sequence/writer.hpp>
+
+namespace volccd {
+
+namespace {
+
+std::vector<std::int64_t> first_ids(Index n) {
+  std::vector<std::int64_t> ids(n);
+  std::iota(ids.begin(), ids.end(), 0);
+  return ids;
+}
+
+}  // namespace
+
+void write_scene(const Scene& scene, const std::string& file) {
+  SequenceWriter writer(file, first_ids(scene.vertex_count()), scene.metadata());
+  std::vector<Vec3> points;
+  SequenceCells cells;
+  for (int frame = 0; frame < scene.frames(); ++frame) {
+    scene.positions(frame, points);
+    scene.cells(frame, cells);
+    writer.write_step(scene.time(frame), points, cells);
+  }
+  writer.finish();
+}
+
+Mesh scene_mesh(const Scene& scene, int frame) {
+  SequenceCells cells;
+  scene.cells(frame, cells);
+  return mesh_of(first_ids(scene.vertex_count()), cells);
+}
+
+Shape shape_from_file(const std::string& file, int step) {
+  SequenceReader reader(file);
+  if (step < 0 || step >= reader.step_count())
+    throw ConfigError(file + " has steps 0 .. " + std::to_string(reader.step_count() - 1) + ", not " + std::to_string(step));
+  std::vector<Vec3> points;
+  SequenceCells cells;
+  reader.read_points(step, points);
+  reader.read_cells(step, cells);
+  std::vector<Index> slot(points.size(), kNone);
+  for (const Index v : cells.connectivity) slot[v] = 0;
+  Shape shape;
+  for (std::size_t v = 0; v < points.size(); ++v)
+    if (slot[v] != kNone) {
+      slot[v] = static_cast<Index>(shape.positions.size());
+      shape.positions.push_back(points[v]);
+    }
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    ElementSpec spec = cells.spec(i);
+    for (Index& v : spec.vertices) v = slot[v];
+    for (std::size_t k = 0; k < spec.faces.size(); k += spec.faces[k] + std::size_t{1})
+      for (std::size_t j = k + 1; j <= k + spec.faces[k]; ++j) spec.faces[j] = slot[spec.faces[j]];
+    shape.elements.push_back(std::move(spec));
+  }
+  return shape;
+}
+
+const std::vector<SceneDescriptor>& scenes() {
+  static const std::vector<SceneDescriptor> all = {describe_deform(), describe_builtin()};
+  return all;
+}
+
+std::unique_ptr<Scene> make_scene(const std::string& name, const OptionValues& values, const Shape* mesh) {
+  std::string known;
+  for (const SceneDescriptor& scene : scenes()) {
+    known += (known.empty() ? "" : ", ") + scene.name;
+    if (scene.name != name) continue;
+    if (scene.needs_mesh != (mesh != nullptr))
+      throw ConfigError("scene " + name + (mesh ? " takes no mesh" : " needs a mesh to work on"));
+    return scene.make(values, mesh);
+  }
+  throw ConfigError("no scene is called \"" + name + "\"; there are: " + known);
+}
+
+}  // namespace volccd

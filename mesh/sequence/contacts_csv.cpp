@@ -1,0 +1,188 @@
+#include <volccd/mesh/sequence/contacts_csv.hpp>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <tuple>
+#include <utility>
+
+#include <volccd/core/error.hpp>
+#include <volccd/mesh/sequence/detail/atomic_file.hpp>
+
+namespace volccd {
+
+namespace {
+
+constexpr std::string_view kHeader = "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz";
+constexpr std::string_view kShortHeader = "step,kind,a,b,c,d,toi";
+
+}  // namespace
+
+bool canonical_less(const ContactRow& x, const ContactRow& y) {
+  return std::tie(x.step, x.kind, x.ids) < std::tie(y.step, y.kind, y.ids);
+}
+
+ContactRow contact_row(int step, const Contact& contact, const Mesh& mesh) {
+  ContactRow row{step, contact.kind, {}, contact.toi, contact.normal, contact.point};
+  for (std::size_t i = 0; i < 4; ++i) row.ids[i] = mesh.vertex_id(contact.vertices[i]);
+  return row;
+}
+
+struct ContactsCsvWriter::Impl {
+  explicit Impl(const std::string& name) : atomic(name), stream(std::fopen(atomic.temporary().c_str(), "w"), std::fclose) {
+    if (!stream) fail();
+  }
+
+  [[noreturn]] void fail() const {
+    throw InputError(atomic.target(), "", std::string("cannot be written: ") + std::strerror(errno));
+  }
+  void write(const ContactRow& row);
+
+  detail::AtomicFile atomic;
+  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream;
+  std::vector<ContactRow> rows;
+  std::string text;
+  std::int64_t last_step = -1;
+};
+
+void ContactsCsvWriter::Impl::write(const ContactRow& row) {
+  const Vec3 &n = row.normal, &p = row.point;
+  if (!std::isfinite(row.toi) || !n.allFinite() || !p.allFinite())
+    throw InputError(atomic.target(), "", "a contact of step " + std::to_string(row.step) + " is not finite");
+  text = std::to_string(row.step) + (row.kind == FeatureKind::vf ? ",VF" : ",EE");
+  for (const std::int64_t id : row.ids) text += "," + std::to_string(id);
+  for (const double value : {row.toi, n.x(), n.y(), n.z(), p.x(), p.y(), p.z()}) {
+    // As printf's %.17g, but with a point in every locale.
+    char digits[32];
+    const auto end = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 17).ptr;
+    text.append(",").append(digits, end);
+  }
+  text += '\n';
+  if (std::fwrite(text.data(), 1, text.size(), stream.get()) != text.size()) fail();
+}
+
+ContactsCsvWriter::ContactsCsvWriter(const std::string& file) : impl_(std::make_unique<Impl>(file)) {
+  if (std::fprintf(impl_->stream.get(), "%s\n", std::string(kHeader).c_str()) < 0) impl_->fail();
+}
+ContactsCsvWriter::ContactsCsvWriter(ContactsCsvWriter&&) noexcept = default;
+ContactsCsvWriter::~ContactsCsvWriter() = default;
+
+void ContactsCsvWriter::write_step(int step, std::span<const Contact> contacts, const Mesh& mesh) {
+  Impl& o = *impl_;
+  if (!o.stream) throw InputError(o.atomic.target(), "", "has been finished before");
+  if (step <= o.last_step) throw InputError(o.atomic.target(), "", "step " + std::to_string(step) + " is written out of order");
+  o.last_step = step;
+  o.rows.clear();
+  for (const Contact& contact : contacts) o.rows.push_back(contact_row(step, contact, mesh));
+  std::sort(o.rows.begin(), o.rows.end(), [](const ContactRow& x, const ContactRow& y) { return canonical_less(x, y); });
+  for (const ContactRow& row : o.rows) o.write(row);
+}
+
+void ContactsCsvWriter::finish() {
+  Impl& o = *impl_;
+  if (!o.stream) throw InputError(o.atomic.target(), "", "has been finished before");
+  if (std::fclose(o.stream.release()) != 0) o.fail();
+  o.atomic.commit();
+}
+
+namespace {
+
+/// Takes a line apart and checks it.
+class RowParser {
+ public:
+  RowParser(const std::string& file, std::int64_t line, std::string_view text) : file_(file), line_(line), rest_(text) {}
+
+  ContactRow parse(bool with_geometry) {
+    ContactRow row;
+    row.step = integer("step");
+    if (row.step < 0) fail("the step is negative");
+    const std::string_view kind = field();
+    if (kind != "VF" && kind != "EE") fail("the kind is neither VF nor EE");
+    row.kind = kind == "VF" ? FeatureKind::vf : FeatureKind::ee;
+    for (std::int64_t& id : row.ids) id = integer("vertex id");
+    check_ids(row);
+    row.toi = number("toi");
+    if (row.toi < 0 || row.toi > 1) fail("the toi is outside [0, 1]");
+    if (with_geometry) {
+      for (int i = 0; i < 3; ++i) row.normal[i] = number("normal");
+      for (int i = 0; i < 3; ++i) row.point[i] = number("point");
+    }
+    if (!at_end_) fail("has too many fields");
+    return row;
+  }
+
+ private:
+  [[noreturn]] void fail(const std::string& problem) const { throw InputError(file_, "line", line_, problem); }
+
+  std::string_view field() {
+    if (at_end_) fail("has too few fields");
+    const std::size_t comma = rest_.find(',');
+    const std::string_view text = rest_.substr(0, comma);
+    at_end_ = comma == std::string_view::npos;
+    if (!at_end_) rest_.remove_prefix(comma + 1);
+    return text;
+  }
+
+  template <class T>
+  T value(const char* what) {
+    const std::string_view text = field();
+    T result{};
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), result);
+    if (error != std::errc{} || end != text.data() + text.size())
+      fail(std::string("the ") + what + " \"" + std::string(text) + "\" is not a number");
+    return result;
+  }
+  std::int64_t integer(const char* what) { return value<std::int64_t>(what); }
+  double number(const char* what) {
+    const double result = value<double>(what);
+    if (!std::isfinite(result)) fail(std::string("the ") + what + " is not finite");
+    return result;
+  }
+
+  void check_ids(const ContactRow& row) const {
+    const auto [a, b, c, d] = row.ids;
+    const bool ordered = row.kind == FeatureKind::vf ? b < c && c < d : a < b && c < d && (a < c || (a == c && b < d));
+    if (!ordered) fail("the vertex ids are not in canonical order");
+    if (a == b || a == c || a == d || b == c || b == d) fail("the two features have a common vertex");
+    if (a < 0 || b < 0 || c < 0) fail("a vertex id is negative");
+  }
+
+  const std::string& file_;
+  std::int64_t line_;
+  std::string_view rest_;
+  bool at_end_ = false;
+};
+
+}  // namespace
+
+std::vector<ContactRow> read_contacts_csv(const std::string& file) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(file, ignored)) throw InputError(file, "", "cannot be opened: no such file");
+  std::ifstream stream(file);
+  if (!stream) throw InputError(file, "", std::string("cannot be opened: ") + std::strerror(errno));
+  std::vector<ContactRow> rows;
+  std::string text;
+  bool with_geometry = false;
+  for (std::int64_t line = 1; std::getline(stream, text); ++line) {
+    if (stream.eof()) throw InputError(file, "line", line, "is cut short: it has no end");
+    if (!text.empty() && text.back() == '\r') text.pop_back();
+    if (line > 1) {
+      rows.push_back(RowParser(file, line, text).parse(with_geometry));
+      continue;
+    }
+    with_geometry = text == kHeader;
+    if (!with_geometry && text != kShortHeader)
+      throw InputError(file, "line", line, "is not the header \"" + std::string(kHeader) + "\"");
+  }
+  if (stream.bad()) throw InputError(file, "", std::string("cannot be read: ") + std::strerror(errno));
+  if (rows.empty() && text.empty()) throw InputError(file, "line", 1, "is missing: the file is empty");
+  return rows;
+}
+
+}  // namespace volccd

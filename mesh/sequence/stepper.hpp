@@ -1,0 +1,71 @@
+// From a sequence file to queries: a topology and a motion for each pair of neighbouring steps.
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <volccd/mesh/features.hpp>
+#include <volccd/mesh/motion.hpp>
+#include <volccd/mesh/sequence/cells.hpp>
+#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/mesh/topology.hpp>
+
+namespace volccd {
+
+/// Motion k goes from the points of step k to those of step k+1 on straight lines, on the topology of step k+1: a query runs
+/// on the new topology. Element ids are GlobalCellIds, objects are PartId, vertices are all points of the file.
+///
+/// Going from one motion to another edits one Topology by the cells that came, went or changed, so that stages can follow
+/// its changes; jumping works as well as going on. Element slots therefore depend on the way taken, vertex slots and contacts
+/// do not.
+///
+/// A file holds all its points at all steps, also those that no cell uses. So a vertex that the cells of step k do not use
+/// and those of step k+1 do starts from its stored place at step k, and is not a new vertex in the sense of Section 6.3.
+///
+/// Holds two steps of points. One thread at a time.
+class SequenceStepper {
+ public:
+  struct Config {
+    EdgeSet edge_set = EdgeSet::triangulated;
+  };
+
+  /// The reader outlives the stepper.
+  explicit SequenceStepper(SequenceReader& reader) : SequenceStepper(reader, Config()) {}
+  SequenceStepper(SequenceReader& reader, Config config) : reader_(reader), config_(config) {}
+
+  /// Steps less one; 0 for a file of one step.
+  int motion_count() const { return reader_.step_count() - 1; }
+
+  /// Throws InputError if there is no such motion or its data are bad; then topology() and motion() are as before. Time
+  /// without reading: proportional to the points, the cells, and the features of the cells that change.
+  void go_to(int motion);
+
+  /// The motion gone to last, or -1. What follows needs one.
+  int current() const { return current_; }
+  const Topology& topology() const { return *topology_; }
+  const Motion& motion() const { return motion_; }
+  /// Time of step k+1 less that of step k.
+  double step_length() const { return reader_.time(current_ + 1) - reader_.time(current_); }
+
+ private:
+  /// Points of one step of the file.
+  struct Points {
+    int step = -1;
+    std::vector<Vec3> positions;
+  };
+
+  void read_points(int motion);
+  void read_points(int step, Points& points);
+  void set_topology(int step);
+
+  SequenceReader& reader_;
+  Config config_;
+  int current_ = -1;
+  int topology_step_ = -1;
+  std::optional<Topology> topology_;
+  Motion motion_;
+  Points x0_, x1_;
+  SequenceCells cells_;
+};
+
+}  // namespace volccd

@@ -1,0 +1,142 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include <volccd/core/random.hpp>
+#include <volccd/mesh/detail/incidence_pool.hpp>
+#include <volccd/mesh/detail/slot_table.hpp>
+#include <volccd/mesh/detail/tuple_table.hpp>
+
+namespace volccd::detail {
+namespace {
+
+/// Keys by slot, with a hash chosen by the test: a bad one piles everything up and wraps around the end.
+struct Keys {
+  std::uint32_t (*hash)(std::uint64_t);
+  std::map<Index, std::uint64_t> key_of;
+  auto hash_of() const {
+    return [this](Index slot) { return hash(key_of.at(slot)); };
+  }
+};
+
+void compare_with_map(std::uint32_t (*hash)(std::uint64_t), std::uint64_t distinct, std::uint64_t seed) {
+  SlotTable table;
+  Keys keys{hash, {}};
+  std::map<std::uint64_t, Index> reference;
+  std::set<Index> free;
+  Random random(seed);
+  Index next = 0;
+  for (int step = 0; step < 6000; ++step) {
+    const std::uint64_t key = random.below(distinct);
+    const auto same = [&](Index slot) { return keys.key_of.at(slot) == key; };
+    const auto known = reference.find(key);
+    ASSERT_EQ(table.find(hash(key), same), known == reference.end() ? kNone : known->second);
+    const bool shrinking = step / 1500 % 2 == 1;
+    if (known != reference.end() && random.below(shrinking ? 1 : 4) == 0) {
+      table.erase(known->second, keys.hash_of());
+      keys.key_of.erase(known->second);
+      free.insert(known->second);
+      reference.erase(known);
+    } else if (known == reference.end() && (!shrinking || random.below(8) == 0)) {
+      const Index slot = free.empty() ? next++ : *free.begin();
+      free.erase(slot);
+      ASSERT_EQ(table.find_or_insert(hash(key), slot, same, keys.hash_of()), slot);
+      keys.key_of[slot] = key;
+      reference[key] = slot;
+    }
+    ASSERT_EQ(table.size(), reference.size());
+  }
+  for (const auto& [key, slot] : reference)
+    ASSERT_EQ(table.find(hash(key), [&, k = key](Index s) { return keys.key_of.at(s) == k; }), slot);
+}
+
+TEST(SlotTable, EqualsAMap) {
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    compare_with_map([](std::uint64_t key) { return static_cast<std::uint32_t>(mix(key)); }, 700, seed);
+    compare_with_map([](std::uint64_t key) { return static_cast<std::uint32_t>(key % 3) * 0x55555555u; }, 60, seed);
+    compare_with_map([](std::uint64_t) { return ~0u; }, 60, seed);  // home is the last place: every probe wraps
+    compare_with_map([](std::uint64_t key) { return ~0u - static_cast<std::uint32_t>(key % 5) * 0x02000000u; }, 90, seed);
+  }
+}
+
+TEST(SlotTable, StaysSmall) {
+  SlotTable table;
+  const auto hash = [](Index slot) { return static_cast<std::uint32_t>(mix(slot) >> 32); };
+  const auto none = [](Index) { return false; };
+  for (Index slot = 0; slot < 100000; ++slot) table.find_or_insert(hash(slot), slot, none, hash);
+  EXPECT_LE(table.bytes(), 100000u * 4u * 3u);
+  const std::size_t bytes = table.bytes();
+  for (int round = 0; round < 20; ++round) {  // no tombstones: churn does not make it grow
+    for (Index slot = 0; slot < 1000; ++slot) table.erase(slot, hash);
+    for (Index slot = 0; slot < 1000; ++slot) table.find_or_insert(hash(slot), slot, none, hash);
+  }
+  EXPECT_EQ(table.bytes(), bytes);
+}
+
+TEST(TupleTable, SpreadsTheTuplesOfAGrid) {
+  // Neighbouring small numbers are what meshes are made of: no two of these may be taken for one another.
+  TupleTable<3> table;
+  std::vector<std::array<Index, 3>> tuples;
+  for (Index a = 0; a < 30; ++a)
+    for (Index b = a + 1; b < 40; ++b)
+      for (Index c = b + 1; c < 40; ++c) {
+        const auto slot = static_cast<Index>(tuples.size());
+        ASSERT_EQ(table.find_or_insert({a, b, c}, slot, tuples), slot);
+        tuples.push_back({a, b, c});
+      }
+  for (Index slot = 0; slot < tuples.size(); ++slot) ASSERT_EQ(table.find(tuples[slot], tuples), slot);
+  for (Index slot = 0; slot < tuples.size(); slot += 2) table.erase(slot, tuples);
+  for (Index slot = 0; slot < tuples.size(); ++slot)
+    ASSERT_EQ(table.find(tuples[slot], tuples), slot % 2 == 0 ? kNone : slot);
+}
+
+TEST(IncidencePool, EqualsAVectorOfSets) {
+  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+    Random random(seed);
+    const std::vector<Index> lengths = {3, 0, 7, 1};
+    IncidencePool pool;
+    pool.layout(lengths);
+    std::vector<std::set<Index>> reference(lengths.size());
+    for (std::size_t i = 0; i < lengths.size(); ++i)
+      for (Index k = 0; k < lengths[i]; ++k) {
+        pool.append(i, 10 * k);
+        reference[i].insert(10 * k);
+      }
+    std::size_t most = 0;
+    for (int step = 0; step < 20000; ++step) {
+      if (step % 100 == 0 && reference.size() < 120) {
+        reference.emplace_back();
+        pool.extend(reference.size());
+      }
+      const std::size_t i = random.below(reference.size());
+      const auto value = static_cast<Index>(random.below(60));
+      const bool shrinking = step / 5000 % 2 == 1;
+      if (reference[i].contains(value)) {
+        if (shrinking || random.below(3) == 0) {
+          reference[i].erase(value);
+          pool.erase(i, value);
+        }
+      } else if (!shrinking) {
+        reference[i].insert(value);
+        pool.insert(i, value);
+      } else if (random.below(50) == 0) {
+        reference[i] = {value, value + 1, value + 70};
+        pool.assign(i, std::vector<Index>(reference[i].begin(), reference[i].end()));
+      }
+      ASSERT_TRUE(std::ranges::equal(pool[i], reference[i]));
+      if (step % 500 != 0) continue;
+      std::size_t used = 0;
+      for (std::size_t k = 0; k < reference.size(); ++k) {
+        ASSERT_TRUE(std::ranges::equal(pool[k], reference[k])) << "list " << k;
+        used += reference[k].size();
+      }
+      most = std::max(most, used);
+    }
+    EXPECT_LT(pool.bytes(), 4 * 4 * most + 12 * 200 + 8192);
+  }
+}
+
+}  // namespace
+}  // namespace volccd::detail

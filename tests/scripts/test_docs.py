@@ -1,0 +1,41 @@
+#!/usr/bin/env python3
+"""What the documents refer to exists: links, headers and files named in `code`, stage names; listings are the tested files."""
+
+import re
+import unittest
+from pathlib import Path
+
+ROOT = Path(__file__).resolve().parents[2]
+DOCUMENTS = [*ROOT.glob("*.md"), *ROOT.glob("docs/*.md")]
+
+
+class Docs(unittest.TestCase):
+    def test_there_are_documents(self):
+        self.assertGreater(len(DOCUMENTS), 10)
+
+    def test_links(self):
+        for document in DOCUMENTS:
+            for target in re.findall(r"\]\(([^)#]+)", document.read_text()):
+                if not target.startswith("http"):
+                    self.assertTrue((document.parent / target).exists(), f"{document.name}: {target}")
+
+    def test_files_named(self):
+        for document in DOCUMENTS:
+            for path in re.findall(r"`([a-z_]+/[\w/.-]+\.(?:hpp|cpp|py|txt|md))`", document.read_text()):
+                self.assertTrue((ROOT / path).is_file(), f"{document.name}: {path}")
+
+    def test_stages_named(self):
+        sources = "".join(path.read_text() for folder in ("broadphase", "culling", "narrowphase", "examples")
+                          for path in (ROOT / folder).rglob("*.cpp"))
+        for document in DOCUMENTS:
+            for name in re.findall(r"^\| `([a-z]+-[a-z-]+)` \|", document.read_text(), re.MULTILINE):
+                self.assertTrue(f'"{name}"' in sources, f"{document.name}: {name}")
+
+    def test_listing_in_the_readme_is_the_consumer(self):
+        listing = re.search(r"```cpp\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL).group(1)
+        consumer = (ROOT / "tests/consumer/main.cpp").read_text().split("\n", 1)[1]
+        self.assertEqual(listing, consumer)
+
+
+if __name__ == "__main__":
+    unittest.main()
