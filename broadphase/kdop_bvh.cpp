@@ -5,7 +5,7 @@
 #include <volccd/broadphase/detail/kdop_option.hpp>
 #include <volccd/broadphase/detail/kdop_tree.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
-#include <volccd/broadphase/detail/topology_watch.hpp>
+#include <volccd/mesh/topology_watch.hpp>
 #include <volccd/broadphase/detail/tree_kernels.hpp>
 
 namespace volccd {
@@ -13,7 +13,6 @@ namespace volccd {
 namespace {
 
 using detail::NodePair;
-using detail::TopologyWatch;
 
 /// Pairs of nodes that are shared out to the workers. Expansion stops once there are this many, and at most quadruples.
 constexpr std::size_t kTasks = 1024;

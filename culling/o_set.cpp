@@ -1,70 +1,49 @@
 #include <volccd/culling/o_set.hpp>
 
+#include <algorithm>
 #include <cassert>
-#include <limits>
+#include <vector>
+
+#include <volccd/culling/detail/o_set_blocks.hpp>
+#include <volccd/culling/detail/o_set_difference.hpp>
+#include <volccd/culling/detail/o_set_partners.hpp>
 
 namespace volccd {
 
-/// Fills blocks of one kind and epoch. Rows that turn out empty are dropped; a row that does not fit goes on in the next
-/// block.
-class OSet::Writer {
- public:
-  Writer(std::vector<Block>& blocks, Rows kind, Epoch epoch) : blocks_(blocks), kind_(kind), epoch_(epoch) {}
-  Writer(const Writer&) = delete;
-  Writer& operator=(const Writer&) = delete;
-  ~Writer() { assert(rows_.empty()); }
-
-  void begin_row(Index owner) {
-    row_ = rows_.size();
-    rows_.push_back(owner);
-    rows_.push_back(0);
-  }
-
-  void add(Index partner) {
-    if (pairs_ == kBlockPairs) {
-      const Index owner = rows_[row_];
-      end_row();
-      flush();
-      begin_row(owner);
-    }
-    rows_.push_back(partner);
-    ++pairs_;
-  }
-
-  void end_row() {
-    const std::size_t length = rows_.size() - row_ - 2;
-    rows_[row_ + 1] = static_cast<Index>(length);
-    if (length == 0) rows_.resize(row_);
-  }
-
-  void flush() {
-    if (pairs_ != 0) blocks_.push_back({{rows_.begin(), rows_.end()}, pairs_, epoch_, kind_});
-    written_ += pairs_;
-    rows_.clear();
-    pairs_ = 0;
-  }
-
-  /// Pairs that were flushed.
-  std::size_t written() const { return written_; }
-
- private:
-  std::vector<Block>& blocks_;
-  Rows kind_;
-  Epoch epoch_;
-  std::vector<Index> rows_;
-  std::size_t row_ = 0;
-  std::uint32_t pairs_ = 0;
-  std::size_t written_ = 0;
-};
-
 namespace {
 
-/// Visits each vertex in use and each edge once, neighbours soon after each other (breadth first): around features that are
-/// near, the same elements are looked at, which numbering may have scattered over all of memory.
-template <class VisitVertex, class VisitEdge>
-void for_each_near(const Topology& topology, VisitVertex&& visit_vertex, VisitEdge&& visit_edge) {
-  const Features& features = topology.features();
-  std::vector<char> vertex_seen(features.vertex_slots(), 0), element_seen(topology.mesh().element_slots(), 0);
+using detail::OSetBlocks;
+using detail::OSetDifference;
+using detail::OSetPartners;
+using Rows = OSetBlocks::Rows;
+
+/// The features of each element of which it is the first incident one.
+class OwnFeatures {
+ public:
+  template <class Incident>
+  OwnFeatures(Index elements, Index features, Incident&& incident) : begins_(elements + 1, 0) {
+    for (Index i = 0; i < features; ++i)
+      if (const std::span<const Index> inc = incident(i); !inc.empty()) ++begins_[inc[0] + 1];
+    for (Index o = 0; o < elements; ++o) begins_[o + 1] += begins_[o];
+    values_.resize(begins_[elements]);
+    std::vector<Index> ends(begins_.begin(), begins_.end() - 1);
+    for (Index i = 0; i < features; ++i)
+      if (const std::span<const Index> inc = incident(i); !inc.empty()) values_[ends[inc[0]]++] = i;
+  }
+  std::span<const Index> operator()(Index o) const {
+    return {values_.data() + begins_[o], values_.data() + begins_[o + 1]};
+  }
+
+ private:
+  std::vector<Index> begins_, values_;
+};
+
+/// Visits each vertex in use and each element once, neighbours soon after each other (breadth first): around features that
+/// are near, the same elements are looked at, which numbering may have scattered over all of memory.
+template <class VisitVertex, class VisitElement>
+void for_each_near(const Mesh& mesh, const Features& features, VisitVertex&& visit_vertex,
+                   VisitElement&& visit_element) {
+  std::vector<char> vertex_seen(features.vertex_slots(), 0), element_seen(mesh.element_slots(), 0);
   std::vector<Index> queue;
   queue.reserve(features.vertex_count());
   for (Index start = 0, next = 0; start < features.vertex_slots(); ++start) {
@@ -76,9 +55,8 @@ void for_each_near(const Topology& topology, VisitVertex&& visit_vertex, VisitEd
       for (Index o : features.vertex_elements(queue[next])) {
         if (element_seen[o]) continue;
         element_seen[o] = 1;
-        for (Index e : features.element_edges(o))
-          if (features.edge_elements(e)[0] == o) visit_edge(e);
-        for (Index v : topology.mesh().vertices(o)) {
+        visit_element(o);
+        for (Index v : mesh.vertices(o)) {
           if (vertex_seen[v]) continue;
           vertex_seen[v] = 1;
           queue.push_back(v);
@@ -88,206 +66,255 @@ void for_each_near(const Topology& topology, VisitVertex&& visit_vertex, VisitEd
   }
 }
 
+void sort_unique(std::vector<Index>& values) {
+  std::sort(values.begin(), values.end());
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
 }  // namespace
 
-OSet::OSet(OSetKind kind) : kind_(kind) { assert(kind != OSetKind::none); }
+struct OSet::Impl {
+  /// What lies between the version seen and the present one, whatever the steps were.
+  struct Change {
+    std::vector<OSetDifference::Simplex> removed, added;
+    std::vector<Index> added_slots;
+    bool simplices = true;  ///< only those were removed and added; otherwise `removed` and `added` are not complete
+  };
+  /// Features all of whose pairs are to be found anew.
+  struct Reborn {
+    std::vector<Index> vertices, triangles, edges;
+  };
+  /// For OSetDifference: features that are new, gone or found anew.
+  struct SkipBorn {
+    const OSetBlocks& blocks;
+    bool vertex(Index v) const { return blocks.born_vertex(v); }
+    bool triangle(Index f) const { return blocks.born_triangle(f); }
+    bool edge(Index e) const { return blocks.born_edge(e); }
+  };
 
-template <class Visit>
-void OSet::visit(const Block& block, Visit&& pair) const {
-  const std::vector<Epoch>& owner_births = block.kind == Rows::vertex     ? vertex_births_
-                                           : block.kind == Rows::triangle ? triangle_births_
-                                                                          : edge_births_;
-  const std::vector<Epoch>& partner_births = block.kind == Rows::vertex     ? triangle_births_
-                                             : block.kind == Rows::triangle ? vertex_births_
-                                                                            : edge_births_;
-  const bool all_sound = block.epoch == epoch_;
-  for (std::size_t at = 0; at < block.rows.size();) {
-    const Index owner = block.rows[at];
-    const std::size_t end = at + 2 + block.rows[at + 1];
-    if (all_sound) {
-      for (std::size_t i = at + 2; i < end; ++i) pair(owner, block.rows[i]);
-    } else if (owner_births[owner] <= block.epoch) {
-      for (std::size_t i = at + 2; i < end; ++i)
-        if (partner_births[block.rows[i]] <= block.epoch) pair(owner, block.rows[i]);
+  explicit Impl(OSetKind set_kind) : kind(set_kind) {}
+
+  void build(const Topology& topology);
+  void update(const Topology& topology, const std::vector<const TopologyChange*>& changes);
+  void fit(const Topology& topology);
+  Change take_over(const Mesh& mesh, const std::vector<const TopologyChange*>& changes);
+  bool bear_anew(std::span<const Index> inc, bool all) const;
+  Reborn bear(const Features& features, const std::vector<const TopologyChange*>& changes, bool all);
+  void apply_difference(const Topology& topology, const Change& change);
+  void find_anew(const Topology& topology, const Reborn& reborn);
+
+  bool literal() const { return kind == OSetKind::literal; }
+
+  OSetKind kind;
+  std::uint64_t version = 0;
+  OSetBlocks blocks;
+  detail::ElementVertices vertices;
+  // Scratch.
+  detail::ElementTouch touch;
+  std::vector<Index> covering;
+  std::vector<Index> runs_of_vertex;  ///< all 0
+  std::vector<std::uint8_t> added;    ///< by element; all 0
+};
+
+void OSet::Impl::fit(const Topology& topology) {
+  touch.fit(topology.features().vertex_slots(), topology.mesh().element_slots());
+  runs_of_vertex.resize(topology.features().vertex_slots(), 0);
+  added.resize(topology.mesh().element_slots(), 0);
+}
+
+void OSet::Impl::build(const Topology& topology) {
+  const Features& features = topology.features();
+  const Mesh& mesh = topology.mesh();
+  blocks.start_over(features);
+  vertices.build(mesh);
+  fit(topology);
+
+  const OwnFeatures own_triangles(mesh.element_slots(), features.triangle_slots(),
+                                  [&](Index f) { return features.triangle_elements(f); });
+  const OwnFeatures own_edges(mesh.element_slots(), features.edge_slots(),
+                              [&](Index e) { return features.edge_elements(e); });
+  OSetPartners partners(features, vertices, touch, covering);
+  OSetBlocks::Writer vertex_rows(blocks, Rows::vertex), edge_rows(blocks, Rows::edge);
+  for_each_near(
+      mesh, features,
+      [&](Index v) {
+        vertex_rows.begin_row(v);
+        partners.triangles_of_vertex(literal(), v, own_triangles, [&](Index f) { vertex_rows.add(f); });
+        vertex_rows.end_row();
+      },
+      [&](Index o) {
+        for (Index e : own_edges(o)) {
+          edge_rows.begin_row(e);
+          partners.edges_of_edge(literal(), e, own_edges, [e](Index e2) { return e2 > e; },
+                                 [&](Index e2) { edge_rows.add(e2); });
+          edge_rows.end_row();
+        }
+      });
+  vertex_rows.flush();
+  edge_rows.flush();
+  blocks.settle();
+  version = topology.version();
+}
+
+/// Brings `vertices` up to date, and says what has changed in it.
+OSet::Impl::Change OSet::Impl::take_over(const Mesh& mesh, const std::vector<const TopologyChange*>& changes) {
+  std::vector<Index> slots;
+  for (const TopologyChange* change : changes) {
+    slots.insert(slots.end(), change->removed_elements.begin(), change->removed_elements.end());
+    slots.insert(slots.end(), change->added_elements.begin(), change->added_elements.end());
+  }
+  sort_unique(slots);
+  Change change;
+  const auto note = [&](Index o, std::vector<OSetDifference::Simplex>& list) {
+    change.simplices &= vertices.simplex(o);
+    if (vertices.simplex(o)) list.push_back({vertices[o][0], vertices[o][1], vertices[o][2], vertices[o][3]});
+  };
+  for (Index o : slots)
+    if (vertices.holds(o)) note(o, change.removed);
+  vertices.update(mesh, slots);
+  for (Index o : slots)
+    if (vertices.holds(o)) {
+      note(o, change.added);
+      change.added_slots.push_back(o);
     }
-    at = end;
-  }
+  return change;
 }
 
-void OSet::append(std::size_t block, TestBatch& out) const {
-  const Block& source = blocks_[block];
-  switch (source.kind) {
-    case Rows::vertex: return visit(source, [&](Index v, Index f) { out.vf.push_back({v, f}); });
-    case Rows::triangle: return visit(source, [&](Index f, Index v) { out.vf.push_back({v, f}); });
-    case Rows::edge: return visit(source, [&](Index a, Index b) { out.ee.push_back({std::min(a, b), std::max(a, b)}); });
-  }
+/// Whether the pairs of a live feature are to be found anew: none of its elements stays, or too many do.
+bool OSet::Impl::bear_anew(std::span<const Index> inc, bool all) const {
+  const auto staying = static_cast<std::size_t>(std::count_if(inc.begin(), inc.end(), [&](Index o) { return added[o] == 0; }));
+  return all || staying == 0 || staying > OSetDifference::kMaxIncident;
 }
+
+OSet::Impl::Reborn OSet::Impl::bear(const Features& features, const std::vector<const TopologyChange*>& changes, bool all) {
+  Reborn reborn;
+  for (const TopologyChange* change : changes) {
+    const FeatureChange& f = change->features;
+    for (Index v : f.removed_vertices) blocks.bear_vertex(v);
+    for (Index t : f.removed_triangles) blocks.bear_triangle(t);
+    for (Index e : f.removed_edges) blocks.bear_edge(e);
+    const auto collect = [&](const std::vector<Index>& touched, std::vector<Index>& list, auto&& incident) {
+      for (Index i : touched)
+        if (const std::span<const Index> inc = incident(i); !inc.empty() && bear_anew(inc, all)) list.push_back(i);
+    };
+    collect(f.touched_vertices, reborn.vertices, [&](Index v) { return features.vertex_elements(v); });
+    collect(f.touched_triangles, reborn.triangles, [&](Index t) { return features.triangle_elements(t); });
+    collect(f.touched_edges, reborn.edges, [&](Index e) { return features.edge_elements(e); });
+  }
+  for (auto* list : {&reborn.vertices, &reborn.triangles, &reborn.edges}) sort_unique(*list);
+  for (Index v : reborn.vertices) blocks.bear_vertex(v);
+  for (Index t : reborn.triangles) blocks.bear_triangle(t);
+  for (Index e : reborn.edges) blocks.bear_edge(e);
+  return reborn;
+}
+
+/// Pairs of features that live on. First what the added elements end: a pair may have come with the removal only.
+void OSet::Impl::apply_difference(const Topology& topology, const Change& change) {
+  const Features& features = topology.features();
+  const Mesh& mesh = topology.mesh();
+  const SkipBorn skip{blocks};
+  const std::span<const std::uint8_t> absent =
+      change.added.empty() ? std::span<const std::uint8_t>() : std::span<const std::uint8_t>(added);
+  if (!change.added.empty()) {
+    OSetDifference difference(features, vertices, touch, absent);
+    difference.set_changed(change.added, runs_of_vertex);
+    difference.run(mesh, skip, [&](Index v, Index f) { blocks.erase_vf(v, f); },
+                   [&](Index a, Index b) { blocks.erase_ee(a, b); });
+  }
+  if (change.removed.empty()) return;
+  OSetBlocks::Writer vertex_rows(blocks, Rows::vertex), edge_rows(blocks, Rows::edge);
+  const auto write = [](OSetBlocks::Writer& rows, Index owner, Index partner) {
+    rows.begin_row(owner);
+    rows.add(partner);
+    rows.end_row();
+  };
+  OSetDifference difference(features, vertices, touch, absent);
+  difference.set_changed(change.removed, runs_of_vertex);
+  difference.run(
+      mesh, skip,
+      [&](Index v, Index f) {
+        if (!blocks.erased_vf_now(v, f)) write(vertex_rows, v, f);
+      },
+      [&](Index a, Index b) {
+        if (!blocks.erased_ee_now(a, b)) write(edge_rows, a, b);
+      });
+  vertex_rows.flush();
+  edge_rows.flush();
+}
+
+/// All pairs of the features born in this epoch. A pair of two is written once: VF by its vertex, EE by its smaller edge.
+void OSet::Impl::find_anew(const Topology& topology, const Reborn& reborn) {
+  OSetPartners partners(topology.features(), vertices, touch, covering);
+  OSetBlocks::Writer vertex_rows(blocks, Rows::vertex), triangle_rows(blocks, Rows::triangle),
+      edge_rows(blocks, Rows::edge);
+  for (Index v : reborn.vertices) {
+    vertex_rows.begin_row(v);
+    partners.triangles_of_vertex(literal(), v, OSetPartners::EveryTriangle{}, [&](Index f) { vertex_rows.add(f); });
+    vertex_rows.end_row();
+  }
+  for (Index f : reborn.triangles) {
+    triangle_rows.begin_row(f);
+    partners.vertices_of_triangle(topology.mesh(), literal(), f, [&](Index v) { return !blocks.born_vertex(v); },
+                                  [&](Index v) { triangle_rows.add(v); });
+    triangle_rows.end_row();
+  }
+  for (Index e : reborn.edges) {
+    edge_rows.begin_row(e);
+    partners.edges_of_edge(literal(), e, OSetPartners::EveryEdge{},
+                           [&](Index e2) { return e2 > e || !blocks.born_edge(e2); }, [&](Index e2) { edge_rows.add(e2); });
+    edge_rows.end_row();
+  }
+  vertex_rows.flush();
+  triangle_rows.flush();
+  edge_rows.flush();
+}
+
+void OSet::Impl::update(const Topology& topology, const std::vector<const TopologyChange*>& changes) {
+  const Change change = take_over(topology.mesh(), changes);
+  // A build takes less for a feature.
+  const std::size_t changed = change.removed.size() + change.added.size();
+  if (changed > topology.mesh().element_count() / 4) return build(topology);
+
+  blocks.next_epoch(topology.features());
+  fit(topology);
+  const bool all = literal() || !change.simplices;
+  for (Index o : change.added_slots) added[o] = 1;
+  const Reborn reborn = bear(topology.features(), changes, all);
+  if (!all) apply_difference(topology, change);
+  for (Index o : change.added_slots) added[o] = 0;
+  find_anew(topology, reborn);
+  blocks.compact_if_stale(topology.features());
+  version = topology.version();
+}
+
+OSet::OSet(OSetKind kind) : impl_(std::make_unique<Impl>(kind)) { assert(kind != OSetKind::none); }
+OSet::OSet(OSet&&) noexcept = default;
+OSet& OSet::operator=(OSet&&) noexcept = default;
+OSet::~OSet() = default;
+
+OSetKind OSet::kind() const { return impl_->kind; }
+std::uint64_t OSet::version() const { return impl_->version; }
+std::size_t OSet::blocks() const { return impl_->blocks.size(); }
+
+void OSet::build(const Topology& topology) { impl_->build(topology); }
+
+void OSet::update(const Topology& topology) {
+  std::vector<const TopologyChange*> changes;
+  if (impl_->version == 0 || !topology.changes_since(impl_->version, changes)) return impl_->build(topology);
+  if (!changes.empty()) impl_->update(topology, changes);
+}
+
+void OSet::append(std::size_t block, TestBatch& out) const { impl_->blocks.append(block, out); }
 
 OSetCounts OSet::counts() const {
   OSetCounts counts;
-  for (const Block& block : blocks_) {
-    std::size_t& count = block.kind == Rows::edge ? counts.ee : counts.vf;
-    if (block.epoch == epoch_) {
-      count += block.pairs;
-    } else {
-      visit(block, [&](Index, Index) { ++count; });
-    }
-  }
+  impl_->blocks.count(counts.vf, counts.ee);
   return counts;
 }
 
 std::size_t OSet::bytes() const {
-  std::size_t bytes = blocks_.capacity() * sizeof(Block) + vertices_.bytes() + partners_.bytes();
-  for (const Block& block : blocks_) bytes += block.rows.capacity() * sizeof(Index);
-  for (const auto* births : {&vertex_births_, &triangle_births_, &edge_births_})
-    bytes += births->capacity() * sizeof(Epoch);
-  for (const auto* list : {&touched_.vertices, &touched_.triangles, &touched_.edges})
-    bytes += list->capacity() * sizeof(Index);
-  return bytes;
-}
-
-void OSet::start_over(const Features& features) {
-  blocks_.clear();
-  epoch_ = 0;
-  written_pairs_ = births_ = 0;
-  vertex_births_.assign(features.vertex_slots(), 0);
-  triangle_births_.assign(features.triangle_slots(), 0);
-  edge_births_.assign(features.edge_slots(), 0);
-}
-
-void OSet::build(const Topology& topology) {
-  const Features& features = topology.features();
-  const bool literal = kind_ == OSetKind::literal;
-  start_over(features);
-  vertices_.build(topology.mesh());
-  partners_.fit(features, vertices_, topology.mesh().element_slots());
-
-  Writer vertex_rows(blocks_, Rows::vertex, epoch_), edge_rows(blocks_, Rows::edge, epoch_);
-  for_each_near(topology, [&](Index v) {
-    vertex_rows.begin_row(v);
-    partners_.triangles_of_vertex(literal, v, [&](Index f) { vertex_rows.add(f); });
-    vertex_rows.end_row();
-  }, [&](Index e) {
-    edge_rows.begin_row(e);
-    partners_.edges_of_edge(literal, e, [e](Index e2) { return e2 > e; }, [&](Index e2) { edge_rows.add(e2); });
-    edge_rows.end_row();
-  });
-  vertex_rows.flush();
-  edge_rows.flush();
-  blocks_.shrink_to_fit();
-  sound_pairs_ = vertex_rows.written() + edge_rows.written();
-  sound_blocks_ = blocks_.size();
-  version_ = topology.version();
-}
-
-void OSet::bear(std::vector<Epoch>& births, const std::vector<Index>& slots, std::vector<Index>& touched) {
-  for (Index slot : slots)
-    if (births[slot] != epoch_) {
-      births[slot] = epoch_;
-      touched.push_back(slot);
-      ++births_;
-    }
-}
-
-void OSet::collect_touched(const Topology& topology, const std::vector<const TopologyChange*>& changes) {
-  const Features& features = topology.features();
-  vertex_births_.resize(features.vertex_slots(), 0);
-  triangle_births_.resize(features.triangle_slots(), 0);
-  edge_births_.resize(features.edge_slots(), 0);
-  touched_.vertices.clear();
-  touched_.triangles.clear();
-  touched_.edges.clear();
-  for (const TopologyChange* change : changes) {
-    const FeatureChange& f = change->features;
-    bear(vertex_births_, f.removed_vertices, touched_.vertices);
-    bear(triangle_births_, f.removed_triangles, touched_.triangles);
-    bear(edge_births_, f.removed_edges, touched_.edges);
-    bear(vertex_births_, f.touched_vertices, touched_.vertices);
-    bear(triangle_births_, f.touched_triangles, touched_.triangles);
-    bear(edge_births_, f.touched_edges, touched_.edges);
-  }
-  std::erase_if(touched_.vertices, [&](Index v) { return features.vertex_elements(v).empty(); });
-  std::erase_if(touched_.triangles, [&](Index f) { return features.triangle_elements(f).empty(); });
-  std::erase_if(touched_.edges, [&](Index e) { return features.edge_elements(e).empty(); });
-}
-
-void OSet::update(const Topology& topology) {
-  std::vector<const TopologyChange*> changes;
-  if (version_ == 0 || !topology.changes_since(version_, changes)) return build(topology);
-  if (changes.empty()) return;
-  ++epoch_;
-  collect_touched(topology, changes);
-  for (const TopologyChange* change : changes) {
-    vertices_.update(topology.mesh(), change->removed_elements);
-    vertices_.update(topology.mesh(), change->added_elements);
-  }
-  partners_.fit(topology.features(), vertices_, topology.mesh().element_slots());
-
-  // A pair of two touched features is written once: VF by its vertex, EE by its smaller edge.
-  const bool literal = kind_ == OSetKind::literal;
-  Writer vertex_rows(blocks_, Rows::vertex, epoch_), triangle_rows(blocks_, Rows::triangle, epoch_),
-      edge_rows(blocks_, Rows::edge, epoch_);
-  for (Index v : touched_.vertices) {
-    vertex_rows.begin_row(v);
-    partners_.triangles_of_vertex(literal, v, [&](Index f) { vertex_rows.add(f); });
-    vertex_rows.end_row();
-  }
-  vertex_rows.flush();
-  for (Index f : touched_.triangles) {
-    triangle_rows.begin_row(f);
-    partners_.vertices_of_triangle(topology.mesh(), literal, f, [&](Index v) { return vertex_births_[v] != epoch_; },
-                                   [&](Index v) { triangle_rows.add(v); });
-    triangle_rows.end_row();
-  }
-  triangle_rows.flush();
-  for (Index e : touched_.edges) {
-    edge_rows.begin_row(e);
-    partners_.edges_of_edge(literal, e, [&](Index e2) { return e2 > e || edge_births_[e2] != epoch_; },
-                            [&](Index e2) { edge_rows.add(e2); });
-    edge_rows.end_row();
-  }
-  edge_rows.flush();
-  written_pairs_ += vertex_rows.written() + triangle_rows.written() + edge_rows.written();
-  version_ = topology.version();
-  compact_if_stale(topology.features());
-}
-
-void OSet::compact_if_stale(const Features& features) {
-  const std::size_t live =
-      std::size_t{features.vertex_count()} + features.triangle_count() + features.edge_count();
-  // Few births can have made few pairs void; many small blocks cost more than they hold.
-  const bool stale = births_ > live / 4 + 1024 || written_pairs_ > sound_pairs_ / 2 + kBlockPairs;
-  const bool scattered = blocks_.size() > 2 * sound_blocks_ + 64;
-  if (stale || scattered || epoch_ == std::numeric_limits<Epoch>::max()) compact();
-}
-
-void OSet::compact() {
-  std::vector<Block> old;
-  old.swap(blocks_);
-  Writer writers[] = {{blocks_, Rows::vertex, 0}, {blocks_, Rows::triangle, 0}, {blocks_, Rows::edge, 0}};
-  sound_pairs_ = 0;
-  for (Block& block : old) {
-    Writer& writer = writers[static_cast<std::size_t>(block.kind)];
-    Index row = kNone;
-    visit(block, [&](Index owner, Index partner) {
-      if (owner != row) {
-        if (row != kNone) writer.end_row();
-        writer.begin_row(row = owner);
-      }
-      writer.add(partner);
-    });
-    if (row != kNone) writer.end_row();
-    block = {};
-  }
-  for (Writer& writer : writers) {
-    writer.flush();
-    sound_pairs_ += writer.written();
-  }
-  sound_blocks_ = blocks_.size();
-  epoch_ = 0;
-  written_pairs_ = births_ = 0;
-  for (auto* births : {&vertex_births_, &triangle_births_, &edge_births_})
-    std::fill(births->begin(), births->end(), Epoch{0});
+  return impl_->blocks.bytes() + impl_->vertices.bytes() + impl_->touch.bytes() +
+         (impl_->covering.capacity() + impl_->runs_of_vertex.capacity()) * sizeof(Index) + impl_->added.capacity();
 }
 
 }  // namespace volccd

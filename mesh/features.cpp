@@ -1,7 +1,9 @@
 #include <volccd/mesh/features.hpp>
 
 #include <algorithm>
-#include <cassert>
+
+#include <volccd/mesh/detail/incidences.hpp>
+#include <volccd/mesh/detail/number_tuples.hpp>
 
 namespace volccd {
 
@@ -51,24 +53,73 @@ std::array<Index, 3> ascending(Index a, Index b, Index c) {
   return {a, b, c};
 }
 
-/// Exact, but for a little room for the changes to come.
-template <class T>
-void trim(std::vector<T>& values) {
-  std::vector<T> trimmed;
-  trimmed.reserve(values.size() + values.size() / 16);
-  trimmed.assign(values.begin(), values.end());
-  values.swap(trimmed);
+/// Appends to a list that ascends and has no duplicates, and keeps it so.
+class Merged {
+ public:
+  explicit Merged(std::vector<Index>& list) : list_(list), old_(list.size()) {}
+  ~Merged() {
+    if (old_ == 0) return;
+    std::inplace_merge(list_.begin(), list_.begin() + static_cast<std::ptrdiff_t>(old_), list_.end());
+    list_.erase(std::unique(list_.begin(), list_.end()), list_.end());
+  }
+  Merged(const Merged&) = delete;
+  Merged& operator=(const Merged&) = delete;
+  /// Ascending.
+  void push_back(Index i) { list_.push_back(i); }
+
+ private:
+  std::vector<Index>& list_;
+  std::size_t old_;
+};
+
+/// Takes the incidences out, and reports what died to `died` too.
+template <class Died>
+void take_out(detail::Incidences& incidences, detail::IncidencePool& lists, std::vector<Index>& touched,
+              std::vector<Index>& removed, Died&& died) {
+  {
+    Merged touched_now(touched), removed_now(removed);
+    incidences.group([&](Index i, std::span<const Index> elements) {
+      lists.erase(i, elements);
+      if (!lists[i].empty()) {
+        touched_now.push_back(i);
+        return;
+      }
+      removed_now.push_back(i);
+      died(i);
+    });
+  }
+  std::erase_if(touched, [&](Index i) { return lists[i].empty(); });
 }
 
-/// Slot for a new feature.
-Index free_slot(const std::vector<Index>& free, std::size_t end) {
-  return free.empty() ? static_cast<Index>(end) : free.back();
+void put_in(detail::Incidences& incidences, detail::IncidencePool& lists, std::vector<Index>& touched) {
+  Merged touched_now(touched);
+  incidences.group([&](Index i, std::span<const Index> elements) {
+    lists.insert(i, elements);
+    touched_now.push_back(i);
+  });
 }
 
-/// Sorted, without duplicates, and without features that have died since they were touched.
-void settle_touched(std::vector<Index>& touched, const detail::IncidencePool& elements) {
-  std::erase_if(touched, [&](Index i) { return elements[i].empty(); });
-  detail::sort_unique(touched);
+/// Slot of the feature with these vertices; a new one if there is none, reported in `added`.
+template <std::size_t N>
+Index live_slot(const std::array<Index, N>& key, std::vector<std::array<Index, N>>& tuples, detail::TupleTable<N>& table,
+                std::vector<Index>& free, std::vector<Index>& added) {
+  const Index fresh = free.empty() ? static_cast<Index>(tuples.size()) : free.back();
+  const Index slot = table.find_or_insert(key, fresh, tuples);
+  if (slot != fresh) return slot;
+  if (free.empty()) {
+    tuples.push_back(key);
+  } else {
+    free.pop_back();
+    tuples[slot] = key;
+  }
+  added.push_back(slot);
+  return slot;
+}
+
+std::vector<Index> sorted(std::span<const Index> values) {
+  std::vector<Index> result(values.begin(), values.end());
+  std::sort(result.begin(), result.end());
+  return result;
 }
 
 /// Upper estimate of the features of all elements, with repetition.
@@ -90,182 +141,106 @@ BoundarySize boundary_size(const Mesh& mesh, EdgeSet edge_set) {
   return size;
 }
 
+/// Tables of the edges or the triangles from their occurrences.
+template <std::size_t N>
+void build_kind(const detail::Occurrences<N>& occurrences, const Mesh& mesh, std::vector<std::array<Index, N>>& tuples,
+                 detail::TupleTable<N>& table, detail::IncidencePool& incidence, detail::IncidencePool& of_element) {
+  of_element.clear(mesh.element_slots(), occurrences.tuples.size());
+  std::vector<Index> numbers;
+  detail::number_tuples(occurrences, mesh.vertex_count(), tuples, incidence, numbers);
+  for (std::size_t k = 0; k < numbers.size(); ++k) of_element.push_back(occurrences.elements[k], numbers[k]);
+  table.fill(tuples);
+}
+
 }  // namespace
 
 void Features::build(const Mesh& mesh) {
   *this = Features(edge_set_);
-  const BoundarySize total = boundary_size(mesh, edge_set_);
-  element_edges_.clear(mesh.element_slots(), total.edges);
-  element_triangles_.clear(mesh.element_slots(), total.triangles);
-  // Inside a mesh a triangle has two elements, an edge about five.
-  edge_table_.reserve(total.edges / 4, edges_);
-  triangle_table_.reserve(total.triangles / 2 + total.triangles / 32, triangles_);
-
-  // Numbers the features and counts their elements; then the lists are laid out exactly, and filled in ascending order.
-  std::vector<Index> vertex_lengths(mesh.vertex_count()), edge_lengths, triangle_lengths;
-  edge_lengths.reserve(total.edges / 4);
-  triangle_lengths.reserve(total.triangles / 2);
-  std::vector<Index> edges, triangles;
+  const BoundarySize most = boundary_size(mesh, edge_set_);
+  detail::Occurrences<2> edges;
+  detail::Occurrences<3> triangles;
+  edges.reserve(most.edges);
+  triangles.reserve(most.triangles);
+  std::vector<Index> vertex_lengths(mesh.vertex_count());
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     if (!mesh.alive(o)) continue;
-    edges.clear();
-    triangles.clear();
     for (Index v : mesh.vertices(o)) ++vertex_lengths[v];
     visit_boundary(
-        mesh, o, edge_set_,
-        [&](Index a, Index b) {
-          const std::array<Index, 2> key = ascending(a, b);
-          const Index e = edge_table_.find_or_insert(key, edge_slots(), edges_);
-          if (e == edge_slots()) {
-            edges_.push_back(key);
-            edge_lengths.push_back(0);
-          }
-          ++edge_lengths[e];
-          edges.push_back(e);
-        },
-        [&](Index a, Index b, Index c) {
-          const std::array<Index, 3> key = ascending(a, b, c);
-          const Index f = triangle_table_.find_or_insert(key, triangle_slots(), triangles_);
-          if (f == triangle_slots()) {
-            triangles_.push_back(key);
-            triangle_lengths.push_back(0);
-          }
-          ++triangle_lengths[f];
-          triangles.push_back(f);
-        });
-    element_edges_.assign(o, edges);
-    element_triangles_.assign(o, triangles);
+        mesh, o, edge_set_, [&](Index a, Index b) { edges.add(ascending(a, b), o); },
+        [&](Index a, Index b, Index c) { triangles.add(ascending(a, b, c), o); });
   }
-  trim(edges_);
-  trim(triangles_);
-  live_vertices_ = static_cast<Index>(vertex_lengths.size()) -
-                   static_cast<Index>(std::count(vertex_lengths.begin(), vertex_lengths.end(), 0u));
-  live_edges_ = edge_slots();
-  live_triangles_ = triangle_slots();
 
+  live_vertices_ =
+      mesh.vertex_count() - static_cast<Index>(std::count(vertex_lengths.begin(), vertex_lengths.end(), Index{0}));
   vertex_elements_.layout(vertex_lengths);
-  edge_elements_.layout(edge_lengths);
-  triangle_elements_.layout(triangle_lengths);
-  for (Index o = 0; o < mesh.element_slots(); ++o) {
+  for (Index o = 0; o < mesh.element_slots(); ++o)
     for (Index v : mesh.vertices(o)) vertex_elements_.append(v, o);
-    for (Index e : element_edges_[o]) edge_elements_.append(e, o);
-    for (Index f : element_triangles_[o]) triangle_elements_.append(f, o);
-  }
+
+  build_kind(edges, mesh, edges_, edge_table_, edge_elements_, element_edges_);
+  edges = {};  // both at once would be the peak of memory
+  build_kind(triangles, mesh, triangles_, triangle_table_, triangle_elements_, element_triangles_);
 }
 
 void Features::remove(const Mesh& mesh, std::span<const Index> elements, FeatureChange& change) {
-  for (Index o : elements) erase_element(mesh, o, change);
-  detail::sort_unique(change.removed_vertices);
-  detail::sort_unique(change.removed_edges);
-  detail::sort_unique(change.removed_triangles);
-  settle_touched(change.touched_vertices, vertex_elements_);
-  settle_touched(change.touched_edges, edge_elements_);
-  settle_touched(change.touched_triangles, triangle_elements_);
+  const std::vector<Index> ascending_elements = sorted(elements);
+  detail::Incidences gone;
+  for (Index o : ascending_elements)
+    for (Index v : mesh.vertices(o)) gone.add(v, o);
+  take_out(gone, vertex_elements_, change.touched_vertices, change.removed_vertices, [&](Index) { --live_vertices_; });
+
+  gone.clear();
+  for (Index o : ascending_elements) {
+    for (Index e : element_edges_[o]) gone.add(e, o);
+    element_edges_.assign(o, {});
+  }
+  take_out(gone, edge_elements_, change.touched_edges, change.removed_edges, [&](Index e) {
+    edge_table_.erase(e, edges_);
+    free_edges_.push_back(e);
+  });
+
+  gone.clear();
+  for (Index o : ascending_elements) {
+    for (Index f : element_triangles_[o]) gone.add(f, o);
+    element_triangles_.assign(o, {});
+  }
+  take_out(gone, triangle_elements_, change.touched_triangles, change.removed_triangles, [&](Index f) {
+    triangle_table_.erase(f, triangles_);
+    free_triangles_.push_back(f);
+  });
 }
 
 void Features::add(const Mesh& mesh, std::span<const Index> elements, FeatureChange& change) {
   vertex_elements_.extend(mesh.vertex_count());
   element_edges_.extend(mesh.element_slots());
   element_triangles_.extend(mesh.element_slots());
-  for (Index o : elements) insert_element(mesh, o, change);
+  const std::vector<Index> ascending_elements = sorted(elements);
+  detail::Incidences vertices, edges, triangles;
+  std::vector<Index> edges_of, triangles_of;  // of one element
+  const std::size_t added_before = change.added_vertices.size();
+  for (Index o : ascending_elements) {
+    for (Index v : mesh.vertices(o)) {
+      if (vertex_elements_[v].empty()) change.added_vertices.push_back(v);
+      vertices.add(v, o);
+    }
+    edges_of.clear();
+    triangles_of.clear();
+    visit_boundary(
+        mesh, o, edge_set_, [&](Index a, Index b) { edges_of.push_back(live_slot(ascending(a, b), edges_, edge_table_, free_edges_, change.added_edges)); },
+        [&](Index a, Index b, Index c) { triangles_of.push_back(live_slot(ascending(a, b, c), triangles_, triangle_table_, free_triangles_, change.added_triangles)); });
+    for (Index e : edges_of) edges.add(e, o);
+    for (Index f : triangles_of) triangles.add(f, o);
+    element_edges_.assign(o, edges_of);
+    element_triangles_.assign(o, triangles_of);
+  }
   detail::sort_unique(change.added_vertices);
+  live_vertices_ += static_cast<Index>(change.added_vertices.size() - added_before);
   detail::sort_unique(change.added_edges);
   detail::sort_unique(change.added_triangles);
-  settle_touched(change.touched_vertices, vertex_elements_);
-  settle_touched(change.touched_edges, edge_elements_);
-  settle_touched(change.touched_triangles, triangle_elements_);
-}
-
-void Features::erase_element(const Mesh& mesh, Index o, FeatureChange& change) {
-  for (Index v : mesh.vertices(o)) {
-    vertex_elements_.erase(v, o);
-    change.touched_vertices.push_back(v);
-    if (!vertex_elements_[v].empty()) continue;
-    change.removed_vertices.push_back(v);
-    --live_vertices_;
-  }
-  for (Index e : element_edges_[o]) {
-    edge_elements_.erase(e, o);
-    change.touched_edges.push_back(e);
-    if (!edge_elements_[e].empty()) continue;
-    edge_table_.erase(e, edges_);
-    free_edges_.push_back(e);
-    change.removed_edges.push_back(e);
-    --live_edges_;
-  }
-  for (Index f : element_triangles_[o]) {
-    triangle_elements_.erase(f, o);
-    change.touched_triangles.push_back(f);
-    if (!triangle_elements_[f].empty()) continue;
-    triangle_table_.erase(f, triangles_);
-    free_triangles_.push_back(f);
-    change.removed_triangles.push_back(f);
-    --live_triangles_;
-  }
-  element_edges_.clear_list(o);
-  element_triangles_.clear_list(o);
-}
-
-Index Features::live_edge(Index a, Index b, FeatureChange& change) {
-  const std::array<Index, 2> key = ascending(a, b);
-  const Index slot = free_slot(free_edges_, edges_.size());
-  const Index e = edge_table_.find_or_insert(key, slot, edges_);
-  if (e != slot) return e;
-  if (free_edges_.empty()) {
-    edges_.push_back(key);
-    edge_elements_.extend(edges_.size());
-  } else {
-    free_edges_.pop_back();
-    edges_[e] = key;
-  }
-  change.added_edges.push_back(e);
-  ++live_edges_;
-  return e;
-}
-
-Index Features::live_triangle(Index a, Index b, Index c, FeatureChange& change) {
-  const std::array<Index, 3> key = ascending(a, b, c);
-  const Index slot = free_slot(free_triangles_, triangles_.size());
-  const Index f = triangle_table_.find_or_insert(key, slot, triangles_);
-  if (f != slot) return f;
-  if (free_triangles_.empty()) {
-    triangles_.push_back(key);
-    triangle_elements_.extend(triangles_.size());
-  } else {
-    free_triangles_.pop_back();
-    triangles_[f] = key;
-  }
-  change.added_triangles.push_back(f);
-  ++live_triangles_;
-  return f;
-}
-
-void Features::insert_element(const Mesh& mesh, Index o, FeatureChange& change) {
-  std::vector<Index> edges, triangles;
-  for (Index v : mesh.vertices(o)) {
-    if (vertex_elements_[v].empty()) {
-      change.added_vertices.push_back(v);
-      ++live_vertices_;
-    }
-    vertex_elements_.insert(v, o);
-    change.touched_vertices.push_back(v);
-  }
-  visit_boundary(
-      mesh, o, edge_set_,
-      [&](Index a, Index b) {
-        const Index e = live_edge(a, b, change);
-        edge_elements_.insert(e, o);
-        edges.push_back(e);
-        change.touched_edges.push_back(e);
-      },
-      [&](Index a, Index b, Index c) {
-        const Index f = live_triangle(a, b, c, change);
-        triangle_elements_.insert(f, o);
-        triangles.push_back(f);
-        change.touched_triangles.push_back(f);
-      });
-  element_edges_.assign(o, edges);
-  element_triangles_.assign(o, triangles);
+  edge_elements_.extend(edges_.size());
+  triangle_elements_.extend(triangles_.size());
+  put_in(vertices, vertex_elements_, change.touched_vertices);
+  put_in(edges, edge_elements_, change.touched_edges);
+  put_in(triangles, triangle_elements_, change.touched_triangles);
 }
 
 Index Features::find_edge(Index v0, Index v1) const { return edge_table_.find(ascending(v0, v1), edges_); }

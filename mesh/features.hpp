@@ -55,8 +55,8 @@ class Features {
   Index triangle_slots() const { return static_cast<Index>(triangles_.size()); }
   /// Live features.
   Index vertex_count() const { return live_vertices_; }
-  Index edge_count() const { return live_edges_; }
-  Index triangle_count() const { return live_triangles_; }
+  Index edge_count() const { return static_cast<Index>(edge_table_.size()); }
+  Index triangle_count() const { return static_cast<Index>(triangle_table_.size()); }
 
   /// Vertex slots, ascending. Undefined content for a dead slot.
   const std::array<Index, 2>& edge(Index e) const { return edges_[e]; }
@@ -79,11 +79,6 @@ class Features {
   std::size_t bytes() const;
 
  private:
-  void insert_element(const Mesh& mesh, Index o, FeatureChange& change);
-  void erase_element(const Mesh& mesh, Index o, FeatureChange& change);
-  Index live_edge(Index a, Index b, FeatureChange& change);
-  Index live_triangle(Index a, Index b, Index c, FeatureChange& change);
-
   EdgeSet edge_set_;
   std::vector<std::array<Index, 2>> edges_;
   std::vector<std::array<Index, 3>> triangles_;
@@ -92,7 +87,7 @@ class Features {
   detail::IncidencePool vertex_elements_, edge_elements_, triangle_elements_;
   detail::IncidencePool element_edges_, element_triangles_;
   std::vector<Index> free_edges_, free_triangles_;
-  Index live_vertices_ = 0, live_edges_ = 0, live_triangles_ = 0;
+  Index live_vertices_ = 0;
 };
 
 /// Visits the triangulated boundary of element o: edge(v0, v1) for each edge of the edge set, triangle(v0, v1, v2) for

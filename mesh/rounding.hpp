@@ -12,6 +12,10 @@ namespace volccd {
 /// Half the distance from 1 to the next double: fl(x op y) = (x op y)(1 + e), |e| <= kUnitRoundoff, but for underflow.
 inline constexpr double kUnitRoundoff = 0x1p-53;
 
+/// Kernels trust nothing whose magnitudes (extents, S, permanents, sums of coordinates below) exceed this: intermediate values
+/// could overflow, and the minimum or maximum of a set with a NaN in it is not reliable.
+inline constexpr double kGreatestMagnitude = 0x1p1000;
+
 /// Gap along an axis L: q = min over one point set - max over another of fl(L . fl(x - r)), for any reference point r.
 ///     T = gap_error_factor(n) * S + kGapUnderflow [+ separation_gap(d, |L|)],   S = |Lx| Dx + |Ly| Dy + |Lz| Dz
 /// where Dk = max(kLeastExtent, max |fl(xk - rk)|) over all control points, and n levels of de Casteljau's scheme (weights
@@ -20,8 +24,9 @@ constexpr double gap_error_factor(int levels) { return (10 + 6 * levels) * kUnit
 inline constexpr double kGapUnderflow = 0x1p-1070;
 inline constexpr double kLeastExtent = 0x1p-1000;
 
-/// Largest relative error of a length times a separation, with the sums it is then part of. Section "Lengths".
+/// Make up for the rounding of a length (of a product of two lengths), times a separation, in a sum. Section "Lengths".
 inline constexpr double kLengthSlack = 1 + 16 * kUnitRoundoff;
+inline constexpr double kAreaSlack = 1 + 32 * kUnitRoundoff;
 /// Sums of squares below this may have lost digits to underflow: take the sum of absolute values for the length instead.
 inline constexpr double kLeastSquare = 0x1p-900;
 
@@ -42,9 +47,6 @@ constexpr double determinant_error_factor(int points, int levels) {
   return (4 * points + 6 + 9 * levels) * kUnitRoundoff;
 }
 inline constexpr double kDeterminantUnderflow = 0x1p-1060;
-/// Permanents above this could overflow on the way.
-inline constexpr double kGreatestPermanent = 0x1p1000;
-
 /// Sum of three coordinates of magnitude at most Mx, My, Mz, two such sums subtracted (or lerped coordinates, n levels):
 /// error below sum_error_factor(n) * (Mx + My + Mz). Section "Bounds along fixed axes".
 constexpr double sum_error_factor(int levels) { return (8 + 6 * levels) * kUnitRoundoff; }

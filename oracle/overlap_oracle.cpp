@@ -18,14 +18,20 @@ using detail::append_pieces;
 using detail::ConvexPiece;
 using detail::Cover;
 
-/// All elements at one time: convex pieces in CSR form.
+/// All elements at one time, in CSR form: the points whose hull each lies in, and its convex pieces.
 struct Bodies {
-  std::vector<std::size_t> offsets;  ///< [slots + 1]
+  std::vector<std::size_t> point_offsets, piece_offsets;  ///< [slots + 1]
+  std::vector<Vec3> points;
   std::vector<ConvexPiece> pieces;
   std::uint64_t inexact = 0;  ///< elements whose pieces are not the body itself
 
-  std::span<const ConvexPiece> of(Index o) const {
-    return {pieces.data() + offsets[o], offsets[std::size_t{o} + 1] - offsets[o]};
+  std::span<const Vec3> hull(Index o) const { return run(points, point_offsets, o); }
+  std::span<const ConvexPiece> of(Index o) const { return run(pieces, piece_offsets, o); }
+
+ private:
+  template <class T>
+  static std::span<const T> run(const std::vector<T>& values, const std::vector<std::size_t>& offsets, Index o) {
+    return {values.data() + offsets[o], offsets[std::size_t{o} + 1] - offsets[o]};
   }
 };
 
@@ -34,10 +40,13 @@ Bodies bodies_at(const Step& step, double t, Cover cover) {
   std::vector<Vec3> positions(mesh.vertex_count());
   for (Index v = 0; v < mesh.vertex_count(); ++v) positions[v] = step.motion.position(v, t);
   Bodies bodies;
-  bodies.offsets.push_back(0);
+  bodies.point_offsets.push_back(0);
+  bodies.piece_offsets.push_back(0);
   for (Index o = 0; o < mesh.element_slots(); ++o) {
+    for (const Index v : mesh.vertices(o)) bodies.points.push_back(positions[v]);
     if (mesh.alive(o) && !append_pieces(mesh, positions, o, cover, bodies.pieces)) ++bodies.inexact;
-    bodies.offsets.push_back(bodies.pieces.size());
+    bodies.point_offsets.push_back(bodies.points.size());
+    bodies.piece_offsets.push_back(bodies.pieces.size());
   }
   return bodies;
 }
@@ -45,19 +54,18 @@ Bodies bodies_at(const Step& step, double t, Cover cover) {
 struct Box {
   Vec3 low = Vec3::Constant(INFINITY), high = Vec3::Constant(-INFINITY);
 
-  void add(std::span<const ConvexPiece> pieces) {
-    for (const ConvexPiece& piece : pieces)
-      for (const Vec3& p : piece.span()) {
-        low = low.cwiseMin(p);
-        high = high.cwiseMax(p);
-      }
+  void add(std::span<const Vec3> points) {
+    for (const Vec3& p : points) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+    }
   }
   double diagonal() const { return (high - low).norm(); }
 };
 
-Box box_of(std::span<const ConvexPiece> pieces) {
+Box box_of(std::span<const Vec3> points) {
   Box box;
-  box.add(pieces);
+  box.add(points);
   return box;
 }
 
@@ -65,25 +73,33 @@ bool apart(const Box& a, const Box& b) {
   return (a.low.array() > b.high.array()).any() || (b.low.array() > a.high.array()).any();
 }
 
-/// Depth of the deepest two pieces that FCL finds overlapping and no separating axis refutes; negative if there are none.
-double overlap_depth(std::span<const ConvexPiece> a, std::span<const ConvexPiece> b) {
+/// Depth of the deepest two pieces that FCL finds overlapping and no separating axis refutes; negative if there are
+/// none.
+double overlap_depth(const Bodies& bodies, ElementPair pair, detail::FclOverlap& overlap) {
+  const std::span<const Vec3> hull_a = bodies.hull(pair.a), hull_b = bodies.hull(pair.b);
+  const Box box_a = box_of(hull_a), box_b = box_of(hull_b);
   double depth = -1;
-  for (const ConvexPiece& p : a) {
-    const Box box = box_of({&p, 1});
-    for (const ConvexPiece& q : b)
-      if (!apart(box, box_of({&q, 1})) && detail::fcl_overlap(p, q)) depth = std::max(depth, -detail::signed_gap(p, q));
+  if (bodies.of(pair.a).size() * bodies.of(pair.b).size() > 1 && !overlap(hull_a, hull_b)) return depth;
+  for (const ConvexPiece& p : bodies.of(pair.a)) {
+    const Box box_p = box_of(p.span());
+    if (apart(box_p, box_b)) continue;
+    for (const ConvexPiece& q : bodies.of(pair.b)) {
+      const Box box_q = box_of(q.span());
+      if (!apart(box_q, box_a) && !apart(box_p, box_q) && overlap(p.span(), q.span()))
+        depth = std::max(depth, -detail::signed_gap(p, q));
+    }
   }
   return depth;
 }
 
 /// Whether the two bodies are disjoint beyond doubt: an axis with a gap above rounding for every two of their pieces.
-bool certainly_disjoint(std::span<const ConvexPiece> a, std::span<const ConvexPiece> b) {
-  Box both = box_of(a);
-  both.add(b);
+bool certainly_disjoint(const Bodies& bodies, ElementPair pair) {
+  Box both = box_of(bodies.hull(pair.a));
+  both.add(bodies.hull(pair.b));
   const double rounding = 1e-15 * std::max(both.low.cwiseAbs().maxCoeff(), both.high.cwiseAbs().maxCoeff());
   const double least = 1e-9 * both.diagonal() + 16 * rounding;
-  for (const ConvexPiece& p : a)
-    for (const ConvexPiece& q : b)
+  for (const ConvexPiece& p : bodies.of(pair.a))
+    for (const ConvexPiece& q : bodies.of(pair.b))
       if (!(detail::signed_gap(p, q) > least)) return false;
   return true;
 }
@@ -99,7 +115,7 @@ Sample sample(const Step& step, double t, Executor& executor) {
   std::vector<detail::ElementBox> boxes;
   for (Index o = 0; o < mesh.element_slots(); ++o)
     if (mesh.alive(o)) {
-      const Box box = box_of(bodies.of(o));
+      const Box box = box_of(bodies.hull(o));
       boxes.push_back({o, box.low, box.high});
     }
   std::vector<ElementPair> pairs = detail::box_overlaps(boxes);
@@ -107,8 +123,9 @@ Sample sample(const Step& step, double t, Executor& executor) {
   std::sort(pairs.begin(), pairs.end());
 
   std::vector<double> depths(pairs.size());
-  executor.parallel_for(pairs.size(), 64, [&](std::size_t begin, std::size_t end, unsigned) {
-    for (std::size_t i = begin; i < end; ++i) depths[i] = overlap_depth(bodies.of(pairs[i].a), bodies.of(pairs[i].b));
+  executor.parallel_for(pairs.size(), 256, [&](std::size_t begin, std::size_t end, unsigned) {
+    detail::FclOverlap overlap;
+    for (std::size_t i = begin; i < end; ++i) depths[i] = overlap_depth(bodies, pairs[i], overlap);
   });
   Sample result;
   result.candidates = pairs.size();
@@ -195,7 +212,8 @@ class ContactIndex {
 
 void refuse_what_owes_nothing(const Step& step, std::span<const double> times) {
   if (step.features().edge_set() != EdgeSet::triangulated)
-    throw ConfigError("the overlap oracle needs the edge set `triangulated`: without face diagonals contacts are incomplete");
+    throw ConfigError(
+        "the overlap oracle needs the edge set `triangulated`: without face diagonals contacts are incomplete");
   for (const double t : times)
     if (!(t >= 0 && t <= step.t_max))
       throw ConfigError("the overlap oracle was asked about time " + std::to_string(t) + ", which is not in [0, " +
@@ -227,10 +245,10 @@ OverlapReport check_against_fcl(const Step& step, std::span<const Contact> conta
     executor.parallel_for(found.overlaps.size(), 16, [&](std::size_t begin, std::size_t end, unsigned) {
       for (std::size_t i = begin; i < end; ++i) {
         const auto [a, b] = found.overlaps[i].pair;
-        const double size = std::min(box_of(start.of(a)).diagonal(), box_of(start.of(b)).diagonal());
+        const double size = std::min(box_of(start.hull(a)).diagonal(), box_of(start.hull(b)).diagonal());
         if (!step.filter.allows(mesh.object(a), mesh.object(b))) {
           verdicts[i] = Verdict::filtered;
-        } else if (!certainly_disjoint(start.of(a), start.of(b))) {
+        } else if (!certainly_disjoint(start, {a, b})) {
           verdicts[i] = Verdict::initial;
         } else {
           first[i] = index.first_between(mesh, a, b);

@@ -1,15 +1,15 @@
 // Judge of the pipelines: elements that FCL finds overlapping at sampled times (invariant 4).
 //
-// An element at time t is its triangulated surface together with every point that the surface winds around. A quad face is
-// split by the diagonal through its smallest vertex, a polytope's face into a fan around its smallest, as everywhere. If two
-// such bodies without a common vertex are disjoint at t = 0 and not at t, their surfaces have met in between, and so a
-// vertex or edge of one has met a triangle or edge of the other: there must be a contact with one feature in each element
-// and a time <= t. This holds for non-planar faces, and for inverted and degenerate elements.
+// An element at time t is its triangulated surface together with every point that the surface winds around. A quad face
+// is split by the diagonal through its smallest vertex, a polytope's face into a fan around its smallest, as
+// everywhere. If two such bodies without a common vertex are disjoint at t = 0 and not at t, their surfaces have met in
+// between, and so a vertex or edge of one has met a triangle or edge of the other: there must be a contact with one
+// feature in each element and a time <= t. This holds for non-planar faces, and for inverted and degenerate elements.
 //
-// FCL sees convex pieces: a tetrahedron, a triangle, and for other elements the tetrahedra between their centroid and each
-// boundary triangle. Where these do not all have the same orientation (badly distorted elements) they may cover more than
-// the body; then only the surface is asked about at t, and all of the pieces at t = 0: no pair is ever skipped, and no
-// pair blamed wrongly. Shares no code with the stages, the feature tables or their visitors.
+// FCL sees convex pieces: a tetrahedron, a triangle, and for other elements the tetrahedra between their centroid and
+// each boundary triangle. Where these do not all have the same orientation (badly distorted elements) they may cover
+// more than the body; then only the surface is asked about at t, and all of the pieces at t = 0: no pair is ever
+// skipped, and no pair blamed wrongly. Shares no code with the stages, the feature tables or their visitors.
 #pragma once
 
 #include <cstdint>
@@ -24,8 +24,8 @@ namespace volccd {
 /// Two live elements without a common vertex, a < b, that FCL finds overlapping.
 struct Overlap {
   ElementPair pair;
-  /// How far, as the largest depth over their convex pieces, in the unit of the positions: a lower estimate for elements of
-  /// several pieces.
+  /// How far, as the largest depth over their convex pieces, in the unit of the positions: a lower estimate for
+  /// elements of several pieces.
   double depth;
 };
 
@@ -34,7 +34,8 @@ struct OverlapViolation {
   ElementPair pair;      ///< slots
   double time;           ///< FCL finds them overlapping at this time
   double depth;          ///< as in Overlap
-  double first_contact;  ///< earliest contact between the two elements, later than `time`; infinity if there is none at all
+  double first_contact;  ///< earliest contact between the two elements, later than `time`; infinity if there is none at
+                         ///< all
 };
 
 struct OverlapReport {
@@ -60,12 +61,12 @@ struct OverlapCheck {
   double min_depth = 1e-6;
 };
 
-/// All overlaps at time t in [0,1], in ascending order of pairs. A hit is to be trusted; overlaps less deep than about 1e-6 of
-/// the elements' size (1e-4 for slivers) may be missing. O(n log n + box overlaps).
+/// All overlaps at time t in [0,1], in ascending order of pairs. A hit is to be trusted; overlaps less deep than about
+/// 1e-6 of the elements' size (1e-4 for slivers) may be missing. O(n log n + box overlaps).
 std::vector<Overlap> overlapping_elements(const Step& step, double t, Executor& executor);
 
-/// Holds the contacts of a step (any order) against the overlaps at the given times. Throws ConfigError if a time is not in
-/// [0, step.t_max], or if the edge set lacks the face diagonals, without which contacts are not complete.
+/// Holds the contacts of a step (any order) against the overlaps at the given times. Throws ConfigError if a time is
+/// not in [0, step.t_max], or if the edge set lacks the face diagonals, without which contacts are not complete.
 OverlapReport check_against_fcl(const Step& step, std::span<const Contact> contacts, std::span<const double> times,
                                 Executor& executor, const OverlapCheck& check = {});
 

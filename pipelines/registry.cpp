@@ -111,9 +111,9 @@ Registry Registry::standard() {
   registry.add(describe_all_pairs());
   registry.add(describe_static_assignment());
   registry.add(describe_dynamic_assignment());
-  registry.add(describe_feature_kdop());
-  registry.add(describe_coplanarity());
-  registry.add(describe_feature_csat());
+  registry.add(describe_feature_kdop_filter());
+  registry.add(describe_coplanarity_filter());
+  registry.add(describe_csat_filter());
   registry.add(describe_cubic());
   add_presets(registry);
   return registry;

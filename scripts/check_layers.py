@@ -65,8 +65,8 @@ def owner(path):
 
 
 def may_use_detail(path, header_module):
-    """detail/ is for the module itself and for its own tests."""
-    return owner(path) == header_module or path.startswith(f"tests/{header_module.split('/')[-1]}/")
+    """detail/ is for the module itself, modules in folders of its folder, its own tests, and benchmarks."""
+    return path.startswith((f"{header_module}/", f"tests/{header_module.split('/')[-1]}/", "tests/benchmarks/"))
 
 
 def check_project_include(path, target, root):

@@ -41,7 +41,7 @@ class PairWriter {
     size_ = 0;
   }
 
-  /// Where the next kRoom pairs can be written, and one more that does not count.
+  /// Where the next kRoom pairs can be written, and two more that do not count.
   ElementPair* room() {
     if (size_ + kRoom > BroadPhase::kMaxBatch) flush();
     return pairs_.data() + size_;
@@ -64,7 +64,7 @@ class PairWriter {
   std::optional<PairSink> sink_;
   unsigned worker_ = 0;
   std::size_t size_ = 0;
-  std::array<ElementPair, BroadPhase::kMaxBatch + 1> pairs_;
+  std::array<ElementPair, BroadPhase::kMaxBatch + 2> pairs_;
 };
 
 /// One writer for each worker. Reused from query to query.

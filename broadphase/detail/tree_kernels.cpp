@@ -204,13 +204,30 @@ class Traversal {
     return bits;
   }
 
+  /// Writes the pairs whose bits are set, without a branch: each is written where the next one belongs, and stays if its bit
+  /// moves that place on.
   HWY_INLINE ElementPair* emit(unsigned hits, Index i, Index j, ElementPair* next) const {
-    const Index a = lanes_.slots[i];
+#if HWY_TARGET == HWY_SCALAR
     for (Index l = 0; l < kLanes; ++l) {
-      const Index b = lanes_.slots[j + l];
-      *next = {std::min(a, b), std::max(a, b)};
+      *next = {std::min(lanes_.slots[i], lanes_.slots[j + l]), std::max(lanes_.slots[i], lanes_.slots[j + l])};
       next += hits >> l & 1;
     }
+#else
+    const hn::CappedTag<std::uint32_t, kLanes> d;
+    const hn::RepartitionToWide<decltype(d)> pair;
+    const auto a = hn::Set(d, lanes_.slots[i]), b = hn::LoadU(d, lanes_.slots + j);
+    const auto low = hn::Min(a, b), high = hn::Max(a, b);
+    const auto first = hn::BitCast(pair, hn::InterleaveLower(d, low, high));
+    const auto second = hn::BitCast(pair, hn::InterleaveUpper(d, low, high));
+    const auto put = [&](auto lanes, unsigned bit) {
+      hn::StoreU(lanes, pair, reinterpret_cast<std::uint64_t*>(next));
+      next += hits >> bit & 1;
+    };
+    put(first, 0);
+    put(hn::InterleaveUpper(pair, first, first), 1);
+    put(second, 2);
+    put(hn::InterleaveUpper(pair, second, second), 3);
+#endif
     return next;
   }
 

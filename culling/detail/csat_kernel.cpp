@@ -13,7 +13,6 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/detail/csat_kernel.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 HWY_BEFORE_NAMESPACE();
@@ -48,7 +47,10 @@ class Separator {
  public:
   Separator(const CsatPoints& a, const CsatPoints& b, const CsatFrame& frame, double separation)
       : a_(a), b_(b), control_points_(frame.control_points), levels_(frame.levels), separation_(separation) {
-    for (int k = 0; k < 3; ++k) extent_[k] = std::max(a.extent[k], b.extent[k]);
+    for (int k = 0; k < 3; ++k) {
+      extent_[k] = std::max(a.extent[k], b.extent[k]);
+      if (!(extent_[k] < kGreatestMagnitude)) extent_[k] = std::numeric_limits<double>::infinity();
+    }
   }
 
   int control_points() const { return control_points_; }
@@ -92,6 +94,7 @@ class Separator {
   double threshold(const Vec3& axis) const {
     const double x = axis[0], y = axis[1], z = axis[2];
     const double sum = std::abs(x) * extent_[0] + std::abs(y) * extent_[1] + std::abs(z) * extent_[2];
+    if (!(sum < kGreatestMagnitude)) return std::numeric_limits<double>::infinity();
     return gap_error_factor(levels_) * sum + kGapUnderflow + separation_gap(separation_, x, y, z);
   }
 
@@ -143,7 +146,6 @@ class Culler {
     if (frame_.control_points > kCsatControlPoints) return;
     std::size_t kept = 0;
     for (std::size_t i = 0; i < batch.size(); ++i) {
-      if (i + kAhead < batch.size()) prefetch(batch.pairs[i + kAhead].b);
       const ElementPair pair = batch.pairs[i];
       FeatureMask mask = batch.masks[i];
       if (drops(pair, mask)) continue;
@@ -155,13 +157,6 @@ class Culler {
   }
 
  private:
-  /// Gathering waits for memory; this many pairs hide it.
-  static constexpr std::size_t kAhead = 4;
-
-  void prefetch(Index o) const {
-    for (const Index v : step_.mesh().vertices(o)) hwy::Prefetch(step_.motion.at(v));
-  }
-
   bool drops(ElementPair pair, FeatureMask& mask) {
     const auto vertices_a = step_.mesh().vertices(pair.a), vertices_b = step_.mesh().vertices(pair.b);
     if (pair.a == pair.b || vertices_a.size() > kCsatVertices || vertices_b.size() > kCsatVertices) return false;

@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <cstddef>
-#include <cstdint>
 #include <span>
 #include <vector>
 
-#include <volccd/culling/detail/o_set_vertices.hpp>
+#include <volccd/culling/detail/o_set_touch.hpp>
 #include <volccd/mesh/features.hpp>
 
 namespace volccd::detail {
@@ -20,112 +18,108 @@ namespace volccd::detail {
 /// I(a) holds the elements with a vertex of a, and some others, which must touch each element of inc(a) elsewhere: they are
 /// looked for around the element of inc(a) that has the fewest elements around it.
 ///
-/// Holds scratch memory per vertex and per element slot, so that one call costs nothing beyond the elements around a.
+/// A partner b is looked at once, from its first element: from that of the elements of I(a) in the literal case, where
+/// others need not be in I(a); `own_edges`, `own_triangles` give the features of an element of which it is the first.
 class OSetPartners {
  public:
-  /// Room for the present slots.
-  void fit(const Features& features, const ElementVertices& vertices, Index element_slots) {
-    features_ = &features;
-    vertices_ = &vertices;
-    touching_.resize(features.vertex_slots(), 0);
-    marks_.resize(element_slots, 0);
-  }
+  OSetPartners(const Features& features, const ElementVertices& vertices, ElementTouch& touch,
+               std::vector<Index>& covering)
+      : features_(features), vertices_(vertices), touch_(touch), covering_(covering) {}
 
   /// Calls take(f) for each triangle that makes an O-Set pair with vertex v, once.
-  template <class Take>
-  void triangles_of_vertex(bool literal, Index v, Take&& take) {
-    const std::span<const Index> inc = features_->vertex_elements(v);
+  template <class OwnTriangles, class Take>
+  void triangles_of_vertex(bool literal, Index v, OwnTriangles&& own_triangles, Take&& take) {
+    const std::span<const Index> inc = features_.vertex_elements(v);
     find_covering({&v, 1}, inc);
-    visit(
-        literal, inc, [&](Index o) { return features_->element_triangles(o); },
-        [&](Index f) { return features_->triangle_elements(f); }, [](Index) { return true; },
-        [&](Index f) {
-          const auto& t = features_->triangle(f);
-          return t[0] != v && t[1] != v && t[2] != v;
-        },
-        take);
+    const auto incident = [&](Index f) { return features_.triangle_elements(f); };
+    const auto wanted = [&](Index f) {
+      const auto& t = features_.triangle(f);
+      return t[0] != v && t[1] != v && t[2] != v;
+    };
+    if (literal) return visit_literal(inc, [&](Index o) { return features_.element_triangles(o); }, incident, wanted, take);
+    visit(own_triangles, incident, wanted, take);
   }
 
   /// Calls take(v) for each vertex that makes an O-Set pair with triangle f and for which wanted(v), once.
   template <class Wanted, class Take>
   void vertices_of_triangle(const Mesh& mesh, bool literal, Index f, Wanted&& wanted, Take&& take) {
-    const std::array<Index, 3> t = features_->triangle(f);
-    const std::span<const Index> inc = features_->triangle_elements(f);
+    const std::array<Index, 3> t = features_.triangle(f);
+    const std::span<const Index> inc = features_.triangle_elements(f);
     find_covering(t, inc);
-    visit(
-        literal, inc, [&](Index o) { return mesh.vertices(o); },
-        [&](Index v) { return features_->vertex_elements(v); }, wanted,
-        [&](Index v) { return v != t[0] && v != t[1] && v != t[2]; }, take);
+    const auto of_element = [&](Index o) { return mesh.vertices(o); };
+    const auto incident = [&](Index v) { return features_.vertex_elements(v); };
+    const auto apart = [&](Index v) { return v != t[0] && v != t[1] && v != t[2] && wanted(v); };
+    if (literal) return visit_literal(inc, of_element, incident, apart, take);
+    visit_first(of_element, incident, apart, take);
   }
 
   /// Calls take(e2) for each edge that makes an O-Set pair with edge e and for which wanted(e2), once.
-  template <class Wanted, class Take>
-  void edges_of_edge(bool literal, Index e, Wanted&& wanted, Take&& take) {
-    const std::array<Index, 2> ends = features_->edge(e);
-    const std::span<const Index> inc = features_->edge_elements(e);
-    find_covering(ends, inc);
-    visit(
-        literal, inc, [&](Index o) { return features_->element_edges(o); },
-        [&](Index e2) { return features_->edge_elements(e2); }, wanted,
-        [&](Index e2) {
-          const auto& other = features_->edge(e2);
-          return other[0] != ends[0] && other[0] != ends[1] && other[1] != ends[0] && other[1] != ends[1];
-        },
-        take);
+  template <class OwnEdges, class Wanted, class Take>
+  void edges_of_edge(bool literal, Index e, OwnEdges&& own_edges, Wanted&& wanted, Take&& take) {
+    const std::array<Index, 2> a = features_.edge(e);
+    const std::span<const Index> inc = features_.edge_elements(e);
+    find_covering(a, inc);
+    const auto incident = [&](Index e2) { return features_.edge_elements(e2); };
+    const auto apart = [&](Index e2) {
+      if (!wanted(e2)) return false;
+      const auto& b = features_.edge(e2);
+      return b[0] != a[0] && b[0] != a[1] && b[1] != a[0] && b[1] != a[1];
+    };
+    if (literal) return visit_literal(inc, [&](Index o) { return features_.element_edges(o); }, incident, apart, take);
+    visit(own_edges, incident, apart, take);
   }
 
-  std::size_t bytes() const {
-    return touching_.capacity() * sizeof(touching_[0]) + marks_.capacity() * sizeof(marks_[0]) +
-           (covering_.capacity() + touched_.capacity()) * sizeof(Index);
-  }
+  /// For own_edges and own_triangles when no table of them is at hand.
+  struct EveryEdge {};
+  struct EveryTriangle {};
 
  private:
-  /// covering_ = I(a) for a feature with these vertices and incident elements, each marked.
+  /// covering_ = I(a) for a feature with these vertices and incident elements, each accepted in touch_.
   void find_covering(std::span<const Index> vertices, std::span<const Index> inc);
   void find_far(std::span<const Index> vertices, std::span<const Index> inc);
   Index pivot(std::span<const Index> vertices, std::span<const Index> inc) const;
-  void touch(std::span<const Index> inc);
-  void untouch();
-  std::uint64_t touched_by(Index o) const {
-    std::uint64_t bits = 0;
-    for (Index w : (*vertices_)[o]) bits |= touching_[w];
-    return bits;
-  }
-  void next_mark();
-  bool covers(Index o) const { return marks_[o] == mark_; }
 
-  /// Each feature b of the elements of I(a) is looked at once, from the first element of inc(b) that is in I(a): if all have
-  /// to be, from the first of all.
-  template <class OfElement, class Incident, class Wanted, class Disjoint, class Take>
-  void visit(bool literal, std::span<const Index> inc_a, OfElement&& features_of, Incident&& incident, Wanted&& wanted,
-             Disjoint&& disjoint, Take&& take) {
+  template <class Own, class Incident, class Wanted, class Take>
+  void visit(Own&& own, Incident&& incident, Wanted&& wanted, Take&& take) {
+    using Table = std::decay_t<Own>;
+    if constexpr (std::is_same_v<Table, EveryEdge>) {
+      visit_first([&](Index o) { return features_.element_edges(o); }, incident, wanted, take);
+    } else if constexpr (std::is_same_v<Table, EveryTriangle>) {
+      visit_first([&](Index o) { return features_.element_triangles(o); }, incident, wanted, take);
+    } else {
+      for (Index o : covering_)
+        for (Index b : own(o))
+          if (wanted(b) && others_cover(incident(b))) take(b);
+    }
+  }
+  template <class OfElement, class Incident, class Wanted, class Take>
+  void visit_first(OfElement&& of_element, Incident&& incident, Wanted&& wanted, Take&& take) {
     for (Index o : covering_)
-      for (Index b : features_of(o)) {
+      for (Index b : of_element(o))
+        if (const std::span<const Index> inc = incident(b); inc[0] == o && wanted(b) && others_cover(inc)) take(b);
+  }
+  template <class OfElement, class Incident, class Wanted, class Take>
+  void visit_literal(std::span<const Index> inc_a, OfElement&& of_element, Incident&& incident, Wanted&& wanted,
+                     Take&& take) {
+    for (Index o : covering_)
+      for (Index b : of_element(o)) {
         if (!wanted(b)) continue;
-        const std::span<const Index> inc_b = incident(b);
-        if (literal) {
-          if (first_covering(inc_b) == o && disjoint(b) && some_touches_all(inc_a, inc_b)) take(b);
-        } else if (inc_b[0] == o && disjoint(b) && all_cover(inc_b)) {
-          take(b);
-        }
+        const std::span<const Index> inc = incident(b);
+        const Index first = *std::find_if(inc.begin(), inc.end(), [&](Index other) { return touch_.accepted(other); });
+        if (first == o && some_touches_all(inc_a, inc)) take(b);
       }
   }
-  bool all_cover(std::span<const Index> elements) const {
-    return std::all_of(elements.begin() + 1, elements.end(), [&](Index o) { return covers(o); });
-  }
-  Index first_covering(std::span<const Index> elements) const {
-    return *std::find_if(elements.begin(), elements.end(), [&](Index o) { return covers(o); });
+  bool others_cover(std::span<const Index> inc) const {
+    for (std::size_t i = 1; i < inc.size(); ++i)
+      if (!touch_.accepted(inc[i])) return false;
+    return true;
   }
   bool some_touches_all(std::span<const Index> some, std::span<const Index> all) const;
 
-  const Features* features_ = nullptr;
-  const ElementVertices* vertices_ = nullptr;
-  std::vector<std::uint64_t> touching_;  ///< by vertex: bit k: it is in element k of the part of inc(a) at hand; else 0
-  std::vector<Index> touched_;           ///< vertices where it is not 0
-  /// By element: mark_ if it is in I(a), mark_ + 1 if it is known not to be, less if not looked at yet.
-  std::vector<std::uint32_t> marks_;
-  std::uint32_t mark_ = 0;
-  std::vector<Index> covering_;
+  const Features& features_;
+  const ElementVertices& vertices_;
+  ElementTouch& touch_;
+  std::vector<Index>& covering_;
 };
 
 }  // namespace volccd::detail

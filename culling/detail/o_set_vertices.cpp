@@ -40,7 +40,7 @@ void ElementVertices::store(const Mesh& mesh, Index o) {
   if (vertices.size() > kBlock) {
     large_.assign(o, vertices);
   } else {
-    large_.clear_list(o);
+    large_.assign(o, {});
   }
 }
 

@@ -24,6 +24,9 @@ class ElementVertices {
     return {ids_.data() + std::size_t{o} * stride_, stride_};
   }
 
+  /// Whether there is an element in the slot, as of the last build or update.
+  bool holds(Index o) const { return o < simplex_.size() && ids_[std::size_t{o} * stride_] != kNone; }
+
   /// Whether every two of its vertices are an edge, and every three a triangle.
   bool simplex(Index o) const { return simplex_[o] != 0; }
 

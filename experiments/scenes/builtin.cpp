@@ -20,12 +20,12 @@ const Options<BuiltinConfig>& builtin_options() {
 
 // Sizes in centimetres; the event lasts kDuration units of time, one a default step.
 constexpr double kDuration = 8;
-constexpr double kWidth = 1, kLength = 2.5;           // the block
+constexpr double kWidth = 1, kLength = 2.5;  // the block
 constexpr double kPlateSide = 8, kPlateThickness = 1.5;
-constexpr double kGap = 0.3;                          // from the block's end to the plate, along its way
-constexpr double kSpeed = 0.62, kSlowing = 0.28;      // share of the speed that is lost
-constexpr double kReach = 1.1;                        // how far around its way the plate gives
-constexpr double kDelay = 0.3;                        // how far an element is passed before it erodes
+constexpr double kGap = 0.3;                      // from the block's end to the plate, along its way
+constexpr double kSpeed = 0.62, kSlowing = 0.28;  // share of the speed that is lost
+constexpr double kReach = 1.1;                    // how far around its way the plate gives
+constexpr double kDelay = 0.3;                    // how far an element is passed before it erodes
 
 /// The block's rest frame: origin at the middle of its leading end, z backwards along its way.
 struct Flight {
@@ -34,7 +34,7 @@ struct Flight {
 
   Vec3 backwards() const { return axes.col(2); }
   double travel(double time) const { return kSpeed * time * (1 - kSlowing * time / kDuration); }
-  /// Where the leading end would be if nothing slowed it.
+  /// Middle of the leading end. Its lowest corner is 0.12 ahead of it, along its way.
   Vec3 tip(double time) const { return (kGap + 0.12 - travel(time)) * backwards(); }
   /// How far the tip is inside or beyond the plate.
   double depth(double time) const { return std::max(0.0, travel(time) - kGap); }
@@ -73,7 +73,8 @@ class Penetration final : public Scene {
   void positions(int frame, std::vector<Vec3>& out) const override {
     out.resize(rest_.positions.size());
     for (std::size_t v = 0; v < out.size(); ++v)
-      out[v] = v < shot_vertices_ ? shot_point(rest_.positions[v], time(frame)) : plate_point(rest_.positions[v], time(frame));
+      out[v] = v < shot_vertices_ ? shot_point(rest_.positions[v], time(frame))
+                                  : plate_point(rest_.positions[v], time(frame));
   }
 
   void cells(int frame, SequenceCells& out) const override {
@@ -137,7 +138,8 @@ class Penetration final : public Scene {
 }  // namespace
 
 std::unique_ptr<Scene> make_builtin(const BuiltinConfig& config) {
-  if (config.elements < 100 || config.elements > 10'000'000) throw ConfigError("builtin: elements is not in 100 .. 10000000");
+  if (config.elements < 100 || config.elements > 10'000'000)
+    throw ConfigError("builtin: elements is not in 100 .. 10000000");
   if (config.steps < 2 || config.steps > 100'000) throw ConfigError("builtin: steps is not in 2 .. 100000");
   return std::make_unique<Penetration>(config);
 }

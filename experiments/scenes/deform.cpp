@@ -71,7 +71,8 @@ Measure measure(const Shape& mesh) {
 double default_amount(DeformKind kind, const Measure& m, int motions) {
   const double way = m.edge * motions;
   switch (kind) {
-    case DeformKind::twist: return std::min(180.0, way / (0.25 * std::hypot(m.extent[1], m.extent[2]) + m.edge / 4) / kDegree);
+    case DeformKind::twist:
+      return std::min(180.0, way / (0.25 * std::hypot(m.extent[1], m.extent[2]) + m.edge / 4) / kDegree);
     case DeformKind::bend: return std::min(180.0, 8 * way / m.extent[0] / kDegree);
     case DeformKind::squeeze: return std::min(0.5, 2 * way / m.extent[0]);
     case DeformKind::jitter: return 0.3;
@@ -89,8 +90,8 @@ void check(const DeformConfig& config) {
     const KindInfo& kind = info(motion.kind);
     if (++times[motion.kind] > 1) throw ConfigError(fmt::format("deform: {} is given twice", kind.name));
     if (motion.amount && !(*motion.amount >= kind.low && *motion.amount <= kind.high))
-      throw ConfigError(
-          fmt::format("deform: {} by {} {} is not in {} .. {}", kind.name, *motion.amount, kind.unit, kind.low, kind.high));
+      throw ConfigError(fmt::format("deform: {} by {} {} is not in {} .. {}", kind.name, *motion.amount, kind.unit,
+                                    kind.low, kind.high));
   }
   if (times[DeformKind::collide] && config.copies < 2) throw ConfigError("deform: collide wants at least two copies");
 }
@@ -250,8 +251,8 @@ class Deform final : public Scene {
       motions += fmt::format("{}{} {:.6g} {}", motions.empty() ? "" : ", ", info(motion.kind).name, *motion.amount,
                              info(motion.kind).unit);
     metadata_.title = fmt::format("Made-up motion: {}", motions);
-    metadata_.source = fmt::format("volccd scene deform, {} elements, {} {}, seed {}", mesh_.elements.size(), config_.copies,
-                                   config_.copies == 1 ? "copy" : "copies", config_.seed);
+    metadata_.source = fmt::format("volccd scene deform, {} elements, {} {}, seed {}", mesh_.elements.size(),
+                                   config_.copies, config_.copies == 1 ? "copy" : "copies", config_.seed);
   }
 
   DeformConfig config_;
@@ -276,10 +277,11 @@ DeformKind parse_kind(const std::string& text) {
 }
 
 const Options<DeformConfig>& deform_options() {
-  static const auto options = Options<DeformConfig>()
-                                  .add("copies", &DeformConfig::copies, 1, 10'000, "copies of the mesh, separate objects")
-                                  .add("steps", &DeformConfig::steps, 2, 100'000, "frames of the sequence: 2 make one motion")
-                                  .add("seed", &DeformConfig::seed, 0, 1'000'000'000, "for sideways shifts and jitter");
+  static const auto options =
+      Options<DeformConfig>()
+          .add("copies", &DeformConfig::copies, 1, 10'000, "copies of the mesh, separate objects")
+          .add("steps", &DeformConfig::steps, 2, 100'000, "frames of the sequence: 2 make one motion")
+          .add("seed", &DeformConfig::seed, 0, 1'000'000'000, "for sideways shifts and jitter");
   return options;
 }
 
@@ -308,7 +310,8 @@ std::vector<DeformMotion> parse_deform_motions(const std::string& text, const st
   }
   if (amount) {
     if (motions.size() > 1 || motions.front().amount)
-      throw ConfigError("deform: one amount, and a list that could take it in several places: write \"twist:60,collide:2\"");
+      throw ConfigError(
+          "deform: one amount, and a list that could take it in several places: write \"twist:60,collide:2\"");
     motions.front().amount = amount;
   }
   return motions;

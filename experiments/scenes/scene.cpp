@@ -41,7 +41,8 @@ Mesh scene_mesh(const Scene& scene, int frame) {
 Shape shape_from_file(const std::string& file, int step) {
   SequenceReader reader(file);
   if (step < 0 || step >= reader.step_count())
-    throw ConfigError(file + " has steps 0 .. " + std::to_string(reader.step_count() - 1) + ", not " + std::to_string(step));
+    throw ConfigError(file + " has steps 0 .. " + std::to_string(reader.step_count() - 1) + ", not " +
+                      std::to_string(step));
   std::vector<Vec3> points;
   SequenceCells cells;
   reader.read_points(step, points);

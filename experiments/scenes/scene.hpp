@@ -1,4 +1,5 @@
-// Scenes: made-up sequences, frame by frame, and the list of them that the program, the tests and the experiments share.
+// Scenes: made-up sequences, frame by frame, and the list of them that the program, the tests and the experiments
+// share.
 #pragma once
 
 #include <functional>
@@ -13,9 +14,9 @@
 
 namespace volccd {
 
-/// A sequence that is computed when asked for. Vertices have ids 0, 1, 2, ..; all frames have all of them, whether elements use
-/// them or not, while elements come and go. The same scene gives the same frames, bit for bit, in any order of asking.
-/// Immutable; concurrent calls allowed.
+/// A sequence that is computed when asked for. Vertices have ids 0, 1, 2, ..; all frames have all of them, whether
+/// elements use them or not, while elements come and go. The same scene gives the same frames, bit for bit, in any
+/// order of asking. Immutable; concurrent calls allowed.
 class Scene {
  public:
   virtual ~Scene() = default;
@@ -38,9 +39,9 @@ void write_scene(const Scene& scene, const std::string& file);
 /// The elements of a frame as a mesh: element i of cells() in slot i.
 Mesh scene_mesh(const Scene& scene, int frame);
 
-/// Step `step` of a sequence file as a shape that scenes can be made from: vertices that no element uses are left out, the rest
-/// renumbered in ascending order; elements keep their ids and parts. Throws what SequenceReader throws, and ConfigError
-/// if the file has no such step.
+/// Step `step` of a sequence file as a shape that scenes can be made from: vertices that no element uses are left out,
+/// the rest renumbered in ascending order; elements keep their ids and parts. Throws what SequenceReader throws, and
+/// ConfigError if the file has no such step.
 Shape shape_from_file(const std::string& file, int step = 0);
 
 /// How the list knows a scene.
@@ -56,8 +57,8 @@ struct SceneDescriptor {
 /// All scenes, in the order of `volccd scene list`.
 const std::vector<SceneDescriptor>& scenes();
 
-/// Makes the scene of this name. Throws ConfigError: unknown name (naming the known ones), bad option, mesh missing or not
-/// wanted.
+/// Makes the scene of this name. Throws ConfigError: unknown name (naming the known ones), bad option, mesh missing or
+/// not wanted.
 std::unique_ptr<Scene> make_scene(const std::string& name, const OptionValues& values, const Shape* mesh = nullptr);
 
 }  // namespace volccd

@@ -10,8 +10,8 @@ namespace volccd {
 
 namespace {
 
-/// Uniform grid over the plane across an axis. Primitives of N vertices are entered by their boxes; counting sort into one
-/// list.
+/// Uniform grid over the plane across an axis. Primitives of N vertices are entered by their boxes; counting sort into
+/// one list.
 template <std::size_t N>
 class ColumnGrid {
  public:
@@ -48,8 +48,8 @@ class ColumnGrid {
     enter([&](std::size_t c, std::size_t i) { list_[next[c]++] = i; });
   }
 
-  /// Calls visitor(primitive) for all whose boxes overlap the box [low, high] across the axis, and for some nearby; a primitive
-  /// may come several times.
+  /// Calls visitor(primitive) for all whose boxes overlap the box [low, high] across the axis, and for some nearby; a
+  /// primitive may come several times.
   template <class Visitor>
   void near(const Vec3& low, const Vec3& high, Visitor&& visitor) const {
     columns(low, high, [&](std::size_t c) {
@@ -142,8 +142,8 @@ double mean_edge_length(const Shape& shape) {
   return features.edge_count() == 0 ? 0 : sum / features.edge_count();
 }
 
-double touching_shift(std::span<const Vec3> a, std::span<const Vec3> b, const std::vector<std::array<Index, 3>>& triangles,
-                      int axis, double cell) {
+double touching_shift(std::span<const Vec3> a, std::span<const Vec3> b,
+                      const std::vector<std::array<Index, 3>>& triangles, int axis, double cell) {
   double shift = -INFINITY;
   const Facing facing(axis);
   const ColumnGrid<3> triangles_a(a, triangles, axis, cell), triangles_b(b, triangles, axis, cell);
@@ -165,7 +165,8 @@ double touching_shift(std::span<const Vec3> a, std::span<const Vec3> b, const st
   }
   if (shift > -INFINITY) return shift;
   const auto by_height = [&](const Vec3& p, const Vec3& q) { return p[axis] < q[axis]; };
-  return (*std::max_element(a.begin(), a.end(), by_height))[axis] - (*std::min_element(b.begin(), b.end(), by_height))[axis];
+  return (*std::max_element(a.begin(), a.end(), by_height))[axis] -
+         (*std::min_element(b.begin(), b.end(), by_height))[axis];
 }
 
 }  // namespace volccd

@@ -9,71 +9,80 @@ namespace volccd::detail {
 
 namespace {
 
-/// Spare room at the end of the array, so that the first changes after a build do not copy all of it.
-std::size_t with_spare(std::size_t entries) { return entries + entries / 8; }
-
 void check_size(std::size_t entries) {
   if (entries >= kNone) throw Error("mesh too large: more than 2^32 incidences of features and elements");
 }
 
 constexpr std::size_t kSmall = 1024;  // arrays below this are not worth compacting
+constexpr std::size_t kLong = 32;     // from here on a binary search beats a scan
 
 }  // namespace
 
-void IncidencePool::layout(std::span<const Index> lengths) {
+void IncidencePool::layout(std::span<const Index> capacities) {
   std::size_t total = 0;
-  for (Index length : lengths) total += length;
-  clear(lengths.size(), total);
+  for (Index capacity : capacities) total += capacity;
+  clear(capacities.size(), total);
   data_.resize(total);
   Index begin = 0;
-  for (std::size_t i = 0; i < lengths.size(); ++i) {
-    lists_[i] = {begin, 0, lengths[i]};
-    begin += lengths[i];
+  for (std::size_t i = 0; i < capacities.size(); ++i) {
+    lists_[i] = {begin, 0, capacities[i]};
+    begin += capacities[i];
   }
 }
 
 void IncidencePool::clear(std::size_t lists, std::size_t entries) {
   check_size(entries);
   *this = IncidencePool();
+  lists_.reserve(with_spare(lists));
   lists_.resize(lists);
-  data_.reserve(with_spare(entries));
+  data_.reserve(entries + entries / 8);
 }
 
-void IncidencePool::insert(std::size_t i, Index value) {
-  if (lists_[i].size == lists_[i].capacity) grow(i);
+void IncidencePool::insert(std::size_t i, std::span<const Index> values) {
+  const std::size_t size = lists_[i].size + values.size();
+  if (size > lists_[i].capacity) relocate(i, size + size / 2);
   Index* const first = data_.data() + lists_[i].begin;
-  Index* const last = first + lists_[i].size;
-  Index* const at = std::lower_bound(first, last, value);
-  assert(at == last || *at != value);
-  std::copy_backward(at, last, last + 1);
-  *at = value;
-  ++lists_[i].size;
-  ++used_;
+  // Merges from the back: what lies before the smallest new value stays where it is.
+  Index* from = first + lists_[i].size;
+  Index* to = first + size;
+  for (std::size_t k = values.size(); k != 0;) {
+    if (from != first && from[-1] > values[k - 1]) {
+      *--to = *--from;
+    } else {
+      *--to = values[--k];
+    }
+  }
+  lists_[i].size = static_cast<Index>(size);
+  used_ += values.size();
 }
 
-void IncidencePool::erase(std::size_t i, Index value) {
-  Index* const first = data_.data() + lists_[i].begin;
-  Index* const last = first + lists_[i].size;
-  Index* const at = std::lower_bound(first, last, value);
-  assert(at != last && *at == value);
-  std::copy(at + 1, last, at);
-  --lists_[i].size;
-  --used_;
+void IncidencePool::erase(std::size_t i, std::span<const Index> values) {
+  Index* const last = data_.data() + lists_[i].begin + lists_[i].size;
+  Index* from = data_.data() + lists_[i].begin;
+  if (lists_[i].size > kLong) from = std::lower_bound(from, last, values.front());
+  Index* to = from;
+  for (std::size_t k = 0; from != last && k != values.size(); ++from) {
+    if (*from == values[k]) {
+      ++k;
+    } else {
+      *to++ = *from;
+    }
+  }
+  to = std::copy(from, last, to);
+  assert(last - to == static_cast<std::ptrdiff_t>(values.size()));
+  lists_[i].size -= static_cast<Index>(last - to);
+  used_ -= static_cast<std::size_t>(last - to);
   compact_if_sparse();
 }
 
 void IncidencePool::assign(std::size_t i, std::span<const Index> values) {
-  clear_list(i);
+  used_ -= lists_[i].size;
+  lists_[i].size = 0;
+  compact_if_sparse();
   if (lists_[i].capacity < values.size()) relocate(i, values.size());
   std::copy(values.begin(), values.end(), data_.begin() + lists_[i].begin);
   lists_[i].size = static_cast<Index>(values.size());
   used_ += values.size();
-}
-
-void IncidencePool::clear_list(std::size_t i) {
-  used_ -= lists_[i].size;
-  lists_[i].size = 0;
-  compact_if_sparse();
 }
 
 void IncidencePool::relocate(std::size_t i, std::size_t capacity) {
@@ -90,7 +99,7 @@ void IncidencePool::relocate(std::size_t i, std::size_t capacity) {
 void IncidencePool::compact_if_sparse() {
   if (data_.size() < kSmall || data_.size() / 2 <= used_) return;
   std::vector<Index> data;
-  data.reserve(with_spare(used_));
+  data.reserve(used_ + used_ / 8);
   for (List& list : lists_) {
     const auto from = data_.begin() + list.begin;
     list.begin = static_cast<Index>(data.size());

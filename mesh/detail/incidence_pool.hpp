@@ -9,6 +9,9 @@
 
 namespace volccd::detail {
 
+/// Room that arrays get beyond their size when they are built, so that the first changes do not copy all of them.
+constexpr std::size_t with_spare(std::size_t n) { return n + n / 16; }
+
 /// List i is pool[i]. A list that outgrows its capacity moves to the end of the array; when more than half of the array is
 /// not in use, it is compacted, so that memory stays within a constant factor of what the lists hold and a change costs
 /// amortised time proportional to the length of the lists that it touches. Spans are invalidated by every change.
@@ -20,28 +23,32 @@ class IncidencePool {
     return {data_.data() + lists_[i].begin, lists_[i].size};
   }
 
-  /// Starts over with lists of the given final lengths, all empty yet; fill with append().
-  void layout(std::span<const Index> lengths);
-  /// Starts over with `lists` lists, and room for `entries` altogether.
+  /// Starts over with empty lists of the given capacities; fill with append().
+  void layout(std::span<const Index> capacities);
+  /// Starts over with `lists` empty lists, and room for `entries` altogether; fill with push_back().
   void clear(std::size_t lists, std::size_t entries);
   /// Appends empty lists, up to n.
   void extend(std::size_t n) {
     if (n > lists_.size()) lists_.resize(n);
   }
 
-  /// At the end of list i.
+  /// At the end of list i, where all lists behind it are still empty: the fast way to fill them one after the other.
+  void push_back(std::size_t i, Index value) {
+    if (lists_[i].capacity == 0) lists_[i].begin = static_cast<Index>(data_.size());
+    data_.push_back(value);
+    lists_[i].capacity = ++lists_[i].size;
+    ++used_;
+  }
+  /// At the end of list i, which has room for it.
   void append(std::size_t i, Index value) {
-    if (lists_[i].size == lists_[i].capacity) grow(i);
     data_[lists_[i].begin + lists_[i].size++] = value;
     ++used_;
   }
-  /// Into list i, which ascends; the value must not be in it yet.
-  void insert(std::size_t i, Index value);
-  /// Out of list i, which ascends; the value must be in it.
-  void erase(std::size_t i, Index value);
+  /// Into and out of list i, which ascends. `values` ascend; none, or all of them, are in the list.
+  void insert(std::size_t i, std::span<const Index> values);
+  void erase(std::size_t i, std::span<const Index> values);
   /// Replaces list i.
   void assign(std::size_t i, std::span<const Index> values);
-  void clear_list(std::size_t i);
 
   std::size_t bytes() const { return lists_.capacity() * sizeof(List) + data_.capacity() * sizeof(Index); }
 
@@ -49,10 +56,6 @@ class IncidencePool {
   struct List {
     Index begin = 0, size = 0, capacity = 0;
   };
-  void grow(std::size_t i) {
-    const std::size_t least = std::size_t{lists_[i].size} + 1;
-    relocate(i, least + least / 2);
-  }
   void relocate(std::size_t i, std::size_t capacity);
   void compact_if_sparse();
 

@@ -9,7 +9,7 @@
 
 namespace volccd::detail {
 
-/// Linear probing, at most kLoad full. Deletion shifts later entries back, so that there are no tombstones and the table
+/// Linear probing, at most half full. Deletion shifts later entries back, so that there are no tombstones and the table
 /// never degrades. Hashes are 32 bits wide; `hash_of(slot)` gives that of a slot in the table again. The number of places
 /// is arbitrary (the hash is scaled, not masked), so that a table of known size wastes nothing.
 class SlotTable {
@@ -64,8 +64,8 @@ class SlotTable {
   }
 
  private:
-  bool fits(std::size_t n) const { return n * 3 <= places_.size() * 2; }  // at most two thirds full
-  static std::size_t places_for(std::size_t n) { return n + n / 2 + 8; }
+  bool fits(std::size_t n) const { return n * 2 <= places_.size(); }  // at most half full
+  static std::size_t places_for(std::size_t n) { return 2 * n + n / 16 + 8; }
 
   std::size_t home(std::uint32_t hash) const {
     return static_cast<std::size_t>((std::uint64_t{hash} * places_.size()) >> 32);

@@ -33,8 +33,13 @@ class TupleTable {
     table_.erase(slot, [&](Index other) { return hash(tuples[other]); });
   }
 
-  void reserve(std::size_t n, const Tuples& tuples) {
-    table_.reserve(n, [&](Index other) { return hash(tuples[other]); });
+  /// Starts over with all of `tuples`, which are distinct.
+  void fill(const Tuples& tuples) {
+    table_.clear();
+    const auto hash_of = [&](Index slot) { return hash(tuples[slot]); };
+    table_.reserve(tuples.size(), hash_of);
+    for (Index slot = 0; slot < tuples.size(); ++slot)
+      table_.find_or_insert(hash_of(slot), slot, [](Index) { return false; }, hash_of);
   }
 
   std::size_t size() const { return table_.size(); }

@@ -163,13 +163,14 @@ class RowParser {
 
 std::vector<ContactRow> read_contacts_csv(const std::string& file) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) throw InputError(file, "", "cannot be opened: no such file");
+  if (!std::filesystem::is_regular_file(file, ignored)) throw InputError(file, "", "cannot be opened: it is not there, or not a file");
   std::ifstream stream(file);
   if (!stream) throw InputError(file, "", std::string("cannot be opened: ") + std::strerror(errno));
   std::vector<ContactRow> rows;
   std::string text;
   bool with_geometry = false;
-  for (std::int64_t line = 1; std::getline(stream, text); ++line) {
+  std::int64_t line = 1;
+  for (; std::getline(stream, text); ++line) {
     if (stream.eof()) throw InputError(file, "line", line, "is cut short: it has no end");
     if (!text.empty() && text.back() == '\r') text.pop_back();
     if (line > 1) {
@@ -181,7 +182,7 @@ std::vector<ContactRow> read_contacts_csv(const std::string& file) {
       throw InputError(file, "line", line, "is not the header \"" + std::string(kHeader) + "\"");
   }
   if (stream.bad()) throw InputError(file, "", std::string("cannot be read: ") + std::strerror(errno));
-  if (rows.empty() && text.empty()) throw InputError(file, "line", 1, "is missing: the file is empty");
+  if (line == 1) throw InputError(file, "line", 1, "is missing: the file is empty");
   return rows;
 }
 

@@ -44,7 +44,8 @@ struct CoplanarityCubic {
 };
 
 /// Coefficients computed with about 100 bits from the exact coordinates (times `scale`, see range_scale()) and then
-/// rounded: `error` is 2^-90 of the determinant's magnitude, so that what is left as zero is zero, or as good as.
+/// rounded: `error` is 2^-90 of the permanent of the differences' magnitudes, so that what is left as zero is zero, or
+/// as good as.
 CoplanarityCubic refined_coplanarity(const TestPoints& x, double scale);
 
 }  // namespace volccd::detail

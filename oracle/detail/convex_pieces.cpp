@@ -37,8 +37,7 @@ std::span<const std::uint8_t> faces_of(ElementType type) {
 void append_fan(std::span<const Index> v, std::vector<Triangle>& triangles) {
   const std::size_t n = v.size();
   const std::size_t first = static_cast<std::size_t>(std::min_element(v.begin(), v.end()) - v.begin());
-  for (std::size_t i = 1; i + 1 < n; ++i)
-    triangles.push_back({v[first], v[(first + i) % n], v[(first + i + 1) % n]});
+  for (std::size_t i = 1; i + 1 < n; ++i) triangles.push_back({v[first], v[(first + i) % n], v[(first + i + 1) % n]});
 }
 
 bool has_directed_edge(const Triangle& f, Index from, Index to) {
@@ -69,8 +68,8 @@ void orient_alike(std::vector<Triangle>& triangles) {
   }
 }
 
-/// Whether the tetrahedra (apex, triangle) all have the same orientation, each beyond doubt. Then a point's winding number is
-/// the number of tetrahedra around it, up to the sign, and their union is the body.
+/// Whether the tetrahedra (apex, triangle) all have the same orientation, each beyond doubt. Then a point's winding
+/// number is the number of tetrahedra around it, up to the sign, and their union is the body.
 bool same_orientation(const Vec3& apex, std::span<const Vec3> x, const std::vector<Triangle>& triangles) {
   double size = 0;
   for (const Triangle& f : triangles)
@@ -111,7 +110,8 @@ bool append_pieces(const Mesh& mesh, std::span<const Vec3> positions, Index o, C
   const std::span<const Index> vertices = mesh.vertices(o);
   const ElementType type = mesh.type(o);
   if (type == ElementType::tetrahedron) {
-    pieces.push_back({{positions[vertices[0]], positions[vertices[1]], positions[vertices[2]], positions[vertices[3]]}, 4});
+    pieces.push_back(
+        {{positions[vertices[0]], positions[vertices[1]], positions[vertices[2]], positions[vertices[3]]}, 4});
     return true;
   }
   std::vector<Triangle> triangles;

@@ -1,4 +1,5 @@
-// Elements as unions of convex pieces. Has its own tables of faces: a wrong face in the mesh module must not go unseen here.
+// Elements as unions of convex pieces. Has its own tables of faces: a wrong face in the mesh module must not go unseen
+// here.
 #pragma once
 
 #include <array>
@@ -26,8 +27,8 @@ enum class Cover {
 /// The triangles of the element's boundary as vertex slots, oriented alike around a volume element.
 void boundary_triangles(const Mesh& mesh, Index o, std::vector<std::array<Index, 3>>& triangles);
 
-/// Appends the pieces of element o. Returns whether they are the body itself; false: with Cover::within they are its surface
-/// alone.
+/// Appends the pieces of element o. Returns whether they are the body itself; false: with Cover::within they are its
+/// surface alone.
 bool append_pieces(const Mesh& mesh, std::span<const Vec3> positions, Index o, Cover cover,
                    std::vector<ConvexPiece>& pieces);
 

@@ -17,21 +17,6 @@ static_assert(sizeof(ccd_real_t) == 8);
 
 namespace {
 
-/// A triangle has two sides: FCL's validation wants each edge in two faces.
-std::shared_ptr<const std::vector<int>> faces_of(int points) {
-  static const auto triangle = std::make_shared<const std::vector<int>>(std::vector<int>{3, 0, 1, 2, 3, 0, 2, 1});
-  static const auto tetrahedron = std::make_shared<const std::vector<int>>(
-      std::vector<int>{3, 0, 2, 1, 3, 0, 1, 3, 3, 1, 2, 3, 3, 2, 0, 3});
-  return points == 3 ? triangle : tetrahedron;
-}
-
-fcl::Convexd convex(const ConvexPiece& piece, const Vec3& centre, double scale) {
-  auto vertices = std::make_shared<std::vector<Vec3>>();
-  vertices->reserve(4);
-  for (const Vec3& p : piece.span()) vertices->push_back((p - centre) * scale);
-  return fcl::Convexd(std::move(vertices), piece.count == 3 ? 2 : 4, faces_of(piece.count));
-}
-
 bool take_pair(fcl::CollisionObjectd* a, fcl::CollisionObjectd* b, void* pairs) {
   const Index i = static_cast<const ElementBox*>(a->getUserData())->element;
   const Index j = static_cast<const ElementBox*>(b->getUserData())->element;
@@ -63,21 +48,57 @@ std::vector<ElementPair> box_overlaps(std::span<const ElementBox> boxes) {
   return pairs;
 }
 
-bool fcl_overlap(const ConvexPiece& a, const ConvexPiece& b) {
-  Vec3 low = a.points[0], high = low;
-  for (const ConvexPiece* piece : {&a, &b})
-    for (const Vec3& p : piece->span()) {
+/// One shape for each number of points. Its points are replaced from query to query, which its topology and, as they
+/// are centred on their mean each time, its interior point allow.
+class FclOverlap::Shapes {
+ public:
+  const fcl::Convexd& take(std::span<const Vec3> points, const Vec3& mean, double scale) {
+    if (shapes_.size() <= points.size()) shapes_.resize(points.size() + 1);
+    Shape& shape = shapes_[points.size()];
+    if (!shape.convex) {
+      // The mean must be zero already now: FCL takes it as a point inside.
+      shape.points = std::make_shared<std::vector<Vec3>>(points.size(), Vec3::Zero());
+      // The query looks at points alone. FCL may use faces to walk along their edges, but only where every point is on
+      // one.
+      shape.convex = std::make_unique<fcl::Convexd>(
+          shape.points, 2, std::make_shared<const std::vector<int>>(std::vector<int>{3, 0, 1, 2, 3, 0, 2, 1}));
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) (*shape.points)[i] = (points[i] - mean) * scale;
+    return *shape.convex;
+  }
+
+ private:
+  struct Shape {
+    std::shared_ptr<std::vector<Vec3>> points;
+    std::unique_ptr<fcl::Convexd> convex;
+  };
+
+  std::vector<Shape> shapes_;
+};
+
+FclOverlap::FclOverlap() : a_(std::make_unique<Shapes>()), b_(std::make_unique<Shapes>()) {}
+FclOverlap::~FclOverlap() = default;
+
+bool FclOverlap::operator()(std::span<const Vec3> a, std::span<const Vec3> b) {
+  Vec3 low = a[0], high = low;
+  const auto mean_of = [&](std::span<const Vec3> points) {
+    Vec3 sum = Vec3::Zero();
+    for (const Vec3& p : points) {
       low = low.cwiseMin(p);
       high = high.cwiseMax(p);
+      sum += p / static_cast<double>(points.size());
     }
+    return sum;
+  };
+  const Vec3 mean_a = mean_of(a), mean_b = mean_of(b);
   const double extent = (high - low).maxCoeff();
   if (!(extent > 1e-150)) return false;  // all in one place: shallower than FCL is asked to see
-  const Vec3 centre = (low + high) / 2;
-  const fcl::Convexd shape_a = convex(a, centre, 1 / extent), shape_b = convex(b, centre, 1 / extent);
+  const double scale = 1 / extent;
+  const Vec3 half = (mean_b - mean_a) * (scale / 2);
   const fcl::CollisionRequestd request;  // boolean, libccd
   fcl::CollisionResultd result;
-  const fcl::Transform3d identity = fcl::Transform3d::Identity();
-  fcl::collide(&shape_a, identity, &shape_b, identity, request, result);
+  fcl::collide(&a_->take(a, mean_a, scale), fcl::Transform3d(fcl::Translation3d(-half)), &b_->take(b, mean_b, scale),
+               fcl::Transform3d(fcl::Translation3d(half)), request, result);
   return result.isCollision();
 }
 

@@ -1,6 +1,7 @@
 // The two questions put to FCL, in plain doubles: its headers stay in the source.
 #pragma once
 
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -17,8 +18,19 @@ struct ElementBox {
 /// Pairs of overlapping boxes, each once, in no particular order (FCL's dynamic AABB tree).
 std::vector<ElementPair> box_overlaps(std::span<const ElementBox> boxes);
 
-/// Whether FCL's boolean query with the default libccd solver finds the two pieces overlapping. They are centred and scaled to
-/// the unit first, as its tolerances are absolute.
-bool fcl_overlap(const ConvexPiece& a, const ConvexPiece& b);
+/// FCL's boolean overlap query with the default libccd solver, of the convex hulls of two sets of at least three
+/// points. The pair is scaled to the unit and centred first, as FCL's tolerances are absolute. Holds the shapes of FCL
+/// for use again: checking their topology costs ten times a query. One thread at a time.
+class FclOverlap {
+ public:
+  FclOverlap();
+  ~FclOverlap();
+
+  bool operator()(std::span<const Vec3> a, std::span<const Vec3> b);
+
+ private:
+  class Shapes;
+  std::unique_ptr<Shapes> a_, b_;
+};
 
 }  // namespace volccd::detail

@@ -48,7 +48,8 @@ double signed_gap(const ConvexPiece& a, const ConvexPiece& b) {
           const Vec3 normal = (p[j] - p[i]).normalized().cross((p[k] - p[i]).normalized());
           take(normal);
           // Within the plane of a triangle: needed where both pieces are flat and lie in it.
-          for (const Vec3& e : {Vec3(p[j] - p[i]), Vec3(p[k] - p[i]), Vec3(p[k] - p[j])}) take(normal.cross(e.normalized()));
+          for (const Vec3& e : {Vec3(p[j] - p[i]), Vec3(p[k] - p[i]), Vec3(p[k] - p[j])})
+            take(normal.cross(e.normalized()));
         }
   }
   for (int i = 0; i < edge_count[0]; ++i)

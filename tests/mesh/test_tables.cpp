@@ -6,6 +6,7 @@
 
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/detail/incidence_pool.hpp>
+#include <volccd/mesh/detail/incidences.hpp>
 #include <volccd/mesh/detail/slot_table.hpp>
 #include <volccd/mesh/detail/tuple_table.hpp>
 
@@ -92,6 +93,12 @@ TEST(TupleTable, SpreadsTheTuplesOfAGrid) {
     ASSERT_EQ(table.find(tuples[slot], tuples), slot % 2 == 0 ? kNone : slot);
 }
 
+std::vector<Index> random_values(Random& random, std::size_t most, Index range) {
+  std::set<Index> values;
+  for (std::size_t n = 1 + random.below(most); n != 0; --n) values.insert(static_cast<Index>(random.below(range)));
+  return {values.begin(), values.end()};
+}
+
 TEST(IncidencePool, EqualsAVectorOfSets) {
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     Random random(seed);
@@ -111,19 +118,19 @@ TEST(IncidencePool, EqualsAVectorOfSets) {
         pool.extend(reference.size());
       }
       const std::size_t i = random.below(reference.size());
-      const auto value = static_cast<Index>(random.below(60));
+      std::vector<Index> values = random_values(random, 6, i % 10 == 0 ? 500 : 60);
       const bool shrinking = step / 5000 % 2 == 1;
-      if (reference[i].contains(value)) {
-        if (shrinking || random.below(3) == 0) {
-          reference[i].erase(value);
-          pool.erase(i, value);
-        }
-      } else if (!shrinking) {
-        reference[i].insert(value);
-        pool.insert(i, value);
-      } else if (random.below(50) == 0) {
-        reference[i] = {value, value + 1, value + 70};
-        pool.assign(i, std::vector<Index>(reference[i].begin(), reference[i].end()));
+      if (random.below(200) == 0) {
+        pool.assign(i, values);
+        reference[i] = {values.begin(), values.end()};
+      } else if (shrinking || random.below(3) == 0) {
+        std::erase_if(values, [&](Index v) { return !reference[i].contains(v); });
+        for (Index v : values) reference[i].erase(v);
+        if (!values.empty()) pool.erase(i, values);
+      } else {
+        std::erase_if(values, [&](Index v) { return reference[i].contains(v); });
+        reference[i].insert(values.begin(), values.end());
+        pool.insert(i, values);
       }
       ASSERT_TRUE(std::ranges::equal(pool[i], reference[i]));
       if (step % 500 != 0) continue;
@@ -134,7 +141,28 @@ TEST(IncidencePool, EqualsAVectorOfSets) {
       }
       most = std::max(most, used);
     }
-    EXPECT_LT(pool.bytes(), 4 * 4 * most + 12 * 200 + 8192);
+    EXPECT_LT(pool.bytes(), 5 * 4 * most + 12 * 200 + 8192);
+  }
+}
+
+TEST(Incidences, AreGroupedInOrder) {
+  for (const auto& [n, range] : {std::pair{20u, 10u}, {255u, 40u}, {256u, 40u}, {5000u, 3000u}, {5000u, ~0u}}) {
+    Random random(n);
+    Incidences incidences;
+    std::map<Index, std::set<Index>> reference, found;
+    for (Index element = 0; element < n; ++element)
+      for (Index feature : random_values(random, 5, range)) {
+        incidences.add(feature, element);
+        reference[feature].insert(element);
+      }
+    Index last = 0;
+    incidences.group([&](Index feature, std::span<const Index> elements) {
+      EXPECT_TRUE(found.empty() || feature > last);
+      EXPECT_TRUE(std::ranges::is_sorted(elements));
+      found[feature] = {elements.begin(), elements.end()};
+      last = feature;
+    });
+    EXPECT_EQ(found, reference);
   }
 }
 

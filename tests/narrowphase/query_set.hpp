@@ -13,8 +13,8 @@ namespace volccd::test {
 /// Points 0..3 at t = 0, then at t = 1. VF: vertex, triangle. EE: edge 1, edge 2.
 using Query = std::array<Vec3, 8>;
 
-/// Queries of one kind as a step. Vertex slots of query i ascend in the order of its points, so that test_vertices() gives
-/// that order.
+/// Queries of one kind as a step. Vertex slots of query i ascend in the order of its points, so that test_vertices()
+/// gives that order.
 class QuerySet {
  public:
   QuerySet(FeatureKind kind, const std::vector<Query>& queries) : kind_(kind) {
@@ -47,8 +47,9 @@ class QuerySet {
     motion_ = Motion::linear(x0, x1);
     const Features& features = topology_->features();
     for (Index v = 0; v < x0.size(); v += stride)
-      pairs_.push_back(kind == FeatureKind::vf ? FeaturePair{v, features.find_triangle(v + 1, v + 2, v + 3)}
-                                               : FeaturePair{features.find_edge(v, v + 1), features.find_edge(v + 2, v + 3)});
+      pairs_.push_back(kind == FeatureKind::vf
+                           ? FeaturePair{v, features.find_triangle(v + 1, v + 2, v + 3)}
+                           : FeaturePair{features.find_edge(v, v + 1), features.find_edge(v + 2, v + 3)});
   }
 
   FeatureKind kind() const { return kind_; }

@@ -83,8 +83,8 @@ TEST(OverlappingElements, ContainedElementIsAnOverlap) {
 }
 
 TEST(OverlappingElements, BodyIsNotItsConvexHull) {
-  // The top of the hexahedron is bent inward along the diagonal that splits it; a small tetrahedron sits in the hollow, inside
-  // the convex hull of the eight vertices.
+  // The top of the hexahedron is bent inward along the diagonal that splits it; a small tetrahedron sits in the hollow,
+  // inside the convex hull of the eight vertices.
   Shape hollow = block(ElementType::hexahedron, 1, 1, 1);
   hollow.positions[4].z() = 0.4;
   hollow.positions[7].z() = 0.4;
@@ -148,7 +148,8 @@ TEST(CheckAgainstFcl, RemovedContactIsAViolation) {
     const double t = 0.7;
     const auto start = overlapping_elements(scene.step(), 0, scene.executor);
     for (const Overlap& hit : overlapping_elements(scene.step(), t, scene.executor)) {
-      if (hit.depth < 1e-5 || std::any_of(start.begin(), start.end(), [&](auto& o) { return o.pair == hit.pair; })) continue;
+      if (hit.depth < 1e-5 || std::any_of(start.begin(), start.end(), [&](auto& o) { return o.pair == hit.pair; }))
+        continue;
       std::vector<Contact> rest;
       for (const Contact& c : contacts)
         if (c.toi > t || !between(scene.topology.mesh(), c, hit.pair.a, hit.pair.b)) rest.push_back(c);
@@ -167,8 +168,8 @@ TEST(CheckAgainstFcl, RemovedContactIsAViolation) {
 }
 
 TEST(CheckAgainstFcl, LateContactsAreViolations) {
-  Scene scene(block(ElementType::tetrahedron, 2, 2, 1), moved(block(ElementType::tetrahedron, 2, 2, 1), Vec3(0.1, 0.2, 1.2)),
-              Vec3(0, 0, -0.5), 0.02, 5);
+  Scene scene(block(ElementType::tetrahedron, 2, 2, 1),
+              moved(block(ElementType::tetrahedron, 2, 2, 1), Vec3(0.1, 0.2, 1.2)), Vec3(0, 0, -0.5), 0.02, 5);
   std::vector<Contact> contacts = test::naive_contacts(scene.step());
   EXPECT_TRUE(scene.check(contacts, std::vector{0.6}).clean());
   for (Contact& c : contacts) c.toi = std::max(c.toi, 0.6 + 1e-5);
@@ -176,15 +177,17 @@ TEST(CheckAgainstFcl, LateContactsAreViolations) {
   EXPECT_FALSE(late.clean());
   EXPECT_EQ(late.confirmed, 0u);
   for (const OverlapViolation& v : late.violations) EXPECT_EQ(v.first_contact, 0.6 + 1e-5);
-  EXPECT_TRUE(check_against_fcl(scene.step(), contacts, std::vector{0.6}, scene.executor, {.time_tolerance = 1e-4}).clean());
+  EXPECT_TRUE(
+      check_against_fcl(scene.step(), contacts, std::vector{0.6}, scene.executor, {.time_tolerance = 1e-4}).clean());
 }
 
 TEST(CheckAgainstFcl, ShallowHitsAreOnlyCounted) {
   // The cells overlap by 1e-4 at the end.
-  Scene scene(block(ElementType::hexahedron, 1, 1, 1), moved(block(ElementType::hexahedron, 1, 1, 1), Vec3(1.5, 0.3, 0.2)),
-              Vec3(-0.5001, 0, 0), 0, 1);
+  Scene scene(block(ElementType::hexahedron, 1, 1, 1),
+              moved(block(ElementType::hexahedron, 1, 1, 1), Vec3(1.5, 0.3, 0.2)), Vec3(-0.5001, 0, 0), 0, 1);
   EXPECT_EQ(scene.check({}, std::vector{1.0}).violations.size(), 1u);
-  const OverlapReport report = check_against_fcl(scene.step(), {}, std::vector{1.0}, scene.executor, {.min_depth = 1e-3});
+  const OverlapReport report =
+      check_against_fcl(scene.step(), {}, std::vector{1.0}, scene.executor, {.min_depth = 1e-3});
   EXPECT_EQ(report.shallow, 1u);
   EXPECT_TRUE(report.clean());
 }
@@ -200,8 +203,8 @@ TEST(CheckAgainstFcl, NothingIsOwedToInitialOverlapsOrTouches) {
 }
 
 TEST(CheckAgainstFcl, FilterSaysWhatIsAskedFor) {
-  Scene scene(block(ElementType::hexahedron, 1, 1, 1), moved(block(ElementType::hexahedron, 1, 1, 1), Vec3(1.5, 0.3, 0.2)),
-              Vec3(-1, 0, 0), 0, 1);
+  Scene scene(block(ElementType::hexahedron, 1, 1, 1),
+              moved(block(ElementType::hexahedron, 1, 1, 1), Vec3(1.5, 0.3, 0.2)), Vec3(-1, 0, 0), 0, 1);
   scene.filter = ObjectFilter(PairScope::intra);
   const OverlapReport report = scene.check({}, std::vector{1.0});
   EXPECT_EQ(report.filtered, 1u);

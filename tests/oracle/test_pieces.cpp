@@ -171,6 +171,7 @@ TEST(SignedGap, FlatPiecesInOnePlane) {
 TEST(FclOverlap, AgreesWithSeparatingAxesBeyondItsTolerance) {
   std::mt19937_64 random(4);
   int overlaps = 0, apart = 0;
+  detail::FclOverlap overlap;
   for (int trial = 0; trial < 40000; ++trial) {
     // Any size and place: the query is scaled and centred.
     const double size = std::pow(10.0, trial % 13 - 6);
@@ -181,15 +182,30 @@ TEST(FclOverlap, AgreesWithSeparatingAxesBeyondItsTolerance) {
       for (Vec3& p : piece->points) p = size * (p + Vec3(3, -2, 5));
     const double gap = detail::signed_gap(a, b) / size;
     if (gap > 1e-9) {
-      EXPECT_FALSE(detail::fcl_overlap(a, b)) << "trial " << trial << " gap " << gap;
+      EXPECT_FALSE(overlap(a.span(), b.span())) << "trial " << trial << " gap " << gap;
       ++apart;
     } else if (gap < (flatness < 1 ? -1e-4 : -1e-5)) {
-      EXPECT_TRUE(detail::fcl_overlap(a, b)) << "trial " << trial << " gap " << gap;
+      EXPECT_TRUE(overlap(a.span(), b.span())) << "trial " << trial << " gap " << gap;
       ++overlaps;
     }
   }
   EXPECT_GT(overlaps, 5000);
   EXPECT_GT(apart, 5000);
+}
+
+TEST(FclOverlap, HullsOfManyPoints) {
+  std::mt19937_64 random(6);
+  detail::FclOverlap overlap;
+  for (const std::size_t n : {8u, 20u, 100u}) {
+    std::vector<Vec3> a, b;
+    // Corners of a cube of half side 1, and points inside.
+    for (std::size_t i = 0; i < 8; ++i) a.emplace_back(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
+    while (a.size() < n) a.push_back(0.9 * random_point(random));
+    for (const Vec3& p : a) b.push_back(p + Vec3(1.9, 0.3, 1.9));
+    EXPECT_TRUE(overlap(a, b)) << n;
+    for (Vec3& p : b) p.x() += 0.2;
+    EXPECT_FALSE(overlap(a, b)) << n;
+  }
 }
 
 TEST(FclBoxes, AreThePairsThatOverlap) {

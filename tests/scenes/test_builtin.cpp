@@ -99,7 +99,8 @@ TEST(BuiltinScene, ErosionIsForGood) {
 TEST(BuiltinScene, LiveElementsKeepTheirVolume) {
   // Eight corner determinants of each live hexahedron: the made-up motion turns none over.
   const auto scene = make_builtin();
-  constexpr int kNeighbours[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7}, {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
+  constexpr int kNeighbours[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
+                                     {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
   for (int k = 0; k < scene->frames(); ++k) {
     const Mesh mesh = scene_mesh(*scene, k);
     std::vector<Vec3> x;

@@ -117,7 +117,8 @@ TEST(Deform, DefaultsMoveTheFastestVertexAboutAnEdgeAStep) {
 }
 
 TEST(Deform, SameFramesAgainInAnyOrder) {
-  const DeformConfig config{.motions = parse_deform_motions("twist,jitter,collide"), .copies = 3, .steps = 4, .seed = 9};
+  const DeformConfig config{
+      .motions = parse_deform_motions("twist,jitter,collide"), .copies = 3, .steps = 4, .seed = 9};
   const auto one = make_deform(slab(), config), two = make_deform(slab(), config);
   const std::vector<Vec3> last = frame(*two, 3);
   for (int k = 0; k < 4; ++k) EXPECT_EQ(frame(*one, k), frame(*two, k));
@@ -180,8 +181,9 @@ TEST(Deform, TwistedCopiesCollideToo) {
   const double edge = mean_edge_length(mesh);
   const std::size_t n = mesh.positions.size();
   for (const std::size_t copy : {0u, 1u})
-    EXPECT_NEAR(touching_shift(std::span(x).subspan(copy * n, n), std::span(x).subspan((copy + 1) * n, n), triangles, 2, edge),
-                edge, 1e-12);
+    EXPECT_NEAR(
+        touching_shift(std::span(x).subspan(copy * n, n), std::span(x).subspan((copy + 1) * n, n), triangles, 2, edge),
+        edge, 1e-12);
 }
 
 TEST(Deform, MotionLists) {
@@ -191,7 +193,8 @@ TEST(Deform, MotionLists) {
   EXPECT_EQ(motions[0].amount, -60.5);
   EXPECT_FALSE(motions[1].amount);
   EXPECT_EQ(parse_deform_motions("bend", 3.0)[0].amount, 3.0);
-  for (const char* bad : {"", "spin", "twist,", ",twist", "twist:", "twist:x", "twist:nan", "twist:1e9", "twist:1:2", " twist"})
+  for (const char* bad :
+       {"", "spin", "twist,", ",twist", "twist:", "twist:x", "twist:nan", "twist:1e9", "twist:1:2", " twist"})
     EXPECT_THROW(parse_deform_motions(bad), ConfigError) << bad;
   EXPECT_THROW(parse_deform_motions("twist,collide", 3.0), ConfigError);
   EXPECT_THROW(parse_deform_motions("twist:1", 3.0), ConfigError);
@@ -276,7 +279,8 @@ TEST(DeformOnSharedData, ThreeTwistedOctopiCollide) {
   for (int k : {0, 1})
     for (const std::size_t copy : {0u, 1u}) {
       const std::vector<Vec3> x = frame(*scene, k);
-      const std::span<const Vec3> lower = std::span(x).subspan(copy * 1184, 1184), upper = std::span(x).subspan((copy + 1) * 1184, 1184);
+      const std::span<const Vec3> lower = std::span(x).subspan(copy * 1184, 1184),
+                                  upper = std::span(x).subspan((copy + 1) * 1184, 1184);
       EXPECT_NEAR(touching_shift(lower, upper, triangles, up, edge), k == 0 ? -0.5 * edge : edge, 1e-9);
     }
 }

@@ -16,7 +16,8 @@ GOOD = {
     "mesh/detail/pool.hpp": "#pragma once\n",
     "mesh/CMakeLists.txt": "volccd_module(mesh PUBLIC volccd_core)\nadd_subdirectory(sequence)\n",
     "mesh/sequence/reader.hpp": "#pragma once\n#include <volccd/mesh/mesh.hpp>\n",
-    "mesh/sequence/reader.cpp": "#include <volccd/mesh/sequence/reader.hpp>\n#include <hdf5.h>\n",
+    "mesh/sequence/reader.cpp": "#include <volccd/mesh/sequence/reader.hpp>\n#include <hdf5.h>\n"
+                                "#include <volccd/mesh/detail/pool.hpp>\n",
     "mesh/sequence/CMakeLists.txt": "volccd_module(sequence PUBLIC volccd_mesh PRIVATE hdf5::hdf5)\n",
     "culling/csat.hpp": "#pragma once\n#include <volccd/mesh/mesh.hpp>\n",
     "culling/csat.cpp": "#include <volccd/culling/csat.hpp>\n#include <hwy/highway.h>\n",

@@ -88,7 +88,9 @@ TEST(SequenceLayout, DatasetsTypesShapesFilters) {
     paths.insert(e.path);
     EXPECT_EQ(raw.shape(e.path), e.shape);
     EXPECT_GT(H5Tequal(H5Dget_type(raw.open(e.path)), e.type), 0);
-    if (raw.count(e.path) > 64) EXPECT_TRUE(filtered(raw, e.path));
+    if (raw.count(e.path) > 64) {
+      EXPECT_TRUE(filtered(raw, e.path));
+    }
   }
   EXPECT_EQ(raw.objects(), paths);
 }

@@ -139,14 +139,16 @@ void CellReader::read_ids(std::size_t step, SequenceCells& cells) {
 }
 
 void CellReader::read_polyhedra(std::size_t step, SequenceCells& cells) {
+  const std::size_t b = static_cast<std::size_t>(layout_.topology[step]);
   const auto first_polytope = std::find(cells.types.begin(), cells.types.end(), ElementType::polytope);
-  if (first_polytope == cells.types.end()) return;
+  const bool any = first_polytope != cells.types.end();
+  // Faces that no cell should have are looked at too.
+  if (!any && (!layout_.polyhedra || layout_.polyhedra->to_face_ids[b] == 0)) return;
   if (!layout_.polyhedra)
     layout_.types.data.fail(layout_.types.first[step] + (first_polytope - cells.types.begin()),
                             "is a polyhedron, but VTKHDF/FaceConnectivity and the other arrays of faces are missing" +
                                 in_step(step));
   const PolyhedronLayout& polyhedra = *layout_.polyhedra;
-  const std::size_t b = static_cast<std::size_t>(layout_.topology[step]);
   read_monotone(polyhedra.face_offsets, step, polyhedra.faces[b], polyhedra.face_connectivity_ids[b], face_offsets_);
   read_monotone(polyhedra.offsets, step, layout_.cells[b], polyhedra.to_face_ids[b], cell_faces_);
   polyhedra.face_connectivity.data.read(polyhedra.face_connectivity.first[step], polyhedra.face_connectivity_ids[b],

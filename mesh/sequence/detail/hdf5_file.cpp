@@ -116,7 +116,8 @@ void Hdf5Dataset::read(std::int64_t first, std::int64_t count, std::vector<doubl
 Hdf5File::Hdf5File(const std::string& name) : name_(name) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(name, error);
-  if (!std::filesystem::exists(status)) throw InputError(name, "", "cannot be opened: " + (error ? error.message() : "no such file"));
+  if (status.type() == std::filesystem::file_type::none) throw InputError(name, "", "cannot be opened: " + error.message());
+  if (!std::filesystem::exists(status)) throw InputError(name, "", "cannot be opened: No such file or directory");
   // A pipe or a device would block or never end.
   if (!std::filesystem::is_regular_file(status)) throw InputError(name, "", "is not a regular file");
   bytes_ = static_cast<std::int64_t>(std::filesystem::file_size(name, error));

@@ -1,4 +1,4 @@
-// What a state has seen of a topology, and the adjacency test that goes with it.
+// What a stage's state has seen of a topology, and the adjacency test that goes with it.
 #pragma once
 
 #include <cstdint>
@@ -7,8 +7,9 @@
 #include <volccd/mesh/adjacency.hpp>
 #include <volccd/mesh/topology.hpp>
 
-namespace volccd::detail {
+namespace volccd {
 
+/// Kept in the state of a stage that must follow a topology. One thread at a time.
 class TopologyWatch {
  public:
   enum class News {
@@ -20,6 +21,8 @@ class TopologyWatch {
   /// Compares with the last call and brings adjacency() up to date. No allocation if there is no news.
   News look(const Topology& topology);
 
+  /// After News::edited: the changes since the last call, oldest first; valid until the topology's next edit.
+  const std::vector<const TopologyChange*>& changes() const { return changes_; }
   /// After News::edited: slots that were emptied or filled, ascending, each once.
   const std::vector<Index>& touched() const { return touched_; }
   const AdjacencyTest& adjacency() const { return adjacency_; }
@@ -32,4 +35,4 @@ class TopologyWatch {
   AdjacencyTest adjacency_;
 };
 
-}  // namespace volccd::detail
+}  // namespace volccd

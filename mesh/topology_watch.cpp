@@ -1,8 +1,8 @@
-#include <volccd/broadphase/detail/topology_watch.hpp>
+#include <volccd/mesh/topology_watch.hpp>
 
 #include <algorithm>
 
-namespace volccd::detail {
+namespace volccd {
 
 TopologyWatch::News TopologyWatch::look(const Topology& topology) {
   const std::uint64_t seen = version_;
@@ -26,4 +26,4 @@ TopologyWatch::News TopologyWatch::look(const Topology& topology) {
   return news;
 }
 
-}  // namespace volccd::detail
+}  // namespace volccd

@@ -1,0 +1,84 @@
+#include <volccd/broadphase/brute_force.hpp>
+
+#include <numeric>
+#include <vector>
+
+#include <volccd/broadphase/detail/box_rows.hpp>
+#include <volccd/broadphase/detail/pair_writer.hpp>
+#include <volccd/mesh/topology_watch.hpp>
+
+namespace volccd {
+
+namespace {
+
+constexpr std::size_t kRowGrain = 16;
+
+struct State final : StageState {
+  TopologyWatch watch;
+  detail::FilterKeys keys;
+  detail::ElementList list;
+  detail::BoxRows boxes;
+  detail::PairWriters writers;
+  std::vector<std::vector<Index>> hits;  ///< one for each worker
+
+  std::size_t bytes() const override {
+    std::size_t sum = watch.bytes() + keys.bytes() + list.bytes() + boxes.bytes() + writers.bytes();
+    for (const std::vector<Index>& h : hits) sum += sizeof h + h.capacity() * sizeof(Index);
+    return sum;
+  }
+};
+
+}  // namespace
+
+const Options<BruteForce::Config>& BruteForce::options() {
+  static const Options<Config> options = [] {
+    Options<Config> o;
+    o.add("bounds", &Config::bounds, {{"none", Bounds::none}, {"aabb", Bounds::aabb}},
+          "every pair, or those whose swept boxes overlap");
+    return o;
+  }();
+  return options;
+}
+
+std::unique_ptr<StageState> BruteForce::make_state() const { return std::make_unique<State>(); }
+
+void BruteForce::update(const Step& step, StageState& stage_state, Executor& executor) const {
+  State& state = static_cast<State&>(stage_state);
+  const bool news = state.watch.look(step.topology) != TopologyWatch::News::none;
+  if (news) state.list.assign_live(step.mesh());
+  state.keys.update(step, news);
+  if (config_.bounds == Bounds::aabb) state.boxes.update(step, state.list, executor);
+}
+
+void BruteForce::query(const Step&, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
+  State& state = static_cast<State&>(stage_state);
+  const detail::PairRules rules(range, state.watch.adjacency(), state.keys);
+  const std::size_t count = state.list.size();
+  const Index* const slots = state.list.slots();
+  state.writers.start(executor.workers(), sink);
+  state.hits.resize(executor.workers());
+  for (std::vector<Index>& hits : state.hits) hits.resize(count + detail::BoxRows::kPadding);
+
+  executor.parallel_for(count, kRowGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
+    detail::PairWriter& out = state.writers[w];
+    Index* const hits = state.hits[w].data();
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::size_t first = rules.self_pairs ? i : i + 1;
+      std::size_t found = count - first;
+      if (config_.bounds == Bounds::aabb)
+        found = state.boxes.overlapping(i, first, count, hits);
+      else
+        std::iota(hits, hits + found, static_cast<Index>(first));
+      for (std::size_t h = 0; h < found; ++h)
+        if (rules.want(slots[i], slots[hits[h]])) out.push(slots[i], slots[hits[h]]);
+    }
+  });
+  state.writers.finish();
+}
+
+StageDescriptor<BroadPhase> describe_brute_force() {
+  return describe_stage<BroadPhase, BruteForce>("brute-force", "every pair of elements, by swept boxes or not at all",
+                                                Guarantee::conservative);
+}
+
+}  // namespace volccd

@@ -1,0 +1,35 @@
+// The broad phase `brute-force`: every pair of elements, the reference that the others are compared with.
+#pragma once
+
+#include <volccd/broadphase/broad_phase.hpp>
+
+namespace volccd {
+
+/// No tree and no grid: swept boxes in doubles, exact but for the separation, which is rounded upward; or no bounds at all.
+/// Emits the pairs whose boxes come within the separation along each axis: a superset of what k-DOPs leave. O(n^2) time, 48
+/// bytes an element.
+class BruteForce final : public BroadPhase {
+ public:
+  enum class Bounds {
+    none,  ///< really every pair
+    aabb   ///< pairs whose swept boxes overlap
+  };
+
+  struct Config {
+    Bounds bounds = Bounds::aabb;
+  };
+  static const Options<Config>& options();
+
+  explicit BruteForce(const Config& config) : config_(config) {}
+
+  std::unique_ptr<StageState> make_state() const override;
+  void update(const Step& step, StageState& state, Executor& executor) const override;
+  void query(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const override;
+
+ private:
+  Config config_;
+};
+
+StageDescriptor<BroadPhase> describe_brute_force();
+
+}  // namespace volccd

@@ -1,0 +1,122 @@
+#include <volccd/culling/csat_filter.hpp>
+
+#include <limits>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "volccd/culling/csat_filter.cpp"
+#include <hwy/foreach_target.h>
+#include <volccd/culling/detail/filter_lanes-inl.hpp>
+
+HWY_BEFORE_NAMESPACE();
+namespace volccd::detail::HWY_NAMESPACE {
+
+/// The tests of one vector register.
+template <FeatureKind kKind, int kControlPoints>
+class SeparatingAxes {
+ public:
+  HWY_INLINE SeparatingAxes(const FeatureBlock& block, double separation, const Part& part, std::size_t i)
+      : e_(block, part, i), factor_(gap_error_factor(part.levels)), separation_(separation) {
+    extent_ = max(max(e_.extent[0], e_.extent[1]), e_.extent[2]);
+  }
+
+  /// Triangle normal or cross product of the edges, at a control point.
+  HWY_INLINE Lanes3 normal(int c) const { return cross(first_side(c), second_side(c)); }
+  /// Two sides of the triangle, or both edges.
+  HWY_INLINE Lanes3 first_side(int c) const { return kKind == FeatureKind::vf ? sub(e_.at[1][c], e_.at[0][c]) : e_.at[0][c]; }
+  HWY_INLINE Lanes3 second_side(int c) const { return sub(e_.at[2][c], e_.at[kKind == FeatureKind::vf ? 0 : 1][c]); }
+
+  HWY_INLINE LaneMask separates(const Lanes3& axis) const {
+    Lanes ahead = same(std::numeric_limits<double>::infinity()), behind = ahead;
+    for (int c = 0; c < kControlPoints; ++c) {
+      const Lanes p1 = dot(axis, e_.at[0][c]), p2 = dot(axis, e_.at[1][c]), p3 = dot(axis, e_.at[2][c]);
+      const Lanes low23 = hn::Min(p2, p3), high23 = hn::Max(p2, p3), zero = hn::Zero(Tag());
+      if constexpr (kKind == FeatureKind::vf) {
+        ahead = hn::Min(hn::Min(p1, low23), ahead);
+        behind = hn::Min(hn::Neg(hn::Max(p1, high23)), behind);
+      } else {
+        ahead = hn::Min(hn::Sub(low23, hn::Max(p1, zero)), ahead);
+        behind = hn::Min(hn::Sub(hn::Min(p1, zero), high23), behind);
+      }
+    }
+    return hn::Gt(hn::Max(ahead, behind), threshold(axis));
+  }
+
+ private:
+  HWY_INLINE Lanes threshold(const Lanes3& axis) const {
+    const Lanes sum = dot(abs(axis), extent_);
+    const Lanes rounding = hn::Add(hn::Mul(sum, same(factor_)), same(kGapUnderflow));
+    if (separation_ == 0) return rounding;
+    return hn::Add(rounding, hn::Mul(hn::Mul(length(axis), same(kLengthSlack)), same(separation_)));
+  }
+
+  Differences<kControlPoints> e_;
+  Lanes3 extent_;
+  double factor_, separation_;
+};
+
+template <FeatureKind kKind, int kControlPoints>
+HWY_INLINE LaneMask separated(const FeatureBlock& block, double separation, const Part& part, CsatFilterAxes axes,
+                              std::size_t i) {
+  const SeparatingAxes<kKind, kControlPoints> s(block, separation, part, i);
+  const Lanes3 n = s.normal(0);
+  LaneMask apart = s.separates(n);
+  if (axes == CsatFilterAxes::first) return apart;
+  apart = hn::Or(apart, s.separates(s.normal(kControlPoints - 1)));
+  if (axes == CsatFilterAxes::ends || hn::AllTrue(Tag(), apart)) return apart;
+  apart = hn::Or(apart, s.separates(cross(n, s.first_side(0))));
+  apart = hn::Or(apart, s.separates(cross(n, s.second_side(0))));
+  if constexpr (kKind == FeatureKind::vf)
+    apart = hn::Or(apart, s.separates(cross(n, sub(s.second_side(0), s.first_side(0)))));
+  return apart;
+}
+
+template <FeatureKind kKind, int kControlPoints>
+void filter_block(const FeatureBlock& block, double separation, const Part& part, CsatFilterAxes axes,
+                  std::span<std::uint8_t> keep) {
+  for (std::size_t i = 0; i < block.size(); i += hn::Lanes(Tag()))
+    drop(separated<kKind, kControlPoints>(block, separation, part, axes, i), i, keep);
+}
+
+void csat_features(const FeatureBlock& block, double separation, double t_max, CsatFilterAxes axes,
+                   std::span<std::uint8_t> keep) {
+  const Part part(t_max, block.control_points());
+  const bool vf = block.kind() == FeatureKind::vf;
+  if (block.control_points() == 2)
+    (vf ? filter_block<FeatureKind::vf, 2> : filter_block<FeatureKind::ee, 2>)(block, separation, part, axes, keep);
+  if (block.control_points() == 3)
+    (vf ? filter_block<FeatureKind::vf, 3> : filter_block<FeatureKind::ee, 3>)(block, separation, part, axes, keep);
+}
+
+}  // namespace volccd::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace volccd {
+namespace detail {
+HWY_EXPORT(csat_features);
+}
+
+const Options<CsatFilter::Config>& CsatFilter::options() {
+  static const Options<Config> options = [] {
+    Options<Config> o;
+    o.add("axes", &Config::axes,
+          {{"first", CsatFilterAxes::first}, {"ends", CsatFilterAxes::ends}, {"wide", CsatFilterAxes::wide}},
+          "normals at t = 0 (the paper's), at both ends, or those and in-plane axes");
+    return o;
+  }();
+  return options;
+}
+
+void CsatFilter::filter(const Step& step, const FeatureBlock& block, std::span<std::uint8_t> keep) const {
+  using namespace detail;
+  HWY_DYNAMIC_DISPATCH(csat_features)(block, step.separation, step.t_max, config_.axes, keep);
+}
+
+StageDescriptor<FeatureFilter> describe_csat_filter() {
+  return describe_stage<FeatureFilter, CsatFilter>(
+      "feature-csat", "continuous separating axis test on one feature pair (Corollaries 1 and 3)",
+      Guarantee::conservative);
+}
+
+}  // namespace volccd
+#endif

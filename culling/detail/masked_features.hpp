@@ -1,0 +1,19 @@
+// Features of an element that no mask excludes.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include <volccd/mesh/types.hpp>
+
+namespace volccd::detail {
+
+/// Calls visit(feature) for each whose bit in `mask` is not set; those beyond the bits have none (FeatureMask).
+template <class Mask, class Visit>
+void for_each_unmasked(std::span<const Index> features, Mask mask, Visit&& visit) {
+  constexpr std::size_t bits = 8 * sizeof(Mask);
+  for (std::size_t i = 0; i < features.size(); ++i)
+    if (i >= bits || (mask >> i & 1) == 0) visit(features[i]);
+}
+
+}  // namespace volccd::detail

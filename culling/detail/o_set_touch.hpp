@@ -1,0 +1,78 @@
+// Which of some elements another element touches: the question that all O-Set work comes down to.
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include <volccd/culling/detail/o_set_vertices.hpp>
+
+namespace volccd::detail {
+
+/// Up to 64 elements are given a bit each; of(vertices of o) has those set that element o has a vertex in common with. Also a mark
+/// for each element. Costs time for the elements looked at only; memory for all vertices and elements.
+class ElementTouch {
+ public:
+  static constexpr std::size_t kBits = 64;
+  static std::uint64_t all(std::size_t n) { return n == 0 ? 0 : ~std::uint64_t{0} >> (kBits - n); }
+
+  void fit(std::size_t vertices, std::size_t elements) {
+    bits_.resize(vertices, 0);
+    marks_.resize(elements, 0);
+  }
+
+  void set(std::span<const Index> vertices, std::uint64_t bit) {
+    for (Index v : vertices) {
+      if (bits_[v] == 0) touched_.push_back(v);
+      bits_[v] |= bit;
+    }
+  }
+  void unset(std::span<const Index> vertices, std::uint64_t bit) {
+    for (Index v : vertices) bits_[v] &= ~bit;
+  }
+  /// Bit k for the k-th of these elements.
+  void set_elements(const ElementVertices& vertices, std::span<const Index> elements) {
+    for (std::size_t k = 0; k < elements.size(); ++k) set(vertices[elements[k]], std::uint64_t{1} << k);
+  }
+  void clear() {
+    for (Index v : touched_) bits_[v] = 0;
+    touched_.clear();
+  }
+  std::uint64_t vertex(Index v) const { return bits_[v]; }
+  std::uint64_t of(std::span<const Index> vertices) const {
+    std::uint64_t bits = 0;
+    for (Index v : vertices) bits |= bits_[v];
+    return bits;
+  }
+
+  /// Forgets all marks.
+  void next_mark() {
+    if (mark_ >= std::numeric_limits<std::uint32_t>::max() - 6) {
+      std::fill(marks_.begin(), marks_.end(), 0u);
+      mark_ = 0;
+    }
+    mark_ += 3;
+  }
+  void accept(Index o) { marks_[o] = mark_; }
+  void reject(Index o) { marks_[o] = mark_ + 1; }
+  void note(Index o) { marks_[o] = mark_ + 2; }
+  bool rejected(Index o) const { return marks_[o] == mark_ + 1; }
+  bool accepted(Index o) const { return marks_[o] == mark_; }
+  bool seen(Index o) const { return marks_[o] >= mark_; }
+
+  std::size_t bytes() const {
+    return bits_.capacity() * sizeof(bits_[0]) + marks_.capacity() * sizeof(marks_[0]) +
+           touched_.capacity() * sizeof(Index);
+  }
+
+ private:
+  std::vector<std::uint64_t> bits_;  ///< by vertex
+  std::vector<Index> touched_;       ///< vertices whose bits may not be 0
+  std::vector<std::uint32_t> marks_;
+  std::uint32_t mark_ = 0;
+};
+
+}  // namespace volccd::detail

@@ -1,0 +1,267 @@
+#include <memory>
+#include <string>
+
+#include <boost/multiprecision/cpp_int.hpp>
+#include <gtest/gtest.h>
+#include <hwy/highway.h>
+
+#include <volccd/culling/coplanarity_filter.hpp>
+#include <volccd/culling/csat_filter.hpp>
+#include <volccd/culling/feature_kdop_filter.hpp>
+
+#include "filter_touching.hpp"
+
+namespace volccd::test {
+namespace {
+
+using Rational = boost::multiprecision::cpp_rational;
+
+struct NamedFilter {
+  std::string name;
+  std::unique_ptr<FeatureFilter> filter;
+};
+
+NamedFilter make(const StageDescriptor<FeatureFilter>& stage, const OptionValues& options) {
+  std::string name = stage.name;
+  for (const auto& [key, value] : options) name += " " + key + "=" + value;
+  return {name, stage.make(options)};
+}
+
+std::vector<NamedFilter> all_filters() {
+  std::vector<NamedFilter> filters;
+  for (const char* k : {"6", "14", "16", "18", "24", "26"})
+    for (const char* bounds : {"swept", "relative"})
+      filters.push_back(make(describe_feature_kdop_filter(), {{"k", k}, {"bounds", bounds}}));
+  filters.push_back(make(describe_coplanarity_filter(), {}));
+  for (const char* axes : {"first", "ends", "wide"})
+    filters.push_back(make(describe_csat_filter(), {{"axes", axes}}));
+  return filters;
+}
+
+std::vector<std::uint8_t> run(const FeatureFilter& filter, const Step& step, const FeatureBlock& block) {
+  std::vector<std::uint8_t> keep(block.padded_size(), 1);
+  filter.filter(step, block, keep);
+  return keep;
+}
+
+/// Fills the bench with cases of one style and returns them.
+std::vector<TouchingTest> fill(TestBench& bench, Random& random, FeatureKind kind, int control_points,
+                               const TouchingStyle& style, int exponent = -9999) {
+  std::vector<TouchingTest> tests;
+  for (std::size_t i = 0; i < FeatureBlock::kCapacity; ++i) {
+    tests.push_back(touching_test(random, kind, control_points, style));
+    if (exponent > -9999) part(random, tests.back(), exponent);
+    bench.set(i, tests.back());
+  }
+  return tests;
+}
+
+/// Calls body(kind, control points, style, round) for everything there is.
+template <class Body>
+void for_each_style(int rounds, Body&& body) {
+  for (const auto kind : {FeatureKind::vf, FeatureKind::ee})
+    for (const int control_points : {2, 3})
+      for (const auto& style : touching_styles())
+        for (int round = 0; round < rounds; ++round) body(kind, control_points, style, round);
+}
+
+std::array<Rational, 3> position(const TouchingTest& test, std::size_t v) {
+  const Rational t(test.time), r = 1 - t;
+  std::array<Rational, 3> x;
+  for (int k = 0; k < 3; ++k) {
+    const auto& p = test.points[v];
+    const std::size_t axis = static_cast<std::size_t>(k);
+    if (test.control_points == 2)
+      x[axis] = r * Rational(p[0][k]) + t * Rational(p[1][k]);
+    else
+      x[axis] = r * r * Rational(p[0][k]) + 2 * r * t * Rational(p[1][k]) + t * t * Rational(p[2][k]);
+  }
+  return x;
+}
+
+TEST(FilterTouching, CasesTouchInRationalArithmetic) {
+  Random random(1);
+  for_each_style(8, [&](FeatureKind kind, int control_points, const TouchingStyle& style, int round) {
+    TouchingTest test = touching_test(random, kind, control_points, style);
+    if (round % 2 == 0 && style.scale == 0) part(random, test, 12);
+    const std::size_t first = kind == FeatureKind::vf ? 1 : 2;
+    Rational square = 0;
+    std::array<std::array<Rational, 3>, 4> x;
+    for (std::size_t v = 0; v < 4; ++v) x[v] = position(test, v);
+    for (std::size_t k = 0; k < 3; ++k) {
+      Rational gap = 0;
+      for (std::size_t v = 0; v < 4; ++v)
+        gap += (v < first ? 1 : -1) * Rational(test.weights[v]) * x[v][k];
+      square += gap * gap;
+    }
+    EXPECT_EQ(square, Rational(test.distance) * Rational(test.distance));
+    EXPECT_TRUE(test.time >= 0 && test.time <= 1);
+  });
+}
+
+TEST(FilterConservative, TouchingTestsAreKept) {
+  const auto filters = all_filters();
+  Random random(2);
+  for_each_style(24, [&](FeatureKind kind, int control_points, const TouchingStyle& style, int) {
+    TestBench bench(control_points);
+    const auto tests = fill(bench, random, kind, control_points, style);
+    const FeatureBlock& block = bench.block(kind);
+    for (const auto& [name, filter] : filters) {
+      const auto keep = run(*filter, bench.step(), block);
+      for (std::size_t i = 0; i < tests.size(); ++i)
+        ASSERT_TRUE(keep[i]) << name << (kind == FeatureKind::vf ? " VF " : " EE ") << control_points << " range "
+                             << style.range << " scale " << style.scale << " flat " << style.flat;
+    }
+  });
+}
+
+TEST(FilterConservative, TouchingByTMaxIsKept) {
+  const auto filters = all_filters();
+  Random random(3);
+  for_each_style(8, [&](FeatureKind kind, int control_points, const TouchingStyle& style, int round) {
+    TestBench bench(control_points);
+    const auto tests = fill(bench, random, kind, control_points, style);
+    const FeatureBlock& block = bench.block(kind);
+    // t_max is one for the whole block: those that touch by then must stay, the others may go.
+    const double t_max = round % 2 ? tests[0].time : random.uniform(0, 1);
+    for (const auto& [name, filter] : filters) {
+      const auto keep = run(*filter, bench.step(0, t_max), block);
+      for (std::size_t i = 0; i < tests.size(); ++i) {
+        if (tests[i].time <= t_max) {
+          ASSERT_TRUE(keep[i]) << name << " t_max " << t_max << " time " << tests[i].time;
+        }
+      }
+    }
+  });
+}
+
+TEST(FilterConservative, WithinTheSeparationIsKept) {
+  const auto filters = all_filters();
+  Random random(4);
+  for_each_style(8, [&](FeatureKind kind, int control_points, const TouchingStyle& style, int round) {
+    if (style.scale < -600 || style.scale > 600) return;  // offsets would round
+    TestBench bench(control_points);
+    const auto tests = fill(bench, random, kind, control_points, style, style.scale + 4 + 3 * (round % 8));
+    const FeatureBlock& block = bench.block(kind);
+    for (const auto& [name, filter] : filters) {
+      const auto keep = run(*filter, bench.step(tests[0].distance), block);
+      for (std::size_t i = 0; i < tests.size(); ++i) ASSERT_TRUE(keep[i]) << name << " at " << tests[i].distance;
+    }
+  });
+}
+
+/// Random tests of the size 1 whose features are `distance` apart along x, and move by up to `motion`.
+void fill_apart(TestBench& bench, Random& random, FeatureKind kind, int control_points, double distance, double motion) {
+  for (std::size_t i = 0; i < FeatureBlock::kCapacity; ++i) {
+    TouchingTest test;
+    const Vec3 common = random.vector(-5, 5);
+    for (std::size_t v = 0; v < 4; ++v) {
+      const bool second = v >= (kind == FeatureKind::vf ? 1u : 2u);
+      const Vec3 x = random.vector(0, 1) + (second ? Vec3(1 + distance, 0, 0) : Vec3(0, 0, 0));
+      for (int c = 0; c < control_points; ++c)
+        test.points[v][static_cast<std::size_t>(c)] = x + c * common + random.vector(-motion, motion);
+    }
+    bench.set(i, test);
+  }
+}
+
+double dropped_share(const FeatureFilter& filter, FeatureKind kind, int control_points, double distance, double motion,
+                     const Step& like) {
+  TestBench bench(control_points);
+  Random random(5);
+  int dropped = 0, all = 0;
+  for (int round = 0; round < 20; ++round) {
+    fill_apart(bench, random, kind, control_points, distance, motion);
+    for (const auto keep : run(filter, bench.step(like.separation, like.t_max), bench.block(kind))) {
+      dropped += keep == 0;
+      ++all;
+    }
+  }
+  return static_cast<double>(dropped) / all;
+}
+
+TEST(FilterEffect, DropsWhatIsApart) {
+  const TestBench like(2);
+  for (const auto kind : {FeatureKind::vf, FeatureKind::ee})
+    for (const int control_points : {2, 3}) {
+      const auto share = [&](const NamedFilter& f, double separation = 0, double t_max = 1) {
+        return dropped_share(*f.filter, kind, control_points, 0.3, 0.1, like.step(separation, t_max));
+      };
+      for (const char* k : {"6", "14", "16", "18", "24", "26"}) {
+        const auto relative = make(describe_feature_kdop_filter(), {{"k", k}, {"bounds", "relative"}});
+        const auto swept = make(describe_feature_kdop_filter(), {{"k", k}, {"bounds", "swept"}});
+        EXPECT_EQ(share(relative), 1) << k;
+        EXPECT_EQ(share(relative, 0.09), 1) << k;
+        EXPECT_EQ(share(relative, 0, 0.5), 1) << k;
+        EXPECT_LT(share(swept), 0.9) << "common motion is no obstacle for these";
+        EXPECT_GT(share(swept, 0, 0.01), share(swept)) << k;
+      }
+      EXPECT_GT(share(make(describe_csat_filter(), {{"axes", "wide"}})), 0.7);
+      EXPECT_GT(share(make(describe_csat_filter(), {{"axes", "ends"}})), 0.3);
+      EXPECT_GT(share(make(describe_csat_filter(), {{"axes", "first"}})), 0.2);
+      const auto coplanarity = make(describe_coplanarity_filter(), {});
+      EXPECT_GT(share(coplanarity), 0.2);
+      EXPECT_GT(share(coplanarity, 0.01), 0.15);
+      EXPECT_LE(share(coplanarity, 0.01), share(coplanarity));
+      EXPECT_EQ(share(coplanarity, 100), 0);
+      EXPECT_GE(share(coplanarity, 0, 0.1), share(coplanarity));
+    }
+}
+
+TEST(FilterEffect, HoldsAcrossScales) {
+  TestBench bench(2);
+  for (const auto& [name, filter] : all_filters())
+    for (const double scale : {0x1p-300, 1.0, 0x1p300}) {
+      Random random(6);
+      int dropped = 0;
+      for (std::size_t i = 0; i < FeatureBlock::kCapacity; ++i) {
+        TouchingTest test;
+        for (std::size_t v = 0; v < 4; ++v)
+          for (std::size_t c = 0; c < 2; ++c) {
+            test.points[v][c] = random.vector(0, 1) * 0.05 + Vec3(v == 1, v == 2, v == 3) + Vec3(0, 0, v == 0 ? 9 : 0);
+            test.points[v][c] *= scale;
+          }
+        bench.set(i, test);
+      }
+      for (const auto keep : run(*filter, bench.step(), bench.block(FeatureKind::vf))) dropped += keep == 0;
+      EXPECT_EQ(dropped, 64) << name << " scale " << scale;
+    }
+}
+
+TEST(FilterSimd, AllInstructionSetsAgree) {
+  const auto filters = all_filters();
+  Random random(7);
+  for (const auto kind : {FeatureKind::vf, FeatureKind::ee})
+    for (const int control_points : {2, 3})
+      for (int round = 0; round < 30; ++round) {
+        TestBench bench(control_points);
+        fill_apart(bench, random, kind, control_points, round * 0.02 - 0.3, 0.2);
+        const Step step = bench.step(round % 3 * 0.05, round % 2 ? 1 : 0.7);
+        const FeatureBlock& block = bench.block(kind);
+        for (const auto& [name, filter] : filters) {
+          const auto expected = run(*filter, step, block);
+          for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
+            hwy::SetSupportedTargetsForTest(left & -left);
+            hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+            EXPECT_EQ(run(*filter, step, block), expected) << name << " target " << (left & -left);
+            hwy::SetSupportedTargetsForTest(0);
+            hwy::GetChosenTarget().Update(hwy::SupportedTargets());
+          }
+        }
+      }
+}
+
+TEST(FilterBlock, LeavesOthersAlone) {
+  TestBench bench(2);
+  Random random(8);
+  fill_apart(bench, random, FeatureKind::vf, 2, 1, 0.1);
+  const FeatureBlock& block = bench.block(FeatureKind::vf);
+  for (const auto& [name, filter] : all_filters()) {
+    std::vector<std::uint8_t> keep(block.padded_size(), 0);
+    filter->filter(bench.step(), block, keep);
+    EXPECT_EQ(keep, std::vector<std::uint8_t>(block.padded_size(), 0)) << name << " brought a test back";
+  }
+}
+
+}  // namespace
+}  // namespace volccd::test

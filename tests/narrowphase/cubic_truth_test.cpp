@@ -1,0 +1,114 @@
+// `cubic` against published ground truth. The numbers of extra contacts are pinned: each was looked at, and is a pair
+// that misses by about 1e-16 of its size, or less than 1e-13.
+#include <map>
+
+#include <gtest/gtest.h>
+
+#include <volccd/narrowphase/cubic.hpp>
+
+#include "hdf5_rows.hpp"
+#include "oracle.hpp"
+#include "query_set.hpp"
+#include "support/test_data.hpp"
+
+namespace volccd::test {
+namespace {
+
+struct Score {
+  std::size_t contacts = 0, missed = 0, extra = 0;
+  double worst_time = 0;
+  Real worst_distance = 0;  ///< of an extra contact, relative to its size
+};
+
+Score score(FeatureKind kind, const std::vector<Query>& queries, const std::vector<int>& collides,
+            const std::vector<double>& toi) {
+  const QuerySet set(kind, queries);
+  const std::vector<Contact> contacts = set.test(Cubic());
+  std::vector<const Contact*> found(queries.size(), nullptr);
+  Score s;
+  s.contacts = contacts.size();
+  for (const Contact& c : contacts) {
+    EXPECT_EQ(found[set.query_of(c)], nullptr) << "reported twice";
+    found[set.query_of(c)] = &c;
+  }
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    if (collides[i] && !found[i]) ++s.missed;
+    if (!found[i]) continue;
+    if (!collides[i]) {
+      ++s.extra;
+      s.worst_distance = std::max(s.worst_distance, distance_at(kind, queries[i], found[i]->toi) / size_of(queries[i]));
+    } else if (!toi.empty()) {
+      s.worst_time = std::max(s.worst_time, std::abs(found[i]->toi - toi[i]));
+    }
+  }
+  return s;
+}
+
+TEST(CubicTruth, SampleQueries) {
+  VOLCCD_NEEDS_DATA(path, "ccd-queries.h5");
+  const Hdf5File file(path);
+  const std::map<std::string, std::size_t> most_extra = {{"erleben-cube-cliff-edges/VertexFace", 38},
+                                                         {"erleben-cube-cliff-edges/EdgeEdge", 64},
+                                                         {"erleben-sliding-spike/VertexFace", 0},
+                                                         {"erleben-sliding-spike/EdgeEdge", 0},
+                                                         {"erleben-spike-hole/VertexFace", 0},
+                                                         {"erleben-spike-hole/EdgeEdge", 0},
+                                                         {"erleben-spike-wedge/VertexFace", 0},
+                                                         {"erleben-spike-wedge/EdgeEdge", 0},
+                                                         {"erleben-spikes/VertexFace", 6},
+                                                         {"erleben-spikes/EdgeEdge", 9},
+                                                         {"unit-tests/VertexFace", 0},
+                                                         {"unit-tests/EdgeEdge", 0}};
+  for (const auto& [group, extra] : most_extra) {
+    const std::vector<double> x = file.doubles(group + "/Points");
+    const std::vector<int> collides = file.integers(group + "/Collides");
+    std::vector<Query> queries(collides.size());
+    for (std::size_t i = 0; i < queries.size(); ++i)
+      for (std::size_t p = 0; p < 8; ++p) queries[i][p] = Eigen::Map<const Vec3>(&x[(i * 8 + p) * 3]);
+    const FeatureKind kind = group.ends_with("EdgeEdge") ? FeatureKind::ee : FeatureKind::vf;
+    const Score s = score(kind, queries, collides, {});
+    EXPECT_EQ(s.missed, 0u) << group;
+    EXPECT_LE(s.extra, extra) << group;
+    EXPECT_LE(s.worst_distance, 1e-10L) << group;
+    std::printf("  %-36s %4zu queries, %3zu contacts, missed %zu, extra %zu (within %.1Le)\n", group.c_str(),
+                queries.size(), s.contacts, s.missed, s.extra, s.worst_distance);
+  }
+}
+
+void frame_pair(const std::string& path, bool with_times) {
+  const Hdf5File file(path);
+  const std::vector<double> x = file.doubles("VTKHDF/Points");
+  const std::vector<int> edges = file.integers("GroundTruth/Edges"), corners = file.integers("VTKHDF/Connectivity");
+  const std::size_t n = x.size() / 6;
+  for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee}) {
+    const std::string group = kind == FeatureKind::vf ? "GroundTruth/VertexFace" : "GroundTruth/EdgeEdge";
+    const std::vector<int> pairs = file.integers(group + "/Pairs"), collides = file.integers(group + "/Collides");
+    std::vector<Query> queries(collides.size());
+    for (std::size_t i = 0; i < queries.size(); ++i) {
+      const auto a = static_cast<std::size_t>(pairs[2 * i]), b = static_cast<std::size_t>(pairs[2 * i + 1]);
+      const std::array<int, 4> v =
+          kind == FeatureKind::vf ? std::array{pairs[2 * i], corners[3 * b], corners[3 * b + 1], corners[3 * b + 2]}
+                                  : std::array{edges[2 * a], edges[2 * a + 1], edges[2 * b], edges[2 * b + 1]};
+      for (std::size_t p = 0; p < 8; ++p)
+        queries[i][p] = Eigen::Map<const Vec3>(&x[(static_cast<std::size_t>(v[p % 4]) + n * (p / 4)) * 3]);
+    }
+    const Score s =
+        score(kind, queries, collides, with_times ? file.doubles(group + "/TimeOfImpact") : std::vector<double>());
+    EXPECT_EQ(s.missed, 0u) << group;
+    EXPECT_EQ(s.extra, 0u) << group;
+    EXPECT_LE(s.worst_time, 1e-11) << group;
+  }
+}
+
+TEST(CubicTruth, RodTwist) {
+  VOLCCD_NEEDS_DATA(path, "rod-twist.vtkhdf");
+  frame_pair(path, true);
+}
+
+TEST(CubicTruth, ClothBall) {
+  VOLCCD_NEEDS_DATA(path, "cloth-ball.vtkhdf");
+  frame_pair(path, false);
+}
+
+}  // namespace
+}  // namespace volccd::test
