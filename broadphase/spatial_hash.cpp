@@ -1,5 +1,9 @@
 #include <volccd/broadphase/spatial_hash.hpp>
 
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+#include <utility>
 #include <vector>
 
 #include <volccd/broadphase/detail/hash_grid.hpp>
@@ -31,6 +35,42 @@ struct State final : StageState {
   }
 };
 
+/// Spreads the low 21 bits to every third bit.
+std::uint64_t spread(std::uint64_t x) {
+  x &= 0x1fffff;
+  x = (x | x << 32) & 0x1f00000000ffff;
+  x = (x | x << 16) & 0x1f0000ff0000ff;
+  x = (x | x << 8) & 0x100f00f00f00f00f;
+  x = (x | x << 4) & 0x10c30c30c30c30c3;
+  return (x | x << 2) & 0x1249249249249249;
+}
+
+/// Lists the live elements along a Morton curve through their first vertices: elements that share cells lie together in
+/// memory. Only speed depends on it, so that it is left as it is afterwards.
+void list_in_space(const Step& step, State& state) {
+  state.list.assign_live(step.mesh());
+  const std::size_t count = state.list.size();
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
+  for (Index v = 0; v < step.motion.vertex_count(); ++v) {
+    low = low.cwiseMin(step.motion.point(v, 0));
+    high = high.cwiseMax(step.motion.point(v, 0));
+  }
+  std::vector<std::pair<std::uint64_t, Index>> codes(count);
+  for (std::size_t p = 0; p < count; ++p) {
+    const Vec3 at = step.motion.point(state.list.vertices(p)[0], 0);
+    std::uint64_t code = 0;
+    for (int c = 0; c < 3; ++c) {
+      const double part = (at[c] / 2 - low[c] / 2) / (high[c] / 2 - low[c] / 2);  // halves: no overflow
+      code |= spread(part >= 0 ? static_cast<std::uint64_t>(std::min(part, 1.0) * 0x1fffff) : 0) << c;
+    }
+    codes[p] = {code, static_cast<Index>(p)};
+  }
+  std::sort(codes.begin(), codes.end());
+  std::vector<Index> order(count);
+  for (std::size_t p = 0; p < count; ++p) order[p] = codes[p].second;
+  state.list.permute(0, order);
+}
+
 }  // namespace
 
 SpatialHash::SpatialHash(const Config& config) : config_(config) {
@@ -53,9 +93,10 @@ std::unique_ptr<StageState> SpatialHash::make_state() const { return std::make_u
 
 void SpatialHash::update(const Step& step, StageState& stage_state, Executor& executor) const {
   State& state = static_cast<State&>(stage_state);
-  const bool news = state.watch.look(step.topology) != TopologyWatch::News::none;
-  if (news) state.list.assign_live(step.mesh());
-  state.keys.update(step, news);
+  const TopologyWatch::News news = state.watch.look(step.topology);
+  if (news == TopologyWatch::News::everything) list_in_space(step, state);
+  if (news == TopologyWatch::News::edited) state.list.update(step.mesh(), state.watch.touched());
+  state.keys.update(step, news != TopologyWatch::News::none);
   detail::bound_vertices(step, config_.k, executor, state.vertices);
   state.elements.resize(state.list.size(), state.vertices.width());
   detail::bound_elements(state.vertices, state.list, executor, state.elements);

@@ -117,8 +117,10 @@ struct OSet::Impl {
 };
 
 void OSet::Impl::fit(const Topology& topology) {
-  touch.fit(topology.features().vertex_slots(), topology.mesh().element_slots());
-  runs_of_vertex.resize(topology.features().vertex_slots(), 0);
+  const Features& features = topology.features();
+  touch.fit(features.vertex_slots(), topology.mesh().element_slots(),
+            std::max({features.vertex_slots(), features.triangle_slots(), features.edge_slots()}));
+  runs_of_vertex.resize(features.vertex_slots(), 0);
   added.resize(topology.mesh().element_slots(), 0);
 }
 

@@ -1,4 +1,5 @@
-// Adjacency of elements: two elements are adjacent when they share at least one vertex; an element is adjacent to itself.
+// Adjacency of elements: two elements are adjacent when they share at least one vertex; an element is adjacent to
+// itself.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +21,8 @@ class AdjacencyTest {
  public:
   /// For the live elements of `mesh`. O(elements).
   void build(const Mesh& mesh);
-  /// Brings the given slots up to date with `mesh` after an edit that emptied or filled them. Time proportional to their
-  /// number; all slots, when larger elements than before make the block wider.
+  /// Brings the given slots up to date with `mesh` after an edit that emptied or filled them. Time proportional to
+  /// their number; all slots, when larger elements than before make the block wider.
   void update(const Mesh& mesh, std::span<const Index> slots);
 
   /// Whether the live elements a and b have a common vertex.
@@ -43,7 +44,8 @@ class AdjacencyTest {
   detail::IncidencePool large_;  ///< ascending vertices of slots with more than 8; no lists if there are none
 };
 
-/// Replaces `out` by the live elements adjacent to o, itself included, ascending, each once. O(k log k), k = sum of incident elements of its vertices.
+/// Replaces `out` by the live elements adjacent to o, itself included, ascending, each once. O(k log k), k = sum of
+/// incident elements of its vertices.
 void adjacent_elements(const Mesh& mesh, const Features& features, Index o, std::vector<Index>& out);
 
 }  // namespace volccd

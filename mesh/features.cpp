@@ -101,8 +101,8 @@ void put_in(detail::Incidences& incidences, detail::IncidencePool& lists, std::v
 
 /// Slot of the feature with these vertices; a new one if there is none, reported in `added`.
 template <std::size_t N>
-Index live_slot(const std::array<Index, N>& key, std::vector<std::array<Index, N>>& tuples, detail::TupleTable<N>& table,
-                std::vector<Index>& free, std::vector<Index>& added) {
+Index live_slot(const std::array<Index, N>& key, std::vector<std::array<Index, N>>& tuples,
+                detail::TupleTable<N>& table, std::vector<Index>& free, std::vector<Index>& added) {
   const Index fresh = free.empty() ? static_cast<Index>(tuples.size()) : free.back();
   const Index slot = table.find_or_insert(key, fresh, tuples);
   if (slot != fresh) return slot;
@@ -144,7 +144,7 @@ BoundarySize boundary_size(const Mesh& mesh, EdgeSet edge_set) {
 /// Tables of the edges or the triangles from their occurrences.
 template <std::size_t N>
 void build_kind(const detail::Occurrences<N>& occurrences, const Mesh& mesh, std::vector<std::array<Index, N>>& tuples,
-                 detail::TupleTable<N>& table, detail::IncidencePool& incidence, detail::IncidencePool& of_element) {
+                detail::TupleTable<N>& table, detail::IncidencePool& incidence, detail::IncidencePool& of_element) {
   of_element.clear(mesh.element_slots(), occurrences.tuples.size());
   std::vector<Index> numbers;
   detail::number_tuples(occurrences, mesh.vertex_count(), tuples, incidence, numbers);
@@ -224,9 +224,14 @@ void Features::add(const Mesh& mesh, std::span<const Index> elements, FeatureCha
     }
     edges_of.clear();
     triangles_of.clear();
-    visit_boundary(
-        mesh, o, edge_set_, [&](Index a, Index b) { edges_of.push_back(live_slot(ascending(a, b), edges_, edge_table_, free_edges_, change.added_edges)); },
-        [&](Index a, Index b, Index c) { triangles_of.push_back(live_slot(ascending(a, b, c), triangles_, triangle_table_, free_triangles_, change.added_triangles)); });
+    const auto edge = [&](Index a, Index b) {
+      edges_of.push_back(live_slot(ascending(a, b), edges_, edge_table_, free_edges_, change.added_edges));
+    };
+    const auto triangle = [&](Index a, Index b, Index c) {
+      triangles_of.push_back(
+          live_slot(ascending(a, b, c), triangles_, triangle_table_, free_triangles_, change.added_triangles));
+    };
+    visit_boundary(mesh, o, edge_set_, edge, triangle);
     for (Index e : edges_of) edges.add(e, o);
     for (Index f : triangles_of) triangles.add(f, o);
     element_edges_.assign(o, edges_of);

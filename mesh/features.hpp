@@ -21,8 +21,8 @@ enum class EdgeSet { triangulated, polytope };
 
 /// Which features a change of topology touched. All lists ascend and hold no slot twice.
 struct FeatureChange {
-  /// Features that died (vertices: are used by no element any more). Their slots may already stand for new features: those
-  /// are in `added_*` too.
+  /// Features that died (vertices: are used by no element any more). Their slots may already stand for new features:
+  /// those are in `added_*` too.
   std::vector<Index> removed_vertices, removed_edges, removed_triangles;
   /// New features (vertices: used now, but not by any element before or not after the removals).
   std::vector<Index> added_vertices, added_edges, added_triangles;
@@ -30,9 +30,9 @@ struct FeatureChange {
   std::vector<Index> touched_vertices, touched_edges, touched_triangles;
 };
 
-/// Feature slots are stable while the feature lives; a dead feature has no incident elements and its slot is used again.
-/// Incident elements ascend by slot: the order of inc(a) x inc(b) that assignment relies on (Algorithm 5), independent of
-/// the history of changes. Read-only use is thread-safe.
+/// Feature slots are stable while the feature lives; a dead feature has no incident elements and its slot is used
+/// again. Incident elements ascend by slot: the order of inc(a) x inc(b) that assignment relies on (Algorithm 5),
+/// independent of the history of changes. Read-only use is thread-safe.
 class Features {
  public:
   explicit Features(EdgeSet edge_set = EdgeSet::triangulated) : edge_set_(edge_set) {}
@@ -42,10 +42,10 @@ class Features {
   /// Everything from scratch. O(elements) expected.
   void build(const Mesh& mesh);
 
-  /// Takes out elements that are about to be removed from `mesh` (call before Mesh::remove_element) and puts in those that
-  /// have been added. Expected time proportional to the features of those elements and the length of their incidence
-  /// lists, independent of the size of the mesh. Equal to build() up to the numbering of edge and triangle slots. What happened is
-  /// added to `change`; for one change, everything is removed before anything is added.
+  /// Takes out elements that are about to be removed from `mesh` (call before Mesh::remove_element) and puts in those
+  /// that have been added. Expected time proportional to the features of those elements and the length of their
+  /// incidence lists, independent of the size of the mesh. Equal to build() up to the numbering of edge and triangle
+  /// slots. What happened is added to `change`; for one change, everything is removed before anything is added.
   void remove(const Mesh& mesh, std::span<const Index> elements, FeatureChange& change);
   void add(const Mesh& mesh, std::span<const Index> elements, FeatureChange& change);
 

@@ -13,9 +13,7 @@ namespace volccd {
 
 namespace {
 
-std::uint32_t id_hash(std::int64_t id) {
-  return static_cast<std::uint32_t>(mix(static_cast<std::uint64_t>(id)) >> 32);
-}
+std::uint32_t id_hash(std::int64_t id) { return static_cast<std::uint32_t>(mix(static_cast<std::uint64_t>(id)) >> 32); }
 
 void check_vertex_number(std::size_t n) {
   if (n >= kNone) throw InputError("mesh", "vertex ids", "more than 2^32 - 2 vertices");

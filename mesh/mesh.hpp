@@ -25,8 +25,8 @@ struct ElementSpec {
 /// Invariants, kept by every member: vertex ids ascend strictly with the slot (so slot order is id order: "smallest id"
 /// is "smallest slot"); element ids are distinct; the vertices of one element are distinct and in range.
 ///
-/// Removing an element empties its slot; the slot may be taken again by a later element. Vertices are never removed: one
-/// that no element uses is simply unused, and may be used again. Not thread-safe while it changes.
+/// Removing an element empties its slot; the slot may be taken again by a later element. Vertices are never removed:
+/// one that no element uses is simply unused, and may be used again. Not thread-safe while it changes.
 class Mesh {
  public:
   Mesh() = default;
@@ -37,8 +37,8 @@ class Mesh {
   void add_vertices(Index n);
 
   /// Returns the element's slot. Throws InputError: wrong number of vertices, a vertex out of range or twice in the
-  /// element, an id that is taken, a polytope whose faces do not use exactly its vertices or do not close up (each edge in
-  /// exactly two faces). Amortised O(vertices of the element).
+  /// element, an id that is taken, a polytope whose faces do not use exactly its vertices or do not close up (each edge
+  /// in exactly two faces). Amortised O(vertices of the element).
   Index add_element(const ElementSpec& element);
 
   /// O(1). The slot must be alive.

@@ -172,9 +172,9 @@ std::size_t Topology::bytes() const {
     add(change->removed_elements);
     add(change->added_elements);
     const FeatureChange& f = change->features;
-    for (const auto* list : {&f.removed_vertices, &f.removed_edges, &f.removed_triangles, &f.added_vertices,
-                             &f.added_edges, &f.added_triangles, &f.touched_vertices, &f.touched_edges,
-                             &f.touched_triangles})
+    for (const auto* list :
+         {&f.removed_vertices, &f.removed_edges, &f.removed_triangles, &f.added_vertices, &f.added_edges,
+          &f.added_triangles, &f.touched_vertices, &f.touched_edges, &f.touched_triangles})
       add(*list);
   }
   return total;

@@ -14,8 +14,8 @@ namespace volccd {
 
 /// Elements and vertices that come and go between two steps (Section 5.1: O' = O + A_s - A_t).
 struct TopologyEdit {
-  std::vector<Index> removed;               ///< slots of live elements, each once
-  std::vector<std::int64_t> new_vertex_ids; ///< ascending, above all that are there; usable by `added`
+  std::vector<Index> removed;                ///< slots of live elements, each once
+  std::vector<std::int64_t> new_vertex_ids;  ///< ascending, above all that are there; usable by `added`
   std::vector<ElementSpec> added;
 
   bool empty() const { return removed.empty() && added.empty() && new_vertex_ids.empty(); }
@@ -37,16 +37,16 @@ class Topology {
   const Mesh& mesh() const { return mesh_; }
   const Features& features() const { return features_; }
 
-  /// Distinct in every Topology object and after every edit (never 0), so that a state which was made for another topology
-  /// is noticed.
+  /// Distinct in every Topology object and after every edit (never 0), so that a state which was made for another
+  /// topology is noticed.
   std::uint64_t version() const { return version_; }
 
   /// All or nothing: throws InputError before anything is changed. Time proportional to the edit, not to the mesh.
   const TopologyChange& apply(const TopologyEdit& edit);
 
   /// The changes that lead from `version` to now, oldest first (none if it is the current one). Returns false, with
-  /// `changes` empty, if the history does not reach back that far (another topology, or more than kHistory edits ago): the
-  /// caller builds anew.
+  /// `changes` empty, if the history does not reach back that far (another topology, or more than kHistory edits ago):
+  /// the caller builds anew.
   bool changes_since(std::uint64_t version, std::vector<const TopologyChange*>& changes) const;
 
   static constexpr std::size_t kHistory = 8;

@@ -12,8 +12,8 @@ namespace volccd {
 ///
 /// Missed contacts: none are known. The cubic's coefficients have a rounding bound; a root that its sign changes do not
 /// prove is looked at again with coefficients of twice the precision. Extra contacts: only pairs that come within the
-/// tolerance. Time: where the cubic's slope at the root is not tiny, to about 1e-15 / slope (slope as a share of the
-/// determinant's magnitude); where it is, early by the time that the tolerance takes to close.
+/// tolerance. Time: within 1e-12 of the root; where the points are coplanar, as far as doubles can tell, for longer, the
+/// first time in that stretch at which the features are within the tolerance.
 ///
 /// Degenerate geometry (coplanar over a stretch of time, parallel edges, triangles and edges without extent, no
 /// relative motion) is decided by the events at which coplanar features can begin to touch, and counted. The normal of

@@ -1,5 +1,7 @@
 #include <volccd/broadphase/detail/element_list.hpp>
 
+#include <algorithm>
+
 namespace volccd::detail {
 
 void ElementList::truncate(std::size_t size) {
@@ -21,6 +23,16 @@ void ElementList::assign_live(const Mesh& mesh) {
   begins_.reserve(mesh.element_count() + std::size_t{1});
   for (Index o = 0; o < mesh.element_slots(); ++o)
     if (mesh.alive(o)) append(mesh, o);
+}
+
+void ElementList::update(const Mesh& mesh, std::span<const Index> touched) {
+  slots_scratch_.clear();
+  for (const Index slot : slots_)
+    if (slot != kNone && !std::binary_search(touched.begin(), touched.end(), slot)) slots_scratch_.push_back(slot);
+  for (const Index slot : touched)
+    if (mesh.alive(slot)) slots_scratch_.push_back(slot);
+  clear();
+  for (const Index slot : slots_scratch_) append(mesh, slot);
 }
 
 void ElementList::permute(std::size_t begin, std::span<const Index> order) {

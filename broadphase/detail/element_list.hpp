@@ -17,6 +17,8 @@ class ElementList {
   void append(const Mesh& mesh, Index slot);
   /// All live elements, by slot.
   void assign_live(const Mesh& mesh);
+  /// After an edit: takes out the slots that were emptied or filled and appends those that live. `touched` ascends.
+  void update(const Mesh& mesh, std::span<const Index> touched);
 
   std::size_t size() const { return slots_.size(); }
   Index slot(std::size_t position) const { return slots_[position]; }

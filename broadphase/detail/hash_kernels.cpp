@@ -1,6 +1,7 @@
 #include <volccd/broadphase/detail/hash_kernels.hpp>
 
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <type_traits>
 
@@ -10,6 +11,27 @@
 #include <hwy/highway.h>
 
 #include <volccd/broadphase/detail/bounds-inl.hpp>
+
+#ifndef VOLCCD_HASH_KERNELS_ONCE
+#define VOLCCD_HASH_KERNELS_ONCE
+namespace volccd::detail {
+
+/// The numbers of the bits that are set in a byte, ascending, and how many they are.
+struct SetBits {
+  std::uint8_t lanes[8], count;
+};
+
+constexpr std::array<SetBits, 256> all_set_bits() {
+  std::array<SetBits, 256> table{};
+  for (unsigned byte = 0; byte < 256; ++byte)
+    for (std::uint8_t bit = 0; bit < 8; ++bit)
+      if (byte >> bit & 1) table[byte].lanes[table[byte].count++] = bit;
+  return table;
+}
+constexpr std::array<SetBits, 256> kSetBits = all_set_bits();
+
+}  // namespace volccd::detail
+#endif
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
@@ -24,41 +46,38 @@ class BucketKernel {
   /// Entries [first, last) of the bucket [begin, end) against all behind them in it.
   void run(std::size_t begin, std::size_t end, std::size_t first, std::size_t last) {
     load(begin, end);
-    for (std::size_t i = first - begin; i < last - begin; ++i) offer(begin, i, survivors(i, end - begin));
+    for (std::size_t i = first - begin; i < last - begin; ++i) offer(i, survivors(i, end - begin));
   }
 
  private:
   using Lanes = hn::CappedTag<float, 8>;
-  using Marks = hn::Rebind<std::int32_t, Lanes>;
 
-  /// Rows 0 to 5: the box; 6: a bit for each axis along which this is the element's lowest cell; 7: a number that entries of
-  /// the same cell share; 8: the position.
+  /// Marks 0: a bit for each axis along which this is the element's lowest cell; 1: a number that entries of the same cell
+  /// share; 2: the position.
   void load(std::size_t begin, std::size_t end) {
     const std::size_t count = end - begin;
-    std::int32_t* const lowest = reinterpret_cast<std::int32_t*>(scratch_.row(6));
-    std::int32_t* const cell = reinterpret_cast<std::int32_t*>(scratch_.row(7));
-    Index* const position = reinterpret_cast<Index*>(scratch_.row(8));
     for (std::size_t i = 0; i < count; ++i) {
       const HashEntry entry = grid_.entries()[begin + i];
       const float* const row = bounds_.row(entry.position);
-      for (std::size_t c = 0; c < 3; ++c) {
-        scratch_.row(c)[i] = row[c];
-        scratch_.row(3 + c)[i] = row[kWidth + c];
-      }
+      for (std::size_t c = 0; c < 2 * kWidth; ++c) scratch_.row(c)[i] = row[c];
       const Index x = entry.offset & 1023, y = entry.offset >> 10 & 1023, z = entry.offset >> 20;
-      lowest[i] = (x == 0 ? 1 : 0) | (y == 0 ? 2 : 0) | (z == 0 ? 4 : 0);
-      position[i] = entry.position;
-      cell[i] = static_cast<std::int32_t>(i);
-      for (std::size_t j = 0; j < i; ++j)
-        if (cell[j] == static_cast<std::int32_t>(j) && same_cell(grid_.entries()[begin + j], entry)) {
-          cell[i] = static_cast<std::int32_t>(j);
-          break;
-        }
+      scratch_.marks(0)[i] = (x == 0 ? 1 : 0) | (y == 0 ? 2 : 0) | (z == 0 ? 4 : 0);
+      scratch_.marks(1)[i] = cell_number(begin, i);
+      scratch_.marks(2)[i] = static_cast<std::int32_t>(entry.position);
     }
     for (std::size_t i = count; i < count + BucketScratch::kPadding; ++i) {
-      for (std::size_t c = 0; c < 6; ++c) scratch_.row(c)[i] = c < 3 ? 1.0f : -1.0f;
-      lowest[i] = cell[i] = 0;
+      scratch_.row(0)[i] = std::numeric_limits<float>::infinity();
+      scratch_.marks(0)[i] = scratch_.marks(1)[i] = 0;
     }
+  }
+
+  /// The first entry of the bucket in the same cell as its i-th.
+  std::int32_t cell_number(std::size_t begin, std::size_t i) {
+    const std::int32_t* const cell = scratch_.marks(1);
+    for (std::size_t j = 0; j < i; ++j)
+      if (cell[j] == static_cast<std::int32_t>(j) && same_cell(grid_.entries()[begin + j], grid_.entries()[begin + i]))
+        return cell[j];
+    return static_cast<std::int32_t>(i);
   }
 
   bool same_cell(const HashEntry& a, const HashEntry& b) const {
@@ -70,41 +89,47 @@ class BucketKernel {
     return true;
   }
 
-  /// Entries j > i of i's cell whose box overlaps i's, where this cell holds the lower corner of the intersection: along
-  /// each axis it is the lowest of one of the two. Returns their number.
+  /// Entries j > i of i's cell whose bounds overlap i's, where this cell holds the lower corner of the boxes' intersection:
+  /// along each axis it is the lowest of one of the two. Returns their number.
   HWY_INLINE std::size_t survivors(std::size_t i, std::size_t count) {
     const Lanes d;
-    const Marks di;
+    const hn::Rebind<std::int32_t, Lanes> di;
     const hn::Rebind<std::uint32_t, Lanes> du;
-    const std::int32_t* const lowest = reinterpret_cast<const std::int32_t*>(scratch_.row(6));
-    const std::int32_t* const cell = reinterpret_cast<const std::int32_t*>(scratch_.row(7));
+    const std::int32_t* const lowest = scratch_.marks(0);
+    const std::int32_t* const cell = scratch_.marks(1);
     const auto lowest_i = hn::Set(di, lowest[i]), cell_i = hn::Set(di, cell[i]), all = hn::Set(di, 7);
     std::size_t found = 0;
     for (std::size_t j = i + 1; j < count; j += hn::Lanes(d)) {
       auto keep = hn::Eq(hn::Or(lowest_i, hn::LoadU(di, lowest + j)), all);
       keep = hn::And(keep, hn::Eq(cell_i, hn::LoadU(di, cell + j)));
       auto inside = hn::RebindMask(d, keep);
-      for (std::size_t c = 0; c < 3; ++c) {
-        inside = hn::And(inside, hn::Le(hn::Set(d, scratch_.row(c)[i]), hn::LoadU(d, scratch_.row(3 + c) + j)));
-        inside = hn::And(inside, hn::Le(hn::LoadU(d, scratch_.row(c) + j), hn::Set(d, scratch_.row(3 + c)[i])));
-      }
-      const auto index = hn::Iota(du, static_cast<std::uint32_t>(j));
-      found += hn::CompressStore(index, hn::RebindMask(du, inside), du, scratch_.survivors() + found);
+      const auto narrow = [&](std::size_t axis) HWY_ATTR {
+        const float *low = scratch_.row(axis), *high = scratch_.row(kWidth + axis);
+        inside = hn::And(inside, hn::Le(hn::Set(d, low[i]), hn::LoadU(d, high + j)));
+        inside = hn::And(inside, hn::Le(hn::LoadU(d, low + j), hn::Set(d, high[i])));
+      };
+      for (std::size_t axis = 0; axis < 3; ++axis) narrow(axis);
+      if (hn::AllFalse(d, inside)) continue;
+      for (std::size_t axis = 3; axis < kWidth; ++axis) narrow(axis);
+      std::uint8_t bits[8] = {};
+      hn::StoreMaskBits(d, inside, bits);
+      const auto lanes = hn::PromoteTo(du, hn::LoadU(hn::Rebind<std::uint8_t, Lanes>(), kSetBits[bits[0]].lanes));
+      hn::StoreU(hn::Add(lanes, hn::Set(du, static_cast<std::uint32_t>(j))), du, scratch_.survivors() + found);
+      found += kSetBits[bits[0]].count;
     }
     return found;
   }
 
-  HWY_INLINE void offer(std::size_t, std::size_t i, std::size_t count) {
-    const Index* const position = reinterpret_cast<const Index*>(scratch_.row(8));
+  HWY_INLINE void offer(std::size_t i, std::size_t count) {
+    const std::int32_t* const position = scratch_.marks(2);
     const Index* const list = scratch_.survivors();
-    const float* const row = bounds_.row(position[i]);
     const Index a = slots_[position[i]];
     for (std::size_t done = 0; done < count; done += PairWriter::kRoom) {
       ElementPair* next = out_.room();
       for (std::size_t s = done; s < std::min(count, done + PairWriter::kRoom); ++s) {
-        const Index p = position[list[s]], b = slots_[p];
-        *next = {std::min(a, b), std::max(a, b)};
-        next += overlap<kWidth>(row, bounds_.row(p)) & rules_.want(a, b);
+        const Index b = slots_[position[list[s]]];
+        *next = ordered(a, b);
+        next += rules_.want(a, b);
       }
       out_.written(next);
     }
@@ -141,7 +166,7 @@ void large_kernel(const HashGrid& grid, const BoundsTable& bounds, const Index* 
         ElementPair* next = out.room();
         for (std::size_t p = done; p < std::min(end, done + PairWriter::kRoom); ++p) {
           const Index a = slots[large], b = slots[p];
-          *next = {std::min(a, b), std::max(a, b)};
+          *next = ordered(a, b);
           const bool once = !grid.is_large(p) || p > large;
           next += once && overlap<width>(bounds.row(large), bounds.row(p)) && rules.want(a, b);
         }

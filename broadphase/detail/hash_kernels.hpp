@@ -1,6 +1,7 @@
 // The inner loops of `spatial-hash`, dispatched to the instruction set of the machine.
 #pragma once
 
+#include <algorithm>
 #include <vector>
 
 #include <volccd/broadphase/detail/hash_grid.hpp>
@@ -8,24 +9,28 @@
 
 namespace volccd::detail {
 
-/// A bucket laid out for vectors: rows of boxes and marks. One for each worker.
+/// A bucket laid out for vectors: rows of bounds and marks. One for each worker.
 class BucketScratch {
  public:
-  static constexpr std::size_t kRows = 9, kPadding = 16;
+  static constexpr std::size_t kPadding = 8;
 
   /// For buckets of up to `entries` entries.
   void reserve(std::size_t entries) {
     stride_ = std::max(stride_, entries + kPadding);
-    values_.resize(std::max(values_.size(), kRows * stride_));
-    survivors_.resize(std::max(survivors_.size(), stride_));
+    values_.resize(BoundsTable::kMostFloats * stride_);
+    marks_.resize(3 * stride_);
+    survivors_.resize(stride_);
   }
+  /// Minima, then maxima, as in a row of a BoundsTable, for all entries.
   float* row(std::size_t i) { return values_.data() + i * stride_; }
+  std::int32_t* marks(std::size_t i) { return marks_.data() + i * stride_; }
   Index* survivors() { return survivors_.data(); }
-  std::size_t bytes() const { return values_.capacity() * sizeof(float) + survivors_.capacity() * sizeof(Index); }
+  std::size_t bytes() const { return 4 * (values_.capacity() + marks_.capacity() + survivors_.capacity()); }
 
  private:
   std::size_t stride_ = 0;
   std::vector<float> values_;
+  std::vector<std::int32_t> marks_;
   std::vector<Index> survivors_;
 };
 

@@ -34,7 +34,7 @@ struct CsatFrame {
 struct CsatPoints {
   int count = 0, stride = 4;
   double extent[3] = {};  ///< greatest magnitude on each axis before the restriction to [0, s]
-  double total[3] = {};   ///< sum over vertices and control points, likewise
+  double total[3] = {};   ///< sum over vertices and control points, after it
   alignas(64) double rows[3 * kCsatControlPoints * kCsatVertices];
 
   const double* row(int control_point, int axis) const { return rows + (3 * control_point + axis) * stride; }
@@ -89,6 +89,11 @@ inline void CsatPoints::restrict_to(const CsatFrame& frame) {
         double& to = rows[3 * c * stride + i];
         to = frame.rest * rows[3 * (c - 1) * stride + i] + frame.s * to;
       }
+  for (int k = 0; k < 3; ++k) {
+    total[k] = 0;
+    for (int c = 0; c < frame.control_points; ++c)
+      for (int i = 0; i < count; ++i) total[k] += at(c, k, i);
+  }
 }
 
 inline void CsatPoints::take(const CsatPoints& from, int control_points, int i0, int i1) {

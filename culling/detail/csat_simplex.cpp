@@ -77,7 +77,8 @@ bool CsatSimplex::triangle(Vec3& direction) {
   return direction.squaredNorm() > 0;
 }
 
-// The nearest of the faces that have the origin on their outer side; none: the origin is inside.
+// The nearest of the faces that have the origin on their outer side; none: the origin is inside. Of a flat tetrahedron (two
+// control points that differ by a common translation give many) every face counts: its inner side is noise.
 bool CsatSimplex::tetrahedron(Vec3& direction) {
   constexpr int faces[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
   CsatSimplex best;
@@ -87,12 +88,13 @@ bool CsatSimplex::tetrahedron(Vec3& direction) {
                &r = points_[static_cast<std::size_t>(f[2])], &opposite = points_[static_cast<std::size_t>(f[3])];
     const Vec3 n = (q - p).cross(r - p);
     const double origin_side = -n.dot(p), opposite_side = n.dot(opposite - p);
-    if (origin_side * opposite_side > 0) continue;
+    constexpr double flat = 1e-10;  // of the size of the set, which is about 1
+    if (origin_side * opposite_side > 0 && opposite_side * opposite_side > flat * flat * n.squaredNorm()) continue;
     CsatSimplex face;
     face.size_ = 3;
     face.points_ = {p, q, r, r};
     Vec3 d;
-    if (!face.triangle(d)) return false;
+    if (!face.triangle(d)) continue;
     const double along = d.dot(face.points_[0]);
     const double square = along * along / d.squaredNorm();
     if (!(square < best_square)) continue;

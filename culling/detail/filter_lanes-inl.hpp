@@ -112,8 +112,8 @@ HWY_INLINE void drop(LaneMask mask, std::size_t i, std::span<std::uint8_t> keep)
   const Tag tag;
   std::uint8_t bits[8] = {};
   hn::StoreMaskBits(tag, mask, bits);
-  for (std::size_t lane = 0; bits[0] != 0; ++lane, bits[0] = static_cast<std::uint8_t>(bits[0] >> 1))
-    if (bits[0] & 1) keep[i + lane] = 0;
+  for (std::size_t lane = 0; lane < hn::Lanes(tag); ++lane)  // without a branch: masks are hard to predict
+    keep[i + lane] &= static_cast<std::uint8_t>((bits[0] >> lane & 1) - 1);
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE

@@ -72,7 +72,9 @@ void OSetDifference::gain_apart_from_changed() {
   }
   for (Index w : vertices_[pivot]) {
     if ((touch_.vertex(w) & kOfChanged) != 0) continue;
-    for (Index o : features_.vertex_elements(w)) {
+    const std::span<const Index> around = features_.vertex_elements(w);
+    for (Index o : around) prefetch(o);
+    for (Index o : around) {
       if (touch_.accepted(o) || !in_base(o) || touch_.of(vertices_[o]) != all) continue;
       touch_.accept(o);
       gained_.push_back(o);
@@ -83,31 +85,20 @@ void OSetDifference::gain_apart_from_changed() {
   }
 }
 
-bool OSetDifference::covered(std::span<const Index> inc, Index first) {
+bool OSetDifference::covered(std::span<const Index> inc) {
   const std::uint64_t all = ElementTouch::all(base_.size());
-  bool met = false;
   for (Index o : inc) {
     if (!in_base(o)) continue;
-    if (touch_.accepted(o)) {
-      if (!met && o != first) return false;
-      met = true;
-    } else if (!touch_.seen(o)) {
-      if (touch_.of(vertices_[o]) != all) touch_.reject(o);
-      else touch_.note(o);
+    if (!touch_.seen(o)) {
+      if (touch_.of(vertices_[o]) == all) {
+        touch_.accept(o);
+      } else {
+        touch_.reject(o);
+      }
     }
-    if (touch_.rejected(o)) return false;
+    if (!touch_.accepted(o)) return false;
   }
-  return met || first == kNone;
-}
-
-Index OSetDifference::first_gained_changed(std::span<const Index> vertices) const {
-  Index first = kNone;
-  any_changed(vertices, [&](Index y) {
-    if (std::find(gained_changed_.begin(), gained_changed_.end(), y) == gained_changed_.end()) return false;
-    first = y;
-    return true;
-  });
-  return first;
+  return true;
 }
 
 bool OSetDifference::apart(const Simplex& x, std::span<const Index> vertices) const {

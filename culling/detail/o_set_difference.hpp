@@ -85,47 +85,57 @@ class OSetDifference {
   template <class Skip, class Take>
   void from_vertex(Index k, Index v, const Skip& skip, Take&& take) {
     if (!find_gained(k, {&v, 1}, features_.vertex_elements(v))) return;
-    const auto consider = [&](Index f, auto&& first) {
-      if (!skip.triangle(f) && first(features_.triangle_elements(f), features_.triangle(f))) take(v, f);
-    };
-    emit([&](Index o) { return features_.element_triangles(o); }, [&](Index y, auto&& b) { for_triangles(y, b); }, consider);
+    each_partner([&](Index o) { return features_.element_triangles(o); },
+                 [&](Index y, auto&& visit) { for_triangles(y, visit); },
+                 [&](Index f) { return features_.triangle_elements(f); },
+                 [&](Index f) {
+                   if (!skip.triangle(f)) take(v, f);
+                 });
   }
   template <class Skip, class Take>
   void from_triangle(Index k, Index f, const Mesh& mesh, const Skip& skip, Take&& take) {
     const std::array<Index, 3> t = features_.triangle(f);
     if (!find_gained(k, t, features_.triangle_elements(f))) return;
-    const auto consider = [&](Index v, auto&& first) {
-      if (!skip.vertex(v) && first(features_.vertex_elements(v), std::span<const Index>(&v, 1)) && !found_from({&v, 1}, features_.vertex_elements(v)))
-        take(v, f);
-    };
-    emit([&](Index o) { return mesh.vertices(o); }, [&](Index y, auto&& b) { for_vertices(y, b); }, consider);
+    each_partner([&](Index o) { return mesh.vertices(o); }, [&](Index y, auto&& visit) { for_vertices(y, visit); },
+                 [&](Index v) { return features_.vertex_elements(v); },
+                 [&](Index v) {
+                   if (!skip.vertex(v) && !found_from({&v, 1}, features_.vertex_elements(v))) take(v, f);
+                 });
   }
   template <class Skip, class Take>
   void from_edge(Index k, Index e, const Skip& skip, Take&& take) {
     const std::array<Index, 2> ends = features_.edge(e);
     if (!find_gained(k, ends, features_.edge_elements(e))) return;
-    const auto consider = [&](Index e2, auto&& first) {
-      if (!skip.edge(e2) && first(features_.edge_elements(e2), features_.edge(e2)) &&
-          !(e2 < e && found_from(features_.edge(e2), features_.edge_elements(e2))))
-        take(e, e2);
-    };
-    emit([&](Index o) { return features_.element_edges(o); }, [&](Index y, auto&& b) { for_edges(y, b); }, consider);
+    each_partner([&](Index o) { return features_.element_edges(o); },
+                 [&](Index y, auto&& visit) { for_edges(y, visit); },
+                 [&](Index e2) { return features_.edge_elements(e2); },
+                 [&](Index e2) {
+                   if (skip.edge(e2)) return;
+                   if (e2 < e && found_from(features_.edge(e2), features_.edge_elements(e2))) return;
+                   take(e, e2);
+                 });
   }
 
-  /// consider(b, first) for the features b of the gained elements; first(inc(b), vertices of b): whether all elements of B incident
-  /// to b touch all of those of a, and b has not been considered before.
-  template <class OfElement, class OfChanged, class Consider>
-  void emit(OfElement&& of_element, OfChanged&& of_changed, Consider&& consider) {
+  /// take(b) for the features b of the gained elements of which all elements of B touch all of those of a, once.
+  /// Everything is all over memory: candidates are collected first, so that some are on the way while others are collected.
+  template <class OfElement, class OfChanged, class Incident, class Take>
+  void each_partner(OfElement&& of_element, OfChanged&& of_changed, Incident&& incident, Take&& take) {
+    candidates_.clear();
+    const auto collect = [&](Index b) {
+      if (touch_.first_visit(b)) candidates_.push_back({b, incident(b)});
+    };
     for (Index o : gained_)
-      for (Index b : of_element(o))
-        consider(b, [&](std::span<const Index> inc, std::span<const Index>) { return covered(inc, o); });
-    for (Index y : gained_changed_)
-      of_changed(y, [&](Index b) {
-        consider(b, [&](std::span<const Index> inc, std::span<const Index> vertices) {
-          return covered(inc, kNone) && first_gained_changed(vertices) == y;
-        });
-      });
+      for (Index b : of_element(o)) collect(b);
+    for (Index y : gained_changed_) of_changed(y, collect);
+    for (const Candidate& c : candidates_)
+      if (!c.inc.empty()) prefetch(c.inc[0]);
+    for (const Candidate& c : candidates_)
+      if (covered(c.inc)) take(c.b);
     touch_.clear();
+  }
+  void prefetch(Index o) const {
+    __builtin_prefetch(vertices_[o].data());
+    touch_.prefetch(o);
   }
 
   /// False if nothing is gained, or if it is for an earlier element of C to ask: then no bits are set. Otherwise base_ =
@@ -134,9 +144,8 @@ class OSetDifference {
   bool find_gained(Index k, std::span<const Index> a, std::span<const Index> inc);
   /// Adds those that have none of the vertices with the bit kOfChanged.
   void gain_apart_from_changed();
-  /// Whether all elements of B in inc touch all of base_, and `first` is the first of them that is gained (kNone: none is).
-  bool covered(std::span<const Index> inc, Index first);
-  Index first_gained_changed(std::span<const Index> vertices) const;
+  /// Whether all elements of B in inc touch all of base_.
+  bool covered(std::span<const Index> inc);
   /// Whether the pair {a,b}, b with these vertices and incident elements, is also found from b.
   bool found_from(std::span<const Index> b, std::span<const Index> inc) const;
   bool apart(const Simplex& x, std::span<const Index> vertices) const;
@@ -165,6 +174,11 @@ class OSetDifference {
   std::vector<Index>* runs_of_vertex_ = nullptr;  ///< by vertex: 1 + start of its run in entries_; 0: none
   std::vector<Index> runs_;                       ///< by vertex of C: {n, elements of C, ascending}
   std::vector<Index> base_, of_a_, gained_, gained_changed_;
+  struct Candidate {
+    Index b;
+    std::span<const Index> inc;
+  };
+  std::vector<Candidate> candidates_;
 };
 
 }  // namespace volccd::detail

@@ -12,16 +12,18 @@
 
 namespace volccd::detail {
 
-/// Up to 64 elements are given a bit each; of(vertices of o) has those set that element o has a vertex in common with. Also a mark
-/// for each element. Costs time for the elements looked at only; memory for all vertices and elements.
+/// Up to 64 elements are given a bit each; of(vertices of o) has those set that element o has a vertex in common with. Also marks
+/// of elements, and visits of features. Costs time for the elements looked at only; memory for all vertices and elements.
 class ElementTouch {
  public:
   static constexpr std::size_t kBits = 64;
   static std::uint64_t all(std::size_t n) { return n == 0 ? 0 : ~std::uint64_t{0} >> (kBits - n); }
 
-  void fit(std::size_t vertices, std::size_t elements) {
+  /// `features`: the largest number of slots of any kind of feature.
+  void fit(std::size_t vertices, std::size_t elements, std::size_t features) {
     bits_.resize(vertices, 0);
     marks_.resize(elements, 0);
+    visits_.resize(features, 0);
   }
 
   void set(std::span<const Index> vertices, std::uint64_t bit) {
@@ -50,28 +52,35 @@ class ElementTouch {
 
   /// Forgets all marks.
   void next_mark() {
-    if (mark_ >= std::numeric_limits<std::uint32_t>::max() - 6) {
+    if (mark_ >= std::numeric_limits<std::uint32_t>::max() - 3) {
       std::fill(marks_.begin(), marks_.end(), 0u);
+      std::fill(visits_.begin(), visits_.end(), 0u);
       mark_ = 0;
     }
-    mark_ += 3;
+    mark_ += 2;
   }
   void accept(Index o) { marks_[o] = mark_; }
   void reject(Index o) { marks_[o] = mark_ + 1; }
-  void note(Index o) { marks_[o] = mark_ + 2; }
-  bool rejected(Index o) const { return marks_[o] == mark_ + 1; }
   bool accepted(Index o) const { return marks_[o] == mark_; }
   bool seen(Index o) const { return marks_[o] >= mark_; }
 
+  /// Of a feature since the marks were forgotten last; features of one kind only.
+  bool first_visit(Index feature) {
+    if (visits_[feature] == mark_) return false;
+    visits_[feature] = mark_;
+    return true;
+  }
+  void prefetch(Index o) const { __builtin_prefetch(marks_.data() + o); }
+
   std::size_t bytes() const {
-    return bits_.capacity() * sizeof(bits_[0]) + marks_.capacity() * sizeof(marks_[0]) +
+    return bits_.capacity() * sizeof(bits_[0]) + (marks_.capacity() + visits_.capacity()) * sizeof(marks_[0]) +
            touched_.capacity() * sizeof(Index);
   }
 
  private:
   std::vector<std::uint64_t> bits_;  ///< by vertex
   std::vector<Index> touched_;       ///< vertices whose bits may not be 0
-  std::vector<std::uint32_t> marks_;
+  std::vector<std::uint32_t> marks_, visits_;
   std::uint32_t mark_ = 0;
 };
 

@@ -20,13 +20,8 @@ inline constexpr ElementTable kTriangleTable{3, 3, 1, 0, {{{0, 1}, {1, 2}, {2, 0
 
 inline constexpr ElementTable kQuadTable{4, 4, 0, 1, {{{0, 1}, {1, 2}, {2, 3}, {3, 0}}}, {}, {{{0, 1, 2, 3}}}};
 
-inline constexpr ElementTable kTetrahedronTable{4,
-                                                6,
-                                                4,
-                                                0,
-                                                {{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}},
-                                                {{{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 2, 1}}},
-                                                {}};
+inline constexpr ElementTable kTetrahedronTable{
+    4, 6, 4, 0, {{{0, 1}, {1, 2}, {2, 0}, {0, 3}, {1, 3}, {2, 3}}}, {{{0, 1, 3}, {1, 2, 3}, {2, 0, 3}, {0, 2, 1}}}, {}};
 
 inline constexpr ElementTable kHexahedronTable{
     8,

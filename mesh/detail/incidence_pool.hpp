@@ -12,16 +12,14 @@ namespace volccd::detail {
 /// Room that arrays get beyond their size when they are built, so that the first changes do not copy all of them.
 constexpr std::size_t with_spare(std::size_t n) { return n + n / 16; }
 
-/// List i is pool[i]. A list that outgrows its capacity moves to the end of the array; when more than half of the array is
-/// not in use, it is compacted, so that memory stays within a constant factor of what the lists hold and a change costs
-/// amortised time proportional to the length of the lists that it touches. Spans are invalidated by every change.
+/// List i is pool[i]. A list that outgrows its capacity moves to the end of the array; when more than half of the array
+/// is not in use, it is compacted, so that memory stays within a constant factor of what the lists hold and a change
+/// costs amortised time proportional to the length of the lists that it touches. Spans are invalidated by every change.
 /// Throws Error when the array would exceed 2^32 entries.
 class IncidencePool {
  public:
   std::size_t size() const { return lists_.size(); }
-  std::span<const Index> operator[](std::size_t i) const {
-    return {data_.data() + lists_[i].begin, lists_[i].size};
-  }
+  std::span<const Index> operator[](std::size_t i) const { return {data_.data() + lists_[i].begin, lists_[i].size}; }
 
   /// Starts over with empty lists of the given capacities; fill with append().
   void layout(std::span<const Index> capacities);

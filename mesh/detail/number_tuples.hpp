@@ -55,7 +55,8 @@ void number_tuples(const Occurrences<N>& all, Index vertices, std::vector<std::a
 
   std::size_t distinct = 0;
   for (std::size_t v = 0, begin = 0; v < vertices; begin = end[v++]) {
-    std::sort(records.begin() + static_cast<std::ptrdiff_t>(begin), records.begin() + static_cast<std::ptrdiff_t>(end[v]));
+    std::sort(records.begin() + static_cast<std::ptrdiff_t>(begin),
+              records.begin() + static_cast<std::ptrdiff_t>(end[v]));
     for (std::size_t i = begin; i < end[v]; ++i) distinct += i == begin || !records[i].same_tuple(records[i - 1]);
   }
   tuples.clear();

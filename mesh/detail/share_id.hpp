@@ -1,4 +1,5 @@
-// Whether two short blocks of ids have one in common: the inner loop of adjacency, inline because it is called per pair.
+// Whether two short blocks of ids have one in common: the inner loop of adjacency, inline because it is called per
+// pair.
 #pragma once
 
 #include <volccd/mesh/types.hpp>

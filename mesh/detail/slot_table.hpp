@@ -10,8 +10,8 @@
 namespace volccd::detail {
 
 /// Linear probing, at most half full. Deletion shifts later entries back, so that there are no tombstones and the table
-/// never degrades. Hashes are 32 bits wide; `hash_of(slot)` gives that of a slot in the table again. The number of places
-/// is arbitrary (the hash is scaled, not masked), so that a table of known size wastes nothing.
+/// never degrades. Hashes are 32 bits wide; `hash_of(slot)` gives that of a slot in the table again. The number of
+/// places is arbitrary (the hash is scaled, not masked), so that a table of known size wastes nothing.
 class SlotTable {
  public:
   std::size_t size() const { return size_; }

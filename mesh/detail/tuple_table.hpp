@@ -8,11 +8,10 @@
 
 namespace volccd::detail {
 
-/// The tuples themselves lie in the caller's array, which is handed to every call: tuples[slot] must hold the tuple of each
-/// slot in the table. Expected O(1) a call.
+/// The tuples themselves lie in the caller's array, which is handed to every call: tuples[slot] must hold the tuple of
+/// each slot in the table. Expected O(1) a call.
 template <std::size_t N>
-  requires(N == 2 || N == 3)
-class TupleTable {
+requires(N == 2 || N == 3) class TupleTable {
  public:
   using Tuple = std::array<Index, N>;
   using Tuples = std::vector<Tuple>;
@@ -39,7 +38,8 @@ class TupleTable {
     const auto hash_of = [&](Index slot) { return hash(tuples[slot]); };
     table_.reserve(tuples.size(), hash_of);
     for (Index slot = 0; slot < tuples.size(); ++slot)
-      table_.find_or_insert(hash_of(slot), slot, [](Index) { return false; }, hash_of);
+      table_.find_or_insert(
+          hash_of(slot), slot, [](Index) { return false; }, hash_of);
   }
 
   std::size_t size() const { return table_.size(); }

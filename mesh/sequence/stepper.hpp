@@ -1,6 +1,7 @@
 // From a sequence file to queries: a topology and a motion for each pair of neighbouring steps.
 #pragma once
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -12,6 +13,16 @@
 
 namespace volccd {
 
+namespace detail {
+class ShellSolids;
+}
+
+/// How triangles and quads are taken.
+enum class ShellModel {
+  surface,  ///< as they are
+  solid     ///< thickened into wedges and hexahedra (mesh/shells.hpp)
+};
+
 /// Motion k goes from the points of step k to those of step k+1 on straight lines, on the topology of step k+1: a query runs
 /// on the new topology. Element ids are GlobalCellIds, objects are PartId, vertices are all points of the file.
 ///
@@ -22,16 +33,22 @@ namespace volccd {
 /// A file holds all its points at all steps, also those that no cell uses. So a vertex that the cells of step k do not use
 /// and those of step k+1 do starts from its stored place at step k, and is not a new vertex in the sense of Section 6.3.
 ///
+/// Solid shells: every point has three vertices, whose ids are 3 id, 3 id + 1, 3 id + 2 (solid_middle, solid_below,
+/// solid_above); element ids stay. The thickness is that of step k at the start and of step k+1 at the end; a shell that step
+/// k does not have is as thick as at step k+1. A file that has shells but no thickness is refused.
+///
 /// Holds two steps of points. One thread at a time.
 class SequenceStepper {
  public:
   struct Config {
     EdgeSet edge_set = EdgeSet::triangulated;
+    ShellModel shells = ShellModel::surface;
   };
 
   /// The reader outlives the stepper.
   explicit SequenceStepper(SequenceReader& reader) : SequenceStepper(reader, Config()) {}
-  SequenceStepper(SequenceReader& reader, Config config) : reader_(reader), config_(config) {}
+  SequenceStepper(SequenceReader& reader, Config config);
+  ~SequenceStepper();
 
   /// Steps less one; 0 for a file of one step.
   int motion_count() const { return reader_.step_count() - 1; }
@@ -46,6 +63,8 @@ class SequenceStepper {
   const Motion& motion() const { return motion_; }
   /// Time of step k+1 less that of step k.
   double step_length() const { return reader_.time(current_ + 1) - reader_.time(current_); }
+  /// Solid shells: vertices whose normal had to be made up, at the start and at the end together (ShellThickener).
+  Index vertices_without_normal() const { return without_normal_; }
 
  private:
   /// Points of one step of the file.
@@ -56,16 +75,21 @@ class SequenceStepper {
 
   void read_points(int motion);
   void read_points(int step, Points& points);
+  void read_cells(int step);
   void set_topology(int step);
+  void set_motion(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1);
 
   SequenceReader& reader_;
   Config config_;
   int current_ = -1;
-  int topology_step_ = -1;
+  int cells_step_ = -1, topology_step_ = -1;
   std::optional<Topology> topology_;
   Motion motion_;
+  Index without_normal_ = 0;
   Points x0_, x1_;
   SequenceCells cells_;
+  std::unique_ptr<detail::ShellSolids> solids_;  ///< null for surfaces
+  std::vector<Vec3> solid0_, solid1_;
 };
 
 }  // namespace volccd

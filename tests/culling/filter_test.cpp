@@ -150,6 +150,40 @@ TEST(FilterConservative, WithinTheSeparationIsKept) {
   });
 }
 
+// The plane x + y + z = const through the contact keeps the features apart but for the contact itself, and all four points
+// round differently.
+TEST(FilterConservative, GrazingAlongDiagonalsIsKept) {
+  const auto filters = all_filters();
+  Random random(9);
+  const auto big = [&] { return static_cast<double>(random.integer(std::int64_t{1} << 51, (std::int64_t{1} << 53) - (1 << 22))); };
+  for (int round = 0; round < 2000; ++round) {
+    const auto kind = round % 2 ? FeatureKind::vf : FeatureKind::ee;
+    TestBench bench(2);
+    for (std::size_t i = 0; i < FeatureBlock::kCapacity; ++i) {
+      const Vec3 contact(big(), big(), big()), up = Vec3::Constant(static_cast<double>(random.integer(1, 1 << 20)));
+      const auto x = static_cast<double>(random.integer(-1000, 1000)), y = static_cast<double>(random.integer(-1000, 1000));
+      const Vec3 along(x, y, -x - y), across(y, -x - y, x);
+      const std::array<Vec3, 4> points =
+          kind == FeatureKind::vf ? std::array<Vec3, 4>{contact, contact + along, contact - along, contact + up}
+                                  : std::array<Vec3, 4>{contact + along, contact - along, contact + across, contact - across};
+      TouchingTest test;
+      const int flip = static_cast<int>(random.integer(0, 7));
+      for (std::size_t v = 0; v < 4; ++v) {
+        Vec3 p = points[v];
+        for (int k = 0; k < 3; ++k)
+          if (flip >> k & 1) p[k] = -p[k];
+        test.points[v] = {p, p, p};
+      }
+      bench.set(i, test);
+    }
+    for (const auto& [name, filter] : filters)
+      for (const double t_max : {1.0, 0.3}) {
+        const auto keep = run(*filter, bench.step(0, t_max), bench.block(kind));
+        for (const auto k : keep) ASSERT_TRUE(k) << name << " t_max " << t_max;
+      }
+  }
+}
+
 /// Random tests of the size 1 whose features are `distance` apart along x, and move by up to `motion`.
 void fill_apart(TestBench& bench, Random& random, FeatureKind kind, int control_points, double distance, double motion) {
   for (std::size_t i = 0; i < FeatureBlock::kCapacity; ++i) {

@@ -30,8 +30,7 @@ inline std::vector<std::vector<Index>> faces_of(const Mesh& mesh, Index o) {
       {ElementType::tetrahedron, {{0, 1, 2}, {0, 1, 3}, {0, 2, 3}, {1, 2, 3}}},
       {ElementType::pyramid, {{0, 1, 2, 3}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}},
       {ElementType::wedge, {{0, 1, 2}, {3, 4, 5}, {0, 1, 4, 3}, {1, 2, 5, 4}, {2, 0, 3, 5}}},
-      {ElementType::hexahedron,
-       {{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}}};
+      {ElementType::hexahedron, {{0, 1, 2, 3}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}}};
   std::vector<std::vector<Index>> faces;
   if (mesh.type(o) == ElementType::polytope) {
     const auto stream = mesh.polytope_faces(o);
@@ -64,8 +63,7 @@ inline NaiveFeatures naive_features(const Mesh& mesh, EdgeSet edge_set) {
         const std::size_t j = (i + 1) % n;
         if (edge_set == EdgeSet::triangulated && i != smallest)
           all.edges[sorted(Edge{face[smallest], face[i]})].insert(o);
-        if (i != smallest && j != smallest)
-          all.triangles[sorted(Triangle{face[smallest], face[i], face[j]})].insert(o);
+        if (i != smallest && j != smallest) all.triangles[sorted(Triangle{face[smallest], face[i], face[j]})].insert(o);
       }
     }
   }
@@ -105,7 +103,8 @@ inline std::string inconsistency(const Mesh& mesh, const Features& features) {
     if (!ascends(features.edge_elements(e))) return "elements of an edge do not ascend";
     for (Index o : features.edge_elements(e)) edges_of[o].insert(e);
     const auto [a, b] = features.edge(e);
-    if (!features.edge_elements(e).empty() && (features.find_edge(a, b) != e || features.find_edge(b, a) != e || a >= b))
+    if (!features.edge_elements(e).empty() &&
+        (features.find_edge(a, b) != e || features.find_edge(b, a) != e || a >= b))
       return "find_edge";
   }
   for (Index f = 0; f < features.triangle_slots(); ++f) {

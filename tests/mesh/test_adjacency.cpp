@@ -118,7 +118,8 @@ TEST(Adjacency, FollowsEditsThroughAllSizes) {
         ElementSpec element;
         element.type = std::array{ElementType::tetrahedron, ElementType::triangle, ElementType::wedge,
                                   ElementType::polytope}[kind];
-        const std::size_t n = kind == 3 ? 6 + 2 * random.below(10) : static_cast<std::size_t>(vertex_count(element.type));
+        const std::size_t n =
+            kind == 3 ? 6 + 2 * random.below(10) : static_cast<std::size_t>(vertex_count(element.type));
         element.vertices.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(n));
         if (kind == 3) element = prism(element.vertices, 0);
         element.id = id++;

@@ -9,8 +9,8 @@ namespace volccd {
 namespace {
 
 constexpr EdgeSet kEdgeSets[] = {EdgeSet::triangulated, EdgeSet::polytope};
-constexpr ElementType kTypes[] = {ElementType::triangle, ElementType::quad,       ElementType::tetrahedron,
-                                  ElementType::pyramid,  ElementType::wedge,      ElementType::hexahedron,
+constexpr ElementType kTypes[] = {ElementType::triangle, ElementType::quad,  ElementType::tetrahedron,
+                                  ElementType::pyramid,  ElementType::wedge, ElementType::hexahedron,
                                   ElementType::polytope};
 
 Features built(const Mesh& mesh, EdgeSet edge_set) {
@@ -76,12 +76,13 @@ TEST(Features, EqualEnumerationOnEveryTypeAndMix) {
 }
 
 TEST(Features, NeighboursOfDifferentTypeShareTheirTriangles) {
-  // Cells of a conforming block: every triangle inside is in two volumes, of whatever type, also where they split a quad.
-  // The column of tetrahedra has its own diagonals, hence the four types before it only.
+  // Cells of a conforming block: every triangle inside is in two volumes, of whatever type, also where they split a
+  // quad. The column of tetrahedra has its own diagonals, hence the four types before it only.
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     Shape shape = block(ElementType::hexahedron, 2, 2, 2);
     ElementSpec& cell = shape.elements[3];  // one of the eight as a polytope
-    for (const auto& f : {std::array{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}) {
+    for (const auto& f :
+         {std::array{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}) {
       cell.faces.push_back(4);
       for (int i : f) cell.faces.push_back(cell.vertices[static_cast<std::size_t>(i)]);
     }
@@ -104,7 +105,10 @@ TEST(Features, VisitsEdgesOfADegeneratePolytopeOnce) {
     std::multiset<test::Edge> edges;
     std::multiset<test::Triangle> triangles;
     visit_boundary(
-        *mesh, 0, EdgeSet::triangulated, [&](Index a, Index b) { edges.insert({std::min(a, b), std::max(a, b)}); },
+        *mesh, 0, EdgeSet::triangulated,
+        [&](Index a, Index b) {
+          edges.insert({std::min(a, b), std::max(a, b)});
+        },
         [&](Index a, Index b, Index c) {
           test::Triangle t{a, b, c};
           std::sort(t.begin(), t.end());

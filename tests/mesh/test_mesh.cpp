@@ -92,11 +92,11 @@ TEST(Mesh, RefusesBadElements) {
       spec(ElementType::tetrahedron, {0, 1, 2, kNone}),
       spec(ElementType::tetrahedron, {0, 1, 2, 0}),
       spec(ElementType::tetrahedron, {0, 1, 2, 3}, 0, kTetraFaces),
-      spec(ElementType::polytope, {0, 1, 2}, 0, {3, 0, 1, 2, 3, 0, 1, 2}),             // too few vertices
-      spec(ElementType::polytope, {0, 1, 2, 3}),                                       // no faces
-      spec(ElementType::polytope, {0, 1, 2, 3, 4}, 0, kTetraFaces),                    // a vertex that no face uses
-      spec(ElementType::polytope, {0, 1, 2, 4}, 0, kTetraFaces),                       // a face uses another vertex
-      spec(ElementType::polytope, {0, 1, 2, 3}, 0, {3, 0, 1, 2, 3, 0, 1, 3, 3, 1, 2, 3}),        // open
+      spec(ElementType::polytope, {0, 1, 2}, 0, {3, 0, 1, 2, 3, 0, 1, 2}),                 // too few vertices
+      spec(ElementType::polytope, {0, 1, 2, 3}),                                           // no faces
+      spec(ElementType::polytope, {0, 1, 2, 3, 4}, 0, kTetraFaces),                        // a vertex that no face uses
+      spec(ElementType::polytope, {0, 1, 2, 4}, 0, kTetraFaces),                           // a face uses another vertex
+      spec(ElementType::polytope, {0, 1, 2, 3}, 0, {3, 0, 1, 2, 3, 0, 1, 3, 3, 1, 2, 3}),  // open
       spec(ElementType::polytope, {0, 1, 2, 3}, 0, {4, 0, 1, 2, 3, 4, 0, 1, 2, 3, 3, 0, 1, 2}),  // three at an edge
       spec(ElementType::polytope, {0, 1, 2, 3}, 0, {2, 0, 1, 3, 0, 1, 3, 3, 1, 2, 3, 3, 2, 0, 3}),
       spec(ElementType::polytope, {0, 1, 2, 3}, 0, {4, 0, 1, 2, 1, 3, 0, 1, 3, 3, 1, 2, 3, 3, 2, 0, 3}),

@@ -58,7 +58,8 @@ TEST(SlotTable, EqualsAMap) {
     compare_with_map([](std::uint64_t key) { return static_cast<std::uint32_t>(mix(key)); }, 700, seed);
     compare_with_map([](std::uint64_t key) { return static_cast<std::uint32_t>(key % 3) * 0x55555555u; }, 60, seed);
     compare_with_map([](std::uint64_t) { return ~0u; }, 60, seed);  // home is the last place: every probe wraps
-    compare_with_map([](std::uint64_t key) { return ~0u - static_cast<std::uint32_t>(key % 5) * 0x02000000u; }, 90, seed);
+    compare_with_map([](std::uint64_t key) { return ~0u - static_cast<std::uint32_t>(key % 5) * 0x02000000u; }, 90,
+                     seed);
   }
 }
 

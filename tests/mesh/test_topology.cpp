@@ -51,9 +51,9 @@ void make_polytope(ElementSpec& element) {
 
 /// Any type on any distinct vertices: geometry is of no account here.
 ElementSpec random_element(Index vertices, std::int64_t id) {
-  const auto type = *rc::gen::element(ElementType::triangle, ElementType::quad, ElementType::tetrahedron,
-                                      ElementType::pyramid, ElementType::wedge, ElementType::hexahedron,
-                                      ElementType::polytope);
+  const auto type =
+      *rc::gen::element(ElementType::triangle, ElementType::quad, ElementType::tetrahedron, ElementType::pyramid,
+                        ElementType::wedge, ElementType::hexahedron, ElementType::polytope);
   const auto n = type == ElementType::polytope ? *rc::gen::element<std::size_t>(5, 6, 7, 8, 9, 12)
                                                : static_cast<std::size_t>(vertex_count(type));
   ElementSpec element;
@@ -314,7 +314,8 @@ std::vector<BadEdit> bad_edits(const Mesh& mesh, Index empty_slot) {
           {"added", 0, {{0}, {}, {tetrahedron({0, 1, 2}, 101)}}},
           {"added", 2, {{0}, {}, {good, tetrahedron({0, 1, 2, 3}, 101), tetrahedron({0, 1, 2, 3}, 100)}}},
           {"added", 0, {{0}, {}, {tetrahedron({0, 1, 2, 3}, mesh.element_id(1))}}},
-          {"added", 1,
+          {"added",
+           1,
            {{0}, {}, {tetrahedron({0, 1, 2, 3}, mesh.element_id(0)), tetrahedron({0, 1, 2, 3}, mesh.element_id(0))}}}};
 }
 

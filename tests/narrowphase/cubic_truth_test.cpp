@@ -1,5 +1,5 @@
 // `cubic` against published ground truth. The numbers of extra contacts are pinned: each was looked at, and is a pair
-// that misses by about 1e-16 of its size, or less than 1e-13.
+// that misses by about 1e-16 of its size.
 #include <map>
 
 #include <gtest/gtest.h>

@@ -7,6 +7,8 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/detail/convex_pieces.hpp>
+#include <volccd/oracle/detail/separation.hpp>
 
 #include "oracle/naive_contacts.hpp"
 
@@ -97,6 +99,41 @@ TEST(OverlappingElements, BodyIsNotItsConvexHull) {
   EXPECT_EQ(overlapping_elements(lower.step(), 0, lower.executor).size(), 1u);
 }
 
+TEST(OverlappingElements, DistortedBodyIsNotTheTetrahedraAroundItsCentroid) {
+  // Places that tetrahedra of both orientations cover, and that the surface does not wind around.
+  int found = 0;
+  Shape small = block(ElementType::tetrahedron, 1, 1, 1);
+  small.elements.resize(1);
+  for (std::uint64_t seed = 0; seed < 200; ++seed) {
+    Shape cell = block(ElementType::hexahedron, 1, 1, 1);
+    cell.positions = jittered(cell.positions, 0.8, seed);
+    std::vector<detail::ConvexPiece> pieces;
+    detail::append_pieces(cell.mesh(), cell.positions, 0, detail::Cover::around, pieces);
+    Vec3 place = Vec3::Zero();
+    for (const Vec3& p : pieces[seed % pieces.size()].points) place += p / 4;
+    int winding = 0, cover = 0;
+    double clear = INFINITY;
+    for (const detail::ConvexPiece& piece : pieces) {
+      Eigen::Matrix3d m;
+      for (int i = 0; i < 3; ++i) m.col(i) = piece.points[static_cast<std::size_t>(i)] - piece.points[3];
+      const Vec3 w = m.inverse() * (place - piece.points[3]);
+      if (w.minCoeff() > 0 && w.sum() < 1) {
+        ++cover;
+        winding += m.determinant() > 0 ? 1 : -1;
+      }
+      const detail::ConvexPiece surface{piece.points, 3}, point{{place, place, place, place}, 4};
+      clear = std::min(clear, detail::signed_gap(surface, point));
+    }
+    if (winding != 0 || cover == 0 || clear < 0.02) continue;
+    ++found;
+    Shape tiny = small;
+    for (Vec3& p : tiny.positions) p = place + 0.005 * p;
+    Scene scene(cell, tiny, Vec3::Zero(), 0, 1);
+    EXPECT_TRUE(overlapping_elements(scene.step(), 0, scene.executor).empty()) << "seed " << seed;
+  }
+  EXPECT_GT(found, 2);
+}
+
 TEST(OverlappingElements, SameForAnyNumberOfThreads) {
   Scene scene(mixed_block(2, 2), moved(mixed_block(2, 2), Vec3(0.3, 0.2, 2.2)), Vec3(0, 0, -1), 0.1, 3);
   const auto threads = make_thread_executor(4);
@@ -165,6 +202,35 @@ TEST(CheckAgainstFcl, RemovedContactIsAViolation) {
     }
   }
   EXPECT_GT(removals, 50);
+}
+
+TEST(CheckAgainstFcl, ContactCountsWhicheverElementItsFirstFeatureIsOf) {
+  // Element 0 has the vertices 8 .. 15, element 1 the vertices 0 .. 7: cells in VTK order with slots in lattice order.
+  Shape shape =
+      Shape().append(block(ElementType::hexahedron, 1, 1, 1), 1).append(block(ElementType::hexahedron, 1, 1, 1), 2);
+  std::swap(shape.elements[0], shape.elements[1]);
+  const Topology topology(shape.mesh());
+  std::vector<Vec3> x0 = shape.positions, x1 = shape.positions;
+  for (std::size_t v = 8; v < 16; ++v) {
+    x0[v] += Vec3(1.5, 0.3, 0.2);
+    x1[v] += Vec3(0.5, 0.3, 0.2);
+  }
+  const Motion motion = Motion::linear(x0, x1);
+  const ObjectFilter filter;
+  SerialExecutor executor;
+  const auto confirms = [&](FeatureKind kind, const std::array<Index, 4>& vertices) {
+    const std::vector<Contact> contacts = {{kind, vertices, 0.5, Vec3::Zero(), {}, Vec3::Zero()}};
+    return check_against_fcl({topology, motion, filter}, contacts, std::vector{1.0}, executor).confirmed == 1;
+  };
+  EXPECT_TRUE(confirms(FeatureKind::ee, {0, 1, 8, 9}));
+  EXPECT_TRUE(confirms(FeatureKind::ee, {0, 3, 8, 11})) << "diagonals of the bottom";
+  EXPECT_TRUE(confirms(FeatureKind::vf, {0, 8, 9, 11}));
+  EXPECT_TRUE(confirms(FeatureKind::vf, {8, 0, 1, 3}));
+  EXPECT_FALSE(confirms(FeatureKind::ee, {1, 2, 8, 9})) << "not the diagonal of this face";
+  EXPECT_FALSE(confirms(FeatureKind::ee, {0, 7, 8, 9})) << "no edge: a space diagonal";
+  EXPECT_FALSE(confirms(FeatureKind::vf, {0, 8, 9, 10})) << "the other split of the face";
+  EXPECT_FALSE(confirms(FeatureKind::vf, {0, 1, 3, 5})) << "within one element";
+  EXPECT_FALSE(confirms(FeatureKind::ee, {0, 1, 2, 3})) << "within one element";
 }
 
 TEST(CheckAgainstFcl, LateContactsAreViolations) {

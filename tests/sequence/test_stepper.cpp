@@ -8,6 +8,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/mesh/shells.hpp>
 
 #include "raw_hdf5.hpp"
 #include "sequences.hpp"
@@ -165,6 +166,79 @@ TEST(SequenceStepper, BadStepLeavesTheLastMotion) {
   expect_fresh(reader, stepper, 0, EdgeSet::triangulated);
   stepper.go_to(0);
   expect_fresh(reader, stepper, 0, EdgeSet::triangulated);
+}
+
+/// Thickness by cell id, the second step's where the first has none.
+std::vector<double> thickness_at(SequenceReader& reader, int step, int cells_of_step) {
+  std::map<std::int64_t, double> by_id;
+  for (const int k : {cells_of_step, step}) {
+    SequenceCells cells;
+    std::vector<double> values;
+    reader.read_cells(k, cells);
+    reader.read_thickness(k, values);
+    for (std::size_t i = 0; i < values.size(); ++i) by_id[cells.ids[i]] = values[i];
+  }
+  SequenceCells cells;
+  reader.read_cells(cells_of_step, cells);
+  std::vector<double> result;
+  for (const std::int64_t id : cells.ids) result.push_back(by_id.at(id));
+  return result;
+}
+
+void expect_fresh_solids(SequenceReader& reader, const SequenceStepper& stepper, int motion) {
+  SCOPED_TRACE(motion);
+  SequenceCells cells;
+  reader.read_cells(motion + 1, cells);
+  const Mesh shells = mesh_of(reader.point_ids(), cells);
+  const ShellThickener thickener(shells);
+  EXPECT_EQ(describe(stepper.topology()), describe(Topology(thickener.solid_mesh(shells))));
+  std::vector<Vec3> x, solid;
+  Index without_normal = 0;
+  for (const int end : {0, 1}) {
+    reader.read_points(motion + end, x);
+    without_normal += thickener.positions(x, thickness_at(reader, motion + end, motion + 1), solid);
+    ASSERT_EQ(stepper.motion().vertex_count(), solid.size());
+    for (Index v = 0; v < solid.size(); ++v) EXPECT_EQ(stepper.motion().point(v, end), solid[v]);
+  }
+  EXPECT_EQ(stepper.vertices_without_normal(), without_normal);
+}
+
+TEST(SequenceStepper, SolidShellsEqualFreshOnes) {
+  const ScratchFolder folder;
+  int files = 0;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE(seed);
+    random_sequence(seed, 5).write(folder / "s.vtkhdf");
+    SequenceReader reader(folder / "s.vtkhdf");
+    if (!reader.has_thickness()) continue;
+    ++files;
+    SequenceStepper stepper(reader, {EdgeSet::triangulated, ShellModel::solid});
+    for (const int k : {0, 1, 2, 3, 1, 1, 0, 3}) {
+      stepper.go_to(k);
+      expect_fresh_solids(reader, stepper, k);
+    }
+  }
+  EXPECT_GE(files, 3);
+}
+
+TEST(SequenceStepper, SolidShellsNeedAThickness) {
+  const ScratchFolder folder;
+  for (const ElementType type : {ElementType::hexahedron, ElementType::quad}) {
+    const Shape shape = block(type, 2, 2, 1);
+    Sequence s;
+    for (std::size_t i = 0; i < shape.positions.size(); ++i) s.point_ids.push_back(static_cast<std::int64_t>(i));
+    for (int k = 0; k < 2; ++k) {
+      s.steps.push_back({1.0 * k, shape.positions, {}, {}, {}});
+      for (const ElementSpec& spec : shape.elements) s.steps.back().cells.add(spec);
+    }
+    s.write(folder / "s.vtkhdf");
+    SequenceReader reader(folder / "s.vtkhdf");
+    SequenceStepper stepper(reader, {EdgeSet::triangulated, ShellModel::solid});
+    if (is_shell(type))
+      EXPECT_THROW(stepper.go_to(0), InputError);
+    else
+      EXPECT_NO_THROW(stepper.go_to(0));
+  }
 }
 
 TEST(SequenceStepper, OneStepHasNoMotion) {

@@ -1,0 +1,48 @@
+// The cells of a step with its shells thickened, and the points that belong to them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <volccd/mesh/sequence/cells.hpp>
+#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/mesh/shells.hpp>
+
+namespace volccd::detail {
+
+class ShellSolids {
+ public:
+  /// Throws InputError if the point ids cannot be tripled.
+  explicit ShellSolids(SequenceReader& reader);
+
+  /// Ids of the solid mesh's vertices, three for each point.
+  const std::vector<std::int64_t>& vertex_ids() const { return vertex_ids_; }
+
+  /// Takes these cells as those to thicken.
+  void set_cells(const SequenceCells& cells);
+  /// A step of the file that has those cells.
+  void set_step(int step) { step_ = step; }
+  /// The solids, in the order of the cells.
+  const SequenceCells& cells() const { return solids_; }
+
+  /// Positions of the solid mesh at both ends of the motion that ends with the step of set_step. Each end has the
+  /// thickness of its own step; a shell that is not there at the first has that of the second. Returns the number of
+  /// vertices without a normal, of both ends. Throws InputError if there are shells and the file has no thickness.
+  Index positions(std::span<const Vec3> x0, std::span<const Vec3> x1, std::vector<Vec3>& solid0,
+                  std::vector<Vec3>& solid1);
+
+ private:
+  void read_thickness();
+
+  SequenceReader& reader_;
+  std::vector<std::int64_t> vertex_ids_;
+  int step_ = -1;
+  Mesh mesh_;  ///< element i is cell i
+  std::optional<ShellThickener> thickener_;
+  SequenceCells solids_, before_;
+  std::vector<double> thickness0_, thickness1_, thickness_before_;
+};
+
+}  // namespace volccd::detail

@@ -1,0 +1,209 @@
+#include <volccd/mesh/shells.hpp>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+#include <volccd/core/error.hpp>
+
+namespace volccd {
+
+namespace {
+
+/// Below this share of the shells' area a mean normal is rounding noise.
+constexpr double kCancelled = 1e-9;
+
+/// Sets of shells joined by edges, each with its orientation relative to the set's representative.
+class Sheets {
+ public:
+  explicit Sheets(std::size_t n) : parent_(n), flip_(n) {
+    for (Index i = 0; i < n; ++i) parent_[i] = i;
+  }
+
+  struct Place {
+    Index root;
+    bool flip;
+  };
+  Place find(Index i) {
+    Place place{i, false};
+    for (; parent_[place.root] != place.root; place.root = parent_[place.root]) place.flip ^= flip_[place.root] != 0;
+    for (bool flip = place.flip; parent_[i] != place.root && i != place.root;) {  // shortens the path
+      const Index next = parent_[i];
+      const bool to_next = flip_[i] != 0;
+      parent_[i] = place.root;
+      flip_[i] = flip;
+      flip ^= to_next;
+      i = next;
+    }
+    return place;
+  }
+
+  /// Joins the sheets of i and j, which are oriented alike or opposite; what is joined already stays as it is.
+  void join(Index i, Index j, bool opposite) {
+    const Place a = find(i), b = find(j);
+    if (a.root == b.root) return;
+    parent_[b.root] = a.root;
+    flip_[b.root] = a.flip ^ b.flip ^ opposite;
+  }
+
+ private:
+  std::vector<Index> parent_;
+  std::vector<char> flip_;
+};
+
+/// Normal times area.
+Vec3 area_vector(std::span<const Vec3> x, const std::array<Index, 4>& v) {
+  return (x[v[2]] - x[v[0]]).cross(x[v[3]] - x[v[1]]) / 2;
+}
+
+std::vector<Index> middles(std::span<const Index> vertices) {
+  std::vector<Index> result;
+  for (Index v : vertices) result.push_back(solid_middle(v));
+  return result;
+}
+
+}  // namespace
+
+std::vector<std::int64_t> solid_vertex_ids(std::span<const std::int64_t> ids) {
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max() / 3 - 1;
+  std::vector<std::int64_t> result;
+  result.reserve(3 * ids.size());
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    if (ids[i] > kMost || ids[i] < -kMost)
+      throw InputError("shells", "vertex ids", static_cast<std::int64_t>(i),
+                       fmt::format("id {} is too large to be tripled", ids[i]));
+    for (std::int64_t k = 0; k < 3; ++k) result.push_back(3 * ids[i] + k);
+  }
+  return result;
+}
+
+ShellThickener::ShellThickener(const Mesh& mesh) : vertices_(mesh.vertex_count()), slots_(mesh.element_slots()) {
+  if (vertices_ >= kNone / 3) throw InputError("shells", "vertex ids", "more than 2^32 - 2 vertices, once tripled");
+  for (Index o = 0; o < slots_; ++o) {
+    if (!is_shell(mesh.type(o))) continue;
+    const std::span<const Index> v = mesh.vertices(o);
+    shells_.push_back({o, {v[0], v[1], v[2], v.back()}, false});
+  }
+  std::sort(shells_.begin(), shells_.end(),
+            [&](const Shell& a, const Shell& b) { return mesh.element_id(a.slot) < mesh.element_id(b.slot); });
+  orient();
+  for (Index s = 0; s < shells_.size(); ++s) {
+    for (Index v : mesh.vertices(shells_[s].slot)) corners_.push_back({v, s});
+    if (shells_[s].flipped) flipped_.push_back(shells_[s].slot);
+  }
+  std::stable_sort(corners_.begin(), corners_.end(),
+                   [](const Corner& a, const Corner& b) { return a.vertex < b.vertex; });
+  std::sort(flipped_.begin(), flipped_.end());
+}
+
+void ShellThickener::orient() {
+  struct Side {
+    std::array<Index, 2> edge;
+    Index shell;
+    bool upward;  // runs from the smaller slot to the larger
+  };
+  std::vector<Side> sides;
+  for (Index s = 0; s < shells_.size(); ++s) {
+    const auto& v = shells_[s].vertices;
+    const std::size_t n = v[2] == v[3] ? 3 : 4;
+    for (std::size_t i = 0; i < n; ++i) {
+      const Index a = v[i], b = v[(i + 1) % n];
+      sides.push_back({{std::min(a, b), std::max(a, b)}, s, a < b});
+    }
+  }
+  std::stable_sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) { return a.edge < b.edge; });
+  Sheets sheets(shells_.size());
+  for (std::size_t i = 0, first = 0; i < sides.size(); ++i) {
+    if (sides[i].edge != sides[first].edge) first = i;
+    // Neighbours of one orientation run along their common edge in opposite directions.
+    if (i != first) sheets.join(sides[first].shell, sides[i].shell, sides[first].upward == sides[i].upward);
+  }
+  std::vector<char> reference(shells_.size(), -1);  // flip of a sheet's shell of smallest id
+  for (Index s = 0; s < shells_.size(); ++s) {
+    const Sheets::Place place = sheets.find(s);
+    if (reference[place.root] < 0) reference[place.root] = place.flip;
+    shells_[s].flipped = place.flip != (reference[place.root] != 0);
+  }
+}
+
+ElementSpec ShellThickener::solid_element(const Mesh& mesh, Index o) const {
+  assert(mesh.element_slots() == slots_ && mesh.alive(o));
+  const std::span<const Index> vertices = mesh.vertices(o);
+  ElementSpec solid;
+  solid.type = mesh.type(o);
+  solid.object = mesh.object(o);
+  solid.id = mesh.element_id(o);
+  if (!is_shell(solid.type)) {
+    solid.vertices = middles(vertices);
+    const std::span<const Index> faces = mesh.polytope_faces(o);
+    solid.faces.assign(faces.begin(), faces.end());
+    for (std::size_t i = 0; i < faces.size(); i += faces[i] + 1u)
+      for (std::size_t j = i + 1; j <= i + faces[i]; ++j) solid.faces[j] = solid_middle(faces[j]);
+    return solid;
+  }
+  // VTK's wedge begins with the triangle whose normal points out of it, its hexahedron with the quad whose normal
+  // points into it.
+  const bool triangle = solid.type == ElementType::triangle;
+  const bool above_first = triangle != std::binary_search(flipped_.begin(), flipped_.end(), o);
+  solid.type = triangle ? ElementType::wedge : ElementType::hexahedron;
+  for (Index v : vertices) solid.vertices.push_back(above_first ? solid_above(v) : solid_below(v));
+  for (Index v : vertices) solid.vertices.push_back(above_first ? solid_below(v) : solid_above(v));
+  return solid;
+}
+
+Mesh ShellThickener::solid_mesh(const Mesh& mesh) const {
+  Mesh solid;
+  solid.add_vertices(solid_vertex_ids(mesh.vertex_ids()));
+  for (Index o = 0; o < slots_; ++o)
+    if (mesh.alive(o)) solid.add_element(solid_element(mesh, o));
+  return solid;
+}
+
+Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double> thickness,
+                                std::vector<Vec3>& out) const {
+  if (x.size() != vertices_)
+    throw InputError("shells", "positions", fmt::format("{} for {} vertices", x.size(), vertices_));
+  if (thickness.size() != slots_)
+    throw InputError("shells", "thickness", fmt::format("{} for {} elements", thickness.size(), slots_));
+  for (const Shell& shell : shells_)
+    if (!std::isfinite(thickness[shell.slot]) || thickness[shell.slot] < 0)
+      throw InputError("shells", "thickness", shell.slot, "not a finite number >= 0");
+
+  out.resize(3 * x.size());
+  for (std::size_t v = 0; v < x.size(); ++v) out[3 * v] = out[3 * v + 1] = out[3 * v + 2] = x[v];
+  Index without_normal = 0;
+  for (std::size_t i = 0, end; i < corners_.size(); i = end) {
+    Vec3 sum = Vec3::Zero(), fallback = Vec3::Zero();
+    double area = 0, weighted = 0, plain = 0;
+    for (end = i; end < corners_.size() && corners_[end].vertex == corners_[i].vertex; ++end) {
+      const Shell& shell = shells_[corners_[end].shell];
+      const Vec3 normal = (shell.flipped ? -1 : 1) * area_vector(x, shell.vertices);
+      const double size = normal.norm();
+      sum += normal;
+      area += size;
+      weighted += size * thickness[shell.slot];
+      plain += thickness[shell.slot];
+      if (fallback.isZero(0) && size > 0 && std::isfinite(size)) fallback = normal / size;
+    }
+    double length = sum.norm();
+    // Negated, so that a NaN of overflowing areas counts as no normal.
+    if (!(length > kCancelled * area) || !std::isfinite(length)) {
+      ++without_normal;
+      sum = fallback.isZero(0) ? Vec3::UnitZ() : fallback;
+      length = 1;
+    }
+    const bool has_area = area > 0 && std::isfinite(weighted);
+    const double h = has_area ? weighted / area : plain / static_cast<double>(end - i);
+    const Vec3 offset = sum / length * (h / 2);
+    const std::size_t v = corners_[i].vertex;
+    out[3 * v + 1] = x[v] - offset;
+    out[3 * v + 2] = x[v] + offset;
+  }
+  return without_normal;
+}
+
+}  // namespace volccd

@@ -1,0 +1,90 @@
+// Microseconds an element pair of CSAT, by axis and mode, on a block of tetrahedra or hexahedra that twists.
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include <benchmark/benchmark.h>
+
+#include <Eigen/Geometry>
+
+#include <volccd/culling/csat.hpp>
+#include <volccd/mesh/adjacency.hpp>
+#include <volccd/mesh/shapes.hpp>
+
+namespace volccd {
+namespace {
+
+/// Non-adjacent pairs whose swept boxes overlap.
+struct Scene {
+  explicit Scene(ElementType type) : Scene(jittered_block(type)) {}
+  explicit Scene(const Shape& shape) : topology(shape.mesh()), motion(twisted(shape.positions)) {
+    const Mesh& mesh = topology.mesh();
+    AdjacencyTest adjacency;
+    adjacency.build(mesh);
+    std::vector<Eigen::AlignedBox<double, 3>> boxes(mesh.element_slots());
+    for (Index o = 0; o < mesh.element_slots(); ++o)
+      for (const Index v : mesh.vertices(o)) boxes[o].extend(motion.point(v, 0)).extend(motion.point(v, 1));
+    for (Index a = 0; a < mesh.element_slots(); ++a)
+      for (Index b = a + 1; b < mesh.element_slots(); ++b)
+        if (boxes[a].intersects(boxes[b]) && !adjacency.adjacent(a, b)) pairs.push_back({a, b});
+  }
+
+  static Shape jittered_block(ElementType type) {
+    Shape shape = block(type, 6, 6, 12);
+    shape.positions = jittered(shape.positions, 0.2, 1);
+    return shape;
+  }
+  static Motion twisted(const std::vector<Vec3>& x0) {
+    std::vector<Vec3> x1 = x0;
+    for (Vec3& p : x1) {
+      const double angle = 0.1 * (p[2] - 6), c = std::cos(angle), s = std::sin(angle);
+      p = Vec3(3 + c * (p[0] - 3) - s * (p[1] - 3), 3 + s * (p[0] - 3) + c * (p[1] - 3), 0.95 * p[2]);
+    }
+    return Motion::linear(x0, x1);
+  }
+
+  Topology topology;
+  Motion motion;
+  ObjectFilter filter;
+  std::vector<ElementPair> pairs;
+};
+
+const Scene& scene(ElementType type) {
+  static const Scene tetrahedra(ElementType::tetrahedron), hexahedra(ElementType::hexahedron);
+  return type == ElementType::tetrahedron ? tetrahedra : hexahedra;
+}
+
+void run(benchmark::State& state, const OptionValues& options, ElementType type) {
+  const auto stage = describe_csat().make(options);
+  const Scene& s = scene(type);
+  PairBatch batch;
+  std::size_t kept = 0, rounds = 0;
+  for (auto _ : state) {
+    for (std::size_t i = 0; i < s.pairs.size(); i += 1024) {
+      const auto begin = s.pairs.begin() + static_cast<std::ptrdiff_t>(i);
+      batch.pairs.assign(begin, begin + static_cast<std::ptrdiff_t>(std::min<std::size_t>(1024, s.pairs.size() - i)));
+      batch.masks.assign(batch.pairs.size(), {});
+      stage->cull({s.topology, s.motion, s.filter}, nullptr, batch);
+      kept += batch.size();
+    }
+    ++rounds;
+  }
+  const auto done = static_cast<double>(rounds * s.pairs.size());
+  state.counters["per_pair"] = benchmark::Counter(done, benchmark::Counter::kIsRate | benchmark::Counter::kInvert);
+  state.counters["kept"] = static_cast<double>(kept) / done;
+  state.counters["pairs"] = static_cast<double>(s.pairs.size());
+}
+
+[[maybe_unused]] const bool registered = [] {
+  for (const auto type : {ElementType::tetrahedron, ElementType::hexahedron})
+    for (const char* mode : {"pair", "features", "both"})
+      for (const char* axis : {"face", "predetermined", "velocity", "centroid", "optimal"}) {
+        const OptionValues options = {{"axis", axis}, {"mode", mode}};
+        const std::string name = std::string("csat/") + to_string(type) + "/" + mode + "/" + axis;
+        benchmark::RegisterBenchmark(name.c_str(), run, options, type);
+      }
+  return true;
+}();
+
+}  // namespace
+}  // namespace volccd

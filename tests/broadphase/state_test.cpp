@@ -1,0 +1,296 @@
+// What a state carries from step to step: topology changes, restructuring, memory.
+#include <atomic>
+#include <cstddef>
+#include <cstdlib>
+#include <new>
+
+#include "broadphase/scenes.hpp"
+
+namespace {
+
+std::atomic<std::size_t> allocations{0};
+
+void* counted(std::size_t size, std::size_t alignment) {
+  ++allocations;
+  void* const p = alignment <= alignof(std::max_align_t)
+                      ? std::malloc(size)
+                      : std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
+  if (!p) throw std::bad_alloc();
+  return p;
+}
+
+}  // namespace
+
+// The whole test program allocates through these.
+void* operator new(std::size_t size) { return counted(size, 1); }
+void* operator new[](std::size_t size) { return counted(size, 1); }
+void* operator new(std::size_t size, std::align_val_t a) { return counted(size, static_cast<std::size_t>(a)); }
+void* operator new[](std::size_t size, std::align_val_t a) { return counted(size, static_cast<std::size_t>(a)); }
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete[](void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
+void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+
+namespace volccd::test {
+namespace {
+
+std::vector<StageDescriptor<BroadPhase>> descriptors() {
+  return {describe_kdop_bvh(), describe_spatial_hash(), describe_brute_force()};
+}
+
+/// Removes `removals` random elements and adds `additions` near or far.
+TopologyEdit random_edit(const Topology& topology, std::size_t removals, std::size_t additions, std::mt19937_64& random,
+                         std::int64_t& next_id) {
+  const Mesh& mesh = topology.mesh();
+  TopologyEdit edit;
+  std::set<Index> removed;
+  for (std::size_t tries = 0; removed.size() < removals && tries < 20 * removals; ++tries) {
+    const Index o = static_cast<Index>(random() % mesh.element_slots());
+    if (mesh.alive(o)) removed.insert(o);
+  }
+  edit.removed.assign(removed.begin(), removed.end());
+  for (std::size_t i = 0; i < additions; ++i) {
+    std::set<Index> vertices;
+    const std::size_t count = random() % 3 == 0 ? 3 : 4;
+    const Index near = static_cast<Index>(random() % mesh.vertex_count());
+    while (vertices.size() < count)
+      vertices.insert(random() % 8 == 0 ? static_cast<Index>(random() % mesh.vertex_count())
+                                        : std::min<Index>(near + static_cast<Index>(random() % 6), mesh.vertex_count() - 1));
+    edit.added.push_back({count == 3 ? ElementType::triangle : ElementType::tetrahedron,
+                          {vertices.begin(), vertices.end()},
+                          {},
+                          static_cast<std::int32_t>(random() % 3),
+                          next_id++});
+  }
+  return edit;
+}
+
+void expect_follows_edits(std::size_t removals, std::size_t additions, bool whole_builds_expected) {
+  const Shape shape = permuted(block(ElementType::tetrahedron, 6, 5, 5), 1);
+  for (const auto& descriptor : descriptors())
+    for (PairScope scope : {PairScope::all, PairScope::inter}) {
+      SCOPED_TRACE(descriptor.name);
+      Scene scene = make_scene("edits", shape, jittered(shape.positions, 0.3, 1));
+      scene.filter = ObjectFilter(scope);
+      const auto phase = descriptor.make({});
+      const auto state = phase->make_state();
+      SerialExecutor executor;
+      std::mt19937_64 random(removals * 100 + additions);
+      std::int64_t next_id = 1000000;
+      for (int step = 0; step < 12; ++step) {
+        scene.motion = Motion::linear(jittered(shape.positions, 0.1 * step, 2), jittered(shape.positions, 0.3, 3));
+        for (PairRange range : {PairRange::nonadjacent, PairRange::every})
+          ASSERT_EQ(run(*phase, scene.step(), *state, range, executor), run_fresh(*phase, scene.step(), range)) << step;
+        // Several edits between two updates now and then, sometimes more than the history holds.
+        const int edits = step % 4 == 2 ? 3 : step == 7 && whole_builds_expected ? 12 : 1;
+        for (int e = 0; e < edits; ++e)
+          scene.topology->apply(random_edit(*scene.topology, removals, additions, random, next_id));
+      }
+      if (descriptor.name == "kdop-bvh") {
+        if (whole_builds_expected)
+          EXPECT_GT(KdopBvh::counters(*state).builds, 1u);
+        else
+          EXPECT_EQ(KdopBvh::counters(*state).builds, 1u) << "small edits shall not rebuild the tree";
+      }
+    }
+}
+
+TEST(TopologyChanges, RemovedElements) { expect_follows_edits(7, 0, false); }
+TEST(TopologyChanges, AddedElements) { expect_follows_edits(0, 4, false); }
+TEST(TopologyChanges, RemovedAndAddedElements) { expect_follows_edits(5, 3, false); }
+TEST(TopologyChanges, ManyAtOnce) { expect_follows_edits(60, 40, true); }
+
+TEST(TopologyChanges, LargerElementsThanBefore) {
+  Shape shape = block(ElementType::tetrahedron, 4, 4, 4);
+  for (const auto& descriptor : descriptors()) {
+    Scene scene = make_scene("growing", shape, jittered(shape.positions, 0.2, 1));
+    const auto phase = descriptor.make({});
+    const auto state = phase->make_state();
+    SerialExecutor executor;
+    run(*phase, scene.step(), *state, PairRange::every, executor);
+    TopologyEdit edit;
+    edit.removed = {3, 5};
+    edit.added.push_back({ElementType::hexahedron, {0, 1, 6, 5, 25, 26, 31, 30}, {}, 0, 100000});
+    scene.topology->apply(edit);
+    for (PairRange range : {PairRange::nonadjacent, PairRange::every})
+      EXPECT_EQ(run(*phase, scene.step(), *state, range, executor), run_fresh(*phase, scene.step(), range));
+  }
+}
+
+TEST(TopologyChanges, EverythingGoesAndComesBack) {
+  Shape shape = block(ElementType::tetrahedron, 2, 2, 2);
+  for (const auto& descriptor : descriptors()) {
+    Scene scene = make_scene("all", shape, shape.positions);
+    const auto phase = descriptor.make({});
+    const auto state = phase->make_state();
+    SerialExecutor executor;
+    const Pairs before = run(*phase, scene.step(), *state, PairRange::every, executor);
+    TopologyEdit away;
+    for (Index o = 0; o < scene.topology->mesh().element_slots(); ++o) away.removed.push_back(o);
+    scene.topology->apply(away);
+    EXPECT_TRUE(run(*phase, scene.step(), *state, PairRange::every, executor).empty());
+    TopologyEdit back;
+    back.added = shape.elements;
+    scene.topology->apply(back);
+    EXPECT_EQ(run(*phase, scene.step(), *state, PairRange::every, executor).size(), before.size());
+    EXPECT_EQ(query(*phase, scene.step(), *state, PairRange::every, executor), run_fresh(*phase, scene.step()));
+  }
+}
+
+TEST(TopologyChanges, AStateIsNoticedToBelongToAnotherTopology) {
+  const Shape small = block(ElementType::hexahedron, 3, 2, 2), large = block(ElementType::tetrahedron, 4, 3, 3);
+  const Scene a = make_scene("a", small, small.positions), b = make_scene("b", large, large.positions);
+  for (const auto& descriptor : descriptors()) {
+    const auto phase = descriptor.make({});
+    const auto state = phase->make_state();
+    SerialExecutor executor;
+    for (const Scene* scene : {&a, &b, &a})
+      EXPECT_EQ(run(*phase, scene->step(), *state, PairRange::every, executor), run_fresh(*phase, scene->step()));
+  }
+}
+
+/// Twenty small blocks that wander to places drawn anew for each seed.
+std::vector<Vec3> scattered(const Shape& shape, std::size_t vertices_a_block, double part) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> place(0, 12);
+  std::vector<Vec3> positions = shape.positions;
+  for (std::size_t first = 0; first < positions.size(); first += vertices_a_block) {
+    const Vec3 by(place(random), place(random), place(random));
+    for (std::size_t v = first; v < first + vertices_a_block; ++v) positions[v] += part * by;
+  }
+  return positions;
+}
+
+std::uint64_t tests_of_query(const KdopBvh& phase, const Step& step, StageState& state, Executor& executor) {
+  const std::uint64_t before = KdopBvh::counters(state).node_tests;
+  phase.query(step, state, PairRange::nonadjacent, executor, [](std::span<const ElementPair>, unsigned) {});
+  return KdopBvh::counters(state).node_tests - before;
+}
+
+/// Node tests of the last step of a long motion, and those of a tree built anew for it.
+struct Cost {
+  double kept, fresh;
+  std::uint64_t builds, restructured;
+};
+
+Cost long_motion(KdopBvh::Restructure restructure, Scene& scene, const std::vector<std::vector<Vec3>>& frames) {
+  KdopBvh::Config config;
+  config.restructure = restructure;
+  const KdopBvh phase(config);
+  const auto state = phase.make_state(), fresh = phase.make_state();
+  SerialExecutor executor;
+  for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
+    scene.motion = Motion::linear(frames[i], frames[i + 1]);
+    phase.update(scene.step(), *state, executor);
+  }
+  phase.update(scene.step(), *fresh, executor);
+  EXPECT_EQ(query(phase, scene.step(), *state, PairRange::every, executor),
+            query(phase, scene.step(), *fresh, PairRange::every, executor));
+  const KdopBvh::Counters& counters = KdopBvh::counters(*state);
+  return {static_cast<double>(tests_of_query(phase, scene.step(), *state, executor)),
+          static_cast<double>(tests_of_query(phase, scene.step(), *fresh, executor)), counters.builds,
+          counters.restructured_elements};
+}
+
+TEST(Restructuring, KeepsTheCostOfMixedUpElementsNearThatOfABuild) {
+  // A sheet of points-in-a-cloud motion: single elements, each going its own way, so that any tree must degrade.
+  Shape shape;
+  const Shape one = block(ElementType::hexahedron, 1, 1, 1);
+  for (int i = 0; i < 4000; ++i) {
+    Shape cell = one;
+    shape.append(cell.translate({1.2 * (i % 16), 1.2 * (i / 16 % 16), 1.2 * (i / 256)}), 0);
+  }
+  std::vector<std::vector<Vec3>> frames;
+  for (int f = 0; f <= 30; ++f) frames.push_back(scattered(shape, 8, f / 30.0));
+  Scene scene = make_scene("cloud", shape, shape.positions);
+  const Cost refit = long_motion(KdopBvh::Restructure::none, scene, frames);
+  const Cost kept = long_motion(KdopBvh::Restructure::subtrees, scene, frames);
+  EXPECT_GT(refit.kept, 2 * refit.fresh) << "the motion does not degrade a tree: the test shows nothing";
+  EXPECT_LT(kept.kept, 1.5 * kept.fresh);
+  EXPECT_GT(kept.restructured, 0u);
+}
+
+TEST(Restructuring, OnlyThePartThatDegraded) {
+  // Two clouds; only the smaller one is mixed up.
+  Shape shape;
+  const Shape one = block(ElementType::hexahedron, 1, 1, 1);
+  for (int i = 0; i < 4500; ++i) {
+    Shape cell = one;
+    const double x = i < 4000 ? 0 : 100;
+    shape.append(cell.translate({x + 1.2 * (i % 10), 1.2 * (i / 10 % 10), 1.2 * (i % 4000 / 100)}), 0);
+  }
+  const std::vector<Vec3> mixed = scattered(shape, 8, 1);
+  std::vector<std::vector<Vec3>> frames(21, shape.positions);
+  for (std::size_t f = 0; f < frames.size(); ++f)
+    for (std::size_t v = 4000 * 8; v < shape.positions.size(); ++v)
+      frames[f][v] += static_cast<double>(f) / 20 * (mixed[v] - shape.positions[v]);
+  Scene scene = make_scene("two clouds", shape, shape.positions);
+  const Cost kept = long_motion(KdopBvh::Restructure::subtrees, scene, frames);
+  EXPECT_LT(kept.kept, 1.5 * kept.fresh);
+  EXPECT_EQ(kept.builds, 1u);
+  EXPECT_GT(kept.restructured, 0u);
+  EXPECT_LT(kept.restructured, 20 * 600u) << "the large cloud was rebuilt though it rests";
+}
+
+TEST(Restructuring, NothingWhereTheMotionDoesNotDegrade) {
+  const Shape shape = block(ElementType::tetrahedron, 10, 10, 10);
+  std::vector<std::vector<Vec3>> frames;
+  for (int f = 0; f < 30; ++f) {
+    frames.push_back(scaled(shape.positions, 1 + 0.2 * f));
+    for (Vec3& p : frames.back()) p += Vec3(3.0 * f, 0, 0);
+  }
+  Scene scene = make_scene("growing", shape, shape.positions);
+  const Cost kept = long_motion(KdopBvh::Restructure::subtrees, scene, frames);
+  EXPECT_EQ(kept.builds, 1u);
+  EXPECT_EQ(kept.restructured, 0u);
+}
+
+TEST(Restructuring, TwistedBlock) {
+  const Shape shape = block(ElementType::tetrahedron, 8, 8, 24);
+  std::vector<std::vector<Vec3>> frames;
+  for (int f = 0; f <= 36; ++f) {
+    frames.push_back(shape.positions);
+    for (Vec3& p : frames.back()) {
+      const double angle = f / 36.0 * 2 * M_PI * p[2] / 24, x = p[0] - 4, y = p[1] - 4;
+      p = Vec3(std::cos(angle) * x - std::sin(angle) * y, std::sin(angle) * x + std::cos(angle) * y, p[2]);
+    }
+  }
+  Scene scene = make_scene("twist", shape, shape.positions);
+  const Cost kept = long_motion(KdopBvh::Restructure::subtrees, scene, frames);
+  EXPECT_LT(kept.kept, 1.3 * kept.fresh);
+}
+
+TEST(SteadyState, AllocatesNothing) {
+  const Shape shape = permuted(block(ElementType::tetrahedron, 8, 8, 8), 2);
+  Scene scene = make_scene("steady", shape, shape.positions);
+  std::vector<Motion> motions;
+  for (std::uint64_t seed = 0; seed < 4; ++seed)
+    motions.push_back(Motion::linear(jittered(shape.positions, 0.05, seed), jittered(shape.positions, 0.2, seed + 10)));
+  for (PairScope scope : {PairScope::all, PairScope::inter})
+    for (const auto& descriptor : descriptors())
+      for (unsigned workers : {1u, 3u}) {
+        scene.filter = ObjectFilter(scope);
+        const auto executor = make_thread_executor(workers);
+        const auto phase = descriptor.make({});
+        const auto state = phase->make_state();
+        std::size_t before = 0;
+        for (int round = 0; round < 3; ++round) {
+          if (round == 2) before = allocations;
+          for (const Motion& motion : motions) {
+            scene.motion = motion;  // same size: the assignment itself allocates nothing
+            phase->update(scene.step(), *state, *executor);
+            for (PairRange range : {PairRange::nonadjacent, PairRange::every})
+              phase->query(scene.step(), *state, range, *executor, [](std::span<const ElementPair>, unsigned) {});
+          }
+        }
+        EXPECT_EQ(allocations - before, 0u) << descriptor.name << " with " << workers << " workers";
+        EXPECT_GT(state->bytes(), 0u);
+      }
+}
+
+}  // namespace
+}  // namespace volccd::test
