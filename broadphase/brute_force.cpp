@@ -20,6 +20,7 @@ struct State final : StageState {
   detail::BoxRows boxes;
   detail::PairWriters writers;
   std::vector<std::vector<Index>> hits;  ///< one for each worker
+  bool intact = false;                   ///< false while it is changed, and for good if that throws
 
   std::size_t bytes() const override {
     std::size_t sum = watch.bytes() + keys.bytes() + list.bytes() + boxes.bytes() + writers.bytes();
@@ -44,10 +45,12 @@ std::unique_ptr<StageState> BruteForce::make_state() const { return std::make_un
 
 void BruteForce::update(const Step& step, StageState& stage_state, Executor& executor) const {
   State& state = static_cast<State&>(stage_state);
-  const bool news = state.watch.look(step.topology) != TopologyWatch::News::none;
+  const bool news = state.watch.look(step.topology) != TopologyWatch::News::none || !state.intact;
+  state.intact = false;
   if (news) state.list.assign_live(step.mesh());
   state.keys.update(step, news);
   if (config_.bounds == Bounds::aabb) state.boxes.update(step, state.list, executor);
+  state.intact = true;
 }
 
 void BruteForce::query(const Step&, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {

@@ -31,6 +31,7 @@ struct State final : StageState {
   std::vector<NodePair> tasks, expanded;
   std::vector<Worker> workers;
   KdopBvh::Counters counters;
+  bool intact = false;  ///< false while it is changed, and for good if that throws: then it is built anew
 
   std::size_t bytes() const override {
     std::size_t sum = watch.bytes() + keys.bytes() + vertices.bytes() + tree.bytes() + writers.bytes() +
@@ -85,7 +86,8 @@ void KdopBvh::update(const Step& step, StageState& stage_state, Executor& execut
   State& state = static_cast<State&>(stage_state);
   detail::bound_vertices(step, config_.k, executor, state.vertices);
   const TopologyWatch::News news = state.watch.look(step.topology);
-  bool build = news == TopologyWatch::News::everything || config_.restructure == Restructure::always;
+  bool build = !state.intact || news == TopologyWatch::News::everything || config_.restructure == Restructure::always;
+  state.intact = false;
   if (!build && news == TopologyWatch::News::edited)
     build = !state.tree.edit(step.mesh(), state.watch.touched(), state.vertices, executor);
   std::size_t restructured = 0;
@@ -99,8 +101,9 @@ void KdopBvh::update(const Step& step, StageState& stage_state, Executor& execut
     state.counters.restructured_elements += restructured;
   }
   const bool new_nodes = build || news != TopologyWatch::News::none || restructured > 0;
-  const bool new_keys = state.keys.update(step, news != TopologyWatch::News::none);
+  const bool new_keys = state.keys.update(step, build || news != TopologyWatch::News::none);
   if (!state.keys.trivial() && (new_nodes || new_keys)) state.tree.set_keys(state.keys);
+  state.intact = true;
 }
 
 void KdopBvh::query(const Step&, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {

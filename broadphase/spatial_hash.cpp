@@ -26,6 +26,7 @@ struct State final : StageState {
   detail::HashGrid grid;
   detail::PairWriters writers;
   std::vector<detail::BucketScratch> scratch;
+  bool intact = false;  ///< false while it is changed, and for good if that throws: then it is made anew
 
   std::size_t bytes() const override {
     std::size_t sum = watch.bytes() + keys.bytes() + list.bytes() + vertices.bytes() + elements.bytes() + grid.bytes() +
@@ -94,13 +95,18 @@ std::unique_ptr<StageState> SpatialHash::make_state() const { return std::make_u
 void SpatialHash::update(const Step& step, StageState& stage_state, Executor& executor) const {
   State& state = static_cast<State&>(stage_state);
   const TopologyWatch::News news = state.watch.look(step.topology);
-  if (news == TopologyWatch::News::everything) list_in_space(step, state);
-  if (news == TopologyWatch::News::edited) state.list.update(step.mesh(), state.watch.touched());
-  state.keys.update(step, news != TopologyWatch::News::none);
+  const bool fresh = !state.intact || news == TopologyWatch::News::everything;
+  state.intact = false;
+  if (fresh)
+    list_in_space(step, state);
+  else if (news == TopologyWatch::News::edited)
+    state.list.update(step.mesh(), state.watch.touched());
+  state.keys.update(step, fresh || news == TopologyWatch::News::edited);
   detail::bound_vertices(step, config_.k, executor, state.vertices);
   state.elements.resize(state.list.size(), state.vertices.width());
   detail::bound_elements(state.vertices, state.list, executor, state.elements);
   state.grid.build(state.elements, state.list.size(), config_.cell_size, kMostCells, executor);
+  state.intact = true;
 }
 
 void SpatialHash::query(const Step&, StageState& stage_state, PairRange range, Executor& executor,

@@ -20,6 +20,11 @@ unsigned thread_count(unsigned threads) {
   return threads != 0 ? threads : std::max(1u, std::thread::hardware_concurrency());
 }
 
+/// At most n, so that sums of indices and grains do not overflow.
+std::size_t fitting_grain(std::size_t grain, std::size_t n) {
+  return std::clamp<std::size_t>(grain, 1, std::max<std::size_t>(n, 1));
+}
+
 class TbbExecutor final : public Executor {
  public:
   explicit TbbExecutor(unsigned threads) : arena_(static_cast<int>(threads)) {}
@@ -27,8 +32,8 @@ class TbbExecutor final : public Executor {
   unsigned workers() const override { return static_cast<unsigned>(arena_.max_concurrency()); }
 
   void parallel_for(std::size_t n, std::size_t grain, Body body) override {
-    grain = std::max<std::size_t>(grain, 1);
-    const std::size_t chunks = (n + grain - 1) / grain;
+    grain = fitting_grain(grain, n);
+    const std::size_t chunks = n / grain + (n % grain != 0 ? 1 : 0);
     arena_.execute([&] {
       tbb::parallel_for(
           tbb::blocked_range<std::size_t>(0, chunks, 1),
@@ -68,7 +73,7 @@ class ThreadExecutor final : public Executor {
       const std::lock_guard lock(mutex_);
       body_ = &body;
       n_ = n;
-      grain_ = std::max<std::size_t>(grain, 1);
+      grain_ = fitting_grain(grain, n);
       next_ = 0;
       error_ = nullptr;
       busy_ = workers_;
@@ -126,7 +131,7 @@ class ThreadExecutor final : public Executor {
 }  // namespace
 
 void SerialExecutor::parallel_for(std::size_t n, std::size_t grain, Body body) {
-  grain = std::max<std::size_t>(grain, 1);
+  grain = fitting_grain(grain, n);
   for (std::size_t begin = 0; begin < n; begin += grain) body(begin, std::min(n, begin + grain), 0);
 }
 

@@ -9,7 +9,7 @@ namespace volccd::detail {
 
 std::string to_text(bool value) { return value ? "true" : "false"; }
 std::string to_text(int value) { return std::to_string(value); }
-std::string to_text(double value) { return fmt::format("{:g}", value); }
+std::string to_text(double value) { return fmt::format("{}", value); }
 
 bool parse_bool(const std::string& name, const std::string& text) {
   if (text == "true" || text == "1") return true;
@@ -34,8 +34,9 @@ double parse_number(const std::string& name, const std::string& text, double low
 }
 
 std::string range_text(double low, double high) {
-  const bool bounded = high < std::numeric_limits<double>::max();
-  return bounded ? fmt::format("{:g} .. {:g}", low, high) : fmt::format("at least {:g}", low);
+  constexpr double most = std::numeric_limits<double>::max();
+  if (high < most) return low > -most ? fmt::format("{} .. {}", low, high) : fmt::format("at most {}", high);
+  return low > -most ? fmt::format("at least {}", low) : "any finite number";
 }
 
 void unknown_choice(const std::string& name, const std::string& text, const std::string& allowed) {

@@ -7,7 +7,7 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/detail/incidence_pool.hpp>
+#include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/detail/share_id.hpp>
 #include <volccd/mesh/features.hpp>
 #include <volccd/mesh/mesh.hpp>

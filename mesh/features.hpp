@@ -11,7 +11,7 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/detail/incidence_pool.hpp>
+#include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/detail/tuple_table.hpp>
 #include <volccd/mesh/mesh.hpp>
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/detail/incidence_pool.hpp>
+#include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/mesh.hpp>
 
 namespace volccd::detail {

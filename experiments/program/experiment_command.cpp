@@ -1,5 +1,4 @@
 #include <cstdio>
-#include <cstdlib>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -8,6 +7,7 @@
 #include <volccd/experiments/program/progress.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
+#include <volccd/experiments/scenes/shared_data.hpp>
 #include <volccd/experiments/tables/comparison.hpp>
 
 namespace volccd {
@@ -23,13 +23,10 @@ struct ExperimentOptions {
 
 /// The real LS-DYNA run where the shared data is there; else the built-in sequence, written to `folder`, and says so.
 std::string projectile_sequence(const std::filesystem::path& folder) {
-  const char* given = std::getenv("VOLCCD_DATA");
-  const std::filesystem::path data = given ? given : VOLCCD_DEFAULT_DATA;
-  const std::filesystem::path real = data / "ls-dyna-projectile.vtkhdf";
-  if (std::filesystem::exists(real)) return real.lexically_normal().string();
+  const std::string real = shared_data_path("ls-dyna-projectile.vtkhdf");
+  if (std::filesystem::exists(real)) return real;
   const std::filesystem::path standin = folder / "builtin.vtkhdf";
-  fmt::print("{} is not there (VOLCCD_DATA names another folder): taking the built-in sequence instead\n\n",
-             real.lexically_normal().string());
+  fmt::print("{} is not there (VOLCCD_DATA names another folder): taking the built-in sequence instead\n\n", real);
   write_scene(*make_scene("builtin", {}), standin.string());
   return standin.string();
 }

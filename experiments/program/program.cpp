@@ -6,12 +6,13 @@
 #include <fmt/format.h>
 
 #include <volccd/experiments/program/commands.hpp>
+#include <volccd/experiments/records/build_facts.hpp>
 
 namespace volccd {
 
 int program(int argc, const char* const* argv, const Registry& registry) {
   CLI::App app("Continuous collision detection between deforming volume meshes: what touches what, and when.", "volccd");
-  app.set_version_flag("--version", "volccd " VOLCCD_VERSION " (" VOLCCD_COMMIT ")");
+  app.set_version_flag("--version", fmt::format("volccd {} ({})", build_facts().version, build_facts().commit));
   app.require_subcommand(1);
   app.footer(
       "Examples:\n"

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <volccd/experiments/records/build_facts.hpp>
+
 namespace volccd {
 
 using nlohmann::json;
@@ -32,10 +34,11 @@ json to_json(const StageChoice& choice) {
 }  // namespace
 
 json machine_facts() {
-  return {{"version", VOLCCD_VERSION},
-          {"commit", VOLCCD_COMMIT},
+  const BuildFacts build = build_facts();
+  return {{"version", build.version},
+          {"commit", build.commit},
           {"compiler", "g++ " __VERSION__},
-          {"build_type", VOLCCD_BUILD_TYPE},
+          {"build_type", build.build_type},
           {"cpu", cpu_name()},
           {"cores", std::thread::hardware_concurrency()},
           {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))}};

@@ -6,7 +6,7 @@
 #include <cstddef>
 #include <vector>
 
-#include <volccd/mesh/detail/incidence_pool.hpp>
+#include <volccd/mesh/incidence_pool.hpp>
 
 namespace volccd::detail {
 

@@ -1,4 +1,6 @@
 // What every broad phase owes, on all scenes: against an oracle in exact arithmetic, and against each other.
+#include <hwy/targets.h>
+
 #include "broadphase/scenes.hpp"
 
 namespace volccd::test {
@@ -99,6 +101,27 @@ TEST(BroadPhases, WorkersDoNotMatter) {
       EXPECT_EQ(run(*phase, scene.step(), *state, PairRange::nonadjacent, *executor), expected) << workers;
     }
   }
+}
+
+TEST(BroadPhases, InstructionSetsDoNotMatter) {
+  const std::vector<Scene> all = scenes();
+  const auto phases = all_phases();
+  std::vector<Pairs> expected;
+  for (const Scene& scene : all)
+    for (const auto& phase : phases) expected.push_back(run_fresh(*phase, scene.step(), PairRange::nonadjacent));
+  const auto supported = hwy::SupportedTargets();
+  // From the widest instruction set downwards, and none at all at the end.
+  for (auto targets = supported; targets != 0; targets &= targets - 1) {
+    hwy::SetSupportedTargetsForTest(targets);
+    hwy::GetChosenTarget().DeInit();
+    std::size_t next = 0;
+    for (const Scene& scene : all)
+      for (const auto& phase : phases) {
+        EXPECT_EQ(run_fresh(*phase, scene.step(), PairRange::nonadjacent), expected[next++]) << scene.name << targets;
+      }
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().DeInit();
 }
 
 TEST(BroadPhases, FiltersDropWhatTheyMayAndNothingElse) {

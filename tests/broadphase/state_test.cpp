@@ -239,14 +239,23 @@ TEST(Restructuring, OnlyThePartThatDegraded) {
 TEST(Restructuring, NothingWhereTheMotionDoesNotDegrade) {
   const Shape shape = block(ElementType::tetrahedron, 10, 10, 10);
   std::vector<std::vector<Vec3>> frames;
-  for (int f = 0; f < 30; ++f) {
-    frames.push_back(scaled(shape.positions, 1 + 0.2 * f));
-    for (Vec3& p : frames.back()) p += Vec3(3.0 * f, 0, 0);
-  }
+  for (int f = 0; f < 30; ++f) frames.push_back(scaled(shape.positions, std::pow(1.2, f)));
   Scene scene = make_scene("growing", shape, shape.positions);
   const Cost kept = long_motion(KdopBvh::Restructure::subtrees, scene, frames);
   EXPECT_EQ(kept.builds, 1u);
   EXPECT_EQ(kept.restructured, 0u);
+}
+
+TEST(Restructuring, FastAndSlowStepsByTurnsDoNotRebuildTheTreeAgainAndAgain) {
+  const Shape shape = block(ElementType::tetrahedron, 10, 10, 10);
+  std::vector<std::vector<Vec3>> frames{shape.positions};
+  for (int f = 0; f < 40; ++f) {
+    frames.push_back(frames.back());
+    for (Vec3& p : frames.back()) p += f / 2 % 2 == 0 ? Vec3(5, 3, 1) : Vec3(0.01, 0, 0);
+  }
+  Scene scene = make_scene("stop and go", shape, shape.positions);
+  const Cost kept = long_motion(KdopBvh::Restructure::subtrees, scene, frames);
+  EXPECT_LE(kept.restructured, 3 * shape.elements.size());
 }
 
 TEST(Restructuring, TwistedBlock) {

@@ -41,7 +41,7 @@ TEST_P(ExecutorContract, ReportsTheThreadsAskedFor) { EXPECT_EQ(executor_->worke
 
 TEST_P(ExecutorContract, ChunksCoverEachIndexOnce) {
   for (const std::size_t n : {0u, 1u, 2u, 7u, 64u, 1000u})
-    for (const std::size_t grain : {0u, 1u, 3u, 64u, 5000u}) {
+    for (const std::size_t grain : std::vector<std::size_t>{0, 1, 3, 64, 5000, SIZE_MAX / 2 + 1, SIZE_MAX}) {
       std::vector<std::atomic<int>> visits(n);
       std::atomic<int> bad_chunks = 0;
       executor_->parallel_for(n, grain, [&](std::size_t begin, std::size_t end, unsigned worker) {

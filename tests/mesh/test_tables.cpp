@@ -5,7 +5,7 @@
 #include <set>
 
 #include <volccd/core/random.hpp>
-#include <volccd/mesh/detail/incidence_pool.hpp>
+#include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/detail/incidences.hpp>
 #include <volccd/mesh/detail/slot_table.hpp>
 #include <volccd/mesh/detail/tuple_table.hpp>

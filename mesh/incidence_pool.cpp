@@ -1,4 +1,4 @@
-#include <volccd/mesh/detail/incidence_pool.hpp>
+#include <volccd/mesh/incidence_pool.hpp>
 
 #include <algorithm>
 #include <cassert>

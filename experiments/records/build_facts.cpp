@@ -1,0 +1,7 @@
+#include <volccd/experiments/records/build_facts.hpp>
+
+namespace volccd {
+
+BuildFacts build_facts() { return {VOLCCD_VERSION, VOLCCD_COMMIT, VOLCCD_BUILD_TYPE}; }
+
+}  // namespace volccd
