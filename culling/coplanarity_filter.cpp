@@ -39,8 +39,8 @@ struct Determinant {
   static HWY_INLINE Lanes3 weighted(const Lanes3& a, double weight) { return weight == 1 ? a : times(a, weight); }
 };
 
-/// Bound, over the whole step, of the area that turns a distance into a determinant: the product of the lengths of two sides of
-/// the triangle (VF), of both edges (EE).
+/// Bound, over the whole step, of the area that turns a distance into a determinant: the product of the lengths of two
+/// sides of the triangle (VF), of both edges (EE).
 template <int kControlPoints>
 HWY_INLINE Lanes greatest_area(const FeatureBlock& block, std::size_t i) {
   const bool vf = block.kind() == FeatureKind::vf;

@@ -22,7 +22,9 @@ class SeparatingAxes {
   /// Triangle normal or cross product of the edges, at a control point.
   HWY_INLINE Lanes3 normal(int c) const { return cross(first_side(c), second_side(c)); }
   /// Two sides of the triangle, or both edges.
-  HWY_INLINE Lanes3 first_side(int c) const { return kKind == FeatureKind::vf ? sub(e_.at[1][c], e_.at[0][c]) : e_.at[0][c]; }
+  HWY_INLINE Lanes3 first_side(int c) const {
+    return kKind == FeatureKind::vf ? sub(e_.at[1][c], e_.at[0][c]) : e_.at[0][c];
+  }
   HWY_INLINE Lanes3 second_side(int c) const { return sub(e_.at[2][c], e_.at[kKind == FeatureKind::vf ? 0 : 1][c]); }
 
   HWY_INLINE LaneMask separates(const Lanes3& axis) const {

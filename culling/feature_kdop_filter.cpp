@@ -157,7 +157,12 @@ const Options<FeatureKdopFilter::Config>& FeatureKdopFilter::options() {
   static const Options<Config> options = [] {
     Options<Config> o;
     o.add("k", &Config::k,
-          {{"6", Axes::k6}, {"14", Axes::k14}, {"16", Axes::k16}, {"18", Axes::k18}, {"24", Axes::k24}, {"26", Axes::k26}},
+          {{"6", Axes::k6},
+           {"14", Axes::k14},
+           {"16", Axes::k16},
+           {"18", Axes::k18},
+           {"24", Axes::k24},
+           {"26", Axes::k26}},
           "twice the number of axes");
     o.add("bounds", &Config::bounds, {{"swept", KdopBounds::swept}, {"relative", KdopBounds::relative}},
           "over all control points, or apart at each of them");

@@ -12,9 +12,9 @@ enum class KdopBounds {
 
 /// Drops a test when some axis keeps the features apart by more than step.separation.
 ///
-/// Guarantee: conservative in floating point for any finite coordinates. Along axes of one or two terms comparisons are as
-/// good as exact (rounding is monotone); elsewhere a gap counts beyond its rounding bound only (mesh/rounding.hpp). For
-/// step.t_max < 1 the motion over [0, t_max] is bounded.
+/// Guarantee: conservative in floating point for any finite coordinates. Along axes of one or two terms comparisons are
+/// as good as exact (rounding is monotone); elsewhere a gap counts beyond its rounding bound only (mesh/rounding.hpp).
+/// For step.t_max < 1 the motion over [0, t_max] is bounded.
 class FeatureKdopFilter final : public FeatureFilter {
  public:
   enum class Axes { k6, k14, k16, k18, k24, k26 };

@@ -68,6 +68,21 @@ HWY_INLINE void unite_rows(const float* rows, const std::uint32_t* indices, std:
   }
 }
 
+/// out = the bound of count > 0 rows that lie one after the other.
+template <int kWidth>
+HWY_INLINE void unite_range(const float* rows, std::size_t count, float* out) {
+  const RowTag<kWidth> d;
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(d)) {
+    auto lo = hn::Load(d, rows + i), hi = hn::Load(d, rows + kWidth + i);
+    for (std::size_t r = 1; r < count; ++r) {
+      lo = hn::Min(lo, hn::Load(d, rows + r * 2 * kWidth + i));
+      hi = hn::Max(hi, hn::Load(d, rows + r * 2 * kWidth + kWidth + i));
+    }
+    hn::Store(lo, d, out + i);
+    hn::Store(hi, d, out + kWidth + i);
+  }
+}
+
 /// Calls f(std::integral_constant<int, width>) for the run-time width 4, 8 or 16.
 template <class F>
 HWY_INLINE auto with_width(int width, F&& f) {

@@ -5,6 +5,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/broadphase/detail/tree_kernels.cpp"
 #include <hwy/foreach_target.h>
+#include <hwy/cache_control.h>
 #include <hwy/highway.h>
 
 #include <volccd/broadphase/detail/bounds-inl.hpp>
@@ -22,10 +23,12 @@ HWY_INLINE double size_of(const float* row) {
 
 template <int kWidth>
 void refit_leaf(const RefitArrays& t, Index node) {
-  float* const bound = t.node_bounds->row(node);
-  make_empty<kWidth>(bound);
+  constexpr Index ahead = 12;  // leaves come in descending order: the rows of those to come are fetched early
+  const Index begin = t.nodes[node].begin, end = t.nodes[node].end;
   double elements = 0;
-  for (Index p = t.nodes[node].begin; p < t.nodes[node].end; ++p) {
+  for (Index p = begin; p < end; ++p) {
+    if (p >= ahead)
+      for (const Index v : t.list->vertices(p - ahead)) hwy::Prefetch(t.vertices->row(v));
     float* const row = t.element_bounds->row(p);
     if (t.list->slot(p) == kNone) {
       make_empty<kWidth>(row);
@@ -33,9 +36,10 @@ void refit_leaf(const RefitArrays& t, Index node) {
     }
     const std::span<const Index> vertices = t.list->vertices(p);
     unite_rows<kWidth>(t.vertices->row(0), vertices.data(), vertices.size(), row);
-    unite<kWidth>(bound, row, bound);
     elements += size_of<kWidth>(row);
   }
+  float* const bound = t.node_bounds->row(node);
+  unite_range<kWidth>(t.element_bounds->row(begin), end - begin, bound);
   t.costs[node] = {size_of<kWidth>(bound), elements};
 }
 

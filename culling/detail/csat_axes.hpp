@@ -21,7 +21,8 @@ inline std::uint64_t csat_hash(std::uint64_t x, std::uint64_t y, std::uint64_t z
   return mix(mix(mix(x) ^ y) ^ z);
 }
 
-/// Largest component scaled to 1, so that products with lengths do not leave the range of doubles early. Not finite for 0.
+/// Largest component scaled to 1, so that products with lengths do not leave the range of doubles early. Not finite for
+/// 0.
 inline Vec3 csat_scaled(const Vec3& axis) { return axis * (1 / axis.lpNorm<Eigen::Infinity>()); }
 
 /// Normal at t = 0 of the face of element o that `hash` picks.

@@ -72,6 +72,50 @@ class Separator {
     return hn::GetLane(ahead) > bound || hn::GetLane(behind) > bound;
   }
 
+  /// Bits of the vertices of a that lie beyond b along `axis`, or before it, at every control point.
+  std::uint32_t separate_vertices(const Vec3& axis) const {
+    const Tag tag;
+    const Lanes lx = hn::Set(tag, axis[0]), ly = hn::Set(tag, axis[1]), lz = hn::Set(tag, axis[2]);
+    std::pair<Lanes, Lanes> others[kCsatControlPoints];
+    for (int c = 0; c < control_points_; ++c) others[c] = range(b_, c, lx, ly, lz);
+    const Lanes bound = hn::Set(tag, threshold(axis));
+    std::uint32_t bits = 0;
+    for (int i = 0; i < a_.stride; i += static_cast<int>(hn::Lanes(tag))) {
+      Lanes ahead = hn::Set(tag, std::numeric_limits<double>::infinity()), behind = ahead;
+      for (int c = 0; c < control_points_; ++c) {
+        const Lanes own = project(a_, c, i, lx, ly, lz);
+        ahead = hn::Min(hn::Sub(others[c].first, own), ahead);
+        behind = hn::Min(hn::Sub(own, others[c].second), behind);
+      }
+      bits |= lane_bits(ahead, behind, bound) << i;
+    }
+    return a_.count == 32 ? bits : bits & ((std::uint32_t{1} << a_.count) - 1);
+  }
+
+  /// Bits of the edges of a that a separating axis keeps off b: for each the cross product of its direction with `other`.
+  std::uint64_t separate_edges(const CsatEdges& edges, const Vec3& other) const {
+    const Tag tag;
+    constexpr int kMost = 4;
+    std::uint64_t bits = 0;
+    for (int i = 0; i < edges.count; i += static_cast<int>(hn::Lanes(tag))) {
+      const Lanes dx = hn::Load(tag, edges.direction[0] + i), dy = hn::Load(tag, edges.direction[1] + i),
+                  dz = hn::Load(tag, edges.direction[2] + i);
+      const Lanes gx = hn::Set(tag, other[0]), gy = hn::Set(tag, other[1]), gz = hn::Set(tag, other[2]);
+      Lanes lx = hn::Sub(hn::Mul(dy, gz), hn::Mul(dz, gy)), ly = hn::Sub(hn::Mul(dz, gx), hn::Mul(dx, gz)),
+            lz = hn::Sub(hn::Mul(dx, gy), hn::Mul(dy, gx));
+      const Lanes greatest = hn::Max(hn::Max(hn::Abs(lx), hn::Abs(ly)), hn::Abs(lz));
+      const Lanes scale = hn::Div(hn::Set(tag, 1.0), greatest);
+      lx = hn::Mul(lx, scale), ly = hn::Mul(ly, scale), lz = hn::Mul(lz, scale);
+      alignas(32) double axes[3][kMost], bounds[kMost];
+      hn::Store(lx, tag, axes[0]);
+      hn::Store(ly, tag, axes[1]);
+      hn::Store(lz, tag, axes[2]);
+      for (std::size_t l = 0; l < hn::Lanes(tag); ++l) bounds[l] = threshold({axes[0][l], axes[1][l], axes[2][l]});
+      bits |= std::uint64_t{edges_apart(edges, i, lx, ly, lz, hn::Load(tag, bounds))} << i;
+    }
+    return edges.count == 64 ? bits : bits & ((std::uint64_t{1} << edges.count) - 1);
+  }
+
   /// Searches an axis by Gilbert-Johnson-Keerthi steps, the first of them along the difference of centroids.
   bool search(int iterations) const {
     const double scale = 1 / std::max({extent_[0], extent_[1], extent_[2]});
@@ -91,6 +135,47 @@ class Separator {
   }
 
  private:
+  /// Bit l: lane l of `ahead` or of `behind` is beyond its bound. NaN never is.
+  static std::uint32_t lane_bits(Lanes ahead, Lanes behind, Lanes bound) {
+    const Tag tag;
+    std::uint8_t mask[8];
+    hn::StoreMaskBits(tag, hn::Or(hn::Gt(ahead, bound), hn::Gt(behind, bound)), mask);
+    return mask[0];
+  }
+
+  /// Edges i, i + 1, .. in lanes, each with its own axis.
+  std::uint32_t edges_apart(const CsatEdges& edges, int i, Lanes lx, Lanes ly, Lanes lz, Lanes bound) const {
+    const Tag tag;
+    const auto along = [&](Lanes x, Lanes y, Lanes z) {
+      return hn::Add(hn::Add(hn::Mul(lx, x), hn::Mul(ly, y)), hn::Mul(lz, z));
+    };
+    Lanes ahead = hn::Set(tag, std::numeric_limits<double>::infinity()), behind = ahead;
+    for (int c = 0; c < control_points_; ++c) {
+      alignas(32) double ends[2][3][4];
+      for (std::size_t l = 0; l < hn::Lanes(tag); ++l)
+        for (int k = 0; k < 3; ++k) {
+          ends[0][k][l] = a_.at(c, k, edges.ends[0][static_cast<std::size_t>(i) + l]);
+          ends[1][k][l] = a_.at(c, k, edges.ends[1][static_cast<std::size_t>(i) + l]);
+        }
+      const auto own = [&](int end) {
+        return along(hn::Load(tag, ends[end][0]), hn::Load(tag, ends[end][1]), hn::Load(tag, ends[end][2]));
+      };
+      const Lanes p = own(0), q = own(1);
+      const auto point = [&](int j) {
+        return along(hn::Set(tag, b_.at(c, 0, j)), hn::Set(tag, b_.at(c, 1, j)), hn::Set(tag, b_.at(c, 2, j)));
+      };
+      Lanes low = point(0), high = low;
+      for (int j = 1; j < b_.count; ++j) {
+        const Lanes projection = point(j);
+        low = hn::Min(low, projection);
+        high = hn::Max(high, projection);
+      }
+      ahead = hn::Min(hn::Sub(low, hn::Max(p, q)), ahead);
+      behind = hn::Min(hn::Sub(hn::Min(p, q), high), behind);
+    }
+    return lane_bits(ahead, behind, bound);
+  }
+
   double threshold(const Vec3& axis) const {
     const double x = axis[0], y = axis[1], z = axis[2];
     const double sum = std::abs(x) * extent_[0] + std::abs(y) * extent_[1] + std::abs(z) * extent_[2];
@@ -140,7 +225,8 @@ class Separator {
 /// One batch. Keeps the points of the last first element: broad phases emit runs of pairs with the same one.
 class Culler {
  public:
-  Culler(const Csat::Config& config, const Step& step) : config_(config), step_(step), frame_(step.motion, step.t_max) {}
+  Culler(const Csat::Config& config, const Step& step)
+      : config_(config), step_(step), frame_(step.motion, step.t_max) {}
 
   void cull(PairBatch& batch) {
     if (frame_.control_points > kCsatControlPoints) return;
@@ -199,43 +285,43 @@ class Culler {
   void mask_features(ElementPair pair, FeatureMask& mask) {
     mask.vertices_a |= separate_vertices(a_, b_, pair.a, pair.b, mask.vertices_a);
     mask.vertices_b |= separate_vertices(b_, a_, pair.b, pair.a, mask.vertices_b);
-    mask.edges_a |= separate_edges(a_, b_, pair.a, pair.b, mask.edges_a);
-    if (config_.edges_of_b) mask.edges_b |= separate_edges(b_, a_, pair.b, pair.a, mask.edges_b);
+    if (pair.a != edges_gathered_) {
+      edges_a_.gather(step_, pair.a);
+      edges_gathered_ = pair.a;
+    }
+    mask.edges_a |= separate_edges(a_, edges_a_, b_, pair.a, pair.b, mask.edges_a);
+    if (!config_.edges_of_b) return;
+    edges_b_.gather(step_, pair.b);
+    mask.edges_b |= separate_edges(b_, edges_b_, a_, pair.b, pair.a, mask.edges_b);
   }
 
-  /// Corollary 2: bits of the vertices of element o that touch nothing of `other`, but for those in `known`.
+  /// Corollary 2: bits of the vertices of element o that touch nothing of `other`. Axis `face`: one picked face of the other
+  /// element for all vertices, so that each point is projected once; the others: an axis for each vertex.
   std::uint32_t separate_vertices(const CsatPoints& own, const CsatPoints& others, Index o, Index other,
                                   std::uint32_t known) {
+    if (config_.axis == CsatAxis::face)
+      return known | Separator(own, others, frame_, step_.separation)
+                         .separate_vertices(csat_face_normal(step_, other, pick(o, other, 0)));
     std::uint32_t bits = 0;
     for (int i = 0; i < own.count; ++i) {
       if (known >> i & 1u) continue;
       feature_.take(own, frame_.control_points, i, i);
-      const Separator separator(feature_, others, frame_, step_.separation);
-      const bool apart = config_.axis == CsatAxis::face
-                             ? separator.separates(csat_face_normal(step_, other, pick(o, other, i)))
-                             : separated(separator);
-      bits |= std::uint32_t{apart} << i;
+      bits |= std::uint32_t{separated(Separator(feature_, others, frame_, step_.separation))} << i;
     }
     return bits;
   }
 
-  /// Corollary 4.
-  std::uint64_t separate_edges(const CsatPoints& own, const CsatPoints& others, Index o, Index other,
-                               std::uint64_t known) {
-    const auto edges = step_.features().element_edges(o);
-    const int count = static_cast<int>(std::min<std::size_t>(edges.size(), 64));
+  /// Corollary 4. Axis `face`: the cross products of all edges with one picked edge of the other element.
+  std::uint64_t separate_edges(const CsatPoints& own, const CsatEdges& own_edges, const CsatPoints& others, Index o,
+                               Index other, std::uint64_t known) {
+    if (config_.axis == CsatAxis::face)
+      return known | Separator(own, others, frame_, step_.separation)
+                         .separate_edges(own_edges, csat_picked_edge(step_, other, pick(o, other, 1)));
     std::uint64_t bits = 0;
-    for (int i = 0; i < count; ++i) {
+    for (int i = 0; i < own_edges.count; ++i) {
       if (known >> i & 1u) continue;
-      const Index e = edges[static_cast<std::size_t>(i)];
-      const auto& ends = step_.features().edge(e);
-      feature_.take(own, frame_.control_points, local(o, ends[0]), local(o, ends[1]));
-      const Separator separator(feature_, others, frame_, step_.separation);
-      const bool apart = config_.axis == CsatAxis::face
-                             ? separator.separates(csat_scaled(csat_edge_direction(step_, e).cross(
-                                   csat_picked_edge(step_, other, pick(o, other, kCsatVertices + i)))))
-                             : separated(separator);
-      bits |= std::uint64_t{apart} << i;
+      feature_.take(own, frame_.control_points, own_edges.ends[0][i], own_edges.ends[1][i]);
+      bits |= std::uint64_t{separated(Separator(feature_, others, frame_, step_.separation))} << i;
     }
     return bits;
   }
@@ -250,11 +336,6 @@ class Culler {
             all(mask.edges_b, step_.features().element_edges(pair.b).size()));
   }
 
-  int local(Index o, Index vertex) const {
-    const auto vertices = step_.mesh().vertices(o);
-    return static_cast<int>(std::find(vertices.begin(), vertices.end(), vertex) - vertices.begin());
-  }
-
   std::uint64_t pick(Index o, Index other, int feature) const {
     return csat_hash(static_cast<std::uint64_t>(step_.mesh().element_id(o)),
                      static_cast<std::uint64_t>(step_.mesh().element_id(other)), static_cast<std::uint64_t>(feature));
@@ -263,8 +344,9 @@ class Culler {
   const Csat::Config& config_;
   const Step& step_;
   CsatFrame frame_;
-  Index gathered_ = kNone;
+  Index gathered_ = kNone, edges_gathered_ = kNone;
   CsatPoints a_, b_, feature_;
+  CsatEdges edges_a_, edges_b_;
 };
 
 void cull(const Csat::Config& config, const Step& step, PairBatch& batch) { Culler(config, step).cull(batch); }

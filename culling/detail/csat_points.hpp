@@ -4,10 +4,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 
 #include <volccd/mesh/motion.hpp>
 #include <volccd/mesh/rounding.hpp>
+#include <volccd/mesh/step.hpp>
 
 namespace volccd::detail {
 
@@ -29,8 +31,8 @@ struct CsatFrame {
   }
 };
 
-/// Differences of vertices and reference points, row (control point, axis) by vertex, padded to a multiple of 4 with copies of
-/// the first vertex.
+/// Differences of vertices and reference points, row (control point, axis) by vertex, padded to a multiple of 4 with
+/// copies of the first vertex.
 struct CsatPoints {
   int count = 0, stride = 4;
   double extent[3] = {};  ///< greatest magnitude on each axis before the restriction to [0, s]
@@ -80,6 +82,30 @@ void CsatPoints::gather(const CsatFrame& frame, const Motion& motion, std::span<
   }
   if (frame.levels > 0) restrict_to(frame);
 }
+
+/// Edges of an element, for tests of all of them at once: local vertex numbers of their ends, and directions at t = 0. Padded
+/// with copies of the last to a multiple of 4.
+struct CsatEdges {
+  static constexpr int kMost = 64;  ///< edges beyond are not tested (FeatureMask)
+
+  int count = 0;
+  std::uint8_t ends[2][kMost];
+  alignas(64) double direction[3][kMost];
+
+  void gather(const Step& step, Index o) {
+    const auto edges = step.features().element_edges(o);
+    const auto vertices = step.mesh().vertices(o);
+    const auto local = [&](Index v) {
+      return static_cast<std::uint8_t>(std::find(vertices.begin(), vertices.end(), v) - vertices.begin());
+    };
+    count = static_cast<int>(std::min<std::size_t>(edges.size(), kMost));
+    for (int i = 0; i < (count + 3) / 4 * 4; ++i) {
+      const auto& edge = step.features().edge(edges[static_cast<std::size_t>(std::min(i, count - 1))]);
+      for (std::size_t end = 0; end < 2; ++end) ends[end][i] = local(edge[end]);
+      for (int k = 0; k < 3; ++k) direction[k][i] = step.motion.at(edge[1])[k] - step.motion.at(edge[0])[k];
+    }
+  }
+};
 
 inline void CsatPoints::restrict_to(const CsatFrame& frame) {
   // De Casteljau in place: control point c of [0, s] is the c-th level's first value.

@@ -77,8 +77,8 @@ bool CsatSimplex::triangle(Vec3& direction) {
   return direction.squaredNorm() > 0;
 }
 
-// The nearest of the faces that have the origin on their outer side; none: the origin is inside. Of a flat tetrahedron (two
-// control points that differ by a common translation give many) every face counts: its inner side is noise.
+// The nearest of the faces that have the origin on their outer side; none: the origin is inside. Of a flat tetrahedron
+// (two control points that differ by a common translation give many) every face counts: its inner side is noise.
 bool CsatSimplex::tetrahedron(Vec3& direction) {
   constexpr int faces[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
   CsatSimplex best;

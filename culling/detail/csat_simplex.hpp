@@ -1,5 +1,5 @@
-// The simplex of a Gilbert-Johnson-Keerthi iteration: at most four points of a convex set, and the direction from the origin
-// to the nearest point of their hull.
+// The simplex of a Gilbert-Johnson-Keerthi iteration: at most four points of a convex set, and the direction from the
+// origin to the nearest point of their hull.
 #pragma once
 
 #include <array>
@@ -16,8 +16,8 @@ class CsatSimplex {
   void add(const Vec3& p) { points_[static_cast<std::size_t>(size_++)] = p; }
 
   /// Cuts the simplex down to the face nearest to the origin and sets `direction` to a positive multiple of that face's
-  /// nearest point, computed so that a short distance keeps its digits. Returns false, with `direction` undefined, if the
-  /// origin is inside (or on it, within rounding).
+  /// nearest point, computed so that a short distance keeps its digits. Returns false, with `direction` undefined, if
+  /// the origin is inside (or on it, within rounding).
   bool nearest(Vec3& direction);
 
  private:

@@ -64,7 +64,8 @@ HWY_INLINE Lanes length(const Lanes3& a) {
 }
 HWY_INLINE Lanes3 load(const FeatureBlock& block, int control_point, int vertex, std::size_t i) {
   const Tag tag;
-  return {hn::Load(tag, block.row(control_point, vertex, 0) + i), hn::Load(tag, block.row(control_point, vertex, 1) + i),
+  return {hn::Load(tag, block.row(control_point, vertex, 0) + i),
+          hn::Load(tag, block.row(control_point, vertex, 1) + i),
           hn::Load(tag, block.row(control_point, vertex, 2) + i)};
 }
 

@@ -13,7 +13,8 @@
 namespace volccd {
 namespace {
 
-/// Disjoint tetrahedra 4i .. 4i+3, each with one VF and one EE test between its own vertices: what an O-Set holds most of.
+/// Disjoint tetrahedra 4i .. 4i+3, each with one VF and one EE test between its own vertices: what an O-Set holds most
+/// of.
 struct Tests {
   static constexpr Index kCount = 64 * FeatureBlock::kCapacity;
 

@@ -73,7 +73,8 @@ NamedCulling make(const OptionValues& options) {
 std::vector<NamedCulling> all_cullings() {
   std::vector<NamedCulling> all;
   for (const char* axis : {"face", "predetermined", "velocity", "centroid", "optimal"})
-    for (const char* mode : {"features", "pair", "both"}) all.push_back(make({{"axis", axis}, {"mode", mode}, {"edges_of_b", "true"}}));
+    for (const char* mode : {"features", "pair", "both"})
+      all.push_back(make({{"axis", axis}, {"mode", mode}, {"edges_of_b", "true"}}));
   return all;
 }
 
@@ -101,7 +102,8 @@ std::uint64_t edge_bit(const Features& features, Index o, Index v0, Index v1) {
 }
 
 /// Whether the pair (2i, 2i + 1), swapped or not, is still in the batch with the touching features unmasked.
-::testing::AssertionResult kept(const PairBench& bench, const PairBatch& batch, Index i, FeatureKind kind, bool swapped) {
+::testing::AssertionResult kept(const PairBench& bench, const PairBatch& batch, Index i, FeatureKind kind,
+                                bool swapped) {
   for (std::size_t k = 0; k < batch.size(); ++k) {
     if (std::min(batch.pairs[k].a, batch.pairs[k].b) != 2 * i) continue;
     const FeatureMask& m = batch.masks[k];
@@ -118,7 +120,8 @@ std::uint64_t edge_bit(const Features& features, Index o, Index v0, Index v1) {
   return ::testing::AssertionFailure() << "pair dropped";
 }
 
-/// Conservative property over all axes and modes. separation_exponent: see part(); t_max: of a random test of the batch.
+/// Conservative property over all axes and modes. separation_exponent: see part(); t_max: of a random test of the
+/// batch.
 void check_touching(ElementType type, std::uint64_t seed, int rounds, bool apart, bool early) {
   const auto cullings = all_cullings();
   Random random(seed);
@@ -190,8 +193,8 @@ TEST(CsatConservative, GrazingTetrahedraAreKept) {
   }
 }
 
-/// Elements in balls of diameter 1 on both sides of a random plane, at least `gap` apart at every control point (negative: as
-/// far into each other), with random and common motion.
+/// Elements in balls of diameter 1 on both sides of a random plane, at least `gap` apart at every control point
+/// (negative: as far into each other), with random and common motion.
 void set_apart(PairBench& bench, Random& random, double gap) {
   for (Index i = 0; i < bench.pairs(); ++i) {
     const Vec3 n = random.vector(-1, 1).normalized(), drift = random.vector(-3, 3);
@@ -261,10 +264,11 @@ TEST(CsatEffect, EarlyTimesPruneMore) {
   EXPECT_GT(left(1), 50u);
 }
 
-// --- masks against a naive search for contacts ------------------------------------------------------------------------
+// --- masks against a naive search for contacts
+// ------------------------------------------------------------------------
 
-/// Contact of moving points p[0] against the triangle p[1..3], or edge p[0..1] against p[2..3]: coplanar at a sign change
-/// between samples, and the weights there inside by a margin.
+/// Contact of moving points p[0] against the triangle p[1..3], or edge p[0..1] against p[2..3]: coplanar at a sign
+/// change between samples, and the weights there inside by a margin.
 bool robust_contact(FeatureKind kind, const std::array<std::array<Vec3, 2>, 4>& p) {
   const auto at = [&](double t, int v) -> Vec3 {
     const auto& q = p[static_cast<std::size_t>(v)];
@@ -388,7 +392,8 @@ TEST(CsatMasks, SharedFeaturesOfAdjacentElementsStay) {
   }
 }
 
-// --- libccd -----------------------------------------------------------------------------------------------------------
+// --- libccd
+// -----------------------------------------------------------------------------------------------------------
 
 struct Differences {
   std::vector<Vec3> points;  // of the hull of B_c - A_c
@@ -457,7 +462,8 @@ TEST(CsatOptimal, AgreesWithLibccd) {
   EXPECT_LT(separated, all * 4 / 5);
 }
 
-// --- the same everywhere ----------------------------------------------------------------------------------------------
+// --- the same everywhere
+// ----------------------------------------------------------------------------------------------
 
 TEST(CsatSimd, AllInstructionSetsAgree) {
   Random random(13);

@@ -1,9 +1,9 @@
 #include <memory>
 #include <string>
 
-#include <boost/multiprecision/cpp_int.hpp>
 #include <gtest/gtest.h>
 #include <hwy/highway.h>
+#include <boost/multiprecision/cpp_int.hpp>
 
 #include <volccd/culling/coplanarity_filter.hpp>
 #include <volccd/culling/csat_filter.hpp>
@@ -33,8 +33,7 @@ std::vector<NamedFilter> all_filters() {
     for (const char* bounds : {"swept", "relative"})
       filters.push_back(make(describe_feature_kdop_filter(), {{"k", k}, {"bounds", bounds}}));
   filters.push_back(make(describe_coplanarity_filter(), {}));
-  for (const char* axes : {"first", "ends", "wide"})
-    filters.push_back(make(describe_csat_filter(), {{"axes", axes}}));
+  for (const char* axes : {"first", "ends", "wide"}) filters.push_back(make(describe_csat_filter(), {{"axes", axes}}));
   return filters;
 }
 
@@ -90,8 +89,7 @@ TEST(FilterTouching, CasesTouchInRationalArithmetic) {
     for (std::size_t v = 0; v < 4; ++v) x[v] = position(test, v);
     for (std::size_t k = 0; k < 3; ++k) {
       Rational gap = 0;
-      for (std::size_t v = 0; v < 4; ++v)
-        gap += (v < first ? 1 : -1) * Rational(test.weights[v]) * x[v][k];
+      for (std::size_t v = 0; v < 4; ++v) gap += (v < first ? 1 : -1) * Rational(test.weights[v]) * x[v][k];
       square += gap * gap;
     }
     EXPECT_EQ(square, Rational(test.distance) * Rational(test.distance));
@@ -150,22 +148,26 @@ TEST(FilterConservative, WithinTheSeparationIsKept) {
   });
 }
 
-// The plane x + y + z = const through the contact keeps the features apart but for the contact itself, and all four points
-// round differently.
+// The plane x + y + z = const through the contact keeps the features apart but for the contact itself, and all four
+// points round differently.
 TEST(FilterConservative, GrazingAlongDiagonalsIsKept) {
   const auto filters = all_filters();
   Random random(9);
-  const auto big = [&] { return static_cast<double>(random.integer(std::int64_t{1} << 51, (std::int64_t{1} << 53) - (1 << 22))); };
+  const auto big = [&] {
+    return static_cast<double>(random.integer(std::int64_t{1} << 51, (std::int64_t{1} << 53) - (1 << 22)));
+  };
   for (int round = 0; round < 2000; ++round) {
     const auto kind = round % 2 ? FeatureKind::vf : FeatureKind::ee;
     TestBench bench(2);
     for (std::size_t i = 0; i < FeatureBlock::kCapacity; ++i) {
       const Vec3 contact(big(), big(), big()), up = Vec3::Constant(static_cast<double>(random.integer(1, 1 << 20)));
-      const auto x = static_cast<double>(random.integer(-1000, 1000)), y = static_cast<double>(random.integer(-1000, 1000));
+      const auto x = static_cast<double>(random.integer(-1000, 1000)),
+                 y = static_cast<double>(random.integer(-1000, 1000));
       const Vec3 along(x, y, -x - y), across(y, -x - y, x);
       const std::array<Vec3, 4> points =
-          kind == FeatureKind::vf ? std::array<Vec3, 4>{contact, contact + along, contact - along, contact + up}
-                                  : std::array<Vec3, 4>{contact + along, contact - along, contact + across, contact - across};
+          kind == FeatureKind::vf
+              ? std::array<Vec3, 4>{contact, contact + along, contact - along, contact + up}
+              : std::array<Vec3, 4>{contact + along, contact - along, contact + across, contact - across};
       TouchingTest test;
       const int flip = static_cast<int>(random.integer(0, 7));
       for (std::size_t v = 0; v < 4; ++v) {
@@ -185,7 +187,8 @@ TEST(FilterConservative, GrazingAlongDiagonalsIsKept) {
 }
 
 /// Random tests of the size 1 whose features are `distance` apart along x, and move by up to `motion`.
-void fill_apart(TestBench& bench, Random& random, FeatureKind kind, int control_points, double distance, double motion) {
+void fill_apart(TestBench& bench, Random& random, FeatureKind kind, int control_points, double distance,
+                double motion) {
   for (std::size_t i = 0; i < FeatureBlock::kCapacity; ++i) {
     TouchingTest test;
     const Vec3 common = random.vector(-5, 5);

@@ -1,5 +1,5 @@
-// VF and EE tests that touch by construction, in exact arithmetic: integers on a lattice, times and weights powers of two, no
-// rounding anywhere.
+// VF and EE tests that touch by construction, in exact arithmetic: integers on a lattice, times and weights powers of
+// two, no rounding anywhere.
 #pragma once
 
 #include <array>

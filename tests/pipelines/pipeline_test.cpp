@@ -18,10 +18,15 @@ using test::Scene;
 
 const ObjectFilter kEverything;
 
+const Registry& registry() {
+  static const Registry standard = Registry::standard();
+  return standard;
+}
+
 StepResult run(const PipelineSpec& spec, const Scene& scene, Query query = Query::all,
                const ObjectFilter& filter = kEverything, Executor* executor = nullptr) {
   static SerialExecutor serial;
-  const Pipeline pipeline(Registry::standard(), spec);
+  const Pipeline pipeline(registry(), spec);
   Workspace workspace = pipeline.make_workspace();
   StepResult result;
   pipeline.run({scene.topology, scene.motion, filter}, workspace, executor ? *executor : serial, result, query);
@@ -30,7 +35,7 @@ StepResult run(const PipelineSpec& spec, const Scene& scene, Query query = Query
 
 /// Every pair of elements, without even boxes: nothing is culled anywhere.
 PipelineSpec reference() {
-  PipelineSpec spec = Registry::standard().pipeline("BruteForce");
+  PipelineSpec spec = registry().pipeline("BruteForce");
   spec.broad_phase.options["bounds"] = "none";
   return spec;
 }
@@ -47,7 +52,6 @@ void expect_same(const StepResult& expected, const StepResult& found, const std:
 
 /// All sound combinations of stages: broad phase x element culling x feature culling x feature filters.
 std::vector<PipelineSpec> combinations() {
-  const Registry registry = Registry::standard();
   const std::vector<std::vector<StageChoice>> element = {
       {},
       {{"csat", {{"axis", "face"}, {"mode", "features"}}}},
@@ -84,7 +88,7 @@ TEST(Pipelines, EveryPresetFindsTheContactsOfBruteForce) {
     for (const Scene& scene : test::small_scenes(7, jitter)) {
       const StepResult expected = run(reference(), scene);
       EXPECT_GT(expected.contacts.size(), 10u) << scene.name;
-      for (const PipelineSpec& spec : Registry::standard().pipelines())
+      for (const PipelineSpec& spec : registry().pipelines())
         expect_same(expected, run(spec, scene), scene.name + " " + spec.name);
     }
 }
@@ -106,14 +110,14 @@ TEST(LongPipelines, EveryBroadPhaseCombinesWithEveryStageOnEveryType) {
 TEST(Pipelines, ExactlyOnceMeansNoDuplicates) {
   for (const Scene& scene : test::small_scenes(5, 0.3)) {
     for (const char* name : {"VolCCD", "VolCCD+"})
-      EXPECT_EQ(run(Registry::standard().pipeline(name), scene).statistics.duplicates, 0u) << scene.name << " " << name;
-    EXPECT_GT(run(Registry::standard().pipeline("NavCCD"), scene).statistics.duplicates, 0u) << scene.name;
+      EXPECT_EQ(run(registry().pipeline(name), scene).statistics.duplicates, 0u) << scene.name << " " << name;
+    EXPECT_GT(run(registry().pipeline("NavCCD"), scene).statistics.duplicates, 0u) << scene.name;
   }
 }
 
 TEST(ThreadsPipelines, SameResultAndCountsForAnyNumberOfWorkers) {
   const Scene scene = test::colliding("tetrahedra", block(ElementType::tetrahedron, 4, 4, 2), 9, 0.2);
-  for (const PipelineSpec& spec : Registry::standard().pipelines()) {
+  for (const PipelineSpec& spec : registry().pipelines()) {
     const StepResult serial = run(spec, scene);
     for (const unsigned threads : {1u, 2u, 3u, 4u}) {
       const auto executor = make_thread_executor(threads);
@@ -130,7 +134,7 @@ TEST(ThreadsPipelines, SameResultAndCountsForAnyNumberOfWorkers) {
 TEST(Pipelines, TbbGivesTheSameAsOneThread) {
   const Scene scene = test::colliding("hexahedra", block(ElementType::hexahedron, 3, 3, 2), 9, 0.2);
   const auto executor = make_executor(3);
-  for (const PipelineSpec& spec : Registry::standard().pipelines())
+  for (const PipelineSpec& spec : registry().pipelines())
     expect_same(run(spec, scene), run(spec, scene, Query::all, kEverything, executor.get()), spec.name);
 }
 
@@ -138,7 +142,7 @@ TEST(ThreadsPipelines, FirstIsTheEarliestOfAll) {
   const auto executor = make_thread_executor(3);
   for (const double jitter : {0.0, 0.02, 0.2})
     for (const Scene& scene : test::small_scenes(21, jitter))
-      for (const PipelineSpec& spec : Registry::standard().pipelines()) {
+      for (const PipelineSpec& spec : registry().pipelines()) {
         const StepResult all = run(spec, scene);
         for (Executor* e : {static_cast<Executor*>(nullptr), executor.get()}) {
           const StepResult first = run(spec, scene, Query::first, kEverything, e);
@@ -154,7 +158,7 @@ TEST(ThreadsPipelines, FirstIsTheEarliestOfAll) {
 
 TEST(Pipelines, PairScopesPartitionTheContacts) {
   for (const Scene& scene : test::small_scenes(4, 0.3))
-    for (const PipelineSpec& spec : Registry::standard().pipelines()) {
+    for (const PipelineSpec& spec : registry().pipelines()) {
       const StepResult all = run(spec, scene);
       const StepResult inter = run(spec, scene, Query::all, ObjectFilter(PairScope::inter));
       const StepResult intra = run(spec, scene, Query::all, ObjectFilter(PairScope::intra));
@@ -176,7 +180,7 @@ TEST(Pipelines, ScopesAgreeWhereObjectsShareVertices) {
   for (const PairScope scope : {PairScope::inter, PairScope::intra}) {
     const StepResult expected = run(reference(), scene, Query::all, ObjectFilter(scope));
     EXPECT_GT(expected.contacts.size(), 0u);
-    for (const PipelineSpec& spec : Registry::standard().pipelines())
+    for (const PipelineSpec& spec : registry().pipelines())
       expect_same(expected, run(spec, scene, Query::all, ObjectFilter(scope)), spec.name);
   }
 }
@@ -214,7 +218,7 @@ TEST(Pipelines, NavCcdPerformsTheTestsOfAllOverlappingPairs) {
         if (apart) continue;
         ++pairs;
         std::set<std::pair<Index, Index>> vf_pairs, ee_pairs;
-        for (const auto [x, y] : {std::pair{a, b}, std::pair{b, a}}) {
+        for (const auto& [x, y] : {std::pair{a, b}, std::pair{b, a}}) {
           for (const Index v : mesh.vertices(x))
             for (const Index f : features.element_triangles(y)) {
               const auto& t = features.triangle(f);
@@ -228,7 +232,7 @@ TEST(Pipelines, NavCcdPerformsTheTestsOfAllOverlappingPairs) {
         }
         vf += vf_pairs.size(), ee += ee_pairs.size();
       }
-    const Statistics s = run(Registry::standard().pipeline("NavCCD"), scene).statistics;
+    const Statistics s = run(registry().pipeline("NavCCD"), scene).statistics;
     EXPECT_EQ(s.element_pairs, pairs) << scene.name;
     EXPECT_EQ(s.vf_tests, vf) << scene.name;
     EXPECT_EQ(s.ee_tests, ee) << scene.name;
@@ -238,9 +242,9 @@ TEST(Pipelines, NavCcdPerformsTheTestsOfAllOverlappingPairs) {
 TEST(Pipelines, WorkspaceFollowsTopologyChanges) {
   Shape shape = mixed_block(2, 2);
   Random random(17);
-  for (const PipelineSpec& spec : Registry::standard().pipelines()) {
+  for (const PipelineSpec& spec : registry().pipelines()) {
     Topology topology(shape.mesh());
-    const Pipeline pipeline(Registry::standard(), spec);
+    const Pipeline pipeline(registry(), spec);
     Workspace kept = pipeline.make_workspace();
     SerialExecutor serial;
     std::vector<ElementSpec> out;
@@ -268,22 +272,21 @@ TEST(Pipelines, WorkspaceFollowsTopologyChanges) {
 }
 
 TEST(Pipelines, RefuseWhatIsUnsound) {
-  const Registry registry = Registry::standard();
-  PipelineSpec spec = registry.pipeline("VolCCD");
+  PipelineSpec spec = registry().pipeline("VolCCD");
   spec.feature_culling = {"static-assignment", {{"oset", "minimal"}}};
-  EXPECT_THROW(Pipeline(registry, spec), ConfigError);
+  EXPECT_THROW(Pipeline(registry(), spec), ConfigError);
   spec.feature_culling = {"dynamic-assignment", {{"oset", "none"}}};
-  EXPECT_THROW(Pipeline(registry, spec), ConfigError);
+  EXPECT_THROW(Pipeline(registry(), spec), ConfigError);
   spec.feature_culling = {"no-such-stage", {}};
-  EXPECT_THROW(Pipeline(registry, spec), ConfigError);
-  spec = registry.pipeline("VolCCD");
+  EXPECT_THROW(Pipeline(registry(), spec), ConfigError);
+  spec = registry().pipeline("VolCCD");
   spec.broad_phase.options["k"] = "17";
-  EXPECT_THROW(Pipeline(registry, spec), ConfigError);
+  EXPECT_THROW(Pipeline(registry(), spec), ConfigError);
 }
 
 TEST(Pipelines, RefuseStepsTheyCannotRun) {
-  const Scene scene = test::small_scenes(1, 0.1).front();
-  const Pipeline pipeline(Registry::standard(), Registry::standard().pipeline("VolCCD"));
+  const Scene scene = std::move(test::small_scenes(1, 0.1).front());
+  const Pipeline pipeline(registry(), registry().pipeline("VolCCD"));
   Workspace workspace = pipeline.make_workspace();
   SerialExecutor serial;
   StepResult result;
@@ -295,27 +298,26 @@ TEST(Pipelines, RefuseStepsTheyCannotRun) {
 }
 
 TEST(Registry, SettingsChangeAPipeline) {
-  const Registry registry = Registry::standard();
-  PipelineSpec spec = registry.pipeline("VolCCD");
-  registry.apply_setting(spec, "csat.axis=centroid");
+  PipelineSpec spec = registry().pipeline("VolCCD");
+  registry().apply_setting(spec, "csat.axis=centroid");
   EXPECT_EQ(spec.element_culling.front().options.at("axis"), "centroid");
-  registry.apply_setting(spec, "feature-filters=feature-kdop,coplanarity");
+  registry().apply_setting(spec, "feature-filters=feature-kdop,coplanarity");
   EXPECT_EQ(spec.feature_filters.size(), 2u);
-  registry.apply_setting(spec, "element-culling=none");
+  registry().apply_setting(spec, "element-culling=none");
   EXPECT_TRUE(spec.element_culling.empty());
-  registry.apply_setting(spec, "broad-phase=spatial-hash");
+  registry().apply_setting(spec, "broad-phase=spatial-hash");
   EXPECT_EQ(spec.broad_phase.name, "spatial-hash");
   for (const char* wrong : {"csat.axis=centroid", "x", "=x", "broad-phase=none", "no-role=x", "kdop-bvh.k=18"})
-    EXPECT_THROW(registry.apply_setting(spec, wrong), ConfigError) << wrong;
+    EXPECT_THROW(registry().apply_setting(spec, wrong), ConfigError) << wrong;
 }
 
 TEST(Registry, NamesAreUnique) {
-  Registry registry = Registry::standard();
+  Registry own = Registry::standard();
   StageDescriptor<FeatureFilter> again;
   again.name = "kdop-bvh";
-  EXPECT_THROW(registry.add(again), ConfigError);
-  EXPECT_THROW(registry.add_pipeline(registry.pipelines().front()), ConfigError);
-  EXPECT_THROW(registry.pipeline("nothing"), ConfigError);
+  EXPECT_THROW(own.add(again), ConfigError);
+  EXPECT_THROW(own.add_pipeline(own.pipelines().front()), ConfigError);
+  EXPECT_THROW(own.pipeline("nothing"), ConfigError);
 }
 
 }  // namespace
