@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <tbb/blocked_range.h>
+#include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
@@ -27,7 +28,8 @@ std::size_t fitting_grain(std::size_t grain, std::size_t n) {
 
 class TbbExecutor final : public Executor {
  public:
-  explicit TbbExecutor(unsigned threads) : arena_(static_cast<int>(threads)) {}
+  explicit TbbExecutor(unsigned threads)
+      : limit_(tbb::global_control::max_allowed_parallelism, threads), arena_(static_cast<int>(threads)) {}
 
   unsigned workers() const override { return static_cast<unsigned>(arena_.max_concurrency()); }
 
@@ -47,6 +49,7 @@ class TbbExecutor final : public Executor {
   }
 
  private:
+  tbb::global_control limit_;  ///< lets an arena have more threads than the machine has cores, as was asked for
   tbb::task_arena arena_;
 };
 

@@ -165,6 +165,35 @@ TEST(Features, OfAnEmptyMeshAreNone) {
   EXPECT_TRUE(features.vertex_elements(2).empty());
 }
 
+TEST(Features, OneChangeMayBeMadeInParts) {
+  const Mesh mesh = permuted(mixed_block(2, 1), 1).mesh();
+  std::vector<Index> odd, even, all;
+  for (Index o = 0; o < mesh.element_slots(); ++o) {
+    if (o % 3 == 0) continue;
+    (o % 2 == 1 ? odd : even).push_back(o);
+    all.push_back(o);
+  }
+  Features parts = built(mesh, EdgeSet::triangulated), whole = parts;
+  FeatureChange in_parts, at_once;
+  parts.remove(mesh, odd, in_parts);
+  parts.remove(mesh, even, in_parts);
+  whole.remove(mesh, all, at_once);
+  EXPECT_EQ(test::contents(parts), test::contents(whole));
+  EXPECT_EQ(in_parts.removed_vertices, at_once.removed_vertices);
+  EXPECT_EQ(in_parts.removed_edges, at_once.removed_edges);
+  EXPECT_EQ(in_parts.removed_triangles, at_once.removed_triangles);
+  EXPECT_EQ(in_parts.touched_vertices, at_once.touched_vertices);
+  EXPECT_EQ(in_parts.touched_edges, at_once.touched_edges);
+  EXPECT_EQ(in_parts.touched_triangles, at_once.touched_triangles);
+  parts.add(mesh, even, in_parts);
+  parts.add(mesh, odd, in_parts);
+  EXPECT_EQ(test::inconsistency(mesh, parts), "");
+  EXPECT_TRUE(std::ranges::is_sorted(in_parts.touched_edges, std::less_equal<>()));
+  EXPECT_EQ(in_parts.added_vertices, in_parts.removed_vertices);
+  EXPECT_EQ(in_parts.added_edges.size(), in_parts.removed_edges.size());
+  EXPECT_EQ(in_parts.added_triangles.size(), in_parts.removed_triangles.size());
+}
+
 TEST(Features, MemoryStaysBoundedOverManyChanges) {
   Mesh mesh = block(ElementType::tetrahedron, 8, 8, 8).mesh();
   Features features = built(mesh, EdgeSet::triangulated);
