@@ -2,41 +2,109 @@
 
 #include <algorithm>
 
-#include <volccd/culling/detail/assignment_pairs.hpp>
-#include <volccd/culling/detail/assignment_state.hpp>
+#include <volccd/culling/detail/masked_features.hpp>
+#include <volccd/culling/detail/orphans.hpp>
+#include <volccd/mesh/feature_block.hpp>
+#include <volccd/mesh/topology_watch.hpp>
 
 namespace volccd {
 
 namespace {
 
-constexpr auto kAny = [](std::span<const Index>) { return true; };
+struct State final : StageState {
+  explicit State(OSetKind kind) : orphans(kind) {}
+  std::size_t bytes() const override { return watch.bytes() + orphans.bytes(); }
 
-bool contains(std::span<const Index> values, Index value) {
-  return std::find(values.begin(), values.end(), value) != values.end();
+  TopologyWatch watch;
+  detail::Orphans orphans;
+};
+
+bool contains(std::span<const Index> list, Index value) {
+  return std::find(list.begin(), list.end(), value) != list.end();
 }
 
-/// A pair of features that both belong to both elements comes twice; the second time is left out. Both times the masks
-/// apply: either says that the features do not touch.
-void adjacent_tests(const Step& step, ElementPair pair, const FeatureMask& mask, detail::TestWriter& out) {
+/// All tests of elements without a common vertex: no feature is in both, no pair shares a vertex.
+void apart_pair(const Step& step, ElementPair pair, const FeatureMask& mask, TestBatch& out) {
   const Features& features = step.features();
-  const std::span<const Index> vertices_b = step.mesh().vertices(pair.b), vertices_a = step.mesh().vertices(pair.a);
-  const auto both_have = [&](Index v, Index f) {
-    return contains(vertices_a, v) && contains(vertices_b, v) && contains(features.element_triangles(pair.a), f) &&
-           contains(features.element_triangles(pair.b), f);
+  detail::for_each_unmasked(step.mesh().vertices(pair.a), mask.vertices_a, [&](Index v) {
+    for (const Index f : features.element_triangles(pair.b)) out.vf.push_back({v, f});
+  });
+  detail::for_each_unmasked(step.mesh().vertices(pair.b), mask.vertices_b, [&](Index v) {
+    for (const Index f : features.element_triangles(pair.a)) out.vf.push_back({v, f});
+  });
+  detail::for_each_unmasked(features.element_edges(pair.a), mask.edges_a, [&](Index e) {
+    detail::for_each_unmasked(features.element_edges(pair.b), mask.edges_b,
+                              [&](Index g) { out.ee.push_back({std::min(e, g), std::max(e, g)}); });
+  });
+}
+
+/// All tests of adjacent elements, or of an element with itself: a pair of features that both elements have is taken once.
+void adjacent_pair(const Step& step, ElementPair pair, const FeatureMask& mask, TestBatch& out) {
+  const Features& features = step.features();
+  const auto add = [&](FeatureKind kind, FeaturePair test, std::vector<FeaturePair>& list) {
+    if (is_test(features, kind, test)) list.push_back(test);
   };
-  const auto both_have_edge = [&](Index e) {
-    return contains(features.element_edges(pair.a), e) && contains(features.element_edges(pair.b), e);
-  };
-  FeatureMask rest = mask;
-  const auto ee = [&](Index e1, Index e2) {
-    if (e1 > e2 && both_have_edge(e1) && both_have_edge(e2)) return;
-    out.ee_if_apart(e1, e2);
-  };
-  rest.vertices_b = ~0u;
-  detail::for_each_feature_pair(step, pair, rest, kAny, kAny, [&](Index v, Index f) { out.vf_if_apart(v, f); }, ee);
-  (void)both_have;
+  const auto vertices_a = step.mesh().vertices(pair.a), vertices_b = step.mesh().vertices(pair.b);
+  const auto triangles_a = features.element_triangles(pair.a), triangles_b = features.element_triangles(pair.b);
+  const auto edges_a = features.element_edges(pair.a), edges_b = features.element_edges(pair.b);
+  detail::for_each_unmasked(vertices_a, mask.vertices_a, [&](Index v) {
+    for (const Index f : triangles_b) add(FeatureKind::vf, {v, f}, out.vf);
+  });
+  if (pair.a != pair.b)
+    detail::for_each_unmasked(vertices_b, mask.vertices_b, [&](Index v) {
+      const bool common = contains(vertices_a, v);
+      for (const Index f : triangles_a)
+        if (!common || !contains(triangles_b, f)) add(FeatureKind::vf, {v, f}, out.vf);
+    });
+  detail::for_each_unmasked(edges_a, mask.edges_a, [&](Index e) {
+    const bool common = contains(edges_b, e);
+    detail::for_each_unmasked(edges_b, mask.edges_b, [&](Index g) {
+      if (!common || e < g || !contains(edges_a, g))
+        add(FeatureKind::ee, {std::min(e, g), std::max(e, g)}, out.ee);
+    });
+  });
 }
 
 }  // namespace
+
+const Options<AllPairs::Config>& AllPairs::options() {
+  static const Options<Config> options = [] {
+    Options<Config> o;
+    detail::add_o_set_option(o);
+    return o;
+  }();
+  return options;
+}
+
+std::unique_ptr<StageState> AllPairs::make_state() const { return std::make_unique<State>(config_.oset); }
+
+void AllPairs::update(const Step& step, StageState& state) const {
+  State& mine = static_cast<State&>(state);
+  mine.watch.look(step.topology);
+  mine.orphans.update(step.topology);
+}
+
+void AllPairs::tests(const Step& step, const StageState& state, const PairBatch& batch, TestBatch& out) const {
+  const AdjacencyTest& adjacency = static_cast<const State&>(state).watch.adjacency();
+  for (std::size_t i = 0; i < batch.size(); ++i) {
+    const ElementPair pair = batch.pairs[i];
+    if (adjacency.adjacent(pair.a, pair.b))
+      adjacent_pair(step, pair, batch.masks[i], out);
+    else
+      apart_pair(step, pair, batch.masks[i], out);
+  }
+}
+
+std::size_t AllPairs::orphan_blocks(const StageState& state) const {
+  return static_cast<const State&>(state).orphans.blocks();
+}
+
+void AllPairs::orphans(const Step&, const StageState& state, std::size_t block, TestBatch& out) const {
+  static_cast<const State&>(state).orphans.append(block, out);
+}
+
+StageDescriptor<FeatureCulling> describe_all_pairs() {
+  return describe_stage<FeatureCulling, AllPairs>("all-pairs", "all tests of every element pair", Guarantee::exact);
+}
 
 }  // namespace volccd

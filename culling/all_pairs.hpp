@@ -1,4 +1,4 @@
-// No feature culling: every pair of features of every element pair (NavCCD, HashCCD; Section 6.1).
+// Feature culling that culls nothing: all tests of every element pair (what NavCCD and HashCCD do, Sections 3.4 and 6.1).
 #pragma once
 
 #include <volccd/culling/feature_culling.hpp>
@@ -6,20 +6,21 @@
 
 namespace volccd {
 
-/// The tests of an element pair {a,b} are its distinct feature pairs without a common vertex: vertices of one with triangles of
-/// the other, edges of one with edges of the other. For non-adjacent elements these are the n_v^a n_f^b + n_v^b n_f^a and
-/// n_e^a n_e^b tests of Section 4.4. Adjacent elements may give one pair twice (both features belonging to both
-/// elements): it is tested once. An element with itself: each vertex with each triangle that it is not in, each unordered
-/// pair of edges. The same feature pair comes again from other element pairs.
+/// Tests of an element pair (a,b): each vertex of a against each triangle of b, each vertex of b against each triangle of a,
+/// each edge of a against each edge of b; of a pair (o,o): each vertex against each triangle, each pair of edges. Without
+/// those that share a vertex, and each distinct feature pair once per element pair: adjacent elements share features, and
+/// what both have would otherwise come out twice.
+///
+/// The same feature pair comes out of many element pairs. Complete without an O-Set on all pairs, adjacent ones and self pairs
+/// included; with an O-Set on the non-adjacent pairs alone (an ablation: what O-Sets do without assignment).
 class AllPairs final : public FeatureCulling {
  public:
   struct Config {
-    /// none: adjacent pairs and self pairs are tested like others. Else only non-adjacent pairs are, and the O-Set.
     OSetKind oset = OSetKind::none;
   };
   static const Options<Config>& options();
 
-  explicit AllPairs(const Config& config = {}) : config_(config) {}
+  explicit AllPairs(const Config& config) : config_(config) {}
 
   bool needs_adjacent_pairs() const override { return config_.oset == OSetKind::none; }
   bool exactly_once() const override { return false; }
@@ -33,7 +34,6 @@ class AllPairs final : public FeatureCulling {
   Config config_;
 };
 
-/// `all-pairs`
 StageDescriptor<FeatureCulling> describe_all_pairs();
 
 }  // namespace volccd

@@ -1,4 +1,7 @@
+#include <algorithm>
+#include <memory>
 #include <string>
+#include <vector>
 
 #include <ccd/ccd.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,7 @@
+#include <array>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
 #include <hwy/highway.h>

@@ -55,6 +55,10 @@ std::vector<Case> cases() {
   add({"starts inside and leaves", vf, first_moves(1, 2 * x, still(mid, o, x, y)), 0});
   add({"edges slide into a cross", ee, first_moves(2, 2 * x, still(-x - y, -x + y, o, 4 * x)), 0.5});
   add({"edges slide past", ee, first_moves(2, 2 * x, still(-x + y, -x + 2 * y, o, 4 * x)), kNone, false});
+  // Not at a time when two points have a coordinate in common: each triple of points has to be looked at.
+  add({"slides into the long side", vf, first_moves(1, -2 * x - 2 * y, still(1.25 * (x + y), o, x, y)), 0.375});
+  add({"an end slides into an edge", ee,
+       first_moves(2, -2 * y, still(y, Vec3(0.25, 2.5, 0), Vec3(-1, -0.5, 0), Vec3(1, 0.5, 0))), 0.5});
   // In one plane that turns: z = t x.
   Query turning = first_moves(1, 2 * y, still(Vec3(0.25, -1, 0), o, x, y));
   for (std::size_t p = 4; p < 8; ++p) turning[p].z() = turning[p].x();
