@@ -45,7 +45,7 @@ class SeparatingAxes {
 
  private:
   HWY_INLINE Lanes threshold(const Lanes3& axis) const {
-    const Lanes sum = dot(abs(axis), extent_);
+    const Lanes sum = trusted(dot(abs(axis), extent_));
     const Lanes rounding = hn::Add(hn::Mul(sum, same(factor_)), same(kGapUnderflow));
     if (separation_ == 0) return rounding;
     return hn::Add(rounding, hn::Mul(hn::Mul(length(axis), same(kLengthSlack)), same(separation_)));

@@ -69,9 +69,10 @@ Box box_of(std::span<const Vec3> points) {
   return box;
 }
 
-bool apart(const Box& a, const Box& b) {
-  return (a.low.array() > b.high.array()).any() || (b.low.array() > a.high.array()).any();
-}
+/// Widest gap along a coordinate axis; negative if the boxes overlap.
+double gap(const Box& a, const Box& b) { return (a.low - b.high).cwiseMax(b.low - a.high).maxCoeff(); }
+
+bool apart(const Box& a, const Box& b) { return gap(a, b) > 0; }
 
 /// Depth of the deepest two pieces that FCL finds overlapping and no separating axis refutes; negative if there are
 /// none.
@@ -94,10 +95,11 @@ double overlap_depth(const Bodies& bodies, ElementPair pair, detail::FclOverlap&
 
 /// Whether the two bodies are disjoint beyond doubt: an axis with a gap above rounding for every two of their pieces.
 bool certainly_disjoint(const Bodies& bodies, ElementPair pair) {
-  Box both = box_of(bodies.hull(pair.a));
-  both.add(bodies.hull(pair.b));
+  const Box box_a = box_of(bodies.hull(pair.a)), box_b = box_of(bodies.hull(pair.b));
+  const Box both{box_a.low.cwiseMin(box_b.low), box_a.high.cwiseMax(box_b.high)};
   const double rounding = 1e-15 * std::max(both.low.cwiseAbs().maxCoeff(), both.high.cwiseAbs().maxCoeff());
   const double least = 1e-9 * both.diagonal() + 16 * rounding;
+  if (gap(box_a, box_b) > least) return true;
   for (const ConvexPiece& p : bodies.of(pair.a))
     for (const ConvexPiece& q : bodies.of(pair.b))
       if (!(detail::signed_gap(p, q) > least)) return false;

@@ -60,14 +60,12 @@ void HashGrid::build(const BoundsTable& bounds, std::size_t elements, double cel
     else
       std::atomic_ref(begins_[bucket]).fetch_add(1, std::memory_order_relaxed);
   });
-  std::uint64_t total = 0;
+  Index total = 0;
   largest_bucket_ = 0;
   for (Index& entry : begins_) {
     largest_bucket_ = std::max<std::size_t>(largest_bucket_, entry);
-    total += entry;
-    entry = static_cast<Index>(total);
+    entry = total += entry;
   }
-  if (total >= kNone) throw Error("spatial-hash: more than 4294967294 cell entries; take a larger cell_size");
   entries_.resize(total);
   for_all([&](std::size_t p, std::size_t bucket, Index offset) {
     const Index at = alone ? --begins_[bucket] : std::atomic_ref(begins_[bucket]).fetch_sub(1, std::memory_order_relaxed) - 1;
@@ -121,8 +119,13 @@ void HashGrid::find_cells(const BoundsTable& bounds, std::size_t elements, std::
     }
   });
   large_.clear();
-  for (std::size_t p = 0; p < elements; ++p)
+  std::uint64_t entries = 0;
+  for (std::size_t p = 0; p < elements; ++p) {
+    const auto& count = cells_[p].count;
+    entries += static_cast<std::uint64_t>(count[0]) * static_cast<std::uint64_t>(count[1] * count[2]);
     if (is_large(p)) large_.push_back(static_cast<Index>(p));
+  }
+  if (entries >= kNone) throw Error("spatial-hash: more cells entered than can be counted; take a larger cell_size");
 }
 
 std::size_t HashGrid::bytes() const {

@@ -251,6 +251,8 @@ void KdopTree::make_lanes() {
   lane_vertices_ = most <= 4 ? 4 : most <= 8 ? 8 : 0;
   lane_stride_ = list_.size() + LeafLanes::kPadding;
   lanes_.assign(lane_stride_ * static_cast<std::size_t>(1 + lane_vertices_), kNone);
+  for (std::size_t p = list_.size(); p < lane_stride_; ++p)  // read with the last leaf, and of no account
+    std::fill_n(element_bounds_.row(p), 2 * element_bounds_.width(), 0.0f);
   fill_lanes(0, list_.size());
 }
 

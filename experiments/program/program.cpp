@@ -10,6 +10,21 @@
 
 namespace volccd {
 
+namespace {
+
+/// A word in the place of a command that is none: the parser would only say that a command is missing.
+void check_command(const CLI::App& app, int argc, const char* const* argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::string known;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->get_name() == argv[1]) return;
+    known += (known.empty() ? "" : ", ") + command->get_name();
+  }
+  throw ConfigError(fmt::format("no command '{}'; there are {}", argv[1], known));
+}
+
+}  // namespace
+
 int program(int argc, const char* const* argv, const Registry& registry) {
   CLI::App app("Continuous collision detection between deforming volume meshes: what touches what, and when.", "volccd");
   app.set_version_flag("--version", fmt::format("volccd {} ({})", build_facts().version, build_facts().commit));
@@ -30,6 +45,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_scene_command(app, action);
   add_experiment_command(app, registry, action);
   try {
+    check_command(app, argc, argv);
     app.parse(argc, argv);
     return action();
   } catch (const CLI::ParseError& error) {

@@ -46,7 +46,10 @@ SequenceCells cells_of(const Mesh& mesh) {
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     if (!mesh.alive(o)) continue;
     const std::span<const Index> nodes = mesh.vertices(o), stream = mesh.polytope_faces(o);
-    cells.add({mesh.type(o), {nodes.begin(), nodes.end()}, {stream.begin(), stream.end()}, mesh.object(o),
+    cells.add({mesh.type(o),
+               {nodes.begin(), nodes.end()},
+               {stream.begin(), stream.end()},
+               mesh.object(o),
                mesh.element_id(o)});
   }
   return cells;

@@ -11,7 +11,8 @@
 
 namespace volccd {
 
-/// Cells in the order of their file, in CSR form. A value: two are equal when they describe the same cells in the same order.
+/// Cells in the order of their file, in CSR form. A value: two are equal when they describe the same cells in the same
+/// order.
 struct SequenceCells {
   std::vector<ElementType> types;
   std::vector<std::size_t> offsets{0};    ///< size() + 1, into connectivity
@@ -46,8 +47,9 @@ SequenceCells cells_of(const Mesh& mesh);
 /// Mesh::add_element does.
 Mesh mesh_of(std::span<const std::int64_t> point_ids, const SequenceCells& cells);
 
-/// What turns the elements of `mesh` into `cells`, told apart by their ids. An element whose type, vertices, faces or part
-/// differ under the same id is removed and added. Added ones are in the order of `cells`. O(elements + cells) expected.
+/// What turns the elements of `mesh` into `cells`, told apart by their ids. An element whose type, vertices, faces or
+/// part differ under the same id is removed and added. Added ones are in the order of `cells`. O(elements + cells)
+/// expected.
 TopologyEdit edit_to(const Mesh& mesh, const SequenceCells& cells);
 
 }  // namespace volccd

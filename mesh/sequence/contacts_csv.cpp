@@ -35,7 +35,8 @@ ContactRow contact_row(int step, const Contact& contact, const Mesh& mesh) {
 }
 
 struct ContactsCsvWriter::Impl {
-  explicit Impl(const std::string& name) : atomic(name), stream(std::fopen(atomic.temporary().c_str(), "w"), std::fclose) {
+  explicit Impl(const std::string& name)
+      : atomic(name), stream(std::fopen(atomic.temporary().c_str(), "w"), std::fclose) {
     if (!stream) fail();
   }
 
@@ -76,11 +77,13 @@ ContactsCsvWriter::~ContactsCsvWriter() = default;
 void ContactsCsvWriter::write_step(int step, std::span<const Contact> contacts, const Mesh& mesh) {
   Impl& o = *impl_;
   if (!o.stream) throw InputError(o.atomic.target(), "", "has been finished before");
-  if (step <= o.last_step) throw InputError(o.atomic.target(), "", "step " + std::to_string(step) + " is written out of order");
+  if (step <= o.last_step)
+    throw InputError(o.atomic.target(), "", "step " + std::to_string(step) + " is written out of order");
   o.last_step = step;
   o.rows.clear();
   for (const Contact& contact : contacts) o.rows.push_back(contact_row(step, contact, mesh));
-  std::sort(o.rows.begin(), o.rows.end(), [](const ContactRow& x, const ContactRow& y) { return canonical_less(x, y); });
+  std::sort(o.rows.begin(), o.rows.end(),
+            [](const ContactRow& x, const ContactRow& y) { return canonical_less(x, y); });
   for (const ContactRow& row : o.rows) o.write(row);
 }
 
@@ -96,7 +99,8 @@ namespace {
 /// Takes a line apart and checks it.
 class RowParser {
  public:
-  RowParser(const std::string& file, std::int64_t line, std::string_view text) : file_(file), line_(line), rest_(text) {}
+  RowParser(const std::string& file, std::int64_t line, std::string_view text)
+      : file_(file), line_(line), rest_(text) {}
 
   ContactRow parse(bool with_geometry) {
     ContactRow row;
@@ -163,7 +167,8 @@ class RowParser {
 
 std::vector<ContactRow> read_contacts_csv(const std::string& file) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(file, ignored)) throw InputError(file, "", "cannot be opened: it is not there, or not a file");
+  if (!std::filesystem::is_regular_file(file, ignored))
+    throw InputError(file, "", "cannot be opened: it is not there, or not a file");
   std::ifstream stream(file);
   if (!stream) throw InputError(file, "", std::string("cannot be opened: ") + std::strerror(errno));
   std::vector<ContactRow> rows;

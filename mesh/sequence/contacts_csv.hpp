@@ -2,14 +2,13 @@
 //
 //     step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz
 //
-// step is the index k of the motion k -> k+1. Kind VF: a = vertex, b < c < d = triangle; kind EE: a < b, c < d, (a,b) < (c,d);
-// all are vertex ids. toi, normal and point have 17 significant digits, which give back the same double.
+// step is the index k of the motion k -> k+1. Kind VF: a = vertex, b < c < d = triangle; kind EE: a < b, c < d, (a,b) <
+// (c,d); all are vertex ids. toi, normal and point have 17 significant digits, which give back the same double.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -36,9 +35,9 @@ bool canonical_less(const ContactRow& x, const ContactRow& y);
 /// Row of a contact on `mesh`.
 ContactRow contact_row(int step, const Contact& contact, const Mesh& mesh);
 
-/// Writes step by step, each step's rows in canonical order. Atomic: the file appears under its name at finish(); without it
-/// nothing is left behind. Throws InputError naming the file if the system refuses, steps do not ascend, or a number is not
-/// finite. One thread at a time.
+/// Writes step by step, each step's rows in canonical order. Atomic: the file appears under its name at finish();
+/// without it nothing is left behind. Throws InputError naming the file if the system refuses, steps do not ascend, or
+/// a number is not finite. One thread at a time.
 class ContactsCsvWriter {
  public:
   explicit ContactsCsvWriter(const std::string& file);
@@ -54,9 +53,9 @@ class ContactsCsvWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Rows in the order of the file, which is also read without the columns nx .. pz. Throws InputError (file, "line", number of
-/// the line from 1): another header, wrong number of fields, not a number, an unknown kind, ids not in the order above or a
-/// common vertex, toi outside [0, 1], a number that is not finite, a last line without its end.
+/// Rows in the order of the file, which is also read without the columns nx .. pz. Throws InputError (file, "line",
+/// number of the line from 1): another header, wrong number of fields, not a number, an unknown kind, ids not in the
+/// order above or a common vertex, toi outside [0, 1], a number that is not finite, a last line without its end.
 std::vector<ContactRow> read_contacts_csv(const std::string& file);
 
 }  // namespace volccd

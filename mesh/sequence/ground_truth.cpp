@@ -85,8 +85,8 @@ std::array<std::int64_t, 4> GroundTruthReader::vertex_face(const Hdf5Dataset& pa
 std::array<std::int64_t, 4> GroundTruthReader::edge_edge(const Hdf5Dataset& pairs, std::int64_t row,
                                                          IndexPair pair) const {
   for (const std::int64_t e : pair) check_range(pairs, row, "edge", e, edges_.size());
-  const auto [first, second] = std::minmax(edges_[static_cast<std::size_t>(pair[0])],
-                                           edges_[static_cast<std::size_t>(pair[1])]);
+  const auto [first, second] =
+      std::minmax(edges_[static_cast<std::size_t>(pair[0])], edges_[static_cast<std::size_t>(pair[1])]);
   return {first[0], first[1], second[0], second[1]};
 }
 

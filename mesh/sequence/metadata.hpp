@@ -21,8 +21,8 @@ struct SequenceMetadata {
 /// The text of the attribute `Parts`. A ';' in a name becomes ','.
 std::string format_part_names(const std::map<std::int32_t, std::string>& names);
 
-/// The reverse. Throws InputError (`source`, "@Parts", number of the entry) for an entry that is not "<id> <name>", or an id
-/// given twice.
+/// The reverse. Throws InputError (`source`, "@Parts", number of the entry) for an entry that is not "<id> <name>", or
+/// an id given twice.
 std::map<std::int32_t, std::string> parse_part_names(const std::string& source, const std::string& text);
 
 }  // namespace volccd

@@ -17,8 +17,8 @@ SequenceMetadata read_metadata(const detail::Hdf5File& file) {
   const auto text = [&](const char* name) {
     return file.has_attribute("/", name) ? file.string_attribute("/", name) : std::string();
   };
-  return {text("Title"), text("Source"), text("License"), text("Units"), text("TimeUnit"),
-          parse_part_names(file.name(), text("Parts"))};
+  return {text("Title"), text("Source"),   text("License"),
+          text("Units"), text("TimeUnit"), parse_part_names(file.name(), text("Parts"))};
 }
 
 std::size_t index(int step) { return static_cast<std::size_t>(step); }
@@ -27,7 +27,11 @@ std::size_t index(int step) { return static_cast<std::size_t>(step); }
 
 struct SequenceReader::Impl {
   explicit Impl(const std::string& name)
-      : file(name), metadata(read_metadata(file)), layout(detail::read_layout(file)), order(layout), cells(layout, order) {}
+      : file(name),
+        metadata(read_metadata(file)),
+        layout(detail::read_layout(file)),
+        order(layout),
+        cells(layout, order) {}
 
   void read_vectors(const detail::StepArray& array, int step, const char* what, std::vector<Vec3>& out);
 
@@ -110,8 +114,8 @@ void SequenceReader::read_thickness(int step, std::vector<double>& thickness) {
   array.data.read(first, impl_->layout.cells_of(step), thickness);
   for (std::size_t i = 0; i < thickness.size(); ++i)
     if (!(std::isfinite(thickness[i]) && thickness[i] >= 0))
-      array.data.fail(first + static_cast<std::int64_t>(i), "the thickness is negative or not finite (step " +
-                                                                std::to_string(step) + ")");
+      array.data.fail(first + static_cast<std::int64_t>(i),
+                      "the thickness is negative or not finite (step " + std::to_string(step) + ")");
 }
 
 void SequenceReader::read_cells(int step, SequenceCells& cells) {

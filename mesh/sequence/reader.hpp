@@ -13,24 +13,25 @@
 
 namespace volccd {
 
-/// A sequence of S steps on one set of n points, whose cells come and go. Streams: holds the tables of the steps and a buffer
-/// for one step, never more, so that a file larger than memory can be read.
+/// A sequence of S steps on one set of n points, whose cells come and go. Streams: holds the tables of the steps and a
+/// buffer for one step, never more, so that a file larger than memory can be read.
 ///
-/// Layout: VTKHDF 1.x and 2.x as VTK and ParaView write it, one piece a step ("Steps/NumberOfParts" = 1, "Steps/PartOffsets" =
-/// the step's topology), the same number of points in every topology. A file without the group "Steps" is one step at time
-/// 0. Optional arrays: PointData/GlobalPointIds (else 0, 1, 2, ..), CellData/GlobalCellIds (else 0, 1, 2, .. in each step),
-/// CellData/PartId (else 0), PointData/Velocity, CellData/Thickness. Cells: triangle, quad, tetrahedron, hexahedron, wedge,
-/// pyramid, and polyhedron as VTKHDF 2.5 stores it (FaceConnectivity, FaceOffsets, PolyhedronToFaces, PolyhedronOffsets).
+/// Layout: VTKHDF 1.x and 2.x as VTK and ParaView write it, one piece a step ("Steps/NumberOfParts" = 1,
+/// "Steps/PartOffsets" = the step's topology), the same number of points in every topology. A file without the group
+/// "Steps" is one step at time 0. Optional arrays: PointData/GlobalPointIds (else 0, 1, 2, ..), CellData/GlobalCellIds
+/// (else 0, 1, 2, .. in each step), CellData/PartId (else 0), PointData/Velocity, CellData/Thickness. Cells: triangle,
+/// quad, tetrahedron, hexahedron, wedge, pyramid, and polyhedron as VTKHDF 2.5 stores it (FaceConnectivity,
+/// FaceOffsets, PolyhedronToFaces, PolyhedronOffsets).
 ///
-/// Vertices are presented by ascending GlobalPointIds, whatever their order in the file, because slot order is id order in
-/// a Mesh: vertex slot v has id point_ids()[v], and points, velocities and connectivity are renumbered to fit. Cells stay in
-/// the order of the file.
+/// Vertices are presented by ascending GlobalPointIds, whatever their order in the file, because slot order is id order
+/// in a Mesh: vertex slot v has id point_ids()[v], and points, velocities and connectivity are renumbered to fit. Cells
+/// stay in the order of the file.
 ///
 /// Errors: InputError with the file, the dataset, and the row of that dataset (of a table in Steps: the step). The
-/// constructor checks structure: all shapes, types, offsets and slices of every step, times, point ids. The contents of a
-/// step are checked when it is read: finite numbers, thickness >= 0, known types with the right number of vertices,
-/// connectivity in range and without repetition, ids distinct and not negative. Nothing is allocated on the strength of a
-/// declared size that the stored bytes do not bear out.
+/// constructor checks structure: all shapes, types, offsets and slices of every step, times, point ids. The contents of
+/// a step are checked when it is read: finite numbers, thickness >= 0, known types with the right number of vertices,
+/// connectivity in range and without repetition, ids distinct and not negative. Nothing is allocated on the strength of
+/// a declared size that the stored bytes do not bear out.
 ///
 /// One thread at a time.
 class SequenceReader {

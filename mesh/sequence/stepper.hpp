@@ -23,19 +23,20 @@ enum class ShellModel {
   solid     ///< thickened into wedges and hexahedra (mesh/shells.hpp)
 };
 
-/// Motion k goes from the points of step k to those of step k+1 on straight lines, on the topology of step k+1: a query runs
-/// on the new topology. Element ids are GlobalCellIds, objects are PartId, vertices are all points of the file.
+/// Motion k goes from the points of step k to those of step k+1 on straight lines, on the topology of step k+1: a query
+/// runs on the new topology. Element ids are GlobalCellIds, objects are PartId, vertices are all points of the file.
 ///
-/// Going from one motion to another edits one Topology by the cells that came, went or changed, so that stages can follow
-/// its changes; jumping works as well as going on. Element slots therefore depend on the way taken, vertex slots and contacts
-/// do not.
+/// Going from one motion to another edits one Topology by the cells that came, went or changed, so that stages can
+/// follow its changes; jumping works as well as going on. Element slots therefore depend on the way taken, vertex slots
+/// and contacts do not.
 ///
-/// A file holds all its points at all steps, also those that no cell uses. So a vertex that the cells of step k do not use
-/// and those of step k+1 do starts from its stored place at step k, and is not a new vertex in the sense of Section 6.3.
+/// A file holds all its points at all steps, also those that no cell uses. So a vertex that the cells of step k do not
+/// use and those of step k+1 do starts from its stored place at step k, and is not a new vertex in the sense of
+/// Section 6.3.
 ///
 /// Solid shells: every point has three vertices, whose ids are 3 id, 3 id + 1, 3 id + 2 (solid_middle, solid_below,
-/// solid_above); element ids stay. The thickness is that of step k at the start and of step k+1 at the end; a shell that step
-/// k does not have is as thick as at step k+1. A file that has shells but no thickness is refused.
+/// solid_above); element ids stay. The thickness is that of step k at the start and of step k+1 at the end; a shell
+/// that step k does not have is as thick as at step k+1. A file that has shells but no thickness is refused.
 ///
 /// Holds two steps of points. One thread at a time.
 class SequenceStepper {

@@ -34,8 +34,8 @@ Integers wide(const Range& values) {
 /// The face arrays of VTKHDF 2.5.
 struct PolyhedronOutput {
   GrowingDataset face_connectivity, face_offsets, to_faces, offsets;
-  Integers faces, face_connectivity_ids, to_face_ids;          ///< per topology
-  Integers face_first, face_connectivity_first, to_face_first; ///< per step
+  Integers faces, face_connectivity_ids, to_face_ids;           ///< per topology
+  Integers face_first, face_connectivity_first, to_face_first;  ///< per step
 };
 
 }  // namespace
@@ -66,7 +66,7 @@ struct SequenceWriter::Impl {
   std::optional<PolyhedronOutput> polyhedra;
   SequenceCells last;
   std::vector<double> times, numbers;
-  Integers cell_counts, connectivity_counts;                    ///< per topology
+  Integers cell_counts, connectivity_counts;                                                        ///< per topology
   Integers topology, point_first, cell_first, connectivity_first, velocity_first, thickness_first;  ///< per step
 };
 
@@ -84,7 +84,8 @@ SequenceWriter::~SequenceWriter() = default;
 void SequenceWriter::write_step(double time, std::span<const Vec3> points, const SequenceCells& cells,
                                 const StepFields& fields) {
   Impl& o = *impl_;
-  if (!std::exchange(o.usable, false)) throw InputError(o.atomic.target(), "", "the writer has failed or finished before");
+  if (!std::exchange(o.usable, false))
+    throw InputError(o.atomic.target(), "", "the writer has failed or finished before");
   o.check(time, points, cells, fields);
   if (o.times.empty()) o.make_datasets(cells, fields);
   if (o.times.empty() || !(cells == o.last)) o.append_topology(cells);
@@ -97,7 +98,8 @@ void SequenceWriter::write_step(double time, std::span<const Vec3> points, const
 
 void SequenceWriter::finish() {
   Impl& o = *impl_;
-  if (!std::exchange(o.usable, false)) throw InputError(o.atomic.target(), "", "the writer has failed or finished before");
+  if (!std::exchange(o.usable, false))
+    throw InputError(o.atomic.target(), "", "the writer has failed or finished before");
   if (o.times.empty()) throw InputError(o.atomic.target(), "VTKHDF/Steps/Values", "no step has been written");
   o.write_tables();
   o.close();
@@ -116,8 +118,10 @@ void SequenceWriter::Impl::check(double time, std::span<const Vec3> points, cons
     throw InputError(file, "VTKHDF/PointData/Velocity", step, "is given at some steps and not at others");
   if (!first && thickness.has_value() == fields.thickness.empty())
     throw InputError(file, "VTKHDF/CellData/Thickness", step, "is given at some steps and not at others");
-  if (!fields.velocity.empty()) detail::check_vectors(file, "VTKHDF/PointData/Velocity", fields.velocity, point_ids.size());
-  if (!fields.thickness.empty()) detail::check_thickness(file, "VTKHDF/CellData/Thickness", fields.thickness, cells.size());
+  if (!fields.velocity.empty())
+    detail::check_vectors(file, "VTKHDF/PointData/Velocity", fields.velocity, point_ids.size());
+  if (!fields.thickness.empty())
+    detail::check_thickness(file, "VTKHDF/CellData/Thickness", fields.thickness, cells.size());
   if (first || !(cells == last)) detail::check_cells(file, cells, static_cast<Index>(point_ids.size()));
 }
 
@@ -221,7 +225,8 @@ void SequenceWriter::Impl::append_tables(double time, const StepFields& fields) 
   if (!fields.thickness.empty()) thickness_first.push_back(thickness->rows());
   if (!polyhedra) return;
   polyhedra->face_first.push_back(polyhedra->face_offsets.rows() - b - 1 - polyhedra->faces.back());
-  polyhedra->face_connectivity_first.push_back(polyhedra->face_connectivity.rows() - polyhedra->face_connectivity_ids.back());
+  polyhedra->face_connectivity_first.push_back(polyhedra->face_connectivity.rows() -
+                                               polyhedra->face_connectivity_ids.back());
   polyhedra->to_face_first.push_back(polyhedra->to_faces.rows() - polyhedra->to_face_ids.back());
 }
 

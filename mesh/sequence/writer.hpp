@@ -18,16 +18,17 @@ struct StepFields {
   std::span<const double> thickness = {};  ///< [cells of the step]; 0 for volume cells
 };
 
-/// Writes the layout that SequenceReader reads and ParaView opens: version 2.2, one piece a step, 64-bit ids, arrays chunked,
-/// shuffled and gzipped, attributes of fixed-length ASCII (UTF-8 where a text is not ASCII). A topology is stored once for a
-/// run of steps with equal cells. A sequence with polytopes gets the face arrays of VTKHDF 2.5 and that version.
+/// Writes the layout that SequenceReader reads and ParaView opens: version 2.2, one piece a step, 64-bit ids, arrays
+/// chunked, shuffled and gzipped, attributes of fixed-length ASCII (UTF-8 where a text is not ASCII). A topology is
+/// stored once for a run of steps with equal cells. A sequence with polytopes gets the face arrays of VTKHDF 2.5 and
+/// that version.
 ///
 /// Atomic: everything goes to a temporary name beside the target, which finish() brings to disk and renames. Without
 /// finish() nothing is left behind. Memory: buffers of a step, and the cells of the last.
 ///
-/// Errors: InputError with `file` and the dataset, for what SequenceReader would refuse (a number that is not finite, a vertex
-/// out of range or twice in a cell, an id twice, a time that does not ascend, arrays of the wrong length) and for what the
-/// system refuses. After an error the writer is no longer usable. One thread at a time.
+/// Errors: InputError with `file` and the dataset, for what SequenceReader would refuse (a number that is not finite, a
+/// vertex out of range or twice in a cell, an id twice, a time that does not ascend, arrays of the wrong length) and
+/// for what the system refuses. After an error the writer is no longer usable. One thread at a time.
 class SequenceWriter {
  public:
   /// `point_ids`: distinct, none negative, in any order; vertex slots of the cells are indices into it.

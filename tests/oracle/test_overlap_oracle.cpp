@@ -178,7 +178,7 @@ bool between(const Mesh& mesh, const Contact& c, Index a, Index b) {
 
 TEST(CheckAgainstFcl, RemovedContactIsAViolation) {
   int removals = 0;
-  for (std::uint64_t seed = 0; seed < 4; ++seed) {
+  for (std::uint64_t seed = 0; seed < 2; ++seed) {
     const Shape shape = permuted(mixed_block(1, 1), seed);
     Scene scene(shape, moved(shape, Vec3(0.3, 0.2, 1.5)), Vec3(0.2, 0, -1), 0.15, seed);
     const std::vector<Contact> contacts = test::naive_contacts(scene.step());
@@ -201,7 +201,7 @@ TEST(CheckAgainstFcl, RemovedContactIsAViolation) {
       ++removals;
     }
   }
-  EXPECT_GT(removals, 50);
+  EXPECT_GT(removals, 25);
 }
 
 TEST(CheckAgainstFcl, ContactCountsWhicheverElementItsFirstFeatureIsOf) {

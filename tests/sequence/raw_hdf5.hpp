@@ -83,11 +83,12 @@ class RawFile {
 
   void put_attribute(const std::string& object, const std::string& name, const std::vector<std::int64_t>& values) {
     const hsize_t n = values.size();
-    const hid_t attribute = make_attribute(object, name, H5T_STD_I64LE,
-                                           n == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &n, nullptr));
+    const hid_t attribute =
+        make_attribute(object, name, H5T_STD_I64LE, n == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &n, nullptr));
     check(H5Awrite(attribute, H5T_NATIVE_INT64, values.data()));
   }
-  void put_attribute(const std::string& object, const std::string& name, const std::string& text, bool variable = false) {
+  void put_attribute(const std::string& object, const std::string& name, const std::string& text,
+                     bool variable = false) {
     const hid_t type = H5Tcopy(H5T_C_S1);
     H5Tset_size(type, variable ? H5T_VARIABLE : text.size() + 3);
     const hid_t attribute = make_attribute(object, name, type, H5Screate(H5S_SCALAR));
@@ -102,12 +103,13 @@ class RawFile {
   /// Paths of all groups and datasets.
   std::set<std::string> objects() const {
     std::set<std::string> paths;
-    H5Lvisit(id_, H5_INDEX_NAME, H5_ITER_INC,
-             [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
-               static_cast<std::set<std::string>*>(out)->insert(name);
-               return 0;
-             },
-             &paths);
+    H5Lvisit(
+        id_, H5_INDEX_NAME, H5_ITER_INC,
+        [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
+          static_cast<std::set<std::string>*>(out)->insert(name);
+          return 0;
+        },
+        &paths);
     return paths;
   }
 
@@ -129,13 +131,14 @@ class RawFile {
       const std::vector<hsize_t> chunk(dims.size(), 1);
       H5Pset_chunk(creation, static_cast<int>(dims.size()), chunk.data());
     }
-    const hid_t space = dims.empty() ? H5Screate(H5S_SCALAR)
-                                     : H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr);
+    const hid_t space =
+        dims.empty() ? H5Screate(H5S_SCALAR) : H5Screate_simple(static_cast<int>(dims.size()), dims.data(), nullptr);
     return check(H5Dcreate2(id_, path.c_str(), type, space, H5P_DEFAULT, creation, H5P_DEFAULT));
   }
   hid_t make_attribute(const std::string& object, const std::string& name, hid_t type, hid_t space) {
     if (H5Aexists_by_name(id_, object.c_str(), name.c_str(), H5P_DEFAULT) > 0) remove_attribute(object, name);
-    return check(H5Acreate_by_name(id_, object.c_str(), name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
+    return check(
+        H5Acreate_by_name(id_, object.c_str(), name.c_str(), type, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT));
   }
 
   hid_t id_;

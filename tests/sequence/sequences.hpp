@@ -55,8 +55,8 @@ struct Sequence {
   }
 };
 
-/// Mixed cells that die, come back and change under their id; point ids with gaps, shuffled if wanted; velocity and thickness
-/// by the seed; runs of steps that share their cells.
+/// Mixed cells that die, come back and change under their id; point ids with gaps, shuffled if wanted; velocity and
+/// thickness by the seed; runs of steps that share their cells.
 inline Sequence random_sequence(std::uint64_t seed, int steps = 6, bool shuffled_ids = true) {
   std::mt19937_64 random(seed);
   const auto below = [&](std::uint64_t n) { return random() % n; };

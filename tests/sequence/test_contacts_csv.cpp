@@ -81,8 +81,12 @@ TEST(ContactsCsv, ThereAndBackToTheLastBit) {
         std::sort(v.begin(), v.end());
       const std::set<Index> distinct(v.begin(), v.end());
       if (distinct.size() < 4 || !seen.insert(v).second) continue;
-      contacts.push_back({vf ? FeatureKind::vf : FeatureKind::ee, v, static_cast<double>(random() >> 11) * 0x1p-53,
-                          Vec3(real(), real(), real()), {}, Vec3(real(), real(), real())});
+      contacts.push_back({vf ? FeatureKind::vf : FeatureKind::ee,
+                          v,
+                          static_cast<double>(random() >> 11) * 0x1p-53,
+                          Vec3(real(), real(), real()),
+                          {},
+                          Vec3(real(), real(), real())});
       expected.push_back(contact_row(step, contacts.back(), mesh));
     }
     writer.write_step(step, contacts, mesh);
@@ -147,12 +151,32 @@ TEST(ContactsCsv, BadLinesByNumber) {
   EXPECT_EQ(line_of(""), 1);
   EXPECT_EQ(line_of("a,b\n"), 1);
   EXPECT_EQ(line_of(good), 1);
-  for (const char* bad :
-       {"", "0", "0,VF,1,2,3,4", "0,VF,1,2,3,4,0.5,1", "0,XY,1,2,3,4,0.5", "0,vf,1,2,3,4,0.5", "x,VF,1,2,3,4,0.5",
-        "-1,VF,1,2,3,4,0.5", "0,VF,1,2,3,4.5,0.5", "0,VF,1,2,3,99999999999999999999,0.5", "0,VF,1,2,4,3,0.5",
-        "0,VF,2,2,3,4,0.5", "0,VF,1,2,2,3,0.5", "0,VF,-1,2,3,4,0.5", "0,EE,2,1,3,4,0.5", "0,EE,1,2,4,3,0.5",
-        "0,EE,3,4,1,2,0.5", "0,EE,1,2,1,2,0.5", "0,EE,1,2,2,3,0.5", "0,VF,1,2,3,4,nan", "0,VF,1,2,3,4,1.0000001",
-        "0,VF,1,2,3,4,-1e-9", "0,VF,1,2,3,4,", "0,VF,1,2,3,4,0.5x", "0, VF,1,2,3,4,0.5", "0,VF,,2,3,4,0.5"})
+  for (const char* bad : {"",
+                          "0",
+                          "0,VF,1,2,3,4",
+                          "0,VF,1,2,3,4,0.5,1",
+                          "0,XY,1,2,3,4,0.5",
+                          "0,vf,1,2,3,4,0.5",
+                          "x,VF,1,2,3,4,0.5",
+                          "-1,VF,1,2,3,4,0.5",
+                          "0,VF,1,2,3,4.5,0.5",
+                          "0,VF,1,2,3,99999999999999999999,0.5",
+                          "0,VF,1,2,4,3,0.5",
+                          "0,VF,2,2,3,4,0.5",
+                          "0,VF,1,2,2,3,0.5",
+                          "0,VF,-1,2,3,4,0.5",
+                          "0,EE,2,1,3,4,0.5",
+                          "0,EE,1,2,4,3,0.5",
+                          "0,EE,3,4,1,2,0.5",
+                          "0,EE,1,2,1,2,0.5",
+                          "0,EE,1,2,2,3,0.5",
+                          "0,VF,1,2,3,4,nan",
+                          "0,VF,1,2,3,4,1.0000001",
+                          "0,VF,1,2,3,4,-1e-9",
+                          "0,VF,1,2,3,4,",
+                          "0,VF,1,2,3,4,0.5x",
+                          "0, VF,1,2,3,4,0.5",
+                          "0,VF,,2,3,4,0.5"})
     EXPECT_EQ(line_of(header + good + bad + "\n"), 3) << bad;
   EXPECT_EQ(line_of(full + "0,VF,1,2,3,4,0.5,0,0,inf,1,2,3\n"), 2);
   EXPECT_EQ(line_of(full + good), 2);

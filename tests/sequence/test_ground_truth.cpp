@@ -79,7 +79,11 @@ TEST(GroundTruth, BadOnesAreRefused) {
       {"not a triangle", [&](RawFile& f) { f.poke(V + "Pairs", 3, std::int64_t{2}); }, V + "Pairs", 1},
       {"vertex of the triangle", [&](RawFile& f) { f.poke(V + "Pairs", 2, std::int64_t{4}); }, V + "Pairs", 1},
       {"no pairs", [&](RawFile& f) { f.remove(V + "Pairs"); }, V + "Pairs", -1},
-      {"pairs of three", [&](RawFile& f) { f.put(V + "Pairs", {2, 3}, H5T_STD_I32LE, I{}); }, V + "Pairs", -1},
+      {"pairs of three",
+       [&](RawFile& f) {
+         f.put(V + "Pairs", {2, 3}, H5T_STD_I32LE, I{});
+       },
+       V + "Pairs", -1},
       {"no answers", [&](RawFile& f) { f.remove(V + "Collides"); }, V + "Collides", -1},
       {"few answers", [&](RawFile& f) { f.put(V + "Collides", {1}, H5T_STD_U8LE, I{1}); }, V + "Collides", -1},
       {"answer 2", [&](RawFile& f) { f.poke(E + "Collides", 1, std::int64_t{2}); }, E + "Collides", 1},
@@ -91,8 +95,10 @@ TEST(GroundTruth, BadOnesAreRefused) {
       {"edge out of range", [&](RawFile& f) { f.poke(E + "Pairs", 1, std::int64_t{4}); }, E + "Pairs", 0},
       {"edges with a common vertex", [&](RawFile& f) { f.poke(E + "Pairs", 2, std::int64_t{0}); }, E + "Pairs", 1},
       {"an edge with itself", [&](RawFile& f) { f.poke(E + "Pairs", 0, std::int64_t{2}); }, E + "Pairs", 0},
-      {"edge of one point", [&](RawFile& f) { f.poke("GroundTruth/Edges", 3, std::int64_t{0}); }, "GroundTruth/Edges", 1},
-      {"edge to nowhere", [&](RawFile& f) { f.poke("GroundTruth/Edges", 7, std::int64_t{7}); }, "GroundTruth/Edges", 3}};
+      {"edge of one point", [&](RawFile& f) { f.poke("GroundTruth/Edges", 3, std::int64_t{0}); }, "GroundTruth/Edges",
+       1},
+      {"edge to nowhere", [&](RawFile& f) { f.poke("GroundTruth/Edges", 7, std::int64_t{7}); }, "GroundTruth/Edges",
+       3}};
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
     const ScratchFolder folder;

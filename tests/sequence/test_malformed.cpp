@@ -23,8 +23,8 @@ constexpr std::int64_t kAny = -2, kNo = InputError::kNoIndex;
 const double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
 constexpr std::int64_t kHuge = std::numeric_limits<std::int64_t>::max();
 
-/// Three steps, two topologies, 12 points: a hexahedron, a tetrahedron on its top, a triangle, a polytope in the place of the
-/// hexahedron later. Small enough to know every index.
+/// Three steps, two topologies, 12 points: a hexahedron, a tetrahedron on its top, a triangle, a polytope in the place
+/// of the hexahedron later. Small enough to know every index.
 ///
 ///     topology 0 (steps 0, 1): hexahedron 0-7, tetrahedron 4 5 6 8, triangle 8 9 10; connectivity at 0, 8, 12; 15 ids
 ///     topology 1 (step 2):     polytope 0-7 with 6 faces, triangle 8 9 11; connectivity from 15: at 15, 23; 11 ids
@@ -97,7 +97,8 @@ TEST_P(Malformed, IsRefusedWithFileDatasetAndIndex) {
 template <std::integral Value>
 Case poke(const char* name, std::string dataset, std::size_t at, Value value, std::int64_t index,
           std::string blamed = "") {
-  return {name, [=](RawFile& f) { f.poke(dataset, at, std::int64_t{value}); }, blamed.empty() ? dataset : blamed, index};
+  return {name, [=](RawFile& f) { f.poke(dataset, at, std::int64_t{value}); }, blamed.empty() ? dataset : blamed,
+          index};
 }
 Case poke(const char* name, std::string dataset, std::size_t at, double value, std::int64_t index) {
   return {name, [=](RawFile& f) { f.poke(dataset, at, value); }, dataset, index};
@@ -132,11 +133,16 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         remove("NoGrid", "VTKHDF"),
         Case{"NoType", [](RawFile& f) { f.remove_attribute("VTKHDF", "Type"); }, "VTKHDF@Type", kNo},
-        Case{"PolyData", [](RawFile& f) { f.put_attribute("VTKHDF", "Type", "PolyData"); }, "VTKHDF/@Type", kNo},
+        Case{"PolyData", [](RawFile& f) { f.put_attribute("VTKHDF", "Type", "PolyData"); }, "VTKHDF@Type", kNo},
         Case{"TypeIsNumber", [](RawFile& f) { f.put_attribute("VTKHDF", "Type", I{1}); }, "VTKHDF@Type", kNo},
         Case{"NoVersion", [](RawFile& f) { f.remove_attribute("VTKHDF", "Version"); }, "VTKHDF@Version", kNo},
-        Case{"Version3", [](RawFile& f) { f.put_attribute("VTKHDF", "Version", I{3, 0}); }, "VTKHDF/@Version", kNo},
-        Case{"VersionOfOneNumber", [](RawFile& f) { f.put_attribute("VTKHDF", "Version", I{2}); }, "VTKHDF@Version", kNo},
+        Case{"Version3",
+             [](RawFile& f) {
+               f.put_attribute("VTKHDF", "Version", I{3, 0});
+             },
+             "VTKHDF@Version", kNo},
+        Case{"VersionOfOneNumber", [](RawFile& f) { f.put_attribute("VTKHDF", "Version", I{2}); }, "VTKHDF@Version",
+             kNo},
         Case{"VersionIsText", [](RawFile& f) { f.put_attribute("VTKHDF", "Version", "2.2"); }, "VTKHDF@Version", kNo},
         Case{"TitleIsNumber", [](RawFile& f) { f.put_attribute("/", "Title", I{1}); }, "@Title", kNo},
         Case{"PartsWithoutIds", [](RawFile& f) { f.put_attribute("/", "Parts", "1 a; b"); }, "@Parts", 1},
@@ -151,24 +157,32 @@ INSTANTIATE_TEST_SUITE_P(
 INSTANTIATE_TEST_SUITE_P(
     Steps, Malformed,
     testing::Values(
-        Case{"NoStepNumber", [](RawFile& f) { f.remove_attribute("VTKHDF/Steps", "NSteps"); }, "VTKHDF/Steps@NSteps", kNo},
-        Case{"ZeroSteps", [](RawFile& f) { f.put_attribute("VTKHDF/Steps", "NSteps", I{0}); }, "VTKHDF/Steps@NSteps", kNo},
-        Case{"NegativeSteps", [](RawFile& f) { f.put_attribute("VTKHDF/Steps", "NSteps", I{-3}); }, "VTKHDF/Steps@NSteps", kNo},
-        Case{"HugeSteps", [](RawFile& f) { f.put_attribute("VTKHDF/Steps", "NSteps", I{kHuge}); }, "VTKHDF/Steps@NSteps", kNo},
-        Case{"MoreStepsThanTimes", [](RawFile& f) { f.put_attribute("VTKHDF/Steps", "NSteps", I{4}); }, S + "Values", kNo},
-        Case{"FewerStepsThanTimes", [](RawFile& f) { f.put_attribute("VTKHDF/Steps", "NSteps", I{2}); }, S + "Values", kNo},
-        remove("NoValues", S + "Values"), poke("TimeNan", S + "Values", 1, kNan, 1), poke("TimeInf", S + "Values", 2, kInf, 2),
-        poke("TimeEqual", S + "Values", 2, 0.5, 2), poke("TimeFalls", S + "Values", 1, -1.0, 1),
-        retyped_reals("TimesAreIntegers", S + "Values", H5T_STD_I64LE),
+        Case{"NoStepNumber", [](RawFile& f) { f.remove_attribute("VTKHDF/Steps", "NSteps"); }, "VTKHDF/Steps@NSteps",
+             kNo},
+        Case{"ZeroSteps", [](RawFile& f) { f.put_attribute("VTKHDF/Steps", "NSteps", I{0}); }, "VTKHDF/Steps@NSteps",
+             kNo},
+        Case{"NegativeSteps", [](RawFile& f) { f.put_attribute("VTKHDF/Steps", "NSteps", I{-3}); },
+             "VTKHDF/Steps@NSteps", kNo},
+        Case{"HugeSteps", [](RawFile& f) { f.put_attribute("VTKHDF/Steps", "NSteps", I{kHuge}); },
+             "VTKHDF/Steps@NSteps", kNo},
+        Case{"MoreStepsThanTimes", [](RawFile& f) { f.put_attribute("VTKHDF/Steps", "NSteps", I{4}); }, S + "Values",
+             kNo},
+        Case{"FewerStepsThanTimes", [](RawFile& f) { f.put_attribute("VTKHDF/Steps", "NSteps", I{2}); }, S + "Values",
+             kNo},
+        remove("NoValues", S + "Values"), poke("TimeNan", S + "Values", 1, kNan, 1),
+        poke("TimeInf", S + "Values", 2, kInf, 2), poke("TimeEqual", S + "Values", 2, 0.5, 2),
+        poke("TimeFalls", S + "Values", 1, -1.0, 1), retyped_reals("TimesAreIntegers", S + "Values", H5T_STD_I64LE),
         remove("NoPartOffsets", S + "PartOffsets"), poke("PartOffsetNegative", S + "PartOffsets", 1, -1, 1),
         poke("PartOffsetTooLarge", S + "PartOffsets", 2, 2, 2), poke("TwoPieces", S + "NumberOfParts", 1, 2, 1),
         poke("NoPiece", S + "NumberOfParts", 2, 0, 2), reshaped("PartOffsetsShort", S + "PartOffsets", {2}),
-        retyped("PartOffsetsAreReals", S + "PartOffsets", H5T_IEEE_F64LE),
-        remove("NoPointOffsets", S + "PointOffsets"), poke("PointOffsetNegative", S + "PointOffsets", 0, -1, 0),
-        poke("PointOffsetTooLarge", S + "PointOffsets", 2, 25, 2), poke("PointOffsetHuge", S + "PointOffsets", 1, kHuge, 1),
-        remove("NoCellOffsets", S + "CellOffsets"), poke("CellOffsetNegative", S + "CellOffsets", 1, -1, 1),
-        poke("CellOffsetTooLarge", S + "CellOffsets", 2, 4, 2), poke("CellOffsetHuge", S + "CellOffsets", 2, kHuge, 2),
-        reshaped("CellOffsetsTwoColumns", S + "CellOffsets", {3, 2}), reshaped("CellOffsetsRank3", S + "CellOffsets", {3, 1, 1}),
+        retyped("PartOffsetsAreReals", S + "PartOffsets", H5T_IEEE_F64LE), remove("NoPointOffsets", S + "PointOffsets"),
+        poke("PointOffsetNegative", S + "PointOffsets", 0, -1, 0),
+        poke("PointOffsetTooLarge", S + "PointOffsets", 2, 25, 2),
+        poke("PointOffsetHuge", S + "PointOffsets", 1, kHuge, 1), remove("NoCellOffsets", S + "CellOffsets"),
+        poke("CellOffsetNegative", S + "CellOffsets", 1, -1, 1), poke("CellOffsetTooLarge", S + "CellOffsets", 2, 4, 2),
+        poke("CellOffsetHuge", S + "CellOffsets", 2, kHuge, 2),
+        reshaped("CellOffsetsTwoColumns", S + "CellOffsets", {3, 2}),
+        reshaped("CellOffsetsRank3", S + "CellOffsets", {3, 1, 1}),
         reshaped("CellOffsetsScalar", S + "CellOffsets", {}),
         remove("NoConnectivityOffsets", S + "ConnectivityIdOffsets"),
         poke("ConnectivityOffsetTooLarge", S + "ConnectivityIdOffsets", 2, 16, 2),
@@ -193,15 +207,27 @@ INSTANTIATE_TEST_SUITE_P(
         remove("NoNumberOfConnectivityIds", V + "NumberOfConnectivityIds"),
         reshaped("NoTopology", V + "NumberOfPoints", {0}), reshaped("CellCountsShort", V + "NumberOfCells", {1}),
         poke("PointsDiffer", V + "NumberOfPoints", 1, 11, 1), poke("PointsNegative", V + "NumberOfPoints", 0, -12, 0),
-        Case{"NoPoints", [](RawFile& f) { f.put(V + "NumberOfPoints", {2}, H5T_STD_I64LE, I{0, 0}); }, V + "NumberOfPoints", 0},
-        Case{"PointsBeyond32Bits", [](RawFile& f) { f.put(V + "NumberOfPoints", {2}, H5T_STD_I64LE, I{1ll << 33, 1ll << 33}); },
+        Case{"NoPoints",
+             [](RawFile& f) {
+               f.put(V + "NumberOfPoints", {2}, H5T_STD_I64LE, I{0, 0});
+             },
              V + "NumberOfPoints", 0},
-        Case{"PointsBeyondTheData", [](RawFile& f) { f.put(V + "NumberOfPoints", {2}, H5T_STD_I64LE, I{13, 13}); },
+        Case{"PointsBeyond32Bits",
+             [](RawFile& f) {
+               f.put(V + "NumberOfPoints", {2}, H5T_STD_I64LE, I{1ll << 33, 1ll << 33});
+             },
+             V + "NumberOfPoints", 0},
+        Case{"PointsBeyondTheData",
+             [](RawFile& f) {
+               f.put(V + "NumberOfPoints", {2}, H5T_STD_I64LE, I{13, 13});
+             },
              S + "PointOffsets", 2},
         poke("CellsNegative", V + "NumberOfCells", 1, -1, 1), poke("NoCells", V + "NumberOfCells", 1, 0, 1),
-        poke("CellsHuge", V + "NumberOfCells", 1, kHuge, 1), poke("CellsBeyondTheData", V + "NumberOfCells", 1, 3, 2, S + "CellOffsets"),
+        poke("CellsHuge", V + "NumberOfCells", 1, kHuge, 1),
+        poke("CellsBeyondTheData", V + "NumberOfCells", 1, 3, 2, S + "CellOffsets"),
         poke("ConnectivityHuge", V + "NumberOfConnectivityIds", 0, kHuge, 0),
-        poke("ConnectivityVeryLarge", V + "NumberOfConnectivityIds", 0, std::int64_t{1} << 61, 0, S + "ConnectivityIdOffsets"),
+        poke("ConnectivityVeryLarge", V + "NumberOfConnectivityIds", 0, std::int64_t{1} << 61, 0,
+             S + "ConnectivityIdOffsets"),
         poke("ConnectivityFew", V + "NumberOfConnectivityIds", 0, 14, 3, V + "Offsets"),
         poke("FacesHuge", V + "NumberOfFaces", 1, std::int64_t{1} << 62, 2, S + "FaceOffsetsOffsets"),
         poke("FacesNegative", V + "NumberOfFaces", 0, -1, 0), remove("NoNumberOfFaces", V + "NumberOfFaces")),
@@ -209,107 +235,127 @@ INSTANTIATE_TEST_SUITE_P(
 
 INSTANTIATE_TEST_SUITE_P(
     Arrays, Malformed,
-    testing::Values(
-        remove("NoPoints", V + "Points"), reshaped_reals("PointsTwoColumns", V + "Points", {54, 2}),
-        reshaped_reals("PointsFlat", V + "Points", {108}), reshaped_reals("PointsShort", V + "Points", {35, 3}, S + "PointOffsets", 2),
-        retyped_reals("PointsAreIntegers", V + "Points", H5T_STD_I32LE),
-        retyped_reals("PointsAreLongDouble", V + "Points", H5T_NATIVE_LDOUBLE),
-        poke("PointNan", V + "Points", 3 * 30 + 1, kNan, 30), poke("PointInf", V + "Points", 5, -kInf, 1),
-        poke("UnusedPointNan", V + "Points", 3 * 11, kNan, 11),
-        poke("VelocityNan", V + "PointData/Velocity", 3 * 13 + 2, kNan, 13),
-        reshaped_reals("VelocityFlat", V + "PointData/Velocity", {108}),
-        poke("PointIdTwice", V + "PointData/GlobalPointIds", 7, 100, 7),
-        poke("PointIdNegative", V + "PointData/GlobalPointIds", 3, -1, 3),
-        reshaped("PointIdsShort", V + "PointData/GlobalPointIds", {11}, S + "PointDataOffsets/GlobalPointIds", 0),
-        Case{"PointIdBeyond63Bits",
-             [](RawFile& f) {
-               f.put(V + "PointData/GlobalPointIds", {12}, H5T_STD_U64LE, f.integers(V + "PointData/GlobalPointIds"));
-               std::vector<std::uint64_t> ids(12, 1);
-               for (std::size_t i = 0; i < 12; ++i) ids[i] = i;
-               ids[5] = ~std::uint64_t{0} - 5;
-               H5Dwrite(f.open(V + "PointData/GlobalPointIds"), H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL, H5P_DEFAULT, ids.data());
-             },
-             V + "PointData/GlobalPointIds", 5},
-        remove("NoTypes", V + "Types"), poke("UnknownType", V + "Types", 1, 11, 1), poke("TypeZero", V + "Types", 4, 0, 4),
-        poke("OtherType", V + "Types", 1, 13, 2, V + "Offsets"),
-        poke("TetrahedronAsPolytope", V + "Types", 1, 42, kAny, V + "PolyhedronOffsets"),
-        poke("PolytopeAsHexahedron", V + "Types", 3, 12, kAny, V + "PolyhedronOffsets"),
-        retyped("TypesAreReals", V + "Types", H5T_IEEE_F32LE), reshaped("TypesShort", V + "Types", {4}, S + "CellOffsets", 2),
-        remove("NoOffsets", V + "Offsets"), poke("OffsetFalls", V + "Offsets", 2, 7, 2),
-        poke("OffsetNegative", V + "Offsets", 1, -8, 1), poke("OffsetTooLarge", V + "Offsets", 2, 16, 2),
-        poke("OffsetNotFromZero", V + "Offsets", 4, 1, 4), poke("LastOffsetShort", V + "Offsets", 3, 14, 3),
-        poke("WrongVertexCount", V + "Offsets", 1, 7, 1), reshaped("OffsetsShort", V + "Offsets", {6}, S + "CellOffsets", 2),
-        remove("NoConnectivity", V + "Connectivity"), poke("PointOutOfRange", V + "Connectivity", 9, 12, 9),
-        poke("PointNegative", V + "Connectivity", 25, -1, 25), poke("PointHuge", V + "Connectivity", 0, std::int64_t{1} << 32, 0),
-        poke("PointTwiceInACell", V + "Connectivity", 14, 8, 14),
-        reshaped("ConnectivityShort", V + "Connectivity", {25}, S + "ConnectivityIdOffsets", 2),
-        poke("CellIdTwice", V + "CellData/GlobalCellIds", 2, 20, 2),
-        poke("CellIdNegative", V + "CellData/GlobalCellIds", 4, -30, 4),
-        reshaped("CellIdsShort", V + "CellData/GlobalCellIds", {4}, S + "CellDataOffsets/GlobalCellIds", 2),
-        Case{"PartIdBeyond32Bits",
-             [](RawFile& f) { f.put(V + "CellData/PartId", {5}, H5T_STD_I64LE, I{1, 1ll << 31, 1, 1, 1}); },
-             V + "CellData/PartId", 1},
-        poke("ThicknessNegative", V + "CellData/Thickness", 6, -0.5, 6), poke("ThicknessNan", V + "CellData/Thickness", 2, kNan, 2),
-        poke("ThicknessInf", V + "CellData/Thickness", 7, kInf, 7)),
+    testing::Values(remove("NoPoints", V + "Points"), reshaped_reals("PointsTwoColumns", V + "Points", {54, 2}),
+                    reshaped_reals("PointsFlat", V + "Points", {108}),
+                    reshaped_reals("PointsShort", V + "Points", {35, 3}, S + "PointOffsets", 2),
+                    retyped_reals("PointsAreIntegers", V + "Points", H5T_STD_I32LE),
+                    retyped_reals("PointsAreLongDouble", V + "Points", H5T_NATIVE_LDOUBLE),
+                    poke("PointNan", V + "Points", 3 * 30 + 1, kNan, 30), poke("PointInf", V + "Points", 5, -kInf, 1),
+                    poke("UnusedPointNan", V + "Points", 3 * 11, kNan, 11),
+                    poke("VelocityNan", V + "PointData/Velocity", 3 * 13 + 2, kNan, 13),
+                    reshaped_reals("VelocityFlat", V + "PointData/Velocity", {108}),
+                    poke("PointIdTwice", V + "PointData/GlobalPointIds", 7, 100, 7),
+                    poke("PointIdNegative", V + "PointData/GlobalPointIds", 3, -1, 3),
+                    reshaped("PointIdsShort", V + "PointData/GlobalPointIds", {11},
+                             S + "PointDataOffsets/GlobalPointIds", 0),
+                    Case{"PointIdBeyond63Bits",
+                         [](RawFile& f) {
+                           f.put(V + "PointData/GlobalPointIds", {12}, H5T_STD_U64LE,
+                                 f.integers(V + "PointData/GlobalPointIds"));
+                           std::vector<std::uint64_t> ids(12, 1);
+                           for (std::size_t i = 0; i < 12; ++i) ids[i] = i;
+                           ids[5] = ~std::uint64_t{0} - 5;
+                           H5Dwrite(f.open(V + "PointData/GlobalPointIds"), H5T_NATIVE_UINT64, H5S_ALL, H5S_ALL,
+                                    H5P_DEFAULT, ids.data());
+                         },
+                         V + "PointData/GlobalPointIds", 5},
+                    remove("NoTypes", V + "Types"), poke("UnknownType", V + "Types", 1, 11, 1),
+                    poke("TypeZero", V + "Types", 4, 0, 4), poke("OtherType", V + "Types", 1, 13, 2, V + "Offsets"),
+                    poke("TetrahedronAsPolytope", V + "Types", 1, 42, kAny, V + "PolyhedronOffsets"),
+                    poke("PolytopeAsHexahedron", V + "Types", 3, 12, kAny, V + "PolyhedronOffsets"),
+                    retyped("TypesAreReals", V + "Types", H5T_IEEE_F32LE),
+                    reshaped("TypesShort", V + "Types", {4}, S + "CellOffsets", 2), remove("NoOffsets", V + "Offsets"),
+                    poke("OffsetFalls", V + "Offsets", 2, 7, 2), poke("OffsetNegative", V + "Offsets", 1, -8, 1),
+                    poke("OffsetTooLarge", V + "Offsets", 2, 16, 2), poke("OffsetNotFromZero", V + "Offsets", 4, 1, 4),
+                    poke("LastOffsetShort", V + "Offsets", 3, 14, 3), poke("WrongVertexCount", V + "Offsets", 1, 7, 1),
+                    reshaped("OffsetsShort", V + "Offsets", {6}, S + "CellOffsets", 2),
+                    remove("NoConnectivity", V + "Connectivity"), poke("PointOutOfRange", V + "Connectivity", 9, 12, 9),
+                    poke("PointNegative", V + "Connectivity", 25, -1, 25),
+                    poke("PointHuge", V + "Connectivity", 0, std::int64_t{1} << 32, 0),
+                    poke("PointTwiceInACell", V + "Connectivity", 14, 8, 14),
+                    reshaped("ConnectivityShort", V + "Connectivity", {25}, S + "ConnectivityIdOffsets", 2),
+                    poke("CellIdTwice", V + "CellData/GlobalCellIds", 2, 20, 2),
+                    poke("CellIdNegative", V + "CellData/GlobalCellIds", 4, -30, 4),
+                    reshaped("CellIdsShort", V + "CellData/GlobalCellIds", {4}, S + "CellDataOffsets/GlobalCellIds", 2),
+                    Case{"PartIdBeyond32Bits",
+                         [](RawFile& f) {
+                           f.put(V + "CellData/PartId", {5}, H5T_STD_I64LE, I{1, 1ll << 31, 1, 1, 1});
+                         },
+                         V + "CellData/PartId", 1},
+                    poke("ThicknessNegative", V + "CellData/Thickness", 6, -0.5, 6),
+                    poke("ThicknessNan", V + "CellData/Thickness", 2, kNan, 2),
+                    poke("ThicknessInf", V + "CellData/Thickness", 7, kInf, 7)),
     case_name);
 
 INSTANTIATE_TEST_SUITE_P(
     Polytopes, Malformed,
-    testing::Values(
-        remove("NoFaceConnectivity", V + "Types"),
-        Case{"NoFaces", [](RawFile& f) { f.remove(V + "FaceConnectivity"); }, V + "Types", 3},
-        remove("NoFaceOffsets", V + "FaceOffsets"), remove("NoToFaces", V + "PolyhedronToFaces"),
-        remove("NoPolyhedronOffsets", V + "PolyhedronOffsets"),
-        poke("FacePointOutOfRange", V + "FaceConnectivity", 5, 12, 5), poke("FacePointNegative", V + "FaceConnectivity", 0, -1, 0),
-        poke("FacePointOfNoCell", V + "FaceConnectivity", 5, 9, kAny, V + "PolyhedronOffsets"),
-        poke("FaceOutOfRange", V + "PolyhedronToFaces", 5, 6, 5), poke("FaceNegative", V + "PolyhedronToFaces", 0, -1, 0),
-        poke("FaceTwice", V + "PolyhedronToFaces", 5, 0, kAny, V + "PolyhedronOffsets"),
-        Case{"FaceOften", [](RawFile& f) { f.put(V + "PolyhedronToFaces", {6}, H5T_STD_I64LE, I{0, 0, 0, 1, 2, 3}); },
-             V + "PolyhedronToFaces", 2},
-        poke("FaceOffsetFalls", V + "FaceOffsets", 3, 3, 3), poke("FaceOffsetsNotFromZero", V + "FaceOffsets", 1, 1, 1),
-        poke("PolyhedronOffsetFalls", V + "PolyhedronOffsets", 5, -1, 5),
-        poke("FacesOfATriangle", V + "PolyhedronOffsets", 5, 5, kAny)),
+    testing::Values(remove("NoFaceConnectivity", V + "Types"),
+                    Case{"NoFaces", [](RawFile& f) { f.remove(V + "FaceConnectivity"); }, V + "Types", 3},
+                    remove("NoFaceOffsets", V + "FaceOffsets"), remove("NoToFaces", V + "PolyhedronToFaces"),
+                    remove("NoPolyhedronOffsets", V + "PolyhedronOffsets"),
+                    poke("FacePointOutOfRange", V + "FaceConnectivity", 5, 12, 5),
+                    poke("FacePointNegative", V + "FaceConnectivity", 0, -1, 0),
+                    poke("FacePointOfNoCell", V + "FaceConnectivity", 5, 9, kAny, V + "PolyhedronOffsets"),
+                    poke("FaceOutOfRange", V + "PolyhedronToFaces", 5, 6, 5),
+                    poke("FaceNegative", V + "PolyhedronToFaces", 0, -1, 0),
+                    poke("FaceTwice", V + "PolyhedronToFaces", 5, 0, kAny, V + "PolyhedronOffsets"),
+                    Case{"FaceOften",
+                         [](RawFile& f) {
+                           f.put(V + "PolyhedronToFaces", {6}, H5T_STD_I64LE, I{0, 0, 0, 1, 2, 3});
+                         },
+                         V + "PolyhedronToFaces", 2},
+                    poke("FaceOffsetFalls", V + "FaceOffsets", 3, 3, 3),
+                    poke("FaceOffsetsNotFromZero", V + "FaceOffsets", 1, 1, 1),
+                    poke("PolyhedronOffsetFalls", V + "PolyhedronOffsets", 5, -1, 5),
+                    poke("FacesOfATriangle", V + "PolyhedronOffsets", 5, 5, kAny)),
     case_name);
 
 /// What the layer must not do: believe a size and allocate for it.
 INSTANTIATE_TEST_SUITE_P(
     Hostile, Malformed,
-    testing::Values(
-        Case{"PointsWithoutStorage", [](RawFile& f) { f.put_empty(V + "Points", {hsize_t{1} << 40, 3}, H5T_IEEE_F64LE, true); },
-             V + "Points", kNo},
-        Case{"PointsContiguousWithoutStorage",
-             [](RawFile& f) { f.put_empty(V + "Points", {hsize_t{1} << 40, 3}, H5T_IEEE_F64LE, false); }, V + "Points", kNo},
-        Case{"RowsOverflow", [](RawFile& f) { f.put_empty(V + "Connectivity", {hsize_t{1} << 62}, H5T_STD_I64LE, true); },
-             V + "Connectivity", kNo},
-        Case{"CountsWithoutStorage",
-             [](RawFile& f) { f.put_empty(V + "NumberOfPoints", {hsize_t{1} << 40}, H5T_STD_I64LE, true); },
-             V + "NumberOfPoints", kNo},
-        Case{"TimesWithoutStorage",
-             [](RawFile& f) {
-               f.put_attribute("VTKHDF/Steps", "NSteps", I{1ll << 30});
-               f.put_empty(S + "Values", {hsize_t{1} << 30}, H5T_IEEE_F64LE, true);
-             },
-             S + "Values", kNo},
-        Case{"CompoundType",
-             [](RawFile& f) {
-               const hid_t type = H5Tcreate(H5T_COMPOUND, 16);
-               H5Tinsert(type, "x", 0, H5T_NATIVE_INT64);
-               f.put_empty(V + "Types", {5}, type, false);
-             },
-             V + "Types", kNo},
-        Case{"TextType", [](RawFile& f) { f.put_empty(V + "Types", {5}, H5T_C_S1, false); }, V + "Types", kNo},
-        Case{"DatasetIsGroup",
-             [](RawFile& f) {
-               f.remove(V + "Points");
-               f.group(V + "Points");
-             },
-             V + "Points", kNo},
-        Case{"DanglingLink",
-             [](RawFile& f) {
-               f.remove(V + "Points");
-               H5Lcreate_soft("/nowhere", f.id(), (V + "Points").c_str(), H5P_DEFAULT, H5P_DEFAULT);
-             },
-             V + "Points", kNo}),
+    testing::Values(Case{"PointsWithoutStorage",
+                         [](RawFile& f) {
+                           f.put_empty(V + "Points", {hsize_t{1} << 40, 3}, H5T_IEEE_F64LE, true);
+                         },
+                         V + "Points", kNo},
+                    Case{"PointsContiguousWithoutStorage",
+                         [](RawFile& f) {
+                           f.put_empty(V + "Points", {hsize_t{1} << 40, 3}, H5T_IEEE_F64LE, false);
+                         },
+                         V + "Points", kNo},
+                    Case{"RowsOverflow",
+                         [](RawFile& f) { f.put_empty(V + "Connectivity", {hsize_t{1} << 62}, H5T_STD_I64LE, true); },
+                         V + "Connectivity", kNo},
+                    Case{"CountsWithoutStorage",
+                         [](RawFile& f) { f.put_empty(V + "NumberOfPoints", {hsize_t{1} << 40}, H5T_STD_I64LE, true); },
+                         V + "NumberOfPoints", kNo},
+                    Case{"TimesWithoutStorage",
+                         [](RawFile& f) {
+                           f.put_attribute("VTKHDF/Steps", "NSteps", I{1ll << 30});
+                           f.put_empty(S + "Values", {hsize_t{1} << 30}, H5T_IEEE_F64LE, true);
+                         },
+                         S + "Values", kNo},
+                    Case{"CompoundType",
+                         [](RawFile& f) {
+                           const hid_t type = H5Tcreate(H5T_COMPOUND, 16);
+                           H5Tinsert(type, "x", 0, H5T_NATIVE_INT64);
+                           f.put_empty(V + "Types", {5}, type, false);
+                         },
+                         V + "Types", kNo},
+                    Case{"TextType", [](RawFile& f) { f.put_empty(V + "Types", {5}, H5T_C_S1, false); }, V + "Types",
+                         kNo},
+                    Case{"DatasetIsGroup",
+                         [](RawFile& f) {
+                           f.remove(V + "Points");
+                           f.group(V + "Points");
+                         },
+                         V + "Points", kNo},
+                    Case{"DanglingLink",
+                         [](RawFile& f) {
+                           f.remove(V + "Points");
+                           H5Lcreate_soft("/nowhere", f.id(), (V + "Points").c_str(), H5P_DEFAULT, H5P_DEFAULT);
+                         },
+                         V + "Points", kNo}),
     case_name);
 
 TEST(MalformedFile, HugeSizesAllocateNothing) {

@@ -98,8 +98,8 @@ TEST(SequenceRoundTrip, PolytopesThatAppearLater) {
 
 TEST(SequenceRoundTrip, Metadata) {
   const ScratchFolder folder;
-  const SequenceMetadata metadata{"A title", "a source", "MIT", "mm (mass in g)", "\xc2\xb5s",
-                                  {{1, "Projectile"}, {-7, "plate, steel"}, {12, ""}}};
+  const SequenceMetadata metadata{"A title",        "a source",  "MIT",
+                                  "mm (mass in g)", "\xc2\xb5s", {{1, "Projectile"}, {-7, "plate, steel"}, {12, ""}}};
   random_sequence(1).write(folder / "s.vtkhdf", metadata);
   EXPECT_EQ(SequenceReader(folder / "s.vtkhdf").metadata(), metadata);
   random_sequence(1).write(folder / "s.vtkhdf");

@@ -87,8 +87,10 @@ INSTANTIATE_TEST_SUITE_P(Data, LongSharedSequence,
 
 TEST(SharedProjectile, CellsOfEachPartAtEachStep) {
   VOLCCD_NEEDS_DATA(path, "ls-dyna-projectile.vtkhdf");
-  const std::array projectile = {1864, 1864, 1846, 1814, 1787, 1757, 1727, 1681, 1635, 1592, 1551, 1517, 1498, 1491, 1491, 1491};
-  const std::array plate = {3800, 3800, 3800, 3797, 3784, 3770, 3750, 3724, 3676, 3631, 3599, 3577, 3561, 3559, 3559, 3559};
+  const std::array projectile = {1864, 1864, 1846, 1814, 1787, 1757, 1727, 1681,
+                                 1635, 1592, 1551, 1517, 1498, 1491, 1491, 1491};
+  const std::array plate = {3800, 3800, 3800, 3797, 3784, 3770, 3750, 3724,
+                            3676, 3631, 3599, 3577, 3561, 3559, 3559, 3559};
   SequenceReader reader(path);
   EXPECT_EQ(reader.metadata().part_names, (std::map<std::int32_t, std::string>{{1, "Projectile"}, {2, "Plate"}}));
   SequenceCells cells;
@@ -123,7 +125,8 @@ TEST(SharedProjectile, StepperRemoves614AndAddsNone) {
   EXPECT_EQ(stepper.topology().features().vertex_count(), 6999u);
 }
 
-void expect_counts(const std::vector<KnownAnswer>& answers, FeatureKind kind, std::ptrdiff_t listed, std::ptrdiff_t colliding) {
+void expect_counts(const std::vector<KnownAnswer>& answers, FeatureKind kind, std::ptrdiff_t listed,
+                   std::ptrdiff_t colliding) {
   EXPECT_EQ(std::count_if(answers.begin(), answers.end(), [&](const auto& a) { return a.kind == kind; }), listed);
   EXPECT_EQ(std::count_if(answers.begin(), answers.end(), [&](const auto& a) { return a.kind == kind && a.collides; }),
             colliding);

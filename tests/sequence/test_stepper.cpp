@@ -46,7 +46,8 @@ Description describe(const Topology& topology) {
     Ids faces;
     for (std::size_t at = 0; at < mesh.polytope_faces(o).size(); at += mesh.polytope_faces(o)[at] + 1) {
       faces.push_back(mesh.polytope_faces(o)[at]);
-      for (const std::int64_t id : ids(mesh.polytope_faces(o).subspan(at + 1, mesh.polytope_faces(o)[at]))) faces.push_back(id);
+      for (const std::int64_t id : ids(mesh.polytope_faces(o).subspan(at + 1, mesh.polytope_faces(o)[at])))
+        faces.push_back(id);
     }
     d.elements[mesh.element_id(o)] = {mesh.type(o), mesh.object(o), ids(mesh.vertices(o)), faces};
   }
@@ -108,7 +109,8 @@ TEST(SequenceStepper, EditsAreMinimal) {
       const TopologyEdit edit = edit_to(before, next);
       EXPECT_TRUE(edit.new_vertex_ids.empty());
       std::map<std::int64_t, ElementSpec> old;
-      for (std::size_t i = 0; i < s.steps[k - 1].cells.size(); ++i) old[s.steps[k - 1].cells.ids[i]] = s.steps[k - 1].cells.spec(i);
+      for (std::size_t i = 0; i < s.steps[k - 1].cells.size(); ++i)
+        old[s.steps[k - 1].cells.ids[i]] = s.steps[k - 1].cells.spec(i);
       std::set<std::int64_t> gone, come, removed, added;
       const auto equal = [](const ElementSpec& x, const ElementSpec& y) {
         return x.type == y.type && x.vertices == y.vertices && x.faces == y.faces && x.object == y.object;

@@ -101,7 +101,8 @@ Sequence pair_of_cells() {
   Sequence s;
   for (std::int64_t i = 0; i < 6; ++i) s.point_ids.push_back(i);
   for (int k = 0; k < 2; ++k) {
-    Sequence::Step step{1.0 * k, std::vector<Vec3>(6, Vec3(1, 2, 3)), std::vector<Vec3>(6, Vec3(0, 0, k)), {}, {0, 0.5}};
+    Sequence::Step step{
+        1.0 * k, std::vector<Vec3>(6, Vec3(1, 2, 3)), std::vector<Vec3>(6, Vec3(0, 0, k)), {}, {0, 0.5}};
     step.cells.add({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 0, 4});
     step.cells.add({ElementType::quad, {2, 3, 4, 5}, {}, 0, 9});
     s.steps.push_back(step);
@@ -143,16 +144,25 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"VelocityMissing", [](Sequence& s) { s.steps[1].velocity.clear(); }, "VTKHDF/PointData/Velocity", 1},
         Refusal{"VelocityAppears", [](Sequence& s) { s.steps[0].velocity.clear(); }, "VTKHDF/PointData/Velocity", 1},
         Refusal{"ThicknessNegative", [](Sequence& s) { s.steps[1].thickness[1] = -1; }, "VTKHDF/CellData/Thickness", 1},
-        Refusal{"ThicknessShort", [](Sequence& s) { s.steps[1].thickness.pop_back(); }, "VTKHDF/CellData/Thickness", kNo},
+        Refusal{"ThicknessShort", [](Sequence& s) { s.steps[1].thickness.pop_back(); }, "VTKHDF/CellData/Thickness",
+                kNo},
         Refusal{"ThicknessMissing", [](Sequence& s) { s.steps[1].thickness.clear(); }, "VTKHDF/CellData/Thickness", 1},
-        Refusal{"NoCells", [](Sequence& s) { s.steps[0] = {0, s.steps[0].points, {}, {}, {}}; }, "VTKHDF/Types", kNo},
-        Refusal{"VertexOutOfRange", [](Sequence& s) { s.steps[1].cells.connectivity[6] = 6; }, "VTKHDF/Connectivity", 1},
+        Refusal{"NoCells",
+                [](Sequence& s) {
+                  s.steps[0] = {0, s.steps[0].points, {}, {}, {}};
+                },
+                "VTKHDF/Types", kNo},
+        Refusal{"VertexOutOfRange", [](Sequence& s) { s.steps[1].cells.connectivity[6] = 6; }, "VTKHDF/Connectivity",
+                1},
         Refusal{"VertexTwice", [](Sequence& s) { s.steps[1].cells.connectivity[0] = 1; }, "VTKHDF/Connectivity", 0},
-        Refusal{"TypeUnknown", [](Sequence& s) { s.steps[1].cells.types[0] = ElementType{11}; }, "VTKHDF/Connectivity", 0},
-        Refusal{"TypeNone", [](Sequence& s) { s.steps[1].cells.types[1] = ElementType::none; }, "VTKHDF/Connectivity", 1},
+        Refusal{"TypeUnknown", [](Sequence& s) { s.steps[1].cells.types[0] = ElementType{11}; }, "VTKHDF/Connectivity",
+                0},
+        Refusal{"TypeNone", [](Sequence& s) { s.steps[1].cells.types[1] = ElementType::none; }, "VTKHDF/Connectivity",
+                1},
         Refusal{"OffsetsFall", [](Sequence& s) { s.steps[1].cells.offsets[1] = 9; }, "VTKHDF/Offsets", kNo},
         Refusal{"CellIdTwice", [](Sequence& s) { s.steps[1].cells.ids[1] = 4; }, "VTKHDF/CellData/GlobalCellIds", 1},
-        Refusal{"CellIdNegative", [](Sequence& s) { s.steps[1].cells.ids[0] = -4; }, "VTKHDF/CellData/GlobalCellIds", 0},
+        Refusal{"CellIdNegative", [](Sequence& s) { s.steps[1].cells.ids[0] = -4; }, "VTKHDF/CellData/GlobalCellIds",
+                0},
         Refusal{"PartsShort", [](Sequence& s) { s.steps[1].cells.parts.pop_back(); }, "VTKHDF/CellData/PartId", kNo},
         Refusal{"PolytopeWithoutFaces", [](Sequence& s) { s.steps[1].cells.types[0] = ElementType::polytope; },
                 "VTKHDF/Connectivity", 0}),

@@ -18,7 +18,8 @@ Sequence plain_sequence() {
   std::mt19937_64 random(11);
   Sequence sequence;
   const Shape shape = block(ElementType::hexahedron, 4, 3, 2).append(block(ElementType::quad, 3, 3, 1), 1);
-  for (std::size_t i = 0; i < shape.positions.size(); ++i) sequence.point_ids.push_back(static_cast<std::int64_t>(2 * i + 1));
+  for (std::size_t i = 0; i < shape.positions.size(); ++i)
+    sequence.point_ids.push_back(static_cast<std::int64_t>(2 * i + 1));
   for (int k = 0; k < 5; ++k) {
     Sequence::Step step{0.5 * k, shape.positions, shape.positions, {}, {}};
     // Steps 0 and 1 share their cells, so do 3 and 4.
@@ -37,7 +38,8 @@ bool filtered(const RawFile& raw, const std::string& path) {
   for (int i = 0; i < H5Pget_nfilters(creation); ++i) {
     std::size_t values = 0;
     unsigned flags = 0;
-    const H5Z_filter_t filter = H5Pget_filter2(creation, static_cast<unsigned>(i), &flags, &values, nullptr, 0, nullptr, nullptr);
+    const H5Z_filter_t filter =
+        H5Pget_filter2(creation, static_cast<unsigned>(i), &flags, &values, nullptr, 0, nullptr, nullptr);
     shuffled |= filter == H5Z_FILTER_SHUFFLE;
     deflated |= filter == H5Z_FILTER_DEFLATE && shuffled;
   }
@@ -57,32 +59,35 @@ TEST(SequenceLayout, DatasetsTypesShapesFilters) {
   }
   for (const auto& step : s.steps) shells += step.cells.size();
   const hid_t i64 = H5T_STD_I64LE, f64 = H5T_IEEE_F64LE;
-  const std::vector<Expected> expected = {
-      {"VTKHDF/NumberOfPoints", i64, {topologies}},
-      {"VTKHDF/NumberOfCells", i64, {topologies}},
-      {"VTKHDF/NumberOfConnectivityIds", i64, {topologies}},
-      {"VTKHDF/Points", f64, {steps * n, 3}},
-      {"VTKHDF/Connectivity", i64, {nodes}},
-      {"VTKHDF/Offsets", i64, {cells + topologies}},
-      {"VTKHDF/Types", H5T_STD_U8LE, {cells}},
-      {"VTKHDF/PointData/GlobalPointIds", i64, {n}},
-      {"VTKHDF/PointData/Velocity", f64, {steps * n, 3}},
-      {"VTKHDF/CellData/PartId", H5T_STD_I32LE, {cells}},
-      {"VTKHDF/CellData/GlobalCellIds", i64, {cells}},
-      {"VTKHDF/CellData/Thickness", f64, {shells}},
-      {"VTKHDF/Steps/Values", f64, {steps}},
-      {"VTKHDF/Steps/PartOffsets", i64, {steps}},
-      {"VTKHDF/Steps/NumberOfParts", i64, {steps}},
-      {"VTKHDF/Steps/PointOffsets", i64, {steps}},
-      {"VTKHDF/Steps/CellOffsets", i64, {steps, 1}},
-      {"VTKHDF/Steps/ConnectivityIdOffsets", i64, {steps, 1}},
-      {"VTKHDF/Steps/PointDataOffsets/GlobalPointIds", i64, {steps}},
-      {"VTKHDF/Steps/PointDataOffsets/Velocity", i64, {steps}},
-      {"VTKHDF/Steps/CellDataOffsets/PartId", i64, {steps}},
-      {"VTKHDF/Steps/CellDataOffsets/GlobalCellIds", i64, {steps}},
-      {"VTKHDF/Steps/CellDataOffsets/Thickness", i64, {steps}}};
-  std::set<std::string> paths = {"VTKHDF", "VTKHDF/PointData", "VTKHDF/CellData", "VTKHDF/Steps",
-                                 "VTKHDF/Steps/PointDataOffsets", "VTKHDF/Steps/CellDataOffsets"};
+  const std::vector<Expected> expected = {{"VTKHDF/NumberOfPoints", i64, {topologies}},
+                                          {"VTKHDF/NumberOfCells", i64, {topologies}},
+                                          {"VTKHDF/NumberOfConnectivityIds", i64, {topologies}},
+                                          {"VTKHDF/Points", f64, {steps * n, 3}},
+                                          {"VTKHDF/Connectivity", i64, {nodes}},
+                                          {"VTKHDF/Offsets", i64, {cells + topologies}},
+                                          {"VTKHDF/Types", H5T_STD_U8LE, {cells}},
+                                          {"VTKHDF/PointData/GlobalPointIds", i64, {n}},
+                                          {"VTKHDF/PointData/Velocity", f64, {steps * n, 3}},
+                                          {"VTKHDF/CellData/PartId", H5T_STD_I32LE, {cells}},
+                                          {"VTKHDF/CellData/GlobalCellIds", i64, {cells}},
+                                          {"VTKHDF/CellData/Thickness", f64, {shells}},
+                                          {"VTKHDF/Steps/Values", f64, {steps}},
+                                          {"VTKHDF/Steps/PartOffsets", i64, {steps}},
+                                          {"VTKHDF/Steps/NumberOfParts", i64, {steps}},
+                                          {"VTKHDF/Steps/PointOffsets", i64, {steps}},
+                                          {"VTKHDF/Steps/CellOffsets", i64, {steps, 1}},
+                                          {"VTKHDF/Steps/ConnectivityIdOffsets", i64, {steps, 1}},
+                                          {"VTKHDF/Steps/PointDataOffsets/GlobalPointIds", i64, {steps}},
+                                          {"VTKHDF/Steps/PointDataOffsets/Velocity", i64, {steps}},
+                                          {"VTKHDF/Steps/CellDataOffsets/PartId", i64, {steps}},
+                                          {"VTKHDF/Steps/CellDataOffsets/GlobalCellIds", i64, {steps}},
+                                          {"VTKHDF/Steps/CellDataOffsets/Thickness", i64, {steps}}};
+  std::set<std::string> paths = {"VTKHDF",
+                                 "VTKHDF/PointData",
+                                 "VTKHDF/CellData",
+                                 "VTKHDF/Steps",
+                                 "VTKHDF/Steps/PointDataOffsets",
+                                 "VTKHDF/Steps/CellDataOffsets"};
   for (const Expected& e : expected) {
     SCOPED_TRACE(e.path);
     paths.insert(e.path);
@@ -155,13 +160,15 @@ TEST(SequenceLayout, AddressesOfEveryStep) {
   for (std::size_t k = 0; k < s.steps.size(); ++k) {
     SCOPED_TRACE(k);
     const Sequence::Step& step = s.steps[k];
-    const std::size_t b = table("PartOffsets", k), cell = table("CellOffsets", k), node = table("ConnectivityIdOffsets", k);
+    const std::size_t b = table("PartOffsets", k), cell = table("CellOffsets", k),
+                      node = table("ConnectivityIdOffsets", k);
     EXPECT_EQ(b, topology[k]);
     EXPECT_EQ(table("NumberOfParts", k), 1u);
     EXPECT_EQ(raw.reals("VTKHDF/Steps/Values")[k], step.time);
     EXPECT_EQ(raw.integers("VTKHDF/NumberOfPoints")[b], static_cast<std::int64_t>(s.point_ids.size()));
     ASSERT_EQ(raw.integers("VTKHDF/NumberOfCells")[b], static_cast<std::int64_t>(step.cells.size()));
-    ASSERT_EQ(raw.integers("VTKHDF/NumberOfConnectivityIds")[b], static_cast<std::int64_t>(step.cells.connectivity.size()));
+    ASSERT_EQ(raw.integers("VTKHDF/NumberOfConnectivityIds")[b],
+              static_cast<std::int64_t>(step.cells.connectivity.size()));
     EXPECT_EQ(table("PointDataOffsets/GlobalPointIds", k), 0u);
     for (std::size_t i = 0; i < step.points.size(); ++i)
       for (std::size_t c = 0; c < 3; ++c) {

@@ -36,7 +36,8 @@ bool sync(const std::string& path) {
 AtomicFile::AtomicFile(std::string target) : target_(std::move(target)) {
   static std::atomic<unsigned> counter{0};
   std::error_code ignored;
-  if (std::filesystem::is_directory(target_, ignored)) throw InputError(target_, "", "cannot be written: it is a folder");
+  if (std::filesystem::is_directory(target_, ignored))
+    throw InputError(target_, "", "cannot be written: it is a folder");
   for (;;) {
     const std::string name = target_ + "." + std::to_string(::getpid()) + "-" + std::to_string(counter++) + ".tmp";
     const int descriptor = ::open(name.c_str(), O_CREAT | O_EXCL | O_WRONLY | O_CLOEXEC, 0666);

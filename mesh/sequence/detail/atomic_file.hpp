@@ -6,8 +6,8 @@
 namespace volccd::detail {
 
 /// Makes an empty file beside `target`, under a temporary name that nobody else uses. commit() brings it to disk and
-/// renames it to `target`, replacing what was there; without commit() the destructor removes it. Throws InputError naming
-/// `target`, with the system's reason.
+/// renames it to `target`, replacing what was there; without commit() the destructor removes it. Throws InputError
+/// naming `target`, with the system's reason.
 class AtomicFile {
  public:
   explicit AtomicFile(std::string target);

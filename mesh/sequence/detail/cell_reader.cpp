@@ -45,7 +45,8 @@ void CellReader::read_types(std::size_t step, SequenceCells& cells) {
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
     const std::int64_t type = numbers_[i];
     if (type < 0 || type > 255 || !is_element_type(static_cast<int>(type)))
-      array.data.fail(first + static_cast<std::int64_t>(i), "the cell type " + to_string(type) + " is not known" + in_step(step));
+      array.data.fail(first + static_cast<std::int64_t>(i),
+                      "the cell type " + to_string(type) + " is not known" + in_step(step));
     cells.types[i] = static_cast<ElementType>(type);
   }
 }
@@ -54,14 +55,16 @@ void CellReader::read_monotone(const StepArray& array, std::size_t step, std::in
                                std::vector<std::int64_t>& out) {
   const std::int64_t first = array.first[step];
   array.data.read(first, count + 1, out);
-  if (out[0] != 0) array.data.fail(first, "the offsets of a topology start at " + to_string(out[0]) + ", not at 0" + in_step(step));
+  if (out[0] != 0)
+    array.data.fail(first, "the offsets of a topology start at " + to_string(out[0]) + ", not at 0" + in_step(step));
   for (std::size_t i = 1; i < out.size(); ++i)
     if (out[i] < out[i - 1] || out[i] > length)
-      array.data.fail(first + static_cast<std::int64_t>(i),
-                      "the offset " + to_string(out[i]) + " is less than the one before, or more than " +
-                          to_string(length) + in_step(step));
+      array.data.fail(first + static_cast<std::int64_t>(i), "the offset " + to_string(out[i]) +
+                                                                " is less than the one before, or more than " +
+                                                                to_string(length) + in_step(step));
   if (out.back() != length)
-    array.data.fail(first + count, "the last offset is " + to_string(out.back()) + ", not " + to_string(length) + in_step(step));
+    array.data.fail(first + count,
+                    "the last offset is " + to_string(out.back()) + ", not " + to_string(length) + in_step(step));
 }
 
 void CellReader::read_offsets(std::size_t step, SequenceCells& cells) {
@@ -98,7 +101,8 @@ void CellReader::read_connectivity(std::size_t step, SequenceCells& cells) {
       const std::int64_t row = first + static_cast<std::int64_t>(j);
       const Index v = slot(array, row, numbers_[j]);
       if (used_[v] == i + 1)
-        array.data.fail(row, "cell " + to_string(i) + " has the point " + to_string(numbers_[j]) + " twice" + in_step(step));
+        array.data.fail(row,
+                        "cell " + to_string(i) + " has the point " + to_string(numbers_[j]) + " twice" + in_step(step));
       used_[v] = static_cast<Index>(i + 1);
       cells.connectivity[j] = v;
     }
@@ -111,8 +115,10 @@ void CellReader::read_parts(std::size_t step, SequenceCells& cells) {
   const std::int64_t first = array.first[step];
   array.data.read(first, static_cast<std::int64_t>(cells.size()), numbers_);
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (numbers_[i] < std::numeric_limits<std::int32_t>::min() || numbers_[i] > std::numeric_limits<std::int32_t>::max())
-      array.data.fail(first + static_cast<std::int64_t>(i), "the part id " + to_string(numbers_[i]) + " exceeds 32 bits");
+    if (numbers_[i] < std::numeric_limits<std::int32_t>::min() ||
+        numbers_[i] > std::numeric_limits<std::int32_t>::max())
+      array.data.fail(first + static_cast<std::int64_t>(i),
+                      "the part id " + to_string(numbers_[i]) + " exceeds 32 bits");
     cells.parts[i] = static_cast<std::int32_t>(numbers_[i]);
   }
 }
@@ -128,14 +134,16 @@ void CellReader::read_ids(std::size_t step, SequenceCells& cells) {
   array.data.read(first, static_cast<std::int64_t>(cells.size()), cells.ids);
   for (std::size_t i = 0; i < cells.size(); ++i)
     if (cells.ids[i] < 0)
-      array.data.fail(first + static_cast<std::int64_t>(i), "the id is negative: " + to_string(cells.ids[i]) + in_step(step));
+      array.data.fail(first + static_cast<std::int64_t>(i),
+                      "the id is negative: " + to_string(cells.ids[i]) + in_step(step));
   sorted_ids_ = cells.ids;
   std::sort(sorted_ids_.begin(), sorted_ids_.end());
   const auto twice = std::adjacent_find(sorted_ids_.begin(), sorted_ids_.end());
   if (twice == sorted_ids_.end()) return;
   const auto one = std::find(cells.ids.begin(), cells.ids.end(), *twice);
   const auto other = std::find(one + 1, cells.ids.end(), *twice);
-  array.data.fail(first + (other - cells.ids.begin()), "the id " + to_string(*twice) + " is there twice" + in_step(step));
+  array.data.fail(first + (other - cells.ids.begin()),
+                  "the id " + to_string(*twice) + " is there twice" + in_step(step));
 }
 
 void CellReader::read_polyhedra(std::size_t step, SequenceCells& cells) {
@@ -145,9 +153,9 @@ void CellReader::read_polyhedra(std::size_t step, SequenceCells& cells) {
   // Faces that no cell should have are looked at too.
   if (!any && (!layout_.polyhedra || layout_.polyhedra->to_face_ids[b] == 0)) return;
   if (!layout_.polyhedra)
-    layout_.types.data.fail(layout_.types.first[step] + (first_polytope - cells.types.begin()),
-                            "is a polyhedron, but VTKHDF/FaceConnectivity and the other arrays of faces are missing" +
-                                in_step(step));
+    layout_.types.data.fail(
+        layout_.types.first[step] + (first_polytope - cells.types.begin()),
+        "is a polyhedron, but VTKHDF/FaceConnectivity and the other arrays of faces are missing" + in_step(step));
   const PolyhedronLayout& polyhedra = *layout_.polyhedra;
   read_monotone(polyhedra.face_offsets, step, polyhedra.faces[b], polyhedra.face_connectivity_ids[b], face_offsets_);
   read_monotone(polyhedra.offsets, step, layout_.cells[b], polyhedra.to_face_ids[b], cell_faces_);
@@ -165,7 +173,8 @@ void CellReader::read_polyhedra(std::size_t step, SequenceCells& cells) {
     }
     cells.face_offsets.push_back(cells.faces.size());
     if (cells.types[i] != ElementType::polytope) continue;
-    if (const std::string problem = element_problem(cells.spec(i), static_cast<Index>(layout_.points)); !problem.empty())
+    if (const std::string problem = element_problem(cells.spec(i), static_cast<Index>(layout_.points));
+        !problem.empty())
       polyhedra.offsets.data.fail(polyhedra.offsets.first[step] + static_cast<std::int64_t>(i),
                                   "cell " + to_string(i) + ": " + problem + in_step(step));
   }
@@ -177,13 +186,14 @@ void CellReader::append_polyhedron(std::size_t step, std::size_t cell, SequenceC
   for (std::int64_t j = cell_faces_[cell]; j < cell_faces_[cell + 1]; ++j) {
     const std::int64_t face = to_faces_[static_cast<std::size_t>(j)];
     if (face < 0 || face >= face_count)
-      polyhedra.to_faces.data.fail(polyhedra.to_faces.first[step] + j,
-                                   "the face " + to_string(face) + " is out of range, there are " + to_string(face_count) +
-                                       in_step(step));
+      polyhedra.to_faces.data.fail(
+          polyhedra.to_faces.first[step] + j,
+          "the face " + to_string(face) + " is out of range, there are " + to_string(face_count) + in_step(step));
     // This also bounds the memory: faces by reference could expand without end.
     if (++face_uses_[static_cast<std::size_t>(face)] > 2)
-      polyhedra.to_faces.data.fail(polyhedra.to_faces.first[step] + j,
-                                   "the face " + to_string(face) + " belongs to more than two polyhedra" + in_step(step));
+      polyhedra.to_faces.data.fail(
+          polyhedra.to_faces.first[step] + j,
+          "the face " + to_string(face) + " belongs to more than two polyhedra" + in_step(step));
     const std::int64_t begin = face_offsets_[static_cast<std::size_t>(face)];
     const std::int64_t end = face_offsets_[static_cast<std::size_t>(face) + 1];
     if (end - begin > layout_.points)

@@ -38,7 +38,8 @@ void Hdf5Dataset::check_type(NumberKind kind) {
   if (H5Tget_class(type.get()) != want)
     fail(kind == NumberKind::integer ? "is not of integers" : "is not of floating-point numbers");
   item_bytes_ = H5Tget_size(type.get());
-  if (item_bytes_ == 0 || item_bytes_ > 8) fail("has numbers of " + std::to_string(item_bytes_) + " bytes, at most 8 are read");
+  if (item_bytes_ == 0 || item_bytes_ > 8)
+    fail("has numbers of " + std::to_string(item_bytes_) + " bytes, at most 8 are read");
   unsigned64_ = kind == NumberKind::integer && item_bytes_ == 8 && H5Tget_sign(type.get()) == H5T_SGN_NONE;
 }
 
@@ -116,7 +117,8 @@ void Hdf5Dataset::read(std::int64_t first, std::int64_t count, std::vector<doubl
 Hdf5File::Hdf5File(const std::string& name) : name_(name) {
   std::error_code error;
   const std::filesystem::file_status status = std::filesystem::status(name, error);
-  if (status.type() == std::filesystem::file_type::none) throw InputError(name, "", "cannot be opened: " + error.message());
+  if (status.type() == std::filesystem::file_type::none)
+    throw InputError(name, "", "cannot be opened: " + error.message());
   if (!std::filesystem::exists(status)) throw InputError(name, "", "cannot be opened: No such file or directory");
   // A pipe or a device would block or never end.
   if (!std::filesystem::is_regular_file(status)) throw InputError(name, "", "is not a regular file");

@@ -1,9 +1,8 @@
-// Reading HDF5: files, datasets and attributes, each call checked. Whatever goes wrong is an InputError that names the file,
-// the dataset (or attribute, "group@name") and, where there is one, the row.
+// Reading HDF5: files, datasets and attributes, each call checked. Whatever goes wrong is an InputError that names the
+// file, the dataset (or attribute, "group@name") and, where there is one, the row.
 #pragma once
 
 #include <cstdint>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,8 +12,8 @@ namespace volccd::detail {
 
 enum class NumberKind { integer, real };
 
-/// A dataset of numbers, rank 1 or 2. What it declares is checked on opening: type, rank, columns, and that its size is in
-/// proportion to the bytes that are stored, so that a few bytes cannot make a reader allocate without end.
+/// A dataset of numbers, rank 1 or 2. What it declares is checked on opening: type, rank, columns, and that its size is
+/// in proportion to the bytes that are stored, so that a few bytes cannot make a reader allocate without end.
 class Hdf5Dataset {
  public:
   const std::string& path() const { return path_; }
@@ -67,7 +66,8 @@ class Hdf5File {
   /// A string of fixed or variable length.
   std::string string_attribute(const std::string& group, const std::string& name) const;
   /// Exactly `count` integers.
-  std::vector<std::int64_t> integer_attribute(const std::string& group, const std::string& name, std::size_t count) const;
+  std::vector<std::int64_t> integer_attribute(const std::string& group, const std::string& name,
+                                              std::size_t count) const;
 
   [[noreturn]] void fail(const std::string& path, const std::string& problem) const;
 

@@ -34,8 +34,8 @@ class Hdf5Id {
   Close close_ = nullptr;
 };
 
-/// While it lives, HDF5 prints no errors from the calling thread; the caller's own handler is put back afterwards. Every
-/// function of this layer holds one.
+/// While it lives, HDF5 prints no errors from the calling thread; the caller's own handler is put back afterwards.
+/// Every function of this layer holds one.
 class QuietHdf5 {
  public:
   QuietHdf5();
@@ -48,8 +48,8 @@ class QuietHdf5 {
   void* data_ = nullptr;
 };
 
-/// The innermost entry of the thread's error stack, " (HDF5: ...)", or nothing. To be asked under the QuietHdf5 under which
-/// the call failed.
+/// The innermost entry of the thread's error stack, " (HDF5: ...)", or nothing. To be asked under the QuietHdf5 under
+/// which the call failed.
 std::string hdf5_reason();
 
 }  // namespace volccd::detail

@@ -87,8 +87,8 @@ GrowingDataset Hdf5Output::growing(const std::string& path, StoredType type, std
   return result;
 }
 
-void Hdf5Output::whole(const std::string& path, hid_t file_type, hid_t memory_type, const void* values, std::size_t count,
-                       bool as_column) {
+void Hdf5Output::whole(const std::string& path, hid_t file_type, hid_t memory_type, const void* values,
+                       std::size_t count, bool as_column) {
   const QuietHdf5 quiet;
   const int rank = as_column ? 2 : 1;
   const hsize_t extent[2] = {count, 1};

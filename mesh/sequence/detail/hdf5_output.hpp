@@ -37,7 +37,8 @@ class Hdf5Output {
   void group(const std::string& path);
   /// Chunked, shuffled, gzipped, without bound; `chunk_rows` >= 1.
   GrowingDataset growing(const std::string& path, StoredType type, std::int64_t columns, std::int64_t chunk_rows);
-  /// All at once: [values.size()], or [values.size(), 1] with `as_column`. More than 64 entries are shuffled and gzipped.
+  /// All at once: [values.size()], or [values.size(), 1] with `as_column`. More than 64 entries are shuffled and
+  /// gzipped.
   void integers(const std::string& path, std::span<const std::int64_t> values, bool as_column = false);
   void reals(const std::string& path, std::span<const double> values);
 

@@ -73,10 +73,12 @@ class LayoutReader {
 void LayoutReader::check_header() {
   if (!file_.has(kGrid)) file_.fail(kGrid, "is missing: not a VTKHDF file");
   const std::string type = file_.string_attribute(kGrid, "Type");
-  if (type != "UnstructuredGrid") file_.fail(at("@Type"), "is \"" + type + "\", wanted is \"UnstructuredGrid\"");
+  if (type != "UnstructuredGrid")
+    file_.fail(std::string(kGrid) + "@Type", "is \"" + type + "\", wanted is \"UnstructuredGrid\"");
   const std::vector<std::int64_t> version = file_.integer_attribute(kGrid, "Version", 2);
   if (version[0] < 1 || version[0] > 2)
-    file_.fail(at("@Version"), "is " + to_string(version[0]) + "." + to_string(version[1]) + ", 1.x and 2.x are read");
+    file_.fail(std::string(kGrid) + "@Version",
+               "is " + to_string(version[0]) + "." + to_string(version[1]) + ", 1.x and 2.x are read");
 }
 
 std::vector<std::int64_t> LayoutReader::counts(const std::string& name) {
@@ -118,7 +120,8 @@ void LayoutReader::read_times() {
   }
   steps_ = file_.integer_attribute(at("Steps"), "NSteps", 1)[0];
   if (steps_ < 1) file_.fail(at("Steps@NSteps"), "is " + to_string(steps_) + ": no steps");
-  if (steps_ > std::numeric_limits<int>::max()) file_.fail(at("Steps@NSteps"), "is " + to_string(steps_) + ": too many");
+  if (steps_ > std::numeric_limits<int>::max())
+    file_.fail(at("Steps@NSteps"), "is " + to_string(steps_) + ": too many");
   const Hdf5Dataset values = file_.dataset(at("Steps/Values"), NumberKind::real);
   if (values.rows() != steps_)
     values.fail("has " + to_string(values.rows()) + " entries, wanted are " + to_string(steps_));
@@ -139,8 +142,9 @@ void LayoutReader::read_topologies() {
   layout_.topology = table("PartOffsets");
   for (std::size_t k = 0; k < layout_.topology.size(); ++k)
     if (layout_.topology[k] < 0 || layout_.topology[k] >= topologies_)
-      throw InputError(file_.name(), at("Steps/PartOffsets"), static_cast<std::int64_t>(k),
-                       "is " + to_string(layout_.topology[k]) + ", there are " + to_string(topologies_) + " topologies");
+      throw InputError(
+          file_.name(), at("Steps/PartOffsets"), static_cast<std::int64_t>(k),
+          "is " + to_string(layout_.topology[k]) + ", there are " + to_string(topologies_) + " topologies");
   if (!temporal_ || !file_.has(at("Steps/NumberOfParts"))) return;
   const std::vector<std::int64_t> pieces = table("NumberOfParts");
   for (std::size_t k = 0; k < pieces.size(); ++k)
@@ -163,12 +167,13 @@ void LayoutReader::add_topology_index(StepArray& array) const {
   }
 }
 
-void LayoutReader::check_slices(const StepArray& array, const std::vector<std::int64_t>& count, std::int64_t extra) const {
+void LayoutReader::check_slices(const StepArray& array, const std::vector<std::int64_t>& count,
+                                std::int64_t extra) const {
   for (std::size_t k = 0; k < layout_.steps(); ++k) {
     const std::int64_t length = count[static_cast<std::size_t>(layout_.topology[k])] + extra;
     if (array.first[k] >= 0 && length <= array.data.rows() && array.first[k] <= array.data.rows() - length) continue;
-    const std::string problem = "step " + to_string(k) + " wants " + to_string(length) + " rows of " + array.data.path() +
-                                " from row " + to_string(array.first[k]) + " on, there are " +
+    const std::string problem = "step " + to_string(k) + " wants " + to_string(length) + " rows of " +
+                                array.data.path() + " from row " + to_string(array.first[k]) + " on, there are " +
                                 to_string(array.data.rows());
     if (array.table.empty()) array.data.fail(problem);
     throw InputError(file_.name(), array.table, static_cast<std::int64_t>(k), problem);

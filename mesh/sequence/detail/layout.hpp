@@ -17,8 +17,9 @@ struct StepArray {
   std::string table;
 };
 
-/// Polyhedra as in VTKHDF 2.5. A topology has `faces` faces, numbered from 0 in PolyhedronToFaces; FaceOffsets has one entry
-/// more and, like Offsets, starts again at 0; PolyhedronOffsets has an entry for every cell, of whatever type, and one more.
+/// Polyhedra as in VTKHDF 2.5. A topology has `faces` faces, numbered from 0 in PolyhedronToFaces; FaceOffsets has one
+/// entry more and, like Offsets, starts again at 0; PolyhedronOffsets has an entry for every cell, of whatever type,
+/// and one more.
 struct PolyhedronLayout {
   std::vector<std::int64_t> faces, face_connectivity_ids, to_face_ids;  ///< per topology
   StepArray face_connectivity, face_offsets, to_faces, offsets;

@@ -8,7 +8,8 @@ namespace volccd::detail {
 
 ShellSolids::ShellSolids(SequenceReader& reader) : reader_(reader) {
   if (reader.point_count() >= kNone / 3)
-    throw InputError(reader.file(), "VTKHDF/NumberOfPoints", 0, "more than 2^32 - 2 points, once tripled for solid shells");
+    throw InputError(reader.file(), "VTKHDF/NumberOfPoints", 0,
+                     "more than 2^32 - 2 points, once tripled for solid shells");
   try {
     vertex_ids_ = solid_vertex_ids(reader.point_ids());
   } catch (const InputError& error) {

@@ -15,7 +15,8 @@ namespace volccd::detail {
 /// Distinct, none negative.
 void check_ids(const std::string& file, const std::string& dataset, std::span<const std::int64_t> ids);
 /// `count` of them, finite.
-void check_vectors(const std::string& file, const std::string& dataset, std::span<const Vec3> vectors, std::size_t count);
+void check_vectors(const std::string& file, const std::string& dataset, std::span<const Vec3> vectors,
+                   std::size_t count);
 /// `count` of them, finite and not negative.
 void check_thickness(const std::string& file, const std::string& dataset, std::span<const double> values,
                      std::size_t count);

@@ -1,0 +1,154 @@
+"""The `volccd` program and the custom-culling example, as a user runs them."""
+
+import csv
+import json
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+
+VOLCCD, EXAMPLE = sys.argv[1:3]
+del sys.argv[1:3]
+
+
+def run(*arguments, program=VOLCCD, env=None):
+    return subprocess.run([program, *arguments], capture_output=True, text=True, env={**os.environ, **(env or {})},
+                          check=False)
+
+
+class Program(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.sequence = cls.path("run.vtkhdf")
+        made = run("scene", "generate", "builtin", "--elements", "300", "--steps", "5", "-o", cls.sequence)
+        assert made.returncode == 0, made.stderr
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder.name, name)
+
+    def good(self, *arguments, program=VOLCCD, env=None):
+        done = run(*arguments, program=program, env=env)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def bad(self, *arguments, says):
+        done = run(*arguments)
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        self.assertIn(says, done.stderr)
+
+    def contacts(self, *arguments):
+        target = self.path("contacts.csv")
+        self.good("detect", self.sequence, "--contacts", target, *arguments)
+        with open(target, encoding="ascii", newline="") as file:
+            return list(csv.reader(file))
+
+    def test_all_pipelines_write_the_same_contacts(self):
+        expected = self.contacts("--pipeline", "BruteForce")
+        self.assertEqual(expected[0], "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz".split(","))
+        self.assertGreater(len(expected), 20)
+        for pipeline in ("NavCCD", "HashCCD", "VolCCD", "VolCCD+"):
+            for threads in ("1", "3"):
+                self.assertEqual(self.contacts("--pipeline", pipeline, "--threads", threads), expected, pipeline)
+
+    def test_first_is_the_earliest_row_of_each_step(self):
+        earliest = {}
+        for row in self.contacts()[1:]:
+            earliest[row[0]] = min(earliest.get(row[0], 2.0), float(row[6]))
+        first = self.contacts("--first")[1:]
+        self.assertEqual({row[0]: float(row[6]) for row in first}, earliest)
+
+    def test_steps_select(self):
+        everything = self.contacts()[1:]
+        for text, steps in (("1:3", "12"), (":2", "01"), ("2:", "23"), ("3", "3")):
+            self.assertEqual(self.contacts("--steps", text)[1:], [row for row in everything if row[0] in steps], text)
+
+    def test_pair_scopes_partition(self):
+        inter, intra = self.contacts("--pairs", "inter")[1:], self.contacts("--pairs", "intra")[1:]
+        self.assertTrue(inter)
+        self.assertEqual(sorted(inter + intra), sorted(self.contacts()[1:]))
+
+    def test_stats(self):
+        target = self.path("stats.json")
+        self.good("detect", self.sequence, "--stats", target, "--set", "csat.axis=centroid")
+        with open(target, encoding="utf-8") as file:
+            stats = json.load(file)
+        self.assertEqual(stats["pipeline"]["name"], "VolCCD")
+        self.assertEqual(stats["pipeline"]["element_culling"][0]["options"]["axis"], "centroid")
+        self.assertEqual(len(stats["steps"]), 4)
+        self.assertEqual(sum(step["contacts"] for step in stats["steps"]), stats["total"]["contacts"])
+        self.assertEqual(stats["total"]["contacts"], len(self.contacts()) - 1)
+        self.assertIn("cpu", stats["machine"])
+        self.assertTrue(all(stage["seconds"] >= 0 for stage in stats["total"]["stages"]))
+
+    def test_settings_change_stages_and_not_contacts(self):
+        expected = self.contacts()
+        for settings in (["broad-phase=spatial-hash"], ["element-culling=none"], ["feature-culling=all-pairs"],
+                         ["feature-filters=feature-kdop,coplanarity"], ["kdop-bvh.k=24", "csat.axis=optimal"],
+                         ["feature-culling=static-assignment", "feature-filters=none"]):
+            arguments = [word for setting in settings for word in ("--set", setting)]
+            self.assertEqual(self.contacts(*arguments), expected, settings)
+
+    def test_verify_is_clean(self):
+        self.assertIn("clean", self.good("verify", self.sequence))
+
+    def test_info_stages_and_lists(self):
+        info = self.good("info", self.sequence)
+        self.assertIn("hexahedron", info)
+        stages = self.good("stages")
+        for name in ("kdop-bvh", "spatial-hash", "csat", "dynamic-assignment", "cubic", "VolCCD+"):
+            self.assertIn(name, stages)
+        self.assertIn("deform", self.good("scene", "list"))
+        self.assertIn("projectile", self.good("experiment", "list"))
+        for command in ([], ["info"], ["detect"], ["verify"], ["scene", "generate"], ["experiment", "run"]):
+            self.assertIn("Example", self.good(*command, "--help"))
+
+    def test_deform_takes_any_mesh(self):
+        target = self.path("twist.vtkhdf")
+        self.good("scene", "generate", "deform", "--mesh", self.sequence, "--motion", "twist", "--amount", "20",
+                  "--copies", "2", "-o", target)
+        self.assertIn("clean", self.good("verify", target, "--no-fcl"))
+
+    def test_experiment_falls_back_to_the_builtin_sequence(self):
+        text = self.good("experiment", "run", "projectile", "--quick", "-o", self.path("results"),
+                         env={"VOLCCD_DATA": self.folder.name})
+        self.assertIn("built-in sequence", text)
+        self.assertIn("0.69 %", text)
+        with open(self.path("results/projectile.json"), encoding="utf-8") as file:
+            self.assertEqual(len(json.load(file)["pipelines"]), 4)
+
+    def test_bad_input_exits_with_2_and_says_why(self):
+        empty = self.path("empty.vtkhdf")
+        with open(empty, "wb"):
+            pass
+        self.bad("info", empty, says="empty.vtkhdf")
+        self.bad("detect", self.path("absent.vtkhdf"), says="absent.vtkhdf")
+        self.bad("detect", self.sequence, "--pipeline", "Nothing", says="VolCCD+")
+        self.bad("detect", self.sequence, "--set", "csat.axis=sideways", says="centroid")
+        self.bad("detect", self.sequence, "--set", "nothing.x=1", says="kdop-bvh")
+        self.bad("detect", self.sequence, "--set", "feature-culling=static-assignment", "--set",
+                 "static-assignment.oset=minimal", says="O-Set")
+        for steps in ("4", "2:2", "3:1", "x", "-1:2", "0:9"):
+            self.bad("detect", self.sequence, "--steps=" + steps, says="--steps")
+        self.bad("detect", self.sequence, "--separation", "0.1", says="separation")
+        self.bad("detect", self.sequence, "--contacts", self.path("no/such/folder.csv"), says="folder.csv")
+        self.bad("frobnicate", says="frobnicate")
+        self.bad("experiment", "run", "nothing", says="projectile")
+        self.assertEqual([name for name in os.listdir(self.folder.name) if "tmp" in name], [])
+
+    def test_a_stage_from_outside_the_library(self):
+        self.assertIn("spheres", self.good("stages", program=EXAMPLE))
+        self.assertIn("none of 5", self.good("verify", self.sequence, program=EXAMPLE))
+        self.assertIn("spheres", self.good("detect", self.sequence, "--pipeline", "Spheres", program=EXAMPLE))
+        self.good("detect", self.sequence, "--pipeline", "VolCCD+", "--set", "element-culling=spheres,csat", "--set",
+                  "spheres.padding=0.1", program=EXAMPLE)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,173 @@
+// `volccd verify` finds what it is there to find: a stage that loses contacts, times that are wrong, truth that disagrees.
+#include <volccd/experiments/verify/verify.hpp>
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <volccd/mesh/sequence/stepper.hpp>
+
+#include "pipelines/scenes.hpp"
+#include "support/test_data.hpp"
+
+namespace volccd {
+namespace {
+
+/// Loses every seventh test.
+class LossyFilter final : public FeatureFilter {
+ public:
+  void filter(const Step&, const FeatureBlock& block, std::span<std::uint8_t> keep) const override {
+    for (std::size_t i = 0; i < block.size(); i += 7) keep[i] = 0;
+  }
+};
+
+Registry lossy_registry() {
+  Registry registry = Registry::standard();
+  StageDescriptor<FeatureFilter> descriptor;
+  descriptor.name = "lossy";
+  descriptor.guarantee = Guarantee::approximate;
+  descriptor.make = [](const OptionValues&) { return std::make_unique<LossyFilter>(); };
+  registry.add(descriptor);
+  PipelineSpec spec = registry.pipeline("VolCCD+");
+  spec.name = "Lossy";
+  spec.feature_filters.push_back({"lossy", {}});
+  registry.add_pipeline(spec);
+  return registry;
+}
+
+const test::Scene& scene() {
+  static const test::Scene colliding = test::colliding("tetrahedra", block(ElementType::tetrahedron, 2, 2, 1), 3, 0.1);
+  return colliding;
+}
+
+TEST(Verify, CleanWhereNothingIsWrong) {
+  Verifier verifier(Registry::standard(), {});
+  SerialExecutor serial;
+  const ObjectFilter filter;
+  const StepVerdict verdict = verifier.check({scene().topology, scene().motion, filter}, serial);
+  EXPECT_TRUE(verdict.clean());
+  EXPECT_EQ(verdict.pipelines.size(), 4u);
+  EXPECT_GT(verdict.contacts, 0u);
+  EXPECT_GT(verdict.fcl.hits, 0u);
+}
+
+TEST(Verify, FindsAStageThatLosesContacts) {
+  Verifier verifier(lossy_registry(), {});
+  SerialExecutor serial;
+  const ObjectFilter filter;
+  const StepVerdict verdict = verifier.check({scene().topology, scene().motion, filter}, serial);
+  EXPECT_FALSE(verdict.clean());
+  for (const PipelineVerdict& one : verdict.pipelines) {
+    EXPECT_EQ(one.difference.empty(), one.pipeline != "Lossy") << one.pipeline;
+    EXPECT_EQ(one.difference.extra.size() + one.difference.changed.size(), 0u) << one.pipeline;
+  }
+}
+
+TEST(Verify, PipelinesThatCannotRunTheStepAreRefusedNotDifferent) {
+  Verifier verifier(Registry::standard(), {.brute_force_limit = 0, .fcl_times = {}});
+  SerialExecutor serial;
+  const ObjectFilter filter;
+  EXPECT_EQ(verifier.check({scene().topology, scene().motion, filter}, serial).reference, "NavCCD");
+  EXPECT_THROW(verifier.check({scene().topology, scene().motion, filter, 0.1}, serial), ConfigError);
+}
+
+TEST(Compare, TellsMissingExtraAndChanged) {
+  const auto contact = [](Index v, double toi) { return Contact{FeatureKind::vf, {v, 10, 11, 12}, toi, {}, {}, {}}; };
+  const std::vector<Contact> expected = {contact(1, 0.1), contact(2, 0.2), contact(4, 0.4)};
+  const std::vector<Contact> found = {contact(2, 0.2), contact(3, 0.3), contact(4, 0.5)};
+  const ContactDifference d = compare_contacts(expected, found);
+  ASSERT_EQ(d.missing.size(), 1u);
+  ASSERT_EQ(d.extra.size(), 1u);
+  ASSERT_EQ(d.changed.size(), 1u);
+  EXPECT_EQ(d.missing[0].vertices[0], 1u);
+  EXPECT_EQ(d.extra[0].vertices[0], 3u);
+  EXPECT_EQ(d.changed[0].second.toi, 0.5);
+  EXPECT_TRUE(compare_contacts(expected, expected).empty());
+}
+
+TEST(Truth, TellsMissingExtraAndWrongTimes) {
+  Mesh mesh;
+  mesh.add_vertices(20);
+  const auto contact = [](Index v, double toi) { return Contact{FeatureKind::vf, {v, 10, 11, 12}, toi, {}, {}, {}}; };
+  const auto answer = [](std::int64_t v, bool collides, double toi) {
+    return KnownAnswer{FeatureKind::vf, {v, 10, 11, 12}, collides, toi};
+  };
+  const std::vector<KnownAnswer> truth = {answer(1, true, 0.1), answer(2, true, 0.2), answer(3, false, NAN),
+                                          answer(4, true, 0.4)};
+  const std::vector<Contact> contacts = {contact(1, 0.1), contact(3, 0.3), contact(4, 0.5)};
+  const TruthVerdict verdict = check_against_truth(mesh, contacts, truth, 1e-6);
+  EXPECT_EQ(verdict.colliding, 3u);
+  ASSERT_EQ(verdict.missing.size(), 1u);
+  EXPECT_EQ(verdict.missing[0].ids[0], 2);
+  ASSERT_EQ(verdict.extra.size(), 1u);
+  EXPECT_EQ(verdict.extra[0].ids[0], 3);
+  ASSERT_EQ(verdict.wrong_time.size(), 1u);
+  EXPECT_NEAR(verdict.largest_time_error, 0.1, 1e-12);
+}
+
+/// Contacts of some motions of a real run against those of an independent program.
+void expect_reference_contacts(const std::string& name, const std::vector<int>& steps, const std::string& pipeline_name) {
+  VOLCCD_NEEDS_DATA(file, name + ".vtkhdf");
+  VOLCCD_NEEDS_DATA(reference_file, "reference/" + name + ".csv");
+  const Registry registry = Registry::standard();
+  const Pipeline pipeline(registry, registry.pipeline(pipeline_name));
+  Workspace workspace = pipeline.make_workspace();
+  SequenceReader reader(file);
+  SequenceStepper stepper(reader);
+  SerialExecutor serial;
+  const ObjectFilter filter;
+  std::vector<ContactRow> reference = read_contacts_csv(reference_file);
+  std::erase_if(reference, [&](const ContactRow& row) {
+    return std::find(steps.begin(), steps.end(), static_cast<int>(row.step)) == steps.end();
+  });
+  std::sort(reference.begin(), reference.end(), [](const auto& x, const auto& y) { return canonical_less(x, y); });
+  std::vector<ContactRow> found;
+  for (const int k : steps) {
+    stepper.go_to(k);
+    StepResult result;
+    pipeline.run({stepper.topology(), stepper.motion(), filter}, workspace, serial, result);
+    for (const Contact& contact : result.contacts) found.push_back(contact_row(k, contact, stepper.topology().mesh()));
+  }
+  std::sort(found.begin(), found.end(), [](const auto& x, const auto& y) { return canonical_less(x, y); });
+  ASSERT_EQ(found.size(), reference.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    ASSERT_EQ(found[i].step, reference[i].step);
+    ASSERT_EQ(found[i].kind, reference[i].kind);
+    ASSERT_EQ(found[i].ids, reference[i].ids);
+    ASSERT_NEAR(found[i].toi, reference[i].toi, 1e-6);
+  }
+}
+
+TEST(ReferenceContacts, Projectile) {
+  expect_reference_contacts("ls-dyna-projectile", {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}, "VolCCD+");
+}
+TEST(LongReferenceContacts, ProjectileByThePapersPipeline) {
+  expect_reference_contacts("ls-dyna-projectile", {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}, "VolCCD");
+}
+TEST(ReferenceContacts, Bullet) {
+  expect_reference_contacts("openradioss-bullet", {10, 20, 30, 40, 50, 60, 70, 80}, "VolCCD+");
+}
+TEST(ReferenceContacts, Crash) { expect_reference_contacts("openradioss-crash", {20, 45, 60, 80}, "VolCCD+"); }
+TEST(ReferenceContacts, Airbag) { expect_reference_contacts("openradioss-airbag", {40, 80, 118}, "VolCCD+"); }
+
+TEST(LongSymbolicTruth, RodTwist) {
+  VOLCCD_NEEDS_DATA(file, "rod-twist.vtkhdf");
+  SequenceReader reader(file);
+  SequenceStepper stepper(reader);
+  stepper.go_to(0);
+  const Registry registry = Registry::standard();
+  const Pipeline pipeline(registry, registry.pipeline("VolCCD+"));
+  Workspace workspace = pipeline.make_workspace();
+  SerialExecutor serial;
+  const ObjectFilter filter;
+  StepResult result;
+  pipeline.run({stepper.topology(), stepper.motion(), filter}, workspace, serial, result);
+  const auto truth = read_ground_truth(reader);
+  ASSERT_TRUE(truth);
+  const TruthVerdict verdict = check_against_truth(stepper.topology().mesh(), result.contacts, *truth, 1e-9);
+  EXPECT_TRUE(verdict.clean());
+  EXPECT_EQ(verdict.colliding, 4944u);
+}
+
+}  // namespace
+}  // namespace volccd
