@@ -38,8 +38,8 @@ class OwnFeatures {
   std::vector<Index> begins_, values_;
 };
 
-/// Visits each vertex in use and each element once, neighbours soon after each other (breadth first): around features that
-/// are near, the same elements are looked at, which numbering may have scattered over all of memory.
+/// Visits each vertex in use and each element once, neighbours soon after each other (breadth first): around features
+/// that are near, the same elements are looked at, which numbering may have scattered over all of memory.
 template <class VisitVertex, class VisitElement>
 void for_each_near(const Mesh& mesh, const Features& features, VisitVertex&& visit_vertex,
                    VisitElement&& visit_element) {
@@ -127,6 +127,10 @@ void OSet::Impl::fit(const Topology& topology) {
 void OSet::Impl::build(const Topology& topology) {
   const Features& features = topology.features();
   const Mesh& mesh = topology.mesh();
+  version = 0;  // stays so if memory runs out: then the next update starts over
+  touch = {};
+  runs_of_vertex.clear();
+  added.clear();
   blocks.start_over(features);
   vertices.build(mesh);
   fit(topology);
@@ -147,8 +151,8 @@ void OSet::Impl::build(const Topology& topology) {
       [&](Index o) {
         for (Index e : own_edges(o)) {
           edge_rows.begin_row(e);
-          partners.edges_of_edge(literal(), e, own_edges, [e](Index e2) { return e2 > e; },
-                                 [&](Index e2) { edge_rows.add(e2); });
+          partners.edges_of_edge(
+              literal(), e, own_edges, [e](Index e2) { return e2 > e; }, [&](Index e2) { edge_rows.add(e2); });
           edge_rows.end_row();
         }
       });
@@ -184,11 +188,13 @@ OSet::Impl::Change OSet::Impl::take_over(const Mesh& mesh, const std::vector<con
 
 /// Whether the pairs of a live feature are to be found anew: none of its elements stays, or too many do.
 bool OSet::Impl::bear_anew(std::span<const Index> inc, bool all) const {
-  const auto staying = static_cast<std::size_t>(std::count_if(inc.begin(), inc.end(), [&](Index o) { return added[o] == 0; }));
+  const auto staying =
+      static_cast<std::size_t>(std::count_if(inc.begin(), inc.end(), [&](Index o) { return added[o] == 0; }));
   return all || staying == 0 || staying > OSetDifference::kMaxIncident;
 }
 
-OSet::Impl::Reborn OSet::Impl::bear(const Features& features, const std::vector<const TopologyChange*>& changes, bool all) {
+OSet::Impl::Reborn OSet::Impl::bear(const Features& features, const std::vector<const TopologyChange*>& changes,
+                                    bool all) {
   Reborn reborn;
   for (const TopologyChange* change : changes) {
     const FeatureChange& f = change->features;
@@ -220,8 +226,8 @@ void OSet::Impl::apply_difference(const Topology& topology, const Change& change
   if (!change.added.empty()) {
     OSetDifference difference(features, vertices, touch, absent);
     difference.set_changed(change.added, runs_of_vertex);
-    difference.run(mesh, skip, [&](Index v, Index f) { blocks.erase_vf(v, f); },
-                   [&](Index a, Index b) { blocks.erase_ee(a, b); });
+    difference.run(
+        mesh, skip, [&](Index v, Index f) { blocks.erase_vf(v, f); }, [&](Index a, Index b) { blocks.erase_ee(a, b); });
   }
   if (change.removed.empty()) return;
   OSetBlocks::Writer vertex_rows(blocks, Rows::vertex), edge_rows(blocks, Rows::edge);
@@ -244,7 +250,8 @@ void OSet::Impl::apply_difference(const Topology& topology, const Change& change
   edge_rows.flush();
 }
 
-/// All pairs of the features born in this epoch. A pair of two is written once: VF by its vertex, EE by its smaller edge.
+/// All pairs of the features born in this epoch. A pair of two is written once: VF by its vertex, EE by its smaller
+/// edge.
 void OSet::Impl::find_anew(const Topology& topology, const Reborn& reborn) {
   OSetPartners partners(topology.features(), vertices, touch, covering);
   OSetBlocks::Writer vertex_rows(blocks, Rows::vertex), triangle_rows(blocks, Rows::triangle),
@@ -256,14 +263,16 @@ void OSet::Impl::find_anew(const Topology& topology, const Reborn& reborn) {
   }
   for (Index f : reborn.triangles) {
     triangle_rows.begin_row(f);
-    partners.vertices_of_triangle(topology.mesh(), literal(), f, [&](Index v) { return !blocks.born_vertex(v); },
-                                  [&](Index v) { triangle_rows.add(v); });
+    partners.vertices_of_triangle(
+        topology.mesh(), literal(), f, [&](Index v) { return !blocks.born_vertex(v); },
+        [&](Index v) { triangle_rows.add(v); });
     triangle_rows.end_row();
   }
   for (Index e : reborn.edges) {
     edge_rows.begin_row(e);
-    partners.edges_of_edge(literal(), e, OSetPartners::EveryEdge{},
-                           [&](Index e2) { return e2 > e || !blocks.born_edge(e2); }, [&](Index e2) { edge_rows.add(e2); });
+    partners.edges_of_edge(
+        literal(), e, OSetPartners::EveryEdge{}, [&](Index e2) { return e2 > e || !blocks.born_edge(e2); },
+        [&](Index e2) { edge_rows.add(e2); });
     edge_rows.end_row();
   }
   vertex_rows.flush();
@@ -272,6 +281,7 @@ void OSet::Impl::find_anew(const Topology& topology, const Reborn& reborn) {
 }
 
 void OSet::Impl::update(const Topology& topology, const std::vector<const TopologyChange*>& changes) {
+  version = 0;  // as in build()
   const Change change = take_over(topology.mesh(), changes);
   // A build takes less for a feature.
   const std::size_t changed = change.removed.size() + change.added.size();

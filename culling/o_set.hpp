@@ -1,4 +1,5 @@
-// The O-Set ("orphan set", Section 5.1 and Algorithm 3): the feature pairs that no pair of non-adjacent elements covers.
+// The O-Set ("orphan set", Section 5.1 and Algorithm 3): the feature pairs that no pair of non-adjacent elements
+// covers.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +17,8 @@ enum class OSetKind {
   /// adjacent (an element is adjacent to itself). With dynamic assignment each test comes out exactly once.
   minimal,
   /// Algorithm 3 as printed, but for its `return`, which has to go on with the next feature pair: a pair is in if some
-  /// adjacent (oi, oj) has every element of inc(a) adjacent to oj and every element of inc(b) adjacent to oi. It contains
-  /// the minimal set, and pairs that non-adjacent elements cover too.
+  /// adjacent (oi, oj) has every element of inc(a) adjacent to oj and every element of inc(b) adjacent to oi. It
+  /// contains the minimal set, and pairs that non-adjacent elements cover too.
   literal
 };
 
@@ -26,8 +27,8 @@ struct OSetCounts {
   friend bool operator==(const OSetCounts&, const OSetCounts&) = default;
 };
 
-/// The pairs of one topology, each once, in blocks of at most kBlockPairs; four bytes a pair, eight for each run of pairs
-/// with a feature in common. Read-only use is thread-safe.
+/// The pairs of one topology, each once, in blocks of at most kBlockPairs; four bytes a pair, eight for each run of
+/// pairs with a feature in common. Read-only use is thread-safe.
 class OSet {
  public:
   static constexpr std::size_t kBlockPairs = 4096;
@@ -40,13 +41,14 @@ class OSet {
 
   OSetKind kind() const;
 
-  /// Everything from scratch. Expected time proportional to the sum, over edges and vertices, of the elements around them.
+  /// Everything from scratch. Expected time proportional to the sum, over edges and vertices, of the elements around
+  /// them.
   void build(const Topology& topology);
 
-  /// Brings it up to the topology: the same set as build() gives. Builds at first, and if the topology's history does not
-  /// reach back. Otherwise takes amortised time proportional to the change: of the minimal set and changes of tetrahedra and
-  /// triangles, for what they touch and the pairs that come or go; else for all pairs with a feature whose incident elements
-  /// changed.
+  /// Brings it up to the topology: the same set as build() gives. Builds at first, and if the topology's history does
+  /// not reach back. Otherwise takes amortised time proportional to the change: of the minimal set and changes of
+  /// tetrahedra and triangles, for what they touch and the pairs that come or go; else for all pairs with a feature
+  /// whose incident elements changed.
   void update(const Topology& topology);
 
   /// Topology::version() of the last build or update; 0 before.

@@ -12,7 +12,7 @@ namespace volccd {
 ///
 /// Missed contacts: none are known. The cubic's coefficients have a rounding bound; a root that its sign changes do not
 /// prove is looked at again with coefficients of twice the precision. Extra contacts: only pairs that come within the
-/// tolerance. Time: within 1e-12 of the root; where the points are coplanar, as far as doubles can tell, for longer, the
+/// tolerance. Time: within 1e-12 of the root; where the points are coplanar for longer, as far as doubles can tell, the
 /// first time in that stretch at which the features are within the tolerance.
 ///
 /// Degenerate geometry (coplanar over a stretch of time, parallel edges, triangles and edges without extent, no
@@ -20,7 +20,7 @@ namespace volccd {
 /// such a contact is the direction in which the features were apart just before; at t = 0, with the motion continued
 /// backwards.
 ///
-/// Two control points; no separation. Does not allocate but for the contacts. About O(1) a test; most tests end in a
+/// Two control points; no separation. Does not allocate but for the contacts. O(1) a test; most tests end in a
 /// vector kernel that proves the cubic free of roots.
 class Cubic final : public NarrowPhase {
  public:

@@ -54,18 +54,15 @@ Bodies bodies_at(const Step& step, double t, Cover cover) {
 struct Box {
   Vec3 low = Vec3::Constant(INFINITY), high = Vec3::Constant(-INFINITY);
 
-  void add(std::span<const Vec3> points) {
-    for (const Vec3& p : points) {
-      low = low.cwiseMin(p);
-      high = high.cwiseMax(p);
-    }
-  }
   double diagonal() const { return (high - low).norm(); }
 };
 
 Box box_of(std::span<const Vec3> points) {
   Box box;
-  box.add(points);
+  for (const Vec3& p : points) {
+    box.low = box.low.cwiseMin(p);
+    box.high = box.high.cwiseMax(p);
+  }
   return box;
 }
 

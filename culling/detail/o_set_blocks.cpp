@@ -68,7 +68,8 @@ void OSetBlocks::append(std::size_t block, TestBatch& out) const {
   switch (source.kind) {
     case Rows::vertex: return visit(source, [&](Index v, Index f) { out.vf.push_back({v, f}); });
     case Rows::triangle: return visit(source, [&](Index f, Index v) { out.vf.push_back({v, f}); });
-    case Rows::edge: return visit(source, [&](Index a, Index b) { out.ee.push_back({std::min(a, b), std::max(a, b)}); });
+    case Rows::edge:
+      return visit(source, [&](Index a, Index b) { out.ee.push_back({std::min(a, b), std::max(a, b)}); });
   }
 }
 
@@ -94,10 +95,10 @@ std::size_t OSetBlocks::bytes() const {
 }
 
 void OSetBlocks::compact_if_stale(const Features& features) {
-  const std::size_t live =
-      std::size_t{features.vertex_count()} + features.triangle_count() + features.edge_count();
+  const std::size_t live = std::size_t{features.vertex_count()} + features.triangle_count() + features.edge_count();
   const bool stale = births_ > live / 4 + 1024;
-  const bool grown = written_ + erased_vf_.size() + erased_ee_.size() > sound_pairs_ / 4 + kBlockPairs;
+  // An erasure takes as much memory as some ten pairs.
+  const bool grown = written_ + 10 * (erased_vf_.size() + erased_ee_.size()) > sound_pairs_ / 4 + kBlockPairs;
   const bool scattered = blocks_.size() > 2 * sound_blocks_ + 64;
   if (stale || grown || scattered) compact();
 }

@@ -12,8 +12,8 @@
 
 namespace volccd::detail {
 
-/// Pairs lie in rows {owner, n, partner 1 .. n}, rows in blocks, and each block has the epoch (number of the update) in which it was
-/// written. Old pairs become void in two ways, neither of which finds them:
+/// Pairs lie in rows {owner, n, partner 1 .. n}, rows in blocks, and each block has the epoch (number of the update) in
+/// which it was written. Old pairs become void in two ways, neither of which finds them:
 /// - a feature is born (anew) in an epoch: blocks of earlier epochs say nothing about it;
 /// - a single pair is erased in an epoch: blocks of earlier epochs do not hold it.
 /// When too much is void, everything is written afresh: amortised over the births and erasures.

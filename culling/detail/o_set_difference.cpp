@@ -80,7 +80,8 @@ void OSetDifference::gain_apart_from_changed() {
       gained_.push_back(o);
     }
     for (Index y : changed_at(w))
-      if (touch_.of(changed_[y]) == all && std::find(gained_changed_.begin(), gained_changed_.end(), y) == gained_changed_.end())
+      if (touch_.of(changed_[y]) == all &&
+          std::find(gained_changed_.begin(), gained_changed_.end(), y) == gained_changed_.end())
         gained_changed_.push_back(y);
   }
 }
@@ -108,7 +109,8 @@ bool OSetDifference::apart(const Simplex& x, std::span<const Index> vertices) co
 
 bool OSetDifference::found_from(std::span<const Index> b, std::span<const Index> inc) const {
   const auto touches_all_of_b = [&](Index x) {
-    return std::none_of(inc.begin(), inc.end(), [&](Index o) { return in_base(o) && apart(changed_[x], vertices_[o]); });
+    return std::none_of(inc.begin(), inc.end(),
+                        [&](Index o) { return in_base(o) && apart(changed_[x], vertices_[o]); });
   };
   return any_changed(b, [&](Index y) {
     return std::any_of(base_.begin(), base_.end(), [&](Index o) { return apart(changed_[y], vertices_[o]); }) ||

@@ -13,14 +13,15 @@
 
 namespace volccd::detail {
 
-/// Let B be the elements that stay, C simplices (tetrahedra, triangles) that come or go. Of the features that elements of B
-/// have, the pairs in the minimal O-Set of B, but not in that of B with C: all of the elements of B incident to a and to b are
-/// adjacent, but some x of C incident to a is apart from some element of B or C incident to b, or the other way round. Both
-/// changes of Section 5.1 are this one set: what goes away with C brings these pairs, what comes with C ends them.
+/// Let B be the elements that stay, C simplices (tetrahedra, triangles) that come or go. Of the features that elements
+/// of B have, the pairs in the minimal O-Set of B, but not in that of B with C: all of the elements of B incident to a
+/// and to b are adjacent, but some x of C incident to a is apart from some element of B or C incident to b, or the
+/// other way round. Both changes of Section 5.1 are this one set: what goes away with C brings these pairs, what comes
+/// with C ends them.
 ///
-/// Why not look at all pairs of the features touched: x is apart from few of the elements that touch all of inc(a), mostly
-/// from none, and such an element must touch the neighbours of x at vertices that x does not have. For a pair of touched
-/// features the question is asked from both sides; the answer of one is dropped.
+/// Why not look at all pairs of the features touched: x is apart from few of the elements that touch all of inc(a),
+/// mostly from none, and such an element must touch the neighbours of x at vertices that x does not have. For a pair of
+/// touched features the question is asked from both sides; the answer of one is dropped.
 ///
 /// C comes as vertices, not as elements: what has gone is in no table any more.
 class OSetDifference {
@@ -30,8 +31,8 @@ class OSetDifference {
 
   static constexpr std::size_t kMaxIncident = ElementTouch::kBits - 1;
 
-  /// `absent` elements belong to the mesh, but not to B. The features for which skip_* holds have no part in it: at least
-  /// those without an element of B, and those touched by C that have more than kMaxIncident.
+  /// `absent` elements belong to the mesh, but not to B. The features for which skip_* holds have no part in it: at
+  /// least those without an element of B, and those touched by C that have more than kMaxIncident.
   OSetDifference(const Features& features, const ElementVertices& vertices, ElementTouch& touch,
                  std::span<const std::uint8_t> absent)
       : features_(features), vertices_(vertices), touch_(touch), absent_(absent) {}
@@ -77,7 +78,8 @@ class OSetDifference {
   void for_triangles(Index k, Visit&& visit) const {
     const Simplex& s = changed_[k];
     for (std::size_t out = corners(s) == 4 ? 0 : 3; out < 4; ++out)
-      if (const Index f = features_.find_triangle(s[out == 0 ? 1 : 0], s[out <= 1 ? 2 : 1], s[out <= 2 ? 3 : 2]); f != kNone)
+      if (const Index f = features_.find_triangle(s[out == 0 ? 1 : 0], s[out <= 1 ? 2 : 1], s[out <= 2 ? 3 : 2]);
+          f != kNone)
         visit(f);
   }
   static std::size_t corners(const Simplex& s) { return s[3] == s[0] ? 3 : 4; }
@@ -117,7 +119,8 @@ class OSetDifference {
   }
 
   /// take(b) for the features b of the gained elements of which all elements of B touch all of those of a, once.
-  /// Everything is all over memory: candidates are collected first, so that some are on the way while others are collected.
+  /// Everything is all over memory: candidates are collected first, so that some are on the way while others are
+  /// collected.
   template <class OfElement, class OfChanged, class Incident, class Take>
   void each_partner(OfElement&& of_element, OfChanged&& of_changed, Incident&& incident, Take&& take) {
     candidates_.clear();
@@ -138,8 +141,8 @@ class OSetDifference {
     touch_.prefetch(o);
   }
 
-  /// False if nothing is gained, or if it is for an earlier element of C to ask: then no bits are set. Otherwise base_ =
-  /// elements of B in inc(a), each with its bit set; gained_, gained_changed_ = elements of B and of C that touch all
+  /// False if nothing is gained, or if it is for an earlier element of C to ask: then no bits are set. Otherwise base_
+  /// = elements of B in inc(a), each with its bit set; gained_, gained_changed_ = elements of B and of C that touch all
   /// of them, but not all elements of C incident to a.
   bool find_gained(Index k, std::span<const Index> a, std::span<const Index> inc);
   /// Adds those that have none of the vertices with the bit kOfChanged.

@@ -15,8 +15,8 @@ namespace volccd::detail {
 /// inc(b) is within I(a). {a,b} is in the literal set (Algorithm 3) iff inc(b) meets I(a) and inc(a) meets I(b): an
 /// adjacent pair (oi, oj) passes both of its loops iff oi is in I(b) and oj in I(a), which makes them adjacent.
 ///
-/// I(a) holds the elements with a vertex of a, and some others, which must touch each element of inc(a) elsewhere: they are
-/// looked for around the element of inc(a) that has the fewest elements around it.
+/// I(a) holds the elements with a vertex of a, and some others, which must touch each element of inc(a) elsewhere: they
+/// are looked for around the element of inc(a) that has the fewest elements around it.
 ///
 /// A partner b is looked at once, from its first element: from that of the elements of I(a) in the literal case, where
 /// others need not be in I(a); `own_edges`, `own_triangles` give the features of an element of which it is the first.
@@ -36,7 +36,9 @@ class OSetPartners {
       const auto& t = features_.triangle(f);
       return t[0] != v && t[1] != v && t[2] != v;
     };
-    if (literal) return visit_literal(inc, [&](Index o) { return features_.element_triangles(o); }, incident, wanted, take);
+    if (literal)
+      return visit_literal(
+          inc, [&](Index o) { return features_.element_triangles(o); }, incident, wanted, take);
     visit(own_triangles, incident, wanted, take);
   }
 
@@ -65,7 +67,9 @@ class OSetPartners {
       const auto& b = features_.edge(e2);
       return b[0] != a[0] && b[0] != a[1] && b[1] != a[0] && b[1] != a[1];
     };
-    if (literal) return visit_literal(inc, [&](Index o) { return features_.element_edges(o); }, incident, apart, take);
+    if (literal)
+      return visit_literal(
+          inc, [&](Index o) { return features_.element_edges(o); }, incident, apart, take);
     visit(own_edges, incident, apart, take);
   }
 

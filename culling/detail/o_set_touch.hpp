@@ -12,8 +12,9 @@
 
 namespace volccd::detail {
 
-/// Up to 64 elements are given a bit each; of(vertices of o) has those set that element o has a vertex in common with. Also marks
-/// of elements, and visits of features. Costs time for the elements looked at only; memory for all vertices and elements.
+/// Up to 64 elements are given a bit each; of(vertices of o) has those set that element o has a vertex in common with.
+/// Also marks of elements, and visits of features. Costs time for the elements looked at only; memory for all vertices
+/// and elements.
 class ElementTouch {
  public:
   static constexpr std::size_t kBits = 64;

@@ -10,8 +10,8 @@
 
 namespace volccd::detail {
 
-/// Remembers the vertices of elements that were removed, until it is told to forget: what has become of pairs depends on what
-/// the removed elements touched, and the mesh knows that no more.
+/// Remembers the vertices of elements that were removed, until it is told to forget: what has become of pairs depends
+/// on what the removed elements touched, and the mesh knows that no more.
 class ElementVertices {
  public:
   void build(const Mesh& mesh);
@@ -30,9 +30,7 @@ class ElementVertices {
   /// Whether every two of its vertices are an edge, and every three a triangle.
   bool simplex(Index o) const { return simplex_[o] != 0; }
 
-  std::size_t bytes() const {
-    return ids_.capacity() * sizeof(Index) + simplex_.capacity() + large_.bytes();
-  }
+  std::size_t bytes() const { return ids_.capacity() * sizeof(Index) + simplex_.capacity() + large_.bytes(); }
 
  private:
   void store(const Mesh& mesh, Index o);

@@ -1,5 +1,5 @@
-// O-Set and assignment: what a preprocess, a change of one percent, and an element pair cost. On octopus2-105k where the
-// shared data is there, on a slender block of tetrahedra, and on a block of hexahedra.
+// O-Set and assignment: what a preprocess, a change of one percent, and an element pair cost. On octopus2-105k where
+// the shared data is there, on a slender block of tetrahedra, and on a block of hexahedra.
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
@@ -26,17 +26,18 @@ namespace {
 enum Model { octopus, slender, hexahedra };
 
 const Mesh& model(std::int64_t which) {
-  static const Mesh meshes[] = {
-      [] {
-        const char* given = std::getenv("VOLCCD_DATA");
-        const std::filesystem::path folder = given ? given : VOLCCD_SOURCE_DIR "/../shared/data";
-        if (!std::filesystem::exists(folder / "octopus2-105k.vtkhdf")) return Mesh();
-        SequenceReader reader((folder / "octopus2-105k.vtkhdf").string());
-        SequenceCells cells;
-        reader.read_cells(0, cells);
-        return mesh_of(reader.point_ids(), cells);
-      }(),
-      permuted(block(ElementType::tetrahedron, 3, 3, 1000), 1).mesh(), block(ElementType::hexahedron, 10, 10, 100).mesh()};
+  static const Mesh meshes[] = {[] {
+                                  const char* given = std::getenv("VOLCCD_DATA");
+                                  const std::filesystem::path folder =
+                                      given ? given : VOLCCD_SOURCE_DIR "/../shared/data";
+                                  if (!std::filesystem::exists(folder / "octopus2-105k.vtkhdf")) return Mesh();
+                                  SequenceReader reader((folder / "octopus2-105k.vtkhdf").string());
+                                  SequenceCells cells;
+                                  reader.read_cells(0, cells);
+                                  return mesh_of(reader.point_ids(), cells);
+                                }(),
+                                permuted(block(ElementType::tetrahedron, 3, 3, 1000), 1).mesh(),
+                                block(ElementType::hexahedron, 10, 10, 100).mesh()};
   return meshes[which];
 }
 
@@ -64,7 +65,11 @@ void build(benchmark::State& state, OSetKind kind) {
   state.counters["ee"] = static_cast<double>(counts.ee);
   state.counters["bytes/element"] = static_cast<double>(set.bytes()) / mesh.element_count();
 }
-BENCHMARK_CAPTURE(build, minimal, OSetKind::minimal)->Arg(octopus)->Arg(slender)->Arg(hexahedra)->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(build, minimal, OSetKind::minimal)
+    ->Arg(octopus)
+    ->Arg(slender)
+    ->Arg(hexahedra)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(build, literal, OSetKind::literal)->Arg(octopus)->Unit(benchmark::kMillisecond);
 
 /// One percent of the elements: anywhere, or in one piece.
@@ -85,7 +90,8 @@ std::vector<Index> one_percent(const Topology& topology, bool scattered, Random&
   return region;
 }
 
-/// The time is that of the changes (features and O-Set); `times faster` compares it with building both, before each change.
+/// The time is that of the changes (features and O-Set); `times faster` compares it with building both, before each
+/// change.
 void change(benchmark::State& state, bool scattered, bool removal) {
   const Mesh& mesh = model(state.range(0));
   if (absent(state, mesh)) return;
@@ -119,11 +125,26 @@ void change(benchmark::State& state, bool scattered, bool removal) {
   state.counters["times faster"] = built / (features + o_set);
 }
 BENCHMARK_CAPTURE(change, remove_scattered, true, true)
-    ->Arg(octopus)->Arg(slender)->Arg(hexahedra)->UseManualTime()->Iterations(7)->Unit(benchmark::kMillisecond);
+    ->Arg(octopus)
+    ->Arg(slender)
+    ->Arg(hexahedra)
+    ->UseManualTime()
+    ->Iterations(7)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(change, remove_region, false, true)
-    ->Arg(octopus)->Arg(slender)->Arg(hexahedra)->UseManualTime()->Iterations(7)->Unit(benchmark::kMillisecond);
+    ->Arg(octopus)
+    ->Arg(slender)
+    ->Arg(hexahedra)
+    ->UseManualTime()
+    ->Iterations(7)
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(change, add_scattered, true, false)
-    ->Arg(octopus)->Arg(slender)->Arg(hexahedra)->UseManualTime()->Iterations(7)->Unit(benchmark::kMillisecond);
+    ->Arg(octopus)
+    ->Arg(slender)
+    ->Arg(hexahedra)
+    ->UseManualTime()
+    ->Iterations(7)
+    ->Unit(benchmark::kMillisecond);
 
 void orphans(benchmark::State& state) {
   const Mesh& mesh = model(state.range(0));
@@ -144,7 +165,8 @@ void orphans(benchmark::State& state) {
 }
 BENCHMARK(orphans)->Arg(octopus)->Unit(benchmark::kMillisecond);
 
-/// Element pairs that are not adjacent: `near`, but adjacent to a common element, as bounding volumes find them; or anywhere.
+/// Element pairs that are not adjacent: `near`, but adjacent to a common element, as bounding volumes find them; or
+/// anywhere.
 std::vector<ElementPair> element_pairs(const Topology& topology, bool near, std::size_t n) {
   const Mesh& mesh = topology.mesh();
   Random random(2);

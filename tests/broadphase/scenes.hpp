@@ -45,6 +45,17 @@ inline Shape with_outliers() {
   return shape;
 }
 
+/// Two tetrahedra that overlap by 2^-61 along x+y+z and amply along all other axes. In doubles 1 + 2^-60 - 1 is 0: without
+/// a margin for sums of three terms they are apart.
+inline Shape cancellation() {
+  Shape shape = block(ElementType::tetrahedron, 1, 1, 1);
+  shape.elements.resize(2);
+  shape.elements[0].vertices = {0, 1, 2, 3};
+  shape.elements[1].vertices = {4, 5, 6, 7};
+  shape.positions = {{1, 0x1p-60, -1}, {-1, 0, 1}, {0, -1, 1}, {0, 1, -1}, {0x1p-61, 0, 0}, {1, 1, 1}, {2, -1, 1}, {-1, 2, 1}};
+  return shape;
+}
+
 inline std::vector<Scene> scenes() {
   std::vector<Scene> all;
   const auto add = [&](std::string name, const Shape& shape, std::vector<Vec3> x1, double separation) {
@@ -82,6 +93,7 @@ inline std::vector<Scene> scenes() {
   Shape far = mixed_block(2, 1);
   far.translate({1e8 / 3, -1e9 / 7, 1e7 / 11});
   add("far from the origin", far, jittered(far.positions, 0.4, 8), 0.1);
+  add("cancellation", cancellation(), cancellation().positions, 0);
   add("soup", soup(120, 9, 308), soup(120, 10, 308).positions, 1e20);
   add("soup of floats", soup(120, 11, 30), soup(120, 12, 30).positions, 0);
   return all;
