@@ -11,6 +11,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include <volccd/mesh/adjacency.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/culling/all_pairs.hpp>
 #include <volccd/culling/dynamic_assignment.hpp>
