@@ -1,5 +1,6 @@
 #include <volccd/culling/feature_kdop_filter.hpp>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -23,11 +24,14 @@ HWY_INLINE Lanes along(const Lanes3& p) {
   return sum;
 }
 
-template <FeatureKind kKind, int kControlPoints>
+template <int kControlPoints>
 class Bounds {
  public:
   HWY_INLINE Bounds(const FeatureBlock& block, double separation, const Part& part, bool swept, std::size_t i)
-      : separation_(separation * kLengthSlack), swept_(swept), exact_(separation == 0 && part.levels == 0) {
+      : vf_(block.kind() == FeatureKind::vf),
+        separation_(separation * kLengthSlack),
+        swept_(swept),
+        exact_(separation == 0 && part.levels == 0) {
     Lanes3 greatest = abs(load(block, 0, 0, i));
     for (int v = 0; v < 4; ++v) {
       for (int c = 0; c < kControlPoints; ++c) {
@@ -68,10 +72,9 @@ class Bounds {
     for (int c = 0; c < kControlPoints; ++c) {
       Lanes p[4];
       for (int v = 0; v < 4; ++v) p[v] = along<kX, kY, kZ>(points_[v][c]);
-      constexpr bool vf = kKind == FeatureKind::vf;
-      first[c] = vf ? Range{p[0], p[0]} : Range{hn::Min(p[0], p[1]), hn::Max(p[0], p[1])};
+      first[c] = vf_ ? Range{p[0], p[0]} : Range{hn::Min(p[0], p[1]), hn::Max(p[0], p[1])};
       second[c] = {hn::Min(p[2], p[3]), hn::Max(p[2], p[3])};
-      if (vf) second[c] = joined(second[c], {p[1], p[1]});
+      if (vf_) second[c] = joined(second[c], {p[1], p[1]});
     }
     if (swept_) {
       for (int c = 1; c < kControlPoints; ++c) {
@@ -90,19 +93,21 @@ class Bounds {
 
   Lanes3 points_[4][kControlPoints];
   Lanes rounding_;
+  bool vf_;
   double separation_;
   bool swept_, exact_;
 };
 
-template <int K, FeatureKind kKind, int kControlPoints, std::size_t... kAxis>
-HWY_INLINE LaneMask apart(const Bounds<kKind, kControlPoints>& bounds, std::index_sequence<kAxis...>) {
-  constexpr auto axes = kdop_axes<K>();
+/// Axis i of the 26-DOP, for every i in `axes`: those of any k are a subset.
+template <int kControlPoints, std::size_t... kAxis>
+HWY_INLINE LaneMask apart(const Bounds<kControlPoints>& bounds, unsigned axes, std::index_sequence<kAxis...>) {
+  constexpr auto all = kdop_axes<26>();
   LaneMask mask = hn::FirstN(Tag(), 0);
-  const auto all = [&](LaneMask more) {
+  const auto joins = [&](LaneMask more) {
     mask = hn::Or(mask, more);
     return hn::AllTrue(Tag(), mask);
   };
-  (void)(all(bounds.template apart<axes[kAxis][0], axes[kAxis][1], axes[kAxis][2]>()) || ...);
+  (void)(((axes >> kAxis & 1) && joins(bounds.template apart<all[kAxis][0], all[kAxis][1], all[kAxis][2]>())) || ...);
   return mask;
 }
 
@@ -111,37 +116,23 @@ struct Job {
   double separation;
   Part part;
   bool swept;
+  unsigned axes;
   std::span<std::uint8_t> keep;
 };
 
-template <int K, FeatureKind kKind, int kControlPoints>
+template <int kControlPoints>
 void filter_block(const Job& job) {
   for (std::size_t i = 0; i < job.block.size(); i += hn::Lanes(Tag())) {
-    const Bounds<kKind, kControlPoints> bounds(job.block, job.separation, job.part, job.swept, i);
-    drop(apart<K>(bounds, std::make_index_sequence<K / 2>()), i, job.keep);
+    const Bounds<kControlPoints> bounds(job.block, job.separation, job.part, job.swept, i);
+    drop(apart(bounds, job.axes, std::make_index_sequence<13>()), i, job.keep);
   }
 }
 
-template <int K>
-void filter_any(const Job& job) {
-  const bool vf = job.block.kind() == FeatureKind::vf;
-  if (job.block.control_points() == 2)
-    (vf ? filter_block<K, FeatureKind::vf, 2> : filter_block<K, FeatureKind::ee, 2>)(job);
-  if (job.block.control_points() == 3)
-    (vf ? filter_block<K, FeatureKind::vf, 3> : filter_block<K, FeatureKind::ee, 3>)(job);
-}
-
-void feature_kdop(const FeatureBlock& block, double separation, double t_max, const FeatureKdopFilter::Config& config,
+void feature_kdop(const FeatureBlock& block, double separation, double t_max, unsigned axes, KdopBounds bounds,
                   std::span<std::uint8_t> keep) {
-  const Job job{block, separation, Part(t_max, block.control_points()), config.bounds == KdopBounds::swept, keep};
-  switch (config.k) {
-    case FeatureKdopFilter::Axes::k6: return filter_any<6>(job);
-    case FeatureKdopFilter::Axes::k14: return filter_any<14>(job);
-    case FeatureKdopFilter::Axes::k16: return filter_any<16>(job);
-    case FeatureKdopFilter::Axes::k18: return filter_any<18>(job);
-    case FeatureKdopFilter::Axes::k24: return filter_any<24>(job);
-    case FeatureKdopFilter::Axes::k26: return filter_any<26>(job);
-  }
+  const Job job{block, separation, Part(t_max, block.control_points()), bounds == KdopBounds::swept, axes, keep};
+  if (block.control_points() == 2) filter_block<2>(job);
+  if (block.control_points() == 3) filter_block<3>(job);
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE
@@ -151,7 +142,31 @@ HWY_AFTER_NAMESPACE();
 namespace volccd {
 namespace detail {
 HWY_EXPORT(feature_kdop);
+
+namespace {
+
+template <int K>
+unsigned among_all() {
+  constexpr auto all = kdop_axes<26>();
+  unsigned axes = 0;
+  for (const auto& axis : kdop_axes<K>()) axes |= 1u << (std::find(all.begin(), all.end(), axis) - all.begin());
+  return axes;
 }
+
+unsigned axes_of(FeatureKdopFilter::Axes k) {
+  switch (k) {
+    case FeatureKdopFilter::Axes::k6: return among_all<6>();
+    case FeatureKdopFilter::Axes::k14: return among_all<14>();
+    case FeatureKdopFilter::Axes::k16: return among_all<16>();
+    case FeatureKdopFilter::Axes::k18: return among_all<18>();
+    case FeatureKdopFilter::Axes::k24: return among_all<24>();
+    case FeatureKdopFilter::Axes::k26: break;
+  }
+  return among_all<26>();
+}
+
+}  // namespace
+}  // namespace detail
 
 const Options<FeatureKdopFilter::Config>& FeatureKdopFilter::options() {
   static const Options<Config> options = [] {
@@ -173,7 +188,7 @@ const Options<FeatureKdopFilter::Config>& FeatureKdopFilter::options() {
 
 void FeatureKdopFilter::filter(const Step& step, const FeatureBlock& block, std::span<std::uint8_t> keep) const {
   using namespace detail;
-  HWY_DYNAMIC_DISPATCH(feature_kdop)(block, step.separation, step.t_max, config_, keep);
+  HWY_DYNAMIC_DISPATCH(feature_kdop)(block, step.separation, step.t_max, axes_of(config_.k), config_.bounds, keep);
 }
 
 StageDescriptor<FeatureFilter> describe_feature_kdop_filter() {

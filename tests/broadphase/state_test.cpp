@@ -1,39 +1,6 @@
 // What a state carries from step to step: topology changes, restructuring, memory.
-#include <atomic>
-#include <cstddef>
-#include <cstdlib>
-#include <new>
-
+#include "broadphase/allocations.hpp"
 #include "broadphase/scenes.hpp"
-
-namespace {
-
-std::atomic<std::size_t> allocations{0};
-
-void* counted(std::size_t size, std::size_t alignment) {
-  ++allocations;
-  void* const p = alignment <= alignof(std::max_align_t)
-                      ? std::malloc(size)
-                      : std::aligned_alloc(alignment, (size + alignment - 1) / alignment * alignment);
-  if (!p) throw std::bad_alloc();
-  return p;
-}
-
-}  // namespace
-
-// The whole test program allocates through these.
-void* operator new(std::size_t size) { return counted(size, 1); }
-void* operator new[](std::size_t size) { return counted(size, 1); }
-void* operator new(std::size_t size, std::align_val_t a) { return counted(size, static_cast<std::size_t>(a)); }
-void* operator new[](std::size_t size, std::align_val_t a) { return counted(size, static_cast<std::size_t>(a)); }
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete[](void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::size_t) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
-void operator delete[](void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
 
 namespace volccd::test {
 namespace {
@@ -288,7 +255,7 @@ TEST(SteadyState, AllocatesNothing) {
         const auto state = phase->make_state();
         std::size_t before = 0;
         for (int round = 0; round < 3; ++round) {
-          if (round == 2) before = allocations;
+          if (round == 2) before = allocation_count();
           for (const Motion& motion : motions) {
             scene.motion = motion;  // same size: the assignment itself allocates nothing
             phase->update(scene.step(), *state, *executor);
@@ -296,7 +263,7 @@ TEST(SteadyState, AllocatesNothing) {
               phase->query(scene.step(), *state, range, *executor, [](std::span<const ElementPair>, unsigned) {});
           }
         }
-        EXPECT_EQ(allocations - before, 0u) << descriptor.name << " with " << workers << " workers";
+        EXPECT_EQ(allocation_count() - before, 0u) << descriptor.name << " with " << workers << " workers";
         EXPECT_GT(state->bytes(), 0u);
       }
 }

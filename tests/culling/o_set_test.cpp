@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <memory>
+#include <numeric>
 #include <set>
 #include <utility>
 #include <vector>
@@ -171,27 +172,28 @@ TEST(OSet, SoupsByDefinition) {
     }
 }
 
-/// More elements around a feature than are looked at together (64): fans around an edge, closed at their ends by
-/// elements that touch all of them, or all but one.
+/// Elements around a feature are looked at 64 at a time: a fan of n tetrahedra around an edge, a prism that touches all
+/// of them, and one that touches the first 66 only. Triangles make the later ones busier, so that the first are looked
+/// at first.
 TEST(OSet, MoreElementsAroundAFeatureThanBits) {
-  for (const Index n : {63u, 64u, 65u, 130u}) {
+  for (const Index n : {62u, 63u, 64u, 65u, 128u, 129u, 130u}) {
     Mesh mesh;
-    mesh.add_vertices(2 + n + 8);
+    mesh.add_vertices(2 + (n + 1) + 2);
     std::int64_t id = 0;
-    const auto tetrahedron = [&](Index a, Index b, Index c, Index d) {
-      mesh.add_element({ElementType::tetrahedron, {a, b, c, d}, {}, 0, id++});
+    const auto add = [&](ElementType type, std::vector<Index> vertices) {
+      mesh.add_element({type, std::move(vertices), {}, 0, id++});
     };
-    for (Index i = 0; i + 1 < n; ++i) tetrahedron(0, 1, 2 + i, 2 + i + 1);
-    ElementSpec cap = prism([&] {
-      std::vector<Index> all;
-      for (Index i = 0; i < n / 2 * 2; ++i) all.push_back(2 + i);
-      return all;
-    }());
-    cap.id = id++;
-    mesh.add_element(cap);
-    tetrahedron(2, 2 + n, 2 + n + 1, 2 + n + 2);
-    tetrahedron(2 + n - 1, 2 + n + 3, 2 + n + 4, 2 + n + 5);
-    tetrahedron(2 + n / 2, 2 + n + 3, 2 + n + 6, 2 + n + 7);
+    const auto add_prism = [&](Index sides) {
+      std::vector<Index> vertices(2 * sides);
+      std::iota(vertices.begin(), vertices.end(), 2u);
+      ElementSpec spec = prism(std::move(vertices));
+      spec.id = id++;
+      mesh.add_element(spec);
+    };
+    for (Index i = 0; i < n; ++i) add(ElementType::tetrahedron, {0, 1, 2 + i, 3 + i});
+    for (Index i = 60; i < n; ++i) add(ElementType::triangle, {3 + i, n + 3, n + 4});
+    add_prism((n + 1) / 2);
+    if (n > 66) add_prism(33);
     const Topology topology(std::move(mesh));
     ASSERT_EQ(built(topology), by_definition(topology, OSetKind::minimal)) << n;
   }
@@ -476,9 +478,16 @@ TEST_F(OSetBlocksTest, EpochsNeverRunOut) {
   blocks_.next_epoch(features());
   blocks_.bear_triangle(11);
   write(Rows::triangle, 11, 3, 4);
-  for (int i = 0; i < 70'000; ++i) blocks_.next_epoch(features());
+  for (int i = 0; i < 40'000; ++i) blocks_.next_epoch(features());
   EXPECT_EQ(pairs(FeatureKind::vf), (std::set<std::pair<Index, Index>>{{1, 10}, {3, 11}}));
   EXPECT_FALSE(blocks_.born_triangle(11));
+  blocks_.bear_vertex(1);
+  EXPECT_TRUE(blocks_.born_vertex(1));
+  write(Rows::vertex, 1, 12, 13);
+  for (int i = 0; i < 30'000; ++i) blocks_.next_epoch(features());
+  EXPECT_EQ(pairs(FeatureKind::vf), (std::set<std::pair<Index, Index>>{{1, 12}, {3, 11}}));
+  blocks_.bear_vertex(1);
+  EXPECT_EQ(pairs(FeatureKind::vf), (std::set<std::pair<Index, Index>>{{3, 11}}));
 }
 
 }  // namespace
