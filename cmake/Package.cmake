@@ -14,6 +14,7 @@ configure_package_config_file(
 write_basic_package_version_file("${CMAKE_BINARY_DIR}/cmake/volccdConfigVersion.cmake" COMPATIBILITY SameMinorVersion)
 
 install(FILES "${CMAKE_BINARY_DIR}/cmake/volccdConfig.cmake" "${CMAKE_BINARY_DIR}/cmake/volccdConfigVersion.cmake"
+              "${CMAKE_CURRENT_LIST_DIR}/FindGMP.cmake"
         DESTINATION "${VOLCCD_PACKAGE_DIR}")
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
 

@@ -46,6 +46,8 @@ class Csat final : public ElementCulling {
 
   explicit Csat(const Config& config) : config_(config) {}
 
+  /// Mode `pair`. The features modes also drop what only has no edges that touch.
+  bool drops_only_disjoint() const override { return config_.mode == CsatMode::pair; }
   void cull(const Step& step, StageState* state, PairBatch& batch) const override;
 
  private:

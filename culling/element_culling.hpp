@@ -35,6 +35,11 @@ class ElementCulling {
  public:
   virtual ~ElementCulling() = default;
 
+  /// Whether a pair is dropped only if the convex hulls of its elements are proven to stay further apart than
+  /// step.separation all through [0, step.t_max]. "No feature touches another", which is all that cull() must know, is less: an
+  /// element may lie inside another, or pierce it between its edges.
+  virtual bool drops_only_disjoint() const { return false; }
+
   /// State shared by all batches and workers of a step; nullptr if none is needed.
   virtual std::unique_ptr<StageState> make_state() const { return nullptr; }
   /// Once a step, before the first batch, on one thread. `state` is what make_state() made.

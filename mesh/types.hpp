@@ -45,6 +45,9 @@ struct Contact {
   /// Weights of `vertices`. VF: {1, w0, w1, w2}, the triangle's sum to 1. EE: {1-s, s, 1-u, u}.
   std::array<double, 4> weights;
   Vec3 point;  ///< on the second feature, at toi
+  /// They touch, or are closer than the separation, at t = 0 already; toi is 0 then. (A contact that a tolerance in time
+  /// moved to 0 has toi 0 without.)
+  bool at_start = false;
 
   friend bool operator==(const Contact&, const Contact&) = default;
 };

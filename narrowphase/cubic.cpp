@@ -116,6 +116,7 @@ Contact make_contact(FeatureKind kind, const CoplanarityBlock& block, std::size_
   contact.kind = kind;
   contact.vertices = block.vertices(i);
   contact.toi = test.time();
+  contact.at_start = contact.toi == 0;
   contact.normal = contact_normal(kind, points, test.time(), test.side());
   contact.weights = test.weights();
   contact.point = contact_point(kind, block.coordinates(i), test.time(), test.weights());

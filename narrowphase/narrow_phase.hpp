@@ -28,6 +28,8 @@ class NarrowPhase {
   virtual int max_control_points() const { return 2; }
   /// Whether it handles step.separation > 0.
   virtual bool handles_separation() const { return false; }
+  /// By how much of the step the time of a contact may be too early.
+  virtual double time_tolerance() const { return 0; }
 
   /// Appends a Contact for each test that touches during [0, step.t_max], in the order of `pairs`. The answer to a pair
   /// depends on the coordinates of its vertices in the order of test_vertices() alone, not on the batch: contacts are

@@ -219,6 +219,18 @@ void refuse_what_owes_nothing(const Step& step, std::span<const double> times) {
                         std::to_string(step.t_max) + "]");
 }
 
+/// Whether an axis keeps the hulls at t = 0 apart by more than the separation and 1e-9 of the pair's size. Only axes are
+/// believed: FCL may miss a shallow overlap.
+bool hulls_clearly_apart(const Step& step, ElementPair pair) {
+  std::vector<Vec3> a, b;
+  for (const Index v : step.mesh().vertices(pair.a)) a.push_back(step.motion.point(v, 0));
+  for (const Index v : step.mesh().vertices(pair.b)) b.push_back(step.motion.point(v, 0));
+  const Box box_a = box_of(a), box_b = box_of(b);
+  const Box both{box_a.low.cwiseMin(box_b.low), box_a.high.cwiseMax(box_b.high)};
+  const double rounding = 1e-15 * std::max(both.low.cwiseAbs().maxCoeff(), both.high.cwiseAbs().maxCoeff());
+  return detail::signed_gap(a, b) > step.separation * (1 + 1e-9) + 1e-9 * both.diagonal() + 16 * rounding;
+}
+
 enum class Verdict : char { confirmed, initial, shallow, filtered, violation };
 
 }  // namespace
@@ -226,6 +238,29 @@ enum class Verdict : char { confirmed, initial, shallow, filtered, violation };
 std::vector<Overlap> overlapping_elements(const Step& step, double t, Executor& executor) {
   if (!(t >= 0 && t <= 1)) throw ConfigError("a time of a step is in [0, 1], not " + std::to_string(t));
   return sample(step, t, executor).overlaps;
+}
+
+InitialOverlapReport check_initial_overlaps(const Step& step, std::span<const ElementPair> listed, Executor& executor) {
+  const Mesh& mesh = step.mesh();
+  const auto allowed = [&](ElementPair p) { return step.filter.allows(mesh.object(p.a), mesh.object(p.b)); };
+  InitialOverlapReport report;
+  for (const Overlap& overlap : sample(step, 0, executor).overlaps) {
+    if (!allowed(overlap.pair)) continue;
+    ++report.hits;
+    if (!std::binary_search(listed.begin(), listed.end(), overlap.pair)) report.missing.push_back(overlap);
+  }
+  std::vector<char> wrong(listed.size());
+  executor.parallel_for(listed.size(), 64, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto [a, b] = listed[i];
+      const bool valid = a < b && b < mesh.element_slots() && mesh.alive(a) && mesh.alive(b) && allowed(listed[i]) &&
+                         !detail::share_vertex(mesh, a, b) && (i == 0 || listed[i - 1] < listed[i]);
+      wrong[i] = !valid || hulls_clearly_apart(step, listed[i]);
+    }
+  });
+  for (std::size_t i = 0; i < wrong.size(); ++i)
+    if (wrong[i] != 0) report.extra.push_back(listed[i]);
+  return report;
 }
 
 OverlapReport check_against_fcl(const Step& step, std::span<const Contact> contacts, std::span<const double> times,

@@ -61,6 +61,20 @@ struct OverlapCheck {
   double min_depth = 1e-6;
 };
 
+/// How a list of initial overlaps did. Elements are the convex hulls of their vertices here, which contain the bodies.
+struct InitialOverlapReport {
+  std::uint64_t hits = 0;        ///< pairs that FCL finds overlapping at t = 0 and step.filter allows
+  std::vector<Overlap> missing;  ///< hits that are not listed
+  /// Listed pairs that share a vertex, are not alive, not a < b or not allowed, and those that some axis keeps apart by more
+  /// than step.separation and 1e-9 of the pair's size.
+  std::vector<ElementPair> extra;
+
+  bool clean() const { return missing.empty() && extra.empty(); }
+};
+
+/// Holds a list of initial overlaps, ascending, against FCL and against separating axes in plain doubles.
+InitialOverlapReport check_initial_overlaps(const Step& step, std::span<const ElementPair> listed, Executor& executor);
+
 /// All overlaps at time t in [0,1], in ascending order of pairs. A hit is to be trusted; overlaps less deep than about
 /// 1e-6 of the elements' size (1e-4 for slivers) may be missing. O(n log n + box overlaps).
 std::vector<Overlap> overlapping_elements(const Step& step, double t, Executor& executor);

@@ -24,6 +24,15 @@ std::size_t Workspace::bytes() const {
 
 namespace {
 
+/// Names of the registered narrow phases, made with their defaults, that `handles` is true of.
+template <class Predicate>
+std::string narrow_phases_that(const Registry& registry, Predicate handles) {
+  std::string names;
+  for (const StageDescriptor<NarrowPhase>& descriptor : registry.stages<NarrowPhase>())
+    if (handles(*descriptor.make({}))) names += (names.empty() ? "" : ", ") + descriptor.name;
+  return names.empty() ? "none does" : "these do: " + names;
+}
+
 /// Makes the stage and folds its guarantee into the pipeline's.
 template <class Stage>
 std::unique_ptr<Stage> make_stage(const Registry& registry, const StageChoice& choice, Guarantee& guarantee) {
@@ -46,6 +55,8 @@ Pipeline::Pipeline(const Registry& registry, const PipelineSpec& spec) : spec_(s
   for (const StageChoice& choice : spec.feature_filters)
     feature_filters_.push_back(make_stage<FeatureFilter>(registry, choice, guarantee_));
   narrow_phase_ = make_stage<NarrowPhase>(registry, spec.narrow_phase, guarantee_);
+  curved_narrow_phases_ = narrow_phases_that(registry, [](const NarrowPhase& n) { return n.max_control_points() > 2; });
+  separating_narrow_phases_ = narrow_phases_that(registry, [](const NarrowPhase& n) { return n.handles_separation(); });
   if (const std::string reason = feature_culling_->unsound(); !reason.empty())
     throw ConfigError(fmt::format("pipeline {}: {} would lose contacts: {}", spec.name, spec.feature_culling.name, reason));
 }
@@ -59,17 +70,20 @@ Workspace Pipeline::make_workspace() const {
   return workspace;
 }
 
-void Pipeline::run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result, Query query) const {
+void Pipeline::run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result,
+                   const Request& request) const {
   if (step.motion.vertex_count() != step.mesh().vertex_count())
     throw InputError("step", "motion", fmt::format("moves {} vertices, the mesh has {}", step.motion.vertex_count(),
                                                    step.mesh().vertex_count()));
   if (step.motion.control_points() > narrow_phase_->max_control_points())
-    throw ConfigError(fmt::format("narrow phase {} handles motion of degree {} at most, not {}", spec_.narrow_phase.name,
-                                  narrow_phase_->max_control_points() - 1, step.motion.degree()));
+    throw ConfigError(fmt::format("narrow phase {} handles motion of degree {} at most, not {}; {}",
+                                  spec_.narrow_phase.name, narrow_phase_->max_control_points() - 1,
+                                  step.motion.degree(), curved_narrow_phases_));
   if (!(step.separation >= 0)) throw ConfigError("separation: must not be negative");
   if (step.separation > 0 && !narrow_phase_->handles_separation())
-    throw ConfigError(fmt::format("narrow phase {} does not handle a separation", spec_.narrow_phase.name));
-  Run(*this, step, *workspace.data_, executor, query).execute(result, workspace);
+    throw ConfigError(fmt::format("narrow phase {} does not handle a separation; {}", spec_.narrow_phase.name,
+                                  separating_narrow_phases_));
+  Run(*this, step, *workspace.data_, executor, request).execute(result, workspace);
 }
 
 }  // namespace volccd

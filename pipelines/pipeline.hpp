@@ -31,9 +31,22 @@ enum class Query {
   first  ///< the earliest contact alone (the canonically smallest of equal times); what comes later is pruned
 };
 
+/// What a run is asked for.
+struct Request {
+  Query query = Query::all;
+  bool initial_overlaps = false;  ///< list them (StepResult); a query for the first contact lists all of them, too
+
+  Request() = default;
+  Request(Query q, bool overlaps = false) : query(q), initial_overlaps(overlaps) {}  // NOLINT: a Query is a request
+};
+
 struct StepResult {
   /// In canonical order, each feature pair once. The same bit for bit for any number of workers.
   std::vector<Contact> contacts;
+  /// If asked for: all pairs of non-adjacent elements, a < b, ascending, that step.filter allows and whose convex hulls have
+  /// a point in common at t = 0, one inside the other included (with a separation: come as close as that). Exact, and the
+  /// same for every pipeline whose broad phase is conservative (docs/initial_overlaps.md).
+  std::vector<ElementPair> initial_overlaps;
   Statistics statistics;
 };
 
@@ -54,7 +67,7 @@ class Pipeline {
   /// motion and mesh differ in their number of vertices. Once the workspace has grown to the scene, a step on an unchanged
   /// topology allocates nothing but what the result's vectors need.
   void run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result,
-           Query query = Query::all) const;
+           const Request& request = {}) const;
 
  private:
   class Run;
@@ -66,6 +79,8 @@ class Pipeline {
   std::unique_ptr<FeatureCulling> feature_culling_;
   std::vector<std::unique_ptr<FeatureFilter>> feature_filters_;
   std::unique_ptr<NarrowPhase> narrow_phase_;
+  /// For messages: which narrow phases handle three control points, and a separation.
+  std::string curved_narrow_phases_, separating_narrow_phases_;
 };
 
 }  // namespace volccd

@@ -16,6 +16,8 @@
 #include <volccd/culling/feature_kdop_filter.hpp>
 #include <volccd/culling/static_assignment.hpp>
 #include <volccd/narrowphase/cubic.hpp>
+#include <volccd/narrowphase/exact.hpp>
+#include <volccd/narrowphase/inclusion.hpp>
 
 namespace volccd {
 
@@ -23,23 +25,23 @@ namespace {
 
 void add_presets(Registry& registry) {
   registry.add_pipeline({"NavCCD", "k-DOP BVH and all elementary tests of overlapping elements (Section 6.1)",
-                         {"kdop-bvh", {}}, {}, {"all-pairs", {}}, {}, {"cubic", {}}});
+                         {"kdop-bvh", {}}, {}, {"all-pairs", {}}, {}, {"inclusion", {}}});
   registry.add_pipeline({"HashCCD", "spatial hashing and all elementary tests of overlapping elements (Section 6.1)",
-                         {"spatial-hash", {}}, {}, {"all-pairs", {}}, {}, {"cubic", {}}});
+                         {"spatial-hash", {}}, {}, {"all-pairs", {}}, {}, {"inclusion", {}}});
   registry.add_pipeline({"VolCCD", "the paper's: k-DOP BVH, CSAT, dynamic assignment with O-Set",
                          {"kdop-bvh", {}},
                          {{"csat", {{"axis", "face"}, {"mode", "features"}}}},
                          {"dynamic-assignment", {{"oset", "minimal"}}},
                          {{"feature-csat", {}}},
-                         {"cubic", {}}});
+                         {"inclusion", {}}});
   registry.add_pipeline({"VolCCD+", "the best that this project knows",
                          {"kdop-bvh", {}},
                          {{"csat", {{"axis", "optimal"}, {"mode", "pair"}}}},
                          {"dynamic-assignment", {{"oset", "minimal"}}},
                          {{"feature-kdop", {}}, {"coplanarity", {}}, {"feature-csat", {}}},
-                         {"cubic", {}}});
+                         {"inclusion", {}}});
   registry.add_pipeline({"BruteForce", "every pair of elements, compared by its swept box, and all its elementary tests",
-                         {"brute-force", {}}, {}, {"all-pairs", {}}, {}, {"cubic", {}}});
+                         {"brute-force", {}}, {}, {"all-pairs", {}}, {}, {"inclusion", {}}});
 }
 
 /// Splits "a,b,c"; "" and "none" give nothing.
@@ -115,6 +117,8 @@ Registry Registry::standard() {
   registry.add(describe_coplanarity_filter());
   registry.add(describe_csat_filter());
   registry.add(describe_cubic());
+  registry.add(describe_inclusion());
+  registry.add(describe_exact());
   add_presets(registry);
   return registry;
 }

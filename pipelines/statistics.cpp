@@ -15,6 +15,7 @@ Statistics& Statistics::operator+=(const Statistics& other) {
   vf_tests += other.vf_tests;
   ee_tests += other.ee_tests;
   contacts += other.contacts;
+  initial_overlaps += other.initial_overlaps;
   duplicates += other.duplicates;
   degenerate += other.degenerate;
   undecided += other.undecided;

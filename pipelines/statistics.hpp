@@ -10,9 +10,10 @@ namespace volccd {
 
 /// One stage of a pipeline. What `in` and `out` count is in the stage's role: element pairs for the broad phase and element
 /// culling, tests for feature filters, tests in and contacts out for the narrow phase; feature culling takes element pairs
-/// and gives tests.
+/// and gives tests; initial overlaps take and give element pairs.
 struct StageStatistics {
-  std::string role;  ///< "update", "broad-phase", "element-culling", "feature-culling", "orphans", "feature-filter", ...
+  std::string role;  ///< "update", "broad-phase", "element-culling", "feature-culling", "orphans", "feature-filter", ...,
+                     ///< "initial-overlaps"
   std::string name;
   std::uint64_t in = 0, out = 0;
   double seconds = 0;  ///< summed over workers
@@ -27,6 +28,7 @@ struct Statistics {
   std::uint64_t orphan_tests = 0;    ///< tests that the O-Set gave
   std::uint64_t vf_tests = 0, ee_tests = 0;  ///< elementary tests performed by the narrow phase
   std::uint64_t contacts = 0;
+  std::uint64_t initial_overlaps = 0;  ///< element pairs listed; 0 where they are not asked for
   std::uint64_t duplicates = 0;      ///< contacts found again, not in `contacts`
   std::uint64_t degenerate = 0, undecided = 0;  ///< NarrowCounters
   double earliest_toi = std::numeric_limits<double>::infinity();  ///< of all contacts; infinity without any

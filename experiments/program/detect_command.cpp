@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <iterator>
 #include <optional>
 
 #include <fmt/format.h>
@@ -19,7 +21,7 @@ namespace {
 struct DetectOptions {
   SequenceOptions sequence;
   QueryOptions query;
-  std::string pipeline = "VolCCD", contacts, stats;
+  std::string pipeline = "VolCCD", contacts, overlaps, stats;
   std::vector<std::string> settings;
   bool first = false;
 };
@@ -34,6 +36,7 @@ std::vector<std::string> row_of(const std::string& title, const Statistics& s) {
           grouped(s.vf_tests),
           grouped(s.ee_tests),
           grouped(s.contacts),
+          grouped(s.initial_overlaps),
           time_text(s.earliest_toi),
           duration(s.seconds)};
 }
@@ -65,6 +68,7 @@ class Detection {
         executor_(make_executor(options.query.threads)),
         filter_(options.query.filter()) {
     if (!options.contacts.empty()) csv_.emplace(options.contacts);
+    if (!options.overlaps.empty()) overlaps_ = "step,a,b\n";
   }
 
   int run() {
@@ -90,15 +94,27 @@ class Detection {
   void run_step(int k) {
     stepper_.go_to(k);
     const Step step{stepper_.topology(), stepper_.motion(), filter_, options_.query.separation};
-    pipeline_.run(step, workspace_, *executor_, result_, options_.first ? Query::first : Query::all);
+    pipeline_.run(step, workspace_, *executor_, result_, 
+                  Request(options_.first ? Query::first : Query::all, true));
     if (csv_) csv_->write_step(k, result_.contacts, stepper_.topology().mesh());
+    if (overlaps_) note_overlaps(k);
     steps_.push_back(result_.statistics);
     total_ += result_.statistics;
   }
 
+  /// Rows ascend by element id, the smaller one first.
+  void note_overlaps(int k) {
+    const Mesh& mesh = stepper_.topology().mesh();
+    std::vector<std::pair<std::int64_t, std::int64_t>> ids;
+    for (const ElementPair pair : result_.initial_overlaps)
+      ids.push_back(std::minmax({mesh.element_id(pair.a), mesh.element_id(pair.b)}));
+    std::sort(ids.begin(), ids.end());
+    for (const auto& [a, b] : ids) fmt::format_to(std::back_inserter(*overlaps_), "{},{},{}\n", k, a, b);
+  }
+
   void report() {
     TextTable table({"step", "element pairs", "after culling", "O-Set tests", "VF tests", "EE tests", "contacts",
-                     "earliest t", "time"});
+                     "overlaps at 0", "earliest t", "time"});
     for (std::size_t i = 0; i < steps_.size(); ++i)
       table.add(row_of(fmt::format("{}", range_.begin + static_cast<int>(i)), steps_[i]));
     table.rule();
@@ -110,9 +126,13 @@ class Detection {
       csv_->finish();
       fmt::print("\ncontacts written to {}\n", options_.contacts);
     }
+    if (overlaps_) {
+      write_text_file(options_.overlaps, *overlaps_);
+      fmt::print("{}initial overlaps written to {}\n", csv_ ? "" : "\n", options_.overlaps);
+    }
     if (!options_.stats.empty()) {
       write_text_file(options_.stats, stats().dump(2) + "\n");
-      fmt::print("{}statistics written to {}\n", csv_ ? "" : "\n", options_.stats);
+      fmt::print("{}statistics written to {}\n", csv_ || overlaps_ ? "" : "\n", options_.stats);
     }
   }
 
@@ -129,6 +149,7 @@ class Detection {
             {"separation", options_.query.separation},
             {"shells", options_.sequence.shells},
             {"edges", options_.sequence.edges},
+            {"motion", options_.sequence.motion},
             {"threads", executor_->workers()},
             {"pipeline", to_json(pipeline_)},
             {"machine", machine_facts()},
@@ -146,6 +167,7 @@ class Detection {
   std::unique_ptr<Executor> executor_;
   ObjectFilter filter_;
   std::optional<ContactsCsvWriter> csv_;
+  std::optional<std::string> overlaps_;  ///< the file's text
   StepResult result_;
   std::vector<Statistics> steps_;
   Statistics total_;
@@ -162,6 +184,8 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
       ->type_name("X=Y")
       ->allow_extra_args(false);
   command->add_option("--contacts", options->contacts, "write the contacts as CSV")->type_name("FILE");
+  command->add_option("--overlaps", options->overlaps, "write the elements that overlap at the start of a step as CSV")
+      ->type_name("FILE");
   command->add_option("--stats", options->stats, "write counts and times as JSON")->type_name("FILE");
   command->add_flag("--first", options->first, "the earliest contact of each step alone, found faster");
   options->query.add_to(*command);

@@ -47,12 +47,18 @@ void SequenceOptions::add_to(CLI::App& command) {
   command.add_option("--edges", edges, "with the diagonals of faces (complete), or without (the paper's counts)")
       ->check(CLI::IsMember({"triangulated", "polytope"}))
       ->capture_default_str();
+  command
+      .add_option("--motion", motion,
+                  "on straight lines, or with constant acceleration (by stored velocities, else by three steps)")
+      ->check(CLI::IsMember({"linear", "quadratic"}))
+      ->capture_default_str();
 }
 
 SequenceStepper::Config SequenceOptions::stepper() const {
   SequenceStepper::Config config;
   config.edge_set = edges == "polytope" ? EdgeSet::polytope : EdgeSet::triangulated;
   config.shells = shells == "solid" ? ShellModel::solid : ShellModel::surface;
+  config.motion = motion == "quadratic" ? MotionModel::quadratic : MotionModel::linear;
   return config;
 }
 

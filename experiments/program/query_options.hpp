@@ -23,9 +23,9 @@ struct StepRange {
 /// "A:B", "A:", ":B", "K" (one motion), "" (all), within the motions [0, motions) of the file. Throws InputError.
 StepRange parse_steps(const std::string& text, int motions, const std::string& file);
 
-/// What is read: --steps, --shells, --edges.
+/// What is read: --steps, --shells, --edges, --motion.
 struct SequenceOptions {
-  std::string file, steps, shells = "surface", edges = "triangulated";
+  std::string file, steps, shells = "surface", edges = "triangulated", motion = "linear";
 
   void add_to(CLI::App& command);
   SequenceStepper::Config stepper() const;

@@ -39,6 +39,23 @@ std::vector<ContactRow> rows_of(int k, const std::vector<Contact>& contacts, con
   return rows;
 }
 
+void show(int k, const std::string& what, const std::vector<ElementPair>& pairs, const Mesh& mesh) {
+  if (pairs.empty()) return;
+  fmt::print("  step {}: {}: {} pairs of elements, first {} and {}\n", k, what, pairs.size(),
+             mesh.element_id(pairs.front().a), mesh.element_id(pairs.front().b));
+}
+
+void show_overlaps(int k, const StepVerdict& verdict, const Mesh& mesh) {
+  for (const PipelineVerdict& one : verdict.pipelines) {
+    show(k, "initial overlaps that " + one.pipeline + " misses", one.missing_overlaps, mesh);
+    show(k, "initial overlaps that only " + one.pipeline + " lists", one.extra_overlaps, mesh);
+  }
+  std::vector<ElementPair> missing;
+  for (const Overlap& overlap : verdict.initial.missing) missing.push_back(overlap.pair);
+  show(k, "initial overlaps that only FCL finds", missing, mesh);
+  show(k, "initial overlaps that are none", verdict.initial.extra, mesh);
+}
+
 void show_differences(int k, const StepVerdict& verdict, const Mesh& mesh) {
   for (const PipelineVerdict& one : verdict.pipelines) {
     if (one.difference.empty()) continue;
@@ -76,6 +93,12 @@ std::string fcl_text(const StepVerdict& verdict) {
   return fmt::format("{} of {}", grouped(verdict.fcl.violations.size()), grouped(verdict.fcl.hits));
 }
 
+/// Listed, and how many of them FCL finds.
+std::string overlap_text(const StepVerdict& verdict) {
+  if (verdict.fcl.times == 0) return grouped(verdict.initial_overlaps);
+  return fmt::format("{} (FCL {})", grouped(verdict.initial_overlaps), grouped(verdict.initial.hits));
+}
+
 int verify(const VerifyOptions& options, const Registry& registry) {
   SequenceReader reader(options.sequence.file);
   SequenceStepper stepper(reader, options.sequence.stepper());
@@ -86,10 +109,12 @@ int verify(const VerifyOptions& options, const Registry& registry) {
   if (options.no_fcl) config.fcl_times.clear();
   Verifier verifier(registry, config);
   bool clean = true;
-  TextTable table({"step", "reference", "contacts", "earliest t", "pipelines that differ", "FCL violations of hits"});
-  // The truth is that of surfaces and of all pairs.
+  TextTable table({"step", "reference", "contacts", "earliest t", "overlaps at 0", "pipelines that differ",
+                   "FCL violations of hits"});
+  // The truth is that of surfaces on straight lines and of all pairs.
   const bool truth_fits = !options.no_truth && options.sequence.shells == "surface" && filter.trivial() &&
-                          options.query.separation == 0 && options.sequence.edges == "triangulated";
+                          options.query.separation == 0 && options.sequence.edges == "triangulated" &&
+                          options.sequence.motion == "linear";
   const InterruptGuard guard;
   {
     Progress progress("verifying, step", static_cast<std::size_t>(range.end - range.begin));
@@ -101,11 +126,13 @@ int verify(const VerifyOptions& options, const Registry& registry) {
           {stepper.topology(), stepper.motion(), filter, options.query.separation}, *executor, &contacts);
       std::string differ;
       for (const PipelineVerdict& one : verdict.pipelines)
-        if (!one.difference.empty()) differ += (differ.empty() ? "" : ", ") + one.pipeline;
+        if (!one.same()) differ += (differ.empty() ? "" : ", ") + one.pipeline;
       table.add({std::to_string(k), verdict.reference, grouped(verdict.contacts),
                  std::isfinite(verdict.earliest_toi) ? fmt::format("{:.6f}", verdict.earliest_toi) : "-",
+                 overlap_text(verdict),
                  differ.empty() ? fmt::format("none of {}", verdict.pipelines.size()) : differ, fcl_text(verdict)});
       show_differences(k, verdict, mesh);
+      show_overlaps(k, verdict, mesh);
       clean = clean && verdict.clean();
       if (k == 0 && truth_fits) clean = check_truth(reader, mesh, contacts, config) && clean;
       progress.advance(static_cast<std::size_t>(k + 1 - range.begin));
@@ -132,6 +159,7 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
   command->footer(
       "Every registered pipeline must find the contacts of the reference, bit for bit. Where FCL finds two elements\n"
       "overlapping at t = 1/4, 1/2, 3/4 or 1, they overlapped at t = 0 or must have a contact by then.\n"
+      "All pipelines must list the same initial overlaps, all that FCL finds at t = 0 and none that is clearly apart.\n"
       "Exit code 1 if anything differs.\n"
       "Examples:\n"
       "  volccd verify run.vtkhdf\n"

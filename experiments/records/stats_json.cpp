@@ -75,6 +75,7 @@ json to_json(const Statistics& s) {
           {"vf_tests", s.vf_tests},
           {"ee_tests", s.ee_tests},
           {"contacts", s.contacts},
+          {"initial_overlaps", s.initial_overlaps},
           {"duplicates", s.duplicates},
           {"degenerate", s.degenerate},
           {"undecided", s.undecided},

@@ -25,9 +25,16 @@ double median(std::vector<double> values) {
   return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
+/// The paper's elementary tests in all pipelines.
+PipelineSpec with_cubic(const Registry& registry, const std::string& name) {
+  PipelineSpec spec = registry.pipeline(name);
+  registry.apply_setting(spec, "narrow-phase=cubic");
+  return spec;
+}
+
 struct Contestant {
   Contestant(const Registry& registry, const std::string& name)
-      : pipeline(registry, registry.pipeline(name)), workspace(pipeline.make_workspace()) {}
+      : pipeline(registry, with_cubic(registry, name)), workspace(pipeline.make_workspace()) {}
   Pipeline pipeline;
   Workspace workspace;
   std::vector<Statistics> rounds;  ///< of the present step

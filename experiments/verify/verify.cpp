@@ -2,15 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <set>
 
 namespace volccd {
 
+namespace {
+
+/// Of two ascending lists.
+std::vector<ElementPair> only_in(const std::vector<ElementPair>& these, const std::vector<ElementPair>& those) {
+  std::vector<ElementPair> result;
+  std::set_difference(these.begin(), these.end(), those.begin(), those.end(), std::back_inserter(result));
+  return result;
+}
+
+}  // namespace
+
 bool StepVerdict::clean() const {
   const bool same = std::all_of(pipelines.begin(), pipelines.end(),
-                                [](const PipelineVerdict& verdict) { return verdict.difference.empty(); });
-  return same && fcl.clean();
+                                [](const PipelineVerdict& verdict) { return verdict.same(); });
+  return same && fcl.clean() && initial.clean();
 }
 
 Verifier::Verifier(const Registry& registry, VerifyConfig config)
@@ -32,25 +44,30 @@ StepVerdict Verifier::check(const Step& step, Executor& executor, std::vector<Co
   Entry& reference = step.mesh().element_count() <= config_.brute_force_limit ? *brute_ : *unculled_;
   verdict.reference = reference.pipeline.spec().name;
   StepResult truth;
-  reference.pipeline.run(step, reference.workspace, executor, truth);
+  const Request request(Query::all, true);
+  reference.pipeline.run(step, reference.workspace, executor, truth, request);
   verdict.contacts = truth.contacts.size();
+  verdict.initial_overlaps = truth.initial_overlaps.size();
   verdict.earliest_toi = truth.statistics.earliest_toi;
   for (const auto& entry : entries_) {
     PipelineVerdict& one = verdict.pipelines.emplace_back();
     one.pipeline = entry->pipeline.spec().name;
     StepResult found;
     try {
-      entry->pipeline.run(step, entry->workspace, executor, found);
+      entry->pipeline.run(step, entry->workspace, executor, found, request);
     } catch (const ConfigError& error) {
       one.refused = error.what();
       continue;
     }
     one.difference = compare_contacts(truth.contacts, found.contacts);
+    one.missing_overlaps = only_in(truth.initial_overlaps, found.initial_overlaps);
+    one.extra_overlaps = only_in(found.initial_overlaps, truth.initial_overlaps);
     one.statistics = found.statistics;
   }
   const bool complete_edges = step.features().edge_set() == EdgeSet::triangulated;
   if (!config_.fcl_times.empty() && complete_edges)
     verdict.fcl = check_against_fcl(step, truth.contacts, config_.fcl_times, executor);
+  if (!config_.fcl_times.empty()) verdict.initial = check_initial_overlaps(step, truth.initial_overlaps, executor);
   if (expected) *expected = std::move(truth.contacts);
   return verdict;
 }

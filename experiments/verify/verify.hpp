@@ -29,7 +29,10 @@ struct PipelineVerdict {
   std::string pipeline;
   std::string refused;  ///< why it cannot run this step (no difference), or empty
   ContactDifference difference;
+  std::vector<ElementPair> missing_overlaps, extra_overlaps;  ///< of the lists of initial overlaps
   Statistics statistics;
+
+  bool same() const { return difference.empty() && missing_overlaps.empty() && extra_overlaps.empty(); }
 };
 
 /// How the reference did against the file's ground truth.
@@ -49,6 +52,8 @@ struct StepVerdict {
   double earliest_toi = 0;
   std::vector<PipelineVerdict> pipelines;
   OverlapReport fcl;
+  std::uint64_t initial_overlaps = 0;  ///< listed by the reference
+  InitialOverlapReport initial;        ///< how that list did against FCL at t = 0; empty without the oracle
   bool clean() const;
 };
 

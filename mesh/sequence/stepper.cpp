@@ -1,14 +1,33 @@
 #include <volccd/mesh/sequence/stepper.hpp>
 
+#include <algorithm>
 #include <string>
-#include <utility>
 
 #include <volccd/core/error.hpp>
 #include <volccd/mesh/sequence/detail/shell_solids.hpp>
+#include <volccd/mesh/shells.hpp>
 
 namespace volccd {
 
+namespace {
+
+/// Middle control point of the parabola through x0 at time t0, x1 at t1 and x2 at t2, over [t0, t1]: half way, less
+/// h^2/2 times the second divided difference.
+struct ParabolaMiddle {
+  ParabolaMiddle(double t0, double t1, double t2) : to_start((t1 - t0) / (t2 - t0)), to_end((t1 - t0) / (t2 - t1)) {}
+  double to_start, to_end;  ///< h over the distances in time
+
+  Vec3 operator()(const Vec3& x0, const Vec3& x1, const Vec3& x2) const {
+    return 0.5 * x0 + 0.5 * x1 - 0.5 * to_start * (to_end * (x2 - x1) - (x1 - x0));
+  }
+};
+
+}  // namespace
+
 SequenceStepper::SequenceStepper(SequenceReader& reader, Config config) : reader_(reader), config_(config) {
+  if (config.motion == MotionModel::quadratic && reader.step_count() == 2 && !reader.has_velocity())
+    throw InputError(reader.file(), "VTKHDF/PointData/Velocity",
+                     "is missing: quadratic motion needs velocities, or three steps");
   if (config.shells == ShellModel::solid) solids_ = std::make_unique<detail::ShellSolids>(reader);
 }
 
@@ -21,28 +40,89 @@ void SequenceStepper::go_to(int motion) {
   // All that can fail comes before the first change.
   read_points(motion);
   read_cells(motion + 1);
+  const std::vector<Vec3>&x0 = points(motion), &x1 = points(motion + 1);
+  if (config_.motion == MotionModel::quadratic) read_middle(motion);
   Index without_normal = 0;
-  if (solids_) without_normal = solids_->positions(x0_.positions, x1_.positions, solid0_, solid1_);
+  if (solids_) without_normal = solids_->positions(x0, x1, solid0_, solid1_);
   set_topology(motion + 1);
-  if (solids_)
-    set_motion(solid0_, solid1_);
-  else
-    set_motion(x0_.positions, x1_.positions);
+  if (solids_) {
+    if (config_.motion == MotionModel::quadratic) set_solid_middle(x0, x1);
+    set_motion(solid0_, solid1_, solid_middle_);
+  } else {
+    set_motion(x0, x1, middle_);
+  }
   without_normal_ = without_normal;
   current_ = motion;
 }
 
-void SequenceStepper::read_points(int motion) {
-  if (x1_.step == motion || x0_.step == motion + 1) std::swap(x0_, x1_);
-  read_points(motion, x0_);
-  read_points(motion + 1, x1_);
+int SequenceStepper::third_step(int motion) const {
+  if (config_.motion == MotionModel::linear || reader_.has_velocity()) return -1;
+  return motion == 0 ? 2 : motion - 1;
 }
 
-void SequenceStepper::read_points(int step, Points& points) {
-  if (points.step == step) return;
-  points.step = -1;
-  reader_.read_points(step, points.positions);
-  points.step = step;
+void SequenceStepper::read_points(int motion) {
+  const std::array<int, 3> wanted = {motion, motion + 1, third_step(motion)};
+  const auto is_wanted = [&](int step) { return std::find(wanted.begin(), wanted.end(), step) != wanted.end(); };
+  for (const int step : wanted) {
+    if (step < 0 || std::any_of(points_.begin(), points_.end(), [&](const Points& p) { return p.step == step; }))
+      continue;
+    // Memory that is no longer needed, before memory that has never been used.
+    auto place = std::find_if(points_.begin(), points_.end(),
+                              [&](const Points& p) { return p.step >= 0 && !is_wanted(p.step); });
+    if (place == points_.end())
+      place = std::find_if(points_.begin(), points_.end(), [](const Points& p) { return p.step < 0; });
+    place->step = -1;
+    reader_.read_points(step, place->positions);
+    place->step = step;
+  }
+}
+
+const std::vector<Vec3>& SequenceStepper::points(int step) const {
+  return std::find_if(points_.begin(), points_.end(), [&](const Points& p) { return p.step == step; })->positions;
+}
+
+void SequenceStepper::mark_used(int step) {
+  const bool present = reader_.same_cells(step, cells_step_);
+  if (!present) reader_.read_cells(step, used_cells_);
+  used_.assign(reader_.point_count(), 0);
+  for (const Index v : (present ? cells_ : used_cells_).connectivity) used_[v] = 1;
+}
+
+void SequenceStepper::read_middle(int motion) {
+  const std::vector<Vec3>&x0 = points(motion), &x1 = points(motion + 1);
+  const int third = third_step(motion);
+  mark_used(third < 0 ? motion : third);
+  middle_.resize(x0.size());
+  if (third < 0) {
+    reader_.read_velocity(motion, velocity_);
+    const double half = 0.5 * (reader_.time(motion + 1) - reader_.time(motion));
+    for (std::size_t v = 0; v < x0.size(); ++v)
+      middle_[v] = used_[v] ? Vec3(x0[v] + half * velocity_[v]) : Vec3(0.5 * x0[v] + 0.5 * x1[v]);
+  } else {
+    const std::vector<Vec3>& x2 = points(third);
+    const ParabolaMiddle parabola(reader_.time(motion), reader_.time(motion + 1), reader_.time(third));
+    for (std::size_t v = 0; v < x0.size(); ++v)
+      middle_[v] = used_[v] ? parabola(x0[v], x1[v], x2[v]) : Vec3(0.5 * x0[v] + 0.5 * x1[v]);
+  }
+  mark_used(motion + 1);
+  for (std::size_t v = 0; v < middle_.size(); ++v) {
+    if (middle_[v].allFinite()) continue;
+    if (used_[v])
+      throw InputError(reader_.file(), third < 0 ? "VTKHDF/PointData/Velocity" : "VTKHDF/Points",
+                       "the quadratic motion " + std::to_string(motion) + " of point id " +
+                           std::to_string(reader_.point_ids()[v]) + " overflows");
+    middle_[v] = x0[v];
+  }
+}
+
+void SequenceStepper::set_solid_middle(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1) {
+  solid_middle_.resize(solid0_.size());
+  for (Index v = 0; v < x0.size(); ++v) {
+    const Vec3 bend = middle_[v] - (0.5 * x0[v] + 0.5 * x1[v]);
+    solid_middle_[solid_middle(v)] = middle_[v];
+    for (const Index s : {solid_below(v), solid_above(v)})
+      solid_middle_[s] = (0.5 * solid0_[s] + 0.5 * solid1_[s]) + bend;
+  }
 }
 
 void SequenceStepper::read_cells(int step) {
@@ -67,12 +147,15 @@ void SequenceStepper::set_topology(int step) {
   topology_step_ = step;
 }
 
-void SequenceStepper::set_motion(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1) {
+void SequenceStepper::set_motion(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1,
+                                 const std::vector<Vec3>& middle) {
   const Index n = static_cast<Index>(x0.size());
-  if (motion_.vertex_count() != n) motion_ = Motion(n, 2);
+  const int last = config_.motion == MotionModel::quadratic ? 2 : 1;
+  if (motion_.vertex_count() != n || motion_.degree() != last) motion_ = Motion(n, last + 1);
   for (Index v = 0; v < n; ++v) {
     motion_.set(v, 0, x0[v]);
-    motion_.set(v, 1, x1[v]);
+    if (last == 2) motion_.set(v, 1, middle[v]);
+    motion_.set(v, last, x1[v]);
   }
 }
 

@@ -1,6 +1,7 @@
 // From a sequence file to queries: a topology and a motion for each pair of neighbouring steps.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -23,8 +24,20 @@ enum class ShellModel {
   solid     ///< thickened into wedges and hexahedra (mesh/shells.hpp)
 };
 
-/// Motion k goes from the points of step k to those of step k+1 on straight lines, on the topology of step k+1: a query
-/// runs on the new topology. Element ids are GlobalCellIds, objects are PartId, vertices are all points of the file.
+/// How vertices get from step k to step k+1.
+enum class MotionModel {
+  linear,    ///< on straight lines: two control points
+  quadratic  ///< with constant acceleration: three (Section 7.1)
+};
+
+/// Motion k goes from the points of step k to those of step k+1, on the topology of step k+1: a query runs on the new
+/// topology. Element ids are GlobalCellIds, objects are PartId, vertices are all points of the file.
+///
+/// Quadratic motion over a step of length h starts with the stored velocity v of step k, if the file has velocities:
+/// control points x0, x0 + v h/2, x1. Else it is the parabola through the steps k-1, k and k+1, in their own times;
+/// motion 0 takes the steps 0, 1 and 2. (Looking back: a cell of step k+1 may be gone at k+2, and its points anywhere.)
+/// A vertex that no cell uses where the velocity (at step k) or the third position (at step k-1, or 2) is taken has
+/// none that means anything, and moves on a straight line. Velocities are lengths of the file in its units of time.
 ///
 /// Going from one motion to another edits one Topology by the cells that came, went or changed, so that stages can
 /// follow its changes; jumping works as well as going on. Element slots therefore depend on the way taken, vertex slots
@@ -36,17 +49,20 @@ enum class ShellModel {
 ///
 /// Solid shells: every point has three vertices, whose ids are 3 id, 3 id + 1, 3 id + 2 (solid_middle, solid_below,
 /// solid_above); element ids stay. The thickness is that of step k at the start and of step k+1 at the end; a shell
-/// that step k does not have is as thick as at step k+1. A file that has shells but no thickness is refused.
+/// that step k does not have is as thick as at step k+1. A file that has shells but no thickness is refused. In
+/// quadratic motion the offset from a shell's vertex still goes straight from that at the start to that at the end.
 ///
-/// Holds two steps of points. One thread at a time.
+/// Holds two steps of points, three for quadratic motion. One thread at a time.
 class SequenceStepper {
  public:
   struct Config {
     EdgeSet edge_set = EdgeSet::triangulated;
     ShellModel shells = ShellModel::surface;
+    MotionModel motion = MotionModel::linear;
   };
 
-  /// The reader outlives the stepper.
+  /// The reader outlives the stepper. Throws InputError for quadratic motion if the file has motions, but neither
+  /// velocities nor a third step.
   explicit SequenceStepper(SequenceReader& reader) : SequenceStepper(reader, Config()) {}
   SequenceStepper(SequenceReader& reader, Config config);
   ~SequenceStepper();
@@ -54,8 +70,9 @@ class SequenceStepper {
   /// Steps less one; 0 for a file of one step.
   int motion_count() const { return reader_.step_count() - 1; }
 
-  /// Throws InputError if there is no such motion or its data are bad; then topology() and motion() are as before. Time
-  /// without reading: proportional to the points, the cells, and the features of the cells that change.
+  /// Throws InputError if there is no such motion or its data are bad (a middle control point that overflows, where a cell
+  /// uses it, included); then topology() and motion() are as before. Time without reading: proportional to the points, the
+  /// cells, and the features of the cells that change.
   void go_to(int motion);
 
   /// The motion gone to last, or -1. What follows needs one.
@@ -74,11 +91,16 @@ class SequenceStepper {
     std::vector<Vec3> positions;
   };
 
+  /// The step whose points decide the curvature of a motion, or -1 if none does.
+  int third_step(int motion) const;
   void read_points(int motion);
-  void read_points(int step, Points& points);
+  const std::vector<Vec3>& points(int step) const;
   void read_cells(int step);
+  void read_middle(int motion);
+  void mark_used(int step);
+  void set_solid_middle(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1);
   void set_topology(int step);
-  void set_motion(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1);
+  void set_motion(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1, const std::vector<Vec3>& middle);
 
   SequenceReader& reader_;
   Config config_;
@@ -87,10 +109,15 @@ class SequenceStepper {
   std::optional<Topology> topology_;
   Motion motion_;
   Index without_normal_ = 0;
-  Points x0_, x1_;
+  std::array<Points, 3> points_;
   SequenceCells cells_;
   std::unique_ptr<detail::ShellSolids> solids_;  ///< null for surfaces
   std::vector<Vec3> solid0_, solid1_;
+  /// Quadratic motion: middle control points; velocities; cells of the step that mark_used() was last called for, and
+  /// which vertices they use.
+  std::vector<Vec3> middle_, solid_middle_, velocity_;
+  SequenceCells used_cells_;
+  std::vector<char> used_;
 };
 
 }  // namespace volccd

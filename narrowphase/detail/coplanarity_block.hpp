@@ -31,6 +31,11 @@ class CoplanarityBlock {
   const TestPoints& coordinates(std::size_t i) const { return coordinates_[i]; }
   const std::array<Index, 4>& vertices(std::size_t i) const { return vertices_[i]; }
   MovingPoints points(std::size_t i) const;
+  FeatureKind kind() const { return kind_; }
+  /// Coordinate `axis` of the difference of point j + 1 to point 0, at t = `time` (0 or 1).
+  double difference(std::size_t i, std::size_t time, std::size_t j, std::size_t axis) const {
+    return differences_[row(time, j, axis) + i];
+  }
   /// `error` is infinite or NaN where the size of the test makes overflow or underflow possible.
   CoplanarityCubic cubic(std::size_t i) const { return {{b_[0][i], b_[1][i], b_[2][i], b_[3][i]}, error_[i]}; }
 

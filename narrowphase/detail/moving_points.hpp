@@ -1,4 +1,4 @@
-// The four points of one elementary test on straight lines, relative to the first of them.
+// The four points of one elementary test in motion, relative to the first of them.
 #pragma once
 
 #include <algorithm>
@@ -9,13 +9,15 @@
 
 namespace volccd::detail {
 
-/// Where a test's coordinates are: for each point, in the order of test_vertices(), {x, y, z} at t = 0 and at t = 1.
+/// Where a test's coordinates are: for each point, in the order of test_vertices(), {x, y, z} of each control point; of
+/// two, t = 0 and t = 1.
 using TestPoints = std::array<const double*, 4>;
 
 /// Differences to the first point at one time: point 1, 2, 3. VF: the triangle seen from the vertex. EE: the far end of
 /// edge 1, and edge 2, seen from the near end of edge 1.
 using Differences = std::array<Vec3, 3>;
 
+/// On straight lines.
 struct MovingPoints {
   Differences start, end;
   /// Largest coordinate difference, at t = 0 or 1.
@@ -45,11 +47,28 @@ inline MovingPoints moving_points(const TestPoints& x, double scale) {
   return points;
 }
 
+/// On quadratic Bezier curves.
+struct CurvedPoints {
+  Differences start, middle, end;
+  /// Largest coordinate difference of control points.
+  double size;
+
+  Differences at(double t) const {
+    const double s = 1 - t;
+    Differences d;
+    for (std::size_t i = 0; i < 3; ++i) d[i] = s * (s * start[i] + t * middle[i]) + t * (s * middle[i] + t * end[i]);
+    return d;
+  }
+};
+
+/// As moving_points(), for three control points.
+CurvedPoints curved_points(const TestPoints& x, double scale);
+
 /// Sizes for which products of six lengths neither overflow nor lose digits to underflow.
 inline constexpr double kLeastSize = 0x1p-100, kGreatestSize = 0x1p100;
 
 /// 1 for points of ordinary size; else the power of two that brings the largest coordinate difference near 1.
 /// Coordinates so far apart that their difference overflows are included.
-double range_scale(const TestPoints& x);
+double range_scale(const TestPoints& x, int control_points = 2);
 
 }  // namespace volccd::detail

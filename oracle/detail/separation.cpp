@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
 
 #include <Eigen/Geometry>
 
@@ -9,12 +12,12 @@ namespace volccd::detail {
 
 namespace {
 
-double gap_along(const Vec3& axis, const ConvexPiece& a, const ConvexPiece& b, const Vec3& centre) {
+double gap_along(const Vec3& axis, std::span<const Vec3> a, std::span<const Vec3> b, const Vec3& centre) {
   const double length = axis.norm();
   if (!(length > 0) || !std::isfinite(length)) return -INFINITY;
-  const auto interval = [&](const ConvexPiece& piece) {
+  const auto interval = [&](std::span<const Vec3> points) {
     double low = INFINITY, high = -INFINITY;
-    for (const Vec3& p : piece.span()) {
+    for (const Vec3& p : points) {
       const double h = axis.dot(p - centre);
       low = std::min(low, h);
       high = std::max(high, h);
@@ -26,35 +29,37 @@ double gap_along(const Vec3& axis, const ConvexPiece& a, const ConvexPiece& b, c
   return std::max(low_a - high_b, low_b - high_a) / length;
 }
 
+/// Calls take(axis) for the normals of all triangles of points, and for the lines across their edges within their planes:
+/// needed where both sets are flat and lie in one plane. Appends the directions of all edges.
+template <class Take>
+void visit_axes(std::span<const Vec3> p, std::vector<Vec3>& edges, Take&& take) {
+  const std::size_t n = p.size();
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j) edges.push_back((p[j] - p[i]).normalized());
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = i + 1; j < n; ++j)
+      for (std::size_t k = j + 1; k < n; ++k) {
+        const Vec3 normal = (p[j] - p[i]).normalized().cross((p[k] - p[i]).normalized());
+        take(normal);
+        for (const Vec3& e : {Vec3(p[j] - p[i]), Vec3(p[k] - p[i]), Vec3(p[k] - p[j])})
+          take(normal.cross(e.normalized()));
+      }
+}
+
 }  // namespace
 
-double signed_gap(const ConvexPiece& a, const ConvexPiece& b) {
-  const Vec3 centre = (a.points[0] + b.points[0]) / 2;
+double signed_gap(const ConvexPiece& a, const ConvexPiece& b) { return signed_gap(a.span(), b.span()); }
+
+double signed_gap(std::span<const Vec3> a, std::span<const Vec3> b) {
+  const Vec3 centre = (a[0] + b[0]) / 2;
   double best = -INFINITY;
   const auto take = [&](const Vec3& axis) { best = std::max(best, gap_along(axis, a, b, centre)); };
-  std::array<std::array<Vec3, 6>, 2> edges;
-  std::array<int, 2> edge_count = {0, 0};
   for (int c = 0; c < 3; ++c) take(Vec3::Unit(c));
-  for (const ConvexPiece* piece : {&a, &b}) {
-    const std::size_t which = piece == &a ? 0 : 1;
-    const auto& p = piece->points;
-    const auto n = static_cast<std::size_t>(piece->count);
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i + 1; j < n; ++j)
-        edges[which][static_cast<std::size_t>(edge_count[which]++)] = (p[j] - p[i]).normalized();
-    for (std::size_t i = 0; i < n; ++i)
-      for (std::size_t j = i + 1; j < n; ++j)
-        for (std::size_t k = j + 1; k < n; ++k) {
-          const Vec3 normal = (p[j] - p[i]).normalized().cross((p[k] - p[i]).normalized());
-          take(normal);
-          // Within the plane of a triangle: needed where both pieces are flat and lie in it.
-          for (const Vec3& e : {Vec3(p[j] - p[i]), Vec3(p[k] - p[i]), Vec3(p[k] - p[j])})
-            take(normal.cross(e.normalized()));
-        }
-  }
-  for (int i = 0; i < edge_count[0]; ++i)
-    for (int j = 0; j < edge_count[1]; ++j)
-      take(edges[0][static_cast<std::size_t>(i)].cross(edges[1][static_cast<std::size_t>(j)]));
+  std::vector<Vec3> edges_a, edges_b;
+  visit_axes(a, edges_a, take);
+  visit_axes(b, edges_b, take);
+  for (const Vec3& e : edges_a)
+    for (const Vec3& f : edges_b) take(e.cross(f));
   return best;
 }
 

@@ -8,12 +8,25 @@ namespace volccd {
 using detail::StopWatch;
 using detail::WorkerScratch;
 
-Pipeline::Run::Run(const Pipeline& pipeline, const Step& step, Workspace::Data& data, Executor& executor, Query query)
+namespace {
+
+/// Leading stages that drop only pairs whose elements are disjoint.
+std::size_t disjoint_droppers(const std::vector<std::unique_ptr<ElementCulling>>& stages) {
+  const auto other = std::find_if(stages.begin(), stages.end(), [](const auto& s) { return !s->drops_only_disjoint(); });
+  return static_cast<std::size_t>(other - stages.begin());
+}
+
+}  // namespace
+
+Pipeline::Run::Run(const Pipeline& pipeline, const Step& step, Workspace::Data& data, Executor& executor,
+                   const Request& request)
     : pipeline_(pipeline),
       step_(step),
       data_(data),
       executor_(executor),
-      query_(query),
+      query_(request.query),
+      overlaps_asked_(request.initial_overlaps),
+      overlaps_after_(disjoint_droppers(pipeline.element_culling_)),
       range_(pipeline.feature_culling_->needs_adjacent_pairs() ? PairRange::every : PairRange::nonadjacent),
       best_(std::min(step.t_max, 1.0)) {}
 
@@ -27,6 +40,7 @@ std::vector<StageStatistics> Pipeline::Run::empty_stages() const {
   stages.push_back({"orphans", spec.feature_culling.name});
   for (const StageChoice& choice : spec.feature_filters) stages.push_back({"feature-filter", choice.name});
   stages.push_back({"narrow-phase", spec.narrow_phase.name});
+  stages.push_back({"initial-overlaps", "hulls"});
   return stages;
 }
 
@@ -65,6 +79,7 @@ void Pipeline::Run::prepare_workers() {
   for (const auto& worker : data_.workers) {
     worker->tests.clear();
     worker->contacts.clear();
+    worker->overlaps.clear();
     worker->narrow = {};
     std::vector<StageStatistics> stages = std::move(worker->sums.stages);
     if (stages.empty()) stages = empty_stages();
@@ -103,7 +118,8 @@ void Pipeline::Run::update_stages() {
 /// itself always sees the step as it was given.
 Step Pipeline::Run::pruned_step() const {
   Step step = step_;
-  if (query_ == Query::first) step.t_max = std::min(1.0, best_.load(std::memory_order_relaxed) * (1 + 1e-9) + 1e-12);
+  const double slack = 1e-12 + pipeline_.narrow_phase_->time_tolerance();
+  if (query_ == Query::first) step.t_max = std::min(1.0, best_.load(std::memory_order_relaxed) * (1 + 1e-9) + slack);
   return step;
 }
 
@@ -124,12 +140,17 @@ void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, WorkerScratch
     batch.pairs.assign(part.begin(), part.end());
     batch.masks.assign(part.size(), FeatureMask{});
     StopWatch watch;
+    if (overlaps_after_ == 0) take_overlaps(batch, worker);
+    watch.lap();
     for (std::size_t i = 0; i < pipeline_.element_culling_.size() && batch.size() != 0; ++i) {
       StageStatistics& stage = sums.stages[culling_stage(i)];
       stage.in += batch.size();
       pipeline_.element_culling_[i]->cull(step, data_.element_culling[i].get(), batch);
       stage.out += batch.size();
       stage.seconds += watch.lap();
+      if (i + 1 != overlaps_after_) continue;
+      take_overlaps(batch, worker);
+      watch.lap();
     }
     sums.surviving_pairs += batch.size();
     const std::size_t before = worker.tests.vf.size() + worker.tests.ee.size();
@@ -142,6 +163,25 @@ void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, WorkerScratch
     sums.owned_tests += owned;
     if (before + owned >= kTests) run_tests(worker);
   }
+}
+
+void Pipeline::Run::take_overlaps(const PairBatch& batch, WorkerScratch& worker) {
+  if (!overlaps_asked_) return;
+  StopWatch watch;
+  const Mesh& mesh = step_.mesh();
+  const bool adjacency_known = range_ == PairRange::nonadjacent;
+  std::vector<ElementPair>& candidates = worker.overlap_candidates;
+  candidates.clear();
+  for (const ElementPair pair : batch.pairs)
+    if ((adjacency_known || !data_.adjacency.adjacent(pair.a, pair.b)) &&
+        step_.filter.allows(mesh.object(pair.a), mesh.object(pair.b)))
+      candidates.push_back(pair);
+  const std::size_t before = worker.overlaps.size();
+  worker.overlap_test.find(step_, candidates, worker.overlaps);
+  StageStatistics& stage = worker.sums.stages[overlap_stage()];
+  stage.in += candidates.size();
+  stage.out += worker.overlaps.size() - before;
+  stage.seconds += watch.lap();
 }
 
 void Pipeline::Run::take_orphans(std::size_t block, WorkerScratch& worker) {
@@ -246,6 +286,16 @@ void Pipeline::Run::collect(StepResult& result) {
   for (const Contact& contact : contacts)
     result.statistics.earliest_toi = std::min(result.statistics.earliest_toi, contact.toi);
   result.statistics.contacts = contacts.size();
+  collect_overlaps(result);
+}
+
+void Pipeline::Run::collect_overlaps(StepResult& result) const {
+  std::vector<ElementPair>& overlaps = result.initial_overlaps;
+  overlaps.clear();
+  for (const auto& worker : data_.workers)
+    overlaps.insert(overlaps.end(), worker->overlaps.begin(), worker->overlaps.end());
+  std::sort(overlaps.begin(), overlaps.end());
+  result.statistics.initial_overlaps = overlaps.size();
 }
 
 }  // namespace volccd

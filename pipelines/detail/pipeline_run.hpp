@@ -14,7 +14,8 @@ namespace volccd {
 /// are independent of the number of workers.
 class Pipeline::Run {
  public:
-  Run(const Pipeline& pipeline, const Step& step, Workspace::Data& data, Executor& executor, Query query);
+  Run(const Pipeline& pipeline, const Step& step, Workspace::Data& data, Executor& executor,
+      const Request& request);
 
   void execute(StepResult& result, const Workspace& workspace);
 
@@ -28,6 +29,7 @@ class Pipeline::Run {
   void update_stages();
   void count_adjacent(std::span<const ElementPair> pairs, Statistics& sums) const;
   void take_pairs(std::span<const ElementPair> pairs, detail::WorkerScratch& worker);
+  void take_overlaps(const PairBatch& batch, detail::WorkerScratch& worker);
   void take_orphans(std::size_t block, detail::WorkerScratch& worker);
   void run_tests(detail::WorkerScratch& worker);
   void run_group(FeatureKind kind, std::span<FeaturePair> tests, detail::WorkerScratch& worker);
@@ -36,6 +38,7 @@ class Pipeline::Run {
                            detail::WorkerScratch& worker) const;
   void note_first(detail::WorkerScratch& worker, std::size_t old_contacts);
   void collect(StepResult& result);
+  void collect_overlaps(StepResult& result) const;
   Step pruned_step() const;
 
   // Places of the stages in Statistics::stages.
@@ -44,6 +47,7 @@ class Pipeline::Run {
   std::size_t orphan_stage() const { return feature_stage() + 1; }
   std::size_t filter_stage(std::size_t i) const { return orphan_stage() + 1 + i; }
   std::size_t narrow_stage() const { return filter_stage(pipeline_.feature_filters_.size()); }
+  std::size_t overlap_stage() const { return narrow_stage() + 1; }
   std::vector<StageStatistics> empty_stages() const;
 
   const Pipeline& pipeline_;
@@ -51,6 +55,9 @@ class Pipeline::Run {
   Workspace::Data& data_;
   Executor& executor_;
   const Query query_;
+  const bool overlaps_asked_;
+  /// Number of element-culling stages that run before the test of initial overlaps: all that a pair which overlaps passes.
+  const std::size_t overlaps_after_;
   const PairRange range_;
   std::atomic<double> best_;  ///< earliest contact so far (Query::first)
 };

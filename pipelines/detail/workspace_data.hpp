@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <volccd/mesh/adjacency.hpp>
+#include <volccd/narrowphase/initial_overlap.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
 namespace volccd {
@@ -34,11 +35,14 @@ struct WorkerScratch {
   std::vector<std::uint8_t> keep;
   std::vector<Contact> contacts;
   NarrowCounters narrow;
+  InitialOverlapTest overlap_test;
+  std::vector<ElementPair> overlap_candidates, overlaps;
   Statistics sums;
 
   std::size_t bytes() const {
     return batch.pairs.capacity() * sizeof(ElementPair) + batch.masks.capacity() * sizeof(FeatureMask) +
            (tests.vf.capacity() + tests.ee.capacity()) * sizeof(FeaturePair) + contacts.capacity() * sizeof(Contact) +
+           (overlap_candidates.capacity() + overlaps.capacity()) * sizeof(ElementPair) + overlap_test.bytes() +
            FeatureBlock::kCapacity * 36 * sizeof(double);
   }
 };

@@ -76,7 +76,7 @@ TEST(CubicProperty, BatchDoesNotMatter) {
     EXPECT_GT(together.degenerate, 10u);
 
     // In another order, each test among other neighbours, twice over.
-    std::vector<FeaturePair> shuffled = set.pairs();
+    std::vector<FeaturePair> shuffled(set.pairs().begin(), set.pairs().end());
     shuffled.insert(shuffled.end(), set.pairs().begin(), set.pairs().end());
     Random(23).shuffle(shuffled);
     std::vector<Contact> again;

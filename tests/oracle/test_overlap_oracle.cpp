@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -145,6 +146,34 @@ TEST(OverlappingElements, SameForAnyNumberOfThreads) {
     EXPECT_EQ(one[i].pair, four[i].pair);
     EXPECT_EQ(one[i].depth, four[i].depth);
   }
+}
+
+TEST(CheckInitialOverlaps, TellsMissingAndExtra) {
+  Scene scene(block(ElementType::tetrahedron, 2, 2, 1), moved(block(ElementType::hexahedron, 2, 2, 1), Vec3(0.3, 0.4, 0.5)),
+              Vec3(0, 0, 0), 0.05, 3);
+  std::vector<ElementPair> listed;
+  for (const Overlap& overlap : overlapping_elements(scene.step(), 0, scene.executor)) listed.push_back(overlap.pair);
+  ASSERT_GT(listed.size(), 10u);
+  const auto check = [&](const std::vector<ElementPair>& list) {
+    return check_initial_overlaps(scene.step(), list, scene.executor);
+  };
+  EXPECT_TRUE(check(listed).clean());
+  EXPECT_EQ(check(listed).hits, listed.size());
+  std::vector<ElementPair> shorter = listed;
+  shorter.erase(shorter.begin() + 4);
+  ASSERT_EQ(check(shorter).missing.size(), 1u);
+  EXPECT_EQ(check(shorter).missing[0].pair, listed[4]);
+  EXPECT_TRUE(check(shorter).extra.empty());
+  // Itself, adjacent, the wrong way round, beyond the last, far apart (corners of the blocks that look away).
+  const Index slots = scene.topology.mesh().element_slots();
+  for (const ElementPair wrong : {ElementPair{0, 0}, {0, 1}, {listed[0].b, listed[0].a}, {0, slots}, {0, slots - 1}}) {
+    std::vector<ElementPair> longer = listed;
+    longer.insert(std::lower_bound(longer.begin(), longer.end(), wrong), wrong);
+    EXPECT_EQ(check(longer).extra, std::vector{wrong}) << wrong.a << " " << wrong.b;
+  }
+  scene.filter = ObjectFilter(PairScope::intra);
+  EXPECT_EQ(check(listed).extra.size(), listed.size());
+  EXPECT_EQ(check(listed).hits, 0u);
 }
 
 TEST(CheckAgainstFcl, CleanOnAllContactsOfMixedMeshes) {

@@ -74,7 +74,7 @@ std::vector<PipelineSpec> combinations() {
     for (const auto& e : element)
       for (const auto& f : feature)
         for (const auto& t : filters) {
-          PipelineSpec spec{broad, "", {broad, {}}, e, f, t, {"cubic", {}}};
+          PipelineSpec spec{broad, "", {broad, {}}, e, f, t, {"inclusion", {}}};
           spec.name += (e.empty() ? "" : "/" + e[0].options.at("axis") + "-" + e[0].options.at("mode")) + "/" + f.name +
                        (f.options.empty() ? "" : "-" + f.options.begin()->second) + "/" + std::to_string(t.size()) +
                        (t.size() == 1 ? t[0].name : "");
@@ -286,7 +286,9 @@ TEST(Pipelines, RefuseWhatIsUnsound) {
 
 TEST(Pipelines, RefuseStepsTheyCannotRun) {
   const Scene scene = std::move(test::small_scenes(1, 0.1).front());
-  const Pipeline pipeline(registry(), registry().pipeline("VolCCD"));
+  PipelineSpec spec = registry().pipeline("VolCCD");
+  registry().apply_setting(spec, "narrow-phase=cubic");
+  const Pipeline pipeline(registry(), spec);
   Workspace workspace = pipeline.make_workspace();
   SerialExecutor serial;
   StepResult result;

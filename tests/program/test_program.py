@@ -9,6 +9,7 @@ import tempfile
 import unittest
 
 VOLCCD, EXAMPLE = sys.argv[1:3]
+SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 del sys.argv[1:3]
 
 
@@ -95,8 +96,60 @@ class Program(unittest.TestCase):
             arguments = [word for setting in settings for word in ("--set", setting)]
             self.assertEqual(self.contacts(*arguments), expected, settings)
 
+    def test_initial_overlaps(self):
+        target = self.path("overlaps.csv")
+        texts = set()
+        for arguments in (["--pipeline", "VolCCD"], ["--pipeline", "VolCCD+", "--threads", "2"], ["--pipeline", "HashCCD"],
+                          ["--first"]):
+            self.good("detect", self.sequence, "--overlaps", target, "--stats", self.path("stats.json"), *arguments)
+            with open(target, encoding="ascii") as file:
+                texts.add(file.read())
+        self.assertEqual(len(texts), 1)
+        rows = texts.pop().splitlines()
+        self.assertEqual(rows[0], "step,a,b")
+        with open(self.path("stats.json"), encoding="utf-8") as file:
+            self.assertEqual(json.load(file)["total"]["initial_overlaps"], len(rows) - 1)
+        self.bad("detect", self.sequence, "--overlaps", self.path("no/such/folder.csv"), says="folder.csv")
+
     def test_verify_is_clean(self):
         self.assertIn("clean", self.good("verify", self.sequence))
+
+    def queries(self, *arguments):
+        return json.loads(self.good("queries", *arguments, "--json", "--rounds", "1"))
+
+    def test_queries_on_candidates_find_what_detect_finds(self):
+        found = self.queries(self.sequence, "--candidates", "--narrowphase", "cubic,cubic:axis_test=false")
+        self.assertEqual([n["name"] for n in found["narrow_phases"]], ["cubic", "cubic:axis_test=false"])
+        expected = self.contacts("--steps", "0", "--set", "narrow-phase=cubic")[1:]
+        for group in found["groups"]:
+            self.assertEqual(group["scene"], "candidates")
+            self.assertIsNone(group["colliding"])
+            for score in group["scores"]:
+                self.assertEqual(score["contacts"], sum(row[1] == group["kind"] for row in expected))
+                self.assertGreater(score["nanoseconds"], 0)
+        filtered = self.queries(self.sequence, "--candidates", "--narrowphase", "cubic", "--filters",
+                                "feature-kdop,coplanarity", "--set", "cubic.axis_test=false")
+        for group, fewer in zip(found["groups"], filtered["groups"]):
+            self.assertEqual(fewer["scores"][0]["contacts"], group["scores"][0]["contacts"])
+            self.assertLess(fewer["scores"][0]["tests"], group["queries"])
+        sample = self.queries(self.sequence, "--candidates", "--narrowphase", "cubic", "--sample", "10")
+        self.assertEqual([group["queries"] for group in sample["groups"]], [10, 10])
+
+    def test_queries_with_known_answers(self):
+        data = os.environ.get("VOLCCD_DATA", os.path.join(SOURCE, "..", "shared", "data"))
+        queries = os.path.join(data, "ccd-queries.h5")
+        if not os.path.exists(queries):
+            self.skipTest("ccd-queries.h5 is not there")
+        found = self.queries(queries, "--narrowphase", "cubic")
+        self.assertEqual(sum(group["queries"] for group in found["total"]), 4779)
+        self.assertEqual([group["scores"][0]["missed"] for group in found["total"]], [0, 0])
+        listed = self.good("queries", queries, "--narrowphase", "cubic:tolerance=1e-3", "--rounds", "0", "--list")
+        self.assertTrue("extra by cubic:tolerance=1e-3: erleben-spike-hole VF 500 (data_0_0.csv)" in listed)
+        self.bad("queries", queries, "--candidates", says="--candidates")
+
+    def test_quadratic_motion(self):
+        self.assertIn("motions", self.good("info", self.sequence, "--motion", "quadratic"))
+        self.bad("detect", self.sequence, "--motion", "quadratic", "--set", "narrow-phase=cubic", says="exact")
 
     def test_info_stages_and_lists(self):
         info = self.good("info", self.sequence)
@@ -106,7 +159,7 @@ class Program(unittest.TestCase):
             self.assertIn(name, stages)
         self.assertIn("deform", self.good("scene", "list"))
         self.assertIn("projectile", self.good("experiment", "list"))
-        for command in ([], ["info"], ["detect"], ["verify"], ["scene", "generate"], ["experiment", "run"]):
+        for command in ([], ["info"], ["detect"], ["verify"], ["queries"], ["scene", "generate"], ["experiment", "run"]):
             self.assertIn("Example", self.good(*command, "--help"))
 
     def test_deform_takes_any_mesh(self):
@@ -136,8 +189,13 @@ class Program(unittest.TestCase):
                  "static-assignment.oset=minimal", says="O-Set")
         for steps in ("4", "2:2", "3:1", "x", "-1:2", "0:9"):
             self.bad("detect", self.sequence, "--steps=" + steps, says="--steps")
-        self.bad("detect", self.sequence, "--separation", "0.1", says="separation")
+        self.bad("detect", self.sequence, "--separation", "0.1", "--set", "narrow-phase=cubic", says="separation")
         self.bad("detect", self.sequence, "--contacts", self.path("no/such/folder.csv"), says="folder.csv")
+        self.bad("queries", self.path("absent.h5"), says="absent.h5")
+        self.bad("queries", self.sequence, says="GroundTruth")
+        self.bad("queries", self.sequence, "--candidates", "--narrowphase", "nothing", says="cubic")
+        self.bad("queries", self.sequence, "--candidates", "--narrowphase", "cubic:tolerance", says="option=value")
+        self.bad("queries", self.sequence, "--candidates", "--set", "csat.axis=face", says="csat")
         self.bad("frobnicate", says="frobnicate")
         self.bad("experiment", "run", "nothing", says="projectile")
         self.assertEqual([name for name in os.listdir(self.folder.name) if "tmp" in name], [])

@@ -200,7 +200,8 @@ void expect_fresh_solids(SequenceReader& reader, const SequenceStepper& stepper,
     reader.read_points(motion + end, x);
     without_normal += thickener.positions(x, thickness_at(reader, motion + end, motion + 1), solid);
     ASSERT_EQ(stepper.motion().vertex_count(), solid.size());
-    for (Index v = 0; v < solid.size(); ++v) EXPECT_EQ(stepper.motion().point(v, end), solid[v]);
+    for (Index v = 0; v < solid.size(); ++v)
+      EXPECT_EQ(stepper.motion().point(v, end * stepper.motion().degree()), solid[v]);
   }
   EXPECT_EQ(stepper.vertices_without_normal(), without_normal);
 }
@@ -241,6 +242,181 @@ TEST(SequenceStepper, SolidShellsNeedAThickness) {
     else
       EXPECT_NO_THROW(stepper.go_to(0));
   }
+}
+
+/// Integers, and steps 1, 3 or 7 times as long as the one before: parabolas come out without rounding.
+struct Parabolas {
+  std::vector<double> times = {0, 1, 2, 5, 8, 29};
+  std::vector<Vec3> place, velocity, acceleration;
+
+  explicit Parabolas(std::uint64_t seed, std::size_t points = 12) {
+    std::mt19937_64 random(seed);
+    const auto whole = [&] { return static_cast<double>(random() % 64) - 32; };
+    for (std::size_t i = 0; i < points; ++i) {
+      place.emplace_back(whole(), whole(), whole());
+      velocity.emplace_back(whole(), whole(), whole());
+      acceleration.emplace_back(whole(), whole(), whole());
+    }
+  }
+  Vec3 at(std::size_t v, double t) const { return place[v] + t * velocity[v] + t * t * acceleration[v]; }
+  Vec3 velocity_at(std::size_t v, double t) const { return velocity[v] + 2 * t * acceleration[v]; }
+
+  /// Tetrahedra 0-3, 4-7, 8-11; of the last there is none at the steps of `without`.
+  void write(const std::string& file, bool velocities, const std::set<std::size_t>& without = {},
+             std::size_t steps = 6) const {
+    Sequence s;
+    for (std::size_t i = 0; i < place.size(); ++i) s.point_ids.push_back(static_cast<std::int64_t>(i));
+    for (std::size_t k = 0; k < steps; ++k) {
+      Sequence::Step step{times[k], {}, {}, {}, {}};
+      for (std::size_t v = 0; v < place.size(); ++v) {
+        const bool unused = v >= 8 && without.contains(k);
+        step.points.push_back(unused ? Vec3::Constant(1e300) : at(v, times[k]));
+        if (velocities) step.velocity.push_back(unused ? Vec3::Constant(-1e308) : velocity_at(v, times[k]));
+      }
+      for (Index o = 0; o < (without.contains(k) ? 2u : 3u); ++o)
+        step.cells.add({ElementType::tetrahedron, {4 * o, 4 * o + 1, 4 * o + 2, 4 * o + 3}, {}, 0, o});
+      s.steps.push_back(step);
+    }
+    s.write(file);
+  }
+};
+
+void expect_parabola(const Parabolas& p, const Motion& motion, Index v, double t0, double t1) {
+  for (const double t : {0.0, 0.25, 0.5, 0.75, 1.0})
+    EXPECT_EQ(motion.position(v, t), p.at(v, t0 + t * (t1 - t0))) << "vertex " << v << " at " << t;
+}
+
+/// Without velocities by three steps, unequal ones included, with velocities by those: the same parabola, exactly,
+/// after any walk.
+TEST(SequenceStepper, QuadraticMotionReproducesParabolas) {
+  const ScratchFolder folder;
+  for (const bool velocities : {false, true})
+    for (std::uint64_t seed = 0; seed < 4; ++seed) {
+      SCOPED_TRACE(testing::Message() << "velocities " << velocities << " seed " << seed);
+      const Parabolas p(seed);
+      p.write(folder / "s.vtkhdf", velocities);
+      SequenceReader reader(folder / "s.vtkhdf");
+      SequenceStepper stepper(reader, {EdgeSet::triangulated, ShellModel::surface, MotionModel::quadratic});
+      for (const int k : {0, 1, 2, 3, 4, 2, 0, 4, 4, 3, 1}) {
+        SCOPED_TRACE(k);
+        stepper.go_to(k);
+        ASSERT_EQ(stepper.motion().control_points(), 3);
+        ASSERT_EQ(stepper.motion().vertex_count(), 12u);
+        const auto i = static_cast<std::size_t>(k);
+        for (Index v = 0; v < 12; ++v) expect_parabola(p, stepper.motion(), v, p.times[i], p.times[i + 1]);
+      }
+    }
+}
+
+/// A parabola is looked up where cells use the point; where they do not, its place and velocity are anything.
+TEST(SequenceStepper, QuadraticMotionDoesNotLookAtUnusedPoints) {
+  const ScratchFolder folder;
+  const Parabolas p(7);
+  for (const bool velocities : {false, true}) {
+    SCOPED_TRACE(velocities);
+    // Born at step 2, gone at step 5.
+    p.write(folder / "s.vtkhdf", velocities, {0, 1, 5});
+    SequenceReader reader(folder / "s.vtkhdf");
+    SequenceStepper stepper(reader, {EdgeSet::triangulated, ShellModel::surface, MotionModel::quadratic});
+    for (const int k : {4, 0, 1, 2, 3}) {
+      SCOPED_TRACE(k);
+      stepper.go_to(k);
+      const Motion& motion = stepper.motion();
+      const auto i = static_cast<std::size_t>(k);
+      for (Index v = 0; v < 8; ++v) expect_parabola(p, motion, v, p.times[i], p.times[i + 1]);
+      for (Index v = 8; v < 12; ++v) {
+        EXPECT_TRUE(motion.point(v, 1).allFinite());
+        if (k == 3 || (k == 2 && velocities)) {
+          expect_parabola(p, motion, v, p.times[i], p.times[i + 1]);
+        } else if (k == 1 || k == 2) {
+          EXPECT_EQ(motion.point(v, 1), Vec3(0.5 * motion.point(v, 0) + 0.5 * motion.point(v, 2)));
+        }
+      }
+    }
+  }
+}
+
+/// Velocities that contradict the positions: the motion begins with them and ends at the next step all the same.
+TEST(SequenceStepper, QuadraticMotionBeginsWithTheStoredVelocity) {
+  const ScratchFolder folder;
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    random_sequence(seed, 4).write(folder / "s.vtkhdf");
+    SequenceReader reader(folder / "s.vtkhdf");
+    if (!reader.has_velocity()) continue;
+    SequenceStepper stepper(reader, {EdgeSet::triangulated, ShellModel::surface, MotionModel::quadratic});
+    std::vector<Vec3> x0, x1, v0;
+    SequenceCells cells;
+    for (int k = 0; k < 3; ++k) {
+      stepper.go_to(k);
+      reader.read_points(k, x0);
+      reader.read_points(k + 1, x1);
+      reader.read_velocity(k, v0);
+      reader.read_cells(k, cells);
+      for (const Index v : cells.connectivity) {
+        EXPECT_EQ(stepper.motion().point(v, 0), x0[v]);
+        EXPECT_EQ(stepper.motion().point(v, 2), x1[v]);
+        EXPECT_LE((2 * (stepper.motion().point(v, 1) - x0[v]) - stepper.step_length() * v0[v]).norm(), 1e-14);
+      }
+    }
+  }
+}
+
+TEST(SequenceStepper, QuadraticMotionCarriesSolidShells) {
+  const ScratchFolder folder;
+  int files = 0;
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    SCOPED_TRACE(seed);
+    random_sequence(seed, 5).write(folder / "s.vtkhdf");
+    SequenceReader reader(folder / "s.vtkhdf");
+    if (!reader.has_thickness()) continue;
+    ++files;
+    SequenceStepper surface(reader, {EdgeSet::triangulated, ShellModel::surface, MotionModel::quadratic});
+    SequenceStepper solid(reader, {EdgeSet::triangulated, ShellModel::solid, MotionModel::quadratic});
+    for (const int k : {0, 1, 3, 2}) {
+      surface.go_to(k);
+      solid.go_to(k);
+      expect_fresh_solids(reader, solid, k);
+      for (Index v = 0; v < reader.point_count(); ++v)
+        for (const double t : {0.25, 0.5})
+          for (const Index s : {solid_middle(v), solid_below(v), solid_above(v)}) {
+            const auto offset = [&](double at) {
+              return Vec3(solid.motion().position(s, at) - surface.motion().position(v, at));
+            };
+            EXPECT_LE((offset(t) - ((1 - t) * offset(0) + t * offset(1))).norm(), 1e-13);
+          }
+    }
+  }
+  EXPECT_GE(files, 3);
+}
+
+TEST(SequenceStepper, QuadraticMotionIsRefusedWhereItCannotBe) {
+  const ScratchFolder folder;
+  const SequenceStepper::Config quadratic{EdgeSet::triangulated, ShellModel::surface, MotionModel::quadratic};
+  const Parabolas p(1);
+  p.write(folder / "two.vtkhdf", false, {}, 2);
+  SequenceReader two(folder / "two.vtkhdf");
+  EXPECT_THROW(SequenceStepper(two, quadratic), InputError);
+  p.write(folder / "with.vtkhdf", true, {}, 2);
+  SequenceReader with(folder / "with.vtkhdf");
+  EXPECT_NO_THROW(SequenceStepper(with, quadratic).go_to(0));
+
+  p.write(folder / "huge.vtkhdf", true);
+  {
+    RawFile raw(folder / "huge.vtkhdf");
+    raw.poke("VTKHDF/PointData/Velocity", 3 * (4 * 12 + 5), 1.7e308);
+  }
+  SequenceReader huge(folder / "huge.vtkhdf");
+  SequenceStepper stepper(huge, quadratic);
+  stepper.go_to(3);
+  try {
+    stepper.go_to(4);  // 21 units of time
+    ADD_FAILURE() << "overflow was accepted";
+  } catch (const InputError& error) {
+    EXPECT_EQ(error.dataset(), "VTKHDF/PointData/Velocity");
+    EXPECT_NE(std::string(error.what()).find("id 5"), std::string::npos) << error.what();
+  }
+  EXPECT_EQ(stepper.current(), 3);
+  for (Index v = 0; v < 12; ++v) expect_parabola(p, stepper.motion(), v, p.times[3], p.times[4]);
 }
 
 TEST(SequenceStepper, OneStepHasNoMotion) {

@@ -63,12 +63,58 @@ TEST(Verify, FindsAStageThatLosesContacts) {
   }
 }
 
-TEST(Verify, PipelinesThatCannotRunTheStepAreRefusedNotDifferent) {
-  Verifier verifier(Registry::standard(), {.brute_force_limit = 0, .fcl_times = {}});
+/// Drops pairs of odd elements, and says that they were disjoint.
+class LyingCulling final : public ElementCulling {
+ public:
+  bool drops_only_disjoint() const override { return true; }
+  void cull(const Step&, StageState*, PairBatch& batch) const override {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < batch.size(); ++i)
+      if ((batch.pairs[i].a & batch.pairs[i].b & 1u) == 0) batch.pairs[kept++] = batch.pairs[i];
+    batch.pairs.resize(kept);
+    batch.masks.resize(kept);
+  }
+};
+
+TEST(Verify, FindsAListOfInitialOverlapsThatIsNotThatOfTheReference) {
+  Registry registry = Registry::standard();
+  StageDescriptor<ElementCulling> descriptor;
+  descriptor.name = "lying";
+  descriptor.guarantee = Guarantee::approximate;
+  descriptor.make = [](const OptionValues&) { return std::make_unique<LyingCulling>(); };
+  registry.add(descriptor);
+  PipelineSpec spec = registry.pipeline("VolCCD+");
+  spec.name = "Lying";
+  spec.element_culling = {{"lying", {}}};
+  registry.add_pipeline(spec);
+  const test::Scene overlapping = test::colliding("tetrahedra", block(ElementType::tetrahedron, 2, 2, 1), 3, 0.5);
+  Verifier verifier(registry, {});
   SerialExecutor serial;
   const ObjectFilter filter;
-  EXPECT_EQ(verifier.check({scene().topology, scene().motion, filter}, serial).reference, "NavCCD");
-  EXPECT_THROW(verifier.check({scene().topology, scene().motion, filter, 0.1}, serial), ConfigError);
+  const StepVerdict verdict = verifier.check({overlapping.topology, overlapping.motion, filter}, serial);
+  EXPECT_FALSE(verdict.clean());
+  EXPECT_TRUE(verdict.initial.clean());
+  EXPECT_GT(verdict.initial.hits, 0u);
+  EXPECT_GE(verdict.initial_overlaps, verdict.initial.hits);
+  for (const PipelineVerdict& one : verdict.pipelines) {
+    EXPECT_EQ(one.missing_overlaps.empty(), one.pipeline != "Lying") << one.pipeline;
+    EXPECT_TRUE(one.extra_overlaps.empty()) << one.pipeline;
+  }
+}
+
+TEST(Verify, PipelinesThatCannotRunTheStepAreRefusedNotDifferent) {
+  Registry registry = Registry::standard();
+  PipelineSpec limited = registry.pipeline("VolCCD");
+  limited.name = "Limited";
+  registry.apply_setting(limited, "narrow-phase=cubic");
+  registry.add_pipeline(limited);
+  Verifier verifier(registry, {.brute_force_limit = 0, .fcl_times = {}});
+  SerialExecutor serial;
+  const ObjectFilter filter;
+  const StepVerdict verdict = verifier.check({scene().topology, scene().motion, filter, 0.1}, serial);
+  EXPECT_EQ(verdict.reference, "NavCCD");
+  EXPECT_TRUE(verdict.clean());
+  for (const PipelineVerdict& one : verdict.pipelines) EXPECT_EQ(one.refused.empty(), one.pipeline != "Limited");
 }
 
 TEST(Compare, TellsMissingExtraAndChanged) {

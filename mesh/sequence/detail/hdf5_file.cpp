@@ -43,25 +43,27 @@ void Hdf5Dataset::check_type(NumberKind kind) {
   unsigned64_ = kind == NumberKind::integer && item_bytes_ == 8 && H5Tget_sign(type.get()) == H5T_SGN_NONE;
 }
 
-void Hdf5Dataset::check_shape(std::int64_t columns) {
+void Hdf5Dataset::check_shape(std::int64_t columns, std::int64_t depth) {
   const Hdf5Id space(H5Dget_space(id_.get()), H5Sclose);
   if (!space) fail("has no readable shape" + hdf5_reason());
   rank_ = H5Sget_simple_extent_type(space.get()) == H5S_SIMPLE ? H5Sget_simple_extent_ndims(space.get()) : 0;
-  const std::string wanted = columns == 1 ? "1" : "2 with " + std::to_string(columns) + " columns";
-  if (rank_ < 1 || rank_ > 2 || (columns > 1 && rank_ != 2))
-    fail("has rank " + std::to_string(rank_) + ", wanted is " + wanted);
-  hsize_t extent[2] = {0, 1};
+  const int least = depth > 1 ? 3 : columns > 1 ? 2 : 1, most = depth > 1 ? 3 : 2;
+  if (rank_ < least || rank_ > most) fail("has rank " + std::to_string(rank_) + ", wanted is " + std::to_string(least));
+  hsize_t extent[3] = {0, 1, 1};
   if (H5Sget_simple_extent_dims(space.get(), extent, nullptr) < 0) fail("has no readable shape" + hdf5_reason());
   if (extent[1] != static_cast<hsize_t>(columns))
     fail("has " + std::to_string(extent[1]) + " columns, wanted are " + std::to_string(columns));
-  if (extent[0] > static_cast<hsize_t>(std::numeric_limits<std::int64_t>::max() / 8 / columns))
+  if (extent[2] != static_cast<hsize_t>(depth))
+    fail("has " + std::to_string(extent[2]) + " numbers in each column, wanted are " + std::to_string(depth));
+  if (extent[0] > static_cast<hsize_t>(std::numeric_limits<std::int64_t>::max() / 8 / (columns * depth)))
     fail("declares " + std::to_string(extent[0]) + " rows: too many");
   rows_ = static_cast<std::int64_t>(extent[0]);
   columns_ = columns;
+  depth_ = depth;
 }
 
 void Hdf5Dataset::check_size(std::int64_t file_bytes) const {
-  const std::int64_t declared = rows_ * columns_ * static_cast<std::int64_t>(item_bytes_);
+  const std::int64_t declared = rows_ * width() * static_cast<std::int64_t>(item_bytes_);
   const hsize_t reported = H5Dget_storage_size(id_.get());
   const std::int64_t stored = static_cast<std::int64_t>(std::min<hsize_t>(reported, static_cast<hsize_t>(file_bytes)));
   if (declared > kFreeBytes && declared / kGreatestRatio > stored)
@@ -69,10 +71,11 @@ void Hdf5Dataset::check_size(std::int64_t file_bytes) const {
 
   const Hdf5Id creation(H5Dget_create_plist(id_.get()), H5Pclose);
   if (!creation || H5Pget_layout(creation.get()) != H5D_CHUNKED) return;
-  hsize_t chunk[2] = {0, 1};
-  if (H5Pget_chunk(creation.get(), 2, chunk) != rank_) fail("has no readable chunk shape" + hdf5_reason());
-  const hsize_t bytes = static_cast<hsize_t>(kGreatestChunk) / item_bytes_;
-  if (chunk[0] == 0 || chunk[1] == 0 || chunk[0] > bytes / chunk[1]) fail("has chunks of more than 1 GiB");
+  hsize_t chunk[3] = {0, 1, 1};
+  if (H5Pget_chunk(creation.get(), 3, chunk) != rank_) fail("has no readable chunk shape" + hdf5_reason());
+  hsize_t room = static_cast<hsize_t>(kGreatestChunk) / item_bytes_;
+  for (const hsize_t extent : chunk) room = extent == 0 ? 0 : room / extent;
+  if (room == 0) fail("has chunks of more than 1 GiB");
 }
 
 template <class T>
@@ -81,7 +84,7 @@ void Hdf5Dataset::resize(std::vector<T>& out, std::int64_t first, std::int64_t c
     fail(first, "rows " + std::to_string(first) + " .. +" + std::to_string(count) + " are wanted, there are " +
                     std::to_string(rows_));
   try {
-    out.resize(static_cast<std::size_t>(count * columns_));
+    out.resize(static_cast<std::size_t>(count * width()));
   } catch (const std::bad_alloc&) {
     fail(first, std::to_string(count) + " rows do not fit into memory");
   }
@@ -90,8 +93,8 @@ void Hdf5Dataset::resize(std::vector<T>& out, std::int64_t first, std::int64_t c
 void Hdf5Dataset::read_raw(std::int64_t first, std::int64_t count, hid_t type, void* out) const {
   if (count == 0) return;
   const QuietHdf5 quiet;
-  const hsize_t start[2] = {static_cast<hsize_t>(first), 0};
-  const hsize_t extent[2] = {static_cast<hsize_t>(count), static_cast<hsize_t>(columns_)};
+  const hsize_t start[3] = {static_cast<hsize_t>(first), 0, 0};
+  const hsize_t extent[3] = {static_cast<hsize_t>(count), static_cast<hsize_t>(columns_), static_cast<hsize_t>(depth_)};
   const Hdf5Id file_space(H5Dget_space(id_.get()), H5Sclose);
   const Hdf5Id memory_space(H5Screate_simple(rank_, extent, nullptr), H5Sclose);
   if (!file_space || !memory_space ||
@@ -106,7 +109,7 @@ void Hdf5Dataset::read(std::int64_t first, std::int64_t count, std::vector<std::
   if (!unsigned64_) return;
   // HDF5 clamps what does not fit.
   const auto clamped = std::find(out.begin(), out.end(), std::numeric_limits<std::int64_t>::max());
-  if (clamped != out.end()) fail(first + (clamped - out.begin()) / columns_, "exceeds the range of a 64-bit integer");
+  if (clamped != out.end()) fail(first + (clamped - out.begin()) / width(), "exceeds the range of a 64-bit integer");
 }
 
 void Hdf5Dataset::read(std::int64_t first, std::int64_t count, std::vector<double>& out) const {
@@ -159,7 +162,20 @@ bool Hdf5File::has_attribute(const std::string& group, const std::string& name) 
   return found > 0;
 }
 
-Hdf5Dataset Hdf5File::dataset(const std::string& path, NumberKind kind, std::int64_t columns) const {
+std::vector<std::string> Hdf5File::root_names() const {
+  const QuietHdf5 quiet;
+  std::vector<std::string> names;
+  const auto take = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
+    static_cast<std::vector<std::string>*>(out)->emplace_back(name);
+    return 0;
+  };
+  if (H5Literate(id_.get(), H5_INDEX_NAME, H5_ITER_INC, nullptr, take, &names) < 0)
+    fail("/", "cannot be listed: the file is damaged" + hdf5_reason());
+  return names;
+}
+
+Hdf5Dataset Hdf5File::dataset(const std::string& path, NumberKind kind, std::int64_t columns,
+                              std::int64_t depth) const {
   if (!has(path)) fail(path, "is missing");
   const QuietHdf5 quiet;
   Hdf5Dataset result;
@@ -168,7 +184,7 @@ Hdf5Dataset Hdf5File::dataset(const std::string& path, NumberKind kind, std::int
   result.id_ = Hdf5Id(H5Dopen2(id_.get(), path.c_str(), H5P_DEFAULT), H5Dclose);
   if (!result.id_) fail(path, "is not a readable dataset" + hdf5_reason());
   result.check_type(kind);
-  result.check_shape(columns);
+  result.check_shape(columns, depth);
   result.check_size(bytes_);
   return result;
 }

@@ -1,0 +1,228 @@
+#include <volccd/experiments/tables/query_source.hpp>
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+#include <optional>
+#include <span>
+
+#include <fmt/format.h>
+
+#include <volccd/broadphase/kdop_bvh.hpp>
+#include <volccd/core/error.hpp>
+#include <volccd/core/random.hpp>
+#include <volccd/culling/dynamic_assignment.hpp>
+#include <volccd/mesh/feature_block.hpp>
+#include <volccd/mesh/query_set.hpp>
+#include <volccd/mesh/sequence/ground_truth.hpp>
+#include <volccd/mesh/sequence/query_file.hpp>
+#include <volccd/mesh/sequence/stepper.hpp>
+
+namespace volccd {
+
+namespace {
+
+std::vector<KnownQueries> from_query_file(const std::string& file) {
+  std::vector<KnownQueries> result;
+  for (QueryGroup& read : read_query_file(file)) {
+    const auto group = std::make_shared<const QueryGroup>(std::move(read));
+    const auto set = std::make_shared<const QuerySet>(group->kind, 2, group->points);
+    KnownQueries queries{group->scene, group->kind,     set->step(), set, {set->pairs().begin(), set->pairs().end()},
+                         {},           group->collides, {},          {}};
+    queries.place = [group](std::uint64_t i) { return group->file_names[group->file[i]]; };
+    result.push_back(std::move(queries));
+  }
+  return result;
+}
+
+/// Motion 0 of a sequence.
+struct FirstMotion {
+  explicit FirstMotion(const std::string& file) : reader(file), stepper(reader) {
+    if (stepper.motion_count() == 0) throw InputError(file, "VTKHDF/Steps", "has one step only: no motion to look at");
+    stepper.go_to(0);
+  }
+  Step step() const { return {stepper.topology(), stepper.motion(), filter}; }
+
+  SequenceReader reader;
+  SequenceStepper stepper;
+  ObjectFilter filter;
+};
+
+struct Box {
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+
+  bool overlaps(const Box& other) const {
+    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+  }
+};
+
+Box swept_box(const Motion& motion, std::span<const Index> vertices) {
+  Box box;
+  for (const Index v : vertices)
+    for (int c = 0; c < motion.control_points(); ++c) {
+      box.low = box.low.cwiseMin(motion.point(v, c));
+      box.high = box.high.cwiseMax(motion.point(v, c));
+    }
+  return box;
+}
+
+/// Pairs without a common vertex whose swept boxes overlap, each once: dynamic assignment gives every pair of which
+/// some elements overlap, and those of the O-Set.
+class Candidates {
+ public:
+  explicit Candidates(const Step& step) : step_(step) { collect(); }
+
+  std::vector<FeaturePair> vf, ee;
+
+ private:
+  void collect() {
+    KdopBvh::Config boxes_alone;
+    boxes_alone.k = 6;  // more axes would drop pairs whose boxes overlap
+    const KdopBvh broad(boxes_alone);
+    const DynamicAssignment assignment{DynamicAssignment::Config{}};
+    SerialExecutor executor;
+    const auto boxes = broad.make_state(), features = assignment.make_state();
+    broad.update(step_, *boxes, executor);
+    assignment.update(step_, *features);
+    PairBatch batch;
+    broad.query(step_, *boxes, PairRange::nonadjacent, executor, [&](std::span<const ElementPair> pairs, unsigned) {
+      batch.pairs.assign(pairs.begin(), pairs.end());
+      batch.masks.assign(pairs.size(), FeatureMask{});
+      assignment.tests(step_, *features, batch, tests_);
+      take();
+    });
+    for (std::size_t block = 0; block < assignment.orphan_blocks(*features); ++block) {
+      assignment.orphans(step_, *features, block, tests_);
+      take();
+    }
+    std::sort(vf.begin(), vf.end());
+    std::sort(ee.begin(), ee.end());
+  }
+
+  void take() {
+    keep(FeatureKind::vf, tests_.vf, vf);
+    keep(FeatureKind::ee, tests_.ee, ee);
+    tests_.clear();
+  }
+
+  void keep(FeatureKind kind, const std::vector<FeaturePair>& from, std::vector<FeaturePair>& to) const {
+    const std::size_t split = kind == FeatureKind::vf ? 1 : 2;
+    for (const FeaturePair pair : from) {
+      const std::array<Index, 4> v = test_vertices(step_.features(), kind, pair);
+      const Box first = swept_box(step_.motion, std::span(v).first(split));
+      if (first.overlaps(swept_box(step_.motion, std::span(v).subspan(split)))) to.push_back(pair);
+    }
+  }
+
+  Step step_;
+  TestBatch tests_;
+};
+
+/// The features of a known answer; slots of the mesh.
+FeaturePair pair_of(const FirstMotion& motion, const KnownAnswer& answer, std::int64_t row) {
+  const auto ids = motion.stepper.topology().mesh().vertex_ids();
+  std::array<Index, 4> v;
+  for (std::size_t i = 0; i < 4; ++i)
+    v[i] = static_cast<Index>(std::lower_bound(ids.begin(), ids.end(), answer.ids[i]) - ids.begin());
+  const Features& features = motion.stepper.topology().features();
+  FeaturePair pair = answer.kind == FeatureKind::vf
+                         ? FeaturePair{v[0], features.find_triangle(v[1], v[2], v[3])}
+                         : FeaturePair{features.find_edge(v[0], v[1]), features.find_edge(v[2], v[3])};
+  if (pair.a == kNone || pair.b == kNone)
+    throw InputError(motion.reader.file(),
+                     answer.kind == FeatureKind::vf ? "GroundTruth/VertexFace/Pairs" : "GroundTruth/EdgeEdge/Pairs",
+                     row, "a feature of the pair is not in the mesh of step 1");
+  if (answer.kind == FeatureKind::ee && pair.b < pair.a) std::swap(pair.a, pair.b);
+  return pair;
+}
+
+void take_listed(const FirstMotion& motion, const std::vector<KnownAnswer>& answers, KnownQueries& queries) {
+  for (const KnownAnswer& answer : answers) {
+    if (answer.kind != queries.kind) continue;
+    queries.pairs.push_back(pair_of(motion, answer, static_cast<std::int64_t>(queries.pairs.size())));
+    queries.collides.push_back(answer.collides ? 1 : 0);
+    queries.toi.push_back(answer.toi);
+  }
+}
+
+/// Puts `pairs` in the place of those listed, and keeps what is known of them.
+void spread(const std::vector<FeaturePair>& pairs, KnownQueries& queries, const std::string& file) {
+  std::vector<std::uint8_t> collides(pairs.size(), 0);
+  std::vector<double> toi(pairs.size(), std::numeric_limits<double>::quiet_NaN());
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    const auto at = std::lower_bound(pairs.begin(), pairs.end(), queries.pairs[i]);
+    if (at == pairs.end() || *at != queries.pairs[i]) {
+      if (queries.collides[i] == 0) continue;
+      throw InputError(file, "GroundTruth", "a pair collides, says the truth, but its swept boxes do not overlap");
+    }
+    const auto k = static_cast<std::size_t>(at - pairs.begin());
+    collides[k] = queries.collides[i];
+    toi[k] = queries.toi[i];
+  }
+  queries.pairs = pairs;
+  queries.collides = std::move(collides);
+  queries.toi = std::move(toi);
+}
+
+std::vector<KnownQueries> from_sequence(const std::string& file, bool candidates) {
+  const auto motion = std::make_shared<FirstMotion>(file);
+  const auto answers = read_ground_truth(motion->reader);
+  if (!answers && !candidates)
+    throw InputError(file, "GroundTruth",
+                     "is missing: there are candidates only (--candidates), of which nothing is known");
+  std::optional<Candidates> found;
+  if (candidates) found.emplace(motion->step());
+  std::vector<KnownQueries> result;
+  for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee}) {
+    KnownQueries queries{candidates ? "candidates" : "listed", kind, motion->step(), motion, {}, {}, {}, {}, {}};
+    if (answers) take_listed(*motion, *answers, queries);
+    if (candidates) {
+      const std::vector<FeaturePair>& pairs = kind == FeatureKind::vf ? found->vf : found->ee;
+      if (answers)
+        spread(pairs, queries, file);
+      else
+        queries.pairs = pairs;
+    }
+    if (queries.pairs.empty()) continue;
+    queries.place = [motion, kind, pairs = queries.pairs](std::uint64_t i) {
+      const std::array<Index, 4> v = test_vertices(motion->stepper.topology().features(), kind, pairs[i]);
+      const auto id = [&](std::size_t p) { return motion->stepper.topology().mesh().vertex_id(v[p]); };
+      return kind == FeatureKind::vf ? fmt::format("{} | {} {} {}", id(0), id(1), id(2), id(3))
+                                     : fmt::format("{} {} | {} {}", id(0), id(1), id(2), id(3));
+    };
+    result.push_back(std::move(queries));
+  }
+  return result;
+}
+
+template <class T>
+void select(std::vector<T>& values, const std::vector<std::uint64_t>& index) {
+  if (values.empty()) return;
+  for (std::size_t i = 0; i < index.size(); ++i) values[i] = values[index[i]];
+  values.resize(index.size());
+}
+
+/// Numbers the queries; keeps at most `most` of them, in order.
+void number_and_sample(KnownQueries& queries, std::size_t most) {
+  queries.index.resize(queries.size());
+  std::iota(queries.index.begin(), queries.index.end(), std::uint64_t{0});
+  if (most == 0 || queries.size() <= most) return;
+  Random(0x5eed).shuffle(queries.index);
+  queries.index.resize(most);
+  std::sort(queries.index.begin(), queries.index.end());
+  select(queries.pairs, queries.index);
+  select(queries.collides, queries.index);
+  select(queries.toi, queries.index);
+}
+
+}  // namespace
+
+std::vector<KnownQueries> load_queries(const std::string& file, const QuerySourceConfig& config) {
+  const bool sequence = is_sequence_file(file);
+  if (!sequence && config.candidates) throw ConfigError("--candidates: is for sequences, not for a query file");
+  std::vector<KnownQueries> result = sequence ? from_sequence(file, config.candidates) : from_query_file(file);
+  for (KnownQueries& queries : result) number_and_sample(queries, config.sample);
+  return result;
+}
+
+}  // namespace volccd

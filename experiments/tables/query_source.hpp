@@ -1,0 +1,42 @@
+// Elementary tests with known answers, wherever they are from: what `volccd queries` runs narrow phases on.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <volccd/mesh/step.hpp>
+
+namespace volccd {
+
+/// Tests of one kind on one step.
+struct KnownQueries {
+  std::string scene;
+  FeatureKind kind;
+  Step step;
+  std::shared_ptr<const void> owner;  ///< of what `step` refers to
+  std::vector<FeaturePair> pairs;
+  std::vector<std::uint64_t> index;    ///< of each pair in its file, or among all candidates
+  std::vector<std::uint8_t> collides;  ///< empty where nothing is known, else one a pair
+  std::vector<double> toi;             ///< empty where nothing is known, else one a pair, NaN where there is none
+  std::function<std::string(std::uint64_t index)> place;  ///< where a query is from, for a message
+
+  std::size_t size() const { return pairs.size(); }
+};
+
+struct QuerySourceConfig {
+  /// Of a sequence: all pairs with overlapping swept boxes, not those alone that its ground truth lists.
+  bool candidates = false;
+  /// At most so many of each scene and kind, drawn alike on every run; 0: all.
+  std::size_t sample = 0;
+};
+
+/// Of a query file, or of motion 0 of a sequence: the pairs in its ground truth or, with `candidates`, all pairs
+/// without a common vertex whose closed swept boxes overlap; those that the truth does not list do not touch. Throws
+/// InputError; also for a sequence without ground truth unless candidates are wanted (then nothing is known of them),
+/// and for a pair in the truth that the mesh does not have.
+std::vector<KnownQueries> load_queries(const std::string& file, const QuerySourceConfig& config);
+
+}  // namespace volccd

@@ -1,0 +1,155 @@
+#include <volccd/narrowphase/detail/algebraic_time.hpp>
+
+#include <bit>
+#include <cassert>
+#include <cstdint>
+#include <limits>
+#include <utility>
+
+namespace volccd::detail {
+namespace {
+
+/// Interval bounds settle most signs after a few bisections. What is left then is probably zero.
+constexpr int kBisectionsBeforeDivisor = 16;
+
+/// Roots that are distinct are mostly apart after this many bisections, and a square-free part costs more than they do.
+constexpr unsigned kBisectionsBeforeSquareFree = 6;
+
+/// p(x + 1), in place.
+void shift_by_one(std::vector<Integer>& c) {
+  for (std::size_t i = 0; i + 1 < c.size(); ++i)
+    for (std::size_t j = c.size() - 1; j-- > i;) c[j] += c[j + 1];
+}
+
+/// Sign changes in the coefficients of (1 + x)^n p(1 / (1 + x)): as many as roots of p in (0,1), or more by an even
+/// number.
+int sign_changes(const std::vector<Integer>& p) {
+  std::vector<Integer> c(p.rbegin(), p.rend());
+  shift_by_one(c);
+  int changes = 0, last = 0;
+  for (const Integer& x : c) {
+    const int sign = x.sign();
+    if (sign == 0) continue;
+    if (sign == -last) ++changes;
+    last = sign;
+  }
+  return changes;
+}
+
+class Isolation {
+ public:
+  Isolation(std::shared_ptr<const Polynomial> p, unsigned max_bits) : p_(std::move(p)), max_bits_(max_bits) {}
+
+  /// Adds the roots in the open interval (index, index + 1) / 2^bits, onto which `c` is the polynomial, from (0,1).
+  /// Ascending. False if max_bits is not enough.
+  bool search(const std::vector<Integer>& c, const Integer& index, unsigned bits) {
+    const int changes = sign_changes(c);
+    if (changes == 0) return true;
+    if (changes == 1) {
+      roots_.emplace_back(p_, index, bits);
+      return true;
+    }
+    if (bits == max_bits_) return false;
+    // 2^n p(x / 2) has the left half on (0,1).
+    std::vector<Integer> half = c;
+    for (std::size_t i = 0; i < half.size(); ++i) half[i] <<= half.size() - 1 - i;
+    if (!search(half, 2 * index, bits + 1)) return false;
+    shift_by_one(half);
+    if (half.front().is_zero()) roots_.emplace_back(Dyadic{2 * index + 1, bits + 1});
+    return search(half, 2 * index + 1, bits + 1);
+  }
+
+  std::vector<AlgebraicTime>& roots() { return roots_; }
+
+ private:
+  std::shared_ptr<const Polynomial> p_;
+  unsigned max_bits_;
+  std::vector<AlgebraicTime> roots_;
+};
+
+std::vector<AlgebraicTime> roots_inside(const Polynomial& p) {
+  const auto shared = std::make_shared<const Polynomial>(p);
+  Isolation quick(shared, kBisectionsBeforeSquareFree);
+  if (quick.search(p.coefficients(), 0, 0)) return std::move(quick.roots());
+  // With each root once, bisection ends.
+  const auto square_free = std::make_shared<const Polynomial>(square_free_part(p));
+  Isolation thorough(square_free, std::numeric_limits<unsigned>::max());
+  thorough.search(square_free->coefficients(), 0, 0);
+  return std::move(thorough.roots());
+}
+
+}  // namespace
+
+AlgebraicTime::AlgebraicTime(std::shared_ptr<const Polynomial> p, const Integer& index, unsigned bits)
+    : p_(std::move(p)), lo_(index), hi_(index + 1), bits_(bits), before_(p_->sign_after({lo_, bits_})) {}
+
+void AlgebraicTime::express_in(unsigned bits) {
+  if (bits <= bits_) return;
+  lo_ <<= bits - bits_;
+  hi_ <<= bits - bits_;
+  bits_ = bits;
+}
+
+int AlgebraicTime::compare(const Dyadic& t) {
+  express_in(t.bits);
+  Integer x = t.numerator;
+  x <<= bits_ - t.bits;
+  if (exact()) return Integer(lo_ - x).sign();
+  if (x <= lo_) return 1;
+  if (x >= hi_) return -1;
+  const int sign = p_->sign_at({x, bits_});
+  if (sign == 0)
+    lo_ = hi_ = x;
+  else
+    (sign == before_ ? lo_ : hi_) = x;
+  return sign == 0 ? 0 : sign == before_ ? 1 : -1;
+}
+
+void AlgebraicTime::bisect() {
+  if (hi_ - lo_ == 1) express_in(bits_ + 1);
+  compare({Integer((lo_ + hi_) >> 1), bits_});
+}
+
+bool AlgebraicTime::is_root_of(const Polynomial& g) const {
+  const Polynomial common = greatest_common_divisor(*p_, g);
+  // It has no other root in the interval, and this one is simple.
+  return common.degree() > 0 && common.sign_after({lo_, bits_}) != common.sign_before({hi_, bits_});
+}
+
+int AlgebraicTime::sign(const Polynomial& g) {
+  if (g.degree() <= 0) return g.is_zero() ? 0 : g.coefficients().front().sign();
+  for (int bisections = 0; !exact(); ++bisections) {
+    if (const int sign = g.sign_on(lo_, hi_, bits_)) return sign;
+    if (bisections == kBisectionsBeforeDivisor && is_root_of(g)) return 0;
+    bisect();
+  }
+  return g.sign_at({lo_, bits_});
+}
+
+double AlgebraicTime::floor() {
+  if (compare({1, 0}) == 0) return 1;
+  // Non-negative doubles are ordered as their bits are. Each but zero is compared before it becomes the lower bound.
+  std::uint64_t below = 0, above = std::bit_cast<std::uint64_t>(1.0);
+  while (above - below > 1) {
+    const std::uint64_t middle = below + (above - below) / 2;
+    (compare(dyadic(std::bit_cast<double>(middle))) < 0 ? above : below) = middle;
+  }
+  return std::bit_cast<double>(below);
+}
+
+int AlgebraicTime::sign_before(const Polynomial& f) const {
+  return exact() ? f.sign_before({lo_, bits_}) : f.sign_after({lo_, bits_});
+}
+
+int AlgebraicTime::sign_after(const Polynomial& f) const {
+  return exact() ? f.sign_after({hi_, bits_}) : f.sign_before({hi_, bits_});
+}
+
+std::vector<AlgebraicTime> roots_in_step(const Polynomial& p) {
+  assert(!p.is_zero());
+  std::vector<AlgebraicTime> roots = roots_inside(p);
+  if (p.sign_at({1, 0}) == 0) roots.emplace_back(Dyadic{1, 0});
+  return roots;
+}
+
+}  // namespace volccd::detail

@@ -1,0 +1,137 @@
+// The simplex of a Gilbert-Johnson-Keerthi iteration towards the origin, in any ordered ring: doubles or integers.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <utility>
+
+namespace volccd::detail {
+
+template <class Number>
+struct Vector3 {
+  Number x, y, z;
+};
+
+template <class N>
+Vector3<N> operator-(const Vector3<N>& a, const Vector3<N>& b) {
+  return {N(a.x - b.x), N(a.y - b.y), N(a.z - b.z)};
+}
+
+template <class N>
+N dot(const Vector3<N>& a, const Vector3<N>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+template <class N>
+Vector3<N> cross(const Vector3<N>& a, const Vector3<N>& b) {
+  return {N(a.y * b.z - a.z * b.y), N(a.z * b.x - a.x * b.z), N(a.x * b.y - a.y * b.x)};
+}
+
+/// At most four points, each known by a pair of vertices, and the point of their hull that is nearest to the origin.
+/// Holds the smallest face that has it: add() drops the other points.
+///
+/// In integers everything is exact. In doubles the face may be the wrong one and the weights are rounded: whoever uses
+/// them proves what he concludes from `points`, `weights` and `direction` by himself.
+template <class Number>
+struct HullSimplex {
+  using Point = Vector3<Number>;
+
+  int size = 0;
+  std::array<Point, 4> points;
+  std::array<std::pair<int, int>, 4> names;
+  std::array<Number, 4> weights;  ///< positive; the nearest point is the mean of `points` so weighted
+  Point direction;  ///< a positive multiple of the nearest point, or, if that is the origin, 0 or a normal of the face
+  Number square{}, divisor{};  ///< squared distance from the origin = square / divisor, divisor > 0
+
+  /// Adds a point. Returns false, with nothing changed, if the hull of all has no point nearer to the origin than
+  /// before.
+  bool add(const Point& point, std::pair<int, int> name) {
+    HullSimplex best;
+    const auto offer = [&](const std::array<int, 3>& with, int count) {
+      HullSimplex face;
+      face.size = count + 1;
+      for (int i = 0; i < count; ++i) face.take(i, points[at(with[at(i)])], names[at(with[at(i)])]);
+      face.take(count, point, name);
+      if (face.project() && (best.size == 0 || face.nearer_than(best))) best = std::move(face);
+    };
+    offer({}, 0);
+    for (int i = 0; i < size; ++i) offer({i}, 1);
+    for (int i = 0; i < size; ++i)
+      for (int j = i + 1; j < size; ++j) offer({i, j}, 2);
+    if (size == 3) offer({0, 1, 2}, 3);
+    if (best.size == 0 || (size > 0 && !best.nearer_than(*this))) return false;
+    *this = std::move(best);
+    return true;
+  }
+
+ private:
+  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
+
+  void take(int i, const Point& point, std::pair<int, int> name) {
+    points[at(i)] = point;
+    names[at(i)] = name;
+  }
+
+  bool nearer_than(const HullSimplex& other) const { return square * other.divisor < other.square * divisor; }
+
+  /// Projects the origin onto the affine hull. False: dependent points, or the projection is not inside.
+  bool project() {
+    switch (size) {
+      case 1: return project_point();
+      case 2: return project_segment();
+      case 3: return project_triangle();
+      default: return project_tetrahedron();
+    }
+  }
+
+  bool project_point() {
+    weights[0] = Number(1);
+    direction = points[0];
+    square = dot(points[0], points[0]);
+    divisor = Number(1);
+    return true;
+  }
+
+  bool project_segment() {
+    const Point &p = points[0], &q = points[1], e = q - p;
+    weights[0] = dot(q, e);
+    weights[1] = -dot(p, e);
+    if (!(weights[0] > 0 && weights[1] > 0)) return false;
+    // |e|^2 times the part of p across e: a short distance keeps its digits.
+    const Point moment = cross(p, e);
+    direction = cross(e, moment);
+    square = dot(moment, moment);
+    divisor = dot(e, e);
+    return true;
+  }
+
+  bool project_triangle() {
+    const Point &p = points[0], &q = points[1], &r = points[2];
+    direction = cross(Point(q - p), Point(r - p));
+    weights[0] = dot(direction, cross(q, r));
+    weights[1] = dot(direction, cross(r, p));
+    weights[2] = dot(direction, cross(p, q));
+    if (!(weights[0] > 0 && weights[1] > 0 && weights[2] > 0)) return false;
+    const Number height = dot(direction, p);
+    if (height < 0) direction = {Number(-direction.x), Number(-direction.y), Number(-direction.z)};
+    square = height * height;
+    divisor = dot(direction, direction);
+    return true;
+  }
+
+  bool project_tetrahedron() {
+    const Point &p = points[0], &q = points[1], &r = points[2], &s = points[3];
+    const Point rs = cross(r, s), pq = cross(p, q);
+    weights = {dot(q, rs), Number(-dot(p, rs)), dot(s, pq), Number(-dot(r, pq))};
+    if (weights[0] < 0)
+      for (Number& w : weights) w = -w;
+    for (const Number& w : weights)
+      if (!(w > 0)) return false;
+    direction = {Number(0), Number(0), Number(0)};
+    square = Number(0);
+    divisor = Number(1);
+    return true;
+  }
+};
+
+}  // namespace volccd::detail

@@ -1,0 +1,197 @@
+#include <volccd/narrowphase/detail/inclusion_search.hpp>
+
+#include <array>
+#include <cassert>
+
+#include <Eigen/Geometry>
+
+#include <volccd/narrowphase/detail/closest_points.hpp>
+#include <volccd/narrowphase/detail/motion_piece.hpp>
+
+namespace volccd::detail {
+namespace {
+
+using Outcome = InclusionAnswer::Outcome;
+
+/// A contact shrinks its piece to a quarter a level for so many levels, then to half: both ends soon suffice for a proof,
+/// where there is one.
+constexpr int kLevelsOfThree = 8;
+
+/// By this the outer parts overlap the inner one, in local parameters: more than times are rounded, 2^-53, over the width
+/// of the smallest part that is split at a root, kRootMargin / 2 / 4^kLevelsOfThree.
+constexpr double kOverlap = 0x1p-19;
+
+struct Part {
+  double lo, hi;
+  int level;
+};
+
+/// Parts still to be looked at, the earliest on top. A level leaves at most two behind; from kLevelsOfThree on, parts are
+/// halved at each level, down to kShortestPiece.
+class PartStack {
+ public:
+  bool empty() const { return size_ == 0; }
+  void push(const Part& part) {
+    assert(size_ < parts_.size());
+    if (part.lo < part.hi) parts_[size_++] = part;
+  }
+  Part pop() { return parts_[--size_]; }
+  void clear() { size_ = 0; }
+
+ private:
+  std::array<Part, 2 * kLevelsOfThree + 64> parts_;
+  std::size_t size_ = 0;
+};
+
+/// v without its part along e. Twice is enough: the second round corrects what cancellation left in the first.
+Vec3 across(Vec3 v, const Vec3& e) {
+  const double length = e.squaredNorm();
+  if (!(length > 0)) return v;
+  for (int round = 0; round < 2; ++round) v -= (v.dot(e) / length) * e;
+  return v;
+}
+
+/// Direction between the closest points. Their difference is good to a unit of the size, no better, and where it is
+/// small, its direction is not: then a plane across it cuts the long features that it should only keep apart. So it is
+/// turned to be at right angles to the edges and triangles that the closest points lie within.
+Vec3 separating_axis(FeatureKind kind, const Differences& d) {
+  const ClosestPoints closest = closest_points(kind, d);
+  const std::array<double, 4>& w = closest.weights;
+  if (kind == FeatureKind::vf) {
+    const Vec3 e01 = d[1] - d[0], e02 = d[2] - d[0], e12 = d[2] - d[1];
+    if (w[1] > 0 && w[2] > 0 && w[3] > 0) return across(across(Vec3(e01.cross(e02)), e01), e02);
+    if (w[1] > 0 && w[2] > 0) return across(closest.separation, e01);
+    if (w[1] > 0 && w[3] > 0) return across(closest.separation, e02);
+    if (w[2] > 0 && w[3] > 0) return across(closest.separation, e12);
+    return closest.separation;
+  }
+  const Vec3 &first = d[0], second = d[2] - d[1];
+  const bool in_first = w[0] > 0 && w[1] > 0, in_second = w[2] > 0 && w[3] > 0;
+  if (in_first && in_second) {
+    const Vec3 n = first.cross(second);
+    // Parallel edges: any direction across them both.
+    return n.squaredNorm() > 0x1p-60 * first.squaredNorm() * second.squaredNorm()
+               ? across(across(n, first), second)
+               : across(closest.separation, first);
+  }
+  if (in_first) return across(closest.separation, first);
+  if (in_second) return across(closest.separation, second);
+  return closest.separation;
+}
+
+template <int kPoints>
+class Search {
+ public:
+  Search(FeatureKind kind, const TestPoints& x, double separation, double tolerance)
+      : test_(kind, x, separation), tolerance_(tolerance) {}
+
+  InclusionAnswer run(double t_max) {
+    stack_.push({0, 1, 0});
+    for (int pieces = 0; !stack_.empty(); ++pieces) {
+      const Part part = stack_.pop();
+      if (part.lo > t_max) break;
+      if (pieces == kMostPieces) return undecided(part.lo);
+      MotionPiece<kPoints> piece(test_, part.lo, part.hi);
+      if (piece.never_coplanar() || (moved_apart_ && piece.separated_along(axis_))) continue;
+      look(piece);
+      // What matters is decided at the root, and the polynomial tells where that is: a short part at first.
+      if (part.level == 0 && crossing(piece)) {
+        split_at_root(piece, part, kRootMargin);
+        continue;
+      }
+      if (const InclusionAnswer answer = contact(piece); answer.outcome == Outcome::touch) return answer;
+      if (separated(piece)) continue;
+      if (part.hi - part.lo <= kShortestPiece || test_.rigid()) return undecided(part.lo);
+      split(piece, part);
+    }
+    return {Outcome::apart};
+  }
+
+ private:
+  /// At the likely time of contact.
+  void look(const MotionPiece<kPoints>& piece) {
+    root_ = test_.separation() > 0 ? 0.5 : piece.likely_root();
+    likely_ = test_.at(piece.lo() + root_ * (piece.hi() - piece.lo()));
+  }
+
+  bool separated(const MotionPiece<kPoints>& piece) {
+    if (separated_at(likely_, piece)) return true;
+    return test_.separation() > 0 && (separated_at(test_.at(piece.lo()), piece) || separated_at(test_.at(piece.hi()), piece));
+  }
+
+  /// By the direction between the closest points.
+  bool separated_at(const Differences& d, const MotionPiece<kPoints>& piece) {
+    const Vec3 axis = separating_axis(test_.kind(), d);
+    if (!piece.separated_along(axis)) return false;
+    axis_ = axis;
+    moved_apart_ = true;
+    return true;
+  }
+
+  /// A contact that is certain. Those with a separation are none for this: their first time is found by halving alone.
+  InclusionAnswer contact(const MotionPiece<kPoints>& piece) const {
+    InclusionAnswer answer{Outcome::apart};
+    if (!crossing(piece)) return answer;
+    const Differences& d = likely_;
+    const Vec3 across = test_.kind() == FeatureKind::vf ? Vec3((d[1] - d[0]).cross(d[2] - d[0]))
+                                                        : Vec3(d[0].cross(d[2] - d[1]));
+    if (!piece.overlap_along(across)) return answer;
+    const double t = piece.before_first_root(root_, tolerance_);
+    if (t < 0) return answer;
+    answer.outcome = Outcome::touch;
+    answer.toi = t;
+    answer.side = piece.sign_at_start();
+    return answer;
+  }
+
+  InclusionAnswer undecided(double t) {
+    InclusionAnswer answer{Outcome::undecided};
+    answer.toi = t;
+    if (t == 0) {
+      const MotionPiece<kPoints> start(test_, 0, 0);
+      answer.at_start = !start.separated_along(separating_axis(test_.kind(), test_.at(0)));
+    }
+    return answer;
+  }
+
+  void split(const MotionPiece<kPoints>& piece, const Part& part) {
+    if (part.level < kLevelsOfThree && crossing(piece)) return split_at_root(piece, part, 0.125);
+    const double middle = part.lo + (part.hi - part.lo) / 2;
+    stack_.push({middle, part.hi, part.level + 1});
+    stack_.push({part.lo, middle, part.level + 1});
+  }
+
+  /// The polynomial as it is may settle the outer parts but for a little, which goes with the inner one.
+  void split_at_root(const MotionPiece<kPoints>& piece, const Part& part, double margin) {
+    const double width = part.hi - part.lo, before = std::max(0.0, root_ - margin), after = std::min(1.0, root_ + margin);
+    const double from = part.lo + before * width, to = std::min(part.hi, part.lo + after * width);
+    if (after < 1 && !piece.never_coplanar_after(after - kOverlap)) stack_.push({to, part.hi, part.level + 1});
+    stack_.push({from, to, part.level + 1});
+    if (before > 0 && !piece.never_coplanar_before(before + kOverlap)) stack_.push({part.lo, from, part.level + 1});
+  }
+
+  /// The features change sides for certain.
+  bool crossing(const MotionPiece<kPoints>& piece) const {
+    return test_.separation() == 0 && piece.sign_at_start() * piece.sign_at_end() < 0;
+  }
+
+  BoundedTest<kPoints> test_;
+  double tolerance_;
+  PartStack stack_;
+  bool moved_apart_ = false;  ///< an axis has separated a piece
+  Vec3 axis_;                 ///< the last that did
+  double root_ = 0;           ///< local parameter at which the piece was looked at
+  Differences likely_;        ///< then
+};
+
+}  // namespace
+
+InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
+                                 double tolerance, double t_max) {
+  InclusionAnswer answer = control_points == 2 ? Search<2>(kind, x, separation, tolerance).run(t_max)
+                                               : Search<3>(kind, x, separation, tolerance).run(t_max);
+  if (answer.toi > t_max) answer = {InclusionAnswer::Outcome::apart};
+  return answer;
+}
+
+}  // namespace volccd::detail

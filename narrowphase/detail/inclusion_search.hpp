@@ -1,0 +1,34 @@
+// The search that the `inclusion` narrow phase makes for each test that its first pass leaves open.
+#pragma once
+
+#include <volccd/narrowphase/detail/moving_points.hpp>
+
+namespace volccd::detail {
+
+struct InclusionAnswer {
+  enum class Outcome {
+    apart,     ///< proven
+    touch,     ///< proven
+    undecided  ///< nearer than rounding can tell, or the search was cut short
+  } outcome;
+  /// First time of contact: never late; early by at most the tolerance if the features do touch next.
+  double toi = 0;
+  /// Sign of the coplanarity polynomial before the contact; 0 where it is not known.
+  int side = 0;
+  /// The features are not proven apart at t = 0.
+  bool at_start = false;
+};
+
+/// Looks through [0,1] from left to right in pieces: each is proven free of contact, proven to begin with one, or split.
+/// Undecided is the first piece that stays open when it is shorter than kShortestPiece. The answer does not depend on
+/// t_max, but that contacts after it are `apart`. `tolerance` > 0. Pre: finite coordinates, separation >= 0.
+InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
+                                 double tolerance, double t_max);
+
+/// Of the step. Whatever is closer than it moves meanwhile counts as contact.
+inline constexpr double kShortestPiece = 0x1p-44;
+
+/// Pieces looked at in a test before the rest is given up as undecided.
+inline constexpr int kMostPieces = 20'000;
+
+}  // namespace volccd::detail

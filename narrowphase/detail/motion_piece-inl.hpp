@@ -1,0 +1,311 @@
+// Definitions of motion_piece.hpp, which includes it: they are worth inlining.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+#include <volccd/narrowphase/detail/inclusion_bounds.hpp>
+
+namespace volccd::detail {
+
+inline constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+constexpr double binomial(int n, int k) { return k == 0 ? 1 : binomial(n - 1, k - 1) * n / k; }
+
+inline Vec3 between(const Vec3& a, const Vec3& b, double t) { return (1 - t) * a + t * b; }
+
+inline double length_bound(const Vec3& v) {
+  const double square = v.squaredNorm();
+  return square > kLeastSquare ? std::sqrt(square) : v.lpNorm<1>();
+}
+
+template <int kPoints>
+BoundedTest<kPoints>::BoundedTest(FeatureKind kind, const TestPoints& x, double separation) : kind_(kind) {
+  take(x, separation, 1);
+  const double size = extent_.maxCoeff();
+  if (!(size >= kLeastSize && size <= kGreatestSize)) take(x, separation, range_scale(x, kPoints));
+}
+
+template <int kPoints>
+void BoundedTest<kPoints>::take(const TestPoints& x, double separation, double scale) {
+  if (separation > 0) separation_ = std::nextafter(separation * scale, kInfinity);
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t c = 0; c < kPoints; ++c)
+      for (std::size_t k = 0; k < 3; ++k)
+        differences_[i][c][static_cast<int>(k)] = scale * x[i + 1][3 * c + k] - scale * x[0][3 * c + k];
+  measure();
+}
+
+template <int kPoints>
+void BoundedTest<kPoints>::measure() {
+  extent_.setConstant(kLeastExtent);
+  rigid_ = true;
+  for (std::size_t i = 0; i < 3; ++i) {
+    extents_[i].setConstant(kLeastExtent);
+    for (const Vec3& e : differences_[i]) {
+      extents_[i] = extents_[i].cwiseMax(e.cwiseAbs());
+      rigid_ = rigid_ && e == differences_[i][0];
+    }
+    extent_ = extent_.cwiseMax(extents_[i]);
+  }
+  const Vec3 &a = extents_[0], &b = extents_[1], &c = extents_[2];
+  const double permanent = a.x() * (b.y() * c.z() + b.z() * c.y()) + a.y() * (b.z() * c.x() + b.x() * c.z()) +
+                           a.z() * (b.x() * c.y() + b.y() * c.x());
+  coplanarity_error_ = determinant_error_factor(kPoints, kPoints - 1) * permanent;
+  coplanarity_underflow_ = kDeterminantUnderflow * (1 + a.sum());
+  if (separation_ == 0) return;
+  double first = 0, second = 0;
+  for (std::size_t k = 0; k < kPoints; ++k) {
+    const Vec3 &d1 = differences_[0][k], &d2 = differences_[1][k], &d3 = differences_[2][k];
+    first = std::max(first, length_bound(kind_ == FeatureKind::vf ? Vec3(d2 - d1) : d1));
+    second = std::max(second, length_bound(kind_ == FeatureKind::vf ? Vec3(d3 - d1) : Vec3(d3 - d2)));
+  }
+  // The sides were computed from rounded differences: their error is a few units of the extent.
+  const double slack = 16 * kUnitRoundoff * extent_.sum();
+  coplanarity_within_separation_ = separation_ * kAreaSlack * std::max((first + slack) * (second + slack), kLeastSquare);
+}
+
+template <int kPoints>
+Differences BoundedTest<kPoints>::at(double t) const {
+  Differences d;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Curve& e = differences_[i];
+    if constexpr (kPoints == 2)
+      d[i] = between(e[0], e[1], t);
+    else
+      d[i] = between(between(e[0], e[1], t), between(e[1], e[2], t), t);
+  }
+  return d;
+}
+
+template <int kPoints>
+MotionPiece<kPoints>::MotionPiece(const BoundedTest<kPoints>& test, double lo, double hi)
+    : test_(test), lo_(lo), hi_(hi) {
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& e = test.differences()[i];
+    if constexpr (kPoints == 2) {
+      e_[i] = {between(e[0], e[1], lo), between(e[0], e[1], hi)};
+    } else {
+      const Vec3 first = between(e[0], e[1], lo), second = between(e[1], e[2], lo);
+      e_[i] = {between(first, second, lo), between(first, second, hi),
+               between(between(e[0], e[1], hi), between(e[1], e[2], hi), hi)};
+    }
+  }
+}
+
+template <int kPoints>
+double MotionPiece<kPoints>::error(int k) const {
+  return binomial(kDegree, k) * test_.coplanarity_error() + test_.coplanarity_underflow();
+}
+
+template <int kPoints>
+bool MotionPiece<kPoints>::never_coplanar() {
+  constexpr int n = kPoints - 1;
+  std::array<Vec3, 2 * n + 1> normal;
+  for (Vec3& v : normal) v.setZero();
+  b_.fill(0);
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; j <= n; ++j)
+      normal[static_cast<std::size_t>(i + j)] += binomial(n, i) * binomial(n, j) *
+                                                 e_[1][static_cast<std::size_t>(i)].cross(e_[2][static_cast<std::size_t>(j)]);
+  for (int i = 0; i <= n; ++i)
+    for (int k = 0; k <= 2 * n; ++k)
+      b_[static_cast<std::size_t>(i + k)] +=
+          binomial(n, i) * e_[0][static_cast<std::size_t>(i)].dot(normal[static_cast<std::size_t>(k)]);
+  bool above = true, below = true;
+  for (int k = 0; k <= kDegree; ++k) {
+    const double bound = error(k) + binomial(kDegree, k) * test_.coplanarity_within_separation();
+    above = above && b_[static_cast<std::size_t>(k)] > bound;
+    below = below && b_[static_cast<std::size_t>(k)] < -bound;
+  }
+  return above || below;
+}
+
+template <int kPoints>
+int MotionPiece<kPoints>::sign_at_start() const {
+  return b_[0] > error(0) ? 1 : b_[0] < -error(0) ? -1 : 0;
+}
+
+template <int kPoints>
+int MotionPiece<kPoints>::sign_at_end() const {
+  return b_[kDegree] > error(kDegree) ? 1 : b_[kDegree] < -error(kDegree) ? -1 : 0;
+}
+
+template <int kPoints>
+double MotionPiece<kPoints>::coefficient(int k) const {
+  return b_[static_cast<std::size_t>(k)] * (1 / binomial(kDegree, k));
+}
+
+/// Horner's scheme on Bernstein coefficients that hold their binomials.
+template <int kPoints>
+double MotionPiece<kPoints>::value(double s) const {
+  const double r = 1 - s;
+  double sum = b_[0], power = 1;
+  for (std::size_t k = 1; k <= kDegree; ++k) {
+    power *= s;
+    sum = sum * r + b_[k] * power;
+  }
+  return sum;
+}
+
+template <int kPoints>
+double MotionPiece<kPoints>::value_error() const {
+  double greatest = 0;
+  for (int k = 0; k <= kDegree; ++k) greatest = std::max(greatest, std::abs(coefficient(k)));
+  return test_.coplanarity_error() * (1 + 16 * kUnitRoundoff) + (kDegree + 2) * test_.coplanarity_underflow() +
+         value_error_factor(kDegree) * greatest;
+}
+
+/// De Casteljau's scheme: the coefficients on either side of s are those that it passes through.
+template <int kPoints>
+template <bool kBefore>
+bool MotionPiece<kPoints>::one_sign(double s) const {
+  std::array<double, kDegree + 1> c;
+  for (int k = 0; k <= kDegree; ++k) c[static_cast<std::size_t>(k)] = coefficient(k);
+  const double r = 1 - s;
+  double least = kBefore ? c[0] : c[kDegree], greatest = least;
+  for (std::size_t level = kDegree; level > 0; --level) {
+    for (std::size_t k = 0; k < level; ++k) c[k] = r * c[k] + s * c[k + 1];
+    const double next = kBefore ? c[0] : c[level - 1];
+    least = std::min(least, next);
+    greatest = std::max(greatest, next);
+  }
+  const double error = value_error();
+  return least > error || greatest < -error;
+}
+
+template <int kPoints>
+bool MotionPiece<kPoints>::never_coplanar_before(double s) const {
+  return one_sign<true>(s);
+}
+
+template <int kPoints>
+bool MotionPiece<kPoints>::never_coplanar_after(double s) const {
+  return one_sign<false>(s);
+}
+
+/// Of value(), as rounded.
+template <int kPoints>
+double MotionPiece<kPoints>::slope(double s) const {
+  const double r = 1 - s;
+  double sum = 0, power = 1;
+  for (int k = 0; k < kDegree; ++k) {
+    const double rise = coefficient(k + 1) - coefficient(k);
+    sum = sum * r + rise * (binomial(kDegree - 1, k) * power);
+    power *= s;
+  }
+  return kDegree * sum;
+}
+
+template <int kPoints>
+double MotionPiece<kPoints>::likely_root() const {
+  if (b_[0] * b_[kDegree] < 0) {
+    // Illinois: false position, an end that stays put counts for half.
+    double a = 0, b = 1, fa = b_[0], fb = b_[kDegree], c = 0.5;
+    const double enough = 0x1p-10 * std::max(std::abs(fa), std::abs(fb));
+    for (int round = 0; round < 8; ++round) {
+      c = a + (b - a) * (fa / (fa - fb));
+      const double fc = value(c);
+      if (std::abs(fc) <= enough) break;
+      if ((fc < 0) == (fa < 0)) {
+        a = c, fa = fc, fb *= 0.5;
+      } else {
+        b = c, fb = fc, fa *= 0.5;
+      }
+    }
+    for (int round = 0; round < 2; ++round) c -= value(c) / slope(c);
+    return c >= 0 && c <= 1 ? c : 0.5;
+  }
+  int nearest = 0;
+  const double sign = b_[0] + b_[kDegree] < 0 ? -1 : 1;
+  for (int k = 1; k <= kDegree; ++k)
+    if (sign * coefficient(k) < sign * coefficient(nearest)) nearest = k;
+  return static_cast<double>(nearest) / kDegree;
+}
+
+template <int kPoints>
+bool MotionPiece<kPoints>::separated_along(const Vec3& axis) const {
+  double ahead = kInfinity, behind = kInfinity;
+  for (std::size_t c = 0; c < kPoints; ++c) {
+    const double p1 = axis.dot(e_[0][c]), p2 = axis.dot(e_[1][c]), p3 = axis.dot(e_[2][c]);
+    const double low = std::min(p2, p3), high = std::max(p2, p3);
+    if (test_.kind() == FeatureKind::vf) {
+      ahead = std::min(ahead, std::min(p1, low));
+      behind = std::min(behind, -std::max(p1, high));
+    } else {
+      ahead = std::min(ahead, low - std::max(p1, 0.0));
+      behind = std::min(behind, std::min(p1, 0.0) - high);
+    }
+  }
+  const double rounding = gap_error_factor(kPoints - 1) * axis.cwiseAbs().dot(test_.extent()) + kGapUnderflow;
+  return std::max(ahead, behind) > rounding + separation_gap(test_.separation(), axis.x(), axis.y(), axis.z());
+}
+
+template <int kPoints>
+auto MotionPiece<kPoints>::quadric(const Vec3& direction, std::size_t i, std::size_t j) const -> Quadric {
+  constexpr std::size_t n = kPoints - 1;
+  Quadric q{};
+  for (std::size_t a = 0; a <= n; ++a)
+    for (std::size_t b = 0; b <= n; ++b)
+      q[a + b] += binomial(n, static_cast<int>(a)) * binomial(n, static_cast<int>(b)) *
+                  direction.dot(e_[i][a].cross(e_[j][b]));
+  return q;
+}
+
+template <int kPoints>
+bool MotionPiece<kPoints>::overlap_along(const Vec3& direction) const {
+  const Quadric q12 = quadric(direction, 0, 1), q13 = quadric(direction, 0, 2), q23 = quadric(direction, 1, 2);
+  const Vec3 l = direction.cwiseAbs();
+  const auto magnitude = [&](const Vec3& x, const Vec3& y) {
+    return l.x() * (x.y() * y.z() + x.z() * y.y()) + l.y() * (x.z() * y.x() + x.x() * y.z()) +
+           l.z() * (x.x() * y.y() + x.y() * y.x());
+  };
+  const std::array<Vec3, 3>& m = test_.extents();
+  const double factor = quadric_error_factor(kPoints - 1), underflow = kDeterminantUnderflow * (1 + l.sum());
+  const double e12 = factor * magnitude(m[0], m[1]), e13 = factor * magnitude(m[0], m[2]),
+               e23 = factor * magnitude(m[1], m[2]);
+  const double sign = q12[0] < 0 ? -1 : 1;
+  constexpr int degree = 2 * (kPoints - 1);
+  for (int k = 0; k <= degree; ++k) {
+    const std::size_t at = static_cast<std::size_t>(k);
+    const double weight = binomial(degree, k);
+    const double s12 = sign * q12[at] - weight * e12 - underflow, s13 = -sign * q13[at] - weight * e13 - underflow;
+    if (!(s12 > 0 && s13 > 0)) return false;
+    if (test_.kind() == FeatureKind::vf) {
+      // Seen from the vertex, the corners turn one way: (1,2), (2,3), (3,1).
+      if (!(sign * q23[at] > weight * e23 + underflow)) return false;
+    } else {
+      // The ends of edge 2 lie on either side of edge 1; and those of edge 1 on either side of edge 2.
+      if (!(-sign * q23[at] > weight * e23 + underflow)) return false;
+      if (!(sign * (q23[at] + q12[at] - q13[at]) > weight * (e12 + e13 + e23) + 3 * underflow)) return false;
+    }
+  }
+  return true;
+}
+
+template <int kPoints>
+double MotionPiece<kPoints>::before_first_root(double guess, double tolerance) const {
+  const double rise = b_[kDegree] > b_[0] ? 1 : -1;
+  // One root only, if the polynomial is monotone for certain.
+  double least = kInfinity;
+  for (int k = 1; k <= kDegree; ++k) least = std::min(least, rise * (coefficient(k) - coefficient(k - 1)));
+  if (!(least > 0)) return -1;
+  const double error = value_error();
+  least = kDegree * (least - 2 * error);
+  if (!(least > 0)) return -1;
+  const double root = guess - value(guess) / slope(guess);
+  const double width = hi_ - lo_;
+  for (double margin = std::max(4 * error / least, 0x1p-44); 2 * margin * width < tolerance; margin *= 8) {
+    const double before = root - margin, after = root + margin;
+    // The ends' signs are certain, as the caller says.
+    if (after < 1 && !(rise * value(after) > error)) continue;
+    if (before <= 0) return lo_;
+    if (-rise * value(before) > error) return std::max(lo_, (lo_ + before * width) * (1 - 4 * kUnitRoundoff));
+  }
+  return -1;
+}
+
+}  // namespace volccd::detail

@@ -1,0 +1,114 @@
+#include <volccd/narrowphase/exact_predicates.hpp>
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <optional>
+#include <utility>
+
+#include <volccd/narrowphase/detail/exact_geometry.hpp>
+
+namespace volccd {
+namespace {
+
+using namespace detail;
+
+/// Along the x, y or z axis one feature is beyond the other at each control point, hence all the time. Comparisons of
+/// doubles are exact.
+bool axis_separates(const TestMotion& motion) {
+  const int split = motion.kind == FeatureKind::vf ? 1 : 2;
+  for (int k = 0; k < 3; ++k) {
+    bool below = true, above = true;
+    for (int c = 0; c < motion.control_points; ++c)
+      for (int i = 0; i < split; ++i)
+        for (int j = split; j < 4; ++j) {
+          const double a = motion.points[static_cast<std::size_t>(i)][3 * c + k];
+          const double b = motion.points[static_cast<std::size_t>(j)][3 * c + k];
+          below = below && a < b;
+          above = above && a > b;
+        }
+    if (below || above) return true;
+  }
+  return false;
+}
+
+[[maybe_unused]] bool valid(const TestMotion& motion) {
+  if (motion.control_points != 2 && motion.control_points != 3) return false;
+  return std::all_of(motion.points.begin(), motion.points.end(), [&](const double* x) {
+    return std::all_of(x, x + 3 * motion.control_points, [](double v) { return std::isfinite(v); });
+  });
+}
+
+class FirstTouch {
+ public:
+  FirstTouch(const TestMotion& motion, double t_max)
+      : kind_(motion.kind), t_max_(t_max), x_(relative_curves(motion)), volume_(dot(x_[1], cross(x_[2], x_[3]))) {
+    answer_.degenerate = volume_.is_zero();
+  }
+
+  ExactAnswer find() {
+    AlgebraicTime start(Dyadic{0, 0});
+    if (start.sign(volume_) == 0 && touches_at(start)) {
+      answer_.reason = TouchCase::at_start;
+      answer_.side = start.sign_before(volume_);
+      answer_.touches = answer_.toi_exact = true;
+      return answer_;
+    }
+    if (volume_.is_zero()) {
+      for (const Polynomial& event : coplanar_events(kind_, x_))
+        if (auto t = first_touching_root(event)) keep_earlier(*t);
+    } else if (auto t = first_touching_root(volume_)) {
+      answer_.side = t->sign_before(volume_);
+      answer_.reason = answer_.side == t->sign_after(volume_) ? TouchCase::grazing : TouchCase::crossing;
+      keep(*t);
+    }
+    return answer_;
+  }
+
+ private:
+  bool touches_at(AlgebraicTime& t) {
+    bool degenerate = false;
+    const bool touches = coplanar_features_touch(kind_, x_, t, degenerate);
+    answer_.degenerate = answer_.degenerate || (touches && degenerate);
+    return touches;
+  }
+
+  /// Of the roots in (0, t_max].
+  std::optional<AlgebraicTime> first_touching_root(const Polynomial& p) {
+    for (AlgebraicTime& t : roots_in_step(p)) {
+      if (t.compare(dyadic(t_max_)) > 0) break;
+      if (touches_at(t)) return std::move(t);
+    }
+    return std::nullopt;
+  }
+
+  void keep(AlgebraicTime& t) {
+    answer_.touches = true;
+    answer_.toi = t.floor();
+    answer_.toi_exact = t.exact();
+  }
+
+  /// Of times with the same largest double below, one that is this double itself is the earliest.
+  void keep_earlier(AlgebraicTime& t) {
+    const ExactAnswer last = answer_;
+    answer_.reason = TouchCase::coplanar;
+    keep(t);
+    if (last.touches && (last.toi < answer_.toi || (last.toi == answer_.toi && last.toi_exact))) answer_ = last;
+  }
+
+  FeatureKind kind_;
+  double t_max_;
+  std::array<Curve, 4> x_;
+  Polynomial volume_;  ///< six times that of the tetrahedron of the points
+  ExactAnswer answer_;
+};
+
+}  // namespace
+
+ExactAnswer exact_first_touch(const TestMotion& motion, double t_max) {
+  assert(valid(motion) && t_max >= 0 && t_max <= 1);
+  if (axis_separates(motion)) return {};
+  return FirstTouch(motion, t_max).find();
+}
+
+}  // namespace volccd

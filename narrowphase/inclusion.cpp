@@ -1,0 +1,79 @@
+#include <volccd/narrowphase/inclusion.hpp>
+
+#include <volccd/narrowphase/detail/contact_frame.hpp>
+#include <volccd/narrowphase/detail/crossing_block.hpp>
+#include <volccd/narrowphase/detail/inclusion_search.hpp>
+#include <volccd/narrowphase/exact_predicates.hpp>
+
+namespace volccd {
+
+using namespace detail;
+using Outcome = InclusionAnswer::Outcome;
+
+const Options<Inclusion::Config>& Inclusion::options() {
+  static const Options<Config> table = [] {
+    Options<Config> options;
+    options.add("time_tolerance", &Config::time_tolerance, 1e-12, 1e-3,
+                "how early a contact may be reported, in steps (never late)");
+    options.add("undecided", &Config::undecided, {{"report", Undecided::report}, {"exact", Undecided::exact}},
+                "report tests that rounding leaves open, or decide them in rational arithmetic");
+    return options;
+  }();
+  return table;
+}
+
+void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<Index, 4>& vertices,
+                         std::vector<Contact>& contacts, NarrowCounters& counters) const {
+  TestPoints x;
+  for (std::size_t i = 0; i < 4; ++i) x[i] = step.motion.at(vertices[i]);
+  const int points = step.motion.control_points();
+  InclusionAnswer answer = inclusion_search(kind, x, points, step.separation, config_.time_tolerance, step.t_max);
+  if (answer.outcome == Outcome::undecided) {
+    ++counters.undecided;
+    if (config_.undecided == Undecided::exact && step.separation == 0) {
+      // The whole step, so that the answer does not depend on t_max.
+      const ExactAnswer exact = exact_first_touch({kind, points, x});
+      if (!exact.touches || exact.toi > step.t_max) return;
+      counters.degenerate += exact.degenerate ? 1 : 0;
+      answer.toi = exact.toi;
+      answer.side = exact.side;
+      answer.at_start = exact.reason == TouchCase::at_start;
+    }
+  }
+  if (answer.outcome == Outcome::apart) return;
+  contacts.push_back(contact_at(kind, vertices, x, points, answer.toi, answer.side, step.separation));
+  contacts.back().at_start = answer.at_start;
+}
+
+void Inclusion::test(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs,
+                     std::vector<Contact>& contacts, NarrowCounters& counters) const {
+  if (step.motion.control_points() != 2 || step.separation > 0) {
+    for (const FeaturePair& pair : pairs)
+      test_one(step, kind, test_vertices(step.features(), kind, pair), contacts, counters);
+    return;
+  }
+  CoplanarityBlock block;
+  CrossingBlock crossings;
+  for (std::size_t begin = 0; begin < pairs.size(); begin += CoplanarityBlock::kCapacity) {
+    block.gather(step, kind, pairs.subspan(begin, std::min(CoplanarityBlock::kCapacity, pairs.size() - begin)));
+    block.compute(true);
+    crossings.gather(block);
+    crossings.decide(config_.time_tolerance);
+    for (std::size_t i = 0; i < crossings.size(); ++i) {
+      if (crossings.apart(i)) continue;
+      const std::size_t source = crossings.source(i);
+      if (!crossings.touches(i))
+        test_one(step, kind, block.vertices(source), contacts, counters);
+      else if (crossings.toi(i) <= step.t_max)
+        contacts.push_back(contact_at(kind, block.vertices(source), block.coordinates(source), 2, crossings.toi(i),
+                                      crossings.side(i)));
+    }
+  }
+}
+
+StageDescriptor<NarrowPhase> describe_inclusion() {
+  return describe_stage<NarrowPhase, Inclusion>(
+      "inclusion", "certified: pieces of the step proven free of contact, none missed", Guarantee::conservative);
+}
+
+}  // namespace volccd

@@ -1,0 +1,59 @@
+// The certified elementary test: never misses a contact, and reports hardly one too many.
+#pragma once
+
+#include <volccd/narrowphase/narrow_phase.hpp>
+
+namespace volccd {
+
+enum class Undecided {
+  report,  ///< as a contact, and count it
+  exact    ///< decide in rational arithmetic
+};
+
+/// Guarantees, for the given doubles taken as exact:
+/// - No contact is missed: a test is dropped only if every moment of the step is proven free of contact.
+/// - Time: never late. Early by at most `time_tolerance` for contacts that are proven, which all are but the undecided.
+/// - Undecided tests, counted in NarrowCounters::undecided, stay open when rounding hides more than
+///   2^-44 of the step would show. They are reported (time: where the search stopped) or decided by `exact`. Such a
+///   pair comes closer than 2^-40 of its size (the greatest coordinate difference between its points at the control
+///   points), plus the separation, at the reported time. With `undecided=exact`, answers are exact: no contact too many.
+///   `exact` knows no separation: with one, undecided tests are reported.
+///
+/// Way: pieces of the step, from the left. A piece is free of contact if the Bernstein coefficients of the coplanarity
+/// polynomial have one sign, or if an axis separates the features' control points; the axes tried are the directions
+/// between the closest points at the likely time of contact, and the one that worked last. It begins with a contact for
+/// certain if the polynomial changes sign while the features overlap as seen along a fixed direction. Else it is split.
+/// Every sign is trusted beyond its rounding bound only (docs/numerics.md). Most tests end in a vector kernel before.
+///
+/// Two or three control points, any separation. Does not allocate but for the contacts (and in `exact`). See also Snyder
+/// et al. 1993 and Wang et al. 2021 for inclusion-based tests, Tang et al. 2010 and 2014 for Bernstein signs.
+class Inclusion final : public NarrowPhase {
+ public:
+  struct Config {
+    /// How early a contact may be reported, in steps.
+    double time_tolerance = 1e-9;
+    Undecided undecided = Undecided::report;
+  };
+  static const Options<Config>& options();
+
+  Inclusion() : Inclusion(Config{}) {}
+  explicit Inclusion(Config config) : config_(config) {}
+
+  int max_control_points() const override { return 3; }
+  bool handles_separation() const override { return true; }
+  double time_tolerance() const override { return config_.time_tolerance; }
+
+  /// A contact found with t_max = 1 is found with the same bits for every t_max >= its time, and not for a smaller one.
+  void test(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs, std::vector<Contact>& contacts,
+            NarrowCounters& counters) const override;
+
+ private:
+  void test_one(const Step& step, FeatureKind kind, const std::array<Index, 4>& vertices,
+                std::vector<Contact>& contacts, NarrowCounters& counters) const;
+
+  Config config_;
+};
+
+StageDescriptor<NarrowPhase> describe_inclusion();
+
+}  // namespace volccd

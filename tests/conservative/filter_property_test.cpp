@@ -1,0 +1,120 @@
+// No feature filter drops a test that touches, and the generator makes what it says.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <volccd/pipelines/registry.hpp>
+
+#include "conservative/one_test.hpp"
+#include "conservative/run_cases.hpp"
+
+namespace volccd::test {
+namespace {
+
+struct Named {
+  std::string name;
+  std::unique_ptr<FeatureFilter> filter;
+};
+
+std::vector<Named> all_filters() {
+  const Registry registry = Registry::standard();
+  std::vector<Named> filters;
+  const auto add = [&](const std::string& name, const OptionValues& options) {
+    std::string text = name;
+    for (const auto& [key, value] : options) text += " " + key + "=" + value;
+    filters.push_back({text, registry.stage<FeatureFilter>(name).make(options)});
+  };
+  for (const char* bounds : {"swept", "relative"})
+    for (const char* k : {"6", "14", "16", "18", "24", "26"}) add("feature-kdop", {{"k", k}, {"bounds", bounds}});
+  add("coplanarity", {});
+  for (const char* axes : {"first", "ends", "wide"}) add("feature-csat", {{"axes", axes}});
+  return filters;
+}
+
+class FilterProperty {
+ public:
+  explicit FilterProperty(Separation separation) : separation_(separation), filters_(all_filters()) {}
+
+  std::string operator()(Choices& choices) {
+    const double until = choices.below(64) / 64.0;
+    const int which = choices.below(4);
+    const Case c = near_degenerate_test(choices, separation_);
+    const double t_max = which == 2 && c.touch >= 0 ? c.touch : which == 3 ? until : 1;
+    test_.set(c, t_max);
+    std::string dropped;
+    for (const auto& [name, filter] : filters_) {
+      std::uint8_t keep[8] = {1, 1, 1, 1, 1, 1, 1, 1};
+      filter->filter(test_.step(), test_.block(), keep);
+      if (!keep[0]) dropped += name + ", ";
+    }
+    all_ += 1;
+    if (dropped.empty()) return "";
+    dropped_ += 1;
+    judged_ += !Coordinates(c).apart_along_an_axis();
+    if (!touches(c, t_max)) return "";
+    return "dropped by " + dropped + "t_max " + std::to_string(t_max) + "\n" + to_text(c);
+  }
+
+  double dropped_share() const { return dropped_ / all_; }
+  double judged_share() const { return judged_ / all_; }
+
+ private:
+  Separation separation_;
+  std::vector<Named> filters_;
+  OneTest test_;
+  double all_ = 0, dropped_ = 0, judged_ = 0;
+};
+
+TEST(NearDegenerate, TouchesAsItSays) {
+  run_seeds(1'000'000, 3000, [](Choices& choices) -> std::string {
+    const Case c = near_degenerate_test(choices);
+    if (c.touch < 0) return "";
+    const ExactAnswer answer = exact_first_touch(Coordinates(c).motion());
+    return answer.touches && answer.toi <= c.touch ? "" : to_text(c);
+  });
+  run_seeds(2'000'000, 3000, [](Choices& choices) -> std::string {
+    const Case c = near_degenerate_test(choices, Separation::some);
+    if (c.touch < 0 || compare_distance(Coordinates(c).motion(), c.touch, c.separation) <= 0) return "";
+    return to_text(c);
+  });
+}
+
+TEST(NearDegenerate, HasEveryCase) {
+  double at_start = 0, crossing = 0, grazing = 0, coplanar = 0, degenerate = 0, apart = 0;
+  for (std::uint64_t seed = 1; seed <= 3000; ++seed) {
+    Choices choices(seed);
+    const ExactAnswer answer = exact_first_touch(Coordinates(near_degenerate_test(choices)).motion());
+    at_start += answer.reason == TouchCase::at_start;
+    crossing += answer.reason == TouchCase::crossing;
+    grazing += answer.reason == TouchCase::grazing;
+    coplanar += answer.reason == TouchCase::coplanar;
+    apart += answer.reason == TouchCase::apart;
+    degenerate += answer.degenerate;
+  }
+  for (const double cases : {at_start, crossing, grazing, coplanar, apart, degenerate}) EXPECT_GT(cases, 60);
+}
+
+TEST(FilterProperty, TouchingTestsAreKept) {
+  FilterProperty property(Separation::none);
+  run_shrinking(20110, 4000, property);
+  run_seeds(1, 80'000, property);
+}
+TEST(FilterProperty, TestsWithinTheSeparationAreKept) {
+  FilterProperty property(Separation::some);
+  run_shrinking(20111, 4000, property);
+  run_seeds(1, 40'000, property);
+}
+TEST(LongFilterProperty, TouchingTestsAreKept) {
+  FilterProperty property(Separation::none);
+  run_seeds(10'000'000, 1'000'000, property);
+  EXPECT_GT(property.dropped_share(), 0.03);
+  EXPECT_GT(property.judged_share(), 0.01) << "nearly touching tests are missing";
+}
+TEST(LongFilterProperty, TestsWithinTheSeparationAreKept) {
+  FilterProperty property(Separation::some);
+  run_seeds(10'000'000, 800'000, property);
+  EXPECT_GT(property.dropped_share(), 0.03);
+}
+
+}  // namespace
+}  // namespace volccd::test

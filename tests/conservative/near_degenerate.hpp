@@ -1,0 +1,98 @@
+// VF and EE tests, and pairs of elements around them, that touch by construction or miss by a few units in the last
+// place.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <volccd/core/random.hpp>
+#include <volccd/narrowphase/exact_predicates.hpp>
+
+namespace volccd::test {
+
+/// What a generator asks for: from a seed, or from a list that rapidcheck makes and shrinks. 0 is the simplest answer
+/// to every question, and what follows the end of a list.
+class Choices {
+ public:
+  explicit Choices(std::uint64_t seed) : random_(seed) {}
+  explicit Choices(const std::vector<std::uint32_t>& list) : random_(0), list_(&list) {}
+
+  /// In [0, n).
+  int below(int n) { return static_cast<int>(next() % static_cast<std::uint32_t>(n)); }
+  bool one_in(int n) { return below(n) == n - 1; }
+  /// In [-range, range].
+  double lattice(int range) {
+    const int k = below(2 * range + 1);
+    return k % 2 ? (k + 1) / 2 : -k / 2;
+  }
+  template <std::size_t N>
+  double pick(const double (&values)[N]) {
+    return values[below(static_cast<int>(N))];
+  }
+
+ private:
+  std::uint32_t next() {
+    if (!list_) return static_cast<std::uint32_t>(random_.next() >> 32);
+    return at_ < list_->size() ? (*list_)[at_++] : 0;
+  }
+
+  Random random_;
+  const std::vector<std::uint32_t>* list_ = nullptr;
+  std::size_t at_ = 0;
+};
+
+using Curve = std::array<Vec3, 3>;
+
+/// Two sets of points. VF: point 0 of the first is the vertex, points 0..2 of the second the triangle; EE: points 0 and
+/// 1 of each. Points beyond belong to elements around the features.
+struct Case {
+  FeatureKind kind = FeatureKind::vf;
+  int control_points = 2;
+  std::array<std::vector<Curve>, 2> sets;
+  double separation = 0;
+  /// By then the features have come within the separation, in exact arithmetic. Negative: not known.
+  double touch = -1;
+
+  std::size_t own(std::size_t set) const { return kind == FeatureKind::ee ? 2 : set == 0 ? 1 : 3; }
+};
+
+enum class Separation { none, some };
+
+/// Sets of `first` and `second` points (at least those of the features).
+Case near_degenerate(Choices& choices, FeatureKind kind, int control_points, std::size_t first, std::size_t second,
+                     Separation separation = Separation::none);
+/// The features alone, of a kind and degree that are chosen as well.
+Case near_degenerate_test(Choices& choices, Separation separation = Separation::none);
+
+/// The features of a case, for exact predicates. Refers to nothing.
+class Coordinates {
+ public:
+  explicit Coordinates(const Case& c);
+  TestMotion motion() const;
+  /// Exactly: a coordinate axis keeps the features apart at every control point.
+  bool apart_along_an_axis() const;
+  /// Greatest difference of coordinates of two points at the same control point.
+  double size() const;
+  /// Distance of the features at t, in long doubles: times worth a closer look.
+  double distance(double t) const;
+
+ private:
+  FeatureKind kind_;
+  int control_points_;
+  std::array<std::array<double, 9>, 4> points_;
+};
+
+/// Whether the features come within the separation at one of many times in [0, t_max]: those at which doubles see them
+/// near are looked at exactly. `at`: which.
+bool seen_within_separation(const Case& c, double t_max, double* at);
+
+/// Whether the features come within the separation by t_max: known, or found out exactly (with a separation: as far as
+/// seen_within_separation() sees).
+bool touches(const Case& c, double t_max);
+
+/// Coordinates as hexadecimal literals, to be pasted into a test.
+std::string to_text(const Case& c);
+
+}  // namespace volccd::test

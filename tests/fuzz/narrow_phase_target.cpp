@@ -1,0 +1,181 @@
+// The bytes: kind and number of control points, t_max, then coordinates, each a byte that says how it is made and what
+// it is made of. Small integers, powers of two and copies of other coordinates make degenerate tests likely.
+#include <cmath>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <volccd/mesh/query_set.hpp>
+#include <volccd/narrowphase/exact_predicates.hpp>
+#include <volccd/pipelines/registry.hpp>
+
+#include "byte_reader.hpp"
+
+namespace volccd::fuzz {
+
+namespace {
+
+/// Undecided tests come closer than this, times their size.
+constexpr double kUndecidedDistance = 0x1p-40;
+
+/// Everything registered, made with its defaults; what can leave undecided tests to `exact`, that way as well.
+struct Contestants {
+  struct Narrow {
+    std::string name;
+    Guarantee guarantee;
+    bool exact;  ///< reports nothing but contacts
+    std::unique_ptr<NarrowPhase> stage;
+  };
+  struct Filter {
+    std::string name;
+    std::unique_ptr<FeatureFilter> stage;
+  };
+  std::vector<Narrow> narrow_phases;
+  std::vector<Filter> filters;
+
+  Contestants() {
+    const Registry registry = Registry::standard();
+    for (const auto& d : registry.stages<NarrowPhase>()) {
+      narrow_phases.push_back({d.name, d.guarantee, d.guarantee == Guarantee::exact, d.make({})});
+      for (const OptionInfo& option : d.options)
+        if (option.name == "undecided")
+          narrow_phases.push_back({d.name + ":undecided=exact", d.guarantee, true, d.make({{"undecided", "exact"}})});
+    }
+    for (const auto& d : registry.stages<FeatureFilter>())
+      if (d.guarantee != Guarantee::approximate) filters.push_back({d.name, d.make({})});
+  }
+};
+
+double coordinate(ByteReader& in, std::span<const double> before) {
+  const std::uint8_t how = in.byte();
+  /// Of an earlier point, mostly the same coordinate.
+  const auto copy = [&] {
+    if (before.size() < 3) return 0.0;
+    return how & 128 ? before[in.below(before.size())] : before[before.size() - 3 * (1 + in.below(before.size() / 3))];
+  };
+  double x = 0;
+  switch (how % 8) {
+    case 0: x = in.small(); break;
+    case 1: x = in.small() * 0x1p-4; break;
+    case 2: x = copy(); break;
+    case 3: x = std::nextafter(copy(), how & 8 ? 1e300 : -1e300); break;
+    case 4: x = std::ldexp(how & 8 ? -1.0 : 1.0, in.small()); break;
+    case 5: x = std::ldexp(static_cast<double>(in.small()), how & 8 ? -1074 : -537); break;
+    case 6: x = std::ldexp(static_cast<double>(in.small()), how & 8 ? 1016 : 500); break;
+    default: x = in.any_double(); break;
+  }
+  return std::isfinite(x) ? x : 1.0;
+}
+
+struct Test {
+  FeatureKind kind;
+  int control_points;
+  double t_max;
+  std::vector<double> coordinates;  ///< [control point][vertex][axis]
+
+  explicit Test(Bytes bytes) {
+    ByteReader in(bytes);
+    const std::uint8_t what = in.byte();
+    kind = what & 1 ? FeatureKind::ee : FeatureKind::vf;
+    control_points = what & 2 ? 3 : 2;
+    t_max = what & 4 ? in.byte() / 256.0 : 1.0;
+    while (coordinates.size() < static_cast<std::size_t>(12 * control_points))
+      coordinates.push_back(coordinate(in, coordinates));
+  }
+
+  std::vector<Vec3> points() const {
+    std::vector<Vec3> result;
+    for (std::size_t i = 0; i < coordinates.size(); i += 3)
+      result.emplace_back(coordinates[i], coordinates[i + 1], coordinates[i + 2]);
+    return result;
+  }
+
+  std::string text() const {
+    std::string result =
+        fmt::format("{}, {} control points, t_max {:a}:", kind == FeatureKind::vf ? "VF" : "EE", control_points, t_max);
+    for (const double x : coordinates) result += fmt::format(" {:a}", x);
+    return result;
+  }
+};
+
+TestMotion motion_of(const Test& test, const Step& step) {
+  TestMotion motion{test.kind, test.control_points, {}};
+  for (Index v = 0; v < 4; ++v) motion.points[v] = step.motion.at(v);
+  return motion;
+}
+
+/// The greatest coordinate difference between the points, at the control points.
+double size_of(const TestMotion& motion) {
+  double size = 0;
+  for (int i = 0; i < 3 * motion.control_points; ++i)
+    for (std::size_t p = 1; p < 4; ++p)
+      for (std::size_t q = 0; q < p; ++q) size = std::max(size, std::abs(motion.points[p][i] - motion.points[q][i]));
+  return size;
+}
+
+/// What a contact has to be, whoever reports it.
+std::string malformed(const Test& test, const std::vector<Contact>& contacts) {
+  if (contacts.size() > 1) return "reports one test twice";
+  for (const Contact& c : contacts) {
+    if (!(c.toi >= 0 && c.toi <= test.t_max)) return fmt::format("has time {}", c.toi);
+    if (!c.normal.allFinite() || !c.point.allFinite()) return "has a normal or point that is not finite";
+    for (const double w : c.weights)
+      if (!std::isfinite(w)) return "has a weight that is not finite";
+  }
+  return {};
+}
+
+/// Why a reported time is wrong, for a narrow phase that is not approximate; or nothing.
+std::string wrong_time(const Contestants::Narrow& narrow, const TestMotion& motion, const ExactAnswer& exact,
+                       double toi, bool undecided) {
+  if (exact.touches && toi > exact.toi) return fmt::format("is late: {:a}, not {:a}", toi, exact.toi);
+  if (undecided && !narrow.exact) {
+    const double near = kUndecidedDistance * size_of(motion);
+    if (std::isfinite(near) && compare_distance(motion, toi, near) > 0)
+      return fmt::format("leaves undecided what is far apart at {:a}", toi);
+    return {};
+  }
+  if (!exact.touches) return fmt::format("reports a contact at {:a}, there is none", toi);
+  // Undecided ones that `exact` has decided are as early as it says.
+  const double early = narrow.guarantee == Guarantee::exact ? 0 : narrow.stage->time_tolerance();
+  if (toi < exact.toi - early) return fmt::format("is early: {:a}, not {:a}", toi, exact.toi);
+  return {};
+}
+
+void check(const Test& test, const Step& step, const Contestants::Narrow& narrow, const ExactAnswer& exact,
+           std::span<const FeaturePair> pairs) {
+  std::vector<Contact> contacts;
+  NarrowCounters counters;
+  narrow.stage->test(step, test.kind, pairs, contacts, counters);
+  std::string problem = malformed(test, contacts);
+  if (problem.empty() && narrow.guarantee != Guarantee::approximate) {
+    if (contacts.empty())
+      problem = exact.touches ? fmt::format("misses a contact at {:a}", exact.toi) : "";
+    else
+      problem = wrong_time(narrow, motion_of(test, step), exact, contacts.front().toi, counters.undecided > 0);
+  }
+  if (!problem.empty()) promise_broken(fmt::format("{} {}\n{}", narrow.name, problem, test.text()));
+}
+
+}  // namespace
+
+void narrow_phase(Bytes bytes) {
+  static const Contestants contestants;
+  const Test test(bytes);
+  const QuerySet set(test.kind, test.control_points, test.points());
+  const Step step = set.step(test.t_max);
+  const ExactAnswer exact = exact_first_touch(motion_of(test, step), test.t_max);
+  for (const Contestants::Narrow& narrow : contestants.narrow_phases)
+    if (narrow.stage->max_control_points() >= test.control_points) check(test, step, narrow, exact, set.pairs());
+  FeatureBlock block;
+  block.gather(step, test.kind, set.pairs());
+  for (const Contestants::Filter& filter : contestants.filters) {
+    std::array<std::uint8_t, 8> keep;
+    keep.fill(1);
+    filter.stage->filter(step, block, keep);
+    if (exact.touches && keep[0] == 0)
+      promise_broken(fmt::format("filter {} drops a contact at {:a}\n{}", filter.name, exact.toi, test.text()));
+  }
+}
+
+}  // namespace volccd::fuzz
