@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include <volccd/narrowphase/detail/closest_points.hpp>
+#include <volccd/narrowphase/detail/hull_simplex.hpp>
 #include <volccd/narrowphase/detail/motion_piece.hpp>
 
 namespace volccd::detail {
@@ -100,7 +101,7 @@ class Search {
         continue;
       }
       if (const InclusionAnswer answer = contact(piece); answer.outcome == Outcome::touch) return answer;
-      if (separated(piece)) continue;
+      if (separated(piece, part.level)) continue;
       if (part.hi - part.lo <= kShortestPiece || test_.rigid()) return undecided(part.lo);
       split(piece, part);
     }
@@ -114,14 +115,28 @@ class Search {
     likely_ = test_.at(piece.lo() + root_ * (piece.hi() - piece.lo()));
   }
 
-  bool separated(const MotionPiece<kPoints>& piece) {
-    if (separated_at(likely_, piece)) return true;
-    return test_.separation() > 0 && (separated_at(test_.at(piece.lo()), piece) || separated_at(test_.at(piece.hi()), piece));
+  bool separated(const MotionPiece<kPoints>& piece, int level) {
+    if (separated_along(separating_axis(test_.kind(), likely_), piece)) return true;
+    // Features that stay near each other for long need the best axis there is.
+    return (test_.separation() > 0 || level >= kLevelsOfThree) && separated_by_search(piece);
   }
 
-  /// By the direction between the closest points.
-  bool separated_at(const Differences& d, const MotionPiece<kPoints>& piece) {
-    const Vec3 axis = separating_axis(test_.kind(), d);
+  /// Along the direction to the nearest point of the hull of all differences of the features' control points, which
+  /// separates if anything does (Gilbert, Johnson, Keerthi).
+  bool separated_by_search(const MotionPiece<kPoints>& piece) {
+    constexpr int kMostRounds = 8;
+    HullSimplex<double> simplex;
+    Vec3 axis = separating_axis(test_.kind(), likely_);
+    for (int round = 0; round < kMostRounds; ++round) {
+      const Vec3 next = piece.support(axis);
+      if (!simplex.add({next.x(), next.y(), next.z()}, {}) || simplex.size == 4) return false;
+      axis = {simplex.direction.x, simplex.direction.y, simplex.direction.z};
+      if (separated_along(axis, piece)) return true;
+    }
+    return false;
+  }
+
+  bool separated_along(const Vec3& axis, const MotionPiece<kPoints>& piece) {
     if (!piece.separated_along(axis)) return false;
     axis_ = axis;
     moved_apart_ = true;

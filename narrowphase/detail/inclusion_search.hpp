@@ -29,6 +29,6 @@ InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int cont
 inline constexpr double kShortestPiece = 0x1p-44;
 
 /// Pieces looked at in a test before the rest is given up as undecided.
-inline constexpr int kMostPieces = 20'000;
+inline constexpr int kMostPieces = 1000;
 
 }  // namespace volccd::detail

@@ -35,7 +35,7 @@ void BoundedTest<kPoints>::take(const TestPoints& x, double separation, double s
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t c = 0; c < kPoints; ++c)
       for (std::size_t k = 0; k < 3; ++k)
-        differences_[i][c][static_cast<int>(k)] = scale * x[i + 1][3 * c + k] - scale * x[0][3 * c + k];
+        differences_[i][c][static_cast<int>(k)] = scaled_difference(x[i + 1][3 * c + k], x[0][3 * c + k], scale);
   measure();
 }
 
@@ -242,6 +242,29 @@ bool MotionPiece<kPoints>::separated_along(const Vec3& axis) const {
   }
   const double rounding = gap_error_factor(kPoints - 1) * axis.cwiseAbs().dot(test_.extent()) + kGapUnderflow;
   return std::max(ahead, behind) > rounding + separation_gap(test_.separation(), axis.x(), axis.y(), axis.z());
+}
+
+template <int kPoints>
+Vec3 MotionPiece<kPoints>::support(const Vec3& axis) const {
+  Vec3 best = Vec3::Zero();
+  double least = kInfinity;
+  const auto offer = [&](const Vec3& difference) {
+    const double along = axis.dot(difference);
+    if (!(along < least)) return;
+    least = along;
+    best = difference;
+  };
+  for (std::size_t c = 0; c < kPoints; ++c) {
+    offer(e_[1][c]);
+    offer(e_[2][c]);
+    if (test_.kind() == FeatureKind::vf) {
+      offer(e_[0][c]);
+    } else {
+      offer(e_[1][c] - e_[0][c]);
+      offer(e_[2][c] - e_[0][c]);
+    }
+  }
+  return best;
 }
 
 template <int kPoints>

@@ -64,6 +64,9 @@ class MotionPiece {
   /// Computes the Bernstein coefficients of the coplanarity polynomial. True only if they prove that the features are
   /// further apart than the separation all through the piece. Call before what follows.
   bool never_coplanar();
+  /// Bernstein coefficients, each times binomial(degree, k), and bounds on their errors.
+  const std::array<double, kDegree + 1>& coefficients() const { return b_; }
+  double error(int k) const;
   /// Sign of the polynomial at the piece's start and end; 0 where rounding leaves it open.
   int sign_at_start() const;
   int sign_at_end() const;
@@ -78,6 +81,10 @@ class MotionPiece {
 
   /// True only if the projections onto `axis` (any vector) stay further apart than the separation all through the piece.
   bool separated_along(const Vec3& axis) const;
+
+  /// Of the differences of the second feature's control points to those of the first, at equal times, the least along
+  /// `axis`. Rounded.
+  Vec3 support(const Vec3& axis) const;
 
   /// True only if, seen along `direction`, the features overlap all through the piece (vertex inside the triangle, edges
   /// crossing): then each root of the polynomial in it is a contact.
@@ -94,7 +101,6 @@ class MotionPiece {
   double coefficient(int k) const;
   template <bool kBefore>
   bool one_sign(double s) const;
-  double error(int k) const;
   double value(double s) const;
   double slope(double s) const;
   double value_error() const;

@@ -9,7 +9,7 @@ CurvedPoints curved_points(const TestPoints& x, double scale) {
   for (int c = 0; c < 3; ++c)
     for (std::size_t i = 0; i < 3; ++i)
       for (int k = 0; k < 3; ++k) {
-        const double d = scale * x[i + 1][3 * c + k] - scale * x[0][3 * c + k];
+        const double d = scaled_difference(x[i + 1][3 * c + k], x[0][3 * c + k], scale);
         (*controls[c])[i][k] = d;
         points.size = std::max(points.size, std::abs(d));
       }

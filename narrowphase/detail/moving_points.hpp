@@ -32,13 +32,20 @@ struct MovingPoints {
   }
 };
 
+/// (a - b) times `scale`, a power of two, rounded: large coordinates are scaled down first, small differences of large
+/// coordinates up last, so that neither step overflows where the result does not.
+inline double scaled_difference(double a, double b, double scale) {
+  return scale > 1 ? scale * (a - b) : scale * a - scale * b;
+}
+
 /// Rounded differences of the coordinates times `scale`, a power of two that keeps them in range.
 inline MovingPoints moving_points(const TestPoints& x, double scale) {
   MovingPoints points;
   points.size = points.travel = 0;
   for (std::size_t i = 0; i < 3; ++i)
     for (int k = 0; k < 3; ++k) {
-      const double a = scale * x[i + 1][k] - scale * x[0][k], b = scale * x[i + 1][k + 3] - scale * x[0][k + 3];
+      const double a = scaled_difference(x[i + 1][k], x[0][k], scale),
+                   b = scaled_difference(x[i + 1][k + 3], x[0][k + 3], scale);
       points.start[i][k] = a;
       points.end[i][k] = b;
       points.size = std::max({points.size, std::abs(a), std::abs(b)});

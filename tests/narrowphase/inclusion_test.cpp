@@ -1,0 +1,177 @@
+// `inclusion` on cases whose answer is plain, and its rounding bounds against rationals. Published truth: truth_test.cpp.
+// Random near-degenerate tests: tests/conservative.
+#include <cmath>
+#include <random>
+
+#include <boost/multiprecision/gmp.hpp>
+#include <gtest/gtest.h>
+
+#include <volccd/narrowphase/detail/motion_piece.hpp>
+#include <volccd/narrowphase/inclusion.hpp>
+
+#include "query_set.hpp"
+
+namespace volccd::test {
+namespace {
+
+const std::array<Vec3, 3> kTriangle = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+
+/// A vertex on a Bezier curve, and kTriangle at rest.
+std::vector<Contact> against_triangle(const std::vector<Vec3>& curve, double separation = 0, double t_max = 1) {
+  std::vector<Vec3> points;
+  for (const Vec3& p : curve) points.insert(points.end(), {p, kTriangle[0], kTriangle[1], kTriangle[2]});
+  const volccd::QuerySet set(FeatureKind::vf, static_cast<int>(curve.size()), points);
+  std::vector<Contact> contacts;
+  NarrowCounters counters;
+  Inclusion().test(set.step(t_max, separation), FeatureKind::vf, set.pairs(), contacts, counters);
+  return contacts;
+}
+
+void expect_time(const std::vector<Contact>& contacts, double toi) {
+  ASSERT_EQ(contacts.size(), 1u);
+  EXPECT_LE(contacts[0].toi, toi);
+  EXPECT_GT(contacts[0].toi, toi - 1e-9);
+}
+
+TEST(Inclusion, StraightThroughATriangle) {
+  const auto contacts = against_triangle({{0.25, 0.25, 1}, {0.25, 0.25, -2}});
+  expect_time(contacts, 1.0 / 3);
+  EXPECT_LT((contacts[0].normal - Vec3(0, 0, 1)).norm(), 1e-9);
+  EXPECT_LT((contacts[0].point - Vec3(0.25, 0.25, 0)).norm(), 1e-8);
+  EXPECT_FALSE(contacts[0].at_start);
+  EXPECT_TRUE(against_triangle({{0.75, 0.75, 1}, {0.75, 0.75, -2}}).empty());
+}
+
+TEST(Inclusion, AccelerationTurnsBackAtTheTriangle) {
+  // z(t) = (1 - 2t)^2 + lift touches at t = 1/2 only for lift = 0; below, at (1 - sqrt(-lift)) / 2.
+  const auto curve = [](double lift) {
+    return std::vector<Vec3>{{0.25, 0.25, 1 + lift}, {0.25, 0.25, -1 + lift}, {0.25, 0.25, 1 + lift}};
+  };
+  EXPECT_TRUE(against_triangle(curve(1e-12)).empty());
+  expect_time(against_triangle(curve(-0.0625)), 0.375);
+  const auto grazing = against_triangle(curve(0));  // undecided: double roots look like near misses
+  ASSERT_EQ(grazing.size(), 1u);
+  EXPECT_LE(grazing[0].toi, 0.5);
+  EXPECT_GT(grazing[0].toi, 0.5 - 1e-6);
+}
+
+TEST(Inclusion, SeparationMovesTheContactForward) {
+  // Above the inside: distance z. Beside an edge and beyond a corner: distance to them.
+  expect_time(against_triangle({{0.25, 0.25, 2}, {0.25, 0.25, 0}}, 0.5), 0.75);
+  expect_time(against_triangle({{0.5, -3, 0}, {0.5, 1, 0}}, 0.5), 0.625);
+  expect_time(against_triangle({{-3, -4, 0}, {0, 0, 0}}, 0.5), 0.9);
+  EXPECT_TRUE(against_triangle({{0.25, 0.25, 2}, {0.25, 0.25, 0.5 + 1e-12}}, 0.5).empty());
+  const auto contacts = against_triangle({{-3, -4, 0}, {0, 0, 0}}, 0.5);
+  EXPECT_LT((contacts[0].normal - Vec3(-0.6, -0.8, 0)).norm(), 1e-6);
+  // On a curve: z = 2 (1 - t)^2 reaches 0.5 at 1/2.
+  expect_time(against_triangle({{0.25, 0.25, 2}, {0.25, 0.25, 0}, {0.25, 0.25, 0}}, 0.5), 0.5);
+}
+
+TEST(Inclusion, CloserThanTheSeparationAtTheStartIsFlagged) {
+  for (const double z : {0.0, 0.25, 0.4999}) {
+    const auto contacts = against_triangle({{0.25, 0.25, z}, {0.25, 0.25, 3}}, 0.5);
+    ASSERT_EQ(contacts.size(), 1u) << z;
+    EXPECT_EQ(contacts[0].toi, 0);
+    EXPECT_TRUE(contacts[0].at_start);
+  }
+  EXPECT_TRUE(against_triangle({{0.25, 0.25, 0}, {0.25, 0.25, 1}}).at(0).at_start);
+  EXPECT_FALSE(against_triangle({{0.25, 0.25, 0.75}, {0.25, 0.25, 0}}, 0.5).at(0).at_start);
+}
+
+/// A fall onto the triangle, a slide within its plane, and a double root: each of the ways to an answer.
+TEST(Inclusion, TheAnswerDependsNeitherOnTheBatchNorOnTheEnd) {
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> number(-1, 1);
+  for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee}) {
+    std::vector<Query> queries(1000);
+    for (std::size_t i = 0; i < queries.size(); ++i)
+      for (Vec3& p : queries[i]) {
+        p = {number(random), number(random), number(random)};
+        if (i % 3 == 0) p = (2 * p).array().round();
+      }
+    const QuerySet all(kind, queries);
+    const std::vector<Contact> contacts = all.test(Inclusion());
+    ASSERT_GT(contacts.size(), 100u);
+    for (const Contact& contact : contacts) {
+      const auto one = all.pairs().subspan(all.query_of(contact), 1);
+      const auto alone = [&](double t_max) {
+        std::vector<Contact> found;
+        NarrowCounters counters;
+        Inclusion().test(all.step(t_max), kind, one, found, counters);
+        return found;
+      };
+      ASSERT_EQ(alone(contact.toi), std::vector<Contact>{contact});
+      if (contact.toi > 0) {
+        ASSERT_TRUE(alone(std::nextafter(contact.toi, 0)).empty());
+      }
+    }
+  }
+}
+
+using Rational = boost::multiprecision::mpq_rational;
+
+/// det(p1 - p0, p2 - p0, p3 - p0) at t, exactly.
+template <int kPoints>
+Rational coplanarity(const std::array<std::array<Vec3, kPoints>, 4>& curves, const Rational& t) {
+  const Rational s = 1 - t;
+  std::array<std::array<Rational, 3>, 4> p;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (int k = 0; k < 3; ++k) {
+      const auto at = [&](std::size_t c) { return Rational(curves[i][c][k]); };
+      p[i][static_cast<std::size_t>(k)] =
+          kPoints == 2 ? Rational(s * at(0) + t * at(1)) : Rational(s * s * at(0) + 2 * s * t * at(1) + t * t * at(kPoints - 1));
+    }
+  std::array<std::array<Rational, 3>, 3> e;
+  for (std::size_t i = 0; i < 3; ++i)
+    for (std::size_t k = 0; k < 3; ++k) e[i][k] = p[i + 1][k] - p[0][k];
+  return e[0][0] * (e[1][1] * e[2][2] - e[1][2] * e[2][1]) - e[0][1] * (e[1][0] * e[2][2] - e[1][2] * e[2][0]) +
+         e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
+}
+
+/// The piece's polynomial, from its computed coefficients without further rounding, against the true one.
+template <int kPoints>
+void expect_bounds_hold(std::uint64_t seed, double* closest) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> number(-1, 1), part(0, 1);
+  std::array<std::array<Vec3, kPoints>, 4> curves;
+  const Vec3 offset = seed % 2 == 0 ? Vec3(Vec3::Zero()) : Vec3(1e3 * Vec3(number(random), number(random), number(random)));
+  for (auto& curve : curves)
+    for (Vec3& p : curve) p = offset + Vec3(number(random), number(random), std::ldexp(number(random), -int(seed % 7) * 4));
+  detail::TestPoints x;
+  for (std::size_t i = 0; i < 4; ++i) x[i] = curves[i][0].data();
+  double lo = part(random), hi = part(random);
+  if (lo > hi) std::swap(lo, hi);
+  if (seed % 3 == 0) hi = std::min(1.0, lo + std::ldexp(1.0, -int(seed % 40)));
+  const detail::BoundedTest<kPoints> test(FeatureKind::vf, x, 0);
+  detail::MotionPiece<kPoints> piece(test, lo, hi);
+  piece.never_coplanar();
+  constexpr int degree = detail::MotionPiece<kPoints>::kDegree;
+  Rational bound = 0;
+  for (int k = 0; k <= degree; ++k) bound = std::max<Rational>(bound, Rational(piece.error(k)));
+  for (int i = 0; i <= degree; ++i) {
+    const Rational s = Rational(i) / degree, r = 1 - s;
+    Rational value = 0, error = 0;
+    for (int k = 0; k <= degree; ++k) {
+      Rational weight = 1;
+      for (int j = 0; j < degree; ++j) weight *= j < k ? s : r;
+      value += Rational(piece.coefficients()[static_cast<std::size_t>(k)]) * weight;
+      error += Rational(piece.error(k)) * weight;
+    }
+    const Rational t = Rational(lo) + s * (Rational(hi) - Rational(lo));
+    const Rational off = abs(value - coplanarity<kPoints>(curves, t));
+    ASSERT_LE(off, error) << seed;
+    *closest = std::max(*closest, Rational(off / error).template convert_to<double>());
+  }
+}
+
+/// The bounds are not idle either: something comes within a tenth of them.
+TEST(InclusionBounds, HoldForTheCoplanarityPolynomialOfAnyPart) {
+  double closest2 = 0, closest3 = 0;
+  for (std::uint64_t seed = 0; seed < 3000; ++seed) expect_bounds_hold<2>(seed, &closest2);
+  for (std::uint64_t seed = 0; seed < 1000; ++seed) expect_bounds_hold<3>(seed, &closest3);
+  EXPECT_GT(closest2, 0.03);
+  EXPECT_GT(closest3, 0.01);
+}
+
+}  // namespace
+}  // namespace volccd::test
