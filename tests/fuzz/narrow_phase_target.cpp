@@ -116,8 +116,7 @@ std::string malformed(const Test& test, const std::vector<Contact>& contacts) {
 }
 
 /// Why a reported time is wrong, for a narrow phase that is not approximate; or nothing.
-std::string wrong_time(const Contestants::Narrow& narrow, const TestMotion& motion, const ExactAnswer& exact,
-                       double toi, bool undecided) {
+std::string wrong_time(const Contestants::Narrow& narrow, const ExactAnswer& exact, double toi, bool undecided) {
   if (exact.touches && toi > exact.toi) return fmt::format("is late: {:a}, not {:a}", toi, exact.toi);
   // Reported because it may be one; how near it is has its test in tests/conservative.
   if (undecided && !narrow.exact) return {};
@@ -138,7 +137,7 @@ void check(const Test& test, const Step& step, const Contestants::Narrow& narrow
     if (contacts.empty())
       problem = exact.touches ? fmt::format("misses a contact at {:a}", exact.toi) : "";
     else
-      problem = wrong_time(narrow, motion_of(test, step), exact, contacts.front().toi, counters.undecided > 0);
+      problem = wrong_time(narrow, exact, contacts.front().toi, counters.undecided > 0);
   }
   if (!problem.empty()) promise_broken(fmt::format("{} {}\n{}", narrow.name, problem, test.text()));
 }
