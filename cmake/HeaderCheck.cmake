@@ -13,5 +13,5 @@ foreach(module core mesh mesh/sequence broadphase culling narrowphase pipelines)
 endforeach()
 
 add_library(header_check OBJECT EXCLUDE_FROM_ALL ${stubs})
-target_compile_options(header_check PRIVATE -O0)
+target_compile_options(header_check PRIVATE -O0 -fsyntax-only)
 target_link_libraries(header_check PRIVATE volccd volccd_flags)

@@ -18,10 +18,16 @@ DoubleDouble dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] *
 CoplanarityCubic refined_coplanarity(const TestPoints& x, double scale) {
   std::array<Vector, 3> start, end;
   double e[3][3];
+  // As detail::scaled_difference.
+  const auto scaled_difference = [scale](double a, double b) {
+    if (scale <= 1) return exact_difference(scale * a, scale * b);
+    const DoubleDouble d = exact_difference(a, b);
+    return DoubleDouble{scale * d.high, scale * d.low};
+  };
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t k = 0; k < 3; ++k) {
-      start[i][k] = exact_difference(scale * x[i + 1][k], scale * x[0][k]);
-      end[i][k] = exact_difference(scale * x[i + 1][k + 3], scale * x[0][k + 3]);
+      start[i][k] = scaled_difference(x[i + 1][k], x[0][k]);
+      end[i][k] = scaled_difference(x[i + 1][k + 3], x[0][k + 3]);
       e[i][k] = std::max(std::abs(start[i][k].high), std::abs(end[i][k].high));
     }
   const Vector n0 = cross(start[1], start[2]), n2 = cross(end[1], end[2]);
