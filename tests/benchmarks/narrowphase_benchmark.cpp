@@ -1,10 +1,11 @@
-// Nanoseconds an elementary test: `cubic` on feature pairs of a deforming block of hexahedra.
+// Nanoseconds an elementary test, of each narrow phase on feature pairs of a deforming block of hexahedra.
 //   near      swept boxes overlap: what a feature filter leaves
 //   element   all feature pairs of element pairs whose swept boxes overlap: what NavCCD tests
 //   far       pairs drawn at random
-// The counter `contacts` and `degenerate` are shares of the tests.
+// The counters `contacts`, `degenerate` and `undecided` are shares of the tests.
 #include <algorithm>
 #include <memory>
+#include <type_traits>
 
 #include <benchmark/benchmark.h>
 
@@ -12,6 +13,8 @@
 #include <volccd/mesh/shapes.hpp>
 #include <volccd/narrowphase/cubic.hpp>
 #include <volccd/narrowphase/detail/coplanarity_block.hpp>
+#include <volccd/narrowphase/exact.hpp>
+#include <volccd/narrowphase/inclusion.hpp>
 
 namespace {
 
@@ -105,15 +108,17 @@ class Scene {
   ObjectFilter filter_;
 };
 
+template <class Narrow>
 void tests(benchmark::State& state, FeatureKind kind, Pairs wanted) {
-  const std::vector<FeaturePair> pairs = Scene::get().pairs(kind, wanted);
-  const Cubic cubic;
+  std::vector<FeaturePair> pairs = Scene::get().pairs(kind, wanted);
+  if (std::is_same_v<Narrow, Exact>) pairs.resize(pairs.size() / 64);  // a thousand times slower
+  const Narrow narrow{};
   std::vector<Contact> contacts;
   NarrowCounters counters;
   for (auto _ : state) {
     contacts.clear();
     counters = {};
-    cubic.test(Scene::get().step(), kind, pairs, contacts, counters);
+    narrow.test(Scene::get().step(), kind, pairs, contacts, counters);
     benchmark::DoNotOptimize(contacts.data());
   }
   const double n = static_cast<double>(pairs.size());
@@ -121,6 +126,7 @@ void tests(benchmark::State& state, FeatureKind kind, Pairs wanted) {
       benchmark::Counter(n, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
   state.counters["contacts"] = static_cast<double>(contacts.size()) / n;
   state.counters["degenerate"] = static_cast<double>(counters.degenerate) / n;
+  state.counters["undecided"] = static_cast<double>(counters.undecided) / n;
 }
 
 /// The vector pass alone.
@@ -146,12 +152,22 @@ void first_pass(benchmark::State& state, FeatureKind kind, Pairs wanted, bool ga
   state.counters["open"] = static_cast<double>(open) / n;
 }
 
-BENCHMARK_CAPTURE(tests, vf_near, FeatureKind::vf, Pairs::near);
-BENCHMARK_CAPTURE(tests, vf_element, FeatureKind::vf, Pairs::element);
-BENCHMARK_CAPTURE(tests, vf_far, FeatureKind::vf, Pairs::far);
-BENCHMARK_CAPTURE(tests, ee_near, FeatureKind::ee, Pairs::near);
-BENCHMARK_CAPTURE(tests, ee_element, FeatureKind::ee, Pairs::element);
-BENCHMARK_CAPTURE(tests, ee_far, FeatureKind::ee, Pairs::far);
+void cubic(benchmark::State& state, FeatureKind kind, Pairs wanted) { tests<Cubic>(state, kind, wanted); }
+void inclusion(benchmark::State& state, FeatureKind kind, Pairs wanted) { tests<Inclusion>(state, kind, wanted); }
+void exact(benchmark::State& state, FeatureKind kind, Pairs wanted) { tests<Exact>(state, kind, wanted); }
+
+BENCHMARK_CAPTURE(cubic, vf_near, FeatureKind::vf, Pairs::near);
+BENCHMARK_CAPTURE(inclusion, vf_near, FeatureKind::vf, Pairs::near);
+BENCHMARK_CAPTURE(exact, vf_near, FeatureKind::vf, Pairs::near);
+BENCHMARK_CAPTURE(cubic, vf_element, FeatureKind::vf, Pairs::element);
+BENCHMARK_CAPTURE(inclusion, vf_element, FeatureKind::vf, Pairs::element);
+BENCHMARK_CAPTURE(cubic, vf_far, FeatureKind::vf, Pairs::far);
+BENCHMARK_CAPTURE(cubic, ee_near, FeatureKind::ee, Pairs::near);
+BENCHMARK_CAPTURE(inclusion, ee_near, FeatureKind::ee, Pairs::near);
+BENCHMARK_CAPTURE(exact, ee_near, FeatureKind::ee, Pairs::near);
+BENCHMARK_CAPTURE(cubic, ee_element, FeatureKind::ee, Pairs::element);
+BENCHMARK_CAPTURE(inclusion, ee_element, FeatureKind::ee, Pairs::element);
+BENCHMARK_CAPTURE(cubic, ee_far, FeatureKind::ee, Pairs::far);
 BENCHMARK_CAPTURE(first_pass, vf_near_gather, FeatureKind::vf, Pairs::near, true);
 BENCHMARK_CAPTURE(first_pass, vf_near, FeatureKind::vf, Pairs::near, false);
 BENCHMARK_CAPTURE(first_pass, ee_near_gather, FeatureKind::ee, Pairs::near, true);
