@@ -178,10 +178,8 @@ class Search {
 
   /// The polynomial as it is may settle the outer parts but for a little, which goes with the inner one.
   void split_at_root(const MotionPiece<kPoints>& piece, const Part& part, double margin) {
-    const double width = part.hi - part.lo, before = std::max(0.0, root_ - margin), after = std::min(1.0, root_ + margin);
-    // The ends are the part's own: lo + (hi - lo) may round to less than hi, and what lies between belongs to nobody.
-    const double from = part.lo + before * width;
-    const double to = after < 1 ? std::min(part.hi, part.lo + after * width) : part.hi;
+    const double before = std::max(0.0, root_ - margin), after = std::min(1.0, root_ + margin);
+    const auto [from, to] = times_within(part.lo, part.hi, before, after);
     if (after < 1 && !piece.never_coplanar_after(after - kOverlap)) stack_.push({to, part.hi, part.level + 1});
     stack_.push({from, to, part.level + 1});
     if (before > 0 && !piece.never_coplanar_before(before + kOverlap)) stack_.push({part.lo, from, part.level + 1});

@@ -1,6 +1,9 @@
 // The search that the `inclusion` narrow phase makes for each test that its first pass leaves open.
 #pragma once
 
+#include <algorithm>
+#include <array>
+
 #include <volccd/narrowphase/detail/moving_points.hpp>
 
 namespace volccd::detail {
@@ -18,6 +21,13 @@ struct InclusionAnswer {
   /// The features are not proven apart at t = 0.
   bool at_start = false;
 };
+
+/// The times at the local parameters `before` < `after` of [lo, hi] (0: lo, 1: hi). At 0 and 1 exactly lo and hi: lo +
+/// (hi - lo) may round to less than hi, and what lies between would be nobody's.
+inline std::array<double, 2> times_within(double lo, double hi, double before, double after) {
+  const double width = hi - lo;
+  return {lo + before * width, after < 1 ? std::min(hi, lo + after * width) : hi};
+}
 
 /// Looks through [0,1] from left to right in pieces: each is proven free of contact, proven to begin with one, or split.
 /// Undecided is the first piece that stays open when it is shorter than kShortestPiece. The answer does not depend on

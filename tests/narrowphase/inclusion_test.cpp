@@ -6,6 +6,7 @@
 #include <boost/multiprecision/gmp.hpp>
 #include <gtest/gtest.h>
 
+#include <volccd/narrowphase/detail/inclusion_search.hpp>
 #include <volccd/narrowphase/detail/motion_piece.hpp>
 #include <volccd/narrowphase/inclusion.hpp>
 
@@ -76,6 +77,21 @@ TEST(Inclusion, CloserThanTheSeparationAtTheStartIsFlagged) {
   }
   EXPECT_TRUE(against_triangle({{0.25, 0.25, 0}, {0.25, 0.25, 1}}).at(0).at_start);
   EXPECT_FALSE(against_triangle({{0.25, 0.25, 0.75}, {0.25, 0.25, 0}}, 0.5).at(0).at_start);
+}
+
+TEST(Inclusion, PartsLeaveNoGapAtTheEnd) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> number(0, 1);
+  int rounded_down = 0;
+  for (int i = 0; i < 10000; ++i) {
+    double lo = number(random), hi = number(random);
+    if (lo > hi) std::swap(lo, hi);
+    rounded_down += lo + (hi - lo) < hi ? 1 : 0;
+    const auto [from, to] = detail::times_within(lo, hi, 0, 1);
+    ASSERT_EQ(from, lo);
+    ASSERT_EQ(to, hi);
+  }
+  EXPECT_GT(rounded_down, 0);  // else this shows nothing
 }
 
 /// A fall onto the triangle, a slide within its plane, and a double root: each of the ways to an answer.
