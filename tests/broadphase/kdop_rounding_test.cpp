@@ -94,6 +94,40 @@ TEST(VertexBounds, AreTheRoundedProjectionsLaneByLane) {
   }
 }
 
+/// Whole numbers whose sum along an axis of three terms is small: exact in 64 bits, while that of two of them in doubles is
+/// not.
+TEST(VertexBounds, EncloseSumsOfThreeTermsThatCancel) {
+  std::mt19937_64 random(3);
+  Shape shape = block(ElementType::tetrahedron, 1, 1, 1);
+  const auto whole = [&] { return static_cast<std::int64_t>(random() >> 11); };
+  while (shape.positions.size() < 2000) {
+    const std::int64_t x = whole(), y = whole(), z = (-(x + y) + static_cast<std::int64_t>(random() % 64)) / 2 * 2;
+    shape.positions.push_back(Vec3(double(x), double(y), double(z)));  // z is even, hence a double
+  }
+  const Scene scene = make_scene("whole numbers", shape, shape.positions);
+  SerialExecutor executor;
+  detail::BoundsTable table;
+  detail::bound_vertices(scene.step(), 14, executor, table);
+  constexpr auto axes = kdop_axes<14>();
+  int inexact = 0;
+  for (Index v = 0; v < scene.motion.vertex_count(); ++v)
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      const Vec3 p = scene.motion.point(v, 0);
+      std::int64_t exact = 0;
+      double sum = 0;
+      for (int k = 0; k < 3; ++k) {
+        const int factor = static_cast<int>(axes[i][static_cast<std::size_t>(k)]);
+        exact += factor * static_cast<std::int64_t>(p[k]);
+        sum += factor * p[k];
+      }
+      inexact += sum != static_cast<double>(exact) ? 1 : 0;
+      const double lo = table.row(v)[i], hi = table.row(v)[static_cast<std::size_t>(table.width()) + i];
+      ASSERT_LE(lo, static_cast<double>(exact)) << "vertex " << v << ", axis " << i;
+      ASSERT_GE(hi, static_cast<double>(exact)) << "vertex " << v << ", axis " << i;
+    }
+  EXPECT_GT(inexact, 100);  // else this shows nothing
+}
+
 TEST(VertexBounds, RoundLikeFloatBelowAndAbove) {
   const std::vector<double> values = awkward_doubles();
   Shape shape = block(ElementType::tetrahedron, 1, 1, 1);
