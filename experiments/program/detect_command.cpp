@@ -10,6 +10,7 @@
 #include <volccd/experiments/program/commands.hpp>
 #include <volccd/experiments/program/progress.hpp>
 #include <volccd/experiments/program/query_options.hpp>
+#include <volccd/experiments/program/scene_files.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/mesh/sequence/contacts_csv.hpp>
@@ -196,7 +197,10 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
       "  volccd detect run.vtkhdf --pipeline VolCCD --set csat.axis=optimal --set broad-phase=spatial-hash\n"
       "  volccd detect crash.vtkhdf --shells solid --pairs inter --first");
   command->callback([options, &registry, &action] {
-    action = [options, &registry] { return Detection(*options, registry).run(); };
+    action = [options, &registry] {
+      options->sequence.file = sequence_file(options->sequence.file);
+      return Detection(*options, registry).run();
+    };
   });
 }
 

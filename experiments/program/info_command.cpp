@@ -7,6 +7,7 @@
 #include <volccd/experiments/program/commands.hpp>
 #include <volccd/experiments/program/progress.hpp>
 #include <volccd/experiments/program/query_options.hpp>
+#include <volccd/experiments/program/scene_files.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
 
@@ -125,7 +126,12 @@ void add_info_command(CLI::App& app, Action& action) {
   const auto options = std::make_shared<SequenceOptions>();
   options->add_to(*command);
   command->footer("Example:\n  volccd info run.vtkhdf --steps 0:10");
-  command->callback([options, &action] { action = [options] { return info(*options); }; });
+  command->callback([options, &action] { 
+    action = [options] {
+      options->file = sequence_file(options->file);
+      return info(*options);
+    };
+   });
 }
 
 }  // namespace volccd

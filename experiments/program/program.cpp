@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <volccd/experiments/program/commands.hpp>
+#include <volccd/experiments/program/scene_files.hpp>
 #include <volccd/experiments/records/build_facts.hpp>
 
 namespace volccd {
@@ -53,6 +54,9 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return code == 0 ? kDone : kBadInput;
+  } catch (const Interrupted& error) {
+    fmt::print(stderr, "volccd: {}\n", error.what());
+    return kInterrupted;
   } catch (const Error& error) {
     fmt::print(stderr, "volccd: {}\n", error.what());
   } catch (const std::bad_alloc&) {

@@ -4,16 +4,19 @@
 
 #include <volccd/experiments/program/commands.hpp>
 #include <volccd/experiments/program/progress.hpp>
+#include <volccd/experiments/program/query_options.hpp>
 #include <volccd/experiments/tables/query_comparison.hpp>
+#include <volccd/mesh/sequence/query_file.hpp>
 
 namespace volccd {
 
 namespace {
 
 struct QueriesOptions {
-  std::string file;
+  SequenceOptions sequence;
   QuerySourceConfig source;
   QueryComparisonConfig comparison;
+  std::string judge;
   bool json = false, list = false;
 };
 
@@ -25,7 +28,6 @@ void print_queries(const char* what, const std::string& narrow_phase, const Know
 }
 
 void print_lists(const QueryRecord& record, const std::vector<KnownQueries>& groups) {
-  fmt::print("\n");
   for (std::size_t g = 0; g < record.groups.size(); ++g)
     for (const QueryScore& score : record.groups[g].scores) {
       print_queries("missed", score.narrow_phase, groups[g], score.missed);
@@ -33,26 +35,60 @@ void print_lists(const QueryRecord& record, const std::vector<KnownQueries>& gro
     }
 }
 
+/// The motions to look at: those asked for, of which a query file has one.
+StepRange motions_of(const QueriesOptions& options) {
+  const std::string& file = options.sequence.file;
+  if (!is_sequence_file(file)) {
+    if (!options.sequence.steps.empty()) throw ConfigError("--steps: is for sequences, not for a query file");
+    return {0, 1};
+  }
+  SequenceReader reader(file);
+  // The truth is that of the first motion.
+  const std::string steps = options.sequence.steps.empty() && !options.source.candidates ? "0" : options.sequence.steps;
+  return parse_steps(steps, reader.step_count() - 1, file);
+}
+
+/// One motion, or a query file. `advance` is told a percentage.
+template <class Advance>
+QueryRecord compare_on_motion(const QueriesOptions& options, const Registry& registry, int motion, Advance&& advance) {
+  QuerySourceConfig source = options.source;
+  source.motion = motion;
+  source.stepper = options.sequence.stepper();
+  std::vector<KnownQueries> groups = load_queries(options.sequence.file, source);
+  if (!options.judge.empty())
+    for (KnownQueries& queries : groups) queries = judged(registry, options.judge, std::move(queries));
+  QueryComparisonConfig config = options.comparison;
+  config.progress = [&](std::size_t done, std::size_t total) {
+    advance(100 * done / total);
+    return InterruptGuard::interrupted();
+  };
+  QueryRecord record = compare_on_queries(registry, groups, config);
+  if (options.list) print_lists(record, groups);
+  return record;
+}
+
 int run(const QueriesOptions& options, const Registry& registry) {
-  const std::vector<KnownQueries> groups = load_queries(options.file, options.source);
+  const StepRange range = motions_of(options);
   const InterruptGuard guard;
   QueryRecord record;
   {
-    std::unique_ptr<Progress> progress;
-    QueryComparisonConfig config = options.comparison;
-    config.progress = [&](std::size_t done, std::size_t total) {
-      if (!progress) progress = std::make_unique<Progress>("testing queries, run", total);
-      progress->advance(done);
-      return InterruptGuard::interrupted();
-    };
-    record = compare_on_queries(registry, groups, config);
+    Progress progress("testing queries, %", 100 * static_cast<std::size_t>(range.end - range.begin));
+    for (int k = range.begin; k < range.end && !InterruptGuard::interrupted(); ++k) {
+      QueryRecord one = compare_on_motion(options, registry, k, [&](std::size_t percent) {
+        progress.advance(100 * static_cast<std::size_t>(k - range.begin) + percent);
+      });
+      if (k > range.begin) {
+        std::move(one.groups.begin(), one.groups.end(), std::back_inserter(record.groups));
+      } else {
+        record = std::move(one);
+      }
+    }
   }
-  record.file = options.file;
+  record.file = options.sequence.file;
   if (options.json) {
     fmt::print("{}\n", record.to_json().dump(2));
   } else {
-    fmt::print("{}\n\n{}", options.file, query_table(record));
-    if (options.list) print_lists(record, groups);
+    fmt::print("{}\n\n{}", record.file, query_table(record));
   }
   if (InterruptGuard::interrupted()) return kInterrupted;
   const std::vector<std::string> broken = record.broken_promises();
@@ -65,9 +101,8 @@ int run(const QueriesOptions& options, const Registry& registry) {
 void add_queries_command(CLI::App& app, const Registry& registry, Action& action) {
   CLI::App* command = app.add_subcommand("queries", "narrow phases on elementary tests with known answers");
   const auto options = std::make_shared<QueriesOptions>();
-  command->add_option("FILE", options->file, "query file (HDF5), or a sequence: its ground truth")
-      ->required()
-      ->type_name("");
+  options->sequence.add_to(*command);
+  command->get_option("FILE")->description("query file (HDF5), or a sequence: its ground truth");
   command
       ->add_option("--narrowphase", options->comparison.narrow_phases,
                    "name[:option=value...]; several are compared; default: that of VolCCD+")
@@ -85,6 +120,9 @@ void add_queries_command(CLI::App& app, const Registry& registry, Action& action
       ->allow_extra_args(false);
   command->add_flag("--candidates", options->source.candidates,
                     "sequences: all pairs with overlapping swept boxes, not only those that the truth lists");
+  command
+      ->add_option("--judge", options->judge, "narrow phase whose answers count as the truth, in place of the file's")
+      ->type_name("NAME");
   command->add_option("--sample", options->source.sample, "at most N of each scene and kind; 0: all")
       ->type_name("N")
       ->capture_default_str();
@@ -99,7 +137,8 @@ void add_queries_command(CLI::App& app, const Registry& registry, Action& action
       "Examples:\n"
       "  volccd queries ccd-queries.h5\n"
       "  volccd queries ccd-queries.h5 --narrowphase cubic,cubic:tolerance=1e-6 --list\n"
-      "  volccd queries rod-twist.vtkhdf --candidates --filters feature-kdop,coplanarity --json");
+      "  volccd queries rod-twist.vtkhdf --candidates --filters feature-kdop,coplanarity --json\n"
+      "  volccd queries run.vtkhdf --candidates --sample 100000 --judge exact --rounds 0");
   command->callback(
       [options, &registry, &action] { action = [options, &registry] { return run(*options, registry); }; });
 }

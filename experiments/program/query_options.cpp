@@ -39,7 +39,7 @@ StepRange parse_steps(const std::string& text, int motions, const std::string& f
 }
 
 void SequenceOptions::add_to(CLI::App& command) {
-  command.add_option("FILE", file, "sequence (VTKHDF)")->required()->type_name("");
+  command.add_option("FILE", file, "sequence (VTKHDF), or the name of a scene")->required()->type_name("");
   command.add_option("--steps", steps, "motions k -> k+1 with A <= k < B; K alone: one motion")->type_name("A:B");
   command.add_option("--shells", shells, "triangles and quads as surfaces, or thickened by their thickness")
       ->check(CLI::IsMember({"surface", "solid"}))

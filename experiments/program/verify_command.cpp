@@ -6,6 +6,7 @@
 #include <volccd/experiments/program/commands.hpp>
 #include <volccd/experiments/program/progress.hpp>
 #include <volccd/experiments/program/query_options.hpp>
+#include <volccd/experiments/program/scene_files.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/experiments/verify/verify.hpp>
 
@@ -165,7 +166,10 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
       "  volccd verify run.vtkhdf\n"
       "  volccd verify run.vtkhdf --steps 0:2 --threads 2 --no-fcl");
   command->callback([options, &registry, &action] {
-    action = [options, &registry] { return verify(*options, registry); };
+    action = [options, &registry] {
+      options->sequence.file = sequence_file(options->sequence.file);
+      return verify(*options, registry);
+    };
   });
 }
 

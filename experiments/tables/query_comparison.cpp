@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <memory>
 #include <string_view>
 
@@ -149,7 +150,21 @@ class Contestant {
   std::vector<FeaturePair> left_;
 };
 
-/// What the contacts of the last run say of each query. Contacts are in the order of the pairs.
+/// The contact of each query, null where there is none, from the contestant's last run, which are in the order of the
+/// pairs.
+std::vector<const Contact*> contacts_by_query(const std::string& name, const KnownQueries& queries,
+                                              const std::vector<Contact>& contacts) {
+  std::vector<const Contact*> found(queries.size(), nullptr);
+  std::size_t next = 0;
+  for (std::size_t i = 0; i < queries.size() && next < contacts.size(); ++i)
+    if (contacts[next].vertices == test_vertices(queries.step.features(), queries.kind, queries.pairs[i]))
+      found[i] = &contacts[next++];
+  if (next != contacts.size())
+    throw Error(fmt::format("narrow phase {} reports contacts that were not asked for, or not in order", name));
+  return found;
+}
+
+/// What the contacts of the last run say of each query.
 QueryScore score(const std::string& name, const KnownQueries& queries, const Contestant& contestant) {
   QueryScore result;
   result.narrow_phase = name;
@@ -157,22 +172,15 @@ QueryScore score(const std::string& name, const KnownQueries& queries, const Con
   result.degenerate = contestant.counters.degenerate;
   result.undecided = contestant.counters.undecided;
   result.tests = contestant.tests;
-  std::size_t next = 0;
+  const std::vector<const Contact*> found = contacts_by_query(name, queries, contestant.contacts);
+  if (queries.collides.empty()) return result;
   for (std::size_t i = 0; i < queries.size(); ++i) {
-    const bool found =
-        next < contestant.contacts.size() &&
-        contestant.contacts[next].vertices == test_vertices(queries.step.features(), queries.kind, queries.pairs[i]);
-    const double toi = found ? contestant.contacts[next].toi : 0;
-    next += found ? 1 : 0;
-    if (queries.collides.empty()) continue;
-    if (queries.collides[i] && !found) result.missed.push_back(queries.index[i]);
-    if (!queries.collides[i] && found) result.extra.push_back(queries.index[i]);
-    if (!found || queries.toi.empty() || std::isnan(queries.toi[i])) continue;
-    result.earliest = std::min(result.earliest, toi - queries.toi[i]);
-    result.latest = std::max(result.latest, toi - queries.toi[i]);
+    if (queries.collides[i] && !found[i]) result.missed.push_back(queries.index[i]);
+    if (!queries.collides[i] && found[i]) result.extra.push_back(queries.index[i]);
+    if (!found[i] || queries.toi.empty() || std::isnan(queries.toi[i])) continue;
+    result.earliest = std::min(result.earliest, found[i]->toi - queries.toi[i]);
+    result.latest = std::max(result.latest, found[i]->toi - queries.toi[i]);
   }
-  if (next != contestant.contacts.size())
-    throw Error(fmt::format("narrow phase {} reports contacts that were not asked for, or not in order", name));
   return result;
 }
 
@@ -257,6 +265,21 @@ json QueryRecord::to_json() const {
           {"narrow_phases", contestants},
           {"groups", list},
           {"total", {group_json(total(FeatureKind::vf), false), group_json(total(FeatureKind::ee), false)}}};
+}
+
+KnownQueries judged(const Registry& registry, const std::string& judge, KnownQueries queries) {
+  const Filters none;
+  Contestant contestant(make_stage<NarrowPhase>(registry, parse_choice(judge)), none);
+  contestant.run(queries);
+  queries.collides.assign(queries.size(), 0);
+  queries.toi.assign(queries.size(), std::numeric_limits<double>::quiet_NaN());
+  const std::vector<const Contact*> found = contacts_by_query(judge, queries, contestant.contacts);
+  for (std::size_t i = 0; i < queries.size(); ++i) {
+    if (!found[i]) continue;
+    queries.collides[i] = 1;
+    queries.toi[i] = found[i]->toi;
+  }
+  return queries;
 }
 
 QueryRecord compare_on_queries(const Registry& registry, const std::vector<KnownQueries>& groups,

@@ -59,6 +59,10 @@ struct QueryComparisonConfig {
   std::function<bool(std::size_t done, std::size_t total)> progress;
 };
 
+/// The queries with the answers of narrow phase `judge` ("name[:option=value...]") as the truth, times included, in place
+/// of what was known. Throws ConfigError.
+KnownQueries judged(const Registry& registry, const std::string& judge, KnownQueries queries);
+
 /// In each group, each narrow phase is run once for its answers; then all in turn, `rounds` times, each run repeated
 /// for a millisecond at least. One thread. Throws ConfigError.
 QueryRecord compare_on_queries(const Registry& registry, const std::vector<KnownQueries>& groups,

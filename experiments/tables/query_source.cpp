@@ -35,11 +35,12 @@ std::vector<KnownQueries> from_query_file(const std::string& file) {
   return result;
 }
 
-/// Motion 0 of a sequence.
-struct FirstMotion {
-  explicit FirstMotion(const std::string& file) : reader(file), stepper(reader) {
+/// One motion of a sequence.
+struct MotionOfFile {
+  MotionOfFile(const std::string& file, const QuerySourceConfig& config)
+      : reader(file), stepper(reader, config.stepper) {
     if (stepper.motion_count() == 0) throw InputError(file, "VTKHDF/Steps", "has one step only: no motion to look at");
-    stepper.go_to(0);
+    stepper.go_to(config.motion);
   }
   Step step() const { return {stepper.topology(), stepper.motion(), filter}; }
 
@@ -119,7 +120,7 @@ class Candidates {
 };
 
 /// The features of a known answer; slots of the mesh.
-FeaturePair pair_of(const FirstMotion& motion, const KnownAnswer& answer, std::int64_t row) {
+FeaturePair pair_of(const MotionOfFile& motion, const KnownAnswer& answer, std::int64_t row) {
   const auto ids = motion.stepper.topology().mesh().vertex_ids();
   std::array<Index, 4> v;
   for (std::size_t i = 0; i < 4; ++i)
@@ -136,7 +137,7 @@ FeaturePair pair_of(const FirstMotion& motion, const KnownAnswer& answer, std::i
   return pair;
 }
 
-void take_listed(const FirstMotion& motion, const std::vector<KnownAnswer>& answers, KnownQueries& queries) {
+void take_listed(const MotionOfFile& motion, const std::vector<KnownAnswer>& answers, KnownQueries& queries) {
   for (const KnownAnswer& answer : answers) {
     if (answer.kind != queries.kind) continue;
     queries.pairs.push_back(pair_of(motion, answer, static_cast<std::int64_t>(queries.pairs.size())));
@@ -164,17 +165,19 @@ void spread(const std::vector<FeaturePair>& pairs, KnownQueries& queries, const 
   queries.toi = std::move(toi);
 }
 
-std::vector<KnownQueries> from_sequence(const std::string& file, bool candidates) {
-  const auto motion = std::make_shared<FirstMotion>(file);
-  const auto answers = read_ground_truth(motion->reader);
+std::vector<KnownQueries> from_sequence(const std::string& file, const QuerySourceConfig& config) {
+  const auto motion = std::make_shared<MotionOfFile>(file, config);
+  const auto answers = config.motion == 0 ? read_ground_truth(motion->reader) : std::nullopt;
+  const bool candidates = config.candidates;
   if (!answers && !candidates)
     throw InputError(file, "GroundTruth",
-                     "is missing: there are candidates only (--candidates), of which nothing is known");
+                     fmt::format("is missing for motion {}: there are candidates only (--candidates)", config.motion));
   std::optional<Candidates> found;
   if (candidates) found.emplace(motion->step());
+  const std::string scene = fmt::format("{}, motion {}", candidates ? "candidates" : "listed", config.motion);
   std::vector<KnownQueries> result;
   for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee}) {
-    KnownQueries queries{candidates ? "candidates" : "listed", kind, motion->step(), motion, {}, {}, {}, {}, {}};
+    KnownQueries queries{scene, kind, motion->step(), motion, {}, {}, {}, {}, {}};
     if (answers) take_listed(*motion, *answers, queries);
     if (candidates) {
       const std::vector<FeaturePair>& pairs = kind == FeatureKind::vf ? found->vf : found->ee;
@@ -220,7 +223,7 @@ void number_and_sample(KnownQueries& queries, std::size_t most) {
 std::vector<KnownQueries> load_queries(const std::string& file, const QuerySourceConfig& config) {
   const bool sequence = is_sequence_file(file);
   if (!sequence && config.candidates) throw ConfigError("--candidates: is for sequences, not for a query file");
-  std::vector<KnownQueries> result = sequence ? from_sequence(file, config.candidates) : from_query_file(file);
+  std::vector<KnownQueries> result = sequence ? from_sequence(file, config) : from_query_file(file);
   for (KnownQueries& queries : result) number_and_sample(queries, config.sample);
   return result;
 }

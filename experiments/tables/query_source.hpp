@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <volccd/mesh/sequence/stepper.hpp>
 #include <volccd/mesh/step.hpp>
 
 namespace volccd {
@@ -31,12 +32,15 @@ struct QuerySourceConfig {
   bool candidates = false;
   /// At most so many of each scene and kind, drawn alike on every run; 0: all.
   std::size_t sample = 0;
+  int motion = 0;                   ///< of a sequence
+  SequenceStepper::Config stepper;  ///< how it is read
 };
 
-/// Of a query file, or of motion 0 of a sequence: the pairs in its ground truth or, with `candidates`, all pairs
-/// without a common vertex whose closed swept boxes overlap; those that the truth does not list do not touch. Throws
-/// InputError; also for a sequence without ground truth unless candidates are wanted (then nothing is known of them),
-/// and for a pair in the truth that the mesh does not have.
+/// Of a query file, or of a motion of a sequence: the pairs in its ground truth or, with `candidates`, all pairs
+/// without a common vertex whose closed swept boxes overlap. The truth is that of motion 0: there, what it does not list
+/// does not touch; of candidates of another motion, or of a sequence without truth, nothing is known. Throws InputError;
+/// also for a sequence or a motion without truth unless candidates are wanted, and for a pair in the truth that the mesh
+/// does not have.
 std::vector<KnownQueries> load_queries(const std::string& file, const QuerySourceConfig& config);
 
 }  // namespace volccd

@@ -118,22 +118,33 @@ class Program(unittest.TestCase):
         return json.loads(self.good("queries", *arguments, "--json", "--rounds", "1"))
 
     def test_queries_on_candidates_find_what_detect_finds(self):
-        found = self.queries(self.sequence, "--candidates", "--narrowphase", "cubic,cubic:axis_test=false")
+        found = self.queries(self.sequence, "--steps", "0", "--candidates", "--narrowphase",
+                             "cubic,cubic:axis_test=false")
         self.assertEqual([n["name"] for n in found["narrow_phases"]], ["cubic", "cubic:axis_test=false"])
         expected = self.contacts("--steps", "0", "--set", "narrow-phase=cubic")[1:]
         for group in found["groups"]:
-            self.assertEqual(group["scene"], "candidates")
+            self.assertEqual(group["scene"], "candidates, motion 0")
             self.assertIsNone(group["colliding"])
             for score in group["scores"]:
                 self.assertEqual(score["contacts"], sum(row[1] == group["kind"] for row in expected))
                 self.assertGreater(score["nanoseconds"], 0)
-        filtered = self.queries(self.sequence, "--candidates", "--narrowphase", "cubic", "--filters",
+        filtered = self.queries(self.sequence, "--steps", "0", "--candidates", "--narrowphase", "cubic", "--filters",
                                 "feature-kdop,coplanarity", "--set", "cubic.axis_test=false")
         for group, fewer in zip(found["groups"], filtered["groups"]):
             self.assertEqual(fewer["scores"][0]["contacts"], group["scores"][0]["contacts"])
             self.assertLess(fewer["scores"][0]["tests"], group["queries"])
-        sample = self.queries(self.sequence, "--candidates", "--narrowphase", "cubic", "--sample", "10")
-        self.assertEqual([group["queries"] for group in sample["groups"]], [10, 10])
+        sample = self.queries(self.sequence, "--steps", "0:2", "--candidates", "--narrowphase", "cubic", "--sample", "10")
+        self.assertEqual([group["queries"] for group in sample["groups"]], [10, 10, 10, 10])
+
+    def test_queries_judged_by_a_narrow_phase(self):
+        judged = self.queries(self.sequence, "--steps", "1:3", "--candidates", "--sample", "2000", "--judge", "exact",
+                              "--narrowphase", "inclusion,exact")
+        self.assertGreater(sum(group["colliding"] for group in judged["groups"]), 0)
+        for group in judged["groups"]:
+            for score in group["scores"]:
+                self.assertEqual((score["missed"], score["extra"]), (0, score["undecided"]))
+                self.assertLessEqual(score["latest"], 0)
+        self.bad("queries", self.sequence, "--steps", "1", says="GroundTruth")
 
     def test_queries_with_known_answers(self):
         data = os.environ.get("VOLCCD_DATA", os.path.join(SOURCE, "..", "shared", "data"))

@@ -1,0 +1,189 @@
+#include <algorithm>
+#include <charconv>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <volccd/experiments/program/commands.hpp>
+#include <volccd/experiments/program/scene_files.hpp>
+#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/experiments/scenes/scene.hpp>
+#include <volccd/experiments/scenes/sequence_statistics.hpp>
+#include <volccd/experiments/scenes/sequences.hpp>
+
+namespace volccd {
+
+namespace {
+
+struct GenerateOptions {
+  std::string name, output, mesh, stats;
+  int mesh_step = 0;
+  bool quick = false;
+  unsigned threads = 0;
+  std::map<std::string, std::string> values;  ///< by option; empty: not given
+
+  /// Those that were given.
+  OptionValues given() const {
+    OptionValues result;
+    for (const auto& [option, value] : values)
+      if (!value.empty()) result[option] = value;
+    return result;
+  }
+};
+
+template <typename T>
+T option_number(const OptionValues& values, const std::string& option, T fallback) {
+  const auto found = values.find(option);
+  if (found == values.end()) return fallback;
+  const std::string& text = found->second;
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc() || end != text.data() + text.size() || !(value > T{}))
+    throw ConfigError(fmt::format("--{}: '{}' is not a positive number", option, text));
+  return value;
+}
+
+void refuse_other_options(const GenerateOptions& options, const OptionValues& values, std::initializer_list<const char*> known) {
+  for (const auto& [option, value] : values)
+    if (std::find(known.begin(), known.end(), option) == known.end())
+      throw ConfigError(fmt::format("scene {} has no option --{}", options.name, option));
+  if (!options.mesh.empty()) throw ConfigError(fmt::format("scene {} takes no mesh", options.name));
+}
+
+/// Statistics of the file; what the simulation recorded, where there is one.
+void write_stats(const GenerateOptions& options, const std::string& record_file) {
+  if (options.stats.empty()) return;
+  nlohmann::json record;
+  if (!record_file.empty()) {
+    std::ifstream in(record_file);
+    record = nlohmann::json::parse(in, nullptr, false);
+    if (record.is_discarded()) throw InputError(record_file, "", "is not there or no JSON: remove the cached scene");
+  }
+  SequenceReader reader(options.output);
+  const auto executor = make_executor(options.threads);
+  const InterruptGuard guard;
+  Progress progress("contacts and motion, step", static_cast<std::size_t>(reader.step_count() - 1));
+  const std::vector<MotionStatistics> motions = sequence_statistics(reader, *executor, [&](int done) {
+    progress.advance(static_cast<std::size_t>(done));
+    return !InterruptGuard::interrupted();
+  });
+  if (InterruptGuard::interrupted()) throw Interrupted("stopped before the statistics were complete");
+  const nlohmann::json stats = {{"scene", options.name},
+                                {"machine", machine_facts()},
+                                {"simulation", std::move(record)},
+                                {"motions", to_json(motions)}};
+  write_text_file(options.stats, stats.dump(1) + "\n");
+}
+
+void print_generated(const GenerateOptions& options) {
+  SequenceReader reader(options.output);
+  fmt::print("{}: {} frames, {} elements at first, {} at last, {} vertices, written to {}\n", options.name,
+             reader.step_count(), reader.cell_count(0), reader.cell_count(reader.step_count() - 1), reader.point_count(),
+             options.output);
+}
+
+int generate_simulated(const GenerateOptions& options, const SimulatedScene& scene) {
+  const OptionValues values = options.given();
+  refuse_other_options(options, values, {"elements", "steps", "seed"});
+  if (options.quick && values.contains("elements")) throw ConfigError("--quick and --elements exclude each other");
+  BakeSettings settings;
+  settings.elements = option_number(values, "elements", options.quick ? scene.quick_elements : 0);
+  settings.frames = option_number(values, "steps", 0);
+  settings.seed = option_number<std::uint64_t>(values, "seed", 1);
+  {
+    const auto executor = make_executor(options.threads);
+    BakeProgress progress(scene.name);
+    const std::optional<std::string> file = bake(scene, settings, *executor, progress.hooks());
+    if (!file) throw Interrupted(scene.name + ": stopped; the same command goes on from the last frame");
+    copy_file_whole(*file, options.output);
+  }
+  print_generated(options);
+  write_stats(options, bake_record_file(scene, settings));
+  return kDone;
+}
+
+int generate_external(const GenerateOptions& options, const ExternalScene& scene) {
+  refuse_other_options(options, options.given(), {});
+  if (options.quick) throw ConfigError(fmt::format("scene {} has one size", scene.name));
+  copy_file_whole(external_scene_file(scene), options.output);
+  print_generated(options);
+  write_stats(options, "");
+  return kDone;
+}
+
+int generate_computed(const GenerateOptions& options) {
+  if (options.quick) throw ConfigError(fmt::format("scene {} has no quick size: use --elements", options.name));
+  std::unique_ptr<Scene> scene;
+  if (options.mesh.empty()) {
+    scene = make_scene(options.name, options.given());
+  } else {
+    const Shape mesh = shape_from_file(sequence_file(options.mesh, options.threads), options.mesh_step);
+    scene = make_scene(options.name, options.given(), &mesh);
+  }
+  write_scene(*scene, options.output);
+  print_generated(options);
+  write_stats(options, "");
+  return kDone;
+}
+
+int generate_scene(const GenerateOptions& options) {
+  if (const SimulatedScene* scene = find_simulated_scene(options.name)) return generate_simulated(options, *scene);
+  std::string known;
+  for (const SimulatedScene& scene : simulated_scenes()) known += scene.name + ", ";
+  for (const ExternalScene& scene : external_scenes()) {
+    if (scene.name == options.name) return generate_external(options, scene);
+    known += scene.name + ", ";
+  }
+  for (const SceneDescriptor& scene : scenes()) {
+    if (scene.name == options.name) return generate_computed(options);
+    known += scene.name + ", ";
+  }
+  throw ConfigError(fmt::format("no scene is called \"{}\"; there are: {}", options.name, known.substr(0, known.size() - 2)));
+}
+
+/// Options of all scenes, each once.
+std::map<std::string, std::string> option_texts() {
+  std::map<std::string, std::string> texts;
+  for (const SceneDescriptor& scene : scenes())
+    for (const OptionInfo& option : scene.options) {
+      std::string& text = texts[option.name];
+      text += (text.empty() ? "" : "; ") + scene.name + ": " + option.description;
+    }
+  texts["elements"] += "; simulated scenes: about";
+  texts["steps"] += "; simulated scenes: frames";
+  texts["seed"] += "; simulated scenes: for what is random in them";
+  return texts;
+}
+
+}  // namespace
+
+void add_generate_command(CLI::App& scene, Action& action) {
+  CLI::App* command = scene.add_subcommand("generate", "compute a scene and write it as a sequence");
+  const auto options = std::make_shared<GenerateOptions>();
+  command->add_option("NAME", options->name, "see `volccd scene list`")->required()->type_name("");
+  command->add_option("-o,--output", options->output, "sequence to write (VTKHDF)")->required()->type_name("FILE");
+  command->add_option("--stats", options->stats, "write sizes, motion, contacts, edits and energy per frame as JSON")
+      ->type_name("FILE");
+  command->add_flag("--quick", options->quick, "the small size of a simulated scene");
+  command->add_option("--threads", options->threads, "0: as many as the machine has")->type_name("N")->capture_default_str();
+  command->add_option("--mesh", options->mesh, "mesh to work on: a sequence file, or the name of a scene")->type_name("FILE");
+  command->add_option("--mesh-step", options->mesh_step, "step of that file")->capture_default_str();
+  for (const auto& [name, text] : option_texts())
+    command->add_option("--" + name, options->values[name], text)->type_name("VALUE");
+  command->footer(
+      "Simulated scenes are kept in a cache, the folder VOLCCD_CACHE, $XDG_CACHE_HOME/volccd or ~/.cache/volccd: the second\n"
+      "time they are copied. Ctrl-C stops after the frame at hand; the same command goes on from there.\n"
+      "Examples:\n"
+      "  volccd scene generate octopi -o octopi.vtkhdf --stats octopi.json\n"
+      "  volccd scene generate crash --quick -o crash.vtkhdf\n"
+      "  volccd scene generate builtin -o run.vtkhdf\n"
+      "  volccd scene generate deform --mesh octopus.vtkhdf --motion twist,collide --copies 3 -o octopi.vtkhdf\n"
+      "  volccd scene generate deform --mesh octopus.vtkhdf --motion twist --amount 10 --steps 5 -o twist.vtkhdf");
+  command->callback([options, &action] { action = [options] { return generate_scene(*options); }; });
+}
+
+}  // namespace volccd

@@ -1,0 +1,36 @@
+// Names of scenes in place of files, on the command line.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <volccd/core/error.hpp>
+#include <volccd/experiments/program/progress.hpp>
+#include <volccd/experiments/scenes/simulated/bake.hpp>
+
+namespace volccd {
+
+/// The user stopped the work; what is finished is kept. Exit code 130.
+class Interrupted : public Error {
+ public:
+  using Error::Error;
+};
+
+/// Shows how far a bake is and how long it will take, and stops it at Ctrl-C, after the frame it is at.
+class BakeProgress {
+ public:
+  explicit BakeProgress(std::string scene) : scene_(std::move(scene)) {}
+
+  BakeHooks hooks();
+
+ private:
+  std::string scene_;
+  InterruptGuard guard_;
+  std::unique_ptr<Progress> progress_;
+  int first_ = 0;
+};
+
+/// resolve_scene() with progress. `threads`: for baking; 0: as many as the machine has. Throws Interrupted as well.
+std::string sequence_file(const std::string& name_or_file, unsigned threads = 0);
+
+}  // namespace volccd
