@@ -31,7 +31,8 @@ class NarrowPhase {
   /// By how much of the step the time of a contact may be too early.
   virtual double time_tolerance() const { return 0; }
 
-  /// Appends a Contact for each test that touches during [0, step.t_max], in the order of `pairs`. The answer to a pair
+  /// Appends a Contact for each test that touches during [0, step.t_max], in the order of `pairs`; perhaps also for one
+  /// that touches later than t_max by at most time_tolerance(), and whose time is reported as t_max or less. The answer to a pair
   /// depends on the coordinates of its vertices in the order of test_vertices() alone, not on the batch: contacts are
   /// the same bit for bit whatever pipeline asks. A pair that touches at t = 0 has toi 0. Concurrent calls allowed.
   virtual void test(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs,

@@ -56,7 +56,7 @@ QueryRecord compare_on_motion(const QueriesOptions& options, const Registry& reg
   source.stepper = options.sequence.stepper();
   std::vector<KnownQueries> groups = load_queries(options.sequence.file, source);
   if (!options.judge.empty())
-    for (KnownQueries& queries : groups) queries = judged(registry, options.judge, std::move(queries));
+    for (KnownQueries& queries : groups) judge(registry, options.judge, queries);
   QueryComparisonConfig config = options.comparison;
   config.progress = [&](std::size_t done, std::size_t total) {
     advance(100 * done / total);

@@ -267,19 +267,18 @@ json QueryRecord::to_json() const {
           {"total", {group_json(total(FeatureKind::vf), false), group_json(total(FeatureKind::ee), false)}}};
 }
 
-KnownQueries judged(const Registry& registry, const std::string& judge, KnownQueries queries) {
+void judge(const Registry& registry, const std::string& narrow_phase, KnownQueries& queries) {
   const Filters none;
-  Contestant contestant(make_stage<NarrowPhase>(registry, parse_choice(judge)), none);
+  Contestant contestant(make_stage<NarrowPhase>(registry, parse_choice(narrow_phase)), none);
   contestant.run(queries);
   queries.collides.assign(queries.size(), 0);
   queries.toi.assign(queries.size(), std::numeric_limits<double>::quiet_NaN());
-  const std::vector<const Contact*> found = contacts_by_query(judge, queries, contestant.contacts);
+  const std::vector<const Contact*> found = contacts_by_query(narrow_phase, queries, contestant.contacts);
   for (std::size_t i = 0; i < queries.size(); ++i) {
     if (!found[i]) continue;
     queries.collides[i] = 1;
     queries.toi[i] = found[i]->toi;
   }
-  return queries;
 }
 
 QueryRecord compare_on_queries(const Registry& registry, const std::vector<KnownQueries>& groups,

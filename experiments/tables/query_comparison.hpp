@@ -59,9 +59,9 @@ struct QueryComparisonConfig {
   std::function<bool(std::size_t done, std::size_t total)> progress;
 };
 
-/// The queries with the answers of narrow phase `judge` ("name[:option=value...]") as the truth, times included, in place
-/// of what was known. Throws ConfigError.
-KnownQueries judged(const Registry& registry, const std::string& judge, KnownQueries queries);
+/// Puts the answers of a narrow phase ("name[:option=value...]"), times included, in place of what is known of the
+/// queries. Throws ConfigError.
+void judge(const Registry& registry, const std::string& narrow_phase, KnownQueries& queries);
 
 /// In each group, each narrow phase is run once for its answers; then all in turn, `rounds` times, each run repeated
 /// for a millisecond at least. One thread. Throws ConfigError.
