@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t kRowGrain = 16;
 
-struct State final : StageState {
+struct BruteForceState final : StageState {
   TopologyWatch watch;
   detail::FilterKeys keys;
   detail::ElementList list;
@@ -41,10 +41,10 @@ const Options<BruteForce::Config>& BruteForce::options() {
   return options;
 }
 
-std::unique_ptr<StageState> BruteForce::make_state() const { return std::make_unique<State>(); }
+std::unique_ptr<StageState> BruteForce::make_state() const { return std::make_unique<BruteForceState>(); }
 
 void BruteForce::update(const Step& step, StageState& stage_state, Executor& executor) const {
-  State& state = static_cast<State&>(stage_state);
+  BruteForceState& state = static_cast<BruteForceState&>(stage_state);
   const bool news = state.watch.look(step.topology) != TopologyWatch::News::none || !state.intact;
   state.intact = false;
   if (news) state.list.assign_live(step.mesh());
@@ -54,7 +54,7 @@ void BruteForce::update(const Step& step, StageState& stage_state, Executor& exe
 }
 
 void BruteForce::query(const Step&, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
-  State& state = static_cast<State&>(stage_state);
+  BruteForceState& state = static_cast<BruteForceState&>(stage_state);
   const detail::PairRules rules(range, state.watch.adjacency(), state.keys);
   const std::size_t count = state.list.size();
   const Index* const slots = state.list.slots();

@@ -22,7 +22,7 @@ struct alignas(64) Worker {
   std::uint64_t node_tests = 0;
 };
 
-struct State final : StageState {
+struct KdopBvhState final : StageState {
   TopologyWatch watch;
   detail::FilterKeys keys;
   detail::BoundsTable vertices;
@@ -42,7 +42,7 @@ struct State final : StageState {
 };
 
 /// The deterministic front of node pairs that a query starts from, in state.tasks. Returns the number of node tests.
-std::uint64_t make_tasks(State& state, const detail::PairRules& rules) {
+std::uint64_t make_tasks(KdopBvhState& state, const detail::PairRules& rules) {
   state.tasks.clear();
   state.tasks.reserve(4 * kTasks);
   state.expanded.reserve(4 * kTasks);
@@ -80,10 +80,10 @@ const Options<KdopBvh::Config>& KdopBvh::options() {
   return options;
 }
 
-std::unique_ptr<StageState> KdopBvh::make_state() const { return std::make_unique<State>(); }
+std::unique_ptr<StageState> KdopBvh::make_state() const { return std::make_unique<KdopBvhState>(); }
 
 void KdopBvh::update(const Step& step, StageState& stage_state, Executor& executor) const {
-  State& state = static_cast<State&>(stage_state);
+  KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
   detail::bound_vertices(step, config_.k, executor, state.vertices);
   const TopologyWatch::News news = state.watch.look(step.topology);
   bool build = !state.intact || news == TopologyWatch::News::everything || config_.restructure == Restructure::always;
@@ -107,7 +107,7 @@ void KdopBvh::update(const Step& step, StageState& stage_state, Executor& execut
 }
 
 void KdopBvh::query(const Step&, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
-  State& state = static_cast<State&>(stage_state);
+  KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
   const detail::PairRules rules(range, state.watch.adjacency(), state.keys);
   state.counters.node_tests += make_tasks(state, rules);
   state.workers.resize(executor.workers());
@@ -124,7 +124,7 @@ void KdopBvh::query(const Step&, StageState& stage_state, PairRange range, Execu
   for (const Worker& worker : state.workers) state.counters.node_tests += worker.node_tests;
 }
 
-const KdopBvh::Counters& KdopBvh::counters(const StageState& state) { return static_cast<const State&>(state).counters; }
+const KdopBvh::Counters& KdopBvh::counters(const StageState& state) { return static_cast<const KdopBvhState&>(state).counters; }
 
 StageDescriptor<BroadPhase> describe_kdop_bvh() {
   return describe_stage<BroadPhase, KdopBvh>("kdop-bvh", "bounding volume hierarchy of swept k-DOPs, refitted each step",

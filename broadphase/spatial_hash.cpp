@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t kEntryGrain = 4096, kLargeGrain = 1024;
 
-struct State final : StageState {
+struct SpatialHashState final : StageState {
   TopologyWatch watch;
   detail::FilterKeys keys;
   detail::ElementList list;
@@ -48,7 +48,7 @@ std::uint64_t spread(std::uint64_t x) {
 
 /// Lists the live elements along a Morton curve through their first vertices: elements that share cells lie together in
 /// memory. Only speed depends on it, so that it is left as it is afterwards.
-void list_in_space(const Step& step, State& state) {
+void list_in_space(const Step& step, SpatialHashState& state) {
   state.list.assign_live(step.mesh());
   const std::size_t count = state.list.size();
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
@@ -90,10 +90,10 @@ const Options<SpatialHash::Config>& SpatialHash::options() {
   return options;
 }
 
-std::unique_ptr<StageState> SpatialHash::make_state() const { return std::make_unique<State>(); }
+std::unique_ptr<StageState> SpatialHash::make_state() const { return std::make_unique<SpatialHashState>(); }
 
 void SpatialHash::update(const Step& step, StageState& stage_state, Executor& executor) const {
-  State& state = static_cast<State&>(stage_state);
+  SpatialHashState& state = static_cast<SpatialHashState&>(stage_state);
   const TopologyWatch::News news = state.watch.look(step.topology);
   const bool fresh = !state.intact || news == TopologyWatch::News::everything;
   state.intact = false;
@@ -111,7 +111,7 @@ void SpatialHash::update(const Step& step, StageState& stage_state, Executor& ex
 
 void SpatialHash::query(const Step&, StageState& stage_state, PairRange range, Executor& executor,
                         PairSink sink) const {
-  State& state = static_cast<State&>(stage_state);
+  SpatialHashState& state = static_cast<SpatialHashState&>(stage_state);
   const detail::PairRules rules(range, state.watch.adjacency(), state.keys);
   state.writers.start(executor.workers(), sink);
   state.scratch.resize(executor.workers());

@@ -33,6 +33,7 @@ function(volccd_module name)
   foreach(source IN LISTS ARG_SOURCES)
     file(STRINGS "${source}" kernels REGEX "foreach_target" LIMIT_COUNT 1)
     if(kernels)
+      set_property(SOURCE "${source}" PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)  # it includes itself, once a target
       set_property(SOURCE "${source}" APPEND PROPERTY COMPILE_OPTIONS
                    -fno-sanitize=$<IF:$<CXX_COMPILER_ID:Clang>,all,undefined>)
     endif()

@@ -11,8 +11,8 @@ namespace volccd {
 
 namespace {
 
-struct State final : StageState {
-  explicit State(OSetKind kind) : orphans(kind) {}
+struct AllPairsState final : StageState {
+  explicit AllPairsState(OSetKind kind) : orphans(kind) {}
   std::size_t bytes() const override { return watch.bytes() + orphans.bytes(); }
 
   TopologyWatch watch;
@@ -76,16 +76,16 @@ const Options<AllPairs::Config>& AllPairs::options() {
   return options;
 }
 
-std::unique_ptr<StageState> AllPairs::make_state() const { return std::make_unique<State>(config_.oset); }
+std::unique_ptr<StageState> AllPairs::make_state() const { return std::make_unique<AllPairsState>(config_.oset); }
 
 void AllPairs::update(const Step& step, StageState& state) const {
-  State& mine = static_cast<State&>(state);
+  AllPairsState& mine = static_cast<AllPairsState&>(state);
   mine.watch.look(step.topology);
   mine.orphans.update(step.topology);
 }
 
 void AllPairs::tests(const Step& step, const StageState& state, const PairBatch& batch, TestBatch& out) const {
-  const AdjacencyTest& adjacency = static_cast<const State&>(state).watch.adjacency();
+  const AdjacencyTest& adjacency = static_cast<const AllPairsState&>(state).watch.adjacency();
   for (std::size_t i = 0; i < batch.size(); ++i) {
     const ElementPair pair = batch.pairs[i];
     if (adjacency.adjacent(pair.a, pair.b))
@@ -96,11 +96,11 @@ void AllPairs::tests(const Step& step, const StageState& state, const PairBatch&
 }
 
 std::size_t AllPairs::orphan_blocks(const StageState& state) const {
-  return static_cast<const State&>(state).orphans.blocks();
+  return static_cast<const AllPairsState&>(state).orphans.blocks();
 }
 
 void AllPairs::orphans(const Step&, const StageState& state, std::size_t block, TestBatch& out) const {
-  static_cast<const State&>(state).orphans.append(block, out);
+  static_cast<const AllPairsState&>(state).orphans.append(block, out);
 }
 
 StageDescriptor<FeatureCulling> describe_all_pairs() {

@@ -8,8 +8,8 @@ namespace volccd {
 
 namespace {
 
-struct State final : StageState {
-  explicit State(OSetKind kind) : orphans(kind) {}
+struct DynamicAssignmentState final : StageState {
+  explicit DynamicAssignmentState(OSetKind kind) : orphans(kind) {}
   std::size_t bytes() const override { return table.bytes() + orphans.bytes(); }
 
   detail::AssignmentTable table;
@@ -89,16 +89,16 @@ std::string DynamicAssignment::unsound() const {
          "oset=minimal or oset=literal";
 }
 
-std::unique_ptr<StageState> DynamicAssignment::make_state() const { return std::make_unique<State>(config_.oset); }
+std::unique_ptr<StageState> DynamicAssignment::make_state() const { return std::make_unique<DynamicAssignmentState>(config_.oset); }
 
 void DynamicAssignment::update(const Step& step, StageState& state) const {
-  State& mine = static_cast<State&>(state);
+  DynamicAssignmentState& mine = static_cast<DynamicAssignmentState&>(state);
   mine.table.update(step.topology);
   mine.orphans.update(step.topology);
 }
 
 void DynamicAssignment::tests(const Step& step, const StageState& state, const PairBatch& batch, TestBatch& out) const {
-  const detail::AssignmentTable& table = static_cast<const State&>(state).table;
+  const detail::AssignmentTable& table = static_cast<const DynamicAssignmentState&>(state).table;
   const Owner owner(step.features(), table);
   for (std::size_t i = 0; i < batch.size(); ++i) {
     const ElementPair pair = batch.pairs[i];
@@ -110,11 +110,11 @@ void DynamicAssignment::tests(const Step& step, const StageState& state, const P
 }
 
 std::size_t DynamicAssignment::orphan_blocks(const StageState& state) const {
-  return static_cast<const State&>(state).orphans.blocks();
+  return static_cast<const DynamicAssignmentState&>(state).orphans.blocks();
 }
 
 void DynamicAssignment::orphans(const Step&, const StageState& state, std::size_t block, TestBatch& out) const {
-  static_cast<const State&>(state).orphans.append(block, out);
+  static_cast<const DynamicAssignmentState&>(state).orphans.append(block, out);
 }
 
 StageDescriptor<FeatureCulling> describe_dynamic_assignment() {

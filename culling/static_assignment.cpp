@@ -9,7 +9,7 @@ namespace volccd {
 
 namespace {
 
-struct State final : StageState {
+struct StaticAssignmentState final : StageState {
   std::size_t bytes() const override { return table.bytes(); }
 
   detail::AssignmentTable table;
@@ -58,14 +58,14 @@ std::string StaticAssignment::unsound() const {
          "dynamic-assignment, or oset=none";
 }
 
-std::unique_ptr<StageState> StaticAssignment::make_state() const { return std::make_unique<State>(); }
+std::unique_ptr<StageState> StaticAssignment::make_state() const { return std::make_unique<StaticAssignmentState>(); }
 
 void StaticAssignment::update(const Step& step, StageState& state) const {
-  static_cast<State&>(state).table.update(step.topology);
+  static_cast<StaticAssignmentState&>(state).table.update(step.topology);
 }
 
 void StaticAssignment::tests(const Step& step, const StageState& state, const PairBatch& batch, TestBatch& out) const {
-  const detail::AssignmentTable& table = static_cast<const State&>(state).table;
+  const detail::AssignmentTable& table = static_cast<const StaticAssignmentState&>(state).table;
   for (std::size_t i = 0; i < batch.size(); ++i) {
     const ElementPair pair = batch.pairs[i];
     vertex_tests(step, table, pair.a, pair.b, batch.masks[i].vertices_a, out);

@@ -9,34 +9,36 @@ namespace {
 
 using namespace detail;
 using Rational = boost::multiprecision::mpq_rational;
-using Point = Vector3<Integer>;
+using IntegerPoint = Vector3<Integer>;
 
 Rational ratio(const Integer& a, const Integer& b) { return Rational(a, b); }
 
-Rational point_edge(const Point& p, const Point& a, const Point& b) {
-  const Point edge = b - a, q = p - a;
+Rational point_edge(const IntegerPoint& p, const IntegerPoint& a, const IntegerPoint& b) {
+  const IntegerPoint edge = b - a, q = p - a;
   const Integer along = dot(edge, q), length = dot(edge, edge);
   if (along <= 0) return Rational(dot(q, q));
-  if (along >= length) return Rational(dot(Point(p - b), Point(p - b)));
-  const Point area = cross(edge, q);
+  if (along >= length) return Rational(dot(IntegerPoint(p - b), IntegerPoint(p - b)));
+  const IntegerPoint area = cross(edge, q);
   return ratio(dot(area, area), length);
 }
 
-Rational vertex_triangle(const std::array<Point, 4>& x) {
+Rational vertex_triangle(const std::array<IntegerPoint, 4>& x) {
   Rational least = std::min({point_edge(x[0], x[1], x[2]), point_edge(x[0], x[2], x[3]), point_edge(x[0], x[3], x[1])});
-  const Point normal = cross(x[2] - x[1], x[3] - x[1]);
+  const IntegerPoint normal = cross(x[2] - x[1], x[3] - x[1]);
   const Integer square = dot(normal, normal);
   if (square == 0) return least;
-  const auto inside = [&](const Point& a, const Point& b) { return dot(normal, cross(b - a, x[0] - a)) >= 0; };
+  const auto inside = [&](const IntegerPoint& a, const IntegerPoint& b) {
+    return dot(normal, cross(b - a, x[0] - a)) >= 0;
+  };
   if (!inside(x[1], x[2]) || !inside(x[2], x[3]) || !inside(x[3], x[1])) return least;
   const Integer height = dot(normal, x[0] - x[1]);
   return std::min(least, ratio(height * height, square));
 }
 
-Rational edge_edge(const std::array<Point, 4>& x) {
+Rational edge_edge(const std::array<IntegerPoint, 4>& x) {
   Rational least = std::min({point_edge(x[0], x[2], x[3]), point_edge(x[1], x[2], x[3]), point_edge(x[2], x[0], x[1]),
                              point_edge(x[3], x[0], x[1])});
-  const Point u = x[1] - x[0], v = x[3] - x[2], r = x[2] - x[0], normal = cross(u, v);
+  const IntegerPoint u = x[1] - x[0], v = x[3] - x[2], r = x[2] - x[0], normal = cross(u, v);
   const Integer square = dot(normal, normal);
   if (square == 0) return least;
   const Integer s = dot(normal, cross(r, v)), w = dot(normal, cross(r, u));
@@ -109,7 +111,7 @@ int compare_distance(const TestMotion& motion, double t, double d) {
   // Numerators of positions over 2^(degree bits), by de Casteljau's scheme; those of d likewise.
   const Dyadic time = dyadic(t);
   const Integer rest = (Integer(1) << time.bits) - time.numerator;
-  std::array<Point, 4> points;
+  std::array<IntegerPoint, 4> points;
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t k = 0; k < 3; ++k) {
       const auto control = [&](std::size_t c) -> Integer& { return x[i * stride + 3 * c + k]; };

@@ -31,16 +31,16 @@ Integers wide(const Range& values) {
   return {values.begin(), values.end()};
 }
 
-/// The face arrays of VTKHDF 2.5.
-struct PolyhedronOutput {
-  GrowingDataset face_connectivity, face_offsets, to_faces, offsets;
-  Integers faces, face_connectivity_ids, to_face_ids;           ///< per topology
-  Integers face_first, face_connectivity_first, to_face_first;  ///< per step
-};
-
 }  // namespace
 
 struct SequenceWriter::Impl {
+  /// The face arrays of VTKHDF 2.5.
+  struct Polyhedra {
+    GrowingDataset face_connectivity, face_offsets, to_faces, offsets;
+    Integers faces, face_connectivity_ids, to_face_ids;           ///< per topology
+    Integers face_first, face_connectivity_first, to_face_first;  ///< per step
+  };
+
   Impl(const std::string& file, std::span<const std::int64_t> ids, SequenceMetadata given)
       : atomic(file), output(atomic.temporary(), file), metadata(std::move(given)), point_ids(wide(ids)) {}
 
@@ -63,7 +63,7 @@ struct SequenceWriter::Impl {
   bool usable = true;
 
   std::optional<GrowingDataset> positions, velocity, connectivity, offsets, types, parts, cell_ids, thickness;
-  std::optional<PolyhedronOutput> polyhedra;
+  std::optional<Polyhedra> polyhedra;
   SequenceCells last;
   std::vector<double> times, numbers;
   Integers cell_counts, connectivity_counts;                                                        ///< per topology
@@ -172,7 +172,7 @@ void SequenceWriter::Impl::append_topology(const SequenceCells& cells) {
 }
 
 void SequenceWriter::Impl::make_polyhedra() {
-  PolyhedronOutput& p = polyhedra.emplace();
+  Polyhedra& p = polyhedra.emplace();
   p.face_connectivity = output.growing("VTKHDF/FaceConnectivity", StoredType::int64, 1, 16384);
   p.face_offsets = output.growing("VTKHDF/FaceOffsets", StoredType::int64, 1, 16384);
   p.to_faces = output.growing("VTKHDF/PolyhedronToFaces", StoredType::int64, 1, 16384);

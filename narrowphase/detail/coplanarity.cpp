@@ -1,17 +1,14 @@
 #include <volccd/narrowphase/detail/coplanarity.hpp>
 
 #include <volccd/narrowphase/detail/double_double.hpp>
+#include <volccd/narrowphase/detail/vector3.hpp>
 
 namespace volccd::detail {
 namespace {
 
-using Vector = std::array<DoubleDouble, 3>;
+using Vector = Vector3<DoubleDouble>;
 
-Vector cross(const Vector& a, const Vector& b) {
-  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
-}
 Vector sum(const Vector& a, const Vector& b) { return {a[0] + b[0], a[1] + b[1], a[2] + b[2]}; }
-DoubleDouble dot(const Vector& a, const Vector& b) { return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]; }
 
 }  // namespace
 

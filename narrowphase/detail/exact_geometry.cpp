@@ -1,28 +1,13 @@
 #include <volccd/narrowphase/detail/exact_geometry.hpp>
 
 #include <algorithm>
-#include <bit>
 #include <cassert>
-#include <cmath>
-#include <cstdint>
 #include <limits>
+
+#include <volccd/narrowphase/detail/odd_parts.hpp>
 
 namespace volccd::detail {
 namespace {
-
-/// x = mantissa * 2^exponent, mantissa odd. Pre: x is finite and not zero.
-struct Parts {
-  long long mantissa;
-  int exponent;
-};
-
-Parts parts(double x) {
-  assert(std::isfinite(x) && x != 0);
-  int exponent;
-  const auto mantissa = static_cast<long long>(std::ldexp(std::frexp(x, &exponent), 53));
-  const int zeros = std::countr_zero(static_cast<std::uint64_t>(mantissa));
-  return {mantissa / (1LL << zeros), exponent - 53 + zeros};
-}
 
 bool is_zero(const Curve& v) {
   return std::all_of(v.begin(), v.end(), [](const Polynomial& p) { return p.is_zero(); });
@@ -85,11 +70,11 @@ void CommonIntegers::add(std::span<const double> x) { values_.insert(values_.end
 std::vector<Integer> CommonIntegers::integers() const {
   int least = std::numeric_limits<int>::max();
   for (const double x : values_)
-    if (x != 0) least = std::min(least, parts(x).exponent);
+    if (x != 0) least = std::min(least, odd_parts(x).exponent);
   std::vector<Integer> result(values_.size());
   for (std::size_t i = 0; i < values_.size(); ++i) {
     if (values_[i] == 0) continue;
-    const Parts p = parts(values_[i]);
+    const OddParts p = odd_parts(values_[i]);
     result[i] = p.mantissa;
     result[i] <<= p.exponent - least;
   }

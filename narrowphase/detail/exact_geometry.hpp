@@ -6,6 +6,7 @@
 #include <span>
 
 #include <volccd/narrowphase/detail/algebraic_time.hpp>
+#include <volccd/narrowphase/detail/vector3.hpp>
 #include <volccd/narrowphase/exact_predicates.hpp>
 
 namespace volccd::detail {
@@ -21,31 +22,6 @@ class CommonIntegers {
  private:
   std::vector<double> values_;
 };
-
-template <class T>
-using Vector3 = std::array<T, 3>;
-
-template <class T>
-Vector3<T> operator-(const Vector3<T>& a, const Vector3<T>& b) {
-  return {T(a[0] - b[0]), T(a[1] - b[1]), T(a[2] - b[2])};
-}
-
-template <class T>
-T dot(const Vector3<T>& a, const Vector3<T>& b) {
-  return T(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
-}
-
-/// Component k of a x b.
-template <class T>
-T cross(const Vector3<T>& a, const Vector3<T>& b, std::size_t k) {
-  const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;
-  return T(a[i] * b[j] - a[j] * b[i]);
-}
-
-template <class T>
-Vector3<T> cross(const Vector3<T>& a, const Vector3<T>& b) {
-  return {cross(a, b, 0), cross(a, b, 1), cross(a, b, 2)};
-}
 
 /// A point's curve.
 using Curve = Vector3<Polynomial>;

@@ -37,9 +37,9 @@ namespace {
 using Simplex = HullSimplex<double>;
 using Point = Vector3<double>;
 
-class Search {
+class OverlapSearch {
  public:
-  Search(const HullPoints& a, const HullPoints& b, double distance)
+  OverlapSearch(const HullPoints& a, const HullPoints& b, double distance)
       : a_(a), b_(b), distance_(distance), extent_(a.extent.cwiseMax(b.extent)) {
     const double greatest = extent_.maxCoeff();
     if (!(greatest < kGreatestMagnitude)) return;
@@ -64,11 +64,11 @@ class Search {
 
   /// One support point along `direction`, and what can be concluded from it.
   HullVerdict step(const Point& direction) {
-    const double greatest = std::max({std::abs(direction.x), std::abs(direction.y), std::abs(direction.z)});
+    const double greatest = std::max({std::abs(direction[0]), std::abs(direction[1]), std::abs(direction[2])});
     // Any axis will do: without a direction the first.
     const double inverse = 1 / greatest;
     const Point axis = greatest > 0 && std::isfinite(inverse)
-                           ? Point{direction.x * inverse, direction.y * inverse, direction.z * inverse}
+                           ? Point{direction[0] * inverse, direction[1] * inverse, direction[2] * inverse}
                            : Point{1, 0, 0};
     const auto [i, high_a] = extreme<1>(a_, axis);
     const auto [j, low_b] = extreme<-1>(b_, axis);
@@ -81,8 +81,8 @@ class Search {
   }
 
   double threshold(const Point& axis) const {
-    const double sum = std::abs(axis.x) * extent_[0] + std::abs(axis.y) * extent_[1] + std::abs(axis.z) * extent_[2];
-    return gap_error_factor(0) * sum + kGapUnderflow + separation_gap(distance_, axis.x, axis.y, axis.z);
+    const double sum = std::abs(axis[0]) * extent_[0] + std::abs(axis[1]) * extent_[1] + std::abs(axis[2]) * extent_[2];
+    return gap_error_factor(0) * sum + kGapUnderflow + separation_gap(distance_, axis[0], axis[1], axis[2]);
   }
 
   /// The vertex of greatest (kSign = 1) or least (-1) projection, and the projection.
@@ -91,7 +91,7 @@ class Search {
     int best = 0;
     double most = -std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < set.points.size(); ++i) {
-      const double p = kSign * (axis.x * set.rows[0][i] + axis.y * set.rows[1][i] + axis.z * set.rows[2][i]);
+      const double p = kSign * (axis[0] * set.rows[0][i] + axis[1] * set.rows[1][i] + axis[2] * set.rows[2][i]);
       if (p > most) {
         most = p;
         best = static_cast<int>(i);
@@ -107,8 +107,8 @@ class Search {
       const Point &p = simplex_.points[(k + 1) % 4], &q = simplex_.points[(k + 2) % 4],
                   &r = simplex_.points[(k + 3) % 4];
       const auto product = [](double x, double y, double z) { return std::abs(x) * std::abs(y) * std::abs(z); };
-      const double permanent = product(p.x, q.y, r.z) + product(p.x, q.z, r.y) + product(p.y, q.z, r.x) +
-                               product(p.y, q.x, r.z) + product(p.z, q.x, r.y) + product(p.z, q.y, r.x);
+      const double permanent = product(p[0], q[1], r[2]) + product(p[0], q[2], r[1]) + product(p[1], q[2], r[0]) +
+                               product(p[1], q[0], r[2]) + product(p[2], q[0], r[1]) + product(p[2], q[1], r[0]);
       const double bound = determinant_error_factor(2, 0) * permanent + 8 * kDeterminantUnderflow;
       if (!(simplex_.weights[k] > bound)) return false;
     }
@@ -124,11 +124,11 @@ class Search {
     for (int i = 0; i < simplex_.size; ++i) {
       const double weight = simplex_.weights[static_cast<std::size_t>(i)];
       const Point& p = simplex_.points[static_cast<std::size_t>(i)];
-      sum = {sum.x + weight * p.x, sum.y + weight * p.y, sum.z + weight * p.z};
+      sum = {sum[0] + weight * p[0], sum[1] + weight * p[1], sum[2] + weight * p[2]};
       total += weight;
     }
     if (!(total > kLeastSquare)) return false;
-    const Point mean{sum.x / total, sum.y / total, sum.z / total};
+    const Point mean{sum[0] / total, sum[1] / total, sum[2] / total};
     return std::sqrt(dot(mean, mean)) * kLengthSlack + 128 * kUnitRoundoff <= scale_ * distance_;
   }
 
@@ -143,7 +143,7 @@ class Search {
 }  // namespace
 
 HullVerdict hulls_in_doubles(const HullPoints& a, const HullPoints& b, double distance, HullStart& start) {
-  return Search(a, b, distance).run(start);
+  return OverlapSearch(a, b, distance).run(start);
 }
 
 }  // namespace volccd::detail

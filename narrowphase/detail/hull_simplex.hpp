@@ -5,27 +5,9 @@
 #include <cstddef>
 #include <utility>
 
+#include <volccd/narrowphase/detail/vector3.hpp>
+
 namespace volccd::detail {
-
-template <class Number>
-struct Vector3 {
-  Number x, y, z;
-};
-
-template <class N>
-Vector3<N> operator-(const Vector3<N>& a, const Vector3<N>& b) {
-  return {N(a.x - b.x), N(a.y - b.y), N(a.z - b.z)};
-}
-
-template <class N>
-N dot(const Vector3<N>& a, const Vector3<N>& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-template <class N>
-Vector3<N> cross(const Vector3<N>& a, const Vector3<N>& b) {
-  return {N(a.y * b.z - a.z * b.y), N(a.z * b.x - a.x * b.z), N(a.x * b.y - a.y * b.x)};
-}
 
 /// At most four points, each known by a pair of vertices, and the point of their hull that is nearest to the origin.
 /// Holds the smallest face that has it: add() drops the other points.
@@ -113,7 +95,7 @@ struct HullSimplex {
     weights[2] = dot(direction, cross(p, q));
     if (!(weights[0] > 0 && weights[1] > 0 && weights[2] > 0)) return false;
     const Number height = dot(direction, p);
-    if (height < 0) direction = {Number(-direction.x), Number(-direction.y), Number(-direction.z)};
+    if (height < 0) direction = -direction;
     square = height * height;
     divisor = dot(direction, direction);
     return true;

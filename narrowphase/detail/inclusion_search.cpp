@@ -81,9 +81,9 @@ Vec3 separating_axis(FeatureKind kind, const Differences& d) {
 }
 
 template <int kPoints>
-class Search {
+class PieceSearch {
  public:
-  Search(FeatureKind kind, const TestPoints& x, double separation, double tolerance)
+  PieceSearch(FeatureKind kind, const TestPoints& x, double separation, double tolerance)
       : test_(kind, x, separation), tolerance_(tolerance) {}
 
   InclusionAnswer run(double t_max) {
@@ -130,7 +130,7 @@ class Search {
     for (int round = 0; round < kMostRounds; ++round) {
       const Vec3 next = piece.support(axis);
       if (!simplex.add({next.x(), next.y(), next.z()}, {}) || simplex.size == 4) return false;
-      axis = {simplex.direction.x, simplex.direction.y, simplex.direction.z};
+      axis = {simplex.direction[0], simplex.direction[1], simplex.direction[2]};
       if (separated_along(axis, piece)) return true;
     }
     return false;
@@ -203,8 +203,8 @@ class Search {
 
 InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
                                  double tolerance, double t_max) {
-  InclusionAnswer answer = control_points == 2 ? Search<2>(kind, x, separation, tolerance).run(t_max)
-                                               : Search<3>(kind, x, separation, tolerance).run(t_max);
+  InclusionAnswer answer = control_points == 2 ? PieceSearch<2>(kind, x, separation, tolerance).run(t_max)
+                                               : PieceSearch<3>(kind, x, separation, tolerance).run(t_max);
   if (answer.toi > t_max) answer = {InclusionAnswer::Outcome::apart};
   return answer;
 }

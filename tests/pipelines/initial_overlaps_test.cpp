@@ -9,13 +9,9 @@
 namespace volccd {
 namespace {
 
+using test::registry;
 using test::Scene;
 using Pairs = std::vector<ElementPair>;
-
-const Registry& registry() {
-  static const Registry standard = Registry::standard();
-  return standard;
-}
 
 StepResult run(const PipelineSpec& spec, const Step& step, const Request& request, Executor* executor = nullptr) {
   static SerialExecutor serial;

@@ -14,14 +14,10 @@
 namespace volccd {
 namespace {
 
+using test::registry;
 using test::Scene;
 
 const ObjectFilter kEverything;
-
-const Registry& registry() {
-  static const Registry standard = Registry::standard();
-  return standard;
-}
 
 StepResult run(const PipelineSpec& spec, const Scene& scene, Query query = Query::all,
                const ObjectFilter& filter = kEverything, Executor* executor = nullptr) {

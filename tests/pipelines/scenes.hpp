@@ -8,8 +8,14 @@
 #include <volccd/mesh/motion.hpp>
 #include <volccd/mesh/shapes.hpp>
 #include <volccd/mesh/topology.hpp>
+#include <volccd/pipelines/registry.hpp>
 
 namespace volccd::test {
+
+inline const Registry& registry() {
+  static const Registry standard = Registry::standard();
+  return standard;
+}
 
 struct Scene {
   std::string name;

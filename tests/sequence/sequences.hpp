@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
 #include <numeric>
 #include <random>
 #include <string>
@@ -15,6 +18,8 @@
 #include <volccd/mesh/shapes.hpp>
 
 namespace volccd::test {
+
+inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// A folder of its own, removed at the end.
 class ScratchFolder {
@@ -36,6 +41,11 @@ class ScratchFolder {
  private:
   std::filesystem::path path_;
 };
+
+inline std::string text_of(const std::string& file) {
+  std::ifstream stream(file);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
 
 /// All of a sequence in memory, in the order of its file.
 struct Sequence {

@@ -25,11 +25,6 @@ Mesh mesh_of_ids(std::vector<std::int64_t> ids) {
   return mesh;
 }
 
-std::string text_of(const std::string& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
 TEST(ContactsCsv, ExactText) {
   const ScratchFolder folder;
   const Mesh mesh = mesh_of_ids({10, 20, 30, 40, 50});

@@ -16,7 +16,6 @@ namespace {
 
 using I = std::vector<std::int64_t>;
 using D = std::vector<double>;
-const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 /// Points 0 .. 6 have the ids 70, 60, .. 10; cells: triangles 0 1 2 and 3 4 5, a tetrahedron.
 void write_file(const std::string& file, int steps = 2) {

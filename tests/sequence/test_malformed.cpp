@@ -20,7 +20,7 @@ namespace {
 using I = std::vector<std::int64_t>;
 using D = std::vector<double>;
 constexpr std::int64_t kAny = -2, kNo = InputError::kNoIndex;
-const double kNan = std::numeric_limits<double>::quiet_NaN(), kInf = std::numeric_limits<double>::infinity();
+const double kInf = std::numeric_limits<double>::infinity();
 constexpr std::int64_t kHuge = std::numeric_limits<std::int64_t>::max();
 
 /// Three steps, two topologies, 12 points: a hexahedron, a tetrahedron on its top, a triangle, a polytope in the place

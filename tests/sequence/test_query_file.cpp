@@ -35,7 +35,7 @@ void put_group(RawFile& raw, const std::string& path, std::size_t queries, const
   raw.put_attribute(path, "Files", "one.csv two.csv");
 }
 
-void write_file(const std::string& file) {
+void write_query_file(const std::string& file) {
   RawFile raw(file, true);
   raw.group("b");
   raw.group("a");
@@ -46,7 +46,7 @@ void write_file(const std::string& file) {
 
 TEST(QueryFile, IsReadInTheOrderOfScenesAndKinds) {
   const ScratchFolder folder;
-  write_file(folder / "q");
+  write_query_file(folder / "q");
   EXPECT_FALSE(is_sequence_file(folder / "q"));
   const std::vector<QueryGroup> groups = read_query_file(folder / "q");
   ASSERT_EQ(groups.size(), 3u);
@@ -127,7 +127,7 @@ TEST(QueryFile, BadOnesAreRefused) {
   for (const Case& c : cases) {
     SCOPED_TRACE(c.name);
     const ScratchFolder folder;
-    write_file(folder / "q");
+    write_query_file(folder / "q");
     {
       RawFile raw(folder / "q");
       c.spoil(raw);

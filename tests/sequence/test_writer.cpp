@@ -15,14 +15,8 @@
 namespace volccd::test {
 namespace {
 
-const double kNan = std::numeric_limits<double>::quiet_NaN();
 
 void write_text(const std::string& file, const std::string& text) { std::ofstream(file) << text; }
-
-std::string text_of(const std::string& file) {
-  std::ifstream stream(file);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
 
 TEST(SequenceWriter, NothingIsThereBeforeFinish) {
   const ScratchFolder folder;
