@@ -28,9 +28,11 @@ LAYERS = {
     "narrowphase": ["core", "mesh", "mesh/sequence"],
     "pipelines": ["core", "mesh", "mesh/sequence", "broadphase", "culling", "narrowphase"],
     "oracle": ["core", "mesh", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines"],
-    "experiments": ["core", "mesh", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines"],
+    "experiments/simulation": ["core", "mesh", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines"],
+    "experiments": ["core", "mesh", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
+                    "experiments/simulation"],
 }
-LIBRARY = [module for module in LAYERS if module not in ("oracle", "experiments")]
+LIBRARY = [module for module in LAYERS if module != "oracle" and not module.startswith("experiments")]
 # Users of the modules: not modules themselves.
 USERS = {"tests": list(LAYERS), "examples": LIBRARY + ["experiments"]}
 
@@ -40,10 +42,11 @@ ORACLE_USERS = re.compile(r"^experiments/((.*/)?verify[^/]*|verify/.*)$")
 # Third-party header prefix -> where it may be included. "header" = public headers too, else sources and detail/ only.
 THIRD_PARTY = {
     "tbb/": (["core"], False),  # threads stay in one place
-    "hwy/": (["mesh", "broadphase", "culling", "narrowphase"], False),  # one binary for every CPU: never in an interface
+    "hwy/": (["mesh", "broadphase", "culling", "narrowphase", "experiments/simulation"], False),  # one binary for every CPU: never in an interface
     "hdf5.h": (["mesh/sequence", "experiments"], False),
     "fcl/": (["oracle", "broadphase"], False),
     "ccd/": (["oracle", "culling", "broadphase"], False),
+    "png.h": (["experiments"], False),
     "gtest/": ([], False),
 }
 

@@ -47,7 +47,8 @@ T option_number(const OptionValues& values, const std::string& option, T fallbac
   return value;
 }
 
-void refuse_other_options(const GenerateOptions& options, const OptionValues& values, std::initializer_list<const char*> known) {
+void refuse_other_options(const GenerateOptions& options, const OptionValues& values,
+                          std::initializer_list<const char*> known) {
   for (const auto& [option, value] : values)
     if (std::find(known.begin(), known.end(), option) == known.end())
       throw ConfigError(fmt::format("scene {} has no option --{}", options.name, option));
@@ -82,8 +83,8 @@ void write_stats(const GenerateOptions& options, const std::string& record_file)
 void print_generated(const GenerateOptions& options) {
   SequenceReader reader(options.output);
   fmt::print("{}: {} frames, {} elements at first, {} at last, {} vertices, written to {}\n", options.name,
-             reader.step_count(), reader.cell_count(0), reader.cell_count(reader.step_count() - 1), reader.point_count(),
-             options.output);
+             reader.step_count(), reader.cell_count(0), reader.cell_count(reader.step_count() - 1),
+             reader.point_count(), options.output);
 }
 
 int generate_simulated(const GenerateOptions& options, const SimulatedScene& scene) {
@@ -142,7 +143,8 @@ int generate_scene(const GenerateOptions& options) {
     if (scene.name == options.name) return generate_computed(options);
     known += scene.name + ", ";
   }
-  throw ConfigError(fmt::format("no scene is called \"{}\"; there are: {}", options.name, known.substr(0, known.size() - 2)));
+  throw ConfigError(
+      fmt::format("no scene is called \"{}\"; there are: {}", options.name, known.substr(0, known.size() - 2)));
 }
 
 /// Options of all scenes, each once.
@@ -169,13 +171,17 @@ void add_generate_command(CLI::App& scene, Action& action) {
   command->add_option("--stats", options->stats, "write sizes, motion, contacts, edits and energy per frame as JSON")
       ->type_name("FILE");
   command->add_flag("--quick", options->quick, "the small size of a simulated scene");
-  command->add_option("--threads", options->threads, "0: as many as the machine has")->type_name("N")->capture_default_str();
-  command->add_option("--mesh", options->mesh, "mesh to work on: a sequence file, or the name of a scene")->type_name("FILE");
+  command->add_option("--threads", options->threads, "0: as many as the machine has")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--mesh", options->mesh, "mesh to work on: a sequence file, or the name of a scene")
+      ->type_name("FILE");
   command->add_option("--mesh-step", options->mesh_step, "step of that file")->capture_default_str();
   for (const auto& [name, text] : option_texts())
     command->add_option("--" + name, options->values[name], text)->type_name("VALUE");
   command->footer(
-      "Simulated scenes are kept in a cache, the folder VOLCCD_CACHE, $XDG_CACHE_HOME/volccd or ~/.cache/volccd: the second\n"
+      "Simulated scenes are kept in a cache, the folder VOLCCD_CACHE, $XDG_CACHE_HOME/volccd or ~/.cache/volccd: the "
+      "second\n"
       "time they are copied. Ctrl-C stops after the frame at hand; the same command goes on from there.\n"
       "Examples:\n"
       "  volccd scene generate octopi -o octopi.vtkhdf --stats octopi.json\n"

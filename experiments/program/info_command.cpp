@@ -126,12 +126,12 @@ void add_info_command(CLI::App& app, Action& action) {
   const auto options = std::make_shared<SequenceOptions>();
   options->add_to(*command);
   command->footer("Example:\n  volccd info run.vtkhdf --steps 0:10");
-  command->callback([options, &action] { 
+  command->callback([options, &action] {
     action = [options] {
       options->file = sequence_file(options->file);
       return info(*options);
     };
-   });
+  });
 }
 
 }  // namespace volccd

@@ -87,17 +87,19 @@ void add_picture_view(CLI::App& command, PictureOptions& options) {
   command.add_option("--size", options.size, "WIDTHxHEIGHT in pixels; WIDTH alone: as high as the scene needs")
       ->type_name("SIZE")
       ->capture_default_str();
-  command.add_option("--view", options.view, "front, back, left, right, side, top, bottom, iso, or AZIMUTH,ELEVATION in degrees")
+  command
+      .add_option("--view", options.view,
+                  "front, back, left, right, side, top, bottom, iso, or AZIMUTH,ELEVATION in degrees")
       ->type_name("VIEW")
       ->capture_default_str();
   command.add_option("--up", options.up, "axis that points upwards")
       ->check(CLI::IsMember({"x", "y", "z"}))
       ->capture_default_str();
   command.add_flag("--orthographic", config.view.orthographic, "without perspective");
-  command.add_option("--zoom", config.view.zoom, "enlarge about the middle")->type_name("FACTOR")->capture_default_str();
-  command.add_option("--fit", config.fit_share, "share of the vertices along each axis that must be seen: fragments may fly out")
-      ->type_name("SHARE")
+  command.add_option("--zoom", config.view.zoom, "enlarge about the middle")
+      ->type_name("FACTOR")
       ->capture_default_str();
+  command.add_flag("--fit-fragments", config.fit_fragments, "fit the camera to fragments as well as to bodies");
   command.add_option("--box", options.box, "what to fit the camera to instead: the same for all steps")
       ->type_name("X0,X1,Y0,Y1,Z0,Z1");
   command.add_option("--columns", config.columns, "panels in a row; 0: one for each file, or all steps")
@@ -108,16 +110,23 @@ void add_picture_view(CLI::App& command, PictureOptions& options) {
 
 void add_picture_content(CLI::App& command, PictureOptions& options) {
   PictureConfig& config = options.config;
-  command.add_option("--parts", config.parts, "draw these alone: ids or names, separated by commas")->type_name("LIST");
+  command.add_option("--parts", config.parts, "draw these alone: ids or names, separated by , or ;")->type_name("LIST");
   command.add_option("--without", config.without, "leave these parts out")->type_name("LIST");
-  command.add_option("--cut", config.cuts, "take away the viewer's side of a plane: y=1.5, or y=50% (the middle); may be repeated")
+  command.add_option("--colour", config.colours, "colour of a part: bullet=#C87533; may be repeated")
+      ->type_name("PART=#RRGGBB")
+      ->allow_extra_args(false);
+  command
+      .add_option("--cut", config.cuts,
+                  "take away the viewer's side of a plane: y=1.5, or y=50% (the middle); may be repeated")
       ->type_name("AXIS=VALUE")
       ->allow_extra_args(false);
   command.add_option("--shells", options.shells, "triangles and quads as surfaces, or thickened by their thickness")
       ->check(CLI::IsMember({"surface", "solid"}))
       ->capture_default_str();
   command.add_flag("--contacts,!--no-contacts", config.contacts, "mark the contacts of motion K -> K+1 (the default)");
-  command.add_option("--contacts-from", options.contact_files, "take them from this CSV of `volccd detect`; one for each file")
+  command
+      .add_option("--contacts-from", options.contact_files,
+                  "take them from this CSV of `volccd detect`; one for each file")
       ->type_name("FILE")
       ->allow_extra_args(false);
   command.add_option("--hidden-contacts", config.render.hidden_marks, "strength of marks behind surfaces, 0 to 1")
@@ -134,7 +143,9 @@ void add_picture_content(CLI::App& command, PictureOptions& options) {
   command.add_option("--caption", options.captions, "in place of the title; one for each panel")
       ->type_name("TEXT")
       ->allow_extra_args(false);
-  command.add_option("--samples", config.render.samples, "a pixel has N x N")->check(CLI::Range(1, 8))->capture_default_str();
+  command.add_option("--samples", config.render.samples, "a pixel has N x N")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str();
   command.add_option("--threads", config.threads, "for the contacts; 0: as many as the machine has")
       ->type_name("N")
       ->capture_default_str();
@@ -143,7 +154,8 @@ void add_picture_content(CLI::App& command, PictureOptions& options) {
 }  // namespace
 
 void add_picture_command(CLI::App& scene, Action& action) {
-  CLI::App* command = scene.add_subcommand("picture", "draw steps of sequences as PNG: shaded, parts in colours, contacts marked");
+  CLI::App* command =
+      scene.add_subcommand("picture", "draw steps of sequences as PNG: shaded, parts in colours, contacts marked");
   const auto options = std::make_shared<PictureOptions>();
   command->add_option("FILE", options->files, "sequences (VTKHDF); several: side by side, with one camera")
       ->required()
@@ -157,15 +169,17 @@ void add_picture_command(CLI::App& scene, Action& action) {
       "Examples:\n"
       "  volccd scene picture run.vtkhdf --step 8 -o run-8.png\n"
       "  volccd scene picture run.vtkhdf --step 8 --cut y=50% --edges -o inside.png\n"
-      "  volccd scene picture crash.vtkhdf --step 60 --view 120,15 --without 'hood,engine' --no-contacts -o crash.png\n"
+      "  volccd scene picture crash.vtkhdf --step 60 --view 120,15 --without 'wall; hood, outer' --no-contacts -o "
+      "crash.png\n"
       "  volccd scene picture run.vtkhdf --step 0,20,40,60 --columns 2 -o strip.png\n"
-      "  volccd scene picture all.vtkhdf boundary.vtkhdf --step 50 --caption 'all features' --caption 'boundary' -o two.png");
-  command->callback([options, &action] { 
+      "  volccd scene picture all.vtkhdf boundary.vtkhdf --step 50 --caption 'all features' --caption 'boundary' -o "
+      "two.png");
+  command->callback([options, &action] {
     action = [options] {
       for (std::string& file : options->files) file = sequence_file(file);
       return draw_picture(*options);
     };
-   });
+  });
 }
 
 }  // namespace volccd

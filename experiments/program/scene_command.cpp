@@ -28,7 +28,8 @@ int list_scenes() {
   if (!external.empty()) fmt::print("of other programs\n");
   for (const ExternalScene& scene : external) fmt::print("  {:<20} {}\n", scene.name, scene.description);
   fmt::print(
-      "\nA name goes wherever a sequence file goes (`volccd info octopi`, or octopi-quick); simulated ones are computed once.\n");
+      "\nA name goes wherever a sequence file goes (`volccd info octopi`, or octopi-quick); simulated ones are "
+      "computed once.\n");
   return kDone;
 }
 

@@ -10,7 +10,8 @@ BakeHooks BakeProgress::hooks() {
     if (!progress_) {
       // Frames of an earlier run took no time in this one.
       first_ = done;
-      progress_ = std::make_unique<Progress>("simulating " + scene_ + ", frame", static_cast<std::size_t>(frames - done));
+      progress_ =
+          std::make_unique<Progress>("simulating " + scene_ + ", frame", static_cast<std::size_t>(frames - done));
     }
     progress_->advance(static_cast<std::size_t>(done - first_));
   };

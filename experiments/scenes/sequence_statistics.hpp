@@ -1,0 +1,40 @@
+// What a table of scenes needs to know about a sequence: sizes, motion, contacts and edits, motion by motion.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <volccd/core/executor.hpp>
+#include <volccd/mesh/element_type.hpp>
+#include <volccd/mesh/sequence/reader.hpp>
+
+namespace volccd {
+
+/// Contacts of a motion. adjacent: every element at the one feature is adjacent to every element at the other (Section
+/// 5.1). inter and intra: the others, between objects and within one.
+struct ContactCounts {
+  std::uint64_t inter = 0, intra = 0, adjacent = 0;
+};
+
+/// Motion k -> k+1, on the elements of step k+1.
+struct MotionStatistics {
+  double time = 0;                                ///< of step k
+  std::map<ElementType, std::uint64_t> elements;  ///< at step k+1
+  std::uint64_t removed = 0, added = 0;           ///< elements, from step k to k+1; a changed one is both
+  double mean_edge = 0;                           ///< at step k
+  double median_motion = 0, p99_motion = 0, largest_motion = 0;  ///< of vertices in use, in mean edges
+  ContactCounts contacts;
+};
+
+/// All motions of a file; contacts by the pipeline VolCCD+, shells as solids where the file has their thickness.
+/// `go_on(done)` is called after each motion; false ends the work early. Throws what reading and detecting throw.
+std::vector<MotionStatistics> sequence_statistics(SequenceReader& reader, Executor& executor,
+                                                  const std::function<bool(int done)>& go_on = {});
+
+nlohmann::json to_json(const std::vector<MotionStatistics>& motions);
+
+}  // namespace volccd

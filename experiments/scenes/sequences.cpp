@@ -1,0 +1,61 @@
+#include <volccd/experiments/scenes/sequences.hpp>
+
+#include <filesystem>
+
+#include <volccd/core/error.hpp>
+#include <volccd/experiments/scenes/scene.hpp>
+#include <volccd/experiments/scenes/shared_data.hpp>
+
+namespace volccd {
+
+namespace {
+
+constexpr const char* kQuick = "-quick";
+
+const SimulatedScene* simulated_by_name(const std::string& text, BakeSettings& settings) {
+  if (const SimulatedScene* scene = find_simulated_scene(text)) return scene;
+  if (!text.ends_with(kQuick)) return nullptr;
+  const SimulatedScene* scene = find_simulated_scene(text.substr(0, text.size() - std::string(kQuick).size()));
+  if (scene) settings.elements = scene->quick_elements;
+  return scene;
+}
+
+std::string computed(const std::string& name) {
+  const std::filesystem::path folder = bake_cache_folder();
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError(folder.string(), "", error.message());
+  // Computing takes a second and is done anew each time: nothing tells which build wrote what is there.
+  const std::string file = (folder / (name + ".vtkhdf")).string();
+  write_scene(*make_scene(name, {}), file);
+  return file;
+}
+
+}  // namespace
+
+std::vector<ExternalScene> external_scenes() {
+  std::vector<ExternalScene> present;
+  for (const ExternalScene& scene :
+       {ExternalScene{"ls-dyna-projectile", "LS-DYNA: projectile through a plate, hexahedra that erode"},
+        ExternalScene{"openradioss-bullet", "OpenRadioss: copper bullet through a steel plate, hexahedra that erode"},
+        ExternalScene{"openradioss-airbag", "OpenRadioss: folded airbag that inflates, triangles"},
+        ExternalScene{"openradioss-crash", "OpenRadioss: front of a vehicle against a wall, shells"}})
+    if (std::filesystem::exists(external_scene_file(scene))) present.push_back(scene);
+  return present;
+}
+
+std::string external_scene_file(const ExternalScene& scene) { return shared_data_path(scene.name + ".vtkhdf"); }
+
+std::optional<std::string> resolve_scene(const std::string& name_or_file, Executor& executor, const BakeHooks& hooks) {
+  if (std::filesystem::exists(name_or_file)) return name_or_file;
+  for (const ExternalScene& scene : external_scenes())
+    if (scene.name == name_or_file) return external_scene_file(scene);
+  BakeSettings settings;
+  if (const SimulatedScene* scene = simulated_by_name(name_or_file, settings))
+    return bake(*scene, settings, executor, hooks);
+  for (const SceneDescriptor& scene : scenes())
+    if (scene.name == name_or_file && !scene.needs_mesh) return computed(scene.name);
+  return name_or_file;
+}
+
+}  // namespace volccd

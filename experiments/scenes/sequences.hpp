@@ -1,0 +1,34 @@
+// Scenes as files: whatever has a name becomes a sequence that any command reads.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <volccd/core/executor.hpp>
+#include <volccd/experiments/scenes/simulated/bake.hpp>
+
+namespace volccd {
+
+/// A sequence that is not part of the project; its file is `name`.vtkhdf in the folder of shared_data_path().
+struct ExternalScene {
+  std::string name;
+  std::string description;  ///< one line
+};
+
+/// Those that are there: ls-dyna-projectile, openradioss-bullet, openradioss-airbag, openradioss-crash.
+std::vector<ExternalScene> external_scenes();
+
+std::string external_scene_file(const ExternalScene& scene);
+
+/// What `name_or_file` means where a sequence file is asked for:
+///   a file that is there, whatever its name;
+///   the name of an external scene;
+///   the name of a simulated scene, or that with "-quick" behind it: the baked file, after baking it if need be;
+///   the name of a scene that is computed from nothing (`builtin`): written to the cache now;
+/// else the text itself, so that opening it says what is wrong. Nothing when the hooks interrupted the baking. Throws
+/// what bake() and write_scene() throw.
+std::optional<std::string> resolve_scene(const std::string& name_or_file, Executor& executor,
+                                         const BakeHooks& hooks = {});
+
+}  // namespace volccd

@@ -1,0 +1,124 @@
+#include <volccd/experiments/scenes/simulated/frame_store.hpp>
+
+#include <filesystem>
+#include <fstream>
+
+#include <volccd/core/error.hpp>
+#include <volccd/mesh/sequence/writer.hpp>
+
+namespace volccd {
+
+namespace {
+
+void archive_frame(simulation::Archive& archive, Frame& frame) {
+  archive(frame.time);
+  archive(frame.vertex_ids);
+  archive(frame.positions);
+  archive(frame.velocities);
+  archive(frame.start_positions);
+  archive(frame.cells.types);
+  archive(frame.cells.offsets);
+  archive(frame.cells.connectivity);
+  archive(frame.cells.parts);
+  archive(frame.cells.ids);
+  archive(frame.cells.face_offsets);
+  archive(frame.cells.faces);
+  archive(frame.thickness);
+  archive(frame.counts);
+  // Vec3 has constructors of its own, so that a Ledger counts as plain only in a vector.
+  std::vector<simulation::Ledger> ledger{frame.ledger};
+  archive(ledger);
+  if (ledger.size() != 1) throw InputError("frame", "ledger", "is not one record");
+  frame.ledger = ledger[0];
+  archive(frame.seconds);
+}
+
+/// Of each vertex of the last frame that the first does not have: its place before it existed. Index 0 stands for
+/// vertex `first`.
+struct Births {
+  std::size_t first = 0;
+  std::vector<Vec3> places;
+  std::vector<std::int64_t> ids;  ///< of all vertices
+};
+
+Births find_births(const std::vector<std::string>& files) {
+  Births births;
+  for (std::size_t k = 0; k < files.size(); ++k) {
+    Frame frame = read_frame(files[k]);
+    if (k == 0) births.first = frame.vertex_ids.size();
+    const std::size_t fresh = k == 0 ? 0 : frame.vertex_ids.size() - births.ids.size();
+    if (frame.vertex_ids.size() < births.ids.size() || frame.start_positions.size() != fresh)
+      throw InputError(files[k], "start positions", "do not belong to the vertices that are new");
+    births.places.insert(births.places.end(), frame.start_positions.begin(), frame.start_positions.end());
+    births.ids = std::move(frame.vertex_ids);
+  }
+  return births;
+}
+
+}  // namespace
+
+Frame capture_frame(simulation::Simulation& simulation, Index vertices_before) {
+  const Mesh& mesh = simulation.topology().mesh();
+  Frame frame;
+  frame.time = simulation.time();
+  frame.vertex_ids.assign(mesh.vertex_ids().begin(), mesh.vertex_ids().end());
+  frame.positions.assign(simulation.positions().begin(), simulation.positions().end());
+  frame.velocities.assign(simulation.velocities().begin(), simulation.velocities().end());
+  frame.start_positions.assign(simulation.start_positions().begin() + vertices_before,
+                               simulation.start_positions().end());
+  frame.cells = cells_of(mesh);
+  bool shells = false;
+  for (const ElementType type : frame.cells.types) shells = shells || is_shell(type);
+  for (std::int32_t& part : frame.cells.parts) ++part;
+  if (shells) {
+    const std::vector<double> thickness = simulation.thickness();
+    for (Index o = 0; o < mesh.element_slots(); ++o)
+      if (mesh.alive(o)) frame.thickness.push_back(thickness[o]);
+  }
+  frame.counts = simulation.take_counts();
+  frame.ledger = simulation.ledger();
+  return frame;
+}
+
+void write_frame(const std::string& file, const Frame& frame) {
+  const std::string temporary = file + ".tmp";
+  {
+    std::ofstream out(temporary, std::ios::binary);
+    simulation::Archive archive(out);
+    Frame copy = frame;
+    archive_frame(archive, copy);
+    out.flush();
+    if (!out) throw InputError(temporary, "", "cannot be written");
+  }
+  replace_file(temporary, file);
+}
+
+void replace_file(const std::string& temporary, const std::string& file) {
+  std::error_code error;
+  std::filesystem::rename(temporary, file, error);
+  if (error) throw InputError(file, "", "cannot be written: " + error.message());
+}
+
+Frame read_frame(const std::string& file) {
+  std::ifstream in(file, std::ios::binary);
+  if (!in) throw InputError(file, "", "cannot be opened");
+  Frame frame;
+  simulation::Archive archive(in);
+  archive_frame(archive, frame);
+  return frame;
+}
+
+void write_frames(const std::vector<std::string>& frame_files, const std::string& file, SequenceMetadata metadata) {
+  const Births births = find_births(frame_files);
+  SequenceWriter writer(file, births.ids, std::move(metadata));
+  for (const std::string& name : frame_files) {
+    Frame frame = read_frame(name);
+    const auto later = births.places.begin() + static_cast<std::ptrdiff_t>(frame.positions.size() - births.first);
+    frame.positions.insert(frame.positions.end(), later, births.places.end());
+    frame.velocities.resize(births.ids.size(), Vec3::Zero());
+    writer.write_step(frame.time, frame.positions, frame.cells, {frame.velocities, frame.thickness});
+  }
+  writer.finish();
+}
+
+}  // namespace volccd

@@ -1,0 +1,129 @@
+#include <volccd/experiments/scenes/simulated/octopi.hpp>
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include <Eigen/Geometry>
+
+#include <volccd/core/error.hpp>
+#include <volccd/core/random.hpp>
+#include <volccd/experiments/scenes/geometry/octopus.hpp>
+#include <volccd/experiments/scenes/geometry/tetrahedra.hpp>
+
+namespace volccd {
+
+namespace {
+
+constexpr int kOctopi = 3;
+constexpr double kSpeed = 1.0, kTurning = 5;  // m/s towards the middle, rad/s
+constexpr double kFunnelSlope = 0.7;          // radians from the horizontal
+constexpr int kFunnelWalls = 6;
+
+/// Where an octopus is: its own z axis points away from the middle of the scene, its origin is `distance` from there.
+struct Octopus {
+  ImplicitSolid solid;
+  Shape shape;
+  double edge = 0;
+  Eigen::Matrix3d axes;
+
+  Vec3 outwards() const { return axes.col(2); }
+  Vec3 placed(const Vec3& p, double distance) const { return axes * p + distance * outwards(); }
+  /// About the distance of a point of the scene from its surface.
+  double value(const Vec3& p, double distance) const {
+    return solid.value(axes.transpose() * (p - distance * outwards()));
+  }
+};
+
+Octopus make_octopus(int number, int elements, Random& random) {
+  Octopus octopus;
+  OctopusPose pose;
+  pose.seed = random.next();
+  pose.droop = 0.75;
+  // Half the edge length that this number of elements will have, about: what the mesh can hold on to.
+  pose.thinnest = std::max(0.007, 0.0078 * std::sqrt(5866.0 / elements));
+  octopus.solid = octopus_solid(pose);
+  octopus.shape = fill_with_about(octopus.solid, elements, &octopus.edge);
+  const double azimuth = 2 * std::numbers::pi * number / kOctopi + random.uniform(-0.15, 0.15);
+  const double lift = random.uniform(0.05, 0.3), spin = random.uniform(0, 2 * std::numbers::pi);
+  octopus.axes = (Eigen::AngleAxisd(azimuth, Vec3::UnitZ()) *
+                  Eigen::AngleAxisd(std::numbers::pi / 2 - lift, Vec3::UnitY()) * Eigen::AngleAxisd(spin, Vec3::UnitZ()))
+                     .toRotationMatrix();
+  return octopus;
+}
+
+/// Whether all vertices of each are at least `gap` outside the others.
+bool apart(const std::vector<Octopus>& octopi, double distance, double gap) {
+  for (const Octopus& a : octopi)
+    for (const Octopus& b : octopi)
+      if (&a != &b)
+        for (const Vec3& p : a.shape.positions)
+          if (b.value(a.placed(p, distance), distance) < gap) return false;
+  return true;
+}
+
+/// How near to the middle they get when they come from afar together.
+double first_touch(const std::vector<Octopus>& octopi) {
+  double gap = 0;
+  for (const Octopus& octopus : octopi) gap = std::max(gap, octopus.edge);
+  double distance = 0.5;
+  while (distance > 0.01 && apart(octopi, distance - 0.01, gap)) distance -= 0.01;
+  return distance;
+}
+
+/// Planes around the z axis, all equally far from the origin, beyond all vertices.
+std::vector<simulation::Wall> funnel(const std::vector<Vec3>& positions, double gap) {
+  std::vector<simulation::Wall> walls;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kFunnelWalls; ++i) {
+    const double azimuth = 2 * std::numbers::pi * i / kFunnelWalls;
+    simulation::Wall wall;
+    wall.normal = Vec3(std::sin(kFunnelSlope) * std::cos(azimuth), std::sin(kFunnelSlope) * std::sin(azimuth),
+                       std::cos(kFunnelSlope));
+    wall.friction = 0.2;
+    for (const Vec3& p : positions) nearest = std::min(nearest, wall.normal.dot(p));
+    walls.push_back(wall);
+  }
+  for (simulation::Wall& wall : walls) wall.point = (nearest - gap) * wall.normal;
+  return walls;
+}
+
+}  // namespace
+
+simulation::Model octopi_model(int elements, std::uint64_t seed) {
+  if (elements < 1'500 || elements > 10'000'000) throw ConfigError("octopi: elements must be in 1500 .. 10000000");
+  Random random(hash_ids(seed, 0x0c70b1));
+  std::vector<Octopus> octopi;
+  int left = elements;
+  for (int i = 0; i < kOctopi; ++i) {
+    octopi.push_back(make_octopus(i, left / (kOctopi - i), random));
+    left -= static_cast<int>(octopi.back().shape.elements.size());
+  }
+
+  simulation::Model model;
+  Shape all;
+  const double distance = first_touch(octopi);
+  for (int i = 0; i < kOctopi; ++i) {
+    const Octopus& octopus = octopi[static_cast<std::size_t>(i)];
+    all.append(octopus.shape, i);
+    const Vec3 turning = kTurning * random.uniform(0.7, 1.3) * (random.next() % 2 == 0 ? 1 : -1) * octopus.outwards();
+    for (const Vec3& p : octopus.shape.positions) {
+      model.positions.push_back(octopus.placed(p, distance));
+      model.velocities.push_back(-kSpeed * octopus.outwards() + turning.cross(model.positions.back()));
+    }
+    simulation::Part part;
+    part.name = "octopus " + std::to_string(i + 1);
+    part.material.density = 1000;
+    part.material.youngs_modulus = 8e4;
+    part.material.poisson_ratio = 0.4;
+    part.material.friction = 0.3;
+    part.material.damping = 1;
+    model.parts.push_back(part);
+  }
+  model.mesh = all.mesh();
+  model.walls = funnel(model.positions, octopi.front().edge / 2);
+  model.gravity = Vec3(0, 0, -9.81);
+  return model;
+}
+
+}  // namespace volccd

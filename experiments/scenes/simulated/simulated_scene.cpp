@@ -1,0 +1,63 @@
+#include <volccd/experiments/scenes/simulated/simulated_scene.hpp>
+
+#include <volccd/experiments/scenes/simulated/airbag.hpp>
+#include <volccd/experiments/scenes/simulated/bullet.hpp>
+#include <volccd/experiments/scenes/simulated/crash.hpp>
+#include <volccd/experiments/scenes/simulated/liver.hpp>
+#include <volccd/experiments/scenes/simulated/octopi.hpp>
+
+namespace volccd {
+
+const std::vector<SimulatedScene>& simulated_scenes() {
+  static const std::vector<SimulatedScene> all = {
+      {.name = "octopi",
+       .description = "three soft octopi are thrown at each other and entangle; tetrahedra",
+       .model = octopi_model,
+       .default_elements = kOctopiElements,
+       .quick_elements = kOctopiQuickElements,
+       .frames = kOctopiFrames,
+       .duration = kOctopiDuration,
+       .options = {}},
+      {.name = "bullet",
+       .description = "a copper bullet perforates a steel plate, which breaks; hexahedra",
+       .model = bullet_model,
+       .default_elements = kBulletElements,
+       .quick_elements = kBulletQuickElements,
+       .frames = kBulletFrames,
+       .duration = kBulletDuration,
+       .options = {}},
+      {.name = "airbag",
+       .description = "a folded airbag inflates in front of a steering wheel; shells",
+       .model = airbag_model,
+       .default_elements = kAirbagElements,
+       .quick_elements = kAirbagQuickElements,
+       .frames = kAirbagFrames,
+       .duration = kAirbagDuration,
+       .options = {}},
+      {.name = "crash",
+       .description = "the front of a car of thin sheet hits a rigid wall; shells",
+       .model = crash_model,
+       .default_elements = kCrashElements,
+       .quick_elements = kCrashQuickElements,
+       .frames = kCrashFrames,
+       .duration = kCrashDuration,
+       .options = {}},
+      {.name = "liver",
+       .description = "a liver that hangs from its sides is cut from below; tetrahedra",
+       .model = liver_model,
+       .default_elements = kLiverElements,
+       .quick_elements = kLiverQuickElements,
+       .frames = kLiverFrames,
+       .duration = kLiverDuration,
+       .options = {}},
+  };
+  return all;
+}
+
+const SimulatedScene* find_simulated_scene(const std::string& name) {
+  for (const SimulatedScene& scene : simulated_scenes())
+    if (scene.name == name) return &scene;
+  return nullptr;
+}
+
+}  // namespace volccd

@@ -1,0 +1,65 @@
+// Internal forces of thin shells: triangles without rotational degrees of freedom, membrane and bending apart.
+#pragma once
+
+#include <memory>
+
+#include <volccd/experiments/simulation/element_forces.hpp>
+#include <volccd/experiments/simulation/model.hpp>
+
+namespace volccd::simulation {
+
+namespace detail {
+struct ShellTables;
+}
+
+/// Membrane: constant strain, plane stress, any rotation. Elastic law: Hencky's, quadratic in the logarithmic principal
+/// strains (neo-Hookean to second order; a pull follows sigma = E ln(stretch) times the reference area), made linear
+/// where an elastic stretch leaves [1/5, 5], so that forces stay finite down to zero area. Beyond yield: J2 in plane
+/// stress, finite strain, radial return along the principal axes (backward Euler), linear hardening and rate factor by
+/// the equivalent plastic strain and its rate.
+///
+/// Bending: a hinge at each edge between two triangles (discrete shells), stiffness E h^3 / (12 (1 - nu^2)) times
+/// length^2 / (sum of areas): cylindrical bending is exact on meshes of rectangles cut in two (along their sides) and
+/// of equilateral triangles. The latter behave as plates with Poisson's ratio -1/3: hinges do not see the material's.
+/// Twist along right-angled meshes is too stiff. Rest angles are those of the reference positions. Beyond yield the
+/// rest angle flows at the fully plastic moment Y h^2 / 4 a length, Y with hardening by the mean strain over the
+/// thickness and with the rate factor. Bending and membrane yield independently. Where n triangles meet at an edge,
+/// each pair has a hinge, so stiff that the edge acts as a rigid joint; a rigid part's triangle clamps its neighbours'
+/// edge.
+///
+/// Damping: viscosity proportional to stiffness, 5 % of critical at each element's highest frequency, less below.
+///
+/// A triangle without area at rest has neither mass nor forces. One that is squashed below a fifth of its height no
+/// longer bends the more for it and no longer shortens the step: no state makes a NaN of finite input.
+class ShellForces final : public ElementForces {
+ public:
+  /// Model::positions are the rest shape. Throws InputError: quads, positions that are not finite, a part with shells
+  /// whose thickness or material is not possible. O(n log n).
+  explicit ShellForces(const Model& model);
+  ~ShellForces() override;
+
+  void add_masses(std::span<double> mass) const override;
+  /// No allocation once it has run with as many workers.
+  void add_forces(std::span<const Vec3> x, std::span<const Vec3> v, double dt, Executor& executor,
+                  std::span<Vec3> force) override;
+  double stable_step() const override;
+  /// Of the membrane, at mid-surface: neither bending nor viscosity.
+  void add_vertex_stress(std::span<VertexStress> out) const override;
+  double elastic_energy() const override;
+  double plastic_work() const override;
+  double numerical_work() const override;
+  /// Sorts anew, O(shells log shells). An element with a parent takes over its plastic strain and the hinges that the
+  /// parent had; it must be numbered in the parent's sense of rotation.
+  void update(const Mesh& mesh, std::span<const Vec3> reference, const ElementHeritage& heritage) override;
+  void archive(Archive& archive) override;
+
+  std::size_t triangle_count() const;  ///< those that deform
+  std::size_t hinge_count() const;
+
+ private:
+  std::unique_ptr<detail::ShellTables> tables_;
+};
+
+std::unique_ptr<ElementForces> make_shell_forces(const Model& model);
+
+}  // namespace volccd::simulation

@@ -1,0 +1,221 @@
+#include <volccd/experiments/scenes/simulated/bake.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <set>
+
+#include <unistd.h>
+
+#include <nlohmann/json.hpp>
+
+#include <volccd/core/error.hpp>
+#include <volccd/experiments/scenes/sequence_statistics.hpp>
+#include <volccd/experiments/scenes/sequences.hpp>
+#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/mesh/shapes.hpp>
+
+namespace volccd {
+namespace {
+
+namespace fs = std::filesystem;
+
+int models_made = 0;
+
+/// A bar of hexahedra that is torn apart: its ends fly off, and vertices in the middle split.
+simulation::Model torn_bar(int elements, std::uint64_t seed) {
+  ++models_made;
+  const Shape bar = block(ElementType::hexahedron, elements, 1, 1);
+  simulation::Model model;
+  model.mesh.add_vertices(static_cast<Index>(bar.positions.size()));
+  for (ElementSpec element : bar.elements) {
+    element.object = 0;
+    model.mesh.add_element(element);
+  }
+  model.positions = bar.positions;
+  const double middle = 0.5 * elements, speed = 10.0 + static_cast<double>(seed);
+  for (const Vec3& x : model.positions) model.velocities.push_back(Vec3((x.x() - middle) / middle * speed, 0, 0));
+  simulation::Part part{"bar", {}, 0, false};
+  part.material.youngs_modulus = 1e6;
+  part.material.failure_stress = 3e4;
+  model.parts = {part};
+  return model;
+}
+
+SimulatedScene bar_scene() {
+  SimulatedScene scene;
+  scene.name = "torn-bar";
+  scene.description = "a bar that is torn apart";
+  scene.model = torn_bar;
+  scene.default_elements = 4;
+  scene.quick_elements = 2;
+  scene.frames = 6;
+  scene.duration = 0.1;
+  return scene;
+}
+
+/// A cache of this test alone.
+class Bake : public testing::Test {
+ protected:
+  Bake() { use_cache("cache"); }
+  ~Bake() override {
+    unsetenv("VOLCCD_CACHE");
+    fs::remove_all(root());
+  }
+  static fs::path root() { return fs::temp_directory_path() / ("volccd-bake-" + std::to_string(getpid())); }
+  static void use_cache(const std::string& name) { setenv("VOLCCD_CACHE", (root() / name).c_str(), 1); }
+
+  SerialExecutor serial_;
+};
+
+/// All that a sequence holds, to the bit.
+void expect_equal(const std::string& a, const std::string& b) {
+  SequenceReader one(a), other(b);
+  ASSERT_EQ(one.step_count(), other.step_count());
+  ASSERT_EQ(one.metadata(), other.metadata());
+  ASSERT_TRUE(
+      std::equal(one.point_ids().begin(), one.point_ids().end(), other.point_ids().begin(), other.point_ids().end()));
+  for (int k = 0; k < one.step_count(); ++k) {
+    std::vector<Vec3> x, y;
+    SequenceCells c, d;
+    one.read_points(k, x), other.read_points(k, y);
+    EXPECT_EQ(x, y) << k;
+    one.read_velocity(k, x), other.read_velocity(k, y);
+    EXPECT_EQ(x, y) << k;
+    one.read_cells(k, c), other.read_cells(k, d);
+    EXPECT_EQ(c, d) << k;
+    EXPECT_EQ(one.time(k), other.time(k));
+  }
+}
+
+TEST_F(Bake, TwiceTheSameAndFromTheCacheTheThirdTime) {
+  const SimulatedScene scene = bar_scene();
+  const auto threads = make_executor(2);
+  const std::string first = *bake(scene, {}, serial_);
+  use_cache("other");
+  const std::string second = *bake(scene, {}, *threads);
+  ASSERT_NE(first, second);
+  expect_equal(first, second);
+
+  const int made = models_made;
+  int calls = 0;
+  EXPECT_EQ(bake(scene, {}, serial_, {[&](int, int) { ++calls; }, {}}), second);
+  EXPECT_EQ(models_made, made);
+  EXPECT_EQ(calls, 0);
+  for (const auto& entry : fs::recursive_directory_iterator(root()))
+    EXPECT_EQ(entry.path().string().find(".partial"), std::string::npos) << entry.path();
+}
+
+TEST_F(Bake, TheBarIsTornAndItsRecordSaysSo) {
+  const SimulatedScene scene = bar_scene();
+  SequenceReader reader(*bake(scene, {}, serial_));
+  reader.check_contents();
+  EXPECT_EQ(reader.step_count(), 6);
+  EXPECT_EQ(reader.time(5), 0.1);
+  EXPECT_TRUE(reader.has_velocity());
+  EXPECT_FALSE(reader.has_thickness());
+  EXPECT_EQ(reader.metadata().part_names.at(1), "bar");
+  EXPECT_GT(reader.point_count(), 20u);
+  SequenceCells cells;
+  reader.read_cells(5, cells);
+  EXPECT_EQ(cells.size(), 4u);
+  EXPECT_EQ(std::set<std::int32_t>(cells.parts.begin(), cells.parts.end()), std::set<std::int32_t>{1});
+
+  std::ifstream in(bake_record_file(scene, {}));
+  const nlohmann::json record = nlohmann::json::parse(in);
+  ASSERT_EQ(record["frames"].size(), 6u);
+  std::uint64_t splits = 0;
+  for (const auto& frame : record["frames"]) splits += frame["edits"]["splits"].get<std::uint64_t>();
+  EXPECT_GT(splits, 0u);
+
+  const std::vector<MotionStatistics> motions = sequence_statistics(reader, serial_);
+  ASSERT_EQ(motions.size(), 5u);
+  std::uint64_t edits = 0;
+  for (const MotionStatistics& motion : motions) {
+    EXPECT_EQ(motion.elements.at(ElementType::hexahedron), 4u);
+    EXPECT_EQ(motion.added, motion.removed);
+    EXPECT_GT(motion.largest_motion, 0);
+    edits += motion.added;
+  }
+  EXPECT_GT(edits, 0u);
+}
+
+TEST_F(Bake, GoesOnWhereItStopped) {
+  const SimulatedScene scene = bar_scene();
+  const std::string whole = *bake(scene, {}, serial_);
+  use_cache("stopped");
+  std::vector<int> done;
+  const auto note = [&](int k, int) { done.push_back(k); };
+  EXPECT_EQ(bake(scene, {}, serial_, {note, [&] { return !done.empty() && done.back() == 2; }}), std::nullopt);
+  EXPECT_EQ(bake(scene, {}, serial_, {note, [&] { return !done.empty() && done.back() == 5; }}), std::nullopt);
+  const std::optional<std::string> resumed = bake(scene, {}, serial_, {note, {}});
+  ASSERT_TRUE(resumed);
+  EXPECT_EQ(done, (std::vector<int>{0, 1, 2, 2, 3, 4, 5, 5, 6}));
+  expect_equal(whole, *resumed);
+}
+
+TEST_F(Bake, AStateOfAnotherBuildIsNotUsed) {
+  const SimulatedScene scene = bar_scene();
+  int last = 0;
+  const auto note = [&](int k, int) { last = k; };
+  EXPECT_EQ(bake(scene, {}, serial_, {note, [&] { return last == 3; }}), std::nullopt);
+  const std::string state = baked_file(scene, {}).substr(0, baked_file(scene, {}).size() - 7) + ".partial/state";
+  ASSERT_TRUE(fs::exists(state));
+  // The same state but for the build that signed it.
+  std::fstream(state, std::ios::binary | std::ios::in | std::ios::out) << '?';
+  std::vector<int> done;
+  const std::string again = *bake(scene, {}, serial_, {[&](int k, int) { done.push_back(k); }, {}});
+  EXPECT_EQ(done.front(), 0);
+  use_cache("other");
+  expect_equal(again, *bake(scene, {}, serial_));
+}
+
+TEST_F(Bake, SettingsNameTheFile) {
+  const SimulatedScene scene = bar_scene();
+  SimulatedScene newer = scene;
+  ++newer.version;
+  const std::set<std::string> files = {baked_file(scene, {}), baked_file(scene, {5, 0, 1}),
+                                       baked_file(scene, {0, 7, 1}), baked_file(scene, {0, 0, 2}),
+                                       baked_file(newer, {})};
+  EXPECT_EQ(files.size(), 5u);
+  EXPECT_EQ(baked_file(scene, {4, 6, 1}), baked_file(scene, {}));
+  EXPECT_THROW(baked_file(scene, {0, 1, 1}), ConfigError);
+  EXPECT_THROW(baked_file(scene, {-1, 0, 1}), ConfigError);
+}
+
+TEST_F(Bake, NamesBecomeFiles) {
+  EXPECT_EQ(resolve_scene("no-such-scene", serial_), "no-such-scene");
+  const std::string builtin = *resolve_scene("builtin", serial_);
+  EXPECT_EQ(SequenceReader(builtin).step_count(), 9);
+  EXPECT_EQ(resolve_scene(builtin, serial_), builtin);
+  EXPECT_EQ(resolve_scene("deform", serial_), "deform");  // needs a mesh
+  copy_file_whole(builtin, (root() / "openradioss-bullet.vtkhdf").string());
+  setenv("VOLCCD_DATA", root().c_str(), 1);
+  const std::vector<ExternalScene> external = external_scenes();
+  const std::optional<std::string> file = resolve_scene("openradioss-bullet", serial_);
+  unsetenv("VOLCCD_DATA");
+  ASSERT_EQ(external.size(), 1u);
+  EXPECT_EQ(external[0].name, "openradioss-bullet");
+  EXPECT_EQ(file, (root() / "openradioss-bullet.vtkhdf").string());
+}
+
+TEST(SimulatedScenes, TheListHasAllFive) {
+  std::set<std::string> names;
+  for (const SimulatedScene& scene : simulated_scenes()) {
+    EXPECT_TRUE(names.insert(scene.name).second);
+    EXPECT_EQ(find_simulated_scene(scene.name), &scene);
+    EXPECT_FALSE(scene.description.empty());
+    EXPECT_NE(scene.model, nullptr);
+    EXPECT_GE(scene.frames, 60);
+    EXPECT_LE(scene.frames, 101);
+    EXPECT_GT(scene.duration, 0);
+    EXPECT_LT(scene.quick_elements, scene.default_elements);
+  }
+  EXPECT_EQ(names, (std::set<std::string>{"airbag", "bullet", "crash", "liver", "octopi"}));
+  EXPECT_EQ(find_simulated_scene("none"), nullptr);
+}
+
+}  // namespace
+}  // namespace volccd

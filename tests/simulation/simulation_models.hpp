@@ -1,0 +1,59 @@
+// Small models for tests of the time loop.
+#pragma once
+
+#include <cmath>
+#include <initializer_list>
+
+#include <volccd/experiments/simulation/simulation.hpp>
+#include <volccd/mesh/shapes.hpp>
+
+namespace volccd::simulation {
+
+inline Material soft() {
+  Material m;
+  m.density = 1000;
+  m.youngs_modulus = 1e6;
+  m.poisson_ratio = 0.3;
+  return m;
+}
+
+struct BlockSpec {
+  ElementType type = ElementType::hexahedron;
+  int nx = 2, ny = 2, nz = 2;
+  Vec3 size = Vec3(0.1, 0.1, 0.1);  ///< of a cell
+  Vec3 at = Vec3::Zero();           ///< lowest corner
+  Vec3 velocity = Vec3::Zero();
+  Part part = {"block", soft()};
+};
+
+/// Each block a part of its own.
+inline Model blocks(std::initializer_list<BlockSpec> specs) {
+  Shape all;
+  Model model;
+  for (const BlockSpec& spec : specs) {
+    Shape shape = block(spec.type, spec.nx, spec.ny, spec.nz);
+    for (Vec3& x : shape.positions) x = x.cwiseProduct(spec.size) + spec.at;
+    model.velocities.insert(model.velocities.end(), shape.positions.size(), spec.velocity);
+    all.append(shape, static_cast<std::int32_t>(model.parts.size()));
+    model.parts.push_back(spec.part);
+  }
+  model.mesh = all.mesh();
+  model.positions = all.positions;
+  return model;
+}
+
+/// Mean of the positions (or velocities) of a part's vertices.
+inline Vec3 mean(const Simulation& s, std::span<const Vec3> values, std::int32_t part) {
+  Vec3 sum = Vec3::Zero();
+  double count = 0;
+  const Mesh& mesh = s.topology().mesh();
+  for (Index o = 0; o < mesh.element_slots(); ++o)
+    if (mesh.alive(o) && mesh.object(o) == part)
+      for (Index v : mesh.vertices(o)) {
+        sum += values[v];
+        ++count;
+      }
+  return sum / count;
+}
+
+}  // namespace volccd::simulation

@@ -1,0 +1,222 @@
+// The time loop: what physics says it keeps, and that it is the same bits again.
+#include <cstring>
+#include <sstream>
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+
+#include <volccd/core/error.hpp>
+#include "simulation_models.hpp"
+
+namespace volccd::simulation {
+namespace {
+
+bool same_bits(std::span<const Vec3> a, std::span<const Vec3> b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0;
+}
+
+TEST(SimulationFreeBody, KeepsMomentumAngularMomentumAndEnergy) {
+  for (ElementType type : {ElementType::tetrahedron, ElementType::hexahedron}) {
+    Model model = blocks({{type, 3, 2, 2}});
+    const std::vector<Vec3> noise = jittered(model.velocities, 1, 7);
+    for (std::size_t i = 0; i < noise.size(); ++i)
+      model.velocities[i] = noise[i] + Vec3(3, 2, 1) + Vec3(1, 5, 2).cross(model.positions[i]);
+    SerialExecutor executor;
+    Simulation s(model, {}, executor);
+    const Ledger before = s.ledger();
+    s.advance_to(0.1);
+    const Ledger after = s.ledger();
+    EXPECT_GT(s.take_counts().substeps, 50u);
+    EXPECT_LT((after.momentum - before.momentum).norm(), 1e-12 * before.momentum.norm());
+    EXPECT_LT((after.angular_momentum - before.angular_momentum).norm(), 1e-12 * before.angular_momentum.norm());
+    EXPECT_LT(std::abs(after.balance_error()), 5e-3 * before.initial);
+    EXPECT_GT(after.elastic, 0.01 * before.initial);
+  }
+}
+
+TEST(SimulationFall, IsAccountedForExactly) {
+  Model model = blocks({{}});
+  model.gravity = Vec3(0, 0, -9.81);
+  SerialExecutor executor;
+  Simulation s(model, {}, executor);
+  const Vec3 at = mean(s, s.positions(), 0);
+  s.advance_to(0.1);
+  EXPECT_NEAR(mean(s, s.positions(), 0).z() - at.z(), -9.81 * 0.1 * 0.1 / 2, 1e-12);
+  const Ledger& l = s.ledger();
+  EXPECT_NEAR(l.external, l.kinetic, 1e-9 * l.kinetic);
+  EXPECT_LT((l.momentum - l.impulse).norm(), 1e-12 * l.momentum.norm());
+  EXPECT_EQ(s.time(), 0.1);
+}
+
+TEST(SimulationDamping, TakesWhatItSays) {
+  Model model = blocks({{.velocity = Vec3(1, 0, 0)}});
+  model.parts[0].material.damping = 10;
+  SerialExecutor executor;
+  Simulation s(model, {}, executor);
+  s.advance_to(0.1);
+  EXPECT_NEAR(s.velocities()[0].x(), std::exp(-1.0), 0.01);
+  EXPECT_LT(std::abs(s.ledger().balance_error()), 1e-6 * s.ledger().initial);
+}
+
+Part rigid_part() {
+  Part part{"rigid", soft()};
+  part.rigid = true;
+  return part;
+}
+
+TEST(SimulationRigidBody, SpinsWithConstantAngularMomentum) {
+  Model model = blocks({{.size = Vec3(0.3, 0.2, 0.05), .part = rigid_part()}});
+  for (std::size_t i = 0; i < model.positions.size(); ++i)
+    model.velocities[i] = Vec3(1, 2, 3) + Vec3(0.3, 10, 0.1).cross(model.positions[i]);
+  SimulationOptions options;
+  options.max_step = 1e-3;
+  SerialExecutor executor;
+  Simulation s(model, options, executor);
+  const Ledger before = s.ledger();
+  s.advance_to(1);
+  const Ledger& after = s.ledger();
+  EXPECT_LT((after.momentum - before.momentum).norm(), 1e-13 * before.momentum.norm());
+  EXPECT_LT((after.angular_momentum - before.angular_momentum).norm(), 1e-11 * before.angular_momentum.norm());
+  EXPECT_LT(std::abs(after.balance_error()), 1e-4 * before.initial);
+  // It has tumbled, and kept its shape.
+  const auto x = s.positions();
+  EXPECT_GT((x[1] - x[0] - (model.positions[1] - model.positions[0])).norm(), 0.01);
+  for (std::size_t i = 1; i < x.size(); ++i)
+    EXPECT_NEAR((x[i] - x[0]).norm(), (model.positions[i] - model.positions[0]).norm(), 1e-12);
+}
+
+TEST(SimulationRigidBody, ImpactKeepsMomentumAndAngularMomentum) {
+  // Off centre, so that both are set spinning.
+  Model model = blocks({{.velocity = Vec3(5, 0, 0), .part = rigid_part()},
+                        {.at = Vec3(0.25, 0.12, 0.07), .part = rigid_part()}});
+  SimulationOptions options;
+  options.max_step = 1e-3;
+  SerialExecutor executor;
+  Simulation s(model, options, executor);
+  const Ledger before = s.ledger();
+  s.advance_to(0.05);
+  const Ledger& after = s.ledger();
+  EXPECT_GT(s.take_counts().inter, 0u);
+  EXPECT_LT((after.momentum - before.momentum).norm(), 1e-12 * before.momentum.norm());
+  EXPECT_LT((after.angular_momentum - before.angular_momentum).norm(), 0.01 * before.angular_momentum.norm());
+  EXPECT_GT(mean(s, s.velocities(), 1).x(), 0.5);
+  EXPECT_GT(after.contact, 0);
+  EXPECT_LT(std::abs(after.balance_error()), 1e-3 * before.initial);
+}
+
+Model tearing_bar() {
+  Model model = blocks({{.nx = 8, .ny = 2, .nz = 2}});
+  for (std::size_t i = 0; i < model.positions.size(); ++i)
+    model.velocities[i] = Vec3(40 * (model.positions[i].x() - 0.4), 1, 0);
+  model.parts[0].material.failure_stress = 2e5;
+  return model;
+}
+
+TEST(SimulationSplitting, KeepsMassAndMomentum) {
+  SerialExecutor executor;
+  Simulation s(tearing_bar(), {}, executor);
+  const Ledger before = s.ledger();
+  const Index vertices = s.topology().mesh().vertex_count();
+  s.advance_to(0.02);
+  const Ledger& after = s.ledger();
+  EXPECT_GT(s.take_counts().splits, 0u);
+  EXPECT_GT(s.topology().mesh().vertex_count(), vertices);
+  EXPECT_EQ(s.positions().size(), s.topology().mesh().vertex_count());
+  EXPECT_NEAR(after.mass, before.mass, 1e-13 * before.mass);
+  EXPECT_LT((after.momentum - before.momentum).norm(), 1e-11 * before.momentum.norm());
+  EXPECT_LT(std::abs(after.balance_error()), 0.02 * before.initial);
+  // A vertex that is new began where its original was (Section 6.3).
+  for (Index v = vertices; v < s.topology().mesh().vertex_count(); ++v)
+    EXPECT_LT((s.positions()[v] - s.start_positions()[v]).norm(), 0.02 * 40);
+}
+
+/// Two blocks that hit each other and tear, on a wall.
+Model busy_model() {
+  Model model = blocks({{.nx = 3, .velocity = Vec3(6, 0, 0)},
+                        {ElementType::tetrahedron, 2, 2, 2, Vec3(0.1, 0.1, 0.1), Vec3(0.31, 0.03, 0.01)}});
+  model.parts[0].material.failure_stress = 2e4;
+  model.parts[0].material.friction = model.parts[1].material.friction = 0.3;
+  model.walls.push_back({Vec3(0, 0, -0.01), Vec3(0, 0, 1), 0.4});
+  model.gravity = Vec3(0, 0, -9.81);
+  return model;
+}
+
+TEST(SimulationDeterminism, ThreadsDoNotMatter) {
+  for (int group : {1, 4}) {
+    SimulationOptions options;
+    options.substeps_per_query = group;
+    SerialExecutor one;
+    const std::unique_ptr<Executor> two = make_executor(2);
+    Simulation a(busy_model(), options, one), b(busy_model(), options, *two);
+    for (double time : {0.01, 0.03}) {
+      a.advance_to(time);
+      b.advance_to(time);
+    }
+    EXPECT_TRUE(same_bits(a.positions(), b.positions()));
+    EXPECT_TRUE(same_bits(a.velocities(), b.velocities()));
+    const SimulationCounts counts = a.take_counts();
+    EXPECT_GT(counts.inter, 0u);
+    EXPECT_GT(counts.splits, 0u);
+  }
+}
+
+TEST(SimulationCheckpoint, GoesOnBitForBit) {
+  for (int group : {1, 3}) {
+    SimulationOptions options;
+    options.substeps_per_query = group;
+    SerialExecutor executor;
+    Simulation whole(busy_model(), options, executor);
+    whole.advance_to(0.025);
+    ASSERT_GT(whole.topology().mesh().vertex_count(), busy_model().mesh.vertex_count());
+    std::ostringstream out;
+    Archive writer(out);
+    whole.archive(writer);
+    Simulation resumed(busy_model(), options, executor);
+    std::istringstream in(out.str());
+    Archive reader(in);
+    resumed.archive(reader);
+    EXPECT_EQ(resumed.time(), whole.time());
+    EXPECT_TRUE(same_bits(whole.positions(), resumed.positions()));
+    whole.advance_to(0.035);
+    resumed.advance_to(0.035);
+    EXPECT_TRUE(same_bits(whole.positions(), resumed.positions()));
+    EXPECT_TRUE(same_bits(whole.velocities(), resumed.velocities()));
+    EXPECT_EQ(whole.ledger().balance_error(), resumed.ledger().balance_error());
+    EXPECT_EQ(whole.take_counts().edits, resumed.take_counts().edits);
+  }
+}
+
+TEST(SimulationInput, RefusesWhatDoesNotHoldTogether) {
+  SerialExecutor executor;
+  const auto refuses = [&](Model model) { EXPECT_THROW(Simulation(model, {}, executor), InputError); };
+  Model model = blocks({{}});
+  model.velocities.pop_back();
+  refuses(model);
+  model = blocks({{}});
+  model.fixed.push_back(model.mesh.vertex_count());
+  refuses(model);
+  model = blocks({{}});
+  model.parts.clear();
+  refuses(model);
+  model = blocks({{}});
+  model.positions[3].y() = std::nan("");
+  refuses(model);
+  model = blocks({{}});
+  model.walls.push_back({Vec3::Zero(), Vec3(0, 0, 2)});
+  refuses(model);
+  SimulationOptions options;
+  options.substeps_per_query = 0;
+  EXPECT_THROW(Simulation(blocks({{}}), options, executor), ConfigError);
+  options = {};
+  options.pipeline = "nothing";
+  EXPECT_THROW(Simulation(blocks({{}}), options, executor), ConfigError);
+  Simulation other(blocks({{}, {.at = Vec3(1, 0, 0)}}), {}, executor), s(blocks({{}}), {}, executor);
+  std::stringstream stream;
+  Archive writer(static_cast<std::ostream&>(stream));
+  other.archive(writer);
+  Archive reader(static_cast<std::istream&>(stream));
+  EXPECT_THROW(s.archive(reader), InputError);
+}
+
+}  // namespace
+}  // namespace volccd::simulation

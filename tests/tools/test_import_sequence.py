@@ -1,0 +1,204 @@
+"""tools/import_sequence.py on files that other programs wrote (data/README.md), read back by `volccd` and by h5py."""
+
+import contextlib
+import io
+import os
+import subprocess
+import sys
+import tempfile
+import types
+import unittest
+
+SKIPPED = 77  # what CTest takes for "skipped"
+try:
+    import h5py
+    import meshio  # noqa: F401  # pylint: disable=unused-import
+    import numpy as np
+except ImportError as missing:
+    # Debian's packages belong to Debian's interpreter, which need not be the first in the path.
+    SYSTEM = "/usr/bin/python3"
+    if os.path.realpath(sys.executable) != os.path.realpath(SYSTEM) and os.path.exists(SYSTEM):
+        os.execv(SYSTEM, [SYSTEM, *sys.argv])
+    print(f"skipped: {missing}; install python3-meshio and python3-h5py")
+    sys.exit(SKIPPED)
+
+VOLCCD = sys.argv.pop(1)
+HERE = os.path.dirname(os.path.abspath(__file__))
+TOOL = os.path.join(os.path.dirname(os.path.dirname(HERE)), "tools", "import_sequence.py")
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.dirname(TOOL))
+import import_sequence  # noqa: E402  # pylint: disable=wrong-import-position
+
+
+def data(*names):
+    return [os.path.join(HERE, "data", name) for name in names]
+
+
+class Importer(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.target = self.path("out.vtkhdf")
+
+    def path(self, name, text=None):
+        result = os.path.join(self.folder, name)
+        if text is not None:
+            with open(result, "w", encoding="ascii") as file:
+                file.write(text)
+        return result
+
+    def run_tool(self, *arguments):
+        """In this process: starting Python and meshio takes longer than the work."""
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            try:
+                code = import_sequence.main([*arguments, "-o", self.target])
+            except SystemExit as end:
+                code = end.code
+        return types.SimpleNamespace(returncode=code, stdout=out.getvalue(), stderr=err.getvalue())
+
+    def good(self, *arguments):
+        """The file that came out, which `volccd` accepts."""
+        done = self.run_tool(*arguments)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.said = done.stderr
+        read = subprocess.run([VOLCCD, "info", self.target], capture_output=True, text=True, check=False)
+        self.assertEqual(read.returncode, 0, read.stderr)
+        self.info = read.stdout
+        file = h5py.File(self.target, "r")
+        self.addCleanup(file.close)
+        return file["VTKHDF"]
+
+    def bad(self, *arguments, says):
+        before = sorted(os.listdir(self.folder))
+        done = self.run_tool(*arguments)
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        self.assertIn(says, done.stderr)
+        self.assertNotIn("Traceback", done.stderr)
+        self.assertEqual(sorted(os.listdir(self.folder)), before)
+
+    def check_boxes(self, grid, parts, ids_kept=True):
+        self.assertEqual(grid["NumberOfPoints"][:].tolist(), [22])
+        self.assertEqual(grid["Types"][:].tolist(), [10] * 24 + [12])
+        first = 25 if ids_kept else 0
+        self.assertEqual(grid["CellData/GlobalCellIds"][:].tolist(), list(range(first, first + 25)))
+        self.assertEqual(grid["PointData/GlobalPointIds"][:].tolist(), list(range(int(ids_kept), 22 + int(ids_kept))))
+        self.assertEqual(grid["CellData/PartId"][:].tolist(), [parts[0]] * 24 + [parts[1]])
+        points, cells = grid["Points"][:], grid["Connectivity"][:96].reshape(-1, 4)
+        corners = points[cells]
+        volumes = np.linalg.det(corners[:, 1:] - corners[:, :1]) / 6
+        self.assertAlmostEqual(np.abs(volumes).sum(), 1, places=5)
+        self.assertAlmostEqual(np.ptp(points[grid["Connectivity"][96:]], axis=0).prod(), 1, places=5)
+        self.assertIn("24 triangles and quads that are faces", self.said)
+
+    def test_gmsh(self):
+        for name, kept in (("boxes_22.msh", True), ("boxes_41.msh", True), ("boxes_41b.msh", False)):
+            with self.subTest(name):
+                self.check_boxes(self.good(*data(name)), (7, 9), ids_kept=kept)
+                self.assertRegex(self.info, r"part 7 +24  soft body\n +part 9 +1  plate")
+
+    def test_faces_are_kept_on_request(self):
+        grid = self.good(*data("boxes_41.msh"), "--keep-faces")
+        self.assertEqual(grid["Types"][:].tolist(), [5] * 24 + [10] * 24 + [12])
+        self.assertRegex(self.info, r"part 20 +24  skin")
+
+    def test_abaqus(self):
+        self.check_boxes(self.good(*data("boxes.inp")), (1, 2))
+        self.assertRegex(self.info, r"part 1 +24  soft_body\n +part 2 +1  plate")
+        self.check_boxes(self.good(*data("boxes.inp"), "--sets", "plate,soft_body"), (2, 1))
+        self.bad(*data("boxes.inp"), "--sets", "wheel", says="no set 'wheel'; there is: Surface1")
+
+    def test_abaqus_sets_of_mixed_cells_and_overlapping_sets(self):
+        nodes = "".join(f"{10 + i}, {i & 1}, {i >> 1 & 1}, {i >> 2}\n" for i in range(8))
+        cells = "*ELEMENT, TYPE=C3D4, ELSET=body\n3, 10, 11, 12, 14\n1, 17, 16, 15, 13\n" \
+                "*ELEMENT, TYPE=C3D8, ELSET=body\n7, 10, 11, 13, 12,\n14, 15, 17, 16\n"
+        grid = self.good(self.path("a.inp", f"*NODE\n{nodes}{cells}"))
+        self.assertEqual(grid["CellData/GlobalCellIds"][:].tolist(), [3, 1, 7])
+        self.assertEqual(grid["CellData/PartId"][:].tolist(), [1, 1, 1])
+        self.bad(self.path("b.inp", f"*NODE\n{nodes}{cells}*ELSET, ELSET=some, GENERATE\n1, 3, 2\n"),
+                 says="element 3 is in 'body' and in 'some'")
+
+    def test_nastran(self):
+        self.check_boxes(self.good(*data("boxes.bdf")), (1, 2))
+
+    def test_steps_with_ids_in_another_order_and_cells_that_go(self):
+        files = data("cells_1.vtu", "cells_10.vtu", "cells_2.vtu")
+        grid = self.good(*files, "--sort", "natural", "--dt", "0.5", "--units", "m", "--time-unit", "second")
+        self.assertEqual(grid["Steps/Values"][:].tolist(), [0, 0.5, 1])
+        self.assertEqual(grid["Steps/PartOffsets"][:].tolist(), [0, 0, 1])
+        self.assertEqual(grid["NumberOfCells"][:].tolist(), [4, 3])
+        self.assertEqual(grid["CellData/GlobalCellIds"][:].tolist(), [100, 101, 102, 103, 100, 102, 103])
+        self.assertEqual(grid["CellData/PartId"][:].tolist(), [1, 2, 1, 2, 1, 1, 2])
+        self.assertEqual(grid["PointData/GlobalPointIds"][:].tolist(), list(range(10, 33)))
+        points = grid["Points"][:].reshape(3, 23, 3)
+        for step in (1, 2):
+            self.assertTrue((points[step] == points[0] + [0.5 * step, 0, 0]).all())
+        velocity = grid["PointData/Velocity"][:].reshape(3, 23, 3)
+        self.assertTrue((velocity == np.column_stack([np.full(23, 0.25), np.zeros(23), np.arange(23)])).all())
+        self.assertIn("second", self.info)
+        self.assertRegex(self.info, r"hexahedron +1\n +wedge +1\n +pyramid +1")
+        detected = subprocess.run([VOLCCD, "detect", self.target], capture_output=True, text=True, check=False)
+        self.assertEqual(detected.returncode, 0, detected.stderr)
+
+    def test_order_of_files(self):
+        files = data("cells_1.vtu", "cells_10.vtu", "cells_2.vtu")
+        self.bad(*files, says="give --sort natural, or --sort given")
+        self.assertEqual(self.good(*files, "--sort", "given")["Steps/PartOffsets"][:].tolist(), [0, 1, 2])
+
+    def test_legacy_vtk(self):
+        grid = self.good(*data("legacy_42.vtk", "legacy_51.vtk"), "--times", "0,0.25")
+        self.assertEqual(grid["Types"][:].tolist(), [10, 12, 13, 14])
+        self.assertEqual(grid["CellData/GlobalCellIds"][:].tolist(), [100, 101, 102, 103])
+        self.assertEqual(grid["PointData/GlobalPointIds"][:].tolist(), list(range(10, 33)))
+        points = grid["Points"][:].reshape(2, 23, 3)
+        self.assertTrue((points[1] == points[0] + [1, 0, 0]).all())
+        self.assertTrue((grid["PointData/Velocity"][:, 2] == np.tile(np.arange(23), 2)).all())
+
+    def test_surfaces(self):
+        grid = self.good(*data("cube.ply", "cube_moved.ply"), "--thickness", "0.01")
+        self.assertEqual(grid["Types"][:].tolist(), [5] * 12)
+        points = grid["Points"][:].reshape(2, 8, 3)
+        self.assertTrue((points[1] == points[0] + [0.25, 0, 0]).all())
+        self.assertTrue((grid["CellData/Thickness"][:] == 0.01).all())
+        self.assertEqual(self.good(*data("cube.obj"))["NumberOfCells"][:].tolist(), [12])
+
+    def test_points_that_come_and_go(self):
+        def file(name, nodes, triangle):
+            lines = "".join(f"{i}, {x}, 0, {y}\n" for i, x, y in nodes)
+            return self.path(name, f"*NODE\n{lines}*ELEMENT, TYPE=S3\n{triangle}\n")
+
+        grid = self.good(file("0.inp", [(1, 0, 0), (2, 1, 0), (3, 0, 1)], "5, 1, 2, 3"),
+                         file("1.inp", [(4, 9, 9), (2, 2, 0), (1, 1, 0)], "6, 4, 2, 1"))
+        self.assertEqual(grid["PointData/GlobalPointIds"][:].tolist(), [1, 2, 3, 4])
+        self.assertEqual(grid["Points"][:].tolist(), [[0, 0, 0], [1, 0, 0], [0, 0, 1], [9, 0, 9],
+                                                      [1, 0, 0], [2, 0, 0], [0, 0, 1], [9, 0, 9]])
+        self.assertEqual(grid["Connectivity"][:].tolist(), [0, 1, 2, 3, 1, 0])
+
+    def test_as_a_program(self):
+        for arguments, code in ((data("cube.obj"), 0), (data("polyhedron.vtu"), 2), (["--help"], 0), (["--nonsense"], 2)):
+            done = subprocess.run([sys.executable, TOOL, *arguments, "-o", self.target], capture_output=True, check=False)
+            self.assertEqual(done.returncode, code, done.stderr)
+
+    def test_what_is_refused(self):
+        self.bad(*data("boxes_order2.msh"), says="24 triangle6, 24 tetra10, 1 hexahedron27: not supported")
+        self.bad(*data("polyhedron.vtu"), says="1 polyhedron4: not supported")
+        self.bad(self.path("none.vtu"), says="none.vtu: no such file")
+        self.bad(self.path("a.stl", "solid\n"), says="unknown extension '.stl'")
+        self.bad(self.path("junk.vtk", "junk\n"), says="junk.vtk: meshio cannot read it as vtk")
+        self.bad(*data("cells_1.vtu", "cells_2.vtu"), "--times", "1", says="1 times for 2 files")
+        self.bad(*data("cells_1.vtu", "cells_2.vtu"), "--times", "1,1", says="time[1]: 1.0 is not finite or not after")
+        self.bad(*data("cells_1.vtu"), "--part", "Colour", says="no array 'Colour'; there is: ElementId, PartId")
+        self.bad(*data("cells_1.vtu", "cells_10.vtu"), "--cell-ids", "none", says="there are no cell ids")
+        self.bad(*data("cells_1.vtu", "cube.ply"), says="cube.ply: point ids: not given here but in the first file")
+        self.bad(self.path("a.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n"), says="points[2]: not a finite number")
+        self.bad(self.path("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n"), says="cells[1]: uses point 3 of 3")
+        self.bad(self.path("c.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2\n"), says="cells[0]: has a vertex twice")
+        self.bad(self.path("d.inp", "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n*ELEMENT, TYPE=S3\n7, 1, 2, 3\n7, 3, 2, 1\n"),
+                 says="cell ids[1]: 7 is there twice")
+        self.bad(self.path("e.inp", "*NODE\n1, 0, 0, 0\n*NODE\n2, 1, 0, 0\n3, 0, 1, 0\n4, 1, 1, 0\n"
+                                    "*ELEMENT, TYPE=S3\n1, 2, 3, 4\n"), says="nodes: the file has 4, meshio reads 3")
+
+
+if __name__ == "__main__":
+    unittest.main()
