@@ -94,11 +94,20 @@ class PanelReader {
     ids_ = solid_vertex_ids(ids_);
   }
 
+  /// A motion has the cells of its end, which may be others than those in the picture.
+  SequenceCells cells_of_motion(int motion) {
+    SequenceCells cells;
+    reader_.read_cells(motion + 1, cells);
+    if (config_.shells == ShellModel::surface) return cells;
+    const Mesh mesh = mesh_of(reader_.point_ids(), cells);
+    return cells_of(ShellThickener(mesh).solid_mesh(mesh));
+  }
+
   void read_contacts(PanelData& data) {
     const int motion = std::min(panel_.step, reader_.step_count() - 2);
     data.contacts = panel_.contacts.empty() ? find_contacts(reader_, motion, config_.shells, config_.threads)
                                             : contacts_from_csv(panel_.contacts, motion, ids_);
-    classify(data.contacts, data.all, static_cast<Index>(data.points.size()));
+    classify(data.contacts, cells_of_motion(motion), static_cast<Index>(data.points.size()));
     for (const PictureContact& contact : data.contacts) ++(contact.inter ? data.inter : data.intra);
   }
 
@@ -302,13 +311,15 @@ class Composer {
   double mark_size() const { return std::min(panel_width_, 2 * view_height_) / 260.0; }
 
   std::vector<Mark> marks(const PanelData& panel) const {
-    std::vector<char> drawn(panel.points.size());
-    for (const Index v : panel.drawn.connectivity) drawn[v] = 1;
+    // Vertices of parts left out; those that come with the cells of the motion's end are of none.
+    std::vector<char> left_out(panel.points.size());
+    for (const Index v : panel.all.connectivity) left_out[v] = 1;
+    for (const Index v : panel.drawn.connectivity) left_out[v] = 0;
     std::vector<Mark> marks;
     for (const PictureContact& contact : panel.contacts) {
       const Vec3 place = mark_place(contact, panel.points);
       const bool shown =
-          std::all_of(contact.vertices.begin(), contact.vertices.end(), [&](Index v) { return drawn[v] != 0; }) &&
+          std::none_of(contact.vertices.begin(), contact.vertices.end(), [&](Index v) { return left_out[v] != 0; }) &&
           !taken_away(place);
       if (shown)
         marks.push_back(

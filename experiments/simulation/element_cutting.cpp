@@ -98,16 +98,17 @@ class Cutter {
   const Cut& cut_;
   double depth_;
 
-  std::vector<std::array<Index, 2>> edges_;  ///< of the object, ascending
-  std::vector<signed char> side_;            ///< a vertex: -1, 0, 1 of the plane
-  std::vector<DividedEdge> divided_;         ///< ascending
-  std::vector<Piece> pieces_;                ///< of all tetrahedra of the object, by parent
+  std::vector<std::array<Index, 2>> edges_;                        ///< of the object, ascending
+  std::vector<signed char> side_;                                  ///< a vertex: -1, 0, 1 of the plane
+  std::vector<DividedEdge> divided_;                               ///< ascending
+  std::vector<Piece> pieces_;                                      ///< of all tetrahedra of the object, by parent
   std::vector<std::pair<Index, std::pair<Index, Index>>> copies_;  ///< (piece, (vertex, its copy))
   TopologyProposal proposal_;
 
   // Scratch of part_star.
   Groups groups_;
-  std::vector<std::tuple<Index, Index, std::size_t>> star_faces_;  ///< (other vertices of a face at v, place in the star)
+  std::vector<std::tuple<Index, Index, std::size_t>>
+      star_faces_;  ///< (other vertices of a face at v, place in the star)
 };
 
 bool Cutter::is_covered(const Vec3& p) const {
@@ -155,7 +156,8 @@ void Cutter::check_tetrahedra(std::array<Index, 2> edge) const {
   const Features& features = topology_.features();
   for (Index o : features.edge_elements(features.find_edge(edge[0], edge[1])))
     if (!in_object(o))
-      throw InputError("cut", "elements", mesh_.element_id(o), "shares an edge with what is cut, but is of another part");
+      throw InputError("cut", "elements", mesh_.element_id(o),
+                       "shares an edge with what is cut, but is of another part");
 }
 
 /// Bisects each tetrahedron by its divided edges, one after the other in their order. A face then is triangulated

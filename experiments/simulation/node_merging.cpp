@@ -30,12 +30,17 @@ struct Terms {
 };
 
 /// Neighbours of each corner of a hexahedron, such that corners of a good one have positive volume.
-constexpr int kHexCorners[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7}, {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
+constexpr int kHexCorners[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
+                                   {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
 
 class Merger {
  public:
   Merger(const Topology& topology, std::span<const Part> parts, std::span<const Vec3> positions)
-      : topology_(topology), mesh_(topology.mesh()), parts_(parts), x_(positions), changed_(mesh_.vertex_count(), false) {}
+      : topology_(topology),
+        mesh_(topology.mesh()),
+        parts_(parts),
+        x_(positions),
+        changed_(mesh_.vertex_count(), false) {}
 
   std::vector<Candidate> candidates(std::span<const LoadedContact> contacts) const;
 
@@ -141,7 +146,8 @@ bool Merger::faces_fit(const Candidate& pair, const Vec3& place) const {
   });
 }
 
-/// Whether element o at a and p at b share no face once merged, or one that they fill from two sides and nobody else uses.
+/// Whether element o at a and p at b share no face once merged, or one that they fill from two sides and nobody else
+/// uses.
 bool Merger::face_fits(Index o, Index p, const Candidate& pair, const Vec3& place) const {
   std::vector<Index> common;
   for (Index v : mesh_.vertices(o))
@@ -151,9 +157,8 @@ bool Merger::face_fits(Index o, Index p, const Candidate& pair, const Vec3& plac
   const std::size_t others = mesh_.type(o) == ElementType::tetrahedron ? 2 : 3;  // of a face, with the merged one
   if (common.size() != others) return common.size() < others;
   const auto users = [&](Index v) {
-    return std::ranges::count_if(elements(v), [&](Index q) {
-      return std::ranges::all_of(common, [&](Index w) { return has(q, w); });
-    });
+    return std::ranges::count_if(
+        elements(v), [&](Index q) { return std::ranges::all_of(common, [&](Index w) { return has(q, w); }); });
   };
   if (users(pair.a) != 1 || users(pair.b) != 1) return false;
   const Vec3 normal = (x_[common[0]] - place).cross(x_[common[1]] - place);

@@ -13,11 +13,11 @@ struct LoadedContact {
   double force = 0;  ///< magnitude, N
 };
 
-/// A vertex of one feature of a contact and a vertex of the other merge when they are nearer than the merging distance and
-/// the force exceeds the merging force; of two parts, the smaller distance and the greater force count. The vertex
-/// of lower slot stays, at their centre of mass, with their common momentum; the elements of the other take it over, with
-/// the shapes at rest that they had (TopologyProposal::shapes_of_parents); the other vertex is used by no element then.
-/// Kinetic energy is lost as in a plastic impact.
+/// A vertex of one feature of a contact and a vertex of the other merge when they are nearer than the merging
+/// distance and the force exceeds the merging force; of two parts, the smaller distance and the greater force count.
+/// The vertex of lower slot stays, at their centre of mass, with their common momentum; the elements of the other
+/// take it over, with the shapes at rest that they had (TopologyProposal::shapes_of_parents); the other vertex is
+/// used by no element then. Kinetic energy is lost as in a plastic impact.
 ///
 /// The nearest pair first (then by slots). A pair is refused when
 ///   - an element has both vertices, or one of the parts is rigid;

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <tuple>
 
-#include <Eigen/Eigenvalues>
 #include <fmt/format.h>
+#include <Eigen/Eigenvalues>
 
 namespace volccd::simulation {
 

@@ -1,4 +1,5 @@
-// What a topology edit of a simulation is before it is applied: the edit, and what its new vertices and elements inherit.
+// What a topology edit of a simulation is before it is applied: the edit, and what its new vertices and elements
+// inherit.
 //
 // How a loop applies one, with `x`, `v`, `reference` its values a vertex:
 //   inherit(proposal, x); inherit(proposal, v); inherit(proposal, reference);
@@ -16,8 +17,8 @@
 
 namespace volccd::simulation {
 
-/// Any quantity at a new vertex is weights[0] * at parents[0] + weights[1] * at parents[1], its parents being vertices from
-/// before the edit. A vertex that is copied has its original twice, with weights 1 and 0.
+/// Any quantity at a new vertex is weights[0] * at parents[0] + weights[1] * at parents[1], its parents being
+/// vertices from before the edit. A vertex that is copied has its original twice, with weights 1 and 0.
 struct VertexOrigin {
   std::array<Index, 2> parents;
   std::array<double, 2> weights;

@@ -324,18 +324,24 @@ TEST(PictureText, FillsTheWidthItSays) {
 /// The tip of a tetrahedron goes through a triangle: one contact, of vertex 3 (id 13).
 class TipOnTriangle {
  public:
-  explicit TipOnTriangle(std::int32_t part_of_triangle) : file_("tip.vtkhdf") {
-    const std::vector<std::int64_t> ids{10, 11, 12, 13, 14, 15, 16};
+  /// `remade`: at the end the triangle is another one, of other vertices at the same place.
+  explicit TipOnTriangle(std::int32_t part_of_triangle, bool remade = false) : file_("tip.vtkhdf") {
+    const std::vector<std::int64_t> ids{10, 11, 12, 13, 14, 15, 16, 17, 18, 19};
     std::vector<Vec3> points{{-1, -1, 2}, {1, -1, 2}, {0, 1, 2}, {0, 0, 0.5}, {-3, -2, 0}, {3, -2, 0}, {0, 4, 0}};
-    SequenceCells cells;
-    cells.add({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 1, 0});
-    cells.add({ElementType::triangle, {4, 5, 6}, {}, part_of_triangle, 1});
+    for (std::size_t v = 4; v < 7; ++v) points.push_back(points[v]);
+    const auto cells_with = [&](const std::vector<Index>& triangle, std::int64_t id) {
+      SequenceCells cells;
+      cells.add({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 1, 0});
+      cells.add({ElementType::triangle, triangle, {}, part_of_triangle, id});
+      return cells;
+    };
+    const SequenceCells cells = cells_with({4, 5, 6}, 1), end = remade ? cells_with({7, 8, 9}, 2) : cells;
     SequenceMetadata metadata;
     metadata.part_names = {{1, "Tip, steel"}};
     SequenceWriter writer(file_.path(), ids, metadata);
     writer.write_step(0, points, cells);
     for (int v = 0; v < 4; ++v) points[v].z() -= 1;
-    writer.write_step(1, points, cells);
+    writer.write_step(1, points, end);
     writer.finish();
   }
 
@@ -391,6 +397,16 @@ TEST(SequencePicture, MarksTheContactWhereItIs) {
       without.contacts = false;
       EXPECT_EQ(find_colour(draw_sequences({&panel, 1}, without), part == 1 ? kIntraColour : kInterColour).first, 0);
     }
+}
+
+TEST(SequencePicture, ContactsOfNewCellsAreOfTheirParts) {
+  for (const int part : {1, 2}) {
+    const TipOnTriangle scene(part, true);
+    const PicturePanel panel{scene.path(), 0, "", ""};
+    const Image image = draw_sequences({&panel, 1}, TipOnTriangle::config());
+    EXPECT_GT(find_colour(image, part == 1 ? kIntraColour : kInterColour).first, 40);
+    EXPECT_EQ(find_colour(image, part == 1 ? kInterColour : kIntraColour).first, 0);
+  }
 }
 
 TEST(SequencePicture, TakesContactsFromAFile) {

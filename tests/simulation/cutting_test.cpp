@@ -171,7 +171,8 @@ TEST(ElementCutting, PiecesKnowTheirParents) {
   const ElementHeritage heritage = heritage_of(proposal, body.mesh());
   ASSERT_EQ(heritage.added.size(), proposal.edit.added.size());
   std::map<Index, double> volume;
-  for (std::size_t i = 0; i < heritage.added.size(); ++i) volume[heritage.parents[i]] += tet_volume(body, heritage.added[i]);
+  for (std::size_t i = 0; i < heritage.added.size(); ++i)
+    volume[heritage.parents[i]] += tet_volume(body, heritage.added[i]);
   EXPECT_EQ(volume.size(), heritage.removed.size());
   for (const auto& [parent, sum] : volume) EXPECT_NEAR(sum, before[parent], 1e-14);
   for (const auto& [id, vertices] : ids) EXPECT_NE(body.mesh().find_element(id), kNone) << "one piece keeps the id";

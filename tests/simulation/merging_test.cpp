@@ -170,8 +170,8 @@ TEST(NodeMerging, RefusesWhatWouldDegenerate) {
   EXPECT_TRUE(propose(hinge(-1), {touch(4, 2, 0, 1)}).empty()) << "both on one side of the face";
 
   // Vertex 4 is far behind the face 1 2 3 of the other: the middle of 0 and 4 turns that one inside out.
-  const Body behind(tetrahedra({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(2, 2, 2), Vec3(3, 2, 2),
-                                Vec3(2, 3, 2), Vec3(2, 2, 3)},
+  const Body behind(tetrahedra({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(2, 2, 2),
+                                Vec3(3, 2, 2), Vec3(2, 3, 2), Vec3(2, 2, 3)},
                                {{0, 1, 2, 3}, {4, 5, 6, 7}}));
   EXPECT_TRUE(propose(behind, {touch(0, 4, 5, 6)}, parts).empty());
   EXPECT_FALSE(propose(behind, {touch(3, 4, 5, 6)}, parts).empty());
