@@ -18,6 +18,10 @@ constexpr double value_error_factor(int degree) { return 8 * degree * kUnitRound
 /// For the error of the coefficients themselves in a value: their weights add up to 1, but for rounding.
 inline constexpr double kCubicErrorSlack = 2;
 
+/// A distance from closest_points() is that of two points of the features, to within this times the sum of the extents, up
+/// to three control points: 12 u an axis, for both features.
+inline constexpr double kDistanceError = 64 * kUnitRoundoff;
+
 /// Half the length of the piece around a root in which features are looked at first.
 inline constexpr double kRootMargin = 0x1p-16;
 

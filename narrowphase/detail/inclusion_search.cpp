@@ -95,6 +95,13 @@ class PieceSearch {
       MotionPiece<kPoints> piece(test_, part.lo, part.hi);
       if (piece.never_coplanar() || (moved_apart_ && piece.separated_along(axis_))) continue;
       look(piece);
+      if (test_.separation() > 0) {
+        if (certainly_within(part.lo)) return touch(part.lo);  // all before is free
+        if (certainly_within(part.hi)) {
+          if (part.hi - part.lo <= tolerance_) return touch(part.lo);
+          if (part.level < kLevelsOfThree && split_at_approach(part)) continue;
+        }
+      }
       // What matters is decided at the root, and the polynomial tells where that is: a short part at first.
       if (part.level == 0 && crossing(piece)) {
         split_at_root(piece, part, kRootMargin);
@@ -143,7 +150,7 @@ class PieceSearch {
     return true;
   }
 
-  /// A contact that is certain. Those with a separation are none for this: their first time is found by halving alone.
+  /// A contact that is certain, without a separation.
   InclusionAnswer contact(const MotionPiece<kPoints>& piece) const {
     InclusionAnswer answer{Outcome::apart};
     if (!crossing(piece)) return answer;
@@ -159,14 +166,41 @@ class PieceSearch {
     return answer;
   }
 
-  InclusionAnswer undecided(double t) {
-    InclusionAnswer answer{Outcome::undecided};
+  InclusionAnswer undecided(double t) const { return found(Outcome::undecided, t); }
+  InclusionAnswer touch(double t) const { return found(Outcome::touch, t); }
+  InclusionAnswer found(Outcome outcome, double t) const {
+    InclusionAnswer answer{outcome};
     answer.toi = t;
     if (t == 0) {
       const MotionPiece<kPoints> start(test_, 0, 0);
       answer.at_start = !start.separated_along(separating_axis(test_.kind(), test_.at(0)));
     }
     return answer;
+  }
+
+  bool certainly_within(double t) const { return test_.gap(t) < -test_.gap_error(); }
+
+  /// Around the time at which the separation is reached, by false position (an end that stays put counts for half):
+  /// closer to it than the tolerance on both sides. Pre: within the separation at the part's end.
+  bool split_at_approach(const Part& part) {
+    double a = part.lo, b = part.hi, fa = test_.gap(a), fb = test_.gap(b), c = a;
+    if (!(fa > 0)) return false;
+    for (int round = 0; round < 8; ++round) {
+      c = a + (b - a) * (fa / (fa - fb));
+      const double fc = test_.gap(c);
+      if (std::abs(fc) <= test_.gap_error()) break;
+      if (fc > 0) {
+        a = c, fa = fc, fb *= 0.5;
+      } else {
+        b = c, fb = fc, fa *= 0.5;
+      }
+    }
+    const double from = std::max(part.lo, c - tolerance_ / 4), to = std::min(part.hi, c + tolerance_ / 4);
+    if (!(from < to)) return false;
+    stack_.push({to, part.hi, part.level + 1});
+    stack_.push({from, to, part.level + 1});
+    stack_.push({part.lo, from, part.level + 1});
+    return true;
   }
 
   void split(const MotionPiece<kPoints>& piece, const Part& part) {

@@ -7,6 +7,7 @@
 
 #include <Eigen/Geometry>
 
+#include <volccd/narrowphase/detail/closest_points.hpp>
 #include <volccd/narrowphase/detail/inclusion_bounds.hpp>
 
 namespace volccd::detail {
@@ -66,6 +67,12 @@ void BoundedTest<kPoints>::measure() {
   // The sides were computed from rounded differences: their error is a few units of the extent.
   const double slack = 16 * kUnitRoundoff * extent_.sum();
   coplanarity_within_separation_ = separation_ * kAreaSlack * std::max((first + slack) * (second + slack), kLeastSquare);
+  gap_error_ = kDistanceError * extent_.sum() + 32 * kUnitRoundoff * separation_;
+}
+
+template <int kPoints>
+double BoundedTest<kPoints>::gap(double t) const {
+  return std::sqrt(closest_points(kind_, at(t)).squared_distance) - separation_;
 }
 
 template <int kPoints>

@@ -36,6 +36,10 @@ class BoundedTest {
   /// At time t, rounded.
   Differences at(double t) const;
 
+  /// Distance of the features at time t less the separation, off by less than gap_error().
+  double gap(double t) const;
+  double gap_error() const { return gap_error_; }
+
  private:
   void take(const TestPoints& x, double separation, double scale);
   void measure();
@@ -46,7 +50,7 @@ class BoundedTest {
   std::array<Vec3, 3> extents_;
   Vec3 extent_;
   bool rigid_ = false;
-  double coplanarity_error_ = 0, coplanarity_underflow_ = 0, coplanarity_within_separation_ = 0;
+  double coplanarity_error_ = 0, coplanarity_underflow_ = 0, coplanarity_within_separation_ = 0, gap_error_ = 0;
 };
 
 /// The test over [lo, hi]: control points there, and the coplanarity polynomial. Refers to the test.
