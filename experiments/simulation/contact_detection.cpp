@@ -34,12 +34,17 @@ class TakeAll final : public NarrowPhase {
 
 Pipeline make_pipeline(const std::string& name) {
   Registry registry = Registry::standard();
-  registry.add<NarrowPhase>({"take-all", "every pair that filters leave", Guarantee::conservative, {},
-                             [](const OptionValues&) -> std::unique_ptr<NarrowPhase> {
-                               return std::make_unique<TakeAll>();
-                             }});
+  registry.add<NarrowPhase>(
+      {"take-all",
+       "every pair that filters leave",
+       Guarantee::conservative,
+       {},
+       [](const OptionValues&) -> std::unique_ptr<NarrowPhase> { return std::make_unique<TakeAll>(); }});
   PipelineSpec spec = registry.pipeline(name);
   spec.narrow_phase = {"take-all", {}};
+  // All that is not filtered out is kept in memory and tested again and again.
+  if (spec.feature_filters.empty())
+    spec.feature_filters = {{"feature-kdop", {}}, {"coplanarity", {}}, {"feature-csat", {}}};
   return Pipeline(registry, spec);
 }
 
@@ -315,7 +320,7 @@ FoundContact ContactDetection::describe(const Contact& contact) const {
   const auto a = first_elements(features, contact.kind, v), b = second_elements(features, contact.kind, v);
   found.object_a = topology.mesh().object(a[0]);
   found.object_b = topology.mesh().object(b[0]);
-  found.contact_class = found.object_a != found.object_b         ? ContactClass::inter
+  found.contact_class = found.object_a != found.object_b      ? ContactClass::inter
                         : all_adjacent(topology.mesh(), a, b) ? ContactClass::adjacent
                                                               : ContactClass::intra;
   judge(contact, found);
@@ -362,8 +367,8 @@ Vec3 ContactDetection::made_up_normal(const Contact& contact) const {
   return (across > 0 ? n : Vec3(-n)) / length;
 }
 
-/// For features of one element: 1 if the normal points to the side on which the first lies in the shape at rest, -1 if to
-/// the other, 0 if that shape does not tell.
+/// For features of one element: 1 if the normal points to the side on which the first lies in the shape at rest, -1 if
+/// to the other, 0 if that shape does not tell.
 int ContactDetection::side_in_reference(const FoundContact& found) const {
   std::array<Vec3, 4> rest, now;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -377,8 +382,8 @@ int ContactDetection::side_in_reference(const FoundContact& found) const {
   return (at_rest > 0) == (here > 0) ? 1 : -1;
 }
 
-/// Whether the surface at an edge has its nearest point to what lies off it along `normal` on the edge: no triangle there
-/// goes on towards it.
+/// Whether the surface at an edge has its nearest point to what lies off it along `normal` on the edge: no triangle
+/// there goes on towards it.
 bool ContactDetection::faces(Index v0, Index v1, const Vec3& normal, double toi, bool boundary_only) const {
   const Topology& topology = collision_topology();
   const Features& features = topology.features();
@@ -480,10 +485,9 @@ void ContactDetection::judge_edges(const Contact& contact, FoundContact& found, 
     found.verdict = ContactVerdict::ignore;
 }
 
-/// Features in the interior have no outside: what has got there is let out, as far as the middles of the elements at the
-/// features tell, or those of their objects, and not let in.
-bool ContactDetection::comes_out(const FoundContact& found, std::span<const Index> a,
-                                 std::span<const Index> b) const {
+/// Features in the interior have no outside: what has got there is let out, as far as the middles of the elements at
+/// the features tell, or those of their objects, and not let in.
+bool ContactDetection::comes_out(const FoundContact& found, std::span<const Index> a, std::span<const Index> b) const {
   const Vec3 elements = outward(b, Vec3::Zero()) - outward(a, Vec3::Zero());
   const double along = found.normal.dot(elements);
   if (std::abs(along) > 0.3 * elements.norm()) return along < 0;

@@ -31,8 +31,8 @@ enum class ContactVerdict : std::uint8_t {
   ignore    ///< no direction, or not asked for
 };
 
-/// A contact between features. Their relative displacement along the normal is normal . sum(weights[i] * displacement of
-/// vertices[i]), positive where they part.
+/// A contact between features. Their relative displacement along the normal is normal . sum(weights[i] * displacement
+/// of vertices[i]), positive where they part.
 struct FoundContact {
   FeatureKind kind;
   std::array<Index, 4> features;  ///< Contact::vertices: of the collision mesh, which name the pair
@@ -59,8 +59,9 @@ inline bool features_less(const FoundContact& x, const FoundContact& y) {
 /// The collision mesh is the simulated one, with its shells thickened to prisms. Contacts between features that have a
 /// shell's vertex in common (a prism with itself) are never reported: no force on the shell could resist them.
 ///
-/// query() runs the pipeline, without its narrow phase, for all pairs that come within separation and margin; contacts() tests those pairs again, by the
-/// narrow phase alone, for motions near the one that was queried. Deterministic for any number of workers.
+/// query() runs the pipeline, without its narrow phase, for all pairs that come within separation and margin;
+/// contacts() tests those pairs again, by the narrow phase alone, for motions near the one that was queried.
+/// Deterministic for any number of workers.
 class ContactDetection {
  public:
   struct Config {
@@ -83,10 +84,11 @@ class ContactDetection {
   /// `ahead`: where the vertices are thought to be after another step of the same length, so that contacts on the way
   /// there are in view too; or nothing.
   void query(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const Vec3> ahead, Executor& executor);
-  /// Whether no vertex is, at either end, further than half the margin from where it was in the last query: then no pair
-  /// is missing in contacts().
+  /// Whether no vertex is, at either end, further than half the margin from where it was in the last query: then no
+  /// pair is missing in contacts().
   bool covers(std::span<const Vec3> x0, std::span<const Vec3> x1);
-  /// Replaces `found` by the contacts, in canonical order, of the pairs of the last query that come within `separation`.
+  /// Replaces `found` by the contacts, in canonical order, of the pairs of the last query that come within
+  /// `separation`.
   void contacts(std::span<const Vec3> x0, std::span<const Vec3> x1, double separation, Executor& executor,
                 std::vector<FoundContact>& found);
 

@@ -196,11 +196,11 @@ void ContactForces::add(std::span<const ContactConstraint> added, const MovingVe
     const auto there = std::lower_bound(constraints_.begin(), end, c, pair_less);
     if (there == end || !same_pair(*there, c)) {
       const double approach = c.normal.dot(relative_velocity(c, moving));
-      if (approach < 0) c.rebound = -c.restitution * approach;
+      if (approach < 0 && c.restitution > 0) c.rebound = -c.restitution * approach;
       constraints_.push_back(c);
       continue;
     }
-    c.rebound = there->rebound;
+    c.rebound = std::max(there->rebound, 0.0);
     c.earlier = there->earlier + there->normal_impulse;
     *there = c;
   }

@@ -1,4 +1,5 @@
-// Impact forces from contacts {t', d} (Algorithm 1, lines 11 to 19): impulses with friction on vertices and rigid bodies.
+// Impact forces from contacts {t', d} (Algorithm 1, lines 11 to 19): impulses with friction on vertices and rigid
+// bodies.
 #pragma once
 
 #include <array>
@@ -20,8 +21,8 @@ struct MovingVertices {
 
 /// What impulses took and gave.
 struct ContactWork {
-  double total = 0;     ///< kinetic energy lost, friction included
-  double friction = 0;  ///< force times sliding
+  double total = 0;                                             ///< kinetic energy lost, friction included
+  double friction = 0;                                          ///< force times sliding
   Vec3 impulse = Vec3::Zero(), angular_impulse = Vec3::Zero();  ///< from walls and from what is held
 };
 
@@ -34,26 +35,26 @@ struct ContactConstraint {
   int size = 4;  ///< vertices in use
   Vec3 normal = Vec3::Zero();
   double toi = 0;
-  double left = 0;         ///< seconds from the contact to the end of the substep: by what an impulse moves its vertices
-  double share = 0;        ///< the same, of the substep
+  double left = 0;   ///< seconds from the contact to the end of the substep: by what an impulse moves its vertices
+  double share = 0;  ///< the same, of the substep
   double offset = 0;
-  double goal = 0;         ///< gap at the end that the contact is to have at least
+  double goal = 0;  ///< gap at the end that the contact is to have at least
   double friction = 0, restitution = 0;
-  double rebound = 0;      ///< normal velocity that it is to have afterwards
+  double rebound = 0;           ///< normal velocity that it is to have afterwards, at least; negative: may come nearer
   Vec3 impulse = Vec3::Zero();  ///< on the first feature so far: normal part and tangential part
   double normal_impulse = 0;
-  double earlier = 0;           ///< normal impulse before the geometry was renewed
-  double inverse_mass = 0;      ///< along the normal
+  double earlier = 0;       ///< normal impulse before the geometry was renewed
+  double inverse_mass = 0;  ///< along the normal
   bool solid = true;
   ContactClass contact_class = ContactClass::inter;
 
   bool is_wall() const { return features[0] == kNone; }
 };
 
-/// Sequential impulses (projected Gauss-Seidel) in the order of time. An impulse J at time t' changes velocities by J/m and
-/// positions at the end by (1 - t') dt J/m: of a single inelastic contact, that is the force that takes the penetration
-/// depth d back; several together are iterated, and what positions still lack then is corrected without velocity.
-/// Momentum is exact. Serial; the result depends on the constraints alone.
+/// Sequential impulses (projected Gauss-Seidel) in the order of time. An impulse J at time t' changes velocities by J/m
+/// and positions at the end by (1 - t') dt J/m: of a single inelastic contact, that is the force that takes the
+/// penetration depth d back; several together are iterated, and what positions still lack then is corrected without
+/// velocity. Momentum is exact. Serial; the result depends on the constraints alone.
 class ContactForces {
  public:
   /// Begins a step: no constraints.
@@ -61,8 +62,8 @@ class ContactForces {
   std::vector<ContactConstraint>& constraints() { return constraints_; }
   const std::vector<ContactConstraint>& constraints() const { return constraints_; }
 
-  /// Adds constraints between the vertices as they move now, but those that nothing can move. Of a pair that is there, the
-  /// geometry is renewed.
+  /// Adds constraints between the vertices as they move now, but those that nothing can move. Of a pair that is there,
+  /// the geometry is renewed.
   void add(std::span<const ContactConstraint> added, const MovingVertices& moving);
 
   /// Applies impulses, `sweeps` times over all, then moves positions to their goals. Writes the vertices of bodies.

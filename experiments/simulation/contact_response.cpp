@@ -10,8 +10,11 @@ namespace {
 
 /// Of the separation: by how much what is closer is pushed apart in a query; and up to which gap.
 constexpr double kPush = 0.02, kPushedTo = 0.5;
-/// Of the gap that a contact is to have: what it must have at the end of a pass; of the separation, what a negative one may
-/// lack.
+/// Of the separation: the gap of what rests on each other. Below 1, or the elementary tests would have to tell the
+/// distance from the separation to the last bit, all through the step.
+constexpr double kRest = 0.8;
+/// Of the gap that a contact is to have: what it must have at the end of a pass; of the separation, what a negative one
+/// may lack.
 constexpr double kEnough = 0.5, kTolerance = 0.05;
 /// Of the separation: the gap that is made where features would touch all the same.
 constexpr double kClear = 0.1;
@@ -21,9 +24,9 @@ constexpr int kHoldRounds = 10;
 
 double ContactResponse::goal(const FoundContact& found) const {
   const double d = config_.separation;
-  if (!found.at_start) return d;
+  if (!found.at_start) return kRest * d;
   const double most = kPushedTo * d;
-  return found.gap0 < most ? std::min(most, found.gap0 + kPush * d) : std::min(found.gap0, d);
+  return found.gap0 < most ? std::min(most, found.gap0 + kPush * d) : std::min(found.gap0, kRest * d);
 }
 
 ContactConstraint ContactResponse::constraint(const FoundContact& found, double elapsed, double dt,
@@ -43,6 +46,7 @@ ContactConstraint ContactResponse::constraint(const FoundContact& found, double 
   const Material& b = parts_[static_cast<std::size_t>(found.object_b)].material;
   c.friction = std::min(a.friction, b.friction);
   c.restitution = std::min(a.restitution, b.restitution);
+  if (found.at_start && c.restitution == 0) c.rebound = -std::max(0.0, found.gap0 - c.goal) / elapsed;
   c.solid = found.solid;
   c.contact_class = found.contact_class;
   return c;
@@ -163,7 +167,8 @@ void ContactResponse::query(std::span<const Vec3> since, double elapsed, double 
   ++counts_.queries;
 }
 
-void ContactResponse::requery(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving, Executor& executor) {
+void ContactResponse::requery(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
+                              Executor& executor) {
   if (!detection_->covers(since, moving.x1)) query(since, elapsed, dt, moving, executor);
 }
 
@@ -183,8 +188,8 @@ Index ContactResponse::group_of(Index node) {
 
 /// What would still touch moves as one, in groups, without turning: so nothing in a group touches. Positions only: the
 /// velocities are what the impulses made them.
-void ContactResponse::hold_apart(std::span<const Vec3> since, double elapsed, double dt,
-                                 const MovingVertices& moving, Executor& executor) {
+void ContactResponse::hold_apart(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
+                                 Executor& executor) {
   group_.resize(moving.x1.size() + moving.bodies.bodies().size());
   for (Index i = 0; i < group_.size(); ++i) group_[i] = i;
   members_.clear();

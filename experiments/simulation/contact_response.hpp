@@ -25,15 +25,15 @@ class ContactResponse {
   };
 
   /// `detection`: null for walls alone. `parts`, `walls`: outlive this.
-  ContactResponse(std::unique_ptr<ContactDetection> detection, std::span<const Part> parts,
-                  std::span<const Wall> walls, Config config)
+  ContactResponse(std::unique_ptr<ContactDetection> detection, std::span<const Part> parts, std::span<const Wall> walls,
+                  Config config)
       : config_(config), detection_(std::move(detection)), parts_(parts), walls_(walls) {}
 
   ContactDetection* detection() { return detection_.get(); }
 
-  /// For a substep of length dt, from `x0`. Without a query: pairs of the last one only. With one: over all since `since`,
-  /// where the vertices (RigidBodies::mark() called) were at the last query, `elapsed` ago; then no two features touch (but what counts().unresolved
-  /// says). `part_of`: a vertex, for walls.
+  /// For a substep of length dt, from `x0`. Without a query: pairs of the last one only. With one: over all since
+  /// `since`, where the vertices (RigidBodies::mark() called) were at the last query, `elapsed` ago; then no two
+  /// features touch (but what counts().unresolved says). `part_of`: a vertex, for walls.
   void substep(std::span<const Vec3> x0, std::span<const Index> part_of, double dt, const MovingVertices& moving,
                Executor& executor, ContactWork& work);
   void query_substep(std::span<const Vec3> x0, std::span<const Vec3> since, double elapsed,
@@ -52,8 +52,7 @@ class ContactResponse {
   ContactConstraint constraint(const FoundContact& found, double elapsed, double dt,
                                const MovingVertices& moving) const;
   double goal(const FoundContact& found) const;
-  void query(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
-             Executor& executor);
+  void query(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving, Executor& executor);
   void requery(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
                Executor& executor);
   void find_touching(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,

@@ -10,8 +10,8 @@ namespace volccd::simulation {
 /// At a moment; what is "so far" adds up from the start of the simulation. J, kg m/s, kg m^2/s (about the origin), kg.
 ///
 /// Leapfrog knows positions at the ends of steps and velocities in between. Kinetic energy is the product of the
-/// velocities before and after the moment, half the mass: of a linear elastic body its sum with the elastic energy stays
-/// exact. Momentum and angular momentum are those of the velocity before.
+/// velocities before and after the moment, half the mass: of a linear elastic body its sum with the elastic energy
+/// stays exact. Momentum and angular momentum are those of the velocity before.
 struct Ledger {
   double time = 0;
 
@@ -20,7 +20,7 @@ struct Ledger {
   double plastic = 0;    ///< so far: work of plastic deformation
   double numerical = 0;  ///< so far: taken by hourglass control and bulk viscosity
   double damping = 0;    ///< so far: taken by Material::damping
-  double contact = 0;    ///< so far: kinetic energy lost in impacts, on walls included, friction not
+  double contact = 0;    ///< so far: taken by contacts and walls, friction not; less what moving vertices apart put in
   double friction = 0;   ///< so far
   double topology = 0;   ///< so far: energy lost where vertices merged, split or were cut apart
   double external = 0;   ///< so far: work of gravity and pressure

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include <volccd/core/error.hpp>
+#include <volccd/experiments/simulation/detail/portable_math.hpp>
 
 namespace volccd::simulation {
 
@@ -38,7 +39,7 @@ double sound_speed(const Material& m) { return std::sqrt((lame_lambda(m) + 2 * s
 double yield_stress(const Material& m, double strain, double rate) {
   const double at_rest = m.yield_stress + m.hardening_modulus * strain;
   if (m.rate_factor == 0 || rate <= m.reference_rate) return at_rest;
-  return at_rest * (1 + m.rate_factor * std::log(rate / m.reference_rate));
+  return at_rest * (1 + m.rate_factor * detail::portable_log(rate / m.reference_rate));
 }
 
 double plastic_increment(const Material& m, double trial, double slope, double scale, double strain, double dt) {
@@ -49,7 +50,7 @@ double plastic_increment(const Material& m, double trial, double slope, double s
   // What is left over falls from above zero at the threshold to below at `without_rate`: Newton's steps, kept between.
   double low = threshold, high = without_rate, d = low;
   for (int k = 0; k < 60; ++k) {
-    const double factor = 1 + m.rate_factor * std::log(d / threshold);
+    const double factor = 1 + m.rate_factor * detail::portable_log(d / threshold);
     const double left = trial - slope * d - (yield + hardening * d) * factor;
     (left > 0 ? low : high) = d;
     const double descent = slope + hardening * factor + (yield + hardening * d) * m.rate_factor / d;

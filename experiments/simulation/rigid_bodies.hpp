@@ -16,7 +16,8 @@ namespace volccd::simulation {
 struct RigidBody {
   bool held = false;  ///< a vertex of it is fixed: it stands still
   double mass = 0;
-  Eigen::Matrix3d inertia, inverse_inertia;  ///< about the centre, in the body's frame; a line's or a point's is pseudo-inverted
+  Eigen::Matrix3d inertia,
+      inverse_inertia;  ///< about the centre, in the body's frame; a line's or a point's is pseudo-inverted
   std::vector<Index> vertices;
   std::vector<Vec3> local;  ///< from the centre, in the body's frame
 
@@ -34,8 +35,8 @@ struct RigidBody {
 
 class RigidBodies {
  public:
-  /// A body for each rigid part that has elements. Initial velocities are the rigid motion with the momentum and angular
-  /// momentum of the model's. Throws InputError for a vertex of two rigid parts, and for a body without mass.
+  /// A body for each rigid part that has elements. Initial velocities are the rigid motion with the momentum and
+  /// angular momentum of the model's. Throws InputError for a vertex of two rigid parts, and for a body without mass.
   RigidBodies(const Model& model, std::span<const double> mass);
 
   std::vector<RigidBody>& bodies() { return bodies_; }
@@ -45,8 +46,8 @@ class RigidBodies {
 
   /// Forces on the vertices change momentum and spin over dt; angular velocity is that which the spin has now.
   void kick(std::span<const Vec3> force, double dt);
-  /// Moves by dt: the centre straight, the orientation with the angular velocity of the middle of the step (which it leaves
-  /// behind as the body's); spin stays exactly. Second order.
+  /// Moves by dt: the centre straight, the orientation with the angular velocity of the middle of the step (which it
+  /// leaves behind as the body's); spin stays exactly. Second order.
   void drift(double dt);
   /// Positions and velocities of the vertices by the state of the bodies.
   void write_vertices(std::span<Vec3> x, std::span<Vec3> v) const;

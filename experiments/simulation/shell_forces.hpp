@@ -19,18 +19,20 @@ struct ShellTables;
 /// the equivalent plastic strain and its rate.
 ///
 /// Bending: a hinge at each edge between two triangles (discrete shells), stiffness E h^3 / (12 (1 - nu^2)) times
-/// length^2 / (sum of areas): cylindrical bending is exact on meshes of rectangles cut in two (along their sides) and
-/// of equilateral triangles. The latter behave as plates with Poisson's ratio -1/3: hinges do not see the material's.
-/// Twist along right-angled meshes is too stiff. Rest angles are those of the reference positions. Beyond yield the
-/// rest angle flows at the fully plastic moment Y h^2 / 4 a length, Y with hardening by the mean strain over the
+/// length^2 / (sum of areas), which gives a cylinder its plate energy on meshes of equilateral triangles (any
+/// direction) and of rectangles cut in two (along their sides). Hinges do not see Poisson's ratio: equilateral
+/// triangles bend as a plate of ratio -1/3, so that a free strip is 2 % too soft for steel; on squares cut in two it is
+/// 19 % too soft, and twist along the sides too stiff. Rest angles are those of the reference positions. Beyond yield
+/// the rest angle flows at the fully plastic moment Y h^2 / 4 a length, Y with hardening by the mean strain over the
 /// thickness and with the rate factor. Bending and membrane yield independently. Where n triangles meet at an edge,
 /// each pair has a hinge, so stiff that the edge acts as a rigid joint; a rigid part's triangle clamps its neighbours'
 /// edge.
 ///
 /// Damping: viscosity proportional to stiffness, 5 % of critical at each element's highest frequency, less below.
 ///
-/// A triangle without area at rest has neither mass nor forces. One that is squashed below a fifth of its height no
-/// longer bends the more for it and no longer shortens the step: no state makes a NaN of finite input.
+/// A triangle without area at rest has neither mass nor forces. Plastic flow stops in one drawn out or squashed
+/// tenfold. One squashed below a fifth of its height (beyond its flow) no longer bends the more for it nor shortens the
+/// step. Finite input makes no NaN; what is not finite, or overflows, makes add_forces throw Error.
 class ShellForces final : public ElementForces {
  public:
   /// Model::positions are the rest shape. Throws InputError: quads, positions that are not finite, a part with shells
@@ -48,8 +50,9 @@ class ShellForces final : public ElementForces {
   double elastic_energy() const override;
   double plastic_work() const override;
   double numerical_work() const override;
-  /// Sorts anew, O(shells log shells). An element with a parent takes over its plastic strain and the hinges that the
-  /// parent had; it must be numbered in the parent's sense of rotation.
+  /// Sorts anew, O(shells log shells); stable_step() and the energies stay those of the last add_forces(). An element
+  /// with a parent takes over its plastic strain and the hinges that the parent had; it must be numbered in the
+  /// parent's sense of rotation.
   void update(const Mesh& mesh, std::span<const Vec3> reference, const ElementHeritage& heritage) override;
   void archive(Archive& archive) override;
 

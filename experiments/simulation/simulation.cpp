@@ -22,8 +22,8 @@ namespace {
 
 /// Of the shortest edge and of the thinnest shell.
 constexpr double kSeparationOfEdge = 0.01, kSeparationOfThickness = 0.1;
-/// Of the separation that would be chosen: by how much pairs may be further apart to be kept in view; the most, where there
-/// are no prisms with sides near each other.
+/// Of the separation that would be chosen: by how much pairs may be further apart to be kept in view; the most, where
+/// there are no prisms with sides near each other.
 constexpr double kLeastMargin = 4, kMostMargin = 15;
 /// Of the mean edge of the part: what a blade moves between two cuts.
 constexpr double kCutAdvance = 0.25;
@@ -267,8 +267,8 @@ std::vector<double> Simulation::State::thickness() const {
 }
 
 double Simulation::State::next_step(double until, bool& last) const {
-  const double most =
-      std::min({options.max_step, options.step_safety * solids->stable_step(), options.step_safety * shells->stable_step()});
+  const double most = std::min(
+      {options.max_step, options.step_safety * solids->stable_step(), options.step_safety * shells->stable_step()});
   const double left = until - time;
   const double steps = std::ceil(left / most * (1 - 1e-12));
   last = !(steps > 1);
@@ -361,9 +361,9 @@ void Simulation::State::collide(double dt, bool query) {
   ledger.angular_impulse += work.angular_impulse;
 }
 
-/// Forces act along the way that was gone, from x0 to x1, in place of that at the velocity: what is between them has not
-/// been work of the forces, and not been taken by the contacts. (A body at rest gets in each substep what the contact
-/// takes, and neither is work.) Called with the forces of both ends.
+/// Forces act along the way that was gone, from x0 to x1, in place of that at the velocity: what is between them has
+/// not been work of the forces, and not been taken by the contacts. (A body at rest gets in each substep what the
+/// contact takes, and neither is work.) Called with the forces of both ends.
 void Simulation::State::hinder(std::span<const Vec3> velocity, std::span<const Vec3> x0, std::span<const Vec3> end,
                                double dt) {
   for (std::size_t i = 0; i < x.size(); ++i) {

@@ -24,16 +24,18 @@ enum class ContactFeatures {
 };
 
 struct SimulationOptions {
-  std::string pipeline = "VolCCD+";  ///< preset; its narrow phase becomes `inclusion`
+  std::string pipeline = "VolCCD+";  ///< preset: finds the pairs of features; `inclusion` tells which of them touch
   ContactFeatures features = ContactFeatures::all;
-  bool adjacent_contacts = true;  ///< resist contacts between features of one element or of adjacent elements (inversion)
-  bool contacts = true;           ///< false: no queries at all; walls stay
+  bool adjacent_contacts =
+      true;              ///< resist contacts between features of one element or of adjacent elements (inversion)
+  bool contacts = true;  ///< false: no queries at all; walls stay
 
   double step_safety = 0.9;  ///< of ElementForces::stable_step()
   double max_step = kNever;
 
-  /// A query spans the positions at the end of the last one and those after this many substeps; what it found is looked
-  /// after in each substep until the next. 1: each substep has its own query.
+  /// A query spans the positions at the last one and those after this many substeps; what it finds, and what comes near
+  /// next if all goes on as it does, is looked after in each substep until the next. 1: each substep has its own query.
+  /// advance_to() ends with a query. Worth having while nothing moves far (a fifth of an edge) between queries.
   int substeps_per_query = 1;
   int contact_passes = 4;       ///< of detection and response a query; then what remains is kept apart as it was
   int contact_iterations = 12;  ///< sweeps over the contacts in a pass
@@ -52,13 +54,21 @@ struct SimulationCounts {
   std::uint64_t substeps = 0, queries = 0, retests = 0;
   /// Contacts that met a response, by kind: of different objects; of one object; of adjacent elements (or one).
   std::uint64_t inter = 0, intra = 0, adjacent = 0;
-  std::uint64_t leaving = 0;     ///< of something that overlaps and comes out: let go
-  std::uint64_t ignored = 0;     ///< not resisted by the options
-  std::uint64_t held = 0;        ///< substeps times vertices that were held as they were, because passes did not suffice
+  std::uint64_t leaving = 0;  ///< of something that overlaps and comes out: let go
+  std::uint64_t ignored = 0;  ///< not resisted by the options
+  std::uint64_t held = 0;     ///< substeps times vertices that were held as they were, because passes did not suffice
   std::uint64_t unresolved = 0;  ///< features that touch or cross at the end of a query all the same
   std::uint64_t splits = 0, merges = 0, cuts = 0, edits = 0;
 };
 
+/// Leapfrog: forces, a kick of the velocities, contacts, positions; then cuts, merging and splitting. Contacts are
+/// impulses at the time t' at which the features come within the separation; nothing passes through anything, but what
+/// SimulationCounts::unresolved counts. What overlaps from the start is let out and not let in.
+///
+/// Shells collide as prisms of their thickness; a contact acts on the vertices of the shell. Walls act on vertices (of
+/// a shell: its middle) with their own friction and the part's restitution. A rigid part of which a vertex is fixed
+/// stands still.
+///
 /// Holds the model and all state. Deterministic: the same bits for any number of workers. One thread at a time.
 class Simulation {
  public:
@@ -69,16 +79,16 @@ class Simulation {
   Simulation& operator=(Simulation&&) noexcept;
   ~Simulation();
 
-  /// As many substeps as it takes, of equal length where the stable step allows; ends exactly at `time`. Throws Error when a
-  /// coordinate is no longer finite.
+  /// As many substeps as it takes, of equal length where the stable step allows; ends exactly at `time`. Throws Error
+  /// when a coordinate is no longer finite.
   void advance_to(double time);
 
   double time() const;
   const Topology& topology() const;
   std::span<const Vec3> positions() const;   ///< a vertex of the mesh, also of vertices that no element uses any more
   std::span<const Vec3> velocities() const;  ///< in the middle of the last substep
-  /// A vertex: where it was when the last advance_to() began. For a vertex that is new since then p - s v (Section 6.3),
-  /// s being the time since, v the mean velocity of the matter that it came from.
+  /// A vertex: where it was when the last advance_to() began. For a vertex that is new since then p - s v
+  /// (Section 6.3), s being the time since, v the mean velocity of the matter that it came from.
   std::span<const Vec3> start_positions() const;
   /// An element slot; 0 for solids and empty slots.
   std::vector<double> thickness() const;
@@ -87,8 +97,8 @@ class Simulation {
   const Ledger& ledger() const;
   SimulationCounts take_counts();
 
-  /// Writes everything that changes, or reads it back into a simulation made from the same model and options: it goes on
-  /// bit for bit as the one that wrote. Throws InputError for what was written by another.
+  /// Writes everything that changes, or reads it back into a simulation made from the same model and options: it goes
+  /// on bit for bit as the one that wrote. Throws InputError for what was written by another.
   void archive(Archive& archive);
 
  private:

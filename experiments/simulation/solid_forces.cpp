@@ -87,10 +87,9 @@ class SolidForces final : public ElementForces {
     for (const auto& s : hexahedra_.states) total += of_state(s);
     return total;
   }
-  /// Has forces: not empty, not rigid, not flat at rest.
   template <int N>
   bool active(const SolidShape<N>& shape) const {
-    return shape.slot != kNone && shape.volume > 0 && !materials_[shape.part].rigid;
+    return detail::is_active<N>(shape, materials_);
   }
   template <int N>
   Table<N>& table() {
@@ -167,19 +166,13 @@ void SolidForces::add_masses(std::span<double> mass) const {
 template <int N>
 void SolidForces::compute(Table<N>& table, Vec3* out, std::span<const Vec3> x, std::span<const Vec3> v, double dt,
                           Executor& executor) {
-  executor.parallel_for(
-      table.shapes.size(), Table<N>::kGrain, [&](std::size_t begin, std::size_t end, unsigned worker) {
-        double least = steps_[worker];
-        for (std::size_t row = begin; row < end; ++row) {
-          const SolidShape<N>& shape = table.shapes[row];
-          if (!active(shape)) continue;
-          const double step =
-              detail::solid_forces(shape, materials_[shape.part], x, v, dt, table.states[row], out + row * N);
-          if (!(step > 0)) broken_[worker] = std::min(broken_[worker], shape.slot);
-          least = std::min(least, step);
-        }
-        steps_[worker] = least;
-      });
+  const detail::SolidRun<N> run{table.shapes, table.states, materials_, x, v, dt, out};
+  executor.parallel_for(table.shapes.size(), Table<N>::kGrain,
+                        [&](std::size_t begin, std::size_t end, unsigned worker) {
+                          const detail::SolidBound bound = detail::solid_forces(run, begin, end);
+                          steps_[worker] = std::min(steps_[worker], bound.step);
+                          broken_[worker] = std::min(broken_[worker], bound.broken);
+                        });
 }
 
 void SolidForces::add_forces(std::span<const Vec3> x, std::span<const Vec3> v, double dt, Executor& executor,
@@ -228,6 +221,7 @@ void SolidForces::add_vertex_stress(std::span<VertexStress> out) const {
 template <int From, int To>
 void inherit_history(const SolidState<From>& from, SolidState<To>& to) {
   to.deformation = from.deformation;
+  to.viscous_pressure = from.viscous_pressure;
   to.plastic_metric = from.plastic_metric;
   to.plastic_strain = from.plastic_strain;
 }
@@ -271,7 +265,7 @@ void SolidForces::add(const Mesh& mesh, Index slot, std::span<const Vec3> refere
   to.states[row] = element.state;
   places_[slot] = {N, row};
   if (active(element.shape)) {
-    step_ = std::min(step_, detail::stable_step(element.shape, materials_[element.shape.part], element.state));
+    step_ = std::min(step_, detail::stable_step<N>(element.shape, element.state, materials_));
   }
 }
 

@@ -30,7 +30,8 @@ using simulation::Model;
 using Edge = std::pair<Index, Index>;
 
 /// Neighbours of each corner of a hexahedron, so that their edges are a right-handed frame.
-constexpr std::size_t kNext[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7}, {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
+constexpr std::size_t kNext[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
+                                     {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
 
 /// Least over all corners of the volume that the edges there span by the product of their lengths: 1 for right angles.
 double least_scaled_jacobian(const Model& model) {
@@ -173,8 +174,7 @@ TEST(BulletModel, HasTheSizesThatItSays) {
   EXPECT_GT(bullet.min().z(), 0);
   EXPECT_LT(bullet.min().z(), 0.001);
   EXPECT_FALSE(model.fixed.empty());
-  for (const Index v : model.fixed)
-    EXPECT_NEAR(model.positions[v].cwiseAbs().head<2>().maxCoeff(), 0.05, 1e-12);
+  for (const Index v : model.fixed) EXPECT_NEAR(model.positions[v].cwiseAbs().head<2>().maxCoeff(), 0.05, 1e-12);
 }
 
 TEST(BulletModel, FacesConform) {
@@ -207,7 +207,8 @@ TEST(AirbagModel, SurfacesAreClosedAndFaceOutwards) {
     EXPECT_EQ(pieces(model.mesh), 2u) << "bag and wheel";
     for (const auto& [first, last] : {std::pair{0, 1}, std::pair{2, 2}}) {
       const auto uses = edge_uses(model.mesh, first, last);
-      for (const auto& [edge, directions] : uses) ASSERT_EQ(directions, (std::array{1, 1})) << edge.first << " " << edge.second;
+      for (const auto& [edge, directions] : uses)
+        ASSERT_EQ(directions, (std::array{1, 1})) << edge.first << " " << edge.second;
       EXPECT_GT(enclosed_volume(model, first, last), 0);
     }
     const double volume = enclosed_volume(model, 0, 1), flat = M_PI * 0.33 * 0.33 * AirbagShape{}.gap;
@@ -222,7 +223,8 @@ TEST(AirbagModel, FoldsKeepTheLengthOfTheFabric) {
   for (Index o = 0; o < model.mesh.element_slots(); ++o) {
     if (model.mesh.object(o) > 1) continue;
     const auto v = model.mesh.vertices(o);
-    area += (model.positions[v[1]] - model.positions[v[0]]).cross(model.positions[v[2]] - model.positions[v[0]]).norm() / 2;
+    area +=
+        (model.positions[v[1]] - model.positions[v[0]]).cross(model.positions[v[2]] - model.positions[v[0]]).norm() / 2;
   }
   const double flat = 2 * M_PI * 0.33 * 0.33;
   EXPECT_NEAR(area, flat, 0.05 * flat);

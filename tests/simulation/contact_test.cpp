@@ -21,8 +21,8 @@ std::size_t overlaps(const Simulation& s) {
   return result.initial_overlaps.size();
 }
 
-/// What share of the energy the books may be short of: bulk viscosity is booked by the velocity before it has acted, which is
-/// too much where impacts turn velocities round within a substep.
+/// What share of the energy the books may be short of: bulk viscosity is booked by the velocity before it has acted,
+/// which is too much where impacts turn velocities round within a substep.
 double booking(double restitution) { return restitution > 0 ? 0.35 : 0.03; }
 
 TEST(ContactWall, BounceKeepsEnergy) {
@@ -66,8 +66,9 @@ TEST(ContactBlocks, ImpactKeepsMomentumAndBalancesEnergy) {
 TEST(ContactFastPlate, NothingPassesThrough) {
   // In a substep the block, stiff, moves by more than the plate, soft, is thick.
   for (int group : {1, 3}) {
-    Model model = blocks({{ElementType::tetrahedron, 2, 2, 2, Vec3(0.1, 0.1, 0.1), Vec3(-0.25, 0.05, 0.05), Vec3(40, 3, 1)},
-                          {ElementType::tetrahedron, 1, 3, 3, Vec3(0.004, 0.1, 0.1)}});
+    Model model =
+        blocks({{ElementType::tetrahedron, 2, 2, 2, Vec3(0.1, 0.1, 0.1), Vec3(-0.25, 0.05, 0.05), Vec3(40, 3, 1)},
+                {ElementType::tetrahedron, 1, 3, 3, Vec3(0.004, 0.1, 0.1)}});
     model.parts[0].material.youngs_modulus = 1e8;
     model.parts[1].material.youngs_modulus = 1e4;
     SimulationOptions options;
@@ -143,7 +144,8 @@ TEST(ContactAtStart, TouchingAndOverlappingBlocksPartWithoutSticking) {
 TEST(ContactAtStart, WhatTouchesIsStopped) {
   // Conforming faces in touch, pressed together: no direction but where the elements lie.
   for (double lateral : {0.0, 0.03}) {
-    Model model = blocks({{.velocity = Vec3(0.5, 0, 0)}, {.at = Vec3(0.2, lateral, lateral), .velocity = Vec3(-0.5, 0, 0)}});
+    Model model =
+        blocks({{.velocity = Vec3(0.5, 0, 0)}, {.at = Vec3(0.2, lateral, lateral), .velocity = Vec3(-0.5, 0, 0)}});
     SerialExecutor executor;
     Simulation s(model, {}, executor);
     for (double time = 0.005; time < 0.06; time += 0.005) {
@@ -156,10 +158,35 @@ TEST(ContactAtStart, WhatTouchesIsStopped) {
   }
 }
 
+TEST(ContactAtStart, FacesInTouchGetTheirNormalFromTheElements) {
+  for (double lateral : {0.0, 0.03}) {
+    const Model model = blocks({{}, {.at = Vec3(0.2, lateral, lateral)}});
+    const Topology topology(model.mesh);
+    ContactDetection detection(topology, std::vector<double>(topology.mesh().element_slots(), 0.0), model.positions,
+                               {"VolCCD+", false, true, {}, 1e-3, 4e-3, 4e-3});
+    SerialExecutor executor;
+    std::vector<FoundContact> found;
+    detection.query(model.positions, model.positions, {}, executor);
+    detection.contacts(model.positions, model.positions, 1e-3, executor, found);
+    std::size_t resisted = 0;
+    for (const FoundContact& c : found) {
+      if (c.verdict != ContactVerdict::resist) continue;
+      EXPECT_TRUE(c.at_start);
+      EXPECT_NEAR(c.normal.x(), c.object_a == 0 ? -1 : 1, 1e-9);
+      ++resisted;
+    }
+    EXPECT_GE(resisted, 9u) << "of " << found.size();
+  }
+}
+
 TEST(ContactFeatureSets, InteriorFeaturesCollideOnlyWhereAskedFor) {
   // A small block inside an element of a large one, away from its boundary, moves towards the next element.
   const Model model = blocks({{.nx = 4, .ny = 3, .nz = 3},
-                              {.nx = 1, .ny = 1, .nz = 1, .size = Vec3(0.03, 0.03, 0.03), .at = Vec3(0.14, 0.13, 0.15),
+                              {.nx = 1,
+                               .ny = 1,
+                               .nz = 1,
+                               .size = Vec3(0.03, 0.03, 0.03),
+                               .at = Vec3(0.14, 0.13, 0.15),
                                .velocity = Vec3(5, 0, 0)}});
   SerialExecutor executor;
   SimulationOptions boundary;

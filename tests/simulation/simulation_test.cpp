@@ -87,8 +87,8 @@ TEST(SimulationRigidBody, SpinsWithConstantAngularMomentum) {
 
 TEST(SimulationRigidBody, ImpactKeepsMomentumAndAngularMomentum) {
   // Off centre, so that both are set spinning.
-  Model model = blocks({{.velocity = Vec3(5, 0, 0), .part = rigid_part()},
-                        {.at = Vec3(0.25, 0.12, 0.07), .part = rigid_part()}});
+  Model model =
+      blocks({{.velocity = Vec3(5, 0, 0), .part = rigid_part()}, {.at = Vec3(0.25, 0.12, 0.07), .part = rigid_part()}});
   SimulationOptions options;
   options.max_step = 1e-3;
   SerialExecutor executor;
@@ -130,11 +130,13 @@ TEST(SimulationSplitting, KeepsMassAndMomentum) {
     EXPECT_LT((s.positions()[v] - s.start_positions()[v]).norm(), 0.02 * 40);
 }
 
-/// Two blocks that hit each other and tear, on a wall.
+/// A block that tears as it hits another, on a wall.
 Model busy_model() {
   Model model = blocks({{.nx = 3, .velocity = Vec3(6, 0, 0)},
                         {ElementType::tetrahedron, 2, 2, 2, Vec3(0.1, 0.1, 0.1), Vec3(0.31, 0.03, 0.01)}});
-  model.parts[0].material.failure_stress = 2e4;
+  model.parts[0].material.failure_stress = 5e4;
+  for (std::size_t i = 0; i < model.positions.size(); ++i)
+    if (model.positions[i].x() < 0.305) model.velocities[i].x() += 50 * (model.positions[i].x() - 0.15);
   model.parts[0].material.friction = model.parts[1].material.friction = 0.3;
   model.walls.push_back({Vec3(0, 0, -0.01), Vec3(0, 0, 1), 0.4});
   model.gravity = Vec3(0, 0, -9.81);
@@ -166,7 +168,8 @@ TEST(SimulationCheckpoint, GoesOnBitForBit) {
     options.substeps_per_query = group;
     SerialExecutor executor;
     Simulation whole(busy_model(), options, executor);
-    whole.advance_to(0.025);
+    whole.advance_to(0.008);
+    EXPECT_GT(whole.take_counts().inter, 0u);
     ASSERT_GT(whole.topology().mesh().vertex_count(), busy_model().mesh.vertex_count());
     std::ostringstream out;
     Archive writer(out);
@@ -177,12 +180,12 @@ TEST(SimulationCheckpoint, GoesOnBitForBit) {
     resumed.archive(reader);
     EXPECT_EQ(resumed.time(), whole.time());
     EXPECT_TRUE(same_bits(whole.positions(), resumed.positions()));
-    whole.advance_to(0.035);
-    resumed.advance_to(0.035);
+    whole.advance_to(0.02);
+    resumed.advance_to(0.02);
     EXPECT_TRUE(same_bits(whole.positions(), resumed.positions()));
     EXPECT_TRUE(same_bits(whole.velocities(), resumed.velocities()));
     EXPECT_EQ(whole.ledger().balance_error(), resumed.ledger().balance_error());
-    EXPECT_EQ(whole.take_counts().edits, resumed.take_counts().edits);
+    EXPECT_EQ(whole.topology().mesh().vertex_count(), resumed.topology().mesh().vertex_count());
   }
 }
 

@@ -2,6 +2,7 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/simulation/material.hpp>
@@ -246,6 +247,24 @@ TEST(SolidForcesThreads, AreTheSameBitForBit) {
     EXPECT_EQ(loop.forces->numerical_work(), alone.forces->numerical_work());
     EXPECT_EQ(loop.forces->elastic_energy(), alone.forces->elastic_energy());
   }
+}
+
+TEST(SolidForces, AreTheSameOnEveryProcessor) {
+  const Model model = block(Solid::both, {5, 3, 3}, 0.1, steel(), 0.2);
+  Loop first(model);
+  const std::vector<Vec3> expected = run_steps(first, first.executor, 3);
+  ASSERT_GT(first.forces->plastic_work(), 0);
+  // From the widest instruction set downwards, and none at all at the end.
+  for (auto targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
+    hwy::SetSupportedTargetsForTest(targets);
+    hwy::GetChosenTarget().DeInit();
+    Loop loop(model);
+    EXPECT_EQ(run_steps(loop, loop.executor, 3), expected) << targets;
+    EXPECT_EQ(loop.forces->stable_step(), first.forces->stable_step());
+    EXPECT_EQ(loop.forces->numerical_work(), first.forces->numerical_work());
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().DeInit();
 }
 
 TEST(SolidForces, ArchiveGoesOnBitForBit) {

@@ -14,8 +14,8 @@ namespace volccd {
 
 namespace {
 
-/// The folded middle surface in the plane y = 0, and its two offsets: leg 0 is the middle of the bag, leg k lies between
-/// fold k and fold k + 1, the last ends at the rim. By symmetry only x >= 0.
+/// The folded middle surface in the plane y = 0, and its two offsets: leg 0 is the middle of the bag, leg k lies
+/// between fold k and fold k + 1, the last ends at the rim. By symmetry only x >= 0.
 class Profile {
  public:
   explicit Profile(const AirbagShape& airbag) : half_gap_(airbag.gap / 2) {
@@ -234,8 +234,8 @@ class FlatDisc {
     return result;
   }
 
-  /// Fills the strip between two chains with triangles, the shorter diagonal first. No edge but those at the chains' ends
-  /// joins two vertices of the rim: the sheets would have it in common.
+  /// Fills the strip between two chains with triangles, the shorter diagonal first. No edge but those at the chains'
+  /// ends joins two vertices of the rim: the sheets would have it in common.
   void join(const std::vector<Index>& left, const std::vector<Index>& right) {
     std::size_t i = 0, j = 0;
     while (i + 1 < left.size() || j + 1 < right.size()) {
@@ -250,7 +250,8 @@ class FlatDisc {
   }
 
   /// Of going on to vertex `next` of a chain, from which an edge will lead to vertex `other` of the other one.
-  double cost(const std::vector<Index>& chain, std::size_t next, const std::vector<Index>& others, std::size_t other) const {
+  double cost(const std::vector<Index>& chain, std::size_t next, const std::vector<Index>& others,
+              std::size_t other) const {
     if (next == chain.size()) return kImpossible;
     const Point &p = points_[chain[next]], &q = points_[others[other]];
     const bool last = next + 1 == chain.size(), other_last = other + 1 == others.size();
@@ -267,8 +268,8 @@ class FlatDisc {
 };
 
 void check(const AirbagShape& airbag, double spacing) {
-  if (!(airbag.radius > 0.05) || airbag.folds < 1 || !(airbag.gap > 0) || !(airbag.rise > airbag.gap) || !(spacing > 0) ||
-      spacing > airbag.radius / (airbag.folds + 1))
+  if (!(airbag.radius > 0.05) || airbag.folds < 1 || !(airbag.gap > 0) || !(airbag.rise > airbag.gap) ||
+      !(spacing > 0) || spacing > airbag.radius / (airbag.folds + 1))
     throw ConfigError("airbag: a size is not possible");
 }
 
@@ -285,14 +286,15 @@ Shape folded_airbag(const AirbagShape& airbag, double spacing) {
     for (std::size_t v = 0; v < disc.points().size(); ++v) {
       const FlatDisc::Point& p = disc.points()[v];
       const bool shared = sheet == 1 && p.on_rim;
-      vertex[static_cast<std::size_t>(sheet)].push_back(shared ? vertex[0][v] : static_cast<Index>(shape.positions.size()));
+      vertex[static_cast<std::size_t>(sheet)].push_back(shared ? vertex[0][v]
+                                                               : static_cast<Index>(shape.positions.size()));
       if (!shared) shape.positions.push_back(profile.place(sheet, p.on_rim, p.x, p.y));
     }
   for (const int sheet : {0, 1})
     for (const auto& [a, b, c] : disc.triangles()) {
       const std::vector<Index>& of = vertex[static_cast<std::size_t>(sheet)];
-      ElementSpec element{ElementType::triangle, {of[a], of[b], of[c]}, {}, sheet,
-                          static_cast<std::int64_t>(shape.elements.size())};
+      ElementSpec element{
+          ElementType::triangle, {of[a], of[b], of[c]}, {}, sheet, static_cast<std::int64_t>(shape.elements.size())};
       if (sheet == 0) std::swap(element.vertices[1], element.vertices[2]);
       shape.elements.push_back(std::move(element));
     }

@@ -26,7 +26,8 @@ class SectionBuilder {
   explicit SectionBuilder(const BulletShape& bullet) : core_(bullet.core), rings_(bullet.rings) {
     for (int j = 0; j < core_; ++j)
       for (int i = 0; i < core_; ++i)
-        section_.cells.push_back({core_point(i, j), core_point(i + 1, j), core_point(i + 1, j + 1), core_point(i, j + 1)});
+        section_.cells.push_back(
+            {core_point(i, j), core_point(i + 1, j), core_point(i + 1, j + 1), core_point(i, j + 1)});
     for (int ring = 0; ring < rings_; ++ring)
       for (int k = 0; k < 4 * core_; ++k)
         section_.cells.push_back(
@@ -62,7 +63,8 @@ class SectionBuilder {
     if (ring == 0) return core_point(i, j);
     const double angle = std::numbers::pi * (2.0 * (k % (4 * core_)) / (4 * core_) - 0.25);
     const double t = static_cast<double>(ring) / rings_;
-    return add({-ring, k % (4 * core_)}, (1 - t) * inner[0] + t * std::cos(angle), (1 - t) * inner[1] + t * std::sin(angle));
+    return add({-ring, k % (4 * core_)}, (1 - t) * inner[0] + t * std::cos(angle),
+               (1 - t) * inner[1] + t * std::sin(angle));
   }
 
   int core_, rings_;
@@ -71,8 +73,8 @@ class SectionBuilder {
 };
 
 void add_hexahedron(Shape& shape, const std::array<Index, 4>& low, const std::array<Index, 4>& high) {
-  ElementSpec element{ElementType::hexahedron, {low.begin(), low.end()}, {}, 0,
-                      static_cast<std::int64_t>(shape.elements.size())};
+  ElementSpec element{
+      ElementType::hexahedron, {low.begin(), low.end()}, {}, 0, static_cast<std::int64_t>(shape.elements.size())};
   element.vertices.insert(element.vertices.end(), high.begin(), high.end());
   shape.elements.push_back(std::move(element));
 }
@@ -108,9 +110,10 @@ Shape round_nosed_bullet(const BulletShape& bullet) {
   const auto points = static_cast<Index>(section.points.size());
   Shape shape;
   for (int layer = 0; layer <= bullet.layers; ++layer) {
-    const double s = bullet.length * layer / bullet.layers;                    // from the tip
-    const double t = std::max(0.0, 1 - s / bullet.nose);                       // 1 at the tip, 0 where the nose ends
-    const double radius = bullet.diameter / 2 * std::sqrt(1 - 0.72 * t * t);   // blunt: the outermost ring has to end somewhere
+    const double s = bullet.length * layer / bullet.layers;  // from the tip
+    const double t = std::max(0.0, 1 - s / bullet.nose);     // 1 at the tip, 0 where the nose ends
+    const double radius =
+        bullet.diameter / 2 * std::sqrt(1 - 0.72 * t * t);  // blunt: the outermost ring has to end somewhere
     for (const auto& [x, y] : section.points) {
       const double dome = 0.2 * bullet.diameter * t * (x * x + y * y);
       shape.positions.emplace_back(radius * x, radius * y, s + dome);
@@ -137,7 +140,8 @@ Shape graded_plate(const PlateShape& plate) {
   Shape shape;
   for (int k = 0; k <= plate.cells[2]; ++k)
     for (const double y : ys)
-      for (const double x : xs) shape.positions.emplace_back(x, y, plate.thickness * (k - plate.cells[2]) / plate.cells[2]);
+      for (const double x : xs)
+        shape.positions.emplace_back(x, y, plate.thickness * (k - plate.cells[2]) / plate.cells[2]);
   const auto row = static_cast<Index>(xs.size()), sheet = static_cast<Index>(xs.size() * ys.size());
   for (Index k = 0; k < static_cast<Index>(plate.cells[2]); ++k)
     for (Index j = 0; j + 1 < ys.size(); ++j)

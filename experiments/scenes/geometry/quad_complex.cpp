@@ -18,7 +18,8 @@ struct QuadComplex::Vertices {
 void QuadComplex::snap(std::int32_t part, Snap surface) { snaps_[part] = std::move(surface); }
 
 Index QuadComplex::corner(const Vec3& p, std::int32_t snapped_by) {
-  const std::array<std::int64_t, 3> key{std::llround(p.x() * 1e6), std::llround(p.y() * 1e6), std::llround(p.z() * 1e6)};
+  const std::array<std::int64_t, 3> key{std::llround(p.x() * 1e6), std::llround(p.y() * 1e6),
+                                        std::llround(p.z() * 1e6)};
   const auto [found, is_new] = corner_at_.try_emplace(key, static_cast<Index>(corners_.size()));
   if (is_new) {
     corners_.push_back(p);
@@ -160,7 +161,8 @@ void QuadComplex::fill(const Patch& patch, const std::vector<int>& divisions, co
         vertex = along(i == 0 ? 3 : 1, j);
       } else {
         const double u = static_cast<double>(i) / nu, v = static_cast<double>(j) / nv;
-        const Vec3 across = (1 - v) * x[along(0, i)] + v * x[along(2, i)] + (1 - u) * x[along(3, j)] + u * x[along(1, j)];
+        const Vec3 across =
+            (1 - v) * x[along(0, i)] + v * x[along(2, i)] + (1 - u) * x[along(3, j)] + u * x[along(1, j)];
         const Vec3 twice = (1 - u) * (1 - v) * x[patch.corners[0]] + u * (1 - v) * x[patch.corners[1]] +
                            u * v * x[patch.corners[2]] + (1 - u) * v * x[patch.corners[3]];
         vertex = static_cast<Index>(x.size());
@@ -173,7 +175,8 @@ void QuadComplex::fill(const Patch& patch, const std::vector<int>& divisions, co
   };
   for (std::size_t j = 0; j + 1 < at.size() / row; ++j)
     for (std::size_t i = 0; i + 1 < row; ++i) {
-      const Index a = at[j * row + i], b = at[j * row + i + 1], c = at[(j + 1) * row + i + 1], d = at[(j + 1) * row + i];
+      const Index a = at[j * row + i], b = at[j * row + i + 1], c = at[(j + 1) * row + i + 1],
+                  d = at[(j + 1) * row + i];
       if ((i + j) % 2 == 0) {
         add(a, b, c), add(a, c, d);
       } else {

@@ -12,8 +12,9 @@
 
 namespace volccd {
 
-/// Patches with four corners. Corners at the same place (to 1e-6 in each coordinate) are one, a side between the same two
-/// corners is one side, of as many patches as have it; the mesh conforms there. Opposite sides of a patch are divided alike.
+/// Patches with four corners. Corners at the same place (to 1e-6 in each coordinate) are one, a side between the same
+/// two corners is one side, of as many patches as have it; the mesh conforms there. Opposite sides of a patch are
+/// divided alike.
 class QuadComplex {
  public:
   /// Puts a point onto a surface. Must leave points of the surface where they are: it is applied more than once.
@@ -24,8 +25,8 @@ class QuadComplex {
   void snap(std::int32_t part, Snap surface);
   /// A patch; its triangles are numbered in the sense a, b, c, d.
   void patch(std::int32_t part, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
-  /// The side from a to b of a patch that is there is a curve: its vertices go where `curve` puts those of the straight side.
-  /// Throws ConfigError without such a side.
+  /// The side from a to b of a patch that is there is a curve: its vertices go where `curve` puts those of the straight
+  /// side. Throws ConfigError without such a side.
   void bend(const Vec3& a, const Vec3& b, Snap curve);
 
   /// Patches for all sections but the last: each is a closed loop of the same number of corners, joined to the next.
@@ -38,8 +39,8 @@ class QuadComplex {
   std::int64_t triangle_count(double spacing) const;
   /// The spacing that comes nearest to this number of triangles. Throws ConfigError: fewer than two a patch.
   double spacing_for(std::int64_t triangles) const;
-  /// Triangles, the part as object, sides divided evenly, places inside a patch interpolated from its sides (Coons). All
-  /// vertices are used. Deterministic.
+  /// Triangles, the part as object, sides divided evenly, places inside a patch interpolated from its sides (Coons).
+  /// All vertices are used. Deterministic.
   Shape mesh(double spacing) const;
 
  private:

@@ -39,8 +39,7 @@ Vec3 onto_cylinder(const Vec3& p) {
 /// Corner (station, k) of the rim; between k = 2 and 3 it faces the hub.
 Vec3 rim_corner(int station, int k) {
   const double angle = 2 * std::numbers::pi * (k + 0.5) / kAround;
-  return polar(kRimRadius + kRimThickness * std::cos(angle), station,
-               kRimThickness * std::sin(angle));
+  return polar(kRimRadius + kRimThickness * std::cos(angle), station, kRimThickness * std::sin(angle));
 }
 
 Vec3 hub_corner(int station, int level) {

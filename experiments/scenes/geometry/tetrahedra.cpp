@@ -392,7 +392,7 @@ Shape fill_with_about(const ImplicitSolid& solid, int elements, double* edge) {
   // A cell of the lattice has twelve tetrahedra, and those at the surface are smaller.
   double trial = std::cbrt(6 * (solid.high - solid.low).prod() / wanted), best = trial;
   double best_error = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < 20 && best_error > 0.003; ++i) {
+  for (int i = 0; i < 24 && best_error > 0.003; ++i) {
     const double count = std::max<double>(1, static_cast<double>(stuff(solid, trial).tetrahedra.size()));
     if (const double error = std::abs(count - wanted) / wanted; error < best_error) {
       best_error = error;
@@ -402,7 +402,7 @@ Shape fill_with_about(const ImplicitSolid& solid, int elements, double* edge) {
     if (i < 4)
       trial *= std::clamp(std::cbrt(count / wanted), 0.4, 2.5);
     else
-      trial = best * (1 + (i % 2 == 0 ? 2e-3 : -2e-3) * (i / 2 - 1));
+      trial = best * (1 + (i % 2 == 0 ? 4e-3 : -4e-3) * (i / 2 - 1));
   }
   if (edge) *edge = best;
   return fill_with_tetrahedra(solid, best);

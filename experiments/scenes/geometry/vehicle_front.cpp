@@ -19,7 +19,7 @@ using Lines = std::vector<double>;
 constexpr double kFirewall = 1.15, kToe = 1.35, kRear = 1.85;  // x: firewall, where the floor begins, rear
 constexpr double kFloor = 0.30, kSill = 0.54, kRoof = 1.35;
 constexpr double kRailIn = 0.38, kRailOut = 0.48, kRailLow = 0.42, kRailMiddle = 0.48, kRailHigh = 0.54;
-constexpr double kSide = 0.68, kShelf = 0.60;                  // y: of the body's side, of the upper rail's inner wall
+constexpr double kSide = 0.68, kShelf = 0.60;  // y: of the body's side, of the upper rail's inner wall
 constexpr double kWheelX = 0.62, kWheelZ = 0.30, kWheelIn = 0.52, kWheelOut = 0.70;
 constexpr double kHub = 0.10, kRim = 0.19, kTyre = 0.29;  // half the side of the square at a wheel's middle; radii
 constexpr double kHoodRear = 1.10;
@@ -66,7 +66,8 @@ double hood_height(double x, double y) { return 0.848 + 0.065 * x + 0.035 * (1 -
 Vec3 onto_hood(const Vec3& p) { return {p.x(), p.y(), hood_height(p.x(), p.y())}; }
 
 Vec3 onto_fender(const Vec3& p) {
-  const double along = std::clamp((p.x() - 0.10) / 0.25, 0.0, 1.0), down = std::clamp((fender_top(p.x()) - p.z()) / 0.14, 0.0, 1.0);
+  const double along = std::clamp((p.x() - 0.10) / 0.25, 0.0, 1.0),
+               down = std::clamp((fender_top(p.x()) - p.z()) / 0.14, 0.0, 1.0);
   const double out = 0.04 * std::sin(along * std::numbers::pi / 2) * std::sin(down * std::numbers::pi / 2);
   return {p.x(), std::copysign(0.70 + out, p.y()), p.z()};
 }
@@ -128,7 +129,7 @@ class Vehicle {
 
   /// Loop around a rail at x, between three heights.
   static std::vector<Vec3> rail_section(double s, double x, double low, double middle, double high) {
-    return {{x, s * kRailIn, low},   {x, s * kRailOut, low},  {x, s * kRailOut, middle},
+    return {{x, s * kRailIn, low},   {x, s * kRailOut, low}, {x, s * kRailOut, middle},
             {x, s * kRailOut, high}, {x, s * kRailIn, high}, {x, s * kRailIn, middle}};
   }
 
@@ -136,7 +137,10 @@ class Vehicle {
     std::vector<std::vector<Vec3>> sections;
     for (const double y : {-0.62, -0.48, -0.38, -0.19, 0.0, 0.19, 0.38, 0.48, 0.62}) {
       const double front = beam_x(y), back = front + 0.06;
-      sections.push_back({{front, y, kRailLow}, {front, y, kRailHigh}, {back, y, kRailHigh}, {back, y, kRailMiddle},
+      sections.push_back({{front, y, kRailLow},
+                          {front, y, kRailHigh},
+                          {back, y, kRailHigh},
+                          {back, y, kRailMiddle},
                           {back, y, kRailLow}});
     }
     body_.tube(id(VehiclePart::bumper_beam), sections);
@@ -171,7 +175,8 @@ class Vehicle {
     for (const double x : kStations)
       sections.push_back({{x, s * kShelf, 0.72}, {x, s * kSide, 0.72}, {x, s * kSide, 0.80}, {x, s * kShelf, 0.80}});
     body_.tube(id(VehiclePart::upper_rails), sections);
-    grid(VehiclePart::aprons, kStations, {kRailHigh, 0.72}, [s](double x, double z) { return Vec3(x, s * kRailOut, z); });
+    grid(VehiclePart::aprons, kStations, {kRailHigh, 0.72},
+         [s](double x, double z) { return Vec3(x, s * kRailOut, z); });
     grid(VehiclePart::aprons, kStations, {kRailOut, kShelf}, [s](double x, double y) { return Vec3(x, s * y, 0.72); });
     // What carries the fender's upper edge.
     grid(VehiclePart::aprons, kStations, {0, 1},
@@ -226,8 +231,8 @@ class Vehicle {
     const auto place = [x](double y, double z) { return Vec3(x, y, z); };
     const Lines between{-kRailIn, -0.10, 0.10, kRailIn};
     grid(VehiclePart::cross_members, between, {kRailLow, kRailMiddle, kRailHigh}, place);
-    grid(VehiclePart::cross_members, {-kShelf, -kRailOut, -kRailIn, -0.10, 0.10, kRailIn, kRailOut, kShelf}, {0.72, 0.80},
-         place);
+    grid(VehiclePart::cross_members, {-kShelf, -kRailOut, -kRailIn, -0.10, 0.10, kRailIn, kRailOut, kShelf},
+         {0.72, 0.80}, place);
     for (const double s : {1.0, -1.0})
       grid(VehiclePart::cross_members, {s * kRailIn, s * kRailOut}, {kRailLow, kRailMiddle, kRailHigh, 0.72}, place);
     grid(VehiclePart::radiator, between, {kRailHigh, 0.72}, place);
@@ -250,8 +255,10 @@ class Vehicle {
   }
 
   void add_cab() {
-    grid(VehiclePart::firewall, kCabY, {kSill, 0.72, 0.80, 0.95}, [](double y, double z) { return Vec3(kFirewall, y, z); });
-    grid(VehiclePart::floor, {kFirewall, kToe, kRear}, kCabY, [](double x, double y) { return Vec3(x, y, toe_height(x)); });
+    grid(VehiclePart::firewall, kCabY, {kSill, 0.72, 0.80, 0.95},
+         [](double y, double z) { return Vec3(kFirewall, y, z); });
+    grid(VehiclePart::floor, {kFirewall, kToe, kRear}, kCabY,
+         [](double x, double y) { return Vec3(x, y, toe_height(x)); });
     grid(VehiclePart::rear, kCabY, {kFloor, kSill, 0.72, 0.80, 0.95, kRoof},
          [](double y, double z) { return cab_point(kRear, y, z); });
     const Lines way{0, 1, 2};  // from the firewall over the windscreen to the rear
@@ -274,9 +281,8 @@ class Vehicle {
   }
 
   void add_fascia() {
-    grid(VehiclePart::fascia, {-0.70, -0.48, -0.24, 0, 0.24, 0.48, 0.70}, {0.40, 0.62, fender_top(0.10)}, [](double y, double z) {
-      return Vec3(fascia_x(y), y, z);
-    });
+    grid(VehiclePart::fascia, {-0.70, -0.48, -0.24, 0, 0.24, 0.48, 0.70}, {0.40, 0.62, fender_top(0.10)},
+         [](double y, double z) { return Vec3(fascia_x(y), y, z); });
   }
 
   void add_engine() {
@@ -286,9 +292,12 @@ class Vehicle {
       const double narrow = z > 0.7 ? 0.75 : 1;
       return Vec3(z > 0.7 ? std::clamp(x, 0.44, 0.80) : x, y * narrow, z);
     };
-    for (const double y : {-kHalf, kHalf}) grid(VehiclePart::engine, xs, zs, [&](double x, double z) { return at(x, y, z); });
-    for (const double x : {0.40, 0.84}) grid(VehiclePart::engine, ys, zs, [&](double y, double z) { return at(x, y, z); });
-    for (const double z : {kLow, kTop}) grid(VehiclePart::engine, xs, ys, [&](double x, double y) { return at(x, y, z); });
+    for (const double y : {-kHalf, kHalf})
+      grid(VehiclePart::engine, xs, zs, [&](double x, double z) { return at(x, y, z); });
+    for (const double x : {0.40, 0.84})
+      grid(VehiclePart::engine, ys, zs, [&](double y, double z) { return at(x, y, z); });
+    for (const double z : {kLow, kTop})
+      grid(VehiclePart::engine, xs, ys, [&](double x, double y) { return at(x, y, z); });
     for (const double s : {1.0, -1.0})
       grid(VehiclePart::mounts, {kWheelX - kHub, kWheelX, kWheelX + kHub}, {s * kRailIn, s * kHalf},
            [](double x, double y) { return Vec3(x, y, kRailMiddle); });
@@ -301,8 +310,9 @@ class Vehicle {
 
 const char* to_string(VehiclePart part) {
   static constexpr std::array<const char*, kVehicleParts> kNames{
-      "bumper beam", "crash boxes", "rails",  "cross members", "radiator",   "upper rails", "aprons", "hood",   "fenders",
-      "fascia",      "firewall",    "floor",  "sides",         "windscreen", "wheels",      "engine", "mounts", "rear of the car"};
+      "bumper beam", "crash boxes", "rails",   "cross members", "radiator", "upper rails",
+      "aprons",      "hood",        "fenders", "fascia",        "firewall", "floor",
+      "sides",       "windscreen",  "wheels",  "engine",        "mounts",   "rear of the car"};
   return kNames[static_cast<std::size_t>(part)];
 }
 

@@ -11,11 +11,11 @@ inline constexpr int kAirbagElements = 9'100, kAirbagQuickElements = 1'500;
 inline constexpr int kAirbagFrames = 101;  ///< 0.25 ms apart
 inline constexpr double kAirbagDuration = 25e-3;
 
-/// Objects: 0 the sheet on the side of the wheel, 1 the sheet on the driver's, joined at the rim (fabric of 0.35 mm, 0.66 m
-/// across, its sides folded in zigzag onto the middle), 2 the steering wheel below it (rigid, held). Pressure rises in
-/// the bag, whose bottom is held in the middle, where the gas comes in. Layers are apart by about 1.2 mm. About `elements`
-/// triangles (within 3 %). The seed gives the fabric velocities of up to 0.2 m/s at random. Throws ConfigError: elements not
-/// in 1,200 .. 10^7.
+/// Objects: 0 the sheet on the side of the wheel, 1 the sheet on the driver's, joined at the rim (fabric of 0.35 mm,
+/// 0.66 m across, its sides folded in zigzag onto the middle), 2 the steering wheel below it (rigid, held). Pressure
+/// rises in the bag, whose bottom is held in the middle, where the gas comes in. Layers are apart by about 1.2 mm.
+/// About `elements` triangles (within 3 %). The seed gives the fabric velocities of up to 0.2 m/s at random. Throws
+/// ConfigError: elements not in 1,200 .. 10^7.
 simulation::Model airbag_model(int elements = kAirbagElements, std::uint64_t seed = 1);
 
 }  // namespace volccd

@@ -56,7 +56,8 @@ PlateShape plate_shape(int elements, double finer) {
   plate.cells[2] = std::max(2, static_cast<int>(std::lround(plate.cells[2] * finer)));
   const double across = std::sqrt(static_cast<double>(elements) / plate.cells[2]);
   plate.cells[0] = std::max(6, static_cast<int>(std::lround(across)));
-  plate.cells[1] = std::max(6, static_cast<int>(std::lround(static_cast<double>(elements) / plate.cells[2] / plate.cells[0])));
+  plate.cells[1] =
+      std::max(6, static_cast<int>(std::lround(static_cast<double>(elements) / plate.cells[2] / plate.cells[0])));
   return plate;
 }
 

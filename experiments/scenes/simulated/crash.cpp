@@ -72,7 +72,8 @@ double area_of(const Shape& shape, VehiclePart part) {
   double area = 0;
   for (const ElementSpec& e : shape.elements)
     if (e.object == static_cast<std::int32_t>(part)) {
-      const Vec3 &a = shape.positions[e.vertices[0]], &b = shape.positions[e.vertices[1]], &c = shape.positions[e.vertices[2]];
+      const Vec3 &a = shape.positions[e.vertices[0]], &b = shape.positions[e.vertices[1]],
+                 &c = shape.positions[e.vertices[2]];
       area += (b - a).cross(c - a).norm() / 2;
     }
   return area;

@@ -12,7 +12,7 @@ namespace volccd {
 namespace {
 
 constexpr double kTurn = 0.17;                 // of the lattice, radians at most
-constexpr double kLeftHold = -0.09, kRightHold = 0.08, kLowestHold = 0.01;  // what is held: beyond, and above
+constexpr double kLeftHold = -0.09, kRightHold = 0.065, kLowestHold = 0.03;  // what is held: beyond, and above
 constexpr double kSag = 0.2;                   // s before the cut
 
 /// The liver filled by a lattice that is turned by `turn`.
@@ -32,13 +32,13 @@ Shape turned_liver(int elements, const Eigen::Matrix3d& turn) {
 
 simulation::Cut cut_from_below() {
   simulation::Cut cut;
-  cut.point = Vec3(-0.05, 0, -0.1);
+  cut.point = Vec3(-0.01, 0, -0.1);
   // Askew, so that it does not follow the lattice that the mesh was made from.
   cut.normal = Vec3(0.92, 0.25, 0.3).normalized();
   cut.direction = cut.normal.cross(Vec3::UnitY()).normalized();
   cut.begin = kSag;
-  cut.length = 0.123;
-  cut.speed = 0.25;
+  cut.length = 0.15;
+  cut.speed = 0.3;
   return cut;
 }
 
@@ -59,10 +59,10 @@ simulation::Model liver_model(int elements, std::uint64_t seed) {
   simulation::Part part;
   part.name = "liver";
   part.material.density = 1060;
-  part.material.youngs_modulus = 1.5e4;
+  part.material.youngs_modulus = 7e3;
   part.material.poisson_ratio = 0.4;
   part.material.friction = 0.1;
-  part.material.damping = 6;
+  part.material.damping = 3;
   model.parts.push_back(part);
   for (Index v = 0; v < model.positions.size(); ++v) {
     const Vec3& p = model.positions[v];

@@ -16,8 +16,8 @@ namespace volccd {
 namespace {
 
 constexpr int kOctopi = 3;
-constexpr double kSpeed = 1.0, kTurning = 5;  // m/s towards the middle, rad/s
-constexpr double kFunnelSlope = 0.7;          // radians from the horizontal
+constexpr double kSpeed = 1.0, kTurning = 4;  // m/s towards the middle, rad/s
+constexpr double kFunnelSlope = 0.85;         // radians from the horizontal
 constexpr int kFunnelWalls = 6;
 
 /// Where an octopus is: its own z axis points away from the middle of the scene, its origin is `distance` from there.
@@ -41,7 +41,7 @@ Octopus make_octopus(int number, int elements, Random& random) {
   pose.seed = random.next();
   pose.droop = 0.75;
   // Half the edge length that this number of elements will have, about: what the mesh can hold on to.
-  pose.thinnest = std::max(0.007, 0.0078 * std::sqrt(5866.0 / elements));
+  pose.thinnest = std::max(0.007, 0.0086 * std::pow(5866.0 / elements, 0.52));
   octopus.solid = octopus_solid(pose);
   octopus.shape = fill_with_about(octopus.solid, elements, &octopus.edge);
   const double azimuth = 2 * std::numbers::pi * number / kOctopi + random.uniform(-0.15, 0.15);
@@ -114,10 +114,10 @@ simulation::Model octopi_model(int elements, std::uint64_t seed) {
     simulation::Part part;
     part.name = "octopus " + std::to_string(i + 1);
     part.material.density = 1000;
-    part.material.youngs_modulus = 8e4;
+    part.material.youngs_modulus = 5e4;
     part.material.poisson_ratio = 0.4;
-    part.material.friction = 0.3;
-    part.material.damping = 1;
+    part.material.friction = 0.4;
+    part.material.damping = 2;
     model.parts.push_back(part);
   }
   model.mesh = all.mesh();

@@ -8,6 +8,17 @@
 
 namespace volccd {
 
+namespace {
+
+/// Substeps: as many as keep the motion between two queries below about a fifth of an edge.
+simulation::SimulationOptions with_queries_every(int substeps) {
+  simulation::SimulationOptions options;
+  options.substeps_per_query = substeps;
+  return options;
+}
+
+}  // namespace
+
 const std::vector<SimulatedScene>& simulated_scenes() {
   static const std::vector<SimulatedScene> all = {
       {.name = "octopi",
@@ -25,7 +36,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .quick_elements = kBulletQuickElements,
        .frames = kBulletFrames,
        .duration = kBulletDuration,
-       .options = {}},
+       .options = with_queries_every(3)},
       {.name = "airbag",
        .description = "a folded airbag inflates in front of a steering wheel; shells",
        .model = airbag_model,
@@ -33,7 +44,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .quick_elements = kAirbagQuickElements,
        .frames = kAirbagFrames,
        .duration = kAirbagDuration,
-       .options = {}},
+       .options = with_queries_every(2)},
       {.name = "crash",
        .description = "the front of a car of thin sheet hits a rigid wall; shells",
        .model = crash_model,
@@ -41,7 +52,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .quick_elements = kCrashQuickElements,
        .frames = kCrashFrames,
        .duration = kCrashDuration,
-       .options = {}},
+       .options = with_queries_every(20)},
       {.name = "liver",
        .description = "a liver that hangs from its sides is cut from below; tetrahedra",
        .model = liver_model,
@@ -49,7 +60,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .quick_elements = kLiverQuickElements,
        .frames = kLiverFrames,
        .duration = kLiverDuration,
-       .options = {}},
+       .options = with_queries_every(2)},
   };
   return all;
 }

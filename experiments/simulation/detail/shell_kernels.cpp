@@ -252,8 +252,8 @@ HWY_ATTR HWY_NOINLINE V flow_hinges(ShellTables& t, std::size_t i, double dt, M 
   return hn::Load(d, value);
 }
 
-// Minus the gradient of a hinge's angle (Bridson et al. 2003): of the edge's vertices, then of the opposite ones. `fade`: 0 where
-// a triangle has lost its area, 1 where it has not lost much.
+// Minus the gradient of a hinge's angle (Bridson et al. 2003): of the edge's vertices, then of the opposite ones.
+// `fade`: 0 where a triangle has lost its area, 1 where it has not lost much.
 struct HingeGradient {
   Vector u[4];
   V fade;

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Geometry>
 
+#include <volccd/experiments/simulation/detail/solid_kernels.hpp>
 #include <volccd/experiments/simulation/material.hpp>
 
 namespace volccd::simulation::detail {
@@ -13,13 +15,10 @@ namespace {
 
 using Eigen::Matrix3d;
 
-// Below this J nothing is divided by J and nothing flows.
-constexpr double kFlat = 0.1;
 // Greatest trace of Cp^-1: a thickness of a tenth.
 constexpr double kThinnest = 100;
 // How far hourglass modes flow, in half edges: beyond, corners would turn inside out.
 constexpr double kFarthestMode = 0.5;
-constexpr double kLinearViscosity = 0.06, kQuadraticViscosity = 1.44;
 
 // Corners of the reference cube, and the hourglass modes eta zeta, zeta xi, xi eta, xi eta zeta there.
 constexpr double kCube[8][3] = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
@@ -33,34 +32,23 @@ Matrix3d full(const Symmetric& s) {
   return (Matrix3d() << s[0], s[3], s[5], s[3], s[1], s[4], s[5], s[4], s[2]).finished();
 }
 
-// a b^T where it is symmetric.
-Symmetric product(const Matrix3d& a, const Matrix3d& b) {
-  const auto row = [&](int i, int j) { return a(i, 0) * b(j, 0) + a(i, 1) * b(j, 1) + a(i, 2) * b(j, 2); };
+// a a^T.
+Symmetric square(const Matrix3d& a) {
+  const auto row = [&](int i, int j) { return a(i, 0) * a(j, 0) + a(i, 1) * a(j, 1) + a(i, 2) * a(j, 2); };
   return (Symmetric() << row(0, 0), row(1, 1), row(2, 2), row(0, 1), row(1, 2), row(0, 2)).finished();
 }
 
 double trace(const Symmetric& s) { return s[0] + s[1] + s[2]; }
 
-Symmetric deviator(Symmetric s) {
-  const double mean = trace(s) / 3;
-  s[0] -= mean, s[1] -= mean, s[2] -= mean;
-  return s;
-}
-
-double squared_norm(const Symmetric& s) { return s.head<3>().squaredNorm() + 2 * s.tail<3>().squaredNorm(); }
-
 double determinant(const Symmetric& s) {
   return s[0] * (s[1] * s[2] - s[4] * s[4]) - s[3] * (s[3] * s[2] - s[4] * s[5]) + s[5] * (s[3] * s[4] - s[1] * s[5]);
 }
 
-// Not below the greatest eigenvalue, and equal to it if two or three eigenvalues are the same (the two smaller ones).
-double greatest_eigenvalue(const Symmetric& s) { return trace(s) / 3 + std::sqrt(2.0 / 3 * squared_norm(deviator(s))); }
-
-struct Kinematics {
-  Matrix3d f, cofactor;
-  double j;
-  double volume_rate;  // dJ/dt
-};
+double greatest_eigenvalue(const Symmetric& s) {
+  const double mean = trace(s) / 3;
+  const double norm2 = (s.head<3>().array() - mean).square().sum() + 2 * s.tail<3>().squaredNorm();
+  return mean + std::sqrt(2.0 / 3 * norm2);
+}
 
 Matrix3d cofactor(const Matrix3d& f) {
   Matrix3d c;
@@ -69,31 +57,6 @@ Matrix3d cofactor(const Matrix3d& f) {
   c.col(2) = f.col(0).cross(f.col(1));
   return c;
 }
-
-template <int N>
-Kinematics kinematics(const SolidShape<N>& shape, std::span<const Vec3> x, std::span<const Vec3> v) {
-  Kinematics k;
-  Matrix3d rate = Matrix3d::Zero();
-  k.f.setZero();
-  // From the first corner on: far from the origin, rounding is that of the element's size.
-  const Vec3 x0 = x[shape.vertices[0]], v0 = v[shape.vertices[0]];
-  for (int i = 1; i < N; ++i) {
-    const Vec3 g = shape.gradients[i];
-    const Vec3 dx = x[shape.vertices[i]] - x0, dv = v[shape.vertices[i]] - v0;
-    k.f.noalias() += dx * g.transpose();
-    rate.noalias() += dv * g.transpose();
-  }
-  k.cofactor = cofactor(k.f);
-  k.j = k.f.col(0).dot(k.cofactor.col(0));
-  k.volume_rate = (k.cofactor.array() * rate.array()).sum();
-  return k;
-}
-
-// What be is scaled to by plastic flow: scale times its deviator, and a mean that leaves det be = J^2.
-struct Return {
-  double scale, mean;
-  double dissipated = 0;  // per volume at rest
-};
 
 // The root m of det(m I + scale dev) = J^2 from above (Newton's steps descend to it: the cubic is convex there).
 double mean_of_same_volume(const Symmetric& dev, double norm2, double scale, double j, double mean) {
@@ -106,131 +69,14 @@ double mean_of_same_volume(const Symmetric& dev, double norm2, double scale, dou
   return mean;
 }
 
-Return plastic_flow(const SolidMaterial& m, const Kinematics& k, double dt, const Symmetric& dev, double norm2,
-                    double mean, Symmetric& metric, double& strain) {
-  const double trial = m.mu * std::sqrt(1.5 * norm2), slope = 3 * m.mu * mean;
-  if (!(trial > k.j * (m.material.yield_stress + m.material.hardening_modulus * strain))) return {1, mean};
-  const double increment = plastic_increment(m.material, trial, slope, k.j, strain, dt);
-  const double scale = std::max(0.0, 1 - slope * increment / trial);
-  const double new_mean = mean_of_same_volume(dev, norm2, scale, k.j, mean);
-  const Matrix3d inverse_transposed = k.cofactor / k.j;
-  const Symmetric inverse = product(inverse_transposed.transpose(), inverse_transposed.transpose());  // of F^T F
-  const Symmetric flowed = scale * metric + (new_mean - scale * mean) * inverse;
-  const double thinness = trace(flowed);
-  if (!std::isfinite(thinness) || (thinness > kThinnest && thinness > trace(metric))) return {1, mean};
-  metric = flowed;
-  strain += increment;
-  // By the stress after the return: the trial stress never acted on anything.
-  return {scale, new_mean, scale * trial * increment};
-}
-
-struct Response {
-  Matrix3d stress;            // first Piola-Kirchhoff
-  double energy, dissipated;  // per volume at rest
-  double greatest_stretch;    // greatest eigenvalue of be
-};
-
-Response respond(const SolidMaterial& m, const Kinematics& k, double dt, Symmetric& metric, double& strain) {
-  const Matrix3d pulled = m.plastic ? Matrix3d(k.f * full(metric)) : k.f;  // be F^-T
-  const Symmetric be = product(pulled, k.f), dev = deviator(be);
-  const double mean = trace(be) / 3, norm2 = squared_norm(dev);
-  Return to{1, mean};
-  if (m.plastic && dt > 0 && k.j > kFlat) to = plastic_flow(m, k, dt, dev, norm2, mean, metric, strain);
-  double pressure = m.dilation * (k.j - 1) - m.mu;
-  Response r;
-  r.energy = m.mu * (1.5 * (to.mean - 1) - (k.j - 1)) + 0.5 * m.dilation * (k.j - 1) * (k.j - 1);
-  r.dissipated = to.dissipated;
-  r.greatest_stretch = to.mean + to.scale * std::sqrt(2.0 / 3 * norm2);
-  if (to.scale != 1) pressure += m.mu * (to.mean - to.scale * mean) / k.j;
-  r.stress = (m.mu * to.scale) * pulled + pressure * k.cofactor;
-  return r;
-}
-
-// Bounds of an element's frequencies. Displacements u of its corners, sum |u|^2 = 1, have gradients h with |h|^2 <= the
-// greatest eigenvalue of the spread, (tr h)^2 <= its trace; each corner has 1/N of the mass.
-struct Frequency {
-  double squared;  // 1/s^2
-  double length;   // of the element across its thinnest direction
-  double damping;  // per kinematic viscosity of volume: decay rate
-};
-
+// F^-1 (transposed: the cofactors over J) of one lane.
 template <int N>
-Frequency frequency(const SolidShape<N>& shape, const SolidMaterial& m, const Matrix3d& cof, double j, double stretch,
-                    const Symmetric& metric, double deformation_norm2) {
-  constexpr double kLength = N == 8 ? 0.5 : 4.0 / 3;  // exact for cubes, regular tetrahedra
-  const Matrix3d pushed = cof * full(shape.spread);
-  const Symmetric area = product(pushed, cof);  // J^2 times the present spread
-  const double per_mass = N / m.material.density, pressure = m.dilation * (j - 1) - m.mu;
-  if (j > kFlat) {
-    const double volume = trace(area) / (j * j), greatest = greatest_eigenvalue(area) / (j * j);
-    const double dilation = std::max(0.0, (m.dilation * j + pressure) * j),
-                 rest = std::abs(j * pressure) + m.mu * stretch;
-    return {per_mass * (dilation * volume + rest * greatest), std::sqrt(kLength / greatest), per_mass * volume * j};
+Matrix3d inverse(const SolidBatch<N>& b, int lane) {
+  Matrix3d inverse;
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) inverse(c, r) = b.cofactor[r][c][lane] / b.j[lane];
   }
-  const double rest = std::abs(pressure) * std::sqrt(deformation_norm2) + m.mu * greatest_eigenvalue(metric);
-  return {per_mass * (m.dilation * trace(area) + rest * shape.greatest_spread),
-          std::sqrt(kLength / shape.greatest_spread), per_mass * trace(area) / kFlat};
-}
-
-// Adds bulk viscosity to the stress; returns the rate of decay that it causes.
-double add_viscosity(const SolidMaterial& m, const Kinematics& k, const Frequency& w, Response& r, double& power) {
-  const double j = std::max(k.j, kFlat), rate = std::max(0.0, -k.volume_rate / j);
-  const double viscosity =
-      m.material.density / j * w.length * (kLinearViscosity * m.sound + kQuadraticViscosity * w.length * rate);
-  r.stress -= (viscosity * rate) * k.cofactor;
-  power = viscosity * rate * std::max(0.0, -k.volume_rate);
-  return 0.5 * viscosity * w.damping;
-}
-
-// `squared`, of an element without hourglass springs, raised to bound that with them as well.
-double squared_with_hourglass(const SolidShape<8>& shape, const SolidMaterial& m, const SolidState<8>& state,
-                              double squared) {
-  double coupling = 1, steepest = 0;
-  for (int a = 0; a < 4; ++a) {
-    coupling += 2 * shape.mode_slopes[a] * state.modes[a].squaredNorm();
-    steepest = std::max(steepest, shape.mode_slopes[a]);
-  }
-  return coupling * std::max(squared, m.material.youngs_modulus * steepest / (3 * m.material.density));
-}
-
-double longest_step(double squared, double decay) { return 2 / (std::sqrt(squared + decay * decay) + decay); }
-
-// Hourglass springs of hexahedra: forces at the corners, and what they add to volume times stress. Returns their
-// energy.
-double add_hourglass(const SolidShape<8>& shape, const SolidMaterial& m, const Kinematics& k, std::span<const Vec3> x,
-                     double dt, SolidState<8>& state, Matrix3d& stress, Vec3* out) {
-  std::array<Vec3, 8> d;
-  d[0].setZero();
-  for (int i = 1; i < 8; ++i) d[i] = 0.125 * (x[shape.vertices[i]] - x[shape.vertices[0]]);
-  const bool flows = m.plastic && dt > 0 && k.j > kFlat;
-  const double young = m.material.youngs_modulus;
-  const double limit = 1.5 * (m.material.yield_stress + m.material.hardening_modulus * state.plastic_strain) / young;
-  double energy = 0;
-  std::array<Vec3, 4> force;
-  for (int a = 0; a < 4; ++a) {
-    const double slope = shape.mode_slopes[a], stiffness = young * shape.volume * slope / (a == 3 ? 9 : 3);
-    Vec3 q = -(k.f * state.modes[a]);
-    for (int i = 1; i < 8; ++i) q += kModes[a][i] * d[i];
-    double norm2 = q.squaredNorm();
-    if (flows && norm2 * slope > limit * limit) {
-      const double keep = limit / std::sqrt(norm2 * slope);
-      const Vec3 flowed = state.modes[a] + k.cofactor.transpose() * q * ((1 - keep) / k.j);
-      if ((flowed - shape.modes[a]).squaredNorm() * slope <= kFarthestMode * kFarthestMode) {
-        state.modes[a] = flowed;
-        state.numerical_work += 0.5 * stiffness * norm2 * (1 - keep * keep);
-        q *= keep;
-        norm2 *= keep * keep;
-      }
-    }
-    energy += 0.5 * stiffness * norm2;
-    force[a] = stiffness * q;
-    stress.noalias() -= force[a] * state.modes[a].transpose();
-    force[a] *= 0.125;
-  }
-  for (int i = 1; i < 8; ++i) {
-    out[i] = -kModes[0][i] * force[0] - kModes[1][i] * force[1] - kModes[2][i] * force[2] - kModes[3][i] * force[3];
-  }
-  return energy;
+  return inverse;
 }
 
 // The modes' own part of a shape at rest.
@@ -277,6 +123,59 @@ void set_gradients(const std::array<Vec3, 8>& x, SolidShape<8>& shape) {
   for (Vec3& g : shape.gradients) g /= shape.volume;
 }
 
+/// What does not depend on the present positions.
+template <int N>
+void fill(SolidBatch<N>& b, int lane, const SolidShape<N>& shape, const SolidMaterial& m, const SolidState<N>& state) {
+  b.shapes[lane] = &shape;
+  b.materials[lane] = &m;
+  for (int i = 1; i < N; ++i) {
+    for (int c = 0; c < 3; ++c) b.gradients[i][c][lane] = shape.gradients[i][c];
+  }
+  for (int c = 0; c < 6; ++c) b.spread[c][lane] = shape.spread[c];
+  for (int c = 0; c < 6; ++c) b.metric[c][lane] = state.plastic_metric[c];
+  for (int a = 0; a < mode_count(N); ++a) {
+    b.mode_slopes[a][lane] = shape.mode_slopes[a];
+    for (int c = 0; c < 3; ++c) b.modes[a][c][lane] = state.modes[a][c];
+  }
+  b.volume[lane] = shape.volume;
+  b.greatest_spread[lane] = shape.greatest_spread;
+  b.mu[lane] = m.mu;
+  b.dilation[lane] = m.dilation;
+  b.density[lane] = m.material.density;
+  b.sound[lane] = m.sound;
+  b.young[lane] = m.material.youngs_modulus;
+  b.yield[lane] = yield_stress(m.material, state.plastic_strain, 0);
+}
+
+template <int N>
+void gather(SolidBatch<N>& b, int lane, const SolidShape<N>& shape, std::span<const Vec3> x, std::span<const Vec3> v) {
+  // From the first corner on: far from the origin, rounding is that of the element's size.
+  const Vec3 &x0 = x[shape.vertices[0]], &v0 = v[shape.vertices[0]];
+  for (int i = 1; i < N; ++i) {
+    const Vec3 &xi = x[shape.vertices[i]], &vi = v[shape.vertices[i]];
+    for (int c = 0; c < 3; ++c) {
+      b.x[i][c][lane] = xi[c] - x0[c];
+      b.v[i][c][lane] = vi[c] - v0[c];
+    }
+  }
+}
+
+template <int N>
+void take(const SolidBatch<N>& b, int lane, double dt, Vec3* out) {
+  SolidState<N>& state = *b.states[lane];
+  for (int i = 0; i < N; ++i) {
+    for (int c = 0; c < 3; ++c) out[i][c] = b.force[i][c][lane];
+  }
+  for (int r = 0; r < 3; ++r) {
+    for (int c = 0; c < 3; ++c) state.deformation(r, c) = b.f[r][c][lane];
+  }
+  state.energy = b.energy[lane];
+  const double before = state.viscous_pressure;
+  state.viscous_pressure = b.viscous_pressure[lane];
+  // As a leapfrog has it: the mean of the forces at both ends of the step.
+  state.numerical_work -= 0.5 * (before + state.viscous_pressure) * b.volume_rate[lane] * b.volume[lane] * dt;
+}
+
 }  // namespace
 
 SolidMaterial::SolidMaterial(const Part& part)
@@ -284,7 +183,6 @@ SolidMaterial::SolidMaterial(const Part& part)
       mu(shear_modulus(part.material)),
       dilation(lame_lambda(part.material) + mu),
       sound(sound_speed(part.material)),
-      plastic(std::isfinite(part.material.yield_stress)),
       rigid(part.rigid) {}
 
 template <int N>
@@ -307,46 +205,97 @@ bool set_shape(const std::array<Vec3, N>& x, SolidShape<N>& shape) {
 }
 
 template <int N>
-double solid_forces(const SolidShape<N>& shape, const SolidMaterial& m, std::span<const Vec3> x,
-                    std::span<const Vec3> v, double dt, SolidState<N>& state, Vec3* out) {
-  const Kinematics k = kinematics(shape, x, v);
-  state.deformation = k.f;
-  Response r = respond(m, k, dt, state.plastic_metric, state.plastic_strain);
-  Frequency w = frequency(shape, m, k.cofactor, k.j, r.greatest_stretch, state.plastic_metric, k.f.squaredNorm());
-  double power = 0;
-  const double decay = add_viscosity(m, k, w, r, power);
-  state.energy = shape.volume * r.energy;
-  if (dt > 0) {
-    state.plastic_work += shape.volume * r.dissipated;
-    state.numerical_work += shape.volume * power * dt;
+void flow(SolidBatch<N>& b, int lane, double dt) {
+  SolidState<N>& state = *b.states[lane];
+  const SolidMaterial& m = *b.materials[lane];
+  const double mean = b.mean[lane], norm2 = b.norm2[lane], j = b.j[lane];
+  Symmetric dev;
+  for (int c = 0; c < 6; ++c) dev[c] = b.deviator[c][lane];
+  const double trial = m.mu * std::sqrt(1.5 * norm2), slope = 3 * m.mu * mean;
+  const double increment = plastic_increment(m.material, trial, slope, j, state.plastic_strain, dt);
+  const double scale = std::max(0.0, 1 - slope * increment / trial);
+  const double new_mean = mean_of_same_volume(dev, norm2, scale, j, mean);
+  const Symmetric flowed = scale * state.plastic_metric + (new_mean - scale * mean) * square(inverse(b, lane));
+  const double thinness = trace(flowed);
+  if (!std::isfinite(thinness) || (thinness > kThinnest && thinness > trace(state.plastic_metric))) return;
+  state.plastic_metric = flowed;
+  state.plastic_strain += increment;
+  // By the stress after the return: the trial stress never acted on anything.
+  state.plastic_work += b.volume[lane] * scale * trial * increment;
+  for (int c = 0; c < 6; ++c) b.metric[c][lane] = flowed[c];
+  b.scale[lane] = scale;
+  b.new_mean[lane] = new_mean;
+}
+
+void flow_modes(SolidBatch<8>& b, int lane) {
+  SolidState<8>& state = *b.states[lane];
+  const double young = b.young[lane], limit = 1.5 * b.yield[lane] / young;
+  for (int a = 0; a < 4; ++a) {
+    const double slope = b.mode_slopes[a][lane], norm2 = b.q_norm2[a][lane];
+    if (!(norm2 * slope > limit * limit)) continue;
+    const double keep = limit / std::sqrt(norm2 * slope);
+    const Vec3 q(b.q[a][0][lane], b.q[a][1][lane], b.q[a][2][lane]);
+    const Vec3 flowed = state.modes[a] + (1 - keep) * (inverse(b, lane) * q);
+    // Written so that it also fails for what is not a number.
+    if (!((flowed - b.shapes[lane]->modes[a]).squaredNorm() * slope <= kFarthestMode * kFarthestMode)) continue;
+    state.modes[a] = flowed;
+    // By the force after the return, as for the stress.
+    state.numerical_work += young * b.volume[lane] * slope * norm2 * keep * (1 - keep) / (a == 3 ? 9 : 3);
+    for (int c = 0; c < 3; ++c) {
+      b.modes[a][c][lane] = flowed[c];
+      b.q[a][c][lane] = keep * q[c];
+    }
+    b.q_norm2[a][lane] = keep * keep * norm2;
   }
-  r.stress *= shape.volume;
-  if constexpr (N == 8) {
-    state.energy += add_hourglass(shape, m, k, x, dt, state, r.stress, out);
-    w.squared = squared_with_hourglass(shape, m, state, w.squared);
-  } else {
-    for (int i = 1; i < N; ++i) out[i].setZero();
-  }
-  Vec3 sum = Vec3::Zero();
-  for (int i = 1; i < N; ++i) {
-    out[i].noalias() -= r.stress * shape.gradients[i];
-    sum += out[i];
-  }
-  out[0] = -sum;
-  return std::isfinite(w.squared) && std::isfinite(sum[0] + sum[1] + sum[2]) ? longest_step(w.squared, decay) : -1;
 }
 
 template <int N>
-double stable_step(const SolidShape<N>& shape, const SolidMaterial& m, const SolidState<N>& state) {
-  Kinematics k{state.deformation, cofactor(state.deformation), 0, 0};
-  k.j = k.f.col(0).dot(k.cofactor.col(0));
-  Symmetric metric = state.plastic_metric;
-  double strain = state.plastic_strain, power = 0;
-  Response r = respond(m, k, 0, metric, strain);
-  Frequency w = frequency(shape, m, k.cofactor, k.j, r.greatest_stretch, metric, k.f.squaredNorm());
-  const double decay = add_viscosity(m, k, w, r, power);
-  if constexpr (N == 8) w.squared = squared_with_hourglass(shape, m, state, w.squared);
-  return longest_step(w.squared, decay);
+SolidBound solid_forces(const SolidRun<N>& run, std::size_t begin, std::size_t end) {
+  SolidBatch<N> batch;
+  SolidBound bound{std::numeric_limits<double>::infinity()};
+  std::array<std::size_t, kSolidLanes> rows{};
+  const auto finish = [&] {
+    if (batch.count == 0) return;
+    const std::size_t last = rows[batch.count - 1];
+    const SolidShape<N>& shape = run.shapes[last];
+    for (int lane = batch.count; lane < kSolidLanes; ++lane) {
+      fill(batch, lane, shape, run.materials[shape.part], run.states[last]);
+      gather(batch, lane, shape, run.x, run.v);
+    }
+    respond(batch, run.dt);
+    for (int lane = 0; lane < batch.count; ++lane) {
+      take(batch, lane, run.dt, run.out + rows[lane] * N);
+      if (!(batch.step[lane] > 0)) bound.broken = std::min(bound.broken, batch.shapes[lane]->slot);
+      bound.step = std::min(bound.step, batch.step[lane]);
+    }
+    batch.count = 0;
+  };
+  for (std::size_t row = begin; row < end; ++row) {
+    const SolidShape<N>& shape = run.shapes[row];
+    if (!is_active(shape, run.materials)) continue;
+    const int lane = batch.count++;
+    rows[lane] = row;
+    batch.states[lane] = &run.states[row];
+    fill(batch, lane, shape, run.materials[shape.part], run.states[row]);
+    gather(batch, lane, shape, run.x, run.v);
+    if (batch.count == kSolidLanes) finish();
+  }
+  finish();
+  return bound;
+}
+
+template <int N>
+double stable_step(const SolidShape<N>& shape, const SolidState<N>& state, std::span<const SolidMaterial> materials) {
+  SolidBatch<N> batch{};
+  batch.deformation_given = true;
+  for (int lane = 0; lane < kSolidLanes; ++lane) {
+    fill(batch, lane, shape, materials[shape.part], state);
+    for (int r = 0; r < 3; ++r) {
+      for (int c = 0; c < 3; ++c) batch.f[r][c][lane] = state.deformation(r, c);
+    }
+  }
+  respond(batch, 0);
+  return batch.step[0];
 }
 
 template <int N>
@@ -359,12 +308,12 @@ Matrix3d stress_times_volume(const SolidShape<N>& shape, const SolidMaterial& m,
 
 template bool set_shape<4>(const std::array<Vec3, 4>&, SolidShape<4>&);
 template bool set_shape<8>(const std::array<Vec3, 8>&, SolidShape<8>&);
-template double solid_forces(const SolidShape<4>&, const SolidMaterial&, std::span<const Vec3>, std::span<const Vec3>,
-                             double, SolidState<4>&, Vec3*);
-template double solid_forces(const SolidShape<8>&, const SolidMaterial&, std::span<const Vec3>, std::span<const Vec3>,
-                             double, SolidState<8>&, Vec3*);
-template double stable_step(const SolidShape<4>&, const SolidMaterial&, const SolidState<4>&);
-template double stable_step(const SolidShape<8>&, const SolidMaterial&, const SolidState<8>&);
+template void flow(SolidBatch<4>&, int, double);
+template void flow(SolidBatch<8>&, int, double);
+template SolidBound solid_forces(const SolidRun<4>&, std::size_t, std::size_t);
+template SolidBound solid_forces(const SolidRun<8>&, std::size_t, std::size_t);
+template double stable_step(const SolidShape<4>&, const SolidState<4>&, std::span<const SolidMaterial>);
+template double stable_step(const SolidShape<8>&, const SolidState<8>&, std::span<const SolidMaterial>);
 template Matrix3d stress_times_volume(const SolidShape<4>&, const SolidMaterial&, const SolidState<4>&);
 template Matrix3d stress_times_volume(const SolidShape<8>&, const SolidMaterial&, const SolidState<8>&);
 

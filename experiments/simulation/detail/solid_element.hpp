@@ -1,9 +1,11 @@
-// Forces of one solid element. N corners: 4, a tetrahedron; 8, a hexahedron.
+// Solid elements: their shape at rest, their state, and the forces of a run of them. N corners: 4, a tetrahedron; 8, a
+// hexahedron.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include <Eigen/Core>
 
@@ -18,7 +20,7 @@ struct SolidMaterial {
   Material material;
   double mu, dilation;  ///< shear modulus; lambda + mu
   double sound;         ///< speed of
-  bool plastic, rigid;
+  bool rigid;
 };
 
 /// Symmetric 3 x 3: xx, yy, zz, xy, yz, zx.
@@ -41,9 +43,9 @@ struct SolidShape {
   double volume = 0;                                ///< 0: neither force nor mass
   Symmetric spread = Symmetric::Zero();             ///< sum of gradient gradient^T
   double greatest_spread = 0;                       ///< its greatest eigenvalue
-  std::array<double, mode_count(N)> mode_slopes{};  ///< squared slope along which mode q bends: strain = slope |q|
+  std::array<double, mode_count(N)> mode_slopes{};  ///< squared: (strain at the faces / |q|)^2
   std::array<Vec3, mode_count(N)> modes = filled<mode_count(N)>();  ///< a, from the rest positions
-  std::array<Index, N> vertices;
+  std::array<Index, N> vertices{};
   Index slot = kNone;      ///< of the element; kNone: an empty row
   std::uint32_t part = 0;  ///< object id
 };
@@ -54,6 +56,7 @@ struct SolidState {
   Eigen::Matrix3d deformation = Eigen::Matrix3d::Identity();  ///< F of the last call
   Symmetric plastic_metric = identity();                      ///< Cp^-1
   double plastic_strain = 0;                                  ///< equivalent
+  double viscous_pressure = 0;                                ///< of the last call, Pa
   double energy = 0, plastic_work = 0, numerical_work = 0;    ///< J; the first as of the last call, the others so far
   std::array<Vec3, mode_count(N)> modes = filled<mode_count(N)>();  ///< a, as hourglass modes flowed
 
@@ -64,15 +67,37 @@ struct SolidState {
 template <int N>
 bool set_shape(const std::array<Vec3, N>& x, SolidShape<N>& shape);
 
-/// Internal forces at positions `x` to `out[corner]`, and the state advanced by `dt` (0: the deformation and the energy
-/// only). Returns the largest stable step of the element by itself; not above zero if its deformation is not finite.
+/// Elements of one type, a row each, and what to do with them.
 template <int N>
-double solid_forces(const SolidShape<N>& shape, const SolidMaterial& material, std::span<const Vec3> x,
-                    std::span<const Vec3> v, double dt, SolidState<N>& state, Vec3* out);
+struct SolidRun {
+  std::span<const SolidShape<N>> shapes;
+  std::span<SolidState<N>> states;
+  std::span<const SolidMaterial> materials;  ///< by part
+  std::span<const Vec3> x, v;                ///< by vertex
+  double dt;
+  Vec3* out;  ///< N forces a row
+};
 
-/// As solid_forces() returns it, for the state of the last call and no velocity.
+/// Largest stable step of all, infinite if there is none; smallest slot of an element whose deformation is not finite.
+struct SolidBound {
+  double step;
+  Index broken = kNone;
+};
+
+/// Has forces: not an empty row, not rigid, not flat at rest.
 template <int N>
-double stable_step(const SolidShape<N>& shape, const SolidMaterial& material, const SolidState<N>& state);
+bool is_active(const SolidShape<N>& shape, std::span<const SolidMaterial> materials) {
+  return shape.slot != kNone && shape.volume > 0 && !materials[shape.part].rigid;
+}
+
+/// Internal forces of the active rows in [begin, end), and their states advanced by `dt` (0: deformation, energy and
+/// viscous pressure only). A row's results do not depend on the others.
+template <int N>
+SolidBound solid_forces(const SolidRun<N>& run, std::size_t begin, std::size_t end);
+
+/// Of one active element, in the deformation of its state, without velocity.
+template <int N>
+double stable_step(const SolidShape<N>& shape, const SolidState<N>& state, std::span<const SolidMaterial> materials);
 
 /// Cauchy stress times present volume, for the state of the last call; hourglass modes and viscosity left out.
 template <int N>
