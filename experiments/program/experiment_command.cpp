@@ -6,9 +6,12 @@
 #include <volccd/experiments/program/commands.hpp>
 #include <volccd/experiments/program/progress.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/experiments/program/scene_files.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/scenes/shared_data.hpp>
+#include <volccd/experiments/scenes/simulated/bake.hpp>
 #include <volccd/experiments/tables/comparison.hpp>
+#include <volccd/experiments/tables/scene_table.hpp>
 
 namespace volccd {
 
@@ -68,11 +71,50 @@ int run_projectile(const ExperimentOptions& options, const Registry& registry) {
   return kDone;
 }
 
+/// Bakes the simulated scenes, unless they are in the cache, and measures the files.
+int run_scenes(const ExperimentOptions& options, const Registry&) {
+  std::filesystem::create_directories(options.output);
+  const std::filesystem::path folder = options.output;
+  const auto executor = make_executor(options.threads);
+  std::vector<nlohmann::json> records;
+  for (const SimulatedScene& scene : simulated_scenes()) {
+    BakeSettings settings;
+    settings.elements = options.quick ? scene.quick_elements : 0;
+    BakeProgress progress(scene.name);
+    const std::optional<std::string> file = bake(scene, settings, *executor, progress.hooks());
+    if (!file) throw Interrupted(scene.name + ": stopped; the same command goes on from the last frame");
+    records.push_back(record_of_scene(scene.name, *file, bake_record_file(scene, settings), *executor));
+  }
+  const std::string table = scene_table(records);
+  write_text_file((folder / "scenes.json").string(), nlohmann::json(records).dump(1) + "\n");
+  write_text_file((folder / "scenes.txt").string(), table);
+  fmt::print("{}\nrecord: {}\n", table, (folder / "scenes.json").string());
+  return kDone;
+}
+
+struct Experiment {
+  const char *name, *description;
+  int (*run)(const ExperimentOptions& options, const Registry& registry);
+};
+
+constexpr Experiment kExperiments[] = {
+    {"projectile", "NavCCD, HashCCD, VolCCD and VolCCD+ on a real penetration run: time, counts, shares", run_projectile},
+    {"scenes", "the simulated scenes: sizes, motion, contacts, edits, energy (--quick: the small sizes)", run_scenes}};
+
 int run(const ExperimentOptions& options, const Registry& registry) {
-  for (const std::string& name : options.names)
-    if (name != "projectile") throw ConfigError(fmt::format("no experiment '{}'; there is projectile", name));
+  std::vector<const Experiment*> chosen;
+  for (const std::string& name : options.names) {
+    std::string known;
+    const std::size_t before = chosen.size();
+    for (const Experiment& experiment : kExperiments) {
+      known += (known.empty() ? "" : ", ") + std::string(experiment.name);
+      if (name == experiment.name) chosen.push_back(&experiment);
+    }
+    if (chosen.size() == before) throw ConfigError(fmt::format("no experiment '{}'; there are {}", name, known));
+  }
   int code = kDone;
-  for (std::size_t i = 0; i < options.names.size() && code == kDone; ++i) code = run_projectile(options, registry);
+  for (const Experiment* experiment : chosen)
+    if (code == kDone) code = experiment->run(options, registry);
   return code;
 }
 
@@ -84,7 +126,8 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
   CLI::App* list = command->add_subcommand("list", "what there is");
   list->callback([&action] {
     action = [] {
-      fmt::print("projectile   NavCCD, HashCCD, VolCCD and VolCCD+ on a real penetration run: time, counts, shares\n");
+      for (const Experiment& experiment : kExperiments)
+        fmt::print("{:<12} {}\n", experiment.name, experiment.description);
       return kDone;
     };
   });
@@ -92,10 +135,12 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
   const auto options = std::make_shared<ExperimentOptions>();
   run_command->add_option("NAME", options->names, "see `volccd experiment list`")->required()->type_name("");
   run_command->add_option("-o,--output", options->output, "folder for tables and records")->capture_default_str();
-  run_command->add_flag("--quick", options->quick, "one round (the default)");
+  run_command->add_flag("--quick", options->quick, "projectile: one round (the default); scenes: the small sizes");
   run_command->add_flag("--full", options->full, "five rounds")->excludes("--quick");
   run_command->add_option("--threads", options->threads, "0: as many as the machine has")->capture_default_str();
-  run_command->footer("Example:\n  volccd experiment run projectile --quick -o results/");
+  run_command->footer("Examples:\n"
+      "  volccd experiment run projectile --quick -o results/\n"
+      "  volccd experiment run scenes --threads 2 -o results/");
   run_command->callback([options, &registry, &action] {
     action = [options, &registry] { return run(*options, registry); };
   });

@@ -2,17 +2,14 @@
 #include <charconv>
 #include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <map>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <volccd/experiments/program/commands.hpp>
 #include <volccd/experiments/program/scene_files.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
-#include <volccd/experiments/scenes/sequence_statistics.hpp>
 #include <volccd/experiments/scenes/sequences.hpp>
 
 namespace volccd {
@@ -55,29 +52,10 @@ void refuse_other_options(const GenerateOptions& options, const OptionValues& va
   if (!options.mesh.empty()) throw ConfigError(fmt::format("scene {} takes no mesh", options.name));
 }
 
-/// Statistics of the file; what the simulation recorded, where there is one.
-void write_stats(const GenerateOptions& options, const std::string& record_file) {
+void write_stats(const GenerateOptions& options, const std::string& bake_record) {
   if (options.stats.empty()) return;
-  nlohmann::json record;
-  if (!record_file.empty()) {
-    std::ifstream in(record_file);
-    record = nlohmann::json::parse(in, nullptr, false);
-    if (record.is_discarded()) throw InputError(record_file, "", "is not there or no JSON: remove the cached scene");
-  }
-  SequenceReader reader(options.output);
   const auto executor = make_executor(options.threads);
-  const InterruptGuard guard;
-  Progress progress("contacts and motion, step", static_cast<std::size_t>(reader.step_count() - 1));
-  const std::vector<MotionStatistics> motions = sequence_statistics(reader, *executor, [&](int done) {
-    progress.advance(static_cast<std::size_t>(done));
-    return !InterruptGuard::interrupted();
-  });
-  if (InterruptGuard::interrupted()) throw Interrupted("stopped before the statistics were complete");
-  const nlohmann::json stats = {{"scene", options.name},
-                                {"machine", machine_facts()},
-                                {"simulation", std::move(record)},
-                                {"motions", to_json(motions)}};
-  write_text_file(options.stats, stats.dump(1) + "\n");
+  write_text_file(options.stats, record_of_scene(options.name, options.output, bake_record, *executor).dump(1) + "\n");
 }
 
 void print_generated(const GenerateOptions& options) {

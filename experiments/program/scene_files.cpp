@@ -1,6 +1,7 @@
 #include <volccd/experiments/program/scene_files.hpp>
 
 #include <volccd/experiments/scenes/sequences.hpp>
+#include <volccd/experiments/tables/scene_table.hpp>
 
 namespace volccd {
 
@@ -25,6 +26,19 @@ std::string sequence_file(const std::string& name_or_file, unsigned threads) {
   const std::optional<std::string> file = resolve_scene(name_or_file, *executor, progress.hooks());
   if (!file) throw Interrupted(name_or_file + ": stopped; the same command goes on from the last frame");
   return *file;
+}
+
+nlohmann::json record_of_scene(const std::string& name, const std::string& sequence, const std::string& bake_record,
+                               Executor& executor) {
+  const InterruptGuard guard;
+  std::unique_ptr<Progress> progress;
+  const auto record = scene_record(name, sequence, bake_record, executor, [&](std::size_t done, std::size_t motions) {
+    if (!progress) progress = std::make_unique<Progress>(name + ": contacts and motion, step", motions);
+    progress->advance(done);
+    return !InterruptGuard::interrupted();
+  });
+  if (!record) throw Interrupted("stopped before the statistics were complete");
+  return *record;
 }
 
 }  // namespace volccd

@@ -4,6 +4,8 @@
 #include <memory>
 #include <string>
 
+#include <nlohmann/json.hpp>
+
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/program/progress.hpp>
 #include <volccd/experiments/scenes/simulated/bake.hpp>
@@ -32,5 +34,9 @@ class BakeProgress {
 
 /// resolve_scene() with progress. `threads`: for baking; 0: as many as the machine has. Throws Interrupted as well.
 std::string sequence_file(const std::string& name_or_file, unsigned threads = 0);
+
+/// scene_record() with progress. Throws Interrupted as well.
+nlohmann::json record_of_scene(const std::string& name, const std::string& sequence, const std::string& bake_record,
+                               Executor& executor);
 
 }  // namespace volccd

@@ -9,8 +9,8 @@
 
 namespace volccd {
 
-/// What is inside: where `value` < 0. The function is continuous, finite, without side effects, and about a distance near
-/// the surface.
+/// What is inside: where `value` < 0. The function is continuous, finite, without side effects, and about a distance
+/// near the surface.
 struct ImplicitSolid {
   std::function<double(const Vec3&)> value;
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();  ///< corners of a box that holds the solid

@@ -34,7 +34,8 @@ struct Tentacle {
       spine[i] = p;
       radius[i] = std::max(kRoot + (kTip - kRoot) * std::pow(s, 0.8), pose.thinnest);
       // Rolled up from the middle on; heading in the plane through the axis, which turns sideways on the way.
-      const double middle = s + 0.5 / kPieces, pitch = -droop + curl * std::pow(middle, 2.6), turn = sway * middle + lean;
+      const double middle = s + 0.5 / kPieces, pitch = -droop + curl * std::pow(middle, 2.6),
+                   turn = sway * middle + lean;
       const Vec3 heading = std::cos(turn) * out + std::sin(turn) * side;
       p += length / kPieces * (std::cos(pitch) * heading + std::sin(pitch) * Vec3::UnitZ());
     }

@@ -14,9 +14,9 @@ struct OctopusPose {
   double thinnest = 0.008;
 };
 
-/// Head up along z with its eyes towards x, the root of the tentacles about the origin; metres, about 0.3 across: a bag-like
-/// mantle, two eyes, and eight tapering tentacles that leave it evenly all around, each on a way of its own, their ends
-/// rolled up. Where tentacles meet each other and the body there is a web.
+/// Head up along z with its eyes towards x, the root of the tentacles about the origin; metres, about 0.3 across: a
+/// bag-like mantle, two eyes, and eight tapering tentacles that leave it evenly all around, each on a way of its own,
+/// their ends rolled up. Where tentacles meet each other and the body there is a web.
 ImplicitSolid octopus_solid(const OctopusPose& pose);
 
 }  // namespace volccd

@@ -16,7 +16,11 @@ class Relaxation {
  public:
   Relaxation(const ImplicitSolid& solid, std::vector<Vec3>& positions,
              const std::vector<std::array<Index, 4>>& tetrahedra)
-      : solid_(solid), x_(positions), tetrahedra_(tetrahedra), around_(x_.size()), near_(x_.size()),
+      : solid_(solid),
+        x_(positions),
+        tetrahedra_(tetrahedra),
+        around_(x_.size()),
+        near_(x_.size()),
         surface_(x_.size(), false) {
     std::vector<std::array<Index, 3>> faces;
     for (Index t = 0; t < tetrahedra.size(); ++t) {
@@ -29,8 +33,7 @@ class Relaxation {
     }
     std::sort(faces.begin(), faces.end());
     for (std::size_t i = 0; i < faces.size(); ++i)
-      if ((i == 0 || faces[i - 1] != faces[i]) && (i + 1 == faces.size() || faces[i + 1] != faces[i]))
-        join(faces[i]);
+      if ((i == 0 || faces[i - 1] != faces[i]) && (i + 1 == faces.size() || faces[i + 1] != faces[i])) join(faces[i]);
     for (Index t = 0; t < tetrahedra.size(); ++t)
       for (const Index v : tetrahedra[t])
         if (!surface_[v])

@@ -17,13 +17,16 @@ namespace {
 
 using Tetrahedron = std::array<Index, 4>;
 
-/// How far along its edge, as a share of it, a crossing of the surface draws the edge's end onto the surface (Table 1 of
-/// the paper).
+/// How far along its edge, as a share of it, a crossing of the surface draws the edge's end onto the surface (Table 1
+/// of the paper).
 constexpr double kLongPull = 0.24999, kShortPull = 0.41189;
+/// Depth below the surface, in edges, that no point of a thin part has.
+constexpr double kThin = 0.55;
 
 /// Steps to the neighbours of a lattice point: 6 along long edges, 8 along short ones.
-constexpr int kNeighbours[14][3] = {{2, 0, 0},  {-2, 0, 0},  {0, 2, 0},  {0, -2, 0}, {0, 0, 2},   {0, 0, -2}, {1, 1, 1},
-                                    {-1, 1, 1}, {1, -1, 1},  {-1, -1, 1}, {1, 1, -1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, -1}};
+constexpr int kNeighbours[14][3] = {{2, 0, 0},  {-2, 0, 0},  {0, 2, 0},   {0, -2, 0},  {0, 0, 2},
+                                    {0, 0, -2}, {1, 1, 1},   {-1, 1, 1},  {1, -1, 1},  {-1, -1, 1},
+                                    {1, 1, -1}, {-1, 1, -1}, {1, -1, -1}, {-1, -1, -1}};
 
 /// The points of a body-centred cubic lattice, in coordinates of half a cell: corners have even ones, centres odd ones.
 class Lattice {
@@ -47,7 +50,8 @@ class Lattice {
   }
   Vec3 place(int x, int y, int z) const { return origin_ + half_ * Vec3(x, y, z); }
   Vec3 place(std::size_t i) const {
-    const std::size_t row = static_cast<std::size_t>(2 * cells(0) + 1), column = static_cast<std::size_t>(2 * cells(1) + 1);
+    const std::size_t row = static_cast<std::size_t>(2 * cells(0) + 1),
+                      column = static_cast<std::size_t>(2 * cells(1) + 1);
     return place(static_cast<int>(i % row), static_cast<int>(i / row % column), static_cast<int>(i / row / column));
   }
 
@@ -78,14 +82,17 @@ class Lattice {
 class Stuffing {
  public:
   Stuffing(const ImplicitSolid& solid, double edge)
-      : solid_(solid), lattice_(solid, edge), value_(lattice_.size(), 1.0), thin_(lattice_.size(), false),
+      : solid_(solid),
+        lattice_(solid, edge),
+        value_(lattice_.size(), 1.0),
+        thin_(lattice_.size(), false),
         vertex_(lattice_.size(), kNone) {
     lattice_.for_each([&](int x, int y, int z) {
       double& value = value_[lattice_.index(x, y, z)];
       value = solid_.value(lattice_.place(x, y, z));
       if (!std::isfinite(value)) throw ConfigError("tetrahedra: the solid's function is not finite");
     });
-    mark_thin_parts();
+    mark_thin_parts(edge);
     pull_to_surface();
     // Between two neighbouring centres, four tetrahedra around the line that joins them.
     for (int z = 1; z < 2 * lattice_.cells(2); z += 2)
@@ -102,8 +109,8 @@ class Stuffing {
   /// A corner of a lattice tetrahedron.
   using Corner = std::size_t;
 
-  /// Where the surface crosses the edge from inside (value < 0) to outside, as a share of it: the Illinois method. Where
-  /// the solid is thin, not too near to the inner end, which stays in its place.
+  /// Where the surface crosses the edge from inside (value < 0) to outside, as a share of it: the Illinois method.
+  /// Where the solid is thin, not too near to the inner end, which stays in its place.
   double crossing(Corner inside, Corner outside, bool is_long) const {
     const double share = true_crossing(inside, outside);
     return thin_[inside] ? std::max(share, is_long ? kLongPull : kShortPull) : share;
@@ -129,14 +136,14 @@ class Stuffing {
     return middle;
   }
 
-  /// Inside points with hardly a neighbour deeper inside: the middle of a thin part, which must not be drawn to its surface.
-  void mark_thin_parts() {
+  /// Inside points that are not deep, nor is any neighbour: the middle of a thin part, which must not be drawn to its
+  /// surface. (Below a flat surface each has a neighbour that is at least 0.7 edges deep.)
+  void mark_thin_parts(double edge) {
     lattice_.for_each([&](int x, int y, int z) {
       const Corner here = lattice_.index(x, y, z);
-      if (!(value_[here] < 0)) return;
-      int deeper = 0;
-      lattice_.for_each_neighbour(x, y, z, [&](Corner other, int) { deeper += value_[other] < value_[here]; });
-      thin_[here] = deeper <= 4;
+      double deepest = value_[here];
+      lattice_.for_each_neighbour(x, y, z, [&](Corner other, int) { deepest = std::min(deepest, value_[other]); });
+      thin_[here] = value_[here] < 0 && deepest > -kThin * edge;
     });
   }
 
@@ -251,16 +258,16 @@ class Stuffing {
     emit_prism(p, q, {false, diagonal_from_a(p[1], p[2], q[1], q[2], false, false), false});
   }
 
-  /// How a face with corners a, b inside and c outside is split, the same from both of its tetrahedra: whether the diagonal
-  /// of the quad a, b, bc, ac starts at a. From the crossing of the long edge, else the shorter one.
+  /// How a face with corners a, b inside and c outside is split, the same from both of its tetrahedra: whether the
+  /// diagonal of the quad a, b, bc, ac starts at a. From the crossing of the long edge, else the shorter one.
   bool diagonal_from_a(Index a, Index b, Index ac, Index bc, bool long_ac, bool long_bc) const {
     if (long_ac) return false;
     if (long_bc) return true;
     return shorter(a, bc, b, ac);
   }
 
-  /// Whether line v0-v1 is shorter than w0-w1; of equal ones, the one with the smallest vertex. Lengths that rounding alone
-  /// tells apart are equal.
+  /// Whether line v0-v1 is shorter than w0-w1; of equal ones, the one with the smallest vertex. Lengths that rounding
+  /// alone tells apart are equal.
   bool shorter(Index v0, Index v1, Index w0, Index w1) const {
     const double v = (positions[v0] - positions[v1]).norm(), w = (positions[w0] - positions[w1]).norm();
     if (std::abs(v - w) > 1e-9 * (v + w)) return v < w;
@@ -398,7 +405,8 @@ Shape fill_with_about(const ImplicitSolid& solid, int elements, double* edge) {
       best_error = error;
       best = trial;
     }
-    // First straight to the edge length that fits; the count jumps up and down there, so then to and fro around the best.
+    // First straight to the edge length that fits; the count jumps up and down there, so then to and fro around the
+    // best.
     if (i < 4)
       trial *= std::clamp(std::cbrt(count / wanted), 0.4, 2.5);
     else

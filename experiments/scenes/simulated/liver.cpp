@@ -11,9 +11,9 @@ namespace volccd {
 
 namespace {
 
-constexpr double kTurn = 0.17;                 // of the lattice, radians at most
+constexpr double kTurn = 0.17;                                               // of the lattice, radians at most
 constexpr double kLeftHold = -0.09, kRightHold = 0.065, kLowestHold = 0.03;  // what is held: beyond, and above
-constexpr double kSag = 0.2;                   // s before the cut
+constexpr double kSag = 0.2;                                                 // s before the cut
 
 /// The liver filled by a lattice that is turned by `turn`.
 Shape turned_liver(int elements, const Eigen::Matrix3d& turn) {

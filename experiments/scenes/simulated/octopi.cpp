@@ -46,9 +46,10 @@ Octopus make_octopus(int number, int elements, Random& random) {
   octopus.shape = fill_with_about(octopus.solid, elements, &octopus.edge);
   const double azimuth = 2 * std::numbers::pi * number / kOctopi + random.uniform(-0.15, 0.15);
   const double lift = random.uniform(0.05, 0.3), spin = random.uniform(0, 2 * std::numbers::pi);
-  octopus.axes = (Eigen::AngleAxisd(azimuth, Vec3::UnitZ()) *
-                  Eigen::AngleAxisd(std::numbers::pi / 2 - lift, Vec3::UnitY()) * Eigen::AngleAxisd(spin, Vec3::UnitZ()))
-                     .toRotationMatrix();
+  octopus.axes =
+      (Eigen::AngleAxisd(azimuth, Vec3::UnitZ()) * Eigen::AngleAxisd(std::numbers::pi / 2 - lift, Vec3::UnitY()) *
+       Eigen::AngleAxisd(spin, Vec3::UnitZ()))
+          .toRotationMatrix();
   return octopus;
 }
 

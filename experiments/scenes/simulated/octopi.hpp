@@ -8,14 +8,14 @@
 namespace volccd {
 
 inline constexpr int kOctopiElements = 17'600, kOctopiQuickElements = 3'000;
-inline constexpr int kOctopiFrames = 81;  ///< 10 ms apart: 1.5 cm at 1.5 m/s; the edges of tetrahedra are 1.5 cm
-inline constexpr double kOctopiDuration = 0.8;
+inline constexpr int kOctopiFrames = 97;  ///< 6.25 ms apart: 0.6 to 2.5 cm; the edges of tetrahedra are 1.3 cm
+inline constexpr double kOctopiDuration = 0.6;
 
-/// Objects 0, 1, 2: octopi of 0.3 m and about 2 kg, as soft as tissue, each with eight tentacles of its own curls. They
-/// come from three sides, tentacles ahead, turning about their axes, meet in the middle and fall into a funnel of walls, where
-/// they entangle. Nothing touches at first. About `elements` tetrahedra in total (within 1 %). With few elements tentacles
-/// get thicker, else they would break. The seed decides about curls and directions. Throws ConfigError: elements not in
-/// 1,500 .. 10^7.
+/// Objects 0, 1, 2: octopi of 0.3 m and 1.5 kg, soft, each with eight tentacles of its own curls. They
+/// come from three sides, tentacles ahead, turning about their axes, meet in the middle and fall into a funnel of
+/// walls, where they entangle. Nothing touches at first. About `elements` tetrahedra in total (within 3 %). With few
+/// elements tentacles get thicker, else they would break. The seed decides about curls and directions. Throws
+/// ConfigError: elements not in 1,500 .. 10^7.
 simulation::Model octopi_model(int elements = kOctopiElements, std::uint64_t seed = 1);
 
 }  // namespace volccd

@@ -1,0 +1,126 @@
+#include <volccd/experiments/tables/scene_table.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+#include <map>
+
+#include <fmt/format.h>
+
+#include <volccd/core/error.hpp>
+#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/experiments/scenes/sequence_statistics.hpp>
+#include <volccd/experiments/tables/text_table.hpp>
+
+namespace volccd {
+
+using nlohmann::json;
+
+namespace {
+
+/// As printed in the paper.
+const std::map<std::string, std::string> kPaper = {{"octopi", "17.6K"},
+                                                   {"bullet", "11.8K-12K"},
+                                                   {"airbag", "9.1K"},
+                                                   {"crash", "1.2M"},
+                                                   {"liver", "3,874-4,338"}};
+
+json read_record(const std::string& file) {
+  if (file.empty()) return nullptr;
+  std::ifstream in(file);
+  json record = json::parse(in, nullptr, false);
+  if (record.is_discarded()) throw InputError(file, "", "is not there or no JSON: remove the cached scene");
+  return record;
+}
+
+std::uint64_t element_count(const json& motion) {
+  std::uint64_t sum = 0;
+  for (const auto& [type, count] : motion.at("elements").items()) sum += count.get<std::uint64_t>();
+  return sum;
+}
+
+std::string type_names(const json& motion) {
+  std::string names;
+  for (const auto& [type, count] : motion.at("elements").items()) names += (names.empty() ? "" : ", ") + type;
+  return names;
+}
+
+template <class Value>
+double median_over(const json& motions, Value&& value) {
+  std::vector<double> values;
+  for (const json& motion : motions) values.push_back(value(motion));
+  std::sort(values.begin(), values.end());
+  return values.empty() ? 0 : values[values.size() / 2];
+}
+
+/// Balance error in per cent of the energy that there was at first and that came from outside.
+std::string energy_text(const json& frames) {
+  double worst = 0, scale = 0;
+  for (const json& frame : frames) {
+    const json& energy = frame.at("energy");
+    worst = std::max(worst, std::abs(energy.at("balance_error").get<double>()));
+    scale = std::max(scale, energy.at("initial").get<double>() + std::abs(energy.at("external").get<double>()));
+  }
+  return scale > 0 ? fmt::format("{:.2f} %", 100 * worst / scale) : "-";
+}
+
+std::vector<std::string> row_of(const json& record) {
+  const json &motions = record.at("motions"), &baked = record.at("simulation");
+  const std::string name = record.at("scene");
+  const auto contacts = [&](const char* kind) {
+    return grouped(static_cast<std::uint64_t>(
+        median_over(motions, [&](const json& m) { return m.at("contacts").at(kind).get<double>(); })));
+  };
+  double changed = 0, fastest = 0;
+  for (const json& motion : motions) {
+    changed += motion.at("added").get<double>();
+    fastest = std::max(fastest, motion.at("moved_edges").at("p99").get<double>());
+  }
+  const auto paper = kPaper.find(name);
+  const double usual = median_over(motions, [](const json& m) { return m.at("moved_edges").at("p99").get<double>(); });
+  std::vector<std::string> row = {name,
+                                  type_names(motions.front()),
+                                  grouped(element_count(motions.front())),
+                                  grouped(element_count(motions.back())),
+                                  paper == kPaper.end() ? "-" : paper->second,
+                                  std::to_string(motions.size() + 1),
+                                  contacts("inter"),
+                                  contacts("intra"),
+                                  contacts("adjacent"),
+                                  fmt::format("{:.2f} ({:.2f})", usual, fastest),
+                                  fmt::format("{:.1f}", changed / static_cast<double>(motions.size()))};
+  row.push_back(baked.is_null() ? "-" : duration(baked.at("seconds").get<double>()));
+  row.push_back(baked.is_null() ? "-" : energy_text(baked.at("frames")));
+  return row;
+}
+
+}  // namespace
+
+std::optional<json> scene_record(const std::string& name, const std::string& sequence, const std::string& bake_record,
+                                 Executor& executor,
+                                 const std::function<bool(std::size_t done, std::size_t motions)>& go_on) {
+  json record = read_record(bake_record);
+  SequenceReader reader(sequence);
+  const std::size_t motions = static_cast<std::size_t>(reader.step_count() - 1);
+  bool stopped = false;
+  const std::vector<MotionStatistics> statistics = sequence_statistics(reader, executor, [&](int done) {
+    stopped = !go_on(static_cast<std::size_t>(done), motions);
+    return !stopped;
+  });
+  if (stopped) return std::nullopt;
+  return json{{"scene", name},
+              {"machine", machine_facts()},
+              {"simulation", std::move(record)},
+              {"motions", to_json(statistics)}};
+}
+
+std::string scene_table(const std::vector<json>& records) {
+  TextTable table({"scene", "elements", "first", "last", "paper", "frames", "inter", "intra", "adjacent",
+                   "moved, edges", "new elements", "computed in", "energy error"});
+  for (const json& record : records) table.add(row_of(record));
+  return table.text() +
+         "\ncontacts: median over the motions, between objects, within one, of adjacent elements; moved: 99th percentile "
+         "of the vertices, median (greatest) over the motions; new elements: a motion\n";
+}
+
+}  // namespace volccd
