@@ -82,6 +82,13 @@ TEST(QueryComparison, CountsAndTellsOfBrokenPromises) {
   EXPECT_NE(query_table(record).find("doubtful"), std::string::npos);
 }
 
+QuerySourceConfig candidates(std::size_t sample = 0) {
+  QuerySourceConfig config;
+  config.candidates = true;
+  config.sample = sample;
+  return config;
+}
+
 /// Every pair of features, by their boxes alone.
 std::vector<FeaturePair> naive_candidates(const Step& step, FeatureKind kind) {
   const Features& f = step.features();
@@ -115,13 +122,13 @@ TEST(QuerySource, CandidatesAreAllPairsWithOverlappingBoxes) {
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     random_sequence(seed, 2).write(folder / "s");
     EXPECT_THROW(load_queries(folder / "s", {}), InputError) << "no ground truth";
-    const std::vector<KnownQueries> groups = load_queries(folder / "s", {true, 0});
+    const std::vector<KnownQueries> groups = load_queries(folder / "s", candidates());
     ASSERT_EQ(groups.size(), 2u);
     for (const KnownQueries& queries : groups) {
       EXPECT_EQ(queries.pairs, naive_candidates(queries.step, queries.kind));
       EXPECT_TRUE(queries.collides.empty());
     }
-    const std::vector<KnownQueries> fewer = load_queries(folder / "s", {true, 20});
+    const std::vector<KnownQueries> fewer = load_queries(folder / "s", candidates(20));
     for (std::size_t g = 0; g < 2; ++g) {
       ASSERT_EQ(fewer[g].size(), 20u);
       for (std::size_t i = 0; i < 20; ++i) EXPECT_EQ(fewer[g].pairs[i], groups[g].pairs[fewer[g].index[i]]);
@@ -164,7 +171,7 @@ TEST(QuerySource, TruthIsSpreadOverCandidates) {
     RawFile raw(folder / "s");
     raw.poke("GroundTruth/VertexFace/Collides", 0, std::int64_t{1});
   }
-  EXPECT_THROW(load_queries(folder / "s", {true, 0}), InputError) << "boxes that do not overlap cannot collide";
+  EXPECT_THROW(load_queries(folder / "s", candidates()), InputError) << "boxes that do not overlap cannot collide";
 }
 
 }  // namespace

@@ -115,7 +115,7 @@ Shape round_nosed_bullet(const BulletShape& bullet) {
     const double radius =
         bullet.diameter / 2 * std::sqrt(1 - 0.72 * t * t);  // blunt: the outermost ring has to end somewhere
     for (const auto& [x, y] : section.points) {
-      const double dome = 0.2 * bullet.diameter * t * (x * x + y * y);
+      const double dome = 0.06 * bullet.diameter * t * (x * x + y * y);
       shape.positions.emplace_back(radius * x, radius * y, s + dome);
     }
   }

@@ -78,9 +78,9 @@ void add_cap(QuadComplex& wheel, int level) {
 void add_spokes(QuadComplex& wheel) {
   for (int s = 0; s < kStations; ++s) {
     if (!has_spoke(s)) continue;
-    // Both loops as seen from the rim, so that normals point out of the spoke.
-    wheel.tube(kSpokes, {{hub_corner(s, 1), hub_corner(s, 2), hub_corner(s + 1, 2), hub_corner(s + 1, 1)},
-                         {rim_corner(s, 3), rim_corner(s, 2), rim_corner(s + 1, 2), rim_corner(s + 1, 3)}});
+    // Both loops counter-clockwise as seen from the rim, so that normals point out of the spoke.
+    wheel.tube(kSpokes, {{hub_corner(s, 1), hub_corner(s + 1, 1), hub_corner(s + 1, 2), hub_corner(s, 2)},
+                         {rim_corner(s, 3), rim_corner(s + 1, 3), rim_corner(s + 1, 2), rim_corner(s, 2)}});
   }
 }
 

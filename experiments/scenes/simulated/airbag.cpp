@@ -58,7 +58,7 @@ simulation::Model airbag_model(int elements, std::uint64_t seed) {
     model.fixed.push_back(v);
     model.velocities[v].setZero();
   }
-  const std::vector<std::pair<double, double>> curve{{0, 0}, {2e-3, 1500}, {12e-3, 4000}, {25e-3, 8000}};
+  const std::vector<std::pair<double, double>> curve{{0, 3000}, {8e-3, 4000}, {20e-3, 8000}};
   model.pressures = {{0, curve}, {1, curve}};
   return model;
 }

@@ -118,7 +118,7 @@ simulation::Model octopi_model(int elements, std::uint64_t seed) {
     part.material.youngs_modulus = 5e4;
     part.material.poisson_ratio = 0.4;
     part.material.friction = 0.4;
-    part.material.damping = 2;
+    part.material.damping = 4;
     model.parts.push_back(part);
   }
   model.mesh = all.mesh();
