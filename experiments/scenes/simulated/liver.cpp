@@ -37,7 +37,7 @@ simulation::Cut cut_from_below() {
   cut.normal = Vec3(0.92, 0.25, 0.3).normalized();
   cut.direction = cut.normal.cross(Vec3::UnitY()).normalized();
   cut.begin = kSag;
-  cut.length = 0.15;
+  cut.length = 0.143;
   cut.speed = 0.3;
   return cut;
 }

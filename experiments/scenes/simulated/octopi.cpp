@@ -29,9 +29,11 @@ struct Octopus {
 
   Vec3 outwards() const { return axes.col(2); }
   Vec3 placed(const Vec3& p, double distance) const { return axes * p + distance * outwards(); }
-  /// About the distance of a point of the scene from its surface.
-  double value(const Vec3& p, double distance) const {
-    return solid.value(axes.transpose() * (p - distance * outwards()));
+  /// Whether a point of the scene is about nearer to its surface than `gap`, or inside.
+  bool is_near(const Vec3& p, double distance, double gap) const {
+    const Vec3 own = axes.transpose() * (p - distance * outwards());
+    const bool in_box = ((own - solid.low).array() > -gap).all() && ((solid.high - own).array() > -gap).all();
+    return in_box && solid.value(own) < gap;
   }
 };
 
@@ -59,7 +61,7 @@ bool apart(const std::vector<Octopus>& octopi, double distance, double gap) {
     for (const Octopus& b : octopi)
       if (&a != &b)
         for (const Vec3& p : a.shape.positions)
-          if (b.value(a.placed(p, distance), distance) < gap) return false;
+          if (b.is_near(a.placed(p, distance), distance, gap)) return false;
   return true;
 }
 
