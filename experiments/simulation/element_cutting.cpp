@@ -13,7 +13,7 @@ namespace volccd::simulation {
 namespace {
 
 /// What counts as zero, relative to the edge or to the length of the cut: positions are good to about 1e-15 of it.
-constexpr double kTolerance = 1e-9;
+constexpr double kCutTolerance = 1e-9;
 
 struct DividedEdge {
   std::array<Index, 2> edge;  ///< ascending
@@ -112,7 +112,7 @@ class Cutter {
 };
 
 bool Cutter::is_covered(const Vec3& p) const {
-  const double t = (p - cut_.point).dot(cut_.direction), tolerance = kTolerance * cut_.length;
+  const double t = (p - cut_.point).dot(cut_.direction), tolerance = kCutTolerance * cut_.length;
   return t >= -tolerance && t <= depth_ + tolerance;
 }
 
@@ -133,7 +133,7 @@ void Cutter::take_sides(double snap) {
     for (Index v : edge) side_[v] = distance(v) > 0 ? 1 : -1;
   // By the distances, not by the sides as they are changed: the order of the edges must not matter.
   for (const auto& [v, w] : edges_) {
-    const double dv = distance(v), dw = distance(w), noise = kTolerance * (x_[w] - x_[v]).norm();
+    const double dv = distance(v), dw = distance(w), noise = kCutTolerance * (x_[w] - x_[v]).norm();
     const bool crosses = (dv > 0) != (dw > 0);
     const double span = std::abs(dv) + std::abs(dw);
     if (std::abs(dv) <= noise || (crosses && std::abs(dv) < snap * span)) side_[v] = 0;

@@ -215,7 +215,7 @@ TEST(ShellThreads, SameBitsForAnyNumber) {
   Loop loop = struck(40);
   ShellForces serial(loop.model), parallel(loop.model);
   SerialExecutor one;
-  const auto three = make_executor(3);
+  const auto three = make_thread_executor(3);
   std::vector<Vec3> f(loop.x.size()), g(loop.x.size());
   const double dt = 0.8 * loop.shells->stable_step();
   for (int k = 0; k < 60; ++k) {

@@ -90,7 +90,7 @@ TEST(ShellPressureThreads, SameBitsForAnyNumber) {
   PressureForces pressure(model);
   std::vector<Vec3> f(v.size(), Vec3::Zero()), g = f;
   SerialExecutor one;
-  const auto three = make_executor(3);
+  const auto three = make_thread_executor(3);
   EXPECT_EQ(pressure.add_forces(model.positions, v, 0, one, f), pressure.add_forces(model.positions, v, 0, *three, g));
   EXPECT_EQ(f, g);
 }

@@ -17,8 +17,7 @@ namespace {
 
 using Tetrahedron = std::array<Index, 4>;
 
-/// How far along its edge, as a share of it, a crossing of the surface draws the edge's end onto the surface (Table 1
-/// of the paper).
+/// A crossing of the surface nearer than this share of the edge draws the edge's end onto the surface.
 constexpr double kLongPull = 0.24999, kShortPull = 0.41189;
 /// Depth below the surface, in edges, that no point of a thin part has.
 constexpr double kThin = 0.55;
