@@ -16,9 +16,9 @@ enum class Undecided {
 /// - Undecided tests, counted in NarrowCounters::undecided, stay open in a part of the step shorter than 2^-44. They are
 ///   reported (time: where the search stopped) or decided by `exact`. Such a pair comes closer than 2^-40 of its size
 ///   (the greatest coordinate difference between its points at the control points), plus the separation, at the reported
-///   time. A search is also cut short after 1000 parts: then the features stay near each other for long, and the reported
-///   one may be further off. With `undecided=exact`, decisions are exact: no contact too many. `exact` knows no
-///   separation: with one, undecided tests are reported.
+///   time. A search is also cut short after 1000 parts, where the features stay near each other for long; `exact` decides
+///   then, as it does for all undecided tests with `undecided=exact`: no contact too many. It knows no separation: with
+///   one, undecided tests are reported, and those cut short may be further off.
 ///
 /// Way: pieces of the step, from the left. A piece is free of contact if the Bernstein coefficients of the coplanarity
 /// polynomial have one sign, or if an axis separates the features' control points; the axes tried are the directions

@@ -91,7 +91,11 @@ class PieceSearch {
     for (int pieces = 0; !stack_.empty(); ++pieces) {
       const Part part = stack_.pop();
       if (part.lo > t_max) break;
-      if (pieces == kMostPieces) return undecided(part.lo);
+      if (pieces == kMostPieces) {
+        InclusionAnswer answer = undecided(part.lo);
+        answer.cut_short = true;
+        return answer;
+      }
       MotionPiece<kPoints> piece(test_, part.lo, part.hi);
       if (piece.never_coplanar() || (moved_apart_ && piece.separated_along(axis_))) continue;
       look(piece);

@@ -20,6 +20,8 @@ struct InclusionAnswer {
   int side = 0;
   /// The features are not proven apart at t = 0.
   bool at_start = false;
+  /// Undecided because there were too many pieces: how near the features come is not known.
+  bool cut_short = false;
 };
 
 /// The times at the local parameters `before` < `after` of [lo, hi] (0: lo, 1: hi). At 0 and 1 exactly lo and hi: lo +
