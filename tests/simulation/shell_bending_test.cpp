@@ -2,6 +2,7 @@
 #include <sstream>
 
 #include <gtest/gtest.h>
+#include <hwy/targets.h>
 
 #include <volccd/core/error.hpp>
 
@@ -232,6 +233,22 @@ TEST(ShellThreads, SameBitsForAnyNumber) {
   EXPECT_GT(serial.plastic_work(), 0);
   EXPECT_EQ(serial.plastic_work(), parallel.plastic_work());
   EXPECT_EQ(serial.numerical_work(), parallel.numerical_work());
+}
+
+TEST(ShellForces, SameBitsForEveryInstructionSet) {
+  std::vector<std::vector<Vec3>> forces;
+  for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
+    hwy::SetSupportedTargetsForTest(left & -left);
+    hwy::GetChosenTarget().DeInit();
+    Loop loop = struck(16);
+    loop.run(100, 0.8 * loop.shells->stable_step());
+    EXPECT_GT(loop.shells->plastic_work(), 0);
+    forces.push_back(loop.force);
+    hwy::SetSupportedTargetsForTest(0);
+    hwy::GetChosenTarget().DeInit();
+  }
+  EXPECT_GE(forces.size(), 2u);
+  for (const auto& force : forces) EXPECT_EQ(force, forces.front());
 }
 
 TEST(ShellForces, EnergyIsBalancedThroughYielding) {

@@ -13,7 +13,7 @@ namespace volccd {
 /// All tetrahedra have positive volume, as VTK orders their nodes; they conform; they hang together by common faces (of
 /// several pieces, the largest is kept; parts thinner than 1.2 edges may break off or be lost). Dihedral angles:
 /// tests/scenes/test_tetrahedra.cpp holds them to 18 .. 150 degrees on a ball. Vertices of the surface lie on it up to
-/// about 1e-3 edges; where the solid is thinner than two edges, up to a quarter of an edge outside. Element ids 0, 1,
+/// about 1e-3 edges; where the solid is thinner than two edges, up to a third of an edge outside. Element ids 0, 1,
 /// 2, ..; object 0. Deterministic. Time about the box's volume over edge^3.
 ///
 /// Throws ConfigError: edge not positive, a box of more than 10^7 lattice cells, no tetrahedron inside.

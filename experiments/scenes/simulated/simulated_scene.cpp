@@ -28,7 +28,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .quick_elements = kOctopiQuickElements,
        .frames = kOctopiFrames,
        .duration = kOctopiDuration,
-       .options = {}},
+       .options = with_queries_every(4)},
       {.name = "bullet",
        .description = "a copper bullet perforates a steel plate, which breaks; hexahedra",
        .model = bullet_model,

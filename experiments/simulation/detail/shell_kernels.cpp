@@ -74,19 +74,22 @@ HWY_ATTR HWY_INLINE V angle_of(V y, V x) {
   return hn::CopySign(angle, y);
 }
 
-// Lanes in order, so that the number of lanes makes no difference.
-HWY_ATTR HWY_INLINE void scatter(const std::vector<std::int32_t>& vertices, std::size_t i, const Vector& force,
-                                 double* forces) {
+// Element by element, not vertex by vertex, so that the number of lanes makes no difference to any sum.
+template <std::size_t N>
+HWY_ATTR HWY_INLINE void scatter(const std::vector<std::int32_t> (&vertices)[N], std::size_t i,
+                                 const Vector (&force)[N], double* forces) {
   const D d;
-  alignas(64) double x[kShellPadding], y[kShellPadding], z[kShellPadding];
-  hn::Store(force.x, d, x);
-  hn::Store(force.y, d, y);
-  hn::Store(force.z, d, z);
+  alignas(64) double lanes[N][3][kShellPadding];
+  for (std::size_t n = 0; n < N; ++n) {
+    hn::Store(force[n].x, d, lanes[n][0]);
+    hn::Store(force[n].y, d, lanes[n][1]);
+    hn::Store(force[n].z, d, lanes[n][2]);
+  }
   for (std::size_t k = 0; k < hn::Lanes(d); ++k) {
-    double* at = forces + static_cast<std::size_t>(vertices[i + k]) * kForceStride / kCopyStride;
-    at[0] += x[k];
-    at[1] += y[k];
-    at[2] += z[k];
+    for (std::size_t n = 0; n < N; ++n) {
+      double* at = forces + static_cast<std::size_t>(vertices[n][i + k]) * kForceStride / kCopyStride;
+      for (int c = 0; c < 3; ++c) at[c] += lanes[n][c][k];
+    }
   }
 }
 
@@ -233,10 +236,9 @@ HWY_ATTR void membranes(ShellTables& t, const ShellBlock& block, const ShellLaw&
     const V back = hn::Neg(volume);
     const Vector force1 = scaled(combine(p1, m[0], p2, m[1]), back);
     const Vector force2 = scaled(combine(p1, m[2], p2, m[3]), back);
-    scatter(tri.vertices[1], i, force1, forces);
-    scatter(tri.vertices[2], i, force2, forces);
     const Vector zero = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    scatter(tri.vertices[0], i, minus(minus(zero, force1), force2), forces);
+    const Vector force[3] = {minus(minus(zero, force1), force2), force1, force2};
+    scatter(tri.vertices, i, force, forces);
   }
   sums.membrane = greatest(greatest_frequency);
 }
@@ -327,7 +329,9 @@ HWY_ATTR void hinges(ShellTables& t, const ShellBlock& block, const double* copy
     const V time = load(h.viscosity, i), viscous = hn::Mul(hn::Mul(stiffness, time), rate);
     add_in_order(hn::Mul(hn::Mul(viscous, rate), g.fade), sums.viscous_power);
     const V total = hn::Mul(hn::Add(moment, viscous), g.fade);
-    for (int k = 0; k < 4; ++k) scatter(h.vertices[k], i, scaled(g.u[k], total), forces);
+    const Vector force[4] = {scaled(g.u[0], total), scaled(g.u[1], total), scaled(g.u[2], total),
+                             scaled(g.u[3], total)};
+    scatter(h.vertices, i, force, forces);
     frequency = hn::Max(frequency, frequency2);
     damping = hn::Max(damping, hn::Mul(frequency2, time));
   }
