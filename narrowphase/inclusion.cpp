@@ -30,8 +30,7 @@ void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<In
   InclusionAnswer answer = inclusion_search(kind, x, points, step.separation, config_.time_tolerance, step.t_max);
   if (answer.outcome == Outcome::undecided) {
     ++counters.undecided;
-    // A search that was cut short has taken longer than an exact answer takes.
-    if ((config_.undecided == Undecided::exact || answer.cut_short) && step.separation == 0) {
+    if ((config_.undecided == Undecided::exact || answer.unsettled) && step.separation == 0) {
       // The whole step, so that the answer does not depend on t_max.
       const ExactAnswer exact = exact_first_touch({kind, points, x});
       if (!exact.touches || exact.toi > step.t_max) return;

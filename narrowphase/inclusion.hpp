@@ -12,13 +12,14 @@ enum class Undecided {
 
 /// Guarantees, for the given doubles taken as exact:
 /// - No contact is missed: a test is dropped only if every moment of the step is proven free of contact.
-/// - Time: never late. Early by at most `time_tolerance` for contacts that are proven, which all are but the undecided.
+/// - Time: never late; early by at most `time_tolerance`.
 /// - Undecided tests, counted in NarrowCounters::undecided, stay open in a part of the step shorter than 2^-44. They are
-///   reported (time: where the search stopped) or decided by `exact`. Such a pair comes closer than 2^-40 of its size
-///   (the greatest coordinate difference between its points at the control points), plus the separation, at the reported
-///   time. A search is also cut short after 1000 parts, where the features stay near each other for long; `exact` decides
-///   then, as it does for all undecided tests with `undecided=exact`: no contact too many. It knows no separation: with
-///   one, undecided tests are reported, and those cut short may be further off.
+///   reported (time: the start of that part) or, with `undecided=exact`, decided by `exact`: no contact too many. What
+///   is reported comes closer than 2^-40 of its size (the greatest coordinate difference between its points at the
+///   control points). Where the features stay near each other for longer than the tolerance, or the search is cut short
+///   after 1000 parts, `exact` decides in either case.
+/// - With a separation, which `exact` does not know, all undecided tests are reported: a pair that only grazes it may be
+///   reported earlier than the tolerance says, and one whose search was cut short may stay further off.
 ///
 /// Way: pieces of the step, from the left. A piece is free of contact if the Bernstein coefficients of the coplanarity
 /// polynomial have one sign, or if an axis separates the features' control points; the axes tried are the directions

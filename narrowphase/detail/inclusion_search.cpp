@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 
 #include <volccd/narrowphase/detail/closest_points.hpp>
+#include <volccd/narrowphase/detail/double_double.hpp>
 #include <volccd/narrowphase/detail/hull_simplex.hpp>
 #include <volccd/narrowphase/detail/motion_piece.hpp>
 
@@ -80,22 +81,31 @@ Vec3 separating_axis(FeatureKind kind, const Differences& d) {
   return closest.separation;
 }
 
+/// The points keep all their differences: not only as these are rounded.
+template <int kPoints>
+bool moves_as_one(const TestPoints& x) {
+  for (std::size_t i = 1; i < 4; ++i)
+    for (std::size_t j = 3; j < 3 * kPoints; ++j) {
+      const DoubleDouble start = exact_difference(x[i][j % 3], x[0][j % 3]), now = exact_difference(x[i][j], x[0][j]);
+      if (!(now.high == start.high && now.low == start.low)) return false;
+    }
+  return true;
+}
+
 template <int kPoints>
 class PieceSearch {
  public:
   PieceSearch(FeatureKind kind, const TestPoints& x, double separation, double tolerance)
-      : test_(kind, x, separation), tolerance_(tolerance) {}
+      : points_(x), test_(kind, x, separation), tolerance_(tolerance) {}
 
   InclusionAnswer run(double t_max) {
     stack_.push({0, 1, 0});
+    InclusionAnswer open{Outcome::apart};  // the first piece that stays open, if any
     for (int pieces = 0; !stack_.empty(); ++pieces) {
       const Part part = stack_.pop();
-      if (part.lo > t_max) break;
-      if (pieces == kMostPieces) {
-        InclusionAnswer answer = undecided(part.lo);
-        answer.cut_short = true;
-        return answer;
-      }
+      const bool is_open = open.outcome == Outcome::undecided;
+      if (!is_open && part.lo > t_max) break;
+      if (pieces == kMostPieces) return unsettled(is_open ? open : undecided(part.lo));
       MotionPiece<kPoints> piece(test_, part.lo, part.hi);
       if (piece.never_coplanar() || (moved_apart_ && piece.separated_along(axis_))) continue;
       look(piece);
@@ -111,12 +121,20 @@ class PieceSearch {
         split_at_root(piece, part, kRootMargin);
         continue;
       }
-      if (const InclusionAnswer answer = contact(piece); answer.outcome == Outcome::touch) return answer;
+      if (const InclusionAnswer answer = contact(piece); answer.outcome == Outcome::touch) {
+        if (!is_open) return answer;
+        return part.hi <= open.toi + tolerance_ ? touch(open.toi) : unsettled(open);
+      }
       if (separated(piece, part.level)) continue;
-      if (part.hi - part.lo <= kShortestPiece || test_.rigid()) return undecided(part.lo);
-      split(piece, part);
+      if (part.hi - part.lo > kShortestPiece && !test_.rigid()) {
+        split(piece, part);
+        continue;
+      }
+      if (!is_open) open = undecided(part.lo);
+      if (test_.separation() > 0 || (test_.rigid() && moves_as_one<kPoints>(points_))) break;
+      if (part.hi > open.toi + tolerance_) return unsettled(open);
     }
-    return {Outcome::apart};
+    return open;
   }
 
  private:
@@ -170,6 +188,11 @@ class PieceSearch {
     return answer;
   }
 
+  static InclusionAnswer unsettled(InclusionAnswer open) {
+    open.outcome = Outcome::undecided;
+    open.unsettled = true;
+    return open;
+  }
   InclusionAnswer undecided(double t) const { return found(Outcome::undecided, t); }
   InclusionAnswer touch(double t) const { return found(Outcome::touch, t); }
   InclusionAnswer found(Outcome outcome, double t) const {
@@ -228,6 +251,7 @@ class PieceSearch {
     return test_.separation() == 0 && piece.sign_at_start() * piece.sign_at_end() < 0;
   }
 
+  const TestPoints& points_;
   BoundedTest<kPoints> test_;
   double tolerance_;
   PartStack stack_;

@@ -20,8 +20,9 @@ struct InclusionAnswer {
   int side = 0;
   /// The features are not proven apart at t = 0.
   bool at_start = false;
-  /// Undecided because there were too many pieces: how near the features come is not known.
-  bool cut_short = false;
+  /// Undecided, and of a contact more is open than whether it is one: a first touch may come later than `toi` by more
+  /// than the tolerance, or there were too many pieces and how near the features come is not known.
+  bool unsettled = false;
 };
 
 /// The times at the local parameters `before` < `after` of [lo, hi] (0: lo, 1: hi). At 0 and 1 exactly lo and hi: lo +
@@ -32,7 +33,8 @@ inline std::array<double, 2> times_within(double lo, double hi, double before, d
 }
 
 /// Looks through [0,1] from left to right in pieces: each is proven free of contact, proven to begin with one, or split.
-/// Undecided is the first piece that stays open when it is shorter than kShortestPiece. The answer does not depend on
+/// Undecided: a piece stays open that is shorter than kShortestPiece, the first of which gives the time. Without a
+/// separation the search goes on from there, to see whether a first touch may be later. The answer does not depend on
 /// t_max, but that contacts after it are `apart`. `tolerance` > 0. Pre: finite coordinates, separation >= 0.
 InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
                                  double tolerance, double t_max);

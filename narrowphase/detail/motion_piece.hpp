@@ -24,7 +24,7 @@ class BoundedTest {
   /// Over all control points of points 1, 2, 3; at least kLeastExtent.
   const std::array<Vec3, 3>& extents() const { return extents_; }
   const Vec3& extent() const { return extent_; }
-  /// No point moves relative to another.
+  /// No point moves relative to another, as far as rounded differences tell.
   bool rigid() const { return rigid_; }
   /// Bernstein coefficient k of the coplanarity polynomial over any part of the step, times binomial(degree, k), is off
   /// by less than binomial * coplanarity_error + kDeterminantUnderflow-sized `coplanarity_underflow`.

@@ -121,9 +121,11 @@ std::string malformed(const Test& test, const std::vector<Contact>& contacts) {
 /// what is reported early may touch a little after t_max.
 std::string wrong_time(const Contestants::Narrow& narrow, const ExactAnswer& exact, double toi, bool undecided) {
   if (exact.touches && toi > exact.toi) return fmt::format("is late: {:a}, not {:a}", toi, exact.toi);
-  // Reported because it may be one; how near it is has its test in tests/conservative.
-  if (undecided && !narrow.exact) return {};
-  if (!exact.touches) return fmt::format("reports a contact at {:a}, there is none", toi);
+  if (!exact.touches) {
+    // Reported because it may be one; how near it is has its test in tests/conservative.
+    if (undecided && !narrow.exact) return {};
+    return fmt::format("reports a contact at {:a}, there is none", toi);
+  }
   // Undecided ones that `exact` has decided are as early as it says.
   const double early = narrow.exact_in_time() ? 0 : narrow.stage->time_tolerance();
   if (toi < exact.toi - early) return fmt::format("is early: {:a}, not {:a}", toi, exact.toi);
