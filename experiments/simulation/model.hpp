@@ -24,7 +24,7 @@ struct Material {
   double rate_factor = 0;
   double reference_rate = 1;        ///< 1/s
   double failure_stress = kNever;   ///< greatest principal stress at a vertex at which it splits
-  double failure_strain = kNever;   ///< equivalent plastic strain at a vertex at which it splits
+  double failure_strain = kNever;   ///< equivalent plastic strain at which a vertex under tension splits
   double merging_force = kNever;    ///< force of a contact at which vertices in touch merge
   double merging_distance = 0;      ///< how near two vertices must be to merge
   double friction = 0;              ///< Coulomb's coefficient; of two parts in contact, the smaller

@@ -60,8 +60,9 @@ std::vector<Failure> failures(const Topology& topology, std::span<const Part> pa
     if (!(mean.norm() > strength.stress) && !(strain > strength.strain)) continue;
     double principal = 0;
     const Vec3 direction = greatest_principal(mean, principal);
+    if (!(principal > 0)) continue;  // pressed together from all sides
     const double excess = std::max(principal / strength.stress, strain / strength.strain);
-    if (principal > strength.stress || strain > strength.strain) failed.push_back({excess, v, direction});
+    if (excess > 1) failed.push_back({excess, v, direction});
   }
   std::sort(failed.begin(), failed.end(), [](const Failure& a, const Failure& b) {
     return std::tuple(-a.excess, a.vertex) < std::tuple(-b.excess, b.vertex);

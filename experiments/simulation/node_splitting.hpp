@@ -1,7 +1,8 @@
 // Cracks: vertices split where the material fails (Algorithm 1, lines 33 to 38).
 //
-// A vertex fails when the greatest principal stress at it exceeds the failure stress, or the equivalent plastic
-// strain the failure strain, of any part at it. The plane through it normal to the principal direction parts the
+// A vertex fails when the greatest principal stress at it exceeds the failure stress of any part at it, or is tension
+// and the equivalent plastic strain exceeds the failure strain: what is pressed together from all sides flows and does
+// not part (Cockcroft and Latham 1968), and a part that has come loose is not parted further. The plane through it normal to the principal direction parts the
 // elements at it by their centroids; those on the positive side get a copy of the vertex, in the same place and with
 // the same velocity (O'Brien and Hodgins 1999, without their remeshing: cracks follow the faces of the elements).
 // Elements that meet in single vertices or edges afterwards are left to the next steps.

@@ -118,6 +118,19 @@ TEST(NodeSplitting, FailsByPlasticStrainToo) {
   for (Index o : proposal.edit.removed) EXPECT_GT(centre(body, o).z(), 1);
 }
 
+TEST(NodeSplitting, PlasticStrainAloneDoesNotPartWhatIsPressedTogether) {
+  Body body(block(ElementType::hexahedron, 3, 3, 3));
+  VertexStress pressed{Eigen::Matrix3d::Zero(), 2 * 0.5, 2};
+  for (const double most : {-1.0, 0.0}) {
+    pressed.stress.diagonal() = Vec3(-3, most, -2);
+    const std::vector<VertexStress> stress(body.x.size(), pressed);
+    EXPECT_TRUE(propose_splitting(body.topology, brittle(kNever, 0.3), body.x, stress).empty()) << most;
+  }
+  pressed.stress.diagonal() = Vec3(-3, 0.1, -2);
+  const std::vector<VertexStress> stress(body.x.size(), pressed);
+  EXPECT_FALSE(propose_splitting(body.topology, brittle(kNever, 0.3), body.x, stress).empty());
+}
+
 TEST(NodeSplitting, LeavesAloneWhatCannotSplit) {
   Shape shape = block(ElementType::hexahedron, 2, 1, 1);
   Body body(shape);
