@@ -20,9 +20,9 @@ const Options<BuiltinConfig>& builtin_options() {
 
 // Sizes in centimetres; the event lasts kDuration units of time, one a default step.
 constexpr double kDuration = 8;
-constexpr double kWidth = 1, kLength = 2.5;  // the block
+constexpr double kBlockWidth = 1, kBlockLength = 2.5;  // the block
 constexpr double kPlateSide = 8, kPlateThickness = 1.5;
-constexpr double kGap = 0.3;                      // from the block's end to the plate, along its way
+constexpr double kBuiltinGap = 0.3;                      // from the block's end to the plate, along its way
 constexpr double kSpeed = 0.62, kSlowing = 0.28;  // share of the speed that is lost
 constexpr double kReach = 1.1;                    // how far around its way the plate gives
 constexpr double kDelay = 0.3;                    // how far an element is passed before it erodes
@@ -35,9 +35,9 @@ struct Flight {
   Vec3 backwards() const { return axes.col(2); }
   double travel(double time) const { return kSpeed * time * (1 - kSlowing * time / kDuration); }
   /// Middle of the leading end. Its lowest corner is 0.12 ahead of it, along its way.
-  Vec3 tip(double time) const { return (kGap + 0.12 - travel(time)) * backwards(); }
+  Vec3 tip(double time) const { return (kBuiltinGap + 0.12 - travel(time)) * backwards(); }
   /// How far the tip is inside or beyond the plate.
-  double depth(double time) const { return std::max(0.0, travel(time) - kGap); }
+  double depth(double time) const { return std::max(0.0, travel(time) - kBuiltinGap); }
 };
 
 /// Keeps faces from being planar.
@@ -53,7 +53,7 @@ class Penetration final : public Scene {
     const auto cells = [&](int n) { return std::max(1, static_cast<int>(std::lround(n * finer))); };
     Shape shot = block(ElementType::hexahedron, cells(5), cells(5), cells(10));
     Shape plate = block(ElementType::hexahedron, cells(16), cells(16), cells(5));
-    fit(shot, Vec3(kWidth, kWidth, kLength), Vec3(0.5, 0.5, 0));
+    fit(shot, Vec3(kBlockWidth, kBlockWidth, kBlockLength), Vec3(0.5, 0.5, 0));
     fit(plate, Vec3(kPlateSide, kPlateSide, kPlateThickness), Vec3(0.5, 0.5, 1));
     shot_vertices_ = shot.positions.size();
     rest_.append(shot, 1).append(plate, 2);
@@ -117,7 +117,7 @@ class Penetration final : public Scene {
     if (rest_.elements[element].object == 1)
       return centre.z() < 0.35 * (depth - 0.9) - 0.3 * std::abs(std::hypot(centre.x(), centre.y()) - 0.4);
     const Vec3 local = flight_.axes.transpose() * (plate_point(centre, t) - flight_.tip(t));
-    return local.z() > kDelay && std::max(std::abs(local.x()), std::abs(local.y())) < kWidth / 2 + 0.1;
+    return local.z() > kDelay && std::max(std::abs(local.x()), std::abs(local.y())) < kBlockWidth / 2 + 0.1;
   }
 
   void find_erosion() {

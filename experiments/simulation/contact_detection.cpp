@@ -6,18 +6,19 @@
 #include <Eigen/Geometry>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/feature_block.hpp>
 
 namespace volccd::simulation {
 namespace {
 
-constexpr std::size_t kChunk = 64;
+constexpr std::size_t kChunk = FeatureBlock::kCapacity;
 /// Of the step: by how much a contact may be early.
 constexpr double kTimeTolerance = 1e-3;
 /// Weights below are those of a point on the rim.
 constexpr double kEnd = 1e-9;
 /// Sine of an angle that counts as none.
 constexpr double kSlant = 0.1;
+/// Of the separation: how near to twins it is a corner of a crack.
+constexpr double kCorner = 5;
 
 /// Takes every pair that the filters leave: which of them touch is found out by each retest.
 class TakeAll final : public NarrowPhase {
@@ -127,17 +128,21 @@ ContactDetection::ContactDetection(const Topology& model, std::span<const double
       throw InputError("model", "mesh", "a mesh with shells has empty element slots");
   }
   mark_boundary();
+  if (config_.features == ContactFeatures::surface) note_first_surface();
 }
 
 ContactDetection::~ContactDetection() = default;
 
 void ContactDetection::follow(const TopologyEdit& edit, std::span<const double> thickness,
-                              std::span<const Vec3> reference) {
+                              std::span<const Vec3> reference, std::span<const Index> origins) {
+  origins_.assign(origins.begin(), origins.end());
   thickness_.assign(thickness.begin(), thickness.end());
   reference_.assign(reference.begin(), reference.end());
   candidates_.clear();
   vf_.clear();
   ee_.clear();
+  placed0_.from.clear();
+  placed1_.from.clear();
   if (thickener_) {
     const Mesh& mesh = model_.mesh();
     thickener_.emplace(mesh);
@@ -157,6 +162,50 @@ void ContactDetection::follow(const TopologyEdit& edit, std::span<const double> 
   mark_boundary();
 }
 
+Index ContactDetection::origin(Index vertex) const {
+  const Index copies = thickener_ ? 3 : 1, v = vertex / copies;
+  return v < origins_.size() ? copies * origins_[v] + vertex % copies : vertex;
+}
+
+std::array<Index, 3> ContactDetection::origin_of_triangle(Index f) const {
+  const auto& v = collision_topology().features().triangle(f);
+  std::array<Index, 3> result = {origin(v[0]), origin(v[1]), origin(v[2])};
+  std::sort(result.begin(), result.end());
+  return result;
+}
+
+/// Faces of more than three vertices with all triangles that they could be cut into: a vertex that splits may turn a
+/// diagonal.
+void ContactDetection::note_first_surface() {
+  const Mesh& mesh = collision_topology().mesh();
+  const Features& features = collision_topology().features();
+  std::vector<std::array<Index, 3>> triangles;
+  const auto take_face = [&](std::span<const Index> face) {
+    triangles.clear();
+    bool outside = false;
+    for (std::size_t i = 0; i < face.size(); ++i)
+      for (std::size_t j = i + 1; j < face.size(); ++j)
+        for (std::size_t k = j + 1; k < face.size(); ++k) {
+          const Index f = features.find_triangle(face[i], face[j], face[k]);
+          outside |= f != kNone && boundary_triangle_[f] != 0;
+          triangles.push_back({face[i], face[j], face[k]});
+          std::sort(triangles.back().begin(), triangles.back().end());
+        }
+    if (outside) first_surface_.insert(first_surface_.end(), triangles.begin(), triangles.end());
+  };
+  std::vector<Index> face;
+  for (Index o = 0; o < mesh.element_slots(); ++o) {
+    if (!mesh.alive(o)) continue;
+    const std::span<const std::uint8_t> stream = face_stream(mesh.type(o));  // no polytopes in a simulation
+    for (std::size_t at = 0; at < stream.size(); at += 1 + stream[at]) {
+      face.clear();
+      for (std::size_t i = 1; i <= stream[at]; ++i) face.push_back(mesh.vertices(o)[stream[at + i]]);
+      take_face(face);
+    }
+  }
+  std::sort(first_surface_.begin(), first_surface_.end());
+}
+
 void ContactDetection::mark_boundary() {
   const Features& features = collision_topology().features();
   boundary_vertex_.assign(features.vertex_slots(), 0);
@@ -164,6 +213,9 @@ void ContactDetection::mark_boundary() {
   boundary_triangle_.assign(features.triangle_slots(), 0);
   for (Index f = 0; f < features.triangle_slots(); ++f) {
     if (features.triangle_elements(f).size() != 1) continue;
+    if (!first_surface_.empty() &&
+        !std::binary_search(first_surface_.begin(), first_surface_.end(), origin_of_triangle(f)))
+      continue;
     boundary_triangle_[f] = 1;
     const auto& v = features.triangle(f);
     for (Index i : v) boundary_vertex_[i] = 1;
@@ -172,18 +224,19 @@ void ContactDetection::mark_boundary() {
   }
 }
 
-const std::vector<Vec3>& ContactDetection::place(std::span<const Vec3> x, std::vector<Vec3>& out) const {
-  if (thickener_)
-    thickener_->positions(x, thickness_, out);
-  else
-    out.assign(x.begin(), x.end());
-  return out;
+const std::vector<Vec3>& ContactDetection::place(std::span<const Vec3> x, Placed& placed) const {
+  if (!std::equal(x.begin(), x.end(), placed.from.begin(), placed.from.end())) {
+    thickener_->positions(x, thickness_, placed.to);
+    placed.from.assign(x.begin(), x.end());
+  }
+  return placed.to;
 }
 
+/// A substep begins where the one before it has ended, and is looked at several times with other ends.
 void ContactDetection::set_motion(std::span<const Vec3> x0, std::span<const Vec3> x1) {
-  place(x0, place0_);
-  place(x1, place1_);
-  motion_.set_linear(place0_, place1_);
+  if (!thickener_) return motion_.set_linear(x0, x1);
+  if (std::equal(x0.begin(), x0.end(), placed1_.from.begin(), placed1_.from.end())) std::swap(placed0_, placed1_);
+  motion_.set_linear(place(x0, placed0_), place(x1, placed1_));
 }
 
 void ContactDetection::query(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const Vec3> ahead,
@@ -281,22 +334,40 @@ void ContactDetection::test(const std::vector<FeaturePair>& vf, const std::vecto
   const Step step{collision_topology(), motion_, filter_, separation};
   const std::size_t vf_chunks = (vf.size() + kChunk - 1) / kChunk, ee_chunks = (ee.size() + kChunk - 1) / kChunk;
   if (chunks_.size() < vf_chunks + ee_chunks) chunks_.resize(vf_chunks + ee_chunks);
-  executor.parallel_for(vf_chunks + ee_chunks, 1, [&](std::size_t begin, std::size_t end, unsigned) {
+  while (blocks_.size() < executor.workers()) blocks_.push_back(std::make_unique<FeatureBlock>());
+  executor.parallel_for(vf_chunks + ee_chunks, 1, [&](std::size_t begin, std::size_t end, unsigned worker) {
     NarrowCounters counters;
     std::vector<Contact> contacts;
+    std::vector<FeaturePair> close;
     for (std::size_t c = begin; c < end; ++c) {
       const bool is_vf = c < vf_chunks;
       const std::vector<FeaturePair>& pairs = is_vf ? vf : ee;
       const std::size_t first = (is_vf ? c : c - vf_chunks) * kChunk;
       contacts.clear();
-      narrow_.test(step, is_vf ? FeatureKind::vf : FeatureKind::ee,
-                   std::span(pairs).subspan(first, std::min(kChunk, pairs.size() - first)), contacts, counters);
+      const FeatureKind kind = is_vf ? FeatureKind::vf : FeatureKind::ee;
+      filter(step, kind, std::span(pairs).subspan(first, std::min(kChunk, pairs.size() - first)), *blocks_[worker],
+             close);
+      narrow_.test(step, kind, close, contacts, counters);
       chunks_[c].clear();
       for (const Contact& contact : contacts) chunks_[c].push_back(describe(contact));
     }
   });
   for (std::size_t c = 0; c < vf_chunks + ee_chunks; ++c)
     found.insert(found.end(), chunks_[c].begin(), chunks_[c].end());
+}
+
+/// Most of the pairs that a query has left are further apart than the separation in a substep.
+void ContactDetection::filter(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs,
+                              FeatureBlock& block, std::vector<FeaturePair>& close) const {
+  std::array<std::uint8_t, FeatureBlock::kCapacity> keep;
+  block.gather(step, kind, pairs);
+  const std::span<std::uint8_t> flags(keep.data(), block.padded_size());
+  std::fill(flags.begin(), flags.end(), std::uint8_t{1});
+  kdop_filter_.filter(step, block, flags);
+  csat_filter_.filter(step, block, flags);
+  close.clear();
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (keep[i] != 0) close.push_back(pairs[i]);
 }
 
 FoundContact ContactDetection::describe(const Contact& contact) const {
@@ -422,7 +493,25 @@ bool ContactDetection::rim_faces(const Contact& contact) const {
   for (std::size_t i = 1; i < 4; ++i)
     if (contact.weights[i] > kEnd) rim[n++] = contact.vertices[i];
   if (n == 1) return faces(rim[0], contact.normal, contact.toi);
-  return n == 3 || faces(rim[0], rim[1], contact.normal, contact.toi, config_.boundary_only);
+  return n == 3 || faces(rim[0], rim[1], contact.normal, contact.toi, boundary_only());
+}
+
+/// Whether the features meet next to vertices that were one before it split. There a crack has its corner: all features
+/// at the one are near all at the other, in directions that mean nothing, until they have come apart.
+bool ContactDetection::at_twins(const Contact& contact) const {
+  const std::size_t first = contact.kind == FeatureKind::vf ? 1 : 2;
+  const auto& w = contact.weights;
+  const auto heaviest = [&](std::size_t begin, std::size_t end) {
+    return static_cast<std::size_t>(
+        std::max_element(w.begin() + static_cast<std::ptrdiff_t>(begin), w.begin() + static_cast<std::ptrdiff_t>(end)) -
+        w.begin());
+  };
+  const std::size_t i = heaviest(0, first), j = heaviest(first, 4);
+  const Index a = contact.vertices[i], b = contact.vertices[j];
+  if (origin(a) != origin(b)) return false;
+  const double near = kCorner * config_.separation;
+  return (motion_.position(a, contact.toi) - contact.point).norm() <= near &&
+         (motion_.position(b, contact.toi) - contact.point).norm() <= near;
 }
 
 void ContactDetection::judge(const Contact& contact, FoundContact& found) const {
@@ -434,11 +523,12 @@ void ContactDetection::judge(const Contact& contact, FoundContact& found) const 
   const bool boundary1 = (vf ? boundary_vertex_ : boundary_edge_)[first];
   const bool boundary2 = (vf ? boundary_triangle_ : boundary_edge_)[second];
   const auto give_up = [&] { found.verdict = ContactVerdict::ignore; };
-  if (config_.boundary_only && !(boundary1 && boundary2)) return give_up();
+  if (boundary_only() && !(boundary1 && boundary2)) return give_up();
   const bool adjacent = found.contact_class == ContactClass::adjacent;
   if (adjacent && !config_.adjacent) return give_up();
   // An end of an edge near another edge: a vertex near the triangles there, which are tested as well.
   if (!vf && !is_inside(contact)) return give_up();
+  if (at_twins(contact)) return give_up();
   if (found.normal.isZero(0)) {
     if (!adjacent) found.normal = made_up_normal(contact);
     if (found.normal.isZero(0)) give_up();

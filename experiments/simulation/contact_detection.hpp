@@ -11,7 +11,11 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/culling/csat_filter.hpp>
+#include <volccd/culling/feature_kdop_filter.hpp>
 #include <volccd/experiments/simulation/archive.hpp>
+#include <volccd/experiments/simulation/contact_features.hpp>
+#include <volccd/mesh/feature_block.hpp>
 #include <volccd/mesh/shells.hpp>
 #include <volccd/mesh/topology.hpp>
 #include <volccd/narrowphase/inclusion.hpp>
@@ -66,7 +70,8 @@ class ContactDetection {
  public:
   struct Config {
     std::string pipeline;
-    bool boundary_only = false, adjacent = true;
+    ContactFeatures features = ContactFeatures::all;
+    bool adjacent = true;
     std::vector<std::pair<std::int32_t, std::int32_t>> excluded;
     double separation = 0;
     /// Between these: by how much pairs may be further apart than the separation to be kept in view by a query.
@@ -78,8 +83,10 @@ class ContactDetection {
                    Config config);
   ~ContactDetection();
 
-  /// After the edit has been applied to the model's topology. Pairs of the last query are forgotten.
-  void follow(const TopologyEdit& edit, std::span<const double> thickness, std::span<const Vec3> reference);
+  /// After the edit has been applied to the model's topology. Pairs of the last query are forgotten. `origins`, by
+  /// vertex: the one of the mesh at first of which it is a copy, or itself.
+  void follow(const TopologyEdit& edit, std::span<const double> thickness, std::span<const Vec3> reference,
+              std::span<const Index> origins);
 
   /// `ahead`: where the vertices are thought to be after another step of the same length, so that contacts on the way
   /// there are in view too; or nothing.
@@ -106,14 +113,24 @@ class ContactDetection {
     FeatureKind kind;
     std::array<Index, 4> vertices;
   };
-  const std::vector<Vec3>& place(std::span<const Vec3> x, std::vector<Vec3>& out) const;
+  /// Vertices of the simulated mesh, and those of the collision mesh there.
+  struct Placed {
+    std::vector<Vec3> from, to;
+  };
+  const std::vector<Vec3>& place(std::span<const Vec3> x, Placed& placed) const;
   void set_motion(std::span<const Vec3> x0, std::span<const Vec3> x1);
   double spread() const;
   void find_slots();
   FeaturePair slots(const FoundContact& c) const;
   void test(const std::vector<FeaturePair>& vf, const std::vector<FeaturePair>& ee, double separation,
             Executor& executor, std::vector<FoundContact>& found);
+  void filter(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs, FeatureBlock& block,
+              std::vector<FeaturePair>& close) const;
+  bool boundary_only() const { return config_.features != ContactFeatures::all; }
+  Index origin(Index vertex) const;
+  std::array<Index, 3> origin_of_triangle(Index f) const;
   void mark_boundary();
+  void note_first_surface();
   bool share_shell(const std::array<Index, 4>& vertices, FeatureKind kind) const;
   FoundContact describe(const Contact& contact) const;
   void judge(const Contact& contact, FoundContact& found) const;
@@ -123,6 +140,7 @@ class ContactDetection {
   bool faces(Index v0, Index v1, const Vec3& normal, double toi, bool boundary_only) const;
   bool faces(Index vertex, const Vec3& normal, double toi) const;
   bool rim_faces(const Contact& contact) const;
+  bool at_twins(const Contact& contact) const;
   void judge_triangle(const Contact& contact, FoundContact& found, std::span<const Index> elements) const;
   void judge_edges(const Contact& contact, FoundContact& found, std::span<const Index> a,
                    std::span<const Index> b) const;
@@ -138,18 +156,23 @@ class ContactDetection {
   std::unique_ptr<Topology> solid_;  ///< null where there are no shells
   Pipeline pipeline_;
   Workspace workspace_;
+  FeatureKdopFilter kdop_filter_{FeatureKdopFilter::Config{}};
+  CsatFilter csat_filter_{CsatFilter::Config{}};
   Inclusion narrow_;
   StepResult result_;
 
   Motion motion_, queried_;
   double reach_ = 0;        ///< margin of the last query
   double queried_end_ = 1;  ///< of the motion queried: where the step ends
-  std::vector<Vec3> place0_, place1_;
+  Placed placed0_, placed1_;
   std::vector<Candidate> candidates_;
   std::vector<FeaturePair> vf_, ee_;
   std::vector<Vec3> middles_;  ///< of objects, at the start of the last query
   std::vector<std::vector<FoundContact>> chunks_;
-  std::vector<char> boundary_vertex_, boundary_edge_, boundary_triangle_;
+  std::vector<std::unique_ptr<FeatureBlock>> blocks_;  ///< a worker
+  std::vector<Index> origins_;                         ///< a vertex of the model; those not in it are their own
+  std::vector<std::array<Index, 3>> first_surface_;    ///< ContactFeatures::surface: triangles, ascending
+  std::vector<char> boundary_vertex_, boundary_edge_, boundary_triangle_;  ///< as ContactFeatures has it
 };
 
 }  // namespace volccd::simulation

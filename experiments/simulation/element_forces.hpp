@@ -14,8 +14,8 @@ namespace volccd::simulation {
 struct ElementHeritage {
   std::vector<Index> removed;
   std::vector<Index> added;
-  /// For each of `added`: the slot, as it was before the edit, of the element whose state it takes over (history, reference
-  /// shape as far as it is not given by the reference positions).
+  /// For each of `added`: the slot, as it was before the edit, of the element whose state it takes over (history,
+  /// reference shape as far as it is not given by the reference positions).
   std::vector<Index> parents;
 };
 
@@ -26,12 +26,13 @@ struct VertexStress {
   double volume = 0;
 };
 
-/// Looks after the elements of its own family in the mesh, rigid parts left out, and ignores the others. Not thread-safe.
+/// Looks after the elements of its own family in the mesh, rigid parts left out, and ignores the others. Not
+/// thread-safe.
 class ElementForces {
  public:
   virtual ~ElementForces() = default;
 
-  /// Adds the lumped masses of ALL elements of the family, those of rigid parts included. `reference`: positions at rest.
+  /// Adds the lumped masses of ALL elements of the family, those of rigid parts included.
   virtual void add_masses(std::span<double> mass) const = 0;
 
   /// Adds internal forces at positions `x`, and advances plasticity by the step that led there, of length `dt` with
@@ -39,13 +40,15 @@ class ElementForces {
   virtual void add_forces(std::span<const Vec3> x, std::span<const Vec3> v, double dt, Executor& executor,
                           std::span<Vec3> force) = 0;
 
-  /// Largest stable time step (Courant, over its elements, with no safety factor), for the shapes of the last add_forces().
+  /// Largest stable time step (Courant, over its elements, with no safety factor), for the shapes of the last
+  /// add_forces().
   virtual double stable_step() const = 0;
 
   /// Adds to `out` (one a vertex) for the state of the last add_forces().
   virtual void add_vertex_stress(std::span<VertexStress> out) const = 0;
 
-  /// Energy so far, J: elastic as stored now; dissipated by plasticity and by numerical means (hourglass, bulk viscosity).
+  /// Energy so far, J: elastic as stored now; dissipated by plasticity and by numerical means (hourglass, bulk
+  /// viscosity).
   virtual double elastic_energy() const = 0;
   virtual double plastic_work() const = 0;
   virtual double numerical_work() const = 0;

@@ -22,14 +22,14 @@ struct Material {
   double yield_stress = kNever;
   double hardening_modulus = 0;  ///< stress over equivalent plastic strain
   double rate_factor = 0;
-  double reference_rate = 1;        ///< 1/s
-  double failure_stress = kNever;   ///< greatest principal stress at a vertex at which it splits
-  double failure_strain = kNever;   ///< equivalent plastic strain at which a vertex under tension splits
-  double merging_force = kNever;    ///< force of a contact at which vertices in touch merge
-  double merging_distance = 0;      ///< how near two vertices must be to merge
-  double friction = 0;              ///< Coulomb's coefficient; of two parts in contact, the smaller
-  double restitution = 0;           ///< 0: contacts are inelastic; of two parts, the smaller
-  double damping = 0;               ///< 1/s, proportional to mass
+  double reference_rate = 1;       ///< 1/s
+  double failure_stress = kNever;  ///< greatest principal stress at a vertex at which it splits
+  double failure_strain = kNever;  ///< equivalent plastic strain at which a vertex under tension splits
+  double merging_force = kNever;   ///< force of a contact at which vertices in touch merge
+  double merging_distance = 0;     ///< how near two vertices must be to merge
+  double friction = 0;             ///< Coulomb's coefficient; of two parts in contact, the smaller
+  double restitution = 0;          ///< 0: contacts are inelastic; of two parts, the smaller
+  double damping = 0;              ///< 1/s, proportional to mass
 };
 
 /// All elements of one object id.
@@ -53,8 +53,8 @@ struct Pressure {
   std::vector<std::pair<double, double>> curve;  ///< (time, pressure), ascending; linear between, constant beyond
 };
 
-/// A blade whose edge moves from `point` along `direction` (unit), in the plane with unit normal `normal`: what lies behind
-/// the edge, between depth 0 and the length covered, is parted.
+/// A blade whose edge moves from `point` along `direction` (unit), in the plane with unit normal `normal`: what lies
+/// behind the edge, between depth 0 and the length covered, is parted. All as the object lies at rest.
 struct Cut {
   std::int32_t object = 0;
   Vec3 point = Vec3::Zero(), direction = Vec3::UnitX(), normal = Vec3::UnitZ();

@@ -2,10 +2,11 @@
 //
 // A vertex fails when the greatest principal stress at it exceeds the failure stress of any part at it, or is tension
 // and the equivalent plastic strain exceeds the failure strain: what is pressed together from all sides flows and does
-// not part (Cockcroft and Latham 1968), and a part that has come loose is not parted further. The plane through it normal to the principal direction parts the
-// elements at it by their centroids; those on the positive side get a copy of the vertex, in the same place and with
-// the same velocity (O'Brien and Hodgins 1999, without their remeshing: cracks follow the faces of the elements).
-// Elements that meet in single vertices or edges afterwards are left to the next steps.
+// not part (Cockcroft and Latham 1968), and a part that has come loose is not parted further. The plane through it
+// normal to the principal direction parts the elements at it by their centroids; those on the positive side get a copy
+// of the vertex, in the same place and with the same velocity (O'Brien and Hodgins 1999, without their remeshing:
+// cracks follow the faces of the elements). Elements that meet in single vertices or edges afterwards are left to the
+// next steps.
 //
 // Mass, momentum and energy stay as they are: elements change vertices, not shapes.
 #pragma once

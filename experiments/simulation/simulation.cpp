@@ -153,6 +153,7 @@ struct Simulation::State {
   std::vector<double> mass, inverse_mass, damping;
   std::vector<Index> part_of;
   std::vector<double> cut_advance;
+  std::vector<Index> origins;  ///< a vertex: that of the mesh at the start of which it is a copy, or itself
   bool may_split = false, may_merge = false;
   std::vector<Vec3> x1;          ///< positions after a substep; then those before it
   std::vector<Vec3> unhindered;  ///< velocities before contacts
@@ -175,6 +176,7 @@ Simulation::State::State(Model m, SimulationOptions o, Executor& e)
       depth(model.cuts.size(), 0),
       since(model.positions) {
   for (Index i : model.fixed) fixed[i] = 1;
+  for (Index i = 0; i < x.size(); ++i) origins.push_back(i);
   mass.resize(x.size());
   solids->add_masses(mass);
   shells->add_masses(mass);
@@ -219,7 +221,7 @@ void Simulation::State::make_detection() {
   if (options.contacts) {
     ContactDetection::Config config;
     config.pipeline = options.pipeline;
-    config.boundary_only = options.features == ContactFeatures::boundary;
+    config.features = options.features;
     config.adjacent = options.adjacent_contacts;
     config.excluded = options.excluded;
     for (std::size_t i = 0; i < model.parts.size(); ++i)
@@ -510,6 +512,7 @@ void Simulation::State::edit(const TopologyProposal& proposal) {
     bool held = true;
     for (std::size_t i = 0; i < 2; ++i) held &= origin.weights[i] == 0 || fixed[origin.parents[i]];
     fixed.push_back(held);
+    origins.push_back(origin.weights[0] == 1 ? origins[origin.parents[0]] : static_cast<Index>(origins.size()));
   }
   topology->apply(proposal.edit);
   const ElementHeritage heritage = heritage_of(proposal, topology->mesh());
@@ -518,7 +521,8 @@ void Simulation::State::edit(const TopologyProposal& proposal) {
   pressure.update(topology->mesh());
   bodies->resize(reference.size());
   if (x.size() == reference.size()) renew_masses();
-  if (ContactDetection* detection = contacts->detection()) detection->follow(proposal.edit, thickness(), reference);
+  if (ContactDetection* detection = contacts->detection())
+    detection->follow(proposal.edit, thickness(), reference, origins);
 }
 
 void Simulation::State::replay(std::vector<TopologyProposal> from) {

@@ -11,17 +11,12 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/experiments/simulation/archive.hpp>
+#include <volccd/experiments/simulation/contact_features.hpp>
 #include <volccd/experiments/simulation/ledger.hpp>
 #include <volccd/experiments/simulation/model.hpp>
 #include <volccd/mesh/topology.hpp>
 
 namespace volccd::simulation {
-
-/// Which features collide (Figure 3 of the paper).
-enum class ContactFeatures {
-  all,      ///< every pair of features, interior ones too
-  boundary  ///< pairs of features that both lie on the boundary of the mesh as it is at the time
-};
 
 struct SimulationOptions {
   std::string pipeline = "VolCCD+";  ///< preset: finds the pairs of features; `inclusion` tells which of them touch

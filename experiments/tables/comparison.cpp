@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/experiments/tables/median.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/pipelines/compare.hpp>
 
@@ -17,13 +18,6 @@ namespace volccd {
 using nlohmann::json;
 
 namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
 
 /// The paper's elementary tests in all pipelines.
 PipelineSpec with_cubic(const Registry& registry, const std::string& name) {
@@ -52,8 +46,7 @@ Statistics median_round(std::vector<Statistics>& rounds) {
 /// "step 0 + 0.99329": the first step with a contact, and its time within it.
 std::string earliest(const PipelineRecord& record) {
   for (std::size_t k = 0; k < record.steps.size(); ++k)
-    if (std::isfinite(record.steps[k].earliest_toi))
-      return fmt::format("{} + {:.6f}", k, record.steps[k].earliest_toi);
+    if (std::isfinite(record.steps[k].earliest_toi)) return fmt::format("{} + {:.6f}", k, record.steps[k].earliest_toi);
   return "-";
 }
 
@@ -82,8 +75,8 @@ ComparisonRecord compare_pipelines(const Registry& registry, SequenceStepper& st
     contestants.push_back(std::make_unique<Contestant>(registry, name));
     record.pipelines.push_back({name, to_json(contestants.back()->pipeline), {}, true});
   }
-  const std::size_t total = static_cast<std::size_t>(stepper.motion_count()) * contestants.size() *
-                            static_cast<std::size_t>(config.rounds);
+  const std::size_t total =
+      static_cast<std::size_t>(stepper.motion_count()) * contestants.size() * static_cast<std::size_t>(config.rounds);
   std::size_t done = 0;
   for (int k = 0; k < stepper.motion_count(); ++k) {
     stepper.go_to(k);
@@ -118,7 +111,11 @@ json ComparisonRecord::to_json() const {
                     {"total", volccd::to_json(pipeline.total())},
                     {"steps", steps}});
   }
-  return {{"sequence", sequence}, {"rounds", rounds}, {"threads", threads}, {"machine", machine_facts()}, {"pipelines", list}};
+  return {{"sequence", sequence},
+          {"rounds", rounds},
+          {"threads", threads},
+          {"machine", machine_facts()},
+          {"pipelines", list}};
 }
 
 std::string comparison_table(const ComparisonRecord& record) {
@@ -136,9 +133,9 @@ std::string comparison_table(const ComparisonRecord& record) {
                    "culling ratio", "contacts", "earliest (step + t)", "same contacts"});
   for (const PipelineRecord& pipeline : record.pipelines) {
     const Statistics sum = pipeline.total();
-    const std::string culling =
-        nav ? fmt::format("{:.3g} %", 100.0 * static_cast<double>(sum.tests()) / static_cast<double>(nav->total().tests()))
-            : "-";
+    const std::string culling = nav ? fmt::format("{:.3g} %", 100.0 * static_cast<double>(sum.tests()) /
+                                                                  static_cast<double>(nav->total().tests()))
+                                    : "-";
     table.add({pipeline.name, duration(pipeline.median_seconds()), speed_up(nav, pipeline), speed_up(hash, pipeline),
                grouped(sum.element_pairs), grouped(sum.vf_tests), grouped(sum.ee_tests), culling, grouped(sum.contacts),
                earliest(pipeline), pipeline.same_contacts ? "yes" : "NO"});
@@ -150,8 +147,8 @@ std::string comparison_table(const ComparisonRecord& record) {
 
 std::string share_table(const ComparisonRecord& record) {
   const std::vector<std::pair<std::string, std::string>> roles = {
-      {"update", "update bounds"},         {"broad-phase", "broad phase"},  {"element-culling", "element culling"},
-      {"feature-culling", "assignment"},   {"orphans", "O-Set"},            {"feature-filter", "feature filters"},
+      {"update", "update bounds"},         {"broad-phase", "broad phase"}, {"element-culling", "element culling"},
+      {"feature-culling", "assignment"},   {"orphans", "O-Set"},           {"feature-filter", "feature filters"},
       {"narrow-phase", "elementary tests"}};
   std::vector<std::string> header = {"share of time, %"};
   for (const auto& [role, title] : roles) header.push_back(title);

@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/experiments/tables/median.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 
 namespace volccd {
@@ -92,9 +93,9 @@ std::unique_ptr<Stage> make_stage(const Registry& registry, const StageChoice& c
 using Filters = std::vector<std::unique_ptr<FeatureFilter>>;
 
 /// A narrow phase behind the filters, with the buffers that a run needs.
-class Contestant {
+class QueryContestant {
  public:
-  Contestant(std::unique_ptr<NarrowPhase> narrow, const Filters& filters)
+  QueryContestant(std::unique_ptr<NarrowPhase> narrow, const Filters& filters)
       : narrow_(std::move(narrow)), filters_(filters) {}
 
   /// In batches, as a pipeline runs them.
@@ -165,7 +166,7 @@ std::vector<const Contact*> contacts_by_query(const std::string& name, const Kno
 }
 
 /// What the contacts of the last run say of each query.
-QueryScore score(const std::string& name, const KnownQueries& queries, const Contestant& contestant) {
+QueryScore score(const std::string& name, const KnownQueries& queries, const QueryContestant& contestant) {
   QueryScore result;
   result.narrow_phase = name;
   result.contacts = contestant.contacts.size();
@@ -182,13 +183,6 @@ QueryScore score(const std::string& name, const KnownQueries& queries, const Con
     result.latest = std::max(result.latest, found[i]->toi - queries.toi[i]);
   }
   return result;
-}
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
 json group_json(const QueryGroupRecord& group, bool lists) {
@@ -269,7 +263,7 @@ json QueryRecord::to_json() const {
 
 void judge(const Registry& registry, const std::string& narrow_phase, KnownQueries& queries) {
   const Filters none;
-  Contestant contestant(make_stage<NarrowPhase>(registry, parse_choice(narrow_phase)), none);
+  QueryContestant contestant(make_stage<NarrowPhase>(registry, parse_choice(narrow_phase)), none);
   contestant.run(queries);
   queries.collides.assign(queries.size(), 0);
   queries.toi.assign(queries.size(), std::numeric_limits<double>::quiet_NaN());
@@ -293,7 +287,7 @@ QueryRecord compare_on_queries(const Registry& registry, const std::vector<Known
     filter_guarantee = weakest(filter_guarantee, registry.stage<FeatureFilter>(choice.name).guarantee);
     record.filters.push_back(text_of(choice));
   }
-  std::deque<Contestant> contestants;  // they do not move
+  std::deque<QueryContestant> contestants;  // they do not move
   for (const StageChoice& choice : choices.narrow_phases) {
     contestants.emplace_back(make_stage<NarrowPhase>(registry, choice), filters);
     record.narrow_phases.push_back(

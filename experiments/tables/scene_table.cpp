@@ -10,6 +10,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/scenes/sequence_statistics.hpp>
+#include <volccd/experiments/tables/median.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 
 namespace volccd {
@@ -19,11 +20,8 @@ using nlohmann::json;
 namespace {
 
 /// As printed in the paper.
-const std::map<std::string, std::string> kPaper = {{"octopi", "17.6K"},
-                                                   {"bullet", "11.8K-12K"},
-                                                   {"airbag", "9.1K"},
-                                                   {"crash", "1.2M"},
-                                                   {"liver", "3,874-4,338"}};
+const std::map<std::string, std::string> kPaper = {
+    {"octopi", "17.6K"}, {"bullet", "11.8K-12K"}, {"airbag", "9.1K"}, {"crash", "1.2M"}, {"liver", "3,874-4,338"}};
 
 json read_record(const std::string& file) {
   if (file.empty()) return nullptr;
@@ -49,8 +47,7 @@ template <class Value>
 double median_over(const json& motions, Value&& value) {
   std::vector<double> values;
   for (const json& motion : motions) values.push_back(value(motion));
-  std::sort(values.begin(), values.end());
-  return values.empty() ? 0 : values[values.size() / 2];
+  return median(std::move(values));
 }
 
 /// Balance error in per cent of the energy that there was at first and that came from outside.
@@ -119,7 +116,8 @@ std::string scene_table(const std::vector<json>& records) {
                    "moved, edges", "new elements", "computed in", "energy error"});
   for (const json& record : records) table.add(row_of(record));
   return table.text() +
-         "\ncontacts: median over the motions, between objects, within one, of adjacent elements; moved: 99th percentile "
+         "\ncontacts: median over the motions, between objects, within one, of adjacent elements; moved: 99th "
+         "percentile "
          "of the vertices, median (greatest) over the motions; new elements: a motion\n";
 }
 

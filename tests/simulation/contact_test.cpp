@@ -163,7 +163,7 @@ TEST(ContactAtStart, FacesInTouchGetTheirNormalFromTheElements) {
     const Model model = blocks({{}, {.at = Vec3(0.2, lateral, lateral)}});
     const Topology topology(model.mesh);
     ContactDetection detection(topology, std::vector<double>(topology.mesh().element_slots(), 0.0), model.positions,
-                               {"VolCCD+", false, true, {}, 1e-3, 4e-3, 4e-3});
+                               {"VolCCD+", ContactFeatures::all, true, {}, 1e-3, 4e-3, 4e-3});
     SerialExecutor executor;
     std::vector<FoundContact> found;
     detection.query(model.positions, model.positions, {}, executor);
@@ -212,7 +212,7 @@ TEST(ContactAdjacent, TurningOverIsResistedAndTurningBackIsNot) {
   SerialExecutor executor;
   const auto verdict = [&](bool adjacent, std::span<const Vec3> x0, std::span<const Vec3> x1) {
     ContactDetection detection(topology, std::vector<double>(1, 0.0), shape.positions,
-                               {"VolCCD+", false, adjacent, {}, 0.01, 0.02, 0.02});
+                               {"VolCCD+", ContactFeatures::all, adjacent, {}, 0.01, 0.02, 0.02});
     std::vector<FoundContact> found;
     detection.query(x0, x1, {}, executor);
     detection.contacts(x0, x1, 0.01, executor, found);

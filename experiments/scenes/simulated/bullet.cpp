@@ -13,17 +13,17 @@ namespace volccd {
 
 namespace {
 
-constexpr double kSpeed = 750, kGap = 0.0004;
+constexpr double kBulletSpeed = 750, kBulletGap = 0.0004;
 
 simulation::Material copper() {
   simulation::Material m;
   m.density = 8940;
   m.youngs_modulus = 117e9;
   m.poisson_ratio = 0.34;
-  m.yield_stress = 150e6;
-  m.hardening_modulus = 250e6;
+  m.yield_stress = 300e6;
+  m.hardening_modulus = 300e6;
   m.rate_factor = 0.025;
-  m.failure_strain = 1.2;
+  m.failure_strain = 2;
   m.friction = 0.1;
   return m;
 }
@@ -36,7 +36,7 @@ simulation::Material steel() {
   m.yield_stress = 400e6;
   m.hardening_modulus = 600e6;
   m.rate_factor = 0.015;
-  m.failure_strain = 0.4;
+  m.failure_strain = 0.8;
   m.friction = 0.1;
   return m;
 }
@@ -86,7 +86,7 @@ simulation::Model bullet_model(int elements, std::uint64_t seed) {
   const Eigen::Matrix3d tilt = Eigen::AngleAxisd(yaw, Vec3(std::cos(turn), std::sin(turn), 0)).toRotationMatrix();
   double lowest = 1;
   for (Vec3& p : shot.positions) lowest = std::min(lowest, (p = tilt * p).z());
-  shot.translate(Vec3(random.uniform(-2e-4, 2e-4), random.uniform(-2e-4, 2e-4), kGap - lowest));
+  shot.translate(Vec3(random.uniform(-2e-4, 2e-4), random.uniform(-2e-4, 2e-4), kBulletGap - lowest));
   roughen(target, plate, random);
 
   Shape all;
@@ -95,7 +95,7 @@ simulation::Model bullet_model(int elements, std::uint64_t seed) {
   model.mesh = all.mesh();
   model.positions = all.positions;
   model.velocities.assign(all.positions.size(), Vec3::Zero());
-  std::fill_n(model.velocities.begin(), shot.positions.size(), Vec3(0, 0, -kSpeed));
+  std::fill_n(model.velocities.begin(), shot.positions.size(), Vec3(0, 0, -kBulletSpeed));
   model.parts = {{"bullet", copper(), 0, false}, {"plate", steel(), 0, false}};
   const double rim = plate.side / 2 * (1 - 1e-9);
   for (std::size_t v = shot.positions.size(); v < all.positions.size(); ++v)

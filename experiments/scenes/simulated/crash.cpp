@@ -13,7 +13,7 @@ namespace volccd {
 
 namespace {
 
-constexpr double kSpeed = 20, kGap = 0.015;
+constexpr double kCrashSpeed = 20, kCrashGap = 0.015;
 constexpr double kMassScale = 4;
 constexpr double kEngineMass = 140, kRearMass = 320;  // kg
 constexpr double kRoughness = 0.01;                   // of the mean edge
@@ -109,8 +109,8 @@ simulation::Model crash_model(int elements, std::uint64_t seed) {
 
   model.mesh = shape.mesh();
   model.positions = std::move(shape.positions);
-  model.velocities.assign(model.positions.size(), Vec3(-kSpeed, 0, 0));
-  model.walls = {{Vec3(foremost - kGap, 0, 0), Vec3::UnitX(), 0.3}};
+  model.velocities.assign(model.positions.size(), Vec3(-kCrashSpeed, 0, 0));
+  model.walls = {{Vec3(foremost - kCrashGap, 0, 0), Vec3::UnitX(), 0.3}};
   return model;
 }
 

@@ -16,7 +16,7 @@ namespace volccd {
 namespace {
 
 constexpr int kOctopi = 3;
-constexpr double kSpeed = 1.0, kTurning = 4;  // m/s towards the middle, rad/s
+constexpr double kOctopiSpeed = 1.0, kOctopiTurning = 4;  // m/s towards the middle, rad/s
 constexpr double kFunnelSlope = 0.85;         // radians from the horizontal
 constexpr int kFunnelWalls = 6;
 
@@ -109,10 +109,10 @@ simulation::Model octopi_model(int elements, std::uint64_t seed) {
   for (int i = 0; i < kOctopi; ++i) {
     const Octopus& octopus = octopi[static_cast<std::size_t>(i)];
     all.append(octopus.shape, i);
-    const Vec3 turning = kTurning * random.uniform(0.7, 1.3) * (random.next() % 2 == 0 ? 1 : -1) * octopus.outwards();
+    const Vec3 turning = kOctopiTurning * random.uniform(0.7, 1.3) * (random.next() % 2 == 0 ? 1 : -1) * octopus.outwards();
     for (const Vec3& p : octopus.shape.positions) {
       model.positions.push_back(octopus.placed(p, distance));
-      model.velocities.push_back(-kSpeed * octopus.outwards() + turning.cross(model.positions.back()));
+      model.velocities.push_back(-kOctopiSpeed * octopus.outwards() + turning.cross(model.positions.back()));
     }
     simulation::Part part;
     part.name = "octopus " + std::to_string(i + 1);
