@@ -169,9 +169,18 @@ Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double>
     throw InputError("shells", "positions", fmt::format("{} for {} vertices", x.size(), vertices_));
   if (thickness.size() != slots_)
     throw InputError("shells", "thickness", fmt::format("{} for {} elements", thickness.size(), slots_));
-  for (const Shell& shell : shells_)
+  struct Sheet {
+    Vec3 normal;  ///< times area
+    double area;
+  };
+  thread_local std::vector<Sheet> sheets;  // each shell's, which several vertices ask for
+  sheets.clear();
+  for (const Shell& shell : shells_) {
     if (!std::isfinite(thickness[shell.slot]) || thickness[shell.slot] < 0)
       throw InputError("shells", "thickness", shell.slot, "not a finite number >= 0");
+    const Vec3 normal = (shell.flipped ? -1 : 1) * area_vector(x, shell.vertices);
+    sheets.push_back({normal, normal.norm()});
+  }
 
   out.resize(3 * x.size());
   for (std::size_t v = 0; v < x.size(); ++v) out[3 * v] = out[3 * v + 1] = out[3 * v + 2] = x[v];
@@ -181,8 +190,7 @@ Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double>
     double area = 0, weighted = 0, plain = 0;
     for (end = i; end < corners_.size() && corners_[end].vertex == corners_[i].vertex; ++end) {
       const Shell& shell = shells_[corners_[end].shell];
-      const Vec3 normal = (shell.flipped ? -1 : 1) * area_vector(x, shell.vertices);
-      const double size = normal.norm();
+      const auto& [normal, size] = sheets[corners_[end].shell];
       sum += normal;
       area += size;
       weighted += size * thickness[shell.slot];

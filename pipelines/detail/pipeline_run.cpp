@@ -209,7 +209,9 @@ void Pipeline::Run::run_tests(WorkerScratch& worker) {
 void Pipeline::Run::run_group(FeatureKind kind, std::span<FeaturePair> tests, WorkerScratch& worker) {
   StopWatch watch;
   const Step step = pruned_step();
-  if (!step.filter.trivial()) tests = tests.first(filter_objects(kind, tests));
+  // Where only some objects are excluded, most tests are asked for: then less is looked up after the filters.
+  const bool scope = step.filter.scope() != PairScope::all;
+  if (scope) tests = tests.first(filter_objects(kind, tests));
   for (std::size_t i = 0; i < pipeline_.feature_filters_.size() && !tests.empty(); ++i) {
     StageStatistics& stage = worker.sums.stages[filter_stage(i)];
     stage.in += tests.size();
@@ -217,6 +219,7 @@ void Pipeline::Run::run_group(FeatureKind kind, std::span<FeaturePair> tests, Wo
     stage.out += tests.size();
     stage.seconds += watch.lap();
   }
+  if (!scope && !step.filter.trivial()) tests = tests.first(filter_objects(kind, tests));
   StageStatistics& stage = worker.sums.stages[narrow_stage()];
   stage.in += tests.size();
   (kind == FeatureKind::vf ? worker.sums.vf_tests : worker.sums.ee_tests) += tests.size();

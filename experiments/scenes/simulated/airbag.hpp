@@ -8,7 +8,7 @@
 namespace volccd {
 
 inline constexpr int kAirbagElements = 9'100, kAirbagQuickElements = 1'500;
-inline constexpr int kAirbagFrames = 101;  ///< 0.2 ms apart
+inline constexpr int kAirbagFrames = 81;  ///< 0.25 ms apart
 inline constexpr double kAirbagDuration = 20e-3;
 
 /// Objects: 0 the sheet on the side of the wheel, 1 the sheet on the driver's, joined at the rim (fabric of 0.35 mm,
