@@ -17,6 +17,8 @@ const Options<Inclusion::Config>& Inclusion::options() {
                 "how early a contact may be reported, in steps (never late)");
     options.add("undecided", &Config::undecided, {{"report", Undecided::report}, {"exact", Undecided::exact}},
                 "report tests that rounding leaves open, or decide them in rational arithmetic");
+    options.add("most_parts", &Config::most_parts, 1, 1'000'000,
+                "parts of the step that a search looks at before it is given up as undecided");
     return options;
   }();
   return table;
@@ -27,7 +29,8 @@ void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<In
   TestPoints x;
   for (std::size_t i = 0; i < 4; ++i) x[i] = step.motion.at(vertices[i]);
   const int points = step.motion.control_points();
-  InclusionAnswer answer = inclusion_search(kind, x, points, step.separation, config_.time_tolerance, step.t_max);
+  InclusionAnswer answer = inclusion_search(kind, x, points, step.separation, config_.time_tolerance,
+                                            config_.most_parts, step.t_max);
   if (answer.outcome == Outcome::undecided) {
     ++counters.undecided;
     if ((config_.undecided == Undecided::exact || answer.unsettled) && step.separation == 0) {

@@ -17,7 +17,7 @@ enum class Undecided {
 ///   reported (time: the start of that part) or, with `undecided=exact`, decided by `exact`: no contact too many. What
 ///   is reported comes closer than 2^-40 of its size (the greatest coordinate difference between its points at the
 ///   control points). Where the features stay near each other for longer than the tolerance, or the search is cut short
-///   after 1000 parts, `exact` decides in either case.
+///   after `most_parts`, `exact` decides in either case.
 /// - With a separation, which `exact` does not know, all undecided tests are reported: a pair that only grazes it may be
 ///   reported earlier than the tolerance says, and one whose search was cut short may stay further off.
 ///
@@ -35,6 +35,7 @@ class Inclusion final : public NarrowPhase {
     /// How early a contact may be reported, in steps.
     double time_tolerance = 1e-9;
     Undecided undecided = Undecided::report;
+    int most_parts = 1000;  ///< of a test that the search looks at
   };
   static const Options<Config>& options();
 

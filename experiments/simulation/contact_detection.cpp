@@ -13,6 +13,8 @@ namespace {
 constexpr std::size_t kChunk = FeatureBlock::kCapacity;
 /// Of the step: by how much a contact may be early.
 constexpr double kTimeTolerance = 1e-3;
+/// Of the step. What rests at the separation takes any number of them; it is taken to touch, sooner or later.
+constexpr int kMostParts = 40;
 /// Weights below are those of a point on the rim.
 constexpr double kEnd = 1e-9;
 /// Sine of an angle that counts as none.
@@ -118,7 +120,7 @@ ContactDetection::ContactDetection(const Topology& model, std::span<const double
       config_(std::move(config)),
       pipeline_(make_pipeline(config_.pipeline)),
       workspace_(pipeline_.make_workspace()),
-      narrow_(Inclusion::Config{.time_tolerance = kTimeTolerance}) {
+      narrow_(Inclusion::Config{.time_tolerance = kTimeTolerance, .most_parts = kMostParts}) {
   for (const auto& [a, b] : config_.excluded) filter_.exclude(a, b);
   if (has_shells(model.mesh())) {
     thickener_.emplace(model.mesh());

@@ -95,8 +95,8 @@ bool moves_as_one(const TestPoints& x) {
 template <int kPoints>
 class PieceSearch {
  public:
-  PieceSearch(FeatureKind kind, const TestPoints& x, double separation, double tolerance)
-      : points_(x), test_(kind, x, separation), tolerance_(tolerance) {}
+  PieceSearch(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int most_pieces)
+      : points_(x), test_(kind, x, separation), tolerance_(tolerance), most_pieces_(most_pieces) {}
 
   InclusionAnswer run(double t_max) {
     stack_.push({0, 1, 0});
@@ -105,7 +105,7 @@ class PieceSearch {
       const Part part = stack_.pop();
       const bool is_open = open.outcome == Outcome::undecided;
       if (!is_open && part.lo > t_max) break;
-      if (pieces == kMostPieces) return unsettled(is_open ? open : undecided(part.lo));
+      if (pieces == most_pieces_) return unsettled(is_open ? open : undecided(part.lo));
       MotionPiece<kPoints> piece(test_, part.lo, part.hi);
       if (piece.never_coplanar() || (moved_apart_ && piece.separated_along(axis_))) continue;
       look(piece);
@@ -254,6 +254,7 @@ class PieceSearch {
   const TestPoints& points_;
   BoundedTest<kPoints> test_;
   double tolerance_;
+  int most_pieces_;
   PartStack stack_;
   bool moved_apart_ = false;  ///< an axis has separated a piece
   Vec3 axis_;                 ///< the last that did
@@ -264,9 +265,10 @@ class PieceSearch {
 }  // namespace
 
 InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
-                                 double tolerance, double t_max) {
-  InclusionAnswer answer = control_points == 2 ? PieceSearch<2>(kind, x, separation, tolerance).run(t_max)
-                                               : PieceSearch<3>(kind, x, separation, tolerance).run(t_max);
+                                 double tolerance, int most_pieces, double t_max) {
+  InclusionAnswer answer = control_points == 2
+                               ? PieceSearch<2>(kind, x, separation, tolerance, most_pieces).run(t_max)
+                               : PieceSearch<3>(kind, x, separation, tolerance, most_pieces).run(t_max);
   if (answer.toi > t_max) answer = {InclusionAnswer::Outcome::apart};
   return answer;
 }

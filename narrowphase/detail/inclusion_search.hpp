@@ -35,14 +35,12 @@ inline std::array<double, 2> times_within(double lo, double hi, double before, d
 /// Looks through [0,1] from left to right in pieces: each is proven free of contact, proven to begin with one, or split.
 /// Undecided: a piece stays open that is shorter than kShortestPiece, the first of which gives the time. Without a
 /// separation the search goes on from there, to see whether a first touch may be later. The answer does not depend on
-/// t_max, but that contacts after it are `apart`. `tolerance` > 0. Pre: finite coordinates, separation >= 0.
+/// t_max, but that contacts after it are `apart`. `tolerance` > 0. After `most_pieces` the rest is given up. Pre: finite
+/// coordinates, separation >= 0.
 InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
-                                 double tolerance, double t_max);
+                                 double tolerance, int most_pieces, double t_max);
 
 /// Of the step. Whatever is closer than it moves meanwhile counts as contact.
 inline constexpr double kShortestPiece = 0x1p-44;
-
-/// Pieces looked at in a test before the rest is given up as undecided.
-inline constexpr int kMostPieces = 1000;
 
 }  // namespace volccd::detail
