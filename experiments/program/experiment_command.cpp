@@ -5,12 +5,13 @@
 
 #include <volccd/experiments/program/commands.hpp>
 #include <volccd/experiments/program/progress.hpp>
-#include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/program/scene_files.hpp>
+#include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/scenes/shared_data.hpp>
 #include <volccd/experiments/scenes/simulated/bake.hpp>
 #include <volccd/experiments/tables/comparison.hpp>
+#include <volccd/experiments/tables/feature_sets.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
 
 namespace volccd {
@@ -53,11 +54,11 @@ int run_projectile(const ExperimentOptions& options, const Registry& registry) {
     };
     record = compare_pipelines(registry, stepper, config);
   }
-  const std::string tables =
-      fmt::format("{}\n{} motions, {} round(s) interleaved, {} thread(s); time: median over motions; counts: sum of all motions\n\n"
-                  "{}\n{}",
-                  reader.metadata().title.empty() ? reader.file() : reader.metadata().title, stepper.motion_count(),
-                  record.rounds, record.threads, comparison_table(record), share_table(record));
+  const std::string tables = fmt::format(
+      "{}\n{} motions, {} round(s) interleaved, {} thread(s); time: median over motions; counts: sum of all motions\n\n"
+      "{}\n{}",
+      reader.metadata().title.empty() ? reader.file() : reader.metadata().title, stepper.motion_count(), record.rounds,
+      record.threads, comparison_table(record), share_table(record));
   const std::filesystem::path folder = options.output;
   write_text_file((folder / "projectile.json").string(), record.to_json().dump(2) + "\n");
   write_text_file((folder / "projectile.txt").string(), tables);
@@ -71,25 +72,50 @@ int run_projectile(const ExperimentOptions& options, const Registry& registry) {
   return kDone;
 }
 
-/// Bakes the simulated scenes, unless they are in the cache, and measures the files.
-int run_scenes(const ExperimentOptions& options, const Registry&) {
-  std::filesystem::create_directories(options.output);
+struct Baked {
+  std::string file, record;
+};
+
+/// Unless it is in the cache.
+Baked bake_for(const ExperimentOptions& options, const SimulatedScene& scene, Executor& executor) {
+  BakeSettings settings;
+  settings.elements = options.quick ? scene.quick_elements : 0;
+  BakeProgress progress(scene.name);
+  const std::optional<std::string> file = bake(scene, settings, executor, progress.hooks());
+  if (!file) throw Interrupted(scene.name + ": stopped; the same command goes on from the last frame");
+  return {*file, bake_record_file(scene, settings)};
+}
+
+int keep(const ExperimentOptions& options, const std::string& name, const std::vector<nlohmann::json>& records,
+         const std::string& table) {
   const std::filesystem::path folder = options.output;
+  std::filesystem::create_directories(folder);
+  write_text_file((folder / (name + ".json")).string(), nlohmann::json(records).dump(1) + "\n");
+  write_text_file((folder / (name + ".txt")).string(), table);
+  fmt::print("{}\nrecord: {}\n", table, (folder / (name + ".json")).string());
+  return kDone;
+}
+
+int run_scenes(const ExperimentOptions& options, const Registry&) {
   const auto executor = make_executor(options.threads);
   std::vector<nlohmann::json> records;
   for (const SimulatedScene& scene : simulated_scenes()) {
-    BakeSettings settings;
-    settings.elements = options.quick ? scene.quick_elements : 0;
-    BakeProgress progress(scene.name);
-    const std::optional<std::string> file = bake(scene, settings, *executor, progress.hooks());
-    if (!file) throw Interrupted(scene.name + ": stopped; the same command goes on from the last frame");
-    records.push_back(record_of_scene(scene.name, *file, bake_record_file(scene, settings), *executor));
+    if (!scene.variant_of.empty()) continue;
+    const Baked baked = bake_for(options, scene, *executor);
+    records.push_back(record_with_progress(scene.name, baked.file, baked.record, *executor, scene_record));
   }
-  const std::string table = scene_table(records);
-  write_text_file((folder / "scenes.json").string(), nlohmann::json(records).dump(1) + "\n");
-  write_text_file((folder / "scenes.txt").string(), table);
-  fmt::print("{}\nrecord: {}\n", table, (folder / "scenes.json").string());
-  return kDone;
+  return keep(options, "scenes", records, scene_table(records));
+}
+
+int run_feature_sets(const ExperimentOptions& options, const Registry&) {
+  const auto executor = make_executor(options.threads);
+  std::vector<nlohmann::json> records;
+  for (const SimulatedScene& scene : simulated_scenes()) {
+    if (scene.name != "bullet" && scene.variant_of != "bullet") continue;
+    const Baked baked = bake_for(options, scene, *executor);
+    records.push_back(record_with_progress(scene.name, baked.file, baked.record, *executor, feature_set_record));
+  }
+  return keep(options, "feature_sets", records, feature_set_table(records));
 }
 
 struct Experiment {
@@ -98,8 +124,11 @@ struct Experiment {
 };
 
 constexpr Experiment kExperiments[] = {
-    {"projectile", "NavCCD, HashCCD, VolCCD and VolCCD+ on a real penetration run: time, counts, shares", run_projectile},
-    {"scenes", "the simulated scenes: sizes, motion, contacts, edits, energy (--quick: the small sizes)", run_scenes}};
+    {"projectile", "NavCCD, HashCCD, VolCCD and VolCCD+ on a real penetration run: time, counts, shares",
+     run_projectile},
+    {"scenes", "the simulated scenes: sizes, motion, contacts, edits, energy (--quick: the small sizes)", run_scenes},
+    {"feature-sets", "Figure 3: the bullet with contacts among all features, and among those of the boundary only",
+     run_feature_sets}};
 
 int run(const ExperimentOptions& options, const Registry& registry) {
   std::vector<const Experiment*> chosen;
@@ -135,15 +164,16 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
   const auto options = std::make_shared<ExperimentOptions>();
   run_command->add_option("NAME", options->names, "see `volccd experiment list`")->required()->type_name("");
   run_command->add_option("-o,--output", options->output, "folder for tables and records")->capture_default_str();
-  run_command->add_flag("--quick", options->quick, "projectile: one round (the default); scenes: the small sizes");
+  run_command->add_flag("--quick", options->quick, "projectile: one round (the default); others: the small sizes");
   run_command->add_flag("--full", options->full, "five rounds")->excludes("--quick");
   run_command->add_option("--threads", options->threads, "0: as many as the machine has")->capture_default_str();
-  run_command->footer("Examples:\n"
+  run_command->footer(
+      "Examples:\n"
       "  volccd experiment run projectile --quick -o results/\n"
-      "  volccd experiment run scenes --threads 2 -o results/");
-  run_command->callback([options, &registry, &action] {
-    action = [options, &registry] { return run(*options, registry); };
-  });
+      "  volccd experiment run scenes --threads 2 -o results/\n"
+      "  volccd experiment run feature-sets --quick --threads 2 -o results/");
+  run_command->callback(
+      [options, &registry, &action] { action = [options, &registry] { return run(*options, registry); }; });
 }
 
 }  // namespace volccd

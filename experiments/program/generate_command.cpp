@@ -11,6 +11,7 @@
 #include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/scenes/sequences.hpp>
+#include <volccd/experiments/tables/scene_table.hpp>
 
 namespace volccd {
 
@@ -55,7 +56,9 @@ void refuse_other_options(const GenerateOptions& options, const OptionValues& va
 void write_stats(const GenerateOptions& options, const std::string& bake_record) {
   if (options.stats.empty()) return;
   const auto executor = make_executor(options.threads);
-  write_text_file(options.stats, record_of_scene(options.name, options.output, bake_record, *executor).dump(1) + "\n");
+  write_text_file(
+      options.stats,
+      record_with_progress(options.name, options.output, bake_record, *executor, scene_record).dump(1) + "\n");
 }
 
 void print_generated(const GenerateOptions& options) {

@@ -28,11 +28,11 @@ std::string sequence_file(const std::string& name_or_file, unsigned threads) {
   return *file;
 }
 
-nlohmann::json record_of_scene(const std::string& name, const std::string& sequence, const std::string& bake_record,
-                               Executor& executor) {
+nlohmann::json record_with_progress(const std::string& name, const std::string& sequence,
+                                    const std::string& bake_record, Executor& executor, RecordOfScene measure) {
   const InterruptGuard guard;
   std::unique_ptr<Progress> progress;
-  const auto record = scene_record(name, sequence, bake_record, executor, [&](std::size_t done, std::size_t motions) {
+  const auto record = measure(name, sequence, bake_record, executor, [&](std::size_t done, std::size_t motions) {
     if (!progress) progress = std::make_unique<Progress>(name + ": contacts and motion, step", motions);
     progress->advance(done);
     return !InterruptGuard::interrupted();

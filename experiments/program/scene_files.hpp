@@ -1,7 +1,9 @@
 // Names of scenes in place of files, on the command line.
 #pragma once
 
+#include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 #include <nlohmann/json.hpp>
@@ -35,8 +37,13 @@ class BakeProgress {
 /// resolve_scene() with progress. `threads`: for baking; 0: as many as the machine has. Throws Interrupted as well.
 std::string sequence_file(const std::string& name_or_file, unsigned threads = 0);
 
-/// scene_record() with progress. Throws Interrupted as well.
-nlohmann::json record_of_scene(const std::string& name, const std::string& sequence, const std::string& bake_record,
-                               Executor& executor);
+/// scene_record() or feature_set_record().
+using RecordOfScene = std::optional<nlohmann::json> (*)(
+    const std::string& name, const std::string& sequence, const std::string& bake_record, Executor& executor,
+    const std::function<bool(std::size_t done, std::size_t motions)>& go_on);
+
+/// With progress. Throws Interrupted as well.
+nlohmann::json record_with_progress(const std::string& name, const std::string& sequence,
+                                    const std::string& bake_record, Executor& executor, RecordOfScene measure);
 
 }  // namespace volccd

@@ -61,11 +61,8 @@ json to_json(const Pipeline& pipeline) {
 json to_json(const Statistics& s) {
   json stages = json::array();
   for (const StageStatistics& stage : s.stages)
-    stages.push_back({{"role", stage.role},
-                      {"name", stage.name},
-                      {"in", stage.in},
-                      {"out", stage.out},
-                      {"seconds", stage.seconds}});
+    stages.push_back(
+        {{"role", stage.role}, {"name", stage.name}, {"in", stage.in}, {"out", stage.out}, {"seconds", stage.seconds}});
   return {{"steps", s.steps},
           {"element_pairs", s.element_pairs},
           {"adjacent_pairs", s.adjacent_pairs},
@@ -83,6 +80,14 @@ json to_json(const Statistics& s) {
           {"seconds", s.seconds},
           {"workspace_bytes", s.workspace_bytes},
           {"stages", stages}};
+}
+
+nlohmann::json read_json_file(const std::string& path) {
+  if (path.empty()) return nullptr;
+  std::ifstream in(path);
+  nlohmann::json record = nlohmann::json::parse(in, nullptr, false);
+  if (record.is_discarded()) throw InputError(path, "", "is not there or no JSON");
+  return record;
 }
 
 void write_text_file(const std::string& path, const std::string& text) {

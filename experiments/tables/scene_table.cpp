@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <map>
 
 #include <fmt/format.h>
@@ -22,14 +21,6 @@ namespace {
 /// As printed in the paper.
 const std::map<std::string, std::string> kPaper = {
     {"octopi", "17.6K"}, {"bullet", "11.8K-12K"}, {"airbag", "9.1K"}, {"crash", "1.2M"}, {"liver", "3,874-4,338"}};
-
-json read_record(const std::string& file) {
-  if (file.empty()) return nullptr;
-  std::ifstream in(file);
-  json record = json::parse(in, nullptr, false);
-  if (record.is_discarded()) throw InputError(file, "", "is not there or no JSON: remove the cached scene");
-  return record;
-}
 
 std::uint64_t element_count(const json& motion) {
   std::uint64_t sum = 0;
@@ -96,7 +87,7 @@ std::vector<std::string> row_of(const json& record) {
 std::optional<json> scene_record(const std::string& name, const std::string& sequence, const std::string& bake_record,
                                  Executor& executor,
                                  const std::function<bool(std::size_t done, std::size_t motions)>& go_on) {
-  json record = read_record(bake_record);
+  json record = read_json_file(bake_record);
   SequenceReader reader(sequence);
   const std::size_t motions = static_cast<std::size_t>(reader.step_count() - 1);
   bool stopped = false;

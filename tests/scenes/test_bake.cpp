@@ -202,18 +202,20 @@ TEST_F(Bake, NamesBecomeFiles) {
 }
 
 TEST(SimulatedScenes, TheListHasAllFive) {
-  std::set<std::string> names;
+  std::set<std::string> names, variants;
   for (const SimulatedScene& scene : simulated_scenes()) {
-    EXPECT_TRUE(names.insert(scene.name).second);
+    EXPECT_TRUE((scene.variant_of.empty() ? names : variants).insert(scene.name).second);
+    EXPECT_TRUE(scene.variant_of.empty() || names.contains(scene.variant_of));
     EXPECT_EQ(find_simulated_scene(scene.name), &scene);
     EXPECT_FALSE(scene.description.empty());
     EXPECT_NE(scene.model, nullptr);
     EXPECT_GE(scene.frames, 60);
-    EXPECT_LE(scene.frames, 101);
+    EXPECT_LE(scene.frames, 100);
     EXPECT_GT(scene.duration, 0);
     EXPECT_LT(scene.quick_elements, scene.default_elements);
   }
   EXPECT_EQ(names, (std::set<std::string>{"airbag", "bullet", "crash", "liver", "octopi"}));
+  EXPECT_EQ(variants, (std::set<std::string>{"bullet-boundary", "bullet-surface"}));
   EXPECT_EQ(find_simulated_scene("none"), nullptr);
 }
 

@@ -17,6 +17,27 @@ simulation::SimulationOptions with_queries_every(int substeps) {
   return options;
 }
 
+SimulatedScene bullet() {
+  return {.name = "bullet",
+          .description = "a copper bullet perforates a steel plate, which breaks; hexahedra",
+          .model = bullet_model,
+          .default_elements = kBulletElements,
+          .quick_elements = kBulletQuickElements,
+          .frames = kBulletFrames,
+          .duration = kBulletDuration,
+          .options = with_queries_every(3),
+          .version = 2};
+}
+
+SimulatedScene bullet_with(const char* name, const char* description, simulation::ContactFeatures features) {
+  SimulatedScene scene = bullet();
+  scene.name = name;
+  scene.description = description;
+  scene.options.features = features;
+  scene.variant_of = "bullet";
+  return scene;
+}
+
 }  // namespace
 
 const std::vector<SimulatedScene>& simulated_scenes() {
@@ -30,15 +51,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .duration = kOctopiDuration,
        .options = with_queries_every(4),
        .version = 2},
-      {.name = "bullet",
-       .description = "a copper bullet perforates a steel plate, which breaks; hexahedra",
-       .model = bullet_model,
-       .default_elements = kBulletElements,
-       .quick_elements = kBulletQuickElements,
-       .frames = kBulletFrames,
-       .duration = kBulletDuration,
-       .options = with_queries_every(3),
-       .version = 2},
+      bullet(),
       {.name = "airbag",
        .description = "a folded airbag inflates in front of a steering wheel; shells",
        .model = airbag_model,
@@ -66,6 +79,10 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .duration = kLiverDuration,
        .options = with_queries_every(2),
        .version = 2},
+      bullet_with("bullet-boundary", "bullet; of contacts only those between features of the boundary are resisted",
+                  simulation::ContactFeatures::boundary),
+      bullet_with("bullet-surface", "bullet; only those between features of the surface as it was before it broke",
+                  simulation::ContactFeatures::surface),
   };
   return all;
 }

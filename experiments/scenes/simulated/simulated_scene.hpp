@@ -18,11 +18,12 @@ struct SimulatedScene {
   int frames = 0;       ///< by default; any number shows the same event, more or less finely
   double duration = 0;  ///< s
   simulation::SimulationOptions options;
+  std::string variant_of = {};  ///< the scene that this one is but for the options; empty: none
   /// To be raised whenever other frames come out for the same arguments: files baked before are not used any more.
   int version = 1;
 };
 
-/// octopi, bullet, airbag, crash, liver.
+/// octopi, bullet, airbag, crash, liver; then the variants of them.
 const std::vector<SimulatedScene>& simulated_scenes();
 
 /// Null: none has this name.

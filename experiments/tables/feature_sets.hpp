@@ -1,0 +1,31 @@
+// What becomes of a simulation when fewer features collide: Figure 3 of the paper, in numbers.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include <volccd/core/executor.hpp>
+
+namespace volccd {
+
+/// What can be seen in the sequence of a simulation of hexahedra, motion by motion: {"scene", "machine", "simulation":
+/// record of its baking or null, "motions": [{"time": at its end, "contacts", "interior": those of which a feature lies
+/// inside, "overlaps": pairs of elements, not adjacent, that overlap at its start (exact): {"inter", "intra"},
+/// "inverted": elements with a corner turned over, "pieces": {"striker", "target"} that hang together by vertices,
+/// "velocity", "travel": of the striker's centre of mass along its first motion}]}.
+///
+/// The striker is object 0, the target all else. Contacts by the pipeline VolCCD+ among all features, whatever the
+/// simulation has resisted. `go_on(done, motions)` says false to stop: then nothing is returned. Throws InputError for
+/// other elements than hexahedra, and what reading throws.
+std::optional<nlohmann::json> feature_set_record(
+    const std::string& name, const std::string& sequence, const std::string& bake_record, Executor& executor,
+    const std::function<bool(std::size_t done, std::size_t motions)>& go_on);
+
+/// A row for each record.
+std::string feature_set_table(const std::vector<nlohmann::json>& records);
+
+}  // namespace volccd
