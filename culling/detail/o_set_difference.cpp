@@ -31,6 +31,8 @@ constexpr auto kWithin = [] {
 
 unsigned corner_count(const OSetDifference::Simplex& x) { return x[3] == x[0] ? kCorners - 1 : kCorners; }
 
+void prefetch(std::span<const Index> values) { __builtin_prefetch(values.data()); }
+
 /// Visits the set bits.
 template <class Visit>
 void for_each_bit(unsigned set, Visit&& visit) {
@@ -115,21 +117,21 @@ OSetDifference::FeatureSet OSetDifference::common_features(const Simplex& x, Ind
 }
 
 void OSetDifference::find_star(const Simplex& x) {
-  touch_.clear();
-  for (unsigned i = 0; i < corner_count(x); ++i) touch_.set({&x[i], 1}, std::uint64_t{1} << (kPart + i));
+  set_corner_bits(x);
   star_.clear();
+  lists_.clear();
   wanted_ = 0;
-  for (unsigned i = 0; i < corner_count(x); ++i) {
-    const std::span<const Index> around = features_.vertex_elements(x[i]);
-    for (Index o : around) __builtin_prefetch(vertices_[o].data());
-    for (Index o : around) {
+  for (unsigned i = 0; i < corner_count(x); ++i) fetch(features_.vertex_elements(x[i]));
+  for (const std::span<const Index> around : lists_)
+    for (Index o : around) prefetch(vertices_[o]);
+  for (unsigned i = 0; i < corner_count(x); ++i)
+    for (Index o : lists_[i]) {
       if (!in_base(o)) continue;
       const auto corners = static_cast<unsigned>(touch_.of(vertices_[o]) >> kPart);
-      if (std::countr_zero(corners) != static_cast<int>(i)) continue;  // seen at an earlier corner
-      star_.push_back({o, static_cast<std::uint8_t>(corners), common_features(x, o, corners)});
+      if ((corners & ((1u << i) - 1)) != 0) continue;  // seen at an earlier corner
+      star_.push_back({o, common_features(x, o, corners)});
       wanted_ |= star_.back().features;
     }
-  }
   const auto loose =
       std::partition(star_.begin(), star_.end(), [](const Star& s) { return (s.features & ~kVertices) != 0; });
   near_ = static_cast<std::size_t>(loose - star_.begin());
@@ -155,12 +157,15 @@ void OSetDifference::find_pairs(const Simplex& x) {
   }
 }
 
-void OSetDifference::set_bits(const Simplex& x, std::span<const Star> part) {
+void OSetDifference::set_corner_bits(const Simplex& x) {
   touch_.clear();
-  touch_.next_mark();
   for (unsigned i = 0; i < corner_count(x); ++i) touch_.set({&x[i], 1}, std::uint64_t{1} << (kPart + i));
+}
+
+void OSetDifference::set_bits(const Simplex& x, std::span<const Star> part) {
+  touch_.next_mark();
+  set_corner_bits(x);
   around_.fill(0);
-  around_[0] = kCornerBits;
   for (std::size_t k = 0; k < part.size(); ++k) {
     const std::uint64_t bit = std::uint64_t{1} << k;
     touch_.set(vertices_[part[k].element], bit);
@@ -181,36 +186,35 @@ OSetDifference::FeatureSet OSetDifference::covered_by(Index o) {
   return touch_.noted(o);
 }
 
-/// What is gained at a feature of x touches all elements around it: it is found around any one of them. Those that have
-/// most corners of x are in common to most features, and have the fewest vertices to look around.
+/// What is gained at a feature of x touches all elements around it: it is found around any one of them. Those with a
+/// triangle of x are in common to most features, and have the fewest vertices to look around.
 void OSetDifference::find_gained() {
+  lists_.clear();
   gained_.clear();
   gained_changed_.clear();
   FeatureSet open = wanted_;
-  for (int corners = kCorners; corners > 0 && open != 0; --corners)
+  for (const FeatureSet kind : {kTriangles, kEdges, kVertices})
     for (const Star& s : star_) {
-      if ((s.features & open) == 0 || std::popcount(s.corners) != corners) continue;
+      if ((s.features & open & kind) == 0) continue;
       open &= static_cast<FeatureSet>(~s.features);
-      for (Index w : vertices_[s.element])
-        if ((touch_.vertex(w) & kCornerBits) == 0) find_gained_at(w);
+      for (Index w : vertices_[s.element]) {
+        if ((touch_.vertex(w) & kCornerBits) != 0) continue;
+        fetch(features_.vertex_elements(w));
+        for (Index y : changed_at(w)) add_gained(gained_changed_, y, covered(touch_.of(changed_[y])));
+      }
     }
+  for (const std::span<const Index> around : lists_)
+    for (Index y : around) {
+      prefetch(vertices_[y]);
+      touch_.prefetch(y);
+    }
+  for (const std::span<const Index> around : lists_)
+    for (Index y : around)
+      if (!touch_.seen(y) && in_base(y)) add_gained(gained_, y, covered_by(y));
 }
 
-void OSetDifference::find_gained_at(Index w) {
-  const std::span<const Index> around = features_.vertex_elements(w);
-  for (Index y : around) {
-    __builtin_prefetch(vertices_[y].data());
-    touch_.prefetch(y);
-  }
-  for (Index y : around) {
-    if (touch_.seen(y) || !in_base(y)) continue;
-    const FeatureSet set = covered_by(y);
-    if ((set & kApart) != 0 && set != kApart) gained_.push_back({y, set});
-  }
-  for (Index y : changed_at(w)) {
-    const FeatureSet set = covered(touch_.of(changed_[y]));
-    if ((set & kApart) != 0 && set != kApart) gained_changed_.push_back({y, set});
-  }
+void OSetDifference::add_gained(std::vector<Gained>& list, Index y, FeatureSet covered) {
+  if ((covered & kApart) != 0 && covered != kApart) list.push_back({y, covered});
 }
 
 void OSetDifference::find_candidates() {
@@ -228,12 +232,21 @@ void OSetDifference::find_candidates() {
 /// Those of elements of B that may make a pair with a feature of x of this kind.
 template <class OfElement, class Incident>
 void OSetDifference::find_candidates_of_kind(FeatureSet kind, OfElement&& of_element, Incident&& incident) {
+  lists_.clear();
+  for (const Gained& gained : gained_)
+    if ((gained.features & kind) != 0) fetch(of_element(gained.y));
+  for (const std::span<const Index> list : lists_)
+    for (Index b : list) touch_.prefetch_visit(b);
   touch_.next_visit();
-  for (const Gained& gained : gained_) {
-    const auto features = static_cast<FeatureSet>(gained.features & kind);
-    if (features == 0) continue;
-    for (Index b : of_element(gained.y))
-      if (touch_.first_visit(b)) candidates_.push_back({b, kNone, features, incident(b)});
+  const std::size_t before = candidates_.size();
+  auto list = lists_.begin();
+  for (const Gained& gained : gained_)
+    if (const auto features = static_cast<FeatureSet>(gained.features & kind); features != 0)
+      for (Index b : *list++)
+        if (touch_.first_visit(b)) candidates_.push_back({b, kNone, features, {}});
+  for (Candidate& c : std::span(candidates_).subspan(before)) {
+    c.inc = incident(c.b);
+    prefetch(c.inc);
   }
 }
 
@@ -256,10 +269,11 @@ void OSetDifference::find_candidates_of_changed(const Gained& gained) {
   });
 }
 
-/// Everything is all over memory: some is on the way while other things are looked at.
+/// Keeps those of whose elements all touch all of this part of the star around some of the features of x; only the
+/// relevant features have elements in it.
 void OSetDifference::narrow(FeatureSet relevant) {
   for (const Candidate& c : candidates_) {
-    __builtin_prefetch(vertices_[c.inc[0]].data());
+    prefetch(vertices_[c.inc[0]]);
     touch_.prefetch(c.inc[0]);
   }
   std::size_t kept = 0;
@@ -269,7 +283,9 @@ void OSetDifference::narrow(FeatureSet relevant) {
       for (std::size_t i = 0; i < c.inc.size() && c.features != 0; ++i)
         if (in_base(c.inc[i])) c.features &= covered_by(c.inc[i]);
     }
-    if (c.features != 0) candidates_[kept++] = c;
+    if (c.features == 0) continue;
+    if ((c.features & kEdges) != 0) __builtin_prefetch(&features_.edge(c.b));
+    candidates_[kept++] = c;
   }
   candidates_.resize(kept);
 }
@@ -285,11 +301,8 @@ void OSetDifference::take_pairs(const Simplex& x, TestBatch& out) {
       if (slots[feature] == kNone) slots[feature] = slot(x, feature);
       const Index a = slots[feature];
       TestBatch& to = repeated || (feature & ~busy) == 0 ? repeated_ : out;
-      switch (std::popcount(feature)) {
-        case 1: return to.vf.push_back({a, c.b});
-        case 2: return to.ee.push_back({std::min(a, c.b), std::max(a, c.b)});
-        default: return to.vf.push_back({c.b, a});
-      }
+      if ((kEdges & set_of(feature)) != 0) return to.ee.push_back({std::min(a, c.b), std::max(a, c.b)});
+      to.vf.push_back((kVertices & set_of(feature)) != 0 ? FeaturePair{a, c.b} : FeaturePair{c.b, a});
     });
   }
 }

@@ -47,7 +47,6 @@ class OSetDifference {
   /// An element of B with a vertex of x.
   struct Star {
     Index element;
-    std::uint8_t corners;
     FeatureSet features;  ///< that it has in common with x
   };
   /// An element, or simplex of C, apart from x that touches all elements around these features of x.
@@ -70,18 +69,18 @@ class OSetDifference {
   void find_star(const Simplex& x);
   FeatureSet common_features(const Simplex& x, Index o, unsigned corners) const;
   Index slot(const Simplex& x, unsigned feature) const;
+  void set_corner_bits(const Simplex& x);
   void set_bits(const Simplex& x, std::span<const Star> part);
   FeatureSet covered(std::uint64_t bits) const;
   FeatureSet covered_by(Index o);
 
   void find_pairs(const Simplex& x);
   void find_gained();
-  void find_gained_at(Index w);
+  static void add_gained(std::vector<Gained>& list, Index y, FeatureSet covered);
   void find_candidates();
   template <class OfElement, class Incident>
   void find_candidates_of_kind(FeatureSet kind, OfElement&& of_element, Incident&& incident);
   void find_candidates_of_changed(const Gained& gained);
-  void add_candidate(FeatureSet features, Index b, Index changed, std::span<const Index> inc);
   void narrow(FeatureSet relevant);
   void take_pairs(const Simplex& x, TestBatch& out);
   bool touched_by_changed(const Candidate& candidate) const;
@@ -95,6 +94,13 @@ class OSetDifference {
   std::vector<Index>& runs_of_vertex_;  ///< by vertex: 1 + start of its run in runs_; 0: none
   std::vector<Index> runs_;             ///< by vertex of C: {n, elements of C, ascending}
   std::span<const Simplex> changed_;
+
+  /// Memory is looked at all over the place. So lists are collected first: while one comes, the next is asked for.
+  void fetch(std::span<const Index> list) {
+    lists_.push_back(list);
+    __builtin_prefetch(list.data());
+  }
+  std::vector<std::span<const Index>> lists_;
 
   // Of one x.
   std::vector<Star> star_;                      ///< first those with an edge in common

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <volccd/culling/detail/o_set_vertices.hpp>
@@ -77,10 +78,9 @@ class ElementTouch {
   }
   /// Of features of one kind.
   bool first_visit(Index feature) {
-    if (visits_[feature] == visit_) return false;
-    visits_[feature] = visit_;
-    return true;
+    return std::exchange(visits_[feature], visit_) != visit_;
   }
+  void prefetch_visit(Index feature) const { __builtin_prefetch(visits_.data() + feature); }
   void prefetch(Index o) const { __builtin_prefetch(marks_.data() + o); }
 
   std::size_t bytes() const {
