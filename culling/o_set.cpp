@@ -84,6 +84,7 @@ struct OSet::Impl {
   struct Reborn {
     std::vector<Index> vertices, triangles, edges;
   };
+
   explicit Impl(OSetKind set_kind) : kind(set_kind) {}
 
   void build(const Topology& topology);

@@ -13,6 +13,9 @@ constexpr unsigned kCorners = 4;
 constexpr std::size_t kPart = ElementTouch::kBits - kCorners;
 constexpr std::uint64_t kCornerBits = ~std::uint64_t{0} << kPart;
 
+/// So many elements around a candidate are fetched before it is known whether they will be looked at.
+constexpr std::size_t kAhead = 3;
+
 constexpr std::uint16_t set_of(auto... features) { return static_cast<std::uint16_t>(((1u << features) | ...)); }
 
 constexpr std::uint16_t kApart = set_of(0);
@@ -104,7 +107,7 @@ Index OSetDifference::slot(const Simplex& x, unsigned feature) const {
 /// Two corners are an edge of every simplex that has both, but not of every element.
 OSetDifference::FeatureSet OSetDifference::common_features(const Simplex& x, Index o, unsigned corners) const {
   FeatureSet common = kWithin[corners];
-  if (vertices_.simplex(o)) return common;
+  if ((common & ~kVertices) == 0 || vertices_.simplex(o)) return common;
   for_each_bit(common & ~kVertices, [&](unsigned feature) {
     const Index f = slot(x, feature);
     const bool edge = (kEdges & set_of(feature)) != 0;
@@ -114,6 +117,11 @@ OSetDifference::FeatureSet OSetDifference::common_features(const Simplex& x, Ind
     if (std::find(inc.begin(), inc.end(), o) == inc.end()) common &= static_cast<FeatureSet>(~set_of(feature));
   });
   return common;
+}
+
+void OSetDifference::fetch(std::span<const Index> list) {
+  lists_.push_back(list);
+  prefetch(list);
 }
 
 void OSetDifference::find_star(const Simplex& x) {
@@ -137,8 +145,9 @@ void OSetDifference::find_star(const Simplex& x) {
   near_ = static_cast<std::size_t>(loose - star_.begin());
 }
 
-/// Candidates are narrowed down by some elements of the star at a time. Vertices of x that are not wanted any more after
-/// the near ones, as is most often so, need no look at the others.
+/// Leaves in candidates_ all that make pairs with features of x. They are narrowed down by some elements of the star at
+/// a time. Vertices of x that are not wanted any more after the near ones, as is most often so, need no look at the
+/// others.
 void OSetDifference::find_pairs(const Simplex& x) {
   const std::span<const Star> near = std::span(star_).first(near_), loose = std::span(star_).subspan(near_);
   set_bits(x, near.first(std::min(near.size(), kPart)));
@@ -177,7 +186,7 @@ void OSetDifference::set_bits(const Simplex& x, std::span<const Star> part) {
 OSetDifference::FeatureSet OSetDifference::covered(std::uint64_t bits) const {
   unsigned set = (bits & kCornerBits) == 0 ? kApart : 0u;
   for (unsigned feature = 1; feature < kFeatures - 1; ++feature)
-    set |= static_cast<unsigned>((around_[feature] & ~bits) == 0) << feature;
+    set |= unsigned{(around_[feature] & ~bits) == 0} << feature;
   return static_cast<FeatureSet>(set & (wanted_ | kApart));
 }
 
@@ -269,13 +278,14 @@ void OSetDifference::find_candidates_of_changed(const Gained& gained) {
   });
 }
 
-/// Keeps those of whose elements all touch all of this part of the star around some of the features of x; only the
-/// relevant features have elements in it.
+/// Keeps those candidates all of whose elements touch all elements of this part of the star around some feature of x.
+/// Only the relevant features have elements in it.
 void OSetDifference::narrow(FeatureSet relevant) {
-  for (const Candidate& c : candidates_) {
-    prefetch(vertices_[c.inc[0]]);
-    touch_.prefetch(c.inc[0]);
-  }
+  for (const Candidate& c : candidates_)
+    for (Index o : c.inc.first(std::min(c.inc.size(), kAhead))) {
+      prefetch(vertices_[o]);
+      touch_.prefetch(o);
+    }
   std::size_t kept = 0;
   for (Candidate& c : candidates_) {
     if ((c.features & relevant) != 0) {
@@ -284,7 +294,7 @@ void OSetDifference::narrow(FeatureSet relevant) {
         if (in_base(c.inc[i])) c.features &= covered_by(c.inc[i]);
     }
     if (c.features == 0) continue;
-    if ((c.features & kEdges) != 0) __builtin_prefetch(&features_.edge(c.b));
+    if ((c.features & kEdges) != 0) prefetch(features_.edge(c.b));
     candidates_[kept++] = c;
   }
   candidates_.resize(kept);

@@ -66,6 +66,7 @@ class OSetDifference {
   void unset_runs(std::span<const Simplex> changed);
   std::span<const Index> changed_at(Index v) const;
 
+  void fetch(std::span<const Index> list);
   void find_star(const Simplex& x);
   FeatureSet common_features(const Simplex& x, Index o, unsigned corners) const;
   Index slot(const Simplex& x, unsigned feature) const;
@@ -95,22 +96,17 @@ class OSetDifference {
   std::vector<Index> runs_;             ///< by vertex of C: {n, elements of C, ascending}
   std::span<const Simplex> changed_;
 
-  /// Memory is looked at all over the place. So lists are collected first: while one comes, the next is asked for.
-  void fetch(std::span<const Index> list) {
-    lists_.push_back(list);
-    __builtin_prefetch(list.data());
-  }
+  /// What is looked at lies all over memory. So lists are collected first: while one comes, the next is asked for.
   std::vector<std::span<const Index>> lists_;
-
   // Of one x.
-  std::vector<Star> star_;                      ///< first those with an edge in common
-  std::size_t near_ = 0;                        ///< how many they are
-  FeatureSet wanted_ = 0;                       ///< features with an element in B
+  std::vector<Star> star_;                         ///< first those with an edge in common
+  std::size_t near_ = 0;                           ///< how many they are
+  FeatureSet wanted_ = 0;                          ///< features with an element in B
   std::array<std::uint64_t, kFeatures> around_{};  ///< by feature: bits of the elements around it
   std::vector<Gained> gained_, gained_changed_;
   std::vector<Candidate> candidates_;
-  /// Pairs that other simplices of C may find too.
-  TestBatch repeated_;
+
+  TestBatch repeated_;  ///< pairs that other simplices of C may find, too
 };
 
 }  // namespace volccd::detail

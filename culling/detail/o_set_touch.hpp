@@ -14,8 +14,8 @@
 namespace volccd::detail {
 
 /// Up to 64 elements are given a bit each; of(vertices of o) has those set that element o has a vertex in common with.
-/// Also notes about elements, and visits of features. Costs time for the elements looked at only; memory for all vertices
-/// and elements.
+/// Also notes about elements, and visits of features. Costs time for the elements looked at only; memory for all
+/// vertices and elements.
 class ElementTouch {
  public:
   static constexpr std::size_t kBits = 64;
@@ -77,9 +77,7 @@ class ElementTouch {
     ++visit_;
   }
   /// Of features of one kind.
-  bool first_visit(Index feature) {
-    return std::exchange(visits_[feature], visit_) != visit_;
-  }
+  bool first_visit(Index feature) { return std::exchange(visits_[feature], visit_) != visit_; }
   void prefetch_visit(Index feature) const { __builtin_prefetch(visits_.data() + feature); }
   void prefetch(Index o) const { __builtin_prefetch(marks_.data() + o); }
 
