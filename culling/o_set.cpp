@@ -84,13 +84,6 @@ struct OSet::Impl {
   struct Reborn {
     std::vector<Index> vertices, triangles, edges;
   };
-  /// For OSetDifference: features that are new, gone or found anew.
-  struct SkipBorn {
-    const OSetBlocks& blocks;
-    bool vertex(Index v) const { return blocks.born_vertex(v); }
-    bool triangle(Index f) const { return blocks.born_triangle(f); }
-    bool edge(Index e) const { return blocks.born_edge(e); }
-  };
 
   explicit Impl(OSetKind set_kind) : kind(set_kind) {}
 
@@ -186,11 +179,9 @@ OSet::Impl::Change OSet::Impl::take_over(const Mesh& mesh, const std::vector<con
   return change;
 }
 
-/// Whether the pairs of a live feature are to be found anew: none of its elements stays, or too many do.
+/// Whether the pairs of a live feature are to be found anew: none of its elements stays, or all are to be.
 bool OSet::Impl::bear_anew(std::span<const Index> inc, bool all) const {
-  const auto staying =
-      static_cast<std::size_t>(std::count_if(inc.begin(), inc.end(), [&](Index o) { return added[o] == 0; }));
-  return all || staying == 0 || staying > OSetDifference::kMaxIncident;
+  return all || std::all_of(inc.begin(), inc.end(), [&](Index o) { return added[o] != 0; });
 }
 
 OSet::Impl::Reborn OSet::Impl::bear(const Features& features, const std::vector<const TopologyChange*>& changes,
@@ -218,34 +209,24 @@ OSet::Impl::Reborn OSet::Impl::bear(const Features& features, const std::vector<
 
 /// Pairs of features that live on. First what the added elements end: a pair may have come with the removal only.
 void OSet::Impl::apply_difference(const Topology& topology, const Change& change) {
-  const Features& features = topology.features();
-  const Mesh& mesh = topology.mesh();
-  const SkipBorn skip{blocks};
-  const std::span<const std::uint8_t> absent =
-      change.added.empty() ? std::span<const std::uint8_t>() : std::span<const std::uint8_t>(added);
-  if (!change.added.empty()) {
-    OSetDifference difference(features, vertices, touch, absent);
-    difference.set_changed(change.added, runs_of_vertex);
-    difference.run(
-        mesh, skip, [&](Index v, Index f) { blocks.erase_vf(v, f); }, [&](Index a, Index b) { blocks.erase_ee(a, b); });
-  }
-  if (change.removed.empty()) return;
+  OSetDifference difference(topology.features(), vertices, touch,
+                            change.added.empty() ? std::span<const std::uint8_t>() : added, runs_of_vertex);
+  TestBatch ended, come;
+  difference.run(change.added, ended);
+  for (const FeaturePair p : ended.vf) blocks.erase_vf(p.a, p.b);
+  for (const FeaturePair p : ended.ee) blocks.erase_ee(p.a, p.b);
+
+  difference.run(change.removed, come);
   OSetBlocks::Writer vertex_rows(blocks, Rows::vertex), edge_rows(blocks, Rows::edge);
-  const auto write = [](OSetBlocks::Writer& rows, Index owner, Index partner) {
-    rows.begin_row(owner);
-    rows.add(partner);
+  const auto write = [](OSetBlocks::Writer& rows, FeaturePair p) {
+    rows.begin_row(p.a);
+    rows.add(p.b);
     rows.end_row();
   };
-  OSetDifference difference(features, vertices, touch, absent);
-  difference.set_changed(change.removed, runs_of_vertex);
-  difference.run(
-      mesh, skip,
-      [&](Index v, Index f) {
-        if (!blocks.erased_vf_now(v, f)) write(vertex_rows, v, f);
-      },
-      [&](Index a, Index b) {
-        if (!blocks.erased_ee_now(a, b)) write(edge_rows, a, b);
-      });
+  for (const FeaturePair p : come.vf)
+    if (!blocks.erased_vf_now(p.a, p.b)) write(vertex_rows, p);
+  for (const FeaturePair p : come.ee)
+    if (!blocks.erased_ee_now(p.a, p.b)) write(edge_rows, p);
   vertex_rows.flush();
   edge_rows.flush();
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <volccd/culling/detail/o_set_vertices.hpp>
@@ -13,8 +14,8 @@
 namespace volccd::detail {
 
 /// Up to 64 elements are given a bit each; of(vertices of o) has those set that element o has a vertex in common with.
-/// Also marks of elements, and visits of features. Costs time for the elements looked at only; memory for all vertices
-/// and elements.
+/// Also notes about elements, and visits of features. Costs time for the elements looked at only; memory for all
+/// vertices and elements.
 class ElementTouch {
  public:
   static constexpr std::size_t kBits = 64;
@@ -51,26 +52,33 @@ class ElementTouch {
     return bits;
   }
 
-  /// Forgets all marks.
+  /// Forgets all notes about elements.
   void next_mark() {
-    if (mark_ >= std::numeric_limits<std::uint32_t>::max() - 3) {
+    if (mark_ >= kLastMark) {
       std::fill(marks_.begin(), marks_.end(), 0u);
-      std::fill(visits_.begin(), visits_.end(), 0u);
       mark_ = 0;
     }
-    mark_ += 2;
+    mark_ += kMarkStep;
   }
-  void accept(Index o) { marks_[o] = mark_; }
-  void reject(Index o) { marks_[o] = mark_ + 1; }
-  bool accepted(Index o) const { return marks_[o] == mark_; }
+  void note(Index o, std::uint16_t value) { marks_[o] = mark_ | value; }
   bool seen(Index o) const { return marks_[o] >= mark_; }
+  /// Of an element that was seen.
+  std::uint16_t noted(Index o) const { return static_cast<std::uint16_t>(marks_[o]); }
+  void accept(Index o) { note(o, 1); }
+  void reject(Index o) { note(o, 0); }
+  bool accepted(Index o) const { return marks_[o] == (mark_ | 1u); }
 
-  /// Of a feature since the marks were forgotten last; features of one kind only.
-  bool first_visit(Index feature) {
-    if (visits_[feature] == mark_) return false;
-    visits_[feature] = mark_;
-    return true;
+  /// Forgets all visits to features.
+  void next_visit() {
+    if (visit_ == std::numeric_limits<std::uint32_t>::max()) {
+      std::fill(visits_.begin(), visits_.end(), 0u);
+      visit_ = 0;
+    }
+    ++visit_;
   }
+  /// Of features of one kind.
+  bool first_visit(Index feature) { return std::exchange(visits_[feature], visit_) != visit_; }
+  void prefetch_visit(Index feature) const { __builtin_prefetch(visits_.data() + feature); }
   void prefetch(Index o) const { __builtin_prefetch(marks_.data() + o); }
 
   std::size_t bytes() const {
@@ -79,10 +87,14 @@ class ElementTouch {
   }
 
  private:
+  static constexpr std::uint32_t kMarkStep = 1u << 16;
+  static constexpr std::uint32_t kLastMark = ~std::uint32_t{0} - (kMarkStep - 1);
+
   std::vector<std::uint64_t> bits_;  ///< by vertex
   std::vector<Index> touched_;       ///< vertices whose bits may not be 0
+  /// By element: the mark, and in the lower half what was noted. By feature: the visit.
   std::vector<std::uint32_t> marks_, visits_;
-  std::uint32_t mark_ = 0;
+  std::uint32_t mark_ = 0, visit_ = 0;
 };
 
 }  // namespace volccd::detail

@@ -309,8 +309,8 @@ class Editor {
 
 /// What OSet does when elements come and go, one after the other and at once, one or several times between two looks.
 void expect_updates_equal_rebuilds(Mesh mesh, std::vector<ElementType> types, std::uint64_t seed, int rounds,
-                                   OSetKind kind = OSetKind::minimal) {
-  Topology topology(std::move(mesh));
+                                   OSetKind kind = OSetKind::minimal, EdgeSet edges = EdgeSet::triangulated) {
+  Topology topology(std::move(mesh), edges);
   Editor editor(topology, seed, std::move(types));
   Random& random = editor.random();
   OSet set(kind);
@@ -350,12 +350,24 @@ TEST(OSetUpdate, SoupsOfSimplices) {
     expect_updates_equal_rebuilds(soup(random, types, 8, 6, 70), types, 100 + seed, 30);
 }
 
-/// Features with more elements around them than the difference handles: they are found anew.
+/// Features with more elements around them than there are bits: the difference looks at them part by part.
 TEST(OSetUpdate, ManyElementsAroundAFeature) {
   const std::vector<ElementType> types = {ElementType::tetrahedron, ElementType::triangle};
   Random random(22);
   for (std::uint64_t seed = 0; seed < 3; ++seed)
     expect_updates_equal_rebuilds(soup(random, types, 3, 9, 420), types, 200 + seed, 12);
+}
+
+/// Simplices that come and go between elements of which not every two vertices are an edge, nor every three a triangle.
+TEST(OSetUpdate, SimplicesAmongOthers) {
+  using enum ElementType;
+  const std::vector<ElementType> types = {tetrahedron, tetrahedron, tetrahedron, triangle,
+                                          triangle,    triangle,    hexahedron,  quad};
+  Random random(23);
+  for (std::uint64_t seed = 0; seed < 8; ++seed)
+    for (const EdgeSet edges : {EdgeSet::triangulated, EdgeSet::polytope})
+      expect_updates_equal_rebuilds(soup(random, types, 5, 9, 50), {tetrahedron, triangle}, 300 + seed, 30,
+                                    OSetKind::minimal, edges);
 }
 
 TEST(OSetUpdate, OtherElements) {
