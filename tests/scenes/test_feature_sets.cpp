@@ -1,0 +1,82 @@
+// Figure 3's numbers, on a sequence of which they are known: a bar that goes through a plate unhindered.
+#include <volccd/experiments/tables/feature_sets.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+
+#include <unistd.h>
+
+#include <volccd/core/error.hpp>
+#include <volccd/mesh/sequence/writer.hpp>
+#include <volccd/mesh/shapes.hpp>
+
+namespace volccd {
+namespace {
+
+class FeatureSets : public testing::Test {
+ protected:
+  void SetUp() override {
+    std::string name = (std::filesystem::temp_directory_path() / "volccd-sets-XXXXXX").string();
+    ASSERT_NE(mkdtemp(name.data()), nullptr);
+    folder_ = name;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  /// The bar is of 1 x 1 x 2 cells, its lower end 0.5 above the plate of 3 x 3 x 1; it sinks by 1 a step of 0.25 s.
+  std::string write(ElementType type) {
+    Shape bar = block(type, 1, 1, 2), plate = block(type, 3, 3, 1);
+    bar.translate(Vec3(1.2, 1.3, 1.5));
+    Shape all;
+    all.append(bar, 3).append(plate, 4);
+    const Mesh mesh = all.mesh();
+    const std::string file = (folder_ / "run.vtkhdf").string();
+    SequenceWriter writer(file, mesh.vertex_ids());
+    for (int k = 0; k < 4; ++k) {
+      std::vector<Vec3> x = all.positions;
+      for (std::size_t v = 0; v < bar.positions.size(); ++v) x[v].z() -= k;
+      if (k >= 2) x.back().z() -= 5;  // a corner of the plate, through its element
+      writer.write_step(0.25 * k, x, cells_of(mesh));
+    }
+    writer.finish();
+    return file;
+  }
+
+  std::optional<nlohmann::json> record(const std::string& file, std::size_t motions = 100) {
+    SerialExecutor executor;
+    return feature_set_record("run", file, "", executor, [&](std::size_t done, std::size_t) { return done < motions; });
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(FeatureSets, SeesWhatGoesThrough) {
+  const nlohmann::json run = record(write(ElementType::hexahedron)).value();
+  const nlohmann::json& motions = run.at("motions");
+  ASSERT_EQ(motions.size(), 3u);
+  for (int k = 0; k < 3; ++k) {
+    const nlohmann::json& motion = motions[static_cast<std::size_t>(k)];
+    EXPECT_NEAR(motion.at("velocity").get<double>(), 4, 1e-12);
+    EXPECT_NEAR(motion.at("travel").get<double>(), k + 1, 1e-12);
+    EXPECT_EQ(motion.at("pieces").at("striker"), 1);
+    EXPECT_EQ(motion.at("pieces").at("target"), 1);
+    EXPECT_EQ(motion.at("inverted"), k == 0 ? 0 : 1);
+    EXPECT_EQ(motion.at("overlaps").at("intra"), 0);
+    // At the start of a motion: above; the lower cell in the plate, over four of its cells; both cells in it.
+    EXPECT_EQ(motion.at("overlaps").at("inter"), k == 0 ? 0 : k == 1 ? 4 : 8) << k;
+  }
+  EXPECT_GT(motions[0].at("contacts").get<int>(), 0);
+  // Half into the plate the bar has met little of what is between its cells.
+  EXPECT_LT(motions[0].at("interior"), motions[1].at("interior"));
+  EXPECT_LT(motions[1].at("interior"), motions[1].at("contacts"));
+  EXPECT_NE(feature_set_table({run}).find("run"), std::string::npos);
+}
+
+TEST_F(FeatureSets, StopsWhenToldAndRefusesOtherElements) {
+  EXPECT_FALSE(record(write(ElementType::hexahedron), 2));
+  EXPECT_THROW(record(write(ElementType::tetrahedron)), InputError);
+}
+
+}  // namespace
+}  // namespace volccd
