@@ -5,6 +5,7 @@
 #include <volccd/experiments/program/commands.hpp>
 #include <volccd/experiments/program/progress.hpp>
 #include <volccd/experiments/program/query_options.hpp>
+#include <volccd/experiments/program/scene_files.hpp>
 #include <volccd/experiments/tables/query_comparison.hpp>
 #include <volccd/mesh/sequence/query_file.hpp>
 
@@ -102,7 +103,7 @@ void add_queries_command(CLI::App& app, const Registry& registry, Action& action
   CLI::App* command = app.add_subcommand("queries", "narrow phases on elementary tests with known answers");
   const auto options = std::make_shared<QueriesOptions>();
   options->sequence.add_to(*command);
-  command->get_option("FILE")->description("query file (HDF5), or a sequence: its ground truth");
+  command->get_option("FILE")->description("query file (HDF5), or a sequence or scene: its ground truth");
   command
       ->add_option("--narrowphase", options->comparison.narrow_phases,
                    "name[:option=value...]; several are compared; default: that of VolCCD+")
@@ -139,8 +140,12 @@ void add_queries_command(CLI::App& app, const Registry& registry, Action& action
       "  volccd queries ccd-queries.h5 --narrowphase cubic,cubic:tolerance=1e-6 --list\n"
       "  volccd queries rod-twist.vtkhdf --candidates --filters feature-kdop,coplanarity --json\n"
       "  volccd queries run.vtkhdf --candidates --sample 100000 --judge exact --rounds 0");
-  command->callback(
-      [options, &registry, &action] { action = [options, &registry] { return run(*options, registry); }; });
+  command->callback([options, &registry, &action] {
+    action = [options, &registry] {
+      options->sequence.file = sequence_file(options->sequence.file);
+      return run(*options, registry);
+    };
+  });
 }
 
 }  // namespace volccd

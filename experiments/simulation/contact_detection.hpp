@@ -63,6 +63,8 @@ inline bool features_less(const FoundContact& x, const FoundContact& y) {
 /// The collision mesh is the simulated one, with its shells thickened to prisms. Contacts between features that have a
 /// shell's vertex in common (a prism with itself) are never reported: no force on the shell could resist them.
 ///
+/// Next to vertices that were one before they split, contacts are ignored until these have come apart.
+///
 /// query() runs the pipeline, without its narrow phase, for all pairs that come within separation and margin;
 /// contacts() tests those pairs again, by the narrow phase alone, for motions near the one that was queried.
 /// Deterministic for any number of workers.

@@ -211,6 +211,8 @@ class Program(unittest.TestCase):
         self.assertEqual(self.good("detect", "openradioss-bullet", env=env).split("\n")[3:4],
                          self.good("detect", self.sequence).split("\n")[3:4])
         self.assertIn("builtin", self.good("info", "builtin", env=env))
+        self.assertIn("candidates", self.good("queries", "builtin", "--candidates", "--sample", "20", "--judge", "exact",
+                                              "--steps", "0", "--rounds", "0", env=env))
         target, stats = self.path("copy.vtkhdf"), self.path("scene-stats.json")
         self.good("scene", "generate", "openradioss-bullet", "-o", target, "--stats", stats, env=env)
         with open(target, "rb") as copy, open(self.sequence, "rb") as original:
