@@ -86,7 +86,7 @@ class ContactDetection {
   ~ContactDetection();
 
   /// After the edit has been applied to the model's topology. Pairs of the last query are forgotten. `origins`, by
-  /// vertex: the one of which it is a copy, or itself.
+  /// vertex: the one of the mesh at first of which it is a copy, or itself.
   void follow(const TopologyEdit& edit, std::span<const double> thickness, std::span<const Vec3> reference,
               std::span<const Index> origins);
 

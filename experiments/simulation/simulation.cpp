@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <optional>
-#include <tuple>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/simulation/contact_response.hpp>
-#include <volccd/experiments/simulation/element_breaking.hpp>
 #include <volccd/experiments/simulation/element_cutting.hpp>
 #include <volccd/experiments/simulation/node_merging.hpp>
 #include <volccd/experiments/simulation/node_splitting.hpp>
@@ -126,7 +123,6 @@ struct Simulation::State {
   bool cut();
   bool merge(double dt);
   bool split();
-  bool break_loose();
   void apply(TopologyProposal proposal);
   void edit(const TopologyProposal& proposal);
   void replay(std::vector<TopologyProposal> edits);
@@ -157,7 +153,7 @@ struct Simulation::State {
   std::vector<double> mass, inverse_mass, damping;
   std::vector<Index> part_of;
   std::vector<double> cut_advance;
-  std::vector<Index> origins;  ///< a vertex: the one of which it is a copy, of the mesh at the start or of a cut; or itself
+  std::vector<Index> origins;  ///< a vertex: that of the mesh at the start of which it is a copy, or itself
   bool may_split = false, may_merge = false;
   std::vector<Vec3> x1;          ///< positions after a substep; then those before it
   std::vector<Vec3> unhindered;  ///< velocities before contacts
@@ -435,7 +431,6 @@ void Simulation::State::change_topology() {
   if (since_edit >= static_cast<std::uint64_t>(options.topology_interval)) {
     any |= options.merging && may_merge && merge(last_dt);
     any |= options.splitting && may_split && split();
-    any |= options.splitting && may_split && break_loose();
     since_edit = 0;
   }
   if (any) {
@@ -493,14 +488,6 @@ bool Simulation::State::split() {
   return true;
 }
 
-bool Simulation::State::break_loose() {
-  TopologyProposal proposal = propose_breaking(*topology, model.parts, x);
-  if (proposal.empty()) return false;
-  counts.breaks += proposal.edit.removed.size();
-  apply(std::move(proposal));
-  return true;
-}
-
 void Simulation::State::apply(TopologyProposal proposal) {
   const auto energy = [&] { return kinetic_energy(mass, v) + solids->elastic_energy() + shells->elastic_energy(); };
   const double before = energy();
@@ -521,15 +508,11 @@ void Simulation::State::apply(TopologyProposal proposal) {
 /// All that does not depend on the moment.
 void Simulation::State::edit(const TopologyProposal& proposal) {
   inherit(proposal, reference);
-  std::map<std::tuple<Index, Index, double>, Index> between;  // what is put between the same two is parted there
   for (const VertexOrigin& origin : proposal.new_vertices) {
     bool held = true;
     for (std::size_t i = 0; i < 2; ++i) held &= origin.weights[i] == 0 || fixed[origin.parents[i]];
     fixed.push_back(held);
-    const auto [a, b] = origin.parents;
-    const auto next = static_cast<Index>(origins.size());
-    origins.push_back(origin.weights[0] == 1 ? origins[a]
-                                             : between.try_emplace({a, b, origin.weights[0]}, next).first->second);
+    origins.push_back(origin.weights[0] == 1 ? origins[origin.parents[0]] : static_cast<Index>(origins.size()));
   }
   topology->apply(proposal.edit);
   const ElementHeritage heritage = heritage_of(proposal, topology->mesh());

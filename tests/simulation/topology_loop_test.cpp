@@ -2,7 +2,6 @@
 #include <gtest/gtest.h>
 
 #include <volccd/experiments/simulation/contact_detection.hpp>
-#include <volccd/experiments/simulation/element_breaking.hpp>
 
 #include "edit_checks.hpp"
 #include "simulation_models.hpp"
@@ -94,58 +93,6 @@ TEST(TopologyLoop, CracksOpenFreely) {
   EXPECT_EQ(counts.held, 0u);
   EXPECT_EQ(counts.unresolved, 0u);
   expect_kept(before, s.ledger(), 0.02);
-}
-
-/// A column that is drawn out, of which the ends fly off: what comes loose and is long breaks once more.
-TEST(TopologyLoop, LooseElementsThatAreDrawnOutBreak) {
-  Model model = blocks({{.nx = 1, .ny = 1, .nz = 3, .size = Vec3(0.1, 0.1, 0.145)},
-                        {.nx = 1, .ny = 1, .nz = 1, .size = Vec3(0.1, 0.1, 0.145), .at = Vec3(1, 0, 0)}});
-  for (Part& part : model.parts) {
-    part.material.yield_stress = 2e4;
-    part.material.failure_strain = 10;
-  }
-  for (std::size_t i = 0; i < model.positions.size(); ++i) model.velocities[i].z() = 40 * model.positions[i].z();
-  SerialExecutor executor;
-  Simulation s(model, {}, executor);
-  const Ledger before = s.ledger();
-  s.advance_to(0.02);
-  const SimulationCounts counts = s.take_counts();
-  EXPECT_EQ(counts.breaks, 1u) << "the column's elements hang together";
-  EXPECT_EQ(s.topology().mesh().element_count(), 5u);
-  EXPECT_EQ(pieces(s), 3u);
-  EXPECT_EQ(counts.unresolved, 0u);
-  expect_kept(before, s.ledger(), 0.02);
-}
-
-TEST(ElementBreaking, HalvesAnyLongHexahedronAcross) {
-  Part part;
-  part.material.failure_strain = 0.5;
-  for (int axis = 0; axis < 3; ++axis) {
-    Body body(block(ElementType::hexahedron, 1, 1, 1));
-    for (const double length : {1.4, 1.6}) {
-      std::vector<Vec3> x = body.x;
-      for (Vec3& p : x) p[axis] *= length;
-      const TopologyProposal proposal = propose_breaking(body.topology, std::vector<Part>{part}, x);
-      ASSERT_EQ(proposal.empty(), length < 1.5);
-      if (proposal.empty()) continue;
-      EXPECT_FALSE(proposal.shapes_of_parents);
-      ASSERT_EQ(proposal.edit.added.size(), 2u);
-      EXPECT_EQ(proposal.new_vertices.size(), 8u);
-      body.x = x;
-      body.apply(proposal);
-      EXPECT_EQ(components(body).size(), 2u);
-      for (Index o : body.elements()) {
-        Vec3 low = Vec3::Constant(9), high = Vec3::Constant(-9);
-        for (Index v : body.mesh().vertices(o)) low = low.cwiseMin(body.x[v]), high = high.cwiseMax(body.x[v]);
-        EXPECT_NEAR((high - low)[axis], length / 2, 1e-14);
-        EXPECT_NEAR((high - low).prod(), length / 2, 1e-14);
-      }
-    }
-  }
-  Body body(block(ElementType::hexahedron, 1, 1, 1));
-  for (Vec3& p : body.x) p.x() *= 3;
-  part.material.failure_strain = kNever;
-  EXPECT_TRUE(propose_breaking(body.topology, std::vector<Part>{part}, body.x).empty());
 }
 
 /// Two hexahedra that were one body, parted face by face.

@@ -148,7 +148,7 @@ nlohmann::json frame_record(const Frame& frame) {
           {"ignored", c.ignored},
           {"held", c.held},
           {"unresolved", c.unresolved},
-          {"edits", {{"splits", c.splits}, {"breaks", c.breaks}, {"merges", c.merges}, {"cuts", c.cuts}, {"all", c.edits}}},
+          {"edits", {{"splits", c.splits}, {"merges", c.merges}, {"cuts", c.cuts}, {"all", c.edits}}},
           {"energy",
            {{"kinetic", l.kinetic},
             {"elastic", l.elastic},

@@ -8,8 +8,8 @@
 namespace volccd {
 
 inline constexpr int kBulletElements = 11'800, kBulletQuickElements = 1'500;
-inline constexpr int kBulletFrames = 61;  ///< 0.8 microseconds apart: 0.6 mm at first, edges are 0.8 to 1.2 mm
-inline constexpr double kBulletDuration = 48e-6;
+inline constexpr int kBulletFrames = 65;  ///< 0.8 microseconds apart: 0.6 mm at first, edges are 0.8 to 1.2 mm
+inline constexpr double kBulletDuration = 51.2e-6;
 
 /// Objects: 0 the bullet (copper, 10 mm x 24 mm, round-nosed, 750 m/s along -z), 1 the plate (steel, 100 mm x 100 mm x
 /// 5 mm, held along its rim, finer in the middle). Both yield, harden, and split where they have been drawn too far.

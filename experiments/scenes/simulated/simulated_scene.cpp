@@ -26,7 +26,7 @@ SimulatedScene bullet() {
           .frames = kBulletFrames,
           .duration = kBulletDuration,
           .options = with_queries_every(3),
-          .version = 3};
+          .version = 2};
 }
 
 SimulatedScene bullet_with(const char* name, const char* description, simulation::ContactFeatures features) {
@@ -78,7 +78,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .frames = kLiverFrames,
        .duration = kLiverDuration,
        .options = with_queries_every(2),
-       .version = 3},
+       .version = 2},
       bullet_with("bullet-boundary", "bullet; of contacts only those between features of the boundary are resisted",
                   simulation::ContactFeatures::boundary),
       bullet_with("bullet-surface", "bullet; only those between features of the surface as it was before it broke",
