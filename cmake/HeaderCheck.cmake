@@ -15,3 +15,4 @@ endforeach()
 add_library(header_check OBJECT EXCLUDE_FROM_ALL ${stubs})
 target_compile_options(header_check PRIVATE -O0 -fsyntax-only)
 target_link_libraries(header_check PRIVATE volccd volccd_flags)
+set_target_properties(header_check PROPERTIES UNITY_BUILD OFF)  # alone is the point
