@@ -1,6 +1,7 @@
 #include <volccd/mesh/shells.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cassert>
 #include <cmath>
 #include <limits>
@@ -16,6 +17,8 @@ namespace {
 
 /// Below this share of the shells' area a mean normal is rounding noise.
 constexpr double kCancelled = 1e-9;
+/// Shells or vertices in a chunk of parallel work.
+constexpr std::size_t kGrain = 4096;
 
 /// Sets of shells joined by edges, each with its orientation relative to the set's representative.
 class Sheets {
@@ -97,6 +100,9 @@ ShellThickener::ShellThickener(const Mesh& mesh) : vertices_(mesh.vertex_count()
   }
   std::stable_sort(corners_.begin(), corners_.end(),
                    [](const Corner& a, const Corner& b) { return a.vertex < b.vertex; });
+  for (std::size_t i = 0; i < corners_.size(); ++i)
+    if (i == 0 || corners_[i].vertex != corners_[i - 1].vertex) runs_.push_back(static_cast<Index>(i));
+  runs_.push_back(static_cast<Index>(corners_.size()));
   std::sort(flipped_.begin(), flipped_.end());
 }
 
@@ -163,38 +169,31 @@ Mesh ShellThickener::solid_mesh(const Mesh& mesh) const {
   return solid;
 }
 
-Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double> thickness,
-                                std::vector<Vec3>& out) const {
+void ShellThickener::check(std::span<const Vec3> x, std::span<const double> thickness) const {
   if (x.size() != vertices_)
     throw InputError("shells", "positions", fmt::format("{} for {} vertices", x.size(), vertices_));
   if (thickness.size() != slots_)
     throw InputError("shells", "thickness", fmt::format("{} for {} elements", thickness.size(), slots_));
-  struct Sheet {
-    Vec3 normal;  ///< times area
-    double area;
-  };
-  thread_local std::vector<Sheet> sheets;  // each shell's, which several vertices ask for
-  sheets.clear();
-  for (const Shell& shell : shells_) {
+  for (const Shell& shell : shells_)
     if (!std::isfinite(thickness[shell.slot]) || thickness[shell.slot] < 0)
       throw InputError("shells", "thickness", shell.slot, "not a finite number >= 0");
-    const Vec3 normal = (shell.flipped ? -1 : 1) * area_vector(x, shell.vertices);
-    sheets.push_back({normal, normal.norm()});
-  }
+}
 
-  out.resize(3 * x.size());
-  for (std::size_t v = 0; v < x.size(); ++v) out[3 * v] = out[3 * v + 1] = out[3 * v + 2] = x[v];
+/// The last of `runs` is the end of the one before it. Returns how many vertices have no normal.
+Index ShellThickener::split_vertices(std::span<const Vec3> x, std::span<const double> thickness,
+                                     std::span<const Sheet> sheets, std::span<const Index> runs,
+                                     std::span<Vec3> out) const {
   Index without_normal = 0;
-  for (std::size_t i = 0, end; i < corners_.size(); i = end) {
+  for (std::size_t run = 0; run + 1 < runs.size(); ++run) {
     Vec3 sum = Vec3::Zero(), fallback = Vec3::Zero();
     double area = 0, weighted = 0, plain = 0;
-    for (end = i; end < corners_.size() && corners_[end].vertex == corners_[i].vertex; ++end) {
-      const Shell& shell = shells_[corners_[end].shell];
-      const auto& [normal, size] = sheets[corners_[end].shell];
+    for (Index i = runs[run]; i < runs[run + 1]; ++i) {
+      const double h = thickness[shells_[corners_[i].shell].slot];
+      const auto& [normal, size] = sheets[corners_[i].shell];
       sum += normal;
       area += size;
-      weighted += size * thickness[shell.slot];
-      plain += thickness[shell.slot];
+      weighted += size * h;
+      plain += h;
       if (fallback.isZero(0) && size > 0 && std::isfinite(size)) fallback = normal / size;
     }
     double length = sum.norm();
@@ -205,13 +204,42 @@ Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double>
       length = 1;
     }
     const bool has_area = area > 0 && std::isfinite(weighted);
-    const double h = has_area ? weighted / area : plain / static_cast<double>(end - i);
+    const double h = has_area ? weighted / area : plain / static_cast<double>(runs[run + 1] - runs[run]);
     const Vec3 offset = sum / length * (h / 2);
-    const std::size_t v = corners_[i].vertex;
+    const std::size_t v = corners_[runs[run]].vertex;
     out[3 * v + 1] = x[v] - offset;
     out[3 * v + 2] = x[v] + offset;
   }
   return without_normal;
+}
+
+Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double> thickness, std::vector<Vec3>& out,
+                                Executor& executor) const {
+  check(x, thickness);
+  thread_local std::vector<Sheet> kept;  // each shell's, which several vertices ask for
+  kept.resize(shells_.size());
+  const std::span<Sheet> sheets = kept;
+  executor.parallel_for(shells_.size(), kGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t s = begin; s < end; ++s) {
+      const Vec3 normal = (shells_[s].flipped ? -1 : 1) * area_vector(x, shells_[s].vertices);
+      sheets[s] = {normal, normal.norm()};
+    }
+  });
+  out.resize(3 * x.size());
+  executor.parallel_for(x.size(), kGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t v = begin; v < end; ++v) out[3 * v] = out[3 * v + 1] = out[3 * v + 2] = x[v];
+  });
+  std::atomic<Index> without_normal = 0;
+  executor.parallel_for(runs_.size() - 1, kGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+    without_normal += split_vertices(x, thickness, sheets, std::span(runs_).subspan(begin, end - begin + 1), out);
+  });
+  return without_normal;
+}
+
+Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double> thickness,
+                                std::vector<Vec3>& out) const {
+  SerialExecutor executor;
+  return positions(x, thickness, out, executor);
 }
 
 }  // namespace volccd

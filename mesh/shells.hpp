@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include <volccd/core/executor.hpp>
 #include <volccd/mesh/mesh.hpp>
 
 namespace volccd {
@@ -45,7 +46,10 @@ class ShellThickener {
   /// slot; entries of other elements are not read. Returns the number of vertices without a normal, because their
   /// shells have no area or are folded back onto each other: there the first shell with an area, by id, gives it, else
   /// the z axis. Throws InputError (source "shells", dataset "positions" or "thickness", index) for arrays of the wrong
-  /// length and for a thickness that is negative or not finite. Allocates only while `out` grows.
+  /// length and for a thickness that is negative or not finite. Allocates only while `out` grows. Same bits for any
+  /// number of workers; without an executor, on the calling thread.
+  Index positions(std::span<const Vec3> x, std::span<const double> thickness, std::vector<Vec3>& out,
+                  Executor& executor) const;
   Index positions(std::span<const Vec3> x, std::span<const double> thickness, std::vector<Vec3>& out) const;
 
  private:
@@ -57,11 +61,19 @@ class ShellThickener {
   struct Corner {
     Index vertex, shell;
   };
+  struct Sheet {
+    Vec3 normal;  ///< times area
+    double area;
+  };
   void orient();
+  void check(std::span<const Vec3> x, std::span<const double> thickness) const;
+  Index split_vertices(std::span<const Vec3> x, std::span<const double> thickness, std::span<const Sheet> sheets,
+                       std::span<const Index> runs, std::span<Vec3> out) const;
 
   Index vertices_ = 0, slots_ = 0;
   std::vector<Shell> shells_;    ///< by element id
   std::vector<Corner> corners_;  ///< by vertex, then shell
+  std::vector<Index> runs_;      ///< where in corners_ each vertex of a shell begins, and the end
   std::vector<Index> flipped_;   ///< slots, ascending
 };
 

@@ -226,24 +226,24 @@ void ContactDetection::mark_boundary() {
   }
 }
 
-const std::vector<Vec3>& ContactDetection::place(std::span<const Vec3> x, Placed& placed) const {
+const std::vector<Vec3>& ContactDetection::place(std::span<const Vec3> x, Placed& placed, Executor& executor) const {
   if (!std::equal(x.begin(), x.end(), placed.from.begin(), placed.from.end())) {
-    thickener_->positions(x, thickness_, placed.to);
+    thickener_->positions(x, thickness_, placed.to, executor);
     placed.from.assign(x.begin(), x.end());
   }
   return placed.to;
 }
 
 /// A substep begins where the one before it has ended, and is looked at several times with other ends.
-void ContactDetection::set_motion(std::span<const Vec3> x0, std::span<const Vec3> x1) {
+void ContactDetection::set_motion(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor) {
   if (!thickener_) return motion_.set_linear(x0, x1);
   if (std::equal(x0.begin(), x0.end(), placed1_.from.begin(), placed1_.from.end())) std::swap(placed0_, placed1_);
-  motion_.set_linear(place(x0, placed0_), place(x1, placed1_));
+  motion_.set_linear(place(x0, placed0_, executor), place(x1, placed1_, executor));
 }
 
 void ContactDetection::query(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const Vec3> ahead,
                              Executor& executor) {
-  set_motion(x0, ahead.empty() ? x1 : ahead);
+  set_motion(x0, ahead.empty() ? x1 : ahead, executor);
   queried_ = motion_;
   queried_end_ = ahead.empty() ? 1 : 0.5;
   find_middles();
@@ -285,8 +285,8 @@ void ContactDetection::find_slots() {
   }
 }
 
-bool ContactDetection::covers(std::span<const Vec3> x0, std::span<const Vec3> x1) {
-  set_motion(x0, x1);
+bool ContactDetection::covers(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor) {
+  set_motion(x0, x1, executor);
   if (queried_.vertex_count() != motion_.vertex_count()) return false;
   const double reach = reach_ * reach_ / 4;
   for (Index v = 0; v < motion_.vertex_count(); ++v)
@@ -299,7 +299,7 @@ void ContactDetection::contacts(std::span<const Vec3> x0, std::span<const Vec3> 
                                 Executor& executor, std::vector<FoundContact>& found) {
   found.clear();
   if (candidates() == 0) return;
-  set_motion(x0, x1);
+  set_motion(x0, x1, executor);
   test(vf_, ee_, separation, executor, found);
 }
 

@@ -95,7 +95,7 @@ class ContactDetection {
   void query(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const Vec3> ahead, Executor& executor);
   /// Whether no vertex is, at either end, further than half the margin from where it was in the last query: then no
   /// pair is missing in contacts().
-  bool covers(std::span<const Vec3> x0, std::span<const Vec3> x1);
+  bool covers(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor);
   /// Replaces `found` by the contacts, in canonical order, of the pairs of the last query that come within
   /// `separation`.
   void contacts(std::span<const Vec3> x0, std::span<const Vec3> x1, double separation, Executor& executor,
@@ -119,8 +119,8 @@ class ContactDetection {
   struct Placed {
     std::vector<Vec3> from, to;
   };
-  const std::vector<Vec3>& place(std::span<const Vec3> x, Placed& placed) const;
-  void set_motion(std::span<const Vec3> x0, std::span<const Vec3> x1);
+  const std::vector<Vec3>& place(std::span<const Vec3> x, Placed& placed, Executor& executor) const;
+  void set_motion(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor);
   double spread() const;
   void find_slots();
   FeaturePair slots(const FoundContact& c) const;

@@ -169,7 +169,7 @@ void ContactResponse::query(std::span<const Vec3> since, double elapsed, double 
 
 void ContactResponse::requery(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
                               Executor& executor) {
-  if (!detection_->covers(since, moving.x1)) query(since, elapsed, dt, moving, executor);
+  if (!detection_->covers(since, moving.x1, executor)) query(since, elapsed, dt, moving, executor);
 }
 
 void ContactResponse::count_pressed() {

@@ -53,8 +53,9 @@ class ElementForces {
   virtual double plastic_work() const = 0;
   virtual double numerical_work() const = 0;
 
-  /// After an edit of `mesh` (already applied). `reference`: positions at rest, new vertices included.
-  virtual void update(const Mesh& mesh, std::span<const Vec3> reference, const ElementHeritage& heritage) = 0;
+  /// After an edit of `mesh` (already applied). Positions at rest and those at present, new vertices included.
+  virtual void update(const Mesh& mesh, std::span<const Vec3> reference, std::span<const Vec3> present,
+                      const ElementHeritage& heritage) = 0;
 
   /// All that changes from step to step; read back into an object made for the same mesh as was written.
   virtual void archive(Archive& archive) = 0;

@@ -21,7 +21,8 @@ void check_material(const Material& m, const std::string& part) {
   require(not_negative(m.hardening_modulus), "hardening modulus must not be negative");
   require(not_negative(m.rate_factor), "rate factor must not be negative");
   require(positive(m.reference_rate), "reference rate must be positive");
-  require(m.failure_stress > 0 && m.failure_strain > 0, "failure stress and strain must be positive");
+  require(m.failure_stress > 0 && m.failure_strain > 0 && m.breaking_strain > 0,
+          "failure stress and strain and breaking strain must be positive");
   require(m.merging_force >= 0, "merging force must not be negative");
   require(not_negative(m.merging_distance) && not_negative(m.friction) && not_negative(m.restitution) &&
               not_negative(m.damping),

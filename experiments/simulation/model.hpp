@@ -22,14 +22,15 @@ struct Material {
   double yield_stress = kNever;
   double hardening_modulus = 0;  ///< stress over equivalent plastic strain
   double rate_factor = 0;
-  double reference_rate = 1;       ///< 1/s
-  double failure_stress = kNever;  ///< greatest principal stress at a vertex at which it splits
-  double failure_strain = kNever;  ///< equivalent plastic strain at which a vertex under tension splits
-  double merging_force = kNever;   ///< force of a contact at which vertices in touch merge
-  double merging_distance = 0;     ///< how near two vertices must be to merge
-  double friction = 0;             ///< Coulomb's coefficient; of two parts in contact, the smaller
-  double restitution = 0;          ///< 0: contacts are inelastic; of two parts, the smaller
-  double damping = 0;              ///< 1/s, proportional to mass
+  double reference_rate = 1;        ///< 1/s
+  double failure_stress = kNever;   ///< greatest principal stress at a vertex at which it splits
+  double failure_strain = kNever;   ///< equivalent plastic strain at which a vertex under tension splits
+  double breaking_strain = kNever;  ///< the same, at which a hexahedron breaks in two (element_breaking.hpp)
+  double merging_force = kNever;    ///< force of a contact at which vertices in touch merge
+  double merging_distance = 0;      ///< how near two vertices must be to merge
+  double friction = 0;              ///< Coulomb's coefficient; of two parts in contact, the smaller
+  double restitution = 0;           ///< 0: contacts are inelastic; of two parts, the smaller
+  double damping = 0;               ///< 1/s, proportional to mass
 };
 
 /// All elements of one object id.

@@ -6,7 +6,8 @@
 #include <tuple>
 
 #include <fmt/format.h>
-#include <Eigen/Eigenvalues>
+
+#include <volccd/experiments/simulation/principal_stress.hpp>
 
 namespace volccd::simulation {
 
@@ -35,16 +36,6 @@ Strength strength_at(const Topology& topology, std::span<const Part> parts, Inde
   return strength;
 }
 
-/// Of length 1; its largest component is positive, since an eigenvector's sign means nothing.
-Vec3 greatest_principal(const Eigen::Matrix3d& stress, double& value) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(stress);
-  value = solver.eigenvalues()[2];
-  const Vec3 direction = solver.eigenvectors().col(2);
-  Eigen::Index largest = 0;
-  direction.cwiseAbs().maxCoeff(&largest);
-  return direction[largest] < 0 ? Vec3(-direction) : direction;
-}
-
 std::vector<Failure> failures(const Topology& topology, std::span<const Part> parts,
                               std::span<const VertexStress> stress) {
   std::vector<Failure> failed;
@@ -58,11 +49,10 @@ std::vector<Failure> failures(const Topology& topology, std::span<const Part> pa
     const Strength strength = strength_at(topology, parts, v);
     // The norm bounds every principal stress: few vertices get as far as their principal directions.
     if (!(mean.norm() > strength.stress) && !(strain > strength.strain)) continue;
-    double principal = 0;
-    const Vec3 direction = greatest_principal(mean, principal);
-    if (!(principal > 0)) continue;  // pressed together from all sides
-    const double excess = std::max(principal / strength.stress, strain / strength.strain);
-    if (excess > 1) failed.push_back({excess, v, direction});
+    const PrincipalStress principal = greatest_principal(mean);
+    if (!(principal.value > 0)) continue;  // pressed together from all sides
+    const double excess = std::max(principal.value / strength.stress, strain / strength.strain);
+    if (excess > 1) failed.push_back({excess, v, principal.direction});
   }
   std::sort(failed.begin(), failed.end(), [](const Failure& a, const Failure& b) {
     return std::tuple(-a.excess, a.vertex) < std::tuple(-b.excess, b.vertex);

@@ -301,7 +301,8 @@ double ShellForces::numerical_work() const { return tables_->numerical; }
 std::size_t ShellForces::triangle_count() const { return tables_->deformable; }
 std::size_t ShellForces::hinge_count() const { return tables_->hinge_count; }
 
-void ShellForces::update(const Mesh& mesh, std::span<const Vec3> reference, const ElementHeritage& heritage) {
+void ShellForces::update(const Mesh& mesh, std::span<const Vec3> reference, std::span<const Vec3> /*present*/,
+                         const ElementHeritage& heritage) {
   const ShellTables old = *tables_;
   ShellTables& t = *tables_;
   const Before before(old);

@@ -53,7 +53,8 @@ class ShellForces final : public ElementForces {
   /// Sorts anew, O(shells log shells); stable_step() and the energies stay those of the last add_forces(). An element
   /// with a parent takes over its plastic strain and the hinges that the parent had; it must be numbered in the
   /// parent's sense of rotation.
-  void update(const Mesh& mesh, std::span<const Vec3> reference, const ElementHeritage& heritage) override;
+  void update(const Mesh& mesh, std::span<const Vec3> reference, std::span<const Vec3> present,
+              const ElementHeritage& heritage) override;
   void archive(Archive& archive) override;
 
   std::size_t triangle_count() const;  ///< those that deform

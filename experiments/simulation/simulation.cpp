@@ -9,6 +9,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/simulation/contact_response.hpp>
+#include <volccd/experiments/simulation/element_breaking.hpp>
 #include <volccd/experiments/simulation/element_cutting.hpp>
 #include <volccd/experiments/simulation/node_merging.hpp>
 #include <volccd/experiments/simulation/node_splitting.hpp>
@@ -122,7 +123,7 @@ struct Simulation::State {
   void change_topology();
   bool cut();
   bool merge(double dt);
-  bool split();
+  bool break_and_split();
   void apply(TopologyProposal proposal);
   void edit(const TopologyProposal& proposal);
   void replay(std::vector<TopologyProposal> edits);
@@ -158,6 +159,7 @@ struct Simulation::State {
   std::vector<Vec3> x1;          ///< positions after a substep; then those before it
   std::vector<Vec3> unhindered;  ///< velocities before contacts
   std::vector<VertexStress> stress;
+  std::vector<char> pressed;
 };
 
 Simulation::State::State(Model m, SimulationOptions o, Executor& e)
@@ -185,7 +187,8 @@ Simulation::State::State(Model m, SimulationOptions o, Executor& e)
   bodies->write_velocities(v);
   bodies->mark();
   for (const Part& part : model.parts) {
-    may_split |= part.material.failure_stress < kNever || part.material.failure_strain < kNever;
+    may_split |= part.material.failure_stress < kNever || part.material.failure_strain < kNever ||
+                 part.material.breaking_strain < kNever;
     may_merge |= part.material.merging_force < kNever && part.material.merging_distance > 0;
   }
   for (const Cut& c : model.cuts) {
@@ -430,7 +433,7 @@ void Simulation::State::change_topology() {
   bool any = options.cutting && cut();
   if (since_edit >= static_cast<std::uint64_t>(options.topology_interval)) {
     any |= options.merging && may_merge && merge(last_dt);
-    any |= options.splitting && may_split && split();
+    any |= options.splitting && may_split && break_and_split();
     since_edit = 0;
   }
   if (any) {
@@ -477,15 +480,24 @@ bool Simulation::State::merge(double dt) {
   return true;
 }
 
-bool Simulation::State::split() {
+bool Simulation::State::break_and_split() {
   stress.assign(x.size(), VertexStress());
   solids->add_vertex_stress(stress);
   shells->add_vertex_stress(stress);
-  TopologyProposal proposal = propose_splitting(*topology, model.parts, x, stress);
-  if (proposal.empty()) return false;
-  counts.splits += proposal.edit.new_vertex_ids.size();
-  apply(std::move(proposal));
-  return true;
+  const std::uint64_t before = counts.edits;
+  pressed.assign(x.size(), 0);
+  for (const ContactConstraint& c : contacts->constraints())
+    for (int i = 0; i < c.size; ++i) pressed[c.vertices[i]] = 1;
+  // Has no new vertices, and does not change the stress at those there are.
+  if (TopologyProposal breaking = propose_breaking(*topology, model.parts, x, stress, pressed); !breaking.empty()) {
+    counts.breaks += breaking.edit.removed.size();
+    apply(std::move(breaking));
+  }
+  if (TopologyProposal splitting = propose_splitting(*topology, model.parts, x, stress); !splitting.empty()) {
+    counts.splits += splitting.edit.new_vertex_ids.size();
+    apply(std::move(splitting));
+  }
+  return counts.edits > before;
 }
 
 void Simulation::State::apply(TopologyProposal proposal) {
@@ -516,8 +528,8 @@ void Simulation::State::edit(const TopologyProposal& proposal) {
   }
   topology->apply(proposal.edit);
   const ElementHeritage heritage = heritage_of(proposal, topology->mesh());
-  solids->update(topology->mesh(), reference, heritage);
-  shells->update(topology->mesh(), reference, heritage);
+  solids->update(topology->mesh(), reference, x, heritage);
+  shells->update(topology->mesh(), reference, x, heritage);
   pressure.update(topology->mesh());
   bodies->resize(reference.size());
   if (x.size() == reference.size()) renew_masses();
@@ -615,6 +627,8 @@ void Simulation::archive(Archive& archive) {
   archive(s.elapsed);
   s.solids->archive(archive);
   s.shells->archive(archive);
+  // The replayed edits knew nothing of how pieces were deformed, from which their shapes at rest follow.
+  if (archive.reading()) s.renew_masses();
   s.bodies->archive(archive);
   if (ContactDetection* detection = s.contacts->detection()) detection->archive(archive);
   s.x1.resize(s.x.size());

@@ -53,12 +53,12 @@ struct SimulationCounts {
   std::uint64_t ignored = 0;  ///< not resisted by the options
   std::uint64_t held = 0;     ///< substeps times vertices that were held as they were, because passes did not suffice
   std::uint64_t unresolved = 0;  ///< features that touch or cross at the end of a query all the same
-  std::uint64_t splits = 0, merges = 0, cuts = 0, edits = 0;
+  std::uint64_t splits = 0, breaks = 0, merges = 0, cuts = 0, edits = 0;
 };
 
-/// Leapfrog: forces, a kick of the velocities, contacts, positions; then cuts, merging and splitting. Contacts are
-/// impulses at the time t' at which the features come within the separation; nothing passes through anything, but what
-/// SimulationCounts::unresolved counts. What overlaps from the start is let out and not let in.
+/// Leapfrog: forces, a kick of the velocities, contacts, positions; then cuts, merging, breaking and splitting.
+/// Contacts are impulses at the time t' at which the features come within the separation; nothing passes through
+/// anything, but what SimulationCounts::unresolved counts. What overlaps from the start is let out and not let in.
 ///
 /// Shells collide as prisms of their thickness; a contact acts on the vertices of the shell. Walls act on vertices (of
 /// a shell: its middle) with their own friction and the part's restitution. A rigid part of which a vertex is fixed

@@ -46,6 +46,17 @@ struct Place {
   Index row = 0;
 };
 
+/// The element's vertices, a corner each. A wedge is a hexahedron whose second and third corner are one, as are the
+/// two over them: with half the mass of the one that it was broken from, each vertex keeps its mass.
+template <int N>
+std::array<Index, N> corners_of(std::span<const Index> v) {
+  if constexpr (N == 8)
+    if (v.size() == 6) return {v[0], v[1], v[1], v[2], v[3], v[4], v[4], v[5]};
+  std::array<Index, N> corners;
+  std::copy(v.begin(), v.end(), corners.begin());
+  return corners;
+}
+
 template <int N>
 struct Element {
   SolidShape<N> shape;
@@ -55,8 +66,18 @@ struct Element {
 /// What a new element takes over, as it was before the edit.
 struct Parent {
   std::variant<std::monostate, Element<4>, Element<8>> element;
-  bool only_child = true;
+  int children = 1;
 };
+
+struct Positions {
+  std::span<const Vec3> reference, present;
+};
+
+[[noreturn]] void throw_type(const Mesh& mesh, Index slot) {
+  throw InputError("model", "mesh", slot,
+                   std::string("solids are tetrahedra or hexahedra, but the element in this slot is a ") +
+                       to_string(mesh.type(slot)));
+}
 
 class SolidForces final : public ElementForces {
  public:
@@ -76,7 +97,8 @@ class SolidForces final : public ElementForces {
   double numerical_work() const override {
     return past_numerical_ + sum([](const auto& s) { return s.numerical_work; });
   }
-  void update(const Mesh& mesh, std::span<const Vec3> reference, const ElementHeritage& heritage) override;
+  void update(const Mesh& mesh, std::span<const Vec3> reference, std::span<const Vec3> present,
+              const ElementHeritage& heritage) override;
   void archive(Archive& archive) override;
 
  private:
@@ -106,8 +128,8 @@ class SolidForces final : public ElementForces {
   void add_vertex_stress(const Table<N>& table, std::span<VertexStress> out) const;
 
   template <int N>
-  void add(const Mesh& mesh, Index slot, std::span<const Vec3> reference, const Parent& parent);
-  void add(const Mesh& mesh, Index slot, std::span<const Vec3> reference, const Parent& parent);
+  void add(const Mesh& mesh, Index slot, const Positions& positions, const Parent& parent);
+  void add(const Mesh& mesh, Index slot, const Positions& positions, const Parent& parent);
   template <int N>
   void remove(Index row);
   std::vector<Parent> parents_of(const ElementHeritage& heritage) const;
@@ -140,7 +162,8 @@ SolidForces::SolidForces(const Model& model) : vertices_(model.mesh.vertex_count
   places_.resize(mesh.element_slots());
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     if (!mesh.alive(o) || is_shell(mesh.type(o))) continue;
-    add(mesh, o, model.positions, Parent{});
+    if (mesh.type(o) == ElementType::wedge) throw_type(mesh, o);
+    add(mesh, o, {model.positions, model.positions}, Parent{});
     const Place place = places_[o];
     const double volume =
         place.corners == 4 ? tetrahedra_.shapes[place.row].volume : hexahedra_.shapes[place.row].volume;
@@ -153,7 +176,7 @@ template <int N>
 void SolidForces::add_masses(const Table<N>& table, std::span<double> mass) const {
   for (const SolidShape<N>& shape : table.shapes) {
     if (shape.slot == kNone) continue;
-    const double share = shape.volume * materials_[shape.part].material.density / N;
+    const double share = shape.volume * materials_[shape.part].material.density * shape.packing / N;
     for (const Index v : shape.vertices) mass[v] += share;
   }
 }
@@ -233,23 +256,51 @@ void inherit(const Element<From>& parent, Element<To>& piece) {
   if (parent.shape.volume > 0) piece.state.energy = parent.state.energy * (piece.shape.volume / parent.shape.volume);
 }
 
+/// The shape at rest of a piece of a hexahedron is what the parent's deformation makes its present shape of: so it has
+/// the parent's stress. (Hourglass modes are left behind.) False if there is no such shape.
+bool pull_back(const Element<8>& parent, const std::array<Index, 8>& corners, std::span<const Vec3> present,
+               SolidShape<8>& shape) {
+  const Eigen::Matrix3d back = parent.state.deformation.inverse();
+  std::array<Vec3, 8> x;
+  for (std::size_t i = 0; i < 8; ++i) x[i] = back * (present[corners[i]] - present[corners[0]]);
+  return back.allFinite() && detail::set_shape<8>(x, shape, corners[1] == corners[2]);
+}
+
 template <int N>
-void SolidForces::add(const Mesh& mesh, Index slot, std::span<const Vec3> reference, const Parent& parent) {
-  Element<N> element;
-  const Element<N>* same_type = std::get_if<Element<N>>(&parent.element);
-  const std::span<const Index> vertices = mesh.vertices(slot);
-  if (same_type && parent.only_child) {
-    element = *same_type;
+void set_reference_shape(const std::array<Index, N>& corners, std::span<const Vec3> reference, SolidShape<N>& shape) {
+  std::array<Vec3, N> x;
+  for (int i = 0; i < N; ++i) x[i] = reference[corners[i]];
+  detail::set_shape<N>(x, shape, N == 8 && corners[1] == corners[2]);
+}
+
+/// A piece of `parent`.
+template <int N>
+Element<N> piece_of(const Parent& parent, const std::array<Index, N>& corners, const Positions& positions) {
+  Element<N> piece;
+  const auto* tetrahedron = std::get_if<Element<4>>(&parent.element);
+  const auto* hexahedron = std::get_if<Element<8>>(&parent.element);
+  if constexpr (N == 8) {
+    if (!hexahedron || !pull_back(*hexahedron, corners, positions.present, piece.shape))
+      set_reference_shape<N>(corners, positions.reference, piece.shape);
+    if (hexahedron && piece.shape.volume > 0)
+      piece.shape.packing =
+          hexahedron->shape.packing * hexahedron->shape.volume / (parent.children * piece.shape.volume);
   } else {
-    std::array<Vec3, N> x;
-    for (int i = 0; i < N; ++i) x[i] = reference[vertices[i]];
-    detail::set_shape<N>(x, element.shape);
-    element.state.modes = element.shape.modes;
-    if (const auto* p = std::get_if<Element<4>>(&parent.element)) inherit(*p, element);
-    if (const auto* p = std::get_if<Element<8>>(&parent.element)) inherit(*p, element);
+    set_reference_shape<N>(corners, positions.reference, piece.shape);
   }
+  piece.state.modes = piece.shape.modes;
+  if (tetrahedron) inherit(*tetrahedron, piece);
+  if (hexahedron) inherit(*hexahedron, piece);
+  return piece;
+}
+
+template <int N>
+void SolidForces::add(const Mesh& mesh, Index slot, const Positions& positions, const Parent& parent) {
+  const std::array<Index, N> corners = corners_of<N>(mesh.vertices(slot));
+  const Element<N>* same_type = std::get_if<Element<N>>(&parent.element);
+  Element<N> element = same_type && parent.children == 1 ? *same_type : piece_of<N>(parent, corners, positions);
   element.state.plastic_work = element.state.numerical_work = 0;  // what the parent did is in the past
-  std::copy(vertices.begin(), vertices.end(), element.shape.vertices.begin());
+  element.shape.vertices = corners;
   element.shape.slot = slot;
   element.shape.part = static_cast<std::uint32_t>(mesh.object(slot));
 
@@ -269,20 +320,17 @@ void SolidForces::add(const Mesh& mesh, Index slot, std::span<const Vec3> refere
   }
 }
 
-void SolidForces::add(const Mesh& mesh, Index slot, std::span<const Vec3> reference, const Parent& parent) {
+void SolidForces::add(const Mesh& mesh, Index slot, const Positions& positions, const Parent& parent) {
   const std::int32_t object = mesh.object(slot);
   if (object < 0 || static_cast<std::size_t>(object) >= materials_.size()) {
     throw InputError("model", "parts", slot,
                      "the element in this slot is of object " + std::to_string(object) + ", which has no part");
   }
   switch (mesh.type(slot)) {
-    case ElementType::tetrahedron: return add<4>(mesh, slot, reference, parent);
-    case ElementType::hexahedron: return add<8>(mesh, slot, reference, parent);
-    default:
-      throw InputError("model", "mesh", slot,
-                       std::string("solids are tetrahedra or hexahedra, but the element in this slot "
-                                   "is a ") +
-                           to_string(mesh.type(slot)));
+    case ElementType::tetrahedron: return add<4>(mesh, slot, positions, parent);
+    case ElementType::hexahedron:
+    case ElementType::wedge: return add<8>(mesh, slot, positions, parent);
+    default: throw_type(mesh, slot);
   }
 }
 
@@ -306,13 +354,15 @@ std::vector<Parent> SolidForces::parents_of(const ElementHeritage& heritage) con
     const auto [corners, row] = places_[slot];
     if (corners == 4) parents[k].element = Element<4>{tetrahedra_.shapes[row], tetrahedra_.states[row]};
     if (corners == 8) parents[k].element = Element<8>{hexahedra_.shapes[row], hexahedra_.states[row]};
-    parents[k].only_child = children[slot] == 1;
+    parents[k].children = children[slot];
   }
   return parents;
 }
 
-void SolidForces::update(const Mesh& mesh, std::span<const Vec3> reference, const ElementHeritage& heritage) {
-  assert(heritage.parents.size() == heritage.added.size() && reference.size() >= mesh.vertex_count());
+void SolidForces::update(const Mesh& mesh, std::span<const Vec3> reference, std::span<const Vec3> present,
+                         const ElementHeritage& heritage) {
+  assert(heritage.parents.size() == heritage.added.size() && reference.size() >= mesh.vertex_count() &&
+         present.size() >= mesh.vertex_count());
   const std::vector<Parent> parents = parents_of(heritage);
   for (const Index slot : heritage.removed) {
     const auto [corners, row] = places_[slot];
@@ -323,7 +373,7 @@ void SolidForces::update(const Mesh& mesh, std::span<const Vec3> reference, cons
   places_.resize(mesh.element_slots());
   for (std::size_t k = 0; k < heritage.added.size(); ++k) {
     const Index slot = heritage.added[k];
-    if (!is_shell(mesh.type(slot))) add(mesh, slot, reference, parents[k]);
+    if (!is_shell(mesh.type(slot))) add(mesh, slot, {reference, present}, parents[k]);
   }
   vertices_ = mesh.vertex_count();
   index_corners();

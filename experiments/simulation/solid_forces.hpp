@@ -1,4 +1,5 @@
-// Internal forces of solids: tetrahedra of constant strain, hexahedra integrated at one point with hourglass control.
+// Internal forces of solids: tetrahedra of constant strain, hexahedra integrated at one point with hourglass control,
+// and their halves.
 #pragma once
 
 #include <memory>
@@ -28,8 +29,13 @@ namespace volccd::simulation {
 /// too; for a cube it is edge sqrt(density / 3K), K the bulk modulus, less an eighth for viscosity.
 ///
 /// Edits: an element that is its parent's only child and of its type keeps the parent's shape at rest, corner by corner
-/// (vertices were split or merged); pieces have the shapes that the reference positions give, and of their parent's
-/// state all but the flow of hourglass modes. One with no volume at rest is left without force and mass.
+/// (vertices were split or merged); pieces of a tetrahedron have the shapes that the reference positions give, and of
+/// their parent's state all but the flow of hourglass modes. One with no volume at rest is left without force and mass.
+///
+/// Wedges are what a hexahedron breaks into (element_breaking.hpp), and no model begins with one. A wedge is integrated
+/// as a hexahedron of which two edges have no length, with the two hourglass modes that this leaves. Its shape at rest
+/// is what its parent's deformation makes its present shape of, so that the stress stays; its mass is half the parent's
+/// and lies so at its vertices that each keeps what it had: the second of each triangle has twice the others' share.
 ///
 /// Throws InputError for solids of other types, no volume at rest, a part that is not there, a material that makes no
 /// sense. add_forces throws Error when an element's deformation is not finite. It allocates nothing but after an edit.

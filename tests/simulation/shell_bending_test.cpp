@@ -354,7 +354,7 @@ TEST(ShellUpdate, PiecesKeepTheirState) {
   Model model = loop.model;
   std::vector<Vec3> x = loop.x;
   const ElementHeritage heritage = shatter(model, x);
-  loop.shells->update(model.mesh, model.positions, heritage);
+  loop.shells->update(model.mesh, model.positions, loop.x, heritage);
   EXPECT_EQ(loop.shells->hinge_count(), 0u);
   EXPECT_EQ(loop.shells->plastic_work(), plastic);
   loop.x = x;
@@ -391,7 +391,7 @@ TEST(ShellUpdate, HingesKeepTheirAngle) {
         heritage.added.push_back(model.mesh.add_element({ElementType::triangle, vertices[parent], {}, 0, 10 + k}));
         heritage.parents.push_back(parent);
       }
-      loop.shells->update(model.mesh, model.positions, heritage);
+      loop.shells->update(model.mesh, model.positions, loop.x, heritage);
       loop.compute(0);
       for (std::size_t i = 0; i < 4; ++i) EXPECT_LT((loop.force[i] - force[i]).norm(), 1e-9 * loop.greatest_force());
     }
@@ -413,7 +413,7 @@ TEST(ShellUpdate, WeldedSheetsRestAsTheyAreFound) {
   EXPECT_LT(loop.greatest_force(), 1e-3);
   model.mesh.remove_element(1);
   const Index added = model.mesh.add_element({ElementType::triangle, {1, 0, 5}, {}, 0, 1});
-  loop.shells->update(model.mesh, model.positions, {{1}, {added}, {1}});
+  loop.shells->update(model.mesh, model.positions, loop.x, {{1}, {added}, {1}});
   EXPECT_EQ(loop.shells->hinge_count(), 1u);
   std::stringstream stream;  // before it is settled
   {

@@ -329,7 +329,7 @@ TEST(SolidForces, SplittingAVertexKeepsTheStress) {
     // What the reference says must not matter: the element has its shape.
     loop.model.positions[copy] += Vec3(0.01, 0, 0);
     loop.mass.assign(loop.x.size(), 0);
-    loop.forces->update(loop.model.mesh, loop.model.positions, heritage);
+    loop.forces->update(loop.model.mesh, loop.model.positions, loop.x, heritage);
     loop.forces->add_masses(loop.mass);
     for (const bool computed : {false, true}) {
       if (computed) loop.compute(0);
@@ -369,7 +369,7 @@ TEST(SolidForces, ResumeBetweenEditsBitForBit) {
     specs.push_back({ElementType::tetrahedron, {mesh.vertices(o).begin(), mesh.vertices(o).end()}, {}, 0, 100 + o});
   }
   for (const Index o : removal.removed) mesh.remove_element(o);
-  loop.forces->update(mesh, loop.model.positions, removal);
+  loop.forces->update(mesh, loop.model.positions, loop.x, removal);
   std::stringstream file;
   Archive out(static_cast<std::ostream&>(file));
   loop.forces->archive(out);
@@ -380,7 +380,7 @@ TEST(SolidForces, ResumeBetweenEditsBitForBit) {
     addition.added.push_back(mesh.add_element(spec));
     addition.parents.push_back(kNone);
   }
-  for (Loop* l : {&loop, &resumed}) l->forces->update(mesh, loop.model.positions, addition);
+  for (Loop* l : {&loop, &resumed}) l->forces->update(mesh, loop.model.positions, loop.x, addition);
   EXPECT_EQ(run_steps(resumed, resumed.executor, 2), run_steps(loop, loop.executor, 2));
 }
 
@@ -402,7 +402,7 @@ TEST(SolidForces, PiecesOfATetrahedronHaveItsStress) {
   heritage.added.push_back(mesh.add_element({ElementType::tetrahedron, {c[0], c[1], p, c[3]}, {}, 0, 100}));
   heritage.added.push_back(mesh.add_element({ElementType::tetrahedron, {p, c[1], c[2], c[3]}, {}, 0, 101}));
   loop.mass.assign(loop.x.size(), 0);
-  loop.forces->update(mesh, loop.model.positions, heritage);
+  loop.forces->update(mesh, loop.model.positions, loop.x, heritage);
   loop.forces->add_masses(loop.mass);
   EXPECT_LT(loop.forces->stable_step(), 0.5 * step) << "of the small piece, at once";
   for (const bool computed : {false, true}) {
@@ -419,6 +419,81 @@ TEST(SolidForces, PiecesOfATetrahedronHaveItsStress) {
   EXPECT_NEAR(mass, 7.8, 1e-12);
 }
 
+/// Every hexahedron in two wedges, by the plane through its corners 0, 2, 4, 6.
+void break_all(Loop& loop) {
+  Mesh& mesh = loop.model.mesh;
+  ElementHeritage heritage;
+  std::vector<ElementSpec> specs;
+  const Index slots = mesh.element_slots();
+  for (Index o = 0; o < slots; ++o) {
+    const auto c = mesh.vertices(o);
+    specs.push_back({ElementType::wedge, {c[2], c[1], c[0], c[6], c[5], c[4]}, {}, 0, 2 * o + 1000});
+    specs.push_back({ElementType::wedge, {c[0], c[3], c[2], c[4], c[7], c[6]}, {}, 0, 2 * o + 1001});
+    heritage.removed.push_back(o);
+    heritage.parents.insert(heritage.parents.end(), 2, o);
+  }
+  for (const Index o : heritage.removed) mesh.remove_element(o);
+  for (const ElementSpec& spec : specs) heritage.added.push_back(mesh.add_element(spec));
+  loop.forces->update(mesh, loop.model.positions, loop.x, heritage);
+}
+
+TEST(SolidForces, PiecesOfHexahedraHaveTheirStressAndKeepEachVertexsMass) {
+  Loop loop(block(Solid::hexahedra, {3, 3, 3}, 0.1, steel(), 0.2));
+  // Without bending within an element, of which its pieces know nothing.
+  for (Vec3& x : loop.x) x = kStretch * x;
+  loop.compute(1e-6);
+  ASSERT_GT(loop.forces->plastic_work(), 0);
+  const auto stress = loop.stress();
+  const std::vector<double> mass = loop.mass;
+  const double energy = loop.forces->elastic_energy(), plastic = loop.forces->plastic_work(),
+               step = loop.forces->stable_step();
+  break_all(loop);
+  EXPECT_LT(loop.forces->stable_step(), step);
+  EXPECT_GT(loop.forces->stable_step(), 0.5 * step);
+  loop.mass.assign(loop.x.size(), 0);
+  loop.forces->add_masses(loop.mass);
+  for (std::size_t i = 0; i < mass.size(); ++i) EXPECT_NEAR(loop.mass[i], mass[i], 1e-14 * mass[i]);
+  for (const bool computed : {false, true}) {
+    if (computed) loop.compute(0);
+    const auto after = loop.stress();
+    Matrix3d sum = Matrix3d::Zero(), before = Matrix3d::Zero();
+    for (const VertexStress& s : after) sum += s.stress;
+    for (const VertexStress& s : stress) before += s.stress;
+    EXPECT_LT((sum - before).norm(), 1e-3 * before.norm());
+    EXPECT_NEAR(loop.forces->elastic_energy(), energy, 0.01 * energy);
+    EXPECT_NEAR(loop.forces->plastic_work(), plastic, 1e-13 * plastic);
+  }
+}
+
+TEST(SolidForces, PiecesOfHexahedraPassThePatchTest) {
+  Loop loop(block(Solid::hexahedra, {4, 4, 4}, 0.1, soft(), 0.15));
+  loop.compute(0);
+  break_all(loop);
+  for (Vec3& x : loop.x) x = kStretch * x + Vec3(5, -3, 2);
+  loop.compute(0);
+  double boundary = 0, inside = 0;
+  for (std::size_t i = 0; i < loop.x.size(); ++i) {
+    const Vec3 rest = loop.model.positions[i];
+    const bool in = rest.minCoeff() > 0.01 && rest.maxCoeff() < 0.39;
+    (in ? inside : boundary) = std::max(in ? inside : boundary, loop.force[i].norm());
+  }
+  EXPECT_GT(boundary, 100);
+  EXPECT_LT(inside, 1e-11 * boundary);
+  const double mu = shear_modulus(soft()), lambda = lame_lambda(soft()), j = kStretch.determinant();
+  const double w = mu / 2 * (kStretch.squaredNorm() - 3) - mu * (j - 1) + (lambda + mu) / 2 * (j - 1) * (j - 1);
+  EXPECT_NEAR(loop.forces->elastic_energy(), 0.064 * w, 1e-10 * w);
+  // No motion of a free piece costs nothing but those of a rigid body: else it would fold.
+  expect_force_of_energy(loop, 0.1, 15);
+  Loop one(block(Solid::hexahedra, {1, 1, 1}, 0.1, soft()));
+  one.compute(0);
+  break_all(one);
+  for (std::uint64_t k = 0; k < 20; ++k) {
+    for (std::size_t i = 0; i < 8; ++i) one.x[i] = one.model.positions[i] + 1e-3 * noise3(k, i);
+    one.compute(0);
+    EXPECT_GT(one.forces->elastic_energy(), 1e-4);
+  }
+}
+
 TEST(SolidForces, WhatGoesTakesItsForcesAlong) {
   Loop loop(block(Solid::both, {2, 1, 1}, 0.1, steel()));
   run_steps(loop, loop.executor, 1);
@@ -426,7 +501,7 @@ TEST(SolidForces, WhatGoesTakesItsForcesAlong) {
   ElementHeritage heritage;
   for (Index o = 0; o < loop.model.mesh.element_slots(); ++o) heritage.removed.push_back(o);
   for (const Index o : heritage.removed) loop.model.mesh.remove_element(o);
-  loop.forces->update(loop.model.mesh, loop.model.positions, heritage);
+  loop.forces->update(loop.model.mesh, loop.model.positions, loop.x, heritage);
   loop.compute(1e-6);
   EXPECT_EQ(largest(loop.force), 0);
   EXPECT_EQ(loop.forces->elastic_energy(), 0);
@@ -434,7 +509,7 @@ TEST(SolidForces, WhatGoesTakesItsForcesAlong) {
   EXPECT_EQ(loop.forces->stable_step(), kNever);
   // A new one, in a slot that was taken before, without a parent.
   heritage = {{}, {loop.model.mesh.add_element({ElementType::tetrahedron, {0, 1, 4, 6}, {}, 0, 500})}, {kNone}};
-  loop.forces->update(loop.model.mesh, loop.model.positions, heritage);
+  loop.forces->update(loop.model.mesh, loop.model.positions, loop.x, heritage);
   loop.x = loop.model.positions;
   for (Vec3& v : loop.v) v.setZero();
   loop.compute(1e-6);

@@ -94,6 +94,22 @@ void set_modes(const std::array<Vec3, 8>& x, SolidShape<8>& shape) {
   }
 }
 
+// Of two corners that are one vertex only the sum matters; equal shares give the least bound for the stable step.
+void share_gradients(SolidShape<8>& shape) {
+  for (const int i : {1, 5}) {
+    const Vec3 mean = (shape.gradients[i] + shape.gradients[i + 1]) / 2;
+    shape.gradients[i] = shape.gradients[i + 1] = mean;
+  }
+}
+
+// On a wedge's six vertices xi eta is affine, and xi eta zeta is -eta zeta.
+void drop_modes(SolidShape<8>& shape) {
+  for (const int a : {2, 3}) {
+    shape.mode_slopes[a] = 0;
+    shape.modes[a].setZero();
+  }
+}
+
 void set_gradients(const std::array<Vec3, 4>& x, SolidShape<4>& shape) {
   Matrix3d edges;
   for (int i = 0; i < 3; ++i) edges.col(i) = x[i + 1] - x[0];
@@ -141,7 +157,7 @@ void fill(SolidBatch<N>& b, int lane, const SolidShape<N>& shape, const SolidMat
   b.greatest_spread[lane] = shape.greatest_spread;
   b.mu[lane] = m.mu;
   b.dilation[lane] = m.dilation;
-  b.density[lane] = m.material.density;
+  b.density[lane] = m.material.density * shape.packing;
   b.sound[lane] = m.sound;
   b.young[lane] = m.material.youngs_modulus;
   b.yield[lane] = yield_stress(m.material, state.plastic_strain, 0);
@@ -186,7 +202,7 @@ SolidMaterial::SolidMaterial(const Part& part)
       rigid(part.rigid) {}
 
 template <int N>
-bool set_shape(const std::array<Vec3, N>& x, SolidShape<N>& shape) {
+bool set_shape(const std::array<Vec3, N>& x, SolidShape<N>& shape, [[maybe_unused]] bool wedge) {
   double size = 0;
   for (const Vec3& corner : x) size = std::max(size, (corner - x[0]).norm());
   set_gradients(x, shape);
@@ -194,11 +210,15 @@ bool set_shape(const std::array<Vec3, N>& x, SolidShape<N>& shape) {
   shape.volume = std::abs(shape.volume);
   shape.gradients[0].setZero();
   for (int i = 1; i < N; ++i) shape.gradients[0] -= shape.gradients[i];
+  if constexpr (N == 8)
+    if (wedge) share_gradients(shape);
   Matrix3d spread = Matrix3d::Zero();
   for (const Vec3& g : shape.gradients) spread += g * g.transpose();
   shape.spread << spread(0, 0), spread(1, 1), spread(2, 2), spread(0, 1), spread(1, 2), spread(0, 2);
   shape.greatest_spread = greatest_eigenvalue(shape.spread);
   if constexpr (N == 8) set_modes(x, shape);
+  if constexpr (N == 8)
+    if (wedge) drop_modes(shape);
   if (shape.volume > 1e-12 * size * size * size && std::isfinite(shape.greatest_spread)) return true;
   shape.volume = 0;
   return false;
@@ -306,8 +326,8 @@ Matrix3d stress_times_volume(const SolidShape<N>& shape, const SolidMaterial& m,
   return shape.volume * (m.mu * be + j * (m.dilation * (j - 1) - m.mu) * Matrix3d::Identity());
 }
 
-template bool set_shape<4>(const std::array<Vec3, 4>&, SolidShape<4>&);
-template bool set_shape<8>(const std::array<Vec3, 8>&, SolidShape<8>&);
+template bool set_shape<4>(const std::array<Vec3, 4>&, SolidShape<4>&, bool);
+template bool set_shape<8>(const std::array<Vec3, 8>&, SolidShape<8>&, bool);
 template void flow(SolidBatch<4>&, int, double);
 template void flow(SolidBatch<8>&, int, double);
 template SolidBound solid_forces(const SolidRun<4>&, std::size_t, std::size_t);

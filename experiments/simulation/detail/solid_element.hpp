@@ -1,5 +1,5 @@
 // Solid elements: their shape at rest, their state, and the forces of a run of them. N corners: 4, a tetrahedron; 8, a
-// hexahedron.
+// hexahedron, or a wedge as one of which two edges have no length.
 #pragma once
 
 #include <array>
@@ -41,6 +41,7 @@ template <int N>
 struct SolidShape {
   std::array<Vec3, N> gradients = filled<N>();      ///< mean over the element of each corner's shape function
   double volume = 0;                                ///< 0: neither force nor mass
+  double packing = 1;                               ///< mass over volume and the material's density
   Symmetric spread = Symmetric::Zero();             ///< sum of gradient gradient^T
   double greatest_spread = 0;                       ///< its greatest eigenvalue
   std::array<double, mode_count(N)> mode_slopes{};  ///< squared: (strain at the faces / |q|)^2
@@ -64,8 +65,9 @@ struct SolidState {
 };
 
 /// Shape at rest for corners at `x`: all but vertices, slot and part. False, with volume 0, if there is no volume.
+/// `wedge`: corners 1 and 2 are one vertex, and 5 and 6.
 template <int N>
-bool set_shape(const std::array<Vec3, N>& x, SolidShape<N>& shape);
+bool set_shape(const std::array<Vec3, N>& x, SolidShape<N>& shape, bool wedge = false);
 
 /// Elements of one type, a row each, and what to do with them.
 template <int N>
