@@ -15,6 +15,8 @@
 #include <volccd/culling/feature_kdop_filter.hpp>
 #include <volccd/experiments/simulation/archive.hpp>
 #include <volccd/experiments/simulation/contact_features.hpp>
+#include <volccd/experiments/simulation/contact_judge.hpp>
+#include <volccd/experiments/simulation/found_contact.hpp>
 #include <volccd/mesh/feature_block.hpp>
 #include <volccd/mesh/shells.hpp>
 #include <volccd/mesh/topology.hpp>
@@ -23,47 +25,8 @@
 
 namespace volccd::simulation {
 
-enum class ContactClass : std::uint8_t {
-  inter,    ///< of different objects
-  intra,    ///< of one object, no two elements at them adjacent but some that are not
-  adjacent  ///< all elements at the one are adjacent to all at the other: in the O-Set of Section 5.1
-};
-
-enum class ContactVerdict : std::uint8_t {
-  resist,
-  leaving,  ///< one comes out of the inside of the other, or an inverted element turns back
-  ignore    ///< no direction, or not asked for
-};
-
-/// A contact between features. Their relative displacement along the normal is normal . sum(weights[i] * displacement
-/// of vertices[i]), positive where they part.
-struct FoundContact {
-  FeatureKind kind;
-  std::array<Index, 4> features;  ///< Contact::vertices: of the collision mesh, which name the pair
-  std::array<Index, 4> vertices;  ///< of the simulated mesh: for a shell's prism, the vertices of the shell
-  std::array<double, 4> weights;  ///< those of the first feature, less those of the second
-  Vec3 normal;                    ///< from the second feature to the first as they should lie
-  double toi;
-  double gap0, gap1;  ///< along the normal between the points of contact, at the step's start and end
-  bool at_start;
-  bool solid;  ///< no shell has part in it
-  ContactClass contact_class;
-  ContactVerdict verdict;
-  std::int32_t object_a, object_b;
-};
-
-/// Same order as canonical_less.
-inline bool same_features(const FoundContact& x, const FoundContact& y) {
-  return x.kind == y.kind && x.features == y.features;
-}
-inline bool features_less(const FoundContact& x, const FoundContact& y) {
-  return x.kind != y.kind ? x.kind < y.kind : x.features < y.features;
-}
-
 /// The collision mesh is the simulated one, with its shells thickened to prisms. Contacts between features that have a
 /// shell's vertex in common (a prism with itself) are never reported: no force on the shell could resist them.
-///
-/// Next to vertices that were one before they split, contacts are ignored until these have come apart.
 ///
 /// query() runs the pipeline, without its narrow phase, for all pairs that come within separation and margin;
 /// contacts() tests those pairs again, by the narrow phase alone, for motions near the one that was queried.
@@ -101,6 +64,11 @@ class ContactDetection {
   void contacts(std::span<const Vec3> x0, std::span<const Vec3> x1, double separation, Executor& executor,
                 std::vector<FoundContact>& found);
 
+  /// The same for a substep that goes on where the last one ended: most pairs stay out of reach for some of them, and
+  /// are not looked at again until then.
+  void contacts_of_substep(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor,
+                           std::vector<FoundContact>& found);
+
   /// Of what contacts() has just found, keeps what touches in the same motion and was apart at its start.
   void keep_touching(Executor& executor, std::vector<FoundContact>& found);
 
@@ -121,32 +89,30 @@ class ContactDetection {
   };
   const std::vector<Vec3>& place(std::span<const Vec3> x, Placed& placed, Executor& executor) const;
   void set_motion(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor);
+  /// Pairs that come near each other within a few substeps, if these go on as the first of them.
+  struct Near {
+    Motion path;  ///< of all those substeps
+    int substep = 0;
+    double reach = 0;  ///< 0: not known
+    std::vector<Vec3> from, to;
+    std::vector<std::uint8_t> keep;
+    std::vector<FeaturePair> vf, ee;
+  };
+  bool stays_near(const Motion& path, double begin, double end, double reach, Executor& executor) const;
+  bool near_covers(Executor& executor);
+  void find_near(Executor& executor);
+  void keep_near(FeatureKind kind, const std::vector<FeaturePair>& pairs, std::vector<FeaturePair>& near,
+                 Executor& executor);
   double spread() const;
   void find_slots();
   FeaturePair slots(const FoundContact& c) const;
   void test(const std::vector<FeaturePair>& vf, const std::vector<FeaturePair>& ee, double separation,
             Executor& executor, std::vector<FoundContact>& found);
   void filter(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs, FeatureBlock& block,
-              std::vector<FeaturePair>& close) const;
-  bool boundary_only() const { return config_.features != ContactFeatures::all; }
-  Index origin(Index vertex) const;
-  std::array<Index, 3> origin_of_triangle(Index f) const;
-  void mark_boundary();
-  void note_first_surface();
+              std::uint8_t* keep) const;
+  void make_blocks(Executor& executor);
+  Index copies() const { return thickener_ ? 3 : 1; }
   bool share_shell(const std::array<Index, 4>& vertices, FeatureKind kind) const;
-  FoundContact describe(const Contact& contact) const;
-  void judge(const Contact& contact, FoundContact& found) const;
-  Vec3 outward(std::span<const Index> elements, const Vec3& point) const;
-  Vec3 made_up_normal(const Contact& contact) const;
-  int side_in_reference(const FoundContact& found) const;
-  bool faces(Index v0, Index v1, const Vec3& normal, double toi, bool boundary_only) const;
-  bool faces(Index vertex, const Vec3& normal, double toi) const;
-  bool rim_faces(const Contact& contact) const;
-  bool at_twins(const Contact& contact) const;
-  void judge_triangle(const Contact& contact, FoundContact& found, std::span<const Index> elements) const;
-  void judge_edges(const Contact& contact, FoundContact& found, std::span<const Index> a,
-                   std::span<const Index> b) const;
-  bool comes_out(const FoundContact& found, std::span<const Index> a, std::span<const Index> b) const;
   void find_middles();
 
   const Topology& model_;
@@ -156,6 +122,7 @@ class ContactDetection {
   ObjectFilter filter_;
   std::optional<ShellThickener> thickener_;
   std::unique_ptr<Topology> solid_;  ///< null where there are no shells
+  std::optional<ContactSurface> surface_;
   Pipeline pipeline_;
   Workspace workspace_;
   FeatureKdopFilter kdop_filter_{FeatureKdopFilter::Config{}};
@@ -169,12 +136,10 @@ class ContactDetection {
   Placed placed0_, placed1_;
   std::vector<Candidate> candidates_;
   std::vector<FeaturePair> vf_, ee_;
+  Near near_;
   std::vector<Vec3> middles_;  ///< of objects, at the start of the last query
   std::vector<std::vector<FoundContact>> chunks_;
   std::vector<std::unique_ptr<FeatureBlock>> blocks_;  ///< a worker
-  std::vector<Index> origins_;                         ///< a vertex of the model; those not in it are their own
-  std::vector<std::array<Index, 3>> first_surface_;    ///< ContactFeatures::surface: triangles, ascending
-  std::vector<char> boundary_vertex_, boundary_edge_, boundary_triangle_;  ///< as ContactFeatures has it
 };
 
 }  // namespace volccd::simulation

@@ -108,23 +108,29 @@ bool ContactResponse::add_found(double elapsed, double dt, bool first, const Mov
 
 void ContactResponse::substep(std::span<const Vec3> x0, std::span<const Index> part_of, double dt,
                               const MovingVertices& moving, Executor& executor, ContactWork& work) {
+  resist_known(x0, part_of, dt, moving, executor, work);
+  count_pressed();
+}
+
+/// Walls, and the pairs of the last query.
+void ContactResponse::resist_known(std::span<const Vec3> x0, std::span<const Index> part_of, double dt,
+                                   const MovingVertices& moving, Executor& executor, ContactWork& work) {
   forces_.clear();
   bool any = add_walls(x0, part_of, dt, moving);
   if (detection_ && detection_->candidates() > 0) {
-    detection_->contacts(x0, moving.x1, config_.separation, executor, found_);
+    detection_->contacts_of_substep(x0, moving.x1, executor, found_);
     ++counts_.retests;
     any |= add_found(dt, dt, true, moving);
   }
   if (any) solve(x0, part_of, dt, moving, work);
-  count_pressed();
 }
 
 void ContactResponse::query_substep(std::span<const Vec3> x0, std::span<const Vec3> since, double elapsed,
                                     std::span<const Index> part_of, double dt, const MovingVertices& moving,
                                     Executor& executor, ContactWork& work) {
   if (!detection_) return substep(x0, part_of, dt, moving, executor, work);
-  forces_.clear();
-  if (add_walls(x0, part_of, dt, moving)) forces_.solve(moving, config_.sweeps, work);
+  // What is known already is not to lead the query astray: one that does not cover what comes of it is made again.
+  resist_known(x0, part_of, dt, moving, executor, work);
   query(since, elapsed, dt, moving, executor);
   for (int pass = 0;; ++pass) {
     detection_->contacts(since, moving.x1, config_.separation, executor, found_);
@@ -160,9 +166,10 @@ void ContactResponse::find_touching(std::span<const Vec3> since, double elapsed,
 void ContactResponse::query(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
                             Executor& executor) {
   ahead_.clear();
-  // The substeps until the next query look at what this one finds.
+  // The substeps until the next query look at what this one finds. On as on the mean so far: so the line passes through
+  // x1, and covers() holds.
   if (elapsed > dt)
-    for (std::size_t i = 0; i < moving.x1.size(); ++i) ahead_.push_back(moving.x1[i] + elapsed * moving.v[i]);
+    for (std::size_t i = 0; i < moving.x1.size(); ++i) ahead_.push_back(2 * moving.x1[i] - since[i]);
   detection_->query(since, moving.x1, ahead_, executor);
   ++counts_.queries;
 }

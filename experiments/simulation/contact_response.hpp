@@ -46,6 +46,8 @@ class ContactResponse {
 
  private:
   bool add_walls(std::span<const Vec3> x0, std::span<const Index> part_of, double dt, const MovingVertices& moving);
+  void resist_known(std::span<const Vec3> x0, std::span<const Index> part_of, double dt, const MovingVertices& moving,
+                    Executor& executor, ContactWork& work);
   void solve(std::span<const Vec3> x0, std::span<const Index> part_of, double dt, const MovingVertices& moving,
              ContactWork& work);
   bool add_found(double elapsed, double dt, bool first, const MovingVertices& moving);

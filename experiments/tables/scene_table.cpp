@@ -52,6 +52,19 @@ std::string energy_text(const json& frames) {
   return scale > 0 ? fmt::format("{:.2f} %", 100 * worst / scale) : "-";
 }
 
+/// Contacts that met a response in a substep: between objects, within one, of adjacent elements.
+std::string resisted_text(const json& frames) {
+  std::string text;
+  for (const char* kind : {"inter", "intra", "adjacent"}) {
+    std::vector<double> values;
+    for (const json& frame : frames)
+      if (const double substeps = frame.at("substeps").get<double>(); substeps > 0)
+        values.push_back(frame.at("responses").at(kind).get<double>() / substeps);
+    text += fmt::format("{}{:.0f}", text.empty() ? "" : " / ", values.empty() ? 0 : median(std::move(values)));
+  }
+  return text;
+}
+
 std::vector<std::string> row_of(const json& record) {
   const json &motions = record.at("motions"), &baked = record.at("simulation");
   const std::string name = record.at("scene");
@@ -77,6 +90,7 @@ std::vector<std::string> row_of(const json& record) {
                                   contacts("adjacent"),
                                   fmt::format("{:.2f} ({:.2f})", usual, fastest),
                                   fmt::format("{:.1f}", changed / static_cast<double>(motions.size()))};
+  row.push_back(baked.is_null() ? "-" : resisted_text(baked.at("frames")));
   row.push_back(baked.is_null() ? "-" : duration(baked.at("seconds").get<double>()));
   row.push_back(baked.is_null() ? "-" : energy_text(baked.at("frames")));
   return row;
@@ -104,12 +118,15 @@ std::optional<json> scene_record(const std::string& name, const std::string& seq
 
 std::string scene_table(const std::vector<json>& records) {
   TextTable table({"scene", "elements", "first", "last", "paper", "frames", "inter", "intra", "adjacent",
-                   "moved, edges", "new elements", "computed in", "energy error"});
+                   "moved, edges", "new elements", "resisted", "computed in", "energy error"});
   for (const json& record : records) table.add(row_of(record));
   return table.text() +
          "\ncontacts: median over the motions, between objects, within one, of adjacent elements; moved: 99th "
          "percentile "
-         "of the vertices, median (greatest) over the motions; new elements: a motion\n";
+         "of the vertices, median (greatest) over the motions; new elements: a motion; resisted: contacts that met an "
+         "impulse in a substep of the simulation (inter / intra / adjacent), median over the frames: what it keeps "
+         "apart "
+         "does not touch in the file\n";
 }
 
 }  // namespace volccd

@@ -108,6 +108,25 @@ TEST_F(Bake, TwiceTheSameAndFromTheCacheTheThirdTime) {
     EXPECT_EQ(entry.path().string().find(".partial"), std::string::npos) << entry.path();
 }
 
+TEST_F(Bake, TheFirstFrameMayBeLaterThanTheFirstMoment) {
+  SimulatedScene scene = bar_scene();
+  SequenceReader from_zero(*bake(scene, {}, serial_));
+  scene.begin = 0.02;  // the time of the other's second frame
+  scene.duration = 0.08;
+  scene.frames = 5;
+  use_cache("other");
+  SequenceReader later(*bake(scene, {}, serial_));
+  EXPECT_EQ(later.step_count(), 5);
+  EXPECT_EQ(later.time(0), 0.02);
+  EXPECT_EQ(later.time(4), 0.1);
+  std::vector<Vec3> x, y;
+  from_zero.read_points(1, x);
+  later.read_points(0, y);
+  const std::size_t untorn = 20;  // which vertices are new later on is another matter
+  x.resize(untorn), y.resize(untorn);
+  EXPECT_EQ(x, y);
+}
+
 TEST_F(Bake, TheBarIsTornAndItsRecordSaysSo) {
   const SimulatedScene scene = bar_scene();
   SequenceReader reader(*bake(scene, {}, serial_));

@@ -58,7 +58,8 @@ simulation::Model airbag_model(int elements, std::uint64_t seed) {
     model.fixed.push_back(v);
     model.velocities[v].setZero();
   }
-  const std::vector<std::pair<double, double>> curve{{0, 3000}, {8e-3, 4000}, {20e-3, 8000}};
+  // The gas comes in with a blow, which closes the folds.
+  const std::vector<std::pair<double, double>> curve{{0, 6000}, {1e-3, 3000}, {8e-3, 4000}, {20e-3, 8000}};
   model.pressures = {{0, curve}, {1, curve}};
   return model;
 }

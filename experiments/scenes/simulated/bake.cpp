@@ -137,6 +137,7 @@ class Workplace {
 nlohmann::json frame_record(const Frame& frame) {
   const simulation::SimulationCounts& c = frame.counts;
   const simulation::Ledger& l = frame.ledger;
+  const auto vector = [](const Vec3& v) { return nlohmann::json{v.x(), v.y(), v.z()}; };
   return {
       {"time", frame.time},
       {"seconds", frame.seconds},
@@ -162,7 +163,11 @@ nlohmann::json frame_record(const Frame& frame) {
         {"external", l.external},
         {"initial", l.initial},
         {"balance_error", l.balance_error()}}},
-      {"mass", l.mass}};
+      {"mass", l.mass},
+      {"momentum", vector(l.momentum)},
+      {"angular_momentum", vector(l.angular_momentum)},
+      {"impulse", vector(l.impulse)},
+      {"angular_impulse", vector(l.angular_impulse)}};
 }
 
 void write_record(const SimulatedScene& scene, const BakeSettings& settings, const std::vector<std::string>& frames,
@@ -176,9 +181,10 @@ void write_record(const SimulatedScene& scene, const BakeSettings& settings, con
   }
   const nlohmann::json record = {{"scene", scene.name},        {"elements", settings.elements},
                                  {"steps", settings.frames},   {"seed", settings.seed},
-                                 {"version", scene.version},   {"duration", scene.duration},
-                                 {"threads", threads},         {"seconds", seconds},
-                                 {"machine", machine_facts()}, {"frames", std::move(list)}};
+                                 {"version", scene.version},   {"begin", scene.begin},
+                                 {"duration", scene.duration}, {"threads", threads},
+                                 {"seconds", seconds},         {"machine", machine_facts()},
+                                 {"frames", std::move(list)}};
   write_text_file(bake_record_file(scene, settings), record.dump(1) + "\n");
 }
 
@@ -190,7 +196,7 @@ bool run_frames(const SimulatedScene& scene, const BakeSettings& settings, Simul
     if (hooks.interrupted && hooks.interrupted()) return false;
     const auto begin = std::chrono::steady_clock::now();
     const Index before = simulation.topology().mesh().vertex_count();
-    if (k > 0) simulation.advance_to(scene.duration * k / (settings.frames - 1));
+    simulation.advance_to(scene.begin + scene.duration * k / (settings.frames - 1));
     Frame frame = capture_frame(simulation, before);
     frame.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     write_frame(place.frame_file(k), frame);

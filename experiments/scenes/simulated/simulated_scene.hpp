@@ -16,7 +16,8 @@ struct SimulatedScene {
   simulation::Model (*model)(int elements, std::uint64_t seed) = nullptr;
   int default_elements = 0, quick_elements = 0;
   int frames = 0;       ///< by default; any number shows the same event, more or less finely
-  double duration = 0;  ///< s
+  double begin = 0;     ///< s: the first frame; what comes before is simulated and not kept
+  double duration = 0;  ///< s, from there on
   simulation::SimulationOptions options;
   std::string variant_of = {};  ///< the scene that this one is but for the options; empty: none
   /// To be raised whenever other frames come out for the same arguments: files baked before are not used any more.
