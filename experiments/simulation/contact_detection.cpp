@@ -11,10 +11,7 @@
 namespace volccd::simulation {
 namespace {
 
-constexpr std::size_t kChunk = FeatureBlock::kCapacity, kChunkGrain = 16, kVertexGrain = 4096;
-/// How many substeps a list of near pairs is made for; of the margin of the query: how far off the path they may lead.
-constexpr int kNearSubsteps = 5;
-constexpr double kNearReach = 0.25;
+constexpr std::size_t kChunk = FeatureBlock::kCapacity, kVertexGrain = 4096;
 /// Of the step: by how much a contact may be early.
 constexpr double kTimeTolerance = 1e-3;
 /// Of the step. What rests at the separation takes any number of them; it is taken to touch, sooner or later.
@@ -90,7 +87,6 @@ void ContactDetection::follow(const TopologyEdit& edit, std::span<const double> 
   candidates_.clear();
   vf_.clear();
   ee_.clear();
-  near_.reach = 0;
   placed0_.from.clear();
   placed1_.from.clear();
   if (thickener_) {
@@ -135,7 +131,6 @@ void ContactDetection::query(std::span<const Vec3> x0, std::span<const Vec3> x1,
   find_middles();
   reach_ = std::clamp(spread(), config_.least_margin, config_.most_margin);
   pipeline_.run({collision_topology(), motion_, filter_, config_.separation + reach_}, workspace_, executor, result_);
-  near_.reach = 0;
   candidates_.clear();
   for (const Contact& contact : result_.contacts)
     if (!share_shell(contact.vertices, contact.kind)) candidates_.push_back({contact.kind, contact.vertices});
@@ -174,25 +169,15 @@ void ContactDetection::find_slots() {
 
 bool ContactDetection::covers(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor) {
   set_motion(x0, x1, executor);
-  return stays_near(queried_, 0, queried_end_, reach_, executor);
-}
-
-/// Whether the motion is nowhere further than half of `reach` from `path` between these times: its ends are not.
-bool ContactDetection::stays_near(const Motion& path, double begin, double end, double reach,
-                                  Executor& executor) const {
-  if (path.vertex_count() != motion_.vertex_count()) return false;
-  std::atomic<bool> near = true;
-  executor.parallel_for(motion_.vertex_count(), kVertexGrain, [&](std::size_t first, std::size_t last, unsigned) {
-    const auto within = [&](Index v, int control_point, double time) {
-      return (motion_.point(v, control_point) - path.position(v, time)).squaredNorm() <= reach * reach / 4;
-    };
-    for (auto v = static_cast<Index>(first); v < last; ++v)
-      if (!within(v, 0, begin) || !within(v, 1, end)) {
-        near = false;
-        return;
-      }
+  if (queried_.vertex_count() != motion_.vertex_count()) return false;
+  const double reach = reach_ * reach_ / 4;
+  std::atomic<bool> covered = true;
+  executor.parallel_for(motion_.vertex_count(), kVertexGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (auto v = static_cast<Index>(begin); v < end && covered; ++v)
+      for (int at = 0; at < 2; ++at)
+        if (!((motion_.point(v, at) - queried_.position(v, at * queried_end_)).squaredNorm() <= reach)) covered = false;
   });
-  return near;
+  return covered;
 }
 
 void ContactDetection::contacts(std::span<const Vec3> x0, std::span<const Vec3> x1, double separation,
@@ -201,52 +186,6 @@ void ContactDetection::contacts(std::span<const Vec3> x0, std::span<const Vec3> 
   if (candidates() == 0) return;
   set_motion(x0, x1, executor);
   test(vf_, ee_, separation, executor, found);
-}
-
-void ContactDetection::contacts_of_substep(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor,
-                                           std::vector<FoundContact>& found) {
-  found.clear();
-  if (candidates() == 0) return;
-  set_motion(x0, x1, executor);
-  if (!near_covers(executor)) find_near(executor);
-  test(near_.vf, near_.ee, config_.separation, executor, found);
-}
-
-bool ContactDetection::near_covers(Executor& executor) {
-  if (near_.reach == 0 || ++near_.substep >= kNearSubsteps) return false;
-  const double begin = static_cast<double>(near_.substep) / kNearSubsteps;
-  return stays_near(near_.path, begin, begin + 1.0 / kNearSubsteps, near_.reach, executor);
-}
-
-void ContactDetection::find_near(Executor& executor) {
-  near_.substep = 0;
-  near_.reach = kNearReach * reach_;
-  const Index vertices = motion_.vertex_count();
-  near_.from.resize(vertices);
-  near_.to.resize(vertices);
-  for (Index v = 0; v < vertices; ++v) {
-    near_.from[v] = motion_.point(v, 0);
-    near_.to[v] = near_.from[v] + kNearSubsteps * (motion_.point(v, 1) - near_.from[v]);
-  }
-  near_.path.set_linear(near_.from, near_.to);
-  make_blocks(executor);
-  keep_near(FeatureKind::vf, vf_, near_.vf, executor);
-  keep_near(FeatureKind::ee, ee_, near_.ee, executor);
-}
-
-void ContactDetection::keep_near(FeatureKind kind, const std::vector<FeaturePair>& pairs,
-                                 std::vector<FeaturePair>& near, Executor& executor) {
-  const Step step{collision_topology(), near_.path, filter_, config_.separation + near_.reach};
-  const std::size_t chunks = (pairs.size() + kChunk - 1) / kChunk;
-  near_.keep.resize(chunks * kChunk);
-  executor.parallel_for(chunks, kChunkGrain, [&](std::size_t begin, std::size_t end, unsigned worker) {
-    for (std::size_t c = begin; c < end; ++c)
-      filter(step, kind, std::span(pairs).subspan(c * kChunk, std::min(kChunk, pairs.size() - c * kChunk)),
-             *blocks_[worker], near_.keep.data() + c * kChunk);
-  });
-  near.clear();
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    if (near_.keep[i] != 0) near.push_back(pairs[i]);
 }
 
 void ContactDetection::keep_touching(Executor& executor, std::vector<FoundContact>& found) {
@@ -284,24 +223,19 @@ void ContactDetection::test(const std::vector<FeaturePair>& vf, const std::vecto
       {collision_topology(), motion_, *surface_, reference_, middles_, copies(), config_.adjacent, config_.separation});
   const std::size_t vf_chunks = (vf.size() + kChunk - 1) / kChunk, ee_chunks = (ee.size() + kChunk - 1) / kChunk;
   if (chunks_.size() < vf_chunks + ee_chunks) chunks_.resize(vf_chunks + ee_chunks);
-  make_blocks(executor);
+  while (blocks_.size() < executor.workers()) blocks_.push_back(std::make_unique<FeatureBlock>());
   executor.parallel_for(vf_chunks + ee_chunks, 1, [&](std::size_t begin, std::size_t end, unsigned worker) {
     NarrowCounters counters;
     std::vector<Contact> contacts;
     std::vector<FeaturePair> close;
-    std::array<std::uint8_t, kChunk> keep;
     for (std::size_t c = begin; c < end; ++c) {
       const bool is_vf = c < vf_chunks;
       const std::vector<FeaturePair>& pairs = is_vf ? vf : ee;
       const std::size_t first = (is_vf ? c : c - vf_chunks) * kChunk;
       contacts.clear();
       const FeatureKind kind = is_vf ? FeatureKind::vf : FeatureKind::ee;
-      const std::span<const FeaturePair> chunk =
-          std::span(pairs).subspan(first, std::min(kChunk, pairs.size() - first));
-      filter(step, kind, chunk, *blocks_[worker], keep.data());
-      close.clear();
-      for (std::size_t i = 0; i < chunk.size(); ++i)
-        if (keep[i] != 0) close.push_back(chunk[i]);
+      filter(step, kind, std::span(pairs).subspan(first, std::min(kChunk, pairs.size() - first)), *blocks_[worker],
+             close);
       narrow_.test(step, kind, close, contacts, counters);
       chunks_[c].clear();
       for (const Contact& contact : contacts) chunks_[c].push_back(judge.describe(contact));
@@ -311,18 +245,18 @@ void ContactDetection::test(const std::vector<FeaturePair>& vf, const std::vecto
     found.insert(found.end(), chunks_[c].begin(), chunks_[c].end());
 }
 
-void ContactDetection::make_blocks(Executor& executor) {
-  while (blocks_.size() < executor.workers()) blocks_.push_back(std::make_unique<FeatureBlock>());
-}
-
-/// Most of the pairs that a query has left are further apart than the separation in a substep. `keep`: kChunk flags.
+/// Most of the pairs that a query has left are further apart than the separation in a substep.
 void ContactDetection::filter(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs,
-                              FeatureBlock& block, std::uint8_t* keep) const {
+                              FeatureBlock& block, std::vector<FeaturePair>& close) const {
+  std::array<std::uint8_t, kChunk> keep;
   block.gather(step, kind, pairs);
-  const std::span<std::uint8_t> flags(keep, block.padded_size());
+  const std::span<std::uint8_t> flags(keep.data(), block.padded_size());
   std::fill(flags.begin(), flags.end(), std::uint8_t{1});
   kdop_filter_.filter(step, block, flags);
   csat_filter_.filter(step, block, flags);
+  close.clear();
+  for (std::size_t i = 0; i < pairs.size(); ++i)
+    if (keep[i] != 0) close.push_back(pairs[i]);
 }
 
 void ContactDetection::find_middles() {

@@ -64,11 +64,6 @@ class ContactDetection {
   void contacts(std::span<const Vec3> x0, std::span<const Vec3> x1, double separation, Executor& executor,
                 std::vector<FoundContact>& found);
 
-  /// The same for a substep that goes on where the last one ended: most pairs stay out of reach for some of them, and
-  /// are not looked at again until then.
-  void contacts_of_substep(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor,
-                           std::vector<FoundContact>& found);
-
   /// Of what contacts() has just found, keeps what touches in the same motion and was apart at its start.
   void keep_touching(Executor& executor, std::vector<FoundContact>& found);
 
@@ -89,28 +84,13 @@ class ContactDetection {
   };
   const std::vector<Vec3>& place(std::span<const Vec3> x, Placed& placed, Executor& executor) const;
   void set_motion(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor);
-  /// Pairs that come near each other within a few substeps, if these go on as the first of them.
-  struct Near {
-    Motion path;  ///< of all those substeps
-    int substep = 0;
-    double reach = 0;  ///< 0: not known
-    std::vector<Vec3> from, to;
-    std::vector<std::uint8_t> keep;
-    std::vector<FeaturePair> vf, ee;
-  };
-  bool stays_near(const Motion& path, double begin, double end, double reach, Executor& executor) const;
-  bool near_covers(Executor& executor);
-  void find_near(Executor& executor);
-  void keep_near(FeatureKind kind, const std::vector<FeaturePair>& pairs, std::vector<FeaturePair>& near,
-                 Executor& executor);
   double spread() const;
   void find_slots();
   FeaturePair slots(const FoundContact& c) const;
   void test(const std::vector<FeaturePair>& vf, const std::vector<FeaturePair>& ee, double separation,
             Executor& executor, std::vector<FoundContact>& found);
   void filter(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs, FeatureBlock& block,
-              std::uint8_t* keep) const;
-  void make_blocks(Executor& executor);
+              std::vector<FeaturePair>& close) const;
   Index copies() const { return thickener_ ? 3 : 1; }
   bool share_shell(const std::array<Index, 4>& vertices, FeatureKind kind) const;
   void find_middles();
@@ -136,7 +116,6 @@ class ContactDetection {
   Placed placed0_, placed1_;
   std::vector<Candidate> candidates_;
   std::vector<FeaturePair> vf_, ee_;
-  Near near_;
   std::vector<Vec3> middles_;  ///< of objects, at the start of the last query
   std::vector<std::vector<FoundContact>> chunks_;
   std::vector<std::unique_ptr<FeatureBlock>> blocks_;  ///< a worker

@@ -118,7 +118,7 @@ void ContactResponse::resist_known(std::span<const Vec3> x0, std::span<const Ind
   forces_.clear();
   bool any = add_walls(x0, part_of, dt, moving);
   if (detection_ && detection_->candidates() > 0) {
-    detection_->contacts_of_substep(x0, moving.x1, executor, found_);
+    detection_->contacts(x0, moving.x1, config_.separation, executor, found_);
     ++counts_.retests;
     any |= add_found(dt, dt, true, moving);
   }

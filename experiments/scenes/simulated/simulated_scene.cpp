@@ -26,7 +26,7 @@ SimulatedScene bullet() {
           .frames = kBulletFrames,
           .duration = kBulletDuration,
           .options = with_queries_every(3),
-          .version = 3};
+          .version = 4};
 }
 
 SimulatedScene bullet_with(const char* name, const char* description, simulation::ContactFeatures features) {
