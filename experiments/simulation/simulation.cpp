@@ -487,7 +487,8 @@ bool Simulation::State::break_and_split() {
   const std::uint64_t before = counts.edits;
   pressed.assign(x.size(), 0);
   for (const ContactConstraint& c : contacts->constraints())
-    for (int i = 0; i < c.size; ++i) pressed[c.vertices[i]] = 1;
+    if (c.normal_impulse + c.earlier > 0)
+      for (int i = 0; i < c.size; ++i) pressed[c.vertices[i]] = 1;
   // Has no new vertices, and does not change the stress at those there are.
   if (TopologyProposal breaking = propose_breaking(*topology, model.parts, x, stress, pressed); !breaking.empty()) {
     counts.breaks += breaking.edit.removed.size();

@@ -80,7 +80,7 @@ std::vector<std::string> row_of(const json& record) {
   const auto paper = kPaper.find(name);
   const double usual = median_over(motions, [](const json& m) { return m.at("moved_edges").at("p99").get<double>(); });
   std::vector<std::string> row = {name,
-                                  type_names(motions.front()),
+                                  type_names(motions.back()),
                                   grouped(element_count(motions.front())),
                                   grouped(element_count(motions.back())),
                                   paper == kPaper.end() ? "-" : paper->second,

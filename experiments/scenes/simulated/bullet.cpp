@@ -38,7 +38,7 @@ simulation::Material steel() {
   m.hardening_modulus = 600e6;
   m.rate_factor = 0.015;
   m.failure_strain = 0.8;
-  m.breaking_strain = 0.6;
+  m.breaking_strain = 0.8;
   m.friction = 0.1;
   return m;
 }
