@@ -21,14 +21,28 @@ using nlohmann::json;
 
 namespace {
 
-/// Six times the volume of the tetrahedron at each corner: all equal to the volume in a parallelepiped.
-std::array<double, 8> corner_volumes(std::span<const Index> v, std::span<const Vec3> x) {
-  constexpr std::size_t kNext[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
-                                       {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
-  std::array<double, 8> volumes;
-  for (std::size_t i = 0; i < 8; ++i) {
+/// Six times the volume of the tetrahedron at each corner, for as many corners as there are.
+struct CornerVolumes {
+  std::array<double, 8> at;
+  std::size_t count;
+
+  double least() const { return *std::min_element(at.begin(), at.begin() + static_cast<std::ptrdiff_t>(count)); }
+  /// All are equal to it in a parallelepiped, and to twice of it in half of one.
+  double volume() const {
+    return std::accumulate(at.begin(), at.begin() + static_cast<std::ptrdiff_t>(count), 0.0) / (count == 8 ? 8 : 12);
+  }
+};
+
+/// Of a hexahedron or a wedge in VTK's order.
+CornerVolumes corner_volumes(std::span<const Index> v, std::span<const Vec3> x) {
+  constexpr std::size_t kHexahedron[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
+                                             {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
+  constexpr std::size_t kWedge[6][3] = {{2, 1, 3}, {0, 2, 4}, {1, 0, 5}, {4, 5, 0}, {5, 3, 1}, {3, 4, 2}};
+  CornerVolumes volumes{{}, v.size()};
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const auto& next = v.size() == 8 ? kHexahedron[i] : kWedge[i];
     const Vec3& p = x[v[i]];
-    volumes[i] = (x[v[kNext[i][0]]] - p).dot((x[v[kNext[i][1]]] - p).cross(x[v[kNext[i][2]]] - p));
+    volumes.at[i] = (x[v[next[0]]] - p).dot((x[v[next[1]]] - p).cross(x[v[next[2]]] - p));
   }
   return volumes;
 }
@@ -46,10 +60,8 @@ class Observer {
     reader.read_cells(0, cells);
     reader.read_points(0, points_);
     for (std::size_t i = 0; i < cells.size(); ++i) {
-      if (cells.types[i] != ElementType::hexahedron)
-        throw InputError(reader.file(), "Types", static_cast<std::int64_t>(i), "is no hexahedron");
-      const std::array<double, 8> volumes = corner_volumes(cells.vertices(i), points_);
-      mass_[cells.ids[i]] = std::accumulate(volumes.begin(), volumes.end(), 0.0) / 8;
+      check_type(cells.types[i], i);
+      mass_[key(cells.ids[i], cells.types[i])] = corner_volumes(cells.vertices(i), points_).volume();
       striker_ = std::min(striker_, cells.parts[i]);
     }
   }
@@ -79,6 +91,11 @@ class Observer {
   int motions() const { return stepper_.motion_count(); }
 
  private:
+  void check_type(ElementType type, std::size_t index) const {
+    if (type != ElementType::hexahedron && type != ElementType::wedge)
+      throw InputError(reader_.file(), "Types", static_cast<std::int64_t>(index), "is no hexahedron, nor half of one");
+  }
+
   std::size_t interior_contacts() const {
     const Features& features = stepper_.topology().features();
     std::vector<char> vertex(features.vertex_slots(), 0), edge(features.edge_slots(), 0);
@@ -126,14 +143,18 @@ class Observer {
     return {{"striker", distinct(of_striker)}, {"target", distinct(of_target)}};
   }
 
-  Vec3 centre(const Mesh& mesh) const {
+  /// A piece of an element keeps its id, and is another element all the same.
+  static std::int64_t key(std::int64_t id, ElementType type) { return 2 * id + (type == ElementType::wedge ? 1 : 0); }
+
+  Vec3 centre(const Mesh& mesh) {
     Vec3 sum = Vec3::Zero();
     double mass = 0;
     for (Index o = 0; o < mesh.element_slots(); ++o) {
       if (!mesh.alive(o) || mesh.object(o) != striker_) continue;
-      const auto at = mass_.find(mesh.element_id(o));
-      if (at == mass_.end()) continue;
-      for (Index v : mesh.vertices(o)) sum += at->second / 8 * points_[v];
+      const std::span<const Index> vertices = mesh.vertices(o);
+      const auto [at, is_new] = mass_.try_emplace(key(mesh.element_id(o), mesh.type(o)), 0);
+      if (is_new) at->second = corner_volumes(vertices, points_).volume();
+      for (Index v : vertices) sum += at->second / static_cast<double>(vertices.size()) * points_[v];
       mass += at->second;
     }
     return mass > 0 ? Vec3(sum / mass) : sum;
@@ -143,8 +164,8 @@ class Observer {
     std::size_t count = 0;
     for (Index o = 0; o < mesh.element_slots(); ++o)
       if (mesh.alive(o)) {
-        const std::array<double, 8> volumes = corner_volumes(mesh.vertices(o), points_);
-        count += *std::min_element(volumes.begin(), volumes.end()) <= 0 ? 1 : 0;
+        check_type(mesh.type(o), o);
+        count += corner_volumes(mesh.vertices(o), points_).least() <= 0 ? 1 : 0;
       }
     return count;
   }
@@ -158,7 +179,7 @@ class Observer {
   ObjectFilter filter_;
   StepResult result_;
   std::vector<Vec3> points_;
-  std::unordered_map<std::int64_t, double> mass_;  ///< by element id: volume at the first step
+  std::unordered_map<std::int64_t, double> mass_;  ///< by key(): volume when first seen
   std::int32_t striker_ = std::numeric_limits<std::int32_t>::max();
   Vec3 direction_ = Vec3::UnitZ();
   double travel_ = 0;
