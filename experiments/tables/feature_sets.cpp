@@ -96,6 +96,11 @@ class Observer {
       throw InputError(reader_.file(), "Types", static_cast<std::int64_t>(index), "is no hexahedron, nor half of one");
   }
 
+  CornerVolumes corner_volumes_of(const Mesh& mesh, Index o) const {
+    check_type(mesh.type(o), o);
+    return corner_volumes(mesh.vertices(o), points_);
+  }
+
   std::size_t interior_contacts() const {
     const Features& features = stepper_.topology().features();
     std::vector<char> vertex(features.vertex_slots(), 0), edge(features.edge_slots(), 0);
@@ -153,7 +158,7 @@ class Observer {
       if (!mesh.alive(o) || mesh.object(o) != striker_) continue;
       const std::span<const Index> vertices = mesh.vertices(o);
       const auto [at, is_new] = mass_.try_emplace(key(mesh.element_id(o), mesh.type(o)), 0);
-      if (is_new) at->second = corner_volumes(vertices, points_).volume();
+      if (is_new) at->second = corner_volumes_of(mesh, o).volume();
       for (Index v : vertices) sum += at->second / static_cast<double>(vertices.size()) * points_[v];
       mass += at->second;
     }
@@ -163,10 +168,7 @@ class Observer {
   std::size_t inverted(const Mesh& mesh) const {
     std::size_t count = 0;
     for (Index o = 0; o < mesh.element_slots(); ++o)
-      if (mesh.alive(o)) {
-        check_type(mesh.type(o), o);
-        count += corner_volumes(mesh.vertices(o), points_).least() <= 0 ? 1 : 0;
-      }
+      if (mesh.alive(o)) count += corner_volumes_of(mesh, o).least() <= 0 ? 1 : 0;
     return count;
   }
 

@@ -12,15 +12,15 @@
 
 namespace volccd {
 
-/// What can be seen in the sequence of a simulation of hexahedra, motion by motion: {"scene", "machine", "simulation":
-/// record of its baking or null, "motions": [{"time": at its end, "contacts", "interior": those of which a feature lies
-/// inside, "overlaps": pairs of elements, not adjacent, that overlap at its start (exact): {"inter", "intra"},
-/// "inverted": elements with a corner turned over, "pieces": {"striker", "target"} that hang together by vertices,
-/// "velocity", "travel": of the striker's centre of mass along its first motion}]}.
+/// What can be seen in the sequence of a simulation of hexahedra (and wedges that they break into), motion by motion:
+/// {"scene", "machine", "simulation": record of its baking or null, "motions": [{"time": at its end, "contacts",
+/// "interior": those of which a feature lies inside, "overlaps": pairs of elements, not adjacent, that overlap at its
+/// start (exact): {"inter", "intra"}, "inverted": elements with a corner turned over, "pieces": {"striker", "target"}
+/// that hang together by vertices, "velocity", "travel": of the striker's centre of mass along its first motion}]}.
 ///
 /// The striker is object 0, the target all else. Contacts by the pipeline VolCCD+ among all features, whatever the
 /// simulation has resisted. `go_on(done, motions)` says false to stop: then nothing is returned. Throws InputError for
-/// other elements than hexahedra, and what reading throws.
+/// other elements, and what reading throws.
 std::optional<nlohmann::json> feature_set_record(
     const std::string& name, const std::string& sequence, const std::string& bake_record, Executor& executor,
     const std::function<bool(std::size_t done, std::size_t motions)>& go_on);
