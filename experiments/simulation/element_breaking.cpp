@@ -100,6 +100,8 @@ TopologyProposal propose_breaking(const Topology& topology, std::span<const Part
          pressed.size() >= mesh.vertex_count());
   TopologyProposal proposal;
   proposal.shapes_of_parents = false;
+  if (std::ranges::none_of(parts, [](const Part& part) { return part.material.breaking_strain < kNever; }))
+    return proposal;
   std::int64_t last_id = 0;
   for (Index o = 0; o < mesh.element_slots(); ++o)
     if (mesh.alive(o)) last_id = std::max(last_id, mesh.element_id(o));

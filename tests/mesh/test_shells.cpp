@@ -32,6 +32,23 @@ Shape turned(Shape shape) {
   return shape;
 }
 
+TEST(Shells, SameBitsForAnyNumberOfWorkers) {
+  Shape shape = turned(block(ElementType::triangle, 120, 90, 0));  // several chunks
+  Random random(3);
+  for (Vec3& p : shape.positions)
+    for (int k = 0; k < 3; ++k) p[k] += random.uniform(-0.3, 0.3);
+  shape.positions[40] = shape.positions[41] = shape.positions[161];  // shells without area
+  const Mesh mesh = shape.mesh();
+  std::vector<double> h(mesh.element_slots());
+  for (double& t : h) t = random.uniform(0, 0.2);
+  const ShellThickener thickener(mesh);
+  std::vector<Vec3> serial, parallel;
+  const Index without = thickener.positions(shape.positions, h, serial);
+  const auto threads = make_thread_executor(3);
+  EXPECT_EQ(thickener.positions(shape.positions, h, parallel, *threads), without);
+  EXPECT_EQ(serial, parallel);
+}
+
 TEST(Shells, AFlatSheetBecomesASlabHoweverItsElementsAreTurned) {
   for (ElementType type : {ElementType::triangle, ElementType::quad})
     for (std::uint64_t seed = 0; seed < 6; ++seed) {

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <initializer_list>
 
+#include <gtest/gtest.h>
+
 #include <volccd/experiments/simulation/simulation.hpp>
 #include <volccd/mesh/shapes.hpp>
 
@@ -40,6 +42,13 @@ inline Model blocks(std::initializer_list<BlockSpec> specs) {
   model.mesh = all.mesh();
   model.positions = all.positions;
   return model;
+}
+
+/// Mass, momentum but for what came from outside, energy to this share of what there was.
+inline void expect_kept(const Ledger& before, const Ledger& after, double energy) {
+  EXPECT_NEAR(after.mass, before.mass, 1e-13 * before.mass);
+  EXPECT_LT((after.momentum - before.momentum - after.impulse).norm(), 1e-10 * before.momentum.norm());
+  EXPECT_LT(std::abs(after.balance_error()), energy * before.initial);
 }
 
 /// Mean of the positions (or velocities) of a part's vertices.

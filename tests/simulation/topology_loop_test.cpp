@@ -27,12 +27,6 @@ std::size_t pieces(const Simulation& s) {
   return roots.size();
 }
 
-void expect_kept(const Ledger& before, const Ledger& after, double energy) {
-  EXPECT_NEAR(after.mass, before.mass, 1e-13 * before.mass);
-  EXPECT_LT((after.momentum - before.momentum - after.impulse).norm(), 1e-10 * before.momentum.norm());
-  EXPECT_LT(std::abs(after.balance_error()), energy * before.initial);
-}
-
 /// Two blocks that meet face to face, of a material whose contacts weld.
 TEST(TopologyLoop, BlocksThatHitHardBecomeOne) {
   Model model = blocks({{.nx = 2, .velocity = Vec3(4, 0, 0)}, {.nx = 2, .at = Vec3(0.202, 0, 0)}});
