@@ -27,8 +27,8 @@ struct OSetCounts {
   friend bool operator==(const OSetCounts&, const OSetCounts&) = default;
 };
 
-/// The pairs of one topology, each once, in blocks of at most kBlockPairs; four bytes a pair, eight for each run of
-/// pairs with a feature in common. Read-only use is thread-safe.
+/// The pairs of one topology, each once, in blocks of at most kBlockPairs; four bytes a pair, eight for each run of pairs
+/// with a feature in common, and tables for updates (40 bytes a triangle of rod-twist). Read-only use is thread-safe.
 class OSet {
  public:
   static constexpr std::size_t kBlockPairs = 4096;
@@ -45,10 +45,10 @@ class OSet {
   /// them.
   void build(const Topology& topology);
 
-  /// Brings it up to the topology: the same set as build() gives. Builds at first, and if the topology's history does
-  /// not reach back. Otherwise takes amortised time proportional to the change: of the minimal set and changes of
-  /// tetrahedra and triangles, for what they touch and the pairs that come or go; else for all pairs with a feature
-  /// whose incident elements changed.
+  /// Updates the set after topology edits: the same set as build() gives. Builds at first, and if the topology's history
+  /// does not reach back. Otherwise, for the minimal set and simplicial elements, the amortised cost is proportional to what
+  /// the changed elements touch and to the number of added and removed pairs; else it is proportional to the number of pairs
+  /// that contain a feature of a changed element.
   void update(const Topology& topology);
 
   /// Topology::version() of the last build or update; 0 before.
