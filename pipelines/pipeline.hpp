@@ -65,7 +65,7 @@ class Pipeline {
 
   /// Runs one step. Throws ConfigError if a stage does not handle the step's degree of motion or separation, InputError if
   /// motion and mesh differ in their number of vertices. Once the workspace has grown to the scene, a step on an unchanged
-  /// topology allocates nothing but what the result's vectors need, and tests that exact arithmetic decides.
+  /// topology allocates nothing but what the result's vectors need.
   void run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result,
            const Request& request = {}) const;
 
