@@ -172,15 +172,16 @@ void CellReader::read_parts(std::size_t step, SequenceCells& cells) {
 }
 
 void CellReader::read_ids(std::size_t step, SequenceCells& cells) {
-  cells.ids.resize(cells.size());
+  const std::int64_t count = layout_.cells[static_cast<std::size_t>(layout_.topology[step])];
+  cells.ids.resize(static_cast<std::size_t>(count));
   if (!layout_.cell_ids) {
     std::iota(cells.ids.begin(), cells.ids.end(), std::int64_t{0});
     return;
   }
   const StepArray& array = *layout_.cell_ids;
   const std::int64_t first = array.first[step];
-  array.data.read(first, static_cast<std::int64_t>(cells.size()), cells.ids);
-  for (std::size_t i = 0; i < cells.size(); ++i)
+  array.data.read(first, count, cells.ids);
+  for (std::size_t i = 0; i < cells.ids.size(); ++i)
     if (cells.ids[i] < 0)
       array.data.fail(first + static_cast<std::int64_t>(i),
                       "the id is negative: " + to_string(cells.ids[i]) + in_step(step));
