@@ -4,8 +4,8 @@
 #include <cstdio>
 #include <optional>
 
-#include <Eigen/Geometry>
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 namespace volccd {
 
@@ -81,8 +81,8 @@ void SequenceOptions::add_to(CLI::App& command) {
 void SequenceOptions::add_parts_to(CLI::App& command) {
   command
       .add_option("--parts", parts,
-                  "objects are the parts that the file stores, or what hangs together: cells that share a vertex at any "
-                  "step are of one object")
+                  "objects are the parts that the file stores, or what hangs together: cells that share a vertex at "
+                  "any step are of one object")
       ->check(CLI::IsMember({"stored", "components"}))
       ->capture_default_str();
 }
@@ -100,7 +100,9 @@ void QueryOptions::add_to(CLI::App& command) {
   command.add_option("--pairs", pairs, "contacts of all pairs, between objects, or within objects")
       ->check(CLI::IsMember({"all", "inter", "intra"}))
       ->capture_default_str();
-  command.add_option("--separation", separation, "contact when the distance reaches this; at most the diagonal of the box around the scene")
+  command
+      .add_option("--separation", separation,
+                  "contact when the distance reaches this; at most the diagonal of the box around the scene")
       ->check(CLI::NonNegativeNumber)
       ->type_name("D");
   command.add_option("--threads", threads, "0: as many as the machine has")->type_name("N")->capture_default_str();
@@ -113,8 +115,8 @@ ObjectFilter QueryOptions::filter() const {
 void QueryOptions::check(const SequenceStepper& stepper) const {
   if (const double diagonal = scene_diagonal(stepper.topology(), stepper.motion()); !(separation <= diagonal))
     throw ConfigError(
-        fmt::format("--separation: {:g} is greater than the diagonal {:g} of the box around the scene in motion {}: all "
-                    "features would be in contact",
+        fmt::format("--separation: {:g} is greater than the diagonal {:g} of the box around the scene in motion {}: "
+                    "all features would be in contact",
                     separation, diagonal, stepper.current()));
   if (pairs != "inter") return;
   if (const std::optional<std::int32_t> object = only_object(stepper.topology().mesh()))

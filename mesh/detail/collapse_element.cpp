@@ -153,7 +153,8 @@ CollapsedElement collapse_solid(ElementType type, std::span<const Index> nodes) 
   if (std::string problem = surface_problem(faces, vertices); !problem.empty())
     return {ElementType::none, {}, {}, std::move(problem)};
   const Guess guess = guess_of(faces, vertices);
-  if (guess.type != ElementType::none && guess.nodes.size() == vertices.size() && faces_of(guess.type, guess.nodes) == faces)
+  if (guess.type != ElementType::none && guess.nodes.size() == vertices.size() &&
+      faces_of(guess.type, guess.nodes) == faces)
     return {guess.type, guess.nodes, {}, {}};
   CollapsedElement polytope{ElementType::polytope, vertices, {}, {}};
   for (const Face& face : faces) {

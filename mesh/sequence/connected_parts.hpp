@@ -9,9 +9,9 @@
 
 namespace volccd {
 
-/// The connected components of a sequence: two cells belong to one component if they share a vertex, at any step. The
-/// cells of all steps decide together, so that an element keeps its component when others come, go or split from it, and
-/// two bodies that are merged at some step are one component throughout.
+/// The connected components of a sequence: two cells belong to one component if they share a vertex, at any step,
+/// directly or through other cells. The cells of all steps decide together, so that an element keeps its component when
+/// others come, go or split from it, and two bodies that are merged at some step are one component throughout.
 class ConnectedParts {
  public:
   /// Reads the cells of all steps, a topology at a time. Throws what reading throws. Time almost linear in the cells of

@@ -119,8 +119,7 @@ void SequenceWriter::Impl::check(double time, std::span<const Vec3> points, cons
     throw InputError(file, "VTKHDF/PointData/Velocity", step, "is given at some steps and not at others");
   if (!first && thickness.has_value() == fields.thickness.empty())
     throw InputError(file, "VTKHDF/CellData/Thickness", step, "is given at some steps and not at others");
-  if (!fields.velocity.empty())
-    detail::check_vectors(file, "VTKHDF/PointData/Velocity", fields.velocity, place);
+  if (!fields.velocity.empty()) detail::check_vectors(file, "VTKHDF/PointData/Velocity", fields.velocity, place);
   if (!fields.thickness.empty())
     detail::check_thickness(file, "VTKHDF/CellData/Thickness", fields.thickness, cells, place);
   if (first || !(cells == last)) detail::check_cells(file, cells, place);

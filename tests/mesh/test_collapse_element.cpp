@@ -175,15 +175,19 @@ TEST(CollapseElement, ASolidWithOneShortEdgeIsAPolytope) {
 
 TEST(CollapseElement, RefusesWhatIsNoElement) {
   using enum ElementType;
-  const std::pair<ElementType, Nodes> bad[] = {
-      {hexahedron, {0, 1, 2, 3, 0, 1, 2, 3}},  // a sheet
-      {hexahedron, {0, 1, 2, 3, 4, 5, 0, 7}},  // opposite corners
-      {hexahedron, {0, 0, 0, 0, 0, 0, 0, 0}}, {hexahedron, {0, 1, 1, 0, 0, 1, 1, 0}},
-      {wedge, {0, 1, 2, 0, 1, 2}},            {wedge, {0, 0, 0, 3, 3, 3}},
-      {pyramid, {0, 1, 2, 3, 0}},             {pyramid, {0, 1, 0, 3, 4}},
-      {tetrahedron, {0, 1, 2, 2}},            {quad, {0, 1, 0, 3}},
-      {quad, {0, 0, 1, 1}},                   {quad, {0, 1, 1, 0}},
-      {triangle, {0, 1, 1}}};
+  const std::pair<ElementType, Nodes> bad[] = {{hexahedron, {0, 1, 2, 3, 0, 1, 2, 3}},  // a sheet
+                                               {hexahedron, {0, 1, 2, 3, 4, 5, 0, 7}},  // opposite corners
+                                               {hexahedron, {0, 0, 0, 0, 0, 0, 0, 0}},
+                                               {hexahedron, {0, 1, 1, 0, 0, 1, 1, 0}},
+                                               {wedge, {0, 1, 2, 0, 1, 2}},
+                                               {wedge, {0, 0, 0, 3, 3, 3}},
+                                               {pyramid, {0, 1, 2, 3, 0}},
+                                               {pyramid, {0, 1, 0, 3, 4}},
+                                               {tetrahedron, {0, 1, 2, 2}},
+                                               {quad, {0, 1, 0, 3}},
+                                               {quad, {0, 0, 1, 1}},
+                                               {quad, {0, 1, 1, 0}},
+                                               {triangle, {0, 1, 1}}};
   for (const auto& [type, nodes] : bad) {
     const CollapsedElement element = collapse_element(type, nodes);
     EXPECT_EQ(element.type, none) << to_string(type);

@@ -18,7 +18,8 @@ const std::string kGrid = "VTKHDF/";
 /// Two steps of a shape whose second moves it; ids of cells and points with gaps.
 Sequence sequence_of(const Shape& shape) {
   Sequence sequence;
-  for (std::size_t i = 0; i < shape.positions.size(); ++i) sequence.point_ids.push_back(10 + 2 * static_cast<std::int64_t>(i));
+  for (std::size_t i = 0; i < shape.positions.size(); ++i)
+    sequence.point_ids.push_back(10 + 2 * static_cast<std::int64_t>(i));
   for (int k = 0; k < 2; ++k) {
     Sequence::Step step{0.5 * k, {}, {}, {}, {}};
     for (const Vec3& p : shape.positions) step.points.push_back(p + k * Vec3(0.1, 0, 0.3));
@@ -80,7 +81,8 @@ std::set<std::vector<std::int64_t>> feature_set(const Topology& topology) {
 }
 
 TEST(CollapsedCells, AreTheElementsThatTheyStandFor) {
-  for (const ElementType type : {ElementType::wedge, ElementType::pyramid, ElementType::tetrahedron, ElementType::triangle}) {
+  for (const ElementType type :
+       {ElementType::wedge, ElementType::pyramid, ElementType::tetrahedron, ElementType::triangle}) {
     const ScratchFolder folder;
     const Shape shape = permuted(block(type, 2, 2, 2), 7);
     sequence_of(shape).write(folder / "plain");
@@ -134,7 +136,8 @@ TEST(CollapsedCells, MixWithPolytopesOfTheFile) {
   SequenceReader reader(folder / "s");
   SequenceCells cells;
   reader.read_cells(1, cells);
-  EXPECT_EQ(cells.types, (std::vector<ElementType>{ElementType::polytope, ElementType::hexahedron, ElementType::polytope}));
+  EXPECT_EQ(cells.types,
+            (std::vector<ElementType>{ElementType::polytope, ElementType::hexahedron, ElementType::polytope}));
   EXPECT_EQ(cells.offsets, (std::vector<std::size_t>{0, 7, 15, 23}));
   ASSERT_EQ(cells.face_offsets.size(), 4u);
   EXPECT_TRUE(cells.face_stream(1).empty());

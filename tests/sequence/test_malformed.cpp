@@ -412,7 +412,8 @@ TEST(MalformedFile, ErrorsNameThePointOrTheCellAndTheStep) {
   expect("(cell id 21, step 2)", [](RawFile& f) { f.poke(V + "FaceConnectivity", 5, std::int64_t{12}); });
   expect("point id 100 twice (cell id 21, step 2)",
          [](RawFile& f) { f.poke(V + "Connectivity", 17, std::int64_t{0}); });
-  expect("its point ids are 76 73 76 (cell id 30, step 0)", [](RawFile& f) { f.poke(V + "Connectivity", 14, std::int64_t{8}); });
+  expect("its point ids are 76 73 76 (cell id 30, step 0)",
+         [](RawFile& f) { f.poke(V + "Connectivity", 14, std::int64_t{8}); });
 }
 
 std::string bytes_of(const std::string& file) {

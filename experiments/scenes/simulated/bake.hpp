@@ -41,9 +41,9 @@ std::string bake_record_file(const SimulatedScene& scene, const BakeSettings& se
 
 /// Returns baked_file() once it is complete: at once if it was there. Else runs the simulation, frame by frame, each
 /// frame and the state after it kept beside the target, so that a bake that stopped goes on after its last whole frame.
-/// (Not if another build made it: then it starts anew.) Nothing when `interrupted` said so. The same bytes in all arrays for
-/// any number of workers, with or without interruption. Throws ConfigError for settings out of range, InputError for
-/// what the system refuses, Error when another process bakes the same, and what Simulation throws.
+/// (Not if another build made it: then it starts anew.) Nothing when `interrupted` said so. The same bytes in all
+/// arrays for any number of workers, with or without interruption. Throws ConfigError for settings out of range,
+/// InputError for what the system refuses, Error when another process bakes the same, and what Simulation throws.
 std::optional<std::string> bake(const SimulatedScene& scene, const BakeSettings& settings, Executor& executor,
                                 const BakeHooks& hooks = {});
 

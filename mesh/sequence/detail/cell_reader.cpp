@@ -97,8 +97,8 @@ void CellReader::read_offsets(std::size_t step, SequenceCells& cells) {
 template <class Place>
 Index CellReader::slot(const StepArray& array, std::int64_t row, std::int64_t value, const Place& place) const {
   if (value < 0 || value >= layout_.points)
-    array.data.fail(row, "the point " + to_string(value) + " is out of range, there are " + to_string(layout_.points) +
-                             place());
+    array.data.fail(
+        row, "the point " + to_string(value) + " is out of range, there are " + to_string(layout_.points) + place());
   return order_.slots()[static_cast<std::size_t>(value)];
 }
 
@@ -202,10 +202,9 @@ void CellReader::read_polyhedra(std::size_t step, SequenceCells& cells) {
   // Faces that no cell should have are looked at too.
   if (!any && (!layout_.polyhedra || layout_.polyhedra->to_face_ids[b] == 0)) return;
   if (!layout_.polyhedra)
-    layout_.types.data.fail(
-        layout_.types.first[step] + (first_polytope - cells.types.begin()),
-        "is a polyhedron, but VTKHDF/FaceConnectivity and the other arrays of faces are missing" +
-            place(step, static_cast<std::size_t>(first_polytope - cells.types.begin()), cells));
+    layout_.types.data.fail(layout_.types.first[step] + (first_polytope - cells.types.begin()),
+                            "is a polyhedron, but VTKHDF/FaceConnectivity and the other arrays of faces are missing" +
+                                place(step, static_cast<std::size_t>(first_polytope - cells.types.begin()), cells));
   const PolyhedronLayout& polyhedra = *layout_.polyhedra;
   read_monotone(polyhedra.face_offsets, step, polyhedra.faces[b], polyhedra.face_connectivity_ids[b], face_offsets_);
   read_monotone(polyhedra.offsets, step, layout_.cells[b], polyhedra.to_face_ids[b], cell_faces_);
@@ -236,9 +235,9 @@ void CellReader::append_polyhedron(std::size_t step, std::size_t cell, SequenceC
   for (std::int64_t j = cell_faces_[cell]; j < cell_faces_[cell + 1]; ++j) {
     const std::int64_t face = to_faces_[static_cast<std::size_t>(j)];
     if (face < 0 || face >= face_count)
-      polyhedra.to_faces.data.fail(
-          polyhedra.to_faces.first[step] + j,
-          "the face " + to_string(face) + " is out of range, there are " + to_string(face_count) + place(step, cell, cells));
+      polyhedra.to_faces.data.fail(polyhedra.to_faces.first[step] + j,
+                                   "the face " + to_string(face) + " is out of range, there are " +
+                                       to_string(face_count) + place(step, cell, cells));
     // This also bounds the memory: faces by reference could expand without end.
     if (++face_uses_[static_cast<std::size_t>(face)] > 2)
       polyhedra.to_faces.data.fail(

@@ -55,7 +55,7 @@ class CellReader {
   /// Reads `count` + 1 offsets into [0, length] that start at 0, never fall and end at `length`.
   void read_monotone(const StepArray& array, std::size_t step, std::int64_t count, std::int64_t length,
                      std::vector<std::int64_t>& out);
-  /// The vertex slot of point `value` of the file, which stands in row `row` and belongs to the cell that `place` names.
+  /// The vertex slot of point `value` of the file, which stands in row `row`; `place()` names the cell in an error.
   template <class Place>
   Index slot(const StepArray& array, std::int64_t row, std::int64_t value, const Place& place) const;
 
