@@ -1,12 +1,11 @@
 // Pipelines as wholes: lossless, deterministic, refusing what is unsound (DESIGN.md section 4, invariants 1, 2, 5).
 #include <volccd/pipelines/pipeline.hpp>
 
+#include <limits>
 #include <map>
 #include <set>
 
 #include <gtest/gtest.h>
-
-#include <limits>
 
 #include <volccd/mesh/kdop.hpp>
 #include <volccd/pipelines/compare.hpp>
