@@ -6,6 +6,7 @@
 
 #include <volccd/experiments/pictures/sequence_picture.hpp>
 #include <volccd/experiments/program/commands.hpp>
+#include <volccd/experiments/program/output_plan.hpp>
 #include <volccd/experiments/program/scene_files.hpp>
 
 namespace volccd {
@@ -76,9 +77,14 @@ int draw_picture(const PictureOptions& options) {
   }
   const std::vector<PicturePanel> panels = panels_of(options);
   if (config.columns == 0 && options.files.size() > 1) config.columns = static_cast<int>(options.files.size());
+  OutputPlan plan;
+  for (const std::string& file : options.files) plan.input("FILE", file);
+  for (const std::string& file : options.contact_files) plan.input("--contacts-from", file);
+  plan.output("-o", options.output);
+  plan.check();
   const Image image = draw_sequences(panels, config);
   write_png(image, options.output);
-  fmt::print("{} x {} pixels written to {}\n", image.width(), image.height(), options.output);
+  fmt::print(plan.report(), "{} x {} pixels written to {}\n", image.width(), image.height(), options.output);
   return kDone;
 }
 

@@ -72,6 +72,7 @@ int run(const QueriesOptions& options, const Registry& registry) {
   const StepRange range = motions_of(options);
   const InterruptGuard guard;
   QueryRecord record;
+  bool complete = false;
   {
     Progress progress("testing queries, %", 100 * static_cast<std::size_t>(range.end - range.begin));
     for (int k = range.begin; k < range.end && !InterruptGuard::interrupted(); ++k) {
@@ -80,18 +81,27 @@ int run(const QueriesOptions& options, const Registry& registry) {
       });
       if (k > range.begin) {
         std::move(one.groups.begin(), one.groups.end(), std::back_inserter(record.groups));
+        record.complete = one.complete;
       } else {
         record = std::move(one);
       }
+      complete = record.complete && k + 1 == range.end;
+      if (!record.complete) break;
     }
   }
+  record.complete = complete;
   record.file = options.sequence.file;
   if (options.json) {
     fmt::print("{}\n", record.to_json().dump(2));
   } else {
     fmt::print("{}\n\n{}", record.file, query_table(record));
   }
-  if (InterruptGuard::interrupted()) return kInterrupted;
+  if (!complete) {
+    const std::string text = fmt::format("interrupted; {} group(s) of queries are complete", record.groups.size());
+    if (!options.json) fmt::print("\nincomplete: {}\n", text);
+    fmt::print(stderr, "volccd: incomplete: {}\n", text);
+    return kInterrupted;
+  }
   const std::vector<std::string> broken = record.broken_promises();
   for (const std::string& line : broken) fmt::print(stderr, "volccd: {}\n", line);
   return broken.empty() ? kDone : kDifferent;

@@ -14,12 +14,6 @@
 
 namespace volccd {
 
-/// The user stopped the work; what is finished is kept. Exit code 130.
-class Interrupted : public Error {
- public:
-  using Error::Error;
-};
-
 /// Shows how far a bake is and how long it will take, and stops it at Ctrl-C, after the frame it is at.
 class BakeProgress {
  public:

@@ -253,6 +253,7 @@ json QueryRecord::to_json() const {
   for (const Contestant& contestant : narrow_phases)
     contestants.push_back({{"name", contestant.name}, {"guarantee", to_string(contestant.guarantee)}});
   return {{"file", file},
+          {"complete", complete},
           {"rounds", rounds},
           {"machine", machine_facts()},
           {"feature_filters", filters},
@@ -274,6 +275,13 @@ void judge(const Registry& registry, const std::string& narrow_phase, KnownQueri
     queries.toi[i] = found[i]->toi;
   }
 }
+
+namespace {
+QueryRecord stopped(QueryRecord record) {
+  record.complete = false;
+  return record;
+}
+}  // namespace
 
 QueryRecord compare_on_queries(const Registry& registry, const std::vector<KnownQueries>& groups,
                                const QueryComparisonConfig& config) {
@@ -300,14 +308,14 @@ QueryRecord compare_on_queries(const Registry& registry, const std::vector<Known
     QueryGroupRecord group{queries.scene, queries.kind, queries.size(), 0, !queries.collides.empty(), {}};
     for (const std::uint8_t collides : queries.collides) group.colliding += collides;
     for (std::size_t i = 0; i < contestants.size(); ++i) {
-      if (stop()) return record;
+      if (stop()) return stopped(std::move(record));
       contestants[i].run(queries);
       group.scores.push_back(score(record.narrow_phases[i].name, queries, contestants[i]));
     }
     std::vector<std::vector<double>> seconds(contestants.size());
     for (int round = 0; round < config.rounds; ++round)
       for (std::size_t i = 0; i < contestants.size(); ++i) {
-        if (stop()) return record;
+        if (stop()) return stopped(std::move(record));
         seconds[i].push_back(contestants[i].seconds_of_run(queries));
       }
     for (std::size_t i = 0; i < contestants.size(); ++i)

@@ -41,6 +41,7 @@ struct QueryRecord {
   std::vector<std::string> filters;
   std::vector<Contestant> narrow_phases;
   std::vector<QueryGroupRecord> groups;
+  bool complete = true;  ///< false: stopped; the groups that were finished are there
 
   /// Sums over the groups of a kind, one score for each narrow phase (times by weight), no lists.
   QueryGroupRecord total(FeatureKind kind) const;

@@ -31,17 +31,17 @@ TEST(ContactsCsv, ExactText) {
   const std::vector<Contact> contacts = {
       {FeatureKind::ee, {0, 2, 1, 3}, 0.5, Vec3(0, 0, 1), {}, Vec3(1, 2, 3)},
       {FeatureKind::vf, {4, 0, 1, 2}, 0.1, Vec3(-1, 0, 0), {}, Vec3(1e-300, 1e20, -0.0)},
-      {FeatureKind::ee, {0, 1, 2, 3}, 1, Vec3(0, 0, 0), {}, Vec3(0.25, 0, 0)}};
+      {FeatureKind::ee, {0, 1, 2, 3}, 0, Vec3(0, 0, 0), {}, Vec3(0.25, 0, 0), true}};
   ContactsCsvWriter writer(folder / "c.csv");
   writer.write_step(3, contacts, mesh);
   writer.write_step(4, {}, mesh);
   EXPECT_FALSE(std::filesystem::exists(folder / "c.csv"));
   writer.finish();
   EXPECT_EQ(text_of(folder / "c.csv"),
-            "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz\n"
-            "3,VF,50,10,20,30,0.10000000000000001,-1,0,0,1e-300,1e+20,-0\n"
-            "3,EE,10,20,30,40,1,0,0,0,0.25,0,0\n"
-            "3,EE,10,30,20,40,0.5,0,0,1,1,2,3\n");
+            "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start\n"
+            "3,VF,50,10,20,30,0.10000000000000001,-1,0,0,1e-300,1e+20,-0,0\n"
+            "3,EE,10,20,30,40,0,0,0,0,0.25,0,0,1\n"
+            "3,EE,10,30,20,40,0.5,0,0,1,1,2,3,0\n");
   EXPECT_EQ(folder.entries(), 1u);
 }
 
