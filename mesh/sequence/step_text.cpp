@@ -19,9 +19,11 @@ std::string StepsDone::text() const {
   return reason.empty() ? kept : kept + "; " + reason;
 }
 
-StepTextWriter::StepTextWriter(const std::string& file, std::string_view header) : output_(file) {
-  output_.write(std::string(header) + "\n");
-  header_size_ = output_.size();
+StepTextWriter::StepTextWriter(const std::string& file, std::string_view header)
+    : output_(file), header_(std::string(header) + "\n") {}
+
+void StepTextWriter::write_header() {
+  if (output_.size() == 0) output_.write(header_);
 }
 
 void StepTextWriter::check_open() const {
@@ -34,6 +36,7 @@ void StepTextWriter::write_step(int step, std::string_view rows) {
     throw InputError(file(), "", fmt::format("step {} is written out of order", step));
   const std::int64_t before = output_.size();
   try {
+    write_header();
     output_.write(rows);
   } catch (const InputError&) {
     if (!output_.streams()) output_.truncate(before);
@@ -45,6 +48,7 @@ void StepTextWriter::write_step(int step, std::string_view rows) {
 void StepTextWriter::finish() {
   check_open();
   finished_ = true;
+  write_header();
   output_.commit();
 }
 
@@ -55,7 +59,8 @@ StepsDone StepTextWriter::finish_incomplete(StepsDone steps) {
   for (;;) {
     if (steps.done <= steps.begin && !output_.streams()) return steps;
     try {
-      if (!output_.streams()) output_.truncate(ends_.empty() ? header_size_ : ends_.back().size);
+      if (!output_.streams()) output_.truncate(ends_.empty() ? 0 : ends_.back().size);
+      write_header();
       output_.write(std::string(kIncompleteMark) + steps.text() + "\n");
       break;
     } catch (const InputError&) {

@@ -23,7 +23,8 @@ struct StepsDone {
 /// What the last line of a file starts with that ends before the last step asked for.
 inline constexpr std::string_view kIncompleteMark = "# incomplete: ";
 
-/// A header line, then the rows of each step. Atomic, or streamed (OutputFile). Throws InputError naming the file. One
+/// A header line, then the rows of each step. Atomic, or streamed (OutputFile); the header goes out with the first step,
+/// so that a stream that ends before is not taken for a whole file without rows. Throws InputError naming the file. One
 /// thread at a time.
 class StepTextWriter {
  public:
@@ -46,9 +47,10 @@ class StepTextWriter {
   };
 
   void check_open() const;
+  void write_header();
 
   OutputFile output_;
-  std::int64_t header_size_ = 0;
+  std::string header_;  ///< with its end of line
   std::vector<StepEnd> ends_;
   bool finished_ = false;
 };

@@ -144,6 +144,10 @@ TEST(ContactsCsv, BadLinesByNumber) {
   EXPECT_EQ(line_of("step,kind,a,b,c,d,toi\r\n0,VF,1,2,3,4,0.5\r\n"), 0);
   EXPECT_EQ(line_of(full + "0,VF,1,2,3,4,0.5,0,0,1,1e3,-2,3\n"), 0);
   EXPECT_EQ(line_of(""), 1);
+  const std::string flagged = full.substr(0, full.size() - 1) + ",at_start\n";
+  EXPECT_EQ(line_of(flagged + "0,VF,1,2,3,4,0.5,0,0,1,1e3,-2,3,0\n0,VF,1,2,3,5,0,0,0,1,1e3,-2,3,1\n"), 0);
+  for (const char* bad : {"", ",", ",2", ",01", ",true", ",1,0"})
+    EXPECT_EQ(line_of(flagged + "0,VF,1,2,3,4,0,0,0,1,1e3,-2,3" + bad + "\n"), 2) << bad;
   EXPECT_EQ(line_of("a,b\n"), 1);
   EXPECT_EQ(line_of(good), 1);
   for (const char* bad : {"",
