@@ -1,5 +1,4 @@
 // Outputs: whole or not at all; links, FIFOs and devices stay what they are; errors name the file and the reason.
-#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -8,7 +7,6 @@
 #include <thread>
 
 #include <fcntl.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -16,6 +14,8 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/core/output_file.hpp>
+
+#include "support/full_disk.hpp"
 
 namespace volccd::test {
 namespace {
@@ -102,11 +102,21 @@ TEST_F(OutputFiles, FifosAndDevicesAreWrittenThrough) {
   reader.join();
   EXPECT_EQ(read, "through");
   EXPECT_TRUE(fs::is_fifo(path("fifo")));
-  fs::create_symlink("/dev/null", path("null"));
-  write_text_file(path("null"), "gone");
-  EXPECT_TRUE(fs::is_symlink(path("null")));
-  EXPECT_TRUE(fs::is_character_file(path("null")));
+  // A terminal of our own: a mistake does not harm /dev/null.
+  const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
+  if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0) GTEST_SKIP() << "no terminals here";
+  const std::string device = ::ptsname(terminal);
+  fs::create_symlink(device, path("device"));
+  const int keeps_it_open = ::open(device.c_str(), O_RDWR | O_NOCTTY);
+  write_text_file(path("device"), "through");
+  char bytes[8] = {};
+  EXPECT_EQ(::read(terminal, bytes, 7), 7);
+  EXPECT_STREQ(bytes, "through");
+  EXPECT_TRUE(fs::is_symlink(path("device")));
+  EXPECT_TRUE(fs::is_character_file(path("device")));
   EXPECT_EQ(entries(), 2);
+  ::close(keeps_it_open);
+  ::close(terminal);
 }
 
 TEST_F(OutputFiles, DescriptorsAreWrittenTo) {
@@ -133,29 +143,23 @@ TEST_F(OutputFiles, RefusalsNameTheFileAndTheReason) {
   EXPECT_NE(refusal(path("x")).find("links"), std::string::npos);
   EXPECT_NE(refusal(folder_.string()).find("folder"), std::string::npos);
   EXPECT_THROW(output_target(""), InputError);
-  for (const char* name : {"-", "/dev/null"})
+  ASSERT_EQ(::mkfifo(path("fifo").c_str(), 0600), 0);
+  for (const std::string& name : {std::string("-"), path("fifo")})
     EXPECT_NE(refusal(name, "it needs a file").find("is not a regular file: it needs a file"), std::string::npos);
-  EXPECT_EQ(refusal("/dev/null"), "");
+  EXPECT_EQ(refusal(path("fifo")), "") << "a check does not wait for a reader";
   EXPECT_EQ(refusal(path("b"), "it needs a file"), "");
-  EXPECT_THROW(write_text_file("/dev/full", "text"), InputError);
-  EXPECT_EQ(entries(), 3) << "a check leaves nothing behind";
+  EXPECT_EQ(entries(), 4) << "a check leaves nothing behind";
 }
 
 TEST_F(OutputFiles, AFullDiskLeavesTheOldFile) {
   write_text_file(path("a"), "old");
-  struct rlimit before{};
-  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &before), 0);
-  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
-  const struct rlimit full{100, before.rlim_max};
-  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &full), 0);
   std::string message;
   try {
+    const FullDisk disk(100);
     write_text_file(path("a"), std::string(200, 'x'));
   } catch (const InputError& error) {
     message = error.what();
   }
-  ::setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, handler);
   EXPECT_EQ(message, path("a") + ": cannot be written: File too large");
   EXPECT_EQ(text_of(path("a")), "old");
   EXPECT_EQ(entries(), 1);

@@ -8,8 +8,8 @@
 #include <volccd/mesh/sequence/contacts_csv.hpp>
 #include <volccd/mesh/sequence/step_text.hpp>
 
-#include "full_disk.hpp"
 #include "sequences.hpp"
+#include "support/full_disk.hpp"
 
 namespace volccd::test {
 namespace {

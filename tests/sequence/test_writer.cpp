@@ -10,8 +10,8 @@
 #include <volccd/mesh/sequence/contacts_csv.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
 
-#include "full_disk.hpp"
 #include "sequences.hpp"
+#include "support/full_disk.hpp"
 
 namespace volccd::test {
 namespace {
@@ -94,7 +94,7 @@ TEST(SequenceWriter, LinksStayAndStreamsAreRefused) {
   writer.finish();
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
   EXPECT_NO_THROW(SequenceReader(folder / "s.vtkhdf").check_contents());
-  for (const char* name : {"-", "/dev/stdout", "/dev/null"}) EXPECT_THROW(SequenceWriter(name, s.point_ids), InputError);
+  for (const char* name : {"-", "/dev/fd/1"}) EXPECT_THROW(SequenceWriter(name, s.point_ids), InputError);
 }
 
 TEST(SequenceWriter, AnIncompleteSequenceSaysSo) {
