@@ -340,6 +340,10 @@ class Outputs(ProgramTest):
         cls.large = cls.path("large.vtkhdf")
         made = run("scene", "generate", "builtin", "--elements", "60000", "--steps", "4", "-o", cls.large)
         assert made.returncode == 0, made.stderr
+        begin = time.monotonic()
+        run("info", cls.large, "--steps", "0")
+        # A second, but for sanitizers and a busy machine: there, what it takes to read a step.
+        cls.patience = max(1.0, 2 * (time.monotonic() - begin))
 
     def read(self, name):
         with open(self.path(name), "rb") as file:
@@ -546,19 +550,19 @@ class Outputs(ProgramTest):
             for delay in (0.5, 2):
                 cut = Interruption(*arguments, done=0, delay=delay)
                 self.assertEqual(cut.code, 130, cut.screen)
-                self.assertLess(cut.seconds, 1)
+                self.assertLess(cut.seconds, self.patience)
                 self.assertIn("interrupted before the first step was complete", cut.screen)
         self.assertEqual(self.read("old.csv"), b"old")
         cut = Interruption("queries", self.large, "--candidates", "--judge", "exact", done=0, delay=0.5)
         self.assertEqual(cut.code, 130, cut.screen)
-        self.assertLess(cut.seconds, 1)
+        self.assertLess(cut.seconds, self.patience)
         self.assertIn("interrupted before the first group", cut.screen)
         self.no_leftovers()
 
     def test_verify_and_queries_say_that_they_were_cut(self):
         cut = Interruption("verify", self.long, "--no-fcl", done=2)
         self.assertEqual(cut.code, 130, cut.screen)
-        self.assertLess(cut.seconds, 1)
+        self.assertLess(cut.seconds, self.patience)
         self.assertRegex(cut.out, r"no difference in these steps\n\nincomplete: steps 0 to \d+ of 0 to 148 are complete; inter")
         self.assertIn("incomplete: steps 0 to ", cut.screen)
         for json_wanted in (False, True):
