@@ -57,6 +57,19 @@ TEST(StepText, OnAFullDiskTheStepsThatFitAreKept) {
   EXPECT_EQ(text_of(folder / "a"), "step\n" + row + row + "# incomplete: steps 0 to 1 of 0 to 8 are complete; disk full\n");
 }
 
+TEST(StepText, AStepThatFailsLeavesNoRows) {
+  const ScratchFolder folder;
+  StepTextWriter writer(folder / "a", "step");
+  writer.write_step(0, "0\n");
+  {
+    const FullDisk disk(9);
+    EXPECT_THROW(writer.write_step(1, "1\n1\n1\n"), InputError);
+  }
+  writer.write_step(1, "1\n");
+  writer.finish();
+  EXPECT_EQ(text_of(folder / "a"), "step\n0\n1\n");
+}
+
 TEST(StepText, StreamsAreMarkedToo) {
   const ScratchFolder folder;
   std::FILE* const file = std::fopen((folder / "a").c_str(), "w");
