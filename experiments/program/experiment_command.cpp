@@ -60,9 +60,10 @@ void check_outputs(const ExperimentOptions& options, const std::string& name, co
 void keep(const ExperimentOptions& options, const std::string& name, const nlohmann::json& record,
           const std::string& tables, bool complete) {
   const std::string file = record_file(options, name, complete ? ".json" : ".incomplete.json");
+  fmt::print("{}\n", tables);  // first: a disk that is full does not take them
   write_text_file(file, record.dump(complete && record.is_array() ? 1 : 2) + "\n");
   write_text_file(record_file(options, name, complete ? ".txt" : ".incomplete.txt"), tables);
-  fmt::print("{}\nrecord: {}\n", tables, file);
+  fmt::print("record: {}\n", file);
 }
 
 int run_projectile(const ExperimentOptions& options, const Registry& registry) {
