@@ -72,6 +72,7 @@ class Detection {
         range_(parse_steps(options.sequence.steps, stepper_.motion_count(), options.sequence.file)),
         executor_(make_interruptible_executor(options.query.threads)),
         filter_(options.query.filter()) {
+    warn_of_incomplete(reader_);
     plan_.input("FILE", options.sequence.file);
     plan_.output("--contacts", options.contacts);
     plan_.output("--overlaps", options.overlaps);

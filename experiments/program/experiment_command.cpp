@@ -140,7 +140,7 @@ int run_on_scenes(const ExperimentOptions& options, const std::string& name, boo
     for (const SimulatedScene& scene : simulated_scenes()) {
       if (!wanted(scene)) continue;
       const Baked baked = bake_for(options, scene, *executor);
-      records.push_back(record_with_progress(scene.name, baked.file, baked.record, *executor, measure));
+      records.push_back(record_with_progress(scene.name, baked.file, baked.record, options.threads, measure));
     }
   } catch (const Interrupted& error) {
     stop(error, kInterrupted);

@@ -74,8 +74,7 @@ void write_stats(const GenerateOptions& options, const std::string& bake_record)
   if (options.stats.empty()) return;
   const InterruptGuard guard;
   OutputFile file(options.stats);
-  const auto executor = make_executor(options.threads);
-  file.write(record_with_progress(options.name, options.output, bake_record, *executor, scene_record).dump(1) + "\n");
+  file.write(record_with_progress(options.name, options.output, bake_record, options.threads, scene_record).dump(1) + "\n");
   file.commit();
 }
 

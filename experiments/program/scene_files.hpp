@@ -11,6 +11,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/program/progress.hpp>
 #include <volccd/experiments/scenes/simulated/bake.hpp>
+#include <volccd/mesh/sequence/reader.hpp>
 
 namespace volccd {
 
@@ -31,13 +32,16 @@ class BakeProgress {
 /// resolve_scene() with progress. `threads`: for baking; 0: as many as the machine has. Throws Interrupted as well.
 std::string sequence_file(const std::string& name_or_file, unsigned threads = 0);
 
+/// Says on stderr that a sequence ends before the last step that was meant for it, if it does.
+void warn_of_incomplete(const SequenceReader& reader);
+
 /// scene_record() or feature_set_record().
 using RecordOfScene = std::optional<nlohmann::json> (*)(
     const std::string& name, const std::string& sequence, const std::string& bake_record, Executor& executor,
     const std::function<bool(std::size_t done, std::size_t motions)>& go_on);
 
-/// With progress. Throws Interrupted as well.
+/// With progress, and its own executor, that stops within a step. Throws Interrupted as well.
 nlohmann::json record_with_progress(const std::string& name, const std::string& sequence,
-                                    const std::string& bake_record, Executor& executor, RecordOfScene measure);
+                                    const std::string& bake_record, unsigned threads, RecordOfScene measure);
 
 }  // namespace volccd

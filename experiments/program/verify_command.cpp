@@ -116,7 +116,9 @@ class Verification {
         // The truth is that of surfaces on straight lines and of all pairs.
         truth_fits_(!options.no_truth && options.sequence.shells == "surface" && filter_.trivial() &&
                     options.query.separation == 0 && options.sequence.edges == "triangulated" &&
-                    options.sequence.motion == "linear") {}
+                    options.sequence.motion == "linear") {
+    warn_of_incomplete(reader_);
+  }
 
   int run() {
     const StepsDone steps = run_steps("verifying, step", range_, [this](int k) { run_step(k); });

@@ -585,6 +585,9 @@ class Outputs(ProgramTest):
         self.assertEqual(cut.code, 130, cut.screen)
         self.assertIn("are complete; interrupted", cut.screen)
         info = self.good("info", target)
+        done = run("detect", target, "--steps", "0")
+        self.assertEqual(done.returncode, 0)
+        self.assertRegex(done.stderr, r"cut.vtkhdf is incomplete: steps 0 to \d+ of 0 to 4999 are complete; interrupted")
         self.assertRegex(info, r"INCOMPLETE steps 0 to \d+ of 0 to 4999 are complete; interrupted")
 
     def test_an_interrupted_experiment_leaves_the_whole_record(self):
