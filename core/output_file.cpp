@@ -64,7 +64,7 @@ OutputTarget output_target(const std::string& name) {
   std::string path = name;
   for (int links = 0; links <= kMostLinks; ++links) {
     if (const auto descriptor = descriptor_of(path)) return {OutputTarget::Kind::descriptor, path, *descriptor};
-    struct stat status{};
+    struct stat status {};
     if (::lstat(path.c_str(), &status) != 0) {
       if (errno != ENOENT) fail_at(name, "cannot be written");
       return {OutputTarget::Kind::file, path, -1};
@@ -104,7 +104,7 @@ OutputFile::OutputFile(std::string name, const char* only_files)
 
 void OutputFile::open_temporary() {
   static std::atomic<unsigned> counter{0};
-  struct stat old{};
+  struct stat old {};
   const bool there = ::stat(target_.path.c_str(), &old) == 0;
   if (there && ::access(target_.path.c_str(), W_OK) != 0) fail("cannot be written");
   for (;;) {

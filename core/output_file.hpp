@@ -30,7 +30,8 @@ bool is_standard_output(const std::string& name);
 /// temporary name, which commit() brings to disk and renames; the permissions of a file that is replaced are kept,
 /// and one that may not be written is refused. A symbolic link stays, and its target is replaced. Without commit(), the
 /// destructor removes the temporary file, and what was there before stays as it was. Devices, FIFOs and descriptors are
-/// written to at once. Every error is an InputError that names the output and the system's reason. One thread at a time.
+/// written to at once. Every error is an InputError that names the output and the system's reason. One thread at a
+/// time.
 class OutputFile {
  public:
   /// Opens. Blocks on a FIFO that nobody reads. `only_files`: why a device, FIFO or descriptor is refused; null: it is

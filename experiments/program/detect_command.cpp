@@ -220,7 +220,8 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
   command->add_flag("--first", options->first, "the earliest contact of each step alone, found faster");
   options->query.add_to(*command);
   command->footer(
-      "FILE of an output: `-` and /dev/stdout stream, and the tables then go to stderr; devices and FIFOs are written to,\n"
+      "FILE of an output: `-` and /dev/stdout stream, and the tables then go to stderr; devices and FIFOs are written "
+      "to,\n"
       "links are followed. Ctrl-C or an error keeps the steps that were complete: the last line of a CSV file is then\n"
       "`# incomplete: ...`, in the JSON file \"complete\" is false, and the exit code is 130 or 2.\n"
       "Examples:\n"

@@ -56,7 +56,8 @@ void check_outputs(const ExperimentOptions& options, const std::string& name, co
   plan.check();
 }
 
-/// Prints the tables and writes them and the record: an incomplete one never in the place of a whole one of another run.
+/// Prints the tables and writes them and the record: an incomplete one never in the place of a whole one of another
+/// run.
 void keep(const ExperimentOptions& options, const std::string& name, const nlohmann::json& record,
           const std::string& tables, bool complete) {
   const std::string file = record_file(options, name, complete ? ".json" : ".incomplete.json");
@@ -89,7 +90,8 @@ int run_projectile(const ExperimentOptions& options, const Registry& registry) {
   });
   const bool complete = record.compared.complete();
   const std::string tables = fmt::format(
-      "{}\n{} motions, {} round(s) interleaved, {} thread(s); time: median over motions; counts: sum of all motions\n{}\n"
+      "{}\n{} motions, {} round(s) interleaved, {} thread(s); time: median over motions; counts: sum of all "
+      "motions\n{}\n"
       "{}\n{}",
       reader.metadata().title.empty() ? reader.file() : reader.metadata().title, record.compared.done, record.rounds,
       record.threads, complete ? "" : "incomplete: " + record.compared.text() + "\n", comparison_table(record),
@@ -160,7 +162,8 @@ int run_on_scenes(const ExperimentOptions& options, const std::string& name, boo
 
 int run_scenes(const ExperimentOptions& options, const Registry&) {
   return run_on_scenes(
-      options, "scenes", [](const SimulatedScene& scene) { return scene.variant_of.empty(); }, scene_record, scene_table);
+      options, "scenes", [](const SimulatedScene& scene) { return scene.variant_of.empty(); }, scene_record,
+      scene_table);
 }
 
 int run_feature_sets(const ExperimentOptions& options, const Registry&) {

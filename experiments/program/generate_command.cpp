@@ -74,14 +74,15 @@ void write_stats(const GenerateOptions& options, const std::string& bake_record)
   if (options.stats.empty()) return;
   const InterruptGuard guard;
   OutputFile file(options.stats);
-  file.write(record_with_progress(options.name, options.output, bake_record, options.threads, scene_record).dump(1) + "\n");
+  file.write(record_with_progress(options.name, options.output, bake_record, options.threads, scene_record).dump(1) +
+             "\n");
   file.commit();
 }
 
 void print_generated(const GenerateOptions& options) {
   SequenceReader reader(options.output);
-  fmt::print(report_of(options), "{}: {} frames, {} elements at first, {} at last, {} vertices, written to {}\n", options.name,
-             reader.step_count(), reader.cell_count(0), reader.cell_count(reader.step_count() - 1),
+  fmt::print(report_of(options), "{}: {} frames, {} elements at first, {} at last, {} vertices, written to {}\n",
+             options.name, reader.step_count(), reader.cell_count(0), reader.cell_count(reader.step_count() - 1),
              reader.point_count(), options.output);
 }
 

@@ -109,9 +109,10 @@ int info(const SequenceOptions& options) {
   const StepsDone steps = run_steps("reading, step", range, [&](int k) {
     stepper.go_to(k);
     const MotionFacts facts = motion_facts(stepper.topology(), stepper.motion());
-    table.add({std::to_string(k), fmt::format("{:g}", reader.time(k)), grouped(stepper.topology().mesh().element_count()),
-               fmt::format("{:.4g}", facts.mean_edge), fmt::format("{:.3f}", facts.median),
-               fmt::format("{:.3f}", facts.p99), fmt::format("{:.3f}", facts.largest)});
+    table.add({std::to_string(k), fmt::format("{:g}", reader.time(k)),
+               grouped(stepper.topology().mesh().element_count()), fmt::format("{:.4g}", facts.mean_edge),
+               fmt::format("{:.3f}", facts.median), fmt::format("{:.3f}", facts.p99),
+               fmt::format("{:.3f}", facts.largest)});
   });
   fmt::print("\nmotions (distances moved in mean edges)\n{}", table.text());
   print_incomplete(steps, stdout);

@@ -24,7 +24,7 @@ OutputPlan::Place OutputPlan::place_of(const std::string& option, const std::str
 void OutputPlan::input(const std::string& option, const std::string& file) {
   if (file.empty()) return;
   Place place = place_of(option, file);
-  struct stat status{};
+  struct stat status {};
   place.exists = ::stat(file.c_str(), &status) == 0;
   place.device = status.st_dev, place.inode = status.st_ino;
   inputs_.push_back(std::move(place));
@@ -37,8 +37,9 @@ void OutputPlan::output(const std::string& option, const std::string& file, cons
   place.name = file;
   place.only_files = only_files;
   place.descriptor = target.descriptor;
-  struct stat status{};
-  place.exists = (target.descriptor >= 0 ? ::fstat(target.descriptor, &status) : ::stat(target.path.c_str(), &status)) == 0;
+  struct stat status {};
+  place.exists =
+      (target.descriptor >= 0 ? ::fstat(target.descriptor, &status) : ::stat(target.path.c_str(), &status)) == 0;
   place.device = status.st_dev, place.inode = status.st_ino;
   place.shared = place.exists && S_ISCHR(status.st_mode);
   outputs_.push_back(std::move(place));
@@ -53,8 +54,9 @@ bool OutputPlan::same(const Place& a, const Place& b) {
 
 void OutputPlan::check() const {
   const auto refuse = [](const Place& output, const Place& other) {
-    throw ConfigError(fmt::format("{} ({}) and {} ({}) are the same file: nothing has been written; give {} another name",
-                                  other.option, other.name, output.option, output.name, output.option));
+    throw ConfigError(
+        fmt::format("{} ({}) and {} ({}) are the same file: nothing has been written; give {} another name",
+                    other.option, other.name, output.option, output.name, output.option));
   };
   for (std::size_t i = 0; i < outputs_.size(); ++i) {
     for (const Place& input : inputs_)
@@ -63,7 +65,7 @@ void OutputPlan::check() const {
       if (same(outputs_[i], outputs_[j])) refuse(outputs_[i], outputs_[j]);
   }
   for (const Place& output : outputs_) check_output(output.name, output.only_files);
-  struct stat status{};
+  struct stat status {};
   if (report() != stdout || ::fstat(STDOUT_FILENO, &status) != 0 || !S_ISREG(status.st_mode)) return;
   Place screen;
   screen.option = "standard output";

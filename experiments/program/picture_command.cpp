@@ -167,7 +167,9 @@ void add_picture_command(CLI::App& scene, Action& action) {
       ->required()
       ->type_name("");
   command->add_option("--step", options->steps, "K, or K,L,M: one panel each")->type_name("K")->capture_default_str();
-  command->add_option("-o,--output", options->output, "picture to write (PNG); `-`: to the standard output")->required()->type_name("FILE");
+  command->add_option("-o,--output", options->output, "picture to write (PNG); `-`: to the standard output")
+      ->required()
+      ->type_name("FILE");
   add_picture_view(*command, *options);
   add_picture_content(*command, *options);
   command->footer(

@@ -37,8 +37,9 @@ class Interrupted : public Error {
 /// How a record that ends early says that it was the user.
 inline constexpr const char* kStoppedByUser = "interrupted";
 
-/// While one lives, Ctrl-C (SIGINT) and SIGTERM set a flag instead of ending the process: long work looks at it, abandons
-/// the step it is at, writes what is complete, and exits with 130. A second signal ends at once. Guards may be nested.
+/// While one lives, Ctrl-C (SIGINT) and SIGTERM set a flag instead of ending the process: long work looks at it,
+/// abandons the step it is at, writes what is complete, and exits with 130. A second signal ends at once. Guards may be
+/// nested.
 class InterruptGuard {
  public:
   InterruptGuard();

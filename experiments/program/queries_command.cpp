@@ -82,7 +82,8 @@ int compare_on_motions(const QueriesOptions& options, const Registry& registry, 
           [&](std::size_t percent) { progress.advance(100 * static_cast<std::size_t>(k - range.begin) + percent); },
           record);
   } catch (const Interrupted&) {
-    if (record.groups.empty()) throw Interrupted("interrupted before the first group of queries was complete: no result");
+    if (record.groups.empty())
+      throw Interrupted("interrupted before the first group of queries was complete: no result");
     record.stopped_by = kStoppedByUser;
     return kInterrupted;
   } catch (const Error& error) {

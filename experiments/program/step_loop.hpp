@@ -10,8 +10,8 @@
 
 namespace volccd {
 
-/// Calls `work`, which counts in `steps.done`. An Interrupted, another Error or std::bad_alloc that it throws ends up in
-/// steps.stopped_by; where no step is complete, it is thrown on, an Interrupted with a message that says so.
+/// Calls `work`, which counts in `steps.done`. An Interrupted, another Error or std::bad_alloc that it throws ends up
+/// in steps.stopped_by; where no step is complete, it is thrown on, an Interrupted with a message that says so.
 void keep_complete_steps(StepsDone& steps, FunctionRef<void()> work);
 
 /// Calls work(k) for each k of `range`, with progress ("detecting, step"). Ctrl-C, an error, and memory that does not

@@ -7,10 +7,10 @@
 
 #include <nlohmann/json_fwd.hpp>
 
+#include <nlohmann/json.hpp>
 #include <volccd/core/executor.hpp>
 #include <volccd/mesh/sequence/step_text.hpp>
 #include <volccd/mesh/sequence/stepper.hpp>
-#include <nlohmann/json.hpp>
 
 #include <volccd/pipelines/pipeline.hpp>
 
@@ -49,9 +49,10 @@ struct ComparisonConfig {
   std::function<void(std::size_t done, std::size_t total)> progress;
 };
 
-/// For each motion, all pipelines in turn, `rounds` times (interleaved, so that a drifting machine hits all alike); every
-/// pipeline keeps its workspace from step to step. The first step is run once more beforehand, not counted (warm-up).
-/// `record` holds the steps that are complete, also when this throws: record.compared.stopped_by is left to the caller.
+/// For each motion, all pipelines in turn, `rounds` times (interleaved, so that a drifting machine hits all alike);
+/// every pipeline keeps its workspace from step to step. The first step is run once more beforehand, not counted
+/// (warm-up). `record` holds the steps that are complete, also when this throws: record.compared.stopped_by is left to
+/// the caller.
 void compare_pipelines(const Registry& registry, SequenceStepper& stepper, const ComparisonConfig& config,
                        Executor& executor, ComparisonRecord& record);
 

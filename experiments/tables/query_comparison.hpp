@@ -68,8 +68,8 @@ void judge(const Registry& registry, const std::string& narrow_phase, KnownQueri
            const std::function<void()>& check = {});
 
 /// In each group, each narrow phase is run once for its answers; then all in turn, `rounds` times, each run repeated
-/// for a millisecond at least. One thread. Groups are added to `record`, each when it is complete: those stay there when
-/// this throws, which it does for a ConfigError, or what config.check throws.
+/// for a millisecond at least. One thread. Groups are added to `record`, each when it is complete: those stay there
+/// when this throws, which it does for a ConfigError, or what config.check throws.
 void compare_on_queries(const Registry& registry, const std::vector<KnownQueries>& groups,
                         const QueryComparisonConfig& config, QueryRecord& record);
 

@@ -190,8 +190,10 @@ std::vector<ContactRow> read_contacts_csv(const std::string& file, std::string* 
       marked = true;
       const std::string mark = text.substr(kIncompleteMark.size());
       if (!incomplete)
-        throw InputError(file, "line", line, "marks the file as incomplete (" + mark + "): compute the contacts again, or "
-                         "remove the line to use the steps that there are");
+        throw InputError(file, "line", line,
+                         "marks the file as incomplete (" + mark +
+                             "): compute the contacts again, or "
+                             "remove the line to use the steps that there are");
       *incomplete = mark;
     } else {
       rows.push_back(RowParser(file, line, text).parse(*header));

@@ -3,9 +3,9 @@
 //     step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start
 //
 // step is the index k of the motion k -> k+1. Kind VF: a = vertex, b < c < d = triangle; kind EE: a < b, c < d, (a,b) <
-// (c,d); all are vertex ids. toi, normal and point have 17 significant digits, which give back the same double. at_start is 1 or
-// 0, as Contact::at_start. A file that ends before the last step asked for has a last line that begins with
-// kIncompleteMark and says which steps are complete, and why no more are.
+// (c,d); all are vertex ids. toi, normal and point have 17 significant digits, which give back the same double.
+// at_start is 1 or 0, as Contact::at_start. A file that ends before the last step asked for has a last line that begins
+// with kIncompleteMark and says which steps are complete, and why no more are.
 #pragma once
 
 #include <array>
@@ -59,9 +59,9 @@ class ContactsCsvWriter {
 
 /// Rows in the order of the file, which is also read without the columns nx .. at_start, and without at_start. A file
 /// marked as incomplete is an error, unless `incomplete` is given: it receives the mark, or is empty. Throws InputError
-/// (file, "line", number of the line from 1): another header, wrong number of fields, not a number, an unknown kind, ids
-/// not in the order above or a common vertex, toi outside [0, 1], a number that is not finite, at_start neither 0 nor 1, a
-/// last line without its end.
+/// (file, "line", number of the line from 1): another header, wrong number of fields, not a number, an unknown kind,
+/// ids not in the order above or a common vertex, toi outside [0, 1], a number that is not finite, at_start neither 0
+/// nor 1, a last line without its end.
 std::vector<ContactRow> read_contacts_csv(const std::string& file, std::string* incomplete = nullptr);
 
 }  // namespace volccd

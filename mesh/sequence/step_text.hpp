@@ -23,9 +23,9 @@ struct StepsDone {
 /// What the last line of a file starts with that ends before the last step asked for.
 inline constexpr std::string_view kIncompleteMark = "# incomplete: ";
 
-/// A header line, then the rows of each step. Atomic, or streamed (OutputFile); the header goes out with the first step,
-/// so that a stream that ends before is not taken for a whole file without rows. Throws InputError naming the file. One
-/// thread at a time.
+/// A header line, then the rows of each step. Atomic, or streamed (OutputFile); the header goes out with the first
+/// step, so that a stream that ends before is not taken for a whole file without rows. Throws InputError naming the
+/// file. One thread at a time.
 class StepTextWriter {
  public:
   StepTextWriter(const std::string& file, std::string_view header);

@@ -42,7 +42,10 @@ struct SequenceWriter::Impl {
   };
 
   Impl(const std::string& file, std::span<const std::int64_t> ids, SequenceMetadata given)
-      : target(file, kSequenceIsNoStream), output(target.temporary(), file), metadata(std::move(given)), point_ids(wide(ids)) {}
+      : target(file, kSequenceIsNoStream),
+        output(target.temporary(), file),
+        metadata(std::move(given)),
+        point_ids(wide(ids)) {}
 
   void check(double time, std::span<const Vec3> points, const SequenceCells& cells, const StepFields& fields) const;
   void make_datasets(const SequenceCells& cells, const StepFields& fields);

@@ -26,8 +26,9 @@ struct StepFields {
 /// stored once for a run of steps with equal cells. A sequence with polytopes gets the face arrays of VTKHDF 2.5 and
 /// that version.
 ///
-/// Atomic, by the rules of OutputFile, and to regular files only: everything goes to a temporary name beside the target,
-/// which finish() brings to disk and renames. Without finish() nothing is left behind. Memory: buffers of a step, and the cells of the last.
+/// Atomic, by the rules of OutputFile, and to regular files only: everything goes to a temporary name beside the
+/// target, which finish() brings to disk and renames. Without finish() nothing is left behind. Memory: buffers of a
+/// step, and the cells of the last.
 ///
 /// Errors: InputError with `file` and the dataset, for what SequenceReader would refuse (a number that is not finite, a
 /// vertex out of range or twice in a cell, an id twice, a time that does not ascend, arrays of the wrong length) and

@@ -130,7 +130,8 @@ TEST_F(OutputFiles, DescriptorsAreWrittenTo) {
   ::close(descriptor);
   EXPECT_EQ(text_of(path("a")), "one two three");
   EXPECT_EQ(entries(), 2);
-  for (const char* name : {"-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"}) EXPECT_TRUE(is_standard_output(name)) << name;
+  for (const char* name : {"-", "/dev/stdout", "/dev/fd/1", "/proc/self/fd/1"})
+    EXPECT_TRUE(is_standard_output(name)) << name;
   for (const char* name : {"/dev/stderr", "/dev/null", "./-", ""}) EXPECT_FALSE(is_standard_output(name)) << name;
 }
 

@@ -30,8 +30,9 @@ TEST(StepText, KeepsCompleteStepsAndMarksThem) {
   EXPECT_FALSE(std::filesystem::exists(folder / "a"));
   const StepsDone kept = writer.finish_incomplete({3, 5, 9, "run.vtkhdf: VTKHDF/Points[7, 2]:\n\"bad\""});
   EXPECT_EQ(kept.done, 5);
-  EXPECT_EQ(text_of(folder / "a"),
-            "step,x\n3,1\n3,2\n# incomplete: steps 3 to 4 of 3 to 8 are complete; run.vtkhdf: VTKHDF/Points[7; 2]: 'bad'\n");
+  EXPECT_EQ(
+      text_of(folder / "a"),
+      "step,x\n3,1\n3,2\n# incomplete: steps 3 to 4 of 3 to 8 are complete; run.vtkhdf: VTKHDF/Points[7; 2]: 'bad'\n");
   EXPECT_THROW(writer.finish(), InputError);
 }
 
@@ -54,7 +55,8 @@ TEST(StepText, OnAFullDiskTheStepsThatFitAreKept) {
   for (int step = 0; step < 4; ++step) writer.write_step(step, row);
   EXPECT_THROW(writer.write_step(4, row), InputError);
   EXPECT_EQ(writer.finish_incomplete({0, 4, 9, "disk full"}).done, 2);
-  EXPECT_EQ(text_of(folder / "a"), "step\n" + row + row + "# incomplete: steps 0 to 1 of 0 to 8 are complete; disk full\n");
+  EXPECT_EQ(text_of(folder / "a"),
+            "step\n" + row + row + "# incomplete: steps 0 to 1 of 0 to 8 are complete; disk full\n");
 }
 
 TEST(StepText, AStepThatFailsLeavesNoRows) {

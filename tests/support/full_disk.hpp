@@ -14,7 +14,7 @@ class FullDisk {
  public:
   explicit FullDisk(std::int64_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {
     if (::getrlimit(RLIMIT_FSIZE, &before_) != 0) throw std::runtime_error("no limit on file sizes");
-    const struct rlimit limit{static_cast<rlim_t>(bytes), before_.rlim_max};
+    const struct rlimit limit { static_cast<rlim_t>(bytes), before_.rlim_max };
     if (::setrlimit(RLIMIT_FSIZE, &limit) != 0) throw std::runtime_error("no limit on file sizes");
   }
   ~FullDisk() {
@@ -26,7 +26,7 @@ class FullDisk {
 
  private:
   void (*handler_)(int);
-  struct rlimit before_{};
+  struct rlimit before_ {};
 };
 
 }  // namespace volccd::test

@@ -52,8 +52,7 @@ void GrowingDataset::append_raw(const void* values, std::size_t count, hid_t typ
   done = done && file_space && memory_space &&
          H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, added, nullptr) >= 0 &&
          H5Dwrite(id_.get(), type, memory_space.get(), file_space.get(), H5P_DEFAULT, values) >= 0;
-  if (!done || *write_error_ != 0)
-    throw InputError(file_, path_, rows_, "cannot be written" + reason(*write_error_));
+  if (!done || *write_error_ != 0) throw InputError(file_, path_, rows_, "cannot be written" + reason(*write_error_));
   rows_ += static_cast<std::int64_t>(added[0]);
 }
 

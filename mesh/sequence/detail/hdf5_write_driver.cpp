@@ -46,7 +46,7 @@ H5FD_t* open_file(const char* name, unsigned flags, hid_t access, haddr_t) {
   if ((flags & H5F_ACC_CREAT) != 0) mode |= O_CREAT;
   if ((flags & H5F_ACC_TRUNC) != 0) mode |= O_TRUNC;
   const int descriptor = ::open(name, mode | O_CLOEXEC, 0666);
-  struct stat status{};
+  struct stat status {};
   if (descriptor < 0 || ::fstat(descriptor, &status) != 0) {
     if (*info->error == 0) *info->error = errno;
     if (descriptor >= 0) ::close(descriptor);
