@@ -189,8 +189,8 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
       "Every registered pipeline must find the contacts of the reference, bit for bit. Where FCL finds two elements\n"
       "overlapping at t = 1/4, 1/2, 3/4 or 1, they overlapped at t = 0 or must have a contact by then.\n"
       "All pipelines must list the same initial overlaps, all that FCL finds at t = 0 and none that is clearly apart.\n"
-      "Exit code 1 if anything differs. Ctrl-C ends the step at hand; the steps before are reported, with exit code "
-      "130.\n"
+      "Exit code 1 if anything differs. Ctrl-C abandons the step at hand and reports those before:\n"
+      "exit code 130.\n"
       "Examples:\n"
       "  volccd verify run.vtkhdf\n"
       "  volccd verify run.vtkhdf --steps 0:2 --threads 2 --no-fcl");
