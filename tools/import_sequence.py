@@ -28,7 +28,10 @@ Examples:
   import_sequence.py a.inp b.inp -o run.vtkhdf --times 0,0.5 --sets Bolt,Plate
   import_sequence.py cloth_*.ply -o cloth.vtkhdf --sort natural --velocity vx,vy,vz --thickness 0.001
 
-Needs python3-meshio and python3-h5py. Exit code: 0 written, 2 bad input or usage; then nothing is left behind.
+The output is a regular file and none of the inputs; a symbolic link stays, and its target is replaced.
+
+Needs python3-meshio and python3-h5py. Exit code: 0 written, 2 bad input, output or usage, 130 interrupted; then nothing is
+left behind, and what was there before stays.
 """
 
 import argparse
@@ -38,6 +41,7 @@ import io
 import itertools
 import os
 import re
+import stat
 import sys
 import tempfile
 
@@ -596,6 +600,65 @@ def times_of(files, options, found):
 # ---------------------------------------------------------------------------------------------- writing
 
 
+def output_path(name, inputs):
+    """The file, there or not yet, that the output `name` leads to: links are followed, so that they stay."""
+    target = os.path.realpath(name)
+    if os.path.isdir(name):
+        raise BadInput(name, "", "cannot be written: it is a folder")
+    there = os.path.exists(name)
+    stream = name == "-" or (there and not os.path.isfile(name))
+    with contextlib.suppress(OSError):  # where a shell's > goes
+        stream = stream or (there and os.path.samestat(os.stat(name), os.fstat(1)))
+    if stream:
+        raise BadInput(name, "", "is not a regular file: a sequence (HDF5) is not written from front to back; give the name of "
+                       "a file")
+    for file in inputs:
+        if os.path.realpath(file) == target or (there and os.path.exists(file) and os.path.samefile(file, target)):
+            raise BadInput(name, "", f"is the input {file}: give another name; nothing has been written")
+    if there and not os.access(target, os.W_OK):
+        raise BadInput(name, "", "cannot be written: Permission denied")
+    return target
+
+
+class Sink(io.FileIO):
+    """A file for h5py whose failures HDF5 does not see: HDF5 1.10 cannot close a file whose buffers cannot be written, and
+    crashes when the process ends. `check` raises what went wrong first, as a message about `shown_as`."""
+
+    def __init__(self, path, shown_as):
+        self.shown_as, self.error = shown_as, None
+        try:
+            super().__init__(path, "w+")
+        except OSError as error:
+            raise BadInput(shown_as, "", f"cannot be written: {error.strerror}") from error
+
+    def write(self, data):
+        rest = memoryview(data).cast("B")
+        try:
+            while self.error is None and len(rest) > 0:
+                rest = rest[super().write(rest):]
+        except OSError as error:
+            self.error = error
+        return memoryview(data).nbytes
+
+    def truncate(self, size=None):
+        try:
+            return super().truncate(size)
+        except OSError as error:
+            self.error = self.error or error
+            return size
+
+    def check(self):
+        if self.error is not None:
+            raise BadInput(self.shown_as, "", f"cannot be written: {self.error.strerror}")
+
+    def to_disk(self):
+        self.check()
+        try:
+            os.fsync(self.fileno())
+        except OSError as error:
+            raise BadInput(self.shown_as, "", f"cannot be brought to disk: {error.strerror}") from error
+
+
 class Writer:
     """The layout of docs/sequence_files.md, a step at a time."""
 
@@ -673,7 +736,8 @@ def about_of(options, first, files):
             "TimeUnit": options.time_unit, "Parts": names}
 
 
-def import_files(files, options, output):
+def import_files(files, options, output, check):
+    """`check`: raises if what has been written so far has not arrived."""
     union, found = Union(), []
     # Files are read twice rather than kept: a run may be larger than memory.
     first = None
@@ -689,6 +753,7 @@ def import_files(files, options, output):
         first = step if not shapes else first
         check_same(step, first, file)
         writer.add(step)
+        check()
         shapes.append(len(step.types))
         notes += [f"{file}: {note}" for note in step.notes if not notes]
     writer.finish(times, union.ids, len(union.places), about_of(options, first, files))
@@ -721,19 +786,29 @@ def parse_arguments(arguments):
 
 def main(arguments):
     options = parse_arguments(arguments)
-    folder, name = os.path.split(os.path.abspath(options.output))
-    temporary = os.path.join(folder, f".{name}.{os.getpid()}.tmp")
+    temporary = None
     try:
         files = order_files(options.files, options.sort)
-        with h5py.File(temporary, "w") as output:
-            notes, summary = import_files(files, options, output)
-        os.replace(temporary, options.output)
+        target = output_path(options.output, files)
+        name = f"{target}.{os.getpid()}.tmp"
+        with Sink(name, options.output) as sink:
+            temporary = name
+            if os.path.exists(target):
+                os.chmod(temporary, stat.S_IMODE(os.stat(target).st_mode))
+            with h5py.File(sink, "w") as output:
+                notes, summary = import_files(files, options, output, sink.check)
+            sink.to_disk()
+        os.replace(temporary, target)
     except (BadInput, OSError, MemoryError) as problem:
         print(f"import_sequence.py: {problem}", file=sys.stderr)
         return 2
+    except KeyboardInterrupt:
+        print(f"import_sequence.py: interrupted; nothing has been written to {options.output}", file=sys.stderr)
+        return 130
     finally:
-        with contextlib.suppress(FileNotFoundError):
-            os.remove(temporary)
+        if temporary:
+            with contextlib.suppress(FileNotFoundError):
+                os.remove(temporary)
     for note in notes:
         print(f"import_sequence.py: {note}", file=sys.stderr)
     print(f"{options.output}: {summary}")

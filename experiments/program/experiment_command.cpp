@@ -3,10 +3,12 @@
 
 #include <fmt/format.h>
 
+#include <volccd/core/output_file.hpp>
 #include <volccd/experiments/program/commands.hpp>
+#include <volccd/experiments/program/output_plan.hpp>
 #include <volccd/experiments/program/progress.hpp>
 #include <volccd/experiments/program/scene_files.hpp>
-#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/experiments/program/step_loop.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/scenes/shared_data.hpp>
 #include <volccd/experiments/scenes/simulated/bake.hpp>
@@ -35,35 +37,70 @@ std::string projectile_sequence(const std::filesystem::path& folder) {
   return standin.string();
 }
 
+void make_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) throw InputError(folder, "", "is the folder for records and cannot be made: " + error.message());
+}
+
+std::string record_file(const ExperimentOptions& options, const std::string& name, const char* suffix) {
+  return (std::filesystem::path(options.output) / (name + suffix)).string();
+}
+
+/// Before anything is measured.
+void check_outputs(const ExperimentOptions& options, const std::string& name, const std::string& input = {}) {
+  OutputPlan plan;
+  plan.input("the sequence", input);
+  for (const char* suffix : {".json", ".txt", ".incomplete.json", ".incomplete.txt"})
+    plan.output("-o", record_file(options, name, suffix));
+  plan.check();
+}
+
+/// Prints the tables and writes them and the record: an incomplete one never in the place of a whole one of another
+/// run.
+void keep(const ExperimentOptions& options, const std::string& name, const nlohmann::json& record,
+          const std::string& tables, bool complete) {
+  const std::string file = record_file(options, name, complete ? ".json" : ".incomplete.json");
+  fmt::print("{}\n", tables);  // first: a disk that is full does not take them
+  write_text_file(file, record.dump(complete && record.is_array() ? 1 : 2) + "\n");
+  write_text_file(record_file(options, name, complete ? ".txt" : ".incomplete.txt"), tables);
+  fmt::print("record: {}\n", file);
+}
+
 int run_projectile(const ExperimentOptions& options, const Registry& registry) {
-  std::filesystem::create_directories(options.output);
-  SequenceReader reader(projectile_sequence(options.output));
+  const InterruptGuard guard;
+  make_folder(options.output);
+  const std::string file = projectile_sequence(options.output);
+  check_outputs(options, "projectile", file);
+  SequenceReader reader(file);
   SequenceStepper stepper(reader);
   ComparisonConfig config;
   config.sequence = reader.file();
   config.rounds = options.full ? 5 : 1;
-  config.threads = options.threads;
-  const InterruptGuard guard;
+  const auto executor = make_interruptible_executor(options.threads);
   ComparisonRecord record;
-  {
+  keep_complete_steps(record.compared, [&] {
     std::unique_ptr<Progress> progress;
     config.progress = [&](std::size_t done, std::size_t total) {
       if (!progress) progress = std::make_unique<Progress>("comparing pipelines, run", total);
       progress->advance(done);
-      return InterruptGuard::interrupted();
+      InterruptGuard::check();
     };
-    record = compare_pipelines(registry, stepper, config);
-  }
+    compare_pipelines(registry, stepper, config, *executor, record);
+  });
+  const bool complete = record.compared.complete();
   const std::string tables = fmt::format(
-      "{}\n{} motions, {} round(s) interleaved, {} thread(s); time: median over motions; counts: sum of all motions\n\n"
+      "{}\n{} motions, {} round(s) interleaved, {} thread(s); time: median over motions; counts: sum of all "
+      "motions\n{}\n"
       "{}\n{}",
-      reader.metadata().title.empty() ? reader.file() : reader.metadata().title, stepper.motion_count(), record.rounds,
-      record.threads, comparison_table(record), share_table(record));
-  const std::filesystem::path folder = options.output;
-  write_text_file((folder / "projectile.json").string(), record.to_json().dump(2) + "\n");
-  write_text_file((folder / "projectile.txt").string(), tables);
-  fmt::print("{}\nrecord: {}\n", tables, (folder / "projectile.json").string());
-  if (InterruptGuard::interrupted()) return kInterrupted;
+      reader.metadata().title.empty() ? reader.file() : reader.metadata().title, record.compared.done, record.rounds,
+      record.threads, complete ? "" : "incomplete: " + record.compared.text() + "\n", comparison_table(record),
+      share_table(record));
+  keep(options, "projectile", record.to_json(), tables, complete);
+  if (!complete) {
+    fmt::print(stderr, "volccd: incomplete: {}\n", record.compared.text());
+    return exit_code(record.compared);
+  }
   for (const PipelineRecord& pipeline : record.pipelines)
     if (!pipeline.same_contacts) {
       fmt::print(stderr, "volccd: {} found other contacts than {}\n", pipeline.name, record.pipelines.front().name);
@@ -86,36 +123,54 @@ Baked bake_for(const ExperimentOptions& options, const SimulatedScene& scene, Ex
   return {*file, bake_record_file(scene, settings)};
 }
 
-int keep(const ExperimentOptions& options, const std::string& name, const std::vector<nlohmann::json>& records,
-         const std::string& table) {
-  const std::filesystem::path folder = options.output;
-  std::filesystem::create_directories(folder);
-  write_text_file((folder / (name + ".json")).string(), nlohmann::json(records).dump(1) + "\n");
-  write_text_file((folder / (name + ".txt")).string(), table);
-  fmt::print("{}\nrecord: {}\n", table, (folder / (name + ".json")).string());
-  return kDone;
+/// A record for each scene that is `wanted`. Those that are complete are kept when one fails or is interrupted.
+int run_on_scenes(const ExperimentOptions& options, const std::string& name, bool (*wanted)(const SimulatedScene&),
+                  RecordOfScene measure, std::string (*table)(const std::vector<nlohmann::json>&)) {
+  const InterruptGuard guard;
+  make_folder(options.output);
+  check_outputs(options, name);
+  const auto executor = make_executor(options.threads);
+  std::vector<nlohmann::json> records;
+  std::string stopped_by;
+  int code = kDone;
+  const auto stop = [&](const Error& error, int exit) {
+    if (records.empty()) throw;
+    stopped_by = error.what();
+    code = exit;
+  };
+  try {
+    for (const SimulatedScene& scene : simulated_scenes()) {
+      if (!wanted(scene)) continue;
+      const Baked baked = bake_for(options, scene, *executor);
+      records.push_back(record_with_progress(scene.name, baked.file, baked.record, options.threads, measure));
+    }
+  } catch (const Interrupted& error) {
+    stop(error, kInterrupted);
+  } catch (const Error& error) {
+    stop(error, kBadInput);
+  }
+  if (code == kDone) {
+    keep(options, name, records, table(records), true);
+    return kDone;
+  }
+  const std::string text = fmt::format("{} scene(s) are complete; {}", records.size(), stopped_by);
+  keep(options, name, {{"complete", false}, {"stopped_by", stopped_by}, {"records", records}},
+       fmt::format("incomplete: {}\n\n{}", text, table(records)), false);
+  fmt::print(stderr, "volccd: incomplete: {}\n", text);
+  return code;
 }
 
 int run_scenes(const ExperimentOptions& options, const Registry&) {
-  const auto executor = make_executor(options.threads);
-  std::vector<nlohmann::json> records;
-  for (const SimulatedScene& scene : simulated_scenes()) {
-    if (!scene.variant_of.empty()) continue;
-    const Baked baked = bake_for(options, scene, *executor);
-    records.push_back(record_with_progress(scene.name, baked.file, baked.record, *executor, scene_record));
-  }
-  return keep(options, "scenes", records, scene_table(records));
+  return run_on_scenes(
+      options, "scenes", [](const SimulatedScene& scene) { return scene.variant_of.empty(); }, scene_record,
+      scene_table);
 }
 
 int run_feature_sets(const ExperimentOptions& options, const Registry&) {
-  const auto executor = make_executor(options.threads);
-  std::vector<nlohmann::json> records;
-  for (const SimulatedScene& scene : simulated_scenes()) {
-    if (scene.name != "bullet" && scene.variant_of != "bullet") continue;
-    const Baked baked = bake_for(options, scene, *executor);
-    records.push_back(record_with_progress(scene.name, baked.file, baked.record, *executor, feature_set_record));
-  }
-  return keep(options, "feature_sets", records, feature_set_table(records));
+  return run_on_scenes(
+      options, "feature_sets",
+      [](const SimulatedScene& scene) { return scene.name == "bullet" || scene.variant_of == "bullet"; },
+      feature_set_record, feature_set_table);
 }
 
 struct Experiment {
@@ -168,6 +223,7 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
   run_command->add_flag("--full", options->full, "five rounds")->excludes("--quick");
   run_command->add_option("--threads", options->threads, "0: as many as the machine has")->capture_default_str();
   run_command->footer(
+      "Ctrl-C or an error keeps what was complete as NAME.incomplete.json and .txt; a whole record stays as it was.\n"
       "Examples:\n"
       "  volccd experiment run projectile --quick -o results/\n"
       "  volccd experiment run scenes --threads 2 -o results/\n"

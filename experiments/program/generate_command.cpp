@@ -6,12 +6,16 @@
 
 #include <fmt/format.h>
 
+#include <volccd/core/output_file.hpp>
 #include <volccd/experiments/program/commands.hpp>
+#include <volccd/experiments/program/output_plan.hpp>
 #include <volccd/experiments/program/scene_files.hpp>
+#include <volccd/experiments/program/step_loop.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/scenes/sequences.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
+#include <volccd/mesh/sequence/writer.hpp>
 
 namespace volccd {
 
@@ -53,18 +57,32 @@ void refuse_other_options(const GenerateOptions& options, const OptionValues& va
   if (!options.mesh.empty()) throw ConfigError(fmt::format("scene {} takes no mesh", options.name));
 }
 
+/// Refuses, before anything is computed, outputs that are inputs or cannot be written. `source`: the file that is
+/// copied, or empty.
+void check_outputs(const GenerateOptions& options, const std::string& source) {
+  OutputPlan plan;
+  plan.input("--mesh", options.mesh);
+  plan.input(options.name, source);
+  plan.output("-o", options.output, kSequenceIsNoStream);
+  plan.output("--stats", options.stats);
+  plan.check();
+}
+
+std::FILE* report_of(const GenerateOptions& options) { return is_standard_output(options.stats) ? stderr : stdout; }
+
 void write_stats(const GenerateOptions& options, const std::string& bake_record) {
   if (options.stats.empty()) return;
-  const auto executor = make_executor(options.threads);
-  write_text_file(
-      options.stats,
-      record_with_progress(options.name, options.output, bake_record, *executor, scene_record).dump(1) + "\n");
+  const InterruptGuard guard;
+  OutputFile file(options.stats);
+  file.write(record_with_progress(options.name, options.output, bake_record, options.threads, scene_record).dump(1) +
+             "\n");
+  file.commit();
 }
 
 void print_generated(const GenerateOptions& options) {
   SequenceReader reader(options.output);
-  fmt::print("{}: {} frames, {} elements at first, {} at last, {} vertices, written to {}\n", options.name,
-             reader.step_count(), reader.cell_count(0), reader.cell_count(reader.step_count() - 1),
+  fmt::print(report_of(options), "{}: {} frames, {} elements at first, {} at last, {} vertices, written to {}\n",
+             options.name, reader.step_count(), reader.cell_count(0), reader.cell_count(reader.step_count() - 1),
              reader.point_count(), options.output);
 }
 
@@ -76,6 +94,7 @@ int generate_simulated(const GenerateOptions& options, const SimulatedScene& sce
   settings.elements = option_number(values, "elements", options.quick ? scene.quick_elements : 0);
   settings.frames = option_number(values, "steps", 0);
   settings.seed = option_number<std::uint64_t>(values, "seed", 1);
+  check_outputs(options, baked_file(scene, settings));
   {
     const auto executor = make_executor(options.threads);
     BakeProgress progress(scene.name);
@@ -91,6 +110,7 @@ int generate_simulated(const GenerateOptions& options, const SimulatedScene& sce
 int generate_external(const GenerateOptions& options, const ExternalScene& scene) {
   refuse_other_options(options, options.given(), {});
   if (options.quick) throw ConfigError(fmt::format("scene {} has one size", scene.name));
+  check_outputs(options, external_scene_file(scene));
   copy_file_whole(external_scene_file(scene), options.output);
   print_generated(options);
   write_stats(options, "");
@@ -101,13 +121,29 @@ int generate_computed(const GenerateOptions& options) {
   if (options.quick) throw ConfigError(fmt::format("scene {} has no quick size: use --elements", options.name));
   std::unique_ptr<Scene> scene;
   if (options.mesh.empty()) {
+    check_outputs(options, "");
     scene = make_scene(options.name, options.given());
   } else {
-    const Shape mesh = shape_from_file(sequence_file(options.mesh, options.threads), options.mesh_step);
+    const std::string file = sequence_file(options.mesh, options.threads);
+    check_outputs(options, file);
+    const Shape mesh = shape_from_file(file, options.mesh_step);
     scene = make_scene(options.name, options.given(), &mesh);
   }
-  write_scene(*scene, options.output);
+  const InterruptGuard guard;
+  StepsDone steps;
+  {
+    Progress progress("computing " + options.name + ", frame", static_cast<std::size_t>(scene->frames()));
+    steps = write_scene(*scene, options.output, [&](int done) {
+      progress.advance(static_cast<std::size_t>(done));
+      return !InterruptGuard::interrupted();
+    });
+  }
+  if (steps.done == 0) throw Interrupted("interrupted before the first frame was complete: nothing has been written");
   print_generated(options);
+  if (!steps.complete()) {
+    print_incomplete(steps, report_of(options));
+    return exit_code(steps);
+  }
   write_stats(options, "");
   return kDone;
 }

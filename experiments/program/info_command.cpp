@@ -10,6 +10,7 @@
 #include <volccd/experiments/program/progress.hpp>
 #include <volccd/experiments/program/query_options.hpp>
 #include <volccd/experiments/program/scene_files.hpp>
+#include <volccd/experiments/program/step_loop.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
 
@@ -74,6 +75,7 @@ void print_header(SequenceReader& reader) {
   line("license", about.license);
   line("units", about.units);
   line("time unit", about.time_unit);
+  line("INCOMPLETE", about.incomplete);
   line("steps", fmt::format("{}, times {:g} to {:g}", reader.step_count(), reader.time(0),
                             reader.time(reader.step_count() - 1)));
   line("points", grouped(reader.point_count()));
@@ -136,19 +138,17 @@ int info(const SequenceOptions& options) {
   const StepRange range = parse_steps(options.steps, stepper.motion_count(), options.file);
   TextTable table({"motion", "time", "elements", "mean edge", "moved: median", "99 %", "largest"});
   const InterruptGuard guard;
-  {
-    Progress progress("reading, step", static_cast<std::size_t>(range.end - range.begin));
-    for (int k = range.begin; k < range.end && !InterruptGuard::interrupted(); ++k) {
-      stepper.go_to(k);
-      const MotionFacts facts = motion_facts(stepper.topology(), stepper.motion());
-      table.add({std::to_string(k), fmt::format("{:g}", reader.time(k)), grouped(stepper.topology().mesh().element_count()),
-                 fmt::format("{:.4g}", facts.mean_edge), fmt::format("{:.3f}", facts.median),
-                 fmt::format("{:.3f}", facts.p99), fmt::format("{:.3f}", facts.largest)});
-      progress.advance(static_cast<std::size_t>(k + 1 - range.begin));
-    }
-  }
+  const StepsDone steps = run_steps("reading, step", range, [&](int k) {
+    stepper.go_to(k);
+    const MotionFacts facts = motion_facts(stepper.topology(), stepper.motion());
+    table.add({std::to_string(k), fmt::format("{:g}", reader.time(k)),
+               grouped(stepper.topology().mesh().element_count()), fmt::format("{:.4g}", facts.mean_edge),
+               fmt::format("{:.3f}", facts.median), fmt::format("{:.3f}", facts.p99),
+               fmt::format("{:.3f}", facts.largest)});
+  });
   fmt::print("\nmotions (distances moved in mean edges)\n{}", table.text());
-  return InterruptGuard::interrupted() ? kInterrupted : kDone;
+  print_incomplete(steps, stdout);
+  return exit_code(steps);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include <volccd/experiments/pictures/sequence_picture.hpp>
 #include <volccd/experiments/program/commands.hpp>
+#include <volccd/experiments/program/output_plan.hpp>
 #include <volccd/experiments/program/scene_files.hpp>
 
 namespace volccd {
@@ -76,9 +77,14 @@ int draw_picture(const PictureOptions& options) {
   }
   const std::vector<PicturePanel> panels = panels_of(options);
   if (config.columns == 0 && options.files.size() > 1) config.columns = static_cast<int>(options.files.size());
+  OutputPlan plan;
+  for (const std::string& file : options.files) plan.input("FILE", file);
+  for (const std::string& file : options.contact_files) plan.input("--contacts-from", file);
+  plan.output("-o", options.output);
+  plan.check();
   const Image image = draw_sequences(panels, config);
   write_png(image, options.output);
-  fmt::print("{} x {} pixels written to {}\n", image.width(), image.height(), options.output);
+  fmt::print(plan.report(), "{} x {} pixels written to {}\n", image.width(), image.height(), options.output);
   return kDone;
 }
 
@@ -161,7 +167,9 @@ void add_picture_command(CLI::App& scene, Action& action) {
       ->required()
       ->type_name("");
   command->add_option("--step", options->steps, "K, or K,L,M: one panel each")->type_name("K")->capture_default_str();
-  command->add_option("-o,--output", options->output, "picture to write (PNG)")->required()->type_name("FILE");
+  command->add_option("-o,--output", options->output, "picture to write (PNG); `-`: to the standard output")
+      ->required()
+      ->type_name("FILE");
   add_picture_view(*command, *options);
   add_picture_content(*command, *options);
   command->footer(

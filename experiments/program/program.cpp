@@ -1,6 +1,9 @@
 #include <volccd/experiments/program/program.hpp>
 
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
+#include <exception>
 #include <new>
 
 #include <fmt/format.h>
@@ -25,6 +28,14 @@ void check_command(const CLI::App& app, int argc, const char* const* argv) {
   throw ConfigError(fmt::format("no command '{}'; there are {}", argv[1], known));
 }
 
+/// False, with a message, if the standard output could not be written: the report would be lost unnoticed.
+bool flush_output() {
+  const bool failed = std::ferror(stdout) != 0;
+  if (std::fflush(stdout) == 0 && !failed) return true;
+  fmt::print(stderr, "volccd: standard output: cannot be written: {}\n", std::strerror(errno));
+  return false;
+}
+
 }  // namespace
 
 int program(int argc, const char* const* argv, const Registry& registry) {
@@ -40,7 +51,8 @@ int program(int argc, const char* const* argv, const Registry& registry) {
       "  volccd verify run.vtkhdf                       all pipelines against each other and against FCL\n"
       "  volccd queries ccd-queries.h5                  elementary tests on queries with known answers\n"
       "  volccd COMMAND --help                          options and examples of a command\n\n"
-      "Exit codes: 0 done, 1 verify found a difference or a query was missed, 2 bad input, 130 interrupted.");
+      "Exit codes: 0 done, 1 verify found a difference or a query was missed, 2 bad input or\n"
+      "output, 130 interrupted. What was complete before an error or Ctrl-C is kept, and marked as incomplete.");
   Action action;
   add_info_command(app, action);
   add_detect_command(app, registry, action);
@@ -52,7 +64,8 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   try {
     check_command(app, argc, argv);
     app.parse(argc, argv);
-    return action();
+    const int code = action();
+    return flush_output() ? code : kBadInput;
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return code == 0 ? kDone : kBadInput;
@@ -63,6 +76,8 @@ int program(int argc, const char* const* argv, const Registry& registry) {
     fmt::print(stderr, "volccd: {}\n", error.what());
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "volccd: out of memory\n");
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "volccd: {}\n", error.what());
   }
   return kBadInput;
 }

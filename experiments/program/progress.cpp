@@ -16,6 +16,7 @@ namespace {
 constexpr std::chrono::milliseconds kShortest(100);
 
 volatile std::sig_atomic_t interrupt_flag = 0;
+int guards = 0;  ///< that live; made and destroyed on the main thread
 
 void on_signal(int signal) {
   if (interrupt_flag) {
@@ -24,6 +25,25 @@ void on_signal(int signal) {
   }
   interrupt_flag = 1;
 }
+
+class InterruptibleExecutor final : public Executor {
+ public:
+  explicit InterruptibleExecutor(std::unique_ptr<Executor> inner) : inner_(std::move(inner)) {}
+
+  unsigned workers() const override { return inner_->workers(); }
+
+  void parallel_for(std::size_t n, std::size_t grain, Body body) override {
+    InterruptGuard::check();
+    inner_->parallel_for(n, grain, [&](std::size_t begin, std::size_t end, unsigned worker) {
+      InterruptGuard::check();
+      body(begin, end, worker);
+    });
+    InterruptGuard::check();
+  }
+
+ private:
+  std::unique_ptr<Executor> inner_;
+};
 }  // namespace
 
 Progress::Progress(std::string what, std::size_t total)
@@ -55,16 +75,26 @@ void Progress::advance(std::size_t done, double share) {
 }
 
 InterruptGuard::InterruptGuard() {
+  if (guards++ > 0) return;
   interrupt_flag = 0;
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
 }
 
 InterruptGuard::~InterruptGuard() {
+  if (--guards > 0) return;
   std::signal(SIGINT, SIG_DFL);
   std::signal(SIGTERM, SIG_DFL);
 }
 
 bool InterruptGuard::interrupted() { return interrupt_flag != 0; }
+
+void InterruptGuard::check() {
+  if (interrupted()) throw Interrupted(kStoppedByUser);
+}
+
+std::unique_ptr<Executor> make_interruptible_executor(unsigned threads) {
+  return std::make_unique<InterruptibleExecutor>(make_executor(threads));
+}
 
 }  // namespace volccd

@@ -1,9 +1,13 @@
-// Progress of long work on a terminal, silence in a pipe; and Ctrl-C as a flag.
+// Progress of long work on a terminal, silence in a pipe; and Ctrl-C, which stops work and keeps what is complete.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
+#include <memory>
 #include <string>
+
+#include <volccd/core/error.hpp>
+#include <volccd/core/executor.hpp>
 
 namespace volccd {
 
@@ -25,8 +29,18 @@ class Progress {
   std::chrono::steady_clock::time_point start_, shown_;
 };
 
-/// While it lives, Ctrl-C (SIGINT) and SIGTERM set a flag instead of ending the process: long work looks at it between steps,
-/// ends what it is at, writes what is finished, and exits with 130. A second signal ends at once.
+/// The user stopped the work; what is complete is kept. Exit code 130.
+class Interrupted : public Error {
+ public:
+  using Error::Error;
+};
+
+/// How a record that ends early says that it was the user.
+inline constexpr const char* kStoppedByUser = "interrupted";
+
+/// While one lives, Ctrl-C (SIGINT) and SIGTERM set a flag instead of ending the process: long work looks at it,
+/// abandons the step it is at, writes what is complete, and exits with 130. A second signal ends at once. Guards may be
+/// nested.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -35,6 +49,12 @@ class InterruptGuard {
   InterruptGuard& operator=(const InterruptGuard&) = delete;
 
   static bool interrupted();
+  /// Throws Interrupted if so.
+  static void check();
 };
+
+/// make_executor() for work under an InterruptGuard: after Ctrl-C no further chunk is begun, and parallel_for throws
+/// Interrupted. What the work has left half done must then be thrown away.
+std::unique_ptr<Executor> make_interruptible_executor(unsigned threads);
 
 }  // namespace volccd

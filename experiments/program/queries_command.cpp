@@ -49,49 +49,68 @@ StepRange motions_of(const QueriesOptions& options) {
   return parse_steps(steps, reader.step_count() - 1, file);
 }
 
-/// One motion, or a query file. `advance` is told a percentage.
+/// One motion, or a query file: adds its groups to `record`. `advance` is told a percentage.
 template <class Advance>
-QueryRecord compare_on_motion(const QueriesOptions& options, const Registry& registry, int motion, Advance&& advance) {
+void compare_on_motion(const QueriesOptions& options, const Registry& registry, int motion, Advance&& advance,
+                       QueryRecord& record) {
   QuerySourceConfig source = options.source;
   source.motion = motion;
   source.stepper = options.sequence.stepper();
+  source.check = InterruptGuard::check;
   std::vector<KnownQueries> groups = load_queries(options.sequence.file, source);
   if (!options.judge.empty())
-    for (KnownQueries& queries : groups) judge(registry, options.judge, queries);
+    for (KnownQueries& queries : groups) judge(registry, options.judge, queries, InterruptGuard::check);
   QueryComparisonConfig config = options.comparison;
-  config.progress = [&](std::size_t done, std::size_t total) {
-    advance(100 * done / total);
-    return InterruptGuard::interrupted();
-  };
-  QueryRecord record = compare_on_queries(registry, groups, config);
-  if (options.list) print_lists(record, groups);
-  return record;
+  config.progress = [&](std::size_t done, std::size_t total) { advance(100 * done / total); };
+  config.check = InterruptGuard::check;
+  const std::size_t before = record.groups.size();
+  compare_on_queries(registry, groups, config, record);
+  if (!options.list) return;
+  QueryRecord one = record;
+  one.groups.erase(one.groups.begin(), one.groups.begin() + static_cast<std::ptrdiff_t>(before));
+  print_lists(one, groups);
+}
+
+/// All motions; the exit code. Groups that are complete are kept.
+int compare_on_motions(const QueriesOptions& options, const Registry& registry, QueryRecord& record) {
+  const StepRange range = motions_of(options);
+  Progress progress("testing queries, %", 100 * static_cast<std::size_t>(range.end - range.begin));
+  try {
+    for (int k = range.begin; k < range.end; ++k)
+      compare_on_motion(
+          options, registry, k,
+          [&](std::size_t percent) { progress.advance(100 * static_cast<std::size_t>(k - range.begin) + percent); },
+          record);
+  } catch (const Interrupted&) {
+    if (record.groups.empty())
+      throw Interrupted("interrupted before the first group of queries was complete: no result");
+    record.stopped_by = kStoppedByUser;
+    return kInterrupted;
+  } catch (const Error& error) {
+    if (record.groups.empty()) throw;
+    record.stopped_by = error.what();
+    return kBadInput;
+  }
+  return kDone;
 }
 
 int run(const QueriesOptions& options, const Registry& registry) {
-  const StepRange range = motions_of(options);
   const InterruptGuard guard;
   QueryRecord record;
-  {
-    Progress progress("testing queries, %", 100 * static_cast<std::size_t>(range.end - range.begin));
-    for (int k = range.begin; k < range.end && !InterruptGuard::interrupted(); ++k) {
-      QueryRecord one = compare_on_motion(options, registry, k, [&](std::size_t percent) {
-        progress.advance(100 * static_cast<std::size_t>(k - range.begin) + percent);
-      });
-      if (k > range.begin) {
-        std::move(one.groups.begin(), one.groups.end(), std::back_inserter(record.groups));
-      } else {
-        record = std::move(one);
-      }
-    }
-  }
+  const int code = compare_on_motions(options, registry, record);
   record.file = options.sequence.file;
+  const std::string incomplete =
+      fmt::format("incomplete: {} group(s) of queries are complete; {}\n", record.groups.size(), record.stopped_by);
   if (options.json) {
     fmt::print("{}\n", record.to_json().dump(2));
   } else {
     fmt::print("{}\n\n{}", record.file, query_table(record));
+    if (code != kDone) fmt::print("\n{}", incomplete);
   }
-  if (InterruptGuard::interrupted()) return kInterrupted;
+  if (code != kDone) {
+    fmt::print(stderr, "volccd: {}", incomplete);
+    return code;
+  }
   const std::vector<std::string> broken = record.broken_promises();
   for (const std::string& line : broken) fmt::print(stderr, "volccd: {}\n", line);
   return broken.empty() ? kDone : kDifferent;

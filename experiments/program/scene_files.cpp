@@ -1,5 +1,9 @@
 #include <volccd/experiments/program/scene_files.hpp>
 
+#include <cstdio>
+
+#include <fmt/format.h>
+
 #include <volccd/experiments/scenes/sequences.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
 
@@ -31,17 +35,26 @@ std::string sequence_file(const std::string& name_or_file, unsigned threads) {
   return *file;
 }
 
+void warn_of_incomplete(const SequenceReader& reader) {
+  if (const std::string& incomplete = reader.metadata().incomplete; !incomplete.empty())
+    fmt::print(stderr, "volccd: {} is incomplete: {}\n", reader.file(), incomplete);
+}
+
 nlohmann::json record_with_progress(const std::string& name, const std::string& sequence,
-                                    const std::string& bake_record, Executor& executor, RecordOfScene measure) {
+                                    const std::string& bake_record, unsigned threads, RecordOfScene measure) {
   const InterruptGuard guard;
+  const auto executor = make_interruptible_executor(threads);
   std::unique_ptr<Progress> progress;
-  const auto record = measure(name, sequence, bake_record, executor, [&](std::size_t done, std::size_t motions) {
-    if (!progress) progress = std::make_unique<Progress>(name + ": contacts and motion, step", motions);
-    progress->advance(done);
-    return !InterruptGuard::interrupted();
-  });
-  if (!record) throw Interrupted("stopped before the statistics were complete");
-  return *record;
+  try {
+    const auto record = measure(name, sequence, bake_record, *executor, [&](std::size_t done, std::size_t motions) {
+      if (!progress) progress = std::make_unique<Progress>(name + ": contacts and motion, step", motions);
+      progress->advance(done);
+      return !InterruptGuard::interrupted();
+    });
+    if (record) return *record;
+  } catch (const Interrupted&) {
+  }
+  throw Interrupted(name + ": stopped before the statistics were complete; none are written");
 }
 
 }  // namespace volccd

@@ -11,14 +11,9 @@
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/program/progress.hpp>
 #include <volccd/experiments/scenes/simulated/bake.hpp>
+#include <volccd/mesh/sequence/reader.hpp>
 
 namespace volccd {
-
-/// The user stopped the work; what is finished is kept. Exit code 130.
-class Interrupted : public Error {
- public:
-  using Error::Error;
-};
 
 /// Shows how far a bake is, within a frame as well, and how long it will take; stops it at Ctrl-C, after the step of
 /// the simulation that it is at. The frame begun is lost.
@@ -38,13 +33,16 @@ class BakeProgress {
 /// resolve_scene() with progress. `threads`: for baking; 0: as many as the machine has. Throws Interrupted as well.
 std::string sequence_file(const std::string& name_or_file, unsigned threads = 0);
 
+/// Says on stderr that a sequence ends before the last step that was meant for it, if it does.
+void warn_of_incomplete(const SequenceReader& reader);
+
 /// scene_record() or feature_set_record().
 using RecordOfScene = std::optional<nlohmann::json> (*)(
     const std::string& name, const std::string& sequence, const std::string& bake_record, Executor& executor,
     const std::function<bool(std::size_t done, std::size_t motions)>& go_on);
 
-/// With progress. Throws Interrupted as well.
+/// With progress, and its own executor, that stops within a step. Throws Interrupted as well.
 nlohmann::json record_with_progress(const std::string& name, const std::string& sequence,
-                                    const std::string& bake_record, Executor& executor, RecordOfScene measure);
+                                    const std::string& bake_record, unsigned threads, RecordOfScene measure);
 
 }  // namespace volccd

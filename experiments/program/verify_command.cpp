@@ -7,6 +7,7 @@
 #include <volccd/experiments/program/progress.hpp>
 #include <volccd/experiments/program/query_options.hpp>
 #include <volccd/experiments/program/scene_files.hpp>
+#include <volccd/experiments/program/step_loop.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/experiments/verify/verify.hpp>
 
@@ -100,51 +101,78 @@ std::string overlap_text(const StepVerdict& verdict) {
   return fmt::format("{} (FCL {})", grouped(verdict.initial_overlaps), grouped(verdict.initial.hits));
 }
 
-int verify(const VerifyOptions& options, const Registry& registry) {
-  SequenceReader reader(options.sequence.file);
-  SequenceStepper stepper(reader, options.sequence.stepper());
-  const StepRange range = parse_steps(options.sequence.steps, stepper.motion_count(), options.sequence.file);
-  const auto executor = make_executor(options.query.threads);
-  const ObjectFilter filter = options.query.filter();
-  VerifyConfig config = options.config;
-  if (options.no_fcl) config.fcl_times.clear();
-  Verifier verifier(registry, config);
-  bool clean = true;
-  TextTable table({"step", "reference", "contacts", "earliest t", "overlaps at 0", "pipelines that differ",
-                   "FCL violations of hits"});
-  // The truth is that of surfaces on straight lines and of all pairs.
-  const bool truth_fits = !options.no_truth && options.sequence.shells == "surface" && filter.trivial() &&
-                          options.query.separation == 0 && options.sequence.edges == "triangulated" &&
-                          options.sequence.motion == "linear";
-  const InterruptGuard guard;
-  {
-    Progress progress("verifying, step", static_cast<std::size_t>(range.end - range.begin));
-    for (int k = range.begin; k < range.end && !InterruptGuard::interrupted(); ++k) {
-      stepper.go_to(k);
-      if (k == range.begin) options.query.check(stepper);
-      const Mesh& mesh = stepper.topology().mesh();
-      std::vector<Contact> contacts;
-      const StepVerdict verdict = verifier.check(
-          {stepper.topology(), stepper.motion(), filter, options.query.separation}, *executor, &contacts);
-      std::string differ;
-      for (const PipelineVerdict& one : verdict.pipelines)
-        if (!one.same()) differ += (differ.empty() ? "" : ", ") + one.pipeline;
-      table.add({std::to_string(k), verdict.reference, grouped(verdict.contacts),
-                 std::isfinite(verdict.earliest_toi) ? fmt::format("{:.6f}", verdict.earliest_toi) : "-",
-                 overlap_text(verdict),
-                 differ.empty() ? fmt::format("none of {}", verdict.pipelines.size()) : differ, fcl_text(verdict)});
-      show_differences(k, verdict, mesh);
-      show_overlaps(k, verdict, mesh);
-      clean = clean && verdict.clean();
-      if (k == 0 && truth_fits) clean = check_truth(reader, mesh, contacts, config) && clean;
-      progress.advance(static_cast<std::size_t>(k + 1 - range.begin));
-    }
+/// Goes through the steps, and says of each what it found.
+class Verification {
+ public:
+  Verification(const VerifyOptions& options, const Registry& registry)
+      : options_(options),
+        config_(config_of(options)),
+        reader_(options.sequence.file),
+        stepper_(reader_, options.sequence.stepper()),
+        range_(parse_steps(options.sequence.steps, stepper_.motion_count(), options.sequence.file)),
+        executor_(make_interruptible_executor(options.query.threads)),
+        filter_(options.query.filter()),
+        verifier_(registry, config_),
+        // The truth is that of surfaces on straight lines and of all pairs.
+        truth_fits_(!options.no_truth && options.sequence.shells == "surface" && filter_.trivial() &&
+                    options.query.separation == 0 && options.sequence.edges == "triangulated" &&
+                    options.sequence.motion == "linear") {
+    warn_of_incomplete(reader_);
   }
-  fmt::print("{}", table.text());
-  if (InterruptGuard::interrupted()) return kInterrupted;
-  fmt::print("{}\n", clean ? "clean: no difference" : "DIFFERENCES FOUND");
-  return clean ? kDone : kDifferent;
-}
+
+  int run() {
+    const StepsDone steps = run_steps("verifying, step", range_, [this](int k) { run_step(k); });
+    fmt::print("{}", table_.text());
+    if (steps.complete()) {
+      fmt::print("{}\n", clean_ ? "clean: no difference" : "DIFFERENCES FOUND");
+      return clean_ ? kDone : kDifferent;
+    }
+    fmt::print("{} in these steps\n", clean_ ? "no difference" : "DIFFERENCES FOUND");
+    print_incomplete(steps, stdout);
+    return exit_code(steps);
+  }
+
+ private:
+  static VerifyConfig config_of(const VerifyOptions& options) {
+    VerifyConfig config = options.config;
+    if (options.no_fcl) config.fcl_times.clear();
+    return config;
+  }
+
+  void run_step(int k) {
+    stepper_.go_to(k);
+    if (k == range_.begin) options_.query.check(stepper_);
+    const Mesh& mesh = stepper_.topology().mesh();
+    std::vector<Contact> contacts;
+    const StepVerdict verdict = verifier_.check(
+        {stepper_.topology(), stepper_.motion(), filter_, options_.query.separation}, *executor_, &contacts);
+    std::string differ;
+    for (const PipelineVerdict& one : verdict.pipelines)
+      if (!one.same()) differ += (differ.empty() ? "" : ", ") + one.pipeline;
+    table_.add({std::to_string(k), verdict.reference, grouped(verdict.contacts),
+                std::isfinite(verdict.earliest_toi) ? fmt::format("{:.6f}", verdict.earliest_toi) : "-",
+                overlap_text(verdict), differ.empty() ? fmt::format("none of {}", verdict.pipelines.size()) : differ,
+                fcl_text(verdict)});
+    show_differences(k, verdict, mesh);
+    show_overlaps(k, verdict, mesh);
+    clean_ = clean_ && verdict.clean();
+    if (k == 0 && truth_fits_) clean_ = check_truth(reader_, mesh, contacts, config_) && clean_;
+  }
+
+  const InterruptGuard guard_;
+  const VerifyOptions& options_;
+  VerifyConfig config_;
+  SequenceReader reader_;
+  SequenceStepper stepper_;
+  StepRange range_;
+  std::unique_ptr<Executor> executor_;
+  ObjectFilter filter_;
+  Verifier verifier_;
+  bool truth_fits_;
+  bool clean_ = true;
+  TextTable table_{{"step", "reference", "contacts", "earliest t", "overlaps at 0", "pipelines that differ",
+                    "FCL violations of hits"}};
+};
 
 }  // namespace
 
@@ -163,14 +191,15 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
       "Every registered pipeline must find the contacts of the reference, bit for bit. Where FCL finds two elements\n"
       "overlapping at t = 1/4, 1/2, 3/4 or 1, they overlapped at t = 0 or must have a contact by then.\n"
       "All pipelines must list the same initial overlaps, all that FCL finds at t = 0 and none that is clearly apart.\n"
-      "Exit code 1 if anything differs.\n"
+      "Exit code 1 if anything differs. Ctrl-C abandons the step at hand and reports those before:\n"
+      "exit code 130.\n"
       "Examples:\n"
       "  volccd verify run.vtkhdf\n"
       "  volccd verify run.vtkhdf --steps 0:2 --threads 2 --no-fcl");
   command->callback([options, &registry, &action] {
     action = [options, &registry] {
       options->sequence.file = sequence_file(options->sequence.file);
-      return verify(*options, registry);
+      return Verification(*options, registry).run();
     };
   });
 }

@@ -90,21 +90,4 @@ nlohmann::json read_json_file(const std::string& path) {
   return record;
 }
 
-void write_text_file(const std::string& path, const std::string& text) {
-  const std::string temporary = path + ".tmp";
-  {
-    std::ofstream file(temporary, std::ios::binary);
-    file << text;
-    file.close();
-    if (!file) {
-      std::remove(temporary.c_str());
-      throw InputError(path, "", "cannot be written");
-    }
-  }
-  if (std::rename(temporary.c_str(), path.c_str()) != 0) {
-    std::remove(temporary.c_str());
-    throw InputError(path, "", "cannot be written");
-  }
-}
-
 }  // namespace volccd

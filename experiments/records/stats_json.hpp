@@ -21,7 +21,4 @@ nlohmann::json to_json(const Statistics& statistics);
 /// Null if `path` is empty. Throws InputError.
 nlohmann::json read_json_file(const std::string& path);
 
-/// Writes to a temporary name, then renames. Throws InputError.
-void write_text_file(const std::string& path, const std::string& text);
-
 }  // namespace volccd

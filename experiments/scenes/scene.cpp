@@ -20,16 +20,23 @@ std::vector<std::int64_t> first_ids(Index n) {
 
 }  // namespace
 
-void write_scene(const Scene& scene, const std::string& file) {
+StepsDone write_scene(const Scene& scene, const std::string& file, const std::function<bool(int done)>& go_on) {
+  StepsDone steps{0, 0, scene.frames()};
   SequenceWriter writer(file, first_ids(scene.vertex_count()), scene.metadata());
   std::vector<Vec3> points;
   SequenceCells cells;
   for (int frame = 0; frame < scene.frames(); ++frame) {
+    if (go_on && !go_on(frame)) {
+      steps.stopped_by = "interrupted";
+      break;
+    }
     scene.positions(frame, points);
     scene.cells(frame, cells);
     writer.write_step(scene.time(frame), points, cells);
+    steps.done = frame + 1;
   }
-  writer.finish();
+  if (steps.done > 0) writer.finish(steps.complete() ? std::string() : steps.text());
+  return steps;
 }
 
 Mesh scene_mesh(const Scene& scene, int frame) {

@@ -10,6 +10,7 @@
 #include <volccd/core/options.hpp>
 #include <volccd/mesh/sequence/cells.hpp>
 #include <volccd/mesh/sequence/metadata.hpp>
+#include <volccd/mesh/sequence/step_text.hpp>
 #include <volccd/mesh/shapes.hpp>
 
 namespace volccd {
@@ -33,8 +34,9 @@ class Scene {
   virtual void cells(int frame, SequenceCells& out) const = 0;
 };
 
-/// Writes all frames as a sequence file, a frame at a time. Throws what SequenceWriter throws.
-void write_scene(const Scene& scene, const std::string& file);
+/// Writes all frames as a sequence file, a frame at a time. `go_on` is asked before each frame; where it says false,
+/// the frames so far are kept, marked as incomplete, or nothing if there is none. Throws what SequenceWriter throws.
+StepsDone write_scene(const Scene& scene, const std::string& file, const std::function<bool(int done)>& go_on = {});
 
 /// The elements of a frame as a mesh: element i of cells() in slot i.
 Mesh scene_mesh(const Scene& scene, int frame);

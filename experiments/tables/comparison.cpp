@@ -66,10 +66,11 @@ double PipelineRecord::median_seconds() const {
   return median(seconds);
 }
 
-ComparisonRecord compare_pipelines(const Registry& registry, SequenceStepper& stepper, const ComparisonConfig& config) {
-  const std::unique_ptr<Executor> executor = make_executor(config.threads);
+void compare_pipelines(const Registry& registry, SequenceStepper& stepper, const ComparisonConfig& config,
+                       Executor& executor, ComparisonRecord& record) {
   const ObjectFilter everything;
-  ComparisonRecord record{config.sequence, config.rounds, config.threads, {}};
+  record = {config.sequence, config.rounds, executor.workers(), {}};
+  record.compared.end = stepper.motion_count();
   std::vector<std::unique_ptr<Contestant>> contestants;
   for (const std::string& name : config.pipelines) {
     contestants.push_back(std::make_unique<Contestant>(registry, name));
@@ -83,8 +84,8 @@ ComparisonRecord compare_pipelines(const Registry& registry, SequenceStepper& st
     const Step step{stepper.topology(), stepper.motion(), everything};
     for (int round = k == 0 ? -1 : 0; round < config.rounds; ++round)
       for (const auto& contestant : contestants) {
-        if (config.progress && config.progress(done, total)) return record;
-        contestant->pipeline.run(step, contestant->workspace, *executor, contestant->result);
+        if (config.progress) config.progress(done, total);
+        contestant->pipeline.run(step, contestant->workspace, executor, contestant->result);
         if (round < 0) continue;
         contestant->rounds.push_back(contestant->result.statistics);
         ++done;
@@ -96,8 +97,8 @@ ComparisonRecord compare_pipelines(const Registry& registry, SequenceStepper& st
       if (!compare_contacts(contestants[0]->result.contacts, contestants[i]->result.contacts).empty())
         pipeline.same_contacts = false;
     }
+    record.compared.done = k + 1;
   }
-  return record;
 }
 
 json ComparisonRecord::to_json() const {
@@ -112,6 +113,10 @@ json ComparisonRecord::to_json() const {
                     {"steps", steps}});
   }
   return {{"sequence", sequence},
+          {"complete", compared.complete()},
+          {"steps_asked", {compared.begin, compared.end}},
+          {"steps_done", compared.done - compared.begin},
+          {"stopped_by", compared.complete() ? json(nullptr) : json(compared.stopped_by)},
           {"rounds", rounds},
           {"threads", threads},
           {"machine", machine_facts()},

@@ -7,9 +7,10 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include <volccd/core/executor.hpp>
-#include <volccd/mesh/sequence/stepper.hpp>
 #include <nlohmann/json.hpp>
+#include <volccd/core/executor.hpp>
+#include <volccd/mesh/sequence/step_text.hpp>
+#include <volccd/mesh/sequence/stepper.hpp>
 
 #include <volccd/pipelines/pipeline.hpp>
 
@@ -34,6 +35,8 @@ struct ComparisonRecord {
   int rounds = 0;
   unsigned threads = 1;
   std::vector<PipelineRecord> pipelines;
+  /// Which steps have been compared, and why no more.
+  StepsDone compared = {};
 
   nlohmann::json to_json() const;  ///< with machine_facts()
 };
@@ -42,14 +45,16 @@ struct ComparisonConfig {
   std::string sequence;  ///< its name, for the record
   std::vector<std::string> pipelines = {"NavCCD", "HashCCD", "VolCCD", "VolCCD+"};
   int rounds = 1;
-  unsigned threads = 1;
-  /// Called before each run of a pipeline; return true to stop early: what is finished stays.
-  std::function<bool(std::size_t done, std::size_t total)> progress;
+  /// Called before each run of a pipeline; may throw to stop.
+  std::function<void(std::size_t done, std::size_t total)> progress;
 };
 
-/// For each motion, all pipelines in turn, `rounds` times (interleaved, so that a drifting machine hits all alike); every
-/// pipeline keeps its workspace from step to step. The first step is run once more beforehand, not counted (warm-up).
-ComparisonRecord compare_pipelines(const Registry& registry, SequenceStepper& stepper, const ComparisonConfig& config);
+/// For each motion, all pipelines in turn, `rounds` times (interleaved, so that a drifting machine hits all alike);
+/// every pipeline keeps its workspace from step to step. The first step is run once more beforehand, not counted
+/// (warm-up). `record` holds the steps that are complete, also when this throws: record.compared.stopped_by is left to
+/// the caller.
+void compare_pipelines(const Registry& registry, SequenceStepper& stepper, const ComparisonConfig& config,
+                       Executor& executor, ComparisonRecord& record);
 
 /// Time a step, speed-up, element pairs, tests, culling ratio (tests in per cent of NavCCD's), contacts, earliest time; the
 /// paper's printed row for the bullet beside it.

@@ -95,8 +95,8 @@ using Filters = std::vector<std::unique_ptr<FeatureFilter>>;
 /// A narrow phase behind the filters, with the buffers that a run needs.
 class QueryContestant {
  public:
-  QueryContestant(std::unique_ptr<NarrowPhase> narrow, const Filters& filters)
-      : narrow_(std::move(narrow)), filters_(filters) {}
+  QueryContestant(std::unique_ptr<NarrowPhase> narrow, const Filters& filters, const std::function<void()>& check)
+      : narrow_(std::move(narrow)), filters_(filters), check_(check) {}
 
   /// In batches, as a pipeline runs them.
   void run(const KnownQueries& queries) {
@@ -104,6 +104,7 @@ class QueryContestant {
     counters = {};
     tests = 0;
     for (std::size_t begin = 0; begin < queries.size(); begin += kBatch) {
+      if (check_) check_();
       const auto all = std::span(queries.pairs).subspan(begin, std::min(kBatch, queries.size() - begin));
       const std::span<const FeaturePair> left = filters_.empty() ? all : filtered(queries, all);
       tests += left.size();
@@ -146,6 +147,7 @@ class QueryContestant {
 
   std::unique_ptr<NarrowPhase> narrow_;
   const Filters& filters_;
+  const std::function<void()>& check_;
   FeatureBlock block_;
   std::vector<std::uint8_t> keep_;
   std::vector<FeaturePair> left_;
@@ -253,6 +255,8 @@ json QueryRecord::to_json() const {
   for (const Contestant& contestant : narrow_phases)
     contestants.push_back({{"name", contestant.name}, {"guarantee", to_string(contestant.guarantee)}});
   return {{"file", file},
+          {"complete", stopped_by.empty()},
+          {"stopped_by", stopped_by.empty() ? json(nullptr) : json(stopped_by)},
           {"rounds", rounds},
           {"machine", machine_facts()},
           {"feature_filters", filters},
@@ -261,9 +265,10 @@ json QueryRecord::to_json() const {
           {"total", {group_json(total(FeatureKind::vf), false), group_json(total(FeatureKind::ee), false)}}};
 }
 
-void judge(const Registry& registry, const std::string& narrow_phase, KnownQueries& queries) {
+void judge(const Registry& registry, const std::string& narrow_phase, KnownQueries& queries,
+           const std::function<void()>& check) {
   const Filters none;
-  QueryContestant contestant(make_stage<NarrowPhase>(registry, parse_choice(narrow_phase)), none);
+  QueryContestant contestant(make_stage<NarrowPhase>(registry, parse_choice(narrow_phase)), none, check);
   contestant.run(queries);
   queries.collides.assign(queries.size(), 0);
   queries.toi.assign(queries.size(), std::numeric_limits<double>::quiet_NaN());
@@ -275,11 +280,12 @@ void judge(const Registry& registry, const std::string& narrow_phase, KnownQueri
   }
 }
 
-QueryRecord compare_on_queries(const Registry& registry, const std::vector<KnownQueries>& groups,
-                               const QueryComparisonConfig& config) {
+void compare_on_queries(const Registry& registry, const std::vector<KnownQueries>& groups,
+                        const QueryComparisonConfig& config, QueryRecord& record) {
   const Choices choices = choices_of(registry, config);
-  QueryRecord record;
   record.rounds = config.rounds;
+  record.filters.clear();
+  record.narrow_phases.clear();
   Guarantee filter_guarantee = Guarantee::exact;
   Filters filters;
   for (const StageChoice& choice : choices.filters) {
@@ -289,32 +295,34 @@ QueryRecord compare_on_queries(const Registry& registry, const std::vector<Known
   }
   std::deque<QueryContestant> contestants;  // they do not move
   for (const StageChoice& choice : choices.narrow_phases) {
-    contestants.emplace_back(make_stage<NarrowPhase>(registry, choice), filters);
+    contestants.emplace_back(make_stage<NarrowPhase>(registry, choice), filters, config.check);
     record.narrow_phases.push_back(
         {text_of(choice), weakest(filter_guarantee, registry.stage<NarrowPhase>(choice.name).guarantee)});
   }
   const std::size_t total = groups.size() * contestants.size() * (1 + static_cast<std::size_t>(config.rounds));
   std::size_t done = 0;
-  const auto stop = [&] { return config.progress && config.progress(done++, total); };
+  const auto advance = [&] {
+    if (config.progress) config.progress(done, total);
+    ++done;
+  };
   for (const KnownQueries& queries : groups) {
     QueryGroupRecord group{queries.scene, queries.kind, queries.size(), 0, !queries.collides.empty(), {}};
     for (const std::uint8_t collides : queries.collides) group.colliding += collides;
     for (std::size_t i = 0; i < contestants.size(); ++i) {
-      if (stop()) return record;
+      advance();
       contestants[i].run(queries);
       group.scores.push_back(score(record.narrow_phases[i].name, queries, contestants[i]));
     }
     std::vector<std::vector<double>> seconds(contestants.size());
     for (int round = 0; round < config.rounds; ++round)
       for (std::size_t i = 0; i < contestants.size(); ++i) {
-        if (stop()) return record;
+        advance();
         seconds[i].push_back(contestants[i].seconds_of_run(queries));
       }
     for (std::size_t i = 0; i < contestants.size(); ++i)
       group.scores[i].nanoseconds = 1e9 * median(seconds[i]) / static_cast<double>(queries.size());
     record.groups.push_back(std::move(group));
   }
-  return record;
 }
 
 std::string query_table(const QueryRecord& record) {

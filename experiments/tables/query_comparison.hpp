@@ -41,6 +41,7 @@ struct QueryRecord {
   std::vector<std::string> filters;
   std::vector<Contestant> narrow_phases;
   std::vector<QueryGroupRecord> groups;
+  std::string stopped_by;  ///< why there are no more groups; empty: these are all
 
   /// Sums over the groups of a kind, one score for each narrow phase (times by weight), no lists.
   QueryGroupRecord total(FeatureKind kind) const;
@@ -55,18 +56,22 @@ struct QueryComparisonConfig {
   std::vector<std::string> filters;   ///< feature filters before each; likewise
   std::vector<std::string> settings;  ///< "stage.option=value", of whichever of these stages
   int rounds = 5;
-  /// Called before each timed run; return true to stop: groups that are finished stay.
-  std::function<bool(std::size_t done, std::size_t total)> progress;
+  /// Called before each run.
+  std::function<void(std::size_t done, std::size_t total)> progress;
+  /// Called every few thousand queries; may throw to stop.
+  std::function<void()> check;
 };
 
 /// Puts the answers of a narrow phase ("name[:option=value...]"), times included, in place of what is known of the
-/// queries. Throws ConfigError.
-void judge(const Registry& registry, const std::string& narrow_phase, KnownQueries& queries);
+/// queries. `check`: as QueryComparisonConfig's. Throws ConfigError.
+void judge(const Registry& registry, const std::string& narrow_phase, KnownQueries& queries,
+           const std::function<void()>& check = {});
 
 /// In each group, each narrow phase is run once for its answers; then all in turn, `rounds` times, each run repeated
-/// for a millisecond at least. One thread. Throws ConfigError.
-QueryRecord compare_on_queries(const Registry& registry, const std::vector<KnownQueries>& groups,
-                               const QueryComparisonConfig& config);
+/// for a millisecond at least. One thread. Groups are added to `record`, each when it is complete: those stay there
+/// when this throws, which it does for a ConfigError, or what config.check throws.
+void compare_on_queries(const Registry& registry, const std::vector<KnownQueries>& groups,
+                        const QueryComparisonConfig& config, QueryRecord& record);
 
 /// A row for each group and narrow phase; totals by kind where there are several groups.
 std::string query_table(const QueryRecord& record);

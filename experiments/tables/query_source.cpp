@@ -71,7 +71,7 @@ Box swept_box(const Motion& motion, std::span<const Index> vertices) {
 /// some elements overlap, and those of the O-Set.
 class Candidates {
  public:
-  explicit Candidates(const Step& step) : step_(step) { collect(); }
+  Candidates(const Step& step, const std::function<void()>& check) : step_(step), check_(check) { collect(); }
 
   std::vector<FeaturePair> vf, ee;
 
@@ -101,6 +101,7 @@ class Candidates {
   }
 
   void take() {
+    if (check_) check_();
     keep(FeatureKind::vf, tests_.vf, vf);
     keep(FeatureKind::ee, tests_.ee, ee);
     tests_.clear();
@@ -116,6 +117,7 @@ class Candidates {
   }
 
   Step step_;
+  const std::function<void()>& check_;
   TestBatch tests_;
 };
 
@@ -173,7 +175,7 @@ std::vector<KnownQueries> from_sequence(const std::string& file, const QuerySour
     throw InputError(file, "GroundTruth",
                      fmt::format("is missing for motion {}: there are candidates only (--candidates)", config.motion));
   std::optional<Candidates> found;
-  if (candidates) found.emplace(motion->step());
+  if (candidates) found.emplace(motion->step(), config.check);
   const std::string scene = fmt::format("{}, motion {}", candidates ? "candidates" : "listed", config.motion);
   std::vector<KnownQueries> result;
   for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee}) {

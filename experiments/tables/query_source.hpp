@@ -34,6 +34,7 @@ struct QuerySourceConfig {
   std::size_t sample = 0;
   int motion = 0;                   ///< of a sequence
   SequenceStepper::Config stepper;  ///< how it is read
+  std::function<void()> check;      ///< called often while candidates are collected; may throw to stop
 };
 
 /// Of a query file, or of a motion of a sequence: the pairs in its ground truth or, with `candidates`, all pairs

@@ -4,7 +4,6 @@
 #include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
@@ -13,14 +12,28 @@
 #include <utility>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/sequence/detail/atomic_file.hpp>
 
 namespace volccd {
 
 namespace {
 
-constexpr std::string_view kHeader = "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz";
-constexpr std::string_view kShortHeader = "step,kind,a,b,c,d,toi";
+constexpr std::string_view kHeader = "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start";
+
+/// A header that is read, and the columns behind toi that it stands for.
+struct HeaderInfo {
+  std::string_view text;
+  bool geometry, at_start;
+};
+
+constexpr HeaderInfo kHeaders[] = {{kHeader, true, true},
+                                   {"step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz", true, false},
+                                   {"step,kind,a,b,c,d,toi", false, false}};
+
+const HeaderInfo* find_header(std::string_view text) {
+  for (const HeaderInfo& header : kHeaders)
+    if (header.text == text) return &header;
+  return nullptr;
+}
 
 }  // namespace
 
@@ -29,34 +42,26 @@ bool canonical_less(const ContactRow& x, const ContactRow& y) {
 }
 
 ContactRow contact_row(int step, const Contact& contact, const Mesh& mesh) {
-  ContactRow row{step, contact.kind, {}, contact.toi, contact.normal, contact.point};
+  ContactRow row{step, contact.kind, {}, contact.toi, contact.normal, contact.point, contact.at_start};
   for (std::size_t i = 0; i < 4; ++i) row.ids[i] = mesh.vertex_id(contact.vertices[i]);
   return row;
 }
 
 struct ContactsCsvWriter::Impl {
-  explicit Impl(const std::string& name)
-      : atomic(name), stream(std::fopen(atomic.temporary().c_str(), "w"), std::fclose) {
-    if (!stream) fail();
-  }
+  explicit Impl(const std::string& name) : lines(name, kHeader) {}
 
-  [[noreturn]] void fail() const {
-    throw InputError(atomic.target(), "", std::string("cannot be written: ") + std::strerror(errno));
-  }
-  void write(const ContactRow& row);
+  void append(const ContactRow& row);
 
-  detail::AtomicFile atomic;
-  std::unique_ptr<std::FILE, int (*)(std::FILE*)> stream;
+  StepTextWriter lines;
   std::vector<ContactRow> rows;
-  std::string text;
-  std::int64_t last_step = -1;
+  std::string text;  ///< of a step
 };
 
-void ContactsCsvWriter::Impl::write(const ContactRow& row) {
+void ContactsCsvWriter::Impl::append(const ContactRow& row) {
   const Vec3 &n = row.normal, &p = row.point;
   if (!std::isfinite(row.toi) || !n.allFinite() || !p.allFinite())
-    throw InputError(atomic.target(), "", "a contact of step " + std::to_string(row.step) + " is not finite");
-  text = std::to_string(row.step) + (row.kind == FeatureKind::vf ? ",VF" : ",EE");
+    throw InputError(lines.file(), "", "a contact of step " + std::to_string(row.step) + " is not finite");
+  text += std::to_string(row.step) + (row.kind == FeatureKind::vf ? ",VF" : ",EE");
   for (const std::int64_t id : row.ids) text += "," + std::to_string(id);
   for (const double value : {row.toi, n.x(), n.y(), n.z(), p.x(), p.y(), p.z()}) {
     // As printf's %.17g, but with a point in every locale.
@@ -64,35 +69,27 @@ void ContactsCsvWriter::Impl::write(const ContactRow& row) {
     const auto end = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 17).ptr;
     text.append(",").append(digits, end);
   }
-  text += '\n';
-  if (std::fwrite(text.data(), 1, text.size(), stream.get()) != text.size()) fail();
+  text += row.at_start ? ",1\n" : ",0\n";
 }
 
-ContactsCsvWriter::ContactsCsvWriter(const std::string& file) : impl_(std::make_unique<Impl>(file)) {
-  if (std::fprintf(impl_->stream.get(), "%s\n", std::string(kHeader).c_str()) < 0) impl_->fail();
-}
+ContactsCsvWriter::ContactsCsvWriter(const std::string& file) : impl_(std::make_unique<Impl>(file)) {}
 ContactsCsvWriter::ContactsCsvWriter(ContactsCsvWriter&&) noexcept = default;
 ContactsCsvWriter::~ContactsCsvWriter() = default;
 
 void ContactsCsvWriter::write_step(int step, std::span<const Contact> contacts, const Mesh& mesh) {
   Impl& o = *impl_;
-  if (!o.stream) throw InputError(o.atomic.target(), "", "has been finished before");
-  if (step <= o.last_step)
-    throw InputError(o.atomic.target(), "", "step " + std::to_string(step) + " is written out of order");
-  o.last_step = step;
   o.rows.clear();
   for (const Contact& contact : contacts) o.rows.push_back(contact_row(step, contact, mesh));
   std::sort(o.rows.begin(), o.rows.end(),
             [](const ContactRow& x, const ContactRow& y) { return canonical_less(x, y); });
-  for (const ContactRow& row : o.rows) o.write(row);
+  o.text.clear();
+  for (const ContactRow& row : o.rows) o.append(row);
+  o.lines.write_step(step, o.text);
 }
 
-void ContactsCsvWriter::finish() {
-  Impl& o = *impl_;
-  if (!o.stream) throw InputError(o.atomic.target(), "", "has been finished before");
-  if (std::fclose(o.stream.release()) != 0) o.fail();
-  o.atomic.commit();
-}
+void ContactsCsvWriter::finish() { impl_->lines.finish(); }
+
+StepsDone ContactsCsvWriter::finish_incomplete(const StepsDone& steps) { return impl_->lines.finish_incomplete(steps); }
 
 namespace {
 
@@ -102,7 +99,7 @@ class RowParser {
   RowParser(const std::string& file, std::int64_t line, std::string_view text)
       : file_(file), line_(line), rest_(text) {}
 
-  ContactRow parse(bool with_geometry) {
+  ContactRow parse(const HeaderInfo& header) {
     ContactRow row;
     row.step = integer("step");
     if (row.step < 0) fail("the step is negative");
@@ -113,9 +110,14 @@ class RowParser {
     check_ids(row);
     row.toi = number("toi");
     if (row.toi < 0 || row.toi > 1) fail("the toi is outside [0, 1]");
-    if (with_geometry) {
+    if (header.geometry) {
       for (int i = 0; i < 3; ++i) row.normal[i] = number("normal");
       for (int i = 0; i < 3; ++i) row.point[i] = number("point");
+    }
+    if (header.at_start) {
+      const std::string_view flag = field();
+      if (flag != "0" && flag != "1") fail("at_start is neither 0 nor 1");
+      row.at_start = flag == "1";
     }
     if (!at_end_) fail("has too many fields");
     return row;
@@ -165,26 +167,37 @@ class RowParser {
 
 }  // namespace
 
-std::vector<ContactRow> read_contacts_csv(const std::string& file) {
+std::vector<ContactRow> read_contacts_csv(const std::string& file, std::string* incomplete) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(file, ignored))
     throw InputError(file, "", "cannot be opened: it is not there, or not a file");
   std::ifstream stream(file);
   if (!stream) throw InputError(file, "", std::string("cannot be opened: ") + std::strerror(errno));
+  if (incomplete) incomplete->clear();
   std::vector<ContactRow> rows;
   std::string text;
-  bool with_geometry = false;
+  const HeaderInfo* header = nullptr;
+  bool marked = false;
   std::int64_t line = 1;
   for (; std::getline(stream, text); ++line) {
     if (stream.eof()) throw InputError(file, "line", line, "is cut short: it has no end");
     if (!text.empty() && text.back() == '\r') text.pop_back();
-    if (line > 1) {
-      rows.push_back(RowParser(file, line, text).parse(with_geometry));
-      continue;
+    if (marked) throw InputError(file, "line", line, "follows the line that marks the file as incomplete");
+    if (line == 1) {
+      header = find_header(text);
+      if (!header) throw InputError(file, "line", line, "is not the header \"" + std::string(kHeader) + "\"");
+    } else if (text.starts_with(kIncompleteMark)) {
+      marked = true;
+      const std::string mark = text.substr(kIncompleteMark.size());
+      if (!incomplete)
+        throw InputError(file, "line", line,
+                         "marks the file as incomplete (" + mark +
+                             "): compute the contacts again, or "
+                             "remove the line to use the steps that there are");
+      *incomplete = mark;
+    } else {
+      rows.push_back(RowParser(file, line, text).parse(*header));
     }
-    with_geometry = text == kHeader;
-    if (!with_geometry && text != kShortHeader)
-      throw InputError(file, "line", line, "is not the header \"" + std::string(kHeader) + "\"");
   }
   if (stream.bad()) throw InputError(file, "", std::string("cannot be read: ") + std::strerror(errno));
   if (line == 1) throw InputError(file, "line", 1, "is missing: the file is empty");

@@ -1,9 +1,11 @@
 // Contacts as text: a header, then a row per contact.
 //
-//     step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz
+//     step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start
 //
 // step is the index k of the motion k -> k+1. Kind VF: a = vertex, b < c < d = triangle; kind EE: a < b, c < d, (a,b) <
 // (c,d); all are vertex ids. toi, normal and point have 17 significant digits, which give back the same double.
+// at_start is 1 or 0, as Contact::at_start. A file that ends before the last step asked for has a last line that begins
+// with kIncompleteMark and says which steps are complete, and why no more are.
 #pragma once
 
 #include <array>
@@ -14,17 +16,19 @@
 #include <vector>
 
 #include <volccd/mesh/mesh.hpp>
+#include <volccd/mesh/sequence/step_text.hpp>
 #include <volccd/mesh/types.hpp>
 
 namespace volccd {
 
-/// A row. `normal` and `point` are zero where the file has none.
+/// A row. `normal` and `point` are zero, and `at_start` is false, where the file does not have them.
 struct ContactRow {
   std::int64_t step = 0;
   FeatureKind kind = FeatureKind::vf;
   std::array<std::int64_t, 4> ids{};
   double toi = 0;
   Vec3 normal = Vec3::Zero(), point = Vec3::Zero();
+  bool at_start = false;
 
   friend bool operator==(const ContactRow&, const ContactRow&) = default;
 };
@@ -35,9 +39,8 @@ bool canonical_less(const ContactRow& x, const ContactRow& y);
 /// Row of a contact on `mesh`.
 ContactRow contact_row(int step, const Contact& contact, const Mesh& mesh);
 
-/// Writes step by step, each step's rows in canonical order. Atomic: the file appears under its name at finish();
-/// without it nothing is left behind. Throws InputError naming the file if the system refuses, steps do not ascend, or
-/// a number is not finite. One thread at a time.
+/// Writes step by step, each step's rows in canonical order, by the rules of StepTextWriter. A number that is not
+/// finite is an InputError too.
 class ContactsCsvWriter {
  public:
   explicit ContactsCsvWriter(const std::string& file);
@@ -47,15 +50,18 @@ class ContactsCsvWriter {
   /// Contacts of motion `step` on `mesh`, in any order. `step` is greater than before.
   void write_step(int step, std::span<const Contact> contacts, const Mesh& mesh);
   void finish();
+  StepsDone finish_incomplete(const StepsDone& steps);
 
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
 
-/// Rows in the order of the file, which is also read without the columns nx .. pz. Throws InputError (file, "line",
-/// number of the line from 1): another header, wrong number of fields, not a number, an unknown kind, ids not in the
-/// order above or a common vertex, toi outside [0, 1], a number that is not finite, a last line without its end.
-std::vector<ContactRow> read_contacts_csv(const std::string& file);
+/// Rows in the order of the file, which is also read without the columns nx .. at_start, and without at_start. A file
+/// marked as incomplete is an error, unless `incomplete` is given: it receives the mark, or is empty. Throws InputError
+/// (file, "line", number of the line from 1): another header, wrong number of fields, not a number, an unknown kind,
+/// ids not in the order above or a common vertex, toi outside [0, 1], a number that is not finite, at_start neither 0
+/// nor 1, a last line without its end.
+std::vector<ContactRow> read_contacts_csv(const std::string& file, std::string* incomplete = nullptr);
 
 }  // namespace volccd

@@ -14,6 +14,9 @@ struct SequenceMetadata {
   std::string time_unit;  ///< "microsecond"
   /// Names of the part ids, attribute `Parts`: "1 Projectile; 2 Plate".
   std::map<std::int32_t, std::string> part_names;
+  /// Attribute `Incomplete`: which steps there are of those that were meant to be, and why no more. SequenceWriter
+  /// takes it at finish() alone.
+  std::string incomplete = {};
 
   friend bool operator==(const SequenceMetadata&, const SequenceMetadata&) = default;
 };

@@ -19,8 +19,9 @@ SequenceMetadata read_metadata(const detail::Hdf5File& file) {
   const auto text = [&](const char* name) {
     return file.has_attribute("/", name) ? file.string_attribute("/", name) : std::string();
   };
-  return {text("Title"), text("Source"),   text("License"),
-          text("Units"), text("TimeUnit"), parse_part_names(file.name(), text("Parts"))};
+  return {text("Title"),     text("Source"),   text("License"),
+          text("Units"),     text("TimeUnit"), parse_part_names(file.name(), text("Parts")),
+          text("Incomplete")};
 }
 
 std::size_t index(int step) { return static_cast<std::size_t>(step); }

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/sequence/detail/atomic_file.hpp>
+#include <volccd/core/output_file.hpp>
 #include <volccd/mesh/sequence/detail/hdf5_output.hpp>
 #include <volccd/mesh/sequence/detail/step_check.hpp>
 
@@ -42,7 +42,10 @@ struct SequenceWriter::Impl {
   };
 
   Impl(const std::string& file, std::span<const std::int64_t> ids, SequenceMetadata given)
-      : atomic(file), output(atomic.temporary(), file), metadata(std::move(given)), point_ids(wide(ids)) {}
+      : target(file, kSequenceIsNoStream),
+        output(target.temporary(), file),
+        metadata(std::move(given)),
+        point_ids(wide(ids)) {}
 
   void check(double time, std::span<const Vec3> points, const SequenceCells& cells, const StepFields& fields) const;
   void make_datasets(const SequenceCells& cells, const StepFields& fields);
@@ -56,7 +59,7 @@ struct SequenceWriter::Impl {
   void close();
 
   /// Declared first, destroyed last: the file is closed before it is removed.
-  detail::AtomicFile atomic;
+  OutputFile target;
   detail::Hdf5Output output;
   SequenceMetadata metadata;
   Integers point_ids;
@@ -85,7 +88,7 @@ void SequenceWriter::write_step(double time, std::span<const Vec3> points, const
                                 const StepFields& fields) {
   Impl& o = *impl_;
   if (!std::exchange(o.usable, false))
-    throw InputError(o.atomic.target(), "", "the writer has failed or finished before");
+    throw InputError(o.target.name(), "", "the writer has failed or finished before");
   o.check(time, points, cells, fields);
   if (o.times.empty()) o.make_datasets(cells, fields);
   if (o.times.empty() || !(cells == o.last)) o.append_topology(cells);
@@ -96,19 +99,20 @@ void SequenceWriter::write_step(double time, std::span<const Vec3> points, const
   o.usable = true;
 }
 
-void SequenceWriter::finish() {
+void SequenceWriter::finish(const std::string& incomplete) {
   Impl& o = *impl_;
   if (!std::exchange(o.usable, false))
-    throw InputError(o.atomic.target(), "", "the writer has failed or finished before");
-  if (o.times.empty()) throw InputError(o.atomic.target(), "VTKHDF/Steps/Values", "no step has been written");
+    throw InputError(o.target.name(), "", "the writer has failed or finished before");
+  if (o.times.empty()) throw InputError(o.target.name(), "VTKHDF/Steps/Values", "no step has been written");
+  if (!incomplete.empty()) o.output.string_attribute("/", "Incomplete", incomplete);
   o.write_tables();
   o.close();
-  o.atomic.commit();
+  o.target.commit();
 }
 
 void SequenceWriter::Impl::check(double time, std::span<const Vec3> points, const SequenceCells& cells,
                                  const StepFields& fields) const {
-  const std::string& file = atomic.target();
+  const std::string& file = target.name();
   const std::int64_t step = static_cast<std::int64_t>(times.size());
   if (!std::isfinite(time) || (!times.empty() && !(time > times.back())))
     throw InputError(file, "VTKHDF/Steps/Values", step, "the time is not finite or not after that of the step before");

@@ -12,6 +12,9 @@
 
 namespace volccd {
 
+/// Why a sequence cannot go to a device, a FIFO or the standard output.
+inline constexpr const char* kSequenceIsNoStream = "a sequence (HDF5) is not written from front to back";
+
 /// What a step brings beside points and cells. Either every step has it or none.
 struct StepFields {
   std::span<const Vec3> velocity = {};     ///< [points], in length units per time unit
@@ -23,8 +26,9 @@ struct StepFields {
 /// stored once for a run of steps with equal cells. A sequence with polytopes gets the face arrays of VTKHDF 2.5 and
 /// that version.
 ///
-/// Atomic: everything goes to a temporary name beside the target, which finish() brings to disk and renames. Without
-/// finish() nothing is left behind. Memory: buffers of a step, and the cells of the last.
+/// Atomic, by the rules of OutputFile, and to regular files only: everything goes to a temporary name beside the
+/// target, which finish() brings to disk and renames. Without finish() nothing is left behind. Memory: buffers of a
+/// step, and the cells of the last.
 ///
 /// Errors: InputError with `file` and the dataset, for what SequenceReader would refuse (a number that is not finite, a
 /// vertex out of range or twice in a cell, an id twice, a time that does not ascend, arrays of the wrong length) and
@@ -38,8 +42,9 @@ class SequenceWriter {
 
   void write_step(double time, std::span<const Vec3> points, const SequenceCells& cells, const StepFields& fields = {});
 
-  /// Completes the file. At least one step must have been written.
-  void finish();
+  /// Completes the file. At least one step must have been written. `incomplete`: why the file ends before the last step
+  /// that was meant for it, SequenceMetadata::incomplete; empty: it does not.
+  void finish(const std::string& incomplete = {});
 
  private:
   struct Impl;

@@ -3,24 +3,86 @@
 import csv
 import json
 import os
+import pty
+import re
+import resource
 import shutil
+import signal
+import stat
 import struct
 import subprocess
 import sys
 import tempfile
+import threading
+import time
 import unittest
+import zlib
 
 VOLCCD, EXAMPLE = sys.argv[1:3]
 SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 del sys.argv[1:3]
 
 
-def run(*arguments, program=VOLCCD, env=None):
+def run(*arguments, program=VOLCCD, env=None, disk=None):
+    """`disk`: no file can grow beyond so many bytes, as on a full disk."""
+    def limit():
+        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+        resource.setrlimit(resource.RLIMIT_FSIZE, (disk, disk))
     return subprocess.run([program, *arguments], capture_output=True, text=True, env={**os.environ, **(env or {})},
-                          check=False)
+                          check=False, preexec_fn=limit if disk is not None else None)
 
 
-class Program(unittest.TestCase):
+def with_bad_last_step(sequence):
+    """The bytes of a sequence whose steps have one chunk of points each, with the last of these chunks destroyed."""
+    chunks = {}
+    for match in re.finditer(rb"\x78[\x01\x5e\x9c\xda]", sequence):
+        try:
+            chunks.setdefault(len(zlib.decompressobj().decompress(sequence[match.start():])), []).append(match.start())
+        except zlib.error:
+            pass
+    begin = max(chunks[max(chunks)])  # the points are what is largest
+    return sequence[:begin + 100] + bytes(64) + sequence[begin + 164:]
+
+
+class Interruption:
+    """A run that gets Ctrl-C once its progress, on a terminal of its own, shows `done` steps; `seconds` it took to end
+    after that."""
+
+    def __init__(self, *arguments, done=1, env=None, delay=0.0):
+        terminal, tty = pty.openpty()
+        with subprocess.Popen([VOLCCD, *arguments], stdout=subprocess.PIPE, stderr=tty, text=True,
+                              env={**os.environ, **(env or {})}) as process:
+            os.close(tty)
+            self.screen = b""
+            out = []
+            reader = threading.Thread(target=lambda: out.append(process.stdout.read()))
+            reader.start()
+            sent = None
+            limit = threading.Timer(120, process.kill)
+            limit.start()
+            while True:
+                try:
+                    data = os.read(terminal, 4096)
+                except OSError:  # the program has closed it
+                    break
+                if not data:
+                    break
+                self.screen += data
+                shown = re.findall(rb" (\d+)/\d+", self.screen)
+                if sent is None and shown and int(shown[-1]) >= done:
+                    time.sleep(delay)
+                    sent = time.monotonic()
+                    process.send_signal(signal.SIGINT)
+            self.code = process.wait()
+            limit.cancel()
+            reader.join()
+        os.close(terminal)
+        self.seconds = time.monotonic() - sent if sent is not None else None
+        self.out = out[0]
+        self.screen = self.screen.decode()
+
+
+class ProgramTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.folder = tempfile.TemporaryDirectory()
@@ -41,8 +103,8 @@ class Program(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done.stdout
 
-    def bad(self, *arguments, says):
-        done = run(*arguments)
+    def bad(self, *arguments, says, env=None):
+        done = run(*arguments, env=env)
         self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
         self.assertIn(says, done.stderr)
 
@@ -52,9 +114,11 @@ class Program(unittest.TestCase):
         with open(target, encoding="ascii", newline="") as file:
             return list(csv.reader(file))
 
+
+class Program(ProgramTest):
     def test_all_pipelines_write_the_same_contacts(self):
         expected = self.contacts("--pipeline", "BruteForce")
-        self.assertEqual(expected[0], "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz".split(","))
+        self.assertEqual(expected[0], "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start".split(","))
         self.assertGreater(len(expected), 20)
         for pipeline in ("NavCCD", "HashCCD", "VolCCD", "VolCCD+"):
             for threads in ("1", "3"):
@@ -312,6 +376,291 @@ class Program(unittest.TestCase):
             refused += done.returncode == 2
             at = data.find(message, at + 1)
         self.assertGreater(refused, 2)
+
+
+class Outputs(ProgramTest):
+    """Nothing is lost: inputs, devices, links, older records, and what was complete before a run ended."""
+
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.long = cls.path("long.vtkhdf")
+        made = run("scene", "generate", "builtin", "--elements", "3000", "--steps", "150", "-o", cls.long)
+        assert made.returncode == 0, made.stderr
+        cls.large = cls.path("large.vtkhdf")
+        made = run("scene", "generate", "builtin", "--elements", "60000", "--steps", "4", "-o", cls.large)
+        assert made.returncode == 0, made.stderr
+        begin = time.monotonic()
+        run("info", cls.large, "--steps", "0")
+        # A second, but for sanitizers and a busy machine: there, what it takes to read a step.
+        cls.patience = max(1.0, 2 * (time.monotonic() - begin))
+
+    def read(self, name):
+        with open(self.path(name), "rb") as file:
+            return file.read()
+
+    def write(self, name, text):
+        with open(self.path(name), "w", encoding="ascii") as file:
+            file.write(text)
+        return self.path(name)
+
+    def no_leftovers(self):
+        self.assertEqual([name for _, _, names in os.walk(self.folder.name) for name in names if name.endswith("tmp")], [])
+
+    @staticmethod
+    def device(name):
+        """Nothing for a user whose mistakes could replace it."""
+        return [] if os.access(os.path.dirname(name), os.W_OK) else [name]
+
+    def whole_contacts(self, sequence):
+        return self.good("detect", sequence, "--contacts", "-").splitlines()
+
+    def check_incomplete(self, lines, whole, first=1):
+        """The mark says how many steps there are, and these have all their rows. Returns their number."""
+        mark = re.fullmatch(r"# incomplete: steps 0 to (\d+) of 0 to (\d+) are complete; (.*)", lines[-1])
+        self.assertTrue(mark, lines[-1])
+        last = int(mark[1])
+        self.assertEqual(lines[:-1], whole[:1] + [row for row in whole[1:] if int(row.split(",")[0]) <= last])
+        self.assertGreaterEqual(last + 1, first)
+        self.assertLess(last, int(mark[2]))
+        return last + 1
+
+    def test_an_output_is_never_an_input_or_another_output(self):
+        source = self.path("in.vtkhdf")
+        shutil.copy(self.sequence, source)
+        os.link(source, self.path("hard.vtkhdf"))
+        os.symlink("in.vtkhdf", self.path("soft.vtkhdf"))
+        rows = self.write("rows.csv", "step,kind,a,b,c,d,toi\n")
+        for name in ("in.vtkhdf", "hard.vtkhdf", "soft.vtkhdf", "../" + os.path.basename(self.folder.name) + "/in.vtkhdf"):
+            same = self.path(name)
+            for option in ("--contacts", "--overlaps", "--stats"):
+                self.bad("detect", source, option, same, says=option)
+            self.bad("scene", "picture", source, "-o", same, says="-o")
+            self.bad("scene", "generate", "deform", "--mesh", source, "-o", same, says="--mesh")
+            self.bad("scene", "generate", "builtin", "-o", source, "--stats", same, says="--stats")
+        self.bad("scene", "picture", source, "--contacts-from", rows, "-o", rows, says="--contacts-from")
+        self.bad("detect", source, "--contacts", self.path("x"), "--overlaps", self.path("./x"), says="--overlaps")
+        self.bad("detect", source, "--contacts", "-", "--stats", "/dev/fd/1", says="--stats")
+        self.bad("scene", "generate", "openradioss-bullet", "-o", self.path("openradioss-bullet.vtkhdf"),
+                 says="openradioss-bullet", env=self.data(source))
+        with open(self.path("report.txt"), "w", encoding="ascii") as report:
+            done = subprocess.run([VOLCCD, "detect", source, "--contacts", report.name], stdout=report,
+                                  stderr=subprocess.PIPE, text=True, check=False)
+        self.assertEqual((done.returncode, "standard output" in done.stderr), (2, True), done.stderr)
+        self.assertEqual(self.read("in.vtkhdf"), self.read("run.vtkhdf"))
+        self.assertEqual(self.read("rows.csv"), b"step,kind,a,b,c,d,toi\n")
+        self.assertFalse(os.path.exists(self.path("x")))
+        self.no_leftovers()
+
+    def data(self, sequence):
+        """Environment in which the scene openradioss-bullet is a copy of `sequence`."""
+        if not os.path.exists(self.path("openradioss-bullet.vtkhdf")):
+            shutil.copy(sequence, self.path("openradioss-bullet.vtkhdf"))
+        return {"VOLCCD_DATA": self.folder.name}
+
+    def test_standard_output_carries_the_result_alone(self):
+        whole = [",".join(row) for row in self.contacts()]
+        os.symlink("/proc/self/fd/1", self.path("stdout"))
+        for name in ("-", "/dev/fd/1", "/proc/self/fd/1", self.path("stdout"), *self.device("/dev/stdout")):
+            done = run("detect", self.sequence, "--contacts", name)
+            self.assertEqual((done.returncode, done.stdout.splitlines()), (0, whole), name)
+            self.assertIn("after culling", done.stderr)
+        stats = json.loads(self.good("detect", self.sequence, "--stats", "-"))
+        self.assertEqual(stats["total"]["contacts"], len(whole) - 1)
+        self.assertTrue(self.good("detect", self.sequence, "--overlaps", "-").startswith("step,a,b\n"))
+        with subprocess.Popen([VOLCCD, "scene", "picture", self.sequence, "--size", "160x120", "-o", "-"],
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE) as process:
+            self.assertEqual(process.communicate()[0][:8], b"\x89PNG\r\n\x1a\n")
+        os.mkfifo(self.path("for-hdf5"))
+        for name in ("-", "/dev/fd/1", self.path("for-hdf5"), *self.device("/dev/null")):
+            self.bad("scene", "generate", "builtin", "-o", name, says="not a regular file")
+        with open(self.path("out.txt"), "wb") as file:  # where a shell's > goes
+            subprocess.run([VOLCCD, "detect", self.sequence, "--contacts", self.path("stdout")], stdout=file,
+                           stderr=subprocess.DEVNULL, check=True)
+        self.assertEqual(self.read("out.txt").decode().splitlines(), whole)
+
+    def test_links_fifos_and_devices_stay(self):
+        self.good("detect", self.sequence, "--contacts", self.path("contacts.csv"))
+        whole = self.read("contacts.csv")
+        os.symlink("target.csv", self.path("link.csv"))
+        for _ in range(2):  # the target is not there, then is
+            self.good("detect", self.sequence, "--contacts", self.path("link.csv"))
+            self.assertTrue(os.path.islink(self.path("link.csv")))
+            self.assertEqual(self.read("target.csv"), whole)
+        for null in self.device("/dev/null"):
+            self.good("detect", self.sequence, "--contacts", null, "--stats", null, "--overlaps", null)
+            self.assertTrue(stat.S_ISCHR(os.stat(null).st_mode))
+        os.mkfifo(self.path("fifo"))
+        reader = os.open(self.path("fifo"), os.O_RDONLY | os.O_NONBLOCK)  # what it gets fits its buffer
+        self.good("detect", self.sequence, "--first", "--contacts", self.path("fifo"))
+        self.good("detect", self.sequence, "--first", "--contacts", self.path("first.csv"))
+        self.assertEqual(os.read(reader, 1 << 16), self.read("first.csv"))
+        os.close(reader)
+        self.assertTrue(stat.S_ISFIFO(os.stat(self.path("fifo")).st_mode))
+        os.symlink("picture.png", self.path("link.png"))
+        self.good("scene", "picture", self.sequence, "--size", "160x120", "-o", self.path("link.png"))
+        self.assertTrue(os.path.islink(self.path("link.png")) and os.path.isfile(self.path("picture.png")))
+        os.symlink("made.vtkhdf", self.path("link.vtkhdf"))
+        self.good("scene", "generate", "builtin", "--elements", "300", "-o", self.path("link.vtkhdf"))
+        self.assertTrue(os.path.islink(self.path("link.vtkhdf")) and os.path.isfile(self.path("made.vtkhdf")))
+
+    def test_outputs_that_cannot_be_written_are_refused_at_once_with_the_reason(self):
+        reason = "No such file or directory"
+        for arguments in (["detect", self.sequence, "--contacts"], ["detect", self.sequence, "--overlaps"],
+                          ["detect", self.sequence, "--stats"], ["scene", "picture", self.sequence, "-o"],
+                          ["scene", "generate", "builtin", "-o"]):
+            self.bad(*arguments, self.path("no/such"), says=reason)
+            self.bad(*arguments, self.folder.name, says="folder")
+        self.bad("experiment", "run", "projectile", "-o", self.path("run.vtkhdf") + "/results", says="Not a directory")
+        self.bad("experiment", "run", "projectile", "-o", "/proc/results", says="/proc/results")
+        os.mkdir(self.path("records"))
+        os.mkdir(self.path("records/projectile.txt"))
+        self.bad("experiment", "run", "projectile", "-o", self.path("records"), says="projectile.txt",
+                 env={"VOLCCD_DATA": self.folder.name})
+        with open("/dev/full", "w", encoding="ascii") as full:
+            done = subprocess.run([VOLCCD, "detect", self.sequence], stdout=full, stderr=subprocess.PIPE, text=True,
+                                  check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("standard output: cannot be written: No space left on device", done.stderr)
+        with open("/dev/full", "w", encoding="ascii") as full:
+            done = subprocess.run([VOLCCD, "detect", self.sequence, "--contacts", "-"], stdout=full, stderr=subprocess.PIPE,
+                                  text=True, check=False)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("-: cannot be written: No space left on device", done.stderr)
+        self.no_leftovers()
+
+    def test_full_disk(self):
+        target = self.path("full.vtkhdf")
+        for disk in (0, 100, 2000, 20000, 100000):
+            done = run("scene", "generate", "builtin", "-o", target, disk=disk)
+            self.assertEqual(done.returncode, 2, (disk, done.stderr))
+            self.assertIn("full.vtkhdf: ", done.stderr)
+            self.assertIn("File too large", done.stderr)
+            self.assertFalse(os.path.exists(target))
+        target = self.write("full.png", "old")
+        done = run("scene", "picture", self.sequence, "-o", target, disk=500)
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("full.png: cannot be written: File too large", done.stderr)
+        self.assertEqual(self.read("full.png"), b"old")
+        target, whole = self.path("full.csv"), self.whole_contacts(self.long)
+        done = run("detect", self.long, "--contacts", target, disk=sum(len(row) + 1 for row in whole) // 2)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        self.assertIn("full.csv: cannot be written: File too large", done.stderr)
+        self.check_incomplete(self.read("full.csv").decode().splitlines(), whole, first=10)
+        self.no_leftovers()
+
+    def test_a_bad_step_leaves_those_before(self):
+        source, contacts, stats = self.path("bad.vtkhdf"), self.path("bad.csv"), self.path("bad.json")
+        with open(source, "wb") as file:
+            file.write(with_bad_last_step(self.read("run.vtkhdf")))
+        done = run("detect", source, "--contacts", contacts, "--stats", stats, "--overlaps", self.path("bad-overlaps.csv"))
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("incomplete: steps 0 to 2 of 0 to 3 are complete; " + source, done.stderr)
+        self.assertIn("incomplete: steps 0 to 2 of 0 to 3", done.stdout)
+        lines = self.read("bad.csv").decode().splitlines()
+        self.assertEqual(self.check_incomplete(lines, self.whole_contacts(self.sequence)), 3)
+        self.assertIn(b"\n# incomplete: steps 0 to 2 of 0 to 3", self.read("bad-overlaps.csv"))
+        record = json.loads(self.read("bad.json"))
+        self.assertEqual((record["complete"], record["steps_done"], record["steps_asked"], len(record["steps"])),
+                         (False, 3, [0, 4], 3))
+        self.assertIn("bad.vtkhdf", record["stopped_by"])
+        self.bad("scene", "picture", source, "--contacts-from", contacts, "-o", self.path("bad.png"), says="incomplete")
+        done = run("verify", source, "--no-fcl")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("no difference in these steps\n\nincomplete: steps 0 to 2 of 0 to 3", done.stdout)
+        done = run("detect", source, "--steps", "3", "--contacts", contacts)
+        self.assertEqual((done.returncode, self.read("bad.csv").decode().splitlines()), (2, lines), "no step: nothing new")
+
+    def test_ctrl_c_keeps_complete_steps(self):
+        contacts, stats = self.path("cut.csv"), self.path("cut.json")
+        whole = self.whole_contacts(self.long)
+        cut = Interruption("detect", self.long, "--contacts", contacts, "--stats", stats, done=40)
+        self.assertEqual(cut.code, 130, cut.screen)
+        lines = self.read("cut.csv").decode().splitlines()
+        steps = self.check_incomplete(lines, whole, first=40)
+        self.assertTrue(lines[-1].endswith("; interrupted"))
+        for text in (cut.out, cut.screen):
+            self.assertIn(f"incomplete: steps 0 to {steps - 1} of 0 to 148 are complete; interrupted", text)
+        record = json.loads(self.read("cut.json"))
+        self.assertEqual((record["complete"], record["steps_done"], record["stopped_by"]), (False, steps, "interrupted"))
+        self.good("detect", self.sequence, "--stats", stats)
+        record = json.loads(self.read("cut.json"))
+        self.assertEqual((record["complete"], record["steps_done"], record["stopped_by"]), (True, 4, None))
+        cut = Interruption("info", self.long, done=40)
+        self.assertEqual(cut.code, 130)
+        self.assertIn("incomplete: steps 0 to ", cut.out)
+        self.no_leftovers()
+
+    def test_ctrl_c_within_a_step(self):
+        """Steps that take many seconds: none is complete, older results stay."""
+        contacts = self.write("old.csv", "old")
+        for arguments in (["detect", self.large, "--pipeline", "BruteForce", "--contacts", contacts],
+                          ["verify", self.large], ["verify", self.large, "--threads", "2"]):
+            for delay in (0.5, 2):
+                cut = Interruption(*arguments, done=0, delay=delay)
+                self.assertEqual(cut.code, 130, cut.screen)
+                self.assertLess(cut.seconds, self.patience)
+                self.assertIn("interrupted before the first step was complete", cut.screen)
+        self.assertEqual(self.read("old.csv"), b"old")
+        cut = Interruption("queries", self.large, "--candidates", "--judge", "exact", done=0, delay=0.5)
+        self.assertEqual(cut.code, 130, cut.screen)
+        self.assertLess(cut.seconds, self.patience)
+        self.assertIn("interrupted before the first group", cut.screen)
+        self.no_leftovers()
+
+    def test_verify_and_queries_say_that_they_were_cut(self):
+        cut = Interruption("verify", self.long, "--no-fcl", done=2)
+        self.assertEqual(cut.code, 130, cut.screen)
+        self.assertLess(cut.seconds, self.patience)
+        self.assertRegex(cut.out, r"no difference in these steps\n\nincomplete: steps 0 to \d+ of 0 to 148 are complete; inter")
+        self.assertIn("incomplete: steps 0 to ", cut.screen)
+        for json_wanted in (False, True):
+            cut = Interruption("queries", self.long, "--candidates", "--steps", ":50", "--sample", "5000",
+                               *(["--json"] if json_wanted else []), done=700)
+            self.assertEqual(cut.code, 130, cut.screen)
+            self.assertIn("group(s) of queries are complete; interrupted", cut.screen)
+            if json_wanted:
+                record = json.loads(cut.out)
+                self.assertEqual((record["complete"], record["stopped_by"]), (False, "interrupted"))
+                self.assertGreater(len(record["groups"]), 10)
+            else:
+                self.assertIn("group(s) of queries are complete; interrupted", cut.out)
+
+    def test_a_sequence_cut_short_says_so(self):
+        target = self.path("cut.vtkhdf")
+        cut = Interruption("scene", "generate", "builtin", "--elements", "3000", "--steps", "5000", "-o", target, done=5)
+        self.assertEqual(cut.code, 130, cut.screen)
+        self.assertIn("are complete; interrupted", cut.screen)
+        info = self.good("info", target)
+        done = run("detect", target, "--steps", "0")
+        self.assertEqual(done.returncode, 0)
+        self.assertRegex(done.stderr, r"cut.vtkhdf is incomplete: steps 0 to \d+ of 0 to 4999 are complete; interrupted")
+        self.assertRegex(info, r"INCOMPLETE steps 0 to \d+ of 0 to 4999 are complete; interrupted")
+
+    def test_an_interrupted_experiment_leaves_the_whole_record(self):
+        data = self.path("projectile")
+        os.makedirs(os.path.join(data, "records"))
+        shutil.copy(self.long, os.path.join(data, "ls-dyna-projectile.vtkhdf"))
+        env, results = {"VOLCCD_DATA": data}, os.path.join(data, "records")
+        for name in ("projectile.json", "projectile.txt"):
+            self.write("projectile/records/" + name, "whole")
+        cut = Interruption("experiment", "run", "projectile", "-o", results, done=1, env=env)
+        self.assertEqual(cut.code, 130, cut.screen)
+        self.assertIn("interrupted before the first step was complete", cut.screen)
+        self.assertEqual(sorted(os.listdir(results)), ["projectile.json", "projectile.txt"])
+        cut = Interruption("experiment", "run", "projectile", "-o", results, done=40, env=env)
+        self.assertEqual(cut.code, 130, cut.screen)
+        self.assertIn("projectile.incomplete.json", cut.out)
+        for name in ("projectile.json", "projectile.txt"):
+            self.assertEqual(self.read("projectile/records/" + name), b"whole")
+        record = json.loads(self.read("projectile/records/projectile.incomplete.json"))
+        self.assertFalse(record["complete"])
+        self.assertGreaterEqual(record["steps_done"], 9)
+        self.assertEqual([len(pipeline["steps"]) for pipeline in record["pipelines"]], 4 * [record["steps_done"]])
+        text = self.read("projectile/records/projectile.incomplete.txt").decode()
+        self.assertIn(f"\nincomplete: steps 0 to {record['steps_done'] - 1} of 0 to 148 are complete; interrupted\n", text)
+        self.assertIn("incomplete: steps 0 to ", cut.out)
+        self.no_leftovers()
 
 
 if __name__ == "__main__":

@@ -10,6 +10,8 @@
 #include <volccd/core/error.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
 
+#include "support/full_disk.hpp"
+
 namespace volccd {
 namespace {
 
@@ -46,6 +48,22 @@ Frame frame(int k) {
   f.ledger.kinetic = 3.5;
   f.ledger.momentum = Vec3(1, 2, 3);
   return f;
+}
+
+TEST_F(FrameStore, AFullDiskIsAnErrorWithTheReasonAndLeavesWhatWasThere) {
+  write_frame(path("frame"), frame(0));
+  for (const std::int64_t room : {0, 300}) {
+    std::string message;
+    try {
+      const test::FullDisk disk(room);
+      write_frame(path("frame"), frame(1));
+    } catch (const InputError& error) {
+      message = error.what();
+    }
+    EXPECT_EQ(message, path("frame") + ": cannot be written: File too large");
+    EXPECT_EQ(read_frame(path("frame")).time, frame(0).time);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 1);
+  }
 }
 
 TEST_F(FrameStore, FramesComeBack) {

@@ -64,6 +64,18 @@ TEST(SceneList, OptionsReachTheScene) {
   EXPECT_EQ(make_scene("builtin", {{"steps", "5"}})->frames(), 5);
 }
 
+TEST(SceneList, FramesBeforeAStopAreKeptAndMarked) {
+  const TemporaryFile file("stopped.vtkhdf");
+  const auto scene = make_scene("builtin", {{"elements", "300"}, {"steps", "9"}});
+  EXPECT_EQ(write_scene(*scene, file.path(), [](int) { return false; }).done, 0);
+  EXPECT_FALSE(std::filesystem::exists(file.path())) << "no frame, no file";
+  const StepsDone steps = write_scene(*scene, file.path(), [](int done) { return done < 4; });
+  EXPECT_EQ(steps.text(), "steps 0 to 3 of 0 to 8 are complete; interrupted");
+  const SequenceReader reader(file.path());
+  EXPECT_EQ(reader.step_count(), 4);
+  EXPECT_EQ(reader.metadata().incomplete, steps.text());
+}
+
 TEST(SceneList, RefusesWhatItDoesNotKnow) {
   const Shape mesh = block(ElementType::hexahedron, 3, 2, 2);
   EXPECT_THROW(make_scene("nosuch", {}), ConfigError);

@@ -33,17 +33,17 @@ TEST(ContactsCsv, ExactText) {
   const std::vector<Contact> contacts = {
       {FeatureKind::ee, {0, 2, 1, 3}, 0.5, Vec3(0, 0, 1), {}, Vec3(1, 2, 3)},
       {FeatureKind::vf, {4, 0, 1, 2}, 0.1, Vec3(-1, 0, 0), {}, Vec3(1e-300, 1e20, -0.0)},
-      {FeatureKind::ee, {0, 1, 2, 3}, 1, Vec3(0, 0, 0), {}, Vec3(0.25, 0, 0)}};
+      {FeatureKind::ee, {0, 1, 2, 3}, 0, Vec3(0, 0, 0), {}, Vec3(0.25, 0, 0), true}};
   ContactsCsvWriter writer(folder / "c.csv");
   writer.write_step(3, contacts, mesh);
   writer.write_step(4, {}, mesh);
   EXPECT_FALSE(std::filesystem::exists(folder / "c.csv"));
   writer.finish();
   EXPECT_EQ(text_of(folder / "c.csv"),
-            "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz\n"
-            "3,VF,50,10,20,30,0.10000000000000001,-1,0,0,1e-300,1e+20,-0\n"
-            "3,EE,10,20,30,40,1,0,0,0,0.25,0,0\n"
-            "3,EE,10,30,20,40,0.5,0,0,1,1,2,3\n");
+            "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start\n"
+            "3,VF,50,10,20,30,0.10000000000000001,-1,0,0,1e-300,1e+20,-0,0\n"
+            "3,EE,10,20,30,40,0,0,0,0,0.25,0,0,1\n"
+            "3,EE,10,30,20,40,0.5,0,0,1,1,2,3,0\n");
   EXPECT_EQ(folder.entries(), 1u);
 }
 
@@ -175,6 +175,10 @@ TEST(ContactsCsv, BadLinesByNumber) {
   EXPECT_EQ(line_of("step,kind,a,b,c,d,toi\r\n0,VF,1,2,3,4,0.5\r\n"), 0);
   EXPECT_EQ(line_of(full + "0,VF,1,2,3,4,0.5,0,0,1,1e3,-2,3\n"), 0);
   EXPECT_EQ(line_of(""), 1);
+  const std::string flagged = full.substr(0, full.size() - 1) + ",at_start\n";
+  EXPECT_EQ(line_of(flagged + "0,VF,1,2,3,4,0.5,0,0,1,1e3,-2,3,0\n0,VF,1,2,3,5,0,0,0,1,1e3,-2,3,1\n"), 0);
+  for (const char* bad : {"", ",", ",2", ",01", ",true", ",1,0"})
+    EXPECT_EQ(line_of(flagged + "0,VF,1,2,3,4,0,0,0,1,1e3,-2,3" + bad + "\n"), 2) << bad;
   EXPECT_EQ(line_of("a,b\n"), 1);
   EXPECT_EQ(line_of(good), 1);
   for (const char* bad : {"",

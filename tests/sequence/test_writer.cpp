@@ -11,6 +11,7 @@
 #include <volccd/mesh/sequence/reader.hpp>
 
 #include "sequences.hpp"
+#include "support/full_disk.hpp"
 
 namespace volccd::test {
 namespace {
@@ -50,6 +51,61 @@ TEST(SequenceWriter, WhatWasThereStaysUntilFinish) {
   const mode_t mask = ::umask(0);
   ::umask(mask);
   EXPECT_EQ(info.st_mode & 0777, 0666 & ~mask);
+}
+
+/// HDF5 by itself crashes at the end of the process when it could not write.
+TEST(SequenceWriter, AFullDiskIsAnErrorWithTheReasonWhereverItStrikes) {
+  const ScratchFolder folder;
+  const std::string file = folder / "s.vtkhdf";
+  write_text(file, "old");
+  const Sequence s = random_sequence(7, 6);
+  const auto write = [&] {
+    SequenceWriter writer(file, s.point_ids);
+    for (std::size_t k = 0; k < s.steps.size(); ++k)
+      writer.write_step(static_cast<double>(k), s.steps[k].points, s.steps[k].cells);
+    writer.finish();
+  };
+  for (std::int64_t room = 0;; room += room < 4000 ? 400 : 3000) {
+    std::string message;
+    try {
+      const FullDisk disk(room);
+      write();
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.source(), file);
+      message = error.what();
+    }
+    if (message.empty()) {
+      EXPECT_GT(room, 4000);
+      break;
+    }
+    EXPECT_NE(message.find("File too large"), std::string::npos) << message;
+    EXPECT_EQ(text_of(file), "old");
+    EXPECT_EQ(folder.entries(), 1u);
+  }
+  EXPECT_NO_THROW(SequenceReader(file).check_contents());
+}
+
+TEST(SequenceWriter, LinksStayAndStreamsAreRefused) {
+  const ScratchFolder folder;
+  const Sequence s = random_sequence(1, 2);
+  std::filesystem::create_symlink("s.vtkhdf", folder / "link");
+  SequenceWriter writer(folder / "link", s.point_ids);
+  writer.write_step(0, s.steps[0].points, s.steps[0].cells);
+  writer.finish();
+  EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
+  EXPECT_NO_THROW(SequenceReader(folder / "s.vtkhdf").check_contents());
+  for (const char* name : {"-", "/dev/fd/1"}) EXPECT_THROW(SequenceWriter(name, s.point_ids), InputError);
+}
+
+TEST(SequenceWriter, AnIncompleteSequenceSaysSo) {
+  const ScratchFolder folder;
+  const Sequence s = random_sequence(1, 2);
+  for (const std::string& incomplete : {std::string(), StepsDone{0, 1, 5, "interrupted"}.text()}) {
+    SequenceWriter writer(folder / "s.vtkhdf", s.point_ids);
+    writer.write_step(0, s.steps[0].points, s.steps[0].cells);
+    writer.finish(incomplete);
+    EXPECT_EQ(SequenceReader(folder / "s.vtkhdf").metadata().incomplete, incomplete);
+  }
 }
 
 TEST(SequenceWriter, TwoWritersOfOneTargetDoNotMeet) {

@@ -3,11 +3,15 @@
 import contextlib
 import io
 import os
+import resource
+import shutil
+import signal
 import subprocess
 import sys
 import tempfile
 import types
 import unittest
+import unittest.mock
 
 SKIPPED = 77  # what CTest takes for "skipped"
 try:
@@ -238,6 +242,53 @@ class Importer(unittest.TestCase):
                  says="cell ids[1]: 7 is there twice")
         self.bad(self.path("e.inp", "*NODE\n1, 0, 0, 0\n*NODE\n2, 1, 0, 0\n3, 0, 1, 0\n4, 1, 1, 0\n"
                                     "*ELEMENT, TYPE=S3\n1, 2, 3, 4\n"), says="nodes: the file has 4, meshio reads 3")
+
+    def read(self, file):
+        with open(file, "rb") as stream:
+            return stream.read()
+
+    def test_the_output_is_no_input_and_links_stay(self):
+        source = self.path("in.vtu")
+        shutil.copy(*data("cells_1.vtu"), source)
+        os.link(source, self.path("hard.vtu"))
+        os.symlink("in.vtu", self.path("soft.vtu"))
+        for name in ("in.vtu", "hard.vtu", "soft.vtu"):
+            self.target = self.path(name)
+            self.bad(source, says="is the input")
+        self.assertEqual(self.read(source), self.read(*data("cells_1.vtu")))
+        os.mkfifo(self.path("fifo"))
+        for name, says in (("-", "not a regular file"), ("/dev/fd/1", "not a regular file"),
+                           (self.path("fifo"), "not a regular file"), (self.folder, "folder"),
+                           (self.path("no/such"), "no/such: cannot be written: No such file or directory")):
+            self.target = name
+            self.bad(source, says=says)
+        with open(self.path("report"), "w", encoding="ascii") as report:
+            done = subprocess.run([sys.executable, TOOL, source, "-o", "/dev/fd/1"], stdout=report, stderr=subprocess.PIPE,
+                                  text=True, check=False)
+        self.assertEqual(done.returncode, 2, done.stderr)
+        os.symlink("there.vtkhdf", self.path("link.vtkhdf"))
+        self.target = self.path("link.vtkhdf")
+        for _ in range(2):
+            self.good(source)
+            self.assertTrue(os.path.islink(self.target))
+            self.assertTrue(os.path.isfile(self.path("there.vtkhdf")))
+
+    def test_full_disk_and_ctrl_c_leave_what_was_there(self):
+        self.path("out.vtkhdf", "old")
+
+        def limit(size):
+            signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+            resource.setrlimit(resource.RLIMIT_FSIZE, (size, size))
+        for size in (0, 1000, 4000):
+            done = subprocess.run([sys.executable, TOOL, *data("cells_1.vtu"), "-o", self.target], capture_output=True,
+                                  text=True, check=False, preexec_fn=lambda size=size: limit(size))
+            self.assertEqual((done.returncode, done.stderr),
+                             (2, f"import_sequence.py: {self.target}: cannot be written: File too large\n"))
+        with unittest.mock.patch.object(import_sequence, "read_step", side_effect=KeyboardInterrupt):
+            done = self.run_tool(*data("cells_1.vtu"))
+        self.assertEqual((done.returncode, "interrupted" in done.stderr), (130, True))
+        self.assertEqual(os.listdir(self.folder), ["out.vtkhdf"])
+        self.assertEqual(self.read(self.target), b"old")
 
 
 if __name__ == "__main__":

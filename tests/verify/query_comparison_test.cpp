@@ -60,7 +60,8 @@ TEST(QueryComparison, CountsAndTellsOfBrokenPromises) {
   QueryComparisonConfig config;
   config.narrow_phases = {"certain", "doubtful"};
   config.rounds = 0;
-  const QueryRecord record = compare_on_queries(registry, groups, config);
+  QueryRecord record;
+  compare_on_queries(registry, groups, config, record);
   ASSERT_EQ(record.groups.size(), 2u);
   const QueryScore& first = record.groups[0].scores[1];
   EXPECT_EQ(first.missed, (std::vector<std::uint64_t>{10}));

@@ -4,8 +4,10 @@
 #include <sys/file.h>
 #include <unistd.h>
 
+#include <cerrno>
 #include <chrono>
 #include <cstdlib>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <vector>
@@ -14,9 +16,11 @@
 #include <nlohmann/json.hpp>
 
 #include <volccd/core/error.hpp>
+#include <volccd/core/output_file.hpp>
 #include <volccd/experiments/records/build_facts.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/scenes/simulated/frame_store.hpp>
+#include <volccd/mesh/sequence/writer.hpp>
 
 namespace volccd {
 
@@ -95,18 +99,13 @@ class Workplace {
   }
 
   void save(Simulation& simulation, int done) const {
-    const std::string file = folder_ + "/state";
-    {
-      std::ofstream out(file + ".tmp", std::ios::binary);
+    write_checkpoint(folder_ + "/state", [&](std::ostream& out) {
       out << signature() << '\n';
       simulation::Archive archive(out);
       std::int64_t number = done;
       archive(number);
       simulation.archive(archive);
-      out.flush();
-      if (!out) throw InputError(file, "", "cannot be written");
-    }
-    replace_file(file + ".tmp", file);
+    });
   }
 
   void forget() const {
@@ -273,14 +272,16 @@ SequenceMetadata bake_metadata(const SimulatedScene& scene, const BakeSettings& 
 }
 
 void copy_file_whole(const std::string& from, const std::string& to) {
-  const std::string temporary = fmt::format("{}.{}.tmp", to, getpid());
-  std::error_code error;
-  fs::copy_file(from, temporary, fs::copy_options::overwrite_existing, error);
-  if (!error) fs::rename(temporary, to, error);
-  if (!error) return;
-  std::error_code ignored;
-  fs::remove(temporary, ignored);
-  throw InputError(to, "", "cannot be written: " + error.message());
+  std::ifstream in(from, std::ios::binary);
+  if (!in) throw InputError(from, "", std::string("cannot be opened: ") + std::strerror(errno));
+  OutputFile out(to, kSequenceIsNoStream);
+  std::vector<char> block(1 << 20);
+  do {
+    in.read(block.data(), static_cast<std::streamsize>(block.size()));
+    out.write({block.data(), static_cast<std::size_t>(in.gcount())});
+  } while (in);
+  if (in.bad()) throw InputError(from, "", std::string("cannot be read: ") + std::strerror(errno));
+  out.commit();
 }
 
 }  // namespace volccd

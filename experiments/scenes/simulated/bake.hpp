@@ -51,7 +51,7 @@ std::optional<std::string> bake(const SimulatedScene& scene, const BakeSettings&
 SequenceMetadata bake_metadata(const SimulatedScene& scene, const BakeSettings& settings,
                                const simulation::Model& model);
 
-/// Copies a file by way of a temporary name beside the target. Throws InputError.
+/// Copies a sequence file, by the rules of OutputFile. Throws InputError.
 void copy_file_whole(const std::string& from, const std::string& to);
 
 }  // namespace volccd

@@ -1,9 +1,11 @@
 #include <volccd/experiments/scenes/simulated/frame_store.hpp>
 
-#include <filesystem>
+#include <cerrno>
+#include <cstring>
 #include <fstream>
 
 #include <volccd/core/error.hpp>
+#include <volccd/core/output_file.hpp>
 #include <volccd/mesh/sequence/writer.hpp>
 
 namespace volccd {
@@ -80,23 +82,28 @@ Frame capture_frame(simulation::Simulation& simulation, Index vertices_before) {
   return frame;
 }
 
-void write_frame(const std::string& file, const Frame& frame) {
-  const std::string temporary = file + ".tmp";
+void write_checkpoint(const std::string& file, FunctionRef<void(std::ostream&)> write) {
+  OutputFile target(file, "it is read back later");
   {
-    std::ofstream out(temporary, std::ios::binary);
+    std::ofstream out(target.temporary(), std::ios::binary);
+    errno = 0;
+    try {
+      write(out);
+    } catch (const InputError&) {
+      if (out) throw;
+    }
+    out.flush();
+    if (!out) throw InputError(file, "", std::string("cannot be written: ") + std::strerror(errno));
+  }
+  target.commit();
+}
+
+void write_frame(const std::string& file, const Frame& frame) {
+  write_checkpoint(file, [&](std::ostream& out) {
     simulation::Archive archive(out);
     Frame copy = frame;
     archive_frame(archive, copy);
-    out.flush();
-    if (!out) throw InputError(temporary, "", "cannot be written");
-  }
-  replace_file(temporary, file);
-}
-
-void replace_file(const std::string& temporary, const std::string& file) {
-  std::error_code error;
-  std::filesystem::rename(temporary, file, error);
-  if (error) throw InputError(file, "", "cannot be written: " + error.message());
+  });
 }
 
 Frame read_frame(const std::string& file) {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <ostream>
 #include <string>
 #include <vector>
 
+#include <volccd/core/function_ref.hpp>
 #include <volccd/experiments/simulation/simulation.hpp>
 #include <volccd/mesh/sequence/cells.hpp>
 #include <volccd/mesh/sequence/metadata.hpp>
@@ -30,11 +32,11 @@ struct Frame {
 /// 0.
 Frame capture_frame(simulation::Simulation& simulation, Index vertices_before);
 
-/// Writes to a temporary name and renames. Throws InputError.
-void write_frame(const std::string& file, const Frame& frame);
+/// Writes what is read back when a bake goes on: whole or not at all. Throws InputError with the system's reason.
+void write_checkpoint(const std::string& file, FunctionRef<void(std::ostream&)> write);
 
-/// Renames `temporary` to `file`. Throws InputError.
-void replace_file(const std::string& temporary, const std::string& file);
+/// By write_checkpoint().
+void write_frame(const std::string& file, const Frame& frame);
 
 /// Throws InputError for a file that is missing or ends early.
 Frame read_frame(const std::string& file);

@@ -1,9 +1,11 @@
 #include <volccd/mesh/sequence/detail/hdf5_output.hpp>
 
 #include <algorithm>
+#include <cstring>
 #include <utility>
 
 #include <volccd/core/error.hpp>
+#include <volccd/mesh/sequence/detail/hdf5_write_driver.hpp>
 
 namespace volccd::detail {
 
@@ -20,6 +22,11 @@ hid_t stored(StoredType type) {
     case StoredType::float64: break;
   }
   return H5T_IEEE_F64LE;
+}
+
+/// The system's reason, if it refused to write, else HDF5's.
+std::string reason(int write_error) {
+  return write_error != 0 ? std::string(": ") + std::strerror(write_error) : hdf5_reason();
 }
 
 }  // namespace
@@ -45,29 +52,32 @@ void GrowingDataset::append_raw(const void* values, std::size_t count, hid_t typ
   done = done && file_space && memory_space &&
          H5Sselect_hyperslab(file_space.get(), H5S_SELECT_SET, start, nullptr, added, nullptr) >= 0 &&
          H5Dwrite(id_.get(), type, memory_space.get(), file_space.get(), H5P_DEFAULT, values) >= 0;
-  if (!done) throw InputError(file_, path_, rows_, "cannot be written" + hdf5_reason());
+  if (!done || *write_error_ != 0) throw InputError(file_, path_, rows_, "cannot be written" + reason(*write_error_));
   rows_ += static_cast<std::int64_t>(added[0]);
 }
 
-Hdf5Output::Hdf5Output(const std::string& name, std::string shown_as) : shown_as_(std::move(shown_as)) {
+Hdf5Output::Hdf5Output(const std::string& name, std::string shown_as)
+    : shown_as_(std::move(shown_as)), write_error_(std::make_unique<int>(0)) {
   const QuietHdf5 quiet;
-  id_ = Hdf5Id(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), H5Fclose);
-  if (!id_) fail("", "cannot be written" + hdf5_reason());
+  const Hdf5Id access = write_driver_access(write_error_.get());
+  if (access) id_ = Hdf5Id(H5Fcreate(name.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access.get()), H5Fclose);
+  check(static_cast<bool>(id_), "", "cannot be written");
 }
 
 void Hdf5Output::group(const std::string& path) {
   const QuietHdf5 quiet;
   const Hdf5Id id(H5Gcreate2(id_.get(), path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
-  if (!id) fail(path, "cannot be made" + hdf5_reason());
+  check(static_cast<bool>(id), path, "cannot be made");
 }
 
 Hdf5Id Hdf5Output::create_dataset(const std::string& path, hid_t type, hid_t space, const hsize_t* chunk, int rank) {
   const Hdf5Id creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
-  if (chunk && (H5Pset_chunk(creation.get(), rank, chunk) < 0 || H5Pset_shuffle(creation.get()) < 0 ||
-                H5Pset_deflate(creation.get(), kDeflate) < 0))
-    fail(path, "cannot be chunked and compressed" + hdf5_reason());
+  if (chunk)
+    check(H5Pset_chunk(creation.get(), rank, chunk) >= 0 && H5Pset_shuffle(creation.get()) >= 0 &&
+              H5Pset_deflate(creation.get(), kDeflate) >= 0,
+          path, "cannot be made");
   Hdf5Id id(H5Dcreate2(id_.get(), path.c_str(), type, space, H5P_DEFAULT, creation.get(), H5P_DEFAULT), H5Dclose);
-  if (!id) fail(path, "cannot be made" + hdf5_reason());
+  check(static_cast<bool>(id), path, "cannot be made");
   return id;
 }
 
@@ -77,6 +87,7 @@ GrowingDataset Hdf5Output::growing(const std::string& path, StoredType type, std
   GrowingDataset result;
   result.file_ = shown_as_;
   result.path_ = path;
+  result.write_error_ = write_error_.get();
   result.columns_ = static_cast<hsize_t>(columns);
   const int rank = columns > 1 ? 2 : 1;
   const hsize_t extent[2] = {0, result.columns_};
@@ -95,8 +106,7 @@ void Hdf5Output::whole(const std::string& path, hid_t file_type, hid_t memory_ty
   const hsize_t chunk[2] = {std::min<hsize_t>(count, 16384), 1};
   const Hdf5Id space(H5Screate_simple(rank, extent, nullptr), H5Sclose);
   const Hdf5Id id = create_dataset(path, file_type, space.get(), count > kPlainEntries ? chunk : nullptr, rank);
-  if (H5Dwrite(id.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
-    fail(path, "cannot be written" + hdf5_reason());
+  check(H5Dwrite(id.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0, path, "cannot be written");
 }
 
 void Hdf5Output::integers(const std::string& path, std::span<const std::int64_t> values, bool as_column) {
@@ -112,8 +122,8 @@ void Hdf5Output::attribute(const std::string& group, const std::string& name, hi
   const Hdf5Id id(H5Acreate_by_name(id_.get(), group.c_str(), name.c_str(), file_type, space, H5P_DEFAULT, H5P_DEFAULT,
                                     H5P_DEFAULT),
                   H5Aclose);
-  if (!id || H5Awrite(id.get(), memory_type, value) < 0)
-    fail((group == "/" ? "" : group) + "@" + name, "cannot be written" + hdf5_reason());
+  check(id && H5Awrite(id.get(), memory_type, value) >= 0, (group == "/" ? "" : group) + "@" + name,
+        "cannot be written");
 }
 
 void Hdf5Output::string_attribute(const std::string& group, const std::string& name, const std::string& text) {
@@ -143,11 +153,12 @@ void Hdf5Output::integer_attribute(const std::string& group, const std::string& 
 
 void Hdf5Output::close() {
   const QuietHdf5 quiet;
-  if (H5Fflush(id_.get(), H5F_SCOPE_LOCAL) < 0 || !id_.reset()) fail("", "cannot be written" + hdf5_reason());
+  const bool flushed = H5Fflush(id_.get(), H5F_SCOPE_LOCAL) >= 0;
+  check(id_.reset() && flushed, "", "cannot be written");
 }
 
-void Hdf5Output::fail(const std::string& path, const std::string& problem) const {
-  throw InputError(shown_as_, path, problem);
+void Hdf5Output::check(bool done, const std::string& path, const std::string& problem) const {
+  if (!done || *write_error_ != 0) throw InputError(shown_as_, path, problem + reason(*write_error_));
 }
 
 }  // namespace volccd::detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <string>
 
@@ -24,12 +25,14 @@ class GrowingDataset {
   void append_raw(const void* values, std::size_t count, hid_t type);
 
   std::string file_, path_;
+  const int* write_error_ = nullptr;
   Hdf5Id id_;
   std::int64_t rows_ = 0;
   hsize_t columns_ = 1;
 };
 
-/// A file open for writing. Errors are InputError with `shown_as` as the file, whatever the name on disk.
+/// A file open for writing. Errors are InputError with `shown_as` as the file, whatever the name on disk, and with the
+/// system's reason (disk full). After an error the file on disk is worthless; it can be closed and removed.
 class Hdf5Output {
  public:
   Hdf5Output(const std::string& name, std::string shown_as);
@@ -55,9 +58,11 @@ class Hdf5Output {
              bool as_column);
   void attribute(const std::string& group, const std::string& name, hid_t file_type, hid_t memory_type, hid_t space,
                  const void* value);
-  [[noreturn]] void fail(const std::string& path, const std::string& problem) const;
+  /// Throws unless `done` and everything written so far has reached the file.
+  void check(bool done, const std::string& path, const std::string& problem) const;
 
   std::string shown_as_;
+  std::unique_ptr<int> write_error_;  ///< the first errno of a write that failed, or 0; outlives id_
   Hdf5Id id_;
 };
 

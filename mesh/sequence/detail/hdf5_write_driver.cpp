@@ -1,0 +1,171 @@
+#include <volccd/mesh/sequence/detail/hdf5_write_driver.hpp>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <limits>
+#include <mutex>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+// Since HDF5 1.14 the interface of drivers has a header of its own.
+#if __has_include(<H5FDdevelop.h>)
+#include <H5FDdevelop.h>
+#endif
+
+namespace volccd::detail {
+
+namespace {
+
+/// What HDF5 hands on to open_file.
+struct DriverInfo {
+  int* error;
+};
+
+/// `base` comes first: HDF5 sees nothing else.
+struct DriverFile {
+  H5FD_t base;
+  int descriptor;
+  haddr_t eoa, eof;
+  int* error;
+};
+
+DriverFile& file_of(H5FD_t* base) { return *reinterpret_cast<DriverFile*>(base); }
+const DriverFile& file_of(const H5FD_t* base) { return *reinterpret_cast<const DriverFile*>(base); }
+
+void note_error(const DriverFile& file) {
+  if (*file.error == 0) *file.error = errno;
+}
+
+H5FD_t* open_file(const char* name, unsigned flags, hid_t access, haddr_t) {
+  const DriverInfo* const info = static_cast<const DriverInfo*>(H5Pget_driver_info(access));
+  if (!info) return nullptr;
+  int mode = (flags & H5F_ACC_RDWR) != 0 ? O_RDWR : O_RDONLY;
+  if ((flags & H5F_ACC_CREAT) != 0) mode |= O_CREAT;
+  if ((flags & H5F_ACC_TRUNC) != 0) mode |= O_TRUNC;
+  const int descriptor = ::open(name, mode | O_CLOEXEC, 0666);
+  struct stat status {};
+  if (descriptor < 0 || ::fstat(descriptor, &status) != 0) {
+    if (*info->error == 0) *info->error = errno;
+    if (descriptor >= 0) ::close(descriptor);
+    return nullptr;
+  }
+  DriverFile* const file = new DriverFile{};
+  file->descriptor = descriptor;
+  file->eof = static_cast<haddr_t>(status.st_size);
+  file->error = info->error;
+  return &file->base;
+}
+
+herr_t close_file(H5FD_t* base) {
+  DriverFile* const file = &file_of(base);
+  if (::close(file->descriptor) != 0) note_error(*file);
+  delete file;
+  return 0;
+}
+
+herr_t query_features(const H5FD_t*, unsigned long* flags) {
+  *flags = H5FD_FEAT_AGGREGATE_METADATA | H5FD_FEAT_ACCUMULATE_METADATA | H5FD_FEAT_DATA_SIEVE |
+           H5FD_FEAT_AGGREGATE_SMALLDATA;
+  return 0;
+}
+
+haddr_t get_eoa(const H5FD_t* base, H5FD_mem_t) { return file_of(base).eoa; }
+
+herr_t set_eoa(H5FD_t* base, H5FD_mem_t, haddr_t address) {
+  file_of(base).eoa = address;
+  return 0;
+}
+
+haddr_t get_eof(const H5FD_t* base, H5FD_mem_t) { return file_of(base).eof; }
+
+/// Zeros where nothing has been written.
+herr_t read_bytes(H5FD_t* base, H5FD_mem_t, hid_t, haddr_t address, std::size_t size, void* buffer) {
+  const DriverFile& file = file_of(base);
+  char* to = static_cast<char*>(buffer);
+  while (size > 0) {
+    const ssize_t got = ::pread(file.descriptor, to, size, static_cast<off_t>(address));
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) note_error(file);
+    if (got <= 0) break;
+    to += got;
+    address += static_cast<haddr_t>(got);
+    size -= static_cast<std::size_t>(got);
+  }
+  std::memset(to, 0, size);
+  return 0;
+}
+
+herr_t write_bytes(H5FD_t* base, H5FD_mem_t, hid_t, haddr_t address, std::size_t size, const void* buffer) {
+  DriverFile& file = file_of(base);
+  const char* from = static_cast<const char*>(buffer);
+  file.eof = std::max(file.eof, address + size);
+  while (size > 0) {
+    const ssize_t written = ::pwrite(file.descriptor, from, size, static_cast<off_t>(address));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) {
+      note_error(file);
+      break;
+    }
+    from += written;
+    address += static_cast<haddr_t>(written);
+    size -= static_cast<std::size_t>(written);
+  }
+  return 0;
+}
+
+herr_t truncate_file(H5FD_t* base, hid_t, hbool_t) {
+  DriverFile& file = file_of(base);
+  if (file.eof == file.eoa) return 0;
+  if (::ftruncate(file.descriptor, static_cast<off_t>(file.eoa)) != 0) note_error(file);
+  file.eof = file.eoa;
+  return 0;
+}
+
+H5FD_class_t driver_class() {
+  H5FD_class_t driver{};
+#ifdef H5FD_CLASS_VERSION
+  driver.version = H5FD_CLASS_VERSION;
+  driver.value = static_cast<H5FD_class_value_t>(600);  // from the range for tests and private use
+#endif
+  driver.name = "volccd_write";
+  driver.maxaddr = static_cast<haddr_t>(std::numeric_limits<off_t>::max());
+  driver.fc_degree = H5F_CLOSE_WEAK;
+  driver.fapl_size = sizeof(DriverInfo);
+  driver.open = open_file;
+  driver.close = close_file;
+  driver.query = query_features;
+  driver.get_eoa = get_eoa;
+  driver.set_eoa = set_eoa;
+  driver.get_eof = get_eof;
+  driver.read = read_bytes;
+  driver.write = write_bytes;
+  driver.truncate = truncate_file;
+  const H5FD_mem_t map[] = H5FD_FLMAP_DICHOTOMY;
+  std::copy(std::begin(map), std::end(map), driver.fl_map);
+  return driver;
+}
+
+/// Registered once, and again if the application has closed the HDF5 library in between.
+hid_t registered_driver() {
+  static const H5FD_class_t driver = driver_class();
+  static std::mutex mutex;
+  static hid_t id = -1;
+  const std::lock_guard lock(mutex);
+  if (id < 0 || H5Iget_type(id) != H5I_VFL) id = H5FDregister(&driver);
+  return id;
+}
+
+}  // namespace
+
+Hdf5Id write_driver_access(int* error) {
+  const DriverInfo info{error};
+  const hid_t driver = registered_driver();
+  Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  if (driver < 0 || !access || H5Pset_driver(access.get(), driver, &info) < 0) return {};
+  return access;
+}
+
+}  // namespace volccd::detail
