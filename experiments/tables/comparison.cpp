@@ -69,7 +69,7 @@ double PipelineRecord::median_seconds() const {
 ComparisonRecord compare_pipelines(const Registry& registry, SequenceStepper& stepper, const ComparisonConfig& config) {
   const std::unique_ptr<Executor> executor = make_executor(config.threads);
   const ObjectFilter everything;
-  ComparisonRecord record{config.sequence, config.rounds, config.threads, {}};
+  ComparisonRecord record{config.sequence, config.rounds, executor->workers(), {}};
   std::vector<std::unique_ptr<Contestant>> contestants;
   for (const std::string& name : config.pipelines) {
     contestants.push_back(std::make_unique<Contestant>(registry, name));
