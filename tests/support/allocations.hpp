@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <new>
 
 namespace volccd::test {
 
@@ -25,5 +26,24 @@ class FailingAllocation {
   /// Whether one has failed, thrown on or not.
   bool failed() const;
 };
+
+/// Calls `call` with its first allocation failing, then with its second, and so on until it succeeds; calls `unchanged`
+/// after each failure. Returns the number of failures.
+template <class Call, class Unchanged>
+std::size_t fail_allocations(Memory memory, Call&& call, Unchanged&& unchanged) {
+  for (std::size_t n = 1;; ++n) {
+    bool failed = false;
+    {
+      const FailingAllocation failing(n, memory);
+      try {
+        call();
+      } catch (const std::bad_alloc&) {
+        failed = true;
+      }
+    }
+    if (!failed) return n - 1;
+    unchanged();
+  }
+}
 
 }  // namespace volccd::test
