@@ -173,6 +173,8 @@ FeatureEdit::FeatureEdit(Features& features, const Mesh& mesh, std::span<const I
                    static_cast<Index>(change.added_vertices.size());
 }
 
+FeatureEdit::~FeatureEdit() = default;
+
 void FeatureEdit::commit() noexcept {
   vertex_lists_.commit(vertices_);
   edges_.commit(removed_, slots_, elements_);

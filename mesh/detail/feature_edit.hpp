@@ -83,6 +83,7 @@ class FeatureEdit {
   /// of those elements and the length of their incidence lists, independent of the size of the mesh.
   FeatureEdit(Features& features, const Mesh& mesh, std::span<const Index> removed, std::span<const ElementSpec> added,
               std::span<const Index> slots, Index vertices, Index elements, FeatureChange& change);
+  ~FeatureEdit();
 
   /// Equal to Features::build() of the mesh after the edit, up to the numbering of edge and triangle slots.
   void commit() noexcept;
