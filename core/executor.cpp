@@ -24,14 +24,16 @@ namespace {
 
 unsigned thread_count(unsigned threads) {
   if (threads > kMaxThreads)
-    throw ConfigError(fmt::format("threads: {} is more than {}; 0 takes as many as the machine has", threads, kMaxThreads));
+    throw ConfigError(
+        fmt::format("threads: {} is more than {}; 0 takes as many as the machine has", threads, kMaxThreads));
   return threads != 0 ? threads : std::clamp(std::thread::hardware_concurrency(), 1u, kMaxThreads);
 }
 
 [[noreturn]] void refuse_thread(std::size_t made, std::size_t wanted, const std::system_error& error) {
-  throw ConfigError(fmt::format("threads: the system refused thread {} of {} ({}); ask for fewer, or raise the limit on "
-                                "the user's processes (ulimit -u)",
-                                made + 2, wanted + 1, error.code().message()));
+  throw ConfigError(
+      fmt::format("threads: the system refused thread {} of {} ({}); ask for fewer, or raise the limit on "
+                  "the user's processes (ulimit -u)",
+                  made + 2, wanted + 1, error.code().message()));
 }
 
 /// Makes `count` threads that live at the same time, and ends them. Throws ConfigError if the system refuses one.

@@ -5,8 +5,8 @@
 
 namespace volccd {
 
-/// What is wrong with the calling thread's floating-point environment, empty if nothing is: subnormal results or operands
-/// are replaced by zero, or rounding is not to nearest. A few nanoseconds where nothing is wrong.
+/// What is wrong with the calling thread's floating-point environment, empty if nothing is: subnormal results or
+/// operands are replaced by zero, or rounding is not to nearest. A few nanoseconds where nothing is wrong.
 std::string floating_point_problem();
 
 /// Throws ConfigError with that problem and what to do about it.

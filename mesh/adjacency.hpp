@@ -16,8 +16,8 @@ namespace volccd {
 
 /// Decides adjacency of two elements by comparing vertex slots in registers, a nanosecond or so for tetrahedra, without
 /// lists of neighbours. Elements of up to four, or up to eight vertices are held padded in one block; larger polytopes
-/// fall back to their sorted vertices. Read-only use is thread-safe. A member that throws for lack of memory leaves it as
-/// it was.
+/// fall back to their sorted vertices. Read-only use is thread-safe. A member that throws for lack of memory leaves it
+/// as it was.
 class AdjacencyTest {
  public:
   /// For the live elements of `mesh`. O(elements).

@@ -12,10 +12,11 @@ namespace volccd::detail {
 /// Room that arrays get beyond their size when they are built, so that the first changes do not copy all of them.
 constexpr std::size_t with_spare(std::size_t n) { return n + n / 16; }
 
-/// List i is pool[i]. A list that outgrows its capacity moves to the end of the array. compact_if_sparse(), called after
-/// each change, keeps memory within a constant factor of what the lists hold; a change then costs amortised time
-/// proportional to the length of the lists that it touches. Spans are invalidated by every change. A member that throws,
-/// because memory runs out or with Error because the array would exceed 2^32 entries, leaves the lists as they were.
+/// List i is pool[i]. A list that outgrows its capacity moves to the end of the array. compact_if_sparse(), called
+/// after each change, keeps memory within a constant factor of what the lists hold; a change then costs amortised time
+/// proportional to the length of the lists that it touches. Spans are invalidated by every change. A member that
+/// throws, because memory runs out or with Error because the array would exceed 2^32 entries, leaves the lists as they
+/// were.
 class IncidencePool {
  public:
   std::size_t size() const { return lists_.size(); }
@@ -42,8 +43,8 @@ class IncidencePool {
     data_[lists_[i].begin + lists_[i].size++] = value;
     ++used_;
   }
-  /// Room for n lists, and for `entries` beyond those that are there: the sum of room_for() over the lists that a change
-  /// lets grow. What has room does not throw.
+  /// Room for n lists, and for `entries` beyond those that are there: the sum of room_for() over the lists that a
+  /// change lets grow. What has room does not throw.
   void reserve(std::size_t n, std::size_t entries);
   /// Entries that list i, which need not exist yet, takes to grow to `size`.
   std::size_t room_for(std::size_t i, std::size_t size) const {

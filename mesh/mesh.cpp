@@ -49,7 +49,8 @@ Index Mesh::add_element(const ElementSpec& element) {
   if (free_slots_.empty() && types_.size() + 1 >= kNone)
     throw InputError("mesh", "elements", element.id, "more than 2^32 - 2 elements");
 
-  if (find_element(element.id) != kNone) throw InputError("mesh", "elements", element.id, "another element has this id");
+  if (find_element(element.id) != kNone)
+    throw InputError("mesh", "elements", element.id, "another element has this id");
   const std::size_t length = element.vertices.size() + element.faces.size();
   const auto blocks = free_blocks_.find(length);
   const bool block_free = blocks != free_blocks_.end() && !blocks->second.empty();
@@ -126,7 +127,8 @@ Index Mesh::place(const ElementSpec& element) noexcept {
     free_slots_.pop_back();
   }
   id_table_.find_or_insert(
-      id_hash(element.id), slot, [](Index) { return false; }, [&](Index other) { return id_hash(element_ids_[other]); });
+      id_hash(element.id), slot, [](Index) { return false; },
+      [&](Index other) { return id_hash(element_ids_[other]); });
   types_[slot] = element.type;
   objects_[slot] = element.object;
   element_ids_[slot] = element.id;

@@ -45,10 +45,11 @@ class Mesh {
   /// O(1). The slot must be alive.
   void remove_element(Index slot);
 
-  /// An edit in two parts: elements that go, vertices that come, and elements that come then. prepare() needs the memory,
-  /// and changes nothing; it returns the slots that the elements will have. commit() of the same edit cannot fail. What
-  /// the members above refuse is not checked. Amortised O(vertices of the elements).
-  std::vector<Index> prepare(std::span<const Index> removed, std::size_t new_vertices, std::span<const ElementSpec> added);
+  /// An edit in two parts: elements that go, vertices that come, and elements that come then. prepare() needs the
+  /// memory, and changes nothing; it returns the slots that the elements will have. commit() of the same edit cannot
+  /// fail. What the members above refuse is not checked. Amortised O(vertices of the elements).
+  std::vector<Index> prepare(std::span<const Index> removed, std::size_t new_vertices,
+                             std::span<const ElementSpec> added);
   void commit(std::span<const Index> removed, std::span<const std::int64_t> new_vertex_ids,
               std::span<const ElementSpec> added) noexcept;
 

@@ -91,8 +91,10 @@ void Pipeline::run(const Step& step, Workspace& workspace, Executor& executor, S
                    const Request& request) const {
   require_standard_floating_point();
   if (!workspace.data_ || workspace.data_->pipeline != id_)
-    throw ConfigError(fmt::format("pipeline {}: the workspace is not one of this pipeline; make it with make_workspace() of the "
-                                  "pipeline that runs", spec_.name));
+    throw ConfigError(
+        fmt::format("pipeline {}: the workspace is not one of this pipeline; make it with make_workspace() of the "
+                    "pipeline that runs",
+                    spec_.name));
   if (step.motion.vertex_count() != step.mesh().vertex_count())
     throw InputError("step", "motion", fmt::format("moves {} vertices, the mesh has {}", step.motion.vertex_count(),
                                                    step.mesh().vertex_count()));

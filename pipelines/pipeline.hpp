@@ -11,8 +11,8 @@
 
 namespace volccd {
 
-/// All memory that a pipeline needs from step to step. One workspace serves one run at a time, and only the pipeline that
-/// made it (Pipeline::make_workspace); one made by default serves none until another is moved into it.
+/// All memory that a pipeline needs from step to step. One workspace serves one run at a time, and only the pipeline
+/// that made it (Pipeline::make_workspace); one made by default serves none until another is moved into it.
 class Workspace {
  public:
   Workspace();
@@ -67,9 +67,9 @@ class Pipeline {
 
   /// Runs one step. Throws ConfigError if a stage does not handle the step's degree of motion or separation, if the
   /// workspace was not made by this pipeline, or if a thread's floating-point environment is not the standard one
-  /// (core/floating_point.hpp); InputError if motion and mesh differ in their number of vertices. After any exception the
-  /// workspace is as good as a new one, and the result is unspecified. Once the workspace has grown to the scene, a step on
-  /// an unchanged topology allocates nothing but what the result's vectors need.
+  /// (core/floating_point.hpp); InputError if motion and mesh differ in their number of vertices. After any exception
+  /// the workspace is as good as a new one, and the result is unspecified. Once the workspace has grown to the scene, a
+  /// step on an unchanged topology allocates nothing but what the result's vectors need.
   void run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result,
            const Request& request = {}) const;
 

@@ -161,7 +161,7 @@ def check(root, long_headers):
                 findings += check_header(path, lines, long_headers)
             for number, line in enumerate(lines, 1):
                 if owner(path) in LIBRARY and THREAD_LOCAL.match(line):
-                    findings.append(f"{path}:{number}: thread_local: keep scratch in a workspace, or let the caller keep it")
+                    findings.append(f"{path}:{number}: thread_local: keep scratch in a workspace or with the caller")
                 match = INCLUDE.match(line)
                 if not match:
                     continue

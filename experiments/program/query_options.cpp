@@ -39,9 +39,7 @@ StepRange parse_steps(const std::string& text, int motions, const std::string& f
 }
 
 void add_threads_option(CLI::App& command, unsigned& threads, const std::string& purpose) {
-  command
-      .add_option("--threads", threads,
-                  purpose + "0: as many as the machine has; more are never made")
+  command.add_option("--threads", threads, purpose + "0: as many as the machine has; more are never made")
       ->check(CLI::Range(0u, kMaxThreads))
       ->type_name("N")
       ->capture_default_str();

@@ -121,7 +121,8 @@ void FeatureEdit::Kind<N>::make_room(std::span<const Index> slots, Index element
 }
 
 template <std::size_t N>
-void FeatureEdit::Kind<N>::commit(std::span<const Index> removed, std::span<const Index> slots, Index elements) noexcept {
+void FeatureEdit::Kind<N>::commit(std::span<const Index> removed, std::span<const Index> slots,
+                                  Index elements) noexcept {
   tuples.keep();
   lists.commit(tuples.slots());
   for (const Index o : removed) of_element.assign(o, {});
@@ -134,15 +135,16 @@ void FeatureEdit::Kind<N>::commit(std::span<const Index> removed, std::span<cons
 }
 
 FeatureEdit::FeatureEdit(Features& features, const Mesh& mesh, std::span<const Index> removed,
-                         std::span<const ElementSpec> added, std::span<const Index> slots, Index vertices, Index elements,
-                         FeatureChange& change)
+                         std::span<const ElementSpec> added, std::span<const Index> slots, Index vertices,
+                         Index elements, FeatureChange& change)
     : features_(features),
       removed_(removed),
       slots_(slots.begin(), slots.end()),
       vertices_(vertices),
       elements_(elements),
       vertex_lists_(features.vertex_elements_),
-      edges_(features.edges_, features.edge_table_, features.edge_elements_, features.free_edges_, features.element_edges_),
+      edges_(features.edges_, features.edge_table_, features.edge_elements_, features.free_edges_,
+             features.element_edges_),
       triangles_(features.triangles_, features.triangle_table_, features.triangle_elements_, features.free_triangles_,
                  features.element_triangles_) {
   for (const Index o : removed)

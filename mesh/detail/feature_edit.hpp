@@ -22,8 +22,8 @@ class IncidenceEdit {
 
   /// After all remove(): the features that lose all of their elements, ascending.
   std::vector<Index> dead();
-  /// After all add(): makes room for them, in `features` lists. Returns the features that live and whose elements change,
-  /// ascending.
+  /// After all add(): makes room for them, in `features` lists. Returns the features that live and whose elements
+  /// change, ascending.
   std::vector<Index> make_room(std::size_t features);
   /// Features that add() named and that had no element, or lose all of them (`dead`); ascending. After make_room().
   std::vector<Index> born(std::span<const Index> dead) const;
@@ -36,7 +36,8 @@ class IncidenceEdit {
   std::vector<Index> survived_;
 };
 
-/// The slots of edges or triangles in an edit. What it does is undone when it is destroyed, unless keep() has been called.
+/// The slots of edges or triangles in an edit. What it does is undone when it is destroyed, unless keep() has been
+/// called.
 template <std::size_t N>
 class TupleEdit {
  public:
@@ -91,8 +92,8 @@ class FeatureEdit {
  private:
   template <std::size_t N>
   struct Kind {
-    Kind(std::vector<std::array<Index, N>>& all, TupleTable<N>& table, IncidencePool& incidence, std::vector<Index>& free,
-         IncidencePool& by_element)
+    Kind(std::vector<std::array<Index, N>>& all, TupleTable<N>& table, IncidencePool& incidence,
+         std::vector<Index>& free, IncidencePool& by_element)
         : tuples(all, table, free), lists(incidence), of_element(by_element) {}
 
     void remove(std::span<const Index> elements);
@@ -104,8 +105,8 @@ class FeatureEdit {
     TupleEdit<N> tuples;
     IncidenceEdit lists;
     IncidencePool& of_element;
-    std::vector<Index> of_added;      ///< features of one added element after the other
-    std::vector<std::size_t> ends;    ///< of each
+    std::vector<Index> of_added;    ///< features of one added element after the other
+    std::vector<std::size_t> ends;  ///< of each
   };
 
   Features& features_;

@@ -29,8 +29,8 @@ class SlotTable {
     return kNone;
   }
 
-  /// Slot for which `same` holds; if there is none, `slot` is put in and returned. If there is no memory to grow, nothing
-  /// changes. It never grows below the greatest size that it has had.
+  /// Slot for which `same` holds; if there is none, `slot` is put in and returned. If there is no memory to grow,
+  /// nothing changes. It never grows below the greatest size that it has had.
   template <class Same, class HashOf>
   Index find_or_insert(std::uint32_t hash, Index slot, Same&& same, HashOf&& hash_of) {
     reserve_more(1, hash_of);

@@ -172,7 +172,8 @@ TopologyEdit edit_of_many(const Topology& topology, const std::vector<Vec3>& pos
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     if (!mesh.alive(o)) continue;
     const auto v = mesh.vertices(o);
-    const bool cluster = std::any_of(v.begin(), v.end(), [&](Index i) { return (positions[i] - centre).norm() < radius / 2; });
+    const bool cluster =
+        std::any_of(v.begin(), v.end(), [&](Index i) { return (positions[i] - centre).norm() < radius / 2; });
     if (cluster || o % stride == 0) edit.removed.push_back(o);
   }
   for (std::size_t i = 0; i < additions; ++i) {
@@ -235,7 +236,8 @@ void expect_tree_follows_edits_of_many(int side, int steps, std::size_t addition
     }
     const KdopBvh::Counters& counters = KdopBvh::counters(*state);
     const bool always = restructure == KdopBvh::Restructure::always;
-    EXPECT_EQ(counters.builds, always ? 2 * static_cast<unsigned>(steps) + 2 : 1u) << "these edits shall not rebuild the tree";
+    EXPECT_EQ(counters.builds, always ? 2 * static_cast<unsigned>(steps) + 2 : 1u)
+        << "these edits shall not rebuild the tree";
     EXPECT_EQ(counters.restructured_elements > 0, restructure == KdopBvh::Restructure::subtrees);
   }
 }

@@ -158,7 +158,8 @@ TEST(Executor, TheNumberOfThreadsIsBounded) {
         make(threads);
         ADD_FAILURE() << threads << " threads were taken";
       } catch (const ConfigError& error) {
-        EXPECT_EQ(error.what(), "threads: " + std::to_string(threads) + " is more than 1024; 0 takes as many as the machine has");
+        EXPECT_EQ(error.what(),
+                  "threads: " + std::to_string(threads) + " is more than 1024; 0 takes as many as the machine has");
       }
     }
   EXPECT_GE(make_executor(kMaxThreads)->workers(), 1u);

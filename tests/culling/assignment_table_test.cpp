@@ -55,7 +55,8 @@ struct Truth {
 
 TEST(AssignmentTable, FollowsEditsAsAWholeOrNotAtAll) {
   // Tetrahedra: every element that has a feature's vertices has the feature.
-  const Shape shape = permuted(block(ElementType::tetrahedron, 3, 2, 2), 4), other = block(ElementType::tetrahedron, 2, 1, 1);
+  const Shape shape = permuted(block(ElementType::tetrahedron, 3, 2, 2), 4),
+              other = block(ElementType::tetrahedron, 2, 1, 1);
   Topology topology(shape.mesh());
   const Topology foreign(other.mesh());
   detail::AssignmentTable table;

@@ -28,13 +28,12 @@ std::vector<Case> cases() {
           {both, [](std::int32_t a, std::int32_t b) { return a != b && !(a + b == 2 && a != 1); }}};
 }
 
-/// A block whose elements are dealt out to three objects at random, so that features belong to one, two or three, or all to
-/// one object; and another block.
+/// A block whose elements are dealt out to three objects at random, so that features belong to one, two or three, or
+/// all to one object; and another block.
 Shape dealt(std::uint64_t seed, bool shared) {
   Shape shape = mixed_block(1, 1);
   Random random(seed);
-  for (ElementSpec& element : shape.elements)
-    element.object = shared ? static_cast<std::int32_t>(random.below(3)) : 0;
+  for (ElementSpec& element : shape.elements) element.object = shared ? static_cast<std::int32_t>(random.below(3)) : 0;
   Shape other = block(ElementType::tetrahedron, 2, 1, 1);
   shape.append(other.translate({0, 0, 3}), 2);
   return shape;

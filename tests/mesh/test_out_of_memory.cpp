@@ -1,4 +1,5 @@
-// All or nothing where memory runs out: every single allocation of a change fails once, and what can be seen stays as it was.
+// All or nothing where memory runs out: every single allocation of a change fails once, and what can be seen stays as
+// it was.
 #include <set>
 
 #include <gtest/gtest.h>
@@ -42,7 +43,7 @@ Snapshot snapshot(const Mesh& mesh) {
 }
 
 Snapshot snapshot(const Features& features, Index element_slots) {
-  Snapshot all = {features.vertex_slots(), features.edge_slots(),  features.triangle_slots(),
+  Snapshot all = {features.vertex_slots(), features.edge_slots(), features.triangle_slots(),
                   features.vertex_count(), features.edge_count(), features.triangle_count()};
   for (Index v = 0; v < features.vertex_slots(); ++v) take(all, features.vertex_elements(v));
   for (Index e = 0; e < features.edge_slots(); ++e) {
@@ -77,9 +78,9 @@ Snapshot snapshot(const Topology& topology) {
 Snapshot snapshot(const TopologyChange& change) {
   Snapshot all;
   const FeatureChange& f = change.features;
-  for (const auto* list :
-       {&change.removed_elements, &change.added_elements, &f.removed_vertices, &f.removed_edges, &f.removed_triangles,
-        &f.added_vertices, &f.added_edges, &f.added_triangles, &f.touched_vertices, &f.touched_edges, &f.touched_triangles})
+  for (const auto* list : {&change.removed_elements, &change.added_elements, &f.removed_vertices, &f.removed_edges,
+                           &f.removed_triangles, &f.added_vertices, &f.added_edges, &f.added_triangles,
+                           &f.touched_vertices, &f.touched_edges, &f.touched_triangles})
     take(all, *list);
   return all;
 }
@@ -110,7 +111,8 @@ class Edits {
     const Index vertices = mesh.vertex_count() + static_cast<Index>(edit.new_vertex_ids.size());
     for (std::uint64_t i = random_.below(6); i != 0; --i) {
       std::set<Index> corners;
-      while (corners.size() < 4) corners.insert(vertices - 1 - static_cast<Index>(random_.below(std::min<Index>(vertices, 30))));
+      while (corners.size() < 4)
+        corners.insert(vertices - 1 - static_cast<Index>(random_.below(std::min<Index>(vertices, 30))));
       edit.added.push_back({ElementType::tetrahedron, {corners.begin(), corners.end()}, {}, 0, next_id_++});
     }
     random_.shuffle(edit.added);
@@ -171,13 +173,15 @@ TEST(OutOfMemory, AMeshTakesAnElementAsAWholeOrNotAtAll) {
     const Memory memory = i % 2 == 0 ? Memory::lacks_once : Memory::stays_out;
     if (there.size() > 2 && random.below(3) == 0) {
       const std::size_t k = random.below(there.size());
-      failures += test::fail_allocations(memory, [&] { mesh.remove_element(there[k]); }, unchanged);
+      failures += test::fail_allocations(
+          memory, [&] { mesh.remove_element(there[k]); }, unchanged);
       there.erase(there.begin() + static_cast<std::ptrdiff_t>(k));
     } else {
       ElementSpec element = shape.elements[random.below(shape.elements.size())];
       element.id = i;
       Index slot = kNone;
-      failures += test::fail_allocations(memory, [&] { slot = mesh.add_element(element); }, unchanged);
+      failures += test::fail_allocations(
+          memory, [&] { slot = mesh.add_element(element); }, unchanged);
       there.push_back(slot);
     }
   }
@@ -218,7 +222,8 @@ TEST(OutOfMemory, AWatchTellsTheSameNewsAgain) {
     failures += test::fail_allocations(
         i % 2 == 0 ? Memory::lacks_once : Memory::stays_out, [&] { news = watch.look(topology); },
         [&] {
-          for (const auto& [pair, adjacent] : known) ASSERT_EQ(watch.adjacency().adjacent(pair.a, pair.b), adjacent) << i;
+          for (const auto& [pair, adjacent] : known)
+            ASSERT_EQ(watch.adjacency().adjacent(pair.a, pair.b), adjacent) << i;
         });
     EXPECT_EQ(news, i % 5 == 0 ? TopologyWatch::News::everything : TopologyWatch::News::edited) << i;
     const Mesh& mesh = topology.mesh();

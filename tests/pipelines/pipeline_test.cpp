@@ -167,16 +167,17 @@ TEST(Pipelines, PairScopesPartitionTheContacts) {
     }
 }
 
-/// Whether some element at the one feature and some at the other are of objects that the rule allows: the definition, on all
-/// elements that have the vertices.
+/// Whether some element at the one feature and some at the other are of objects that the rule allows: the definition,
+/// on all elements that have the vertices.
 bool asked_for(const Topology& topology, const Contact& contact, bool (*allowed)(int, int)) {
   const std::size_t first_size = contact.kind == FeatureKind::vf ? 1 : 2;
   const std::span<const Index> all(contact.vertices);
   const auto objects = [&](std::span<const Index> feature) {
-    const auto elements = feature.size() == 1   ? topology.features().vertex_elements(feature[0])
-                          : feature.size() == 2 ? topology.features().edge_elements(topology.features().find_edge(feature[0], feature[1]))
-                                                : topology.features().triangle_elements(
-                                                      topology.features().find_triangle(feature[0], feature[1], feature[2]));
+    const auto elements = feature.size() == 1 ? topology.features().vertex_elements(feature[0])
+                          : feature.size() == 2
+                              ? topology.features().edge_elements(topology.features().find_edge(feature[0], feature[1]))
+                              : topology.features().triangle_elements(
+                                    topology.features().find_triangle(feature[0], feature[1], feature[2]));
     std::set<int> result;
     for (const Index o : elements) result.insert(topology.mesh().object(o));
     return result;

@@ -27,10 +27,9 @@ void expect_same_contacts(const StepResult& expected, const StepResult& found, c
 /// All that is counted, times and memory left out.
 void expect_same_counts(const Statistics& expected, const Statistics& found, const std::string& what) {
   const auto counts = [](const Statistics& s) {
-    std::vector<std::uint64_t> list = {s.steps,        s.element_pairs, s.adjacent_pairs,   s.surviving_pairs,
-                                       s.owned_tests,  s.orphan_tests,  s.vf_tests,         s.ee_tests,
-                                       s.contacts,     s.duplicates,    s.initial_overlaps, s.degenerate,
-                                       s.undecided};
+    std::vector<std::uint64_t> list = {
+        s.steps,    s.element_pairs, s.adjacent_pairs, s.surviving_pairs,  s.owned_tests, s.orphan_tests, s.vf_tests,
+        s.ee_tests, s.contacts,      s.duplicates,     s.initial_overlaps, s.degenerate,  s.undecided};
     for (const StageStatistics& stage : s.stages) list.insert(list.end(), {stage.in, stage.out});
     return list;
   };

@@ -68,7 +68,9 @@ namespace volccd::test {
 std::size_t allocation_count() { return allocations; }
 std::size_t live_allocations() { return allocations - frees; }
 
-FailingAllocation::FailingAllocation(std::size_t n, Memory memory) { failure = {n, memory == Memory::stays_out, false}; }
+FailingAllocation::FailingAllocation(std::size_t n, Memory memory) {
+  failure = {n, memory == Memory::stays_out, false};
+}
 FailingAllocation::~FailingAllocation() { failure = {}; }
 bool FailingAllocation::failed() const { return failure.failed; }
 

@@ -12,8 +12,8 @@ std::size_t allocation_count();
 std::size_t live_allocations();
 
 enum class Memory {
-  lacks_once,   ///< one allocation fails
-  stays_out     ///< it and all later ones fail
+  lacks_once,  ///< one allocation fails
+  stays_out    ///< it and all later ones fail
 };
 
 /// While it lives, the n-th allocation of this thread, counted from 1, throws std::bad_alloc.

@@ -16,9 +16,8 @@ enum class Change { flush_results, flush_operands, upward, downward, toward_zero
 
 /// Changes that this processor can be told to make, each with a part of the library's message.
 inline std::vector<std::pair<Change, std::string>> environments() {
-  std::vector<std::pair<Change, std::string>> all = {{Change::upward, "nearest"},
-                                                     {Change::downward, "nearest"},
-                                                     {Change::toward_zero, "nearest"}};
+  std::vector<std::pair<Change, std::string>> all = {
+      {Change::upward, "nearest"}, {Change::downward, "nearest"}, {Change::toward_zero, "nearest"}};
 #if defined(__SSE2__)
   all.push_back({Change::flush_results, "subnormal results"});
   all.push_back({Change::flush_operands, "subnormal operands"});
