@@ -4,21 +4,53 @@
 #include <atomic>
 #include <condition_variable>
 #include <exception>
+#include <latch>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
+#include <fmt/format.h>
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
+
+#include <volccd/core/error.hpp>
 
 namespace volccd {
 
 namespace {
 
 unsigned thread_count(unsigned threads) {
-  return threads != 0 ? threads : std::max(1u, std::thread::hardware_concurrency());
+  if (threads > kMaxThreads)
+    throw ConfigError(
+        fmt::format("threads: {} is more than {}; 0 takes as many as the machine has", threads, kMaxThreads));
+  return threads != 0 ? threads : std::clamp(std::thread::hardware_concurrency(), 1u, kMaxThreads);
+}
+
+[[noreturn]] void refuse_thread(std::size_t made, std::size_t wanted, const std::system_error& error) {
+  throw ConfigError(
+      fmt::format("threads: the system refused thread {} of {} ({}); ask for fewer, or raise the limit on "
+                  "the user's processes (ulimit -u)",
+                  made + 2, wanted + 1, error.code().message()));
+}
+
+/// Makes `count` threads that live at the same time, and ends them. Throws ConfigError if the system refuses one.
+void try_threads(std::size_t count) {
+  std::latch done(1);
+  std::vector<std::jthread> threads;
+  threads.reserve(count);
+  try {
+    while (threads.size() < count) threads.emplace_back([&done] { done.wait(); });
+  } catch (const std::system_error& error) {
+    done.count_down();
+    refuse_thread(threads.size(), count, error);
+  } catch (...) {
+    done.count_down();
+    throw;
+  }
+  done.count_down();
 }
 
 /// At most n, so that sums of indices and grains do not overflow.
@@ -28,8 +60,7 @@ std::size_t fitting_grain(std::size_t grain, std::size_t n) {
 
 class TbbExecutor final : public Executor {
  public:
-  explicit TbbExecutor(unsigned threads)
-      : limit_(tbb::global_control::max_allowed_parallelism, threads), arena_(static_cast<int>(threads)) {}
+  explicit TbbExecutor(unsigned threads) : arena_(static_cast<int>(threads)) {}
 
   unsigned workers() const override { return static_cast<unsigned>(arena_.max_concurrency()); }
 
@@ -49,7 +80,6 @@ class TbbExecutor final : public Executor {
   }
 
  private:
-  tbb::global_control limit_;  ///< lets an arena have more threads than the machine has cores, as was asked for
   tbb::task_arena arena_;
 };
 
@@ -57,17 +87,19 @@ class TbbExecutor final : public Executor {
 class ThreadExecutor final : public Executor {
  public:
   explicit ThreadExecutor(unsigned threads) : workers_(threads) {
-    for (unsigned w = 1; w < threads; ++w) threads_.emplace_back([this, w] { serve(w); });
+    threads_.reserve(threads - 1);
+    try {
+      for (unsigned w = 1; w < threads; ++w) threads_.emplace_back([this, w] { serve(w); });
+    } catch (const std::system_error& error) {
+      end_threads();
+      refuse_thread(threads_.size(), threads - 1, error);
+    } catch (...) {
+      end_threads();
+      throw;
+    }
   }
 
-  ~ThreadExecutor() override {
-    {
-      const std::lock_guard lock(mutex_);
-      stop_ = true;
-    }
-    wake_.notify_all();
-    for (std::thread& thread : threads_) thread.join();
-  }
+  ~ThreadExecutor() override { end_threads(); }
 
   unsigned workers() const override { return workers_; }
 
@@ -90,6 +122,15 @@ class ThreadExecutor final : public Executor {
   }
 
  private:
+  void end_threads() {
+    {
+      const std::lock_guard lock(mutex_);
+      stop_ = true;
+    }
+    wake_.notify_all();
+    for (std::thread& thread : threads_) thread.join();
+  }
+
   void serve(unsigned worker) {
     std::size_t seen = 0;
     for (;;) {
@@ -140,7 +181,11 @@ void SerialExecutor::parallel_for(std::size_t n, std::size_t grain, Body body) {
 
 std::unique_ptr<Executor> make_executor(unsigned threads) {
   threads = thread_count(threads);
-  if (threads == 1) return std::make_unique<SerialExecutor>();
+  // More slots than threads would only bring a warning of oneTBB's.
+  const std::size_t allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+  threads = static_cast<unsigned>(std::min<std::size_t>(threads, allowed));
+  if (threads <= 1) return std::make_unique<SerialExecutor>();
+  try_threads(threads - 1);
   return std::make_unique<TbbExecutor>(threads);
 }
 

@@ -32,11 +32,21 @@ class SerialExecutor final : public Executor {
   void parallel_for(std::size_t n, std::size_t grain, Body body) override;
 };
 
-/// The executor for production: serial for one thread, oneTBB above. `threads` = 0 takes the hardware's number.
+/// Most threads that may be asked for.
+inline constexpr unsigned kMaxThreads = 1024;
+
+/// The executor for production: serial for one thread, an arena of oneTBB above. `threads` = 0 takes the hardware's
+/// number. An arena never has more threads than oneTBB allows in this process, which is the hardware's number unless
+/// the program has set another with tbb::global_control: workers() is the smaller of both. The program's own use of
+/// oneTBB is not limited by it.
+///
+/// Throws ConfigError if `threads` exceeds kMaxThreads, or if the system refuses to make that many threads now. (oneTBB
+/// makes its threads in the first loop and ends the program when it is refused; therefore as many are tried here.)
 std::unique_ptr<Executor> make_executor(unsigned threads);
 
-/// A pool of std::thread. Slower to start a chunk than oneTBB, but free of the false races that ThreadSanitizer reports
-/// inside a stock oneTBB. `threads` = 0 takes the hardware's number.
+/// A pool of std::thread, exactly as many as asked for. Slower to start a chunk than oneTBB, but free of the false
+/// races that ThreadSanitizer reports inside a stock oneTBB. `threads` = 0 takes the hardware's number. Throws
+/// ConfigError as make_executor() does.
 std::unique_ptr<Executor> make_thread_executor(unsigned threads);
 
 }  // namespace volccd

@@ -28,12 +28,19 @@ bool share_with_block(std::span<const Index> sorted, const Index* block) {
 }  // namespace
 
 void AdjacencyTest::build(const Mesh& mesh) {
+  AdjacencyTest built;
   std::size_t most = 0;
   for (Index o = 0; o < mesh.element_slots(); ++o) most = std::max(most, mesh.vertices(o).size());
-  stride_ = most <= 4 ? 4 : 8;
-  ids_.assign(std::size_t{mesh.element_slots()} * stride_, kNone);
-  large_.clear(most > kBlock ? mesh.element_slots() : 0, 0);
-  for (Index o = 0; o < mesh.element_slots(); ++o) store(mesh, o);
+  built.stride_ = most <= 4 ? 4 : 8;
+  built.ids_.assign(std::size_t{mesh.element_slots()} * built.stride_, kNone);
+  for (Index o = 0; o < mesh.element_slots(); ++o) built.store(mesh, o);
+  if (most > kBlock) {
+    built.large_.clear(mesh.element_slots(), 0);
+    std::vector<Index> all(mesh.element_slots());
+    for (Index o = 0; o < mesh.element_slots(); ++o) all[o] = o;
+    built.update_large(mesh, all);
+  }
+  *this = std::move(built);
 }
 
 void AdjacencyTest::update(const Mesh& mesh, std::span<const Index> slots) {
@@ -41,22 +48,37 @@ void AdjacencyTest::update(const Mesh& mesh, std::span<const Index> slots) {
   for (Index o : slots) most = std::max(most, mesh.vertices(o).size());
   if (most > stride_ && (stride_ == 4 || large_.size() == 0)) return build(mesh);
   ids_.resize(std::size_t{mesh.element_slots()} * stride_, kNone);
-  if (large_.size() != 0) large_.extend(mesh.element_slots());
+  if (large_.size() != 0) update_large(mesh, slots);
   for (Index o : slots) store(mesh, o);
 }
 
-void AdjacencyTest::store(const Mesh& mesh, Index o) {
+void AdjacencyTest::store(const Mesh& mesh, Index o) noexcept {
   const std::span<const Index> vertices = mesh.vertices(o);
   Index* const block = ids_.data() + std::size_t{o} * stride_;
   const std::size_t held = std::min<std::size_t>(vertices.size(), stride_);
   std::fill(std::copy_n(vertices.begin(), held, block), block + stride_, vertices.empty() ? kNone : vertices[0]);
-  if (large_.size() == 0) return;
-  std::vector<Index> sorted;
-  if (vertices.size() > kBlock) {
-    sorted.assign(vertices.begin(), vertices.end());
-    std::sort(sorted.begin(), sorted.end());
+}
+
+/// All or nothing.
+void AdjacencyTest::update_large(const Mesh& mesh, std::span<const Index> slots) {
+  std::vector<Index> sorted;  // vertices of one element after the other
+  std::vector<std::size_t> ends(slots.size());
+  std::size_t entries = 0;
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    const std::span<const Index> vertices = mesh.vertices(slots[k]);
+    const std::size_t begin = sorted.size();
+    if (vertices.size() > kBlock) sorted.insert(sorted.end(), vertices.begin(), vertices.end());
+    std::sort(sorted.begin() + static_cast<std::ptrdiff_t>(begin), sorted.end());
+    ends[k] = sorted.size();
+    entries += large_.room_for(slots[k], ends[k] - begin);
   }
-  large_.assign(o, sorted);
+  large_.reserve(mesh.element_slots(), entries);
+  large_.extend(mesh.element_slots());
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    const std::size_t begin = k == 0 ? 0 : ends[k - 1];
+    large_.assign(slots[k], std::span(sorted).subspan(begin, ends[k] - begin));
+  }
+  large_.compact_if_sparse();
 }
 
 bool AdjacencyTest::adjacent_large(Index a, Index b) const {

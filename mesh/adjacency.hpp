@@ -16,7 +16,8 @@ namespace volccd {
 
 /// Decides adjacency of two elements by comparing vertex slots in registers, a nanosecond or so for tetrahedra, without
 /// lists of neighbours. Elements of up to four, or up to eight vertices are held padded in one block; larger polytopes
-/// fall back to their sorted vertices. Read-only use is thread-safe.
+/// fall back to their sorted vertices. Read-only use is thread-safe. A member that throws for lack of memory leaves it
+/// as it was.
 class AdjacencyTest {
  public:
   /// For the live elements of `mesh`. O(elements).
@@ -37,7 +38,8 @@ class AdjacencyTest {
  private:
   const Index* block(Index o) const { return ids_.data() + std::size_t{o} * stride_; }
   bool adjacent_large(Index a, Index b) const;
-  void store(const Mesh& mesh, Index o);
+  void store(const Mesh& mesh, Index o) noexcept;
+  void update_large(const Mesh& mesh, std::span<const Index> slots);
 
   std::uint32_t stride_ = 4;     ///< ids a slot: 4 if no element has more than four vertices, else 8
   std::vector<Index> ids_;       ///< stride_ ids a slot; short elements repeat their first vertex

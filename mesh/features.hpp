@@ -17,6 +17,10 @@
 
 namespace volccd {
 
+namespace detail {
+class FeatureEdit;
+}
+
 enum class EdgeSet { triangulated, polytope };
 
 /// Which features a change of topology touched. All lists ascend and hold no slot twice.
@@ -39,15 +43,8 @@ class Features {
 
   EdgeSet edge_set() const { return edge_set_; }
 
-  /// Everything from scratch. O(elements) expected.
+  /// Everything from scratch. O(elements) expected. Topology::apply() changes features with their mesh.
   void build(const Mesh& mesh);
-
-  /// Takes out elements that are about to be removed from `mesh` (call before Mesh::remove_element) and puts in those
-  /// that have been added. Expected time proportional to the features of those elements and the length of their
-  /// incidence lists, independent of the size of the mesh. Equal to build() up to the numbering of edge and triangle
-  /// slots. What happened is added to `change`; for one change, everything is removed before anything is added.
-  void remove(const Mesh& mesh, std::span<const Index> elements, FeatureChange& change);
-  void add(const Mesh& mesh, std::span<const Index> elements, FeatureChange& change);
 
   /// Ranges of slots, dead ones included.
   Index vertex_slots() const { return static_cast<Index>(vertex_elements_.size()); }
@@ -79,6 +76,8 @@ class Features {
   std::size_t bytes() const;
 
  private:
+  friend class detail::FeatureEdit;
+
   EdgeSet edge_set_;
   std::vector<std::array<Index, 2>> edges_;
   std::vector<std::array<Index, 3>> triangles_;

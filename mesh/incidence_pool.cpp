@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cassert>
+#include <new>
 
 #include <volccd/core/error.hpp>
+#include <volccd/mesh/detail/reserve.hpp>
 
 namespace volccd::detail {
 
@@ -38,6 +40,12 @@ void IncidencePool::clear(std::size_t lists, std::size_t entries) {
   data_.reserve(entries + entries / 8);
 }
 
+void IncidencePool::reserve(std::size_t n, std::size_t entries) {
+  check_size(data_.size() + entries);
+  if (n > lists_.size()) reserve_more(lists_, n - lists_.size());
+  reserve_more(data_, entries);
+}
+
 void IncidencePool::insert(std::size_t i, std::span<const Index> values) {
   const std::size_t size = lists_[i].size + values.size();
   if (size > lists_[i].capacity) relocate(i, size + size / 2);
@@ -56,7 +64,7 @@ void IncidencePool::insert(std::size_t i, std::span<const Index> values) {
   used_ += values.size();
 }
 
-void IncidencePool::erase(std::size_t i, std::span<const Index> values) {
+void IncidencePool::erase(std::size_t i, std::span<const Index> values) noexcept {
   Index* const last = data_.data() + lists_[i].begin + lists_[i].size;
   Index* from = data_.data() + lists_[i].begin;
   if (lists_[i].size > kLong) from = std::lower_bound(from, last, values.front());
@@ -72,21 +80,17 @@ void IncidencePool::erase(std::size_t i, std::span<const Index> values) {
   assert(last - to == static_cast<std::ptrdiff_t>(values.size()));
   lists_[i].size -= static_cast<Index>(last - to);
   used_ -= static_cast<std::size_t>(last - to);
-  compact_if_sparse();
 }
 
 void IncidencePool::assign(std::size_t i, std::span<const Index> values) {
-  used_ -= lists_[i].size;
-  lists_[i].size = 0;
-  compact_if_sparse();
   if (lists_[i].capacity < values.size()) relocate(i, values.size());
+  used_ -= lists_[i].size;
   std::copy(values.begin(), values.end(), data_.begin() + lists_[i].begin);
   lists_[i].size = static_cast<Index>(values.size());
   used_ += values.size();
 }
 
 void IncidencePool::relocate(std::size_t i, std::size_t capacity) {
-  compact_if_sparse();
   const List old = lists_[i];
   const bool at_end = old.capacity != 0 && std::size_t{old.begin} + old.capacity == data_.size();
   const std::size_t begin = at_end ? old.begin : data_.size();
@@ -96,10 +100,14 @@ void IncidencePool::relocate(std::size_t i, std::size_t capacity) {
   lists_[i] = {static_cast<Index>(begin), old.size, static_cast<Index>(capacity)};
 }
 
-void IncidencePool::compact_if_sparse() {
+void IncidencePool::compact_if_sparse() noexcept {
   if (data_.size() < kSmall || data_.size() / 2 <= used_) return;
   std::vector<Index> data;
-  data.reserve(used_ + used_ / 8);
+  try {
+    data.reserve(used_ + used_ / 8);
+  } catch (const std::bad_alloc&) {
+    return;
+  }
   for (List& list : lists_) {
     const auto from = data_.begin() + list.begin;
     list.begin = static_cast<Index>(data.size());

@@ -12,10 +12,11 @@ namespace volccd::detail {
 /// Room that arrays get beyond their size when they are built, so that the first changes do not copy all of them.
 constexpr std::size_t with_spare(std::size_t n) { return n + n / 16; }
 
-/// List i is pool[i]. A list that outgrows its capacity moves to the end of the array; when more than half of the array
-/// is not in use, it is compacted, so that memory stays within a constant factor of what the lists hold and a change
-/// costs amortised time proportional to the length of the lists that it touches. Spans are invalidated by every change.
-/// Throws Error when the array would exceed 2^32 entries.
+/// List i is pool[i]. A list that outgrows its capacity moves to the end of the array. compact_if_sparse(), called
+/// after each change, keeps memory within a constant factor of what the lists hold; a change then costs amortised time
+/// proportional to the length of the lists that it touches. Spans are invalidated by every change. A member that
+/// throws, because memory runs out or with Error because the array would exceed 2^32 entries, leaves the lists as they
+/// were.
 class IncidencePool {
  public:
   std::size_t size() const { return lists_.size(); }
@@ -42,9 +43,19 @@ class IncidencePool {
     data_[lists_[i].begin + lists_[i].size++] = value;
     ++used_;
   }
+  /// Room for n lists, and for `entries` beyond those that are there: the sum of room_for() over the lists that a
+  /// change lets grow. What has room does not throw.
+  void reserve(std::size_t n, std::size_t entries);
+  /// Entries that list i, which need not exist yet, takes to grow to `size`.
+  std::size_t room_for(std::size_t i, std::size_t size) const {
+    return i < lists_.size() && size <= lists_[i].capacity ? 0 : size + size / 2;
+  }
+  /// Compacts the array if more than half of it is not in use. It stays as it is if there is no memory for that.
+  void compact_if_sparse() noexcept;
+
   /// Into and out of list i, which ascends. `values` ascend; none, or all of them, are in the list.
   void insert(std::size_t i, std::span<const Index> values);
-  void erase(std::size_t i, std::span<const Index> values);
+  void erase(std::size_t i, std::span<const Index> values) noexcept;
   /// Replaces list i.
   void assign(std::size_t i, std::span<const Index> values);
 
@@ -55,7 +66,6 @@ class IncidencePool {
     Index begin = 0, size = 0, capacity = 0;
   };
   void relocate(std::size_t i, std::size_t capacity);
-  void compact_if_sparse();
 
   std::vector<List> lists_;
   std::vector<Index> data_;

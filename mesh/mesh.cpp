@@ -8,6 +8,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/detail/check_element.hpp>
+#include <volccd/mesh/detail/reserve.hpp>
 
 namespace volccd {
 
@@ -38,6 +39,7 @@ void Mesh::add_vertices(Index n) {
   const std::int64_t last = vertex_ids_.empty() ? -1 : vertex_ids_.back();
   if (last > std::numeric_limits<std::int64_t>::max() - n)
     throw InputError("mesh", "vertex ids", "no ids are left above the last vertex");
+  detail::reserve_more(vertex_ids_, n);
   for (Index i = 1; i <= n; ++i) vertex_ids_.push_back(last + i);
 }
 
@@ -47,12 +49,75 @@ Index Mesh::add_element(const ElementSpec& element) {
   if (free_slots_.empty() && types_.size() + 1 >= kNone)
     throw InputError("mesh", "elements", element.id, "more than 2^32 - 2 elements");
 
-  const Index slot = free_slots_.empty() ? element_slots() : free_slots_.back();
-  const Index holder = id_table_.find_or_insert(
-      id_hash(element.id), slot, [&](Index other) { return element_ids_[other] == element.id; },
-      [&](Index other) { return id_hash(element_ids_[other]); });
-  if (holder != slot) throw InputError("mesh", "elements", element.id, "another element has this id");
+  if (find_element(element.id) != kNone)
+    throw InputError("mesh", "elements", element.id, "another element has this id");
+  const std::size_t length = element.vertices.size() + element.faces.size();
+  const auto blocks = free_blocks_.find(length);
+  const bool block_free = blocks != free_blocks_.end() && !blocks->second.empty();
+  reserve_slots(free_slots_.empty() ? 1 : 0, 1, block_free ? 0 : length);
+  return place(element);
+}
 
+void Mesh::remove_element(Index slot) {
+  assert(slot < element_slots() && alive(slot));
+  const Block& block = blocks_[slot];
+  std::vector<std::size_t>& starts = free_blocks_[std::size_t{block.vertices} + block.faces];
+  detail::reserve_more(starts, 1);
+  detail::reserve_more(free_slots_, 1);
+  id_table_.erase(slot, [&](Index other) { return id_hash(element_ids_[other]); });
+  starts.push_back(block.begin);
+  types_[slot] = ElementType::none;
+  free_slots_.push_back(slot);
+  --live_;
+}
+
+std::vector<Index> Mesh::prepare(std::span<const Index> removed, std::size_t new_vertices,
+                                 std::span<const ElementSpec> added) {
+  std::map<std::size_t, std::size_t> freed, taken;  // blocks of each length
+  for (const Index o : removed) ++freed[std::size_t{blocks_[o].vertices} + blocks_[o].faces];
+  for (const ElementSpec& element : added) ++taken[element.vertices.size() + element.faces.size()];
+  for (const auto& [length, n] : freed) detail::reserve_more(free_blocks_[length], n);
+  std::size_t connectivity = 0;
+  for (const auto& [length, n] : taken) {
+    const auto free = free_blocks_.find(length);
+    const std::size_t there = (free == free_blocks_.end() ? 0 : free->second.size()) + freed[length];
+    if (n > there) connectivity += (n - there) * length;
+  }
+  detail::reserve_more(vertex_ids_, new_vertices);
+  detail::reserve_more(free_slots_, removed.size());
+  const std::size_t free_slots = free_slots_.size() + removed.size();
+  reserve_slots(added.size() > free_slots ? added.size() - free_slots : 0,
+                added.size() > removed.size() ? added.size() - removed.size() : 0, connectivity);
+
+  std::vector<Index> slots;
+  slots.reserve(added.size());
+  for (std::size_t i = 0; i < added.size(); ++i)
+    slots.push_back(i < removed.size() ? removed[removed.size() - 1 - i]
+                    : i < free_slots   ? free_slots_[free_slots - 1 - i]
+                                       : static_cast<Index>(types_.size() + (i - free_slots)));
+  return slots;
+}
+
+void Mesh::commit(std::span<const Index> removed, std::span<const std::int64_t> new_vertex_ids,
+                  std::span<const ElementSpec> added) noexcept {
+  for (const Index o : removed) remove_element(o);
+  vertex_ids_.insert(vertex_ids_.end(), new_vertex_ids.begin(), new_vertex_ids.end());
+  for (const ElementSpec& element : added) place(element);
+}
+
+/// Room for more slots, ids and entries of connectivity_.
+void Mesh::reserve_slots(std::size_t slots, std::size_t ids, std::size_t connectivity) {
+  detail::reserve_more(types_, slots);
+  detail::reserve_more(objects_, slots);
+  detail::reserve_more(element_ids_, slots);
+  detail::reserve_more(blocks_, slots);
+  detail::reserve_more(connectivity_, connectivity);
+  id_table_.reserve_more(ids, [&](Index other) { return id_hash(element_ids_[other]); });
+}
+
+/// Puts in an element that is valid and that there is room for.
+Index Mesh::place(const ElementSpec& element) noexcept {
+  const Index slot = free_slots_.empty() ? element_slots() : free_slots_.back();
   if (free_slots_.empty()) {
     types_.push_back(ElementType::none);
     objects_.push_back(0);
@@ -61,6 +126,9 @@ Index Mesh::add_element(const ElementSpec& element) {
   } else {
     free_slots_.pop_back();
   }
+  id_table_.find_or_insert(
+      id_hash(element.id), slot, [](Index) { return false; },
+      [&](Index other) { return id_hash(element_ids_[other]); });
   types_[slot] = element.type;
   objects_[slot] = element.object;
   element_ids_[slot] = element.id;
@@ -73,21 +141,11 @@ Index Mesh::add_element(const ElementSpec& element) {
   return slot;
 }
 
-void Mesh::remove_element(Index slot) {
-  assert(slot < element_slots() && alive(slot));
-  id_table_.erase(slot, [&](Index other) { return id_hash(element_ids_[other]); });
-  const Block& block = blocks_[slot];
-  free_blocks_[std::size_t{block.vertices} + block.faces].push_back(block.begin);
-  types_[slot] = ElementType::none;
-  free_slots_.push_back(slot);
-  --live_;
-}
-
 Index Mesh::find_element(std::int64_t id) const {
   return id_table_.find(id_hash(id), [&](Index slot) { return element_ids_[slot] == id; });
 }
 
-std::size_t Mesh::allocate(std::size_t length) {
+std::size_t Mesh::allocate(std::size_t length) noexcept {
   if (const auto found = free_blocks_.find(length); found != free_blocks_.end() && !found->second.empty()) {
     const std::size_t begin = found->second.back();
     found->second.pop_back();

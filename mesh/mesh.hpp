@@ -26,7 +26,8 @@ struct ElementSpec {
 /// is "smallest slot"); element ids are distinct; the vertices of one element are distinct and in range.
 ///
 /// Removing an element empties its slot; the slot may be taken again by a later element. Vertices are never removed:
-/// one that no element uses is simply unused, and may be used again. Not thread-safe while it changes.
+/// one that no element uses is simply unused, and may be used again. Not thread-safe while it changes. A member that
+/// throws, for lack of memory too, leaves the mesh as it was.
 class Mesh {
  public:
   Mesh() = default;
@@ -43,6 +44,14 @@ class Mesh {
 
   /// O(1). The slot must be alive.
   void remove_element(Index slot);
+
+  /// An edit in two parts: elements that go, vertices that come, and elements that come then. prepare() needs the
+  /// memory, and changes nothing; it returns the slots that the elements will have. commit() of the same edit cannot
+  /// fail. What the members above refuse is not checked. Amortised O(vertices of the elements).
+  std::vector<Index> prepare(std::span<const Index> removed, std::size_t new_vertices,
+                             std::span<const ElementSpec> added);
+  void commit(std::span<const Index> removed, std::span<const std::int64_t> new_vertex_ids,
+              std::span<const ElementSpec> added) noexcept;
 
   Index vertex_count() const { return static_cast<Index>(vertex_ids_.size()); }
   std::int64_t vertex_id(Index v) const { return vertex_ids_[v]; }
@@ -76,7 +85,9 @@ class Mesh {
     std::size_t begin;
     Index vertices, faces;
   };
-  std::size_t allocate(std::size_t length);
+  Index place(const ElementSpec& element) noexcept;
+  std::size_t allocate(std::size_t length) noexcept;
+  void reserve_slots(std::size_t slots, std::size_t ids, std::size_t connectivity);
 
   std::vector<std::int64_t> vertex_ids_;
   std::vector<ElementType> types_;

@@ -214,11 +214,10 @@ Index ShellThickener::split_vertices(std::span<const Vec3> x, std::span<const do
 }
 
 Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double> thickness, std::vector<Vec3>& out,
-                                Executor& executor) const {
+                                Scratch& scratch, Executor& executor) const {
   check(x, thickness);
-  thread_local std::vector<Sheet> kept;  // each shell's, which several vertices ask for
-  kept.resize(shells_.size());
-  const std::span<Sheet> sheets = kept;
+  scratch.sheets_.resize(shells_.size());
+  const std::span<Sheet> sheets = scratch.sheets_;
   executor.parallel_for(shells_.size(), kGrain, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t s = begin; s < end; ++s) {
       const Vec3 normal = (shells_[s].flipped ? -1 : 1) * area_vector(x, shells_[s].vertices);
@@ -239,7 +238,8 @@ Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double>
 Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double> thickness,
                                 std::vector<Vec3>& out) const {
   SerialExecutor executor;
-  return positions(x, thickness, out, executor);
+  Scratch scratch;
+  return positions(x, thickness, out, scratch, executor);
 }
 
 }  // namespace volccd

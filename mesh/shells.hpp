@@ -33,7 +33,18 @@ std::vector<std::int64_t> solid_vertex_ids(std::span<const std::int64_t> ids);
 ///
 /// A shell and a volume that it is glued to have no vertex in common afterwards: they count as touching from the start.
 class ShellThickener {
+  struct Sheet {
+    Vec3 normal;  ///< times area
+    double area;
+  };
+
  public:
+  /// Memory that positions() uses again, for any thickener: by one call at a time.
+  class Scratch {
+    friend class ShellThickener;
+    std::vector<Sheet> sheets_;  ///< each shell's, which several vertices ask for
+  };
+
   explicit ShellThickener(const Mesh& mesh);
 
   /// Solid of live element o of the mesh this was made for; a volume comes back as it is, on the middle vertices.
@@ -46,9 +57,9 @@ class ShellThickener {
   /// slot; entries of other elements are not read. Returns the number of vertices without a normal, because their
   /// shells have no area or are folded back onto each other: there the first shell with an area, by id, gives it, else
   /// the z axis. Throws InputError (source "shells", dataset "positions" or "thickness", index) for arrays of the wrong
-  /// length and for a thickness that is negative or not finite. Allocates only while `out` grows. Same bits for any
-  /// number of workers; without an executor, on the calling thread.
-  Index positions(std::span<const Vec3> x, std::span<const double> thickness, std::vector<Vec3>& out,
+  /// length and for a thickness that is negative or not finite. Allocates only while `out` and the scratch grow. Same
+  /// bits for any number of workers; without an executor, on the calling thread, with scratch of its own.
+  Index positions(std::span<const Vec3> x, std::span<const double> thickness, std::vector<Vec3>& out, Scratch& scratch,
                   Executor& executor) const;
   Index positions(std::span<const Vec3> x, std::span<const double> thickness, std::vector<Vec3>& out) const;
 
@@ -60,10 +71,6 @@ class ShellThickener {
   };
   struct Corner {
     Index vertex, shell;
-  };
-  struct Sheet {
-    Vec3 normal;  ///< times area
-    double area;
   };
   void orient();
   void check(std::span<const Vec3> x, std::span<const double> thickness) const;

@@ -9,6 +9,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/mesh/detail/check_element.hpp>
+#include <volccd/mesh/detail/feature_edit.hpp>
 
 namespace volccd {
 
@@ -56,21 +57,25 @@ Topology::Topology(Mesh mesh, EdgeSet edge_set)
 
 const TopologyChange& Topology::apply(const TopologyEdit& edit) {
   check(edit);
+  // What needs memory comes first; up to commit() nothing changes.
   auto change = std::make_unique<TopologyChange>();
   change->removed_elements = edit.removed;
   std::sort(change->removed_elements.begin(), change->removed_elements.end());
-
-  for (const ElementSpec& spec : edit.added) note_object(spec.object);
-  const std::vector<Index> vertices = several_objects_ ? vertices_of(mesh_, edit) : std::vector<Index>();
-  const Index shared_before = count_shared(vertices);
-
-  features_.remove(mesh_, change->removed_elements, change->features);
-  for (Index o : change->removed_elements) mesh_.remove_element(o);
-  mesh_.add_vertices(edit.new_vertex_ids);
-  for (const ElementSpec& spec : edit.added) change->added_elements.push_back(mesh_.add_element(spec));
+  const bool several = several_objects_ || makes_several(edit.added);
+  const std::vector<Index> vertices = several ? vertices_of(mesh_, edit) : std::vector<Index>();
+  history_.reserve(kHistory);
+  const std::vector<Index> slots = mesh_.prepare(change->removed_elements, edit.new_vertex_ids.size(), edit.added);
+  change->added_elements = slots;
   std::sort(change->added_elements.begin(), change->added_elements.end());
-  features_.add(mesh_, change->added_elements, change->features);
+  const Index element_slots = std::max(mesh_.element_slots(), slots.empty() ? 0 : change->added_elements.back() + 1);
+  detail::FeatureEdit features(features_, mesh_, change->removed_elements, edit.added, slots,
+                               static_cast<Index>(mesh_.vertex_count() + edit.new_vertex_ids.size()), element_slots,
+                               change->features);
 
+  const Index shared_before = count_shared(vertices);
+  for (const ElementSpec& spec : edit.added) note_object(spec.object);
+  mesh_.commit(change->removed_elements, edit.new_vertex_ids, edit.added);
+  features.commit();
   shared_vertices_ = shared_vertices_ - shared_before + count_shared(vertices);
   change->version = next_version();
   if (history_.size() == kHistory) {
@@ -150,6 +155,12 @@ void Topology::check_added(const TopologyEdit& edit) const {
 void Topology::note_object(std::int32_t object) {
   if (!first_object_) first_object_ = object;
   several_objects_ |= *first_object_ != object;
+}
+
+bool Topology::makes_several(std::span<const ElementSpec> added) const {
+  return !added.empty() && std::any_of(added.begin(), added.end(), [&](const ElementSpec& spec) {
+    return spec.object != first_object_.value_or(added[0].object);
+  });
 }
 
 bool Topology::is_shared(Index vertex) const {

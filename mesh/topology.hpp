@@ -41,7 +41,8 @@ class Topology {
   /// topology is noticed.
   std::uint64_t version() const { return version_; }
 
-  /// All or nothing: throws InputError before anything is changed. Time proportional to the edit, not to the mesh.
+  /// All or nothing: throws InputError, or std::bad_alloc if memory runs out, before anything is changed. Time
+  /// proportional to the edit, not to the mesh.
   const TopologyChange& apply(const TopologyEdit& edit);
 
   /// The changes that lead from `version` to now, oldest first (none if it is the current one). Returns false, with
@@ -62,6 +63,7 @@ class Topology {
   void check_new_vertices(const TopologyEdit& edit) const;
   void check_added(const TopologyEdit& edit) const;
   void note_object(std::int32_t object);
+  bool makes_several(std::span<const ElementSpec> added) const;
   bool is_shared(Index vertex) const;
   Index count_shared(std::span<const Index> vertices) const;
 

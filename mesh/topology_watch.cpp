@@ -7,7 +7,6 @@ namespace volccd {
 TopologyWatch::News TopologyWatch::look(const Topology& topology) {
   const std::uint64_t seen = version_;
   if (seen == topology.version()) return News::none;
-  version_ = 0;  // stays so if an allocation below throws: the next look starts anew
   touched_.clear();
   News news = News::everything;
   if (seen != 0 && topology.changes_since(seen, changes_)) {

@@ -18,7 +18,8 @@ class TopologyWatch {
     everything  ///< a fresh state, another topology, or too many edits ago
   };
 
-  /// Compares with the last call and brings adjacency() up to date. No allocation if there is no news.
+  /// Compares with the last call and brings adjacency() up to date. No allocation if there is no news. If memory runs
+  /// out, it has not been called: adjacency() is as before, and the next call tells the same news.
   News look(const Topology& topology);
 
   /// After News::edited: the changes since the last call, oldest first; valid until the topology's next edit.

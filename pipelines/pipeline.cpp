@@ -1,9 +1,12 @@
 #include <volccd/pipelines/pipeline.hpp>
 
+#include <atomic>
 #include <cmath>
 
 #include <fmt/format.h>
 
+#include <volccd/core/floating_point.hpp>
+#include <volccd/pipelines/detail/checked_executor.hpp>
 #include <volccd/pipelines/detail/pipeline_run.hpp>
 #include <volccd/pipelines/detail/workspace_data.hpp>
 
@@ -47,9 +50,14 @@ std::unique_ptr<Stage> make_stage(const Registry& registry, const StageChoice& c
   }
 }
 
+std::uint64_t next_id() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
 }  // namespace
 
-Pipeline::Pipeline(const Registry& registry, const PipelineSpec& spec) : spec_(spec) {
+Pipeline::Pipeline(const Registry& registry, const PipelineSpec& spec) : spec_(spec), id_(next_id()) {
   broad_phase_ = make_stage<BroadPhase>(registry, spec.broad_phase, guarantee_);
   for (const StageChoice& choice : spec.element_culling)
     element_culling_.push_back(make_stage<ElementCulling>(registry, choice, guarantee_));
@@ -66,14 +74,28 @@ Pipeline::Pipeline(const Registry& registry, const PipelineSpec& spec) : spec_(s
 Workspace Pipeline::make_workspace() const {
   Workspace workspace;
   workspace.data_ = std::make_unique<Workspace::Data>();
-  workspace.data_->broad_phase = broad_phase_->make_state();
-  workspace.data_->feature_culling = feature_culling_->make_state();
-  for (const auto& stage : element_culling_) workspace.data_->element_culling.push_back(stage->make_state());
+  workspace.data_->pipeline = id_;
+  make_states(*workspace.data_);
   return workspace;
+}
+
+void Pipeline::make_states(Workspace::Data& data) const {
+  data.broad_phase = broad_phase_->make_state();
+  data.feature_culling = feature_culling_->make_state();
+  data.element_culling.clear();
+  for (const auto& stage : element_culling_) data.element_culling.push_back(stage->make_state());
+  data.adjacency_version = 0;
+  data.intact = true;
 }
 
 void Pipeline::run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result,
                    const Request& request) const {
+  require_standard_floating_point();
+  if (!workspace.data_ || workspace.data_->pipeline != id_)
+    throw ConfigError(
+        fmt::format("pipeline {}: the workspace is not one of this pipeline; make it with make_workspace() of the "
+                    "pipeline that runs",
+                    spec_.name));
   if (step.motion.vertex_count() != step.mesh().vertex_count())
     throw InputError("step", "motion", fmt::format("moves {} vertices, the mesh has {}", step.motion.vertex_count(),
                                                    step.mesh().vertex_count()));
@@ -86,7 +108,12 @@ void Pipeline::run(const Step& step, Workspace& workspace, Executor& executor, S
   if (step.separation > 0 && !narrow_phase_->handles_separation())
     throw ConfigError(fmt::format("narrow phase {} does not handle a separation; {}", spec_.narrow_phase.name,
                                   separating_narrow_phases_));
-  Run(*this, step, *workspace.data_, executor, request).execute(result, workspace);
+  Workspace::Data& data = *workspace.data_;
+  if (!data.intact) make_states(data);
+  data.intact = false;
+  detail::CheckedExecutor checked(executor);
+  Run(*this, step, data, checked, request).execute(result, workspace);
+  data.intact = true;
 }
 
 }  // namespace volccd

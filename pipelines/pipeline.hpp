@@ -1,6 +1,7 @@
 // A pipeline: broad phase, element culling, feature culling, feature filters, narrow phase.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -10,7 +11,8 @@
 
 namespace volccd {
 
-/// All memory that a pipeline needs from step to step. One workspace serves one run at a time.
+/// All memory that a pipeline needs from step to step. One workspace serves one run at a time, and only the pipeline
+/// that made it (Pipeline::make_workspace); one made by default serves none until another is moved into it.
 class Workspace {
  public:
   Workspace();
@@ -63,16 +65,21 @@ class Pipeline {
 
   Workspace make_workspace() const;
 
-  /// Runs one step. Throws ConfigError if a stage does not handle the step's degree of motion or separation, InputError if
-  /// motion and mesh differ in their number of vertices. Once the workspace has grown to the scene, a step on an unchanged
-  /// topology allocates nothing but what the result's vectors need.
+  /// Runs one step. Throws ConfigError if a stage does not handle the step's degree of motion or separation, if the
+  /// workspace was not made by this pipeline, or if a thread's floating-point environment is not the standard one
+  /// (core/floating_point.hpp); InputError if motion and mesh differ in their number of vertices. After any exception
+  /// the workspace is as good as a new one, and the result is unspecified. Once the workspace has grown to the scene, a
+  /// step on an unchanged topology allocates nothing but what the result's vectors need.
   void run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result,
            const Request& request = {}) const;
 
  private:
   class Run;
 
+  void make_states(Workspace::Data& data) const;
+
   PipelineSpec spec_;
+  std::uint64_t id_;  ///< by which workspaces are known
   Guarantee guarantee_ = Guarantee::exact;
   std::unique_ptr<BroadPhase> broad_phase_;
   std::vector<std::unique_ptr<ElementCulling>> element_culling_;

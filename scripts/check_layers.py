@@ -3,8 +3,8 @@
 
 A folder is a module, and a module includes only what the table below allows it: everything under it, nothing above it or
 beside it. Also checked: detail/ headers are used by their own module alone, the libraries that CMake links agree with the
-includes, every header has `#pragma once`, no header has grown long without a reason, and third-party headers stay where
-they belong. Prints `file:line: problem` for each finding.
+includes, every header has `#pragma once`, no header has grown long without a reason, third-party headers stay where they
+belong, and the library has no thread_local data. Prints `file:line: problem` for each finding.
 
 Example:
   scripts/check_layers.py               check the tree that this script lies in
@@ -59,6 +59,7 @@ LONG_HEADERS = {
 
 SOURCE_SUFFIXES = {".hpp", ".cpp", ".h"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+THREAD_LOCAL = re.compile(r"^(?!\s*//).*\bthread_local\b")
 MODULE_CALL = re.compile(r"^\s*volccd_module\((\w+)([^)]*)\)", re.MULTILINE)
 
 
@@ -159,6 +160,8 @@ def check(root, long_headers):
             if file.suffix != ".cpp":
                 findings += check_header(path, lines, long_headers)
             for number, line in enumerate(lines, 1):
+                if owner(path) in LIBRARY and THREAD_LOCAL.match(line):
+                    findings.append(f"{path}:{number}: thread_local: keep scratch in a workspace or with the caller")
                 match = INCLUDE.match(line)
                 if not match:
                     continue

@@ -1,11 +1,26 @@
 #include <volccd/culling/detail/assignment_table.hpp>
 
+#include <algorithm>
+
 namespace volccd::detail {
 
+namespace {
+
+/// Room for n entries; grows so that it may be called at every change.
+void reserve(std::vector<Index>& entries, std::size_t n) {
+  if (n > entries.capacity()) entries.reserve(std::max(n, 2 * entries.size()));
+}
+
+}  // namespace
+
 void AssignmentTable::update(const Topology& topology) {
+  const Features& features = topology.features();
+  reserve(vertex_, features.vertex_slots());
+  reserve(edge_, features.edge_slots());
+  reserve(triangle_, features.triangle_slots());
   const TopologyWatch::News news = watch_.look(topology);
   if (news == TopologyWatch::News::none) return;
-  const Features& features = topology.features();
+  // From here on nothing needs memory.
   const auto first = [](std::span<const Index> elements) { return elements.empty() ? kNone : elements.front(); };
   vertex_.resize(features.vertex_slots());
   edge_.resize(features.edge_slots());

@@ -10,6 +10,7 @@ namespace volccd::detail {
 /// Follows a topology: built at first, then updated for the features that changes touched.
 class AssignmentTable {
  public:
+  /// All or nothing: if memory runs out, the table is as before.
   void update(const Topology& topology);
 
   bool adjacent(Index a, Index b) const { return watch_.adjacency().adjacent(a, b); }

@@ -28,6 +28,7 @@ void ElementVertices::update(const Mesh& mesh, std::span<const Index> slots) {
   simplex_.resize(mesh.element_slots(), 0);
   if (large_.size() != 0) large_.extend(mesh.element_slots());
   for (Index o : slots) store(mesh, o);
+  large_.compact_if_sparse();
 }
 
 void ElementVertices::store(const Mesh& mesh, Index o) {

@@ -7,6 +7,7 @@
 #include <volccd/experiments/program/commands.hpp>
 #include <volccd/experiments/program/output_plan.hpp>
 #include <volccd/experiments/program/progress.hpp>
+#include <volccd/experiments/program/query_options.hpp>
 #include <volccd/experiments/program/scene_files.hpp>
 #include <volccd/experiments/program/step_loop.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
@@ -221,7 +222,7 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
   run_command->add_option("-o,--output", options->output, "folder for tables and records")->capture_default_str();
   run_command->add_flag("--quick", options->quick, "projectile: one round (the default); others: the small sizes");
   run_command->add_flag("--full", options->full, "five rounds")->excludes("--quick");
-  run_command->add_option("--threads", options->threads, "0: as many as the machine has")->capture_default_str();
+  add_threads_option(*run_command, options->threads);
   run_command->footer(
       "Ctrl-C or an error keeps what was complete as NAME.incomplete.json and .txt; a whole record stays as it was.\n"
       "Examples:\n"

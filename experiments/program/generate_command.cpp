@@ -9,6 +9,7 @@
 #include <volccd/core/output_file.hpp>
 #include <volccd/experiments/program/commands.hpp>
 #include <volccd/experiments/program/output_plan.hpp>
+#include <volccd/experiments/program/query_options.hpp>
 #include <volccd/experiments/program/scene_files.hpp>
 #include <volccd/experiments/program/step_loop.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
@@ -188,9 +189,7 @@ void add_generate_command(CLI::App& scene, Action& action) {
   command->add_option("--stats", options->stats, "write sizes, motion, contacts, edits and energy per frame as JSON")
       ->type_name("FILE");
   command->add_flag("--quick", options->quick, "the small size of a simulated scene");
-  command->add_option("--threads", options->threads, "0: as many as the machine has")
-      ->type_name("N")
-      ->capture_default_str();
+  add_threads_option(*command, options->threads);
   command->add_option("--mesh", options->mesh, "mesh to work on: a sequence file, or the name of a scene")
       ->type_name("FILE");
   command->add_option("--mesh-step", options->mesh_step, "step of that file")->capture_default_str();

@@ -7,6 +7,7 @@
 #include <volccd/experiments/pictures/sequence_picture.hpp>
 #include <volccd/experiments/program/commands.hpp>
 #include <volccd/experiments/program/output_plan.hpp>
+#include <volccd/experiments/program/query_options.hpp>
 #include <volccd/experiments/program/scene_files.hpp>
 
 namespace volccd {
@@ -152,9 +153,7 @@ void add_picture_content(CLI::App& command, PictureOptions& options) {
   command.add_option("--samples", config.render.samples, "a pixel has N x N")
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
-  command.add_option("--threads", config.threads, "for the contacts; 0: as many as the machine has")
-      ->type_name("N")
-      ->capture_default_str();
+  add_threads_option(command, config.threads, "for the contacts; ");
 }
 
 }  // namespace

@@ -62,6 +62,13 @@ StepRange parse_steps(const std::string& text, int motions, const std::string& f
   return range;
 }
 
+void add_threads_option(CLI::App& command, unsigned& threads, const std::string& purpose) {
+  command.add_option("--threads", threads, purpose + "0: as many as the machine has; more are never made")
+      ->check(CLI::Range(0u, kMaxThreads))
+      ->type_name("N")
+      ->capture_default_str();
+}
+
 void SequenceOptions::add_to(CLI::App& command) {
   command.add_option("FILE", file, "sequence (VTKHDF), or the name of a scene")->required()->type_name("");
   command.add_option("--steps", steps, "motions k -> k+1 with A <= k < B; K alone: one motion")->type_name("A:B");
@@ -105,7 +112,7 @@ void QueryOptions::add_to(CLI::App& command) {
                   "contact when the distance reaches this; at most the diagonal of the box around the scene")
       ->check(CLI::NonNegativeNumber)
       ->type_name("D");
-  command.add_option("--threads", threads, "0: as many as the machine has")->type_name("N")->capture_default_str();
+  add_threads_option(command, threads);
 }
 
 ObjectFilter QueryOptions::filter() const {

@@ -23,6 +23,9 @@ struct StepRange {
 /// "A:B", "A:", ":B", "K" (one motion), "" (all), within the motions [0, motions) of the file. Throws InputError.
 StepRange parse_steps(const std::string& text, int motions, const std::string& file);
 
+/// --threads, within the bound of make_executor(). `purpose` precedes the help text.
+void add_threads_option(CLI::App& command, unsigned& threads, const std::string& purpose = "");
+
 /// What is read: --steps, --shells, --edges, --motion; --parts.
 struct SequenceOptions {
   std::string file, steps, shells = "surface", edges = "triangulated", motion = "linear", parts = "stored";

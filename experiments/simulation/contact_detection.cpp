@@ -108,9 +108,9 @@ void ContactDetection::follow(const TopologyEdit& edit, std::span<const double> 
   surface_->update(collision_topology(), origins);
 }
 
-const std::vector<Vec3>& ContactDetection::place(std::span<const Vec3> x, Placed& placed, Executor& executor) const {
+const std::vector<Vec3>& ContactDetection::place(std::span<const Vec3> x, Placed& placed, Executor& executor) {
   if (!std::equal(x.begin(), x.end(), placed.from.begin(), placed.from.end())) {
-    thickener_->positions(x, thickness_, placed.to, executor);
+    thickener_->positions(x, thickness_, placed.to, scratch_, executor);
     placed.from.assign(x.begin(), x.end());
   }
   return placed.to;

@@ -82,7 +82,7 @@ class ContactDetection {
   struct Placed {
     std::vector<Vec3> from, to;
   };
-  const std::vector<Vec3>& place(std::span<const Vec3> x, Placed& placed, Executor& executor) const;
+  const std::vector<Vec3>& place(std::span<const Vec3> x, Placed& placed, Executor& executor);
   void set_motion(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor);
   double spread() const;
   void find_slots();
@@ -101,6 +101,7 @@ class ContactDetection {
   Config config_;
   ObjectFilter filter_;
   std::optional<ShellThickener> thickener_;
+  ShellThickener::Scratch scratch_;
   std::unique_ptr<Topology> solid_;  ///< null where there are no shells
   std::optional<ContactSurface> surface_;
   Pipeline pipeline_;

@@ -6,6 +6,12 @@
 namespace volccd::detail {
 
 void Incidences::sort() {
+  sort_pairs();
+  elements_.reserve(pairs_.size());
+  for (const Pair& pair : pairs_) elements_.push_back(pair.element);
+}
+
+void Incidences::sort_pairs() {
   constexpr std::size_t kFew = 256;  // below this comparing is faster than counting
   constexpr unsigned kBits = 11, kDigits = 1u << kBits;
   if (pairs_.size() < kFew) {
@@ -17,14 +23,14 @@ void Incidences::sort() {
   // Radix sort by feature; it is stable, and elements ascend already.
   Index most = 0;
   for (const Pair& pair : pairs_) most = std::max(most, pair.feature);
-  scratch_.resize(pairs_.size());
+  std::vector<Pair> scratch(pairs_.size());
   for (unsigned shift = 0; shift < 32 && most >> shift != 0; shift += kBits) {
     std::array<std::size_t, kDigits + 1> begin{};
     const auto digit = [&](const Pair& pair) { return (pair.feature >> shift) % kDigits; };
     for (const Pair& pair : pairs_) ++begin[digit(pair) + 1];
     for (std::size_t d = 0; d < kDigits; ++d) begin[d + 1] += begin[d];
-    for (const Pair& pair : pairs_) scratch_[begin[digit(pair)]++] = pair;
-    pairs_.swap(scratch_);
+    for (const Pair& pair : pairs_) scratch[begin[digit(pair)]++] = pair;
+    pairs_.swap(scratch);
   }
 }
 

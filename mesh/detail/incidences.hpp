@@ -9,22 +9,22 @@
 
 namespace volccd::detail {
 
-/// Collects pairs element by element, elements ascending; group() then puts all elements of a feature together, so that
+/// Collects pairs element by element, elements ascending; sort() then puts all elements of a feature together, so that
 /// each feature's list is changed once and in the order of memory.
 class Incidences {
  public:
-  void clear() { pairs_.clear(); }
   void add(Index feature, Index element) { pairs_.push_back({feature, element}); }
 
-  /// Calls visit(feature, elements) for each feature, features and elements ascending. Linear time for large changes.
+  /// Once, after all add(). Linear time for large changes.
+  void sort();
+
+  /// After sort(): calls visit(feature, elements) for each feature, features and elements ascending. Needs no memory.
   template <class Visit>
-  void group(Visit&& visit) {
-    sort();
+  void group(Visit&& visit) const {
     for (std::size_t i = 0; i < pairs_.size();) {
-      const Index feature = pairs_[i].feature;
-      elements_.clear();
-      for (; i < pairs_.size() && pairs_[i].feature == feature; ++i) elements_.push_back(pairs_[i].element);
-      visit(feature, std::span<const Index>(elements_));
+      const std::size_t begin = i;
+      while (i < pairs_.size() && pairs_[i].feature == pairs_[begin].feature) ++i;
+      visit(pairs_[begin].feature, std::span(elements_).subspan(begin, i - begin));
     }
   }
 
@@ -32,10 +32,10 @@ class Incidences {
   struct Pair {
     Index feature, element;
   };
-  void sort();
+  void sort_pairs();
 
-  std::vector<Pair> pairs_, scratch_;
-  std::vector<Index> elements_;
+  std::vector<Pair> pairs_;
+  std::vector<Index> elements_;  ///< of pairs_, once sorted
 };
 
 }  // namespace volccd::detail

@@ -1,6 +1,7 @@
 // Open-addressing hash table of slots whose keys lie elsewhere (in the mesh, in the features): 4 bytes an entry.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -28,10 +29,11 @@ class SlotTable {
     return kNone;
   }
 
-  /// Slot for which `same` holds; if there is none, `slot` is put in and returned.
+  /// Slot for which `same` holds; if there is none, `slot` is put in and returned. If there is no memory to grow,
+  /// nothing changes. It never grows below the greatest size that it has had.
   template <class Same, class HashOf>
   Index find_or_insert(std::uint32_t hash, Index slot, Same&& same, HashOf&& hash_of) {
-    if (!fits(size_ + 1)) grow(hash_of);
+    reserve_more(1, hash_of);
     std::size_t i = home(hash);
     for (; places_[i] != kNone; i = next(i))
       if (same(places_[i])) return places_[i];
@@ -57,6 +59,12 @@ class SlotTable {
     --size_;
   }
 
+  /// Room for n slots beyond those that are there; may be called at every change.
+  template <class HashOf>
+  void reserve_more(std::size_t n, HashOf&& hash_of) {
+    if (!fits(size_ + n)) resize(places_for(std::max(size_ + n, size_ + size_ / 2 + 16)), hash_of);
+  }
+
   /// Room for n slots without growing.
   template <class HashOf>
   void reserve(std::size_t n, HashOf&& hash_of) {
@@ -71,11 +79,6 @@ class SlotTable {
     return static_cast<std::size_t>((std::uint64_t{hash} * places_.size()) >> 32);
   }
   std::size_t next(std::size_t i) const { return i + 1 == places_.size() ? 0 : i + 1; }
-
-  template <class HashOf>
-  void grow(HashOf&& hash_of) {
-    resize(places_for(size_ + size_ / 2 + 16), hash_of);
-  }
 
   template <class HashOf>
   void resize(std::size_t places, HashOf&& hash_of) {

@@ -31,26 +31,45 @@ inline std::array<Index, 4> rotate_to_smallest(const Index* v, const std::array<
 
 }  // namespace detail
 
+namespace detail {
+
+inline std::array<Index, 2> ascending(Index a, Index b) { return a < b ? std::array{a, b} : std::array{b, a}; }
+
+inline std::array<Index, 3> ascending(Index a, Index b, Index c) {
+  if (a > b) std::swap(a, b);
+  if (b > c) std::swap(b, c);
+  if (a > b) std::swap(a, b);
+  return {a, b, c};
+}
+
+/// Of an element with vertices v and, if it is a polytope, the stream of faces.
 template <class EdgeVisitor, class TriangleVisitor>
-void visit_boundary(const Mesh& mesh, Index o, EdgeSet edge_set, EdgeVisitor&& edge, TriangleVisitor&& triangle) {
-  if (mesh.type(o) == ElementType::polytope) {
-    const detail::PolytopeBoundary boundary(mesh.polytope_faces(o), edge_set);
+void visit_boundary(ElementType type, const Index* v, std::span<const Index> faces, EdgeSet edge_set,
+                    EdgeVisitor&& edge, TriangleVisitor&& triangle) {
+  if (type == ElementType::polytope) {
+    const PolytopeBoundary boundary(faces, edge_set);
     for (const auto& e : boundary.edges) edge(e[0], e[1]);
     for (const auto& f : boundary.triangles) triangle(f[0], f[1], f[2]);
     return;
   }
   // The vertices are distinct, so in a fixed type no diagonal coincides with an edge or another diagonal.
-  const detail::ElementTable& table = detail::element_table(mesh.type(o));
-  const Index* const v = mesh.vertices(o).data();
+  const ElementTable& table = element_table(type);
   for (std::size_t i = 0; i < table.edges; ++i) edge(v[table.edge[i][0]], v[table.edge[i][1]]);
   for (std::size_t i = 0; i < table.triangles; ++i)
     triangle(v[table.triangle[i][0]], v[table.triangle[i][1]], v[table.triangle[i][2]]);
   for (std::size_t i = 0; i < table.quads; ++i) {
-    const std::array<Index, 4> q = detail::rotate_to_smallest(v, table.quad[i]);
+    const std::array<Index, 4> q = rotate_to_smallest(v, table.quad[i]);
     if (edge_set == EdgeSet::triangulated) edge(q[0], q[2]);
     triangle(q[0], q[1], q[2]);
     triangle(q[0], q[2], q[3]);
   }
+}
+
+}  // namespace detail
+
+template <class EdgeVisitor, class TriangleVisitor>
+void visit_boundary(const Mesh& mesh, Index o, EdgeSet edge_set, EdgeVisitor&& edge, TriangleVisitor&& triangle) {
+  detail::visit_boundary(mesh.type(o), mesh.vertices(o).data(), mesh.polytope_faces(o), edge_set, edge, triangle);
 }
 
 }  // namespace volccd

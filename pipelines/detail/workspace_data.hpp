@@ -50,6 +50,8 @@ struct WorkerScratch {
 }  // namespace detail
 
 struct Workspace::Data {
+  std::uint64_t pipeline = 0;  ///< id of the one that made it
+  bool intact = false;         ///< false during a run, and for good if that throws: then the states are made anew
   std::unique_ptr<StageState> broad_phase, feature_culling;
   std::vector<std::unique_ptr<StageState>> element_culling;
   std::vector<std::unique_ptr<detail::WorkerScratch>> workers;

@@ -1,6 +1,6 @@
 // What a state carries from step to step: topology changes, restructuring, memory.
-#include "broadphase/allocations.hpp"
 #include "broadphase/scenes.hpp"
+#include "support/allocations.hpp"
 
 namespace volccd::test {
 namespace {
@@ -118,6 +118,138 @@ TEST(TopologyChanges, AStateIsNoticedToBelongToAnotherTopology) {
     for (const Scene* scene : {&a, &b, &a})
       EXPECT_EQ(run(*phase, scene->step(), *state, PairRange::every, executor), run_fresh(*phase, scene->step()));
   }
+}
+
+/// To multiples of 2^-8: floats, and therefore bounds of 6-DOPs, hold them exactly.
+std::vector<Vec3> on_grid(std::vector<Vec3> positions) {
+  for (Vec3& p : positions)
+    for (int c = 0; c < 3; ++c) p[c] = std::round(p[c] * 256) / 256;
+  return positions;
+}
+
+/// What the tree owes, from definitions: live elements whose swept boxes meet.
+Pairs pairs_of_boxes(const Step& step) {
+  struct Box {
+    std::array<double, 6> bounds;  // lower ends, negated upper ends
+    Index slot;
+  };
+  const Mesh& mesh = step.mesh();
+  std::vector<Box> boxes;
+  for (Index o = 0; o < mesh.element_slots(); ++o) {
+    if (!mesh.alive(o)) continue;
+    Box box{{}, o};
+    box.bounds.fill(INFINITY);
+    for (const Index v : mesh.vertices(o))
+      for (int c = 0; c < step.motion.control_points(); ++c)
+        for (std::size_t k = 0; k < 3; ++k) {
+          const double x = step.motion.point(v, c)[static_cast<Eigen::Index>(k)];
+          box.bounds[k] = std::min(box.bounds[k], x);
+          box.bounds[3 + k] = std::min(box.bounds[3 + k], -x);
+        }
+    boxes.push_back(box);
+  }
+  // In ascending order of the lower ends in x, so that not all pairs are compared.
+  std::sort(boxes.begin(), boxes.end(), [](const Box& a, const Box& b) { return a.bounds[0] < b.bounds[0]; });
+  Pairs pairs;
+  for (std::size_t i = 0; i < boxes.size(); ++i)
+    for (std::size_t j = i; j < boxes.size() && boxes[j].bounds[0] <= -boxes[i].bounds[3]; ++j) {
+      const auto &a = boxes[i].bounds, &b = boxes[j].bounds;
+      if (a[1] <= -b[4] && b[1] <= -a[4] && a[2] <= -b[5] && b[2] <= -a[5])
+        pairs.push_back({std::min(boxes[i].slot, boxes[j].slot), std::max(boxes[i].slot, boxes[j].slot)});
+    }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
+
+/// Removes every `stride`-th element and those near `centre`; puts elements like them in near to it and elsewhere.
+TopologyEdit edit_of_many(const Topology& topology, const std::vector<Vec3>& positions, const Vec3& centre,
+                          double radius, Index stride, std::size_t additions, std::int64_t& next_id) {
+  const Mesh& mesh = topology.mesh();
+  TopologyEdit edit;
+  std::vector<Index> near;  // vertices
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    if ((positions[v] - centre).norm() < radius) near.push_back(v);
+  for (Index o = 0; o < mesh.element_slots(); ++o) {
+    if (!mesh.alive(o)) continue;
+    const auto v = mesh.vertices(o);
+    const bool cluster =
+        std::any_of(v.begin(), v.end(), [&](Index i) { return (positions[i] - centre).norm() < radius / 2; });
+    if (cluster || o % stride == 0) edit.removed.push_back(o);
+  }
+  for (std::size_t i = 0; i < additions; ++i) {
+    const bool scattered = i % 3 == 0;
+    const std::size_t first = scattered ? i * 7919 : i;
+    ElementSpec element{ElementType::tetrahedron, {}, {}, 0, next_id++};
+    for (std::size_t k = 0; k < 4; ++k)
+      element.vertices.push_back(scattered ? static_cast<Index>((first + k) % mesh.vertex_count())
+                                           : near[(first + k) % near.size()]);
+    edit.added.push_back(element);
+  }
+  return edit;
+}
+
+/// Bricks of 48 tetrahedra, 27 vertices each, that fill a cube.
+Shape bricks(int side) {
+  Shape shape;
+  const Shape brick = block(ElementType::tetrahedron, 2, 2, 2);
+  for (int i = 0; i < side * side * side; ++i)
+    shape.append(Shape(brick).translate({2.0 * (i % side), 2.0 * (i / side % side), 2.0 * (i / side / side)}), 0);
+  return shape;
+}
+
+/// Exchanges the places of bricks at random: all of them, or those whose number is below `end`.
+void exchange(std::vector<Vec3>& positions, std::size_t end, std::mt19937_64& random) {
+  for (std::size_t i = 1; i < end; ++i) {
+    const auto a = positions.begin() + static_cast<std::ptrdiff_t>(27 * i);
+    std::swap_ranges(a, a + 27, positions.begin() + static_cast<std::ptrdiff_t>(27 * (random() % i)));
+  }
+}
+
+/// Edits of a mesh with several refit blocks, between steps that degrade parts of the tree, and once all of it.
+void expect_tree_follows_edits_of_many(int side, int steps, std::size_t additions, Index stride,
+                                       std::initializer_list<KdopBvh::Restructure> ways) {
+  const Shape shape = bricks(side);
+  const std::size_t number = shape.positions.size() / 27;
+  for (const KdopBvh::Restructure restructure : ways) {
+    KdopBvh::Config config;
+    config.k = 6;
+    config.restructure = restructure;
+    config.degradation = 1.05;
+    const KdopBvh phase(config);
+    const auto state = phase.make_state();
+    const auto executor = make_thread_executor(2);
+    Scene scene = make_scene("many", shape, shape.positions);
+    std::vector<Vec3> at = shape.positions;
+    std::mt19937_64 random(7);
+    std::int64_t next_id = 1000000;
+    for (int step = 0; step <= steps; ++step) {
+      for (const double part : {0.05, 0.1}) {  // one step after an edit, one without
+        scene.motion = Motion::linear(on_grid(at), on_grid(jittered(at, part, static_cast<std::uint64_t>(step))));
+        const Pairs found = run(phase, scene.step(), *state, PairRange::every, *executor);
+        ASSERT_TRUE(found == pairs_of_boxes(scene.step())) << "step " << step;
+      }
+      if (step == steps) break;
+      exchange(at, step == 2 ? number : number / 8, random);
+      const double c = 2 * side * (0.2 + 0.6 * step / steps);
+      scene.topology->apply(
+          edit_of_many(*scene.topology, at, Vec3(c, side, side * 0.7), 1.7, stride, additions, next_id));
+    }
+    const KdopBvh::Counters& counters = KdopBvh::counters(*state);
+    const bool always = restructure == KdopBvh::Restructure::always;
+    EXPECT_EQ(counters.builds, always ? 2 * static_cast<unsigned>(steps) + 2 : 1u)
+        << "these edits shall not rebuild the tree";
+    EXPECT_EQ(counters.restructured_elements > 0, restructure == KdopBvh::Restructure::subtrees);
+  }
+}
+
+TEST(TopologyChanges, SeveralThousandElements) {
+  using enum KdopBvh::Restructure;
+  expect_tree_follows_edits_of_many(5, 5, 20, 97, {none, subtrees, always});
+}
+
+// The tree of the additions has more than one refit block, too.
+TEST(LongTopologyChanges, MoreThanAThousandAdditions) {
+  expect_tree_follows_edits_of_many(9, 1, 1030, 997, {KdopBvh::Restructure::none});
 }
 
 /// Twenty small blocks that wander to places drawn anew for each seed.

@@ -7,8 +7,13 @@
 #include <thread>
 #include <vector>
 
-#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <volccd/core/error.hpp>
 #include <volccd/core/executor.hpp>
 
 namespace volccd {
@@ -19,6 +24,10 @@ struct Maker {
   std::unique_ptr<Executor> (*make)(unsigned);
   unsigned threads;
 };
+
+unsigned most_of_tbb() {
+  return static_cast<unsigned>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
+}
 
 void PrintTo(const Maker& maker, std::ostream* out) { *out << maker.name << maker.threads; }
 
@@ -37,7 +46,11 @@ INSTANTIATE_TEST_SUITE_P(Threads, ExecutorContract,
                                          Maker{"pool", make_thread_executor, 5}),
                          testing::PrintToStringParamName());
 
-TEST_P(ExecutorContract, ReportsTheThreadsAskedFor) { EXPECT_EQ(executor_->workers(), GetParam().threads); }
+TEST_P(ExecutorContract, ReportsTheThreadsAskedFor) {
+  unsigned threads = GetParam().threads;
+  if (GetParam().make == make_executor) threads = std::min(threads, most_of_tbb());
+  EXPECT_EQ(executor_->workers(), threads);
+}
 
 TEST_P(ExecutorContract, ChunksCoverEachIndexOnce) {
   for (const std::size_t n : {0u, 1u, 2u, 7u, 64u, 1000u})
@@ -134,8 +147,73 @@ TEST(Executor, SerialRunsInOrder) {
 
 TEST(Executor, ZeroThreadsTakesTheHardwares) {
   const unsigned hardware = std::max(1u, std::thread::hardware_concurrency());
-  EXPECT_EQ(make_executor(0)->workers(), hardware);
+  EXPECT_EQ(make_executor(0)->workers(), std::min(hardware, most_of_tbb()));
   EXPECT_EQ(make_thread_executor(0)->workers(), hardware);
+}
+
+TEST(Executor, TheNumberOfThreadsIsBounded) {
+  for (const auto make : {make_executor, make_thread_executor})
+    for (const unsigned threads : {kMaxThreads + 1, 100000u, ~0u}) {
+      try {
+        make(threads);
+        ADD_FAILURE() << threads << " threads were taken";
+      } catch (const ConfigError& error) {
+        EXPECT_EQ(error.what(),
+                  "threads: " + std::to_string(threads) + " is more than 1024; 0 takes as many as the machine has");
+      }
+    }
+  EXPECT_GE(make_executor(kMaxThreads)->workers(), 1u);
+}
+
+TEST(Executor, DoesNotLimitWhatTheProgramItselfDoesWithTbb) {
+  const unsigned before = most_of_tbb();
+  const auto less = make_executor(2), more = make_executor(before + 7);
+  EXPECT_EQ(most_of_tbb(), before);
+  // What the program itself allows is taken.
+  const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 3);
+  EXPECT_EQ(make_executor(5)->workers(), 3u);
+  EXPECT_EQ(make_executor(2)->workers(), 2u);
+}
+
+constexpr int kRefused = 3, kMade = 4, kCannotLimit = 5;
+
+/// For a child process: makes an executor as a user that may have `limit` threads (root may have any number).
+void make_under_limit(std::unique_ptr<Executor> (*make)(unsigned), unsigned threads, rlim_t limit) {
+  constexpr unsigned kNobody = 65534;
+  if (geteuid() == 0 && (setgid(kNobody) != 0 || setuid(kNobody) != 0)) _exit(kCannotLimit);
+  const rlimit processes{limit, limit};
+  if (setrlimit(RLIMIT_NPROC, &processes) != 0) _exit(kCannotLimit);
+  try {
+    make(threads);
+  } catch (const ConfigError& error) {
+    std::fputs(error.what(), stderr);
+    _exit(kRefused);
+  }
+  _exit(kMade);
+}
+
+TEST(ExecutorDeathTest, AThreadThatTheSystemRefusesIsAnError) {
+  GTEST_FLAG_SET(death_test_style, "threadsafe");
+  // A pool, and an arena that needs a thread beside the calling one. The limit counts all processes of the user: fewer
+  // than that can be made, how many is not known.
+  struct {
+    std::unique_ptr<Executor> (*make)(unsigned);
+    unsigned threads;
+    rlim_t limit;
+  } const cases[] = {{make_thread_executor, 2, 1}, {make_thread_executor, 300, 60}, {make_executor, 2, 1}};
+  for (const auto& c : cases) {
+    if (c.make == make_executor && most_of_tbb() < 2) continue;
+    int code = -1;
+    const auto exited = [&code](int status) {
+      code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+      return code != -1;
+    };
+    EXPECT_EXIT(make_under_limit(c.make, c.threads, c.limit), exited, "");
+    if (code == kCannotLimit) GTEST_SKIP() << "this user cannot limit the number of threads";
+    EXPECT_EQ(code, kRefused) << c.threads << " threads under a limit of " << c.limit;
+    EXPECT_EXIT(make_under_limit(c.make, c.threads, c.limit), exited,
+                "threads: the system refused thread [0-9]+ of " + std::to_string(c.threads) + " .*ulimit -u");
+  }
 }
 
 TEST(ExecutorThreads, ChunksRunAtTheSameTime) {

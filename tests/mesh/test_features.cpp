@@ -2,6 +2,7 @@
 
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/shapes.hpp>
+#include <volccd/mesh/topology.hpp>
 
 #include "mesh/naive_features.hpp"
 
@@ -165,68 +166,34 @@ TEST(Features, OfAnEmptyMeshAreNone) {
   EXPECT_TRUE(features.vertex_elements(2).empty());
 }
 
-TEST(Features, OneChangeMayBeMadeInParts) {
-  const Mesh mesh = permuted(mixed_block(2, 1), 1).mesh();
-  std::vector<Index> odd, even, all;
-  for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (o % 3 == 0) continue;
-    (o % 2 == 1 ? odd : even).push_back(o);
-    all.push_back(o);
-  }
-  Features parts = built(mesh, EdgeSet::triangulated), whole = parts;
-  FeatureChange in_parts, at_once;
-  parts.remove(mesh, odd, in_parts);
-  parts.remove(mesh, even, in_parts);
-  whole.remove(mesh, all, at_once);
-  EXPECT_EQ(test::contents(parts), test::contents(whole));
-  EXPECT_EQ(in_parts.removed_vertices, at_once.removed_vertices);
-  EXPECT_EQ(in_parts.removed_edges, at_once.removed_edges);
-  EXPECT_EQ(in_parts.removed_triangles, at_once.removed_triangles);
-  EXPECT_EQ(in_parts.touched_vertices, at_once.touched_vertices);
-  EXPECT_EQ(in_parts.touched_edges, at_once.touched_edges);
-  EXPECT_EQ(in_parts.touched_triangles, at_once.touched_triangles);
-  parts.add(mesh, even, in_parts);
-  parts.add(mesh, odd, in_parts);
-  EXPECT_EQ(test::inconsistency(mesh, parts), "");
-  EXPECT_TRUE(std::ranges::is_sorted(in_parts.touched_edges, std::less_equal<>()));
-  EXPECT_EQ(in_parts.added_vertices, in_parts.removed_vertices);
-  EXPECT_EQ(in_parts.added_edges.size(), in_parts.removed_edges.size());
-  EXPECT_EQ(in_parts.added_triangles.size(), in_parts.removed_triangles.size());
-}
-
 TEST(Features, MemoryStaysBoundedOverManyChanges) {
-  Mesh mesh = block(ElementType::tetrahedron, 8, 8, 8).mesh();
-  Features features = built(mesh, EdgeSet::triangulated);
+  Topology topology(block(ElementType::tetrahedron, 8, 8, 8).mesh());
+  const Mesh& mesh = topology.mesh();
+  const Features& features = topology.features();
   const std::size_t bytes = features.bytes();
   Random random(3);
-  FeatureChange change;
   for (int round = 0; round < 60; ++round) {
-    std::vector<Index> slots;
-    std::vector<ElementSpec> back;
+    TopologyEdit edit;
     for (Index o = 0; o < mesh.element_slots(); ++o)
       if (random.below(3) == 0) {
-        slots.push_back(o);
+        edit.removed.push_back(o);
         ElementSpec element;
         element.type = mesh.type(o);
         element.vertices.assign(mesh.vertices(o).begin(), mesh.vertices(o).end());
         element.id = mesh.element_id(o);
-        back.push_back(element);
+        edit.added.push_back(element);
       }
-    change = {};
-    features.remove(mesh, slots, change);
-    for (Index o : slots) mesh.remove_element(o);
-    slots.clear();
-    for (const ElementSpec& element : back) slots.push_back(mesh.add_element(element));
-    features.add(mesh, slots, change);
+    topology.apply(edit);
   }
   EXPECT_EQ(test::inconsistency(mesh, features), "");
   EXPECT_LT(features.bytes(), 3 * bytes);
   // Almost all gone: what remains of the lists is given back.
-  std::vector<Index> slots;
-  for (Index o = 10; o < mesh.element_slots(); ++o) slots.push_back(o);
-  features.remove(mesh, slots, change);
-  for (Index o : slots) mesh.remove_element(o);
+  const std::size_t before = features.bytes();
+  TopologyEdit last;
+  for (Index o = 10; o < mesh.element_slots(); ++o) last.removed.push_back(o);
+  topology.apply(last);
   EXPECT_EQ(test::inconsistency(mesh, features), "");
+  EXPECT_LT(features.bytes(), before);
 }
 
 }  // namespace

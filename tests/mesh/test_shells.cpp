@@ -11,6 +11,8 @@
 #include <volccd/mesh/shapes.hpp>
 #include <volccd/mesh/shells.hpp>
 
+#include "support/allocations.hpp"
+
 namespace volccd {
 namespace {
 
@@ -45,8 +47,28 @@ TEST(Shells, SameBitsForAnyNumberOfWorkers) {
   std::vector<Vec3> serial, parallel;
   const Index without = thickener.positions(shape.positions, h, serial);
   const auto threads = make_thread_executor(3);
-  EXPECT_EQ(thickener.positions(shape.positions, h, parallel, *threads), without);
+  ShellThickener::Scratch scratch;
+  EXPECT_EQ(thickener.positions(shape.positions, h, parallel, scratch, *threads), without);
   EXPECT_EQ(serial, parallel);
+}
+
+TEST(Shells, KeepNoMemoryButTheCallers) {
+  const Shape shape = block(ElementType::quad, 6, 5, 0);
+  const Mesh mesh = shape.mesh();
+  const std::vector<double> h(mesh.element_slots(), 0.1);
+  const ShellThickener thickener(mesh);
+  SerialExecutor serial;
+  const std::size_t before = test::live_allocations();
+  {
+    ShellThickener::Scratch scratch;
+    std::vector<Vec3> x;
+    thickener.positions(shape.positions, h, x, scratch, serial);
+    const std::size_t grown = test::allocation_count();
+    thickener.positions(shape.positions, h, x, scratch, serial);
+    EXPECT_EQ(test::allocation_count(), grown);
+    thickener.positions(shape.positions, h, x);
+  }
+  EXPECT_EQ(test::live_allocations(), before);
 }
 
 TEST(Shells, AFlatSheetBecomesASlabHoweverItsElementsAreTurned) {

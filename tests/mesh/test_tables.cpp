@@ -133,6 +133,7 @@ TEST(IncidencePool, EqualsAVectorOfSets) {
         reference[i].insert(values.begin(), values.end());
         pool.insert(i, values);
       }
+      pool.compact_if_sparse();
       ASSERT_TRUE(std::ranges::equal(pool[i], reference[i]));
       if (step % 500 != 0) continue;
       std::size_t used = 0;
@@ -157,6 +158,7 @@ TEST(Incidences, AreGroupedInOrder) {
         reference[feature].insert(element);
       }
     Index last = 0;
+    incidences.sort();
     incidences.group([&](Index feature, std::span<const Index> elements) {
       EXPECT_TRUE(found.empty() || feature > last);
       EXPECT_TRUE(std::ranges::is_sorted(elements));

@@ -319,6 +319,10 @@ class Program(ProgramTest):
         self.bad("queries", self.sequence, "--candidates", "--narrowphase", "nothing", says="cubic")
         self.bad("queries", self.sequence, "--candidates", "--narrowphase", "cubic:tolerance", says="option=value")
         self.bad("queries", self.sequence, "--candidates", "--set", "csat.axis=face", says="csat")
+        for command in (["detect", self.sequence], ["verify", self.sequence], ["experiment", "run", "projectile"],
+                        ["scene", "generate", "builtin", "-o", self.path("threads.vtkhdf")],
+                        ["scene", "picture", self.sequence, "-o", self.path("threads.png")]):
+            self.bad(*command, "--threads", "100000", says="1024")
         self.bad("frobnicate", says="frobnicate")
         self.bad("experiment", "run", "nothing", says="projectile")
         self.assertEqual([name for name in os.listdir(self.folder.name) if "tmp" in name], [])

@@ -97,6 +97,11 @@ class CheckLayers(unittest.TestCase):
         self.assert_found({"pipelines/CMakeLists.txt": "volccd_module(pipelines PUBLIC volccd_broadphase)\n"},
                           "pipelines/pipeline.hpp:2", "does not link it")
 
+    def test_thread_local(self):
+        self.assert_found({"mesh/x.cpp": "\n  thread_local int kept = 0;\n"}, "mesh/x.cpp:2", "thread_local")
+        self.assert_found({"mesh/x.cpp": "static thread_local int kept = 0;\n"}, "mesh/x.cpp:1", "workspace")
+        self.assertEqual(self.findings({"mesh/x.cpp": "// no thread_local\n", "tests/x.cpp": "thread_local int i;\n"}), [])
+
     def test_pragma_once(self):
         self.assert_found({"mesh/bare.hpp": "// nothing\n"}, "mesh/bare.hpp:1", "#pragma once")
 

@@ -49,8 +49,9 @@ void ShellSolids::read_thickness() {
 Index ShellSolids::positions(std::span<const Vec3> x0, std::span<const Vec3> x1, std::vector<Vec3>& solid0,
                              std::vector<Vec3>& solid1) {
   read_thickness();
-  const Index without0 = thickener_->positions(x0, thickness0_, solid0);
-  return without0 + thickener_->positions(x1, thickness1_, solid1);
+  SerialExecutor serial;
+  const Index without0 = thickener_->positions(x0, thickness0_, solid0, scratch_, serial);
+  return without0 + thickener_->positions(x1, thickness1_, solid1, scratch_, serial);
 }
 
 }  // namespace volccd::detail

@@ -41,6 +41,7 @@ class ShellSolids {
   int step_ = -1;
   Mesh mesh_;  ///< element i is cell i
   std::optional<ShellThickener> thickener_;
+  ShellThickener::Scratch scratch_;
   SequenceCells solids_, before_;
   std::vector<double> thickness0_, thickness1_, thickness_before_;
 };

@@ -1,0 +1,187 @@
+#include <volccd/mesh/detail/feature_edit.hpp>
+
+#include <algorithm>
+
+#include <volccd/mesh/detail/reserve.hpp>
+
+namespace volccd::detail {
+
+std::vector<Index> IncidenceEdit::dead() {
+  std::vector<Index> dead;
+  gone_.sort();
+  gone_.group([&](Index i, std::span<const Index> elements) {
+    (elements.size() == lists_[i].size() ? dead : survived_).push_back(i);
+  });
+  return dead;
+}
+
+std::vector<Index> IncidenceEdit::make_room(std::size_t features) {
+  come_.sort();
+  std::vector<Index> come;
+  std::size_t entries = 0;
+  come_.group([&](Index i, std::span<const Index> elements) {
+    come.push_back(i);
+    entries += lists_.room_for(i, (i < lists_.size() ? lists_[i].size() : 0) + elements.size());
+  });
+  lists_.reserve(features, entries);
+  std::vector<Index> touched;
+  touched.reserve(survived_.size() + come.size());
+  std::set_union(survived_.begin(), survived_.end(), come.begin(), come.end(), std::back_inserter(touched));
+  return touched;
+}
+
+std::vector<Index> IncidenceEdit::born(std::span<const Index> dead) const {
+  std::vector<Index> born;
+  come_.group([&](Index i, std::span<const Index>) {
+    if (i >= lists_.size() || lists_[i].empty() || std::binary_search(dead.begin(), dead.end(), i)) born.push_back(i);
+  });
+  return born;
+}
+
+void IncidenceEdit::commit(std::size_t features) noexcept {
+  gone_.group([&](Index i, std::span<const Index> elements) { lists_.erase(i, elements); });
+  lists_.extend(features);
+  come_.group([&](Index i, std::span<const Index> elements) { lists_.insert(i, elements); });
+  lists_.compact_if_sparse();
+}
+
+template <std::size_t N>
+void TupleEdit<N>::erase(std::vector<Index> dead) {
+  dead_ = std::move(dead);
+  reserve_more(free_, dead_.size());
+  for (const Index i : dead_) {
+    table_.erase(i, tuples_);
+    free_.push_back(i);
+    ++erased_;
+  }
+}
+
+template <std::size_t N>
+Index TupleEdit<N>::insert(const Tuple& key) {
+  // All that may fail comes first.
+  reserve_more(born_, 1);
+  reserve_more(replaced_, 1);
+  if (free_.empty()) reserve_more(tuples_, 1);
+  const Index fresh = free_.empty() ? static_cast<Index>(tuples_.size()) : free_.back();
+  const Index slot = table_.find_or_insert(key, fresh, tuples_);
+  if (slot != fresh) return slot;
+  if (free_.empty()) {
+    tuples_.push_back(key);
+  } else {
+    replaced_.push_back(tuples_[slot]);
+    free_.pop_back();
+    tuples_[slot] = key;
+  }
+  born_.push_back(slot);
+  return slot;
+}
+
+/// Needs no memory: the table and the free list have been as large before.
+template <std::size_t N>
+void TupleEdit<N>::undo() noexcept {
+  for (std::size_t i = born_.size(); i-- > 0;) {
+    table_.erase(born_[i], tuples_);
+    if (i >= replaced_.size()) {
+      tuples_.pop_back();
+    } else {
+      tuples_[born_[i]] = replaced_[i];
+      free_.push_back(born_[i]);
+    }
+  }
+  for (std::size_t i = erased_; i-- > 0;) {
+    free_.pop_back();
+    table_.find_or_insert(tuples_[dead_[i]], dead_[i], tuples_);
+  }
+}
+
+template <std::size_t N>
+void FeatureEdit::Kind<N>::remove(std::span<const Index> elements) {
+  for (const Index o : elements)
+    for (const Index i : of_element[o]) lists.remove(i, o);
+  tuples.erase(lists.dead());
+}
+
+template <std::size_t N>
+void FeatureEdit::Kind<N>::add(Index element, const std::array<Index, N>& key) {
+  of_added.push_back(tuples.insert(key));
+  lists.add(of_added.back(), element);
+}
+
+template <std::size_t N>
+void FeatureEdit::Kind<N>::make_room(std::span<const Index> slots, Index elements, std::vector<Index>& died,
+                                     std::vector<Index>& added, std::vector<Index>& touched) {
+  died = tuples.dead();
+  added = tuples.born();
+  std::sort(added.begin(), added.end());
+  touched = lists.make_room(tuples.slots());
+  std::size_t entries = 0;
+  for (std::size_t k = 0; k < slots.size(); ++k)
+    entries += of_element.room_for(slots[k], ends[k] - (k == 0 ? 0 : ends[k - 1]));
+  of_element.reserve(elements, entries);
+}
+
+template <std::size_t N>
+void FeatureEdit::Kind<N>::commit(std::span<const Index> removed, std::span<const Index> slots,
+                                  Index elements) noexcept {
+  tuples.keep();
+  lists.commit(tuples.slots());
+  for (const Index o : removed) of_element.assign(o, {});
+  of_element.extend(elements);
+  for (std::size_t k = 0; k < slots.size(); ++k) {
+    const std::size_t begin = k == 0 ? 0 : ends[k - 1];
+    of_element.assign(slots[k], std::span(of_added).subspan(begin, ends[k] - begin));
+  }
+  of_element.compact_if_sparse();
+}
+
+FeatureEdit::FeatureEdit(Features& features, const Mesh& mesh, std::span<const Index> removed,
+                         std::span<const ElementSpec> added, std::span<const Index> slots, Index vertices,
+                         Index elements, FeatureChange& change)
+    : features_(features),
+      removed_(removed),
+      slots_(slots.begin(), slots.end()),
+      vertices_(vertices),
+      elements_(elements),
+      vertex_lists_(features.vertex_elements_),
+      edges_(features.edges_, features.edge_table_, features.edge_elements_, features.free_edges_,
+             features.element_edges_),
+      triangles_(features.triangles_, features.triangle_table_, features.triangle_elements_, features.free_triangles_,
+                 features.element_triangles_) {
+  for (const Index o : removed)
+    for (const Index v : mesh.vertices(o)) vertex_lists_.remove(v, o);
+  change.removed_vertices = vertex_lists_.dead();
+  edges_.remove(removed);
+  triangles_.remove(removed);
+
+  std::vector<std::size_t> order(slots.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return slots[i] < slots[j]; });
+  std::sort(slots_.begin(), slots_.end());
+  for (const std::size_t i : order) {
+    const ElementSpec& element = added[i];
+    for (const Index v : element.vertices) vertex_lists_.add(v, slots[i]);
+    visit_boundary(
+        element.type, element.vertices.data(), element.faces, features.edge_set(),
+        [&](Index a, Index b) { edges_.add(slots[i], ascending(a, b)); },
+        [&](Index a, Index b, Index c) { triangles_.add(slots[i], ascending(a, b, c)); });
+    edges_.ends.push_back(edges_.of_added.size());
+    triangles_.ends.push_back(triangles_.of_added.size());
+  }
+  change.touched_vertices = vertex_lists_.make_room(vertices);
+  change.added_vertices = vertex_lists_.born(change.removed_vertices);
+  edges_.make_room(slots_, elements, change.removed_edges, change.added_edges, change.touched_edges);
+  triangles_.make_room(slots_, elements, change.removed_triangles, change.added_triangles, change.touched_triangles);
+  live_vertices_ = features.live_vertices_ - static_cast<Index>(change.removed_vertices.size()) +
+                   static_cast<Index>(change.added_vertices.size());
+}
+
+FeatureEdit::~FeatureEdit() = default;
+
+void FeatureEdit::commit() noexcept {
+  vertex_lists_.commit(vertices_);
+  edges_.commit(removed_, slots_, elements_);
+  triangles_.commit(removed_, slots_, elements_);
+  features_.live_vertices_ = live_vertices_;
+}
+
+}  // namespace volccd::detail

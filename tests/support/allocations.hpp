@@ -1,0 +1,49 @@
+// Counts what the whole test program allocates with operator new, and makes single allocations fail.
+#pragma once
+
+#include <cstddef>
+#include <new>
+
+namespace volccd::test {
+
+/// Since the start.
+std::size_t allocation_count();
+/// Not freed yet.
+std::size_t live_allocations();
+
+enum class Memory {
+  lacks_once,  ///< one allocation fails
+  stays_out    ///< it and all later ones fail
+};
+
+/// While it lives, the n-th allocation of this thread, counted from 1, throws std::bad_alloc.
+class FailingAllocation {
+ public:
+  explicit FailingAllocation(std::size_t n, Memory memory = Memory::lacks_once);
+  ~FailingAllocation();
+  FailingAllocation(const FailingAllocation&) = delete;
+  FailingAllocation& operator=(const FailingAllocation&) = delete;
+  /// Whether one has failed, thrown on or not.
+  bool failed() const;
+};
+
+/// Calls `call` with its first allocation failing, then with its second, and so on until it succeeds; calls `unchanged`
+/// after each failure. Returns the number of failures.
+template <class Call, class Unchanged>
+std::size_t fail_allocations(Memory memory, Call&& call, Unchanged&& unchanged) {
+  for (std::size_t n = 1;; ++n) {
+    bool failed = false;
+    {
+      const FailingAllocation failing(n, memory);
+      try {
+        call();
+      } catch (const std::bad_alloc&) {
+        failed = true;
+      }
+    }
+    if (!failed) return n - 1;
+    unchanged();
+  }
+}
+
+}  // namespace volccd::test
