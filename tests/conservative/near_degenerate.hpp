@@ -84,9 +84,9 @@ class Coordinates {
   std::array<std::array<double, 9>, 4> points_;
 };
 
-/// Whether the features come within the separation at one of many times in [0, t_max]: those at which doubles see them
+/// Whether the features come within the separation at one of many times in [from, to]: those at which doubles see them
 /// near are looked at exactly. `at`: which.
-bool seen_within_separation(const Case& c, double t_max, double* at);
+bool seen_within_separation(const Case& c, double from, double to, double* at);
 
 /// Whether the features come within the separation by t_max: known, or found out exactly (with a separation: as far as
 /// seen_within_separation() sees).
