@@ -74,7 +74,7 @@ Case frame(Choices& c, FeatureKind kind, int control_points, Magnitude of) {
 
 Case general(Choices& c, FeatureKind kind, int control_points) {
   ContactBuilder builder(c, kind, control_points);
-  builder.features();
+  builder.features(ContactBuilder::Shape::general);
   builder.transform();
   builder.reorder();
   return builder.take();
@@ -88,9 +88,14 @@ Case degenerate(Choices& c, FeatureKind kind, int control_points) {
   return builder.take();
 }
 
+/// Half of them in general position.
+void any_or_general(Choices& c, ContactBuilder& builder) {
+  builder.features(c.below(2) ? ContactBuilder::Shape::any : ContactBuilder::Shape::general);
+}
+
 Case at_an_end(Choices& c, FeatureKind kind, int control_points) {
   ContactBuilder builder(c, kind, control_points, c.below(2));
-  builder.features();
+  any_or_general(c, builder);
   builder.transform();
   builder.reorder();
   return builder.take();
@@ -99,7 +104,7 @@ Case at_an_end(Choices& c, FeatureKind kind, int control_points) {
 /// All points move alike: they touch at the start, or never.
 Case rigid(Choices& c, FeatureKind kind, int control_points) {
   ContactBuilder builder(c, kind, control_points, 0);
-  builder.features();
+  any_or_general(c, builder);
   Vec3 by[3] = {Vec3::Zero(), {}, {}};
   for (int k = 1; k < 3; ++k) by[k] = Vec3(c.lattice(1 << 18), c.lattice(1 << 18), c.lattice(1 << 18));
   for (auto& set : builder.made().sets)
@@ -112,7 +117,7 @@ Case rigid(Choices& c, FeatureKind kind, int control_points) {
 
 Case near_miss(Choices& c, FeatureKind kind, int control_points) {
   ContactBuilder builder(c, kind, control_points);
-  builder.features();
+  any_or_general(c, builder);
   builder.transform();
   if (c.one_in(3)) builder.scale();
   builder.nudge();
@@ -140,7 +145,7 @@ void make_denormal(Choices& c, ContactBuilder& builder) {
 Case denormal(Choices& c, FeatureKind kind, int control_points) {
   if (c.below(2)) return frame(c, kind, control_points, denormal_length);
   ContactBuilder builder(c, kind, control_points);
-  builder.features();
+  any_or_general(c, builder);
   make_denormal(c, builder);
   builder.reorder();
   return builder.take();
@@ -149,7 +154,7 @@ Case denormal(Choices& c, FeatureKind kind, int control_points) {
 Case mixed_scales(Choices& c, FeatureKind kind, int control_points) {
   if (c.below(2)) return frame(c, kind, control_points, any_length);
   ContactBuilder builder(c, kind, control_points);
-  builder.features();
+  any_or_general(c, builder);
   Vec3 by;
   for (double& factor : by) factor = c.pick({1, 0x1p-996, 0x1p950, 0x1p-1022, 0x1p-500});
   builder.scale_by(by);
@@ -175,7 +180,7 @@ void make_greatest(Choices& c, ContactBuilder& builder) {
 Case overflow(Choices& c, FeatureKind kind, int control_points) {
   if (c.one_in(3)) return frame(c, kind, control_points, great_length);
   ContactBuilder builder(c, kind, control_points);
-  builder.features();
+  any_or_general(c, builder);
   make_greatest(c, builder);
   builder.reorder();
   return builder.take();
@@ -186,7 +191,7 @@ Case skewed(Choices& c, FeatureKind kind, int control_points) { return frame(c, 
 /// The first set is moved off by exactly the separation; then the separation may be a few units more or less.
 Case at_the_separation(Choices& c, FeatureKind kind, int control_points) {
   ContactBuilder builder(c, kind, control_points);
-  builder.features(c.one_in(4) ? ContactBuilder::Shape::degenerate : ContactBuilder::Shape::any);
+  any_or_general(c, builder);
   builder.move_apart();
   builder.transform();
   builder.reorder();
@@ -200,7 +205,7 @@ Case at_the_separation(Choices& c, FeatureKind kind, int control_points) {
 
 Case at_the_separation_at_an_end(Choices& c, FeatureKind kind, int control_points) {
   ContactBuilder builder(c, kind, control_points, c.below(2));
-  builder.features();
+  any_or_general(c, builder);
   builder.move_apart();
   builder.transform();
   builder.reorder();
@@ -209,7 +214,7 @@ Case at_the_separation_at_an_end(Choices& c, FeatureKind kind, int control_point
 
 Case nearly_at_the_separation(Choices& c, FeatureKind kind, int control_points) {
   ContactBuilder builder(c, kind, control_points);
-  builder.features();
+  any_or_general(c, builder);
   builder.move_apart();
   builder.transform();
   c.below(2) ? builder.nudge() : builder.move_far();
@@ -219,7 +224,7 @@ Case nearly_at_the_separation(Choices& c, FeatureKind kind, int control_points) 
 
 Case scaled_separation(Choices& c, FeatureKind kind, int control_points) {
   ContactBuilder builder(c, kind, control_points);
-  builder.features();
+  any_or_general(c, builder);
   builder.move_apart();
   c.below(2) ? make_greatest(c, builder) : make_denormal(c, builder);
   builder.reorder();
@@ -232,15 +237,16 @@ Case frame_and_separation(Choices& c, FeatureKind kind, int control_points) {
   return made;
 }
 
-constexpr Attack kTouching[] = {{"general", general},       {"degenerate", degenerate}, {"at an end", at_an_end},
-                                {"rigid", rigid},           {"near miss", near_miss},   {"far off", far_off},
-                                {"denormal", denormal},     {"mixed scales", mixed_scales},
-                                {"overflow", overflow},     {"skewed", skewed}};
-constexpr Attack kSeparated[] = {{"at the separation", at_the_separation},
-                                 {"at the separation at an end", at_the_separation_at_an_end},
-                                 {"nearly at the separation", nearly_at_the_separation},
-                                 {"scaled separation", scaled_separation},
-                                 {"frame and separation", frame_and_separation}};
+constexpr Attack kTouching[] = {
+    {"General", 2000, general},   {"Degenerate", 800, degenerate}, {"AtAnEnd", 800, at_an_end},
+    {"Rigid", 800, rigid},        {"NearMiss", 800, near_miss},    {"FarOff", 800, far_off},
+    {"Denormal", 800, denormal},  {"MixedScales", 60, mixed_scales}, {"Overflow", 800, overflow},
+    {"Skewed", 10'000, skewed}};
+constexpr Attack kSeparated[] = {{"AtTheSeparation", 500, at_the_separation},
+                                 {"AtTheSeparationAtAnEnd", 500, at_the_separation_at_an_end},
+                                 {"NearlyAtTheSeparation", 500, nearly_at_the_separation},
+                                 {"ScaledSeparation", 500, scaled_separation},
+                                 {"FrameAndSeparation", 2000, frame_and_separation}};
 
 }  // namespace
 

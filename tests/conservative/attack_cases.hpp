@@ -10,6 +10,8 @@ namespace volccd::test {
 
 struct Attack {
   const char* name;
+  /// How many make a short test: some take an exact judge long.
+  int cases;
   /// The features. Case::touch is set where they are known to come within the separation by then.
   Case (*make)(Choices& choices, FeatureKind kind, int control_points);
 };

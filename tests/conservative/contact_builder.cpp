@@ -32,15 +32,20 @@ void ContactBuilder::vertex_and_triangle(Shape kind) {
   if (shape == 6) b[1] = b[2] = b[0];
   if (shape == 7) b[2] = 2.0 * b[1] + -1.0 * b[0];
   double w[3] = {1, 0, 0};
-  const int place = c_.below(3);
+  const int place = kind == Shape::general ? 3 : c_.below(3);
   if (place == 1) w[0] = 0.5, w[1] = 0.5;
   if (place == 2) {
     w[0] = c_.below(17) / 16.0;
     w[1] = c_.below(static_cast<int>(16 * (1 - w[0])) + 1) / 16.0;
     w[2] = 1 - w[0] - w[1];
   }
+  if (place == 3) {
+    w[0] = (1 + c_.below(14)) / 16.0;
+    w[1] = (1 + c_.below(static_cast<int>(15 - 16 * w[0]))) / 16.0;
+    w[2] = 1 - w[0] - w[1];
+  }
   const Path contact = w[0] * b[0] + w[1] * b[1] + w[2] * b[2];
-  add(0, meeting(contact, b[1].x - b[0].x, b[2].x - b[0].x), true);
+  add(0, meeting(contact, b[1].x - b[0].x, b[2].x - b[0].x, kind), true);
   for (int i = 0; i < 3; ++i) add(1, b[i], w[i] > 0);
 }
 
@@ -48,11 +53,13 @@ void ContactBuilder::two_edges(Shape kind) {
   Path a[2] = {path(), path()}, b[2] = {path(), {}};
   const int shape = choose(kind);
   if (shape == 7) a[1] = a[0];
-  const double s = c_.pick({0, 1, 0.5, 0.25, 0.0625, 0.9375}), u = c_.pick({1, 0.5, 0.25, 0.0625});
+  const bool within = kind == Shape::general;
+  const double s = within ? c_.pick({0.5, 0.25, 0.0625, 0.9375}) : c_.pick({0, 1, 0.5, 0.25, 0.0625, 0.9375});
+  const double u = within ? c_.pick({0.5, 0.25, 0.0625}) : c_.pick({1, 0.5, 0.25, 0.0625});
   const Path contact = (1 - s) * a[0] + s * a[1];
   if (shape == 5) b[0] = contact;
   if (shape == 6) b[0].x = contact.x + c_.lattice(3) * (a[1].x - a[0].x);
-  b[1] = (1 / u) * (meeting(contact, a[1].x - a[0].x, contact.x - b[0].x) + (u - 1) * b[0]);
+  b[1] = (1 / u) * (meeting(contact, a[1].x - a[0].x, contact.x - b[0].x, kind) + (u - 1) * b[0]);
   add(0, a[0], s < 1);
   add(0, a[1], s > 0);
   add(1, b[0], u < 1);
@@ -157,10 +164,10 @@ Path ContactBuilder::path() {
 
 /// Where the other feature's contact point is at the time, going on freely, within the plane of d and e (the
 /// coplanarity polynomial has a double root then), or along with it.
-Path ContactBuilder::meeting(const Path& contact, const Vec3& d, const Vec3& e) {
+Path ContactBuilder::meeting(const Path& contact, const Vec3& d, const Vec3& e, Shape shape) {
   Path p = path();
   p.x = contact.x;
-  const int how = c_.below(4);
+  const int how = shape == Shape::general ? 0 : c_.below(4);
   if (how == 2) p.v = contact.v + c_.lattice(3) * d + c_.lattice(3) * e;
   if (how == 3) p.v = contact.v;
   return p;

@@ -1,6 +1,7 @@
 // Builds tests that touch by construction: what the generators of this folder share.
 #pragma once
 
+#include <algorithm>
 #include <optional>
 
 #include "conservative/near_degenerate.hpp"
@@ -27,10 +28,14 @@ class ContactBuilder {
   Case& made() { return case_; }
   Case take() { return std::move(case_); }
 
-  /// The features, to be made first of all: in general position or degenerate (triangles and edges without extent,
-  /// parallel edges). They move freely, within a plane, or along with each other.
-  enum class Shape { any, degenerate };
+  /// The features, to be made first of all.
+  enum class Shape {
+    any,        ///< what follows, and all between: they touch at boundaries, move within a plane, or along with each other
+    general,    ///< within both, all points move freely
+    degenerate  ///< triangles and edges without extent, parallel edges
+  };
   void features(Shape shape = Shape::any) {
+    if (shape == Shape::general) between_ = Between::nothing, speed_ = std::max(speed_, 1);
     case_.kind == FeatureKind::vf ? vertex_and_triangle(shape) : two_edges(shape);
   }
   /// Points around them, up to `count` in the set.
@@ -60,10 +65,10 @@ class ContactBuilder {
   void vertex_and_triangle(Shape shape);
   void two_edges(Shape shape);
   /// Of 8 shapes the last three are degenerate.
-  int choose(Shape shape) { return shape == Shape::any ? c_.below(8) : 5 + c_.below(3); }
+  int choose(Shape shape) { return shape == Shape::any ? c_.below(8) : shape == Shape::general ? 0 : 5 + c_.below(3); }
   Vec3 lattice(int range) { return {c_.lattice(range), c_.lattice(range), c_.lattice(range)}; }
   Path path();
-  Path meeting(const Path& contact, const Vec3& d, const Vec3& e);
+  Path meeting(const Path& contact, const Vec3& d, const Vec3& e, Shape shape);
   void add(std::size_t set, const Path& path, bool meets);
   Curve offsets(bool diagonal);
   template <class Visit>

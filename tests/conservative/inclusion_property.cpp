@@ -3,8 +3,6 @@
 #include <cmath>
 #include <cstdio>
 
-#include "conservative/vector_targets.hpp"
-
 namespace volccd::test {
 namespace {
 
@@ -140,7 +138,7 @@ std::string InclusionProperty::wrong_by_then(const Case& c, const Answer& answer
 std::string InclusionProperty::wrong_target(const Case& c, const Answer& answer) {
   std::string wrong;
   if (c.control_points > 2 || c.separation > 0) return wrong;  // no vector kernels
-  for_each_vector_target([&](const char* name) {
+  targets_.with_each([&](const char* name) {
     const Answer other = run(plain_, c, 1);
     if (!(other == answer)) wrong += std::string("another answer on ") + name + describe(other) + ", ";
   });

@@ -8,6 +8,7 @@
 #include <volccd/narrowphase/inclusion.hpp>
 
 #include "conservative/one_test.hpp"
+#include "conservative/vector_targets.hpp"
 
 namespace volccd::test {
 
@@ -55,6 +56,7 @@ class InclusionProperty {
   Inclusion plain_{{.time_tolerance = kTolerance}};
   Inclusion deciding_{{.time_tolerance = kTolerance, .undecided = Undecided::exact}};
   Inclusion patient_{{.time_tolerance = kTolerance, .most_parts = 100'000}};
+  VectorTargets targets_;
   OneTest test_;
 };
 

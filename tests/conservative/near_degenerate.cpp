@@ -105,24 +105,29 @@ double Coordinates::size() const {
   return size;
 }
 
-double Coordinates::distance(double t) const {
+long double Coordinates::distance(double t) const {
   std::array<Point, 4> p;
   const Real s = 1 - Real(t);
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto& x = points_[i];
-      p[i][k] = control_points_ == 2 ? s * x[k] + t * x[k + 3] : s * (s * x[k] + 2 * t * x[k + 3]) + t * (t * x[k + 6]);
+      // Relative to the first point: large coordinates would leave nothing of small distances.
+      const auto x = [&](std::size_t control_point) {
+        return Real(points_[i][k + 3 * control_point]) - Real(points_[0][k + 3 * control_point]);
+      };
+      p[i][k] = control_points_ == 2 ? s * x(0) + t * x(1) : s * (s * x(0) + 2 * t * x(1)) + t * (t * x(2));
     }
-  return static_cast<double>(kind_ == FeatureKind::vf ? vertex_to_triangle(p) : edge_to_edge(p));
+  return kind_ == FeatureKind::vf ? vertex_to_triangle(p) : edge_to_edge(p);
 }
 
 bool seen_within_separation(const Case& c, double from, double to, double* at) {
   const Coordinates x(c);
   constexpr int kSamples = 32;
   const double width = (to - from) / kSamples;
-  double best = from, least = HUGE_VAL;
+  double best = from;
+  Real least = HUGE_VAL;
   for (int i = 0; i <= kSamples; ++i) {
-    const double t = i == kSamples ? to : from + i * width, distance = x.distance(t);
+    const double t = i == kSamples ? to : from + i * width;
+    const Real distance = x.distance(t);
     if (distance < least) least = distance, best = t;
   }
   double low = std::max(from, best - width), high = std::min(to, best + width);
@@ -133,7 +138,7 @@ bool seen_within_separation(const Case& c, double from, double to, double* at) {
     else
       low = a;
   }
-  const double near = c.separation * (1 + 1e-6) + 1e-12 * x.size();
+  const Real near = Real(c.separation) * (1 + 1e-6) + Real(x.size()) * 1e-12;
   for (const double t : {best, low, high}) {
     if (x.distance(t) > near || compare_distance(x.motion(), t, c.separation) > 0) continue;
     *at = t;

@@ -75,8 +75,8 @@ class Coordinates {
   bool apart_along_an_axis() const;
   /// Greatest difference of coordinates of two points at the same control point.
   double size() const;
-  /// Distance of the features at t, in long doubles: times worth a closer look.
-  double distance(double t) const;
+  /// Distance of the features at t, rounded: times worth a closer look.
+  long double distance(double t) const;
 
  private:
   FeatureKind kind_;
