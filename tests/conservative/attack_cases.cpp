@@ -177,8 +177,41 @@ void make_greatest(Choices& c, ContactBuilder& builder) {
   builder.scale_by(by);
 }
 
+/// Features on one line, or next to it, that overlap along it or not: fractions of the greatest double, or 0. The first edge
+/// lies on the line, the second crosses it; VF: the vertex lies on it, the triangle has a side on it.
+Case great_line(Choices& c, FeatureKind kind, int control_points) {
+  const bool passing = c.below(2);
+  const Vec3 height = passing ? heights(c, control_points, skewed_length) : Vec3(Vec3::Zero());
+  const auto point = [&](double y, bool lifted) {
+    Curve p;
+    for (std::size_t k = 0; k < 3; ++k)
+      p[k] = {0x1p1023 * c.pick({0, -1.9375, 1.9375, -1.75, 1.75, -1, 1, -0.5, 0.5}), y,
+              lifted ? height[static_cast<int>(k)] : 0};
+    if (c.below(2)) p[1].x() = p[0].x();
+    if (control_points == 2) p[2] = p[1];
+    return p;
+  };
+  Case made;
+  made.kind = kind;
+  made.control_points = control_points;
+  if (kind == FeatureKind::vf) {
+    made.sets[0] = {point(0, true)};
+    made.sets[1] = {point(0, false), point(0, false), point(1, false)};
+  } else {
+    made.sets[0] = {point(0, true), point(0, true)};
+    const Curve below = point(-1, false);
+    Curve above = below;
+    for (Vec3& x : above) x.y() = 1;
+    made.sets[1] = {below, above};
+  }
+  turn_axes(c, made);
+  return made;
+}
+
 Case overflow(Choices& c, FeatureKind kind, int control_points) {
-  if (c.one_in(3)) return frame(c, kind, control_points, great_length);
+  const int how = c.below(4);
+  if (how == 1) return frame(c, kind, control_points, great_length);
+  if (how >= 2) return great_line(c, kind, control_points);
   ContactBuilder builder(c, kind, control_points);
   any_or_general(c, builder);
   make_greatest(c, builder);
@@ -186,7 +219,26 @@ Case overflow(Choices& c, FeatureKind kind, int control_points) {
   return builder.take();
 }
 
-Case skewed(Choices& c, FeatureKind kind, int control_points) { return frame(c, kind, control_points, skewed_length); }
+/// Smooth motion whose coplanarity polynomial is nearly constant for most of the step: Newton's method leaves the step from
+/// where it begins. Next to none of random ones are like that, so these have to do, with every control value changed a little.
+constexpr double kFlat[][9] = {{.069, .0161, 1.13, .499, .00357, .00285, -11, .0785, .064},
+                               {.0057, .0069, .66, 1.7, .28, .12, -.034, -.042, 5.8}};
+
+Case flat(Choices& c, FeatureKind kind, int control_points) {
+  double values[9];
+  const auto& from = kFlat[c.below(2)];
+  const double change = std::ldexp(1, -3 - c.below(10)) / 1024;
+  for (int i = 0; i < 9; ++i) values[i] = from[i] * (1 + change * c.lattice(1024));
+  const auto at = [&](int i) { return Vec3(values[i], values[i + 1], values[i + 2]); };
+  Case made = crossing_frame(kind, control_points, at(0), at(3), at(6));
+  made.touch = control_points == 3 ? 1 : -1;
+  turn_axes(c, made);
+  return made;
+}
+
+Case skewed(Choices& c, FeatureKind kind, int control_points) {
+  return c.below(2) ? flat(c, kind, control_points) : frame(c, kind, control_points, skewed_length);
+}
 
 /// The first set is moved off by exactly the separation; then the separation may be a few units more or less.
 Case at_the_separation(Choices& c, FeatureKind kind, int control_points) {
