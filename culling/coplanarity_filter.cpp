@@ -49,7 +49,9 @@ HWY_INLINE Lanes greatest_area(const FeatureBlock& block, std::size_t i) {
     first = hn::Max(first, length(sub(load(block, c, vf ? 2 : 1, i), load(block, c, vf ? 1 : 0, i))));
     second = hn::Max(second, length(sub(load(block, c, 3, i), load(block, c, vf ? 1 : 2, i))));
   }
-  return hn::Max(hn::Mul(first, second), same(kLeastSquare));
+  // An infinite length times one of zero would be NaN, which a maximum may lose.
+  const Lanes least = same(kLeastExtent);
+  return hn::Max(hn::Mul(hn::Max(first, least), hn::Max(second, least)), same(kLeastSquare));
 }
 
 /// Bound of the determinant's error, or infinity where it could overflow; the parts without and with a binomial factor.

@@ -1,6 +1,7 @@
 #include <volccd/narrowphase/cubic.hpp>
 
 #include <cassert>
+#include <initializer_list>
 
 #include <volccd/narrowphase/detail/contact_frame.hpp>
 #include <volccd/narrowphase/detail/coplanar_events.hpp>
@@ -71,7 +72,7 @@ class ElementaryTest {
       const Verdict verdict = touches_at(root, before);
       return verdict == Verdict::touch && !refined && !within(kTimeAccuracy) ? Verdict::unclear : verdict;
     }
-    return refined ? coplanar(zero_stretch(cubic, a, b), before) : Verdict::unclear;
+    return refined ? coplanar(zero_stretch(cubic, a, b), before, {root}) : Verdict::unclear;
   }
 
   /// A piece with an end that may be a root.
@@ -81,7 +82,8 @@ class ElementaryTest {
     if (before == 0 && after != 0 && cubic.sign(std::min(b, a + slack_)) == after)
       return touches_at(a, a == 0 ? -after : after);
     if (after == 0 && before != 0 && cubic.sign(std::max(a, b - slack_)) == before) return touches_at(b, before);
-    return coplanar(zero_stretch(cubic, a, b), before != 0 ? before : a == 0 ? -after : after);
+    const int side = before != 0 ? before : a == 0 ? -after : after;
+    return coplanar(zero_stretch(cubic, a, b), side, {before == 0 ? a : b, after == 0 ? b : a});
   }
 
   Verdict touches_at(double t, int side) {
@@ -93,11 +95,17 @@ class ElementaryTest {
     return touch_.closest.squared_distance <= distance_ * distance_ ? Verdict::touch : Verdict::apart;
   }
 
-  Verdict coplanar(const std::array<double, 2>& stretch, int side) {
+  /// A stretch of time in which the sign is not proven. `roots`, ascending: the times within it at which the features seem to
+  /// change sides. Features that overlap as seen along their normal touch then, and nothing begins within their plane.
+  Verdict coplanar(const std::array<double, 2>& stretch, int side, std::initializer_list<double> roots) {
     degenerate_ = true;
-    const std::optional<Touch> touch = first_coplanar_touch(kind_, points_, stretch[0], stretch[1], distance_, slack_);
-    if (!touch || touch->t > t_max_) return Verdict::apart;
-    touch_ = *touch;
+    const std::optional<Touch> event = first_coplanar_touch(kind_, points_, stretch[0], stretch[1], distance_, slack_);
+    for (const double root : roots) {
+      if (event && event->t <= root) break;
+      if (touches_at(root, side) == Verdict::touch) return Verdict::touch;
+    }
+    if (!event || event->t > t_max_) return Verdict::apart;
+    touch_ = *event;
     side_ = side;
     return Verdict::touch;
   }

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <utility>
 
 #include <volccd/narrowphase/detail/exact_geometry.hpp>
+#include <volccd/narrowphase/detail/odd_parts.hpp>
 
 namespace volccd {
 namespace {
@@ -104,6 +106,17 @@ class FirstTouch {
 };
 
 }  // namespace
+
+int coordinate_bits(const TestMotion& motion) {
+  int least = std::numeric_limits<int>::max(), greatest = std::numeric_limits<int>::min();
+  for (const double* x : motion.points)
+    for (int i = 0; i < 3 * motion.control_points; ++i) {
+      if (x[i] == 0) continue;
+      least = std::min(least, odd_parts(x[i]).exponent);
+      greatest = std::max(greatest, std::ilogb(x[i]) + 1);
+    }
+  return least > greatest ? 0 : greatest - least;
+}
 
 ExactAnswer exact_first_touch(const TestMotion& motion, double t_max) {
   assert(valid(motion) && t_max >= 0 && t_max <= 1);

@@ -48,6 +48,10 @@ struct ExactAnswer {
 /// times are in docs/narrowphase_exact.md; they grow with the bits between the greatest and the least coordinate.
 ExactAnswer exact_first_touch(const TestMotion& motion, double t_max = 1);
 
+/// Bits of the integers that the coordinates become when all are multiplied by the least power of two that makes them
+/// integers: what the time of exact_first_touch() grows with. 0 if all coordinates are 0, at most 2098. O(1).
+int coordinate_bits(const TestMotion& motion);
+
 /// Sign of (distance of the features at t) - d: -1, 0 or 1. Pre: t in [0,1], d >= 0 finite.
 int compare_distance(const TestMotion& motion, double t, double d);
 

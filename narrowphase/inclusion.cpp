@@ -19,6 +19,8 @@ const Options<Inclusion::Config>& Inclusion::options() {
                 "report tests that rounding leaves open, or decide them in rational arithmetic");
     options.add("most_parts", &Config::most_parts, 1, 1'000'000,
                 "parts of the step that a search looks at before it is given up as undecided");
+    options.add("exact_bits", &Config::exact_bits, 1, 4096,
+                "bits that a test's coordinates may span for `exact` to decide what the search gives up");
     return options;
   }();
   return table;
@@ -33,9 +35,12 @@ void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<In
                                             config_.most_parts, step.t_max);
   if (answer.outcome == Outcome::undecided) {
     ++counters.undecided;
-    if ((config_.undecided == Undecided::exact || answer.unsettled) && step.separation == 0) {
+    const TestMotion motion{kind, points, x};
+    const bool decide = config_.undecided == Undecided::exact ||
+                        (answer.unsettled && coordinate_bits(motion) <= config_.exact_bits);
+    if (decide && step.separation == 0) {
       // The whole step, so that the answer does not depend on t_max.
-      const ExactAnswer exact = exact_first_touch({kind, points, x});
+      const ExactAnswer exact = exact_first_touch(motion);
       if (!exact.touches || exact.toi > step.t_max) return;
       counters.degenerate += exact.degenerate ? 1 : 0;
       answer.toi = exact.toi;

@@ -7,24 +7,25 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-/// Along one axis: whether the second feature is beyond the first on the same side at both ends. `a`: coordinates of
-/// the differences 1, 2, 3; point 0 is the origin.
+/// Along one axis: whether the second feature is beyond the first on the same side at both ends. `start`, `end`:
+/// coordinates of the differences 1, 2, 3; point 0 is the origin. Coordinates are compared, not subtracted: where
+/// differences have overflowed to infinity, their difference would be NaN, and a minimum may lose a NaN.
 HWY_ATTR HWY_INLINE hn::Mask<D> apart(bool edges, const V (&start)[3], const V (&end)[3]) {
   const V zero = hn::Zero(D());
-  const auto gaps = [&](const V(&d)[3], V* above, V* below) HWY_ATTR {
-    V low = hn::Min(d[1], d[2]), high = hn::Max(d[1], d[2]);
+  const auto gaps = [&](const V(&d)[3], hn::Mask<D>* above, hn::Mask<D>* below) HWY_ATTR {
+    const V low = hn::Min(d[1], d[2]), high = hn::Max(d[1], d[2]);
     if (edges) {
-      *above = hn::Sub(low, hn::Max(zero, d[0]));
-      *below = hn::Sub(hn::Min(zero, d[0]), high);
+      *above = hn::Gt(low, hn::Max(zero, d[0]));
+      *below = hn::Lt(high, hn::Min(zero, d[0]));
     } else {
-      *above = hn::Min(low, d[0]);
-      *below = hn::Sub(zero, hn::Max(high, d[0]));
+      *above = hn::Gt(hn::Min(low, d[0]), zero);
+      *below = hn::Lt(hn::Max(high, d[0]), zero);
     }
   };
-  V above0, below0, above1, below1;
+  hn::Mask<D> above0, below0, above1, below1;
   gaps(start, &above0, &below0);
   gaps(end, &above1, &below1);
-  return hn::Or(hn::Gt(hn::Min(above0, above1), zero), hn::Gt(hn::Min(below0, below1), zero));
+  return hn::Or(hn::And(above0, above1), hn::And(below0, below1));
 }
 
 HWY_ATTR HWY_INLINE hn::Mask<D> axis_apart(bool edges, const Vector (&start)[3], const Vector (&end)[3]) {

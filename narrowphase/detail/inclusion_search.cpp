@@ -19,10 +19,6 @@ using Outcome = InclusionAnswer::Outcome;
 /// where there is one.
 constexpr int kLevelsOfThree = 8;
 
-/// By this the outer parts overlap the inner one, in local parameters: more than times are rounded, 2^-53, over the width
-/// of the smallest part that is split at a root, kRootMargin / 2 / 4^kLevelsOfThree.
-constexpr double kOverlap = 0x1p-19;
-
 struct Part {
   double lo, hi;
   int level;
@@ -81,6 +77,18 @@ Vec3 separating_axis(FeatureKind kind, const Differences& d) {
   return closest.separation;
 }
 
+/// Candidates for the direction between the closest points of features that are nearer than about 2^-26 of their size.
+/// Rounding then decides which edges the closest points seem to lie within: the nearest point of a sliver may be a corner
+/// while an edge is nearly as close. So each choice of edges that the axis is made perpendicular to is tried.
+std::array<Vec3, 5> close_axes(FeatureKind kind, const Differences& d) {
+  const Vec3 separation = closest_points(kind, d).separation;
+  const bool vf = kind == FeatureKind::vf;
+  const Vec3 first = vf ? Vec3(d[1] - d[0]) : d[0], second = d[2] - (vf ? d[0] : d[1]);
+  return {separation, across(separation, first), across(separation, second),
+          vf ? across(separation, d[2] - d[1]) : across(across(separation, first), second),
+          across(across(first.cross(second), first), second)};
+}
+
 /// The points keep all their differences: not only as these are rounded.
 template <int kPoints>
 bool moves_as_one(const TestPoints& x) {
@@ -130,6 +138,7 @@ class PieceSearch {
         split(piece, part);
         continue;
       }
+      if (separated_closely(piece)) continue;
       if (!is_open) open = undecided(part.lo);
       if (test_.separation() > 0 || (test_.rigid() && moves_as_one<kPoints>(points_))) break;
       if (part.hi > open.toi + tolerance_) return unsettled(open);
@@ -162,6 +171,12 @@ class PieceSearch {
       axis = {simplex.direction[0], simplex.direction[1], simplex.direction[2]};
       if (separated_along(axis, piece)) return true;
     }
+    return false;
+  }
+
+  bool separated_closely(const MotionPiece<kPoints>& piece) {
+    for (const Vec3& axis : close_axes(test_.kind(), likely_))
+      if (separated_along(axis, piece)) return true;
     return false;
   }
 
@@ -239,11 +254,11 @@ class PieceSearch {
 
   /// The polynomial as it is may settle the outer parts but for a little, which goes with the inner one.
   void split_at_root(const MotionPiece<kPoints>& piece, const Part& part, double margin) {
-    const double before = std::max(0.0, root_ - margin), after = std::min(1.0, root_ + margin);
-    const auto [from, to] = times_within(part.lo, part.hi, before, after);
-    if (after < 1 && !piece.never_coplanar_after(after - kOverlap)) stack_.push({to, part.hi, part.level + 1});
-    stack_.push({from, to, part.level + 1});
-    if (before > 0 && !piece.never_coplanar_before(before + kOverlap)) stack_.push({part.lo, from, part.level + 1});
+    const Split split(part.lo, part.hi, std::max(0.0, root_ - margin), std::min(1.0, root_ + margin));
+    if (split.to < part.hi && !piece.never_coplanar_after(split.after)) stack_.push({split.to, part.hi, part.level + 1});
+    stack_.push({split.from, split.to, part.level + 1});
+    if (part.lo < split.from && !piece.never_coplanar_before(split.before))
+      stack_.push({part.lo, split.from, part.level + 1});
   }
 
   /// The features change sides for certain.

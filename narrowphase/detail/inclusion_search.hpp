@@ -2,8 +2,8 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 
+#include <volccd/mesh/rounding.hpp>
 #include <volccd/narrowphase/detail/moving_points.hpp>
 
 namespace volccd::detail {
@@ -25,12 +25,25 @@ struct InclusionAnswer {
   bool unsettled = false;
 };
 
-/// The times at the local parameters `before` < `after` of [lo, hi] (0: lo, 1: hi). At 0 and 1 exactly lo and hi: lo +
-/// (hi - lo) may round to less than hi, and what lies between would be nobody's.
-inline std::array<double, 2> times_within(double lo, double hi, double before, double after) {
-  const double width = hi - lo;
-  return {lo + before * width, after < 1 ? std::min(hi, lo + after * width) : hi};
-}
+/// Where a part [lo, hi] of the step is split in three. Times and their local parameters (0: lo, 1: hi) are rounded. The proof
+/// that an outer part is free of contact must reach at least to the inner part; otherwise no part would cover the
+/// moments between them.
+struct Split {
+  double from, to;       ///< the inner part
+  double before, after;  ///< local parameters: `before` is not below that of `from`, `after` not above that of `to`
+
+  /// Around the local parameters begin < end. Ends at 0 and 1 give exactly lo and hi, though lo + (hi - lo) may round to less
+  /// than hi. Pre: 0 <= lo < hi <= 1.
+  Split(double lo, double hi, double begin, double end) {
+    const double width = hi - lo;
+    from = lo + begin * width;
+    to = end < 1 ? std::min(hi, lo + end * width) : hi;
+    // Two differences, a quotient, a product: four roundings.
+    constexpr double kSlack = 8 * kUnitRoundoff;
+    before = begin > 0 ? std::min(1.0, (from - lo) / width * (1 + kSlack)) : 0;
+    after = end < 1 ? (to - lo) / width * (1 - kSlack) : 1;
+  }
+};
 
 /// Looks through [0,1] from left to right in pieces: each is proven free of contact, proven to begin with one, or split.
 /// Undecided: a piece stays open that is shorter than kShortestPiece, the first of which gives the time. Without a

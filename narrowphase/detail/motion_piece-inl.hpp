@@ -327,6 +327,8 @@ double MotionPiece<kPoints>::before_first_root(double guess, double tolerance) c
   least = kDegree * (least - 2 * error);
   if (!(least > 0)) return -1;
   const double root = guess - value(guess) / slope(guess);
+  // Beyond the piece neither the polynomial nor its signs say anything of the motion. NaN ends here as well.
+  if (!(root >= 0 && root <= 1)) return -1;
   const double width = hi_ - lo_;
   for (double margin = std::max(4 * error / least, 0x1p-44); 2 * margin * width < tolerance; margin *= 8) {
     const double before = root - margin, after = root + margin;

@@ -17,14 +17,20 @@ CurvedPoints curved_points(const TestPoints& x, double scale) {
 }
 
 double range_scale(const TestPoints& x, int control_points) {
-  // A quarter of each difference: cannot overflow.
-  double quarter = 0;
-  for (std::size_t i = 1; i < 4; ++i)
-    for (int k = 0; k < 3 * control_points; ++k) quarter = std::max(quarter, std::abs(0.25 * x[i][k] - 0.25 * x[0][k]));
-  if (quarter >= kLeastSize / 4 && quarter <= kGreatestSize / 4) return 1;
-  if (quarter == 0) return 1;
-  // Two steps where the power itself would overflow are not needed: 2^1023 lifts the smallest difference above 2^-52.
-  return std::ldexp(1.0, std::clamp(-std::ilogb(quarter) - 2, -1022, 1023));
+  const auto greatest_difference = [&](double scale) {
+    double greatest = 0;
+    for (std::size_t i = 1; i < 4; ++i)
+      for (int k = 0; k < 3 * control_points; ++k)
+        greatest = std::max(greatest, std::abs(scale * x[i][k] - scale * x[0][k]));
+    return greatest;
+  };
+  const double size = greatest_difference(1);
+  if (size >= kLeastSize && size <= kGreatestSize) return 1;
+  if (size == 0) return 1;
+  // A quarter of a difference cannot overflow; a quarter of the least ones would be lost.
+  const int exponent = size < kLeastSize ? std::ilogb(size) : std::ilogb(greatest_difference(0.25)) + 2;
+  // Two steps where the power itself would overflow are not needed: 2^1023 lifts the smallest difference to 2^-51.
+  return std::ldexp(1.0, std::clamp(-exponent, -1022, 1023));
 }
 
 }  // namespace volccd::detail

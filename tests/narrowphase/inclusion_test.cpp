@@ -1,6 +1,7 @@
 // `inclusion` on cases whose answer is plain, and its rounding bounds against rationals. Published truth: truth_test.cpp.
 // Random near-degenerate tests: tests/conservative.
 #include <cmath>
+#include <limits>
 #include <random>
 
 #include <boost/multiprecision/gmp.hpp>
@@ -8,12 +9,15 @@
 
 #include <volccd/narrowphase/detail/inclusion_search.hpp>
 #include <volccd/narrowphase/detail/motion_piece.hpp>
+#include <volccd/narrowphase/exact_predicates.hpp>
 #include <volccd/narrowphase/inclusion.hpp>
 
 #include "query_set.hpp"
 
 namespace volccd::test {
 namespace {
+
+using Rational = boost::multiprecision::mpq_rational;
 
 const std::array<Vec3, 3> kTriangle = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
 
@@ -79,19 +83,110 @@ TEST(Inclusion, CloserThanTheSeparationAtTheStartIsFlagged) {
   EXPECT_FALSE(against_triangle({{0.25, 0.25, 0.75}, {0.25, 0.25, 0}}, 0.5).at(0).at_start);
 }
 
-TEST(Inclusion, PartsLeaveNoGapAtTheEnd) {
+TEST(Inclusion, PartsLeaveNoGap) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> number(0, 1);
-  int rounded_down = 0;
-  for (int i = 0; i < 10000; ++i) {
-    double lo = number(random), hi = number(random);
+  int rounded_down = 0, beyond_from = 0;
+  for (int i = 0; i < 20000; ++i) {
+    double lo = number(random), hi = i % 2 ? number(random) : lo + std::ldexp(number(random), -int(random() % 40));
     if (lo > hi) std::swap(lo, hi);
+    hi = std::min(hi, 1.0);
     rounded_down += lo + (hi - lo) < hi ? 1 : 0;
-    const auto [from, to] = detail::times_within(lo, hi, 0, 1);
-    ASSERT_EQ(from, lo);
-    ASSERT_EQ(to, hi);
+    const detail::Split whole(lo, hi, 0, 1);
+    ASSERT_EQ(whole.from, lo);
+    ASSERT_EQ(whole.to, hi);
+    const double begin = 0.5 * number(random), end = begin + 0.5 * number(random);
+    const detail::Split split(lo, hi, begin, end);
+    const Rational width = Rational(hi) - Rational(lo);
+    ASSERT_GE(Rational(split.before) * width, Rational(split.from) - Rational(lo));
+    ASSERT_LE(Rational(split.after) * width, Rational(split.to) - Rational(lo));
+    // Not by much: an outer part that reaches far into the inner one is seldom free of roots.
+    ASSERT_LE(split.before, begin + 0x1p-49 / (hi - lo));
+    beyond_from += Rational(begin) * width < Rational(split.from) - Rational(lo) ? 1 : 0;
   }
   EXPECT_GT(rounded_down, 0);  // else this shows nothing
+  EXPECT_GT(beyond_from, 1000);
+}
+
+TEST(Inclusion, ExactIsNotAskedWhereItWouldTakeLong) {
+  // The vertex comes down to a triangle that lies lower by 2^-`power`, and goes up again: no contact, which no double shows.
+  const auto ask = [](int power, int exact_bits) {
+    std::vector<Vec3> points;
+    for (const double z : {1.0, -1.0, 1.0}) {
+      points.emplace_back(0.25, 0.25, z);
+      for (Vec3 corner : kTriangle) points.push_back(corner - Vec3(0, 0, std::ldexp(1.0, -power)));
+    }
+    const volccd::QuerySet set(FeatureKind::vf, 3, points);
+    std::vector<Contact> contacts;
+    NarrowCounters counters;
+    Inclusion({.exact_bits = exact_bits}).test(set.step(1), FeatureKind::vf, set.pairs(), contacts, counters);
+    EXPECT_EQ(counters.undecided, 1u);
+    return contacts.size();
+  };
+  const int standard = Inclusion::Config{}.exact_bits;
+  EXPECT_EQ(ask(standard - 1, standard), 0u);
+  EXPECT_EQ(ask(standard, standard), 1u);  // one bit more: reported, as it stays undecided
+  EXPECT_EQ(ask(standard, standard + 1), 0u);
+}
+
+TEST(Inclusion, CoordinateBitsSpanAllCoordinates) {
+  std::array<double, 24> x{};
+  const TestMotion motion{FeatureKind::vf, 2, {&x[0], &x[6], &x[12], &x[18]}};
+  EXPECT_EQ(coordinate_bits(motion), 0);
+  x[3] = -6;  // binary 110
+  EXPECT_EQ(coordinate_bits(motion), 2);
+  x[23] = 0x1.8p-10;
+  EXPECT_EQ(coordinate_bits(motion), 3 + 11);
+  x[0] = std::numeric_limits<double>::max();
+  x[1] = std::numeric_limits<double>::denorm_min();
+  EXPECT_EQ(coordinate_bits(motion), 2098);
+}
+
+/// A degenerate triangle (parallel edges) far from the origin, whose corners rounding has moved off one line, and the other
+/// feature near it at the end of the step.
+std::vector<Vec3> near_a_sliver(std::mt19937_64& random, FeatureKind kind, int control_points) {
+  std::uniform_real_distribution<double> number(-1, 1);
+  const auto vector = [&] { return Vec3(number(random), number(random), number(random)); };
+  const Vec3 offset = std::ldexp(1.0, static_cast<int>(random() % 20)) * vector(), side = vector();
+  const double share = 0.75 + 0.25 * number(random), near = std::ldexp(1.0, -30 - static_cast<int>(random() % 24));
+  const bool turns = random() % 2 == 0, comes = random() % 2 == 0;
+  std::vector<Vec3> points;
+  for (int c = 0; c < control_points; ++c) {
+    const Vec3 a = offset + vector(), e = turns ? vector() : side;
+    const Vec3 other = a + number(random) * e + near * vector() + (comes && c == 0 ? 0.25 : 0.0) * vector();
+    const std::vector<Vec3> now = kind == FeatureKind::vf ? std::vector<Vec3>{other, a, a + e, a + share * e}
+                                                          : std::vector<Vec3>{a, a + e, other, other + share * e};
+    points.insert(points.end(), now.begin(), now.end());
+  }
+  return points;
+}
+
+TEST(Inclusion, UndecidedTestsComeAsNearAsPromised) {
+  std::mt19937_64 random(21);
+  std::size_t undecided = 0;
+  for (int i = 0; i < 20000; ++i) {
+    const FeatureKind kind = i % 2 ? FeatureKind::ee : FeatureKind::vf;
+    const int control_points = i % 4 < 2 ? 2 : 3;
+    const std::vector<Vec3> points = near_a_sliver(random, kind, control_points);
+    const volccd::QuerySet set(kind, control_points, points);
+    std::vector<Contact> contacts;
+    NarrowCounters counters;
+    Inclusion().test(set.step(1), kind, set.pairs(), contacts, counters);
+    if (contacts.empty() || counters.undecided == 0) continue;
+    TestMotion motion{kind, control_points, {}};
+    for (Index v = 0; v < 4; ++v) motion.points[v] = set.step(1).motion.at(v);
+    if (exact_first_touch(motion).touches) continue;
+    ++undecided;
+    double size = 0;
+    for (std::size_t p = 0; p < points.size(); ++p)
+      size = std::max(size, (points[p] - points[p / 4 * 4]).cwiseAbs().maxCoeff());
+    // At some time from the one reported on, by no more than the tolerance.
+    bool near = false;
+    for (int k = 0; k <= 8 && !near; ++k)
+      near = compare_distance(motion, std::min(1.0, contacts[0].toi + k * 1.25e-10), 0x1p-40 * size) <= 0;
+    ASSERT_TRUE(near) << "test " << i << " at " << contacts[0].toi;
+  }
+  EXPECT_GT(undecided, 500u);
 }
 
 /// A fall onto the triangle, a slide within its plane, and a double root: each of the ways to an answer.
@@ -123,8 +218,6 @@ TEST(Inclusion, TheAnswerDependsNeitherOnTheBatchNorOnTheEnd) {
     }
   }
 }
-
-using Rational = boost::multiprecision::mpq_rational;
 
 /// det(p1 - p0, p2 - p0, p3 - p0) at t, exactly.
 template <int kPoints>
