@@ -77,7 +77,8 @@ std::string InclusionProperty::wrong_touch(const Case& c, const Answer& answer) 
   const std::string what = wrong_time(truth, answer);
   if (!what.empty()) return what;
   if (answer.found() && answer.counters.undecided == 0 && !truth.touches) return "reported, proven, and does not touch";
-  if (truth.touches && truth.toi - answer.contact().toi > kTolerance) return "too early: it is at " + in_hex(truth.toi);
+  if (truth.touches && truth.toi - answer.contact().toi > kTolerance && !spans_too_much(c, answer))
+    return "too early: it is at " + in_hex(truth.toi);
   const Answer decided = run(deciding_, c, 1);
   if (decided.found() != truth.touches) return "undecided=exact decides otherwise";
   const std::string decided_what = wrong_time(truth, decided);
@@ -122,7 +123,13 @@ bool InclusionProperty::near(const Case& c, const Answer& answer) {
 /// With a separation, a search that is given up says nothing of how near the features come: one that goes on answers
 /// otherwise.
 bool InclusionProperty::cut_short(const Case& c, const Answer& answer) {
-  return c.separation > 0 && answer.counters.undecided > 0 && !(run(patient_, c, 1) == answer);
+  if (c.separation == 0) return spans_too_much(c, answer);
+  return answer.counters.undecided > 0 && !(run(patient_, c, 1) == answer);
+}
+
+/// Undecided, and `exact` was not asked.
+bool InclusionProperty::spans_too_much(const Case& c, const Answer& answer) {
+  return answer.counters.undecided > 0 && coordinate_bits(Coordinates(c).motion()) > Inclusion::Config{}.exact_bits;
 }
 
 /// t_max: the same contact by its time, none before.

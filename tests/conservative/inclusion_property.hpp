@@ -49,6 +49,7 @@ class InclusionProperty {
   std::string wrong_target(const Case& c, const Answer& answer);
   bool near(const Case& c, const Answer& answer);
   bool cut_short(const Case& c, const Answer& answer);
+  static bool spans_too_much(const Case& c, const Answer& answer);
 
   Promise promise_;
   Generator generator_;
