@@ -5,6 +5,9 @@
 
 namespace volccd {
 
+/// How near an undecided test comes at least, in sizes of the test.
+inline constexpr double kUndecidedDistance = 0x1p-40;
+
 enum class Undecided {
   report,  ///< as a contact, and count it
   exact    ///< decide in rational arithmetic
@@ -15,10 +18,10 @@ enum class Undecided {
 /// - Time: never late; early by at most `time_tolerance`.
 /// - Undecided tests, counted in NarrowCounters::undecided, stay open in a part of the step shorter than 2^-44. They are
 ///   reported (time: the start of that part) or, with `undecided=exact`, decided by `exact`: no contact too many. What
-///   is reported comes closer than 2^-40 of its size (the greatest coordinate difference between its points at the
-///   control points). Where the features stay near each other for longer than the tolerance, or the search is cut short
-///   after `most_parts`, `exact` decides in either case - unless it would take long: where the coordinates of a test span
-///   more than `exact_bits` bits, it stays undecided and is reported, perhaps earlier than the tolerance says.
+///   is reported comes closer than kUndecidedDistance times its size (the greatest coordinate difference between its
+///   points at the control points). Where the features stay near each other for longer than the tolerance, or the search
+///   is cut short after `most_parts`, `exact` decides in either case. The exception are coordinates that span more than
+///   `exact_bits` bits: such a test stays undecided, and is reported perhaps earlier than the tolerance says.
 /// - With a separation, which `exact` does not know, all undecided tests are reported: a pair that only grazes it may be
 ///   reported earlier than the tolerance says, and one whose search was cut short may stay further off.
 ///

@@ -9,6 +9,7 @@
 #include <volccd/narrowphase/detail/double_double.hpp>
 #include <volccd/narrowphase/detail/hull_simplex.hpp>
 #include <volccd/narrowphase/detail/motion_piece.hpp>
+#include <volccd/narrowphase/inclusion.hpp>
 
 namespace volccd::detail {
 namespace {
@@ -80,8 +81,7 @@ Vec3 separating_axis(FeatureKind kind, const Differences& d) {
 /// Candidates for the direction between the closest points of features that are nearer than about 2^-26 of their size.
 /// Rounding then decides which edges the closest points seem to lie within: the nearest point of a sliver may be a corner
 /// while an edge is nearly as close. So each choice of edges that the axis is made perpendicular to is tried.
-std::array<Vec3, 5> close_axes(FeatureKind kind, const Differences& d) {
-  const Vec3 separation = closest_points(kind, d).separation;
+std::array<Vec3, 5> close_axes(FeatureKind kind, const Differences& d, const Vec3& separation) {
   const bool vf = kind == FeatureKind::vf;
   const Vec3 first = vf ? Vec3(d[1] - d[0]) : d[0], second = d[2] - (vf ? d[0] : d[1]);
   return {separation, across(separation, first), across(separation, second),
@@ -174,8 +174,11 @@ class PieceSearch {
     return false;
   }
 
+  /// Before a part is given up: for features that are further apart than an undecided test may be.
   bool separated_closely(const MotionPiece<kPoints>& piece) {
-    for (const Vec3& axis : close_axes(test_.kind(), likely_))
+    const Vec3 between = closest_points(test_.kind(), likely_).separation;
+    if (between.norm() - test_.separation() < kUndecidedDistance / 2 * test_.extent().maxCoeff()) return false;
+    for (const Vec3& axis : close_axes(test_.kind(), likely_, between))
       if (separated_along(axis, piece)) return true;
     return false;
   }

@@ -183,7 +183,7 @@ TEST(Inclusion, UndecidedTestsComeAsNearAsPromised) {
     // At some time from the one reported on, by no more than the tolerance.
     bool near = false;
     for (int k = 0; k <= 8 && !near; ++k)
-      near = compare_distance(motion, std::min(1.0, contacts[0].toi + k * 1.25e-10), 0x1p-40 * size) <= 0;
+      near = compare_distance(motion, std::min(1.0, contacts[0].toi + k * 1.25e-10), kUndecidedDistance * size) <= 0;
     ASSERT_TRUE(near) << "test " << i << " at " << contacts[0].toi;
   }
   EXPECT_GT(undecided, 500u);
