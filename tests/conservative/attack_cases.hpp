@@ -2,6 +2,7 @@
 // whether they do.
 #pragma once
 
+#include <ostream>
 #include <span>
 
 #include "conservative/near_degenerate.hpp"
@@ -15,6 +16,8 @@ struct Attack {
   /// The features. Case::touch is set where they are known to come within the separation by then.
   Case (*make)(Choices& choices, FeatureKind kind, int control_points);
 };
+
+inline void PrintTo(const Attack& attack, std::ostream* out) { *out << attack.name; }
 
 /// Without a separation.
 std::span<const Attack> touching_attacks();
