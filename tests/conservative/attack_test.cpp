@@ -1,9 +1,12 @@
 // Attacks on the narrow phases.
 #include <algorithm>
-#include <cmath>
+#include <memory>
+#include <set>
 #include <string>
+#include <vector>
 
 #include <volccd/narrowphase/cubic.hpp>
+#include <volccd/pipelines/registry.hpp>
 
 #include "conservative/attack_cases.hpp"
 #include "conservative/inclusion_property.hpp"
@@ -13,12 +16,62 @@
 namespace volccd::test {
 namespace {
 
+/// Narrow phases that say that they lose nothing, with default options, as the registry makes them: touching tests are
+/// reported and never late, on each instruction set; exact ones report no others.
+class NarrowPhaseProperty {
+ public:
+  NarrowPhaseProperty() {
+    const Registry registry = Registry::standard();
+    for (const auto& descriptor : registry.stages<NarrowPhase>())
+      if (descriptor.guarantee != Guarantee::approximate)
+        stages_.push_back({descriptor.name, descriptor.guarantee, descriptor.make({})});
+  }
+
+  std::string operator()(Choices& choices) {
+    const Case c = any_attack_test(choices, touching_attacks());
+    test_.set(c, 1);
+    const ExactAnswer truth = exact_first_touch(Coordinates(c).motion());
+    std::string wrong;
+    targets_.with(cases_++, [&](const std::string& target) {
+      for (const auto& [name, guarantee, stage] : stages_) {
+        std::vector<Contact> contacts;
+        NarrowCounters counters;
+        stage->test(test_.step(), test_.kind(), test_.pairs(), contacts, counters);
+        const bool found = !contacts.empty();
+        if (truth.touches && !found) wrong += name + " misses it on " + target + ", ";
+        if (truth.touches && found && contacts.front().toi > truth.toi) wrong += name + " is late on " + target + ", ";
+        if (guarantee == Guarantee::exact && found != truth.touches) wrong += name + " is not exact on " + target + ", ";
+      }
+    });
+    return wrong.empty() ? "" : wrong + "\n" + to_text(c);
+  }
+
+  std::set<std::string> names() const {
+    std::set<std::string> names;
+    for (const auto& stage : stages_) names.insert(stage.name);
+    return names;
+  }
+
+ private:
+  struct Named {
+    std::string name;
+    Guarantee guarantee;
+    std::unique_ptr<NarrowPhase> stage;
+  };
+
+  std::vector<Named> stages_;
+  VectorTargets targets_;
+  std::size_t cases_ = 0;
+  OneTest test_;
+};
+
 /// What the header of `cubic` promises: touching tests are reported at a time that is late by 1e-12 at most, and what is
 /// reported comes within the tolerance then.
 class CubicProperty {
  public:
   std::string operator()(Choices& choices) {
-    const Attack& attack = touching_attacks()[static_cast<std::size_t>(choices.below(static_cast<int>(touching_attacks().size())))];
+    const std::span<const Attack> attacks = touching_attacks();
+    const Attack& attack = attacks[static_cast<std::size_t>(choices.below(static_cast<int>(attacks.size())))];
     const Case c = attack.make(choices, choices.below(2) ? FeatureKind::ee : FeatureKind::vf, 2);
     test_.set(c, 1);
     const ExactAnswer truth = exact_first_touch(Coordinates(c).motion());
@@ -79,6 +132,12 @@ TEST(InclusionAttacks, AreMadeSimple) {
   InclusionProperty within(InclusionProperty::Promise::complete,
                            [](Choices& choices) { return any_attack_test(choices, separation_attacks()); });
   run_shrinking(20119, 300, within);
+}
+
+TEST(NarrowPhaseAttack, NothingIsMissed) {
+  NarrowPhaseProperty property;
+  EXPECT_EQ(property.names(), (std::set<std::string>{"exact", "inclusion"})) << "a new one belongs into InclusionAttack, too";
+  run_seeds(1, 1500, property);
 }
 
 TEST(CubicAttack, KeepsItsPromise) {

@@ -250,6 +250,11 @@ TEST(BroadPhaseProperty, TetrahedraWithinTheSeparationAreEmitted) {
   run_shrinking(20117, 1000, property);
   run_seeds(1, 8'000, property);
 }
+TEST(CsatProperty, IsTheOnlyElementCullingThatLosesNothing) {
+  const Registry registry = Registry::standard();
+  for (const auto& descriptor : registry.stages<ElementCulling>())
+    EXPECT_TRUE(descriptor.name == "csat" || descriptor.guarantee == Guarantee::approximate) << descriptor.name;
+}
 TEST(CsatProperty, AttackedElementsAreKept) {
   CsatProperty touching(ElementType::tetrahedron, attacking(touching_attacks()));
   run_seeds(1, 3000, touching);

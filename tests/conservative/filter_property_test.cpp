@@ -1,5 +1,6 @@
 // No feature filter drops a test that touches, and the generator makes what it says.
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -112,6 +113,14 @@ TEST(FilterProperty, TestsWithinTheSeparationAreKept) {
   FilterProperty property(Separation::some);
   run_shrinking(20111, 4000, property);
   run_seeds(1, 40'000, property);
+}
+TEST(FilterProperty, HasEveryFilterThatLosesNothing) {
+  std::set<std::string> registered, tested;
+  const Registry registry = Registry::standard();
+  for (const auto& descriptor : registry.stages<FeatureFilter>())
+    if (descriptor.guarantee != Guarantee::approximate) registered.insert(descriptor.name);
+  for (const Named& filter : all_filters()) tested.insert(filter.name.substr(0, filter.name.find(' ')));
+  EXPECT_EQ(tested, registered);
 }
 TEST(FilterProperty, AttacksAreKept) {
   FilterProperty touching([](Choices& choices) { return any_attack_test(choices, touching_attacks()); });
