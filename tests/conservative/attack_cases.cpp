@@ -172,7 +172,7 @@ void make_greatest(Choices& c, ContactBuilder& builder) {
   const int axis = c.below(3);
   for (int k = 0; k < 3; ++k) {
     const double greatest = all ? most.maxCoeff() : most[k];
-    if (greatest > 0 && (all || k == axis || c.one_in(4))) by[k] = std::ldexp(1, 1023 - std::ilogb(greatest));
+    if (greatest > 0 && (all || k == axis || c.one_in(4))) by[k] = std::ldexp(1, std::min(1023, 1023 - std::ilogb(greatest)));
   }
   builder.scale_by(by);
 }

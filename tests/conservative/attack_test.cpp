@@ -1,5 +1,6 @@
 // Attacks on the narrow phases.
 #include <algorithm>
+#include <cmath>
 #include <memory>
 #include <set>
 #include <string>
@@ -121,6 +122,24 @@ std::vector<Attack> all_attacks() {
   return all;
 }
 std::string attack_name(const testing::TestParamInfo<Attack>& info) { return info.param.name; }
+
+TEST(AttackCases, AreFiniteAndManyTouch) {
+  for (const Attack& attack : all_attacks()) {
+    int known = 0;
+    for (std::uint64_t seed = 1; seed <= 1000; ++seed) {
+      Choices choices(seed);
+      const Case c = attack_test(choices, attack);
+      bool finite = std::isfinite(c.separation);
+      for (const auto& set : c.sets)
+        for (const Curve& p : set)
+          for (const Vec3& x : p) finite = finite && x.allFinite();
+      ASSERT_TRUE(finite) << attack.name << " " << seed;
+      known += c.touch >= 0;
+    }
+    const std::set<std::string> nearly = {"NearMiss", "FarOff", "NearlyAtTheSeparation"};  // rounded: not known
+    EXPECT_TRUE(known > 100 || nearly.count(attack.name)) << attack.name << " " << known;
+  }
+}
 
 INSTANTIATE_TEST_SUITE_P(Families, InclusionAttack, testing::ValuesIn(all_attacks()), attack_name);
 INSTANTIATE_TEST_SUITE_P(Families, LongInclusionAttack, testing::ValuesIn(all_attacks()), attack_name);

@@ -6,9 +6,8 @@
 namespace volccd::test {
 namespace {
 
-/// How near undecided tests come, as a share of their size, beyond the separation, which is rounded by less than its own
-/// share (inclusion.hpp).
-constexpr double kNear = 0x1p-40, kSeparationRounding = 0x1p-46;
+/// Of the separation itself, by which it is rounded.
+constexpr double kSeparationRounding = 0x1p-46;
 /// Contacts that are certain come later by the time tolerance at most.
 constexpr double kNearInTime = 0x1p-24;
 
@@ -115,7 +114,7 @@ bool InclusionProperty::near(const Case& c, const Answer& answer) {
   const double size = std::min(Coordinates(c).size(), 0x1p1023);
   if (size == 0) return true;
   if (size < 0x1p-900) return !std::isfinite(c.separation * 0x1p600) || near(enlarged(c), answer);
-  const double reach = size * (answer.counters.undecided > 0 ? kNear : kNearInTime);
+  const double reach = size * (answer.counters.undecided > 0 ? kUndecidedDistance : kNearInTime);
   const double within = c.separation * (1 + kSeparationRounding) + reach;
   return !std::isfinite(within) || compare_distance(Coordinates(c).motion(), answer.contact().toi, within) <= 0;
 }

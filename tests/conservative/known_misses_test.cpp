@@ -65,6 +65,18 @@ TEST(KnownMisses, DifferencesThatOverflow) {
   EXPECT_EQ(judge(two_point_case(FeatureKind::vf, {vertex, left, right, {Vec3(0, 1, 0), Vec3(0, 1, 0)}})), "");
 }
 
+/// Reported at a distance of 2^-39 of the size: the triangle is nearly an edge.
+TEST(KnownMisses, NearASliver) {
+  const std::array<Vec3, 2> corner = {Vec3(-0x1.5p-447, 0x1.ep-448, 0x1.8p-448), Vec3(-0x1.f6202p-432, 0x1.7f6f3p-431, -0x1.983bcp-431)};
+  EXPECT_EQ(judge(two_point_case(
+                FeatureKind::vf,
+                {{Vec3(-0x1.3p-447, 0x1.1p-447, 0x1p-449), Vec3(-0x1.f620ep-432, 0x1.7f6edp-431, -0x1.983a4p-431)},
+                 {Vec3(-0x1.dp-447, 0x1.cp-449, 0x1p-448), Vec3(-0x1.f6202p-432, 0x1.7f6f300000002p-431, -0x1.983bcp-431)},
+                 corner,
+                 corner})),
+            "");
+}
+
 /// Differences of one or two units of the least double: all is reported, near or not.
 TEST(KnownMisses, LeastDifferences) {
   constexpr double u = 0x1p-1074;
