@@ -172,22 +172,27 @@ void make_greatest(Choices& c, ContactBuilder& builder) {
   const int axis = c.below(3);
   for (int k = 0; k < 3; ++k) {
     const double greatest = all ? most.maxCoeff() : most[k];
-    if (greatest > 0 && (all || k == axis || c.one_in(4))) by[k] = std::ldexp(1, std::min(1023, 1023 - std::ilogb(greatest)));
+    if (greatest > 0 && (all || k == axis || c.one_in(4)))
+      by[k] = std::ldexp(1, std::min(1023, 1023 - std::ilogb(greatest)));
   }
   builder.scale_by(by);
 }
 
-/// Features on one line, or next to it, that overlap along it or not: fractions of the greatest double, or 0. The first edge
-/// lies on the line, the second crosses it; VF: the vertex lies on it, the triangle has a side on it.
-Case great_line(Choices& c, FeatureKind kind, int control_points) {
-  const bool passing = c.below(2);
+/// Features on one line that overlap along it or not: fractions of the greatest double, or 0. VF: the vertex and a side
+/// of the triangle lie on it; EE: the first edge, and the second across it. `still`: one point moves, else all may, and
+/// pass through the line as well.
+Case great_line(Choices& c, FeatureKind kind, int control_points, bool still) {
+  const bool passing = !still && c.below(2);
   const Vec3 height = passing ? heights(c, control_points, skewed_length) : Vec3(Vec3::Zero());
+  int points = 0;
   const auto point = [&](double y, bool lifted) {
     Curve p;
     for (std::size_t k = 0; k < 3; ++k)
-      p[k] = {0x1p1023 * c.pick({0, -1.9375, 1.9375, -1.75, 1.75, -1, 1, -0.5, 0.5}), y,
+      p[k] = {0x1p1023 * c.pick({0, -1.9375, 1.9375, -1.75, 1.75, -1.5, 1.5}), y,
               lifted ? height[static_cast<int>(k)] : 0};
-    if (c.below(2)) p[1].x() = p[0].x();
+    const bool moves = still ? points == 1 : c.below(2) != 0;
+    ++points;
+    if (!moves) p[1].x() = p[2].x() = p[0].x();
     if (control_points == 2) p[2] = p[1];
     return p;
   };
@@ -211,7 +216,7 @@ Case great_line(Choices& c, FeatureKind kind, int control_points) {
 Case overflow(Choices& c, FeatureKind kind, int control_points) {
   const int how = c.below(4);
   if (how == 1) return frame(c, kind, control_points, great_length);
-  if (how >= 2) return great_line(c, kind, control_points);
+  if (how >= 2) return great_line(c, kind, control_points, how == 2);
   ContactBuilder builder(c, kind, control_points);
   any_or_general(c, builder);
   make_greatest(c, builder);
@@ -219,8 +224,9 @@ Case overflow(Choices& c, FeatureKind kind, int control_points) {
   return builder.take();
 }
 
-/// Smooth motion whose coplanarity polynomial is nearly constant for most of the step: Newton's method leaves the step from
-/// where it begins. Next to none of random ones are like that, so these have to do, with every control value changed a little.
+/// Smooth motion whose coplanarity polynomial is nearly constant for most of the step: Newton's method leaves the step
+/// from where it begins. Next to none of random ones are like that, so these have to do, with every control value
+/// changed a little.
 constexpr double kFlat[][9] = {{.069, .0161, 1.13, .499, .00357, .00285, -11, .0785, .064},
                                {.0057, .0069, .66, 1.7, .28, .12, -.034, -.042, 5.8}};
 
@@ -249,8 +255,7 @@ Case at_the_separation(Choices& c, FeatureKind kind, int control_points) {
   builder.reorder();
   Case made = builder.take();
   const int units = static_cast<int>(c.lattice(3));
-  for (int i = 0; i < std::abs(units); ++i)
-    made.separation = std::nextafter(made.separation, units > 0 ? HUGE_VAL : 0);
+  for (int i = 0; i < std::abs(units); ++i) made.separation = std::nextafter(made.separation, units > 0 ? HUGE_VAL : 0);
   if (units < 0) made.touch = -1;
   return made;
 }
@@ -289,11 +294,11 @@ Case frame_and_separation(Choices& c, FeatureKind kind, int control_points) {
   return made;
 }
 
-constexpr Attack kTouching[] = {
-    {"General", 2000, general},   {"Degenerate", 800, degenerate}, {"AtAnEnd", 800, at_an_end},
-    {"Rigid", 800, rigid},        {"NearMiss", 800, near_miss},    {"FarOff", 800, far_off},
-    {"Denormal", 800, denormal},  {"MixedScales", 60, mixed_scales}, {"Overflow", 800, overflow},
-    {"Skewed", 10'000, skewed}};
+constexpr Attack kTouching[] = {{"General", 2000, general},   {"Degenerate", 800, degenerate},
+                                {"AtAnEnd", 800, at_an_end},  {"Rigid", 800, rigid},
+                                {"NearMiss", 800, near_miss}, {"FarOff", 800, far_off},
+                                {"Denormal", 800, denormal},  {"MixedScales", 60, mixed_scales},
+                                {"Overflow", 800, overflow},  {"Skewed", 10'000, skewed}};
 constexpr Attack kSeparated[] = {{"AtTheSeparation", 500, at_the_separation},
                                  {"AtTheSeparationAtAnEnd", 500, at_the_separation_at_an_end},
                                  {"NearlyAtTheSeparation", 500, nearly_at_the_separation},

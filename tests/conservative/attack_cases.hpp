@@ -32,9 +32,9 @@ Case any_attack_test(Choices& choices, std::span<const Attack> attacks);
 Case any_attack_elements(Choices& choices, std::span<const Attack> attacks, FeatureKind kind, int control_points,
                          std::size_t count);
 
-/// Features that overlap as seen along z as long as p and q are positive, and touch as z passes through 0: control values
-/// of p, q and z. VF: a vertex at the origin, a triangle (-p,-q,z), (p,-q,z), (0,q,z). EE: edges (-p,0,0), (p,0,0) and
-/// (0,-q,z), (0,q,z).
+/// Features that overlap as seen along z as long as p and q are positive, and touch as z passes through 0: control
+/// values of p, q and z. VF: a vertex at the origin, a triangle (-p,-q,z), (p,-q,z), (0,q,z). EE: edges (-p,0,0),
+/// (p,0,0) and (0,-q,z), (0,q,z).
 Case crossing_frame(FeatureKind kind, int control_points, const Vec3& p, const Vec3& q, const Vec3& z);
 
 }  // namespace volccd::test

@@ -41,7 +41,8 @@ class NarrowPhaseProperty {
         const bool found = !contacts.empty();
         if (truth.touches && !found) wrong += name + " misses it on " + target + ", ";
         if (truth.touches && found && contacts.front().toi > truth.toi) wrong += name + " is late on " + target + ", ";
-        if (guarantee == Guarantee::exact && found != truth.touches) wrong += name + " is not exact on " + target + ", ";
+        if (guarantee == Guarantee::exact && found != truth.touches)
+          wrong += name + " is not exact on " + target + ", ";
       }
     });
     return wrong.empty() ? "" : wrong + "\n" + to_text(c);
@@ -66,8 +67,8 @@ class NarrowPhaseProperty {
   OneTest test_;
 };
 
-/// What the header of `cubic` promises: touching tests are reported at a time that is late by 1e-12 at most, and what is
-/// reported comes within the tolerance then.
+/// What the header of `cubic` promises: touching tests are reported at a time that is late by 1e-12 at most, and what
+/// is reported comes within the tolerance then.
 class CubicProperty {
  public:
   std::string operator()(Choices& choices) {
@@ -155,7 +156,8 @@ TEST(InclusionAttacks, AreMadeSimple) {
 
 TEST(NarrowPhaseAttack, NothingIsMissed) {
   NarrowPhaseProperty property;
-  EXPECT_EQ(property.names(), (std::set<std::string>{"exact", "inclusion"})) << "a new one belongs into InclusionAttack, too";
+  EXPECT_EQ(property.names(), (std::set<std::string>{"exact", "inclusion"}))
+      << "a new one belongs into InclusionAttack, too";
   run_seeds(1, 1500, property);
 }
 

@@ -30,7 +30,7 @@ class ContactBuilder {
 
   /// The features, to be made first of all.
   enum class Shape {
-    any,        ///< what follows, and all between: they touch at boundaries, move within a plane, or along with each other
+    any,  ///< what follows, and all between: they touch at boundaries, move within a plane, or along with each other
     general,    ///< within both, all points move freely
     degenerate  ///< triangles and edges without extent, parallel edges
   };

@@ -31,7 +31,8 @@ struct Answer {
 class InclusionProperty {
  public:
   enum class Promise {
-    complete,  ///< none missed, none late, none early by more than the tolerance, undecided=exact exact, t_max respected
+    complete,  ///< none missed, none late, none early by more than the tolerance, undecided=exact exact, t_max
+               ///< respected
     near       ///< what is reported comes near
   };
 

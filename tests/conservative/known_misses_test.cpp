@@ -23,8 +23,8 @@ Case two_point_case(FeatureKind kind, const std::vector<std::array<Vec3, 2>>& po
   return c;
 }
 
-/// The Newton step from the likely root left the part of the step: missed where it went too far, too early where not far
-/// enough.
+/// The Newton step from the likely root left the part of the step: missed where it went too far, too early where not
+/// far enough.
 const Vec3 kMissed[3] = {{.069, .0161, 1.13}, {.499, .00357, .00285}, {-11, .0785, .064}};
 const Vec3 kEarly[3] = {{.0057, .0069, .66}, {1.7, .28, .12}, {-.034, -.042, 5.8}};
 
@@ -67,14 +67,16 @@ TEST(KnownMisses, DifferencesThatOverflow) {
 
 /// Reported at a distance of 2^-39 of the size: the triangle is nearly an edge.
 TEST(KnownMisses, NearASliver) {
-  const std::array<Vec3, 2> corner = {Vec3(-0x1.5p-447, 0x1.ep-448, 0x1.8p-448), Vec3(-0x1.f6202p-432, 0x1.7f6f3p-431, -0x1.983bcp-431)};
-  EXPECT_EQ(judge(two_point_case(
-                FeatureKind::vf,
-                {{Vec3(-0x1.3p-447, 0x1.1p-447, 0x1p-449), Vec3(-0x1.f620ep-432, 0x1.7f6edp-431, -0x1.983a4p-431)},
-                 {Vec3(-0x1.dp-447, 0x1.cp-449, 0x1p-448), Vec3(-0x1.f6202p-432, 0x1.7f6f300000002p-431, -0x1.983bcp-431)},
-                 corner,
-                 corner})),
-            "");
+  const std::array<Vec3, 2> corner = {Vec3(-0x1.5p-447, 0x1.ep-448, 0x1.8p-448),
+                                      Vec3(-0x1.f6202p-432, 0x1.7f6f3p-431, -0x1.983bcp-431)};
+  EXPECT_EQ(
+      judge(two_point_case(
+          FeatureKind::vf,
+          {{Vec3(-0x1.3p-447, 0x1.1p-447, 0x1p-449), Vec3(-0x1.f620ep-432, 0x1.7f6edp-431, -0x1.983a4p-431)},
+           {Vec3(-0x1.dp-447, 0x1.cp-449, 0x1p-448), Vec3(-0x1.f6202p-432, 0x1.7f6f300000002p-431, -0x1.983bcp-431)},
+           corner,
+           corner})),
+      "");
 }
 
 /// Differences of one or two units of the least double: all is reported, near or not.
