@@ -12,8 +12,8 @@ namespace volccd {
 /// emits the same pairs.
 ///
 /// update: built top-down by the surface-area heuristic for a fresh state, O(n log n); then refitted, O(n). Removed elements
-/// leave gaps, added ones form a second tree, until so many of either have gathered that the whole is built anew (a
-/// quarter gone, or 1/32 added). A subtree is rebuilt in its place when its measured cost, the node sizes in relation to the
+/// leave gaps, added ones form a second tree, until so many of either have gathered that the whole is built anew (more
+/// than a quarter gone, or 1/32 and 64 added). A subtree is rebuilt in its place when its measured cost, the node sizes in relation to the
 /// element sizes, exceeds `degradation` times what it was after its last build: only the parts that degraded.
 ///
 /// query: the tree against itself, from a list of node pairs that does not depend on the number of workers. Memory: about

@@ -12,8 +12,8 @@ namespace volccd {
 ///
 /// - Each pair once, without marks: in the cell that holds the lower corner of the boxes' intersection. Cells that the hash
 ///   throws into one bucket are told apart by their coordinates.
-/// - Cells: `cell_size` times the median extent (longest side) of the swept boxes; at rest and for elements of one size that
-///   is about the average edge length. The median keeps a few outliers from ruining the grid.
+/// - Cells: `cell_size` times the median extent (longest side) of the swept boxes, or a fifth of the 99.5th percentile if that
+///   is more; at rest and for elements of one size about the average edge length. A few outliers do not ruin the grid.
 /// - No element enters more than kMostCells cells: larger ones, at most one in 200, are compared with all others. Cell
 ///   coordinates are clamped, so that elements very far out share cells; that costs time and loses nothing.
 ///

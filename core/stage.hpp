@@ -24,7 +24,7 @@ const char* to_string(Guarantee guarantee);
 /// The weaker of the two.
 constexpr Guarantee weakest(Guarantee a, Guarantee b) { return a < b ? b : a; }
 
-/// What a stage remembers from one step to the next (a tree, an O-Set, cached axes) and its scratch memory. Owned by the
+/// What a stage remembers from one step to the next (a tree, an O-Set) and its scratch memory. Owned by the
 /// Workspace, made by the stage's make_state(), handed back to it at every call. Stages themselves are immutable: one
 /// stage object may serve several workspaces in several threads at once.
 class StageState {

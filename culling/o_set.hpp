@@ -27,8 +27,8 @@ struct OSetCounts {
   friend bool operator==(const OSetCounts&, const OSetCounts&) = default;
 };
 
-/// The pairs of one topology, each once, in blocks of at most kBlockPairs; four bytes a pair, eight for each run of
-/// pairs with a feature in common. Read-only use is thread-safe.
+/// The pairs of one topology, each once, in blocks of at most kBlockPairs; four bytes a pair, eight for each run of pairs
+/// with a feature in common, and tables for updates (40 bytes a triangle of rod-twist). Read-only use is thread-safe.
 class OSet {
  public:
   static constexpr std::size_t kBlockPairs = 4096;

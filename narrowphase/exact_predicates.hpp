@@ -56,7 +56,7 @@ int coordinate_bits(const TestMotion& motion);
 int compare_distance(const TestMotion& motion, double t, double d);
 
 /// Whether the convex hulls of two sets of points have a point in common: phase one of the simplex method in rationals.
-/// An empty set overlaps nothing. Meant for elements: about a millisecond for 8 + 8 points.
+/// An empty set overlaps nothing. Meant for elements: about 0.2 milliseconds for 8 + 8 points.
 bool exact_hulls_overlap(std::span<const Vec3> a, std::span<const Vec3> b);
 
 }  // namespace volccd

@@ -21,7 +21,8 @@ enum class Undecided {
 ///   is reported comes closer than kUndecidedDistance times its size (the greatest coordinate difference between its
 ///   points at the control points). Where the features stay near each other for longer than the tolerance, or the search
 ///   is cut short after `most_parts`, `exact` decides in either case. The exception are coordinates that span more than
-///   `exact_bits` bits: such a test stays undecided, and is reported perhaps earlier than the tolerance says.
+///   `exact_bits` bits (1 beside 1e-300, say): such a test stays undecided and is reported, perhaps earlier than the
+///   tolerance says and although the features stay further apart.
 /// - With a separation, which `exact` does not know, all undecided tests are reported: a pair that only grazes it may be
 ///   reported earlier than the tolerance says, and one whose search was cut short may stay further off.
 ///

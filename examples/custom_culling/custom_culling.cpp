@@ -1,6 +1,6 @@
 // A culling idea of one's own, measured against all the others: element pairs whose swept bounding spheres are apart are
-// dropped. The stage is defined and registered here, outside the library; the program, its cross-checks and its ablations
-// know it all the same:
+// dropped. The stage is defined and registered here, outside the library; all commands of the program, `verify` included, know
+// it all the same:
 //
 //     custom_culling stages
 //     custom_culling detect FILE --pipeline Spheres --set spheres.padding=0.1

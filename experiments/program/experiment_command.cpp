@@ -127,7 +127,7 @@ constexpr Experiment kExperiments[] = {
     {"projectile", "NavCCD, HashCCD, VolCCD and VolCCD+ on a real penetration run: time, counts, shares",
      run_projectile},
     {"scenes", "the simulated scenes: sizes, motion, contacts, edits, energy (--quick: the small sizes)", run_scenes},
-    {"feature-sets", "Figure 3: the bullet with contacts among all features, and among those of the boundary only",
+    {"feature-sets", "Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's",
      run_feature_sets}};
 
 int run(const ExperimentOptions& options, const Registry& registry) {

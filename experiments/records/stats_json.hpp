@@ -1,4 +1,4 @@
-// stats.json: the record of a run (DESIGN.md section 6).
+// stats.json: the record of a run.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@
 
 namespace volccd {
 
-/// What the figures depend on: commit, compiler, flags, CPU, cores, date (UTC).
+/// What the figures depend on: version, commit, compiler, build type, CPU, cores, date (UTC).
 nlohmann::json machine_facts();
 
 /// Stages with their options, and the guarantee.

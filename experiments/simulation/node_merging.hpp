@@ -1,4 +1,4 @@
-// Welding: vertices in touch merge where the contact force is great enough (Algorithm 1, lines 25 to 32).
+// Welding: vertices in touch merge where the contact force is great enough (Algorithm 1, lines 27 to 33).
 #pragma once
 
 #include <span>

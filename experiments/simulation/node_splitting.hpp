@@ -1,4 +1,4 @@
-// Cracks: vertices split where the material fails (Algorithm 1, lines 33 to 38).
+// Cracks: vertices split where the material fails (Algorithm 1, lines 34 to 38).
 //
 // A vertex fails when the greatest principal stress at it exceeds the failure stress of any part at it, or is tension
 // and the equivalent plastic strain exceeds the failure strain: what is pressed together from all sides flows and does

@@ -1,4 +1,4 @@
-// Pipelines as wholes: lossless, deterministic, refusing what is unsound (DESIGN.md section 4, invariants 1, 2, 5).
+// Pipelines as wholes: lossless, deterministic, refusing what is unsound.
 #include <volccd/pipelines/pipeline.hpp>
 
 #include <map>
