@@ -49,6 +49,8 @@ function(volccd_module name)
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:volccd_flags>)
   if(ARG_NO_INSTALL)
+    # Experiments and oracle: the address sanitizer alone, which halves the time to compile them under sanitizers.
+    target_compile_options(${target} PRIVATE -fno-sanitize=undefined)
     return()
   endif()
   install(TARGETS ${target} EXPORT volccdTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})

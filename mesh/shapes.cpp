@@ -16,7 +16,8 @@ constexpr int kCorner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0
 constexpr int kFace[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
 /// Kuhn's split along the diagonal 0-6: the same in every cell, so that it conforms.
 constexpr int kKuhn[6][4] = {{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6}, {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
-constexpr int kWedges[2][6] = {{0, 1, 2, 4, 5, 6}, {0, 2, 3, 4, 6, 7}};
+/// The first triangle of a wedge turns right as seen from the second (VTK).
+constexpr int kWedges[2][6] = {{0, 2, 1, 4, 6, 5}, {0, 3, 2, 4, 7, 6}};
 
 class BlockBuilder {
  public:
@@ -81,6 +82,7 @@ class BlockBuilder {
     shape_.positions.push_back(centre);
     for (const auto& face : kFace) {
       std::vector<Index> vertices = pick(corner, face);
+      std::reverse(vertices.begin(), vertices.end());  // the base turns left as seen from the apex (VTK)
       vertices.push_back(apex);
       add(ElementType::pyramid, std::move(vertices));
     }

@@ -24,7 +24,7 @@ struct Shape {
 
 /// A block of nx * ny * nz unit cells at the origin, each cell one hexahedron, or split into 6 tetrahedra (Kuhn), 2 wedges, or
 /// 6 pyramids (a vertex at its centre), or held as one polytope; ElementType::triangle and quad give the nx * ny sheet z = 0.
-/// All splits conform from cell to cell.
+/// All splits conform from cell to cell. Volumes are positive by VTK's node order.
 Shape block(ElementType type, int nx, int ny, int nz);
 
 /// A row of cells of every volume type (in x: hexahedron, two wedges, six pyramids, polytope, six tetrahedra), glued at their

@@ -1,7 +1,6 @@
 #include <volccd/narrowphase/cubic.hpp>
 
 #include <cassert>
-#include <initializer_list>
 
 #include <volccd/narrowphase/detail/contact_frame.hpp>
 #include <volccd/narrowphase/detail/coplanar_events.hpp>
@@ -22,6 +21,12 @@ enum class Verdict {
 /// Contacts whose time is not proven to be this accurate are computed again with refined coefficients.
 constexpr double kTimeAccuracy = 0x1p-42;
 
+/// A part of the step, and a cubic's parameter in it: 0 at lo, 1 at hi.
+struct Window {
+  double lo = 0, hi = 1;
+  double at(double s) const { return s < 1 ? lo + s * (hi - lo) : hi; }
+};
+
 /// One test that the first pass left open.
 class ElementaryTest {
  public:
@@ -30,6 +35,9 @@ class ElementaryTest {
       : kind_(kind), points_(points), tolerance_(tolerance), t_max_(t_max) {
     measure();
   }
+
+  /// Where coefficients can be refined again, over a shorter part of the step. `x` is kept by reference.
+  void refine_from(const TestPoints& x, double scale) { x_ = &x, scale_ = scale; }
 
   /// To be called when the points have been rescaled.
   void measure() {
@@ -40,15 +48,15 @@ class ElementaryTest {
 
   /// Looks for the first root in [0, t_max] at which the features touch. `refined`: coefficients as good as exact; then
   /// stretches of time where the sign is not proven are taken for coplanar, and nothing is unclear.
-  Verdict solve(const CoplanarityCubic& cubic, bool refined) {
+  Verdict solve(const CoplanarityCubic& cubic, bool refined, const Window& window = {}) {
     const MonotonePieces pieces = monotone_pieces(cubic);
     for (std::size_t k = 0; k < static_cast<std::size_t>(pieces.count); ++k) {
       const double a = pieces.cut[k], b = pieces.cut[k + 1];
-      if (a > t_max_) break;
+      if (window.at(a) > t_max_) break;
       const int before = cubic.sign(a), after = cubic.sign(b);
       if (before * after > 0) continue;
-      const Verdict verdict =
-          before * after < 0 ? crossing(cubic, a, b, before, refined) : unproven(cubic, a, b, before, after, refined);
+      const Verdict verdict = before * after < 0 ? crossing(cubic, a, b, before, refined, window)
+                                                 : unproven(cubic, a, b, before, after, refined, window);
       if (verdict != Verdict::apart) return verdict;
     }
     return Verdict::apart;
@@ -62,28 +70,45 @@ class ElementaryTest {
 
  private:
   /// A piece whose ends have opposite signs: one root.
-  Verdict crossing(const CoplanarityCubic& cubic, double a, double b, int before, bool refined) {
-    if (b > t_max_ && cubic.sign(t_max_) == before) return Verdict::apart;
+  Verdict crossing(const CoplanarityCubic& cubic, double a, double b, int before, bool refined, const Window& window) {
+    if (window.lo == 0 && window.hi == 1 && b > t_max_ && cubic.sign(t_max_) == before) return Verdict::apart;
     const double root = bracketed_root(cubic, a, b);
     const auto within = [&](double slack) {
       return cubic.sign(std::max(a, root - slack)) == before && cubic.sign(std::min(b, root + slack)) == -before;
     };
-    if (within(slack_)) {
-      const Verdict verdict = touches_at(root, before);
+    if (within(slack_ / (window.hi - window.lo))) {
+      const Verdict verdict = touches_at(window.at(root), before);
       return verdict == Verdict::touch && !refined && !within(kTimeAccuracy) ? Verdict::unclear : verdict;
     }
-    return refined ? coplanar(zero_stretch(cubic, a, b), before, {root}) : Verdict::unclear;
+    return refined ? open_stretch(zero_stretch(cubic, a, b), before, {root, root}, window) : Verdict::unclear;
   }
 
   /// A piece with an end that may be a root.
-  Verdict unproven(const CoplanarityCubic& cubic, double a, double b, int before, int after, bool refined) {
+  Verdict unproven(const CoplanarityCubic& cubic, double a, double b, int before, int after, bool refined,
+                   const Window& window) {
     if (!refined) return Verdict::unclear;
+    const double slack = slack_ / (window.hi - window.lo);
     // At the start there is no before: the motion is continued backwards.
-    if (before == 0 && after != 0 && cubic.sign(std::min(b, a + slack_)) == after)
-      return touches_at(a, a == 0 ? -after : after);
-    if (after == 0 && before != 0 && cubic.sign(std::max(a, b - slack_)) == before) return touches_at(b, before);
-    const int side = before != 0 ? before : a == 0 ? -after : after;
-    return coplanar(zero_stretch(cubic, a, b), side, {before == 0 ? a : b, after == 0 ? b : a});
+    const bool at_start = a == 0 && window.lo == 0;
+    if (before == 0 && after != 0 && cubic.sign(std::min(b, a + slack)) == after)
+      return touches_at(window.at(a), at_start ? -after : after);
+    if (after == 0 && before != 0 && cubic.sign(std::max(a, b - slack)) == before)
+      return touches_at(window.at(b), before);
+    const int side = before != 0 ? before : at_start ? -after : after;
+    return open_stretch(zero_stretch(cubic, a, b), side, {before == 0 ? a : b, after == 0 ? b : a}, window);
+  }
+
+  /// A stretch of the window in which the sign is not proven: looked at again with coefficients of its own if it is
+  /// short, else taken for coplanar.
+  Verdict open_stretch(const std::array<double, 2>& stretch, int side, std::array<double, 2> roots,
+                       const Window& window) {
+    constexpr double kShort = 0.125;
+    degenerate_ = true;
+    const Window part{window.at(stretch[0]), window.at(stretch[1])};
+    if (x_ && part.hi > part.lo && stretch[1] - stretch[0] < kShort)
+      return solve(refined_coplanarity(*x_, scale_, part.lo, part.hi), true, part);
+    for (double& root : roots) root = window.at(root);
+    return coplanar({part.lo, part.hi}, side, roots);
   }
 
   Verdict touches_at(double t, int side) {
@@ -95,10 +120,10 @@ class ElementaryTest {
     return touch_.closest.squared_distance <= distance_ * distance_ ? Verdict::touch : Verdict::apart;
   }
 
-  /// A stretch of time in which the sign is not proven. `roots`, ascending: the times within it at which the features seem to
-  /// change sides. Features that overlap as seen along their normal touch then, and nothing begins within their plane.
-  Verdict coplanar(const std::array<double, 2>& stretch, int side, std::initializer_list<double> roots) {
-    degenerate_ = true;
+  /// A stretch of time in which the sign is not proven. `roots`, ascending: the times within it at which the features
+  /// seem to change sides. Features that overlap as seen along their normal touch then, and nothing begins within their
+  /// plane.
+  Verdict coplanar(const std::array<double, 2>& stretch, int side, const std::array<double, 2>& roots) {
     const std::optional<Touch> event = first_coplanar_touch(kind_, points_, stretch[0], stretch[1], distance_, slack_);
     for (const double root : roots) {
       if (event && event->t <= root) break;
@@ -112,6 +137,8 @@ class ElementaryTest {
 
   FeatureKind kind_;
   const MovingPoints& points_;
+  const TestPoints* x_ = nullptr;
+  double scale_ = 1;
   double tolerance_, t_max_, distance_ = 0, slack_ = 0;
   bool degenerate_ = false;
   int side_ = 0;
@@ -145,6 +172,7 @@ void test_open(FeatureKind kind, const CoplanarityBlock& block, std::size_t i, d
       points = moving_points(x, scale);
       test.measure();
     }
+    test.refine_from(x, scale);
     verdict = centroid_axis_separates(kind, points, test.distance()) ? Verdict::apart
                                                                      : test.solve(refined_coplanarity(x, scale), true);
     counters.degenerate += test.degenerate() ? 1 : 0;

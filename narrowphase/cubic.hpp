@@ -10,10 +10,12 @@ namespace volccd {
 /// times the size of the test apart. The size is the largest coordinate difference between the first point and another,
 /// at t = 0 or 1. Reported is the first such time; it is 0 for a pair that touches at the start.
 ///
-/// Missed contacts: none are known. The cubic's coefficients have a rounding bound; a root that its sign changes do not
-/// prove is looked at again with coefficients of twice the precision. Extra contacts: only pairs that come within the
-/// tolerance. Time: within 1e-12 of the root; where the points are coplanar for longer, as far as doubles can tell, the
-/// first time in that stretch at which the features are within the tolerance.
+/// Missed contacts: none are known of tests whose coordinates span at most 300 bits (coordinate_bits()). The cubic's
+/// coefficients have a rounding bound; a root that its sign changes do not prove is looked at again with coefficients of
+/// twice the precision, and then with those of the short part of the step in which the sign stays open. Extra contacts:
+/// only pairs that come within the tolerance. Time: within 1e-12 of the root, of a few degenerate tests within 1e-6;
+/// where the points are coplanar for longer, as far as doubles can tell, the first time in that stretch at which the
+/// features are within the tolerance.
 ///
 /// Degenerate geometry (coplanar over a stretch of time, parallel edges, triangles and edges without extent, no
 /// relative motion) is decided by the events at which coplanar features can begin to touch, and counted. The normal of

@@ -31,13 +31,13 @@ void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<In
   TestPoints x;
   for (std::size_t i = 0; i < 4; ++i) x[i] = step.motion.at(vertices[i]);
   const int points = step.motion.control_points();
-  InclusionAnswer answer = inclusion_search(kind, x, points, step.separation, config_.time_tolerance,
-                                            config_.most_parts, step.t_max);
+  InclusionAnswer answer =
+      inclusion_search(kind, x, points, step.separation, config_.time_tolerance, config_.most_parts, step.t_max);
   if (answer.outcome == Outcome::undecided) {
     ++counters.undecided;
     const TestMotion motion{kind, points, x};
-    const bool decide = config_.undecided == Undecided::exact ||
-                        (answer.unsettled && coordinate_bits(motion) <= config_.exact_bits);
+    const bool decide =
+        config_.undecided == Undecided::exact || (answer.unsettled && coordinate_bits(motion) <= config_.exact_bits);
     if (decide && step.separation == 0) {
       // The whole step, so that the answer does not depend on t_max.
       const ExactAnswer exact = exact_first_touch(motion);

@@ -16,15 +16,15 @@ enum class Undecided {
 /// Guarantees, for the given doubles taken as exact:
 /// - No contact is missed: a test is dropped only if every moment of the step is proven free of contact.
 /// - Time: never late; early by at most `time_tolerance`.
-/// - Undecided tests, counted in NarrowCounters::undecided, stay open in a part of the step shorter than 2^-44. They are
-///   reported (time: the start of that part) or, with `undecided=exact`, decided by `exact`: no contact too many. What
-///   is reported comes closer than kUndecidedDistance times its size (the greatest coordinate difference between its
-///   points at the control points). Where the features stay near each other for longer than the tolerance, or the search
-///   is cut short after `most_parts`, `exact` decides in either case. The exception are coordinates that span more than
-///   `exact_bits` bits (1 beside 1e-300, say): such a test stays undecided and is reported, perhaps earlier than the
-///   tolerance says and although the features stay further apart.
-/// - With a separation, which `exact` does not know, all undecided tests are reported: a pair that only grazes it may be
-///   reported earlier than the tolerance says, and one whose search was cut short may stay further off.
+/// - Undecided tests, counted in NarrowCounters::undecided, stay open in a part of the step shorter than 2^-44. They
+///   are reported (time: the start of that part) or, with `undecided=exact`, decided by `exact`: no contact too many.
+///   What is reported comes closer than kUndecidedDistance times its size (the greatest coordinate difference between
+///   its points at the control points). Where the features stay near each other for longer than the tolerance, or the
+///   search is cut short after `most_parts`, `exact` decides in either case. The exception are coordinates that span
+///   more than `exact_bits` bits (1 beside 1e-300, say): such a test stays undecided and is reported, perhaps earlier
+///   than the tolerance says and although the features stay further apart.
+/// - With a separation, which `exact` does not know, all undecided tests are reported: a pair that only grazes it may
+///   be reported earlier than the tolerance says, and one whose search was cut short may stay further off.
 ///
 /// Way: pieces of the step, from the left. A piece is free of contact if the Bernstein coefficients of the coplanarity
 /// polynomial have one sign, or if an axis separates the features' control points; the axes tried are the directions

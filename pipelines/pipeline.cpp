@@ -1,5 +1,7 @@
 #include <volccd/pipelines/pipeline.hpp>
 
+#include <cmath>
+
 #include <fmt/format.h>
 
 #include <volccd/pipelines/detail/pipeline_run.hpp>
@@ -79,7 +81,8 @@ void Pipeline::run(const Step& step, Workspace& workspace, Executor& executor, S
     throw ConfigError(fmt::format("narrow phase {} handles motion of degree {} at most, not {}; {}",
                                   spec_.narrow_phase.name, narrow_phase_->max_control_points() - 1,
                                   step.motion.degree(), curved_narrow_phases_));
-  if (!(step.separation >= 0)) throw ConfigError("separation: must not be negative");
+  if (!(step.separation >= 0 && std::isfinite(step.separation)))
+    throw ConfigError("separation: must be finite and not negative");
   if (step.separation > 0 && !narrow_phase_->handles_separation())
     throw ConfigError(fmt::format("narrow phase {} does not handle a separation; {}", spec_.narrow_phase.name,
                                   separating_narrow_phases_));

@@ -15,6 +15,9 @@ With point ids, files may list points in different orders, and points may come a
 written at the place it had last (or gets first), and no cell uses it. With cell ids, cells may come and go. Without ids, all
 files must have the same points and cells.
 
+Cells whose nodes repeat (a wedge as a hexahedron, a triangle as a quad) are written as they are: volccd reads them as the
+elements that they stand for. Those with too few distinct nodes for any are refused.
+
 Lines and single vertices are left out; so are triangles and quads that are faces of volume cells (--keep-faces keeps them).
 Higher-order cells, polygons and polyhedra are refused.
 
@@ -361,7 +364,7 @@ def is_face_of_volume(types, offsets, connectivity):
     result = np.zeros(len(types), bool)
     if faces:
         for i in np.flatnonzero(types < 10):
-            result[i] = tuple(np.sort(connectivity[offsets[i]:offsets[i + 1]])) in faces
+            result[i] = tuple(sorted(set(connectivity[offsets[i]:offsets[i + 1]].tolist()))) in faces
     return result
 
 
@@ -464,7 +467,7 @@ def read_step(file, options):
         step.cell_ids = check_ids(integers(ids, file, "cell ids", np.int64)[keep], cells, file, "cell ids")
     step.velocity = vectors(mesh, options.velocity, file) if options.velocity != "none" else None
     step.thickness = thickness_of(arrays, keep, step.types, options.thickness, file)
-    check_distinct_vertices(step, file)
+    check_repeated_vertices(step, file)
     return step
 
 
@@ -483,13 +486,22 @@ def thickness_of(arrays, keep, types, wanted, file):
     return values[:, 0]
 
 
-def check_distinct_vertices(step, file):
+def check_repeated_vertices(step, file):
+    """Refuses cells with too few distinct vertices for an element; notes how many others have a vertex twice."""
+    repeated = 0
     for kind, nodes in NODES.items():
         cells = np.flatnonzero(step.types == kind)
         members = np.sort(step.connectivity[step.offsets[cells][:, None] + np.arange(nodes)], axis=1)
-        again = first_bad(np.diff(members, axis=1) == 0)
-        if again is not None:
-            raise BadInput(file, "cells", "has a vertex twice: not supported", int(cells[again]))
+        distinct = 1 + (np.diff(members, axis=1) != 0).sum(axis=1)
+        least = 3 if kind < 10 else 4
+        bad = first_bad(distinct < least)
+        if bad is not None:
+            cell = int(cells[bad])
+            name = "" if step.cell_ids is None else f" (cell id {step.cell_ids[cell]})"
+            raise BadInput(file, "cells", f"has {distinct[bad]} distinct vertices, an element has at least {least}{name}", cell)
+        repeated += int((distinct < nodes).sum())
+    if repeated:
+        step.notes.append(f"{repeated} cells have a vertex more than once, and stand for elements with fewer")
 
 
 # ---------------------------------------------------------------------------------------------- putting together

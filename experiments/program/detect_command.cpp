@@ -94,6 +94,7 @@ class Detection {
 
   void run_step(int k) {
     stepper_.go_to(k);
+    if (k == range_.begin) options_.query.check(stepper_);
     const Step step{stepper_.topology(), stepper_.motion(), filter_, options_.query.separation};
     pipeline_.run(step, workspace_, *executor_, result_, 
                   Request(options_.first ? Query::first : Query::all, true));
@@ -147,6 +148,7 @@ class Detection {
     return {{"sequence", options_.sequence.file},
             {"query", options_.first ? "first" : "all"},
             {"pairs", options_.query.pairs},
+            {"parts", options_.sequence.parts},
             {"separation", options_.query.separation},
             {"shells", options_.sequence.shells},
             {"edges", options_.sequence.edges},
@@ -190,12 +192,14 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
   command->add_option("--stats", options->stats, "write counts and times as JSON")->type_name("FILE");
   command->add_flag("--first", options->first, "the earliest contact of each step alone, found faster");
   options->query.add_to(*command);
+  options->sequence.add_parts_to(*command);
   command->footer(
       "Examples:\n"
       "  volccd detect run.vtkhdf --contacts contacts.csv --stats stats.json\n"
       "  volccd detect run.vtkhdf --steps 4:8 --pipeline NavCCD --threads 2\n"
       "  volccd detect run.vtkhdf --pipeline VolCCD --set csat.axis=optimal --set broad-phase=spatial-hash\n"
-      "  volccd detect crash.vtkhdf --shells solid --pairs inter --first");
+      "  volccd detect crash.vtkhdf --shells solid --pairs inter --first\n"
+      "  volccd detect two-bodies.vtkhdf --pairs inter --parts components");
   command->callback([options, &registry, &action] {
     action = [options, &registry] {
       options->sequence.file = sequence_file(options->sequence.file);

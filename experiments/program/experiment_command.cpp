@@ -82,7 +82,7 @@ Baked bake_for(const ExperimentOptions& options, const SimulatedScene& scene, Ex
   settings.elements = options.quick ? scene.quick_elements : 0;
   BakeProgress progress(scene.name);
   const std::optional<std::string> file = bake(scene, settings, executor, progress.hooks());
-  if (!file) throw Interrupted(scene.name + ": stopped; the same command goes on from the last frame");
+  if (!file) throw Interrupted(scene.name + ": stopped; the same command goes on from the last whole frame");
   return {*file, bake_record_file(scene, settings)};
 }
 

@@ -80,7 +80,7 @@ int generate_simulated(const GenerateOptions& options, const SimulatedScene& sce
     const auto executor = make_executor(options.threads);
     BakeProgress progress(scene.name);
     const std::optional<std::string> file = bake(scene, settings, *executor, progress.hooks());
-    if (!file) throw Interrupted(scene.name + ": stopped; the same command goes on from the last frame");
+    if (!file) throw Interrupted(scene.name + ": stopped; the same command goes on from the last whole frame");
     copy_file_whole(*file, options.output);
   }
   print_generated(options);
@@ -163,7 +163,7 @@ void add_generate_command(CLI::App& scene, Action& action) {
   command->footer(
       "Simulated scenes are kept in a cache, the folder VOLCCD_CACHE, $XDG_CACHE_HOME/volccd or ~/.cache/volccd: the "
       "second\n"
-      "time they are copied. Ctrl-C stops after the frame at hand; the same command goes on from there.\n"
+      "time they are copied. Ctrl-C stops; the same command goes on from the last whole frame.\n"
       "Examples:\n"
       "  volccd scene generate octopi -o octopi.vtkhdf --stats octopi.json\n"
       "  volccd scene generate crash --quick -o crash.vtkhdf\n"

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <optional>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -78,16 +80,41 @@ void print_header(SequenceReader& reader) {
   line("arrays", std::string(reader.has_velocity() ? "velocity " : "") + (reader.has_thickness() ? "thickness" : ""));
 }
 
-void print_mesh(const SequenceReader& reader, const Topology& topology) {
+constexpr std::size_t kPartsShown = 40;
+
+std::string named_count(ElementType type, std::uint64_t count) {
+  std::string name = to_string(type);
+  if (count == 1) return name;
+  if (name.ends_with("hedron")) return name.substr(0, name.size() - 2) + "a";
+  return name + "s";
+}
+
+/// "12 hexahedra as wedges, 1 quad as triangle".
+std::string collapsed_text(const SequenceReader& reader) {
+  std::string text;
+  for (const auto& [types, count] : reader.collapsed_cells())
+    text += fmt::format("{}{} {} as {}", text.empty() ? "" : ", ", grouped(count),
+                        named_count(types.first, count), named_count(types.second, count));
+  return text;
+}
+
+/// `named`: whether the objects are the parts that the file names.
+void print_mesh(const SequenceReader& reader, const Topology& topology, bool named) {
   const Census counts = census(topology.mesh());
   const Features& features = topology.features();
   fmt::print("\nstep 0\n");
   for (const auto& [type, count] : counts.types) fmt::print("  {:<12} {:>10}\n", to_string(type), grouped(count));
+  if (const std::string text = collapsed_text(reader); !text.empty())
+    fmt::print("  nodes repeat, read as: {}\n", text);
+  std::size_t shown = 0;
   for (const auto& [object, count] : counts.objects) {
+    if (++shown > kPartsShown) continue;
     const auto& names = reader.metadata().part_names;
     const auto name = names.find(object);
-    fmt::print("  part {:<7} {:>10}  {}\n", object, grouped(count), name == names.end() ? "" : name->second);
+    fmt::print("  {:<12} {:>10}  {}\n", fmt::format("{} {}", named ? "part" : "component", object), grouped(count),
+               name == names.end() || !named ? "" : name->second);
   }
+  if (shown > kPartsShown) fmt::print("  and {} more\n", grouped(shown - kPartsShown));
   fmt::print("  {:<12} {:>10}\n  {:<12} {:>10}\n  {:<12} {:>10}\n", "vertices used", grouped(features.vertex_count()),
              "edges", grouped(features.edge_count()), "triangles", grouped(features.triangle_count()));
 }
@@ -96,11 +123,16 @@ int info(const SequenceOptions& options) {
   SequenceReader reader(options.file);
   print_header(reader);
   SequenceCells cells;
+  const SequenceStepper::Config config = options.stepper();
+  const bool components = config.parts == PartModel::components;
+  std::optional<ConnectedParts> connected;
+  if (components) connected.emplace(reader);
   reader.read_cells(0, cells);
-  print_mesh(reader, Topology(mesh_of(reader.point_ids(), cells), options.stepper().edge_set));
+  if (connected) connected->assign(cells);
+  print_mesh(reader, Topology(mesh_of(reader.point_ids(), cells), config.edge_set), !components);
   if (reader.step_count() < 2) return kDone;
 
-  SequenceStepper stepper(reader, options.stepper());
+  SequenceStepper stepper(reader, config);
   const StepRange range = parse_steps(options.steps, stepper.motion_count(), options.file);
   TextTable table({"motion", "time", "elements", "mean edge", "moved: median", "99 %", "largest"});
   const InterruptGuard guard;
@@ -125,6 +157,7 @@ void add_info_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("info", "what is in a sequence: counts, parts, steps, motion per step");
   const auto options = std::make_shared<SequenceOptions>();
   options->add_to(*command);
+  options->add_parts_to(*command);
   command->footer("Example:\n  volccd info run.vtkhdf --steps 0:10");
   command->callback([options, &action] {
     action = [options] {

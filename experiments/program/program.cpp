@@ -8,6 +8,7 @@
 #include <volccd/experiments/program/commands.hpp>
 #include <volccd/experiments/program/scene_files.hpp>
 #include <volccd/experiments/records/build_facts.hpp>
+#include <volccd/mesh/sequence/hdf5_messages.hpp>
 
 namespace volccd {
 
@@ -27,6 +28,7 @@ void check_command(const CLI::App& app, int argc, const char* const* argv) {
 }  // namespace
 
 int program(int argc, const char* const* argv, const Registry& registry) {
+  turn_off_hdf5_messages();
   CLI::App app("Continuous collision detection between deforming volume meshes: what touches what, and when.", "volccd");
   app.set_version_flag("--version", fmt::format("volccd {} ({})", build_facts().version, build_facts().commit));
   app.require_subcommand(1);

@@ -12,6 +12,9 @@
 namespace volccd {
 
 namespace {
+/// Between two lines within one piece of work.
+constexpr std::chrono::milliseconds kShortest(100);
+
 volatile std::sig_atomic_t interrupt_flag = 0;
 
 void on_signal(int signal) {
@@ -35,13 +38,19 @@ Progress::~Progress() {
   if (terminal_) fmt::print(stderr, "\r\033[K");
 }
 
-void Progress::advance(std::size_t done) {
+void Progress::advance(std::size_t done, double share) {
   if (!terminal_) return;
-  const double elapsed = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  std::string left;
+  const auto now = std::chrono::steady_clock::now();
+  if (share > 0 && now - shown_ < kShortest) return;
+  shown_ = now;
+  const double elapsed = std::chrono::duration<double>(now - start_).count();
+  const double all_done = static_cast<double>(done) + share;
+  std::string more;
+  if (share > 0) more = fmt::format(", {:.0f} % of the next", 100 * share);
+  // A first estimate from less than a whole one would be rough.
   if (done > 0 && done < total_)
-    left = ", " + duration(elapsed / static_cast<double>(done) * static_cast<double>(total_ - done)) + " left";
-  fmt::print(stderr, "\r\033[K{} {}/{}{}", what_, done, total_, left);
+    more += ", " + duration(elapsed / all_done * (static_cast<double>(total_) - all_done)) + " left";
+  fmt::print(stderr, "\r\033[K{} {}/{}{}", what_, done, total_, more);
   std::fflush(stderr);
 }
 

@@ -15,13 +15,14 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  void advance(std::size_t done);
+  /// `share`: of the next one, in [0, 1). A share above 0 is shown ten times a second at most.
+  void advance(std::size_t done, double share = 0);
 
  private:
   std::string what_;
   std::size_t total_;
   bool terminal_;
-  std::chrono::steady_clock::time_point start_;
+  std::chrono::steady_clock::time_point start_, shown_;
 };
 
 /// While it lives, Ctrl-C (SIGINT) and SIGTERM set a flag instead of ending the process: long work looks at it between steps,

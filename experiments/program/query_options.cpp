@@ -1,8 +1,11 @@
 #include <volccd/experiments/program/query_options.hpp>
 
 #include <charconv>
+#include <cstdio>
+#include <optional>
 
 #include <fmt/format.h>
+#include <Eigen/Geometry>
 
 namespace volccd {
 
@@ -14,6 +17,27 @@ bool parse_bound(std::string_view text, int fallback, int& value) {
   if (text.empty()) return true;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   return error == std::errc() && end == text.data() + text.size();
+}
+
+/// Diagonal of the box around the control points of all vertices in use.
+double scene_diagonal(const Topology& topology, const Motion& motion) {
+  Eigen::AlignedBox3d box;
+  const Features& features = topology.features();
+  for (Index v = 0; v < features.vertex_slots(); ++v)
+    if (!features.vertex_elements(v).empty())
+      for (int i = 0; i <= motion.degree(); ++i) box.extend(motion.point(v, i));
+  return box.isEmpty() ? 0 : box.sizes().stableNorm();
+}
+
+/// The object that all elements belong to, if it is one.
+std::optional<std::int32_t> only_object(const Mesh& mesh) {
+  std::optional<std::int32_t> object;
+  for (Index o = 0; o < mesh.element_slots(); ++o) {
+    if (!mesh.alive(o)) continue;
+    if (object && *object != mesh.object(o)) return std::nullopt;
+    object = mesh.object(o);
+  }
+  return object;
 }
 
 }  // namespace
@@ -54,11 +78,21 @@ void SequenceOptions::add_to(CLI::App& command) {
       ->capture_default_str();
 }
 
+void SequenceOptions::add_parts_to(CLI::App& command) {
+  command
+      .add_option("--parts", parts,
+                  "objects are the parts that the file stores, or what hangs together: cells that share a vertex at "
+                  "any step are of one object")
+      ->check(CLI::IsMember({"stored", "components"}))
+      ->capture_default_str();
+}
+
 SequenceStepper::Config SequenceOptions::stepper() const {
   SequenceStepper::Config config;
   config.edge_set = edges == "polytope" ? EdgeSet::polytope : EdgeSet::triangulated;
   config.shells = shells == "solid" ? ShellModel::solid : ShellModel::surface;
   config.motion = motion == "quadratic" ? MotionModel::quadratic : MotionModel::linear;
+  config.parts = parts == "components" ? PartModel::components : PartModel::stored;
   return config;
 }
 
@@ -66,7 +100,9 @@ void QueryOptions::add_to(CLI::App& command) {
   command.add_option("--pairs", pairs, "contacts of all pairs, between objects, or within objects")
       ->check(CLI::IsMember({"all", "inter", "intra"}))
       ->capture_default_str();
-  command.add_option("--separation", separation, "contact when the distance reaches this")
+  command
+      .add_option("--separation", separation,
+                  "contact when the distance reaches this; at most the diagonal of the box around the scene")
       ->check(CLI::NonNegativeNumber)
       ->type_name("D");
   command.add_option("--threads", threads, "0: as many as the machine has")->type_name("N")->capture_default_str();
@@ -74,6 +110,20 @@ void QueryOptions::add_to(CLI::App& command) {
 
 ObjectFilter QueryOptions::filter() const {
   return ObjectFilter(pairs == "inter" ? PairScope::inter : pairs == "intra" ? PairScope::intra : PairScope::all);
+}
+
+void QueryOptions::check(const SequenceStepper& stepper) const {
+  if (const double diagonal = scene_diagonal(stepper.topology(), stepper.motion()); !(separation <= diagonal))
+    throw ConfigError(
+        fmt::format("--separation: {:g} is greater than the diagonal {:g} of the box around the scene in motion {}: "
+                    "all features would be in contact",
+                    separation, diagonal, stepper.current()));
+  if (pairs != "inter") return;
+  if (const std::optional<std::int32_t> object = only_object(stepper.topology().mesh()))
+    fmt::print(stderr,
+               "volccd: warning: all elements of motion {} belong to part {}, so there are no pairs between parts; "
+               "--parts components takes what hangs together as a part\n",
+               stepper.current(), *object);
 }
 
 }  // namespace volccd

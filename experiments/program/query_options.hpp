@@ -23,11 +23,12 @@ struct StepRange {
 /// "A:B", "A:", ":B", "K" (one motion), "" (all), within the motions [0, motions) of the file. Throws InputError.
 StepRange parse_steps(const std::string& text, int motions, const std::string& file);
 
-/// What is read: --steps, --shells, --edges, --motion.
+/// What is read: --steps, --shells, --edges, --motion; --parts.
 struct SequenceOptions {
-  std::string file, steps, shells = "surface", edges = "triangulated", motion = "linear";
+  std::string file, steps, shells = "surface", edges = "triangulated", motion = "linear", parts = "stored";
 
   void add_to(CLI::App& command);
+  void add_parts_to(CLI::App& command);
   SequenceStepper::Config stepper() const;
 };
 
@@ -39,6 +40,10 @@ struct QueryOptions {
 
   void add_to(CLI::App& command);
   ObjectFilter filter() const;
+
+  /// To be called at the first motion. Throws ConfigError for a separation greater than the diagonal of the box around
+  /// all vertices in use. Warns on stderr if pairs between parts are asked for and there is one part only.
+  void check(const SequenceStepper& stepper) const;
 };
 
 }  // namespace volccd

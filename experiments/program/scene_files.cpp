@@ -16,6 +16,9 @@ BakeHooks BakeProgress::hooks() {
     }
     progress_->advance(static_cast<std::size_t>(done - first_));
   };
+  hooks.within_frame = [this](int done, double share) {
+    progress_->advance(static_cast<std::size_t>(done - first_), share);
+  };
   hooks.interrupted = [] { return InterruptGuard::interrupted(); };
   return hooks;
 }
@@ -24,7 +27,7 @@ std::string sequence_file(const std::string& name_or_file, unsigned threads) {
   const auto executor = make_executor(threads);
   BakeProgress progress(name_or_file);
   const std::optional<std::string> file = resolve_scene(name_or_file, *executor, progress.hooks());
-  if (!file) throw Interrupted(name_or_file + ": stopped; the same command goes on from the last frame");
+  if (!file) throw Interrupted(name_or_file + ": stopped; the same command goes on from the last whole frame");
   return *file;
 }
 

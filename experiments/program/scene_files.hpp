@@ -20,7 +20,8 @@ class Interrupted : public Error {
   using Error::Error;
 };
 
-/// Shows how far a bake is and how long it will take, and stops it at Ctrl-C, after the frame it is at.
+/// Shows how far a bake is, within a frame as well, and how long it will take; stops it at Ctrl-C, after the step of
+/// the simulation that it is at. The frame begun is lost.
 class BakeProgress {
  public:
   explicit BakeProgress(std::string scene) : scene_(std::move(scene)) {}

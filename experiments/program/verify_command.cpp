@@ -121,6 +121,7 @@ int verify(const VerifyOptions& options, const Registry& registry) {
     Progress progress("verifying, step", static_cast<std::size_t>(range.end - range.begin));
     for (int k = range.begin; k < range.end && !InterruptGuard::interrupted(); ++k) {
       stepper.go_to(k);
+      if (k == range.begin) options.query.check(stepper);
       const Mesh& mesh = stepper.topology().mesh();
       std::vector<Contact> contacts;
       const StepVerdict verdict = verifier.check(
@@ -152,6 +153,7 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
   const auto options = std::make_shared<VerifyOptions>();
   options->sequence.add_to(*command);
   options->query.add_to(*command);
+  options->sequence.add_parts_to(*command);
   command->add_option("--brute-force-limit", options->config.brute_force_limit,
                       "elements up to which brute force is the reference; beyond, NavCCD")
       ->capture_default_str();

@@ -554,7 +554,7 @@ Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 Simulation::~Simulation() = default;
 
-void Simulation::advance_to(double time) {
+bool Simulation::advance_to(double time, const std::function<bool(double)>& go_on) {
   State& s = *state_;
   if (!(time >= s.time) || !std::isfinite(time))
     throw ConfigError(fmt::format("simulation: cannot advance from {} s to {} s", s.time, time));
@@ -572,7 +572,9 @@ void Simulation::advance_to(double time) {
       group = 0;
       s.change_topology();
     }
+    if (!last && go_on && !go_on(s.time)) return false;
   }
+  return true;
 }
 
 double Simulation::time() const { return state_->time; }

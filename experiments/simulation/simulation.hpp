@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <span>
@@ -75,8 +76,10 @@ class Simulation {
   ~Simulation();
 
   /// As many substeps as it takes, of equal length where the stable step allows; ends exactly at `time`. Throws Error
-  /// when a coordinate is no longer finite.
-  void advance_to(double time);
+  /// when a coordinate is no longer finite. `go_on` is asked after each substep but the last, with the time reached;
+  /// where it says no, the simulation stays there, perhaps before a query that is due, and the result is false. To go
+  /// on as if nothing had happened, read back a state that was archived before.
+  bool advance_to(double time, const std::function<bool(double time)>& go_on = {});
 
   double time() const;
   const Topology& topology() const;

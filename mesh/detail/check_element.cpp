@@ -11,26 +11,35 @@ namespace {
 
 constexpr std::size_t kFewVertices = 16;  // up to here all pairs are compared
 
-std::string repeated(Index v) { return fmt::format("vertex slot {} occurs twice in the element", v); }
+/// How messages name a vertex: by its id, or by its slot where that has none.
+struct VertexNames {
+  std::span<const std::int64_t> ids;
 
-std::string vertices_problem(const std::vector<Index>& vertices, Index vertex_count) {
+  std::string of(Index v) const {
+    return v < ids.size() ? fmt::format("point id {}", ids[v]) : fmt::format("vertex slot {}", v);
+  }
+};
+
+std::string repeated(const std::string& vertex) { return vertex + " occurs twice in the element"; }
+
+std::string vertices_problem(const std::vector<Index>& vertices, Index vertex_count, const VertexNames& names) {
   for (Index v : vertices)
     if (v >= vertex_count) return fmt::format("vertex slot {} is out of range, there are {} vertices", v, vertex_count);
   if (vertices.size() <= kFewVertices) {
     for (std::size_t i = 1; i < vertices.size(); ++i)
       for (std::size_t j = 0; j < i; ++j)
-        if (vertices[i] == vertices[j]) return repeated(vertices[i]);
+        if (vertices[i] == vertices[j]) return repeated(names.of(vertices[i]));
     return {};
   }
   std::vector<Index> sorted = vertices;
   std::sort(sorted.begin(), sorted.end());
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-  return twice == sorted.end() ? std::string() : repeated(*twice);
+  return twice == sorted.end() ? std::string() : repeated(names.of(*twice));
 }
 
 /// Splits the stream into faces: collects the edges of all faces and the vertices used.
-std::string read_faces(const std::vector<Index>& faces, std::vector<std::array<Index, 2>>& edges,
-                       std::vector<Index>& used) {
+std::string read_faces(const std::vector<Index>& faces, const VertexNames& names,
+                       std::vector<std::array<Index, 2>>& edges, std::vector<Index>& used) {
   std::vector<Index> face;
   for (std::size_t at = 0; at < faces.size();) {
     const std::size_t n = faces[at++];
@@ -44,16 +53,16 @@ std::string read_faces(const std::vector<Index>& faces, std::vector<std::array<I
     used.insert(used.end(), face.begin(), face.end());
     std::sort(face.begin(), face.end());
     const auto twice = std::adjacent_find(face.begin(), face.end());
-    if (twice != face.end()) return fmt::format("vertex slot {} occurs twice in a face of the polytope", *twice);
+    if (twice != face.end()) return names.of(*twice) + " occurs twice in a face of the polytope";
     at += n;
   }
   return {};
 }
 
-std::string polytope_problem(const ElementSpec& element) {
+std::string polytope_problem(const ElementSpec& element, const VertexNames& names) {
   std::vector<std::array<Index, 2>> edges;
   std::vector<Index> used, vertices = element.vertices;
-  std::string problem = read_faces(element.faces, edges, used);
+  std::string problem = read_faces(element.faces, names, edges, used);
   if (!problem.empty()) return problem;
   std::sort(used.begin(), used.end());
   used.erase(std::unique(used.begin(), used.end()), used.end());
@@ -63,15 +72,16 @@ std::string polytope_problem(const ElementSpec& element) {
   for (std::size_t i = 0, next; i < edges.size(); i = next) {
     for (next = i; next < edges.size() && edges[next] == edges[i];) ++next;
     if (next - i != 2)
-      return fmt::format("the faces of the polytope do not close up: edge {}-{} is in {} of them", edges[i][0],
-                         edges[i][1], next - i);
+      return fmt::format("the faces of the polytope do not close up: the edge from {} to {} is in {} of them",
+                         names.of(edges[i][0]), names.of(edges[i][1]), next - i);
   }
   return {};
 }
 
 }  // namespace
 
-std::string element_problem(const ElementSpec& element, Index vertex_count) {
+std::string element_problem(const ElementSpec& element, Index vertex_count, std::span<const std::int64_t> ids) {
+  const VertexNames names{ids};
   if (!is_element_type(static_cast<int>(element.type)))
     return fmt::format("unknown element type {}", static_cast<int>(element.type));
   const bool polytope = element.type == ElementType::polytope;
@@ -81,8 +91,8 @@ std::string element_problem(const ElementSpec& element, Index vertex_count) {
   if (!polytope && !element.faces.empty()) return fmt::format("a {} takes no faces", to_string(element.type));
   if (polytope && element.vertices.size() < 4)
     return fmt::format("a polytope has at least 4 vertices, not {}", element.vertices.size());
-  std::string problem = vertices_problem(element.vertices, vertex_count);
-  if (problem.empty() && polytope) problem = polytope_problem(element);
+  std::string problem = vertices_problem(element.vertices, vertex_count, names);
+  if (problem.empty() && polytope) problem = polytope_problem(element, names);
   return problem;
 }
 

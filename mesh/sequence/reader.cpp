@@ -4,6 +4,8 @@
 #include <cmath>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include <volccd/core/error.hpp>
 #include <volccd/mesh/sequence/detail/cell_reader.hpp>
 #include <volccd/mesh/sequence/detail/layout.hpp>
@@ -89,7 +91,8 @@ void SequenceReader::Impl::read_vectors(const detail::StepArray& array, int step
     const double* p = numbers.data() + 3 * i;
     if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])))
       array.data.fail(first + static_cast<std::int64_t>(i),
-                      std::string("the ") + what + " is not finite (step " + std::to_string(step) + ")");
+                      fmt::format("the {} is not finite: {}, {}, {} (point id {}, step {})", what, p[0], p[1], p[2],
+                                  order.ids()[slots[i]], step));
     out[slots[i]] = Vec3(p[0], p[1], p[2]);
   }
 }
@@ -115,12 +118,17 @@ void SequenceReader::read_thickness(int step, std::vector<double>& thickness) {
   for (std::size_t i = 0; i < thickness.size(); ++i)
     if (!(std::isfinite(thickness[i]) && thickness[i] >= 0))
       array.data.fail(first + static_cast<std::int64_t>(i),
-                      "the thickness is negative or not finite (step " + std::to_string(step) + ")");
+                      fmt::format("the thickness is negative or not finite: {}{}", thickness[i],
+                                  impl_->cells.place(index(step), i)));
 }
 
 void SequenceReader::read_cells(int step, SequenceCells& cells) {
   assert(step >= 0 && step < step_count());
   impl_->cells.read(index(step), cells);
+}
+
+const std::map<std::pair<ElementType, ElementType>, std::uint64_t>& SequenceReader::collapsed_cells() const {
+  return impl_->cells.collapsed();
 }
 
 void SequenceReader::check_contents() {

@@ -2,9 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <volccd/mesh/sequence/cells.hpp>
@@ -27,11 +29,15 @@ namespace volccd {
 /// in a Mesh: vertex slot v has id point_ids()[v], and points, velocities and connectivity are renumbered to fit. Cells
 /// stay in the order of the file.
 ///
-/// Errors: InputError with the file, the dataset, and the row of that dataset (of a table in Steps: the step). The
-/// constructor checks structure: all shapes, types, offsets and slices of every step, times, point ids. The contents of
-/// a step are checked when it is read: finite numbers, thickness >= 0, known types with the right number of vertices,
-/// connectivity in range and without repetition, ids distinct and not negative. Nothing is allocated on the strength of
-/// a declared size that the stored bytes do not bear out.
+/// A cell whose nodes repeat, as programs for finite elements write a wedge as a hexahedron or a triangle as a quad, is
+/// read as the element that it is: a triangle, tetrahedron, pyramid or wedge, or a polytope where only some edges of a
+/// solid have no length (mesh/detail/collapse_element.hpp). A cell of which no element is left is refused.
+///
+/// Errors: InputError with the file, the dataset, and the row of that dataset (of a table in Steps: the step); where a
+/// point or a cell is wrong, the text names its id and the step. The constructor checks structure: all shapes, types,
+/// offsets and slices of every step, times, point ids. The contents of a step are checked when it is read: finite
+/// numbers, thickness >= 0, known types with the right number of vertices, connectivity in range, ids distinct and not
+/// negative. Nothing is allocated on the strength of a declared size that the stored bytes do not bear out.
 ///
 /// One thread at a time.
 class SequenceReader {
@@ -68,6 +74,9 @@ class SequenceReader {
   void read_velocity(int step, std::vector<Vec3>& velocity);      ///< has_velocity()
   void read_thickness(int step, std::vector<double>& thickness);  ///< has_thickness(); per cell of the step
   void read_cells(int step, SequenceCells& cells);
+
+  /// Cells of the last read_cells() whose nodes repeat in the file: how many, by type in the file and type read.
+  const std::map<std::pair<ElementType, ElementType>, std::uint64_t>& collapsed_cells() const;
 
   /// Reads everything once, a step at a time: throws what reading would throw.
   void check_contents();

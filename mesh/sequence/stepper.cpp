@@ -28,6 +28,7 @@ SequenceStepper::SequenceStepper(SequenceReader& reader, Config config) : reader
   if (config.motion == MotionModel::quadratic && reader.step_count() == 2 && !reader.has_velocity())
     throw InputError(reader.file(), "VTKHDF/PointData/Velocity",
                      "is missing: quadratic motion needs velocities, or three steps");
+  if (config.parts == PartModel::components) components_.emplace(reader);
   if (config.shells == ShellModel::solid) solids_ = std::make_unique<detail::ShellSolids>(reader);
 }
 
@@ -129,6 +130,7 @@ void SequenceStepper::read_cells(int step) {
   if (cells_step_ < 0 || !reader_.same_cells(step, cells_step_)) {
     cells_step_ = -1;
     reader_.read_cells(step, cells_);
+    if (components_) components_->assign(cells_);
     if (solids_) solids_->set_cells(cells_);
   }
   cells_step_ = step;

@@ -9,6 +9,7 @@
 #include <volccd/mesh/features.hpp>
 #include <volccd/mesh/motion.hpp>
 #include <volccd/mesh/sequence/cells.hpp>
+#include <volccd/mesh/sequence/connected_parts.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
 #include <volccd/mesh/topology.hpp>
 
@@ -24,6 +25,12 @@ enum class ShellModel {
   solid     ///< thickened into wedges and hexahedra (mesh/shells.hpp)
 };
 
+/// Which object an element belongs to.
+enum class PartModel {
+  stored,     ///< PartId of the file
+  components  ///< its connected component (ConnectedParts)
+};
+
 /// How vertices get from step k to step k+1.
 enum class MotionModel {
   linear,    ///< on straight lines: two control points
@@ -31,7 +38,8 @@ enum class MotionModel {
 };
 
 /// Motion k goes from the points of step k to those of step k+1, on the topology of step k+1: a query runs on the new
-/// topology. Element ids are GlobalCellIds, objects are PartId, vertices are all points of the file.
+/// topology. Element ids are GlobalCellIds, objects are PartId or connected components, vertices are all points of the
+/// file.
 ///
 /// Quadratic motion over a step of length h starts with the stored velocity v of step k, if the file has velocities:
 /// control points x0, x0 + v h/2, x1. Else it is the parabola through the steps k-1, k and k+1, in their own times;
@@ -59,10 +67,11 @@ class SequenceStepper {
     EdgeSet edge_set = EdgeSet::triangulated;
     ShellModel shells = ShellModel::surface;
     MotionModel motion = MotionModel::linear;
+    PartModel parts = PartModel::stored;
   };
 
   /// The reader outlives the stepper. Throws InputError for quadratic motion if the file has motions, but neither
-  /// velocities nor a third step.
+  /// velocities nor a third step. Connected components: reads the cells of all steps, and throws what that throws.
   explicit SequenceStepper(SequenceReader& reader) : SequenceStepper(reader, Config()) {}
   SequenceStepper(SequenceReader& reader, Config config);
   ~SequenceStepper();
@@ -111,6 +120,7 @@ class SequenceStepper {
   Index without_normal_ = 0;
   std::array<Points, 3> points_;
   SequenceCells cells_;
+  std::optional<ConnectedParts> components_;
   std::unique_ptr<detail::ShellSolids> solids_;  ///< null for surfaces
   std::vector<Vec3> solid0_, solid1_;
   /// Quadratic motion: middle control points; velocities; cells of the step that mark_used() was last called for, and

@@ -112,17 +112,17 @@ void SequenceWriter::Impl::check(double time, std::span<const Vec3> points, cons
   const std::int64_t step = static_cast<std::int64_t>(times.size());
   if (!std::isfinite(time) || (!times.empty() && !(time > times.back())))
     throw InputError(file, "VTKHDF/Steps/Values", step, "the time is not finite or not after that of the step before");
-  detail::check_vectors(file, "VTKHDF/Points", points, point_ids.size());
+  const detail::StepPlace place{step, point_ids};
+  detail::check_vectors(file, "VTKHDF/Points", points, place);
   const bool first = times.empty();
   if (!first && velocity.has_value() == fields.velocity.empty())
     throw InputError(file, "VTKHDF/PointData/Velocity", step, "is given at some steps and not at others");
   if (!first && thickness.has_value() == fields.thickness.empty())
     throw InputError(file, "VTKHDF/CellData/Thickness", step, "is given at some steps and not at others");
-  if (!fields.velocity.empty())
-    detail::check_vectors(file, "VTKHDF/PointData/Velocity", fields.velocity, point_ids.size());
+  if (!fields.velocity.empty()) detail::check_vectors(file, "VTKHDF/PointData/Velocity", fields.velocity, place);
   if (!fields.thickness.empty())
-    detail::check_thickness(file, "VTKHDF/CellData/Thickness", fields.thickness, cells.size());
-  if (first || !(cells == last)) detail::check_cells(file, cells, static_cast<Index>(point_ids.size()));
+    detail::check_thickness(file, "VTKHDF/CellData/Thickness", fields.thickness, cells, place);
+  if (first || !(cells == last)) detail::check_cells(file, cells, place);
 }
 
 void SequenceWriter::Impl::write_header() {

@@ -16,8 +16,8 @@ namespace {
 
 using Outcome = InclusionAnswer::Outcome;
 
-/// A contact shrinks its piece to a quarter a level for so many levels, then to half: both ends soon suffice for a proof,
-/// where there is one.
+/// A contact shrinks its piece to a quarter a level for so many levels, then to half: both ends soon suffice for a
+/// proof, where there is one.
 constexpr int kLevelsOfThree = 8;
 
 struct Part {
@@ -25,8 +25,8 @@ struct Part {
   int level;
 };
 
-/// Parts still to be looked at, the earliest on top. A level leaves at most two behind; from kLevelsOfThree on, parts are
-/// halved at each level, down to kShortestPiece.
+/// Parts still to be looked at, the earliest on top. A level leaves at most two behind; from kLevelsOfThree on, parts
+/// are halved at each level, down to kShortestPiece.
 class PartStack {
  public:
   bool empty() const { return size_ == 0; }
@@ -69,9 +69,8 @@ Vec3 separating_axis(FeatureKind kind, const Differences& d) {
   if (in_first && in_second) {
     const Vec3 n = first.cross(second);
     // Parallel edges: any direction across them both.
-    return n.squaredNorm() > 0x1p-60 * first.squaredNorm() * second.squaredNorm()
-               ? across(across(n, first), second)
-               : across(closest.separation, first);
+    return n.squaredNorm() > 0x1p-60 * first.squaredNorm() * second.squaredNorm() ? across(across(n, first), second)
+                                                                                  : across(closest.separation, first);
   }
   if (in_first) return across(closest.separation, first);
   if (in_second) return across(closest.separation, second);
@@ -79,8 +78,8 @@ Vec3 separating_axis(FeatureKind kind, const Differences& d) {
 }
 
 /// Candidates for the direction between the closest points of features that are nearer than about 2^-26 of their size.
-/// Rounding then decides which edges the closest points seem to lie within: the nearest point of a sliver may be a corner
-/// while an edge is nearly as close. So each choice of edges that the axis is made perpendicular to is tried.
+/// Rounding then decides which edges the closest points seem to lie within: the nearest point of a sliver may be a
+/// corner while an edge is nearly as close. So each choice of edges that the axis is made perpendicular to is tried.
 std::array<Vec3, 5> close_axes(FeatureKind kind, const Differences& d, const Vec3& separation) {
   const bool vf = kind == FeatureKind::vf;
   const Vec3 first = vf ? Vec3(d[1] - d[0]) : d[0], second = d[2] - (vf ? d[0] : d[1]);
@@ -195,8 +194,8 @@ class PieceSearch {
     InclusionAnswer answer{Outcome::apart};
     if (!crossing(piece)) return answer;
     const Differences& d = likely_;
-    const Vec3 across = test_.kind() == FeatureKind::vf ? Vec3((d[1] - d[0]).cross(d[2] - d[0]))
-                                                        : Vec3(d[0].cross(d[2] - d[1]));
+    const Vec3 across =
+        test_.kind() == FeatureKind::vf ? Vec3((d[1] - d[0]).cross(d[2] - d[0])) : Vec3(d[0].cross(d[2] - d[1]));
     if (!piece.overlap_along(across)) return answer;
     const double t = piece.before_first_root(root_, tolerance_);
     if (t < 0) return answer;
@@ -258,7 +257,8 @@ class PieceSearch {
   /// The polynomial as it is may settle the outer parts but for a little, which goes with the inner one.
   void split_at_root(const MotionPiece<kPoints>& piece, const Part& part, double margin) {
     const Split split(part.lo, part.hi, std::max(0.0, root_ - margin), std::min(1.0, root_ + margin));
-    if (split.to < part.hi && !piece.never_coplanar_after(split.after)) stack_.push({split.to, part.hi, part.level + 1});
+    if (split.to < part.hi && !piece.never_coplanar_after(split.after))
+      stack_.push({split.to, part.hi, part.level + 1});
     stack_.push({split.from, split.to, part.level + 1});
     if (part.lo < split.from && !piece.never_coplanar_before(split.before))
       stack_.push({part.lo, split.from, part.level + 1});
@@ -284,9 +284,8 @@ class PieceSearch {
 
 InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
                                  double tolerance, int most_pieces, double t_max) {
-  InclusionAnswer answer = control_points == 2
-                               ? PieceSearch<2>(kind, x, separation, tolerance, most_pieces).run(t_max)
-                               : PieceSearch<3>(kind, x, separation, tolerance, most_pieces).run(t_max);
+  InclusionAnswer answer = control_points == 2 ? PieceSearch<2>(kind, x, separation, tolerance, most_pieces).run(t_max)
+                                               : PieceSearch<3>(kind, x, separation, tolerance, most_pieces).run(t_max);
   if (answer.toi > t_max) answer = {InclusionAnswer::Outcome::apart};
   return answer;
 }

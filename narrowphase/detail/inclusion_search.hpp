@@ -25,15 +25,15 @@ struct InclusionAnswer {
   bool unsettled = false;
 };
 
-/// Where a part [lo, hi] of the step is split in three. Times and their local parameters (0: lo, 1: hi) are rounded. The proof
-/// that an outer part is free of contact must reach at least to the inner part; otherwise no part would cover the
-/// moments between them.
+/// Where a part [lo, hi] of the step is split in three. Times and their local parameters (0: lo, 1: hi) are rounded.
+/// The proof that an outer part is free of contact must reach at least to the inner part; otherwise no part would cover
+/// the moments between them.
 struct Split {
   double from, to;       ///< the inner part
   double before, after;  ///< local parameters: `before` is not below that of `from`, `after` not above that of `to`
 
-  /// Around the local parameters begin < end. Ends at 0 and 1 give exactly lo and hi, though lo + (hi - lo) may round to less
-  /// than hi. Pre: 0 <= lo < hi <= 1.
+  /// Around the local parameters begin < end. Ends at 0 and 1 give exactly lo and hi, though lo + (hi - lo) may round
+  /// to less than hi. Pre: 0 <= lo < hi <= 1.
   Split(double lo, double hi, double begin, double end) {
     const double width = hi - lo;
     from = lo + begin * width;
@@ -45,11 +45,11 @@ struct Split {
   }
 };
 
-/// Looks through [0,1] from left to right in pieces: each is proven free of contact, proven to begin with one, or split.
-/// Undecided: a piece stays open that is shorter than kShortestPiece, the first of which gives the time. Without a
-/// separation the search goes on from there, to see whether a first touch may be later. The answer does not depend on
-/// t_max, but that contacts after it are `apart`. `tolerance` > 0. After `most_pieces` the rest is given up. Pre: finite
-/// coordinates, separation >= 0.
+/// Looks through [0,1] from left to right in pieces: each is proven free of contact, proven to begin with one, or
+/// split. Undecided: a piece stays open that is shorter than kShortestPiece, the first of which gives the time. Without
+/// a separation the search goes on from there, to see whether a first touch may be later. The answer does not depend on
+/// t_max, but that contacts after it are `apart`. `tolerance` > 0. After `most_pieces` the rest is given up. Pre:
+/// finite coordinates, separation >= 0.
 InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
                                  double tolerance, int most_pieces, double t_max);
 

@@ -1,11 +1,11 @@
-// Rounding bounds of the narrow phases, from below: against a forward error analysis that a machine makes, and on tests whose
-// quantities vanish exactly, where only the bound keeps rounding noise from being taken for a sign.
+// Rounding bounds of the narrow phases, from below: against a forward error analysis that a machine makes, and on tests
+// whose quantities vanish exactly, where only the bound keeps rounding noise from being taken for a sign.
 #include <cmath>
 #include <random>
 #include <vector>
 
-#include <boost/multiprecision/gmp.hpp>
 #include <gtest/gtest.h>
+#include <boost/multiprecision/gmp.hpp>
 
 #include <volccd/narrowphase/detail/motion_piece.hpp>
 #include <volccd/narrowphase/inclusion.hpp>
@@ -108,7 +108,8 @@ TEST(RoundingBounds, CoefficientsOfOverlaps) {
         sum = sum.magnitude == 0 ? term : sum + term;
       }
     for (int k = 0; k <= 2 * n; ++k) {
-      const Rounded three = q[static_cast<std::size_t>(k)] + q[static_cast<std::size_t>(k)] + q[static_cast<std::size_t>(k)];
+      const Rounded three =
+          q[static_cast<std::size_t>(k)] + q[static_cast<std::size_t>(k)] + q[static_cast<std::size_t>(k)];
       EXPECT_GE(detail::quadric_error_factor(n) / kUnitRoundoff, three.error / (3 * 6 * binomial(2 * n, k))) << n << k;
     }
   }
@@ -141,7 +142,8 @@ TEST(RoundingBounds, LengthsAreNotTooShort) {
     const Vec3 l = scale * Vec3(number(random), number(random), number(random));
     const double separation = std::abs(number(random));
     const Rational gap(separation_gap(separation, l.x(), l.y(), l.z())), d(separation);
-    const Rational square = Rational(l.x()) * Rational(l.x()) + Rational(l.y()) * Rational(l.y()) + Rational(l.z()) * Rational(l.z());
+    const Rational square =
+        Rational(l.x()) * Rational(l.x()) + Rational(l.y()) * Rational(l.y()) + Rational(l.z()) * Rational(l.z());
     ASSERT_GE(gap * gap, d * d * square) << l.transpose() << " separation " << separation;
   }
 }
@@ -175,24 +177,27 @@ TEST(RoundingBounds, NoGapBelowTheBoundCounts) {
   EXPECT_TRUE(separated_by<3>(64 * kUnitRoundoff, 0, 1));
 }
 
-/// Four points whose coplanarity polynomial vanishes at t exactly, k / 16 of the step: triangles that stay as they are, all
-/// points with a velocity (and an acceleration) in common.
+/// Four points whose coplanarity polynomial vanishes at t exactly, k / 16 of the step: triangles that stay as they are,
+/// all points with a velocity (and an acceleration) in common.
 template <int kPoints>
 std::vector<Vec3> coplanar_at(std::mt19937_64& random, int sixteenths) {
   const auto integers = [&](int range) {
     std::uniform_int_distribution<int> number(-range, range);
     return Vec3(number(random), number(random), number(random));
   };
-  const Vec3 a = integers(1 << 20), e1 = 16 * integers(1 << 16), e2 = 16 * integers(1 << 16), drift = 16 * integers(1 << 16);
+  const Vec3 a = integers(1 << 20), e1 = 16 * integers(1 << 16), e2 = 16 * integers(1 << 16),
+             drift = 16 * integers(1 << 16);
   std::uniform_int_distribution<int> weight(0, 16);
-  const Vec3 in_plane = a + (weight(random) / 16.0) * e1 + (weight(random) / 16.0) * e2, velocity = 16 * integers(1 << 16);
+  const Vec3 in_plane = a + (weight(random) / 16.0) * e1 + (weight(random) / 16.0) * e2,
+             velocity = 16 * integers(1 << 16);
   const double t = sixteenths / 16.0;
   std::vector<Vec3> points;
   for (int c = 0; c < kPoints; ++c) {
     // Control points of straight lines: c / (kPoints - 1) of the way.
     const double s = double(c) / (kPoints - 1);
     const Vec3 moved = s * drift;
-    for (const Vec3& p : {Vec3(in_plane + (s - t) * velocity), a, Vec3(a + e1), Vec3(a + e2)}) points.push_back(p + moved);
+    for (const Vec3& p : {Vec3(in_plane + (s - t) * velocity), a, Vec3(a + e1), Vec3(a + e2)})
+      points.push_back(p + moved);
   }
   return points;
 }
@@ -223,8 +228,8 @@ TEST(RoundingBounds, NoOneSignUpToARoot) {
   expect_no_sign_up_to_a_root<3>(2);
 }
 
-/// A vertex that goes through a side of a triangle (an edge through an end of another) along the normal, exactly: the planes
-/// across that side, which may show that it passes by, have no gap at all.
+/// A vertex that goes through a side of a triangle (an edge through an end of another) along the normal, exactly: the
+/// planes across that side, which may show that it passes by, have no gap at all.
 Query through_the_border(std::mt19937_64& random, FeatureKind kind) {
   std::uniform_int_distribution<int> number(-1'000'000, 1'000'000), weight(0, 16), power(-40, -10);
   const auto vector = [&] { return Vec3(number(random), number(random), number(random)); };

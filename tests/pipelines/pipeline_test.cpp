@@ -1,6 +1,7 @@
 // Pipelines as wholes: lossless, deterministic, refusing what is unsound.
 #include <volccd/pipelines/pipeline.hpp>
 
+#include <limits>
 #include <map>
 #include <set>
 
@@ -293,6 +294,17 @@ TEST(Pipelines, RefuseStepsTheyCannotRun) {
   EXPECT_THROW(pipeline.run({scene.topology, quadratic, kEverything}, workspace, serial, result), ConfigError);
   EXPECT_THROW(pipeline.run({scene.topology, scene.motion, kEverything, 0.1}, workspace, serial, result), ConfigError);
   EXPECT_THROW(pipeline.run({scene.topology, scene.motion, kEverything, -1}, workspace, serial, result), ConfigError);
+}
+
+TEST(Pipelines, RefuseSeparationsThatAreNotFinite) {
+  const Scene scene = std::move(test::small_scenes(1, 0.1).front());
+  const Pipeline pipeline(registry(), registry().pipeline("VolCCD+"));
+  Workspace workspace = pipeline.make_workspace();
+  SerialExecutor serial;
+  StepResult result;
+  for (const double separation : {std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THROW(pipeline.run({scene.topology, scene.motion, kEverything, separation}, workspace, serial, result),
+                 ConfigError);
 }
 
 TEST(Registry, SettingsChangeAPipeline) {

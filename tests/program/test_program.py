@@ -266,6 +266,53 @@ class Program(unittest.TestCase):
         self.good("detect", self.sequence, "--pipeline", "VolCCD+", "--set", "element-culling=spheres,csat", "--set",
                   "spheres.padding=0.1", program=EXAMPLE)
 
+    def test_separation_beyond_the_scene_is_refused(self):
+        for command in ("detect", "verify"):
+            self.bad(command, self.sequence, "--steps", "0", "--separation", "1e308", says="diagonal")
+            for value in ("inf", "nan", "-1"):
+                self.bad(command, self.sequence, "--steps", "0", "--separation", value, says="--separation")
+        self.assertIn("diagonal", self.good("detect", "--help"))
+
+    def test_pairs_between_parts_of_a_file_without_parts(self):
+        """The two bodies of the built-in scene with their parts taken away: one part, of two components."""
+        source, plain = self.path("parts.vtkhdf"), self.path("no-parts.vtkhdf")
+        self.good("scene", "generate", "deform", "--mesh", self.sequence, "--motion", "twist", "--steps", "3", "-o", source)
+        with open(source, "rb") as file:
+            data = file.read()
+        self.assertEqual(data.count(b"PartId\0"), 2)  # the array and its table
+        with open(plain, "wb") as file:
+            file.write(data.replace(b"PartId\0", b"PartXX\0"))
+
+        def contacts(file, *arguments, warns):
+            target = self.path("parts.csv")
+            done = run("detect", file, "--contacts", target, *arguments)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertEqual("--parts components" in done.stderr, warns, done.stderr)
+            with open(target, encoding="ascii") as rows:
+                return rows.read()
+
+        expected = contacts(source, "--pairs", "inter", warns=False)
+        self.assertEqual(contacts(plain, "--pairs", "inter", warns=True).count("\n"), 1)
+        self.assertEqual(contacts(plain, "--pairs", "inter", "--parts", "components", warns=False), expected)
+        self.assertIn("component 1", self.good("info", plain, "--parts", "components"))
+        self.assertNotIn("component 1", self.good("info", plain))
+        self.assertIn("clean", self.good("verify", plain, "--pairs", "inter", "--parts", "components", "--steps", "0"))
+
+    def test_damaged_files_leave_no_messages_of_hdf5(self):
+        """Where the address in a continuation message of an object header is wrong, HDF5 loses memory of its own."""
+        with open(self.sequence, "rb") as file:
+            data = file.read()
+        message = b"\x10\x00\x10\x00\x00\x00\x00\x00"
+        damaged, at, refused = self.path("damaged.vtkhdf"), data.find(message), 0
+        while at >= 0:
+            with open(damaged, "wb") as file:
+                file.write(data[:at + 12] + b"\x56" + data[at + 13:])
+            done = run("info", damaged)
+            self.assertNotIn("infinite loop", done.stderr)
+            refused += done.returncode == 2
+            at = data.find(message, at + 1)
+        self.assertGreater(refused, 2)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -172,6 +173,33 @@ TEST_F(Bake, GoesOnWhereItStopped) {
   const std::optional<std::string> resumed = bake(scene, {}, serial_, {note, {}});
   ASSERT_TRUE(resumed);
   EXPECT_EQ(done, (std::vector<int>{0, 1, 2, 2, 3, 4, 5, 5, 6}));
+  expect_equal(whole, *resumed);
+}
+
+TEST_F(Bake, TellsHowFarAFrameIsAndStopsWithinIt) {
+  SimulatedScene scene = bar_scene();
+  scene.options.max_step = 0.003;  // at least seven steps a frame
+  const std::string whole = *bake(scene, {}, serial_);
+  use_cache("stopped");
+  std::vector<std::pair<int, double>> shares;
+  BakeHooks hooks;
+  hooks.within_frame = [&](int done, double share) { shares.emplace_back(done, share); };
+  // The second time it stops within the same frame, from its beginning: nothing of a frame that was begun is kept.
+  for (int round = 0; round < 2; ++round) {
+    hooks.interrupted = [&] { return !shares.empty() && shares.back().first == 3 && shares.back().second > 0.5; };
+    EXPECT_EQ(bake(scene, {}, serial_, hooks), std::nullopt);
+    EXPECT_GT(shares.size(), 3u);
+    EXPECT_EQ(shares.back().first, 3);
+    EXPECT_LT(shares.back().second, 0.75);
+    EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+    EXPECT_EQ(std::adjacent_find(shares.begin(), shares.end()), shares.end());
+    for (const auto& [done, share] : shares) EXPECT_TRUE(done > 0 && share > 0 && share < 1) << done << ' ' << share;
+    EXPECT_EQ(shares.front().first, round == 0 ? 1 : 3);
+    shares.clear();
+  }
+  hooks.interrupted = {};
+  const std::optional<std::string> resumed = bake(scene, {}, serial_, hooks);
+  ASSERT_TRUE(resumed);
   expect_equal(whole, *resumed);
 }
 

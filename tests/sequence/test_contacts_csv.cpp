@@ -2,9 +2,11 @@
 #include <algorithm>
 #include <clocale>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <fstream>
 #include <limits>
+#include <optional>
 #include <random>
 #include <set>
 
@@ -91,19 +93,48 @@ TEST(ContactsCsv, ThereAndBackToTheLastBit) {
   EXPECT_EQ(read_contacts_csv(folder / "c.csv"), expected);
 }
 
+/// The locale of numbers is that of Germany, compiled into a folder of its own: which locales a machine has does not
+/// matter. Falls back to what is installed.
+class GermanNumbers {
+ public:
+  GermanNumbers() {
+    const std::string command = "localedef -i de_DE -f UTF-8 '" + (folder_ / "de_DE.UTF-8") + "' >/dev/null 2>&1";
+    // localedef warns on success, too; whether the locale works is seen below.
+    [[maybe_unused]] const int code = std::system(command.c_str());
+    if (const char* path = std::getenv("LOCPATH")) before_ = path;
+    ::setenv("LOCPATH", (folder_ / "").c_str(), 1);
+    is_set_ = std::setlocale(LC_NUMERIC, "de_DE.UTF-8") != nullptr;
+    restore_path();
+    is_set_ = is_set_ || std::setlocale(LC_NUMERIC, "de_DE.UTF-8") != nullptr;
+  }
+  ~GermanNumbers() { std::setlocale(LC_NUMERIC, "C"); }
+
+  bool is_set() const { return is_set_; }
+
+ private:
+  void restore_path() {
+    if (before_)
+      ::setenv("LOCPATH", before_->c_str(), 1);
+    else
+      ::unsetenv("LOCPATH");
+  }
+
+  ScratchFolder folder_;
+  std::optional<std::string> before_;
+  bool is_set_ = false;
+};
+
 TEST(ContactsCsv, PointsNotCommasInEveryLocale) {
-  const char* found = nullptr;
-  for (const char* name : {"de_DE.UTF-8", "de_DE.utf8", "fr_FR.UTF-8"})
-    if (!found) found = std::setlocale(LC_NUMERIC, name);
-  if (!found) GTEST_SKIP() << "no locale with a decimal comma is installed";
+  const GermanNumbers locale;
+  if (!locale.is_set()) GTEST_SKIP() << "no locale with a decimal comma: localedef and package locales are missing";
+  ASSERT_STREQ(std::localeconv()->decimal_point, ",");
   const ScratchFolder folder;
   ContactsCsvWriter writer(folder / "c.csv");
   const std::vector<Contact> contacts = {{FeatureKind::vf, {0, 1, 2, 3}, 0.5, Vec3::Zero(), {}, Vec3::Zero()}};
   writer.write_step(0, contacts, mesh_of_ids({0, 1, 2, 3}));
   writer.finish();
-  const auto rows = read_contacts_csv(folder / "c.csv");
-  std::setlocale(LC_NUMERIC, "C");
-  EXPECT_EQ(rows.at(0).toi, 0.5);
+  EXPECT_EQ(text_of(folder / "c.csv").find("0,5"), std::string::npos);
+  EXPECT_EQ(read_contacts_csv(folder / "c.csv").at(0).toi, 0.5);
 }
 
 TEST(ContactsCsv, WriterRefuses) {

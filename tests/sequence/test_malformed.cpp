@@ -9,6 +9,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/mesh/sequence/ground_truth.hpp>
+#include <volccd/mesh/sequence/hdf5_messages.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
 
 #include "raw_hdf5.hpp"
@@ -272,7 +273,9 @@ INSTANTIATE_TEST_SUITE_P(
                     remove("NoConnectivity", V + "Connectivity"), poke("PointOutOfRange", V + "Connectivity", 9, 12, 9),
                     poke("PointNegative", V + "Connectivity", 25, -1, 25),
                     poke("PointHuge", V + "Connectivity", 0, std::int64_t{1} << 32, 0),
-                    poke("PointTwiceInACell", V + "Connectivity", 14, 8, 14),
+                    poke("FlatQuadrupleIsNoTetrahedron", V + "Connectivity", 11, 4, 11),
+                    poke("PointTwiceInATriangle", V + "Connectivity", 14, 8, 14),
+                    poke("PointTwiceInAPolytope", V + "Connectivity", 17, 0, 17),
                     reshaped("ConnectivityShort", V + "Connectivity", {25}, S + "ConnectivityIdOffsets", 2),
                     poke("CellIdTwice", V + "CellData/GlobalCellIds", 2, 20, 2),
                     poke("CellIdNegative", V + "CellData/GlobalCellIds", 4, -30, 4),
@@ -377,6 +380,42 @@ TEST(MalformedFile, HugeSizesAllocateNothing) {
   EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 64 * 1024) << "kilobytes";
 }
 
+/// What the error says when `spoil` has been at the file.
+std::string error_of(const std::function<void(RawFile&)>& spoil) {
+  const ScratchFolder folder;
+  const std::string file = folder / "bad.vtkhdf";
+  small().write(file);
+  {
+    RawFile raw(file);
+    spoil(raw);
+  }
+  try {
+    read_all(file);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "was accepted";
+}
+
+/// Point i has the id 100 - 3 i; the cells' ids are 20, 10, 30 at the steps 0 and 1, then 21 and 30.
+TEST(MalformedFile, ErrorsNameThePointOrTheCellAndTheStep) {
+  const auto expect = [](const std::string& text, std::function<void(RawFile&)> spoil) {
+    const std::string error = error_of(spoil);
+    EXPECT_NE(error.find(text), std::string::npos) << error;
+  };
+  expect("(point id 82, step 2)", [](RawFile& f) { f.poke(V + "Points", 3 * 30 + 1, kNan); });
+  expect("(point id 97, step 1)", [](RawFile& f) { f.poke(V + "PointData/Velocity", 3 * 13 + 2, kNan); });
+  expect("(cell id 30, step 2)", [](RawFile& f) { f.poke(V + "CellData/Thickness", 7, kInf); });
+  expect("(cell id 10, step 0)", [](RawFile& f) { f.poke(V + "Types", 1, std::int64_t{11}); });
+  expect("(cell id 10, step 0)", [](RawFile& f) { f.poke(V + "Connectivity", 9, std::int64_t{12}); });
+  expect("(cell id 30, step 2)", [](RawFile& f) { f.poke(V + "Connectivity", 25, std::int64_t{-1}); });
+  expect("(cell id 21, step 2)", [](RawFile& f) { f.poke(V + "FaceConnectivity", 5, std::int64_t{12}); });
+  expect("point id 100 twice (cell id 21, step 2)",
+         [](RawFile& f) { f.poke(V + "Connectivity", 17, std::int64_t{0}); });
+  expect("its point ids are 76 73 76 (cell id 30, step 0)",
+         [](RawFile& f) { f.poke(V + "Connectivity", 14, std::int64_t{8}); });
+}
+
 std::string bytes_of(const std::string& file) {
   std::ifstream stream(file, std::ios::binary);
   return {std::istreambuf_iterator<char>(stream), {}};
@@ -419,6 +458,13 @@ TEST(MalformedFile, KeepsTheCallersErrorHandler) {
   EXPECT_EQ(before, after);
   EXPECT_EQ(before_data, after_data);
 }
+
+/// HDF5 loses blocks of its own over a damaged file and would complain when the process ends.
+class QuietEnd : public testing::Environment {
+ public:
+  void TearDown() override { turn_off_hdf5_messages(); }
+};
+[[maybe_unused]] const testing::Environment* const quiet_end = testing::AddGlobalTestEnvironment(new QuietEnd);
 
 /// Refused with the file's name, or read; nothing else may come of it.
 bool survives(const std::string& file) {

@@ -175,6 +175,46 @@ class Importer(unittest.TestCase):
                                                       [1, 0, 0], [2, 0, 0], [0, 0, 1], [9, 0, 9]])
         self.assertEqual(grid["Connectivity"][:].tolist(), [0, 1, 2, 3, 1, 0])
 
+    def test_wedges_as_hexahedra(self):
+        """Two bodies of wedges, the second falls onto the first; as C3D6, and as C3D8 with repeated nodes."""
+        def deck(name, drop, as_hexahedra):
+            nodes, elements = [], []
+            for body in range(2):
+                first = len(nodes) + 1
+                for z, y, x in ((z, y, x) for z in range(2) for y in range(3) for x in range(3)):
+                    nodes.append((x + 0.3 * body, y + 0.2 * body, z + body * (1.5 - drop)))
+                for y, x in ((y, x) for y in range(2) for x in range(2)):
+                    a = first + 3 * y + x
+                    base = [a, a + 1, a + 4, a + 3]
+                    for i, j, k in ((0, 2, 1), (0, 3, 2)):
+                        low = [base[i], base[j], base[k]]
+                        low += low[2:] if as_hexahedra else []
+                        elements.append(low + [node + 9 for node in low])
+            lines = ["*NODE", *(f"{i + 1}, {x}, {y}, {z}" for i, (x, y, z) in enumerate(nodes)),
+                     f"*ELEMENT, TYPE={'C3D8' if as_hexahedra else 'C3D6'}",
+                     *(f"{100 + i}, {', '.join(map(str, element))}" for i, element in enumerate(elements))]
+            return self.path(name, "\n".join(lines) + "\n")
+
+        contacts = {}
+        for as_hexahedra in (False, True):
+            grid = self.good(deck("0.inp", 0, as_hexahedra), deck("1.inp", 1, as_hexahedra))
+            self.assertEqual(set(grid["Types"][:].tolist()), {12 if as_hexahedra else 13})
+            self.assertRegex(self.info, r"wedge +16\n")
+            self.assertEqual("nodes repeat, read as: 16 hexahedra as wedges" in self.info, as_hexahedra)
+            for extra in ((), ("--edges", "polytope"), ("--pairs", "inter", "--parts", "components")):
+                target = self.path("contacts.csv")
+                done = subprocess.run([VOLCCD, "detect", self.target, "--contacts", target, *extra], capture_output=True,
+                                      text=True, check=False)
+                self.assertEqual((done.returncode, done.stderr), (0, ""))
+                with open(target, encoding="ascii") as file:
+                    contacts[as_hexahedra, extra] = file.read()
+                self.assertGreater(contacts[as_hexahedra, extra].count("\n"), 20)
+        for as_hexahedra, extra in contacts:
+            self.assertEqual(contacts[as_hexahedra, extra], contacts[False, extra])
+        made = subprocess.run([VOLCCD, "scene", "generate", "deform", "--mesh", self.target, "--motion", "twist", "-o",
+                               self.path("twist.vtkhdf")], capture_output=True, text=True, check=False)
+        self.assertEqual(made.returncode, 0, made.stderr)
+
     def test_as_a_program(self):
         for arguments, code in ((data("cube.obj"), 0), (data("polyhedron.vtu"), 2), (["--help"], 0), (["--nonsense"], 2)):
             done = subprocess.run([sys.executable, TOOL, *arguments, "-o", self.target], capture_output=True, check=False)
@@ -193,7 +233,7 @@ class Importer(unittest.TestCase):
         self.bad(*data("cells_1.vtu", "cube.ply"), says="cube.ply: point ids: not given here but in the first file")
         self.bad(self.path("a.obj", "v 0 0 0\nv 1 0 0\nv 0 nan 0\nf 1 2 3\n"), says="points[2]: not a finite number")
         self.bad(self.path("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\nf 1 2 4\n"), says="cells[1]: uses point 3 of 3")
-        self.bad(self.path("c.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2\n"), says="cells[0]: has a vertex twice")
+        self.bad(self.path("c.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 2\n"), says="cells[0]: has 2 distinct vertices")
         self.bad(self.path("d.inp", "*NODE\n1, 0, 0, 0\n2, 1, 0, 0\n3, 0, 1, 0\n*ELEMENT, TYPE=S3\n7, 1, 2, 3\n7, 3, 2, 1\n"),
                  says="cell ids[1]: 7 is there twice")
         self.bad(self.path("e.inp", "*NODE\n1, 0, 0, 0\n*NODE\n2, 1, 0, 0\n3, 0, 1, 0\n4, 1, 1, 0\n"

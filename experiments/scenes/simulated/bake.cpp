@@ -188,6 +188,15 @@ void write_record(const SimulatedScene& scene, const BakeSettings& settings, con
   write_text_file(bake_record_file(scene, settings), record.dump(1) + "\n");
 }
 
+/// One frame; false when interrupted.
+bool advance_frame(Simulation& simulation, double time, int done, const BakeHooks& hooks) {
+  const double begin = simulation.time();
+  return simulation.advance_to(time, [&](double now) {
+    if (hooks.within_frame) hooks.within_frame(done, (now - begin) / (time - begin));
+    return !hooks.interrupted || !hooks.interrupted();
+  });
+}
+
 /// Frames [done, settings.frames); false when interrupted.
 bool run_frames(const SimulatedScene& scene, const BakeSettings& settings, Simulation& simulation, int done,
                 const Workplace& place, const BakeHooks& hooks) {
@@ -196,7 +205,7 @@ bool run_frames(const SimulatedScene& scene, const BakeSettings& settings, Simul
     if (hooks.interrupted && hooks.interrupted()) return false;
     const auto begin = std::chrono::steady_clock::now();
     const Index before = simulation.topology().mesh().vertex_count();
-    simulation.advance_to(scene.begin + scene.duration * k / (settings.frames - 1));
+    if (!advance_frame(simulation, scene.begin + scene.duration * k / (settings.frames - 1), k, hooks)) return false;
     Frame frame = capture_frame(simulation, before);
     frame.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     write_frame(place.frame_file(k), frame);

@@ -22,8 +22,11 @@ struct BakeSettings {
 struct BakeHooks {
   /// After each frame, and once before the first that is missing: how many are done.
   std::function<void(int done, int frames)> progress = {};
-  /// Asked before each frame: whether to stop.
+  /// Asked before each frame and after each step of the simulation: whether to stop.
   std::function<bool()> interrupted = {};
+  /// After each step of the simulation but the last of a frame: how many frames are done, and what share of the next
+  /// one's time, in (0, 1), ascending.
+  std::function<void(int done, double share)> within_frame = {};
 };
 
 /// Folder of baked scenes: VOLCCD_CACHE, else $XDG_CACHE_HOME/volccd, else ~/.cache/volccd, else ./.volccd-cache.
@@ -37,10 +40,10 @@ std::string baked_file(const SimulatedScene& scene, const BakeSettings& settings
 std::string bake_record_file(const SimulatedScene& scene, const BakeSettings& settings);
 
 /// Returns baked_file() once it is complete: at once if it was there. Else runs the simulation, frame by frame, each
-/// frame and the state after it kept beside the target, so that a bake that stopped goes on after its last frame. (Not
-/// if another build made it: then it starts anew.) Nothing when `interrupted` said so. The same bytes in all arrays for
-/// any number of workers, with or without interruption. Throws ConfigError for settings out of range, InputError for
-/// what the system refuses, Error when another process bakes the same, and what Simulation throws.
+/// frame and the state after it kept beside the target, so that a bake that stopped goes on after its last whole frame.
+/// (Not if another build made it: then it starts anew.) Nothing when `interrupted` said so. The same bytes in all
+/// arrays for any number of workers, with or without interruption. Throws ConfigError for settings out of range,
+/// InputError for what the system refuses, Error when another process bakes the same, and what Simulation throws.
 std::optional<std::string> bake(const SimulatedScene& scene, const BakeSettings& settings, Executor& executor,
                                 const BakeHooks& hooks = {});
 

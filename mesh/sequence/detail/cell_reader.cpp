@@ -17,6 +17,16 @@ std::string in_step(std::size_t step) { return " (step " + to_string(step) + ")"
 
 }  // namespace
 
+std::string CellReader::place(std::size_t step, std::size_t i, const SequenceCells& cells) {
+  return " (cell id " + to_string(cells.ids[i]) + ", step " + to_string(step) + ")";
+}
+
+std::string CellReader::place(std::size_t step, std::size_t i) const {
+  std::vector<std::int64_t> id{static_cast<std::int64_t>(i)};
+  if (layout_.cell_ids) layout_.cell_ids->data.read(layout_.cell_ids->first[step] + id[0], 1, id);
+  return " (cell id " + to_string(id[0]) + ", step " + to_string(step) + ")";
+}
+
 bool CellReader::same(std::size_t step, std::size_t other) const {
   const auto same_rows = [&](const StepArray& array) { return array.first[step] == array.first[other]; };
   const auto same_data = [&](const std::optional<StepArray>& array) { return !array || same_rows(*array); };
@@ -29,12 +39,13 @@ bool CellReader::same(std::size_t step, std::size_t other) const {
 
 void CellReader::read(std::size_t step, SequenceCells& cells) {
   cells.clear();
+  read_ids(step, cells);  // first, so that the errors of the others can name the cell
   read_types(step, cells);
   read_offsets(step, cells);
   read_connectivity(step, cells);
   read_parts(step, cells);
-  read_ids(step, cells);
   read_polyhedra(step, cells);
+  collapse(step, cells);
 }
 
 void CellReader::read_types(std::size_t step, SequenceCells& cells) {
@@ -46,7 +57,7 @@ void CellReader::read_types(std::size_t step, SequenceCells& cells) {
     const std::int64_t type = numbers_[i];
     if (type < 0 || type > 255 || !is_element_type(static_cast<int>(type)))
       array.data.fail(first + static_cast<std::int64_t>(i),
-                      "the cell type " + to_string(type) + " is not known" + in_step(step));
+                      "the cell type " + to_string(type) + " is not known" + place(step, i, cells));
     cells.types[i] = static_cast<ElementType>(type);
   }
 }
@@ -79,13 +90,15 @@ void CellReader::read_offsets(std::size_t step, SequenceCells& cells) {
     if (!right)
       array.data.fail(array.first[step] + static_cast<std::int64_t>(i) + 1,
                       "cell " + to_string(i) + " is a " + to_string(type) + " with " + to_string(length) + " points" +
-                          in_step(step));
+                          place(step, i, cells));
   }
 }
 
-Index CellReader::slot(const StepArray& array, std::int64_t row, std::int64_t value) const {
+template <class Place>
+Index CellReader::slot(const StepArray& array, std::int64_t row, std::int64_t value, const Place& place) const {
   if (value < 0 || value >= layout_.points)
-    array.data.fail(row, "the point " + to_string(value) + " is out of range, there are " + to_string(layout_.points));
+    array.data.fail(
+        row, "the point " + to_string(value) + " is out of range, there are " + to_string(layout_.points) + place());
   return order_.slots()[static_cast<std::size_t>(value)];
 }
 
@@ -94,18 +107,53 @@ void CellReader::read_connectivity(std::size_t step, SequenceCells& cells) {
   const std::int64_t first = array.first[step];
   array.data.read(first, static_cast<std::int64_t>(cells.offsets.back()), numbers_);
   cells.connectivity.resize(numbers_.size());
+  repeated_.clear();
   // used_[v] == i + 1: vertex v has been seen in cell i.
   used_.assign(order_.slots().size(), 0);
   for (std::size_t i = 0; i < cells.size(); ++i)
     for (std::size_t j = cells.offsets[i]; j < cells.offsets[i + 1]; ++j) {
       const std::int64_t row = first + static_cast<std::int64_t>(j);
-      const Index v = slot(array, row, numbers_[j]);
-      if (used_[v] == i + 1)
-        array.data.fail(row,
-                        "cell " + to_string(i) + " has the point " + to_string(numbers_[j]) + " twice" + in_step(step));
+      const Index v = slot(array, row, numbers_[j], [&] { return place(step, i, cells); });
+      if (used_[v] == i + 1) {
+        if (cells.types[i] == ElementType::polytope)
+          array.data.fail(row, "cell " + to_string(i) + " is a polyhedron that has the point id " +
+                                   to_string(order_.ids()[v]) + " twice" + place(step, i, cells));
+        if (repeated_.empty() || repeated_.back().cell != i) repeated_.push_back({i, row});
+      }
       used_[v] = static_cast<Index>(i + 1);
       cells.connectivity[j] = v;
     }
+}
+
+CollapsedElement CellReader::collapsed_element(std::size_t step, const Repeated& repeated,
+                                               const SequenceCells& cells) const {
+  const std::size_t i = repeated.cell;
+  CollapsedElement element = collapse_element(cells.types[i], cells.vertices(i));
+  if (element.type != ElementType::none) return element;
+  std::string ids;
+  for (const Index v : cells.vertices(i)) ids += " " + to_string(order_.ids()[v]);
+  layout_.connectivity.data.fail(repeated.row, "cell " + to_string(i) + " is a " + to_string(cells.types[i]) +
+                                                   " whose points repeat, and no element is left: " + element.problem +
+                                                   "; its point ids are" + ids + place(step, i, cells));
+}
+
+void CellReader::collapse(std::size_t step, SequenceCells& cells) {
+  collapsed_counts_.clear();
+  if (repeated_.empty()) return;
+  SequenceCells result;
+  auto next = repeated_.begin();
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    ElementSpec spec = cells.spec(i);
+    if (next != repeated_.end() && next->cell == i) {
+      CollapsedElement element = collapsed_element(step, *next++, cells);
+      ++collapsed_counts_[{spec.type, element.type}];
+      spec.type = element.type;
+      spec.vertices = std::move(element.vertices);
+      spec.faces = std::move(element.faces);
+    }
+    result.add(spec);
+  }
+  cells = std::move(result);
 }
 
 void CellReader::read_parts(std::size_t step, SequenceCells& cells) {
@@ -118,21 +166,22 @@ void CellReader::read_parts(std::size_t step, SequenceCells& cells) {
     if (numbers_[i] < std::numeric_limits<std::int32_t>::min() ||
         numbers_[i] > std::numeric_limits<std::int32_t>::max())
       array.data.fail(first + static_cast<std::int64_t>(i),
-                      "the part id " + to_string(numbers_[i]) + " exceeds 32 bits");
+                      "the part id " + to_string(numbers_[i]) + " exceeds 32 bits" + place(step, i, cells));
     cells.parts[i] = static_cast<std::int32_t>(numbers_[i]);
   }
 }
 
 void CellReader::read_ids(std::size_t step, SequenceCells& cells) {
-  cells.ids.resize(cells.size());
+  const std::int64_t count = layout_.cells[static_cast<std::size_t>(layout_.topology[step])];
+  cells.ids.resize(static_cast<std::size_t>(count));
   if (!layout_.cell_ids) {
     std::iota(cells.ids.begin(), cells.ids.end(), std::int64_t{0});
     return;
   }
   const StepArray& array = *layout_.cell_ids;
   const std::int64_t first = array.first[step];
-  array.data.read(first, static_cast<std::int64_t>(cells.size()), cells.ids);
-  for (std::size_t i = 0; i < cells.size(); ++i)
+  array.data.read(first, count, cells.ids);
+  for (std::size_t i = 0; i < cells.ids.size(); ++i)
     if (cells.ids[i] < 0)
       array.data.fail(first + static_cast<std::int64_t>(i),
                       "the id is negative: " + to_string(cells.ids[i]) + in_step(step));
@@ -153,9 +202,9 @@ void CellReader::read_polyhedra(std::size_t step, SequenceCells& cells) {
   // Faces that no cell should have are looked at too.
   if (!any && (!layout_.polyhedra || layout_.polyhedra->to_face_ids[b] == 0)) return;
   if (!layout_.polyhedra)
-    layout_.types.data.fail(
-        layout_.types.first[step] + (first_polytope - cells.types.begin()),
-        "is a polyhedron, but VTKHDF/FaceConnectivity and the other arrays of faces are missing" + in_step(step));
+    layout_.types.data.fail(layout_.types.first[step] + (first_polytope - cells.types.begin()),
+                            "is a polyhedron, but VTKHDF/FaceConnectivity and the other arrays of faces are missing" +
+                                place(step, static_cast<std::size_t>(first_polytope - cells.types.begin()), cells));
   const PolyhedronLayout& polyhedra = *layout_.polyhedra;
   read_monotone(polyhedra.face_offsets, step, polyhedra.faces[b], polyhedra.face_connectivity_ids[b], face_offsets_);
   read_monotone(polyhedra.offsets, step, layout_.cells[b], polyhedra.to_face_ids[b], cell_faces_);
@@ -169,14 +218,14 @@ void CellReader::read_polyhedra(std::size_t step, SequenceCells& cells) {
       append_polyhedron(step, i, cells);
     } else if (cell_faces_[i] != cell_faces_[i + 1]) {
       polyhedra.offsets.data.fail(polyhedra.offsets.first[step] + static_cast<std::int64_t>(i) + 1,
-                                  "cell " + to_string(i) + " is no polyhedron but has faces" + in_step(step));
+                                  "cell " + to_string(i) + " is no polyhedron but has faces" + place(step, i, cells));
     }
     cells.face_offsets.push_back(cells.faces.size());
     if (cells.types[i] != ElementType::polytope) continue;
-    if (const std::string problem = element_problem(cells.spec(i), static_cast<Index>(layout_.points));
+    if (const std::string problem = element_problem(cells.spec(i), static_cast<Index>(layout_.points), order_.ids());
         !problem.empty())
       polyhedra.offsets.data.fail(polyhedra.offsets.first[step] + static_cast<std::int64_t>(i),
-                                  "cell " + to_string(i) + ": " + problem + in_step(step));
+                                  "cell " + to_string(i) + ": " + problem + place(step, i, cells));
   }
 }
 
@@ -186,23 +235,24 @@ void CellReader::append_polyhedron(std::size_t step, std::size_t cell, SequenceC
   for (std::int64_t j = cell_faces_[cell]; j < cell_faces_[cell + 1]; ++j) {
     const std::int64_t face = to_faces_[static_cast<std::size_t>(j)];
     if (face < 0 || face >= face_count)
-      polyhedra.to_faces.data.fail(
-          polyhedra.to_faces.first[step] + j,
-          "the face " + to_string(face) + " is out of range, there are " + to_string(face_count) + in_step(step));
+      polyhedra.to_faces.data.fail(polyhedra.to_faces.first[step] + j,
+                                   "the face " + to_string(face) + " is out of range, there are " +
+                                       to_string(face_count) + place(step, cell, cells));
     // This also bounds the memory: faces by reference could expand without end.
     if (++face_uses_[static_cast<std::size_t>(face)] > 2)
       polyhedra.to_faces.data.fail(
           polyhedra.to_faces.first[step] + j,
-          "the face " + to_string(face) + " belongs to more than two polyhedra" + in_step(step));
+          "the face " + to_string(face) + " belongs to more than two polyhedra" + place(step, cell, cells));
     const std::int64_t begin = face_offsets_[static_cast<std::size_t>(face)];
     const std::int64_t end = face_offsets_[static_cast<std::size_t>(face) + 1];
     if (end - begin > layout_.points)
       polyhedra.face_offsets.data.fail(polyhedra.face_offsets.first[step] + face + 1,
-                                       "a face has more points than there are" + in_step(step));
+                                       "a face has more points than there are" + place(step, cell, cells));
     cells.faces.push_back(static_cast<Index>(end - begin));
     for (std::int64_t i = begin; i < end; ++i)
       cells.faces.push_back(slot(polyhedra.face_connectivity, polyhedra.face_connectivity.first[step] + i,
-                                 face_connectivity_[static_cast<std::size_t>(i)]));
+                                 face_connectivity_[static_cast<std::size_t>(i)],
+                                 [&] { return place(step, cell, cells); }));
   }
 }
 

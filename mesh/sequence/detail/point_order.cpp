@@ -41,7 +41,8 @@ void PointOrder::check(const SequenceLayout& layout, std::size_t step) {
   for (std::size_t i = 0; i < step_ids_.size(); ++i)
     if (step_ids_[i] != ids_[slots_[i]])
       array.data.fail(array.first[step] + static_cast<std::int64_t>(i),
-                      "is not the id that the point has at step 0: the points must be the same at all steps");
+                      "the id is " + std::to_string(step_ids_[i]) + " at step " + std::to_string(step) + ", but " +
+                          std::to_string(ids_[slots_[i]]) + " at step 0: the points must be the same at all steps");
 }
 
 }  // namespace volccd::detail

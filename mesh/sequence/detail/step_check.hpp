@@ -14,13 +14,19 @@ namespace volccd::detail {
 
 /// Distinct, none negative.
 void check_ids(const std::string& file, const std::string& dataset, std::span<const std::int64_t> ids);
-/// `count` of them, finite.
+/// What messages name a step and its points by.
+struct StepPlace {
+  std::int64_t step;
+  std::span<const std::int64_t> point_ids;
+};
+
+/// As many as points, finite.
 void check_vectors(const std::string& file, const std::string& dataset, std::span<const Vec3> vectors,
-                   std::size_t count);
-/// `count` of them, finite and not negative.
+                   const StepPlace& place);
+/// As many as cells, finite and not negative.
 void check_thickness(const std::string& file, const std::string& dataset, std::span<const double> values,
-                     std::size_t count);
-/// Arrays of fitting lengths, and cells that a Mesh of `points` vertices takes. The index is the cell's.
-void check_cells(const std::string& file, const SequenceCells& cells, Index points);
+                     const SequenceCells& cells, const StepPlace& place);
+/// Arrays of fitting lengths, and cells that a Mesh of these points takes. The index is the cell's.
+void check_cells(const std::string& file, const SequenceCells& cells, const StepPlace& place);
 
 }  // namespace volccd::detail

@@ -1,0 +1,177 @@
+#include <volccd/mesh/detail/collapse_element.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <iterator>
+#include <set>
+#include <utility>
+
+namespace volccd::detail {
+
+namespace {
+
+using Face = std::vector<Index>;
+using Faces = std::vector<Face>;
+
+std::vector<Index> distinct(std::span<const Index> nodes) {
+  std::vector<Index> result(nodes.begin(), nodes.end());
+  std::sort(result.begin(), result.end());
+  result.erase(std::unique(result.begin(), result.end()), result.end());
+  return result;
+}
+
+/// The cyclic sequence without repeated neighbours, from its smallest node on.
+Face reduced(Face face) {
+  face.erase(std::unique(face.begin(), face.end()), face.end());
+  while (face.size() > 1 && face.front() == face.back()) face.pop_back();
+  if (!face.empty()) std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+  return face;
+}
+
+/// The faces of an element, reduced, those with fewer than three nodes dropped; ascending.
+Faces faces_of(ElementType type, std::span<const Index> nodes) {
+  Faces faces;
+  const std::span<const std::uint8_t> stream = face_stream(type);
+  for (std::size_t at = 0; at < stream.size(); at += stream[at] + 1u) {
+    Face face;
+    for (std::size_t i = 1; i <= stream[at]; ++i) face.push_back(nodes[stream[at + i]]);
+    face = reduced(std::move(face));
+    if (face.size() >= 3) faces.push_back(std::move(face));
+  }
+  std::sort(faces.begin(), faces.end());
+  return faces;
+}
+
+Face opposite(const Face& face) { return reduced({face.rbegin(), face.rend()}); }
+
+void cancel_coincident(Faces& faces) {
+  for (std::size_t i = 0; i < faces.size();) {
+    const auto other = std::find(faces.begin() + static_cast<std::ptrdiff_t>(i) + 1, faces.end(), opposite(faces[i]));
+    if (other == faces.end()) {
+      ++i;
+      continue;
+    }
+    faces.erase(other);
+    faces.erase(faces.begin() + static_cast<std::ptrdiff_t>(i));
+  }
+}
+
+/// The problem with a surface that is to be the boundary of a polyhedron with these vertices, or nothing. It is a
+/// sphere if each edge is in two faces, once in each direction, all faces hang together by edges, and Euler's formula
+/// holds.
+std::string surface_problem(const Faces& faces, const std::vector<Index>& vertices) {
+  std::set<std::array<Index, 2>> edges;
+  std::vector<Index> used;
+  for (const Face& face : faces) {
+    if (distinct(face).size() != face.size()) return "a face touches itself";
+    used.insert(used.end(), face.begin(), face.end());
+    for (std::size_t i = 0; i < face.size(); ++i)
+      if (!edges.insert({face[i], face[(i + 1) % face.size()]}).second) return "more than two faces meet at an edge";
+  }
+  for (const auto& [a, b] : edges)
+    if (!edges.contains({b, a})) return "the faces do not close up";
+  if (distinct(used) != vertices) return "some nodes are in no face";
+  for (const Index v : vertices)
+    if (std::count(used.begin(), used.end(), v) < 3) return "fewer than three faces meet at a node";
+  // Faces reached from the first one over common edges.
+  std::vector<std::size_t> reached{0};
+  std::vector<char> seen(faces.size(), 0);
+  seen[0] = 1;
+  for (std::size_t at = 0; at < reached.size(); ++at)
+    for (std::size_t f = 0; f < faces.size(); ++f) {
+      if (seen[f]) continue;
+      const Face& from = faces[reached[at]];
+      for (std::size_t i = 0; i < from.size() && !seen[f]; ++i)
+        for (std::size_t j = 0; j < faces[f].size() && !seen[f]; ++j)
+          seen[f] = faces[f][j] == from[(i + 1) % from.size()] && faces[f][(j + 1) % faces[f].size()] == from[i];
+      if (seen[f]) reached.push_back(f);
+    }
+  if (reached.size() != faces.size() || vertices.size() + faces.size() != edges.size() / 2 + 2)
+    return "it is pinched at a node";
+  return {};
+}
+
+/// The node after `v` in the face.
+Index next(const Face& face, Index v) {
+  const auto at = std::find(face.begin(), face.end(), v);
+  return at + 1 == face.end() ? face.front() : *(at + 1);
+}
+
+bool has(const Face& face, Index v) { return std::find(face.begin(), face.end(), v) != face.end(); }
+
+std::vector<Index> without(const std::vector<Index>& vertices, const Face& face) {
+  std::vector<Index> rest;
+  std::copy_if(vertices.begin(), vertices.end(), std::back_inserter(rest), [&](Index v) { return !has(face, v); });
+  return rest;
+}
+
+/// A fixed type and a node order that may have the faces in question.
+struct Guess {
+  ElementType type = ElementType::none;
+  std::vector<Index> nodes;
+};
+
+/// The base and the apex. VTK's tetrahedron and pyramid begin with their base, as seen from inside.
+Guess on_base(ElementType type, const Face& base, const std::vector<Index>& vertices) {
+  Guess guess{type, opposite(base)};
+  guess.nodes.push_back(without(vertices, base).front());
+  return guess;
+}
+
+/// VTK's wedge begins with a triangle, as seen from outside; over each of its corners is the end of the third edge.
+Guess wedge_on(const Face& triangle, const Faces& faces) {
+  Guess guess{ElementType::wedge, triangle};
+  for (const Index corner : triangle)
+    for (const Face& face : faces)
+      // Of the two quads at the corner, the one in which the edge goes up from it.
+      if (face.size() == 4 && has(face, corner) && !has(triangle, next(face, corner)))
+        guess.nodes.push_back(next(face, corner));
+  return guess;
+}
+
+Guess guess_of(const Faces& faces, const std::vector<Index>& vertices) {
+  const auto triangles = std::count_if(faces.begin(), faces.end(), [](const Face& f) { return f.size() == 3; });
+  const auto quads = static_cast<std::ptrdiff_t>(faces.size()) - triangles;
+  const auto first_of = [&](std::size_t n) {
+    return *std::find_if(faces.begin(), faces.end(), [&](const Face& f) { return f.size() == n; });
+  };
+  if (vertices.size() == 4 && triangles == 4 && quads == 0)
+    return on_base(ElementType::tetrahedron, faces.front(), vertices);
+  if (vertices.size() == 5 && triangles == 4 && quads == 1) return on_base(ElementType::pyramid, first_of(4), vertices);
+  if (vertices.size() == 6 && triangles == 2 && quads == 3) return wedge_on(first_of(3), faces);
+  return {};
+}
+
+CollapsedElement collapse_solid(ElementType type, std::span<const Index> nodes) {
+  const std::vector<Index> vertices = distinct(nodes);
+  if (type == ElementType::hexahedron && vertices.size() == 4 && distinct(nodes.subspan(3)).size() == 1)
+    return {ElementType::tetrahedron, {nodes.begin(), nodes.begin() + 4}, {}, {}};
+  Faces faces = faces_of(type, nodes);
+  cancel_coincident(faces);
+  if (faces.empty()) return {ElementType::none, {}, {}, "it has no volume"};
+  if (std::string problem = surface_problem(faces, vertices); !problem.empty())
+    return {ElementType::none, {}, {}, std::move(problem)};
+  const Guess guess = guess_of(faces, vertices);
+  if (guess.type != ElementType::none && guess.nodes.size() == vertices.size() &&
+      faces_of(guess.type, guess.nodes) == faces)
+    return {guess.type, guess.nodes, {}, {}};
+  CollapsedElement polytope{ElementType::polytope, vertices, {}, {}};
+  for (const Face& face : faces) {
+    polytope.faces.push_back(static_cast<Index>(face.size()));
+    polytope.faces.insert(polytope.faces.end(), face.begin(), face.end());
+  }
+  return polytope;
+}
+
+}  // namespace
+
+CollapsedElement collapse_element(ElementType type, std::span<const Index> nodes) {
+  assert(type != ElementType::polytope && nodes.size() == static_cast<std::size_t>(vertex_count(type)));
+  if (!is_shell(type)) return collapse_solid(type, nodes);
+  Face face = reduced({nodes.begin(), nodes.end()});
+  if (face.size() < 3 || distinct(face).size() != face.size()) return {ElementType::none, {}, {}, "it has no area"};
+  return {ElementType::triangle, std::move(face), {}, {}};
+}
+
+}  // namespace volccd::detail
