@@ -1,15 +1,33 @@
 // Elements whose features touch come out of every broad phase, and CSAT neither drops them nor masks those features.
 #include <algorithm>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include <volccd/pipelines/registry.hpp>
 
+#include "conservative/attack_cases.hpp"
 #include "conservative/run_cases.hpp"
+#include "conservative/vector_targets.hpp"
 
 namespace volccd::test {
 namespace {
+
+/// Makes features with points around them, `count` in each set.
+using ElementGenerator = std::function<Case(Choices&, FeatureKind, int control_points, std::size_t count)>;
+
+ElementGenerator nearly_degenerate(Separation separation) {
+  return [separation](Choices& choices, FeatureKind kind, int control_points, std::size_t count) {
+    return near_degenerate(choices, kind, control_points, count, count, separation);
+  };
+}
+
+ElementGenerator attacking(std::span<const Attack> attacks) {
+  return [attacks](Choices& choices, FeatureKind kind, int control_points, std::size_t count) {
+    return any_attack_elements(choices, attacks, kind, control_points, count);
+  };
+}
 
 /// Two elements of one type without a common vertex.
 class TwoElements {
@@ -20,8 +38,8 @@ class TwoElements {
         motions_{Motion(2 * n_, 2), Motion(2 * n_, 3)} {}
 
   /// A case around features of the elements that are chosen, too.
-  Case choose(Choices& choices, FeatureKind kind, int control_points, Separation separation) {
-    const Case c = near_degenerate(choices, kind, control_points, n_, n_, separation);
+  Case choose(Choices& choices, FeatureKind kind, int control_points, const ElementGenerator& generator) {
+    const Case c = generator(choices, kind, control_points, n_);
     swapped_ = choices.one_in(2);
     for (std::size_t set = 0; set < 2; ++set) {
       const Index o = element(set);
@@ -136,14 +154,15 @@ std::vector<NamedBroadPhase> all_broad_phases() {
 /// What both properties share: a case, and a part of the step.
 class ElementProperty {
  public:
-  ElementProperty(ElementType type, Separation separation) : scene_(type), separation_(separation) {}
+  ElementProperty(ElementType type, Separation separation) : ElementProperty(type, nearly_degenerate(separation)) {}
+  ElementProperty(ElementType type, ElementGenerator generator) : scene_(type), generator_(std::move(generator)) {}
 
   std::string operator()(Choices& choices) {
     const double until = choices.below(64) / 64.0;
     const int which = choices.below(4);
     const FeatureKind kind = choices.below(2) ? FeatureKind::ee : FeatureKind::vf;
     const int control_points = 2 + choices.below(2);
-    const Case c = scene_.choose(choices, kind, control_points, separation_);
+    const Case c = scene_.choose(choices, kind, control_points, generator_);
     const double t_max = which == 2 && c.touch >= 0 ? c.touch : which == 3 ? until : 1;
     const std::string lost = loses(c, scene_.step(c, t_max));
     if (lost.empty() || !touches(c, t_max)) return "";
@@ -154,12 +173,14 @@ class ElementProperty {
   ~ElementProperty() = default;
 
   TwoElements scene_;
+  VectorTargets targets_;  ///< one a case, each in turn
+  std::size_t cases_ = 0;
 
  private:
   /// Stages that lose the contact of the case.
   virtual std::string loses(const Case& c, const Step& step) = 0;
 
-  Separation separation_;
+  ElementGenerator generator_;
 };
 
 class CsatProperty final : public ElementProperty {
@@ -169,14 +190,16 @@ class CsatProperty final : public ElementProperty {
  private:
   std::string loses(const Case& c, const Step& step) override {
     std::string lost;
-    for (const auto& [name, pair_only, stage] : cullings_) {
-      PairBatch batch;
-      batch.pairs.push_back({0, 1});
-      batch.masks.resize(1);
-      stage->cull(step, nullptr, batch);
-      if (batch.size() == 0) lost += name + " drops, ";
-      if (batch.size() == 1 && scene_.masked(c, batch.masks[0])) lost += name + " masks, ";
-    }
+    targets_.with(cases_++, [&](const std::string& target) {
+      for (const auto& [name, pair_only, stage] : cullings_) {
+        PairBatch batch;
+        batch.pairs.push_back({0, 1});
+        batch.masks.resize(1);
+        stage->cull(step, nullptr, batch);
+        if (batch.size() == 0) lost += name + " drops on " + target + ", ";
+        if (batch.size() == 1 && scene_.masked(c, batch.masks[0])) lost += name + " masks on " + target + ", ";
+      }
+    });
     return lost;
   }
 
@@ -190,14 +213,16 @@ class BroadPhaseProperty final : public ElementProperty {
  private:
   std::string loses(const Case&, const Step& step) override {
     std::string lost;
-    for (const auto& [name, stage] : stages_) {
-      const auto state = stage->make_state();
-      stage->update(step, *state, executor_);
-      std::size_t pairs = 0;
-      stage->query(step, *state, PairRange::nonadjacent, executor_,
-                   [&](std::span<const ElementPair> batch, unsigned) { pairs += batch.size(); });
-      if (pairs != 1) lost += name + " emits " + std::to_string(pairs) + ", ";
-    }
+    targets_.with(cases_++, [&](const std::string& target) {
+      for (const auto& [name, stage] : stages_) {
+        const auto state = stage->make_state();
+        stage->update(step, *state, executor_);
+        std::size_t pairs = 0;
+        stage->query(step, *state, PairRange::nonadjacent, executor_,
+                     [&](std::span<const ElementPair> batch, unsigned) { pairs += batch.size(); });
+        if (pairs != 1) lost += name + " emits " + std::to_string(pairs) + " on " + target + ", ";
+      }
+    });
     return lost;
   }
 
@@ -224,6 +249,35 @@ TEST(BroadPhaseProperty, TetrahedraWithinTheSeparationAreEmitted) {
   BroadPhaseProperty property(ElementType::tetrahedron, Separation::some);
   run_shrinking(20117, 1000, property);
   run_seeds(1, 8'000, property);
+}
+TEST(CsatProperty, IsTheOnlyElementCullingThatLosesNothing) {
+  const Registry registry = Registry::standard();
+  for (const auto& descriptor : registry.stages<ElementCulling>())
+    EXPECT_TRUE(descriptor.name == "csat" || descriptor.guarantee == Guarantee::approximate) << descriptor.name;
+}
+TEST(CsatProperty, AttackedElementsAreKept) {
+  CsatProperty touching(ElementType::tetrahedron, attacking(touching_attacks()));
+  run_seeds(1, 3000, touching);
+  CsatProperty within(ElementType::hexahedron, attacking(separation_attacks()));
+  run_seeds(1, 1500, within);
+}
+TEST(BroadPhaseProperty, AttackedElementsAreEmitted) {
+  BroadPhaseProperty touching(ElementType::tetrahedron, attacking(touching_attacks()));
+  run_seeds(1, 3000, touching);
+  BroadPhaseProperty within(ElementType::tetrahedron, attacking(separation_attacks()));
+  run_seeds(1, 3000, within);
+}
+TEST(LongCsatProperty, AttackedElementsAreKept) {
+  CsatProperty touching(ElementType::tetrahedron, attacking(touching_attacks()));
+  run_seeds(30'000'000, 30'000, touching);
+  CsatProperty within(ElementType::hexahedron, attacking(separation_attacks()));
+  run_seeds(30'000'000, 10'000, within);
+}
+TEST(LongBroadPhaseProperty, AttackedElementsAreEmitted) {
+  BroadPhaseProperty touching(ElementType::tetrahedron, attacking(touching_attacks()));
+  run_seeds(30'000'000, 30'000, touching);
+  BroadPhaseProperty within(ElementType::tetrahedron, attacking(separation_attacks()));
+  run_seeds(30'000'000, 30'000, within);
 }
 TEST(LongCsatProperty, TouchingTetrahedraAreKept) {
   CsatProperty property(ElementType::tetrahedron, Separation::none);

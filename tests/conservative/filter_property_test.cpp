@@ -1,12 +1,16 @@
 // No feature filter drops a test that touches, and the generator makes what it says.
 #include <memory>
+#include <set>
 #include <string>
 #include <vector>
 
 #include <volccd/pipelines/registry.hpp>
 
+#include "conservative/attack_cases.hpp"
+#include "conservative/inclusion_property.hpp"
 #include "conservative/one_test.hpp"
 #include "conservative/run_cases.hpp"
+#include "conservative/vector_targets.hpp"
 
 namespace volccd::test {
 namespace {
@@ -33,20 +37,25 @@ std::vector<Named> all_filters() {
 
 class FilterProperty {
  public:
-  explicit FilterProperty(Separation separation) : separation_(separation), filters_(all_filters()) {}
+  explicit FilterProperty(Separation separation)
+      : FilterProperty([separation](Choices& choices) { return near_degenerate_test(choices, separation); }) {}
+  explicit FilterProperty(Generator generator) : generator_(std::move(generator)), filters_(all_filters()) {}
 
   std::string operator()(Choices& choices) {
     const double until = choices.below(64) / 64.0;
     const int which = choices.below(4);
-    const Case c = near_degenerate_test(choices, separation_);
+    const Case c = generator_(choices);
     const double t_max = which == 2 && c.touch >= 0 ? c.touch : which == 3 ? until : 1;
     test_.set(c, t_max);
     std::string dropped;
-    for (const auto& [name, filter] : filters_) {
-      std::uint8_t keep[8] = {1, 1, 1, 1, 1, 1, 1, 1};
-      filter->filter(test_.step(), test_.block(), keep);
-      if (!keep[0]) dropped += name + ", ";
-    }
+    // One target a case, each in turn.
+    targets_.with(static_cast<std::size_t>(all_), [&](const char* target) {
+      for (const auto& [name, filter] : filters_) {
+        std::uint8_t keep[8] = {1, 1, 1, 1, 1, 1, 1, 1};
+        filter->filter(test_.step(), test_.block(), keep);
+        if (!keep[0]) dropped += name + " " + target + ", ";
+      }
+    });
     all_ += 1;
     if (dropped.empty()) return "";
     dropped_ += 1;
@@ -59,8 +68,9 @@ class FilterProperty {
   double judged_share() const { return judged_ / all_; }
 
  private:
-  Separation separation_;
+  Generator generator_;
   std::vector<Named> filters_;
+  VectorTargets targets_;
   OneTest test_;
   double all_ = 0, dropped_ = 0, judged_ = 0;
 };
@@ -103,6 +113,26 @@ TEST(FilterProperty, TestsWithinTheSeparationAreKept) {
   FilterProperty property(Separation::some);
   run_shrinking(20111, 4000, property);
   run_seeds(1, 40'000, property);
+}
+TEST(FilterProperty, HasEveryFilterThatLosesNothing) {
+  std::set<std::string> registered, tested;
+  const Registry registry = Registry::standard();
+  for (const auto& descriptor : registry.stages<FeatureFilter>())
+    if (descriptor.guarantee != Guarantee::approximate) registered.insert(descriptor.name);
+  for (const Named& filter : all_filters()) tested.insert(filter.name.substr(0, filter.name.find(' ')));
+  EXPECT_EQ(tested, registered);
+}
+TEST(FilterProperty, AttacksAreKept) {
+  FilterProperty touching([](Choices& choices) { return any_attack_test(choices, touching_attacks()); });
+  run_seeds(1, 10'000, touching);
+  FilterProperty within([](Choices& choices) { return any_attack_test(choices, separation_attacks()); });
+  run_seeds(1, 10'000, within);
+}
+TEST(LongFilterProperty, AttacksAreKept) {
+  FilterProperty touching([](Choices& choices) { return any_attack_test(choices, touching_attacks()); });
+  run_seeds(10'000'000, 100'000, touching);
+  FilterProperty within([](Choices& choices) { return any_attack_test(choices, separation_attacks()); });
+  run_seeds(10'000'000, 100'000, within);
 }
 TEST(LongFilterProperty, TouchingTestsAreKept) {
   FilterProperty property(Separation::none);

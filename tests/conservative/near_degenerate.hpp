@@ -75,8 +75,8 @@ class Coordinates {
   bool apart_along_an_axis() const;
   /// Greatest difference of coordinates of two points at the same control point.
   double size() const;
-  /// Distance of the features at t, in long doubles: times worth a closer look.
-  double distance(double t) const;
+  /// Distance of the features at t, rounded: times worth a closer look.
+  long double distance(double t) const;
 
  private:
   FeatureKind kind_;
@@ -84,9 +84,9 @@ class Coordinates {
   std::array<std::array<double, 9>, 4> points_;
 };
 
-/// Whether the features come within the separation at one of many times in [0, t_max]: those at which doubles see them
+/// Whether the features come within the separation at one of many times in [from, to]: those at which doubles see them
 /// near are looked at exactly. `at`: which.
-bool seen_within_separation(const Case& c, double t_max, double* at);
+bool seen_within_separation(const Case& c, double from, double to, double* at);
 
 /// Whether the features come within the separation by t_max: known, or found out exactly (with a separation: as far as
 /// seen_within_separation() sees).

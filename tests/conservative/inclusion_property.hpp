@@ -1,0 +1,65 @@
+// What the header of `inclusion` promises, as a property of generated tests.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <volccd/narrowphase/inclusion.hpp>
+
+#include "conservative/one_test.hpp"
+#include "conservative/vector_targets.hpp"
+
+namespace volccd::test {
+
+/// Makes a test of its choices.
+using Generator = std::function<Case(Choices&)>;
+
+/// What `inclusion` said of a test.
+struct Answer {
+  std::vector<Contact> contacts;
+  NarrowCounters counters;
+
+  bool found() const { return !contacts.empty(); }
+  const Contact& contact() const { return contacts.front(); }
+  bool operator==(const Answer& other) const {
+    return contacts == other.contacts && counters.undecided == other.counters.undecided;
+  }
+};
+
+/// "", or what is wrong. On each instruction set: the answers have to be the same.
+class InclusionProperty {
+ public:
+  enum class Promise {
+    complete,  ///< none missed, none late, none early by more than the tolerance, undecided=exact exact, t_max
+               ///< respected
+    near       ///< what is reported comes near
+  };
+
+  InclusionProperty(Promise promise, Generator generator) : promise_(promise), generator_(std::move(generator)) {}
+
+  std::string operator()(Choices& choices);
+  /// Of one test.
+  std::string judge(const Case& c);
+
+ private:
+  Answer run(const Inclusion& inclusion, const Case& c, double t_max);
+  std::string wrong_touch(const Case& c, const Answer& answer);
+  std::string wrong_distance(const Case& c, const Answer& answer);
+  std::string wrong_by_then(const Case& c, const Answer& answer);
+  std::string wrong_target(const Case& c, const Answer& answer);
+  bool near(const Case& c, const Answer& answer);
+  bool cut_short(const Case& c, const Answer& answer);
+  static bool spans_too_much(const Case& c, const Answer& answer);
+
+  Promise promise_;
+  Generator generator_;
+  static constexpr double kTolerance = 1e-9;
+  Inclusion plain_{{.time_tolerance = kTolerance}};
+  Inclusion deciding_{{.time_tolerance = kTolerance, .undecided = Undecided::exact}};
+  Inclusion patient_{{.time_tolerance = kTolerance, .most_parts = 100'000}};
+  VectorTargets targets_;
+  OneTest test_;
+};
+
+}  // namespace volccd::test
