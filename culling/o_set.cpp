@@ -5,7 +5,6 @@
 #include <vector>
 
 #include <volccd/culling/detail/o_set_blocks.hpp>
-#include <volccd/culling/detail/o_set_difference.hpp>
 #include <volccd/culling/detail/o_set_partners.hpp>
 
 namespace volccd {
@@ -13,7 +12,6 @@ namespace volccd {
 namespace {
 
 using detail::OSetBlocks;
-using detail::OSetDifference;
 using detail::OSetPartners;
 using Rows = OSetBlocks::Rows;
 
@@ -74,14 +72,8 @@ void sort_unique(std::vector<Index>& values) {
 }  // namespace
 
 struct OSet::Impl {
-  /// What lies between the version seen and the present one, whatever the steps were.
-  struct Change {
-    std::vector<OSetDifference::Simplex> removed, added;
-    std::vector<Index> added_slots;
-    bool simplices = true;  ///< only those were removed and added; otherwise `removed` and `added` are not complete
-  };
-  /// Features all of whose pairs are to be found anew.
-  struct Reborn {
+  /// Features whose incident elements changed: all their pairs are found again.
+  struct Renewed {
     std::vector<Index> vertices, triangles, edges;
   };
 
@@ -90,11 +82,8 @@ struct OSet::Impl {
   void build(const Topology& topology);
   void update(const Topology& topology, const std::vector<const TopologyChange*>& changes);
   void fit(const Topology& topology);
-  Change take_over(const Mesh& mesh, const std::vector<const TopologyChange*>& changes);
-  bool bear_anew(std::span<const Index> inc, bool all) const;
-  Reborn bear(const Features& features, const std::vector<const TopologyChange*>& changes, bool all);
-  void apply_difference(const Topology& topology, const Change& change);
-  void find_anew(const Topology& topology, const Reborn& reborn);
+  Renewed renew(const Features& features, const std::vector<const TopologyChange*>& changes);
+  void find_pairs(const Topology& topology, const Renewed& renewed);
 
   bool literal() const { return kind == OSetKind::literal; }
 
@@ -105,16 +94,10 @@ struct OSet::Impl {
   // Scratch.
   detail::ElementTouch touch;
   std::vector<Index> covering;
-  std::vector<Index> runs_of_vertex;  ///< all 0
-  std::vector<std::uint8_t> added;    ///< by element; all 0
 };
 
 void OSet::Impl::fit(const Topology& topology) {
-  const Features& features = topology.features();
-  touch.fit(features.vertex_slots(), topology.mesh().element_slots(),
-            std::max({features.vertex_slots(), features.triangle_slots(), features.edge_slots()}));
-  runs_of_vertex.resize(features.vertex_slots(), 0);
-  added.resize(topology.mesh().element_slots(), 0);
+  touch.fit(topology.features().vertex_slots(), topology.mesh().element_slots());
 }
 
 void OSet::Impl::build(const Topology& topology) {
@@ -122,8 +105,6 @@ void OSet::Impl::build(const Topology& topology) {
   const Mesh& mesh = topology.mesh();
   version = 0;  // stays so if memory runs out: then the next update starts over
   touch = {};
-  runs_of_vertex.clear();
-  added.clear();
   blocks.start_over(features);
   vertices.build(mesh);
   fit(topology);
@@ -155,104 +136,50 @@ void OSet::Impl::build(const Topology& topology) {
   version = topology.version();
 }
 
-/// Brings `vertices` up to date, and says what has changed in it.
-OSet::Impl::Change OSet::Impl::take_over(const Mesh& mesh, const std::vector<const TopologyChange*>& changes) {
-  std::vector<Index> slots;
-  for (const TopologyChange* change : changes) {
-    slots.insert(slots.end(), change->removed_elements.begin(), change->removed_elements.end());
-    slots.insert(slots.end(), change->added_elements.begin(), change->added_elements.end());
-  }
-  sort_unique(slots);
-  Change change;
-  const auto note = [&](Index o, std::vector<OSetDifference::Simplex>& list) {
-    change.simplices &= vertices.simplex(o);
-    if (vertices.simplex(o)) list.push_back({vertices[o][0], vertices[o][1], vertices[o][2], vertices[o][3]});
-  };
-  for (Index o : slots)
-    if (vertices.holds(o)) note(o, change.removed);
-  vertices.update(mesh, slots);
-  for (Index o : slots)
-    if (vertices.holds(o)) {
-      note(o, change.added);
-      change.added_slots.push_back(o);
-    }
-  return change;
-}
-
-/// Whether the pairs of a live feature are to be found anew: none of its elements stays, or all are to be.
-bool OSet::Impl::bear_anew(std::span<const Index> inc, bool all) const {
-  return all || std::all_of(inc.begin(), inc.end(), [&](Index o) { return added[o] != 0; });
-}
-
-OSet::Impl::Reborn OSet::Impl::bear(const Features& features, const std::vector<const TopologyChange*>& changes,
-                                    bool all) {
-  Reborn reborn;
+OSet::Impl::Renewed OSet::Impl::renew(const Features& features, const std::vector<const TopologyChange*>& changes) {
+  Renewed renewed;
   for (const TopologyChange* change : changes) {
     const FeatureChange& f = change->features;
-    for (Index v : f.removed_vertices) blocks.bear_vertex(v);
-    for (Index t : f.removed_triangles) blocks.bear_triangle(t);
-    for (Index e : f.removed_edges) blocks.bear_edge(e);
-    const auto collect = [&](const std::vector<Index>& touched, std::vector<Index>& list, auto&& incident) {
+    for (Index v : f.removed_vertices) blocks.renew_vertex(v);
+    for (Index t : f.removed_triangles) blocks.renew_triangle(t);
+    for (Index e : f.removed_edges) blocks.renew_edge(e);
+    const auto collect = [](const std::vector<Index>& touched, std::vector<Index>& list, auto&& incident) {
       for (Index i : touched)
-        if (const std::span<const Index> inc = incident(i); !inc.empty() && bear_anew(inc, all)) list.push_back(i);
+        if (!incident(i).empty()) list.push_back(i);
     };
-    collect(f.touched_vertices, reborn.vertices, [&](Index v) { return features.vertex_elements(v); });
-    collect(f.touched_triangles, reborn.triangles, [&](Index t) { return features.triangle_elements(t); });
-    collect(f.touched_edges, reborn.edges, [&](Index e) { return features.edge_elements(e); });
+    collect(f.touched_vertices, renewed.vertices, [&](Index v) { return features.vertex_elements(v); });
+    collect(f.touched_triangles, renewed.triangles, [&](Index t) { return features.triangle_elements(t); });
+    collect(f.touched_edges, renewed.edges, [&](Index e) { return features.edge_elements(e); });
   }
-  for (auto* list : {&reborn.vertices, &reborn.triangles, &reborn.edges}) sort_unique(*list);
-  for (Index v : reborn.vertices) blocks.bear_vertex(v);
-  for (Index t : reborn.triangles) blocks.bear_triangle(t);
-  for (Index e : reborn.edges) blocks.bear_edge(e);
-  return reborn;
+  for (auto* list : {&renewed.vertices, &renewed.triangles, &renewed.edges}) sort_unique(*list);
+  for (Index v : renewed.vertices) blocks.renew_vertex(v);
+  for (Index t : renewed.triangles) blocks.renew_triangle(t);
+  for (Index e : renewed.edges) blocks.renew_edge(e);
+  return renewed;
 }
 
-/// Pairs of features that live on. First what the added elements end: a pair may have come with the removal only.
-void OSet::Impl::apply_difference(const Topology& topology, const Change& change) {
-  OSetDifference difference(topology.features(), vertices, touch,
-                            change.added.empty() ? std::span<const std::uint8_t>() : added, runs_of_vertex);
-  TestBatch ended, come;
-  difference.run(change.added, ended);
-  for (const FeaturePair p : ended.vf) blocks.erase_vf(p.a, p.b);
-  for (const FeaturePair p : ended.ee) blocks.erase_ee(p.a, p.b);
-
-  difference.run(change.removed, come);
-  OSetBlocks::Writer vertex_rows(blocks, Rows::vertex), edge_rows(blocks, Rows::edge);
-  const auto write = [](OSetBlocks::Writer& rows, FeaturePair p) {
-    rows.begin_row(p.a);
-    rows.add(p.b);
-    rows.end_row();
-  };
-  for (const FeaturePair p : come.vf)
-    if (!blocks.erased_vf_now(p.a, p.b)) write(vertex_rows, p);
-  for (const FeaturePair p : come.ee)
-    if (!blocks.erased_ee_now(p.a, p.b)) write(edge_rows, p);
-  vertex_rows.flush();
-  edge_rows.flush();
-}
-
-/// All pairs of the features born in this epoch. A pair of two is written once: VF by its vertex, EE by its smaller
+/// Writes all pairs of the renewed features. A pair of two of them is written once: VF by its vertex, EE by its smaller
 /// edge.
-void OSet::Impl::find_anew(const Topology& topology, const Reborn& reborn) {
+void OSet::Impl::find_pairs(const Topology& topology, const Renewed& renewed) {
   OSetPartners partners(topology.features(), vertices, touch, covering);
   OSetBlocks::Writer vertex_rows(blocks, Rows::vertex), triangle_rows(blocks, Rows::triangle),
       edge_rows(blocks, Rows::edge);
-  for (Index v : reborn.vertices) {
+  for (Index v : renewed.vertices) {
     vertex_rows.begin_row(v);
     partners.triangles_of_vertex(literal(), v, OSetPartners::EveryTriangle{}, [&](Index f) { vertex_rows.add(f); });
     vertex_rows.end_row();
   }
-  for (Index f : reborn.triangles) {
+  for (Index f : renewed.triangles) {
     triangle_rows.begin_row(f);
     partners.vertices_of_triangle(
-        topology.mesh(), literal(), f, [&](Index v) { return !blocks.born_vertex(v); },
+        topology.mesh(), literal(), f, [&](Index v) { return !blocks.vertex_is_new(v); },
         [&](Index v) { triangle_rows.add(v); });
     triangle_rows.end_row();
   }
-  for (Index e : reborn.edges) {
+  for (Index e : renewed.edges) {
     edge_rows.begin_row(e);
     partners.edges_of_edge(
-        literal(), e, OSetPartners::EveryEdge{}, [&](Index e2) { return e2 > e || !blocks.born_edge(e2); },
+        literal(), e, OSetPartners::EveryEdge{}, [&](Index e2) { return e2 > e || !blocks.edge_is_new(e2); },
         [&](Index e2) { edge_rows.add(e2); });
     edge_rows.end_row();
   }
@@ -263,19 +190,19 @@ void OSet::Impl::find_anew(const Topology& topology, const Reborn& reborn) {
 
 void OSet::Impl::update(const Topology& topology, const std::vector<const TopologyChange*>& changes) {
   version = 0;  // as in build()
-  const Change change = take_over(topology.mesh(), changes);
+  std::vector<Index> slots;
+  for (const TopologyChange* change : changes) {
+    slots.insert(slots.end(), change->removed_elements.begin(), change->removed_elements.end());
+    slots.insert(slots.end(), change->added_elements.begin(), change->added_elements.end());
+  }
+  sort_unique(slots);
   // A build takes less for a feature.
-  const std::size_t changed = change.removed.size() + change.added.size();
-  if (changed > topology.mesh().element_count() / 4) return build(topology);
+  if (slots.size() > topology.mesh().element_count() / 4) return build(topology);
 
+  vertices.update(topology.mesh(), slots);
   blocks.next_epoch(topology.features());
   fit(topology);
-  const bool all = literal() || !change.simplices;
-  for (Index o : change.added_slots) added[o] = 1;
-  const Reborn reborn = bear(topology.features(), changes, all);
-  if (!all) apply_difference(topology, change);
-  for (Index o : change.added_slots) added[o] = 0;
-  find_anew(topology, reborn);
+  find_pairs(topology, renew(topology.features(), changes));
   blocks.compact_if_stale(topology.features());
   version = topology.version();
 }
@@ -307,7 +234,7 @@ OSetCounts OSet::counts() const {
 
 std::size_t OSet::bytes() const {
   return impl_->blocks.bytes() + impl_->vertices.bytes() + impl_->touch.bytes() +
-         (impl_->covering.capacity() + impl_->runs_of_vertex.capacity()) * sizeof(Index) + impl_->added.capacity();
+         impl_->covering.capacity() * sizeof(Index);
 }
 
 }  // namespace volccd

@@ -45,10 +45,9 @@ class OSet {
   /// them.
   void build(const Topology& topology);
 
-  /// Brings it up to the topology: the same set as build() gives. Builds at first, and if the topology's history does
-  /// not reach back. Otherwise takes amortised time proportional to the change: of the minimal set and changes of
-  /// tetrahedra and triangles, for what they touch and the pairs that come or go; else for all pairs with a feature
-  /// whose incident elements changed.
+  /// Updates the set after topology edits: the same set as build() gives. Builds at first, and if the topology's history
+  /// does not reach back. Otherwise the amortised cost is proportional to the number of pairs that contain a feature of a
+  /// changed element.
   void update(const Topology& topology);
 
   /// Topology::version() of the last build or update; 0 before.

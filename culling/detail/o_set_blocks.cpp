@@ -29,7 +29,7 @@ void OSetBlocks::settle() {
   blocks_.shrink_to_fit();
   sound_pairs_ = written_;
   sound_blocks_ = blocks_.size();
-  written_ = births_ = 0;
+  written_ = renewals_ = 0;
 }
 
 void OSetBlocks::next_epoch(const Features& features) {
@@ -56,11 +56,7 @@ bool OSetBlocks::holds(const Block& block, Index owner, Index partner) const {
   const bool ee = block.kind == Rows::edge;
   const Index a = ee ? std::min(owner, partner) : block.kind == Rows::vertex ? owner : partner;
   const Index b = ee ? std::max(owner, partner) : block.kind == Rows::vertex ? partner : owner;
-  const Life life_a = ee ? edges_[a] : vertices_[a], life_b = ee ? edges_[b] : triangles_[b];
-  if (birth(life_a) > block.epoch || birth(life_b) > block.epoch) return false;
-  if ((life_a & life_b & kErased) == 0) return true;
-  const Life epoch = erased(ee ? erased_ee_ : erased_vf_, a, b);
-  return epoch == kErased || epoch <= block.epoch;
+  return (ee ? edges_[a] : vertices_[a]) <= block.epoch && (ee ? edges_[b] : triangles_[b]) <= block.epoch;
 }
 
 void OSetBlocks::append(std::size_t block, TestBatch& out) const {
@@ -88,17 +84,14 @@ void OSetBlocks::count(std::size_t& vf, std::size_t& ee) const {
 std::size_t OSetBlocks::bytes() const {
   std::size_t bytes = blocks_.capacity() * sizeof(Block);
   for (const Block& block : blocks_) bytes += block.rows.capacity() * sizeof(Index);
-  for (const auto* lives : {&vertices_, &triangles_, &edges_}) bytes += lives->capacity() * sizeof(Life);
-  for (const Erased* pairs : {&erased_vf_, &erased_ee_})
-    bytes += pairs->size() * (sizeof(Erased::value_type) + 2 * sizeof(void*)) + pairs->bucket_count() * sizeof(void*);
+  for (const auto* epochs : {&vertices_, &triangles_, &edges_}) bytes += epochs->capacity() * sizeof(Epoch);
   return bytes;
 }
 
 void OSetBlocks::compact_if_stale(const Features& features) {
   const std::size_t live = std::size_t{features.vertex_count()} + features.triangle_count() + features.edge_count();
-  const bool stale = births_ > live / 4 + 1024;
-  // An erasure takes as much memory as some ten pairs.
-  const bool grown = written_ + 10 * (erased_vf_.size() + erased_ee_.size()) > sound_pairs_ / 4 + kBlockPairs;
+  const bool stale = renewals_ > live / 4 + 1024;
+  const bool grown = written_ > sound_pairs_ / 4 + kBlockPairs;
   const bool scattered = blocks_.size() > 2 * sound_blocks_ + 64;
   if (stale || grown || scattered) compact();
 }
@@ -124,9 +117,7 @@ void OSetBlocks::compact() {
   for (Writer& writer : writers) writer.flush();
   for (Block& block : blocks_) block.epoch = 0;
   epoch_ = 0;
-  for (auto* lives : {&vertices_, &triangles_, &edges_}) std::fill(lives->begin(), lives->end(), Life{0});
-  erased_vf_ = {};
-  erased_ee_ = {};
+  for (auto* epochs : {&vertices_, &triangles_, &edges_}) std::fill(epochs->begin(), epochs->end(), Epoch{0});
   settle();
 }
 

@@ -1,10 +1,8 @@
-// Where an O-Set keeps its pairs: a log of blocks, in which nothing is ever looked for.
+// Where an O-Set keeps its pairs: an append-only list of blocks; there is no random access.
 #pragma once
 
-#include <cassert>
 #include <cstddef>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include <volccd/culling/feature_culling.hpp>
@@ -13,10 +11,8 @@
 namespace volccd::detail {
 
 /// Pairs lie in rows {owner, n, partner 1 .. n}, rows in blocks, and each block has the epoch (number of the update) in
-/// which it was written. Old pairs become void in two ways, neither of which finds them:
-/// - a feature is born (anew) in an epoch: blocks of earlier epochs say nothing about it;
-/// - a single pair is erased in an epoch: blocks of earlier epochs do not hold it.
-/// When too much is void, everything is written afresh: amortised over the births and erasures.
+/// which it was written. When a feature is renewed in an epoch, its pairs in blocks of earlier epochs become void without
+/// being looked up. When too much is void, everything is written again: amortised over the renewals.
 class OSetBlocks {
  public:
   static constexpr std::size_t kBlockPairs = 4096;
@@ -33,19 +29,13 @@ class OSetBlocks {
   void next_epoch(const Features& features);
   void compact_if_stale(const Features& features);
 
-  void bear_vertex(Index v) { bear(vertices_, v); }
-  void bear_triangle(Index f) { bear(triangles_, f); }
-  void bear_edge(Index e) { bear(edges_, e); }
+  /// All pairs of the feature that earlier epochs wrote become void.
+  void renew_vertex(Index v) { renew(vertices_, v); }
+  void renew_triangle(Index f) { renew(triangles_, f); }
+  void renew_edge(Index e) { renew(edges_, e); }
   /// In this epoch.
-  bool born_vertex(Index v) const { return birth(vertices_[v]) == epoch_; }
-  bool born_triangle(Index f) const { return birth(triangles_[f]) == epoch_; }
-  bool born_edge(Index e) const { return birth(edges_[e]) == epoch_; }
-
-  /// The pair need not be there.
-  void erase_vf(Index v, Index f) { erase(vertices_, triangles_, erased_vf_, v, f); }
-  void erase_ee(Index a, Index b) { erase(edges_, edges_, erased_ee_, std::min(a, b), std::max(a, b)); }
-  bool erased_vf_now(Index v, Index f) const { return erased(erased_vf_, v, f) == epoch_; }
-  bool erased_ee_now(Index a, Index b) const { return erased(erased_ee_, std::min(a, b), std::max(a, b)) == epoch_; }
+  bool vertex_is_new(Index v) const { return vertices_[v] == epoch_; }
+  bool edge_is_new(Index e) const { return edges_[e] == epoch_; }
 
   std::size_t size() const { return blocks_.size(); }
   void append(std::size_t block, TestBatch& out) const;
@@ -54,34 +44,19 @@ class OSetBlocks {
   std::size_t bytes() const;
 
  private:
-  /// The lower bits: epoch of birth; the upper one: some pair of the feature was erased since the last compaction.
-  using Life = std::uint16_t;
-  using Erased = std::unordered_map<std::uint64_t, Life>;
-  static constexpr Life kErased = 0x8000;
-  static constexpr Life kLastEpoch = 0x7fff;
+  using Epoch = std::uint16_t;
+  static constexpr Epoch kLastEpoch = 0xffff;
 
   struct Block {
     std::vector<Index> rows;
     std::uint32_t pairs = 0;
-    Life epoch = 0;
+    Epoch epoch = 0;
     Rows kind = Rows::vertex;
   };
 
-  static Life birth(Life life) { return life & kLastEpoch; }
-  static std::uint64_t key(Index a, Index b) { return std::uint64_t{a} << 32 | b; }
-  /// Epoch in which the pair was erased last, or kErased.
-  static Life erased(const Erased& pairs, Index a, Index b) {
-    const auto found = pairs.find(key(a, b));
-    return found == pairs.end() ? kErased : found->second;
-  }
-  void bear(std::vector<Life>& lives, Index slot) {
-    births_ += birth(lives[slot]) != epoch_;
-    lives[slot] = static_cast<Life>((lives[slot] & kErased) | epoch_);
-  }
-  void erase(std::vector<Life>& lives_a, std::vector<Life>& lives_b, Erased& pairs, Index a, Index b) {
-    lives_a[a] |= kErased;
-    lives_b[b] |= kErased;
-    pairs[key(a, b)] = epoch_;
+  void renew(std::vector<Epoch>& epochs, Index slot) {
+    renewals_ += epochs[slot] != epoch_;
+    epochs[slot] = epoch_;
   }
   template <class Visit>
   void visit(const Block& block, Visit&& pair) const;
@@ -89,11 +64,10 @@ class OSetBlocks {
   void compact();
 
   std::vector<Block> blocks_;
-  std::vector<Life> vertices_, triangles_, edges_;  ///< by slot
-  Erased erased_vf_, erased_ee_;                    ///< (vertex, triangle); (smaller edge, larger edge)
-  Life epoch_ = 0;
+  std::vector<Epoch> vertices_, triangles_, edges_;  ///< by slot: when the feature was renewed last
+  Epoch epoch_ = 0;
   std::size_t written_ = 0;       ///< pairs, since the last compaction
-  std::size_t births_ = 0;        ///< likewise
+  std::size_t renewals_ = 0;      ///< likewise
   std::size_t sound_pairs_ = 0;   ///< after the last compaction
   std::size_t sound_blocks_ = 0;  ///< likewise
 };

@@ -15,7 +15,6 @@ void ElementVertices::build(const Mesh& mesh) {
   for (Index o = 0; o < mesh.element_slots(); ++o) most = std::max(most, mesh.vertices(o).size());
   stride_ = most <= 4 ? 4 : kBlock;
   ids_.assign(std::size_t{mesh.element_slots()} * stride_, kNone);
-  simplex_.assign(mesh.element_slots(), 0);
   large_.clear(most > kBlock ? mesh.element_slots() : 0, 0);
   for (Index o = 0; o < mesh.element_slots(); ++o) store(mesh, o);
 }
@@ -25,7 +24,6 @@ void ElementVertices::update(const Mesh& mesh, std::span<const Index> slots) {
   for (Index o : slots) most = std::max(most, mesh.vertices(o).size());
   if (most > stride_ && (stride_ < kBlock || large_.size() == 0)) return build(mesh);
   ids_.resize(std::size_t{mesh.element_slots()} * stride_, kNone);
-  simplex_.resize(mesh.element_slots(), 0);
   if (large_.size() != 0) large_.extend(mesh.element_slots());
   for (Index o : slots) store(mesh, o);
   large_.compact_if_sparse();
@@ -36,7 +34,6 @@ void ElementVertices::store(const Mesh& mesh, Index o) {
   Index* const block = ids_.data() + std::size_t{o} * stride_;
   const std::size_t held = std::min<std::size_t>(vertices.size(), stride_);
   std::fill(std::copy_n(vertices.begin(), held, block), block + stride_, vertices.empty() ? kNone : vertices[0]);
-  simplex_[o] = mesh.type(o) == ElementType::tetrahedron || mesh.type(o) == ElementType::triangle;
   if (large_.size() == 0) return;
   if (vertices.size() > kBlock) {
     large_.assign(o, vertices);

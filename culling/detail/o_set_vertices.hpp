@@ -1,6 +1,7 @@
 // The vertices of all elements in one array, for the random access of O-Set building.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -10,8 +11,6 @@
 
 namespace volccd::detail {
 
-/// Remembers the vertices of elements that were removed, until it is told to forget: what has become of pairs depends
-/// on what the removed elements touched, and the mesh knows that no more.
 class ElementVertices {
  public:
   void build(const Mesh& mesh);
@@ -24,20 +23,13 @@ class ElementVertices {
     return {ids_.data() + std::size_t{o} * stride_, stride_};
   }
 
-  /// Whether there is an element in the slot, as of the last build or update.
-  bool holds(Index o) const { return o < simplex_.size() && ids_[std::size_t{o} * stride_] != kNone; }
-
-  /// Whether every two of its vertices are an edge, and every three a triangle.
-  bool simplex(Index o) const { return simplex_[o] != 0; }
-
-  std::size_t bytes() const { return ids_.capacity() * sizeof(Index) + simplex_.capacity() + large_.bytes(); }
+  std::size_t bytes() const { return ids_.capacity() * sizeof(Index) + large_.bytes(); }
 
  private:
   void store(const Mesh& mesh, Index o);
 
   std::uint32_t stride_ = 4;  ///< 4 or 8; short elements repeat their first vertex
   std::vector<Index> ids_;
-  std::vector<std::uint8_t> simplex_;
   IncidencePool large_;  ///< vertices of elements with more than 8; no lists if there are none
 };
 

@@ -456,23 +456,22 @@ TEST_F(OSetBlocksTest, LongRowsGoOn) {
   EXPECT_EQ(blocks_.size(), 4u) << "empty rows leave nothing";
 }
 
-TEST_F(OSetBlocksTest, BirthsAndErasuresVoidWhatWasBefore) {
+TEST_F(OSetBlocksTest, RenewalsVoidEarlierPairs) {
   write(Rows::vertex, 1, 10, 13);
   write(Rows::triangle, 20, 2, 4);
   write(Rows::edge, 5, 3, 5);
   blocks_.settle();
   blocks_.next_epoch(features());
-  blocks_.bear_triangle(11);
-  blocks_.bear_vertex(2);
-  blocks_.erase_vf(1, 10);
-  blocks_.erase_ee(5, 4);
-  EXPECT_TRUE(blocks_.born_triangle(11) && !blocks_.born_triangle(10) && blocks_.born_vertex(2));
-  EXPECT_TRUE(blocks_.erased_ee_now(4, 5) && !blocks_.erased_ee_now(3, 5) && blocks_.erased_vf_now(1, 10));
-  EXPECT_EQ(pairs(FeatureKind::vf), (std::set<std::pair<Index, Index>>{{1, 12}, {3, 20}}));
+  blocks_.renew_triangle(11);
+  blocks_.renew_vertex(2);
+  blocks_.renew_edge(4);
+  EXPECT_TRUE(blocks_.vertex_is_new(2) && !blocks_.vertex_is_new(1));
+  EXPECT_TRUE(blocks_.edge_is_new(4) && !blocks_.edge_is_new(5));
+  EXPECT_EQ(pairs(FeatureKind::vf), (std::set<std::pair<Index, Index>>{{1, 10}, {1, 12}, {3, 20}}));
   EXPECT_EQ(pairs(FeatureKind::ee), (std::set<std::pair<Index, Index>>{{3, 5}}));
   blocks_.next_epoch(features());
-  EXPECT_FALSE(blocks_.born_vertex(2));
-  write(Rows::vertex, 1, 10, 12);
+  EXPECT_FALSE(blocks_.vertex_is_new(2));
+  write(Rows::vertex, 1, 11, 12);
   write(Rows::edge, 5, 4, 5);
   const std::set<std::pair<Index, Index>> vf{{1, 10}, {1, 11}, {1, 12}, {3, 20}}, ee{{3, 5}, {4, 5}};
   EXPECT_EQ(pairs(FeatureKind::vf), vf);
@@ -483,22 +482,21 @@ TEST_F(OSetBlocksTest, BirthsAndErasuresVoidWhatWasBefore) {
   EXPECT_EQ(ee_count, ee.size());
 }
 
-/// Epochs are numbered with 15 bits.
+/// Epochs are numbered with 16 bits.
 TEST_F(OSetBlocksTest, EpochsNeverRunOut) {
   write(Rows::vertex, 1, 10, 12);
   blocks_.settle();
   blocks_.next_epoch(features());
-  blocks_.bear_triangle(11);
+  blocks_.renew_triangle(11);
   write(Rows::triangle, 11, 3, 4);
-  for (int i = 0; i < 40'000; ++i) blocks_.next_epoch(features());
+  for (int i = 0; i < 70'000; ++i) blocks_.next_epoch(features());
   EXPECT_EQ(pairs(FeatureKind::vf), (std::set<std::pair<Index, Index>>{{1, 10}, {3, 11}}));
-  EXPECT_FALSE(blocks_.born_triangle(11));
-  blocks_.bear_vertex(1);
-  EXPECT_TRUE(blocks_.born_vertex(1));
+  blocks_.renew_vertex(1);
+  EXPECT_TRUE(blocks_.vertex_is_new(1));
   write(Rows::vertex, 1, 12, 13);
-  for (int i = 0; i < 30'000; ++i) blocks_.next_epoch(features());
+  for (int i = 0; i < 70'000; ++i) blocks_.next_epoch(features());
   EXPECT_EQ(pairs(FeatureKind::vf), (std::set<std::pair<Index, Index>>{{1, 12}, {3, 11}}));
-  blocks_.bear_vertex(1);
+  blocks_.renew_vertex(1);
   EXPECT_EQ(pairs(FeatureKind::vf), (std::set<std::pair<Index, Index>>{{3, 11}}));
 }
 
