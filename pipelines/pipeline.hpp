@@ -69,7 +69,8 @@ class Pipeline {
   /// workspace was not made by this pipeline, or if a thread's floating-point environment is not the standard one
   /// (core/floating_point.hpp); InputError if motion and mesh differ in their number of vertices. After any exception
   /// the workspace is as good as a new one, and the result is unspecified. Once the workspace has grown to the scene, a
-  /// step on an unchanged topology allocates nothing but what the result's vectors need.
+  /// step on an unchanged topology allocates nothing but what the result's vectors need, and what tests need that exact
+  /// arithmetic decides.
   void run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result,
            const Request& request = {}) const;
 
