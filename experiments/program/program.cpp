@@ -1,6 +1,7 @@
 #include <volccd/experiments/program/program.hpp>
 
 #include <cerrno>
+#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <exception>
@@ -41,6 +42,7 @@ bool flush_output() {
 int program(int argc, const char* const* argv, const Registry& registry) {
   turn_off_hdf5_messages();
   CLI::App app("Continuous collision detection between deforming volume meshes: what touches what, and when.", "volccd");
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error like a full disk, not the end of the process
   app.set_version_flag("--version", fmt::format("volccd {} ({})", build_facts().version, build_facts().commit));
   app.require_subcommand(1);
   app.footer(

@@ -26,7 +26,6 @@ del sys.argv[1:3]
 def run(*arguments, program=VOLCCD, env=None, disk=None):
     """`disk`: no file can grow beyond so many bytes, as on a full disk."""
     def limit():
-        signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
         resource.setrlimit(resource.RLIMIT_FSIZE, (disk, disk))
     return subprocess.run([program, *arguments], capture_output=True, text=True, env={**os.environ, **(env or {})},
                           check=False, preexec_fn=limit if disk is not None else None)
