@@ -42,7 +42,8 @@ class Inclusion final : public NarrowPhase {
     Undecided undecided = Undecided::report;
     int most_parts = 1000;  ///< of a test that the search looks at
     /// Bits that the coordinates of a test may span (coordinate_bits()) for `exact` to decide what the search leaves open
-    /// for too long. It takes 0.3 s at most for 1024 bits, seconds for the range of all doubles. Ordinary data: 53 to 150.
+    /// for too long. Costs: docs/narrowphase_exact.md; a third of a second was the longest seen up to 1024 bits, seconds
+    /// over the range of all doubles. Ordinary data: 53 to 150.
     /// `undecided=exact` knows no such limit.
     int exact_bits = 1024;
   };

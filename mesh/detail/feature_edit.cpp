@@ -6,13 +6,13 @@
 
 namespace volccd::detail {
 
-std::vector<Index> IncidenceEdit::dead() {
-  std::vector<Index> dead;
+std::vector<Index> IncidenceEdit::emptied() {
+  std::vector<Index> emptied;
   gone_.sort();
   gone_.group([&](Index i, std::span<const Index> elements) {
-    (elements.size() == lists_[i].size() ? dead : survived_).push_back(i);
+    (elements.size() == lists_[i].size() ? emptied : survived_).push_back(i);
   });
-  return dead;
+  return emptied;
 }
 
 std::vector<Index> IncidenceEdit::make_room(std::size_t features) {
@@ -30,12 +30,13 @@ std::vector<Index> IncidenceEdit::make_room(std::size_t features) {
   return touched;
 }
 
-std::vector<Index> IncidenceEdit::born(std::span<const Index> dead) const {
-  std::vector<Index> born;
+std::vector<Index> IncidenceEdit::inserted(std::span<const Index> emptied) const {
+  std::vector<Index> inserted;
   come_.group([&](Index i, std::span<const Index>) {
-    if (i >= lists_.size() || lists_[i].empty() || std::binary_search(dead.begin(), dead.end(), i)) born.push_back(i);
+    if (i >= lists_.size() || lists_[i].empty() || std::binary_search(emptied.begin(), emptied.end(), i))
+      inserted.push_back(i);
   });
-  return born;
+  return inserted;
 }
 
 void IncidenceEdit::commit(std::size_t features) noexcept {
@@ -46,20 +47,20 @@ void IncidenceEdit::commit(std::size_t features) noexcept {
 }
 
 template <std::size_t N>
-void TupleEdit<N>::erase(std::vector<Index> dead) {
-  dead_ = std::move(dead);
-  reserve_more(free_, dead_.size());
-  for (const Index i : dead_) {
+void TupleEdit<N>::erase(std::vector<Index> slots) {
+  erased_slots_ = std::move(slots);
+  reserve_more(free_, erased_slots_.size());
+  for (const Index i : erased_slots_) {
     table_.erase(i, tuples_);
     free_.push_back(i);
-    ++erased_;
+    ++erased_count_;
   }
 }
 
 template <std::size_t N>
 Index TupleEdit<N>::insert(const Tuple& key) {
   // All that may fail comes first.
-  reserve_more(born_, 1);
+  reserve_more(inserted_slots_, 1);
   reserve_more(replaced_, 1);
   if (free_.empty()) reserve_more(tuples_, 1);
   const Index fresh = free_.empty() ? static_cast<Index>(tuples_.size()) : free_.back();
@@ -72,25 +73,25 @@ Index TupleEdit<N>::insert(const Tuple& key) {
     free_.pop_back();
     tuples_[slot] = key;
   }
-  born_.push_back(slot);
+  inserted_slots_.push_back(slot);
   return slot;
 }
 
 /// Needs no memory: the table and the free list have been as large before.
 template <std::size_t N>
 void TupleEdit<N>::undo() noexcept {
-  for (std::size_t i = born_.size(); i-- > 0;) {
-    table_.erase(born_[i], tuples_);
+  for (std::size_t i = inserted_slots_.size(); i-- > 0;) {
+    table_.erase(inserted_slots_[i], tuples_);
     if (i >= replaced_.size()) {
       tuples_.pop_back();
     } else {
-      tuples_[born_[i]] = replaced_[i];
-      free_.push_back(born_[i]);
+      tuples_[inserted_slots_[i]] = replaced_[i];
+      free_.push_back(inserted_slots_[i]);
     }
   }
-  for (std::size_t i = erased_; i-- > 0;) {
+  for (std::size_t i = erased_count_; i-- > 0;) {
     free_.pop_back();
-    table_.find_or_insert(tuples_[dead_[i]], dead_[i], tuples_);
+    table_.find_or_insert(tuples_[erased_slots_[i]], erased_slots_[i], tuples_);
   }
 }
 
@@ -98,7 +99,7 @@ template <std::size_t N>
 void FeatureEdit::Kind<N>::remove(std::span<const Index> elements) {
   for (const Index o : elements)
     for (const Index i : of_element[o]) lists.remove(i, o);
-  tuples.erase(lists.dead());
+  tuples.erase(lists.emptied());
 }
 
 template <std::size_t N>
@@ -108,10 +109,10 @@ void FeatureEdit::Kind<N>::add(Index element, const std::array<Index, N>& key) {
 }
 
 template <std::size_t N>
-void FeatureEdit::Kind<N>::make_room(std::span<const Index> slots, Index elements, std::vector<Index>& died,
+void FeatureEdit::Kind<N>::make_room(std::span<const Index> slots, Index elements, std::vector<Index>& removed,
                                      std::vector<Index>& added, std::vector<Index>& touched) {
-  died = tuples.dead();
-  added = tuples.born();
+  removed = tuples.erased();
+  added = tuples.inserted();
   std::sort(added.begin(), added.end());
   touched = lists.make_room(tuples.slots());
   std::size_t entries = 0;
@@ -149,7 +150,7 @@ FeatureEdit::FeatureEdit(Features& features, const Mesh& mesh, std::span<const I
                  features.element_triangles_) {
   for (const Index o : removed)
     for (const Index v : mesh.vertices(o)) vertex_lists_.remove(v, o);
-  change.removed_vertices = vertex_lists_.dead();
+  change.removed_vertices = vertex_lists_.emptied();
   edges_.remove(removed);
   triangles_.remove(removed);
 
@@ -168,7 +169,7 @@ FeatureEdit::FeatureEdit(Features& features, const Mesh& mesh, std::span<const I
     triangles_.ends.push_back(triangles_.of_added.size());
   }
   change.touched_vertices = vertex_lists_.make_room(vertices);
-  change.added_vertices = vertex_lists_.born(change.removed_vertices);
+  change.added_vertices = vertex_lists_.inserted(change.removed_vertices);
   edges_.make_room(slots_, elements, change.removed_edges, change.added_edges, change.touched_edges);
   triangles_.make_room(slots_, elements, change.removed_triangles, change.added_triangles, change.touched_triangles);
   live_vertices_ = features.live_vertices_ - static_cast<Index>(change.removed_vertices.size()) +

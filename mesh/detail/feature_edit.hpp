@@ -21,12 +21,12 @@ class IncidenceEdit {
   void add(Index feature, Index element) { come_.add(feature, element); }
 
   /// After all remove(): the features that lose all of their elements, ascending.
-  std::vector<Index> dead();
-  /// After all add(): makes room for them, in `features` lists. Returns the features that live and whose elements
+  std::vector<Index> emptied();
+  /// After all add(): makes room for them, in `features` lists. Returns the remaining and new features whose elements
   /// change, ascending.
   std::vector<Index> make_room(std::size_t features);
-  /// Features that add() named and that had no element, or lose all of them (`dead`); ascending. After make_room().
-  std::vector<Index> born(std::span<const Index> dead) const;
+  /// Features that add() named and that had no element, or lose all of them (`emptied`); ascending. After make_room().
+  std::vector<Index> inserted(std::span<const Index> emptied) const;
 
   void commit(std::size_t features) noexcept;
 
@@ -51,15 +51,15 @@ class TupleEdit {
   TupleEdit(const TupleEdit&) = delete;
   TupleEdit& operator=(const TupleEdit&) = delete;
 
-  /// Once, before all insert(). The features die, and their slots are free.
-  void erase(std::vector<Index> dead);
+  /// Once, before all insert(). The slots of these features become free.
+  void erase(std::vector<Index> slots);
   /// Slot of the feature with these vertices; a new one if there is none.
   Index insert(const Tuple& key);
 
   std::size_t slots() const { return tuples_.size(); }
-  const std::vector<Index>& dead() const { return dead_; }
+  const std::vector<Index>& erased() const { return erased_slots_; }
   /// In the order in which they were inserted.
-  const std::vector<Index>& born() const { return born_; }
+  const std::vector<Index>& inserted() const { return inserted_slots_; }
   void keep() noexcept { kept_ = true; }
 
  private:
@@ -68,9 +68,9 @@ class TupleEdit {
   std::vector<Tuple>& tuples_;
   TupleTable<N>& table_;
   std::vector<Index>& free_;
-  std::vector<Index> dead_, born_;
-  std::vector<Tuple> replaced_;  ///< what stood in the slots of the first of born_: those that were free
-  std::size_t erased_ = 0;
+  std::vector<Index> erased_slots_, inserted_slots_;
+  std::vector<Tuple> replaced_;  ///< what stood in the slots of the first of inserted_slots_: those that were free
+  std::size_t erased_count_ = 0;
   bool kept_ = false;
 };
 
@@ -98,7 +98,7 @@ class FeatureEdit {
 
     void remove(std::span<const Index> elements);
     void add(Index element, const std::array<Index, N>& key);
-    void make_room(std::span<const Index> slots, Index elements, std::vector<Index>& died, std::vector<Index>& added,
+    void make_room(std::span<const Index> slots, Index elements, std::vector<Index>& removed, std::vector<Index>& added,
                    std::vector<Index>& touched);
     void commit(std::span<const Index> removed, std::span<const Index> slots, Index elements) noexcept;
 
