@@ -7,7 +7,7 @@
 #include <volccd/core/executor.hpp>
 #include <volccd/core/function_ref.hpp>
 #include <volccd/core/stage.hpp>
-#include <volccd/mesh/step.hpp>
+#include <volccd/query/step.hpp>
 
 namespace volccd {
 

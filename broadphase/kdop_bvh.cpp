@@ -5,8 +5,8 @@
 #include <volccd/broadphase/detail/kdop_option.hpp>
 #include <volccd/broadphase/detail/kdop_tree.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
-#include <volccd/mesh/topology_watch.hpp>
 #include <volccd/broadphase/detail/tree_kernels.hpp>
+#include <volccd/mesh/topology_watch.hpp>
 
 namespace volccd {
 

@@ -7,7 +7,7 @@
 
 namespace volccd {
 
-/// Binary tree over the elements, bounds of float k-DOPs rounded outward (axes in mesh/kdop.hpp). Emits the pairs of
+/// Binary tree over the elements, bounds of float k-DOPs rounded outward (axes in query/kdop.hpp). Emits the pairs of
 /// elements whose swept k-DOPs, widened by half of the separation on each side, overlap; `spatial-hash` with the same k
 /// emits the same pairs.
 ///

@@ -22,7 +22,7 @@ namespace volccd {
 class SpatialHash final : public BroadPhase {
  public:
   struct Config {
-    int k = 16;              ///< of the final test; 6 for boxes only. ConfigError for others than mesh/kdop.hpp has
+    int k = 16;              ///< of the final test; 6 for boxes only. ConfigError for others than query/kdop.hpp has
     double cell_size = 1.0;  ///< in median extents of swept boxes, 0.05 .. 100
   };
   static const Options<Config>& options();

@@ -1,7 +1,7 @@
 # Target header_check: each public header of the library, alone in a source file, through the compiler's front end. Not part
 # of `all`; `scripts/test` without --quick builds it.
 set(stubs)
-foreach(module core mesh mesh/sequence broadphase culling narrowphase pipelines)
+foreach(module core mesh query mesh/sequence broadphase culling narrowphase pipelines)
   file(GLOB headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${module}/*.hpp")
   foreach(header IN LISTS headers)
     file(RELATIVE_PATH path "${PROJECT_SOURCE_DIR}" "${header}")

@@ -4,8 +4,8 @@
 
 #include <volccd/culling/detail/masked_features.hpp>
 #include <volccd/culling/detail/orphans.hpp>
-#include <volccd/mesh/feature_block.hpp>
 #include <volccd/mesh/topology_watch.hpp>
+#include <volccd/query/test_block.hpp>
 
 namespace volccd {
 

@@ -42,7 +42,7 @@ struct Determinant {
 /// Bound, over the whole step, of the area that turns a distance into a determinant: the product of the lengths of two
 /// sides of the triangle (VF), of both edges (EE).
 template <int kControlPoints>
-HWY_INLINE Lanes greatest_area(const FeatureBlock& block, std::size_t i) {
+HWY_INLINE Lanes greatest_area(const TestBlock& block, std::size_t i) {
   const bool vf = block.kind() == FeatureKind::vf;
   Lanes first = hn::Zero(Tag()), second = first;
   for (int c = 0; c < kControlPoints; ++c) {
@@ -72,7 +72,7 @@ struct ErrorBound {
 };
 
 template <int kControlPoints>
-HWY_INLINE LaneMask never_coplanar(const FeatureBlock& block, double separation, const Part& part, std::size_t i) {
+HWY_INLINE LaneMask never_coplanar(const TestBlock& block, double separation, const Part& part, std::size_t i) {
   using Polynomial = Determinant<kControlPoints>;
   const Differences<kControlPoints> e(block, part, i);
   ErrorBound error(e.extent, determinant_error_factor(kControlPoints, part.levels));
@@ -92,12 +92,12 @@ HWY_INLINE LaneMask never_coplanar(const FeatureBlock& block, double separation,
 }
 
 template <int kControlPoints>
-void filter_block(const FeatureBlock& block, double separation, const Part& part, std::span<std::uint8_t> keep) {
+void filter_block(const TestBlock& block, double separation, const Part& part, std::span<std::uint8_t> keep) {
   for (std::size_t i = 0; i < block.size(); i += hn::Lanes(Tag()))
     drop(never_coplanar<kControlPoints>(block, separation, part, i), i, keep);
 }
 
-void coplanarity(const FeatureBlock& block, double separation, double t_max, std::span<std::uint8_t> keep) {
+void coplanarity(const TestBlock& block, double separation, double t_max, std::span<std::uint8_t> keep) {
   const Part part(t_max, block.control_points());
   if (block.control_points() == 2) filter_block<2>(block, separation, part, keep);
   if (block.control_points() == 3) filter_block<3>(block, separation, part, keep);
@@ -117,7 +117,7 @@ const Options<CoplanarityFilter::Config>& CoplanarityFilter::options() {
   return options;
 }
 
-void CoplanarityFilter::filter(const Step& step, const FeatureBlock& block, std::span<std::uint8_t> keep) const {
+void CoplanarityFilter::filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const {
   using namespace detail;
   HWY_DYNAMIC_DISPATCH(coplanarity)(block, step.separation, step.t_max, keep);
 }

@@ -15,7 +15,7 @@ namespace volccd {
 /// test.
 ///
 /// Guarantee: conservative in floating point for any finite coordinates: a coefficient's sign counts beyond its
-/// rounding bound only (mesh/rounding.hpp). For step.t_max < 1 the polynomial over [0, t_max] is taken.
+/// rounding bound only (query/rounding.hpp). For step.t_max < 1 the polynomial over [0, t_max] is taken.
 class CoplanarityFilter final : public FeatureFilter {
  public:
   struct Config {};
@@ -23,7 +23,7 @@ class CoplanarityFilter final : public FeatureFilter {
 
   explicit CoplanarityFilter(const Config&) {}
 
-  void filter(const Step& step, const FeatureBlock& block, std::span<std::uint8_t> keep) const override;
+  void filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const override;
 };
 
 StageDescriptor<FeatureFilter> describe_coplanarity_filter();

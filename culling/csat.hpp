@@ -26,7 +26,7 @@ enum class CsatMode {
 /// through the step, for straight and for curved trajectories alike (Theorem 1 for two control points).
 ///
 /// Guarantee: conservative in floating point, for any finite coordinates. A sign counts only beyond its rounding bound
-/// (mesh/rounding.hpp), with step.separation = d > 0 only beyond d |L|; overflow counts as not separated. For
+/// (query/rounding.hpp), with step.separation = d > 0 only beyond d |L|; overflow counts as not separated. For
 /// step.t_max < 1 the control points of the motion over [0, t_max] are taken.
 ///
 /// Features mode drops a pair when no test of it is left: all vertices of a and of b and all edges of a (or of b)

@@ -14,7 +14,7 @@ namespace volccd::detail::HWY_NAMESPACE {
 template <FeatureKind kKind, int kControlPoints>
 class SeparatingAxes {
  public:
-  HWY_INLINE SeparatingAxes(const FeatureBlock& block, double separation, const Part& part, std::size_t i)
+  HWY_INLINE SeparatingAxes(const TestBlock& block, double separation, const Part& part, std::size_t i)
       : e_(block, part, i), factor_(gap_error_factor(part.levels)), separation_(separation) {
     extent_ = max(max(e_.extent[0], e_.extent[1]), e_.extent[2]);
   }
@@ -57,7 +57,7 @@ class SeparatingAxes {
 };
 
 template <FeatureKind kKind, int kControlPoints>
-HWY_INLINE LaneMask separated(const FeatureBlock& block, double separation, const Part& part, CsatFilterAxes axes,
+HWY_INLINE LaneMask separated(const TestBlock& block, double separation, const Part& part, CsatFilterAxes axes,
                               std::size_t i) {
   const SeparatingAxes<kKind, kControlPoints> s(block, separation, part, i);
   const Lanes3 n = s.normal(0);
@@ -73,13 +73,13 @@ HWY_INLINE LaneMask separated(const FeatureBlock& block, double separation, cons
 }
 
 template <FeatureKind kKind, int kControlPoints>
-void filter_block(const FeatureBlock& block, double separation, const Part& part, CsatFilterAxes axes,
+void filter_block(const TestBlock& block, double separation, const Part& part, CsatFilterAxes axes,
                   std::span<std::uint8_t> keep) {
   for (std::size_t i = 0; i < block.size(); i += hn::Lanes(Tag()))
     drop(separated<kKind, kControlPoints>(block, separation, part, axes, i), i, keep);
 }
 
-void csat_features(const FeatureBlock& block, double separation, double t_max, CsatFilterAxes axes,
+void csat_features(const TestBlock& block, double separation, double t_max, CsatFilterAxes axes,
                    std::span<std::uint8_t> keep) {
   const Part part(t_max, block.control_points());
   const bool vf = block.kind() == FeatureKind::vf;
@@ -109,7 +109,7 @@ const Options<CsatFilter::Config>& CsatFilter::options() {
   return options;
 }
 
-void CsatFilter::filter(const Step& step, const FeatureBlock& block, std::span<std::uint8_t> keep) const {
+void CsatFilter::filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const {
   using namespace detail;
   HWY_DYNAMIC_DISPATCH(csat_features)(block, step.separation, step.t_max, config_.axes, keep);
 }

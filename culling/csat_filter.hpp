@@ -18,7 +18,7 @@ enum class CsatFilterAxes {
 /// point, n0 being rounded: all are computed here, relative to the first vertex (6 a test for two control points).
 ///
 /// Guarantee: conservative in floating point for any finite coordinates: a gap counts beyond its rounding bound only
-/// (mesh/rounding.hpp). For step.t_max < 1 the motion over [0, t_max] is tested.
+/// (query/rounding.hpp). For step.t_max < 1 the motion over [0, t_max] is tested.
 class CsatFilter final : public FeatureFilter {
  public:
   struct Config {
@@ -28,7 +28,7 @@ class CsatFilter final : public FeatureFilter {
 
   explicit CsatFilter(const Config& config) : config_(config) {}
 
-  void filter(const Step& step, const FeatureBlock& block, std::span<std::uint8_t> keep) const override;
+  void filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const override;
 
  private:
   Config config_;

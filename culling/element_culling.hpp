@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <volccd/core/stage.hpp>
-#include <volccd/mesh/step.hpp>
+#include <volccd/query/step.hpp>
 
 namespace volccd {
 

@@ -8,7 +8,7 @@
 
 #include <volccd/core/stage.hpp>
 #include <volccd/culling/element_culling.hpp>
-#include <volccd/mesh/step.hpp>
+#include <volccd/query/step.hpp>
 
 namespace volccd {
 

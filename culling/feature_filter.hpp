@@ -5,7 +5,7 @@
 #include <span>
 
 #include <volccd/core/stage.hpp>
-#include <volccd/mesh/feature_block.hpp>
+#include <volccd/query/test_block.hpp>
 
 namespace volccd {
 
@@ -17,7 +17,7 @@ class FeatureFilter {
   /// Sets keep[i] to 0 for tests of the block that do not touch (come within step.separation) during [0, step.t_max];
   /// leaves it alone otherwise. keep.size() == block.padded_size(), multiples of 8, so that kernels need no tail; entries
   /// from block.size() on are of no account.
-  virtual void filter(const Step& step, const FeatureBlock& block, std::span<std::uint8_t> keep) const = 0;
+  virtual void filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const = 0;
 };
 
 }  // namespace volccd

@@ -4,7 +4,7 @@
 #include <array>
 #include <utility>
 
-#include <volccd/mesh/kdop.hpp>
+#include <volccd/query/kdop.hpp>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/feature_kdop_filter.cpp"
@@ -27,7 +27,7 @@ HWY_INLINE Lanes along(const Lanes3& p) {
 template <int kControlPoints>
 class Bounds {
  public:
-  HWY_INLINE Bounds(const FeatureBlock& block, double separation, const Part& part, bool swept, std::size_t i)
+  HWY_INLINE Bounds(const TestBlock& block, double separation, const Part& part, bool swept, std::size_t i)
       : vf_(block.kind() == FeatureKind::vf),
         separation_(separation * kLengthSlack),
         swept_(swept),
@@ -112,7 +112,7 @@ HWY_INLINE LaneMask apart(const Bounds<kControlPoints>& bounds, unsigned axes, s
 }
 
 struct Job {
-  const FeatureBlock& block;
+  const TestBlock& block;
   double separation;
   Part part;
   bool swept;
@@ -128,7 +128,7 @@ void filter_block(const Job& job) {
   }
 }
 
-void feature_kdop(const FeatureBlock& block, double separation, double t_max, unsigned axes, KdopBounds bounds,
+void feature_kdop(const TestBlock& block, double separation, double t_max, unsigned axes, KdopBounds bounds,
                   std::span<std::uint8_t> keep) {
   const Job job{block, separation, Part(t_max, block.control_points()), bounds == KdopBounds::swept, axes, keep};
   if (block.control_points() == 2) filter_block<2>(job);
@@ -186,7 +186,7 @@ const Options<FeatureKdopFilter::Config>& FeatureKdopFilter::options() {
   return options;
 }
 
-void FeatureKdopFilter::filter(const Step& step, const FeatureBlock& block, std::span<std::uint8_t> keep) const {
+void FeatureKdopFilter::filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const {
   using namespace detail;
   HWY_DYNAMIC_DISPATCH(feature_kdop)(block, step.separation, step.t_max, axes_of(config_.k), config_.bounds, keep);
 }

@@ -1,4 +1,4 @@
-// Feature filter: bounds of the two features along the fixed axes of a k-DOP (mesh/kdop.hpp).
+// Feature filter: bounds of the two features along the fixed axes of a k-DOP (query/kdop.hpp).
 #pragma once
 
 #include <volccd/culling/feature_filter.hpp>
@@ -13,7 +13,7 @@ enum class KdopBounds {
 /// Drops a test when some axis keeps the features apart by more than step.separation.
 ///
 /// Guarantee: conservative in floating point for any finite coordinates. Along axes of one or two terms comparisons are
-/// as good as exact (rounding is monotone); elsewhere a gap counts beyond its rounding bound only (mesh/rounding.hpp).
+/// as good as exact (rounding is monotone); elsewhere a gap counts beyond its rounding bound only (query/rounding.hpp).
 /// For step.t_max < 1 the motion over [0, t_max] is bounded.
 class FeatureKdopFilter final : public FeatureFilter {
  public:
@@ -26,7 +26,7 @@ class FeatureKdopFilter final : public FeatureFilter {
 
   explicit FeatureKdopFilter(const Config& config) : config_(config) {}
 
-  void filter(const Step& step, const FeatureBlock& block, std::span<std::uint8_t> keep) const override;
+  void filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const override;
 
  private:
   Config config_;

@@ -3,7 +3,7 @@
 #include <volccd/culling/detail/assignment_table.hpp>
 #include <volccd/culling/detail/masked_features.hpp>
 #include <volccd/culling/detail/orphans.hpp>
-#include <volccd/mesh/feature_block.hpp>
+#include <volccd/query/test_block.hpp>
 
 namespace volccd {
 

@@ -7,9 +7,9 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/detail/share_id.hpp>
 #include <volccd/mesh/features.hpp>
+#include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/mesh.hpp>
 
 namespace volccd {

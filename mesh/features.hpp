@@ -11,8 +11,8 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/detail/tuple_table.hpp>
+#include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/mesh.hpp>
 
 namespace volccd {

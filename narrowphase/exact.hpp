@@ -2,6 +2,7 @@
 #pragma once
 
 #include <volccd/narrowphase/narrow_phase.hpp>
+#include <volccd/query/contact.hpp>
 
 namespace volccd {
 

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <span>
 
-#include <volccd/mesh/types.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/step.hpp>
+#include <volccd/query/step.hpp>
 
 namespace volccd {
 

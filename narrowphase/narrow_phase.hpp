@@ -7,8 +7,9 @@
 #include <vector>
 
 #include <volccd/core/stage.hpp>
-#include <volccd/mesh/feature_block.hpp>
-#include <volccd/mesh/step.hpp>
+#include <volccd/query/contact.hpp>
+#include <volccd/query/step.hpp>
+#include <volccd/query/test_block.hpp>
 
 namespace volccd {
 

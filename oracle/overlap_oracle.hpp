@@ -17,7 +17,8 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
-#include <volccd/mesh/step.hpp>
+#include <volccd/query/contact.hpp>
+#include <volccd/query/step.hpp>
 
 namespace volccd {
 

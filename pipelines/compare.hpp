@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/types.hpp>
+#include <volccd/query/contact.hpp>
 
 namespace volccd {
 

@@ -8,6 +8,7 @@
 
 #include <volccd/pipelines/registry.hpp>
 #include <volccd/pipelines/statistics.hpp>
+#include <volccd/query/contact.hpp>
 
 namespace volccd {
 

@@ -22,19 +22,24 @@ from pathlib import Path
 LAYERS = {
     "core": [],
     "mesh": ["core"],
-    "mesh/sequence": ["core", "mesh"],
-    "broadphase": ["core", "mesh", "mesh/sequence"],
-    "culling": ["core", "mesh", "mesh/sequence"],
-    "narrowphase": ["core", "mesh", "mesh/sequence"],
-    "pipelines": ["core", "mesh", "mesh/sequence", "broadphase", "culling", "narrowphase"],
-    "oracle": ["core", "mesh", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines"],
-    "experiments/simulation": ["core", "mesh", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines"],
-    "experiments": ["core", "mesh", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
-                    "experiments/simulation"],
+    "query": ["core", "mesh"],
+    "mesh/sequence": ["core", "mesh", "query"],  # files hold queries and contacts, too
+    "broadphase": ["core", "mesh", "query"],
+    "culling": ["core", "mesh", "query"],
+    "narrowphase": ["core", "mesh", "query"],
+    "pipelines": ["core", "mesh", "query", "broadphase", "culling", "narrowphase"],
+    "oracle": ["core", "mesh", "query", "broadphase", "culling", "narrowphase", "pipelines"],
+    "simulation": ["core", "mesh", "query", "broadphase", "culling", "narrowphase", "pipelines"],
+    "pictures": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines"],
+    "experiments": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
+                    "simulation"],
+    "program": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
+                "experiments", "pictures"],
 }
-LIBRARY = [module for module in LAYERS if module != "oracle" and not module.startswith("experiments")]
+PROGRAM = ["oracle", "simulation", "pictures", "experiments", "program"]
+LIBRARY = [module for module in LAYERS if module not in PROGRAM]
 # Users of the modules: not modules themselves.
-USERS = {"tests": list(LAYERS), "examples": LIBRARY + ["experiments"]}
+USERS = {"tests": list(LAYERS), "examples": LIBRARY + ["program"]}
 
 # Files of experiments/ that may ask the judges: `volccd verify` only.
 ORACLE_USERS = re.compile(r"^experiments/((.*/)?verify[^/]*|verify/.*)$")
@@ -42,11 +47,11 @@ ORACLE_USERS = re.compile(r"^experiments/((.*/)?verify[^/]*|verify/.*)$")
 # Third-party header prefix -> where it may be included. "header" = public headers too, else sources and detail/ only.
 THIRD_PARTY = {
     "tbb/": (["core"], False),  # threads stay in one place
-    "hwy/": (["mesh", "broadphase", "culling", "narrowphase", "experiments/simulation"], False),  # one binary for every CPU: never in an interface
+    "hwy/": (["mesh", "query", "broadphase", "culling", "narrowphase", "simulation"], False),  # one binary for every CPU: never in an interface
     "hdf5.h": (["mesh/sequence", "experiments"], False),
     "fcl/": (["oracle", "broadphase"], False),
     "ccd/": (["oracle", "culling", "broadphase"], False),
-    "png.h": (["experiments"], False),
+    "png.h": (["pictures"], False),
     "gtest/": ([], False),
 }
 

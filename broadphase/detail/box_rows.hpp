@@ -6,7 +6,7 @@
 
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/core/executor.hpp>
-#include <volccd/mesh/step.hpp>
+#include <volccd/query/step.hpp>
 
 namespace volccd::detail {
 

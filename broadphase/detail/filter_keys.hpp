@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <volccd/mesh/step.hpp>
+#include <volccd/query/step.hpp>
 
 namespace volccd::detail {
 

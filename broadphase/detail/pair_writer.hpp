@@ -8,6 +8,7 @@
 #include <volccd/broadphase/broad_phase.hpp>
 #include <volccd/broadphase/detail/filter_keys.hpp>
 #include <volccd/mesh/adjacency.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {
 

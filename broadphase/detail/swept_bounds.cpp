@@ -8,7 +8,7 @@
 #include <type_traits>
 #include <utility>
 
-#include <volccd/mesh/kdop.hpp>
+#include <volccd/query/kdop.hpp>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/broadphase/detail/swept_bounds.cpp"

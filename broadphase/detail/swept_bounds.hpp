@@ -15,7 +15,7 @@
 
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/core/executor.hpp>
-#include <volccd/mesh/step.hpp>
+#include <volccd/query/step.hpp>
 
 namespace volccd::detail {
 
@@ -48,7 +48,7 @@ class BoundsTable {
   int width_ = 8;
 };
 
-/// Bounds of all vertices over the step. k as in mesh/kdop.hpp.
+/// Bounds of all vertices over the step. k as in query/kdop.hpp.
 void bound_vertices(const Step& step, int k, Executor& executor, BoundsTable& vertices);
 
 /// Bounds of the listed elements [begin, end) into the same rows of `elements`; gaps of the list get empty bounds.

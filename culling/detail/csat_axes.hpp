@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 
 #include <volccd/culling/detail/csat_points.hpp>
-#include <volccd/mesh/step.hpp>
+#include <volccd/query/step.hpp>
 
 namespace volccd::detail {
 

@@ -8,7 +8,7 @@
 #include <volccd/culling/detail/csat_axes.hpp>
 #include <volccd/culling/detail/csat_points.hpp>
 #include <volccd/culling/detail/csat_simplex.hpp>
-#include <volccd/mesh/kdop.hpp>
+#include <volccd/query/kdop.hpp>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/detail/csat_kernel.cpp"

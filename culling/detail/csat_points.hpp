@@ -7,9 +7,9 @@
 #include <cstdint>
 #include <span>
 
-#include <volccd/mesh/motion.hpp>
-#include <volccd/mesh/rounding.hpp>
-#include <volccd/mesh/step.hpp>
+#include <volccd/query/motion.hpp>
+#include <volccd/query/rounding.hpp>
+#include <volccd/query/step.hpp>
 
 namespace volccd::detail {
 

@@ -5,8 +5,8 @@
 #include <limits>
 #include <span>
 
-#include <volccd/mesh/feature_block.hpp>
-#include <volccd/mesh/rounding.hpp>
+#include <volccd/query/test_block.hpp>
+#include <volccd/query/rounding.hpp>
 
 #if defined(VOLCCD_FILTER_LANES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef VOLCCD_FILTER_LANES_INL
@@ -62,7 +62,7 @@ HWY_INLINE Lanes length(const Lanes3& a) {
   const Lanes3 m = abs(a);
   return hn::IfThenElse(hn::Gt(square, same(kLeastSquare)), hn::Sqrt(square), add3(m.x, m.y, m.z));
 }
-HWY_INLINE Lanes3 load(const FeatureBlock& block, int control_point, int vertex, std::size_t i) {
+HWY_INLINE Lanes3 load(const TestBlock& block, int control_point, int vertex, std::size_t i) {
   const Tag tag;
   return {hn::Load(tag, block.row(control_point, vertex, 0) + i),
           hn::Load(tag, block.row(control_point, vertex, 1) + i),
@@ -92,7 +92,7 @@ struct Differences {
   Lanes3 at[3][kControlPoints];
   Lanes3 extent[3];  ///< greatest magnitudes over the control points of the whole step; infinite where not trusted
 
-  HWY_INLINE Differences(const FeatureBlock& block, const Part& part, std::size_t i) {
+  HWY_INLINE Differences(const TestBlock& block, const Part& part, std::size_t i) {
     const Lanes least = same(kLeastExtent);
     for (int v = 0; v < 3; ++v) extent[v] = {least, least, least};
     for (int c = 0; c < kControlPoints; ++c) {

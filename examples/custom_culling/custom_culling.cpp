@@ -8,7 +8,7 @@
 //     custom_culling verify FILE
 #include <Eigen/Geometry>
 
-#include <volccd/experiments/program/program.hpp>
+#include <volccd/program/program.hpp>
 
 namespace {
 

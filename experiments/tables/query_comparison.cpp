@@ -130,8 +130,8 @@ class QueryContestant {
     left_.assign(all.begin(), all.end());
     for (const auto& filter : filters_) {
       std::size_t kept = 0;
-      for (std::size_t begin = 0; begin < left_.size(); begin += FeatureBlock::kCapacity) {
-        const std::size_t n = std::min(FeatureBlock::kCapacity, left_.size() - begin);
+      for (std::size_t begin = 0; begin < left_.size(); begin += TestBlock::kCapacity) {
+        const std::size_t n = std::min(TestBlock::kCapacity, left_.size() - begin);
         block_.gather(queries.step, queries.kind, std::span(left_).subspan(begin, n));
         keep_.assign(block_.padded_size(), 1);
         filter->filter(queries.step, block_, keep_);
@@ -148,7 +148,7 @@ class QueryContestant {
   std::unique_ptr<NarrowPhase> narrow_;
   const Filters& filters_;
   const std::function<void()>& check_;
-  FeatureBlock block_;
+  TestBlock block_;
   std::vector<std::uint8_t> keep_;
   std::vector<FeaturePair> left_;
 };

@@ -10,6 +10,7 @@
 
 #include <volccd/experiments/tables/query_source.hpp>
 #include <volccd/pipelines/registry.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd {
 

@@ -12,11 +12,11 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/culling/dynamic_assignment.hpp>
-#include <volccd/mesh/feature_block.hpp>
-#include <volccd/mesh/query_set.hpp>
 #include <volccd/mesh/sequence/ground_truth.hpp>
 #include <volccd/mesh/sequence/query_file.hpp>
 #include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/query/query_set.hpp>
+#include <volccd/query/test_block.hpp>
 
 namespace volccd {
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include <volccd/mesh/sequence/stepper.hpp>
-#include <volccd/mesh/step.hpp>
+#include <volccd/query/step.hpp>
 
 namespace volccd {
 

@@ -11,6 +11,7 @@
 #include <volccd/oracle/overlap_oracle.hpp>
 #include <volccd/pipelines/compare.hpp>
 #include <volccd/pipelines/pipeline.hpp>
+#include <volccd/query/contact.hpp>
 
 namespace volccd {
 

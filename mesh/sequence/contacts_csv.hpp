@@ -17,7 +17,7 @@
 
 #include <volccd/mesh/mesh.hpp>
 #include <volccd/mesh/sequence/step_text.hpp>
-#include <volccd/mesh/types.hpp>
+#include <volccd/query/contact.hpp>
 
 namespace volccd {
 

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <volccd/mesh/sequence/reader.hpp>
-#include <volccd/mesh/types.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd {
 

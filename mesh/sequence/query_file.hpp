@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <volccd/mesh/types.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd {
 

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include <volccd/mesh/features.hpp>
-#include <volccd/mesh/motion.hpp>
 #include <volccd/mesh/sequence/cells.hpp>
 #include <volccd/mesh/sequence/connected_parts.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
 #include <volccd/mesh/topology.hpp>
+#include <volccd/query/motion.hpp>
 
 namespace volccd {
 

@@ -2,7 +2,7 @@
 
 #include <Eigen/Geometry>
 
-#include <volccd/mesh/rounding.hpp>
+#include <volccd/query/rounding.hpp>
 
 namespace volccd::detail {
 namespace {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <volccd/narrowphase/detail/closest_points.hpp>
+#include <volccd/query/contact.hpp>
 
 namespace volccd::detail {
 

@@ -4,8 +4,8 @@
 
 #include <Eigen/Geometry>
 
-#include <volccd/mesh/rounding.hpp>
 #include <volccd/narrowphase/detail/polynomial_roots.hpp>
+#include <volccd/query/rounding.hpp>
 
 namespace volccd::detail {
 namespace {

@@ -4,6 +4,7 @@
 #include <optional>
 
 #include <volccd/narrowphase/detail/closest_points.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {
 

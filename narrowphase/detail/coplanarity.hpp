@@ -4,8 +4,8 @@
 #include <array>
 #include <cmath>
 
-#include <volccd/mesh/rounding.hpp>
 #include <volccd/narrowphase/detail/moving_points.hpp>
+#include <volccd/query/rounding.hpp>
 
 namespace volccd::detail {
 

@@ -6,12 +6,12 @@
 #include <cstdint>
 #include <span>
 
-#include <volccd/mesh/feature_block.hpp>
 #include <volccd/narrowphase/detail/coplanarity.hpp>
+#include <volccd/query/test_block.hpp>
 
 namespace volccd::detail {
 
-/// Up to kCapacity tests of one kind with two control points, in structure of arrays. Where FeatureBlock holds
+/// Up to kCapacity tests of one kind with two control points, in structure of arrays. Where TestBlock holds
 /// coordinates, this holds the differences to the first point: all that the elementary tests need.
 class CoplanarityBlock {
  public:

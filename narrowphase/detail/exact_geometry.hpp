@@ -8,6 +8,7 @@
 #include <volccd/narrowphase/detail/algebraic_time.hpp>
 #include <volccd/narrowphase/detail/vector3.hpp>
 #include <volccd/narrowphase/exact_predicates.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include <volccd/mesh/rounding.hpp>
 #include <volccd/narrowphase/detail/hull_simplex.hpp>
+#include <volccd/query/rounding.hpp>
 
 namespace volccd::detail {
 

@@ -38,7 +38,7 @@ struct HullStart {
 };
 
 /// Gilbert-Johnson-Keerthi in doubles on {b - a}. `apart` and `overlap` are proven for the exact points, by the bounds
-/// of mesh/rounding.hpp; what they do not decide is a close call: hulls that touch or miss by rounding, or coordinates
+/// of query/rounding.hpp; what they do not decide is a close call: hulls that touch or miss by rounding, or coordinates
 /// near the ends of the range of doubles. Pre: both not empty, finite, with the rows of the same reference.
 HullVerdict hulls_in_doubles(const HullPoints& a, const HullPoints& b, double distance, HullStart& start);
 

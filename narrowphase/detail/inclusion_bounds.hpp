@@ -1,8 +1,8 @@
-// Rounding bounds of the `inclusion` narrow phase beyond those of mesh/rounding.hpp. Derivations: docs/numerics.md, "Parts of
+// Rounding bounds of the `inclusion` narrow phase beyond those of query/rounding.hpp. Derivations: docs/numerics.md, "Parts of
 // the step".
 #pragma once
 
-#include <volccd/mesh/rounding.hpp>
+#include <volccd/query/rounding.hpp>
 
 namespace volccd::detail {
 

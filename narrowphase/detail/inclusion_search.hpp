@@ -3,8 +3,9 @@
 
 #include <algorithm>
 
-#include <volccd/mesh/rounding.hpp>
 #include <volccd/narrowphase/detail/moving_points.hpp>
+#include <volccd/query/pairs.hpp>
+#include <volccd/query/rounding.hpp>
 
 namespace volccd::detail {
 

@@ -9,6 +9,7 @@
 
 #include <volccd/narrowphase/detail/closest_points.hpp>
 #include <volccd/narrowphase/detail/inclusion_bounds.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {
 

@@ -5,6 +5,7 @@
 #include <array>
 
 #include <volccd/narrowphase/detail/moving_points.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {
 

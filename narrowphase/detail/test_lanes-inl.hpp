@@ -1,6 +1,6 @@
 // What the vector kernels of the narrow phases share: a test a lane. Included once for each instruction set, inside
 // foreach_target sources.
-#include <volccd/mesh/rounding.hpp>
+#include <volccd/query/rounding.hpp>
 
 #if defined(VOLCCD_TEST_LANES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef VOLCCD_TEST_LANES_INL

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <volccd/oracle/detail/convex_pieces.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {
 

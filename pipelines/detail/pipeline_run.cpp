@@ -238,8 +238,8 @@ std::size_t Pipeline::Run::filter_objects(FeatureKind kind, std::span<FeaturePai
 std::size_t Pipeline::Run::apply_filter(std::size_t filter, const Step& step, FeatureKind kind,
                                         std::span<FeaturePair> tests, WorkerScratch& worker) const {
   std::size_t kept = 0;
-  for (std::size_t begin = 0; begin < tests.size(); begin += FeatureBlock::kCapacity) {
-    const auto part = tests.subspan(begin, std::min(FeatureBlock::kCapacity, tests.size() - begin));
+  for (std::size_t begin = 0; begin < tests.size(); begin += TestBlock::kCapacity) {
+    const auto part = tests.subspan(begin, std::min(TestBlock::kCapacity, tests.size() - begin));
     worker.block.gather(step, kind, part);
     worker.keep.assign(worker.block.padded_size(), 1);
     pipeline_.feature_filters_[filter]->filter(step, worker.block, worker.keep);

@@ -6,6 +6,7 @@
 
 #include <volccd/pipelines/detail/workspace_data.hpp>
 #include <volccd/pipelines/pipeline.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd {
 

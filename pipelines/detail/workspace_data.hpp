@@ -8,6 +8,7 @@
 #include <volccd/mesh/adjacency.hpp>
 #include <volccd/narrowphase/initial_overlap.hpp>
 #include <volccd/pipelines/pipeline.hpp>
+#include <volccd/query/contact.hpp>
 
 namespace volccd {
 
@@ -31,7 +32,7 @@ class StopWatch {
 struct WorkerScratch {
   PairBatch batch;
   TestBatch tests;
-  FeatureBlock block;
+  TestBlock block;
   std::vector<std::uint8_t> keep;
   std::vector<Contact> contacts;
   NarrowCounters narrow;
@@ -43,7 +44,7 @@ struct WorkerScratch {
     return batch.pairs.capacity() * sizeof(ElementPair) + batch.masks.capacity() * sizeof(FeatureMask) +
            (tests.vf.capacity() + tests.ee.capacity()) * sizeof(FeaturePair) + contacts.capacity() * sizeof(Contact) +
            (overlap_candidates.capacity() + overlaps.capacity()) * sizeof(ElementPair) + overlap_test.bytes() +
-           FeatureBlock::kCapacity * 36 * sizeof(double);
+           TestBlock::kCapacity * 36 * sizeof(double);
   }
 };
 

@@ -16,7 +16,7 @@ namespace {
 /// Disjoint tetrahedra 4i .. 4i+3, each with one VF and one EE test between its own vertices: what an O-Set holds most
 /// of.
 struct Tests {
-  static constexpr Index kCount = 64 * FeatureBlock::kCapacity;
+  static constexpr Index kCount = 64 * TestBlock::kCapacity;
 
   explicit Tests(int control_points) : topology(make_mesh()), motion(4 * kCount, control_points) {
     std::mt19937_64 engine(1);
@@ -31,13 +31,13 @@ struct Tests {
     }
   }
 
-  std::vector<FeatureBlock> blocks(FeatureKind kind) const {
+  std::vector<TestBlock> blocks(FeatureKind kind) const {
     const Features& features = topology.features();
-    std::vector<FeatureBlock> all(kCount / FeatureBlock::kCapacity);
+    std::vector<TestBlock> all(kCount / TestBlock::kCapacity);
     for (std::size_t b = 0; b < all.size(); ++b) {
       std::vector<FeaturePair> pairs;
-      for (std::size_t k = 0; k < FeatureBlock::kCapacity; ++k) {
-        const Index v = 4 * static_cast<Index>(b * FeatureBlock::kCapacity + k);
+      for (std::size_t k = 0; k < TestBlock::kCapacity; ++k) {
+        const Index v = 4 * static_cast<Index>(b * TestBlock::kCapacity + k);
         const Index e = features.find_edge(v, v + 1), f = features.find_edge(v + 2, v + 3);
         pairs.push_back(kind == FeatureKind::vf ? FeaturePair{v, features.find_triangle(v + 1, v + 2, v + 3)}
                                                 : FeaturePair{std::min(e, f), std::max(e, f)});
@@ -75,10 +75,10 @@ void run(benchmark::State& state, const StageDescriptor<FeatureFilter>& stage, c
   const auto filter = stage.make(options);
   const Tests& all = tests(control_points);
   const auto blocks = all.blocks(kind);
-  std::vector<std::uint8_t> keep(FeatureBlock::kCapacity);
+  std::vector<std::uint8_t> keep(TestBlock::kCapacity);
   std::size_t kept = 0, rounds = 0;
   for (auto _ : state) {
-    for (const FeatureBlock& block : blocks) {
+    for (const TestBlock& block : blocks) {
       std::fill(keep.begin(), keep.end(), std::uint8_t{1});
       filter->filter({all.topology, all.motion, all.filter}, block, keep);
       for (const auto k : keep) kept += k;

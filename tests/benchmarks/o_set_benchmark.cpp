@@ -11,12 +11,12 @@
 
 #include <benchmark/benchmark.h>
 
-#include <volccd/mesh/adjacency.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/culling/all_pairs.hpp>
 #include <volccd/culling/dynamic_assignment.hpp>
 #include <volccd/culling/o_set.hpp>
 #include <volccd/culling/static_assignment.hpp>
+#include <volccd/mesh/adjacency.hpp>
 #include <volccd/mesh/sequence/cells.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
 #include <volccd/mesh/shapes.hpp>

@@ -21,8 +21,9 @@
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/broadphase/spatial_hash.hpp>
 #include <volccd/mesh/adjacency.hpp>
-#include <volccd/mesh/kdop.hpp>
 #include <volccd/mesh/shapes.hpp>
+#include <volccd/query/kdop.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd::test {
 

@@ -7,6 +7,8 @@
 
 #include "conservative/near_degenerate.hpp"
 
+#include <volccd/query/pairs.hpp>
+
 namespace volccd::test {
 
 struct Attack {

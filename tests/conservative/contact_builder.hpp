@@ -6,6 +6,8 @@
 
 #include "conservative/near_degenerate.hpp"
 
+#include <volccd/query/pairs.hpp>
+
 namespace volccd::test {
 
 /// Position, velocity and half the acceleration at the time of contact: dyadic numbers of few bits, so that what is

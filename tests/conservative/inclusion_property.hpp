@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <volccd/narrowphase/inclusion.hpp>
+#include <volccd/query/contact.hpp>
 
 #include "conservative/one_test.hpp"
 #include "conservative/vector_targets.hpp"

@@ -9,6 +9,7 @@
 
 #include <volccd/core/random.hpp>
 #include <volccd/narrowphase/exact_predicates.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd::test {
 

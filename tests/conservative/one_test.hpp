@@ -4,7 +4,7 @@
 #include <optional>
 #include <span>
 
-#include <volccd/mesh/feature_block.hpp>
+#include <volccd/query/test_block.hpp>
 
 #include "conservative/near_degenerate.hpp"
 
@@ -32,7 +32,7 @@ class OneTest {
   const Step& step() const { return *step_; }
   FeatureKind kind() const { return kind_; }
   std::span<const FeaturePair> pairs() const { return {kind_ == FeatureKind::vf ? &vf_ : &ee_, 1}; }
-  const FeatureBlock& block() {
+  const TestBlock& block() {
     block_.gather(*step_, kind_, pairs());
     return block_;
   }
@@ -53,7 +53,7 @@ class OneTest {
   ObjectFilter everything_;
   FeatureKind kind_ = FeatureKind::vf;
   FeaturePair vf_, ee_;
-  FeatureBlock block_;
+  TestBlock block_;
   std::optional<Step> step_;
 };
 

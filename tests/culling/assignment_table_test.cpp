@@ -6,6 +6,7 @@
 #include <volccd/core/random.hpp>
 #include <volccd/culling/detail/assignment_table.hpp>
 #include <volccd/mesh/shapes.hpp>
+#include <volccd/query/pairs.hpp>
 
 #include "support/allocations.hpp"
 

@@ -39,7 +39,7 @@ std::vector<NamedFilter> all_filters() {
   return filters;
 }
 
-std::vector<std::uint8_t> run(const FeatureFilter& filter, const Step& step, const FeatureBlock& block) {
+std::vector<std::uint8_t> run(const FeatureFilter& filter, const Step& step, const TestBlock& block) {
   std::vector<std::uint8_t> keep(block.padded_size(), 1);
   filter.filter(step, block, keep);
   return keep;
@@ -49,7 +49,7 @@ std::vector<std::uint8_t> run(const FeatureFilter& filter, const Step& step, con
 std::vector<TouchingTest> fill(TestBench& bench, Random& random, FeatureKind kind, int control_points,
                                const TouchingStyle& style, int exponent = -9999) {
   std::vector<TouchingTest> tests;
-  for (std::size_t i = 0; i < FeatureBlock::kCapacity; ++i) {
+  for (std::size_t i = 0; i < TestBlock::kCapacity; ++i) {
     tests.push_back(touching_test(random, kind, control_points, style));
     if (exponent > -9999) part(random, tests.back(), exponent);
     bench.set(i, tests.back());
@@ -105,7 +105,7 @@ TEST(FilterConservative, TouchingTestsAreKept) {
   for_each_style(24, [&](FeatureKind kind, int control_points, const TouchingStyle& style, int) {
     TestBench bench(control_points);
     const auto tests = fill(bench, random, kind, control_points, style);
-    const FeatureBlock& block = bench.block(kind);
+    const TestBlock& block = bench.block(kind);
     for (const auto& [name, filter] : filters) {
       const auto keep = run(*filter, bench.step(), block);
       for (std::size_t i = 0; i < tests.size(); ++i)
@@ -121,7 +121,7 @@ TEST(FilterConservative, TouchingByTMaxIsKept) {
   for_each_style(8, [&](FeatureKind kind, int control_points, const TouchingStyle& style, int round) {
     TestBench bench(control_points);
     const auto tests = fill(bench, random, kind, control_points, style);
-    const FeatureBlock& block = bench.block(kind);
+    const TestBlock& block = bench.block(kind);
     // t_max is one for the whole block: those that touch by then must stay, the others may go.
     const double t_max = round % 2 ? tests[0].time : random.uniform(0, 1);
     for (const auto& [name, filter] : filters) {
@@ -142,7 +142,7 @@ TEST(FilterConservative, WithinTheSeparationIsKept) {
     if (style.scale < -600 || style.scale > 600) return;  // offsets would round
     TestBench bench(control_points);
     const auto tests = fill(bench, random, kind, control_points, style, style.scale + 4 + 3 * (round % 8));
-    const FeatureBlock& block = bench.block(kind);
+    const TestBlock& block = bench.block(kind);
     for (const auto& [name, filter] : filters) {
       const auto keep = run(*filter, bench.step(tests[0].distance), block);
       for (std::size_t i = 0; i < tests.size(); ++i) ASSERT_TRUE(keep[i]) << name << " at " << tests[i].distance;
@@ -161,7 +161,7 @@ TEST(FilterConservative, GrazingAlongDiagonalsIsKept) {
   for (int round = 0; round < 2000; ++round) {
     const auto kind = round % 2 ? FeatureKind::vf : FeatureKind::ee;
     TestBench bench(2);
-    for (std::size_t i = 0; i < FeatureBlock::kCapacity; ++i) {
+    for (std::size_t i = 0; i < TestBlock::kCapacity; ++i) {
       const Vec3 contact(big(), big(), big()), up = Vec3::Constant(static_cast<double>(random.integer(1, 1 << 20)));
       const auto x = static_cast<double>(random.integer(-1000, 1000)),
                  y = static_cast<double>(random.integer(-1000, 1000));
@@ -191,7 +191,7 @@ TEST(FilterConservative, GrazingAlongDiagonalsIsKept) {
 /// Random tests of the size 1 whose features are `distance` apart along x, and move by up to `motion`.
 void fill_apart(TestBench& bench, Random& random, FeatureKind kind, int control_points, double distance,
                 double motion) {
-  for (std::size_t i = 0; i < FeatureBlock::kCapacity; ++i) {
+  for (std::size_t i = 0; i < TestBlock::kCapacity; ++i) {
     TouchingTest test;
     const Vec3 common = random.vector(-5, 5);
     for (std::size_t v = 0; v < 4; ++v) {
@@ -253,7 +253,7 @@ TEST(FilterEffect, HoldsAcrossScales) {
     for (const double scale : {0x1p-300, 1.0, 0x1p300}) {
       Random random(6);
       int dropped = 0;
-      for (std::size_t i = 0; i < FeatureBlock::kCapacity; ++i) {
+      for (std::size_t i = 0; i < TestBlock::kCapacity; ++i) {
         TouchingTest test;
         for (std::size_t v = 0; v < 4; ++v)
           for (std::size_t c = 0; c < 2; ++c) {
@@ -276,7 +276,7 @@ TEST(FilterSimd, AllInstructionSetsAgree) {
         TestBench bench(control_points);
         fill_apart(bench, random, kind, control_points, round * 0.02 - 0.3, 0.2);
         const Step step = bench.step(round % 3 * 0.05, round % 2 ? 1 : 0.7);
-        const FeatureBlock& block = bench.block(kind);
+        const TestBlock& block = bench.block(kind);
         for (const auto& [name, filter] : filters) {
           const auto expected = run(*filter, step, block);
           for (std::int64_t left = hwy::SupportedTargets(); left != 0; left &= left - 1) {
@@ -294,7 +294,7 @@ TEST(FilterBlock, LeavesOthersAlone) {
   TestBench bench(2);
   Random random(8);
   fill_apart(bench, random, FeatureKind::vf, 2, 1, 0.1);
-  const FeatureBlock& block = bench.block(FeatureKind::vf);
+  const TestBlock& block = bench.block(FeatureKind::vf);
   for (const auto& [name, filter] : all_filters()) {
     std::vector<std::uint8_t> keep(block.padded_size(), 0);
     filter->filter(bench.step(), block, keep);

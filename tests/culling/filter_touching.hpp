@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/feature_block.hpp>
+#include <volccd/query/test_block.hpp>
 
 namespace volccd::test {
 
@@ -131,12 +131,12 @@ inline void part(Random& random, TouchingTest& test, int exponent) {
   test.distance = std::ldexp(3.0, exponent);
 }
 
-/// FeatureBlock::kCapacity disjoint tetrahedra: vertices 4i .. 4i+3 carry test i.
+/// TestBlock::kCapacity disjoint tetrahedra: vertices 4i .. 4i+3 carry test i.
 class TestBench {
  public:
   explicit TestBench(int control_points)
       : topology_(make_mesh()), motion_(topology_.mesh().vertex_count(), control_points) {
-    for (Index i = 0; i < FeatureBlock::kCapacity; ++i) {
+    for (Index i = 0; i < TestBlock::kCapacity; ++i) {
       const auto& features = topology_.features();
       vf_.push_back({4 * i, features.find_triangle(4 * i + 1, 4 * i + 2, 4 * i + 3)});
       FeaturePair ee{features.find_edge(4 * i, 4 * i + 1), features.find_edge(4 * i + 2, 4 * i + 3)};
@@ -150,7 +150,7 @@ class TestBench {
         motion_.set(static_cast<Index>(4 * i + v), c, test.points[v][static_cast<std::size_t>(c)]);
   }
   Step step(double separation = 0, double t_max = 1) const { return {topology_, motion_, filter_, separation, t_max}; }
-  const FeatureBlock& block(FeatureKind kind) {
+  const TestBlock& block(FeatureKind kind) {
     block_.gather(step(), kind, kind == FeatureKind::vf ? vf_ : ee_);
     return block_;
   }
@@ -158,8 +158,8 @@ class TestBench {
  private:
   static Mesh make_mesh() {
     Mesh mesh;
-    mesh.add_vertices(4 * FeatureBlock::kCapacity);
-    for (Index i = 0; i < FeatureBlock::kCapacity; ++i) {
+    mesh.add_vertices(4 * TestBlock::kCapacity);
+    for (Index i = 0; i < TestBlock::kCapacity; ++i) {
       ElementSpec element;
       element.type = ElementType::tetrahedron;
       element.vertices = {4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3};
@@ -173,7 +173,7 @@ class TestBench {
   Motion motion_;
   ObjectFilter filter_;
   std::vector<FeaturePair> vf_, ee_;
-  FeatureBlock block_;
+  TestBlock block_;
 };
 
 }  // namespace volccd::test

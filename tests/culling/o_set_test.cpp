@@ -13,8 +13,8 @@
 #include <volccd/core/random.hpp>
 #include <volccd/culling/detail/o_set_blocks.hpp>
 #include <volccd/culling/o_set.hpp>
-#include <volccd/mesh/feature_block.hpp>
 #include <volccd/mesh/shapes.hpp>
+#include <volccd/query/test_block.hpp>
 
 namespace volccd {
 namespace {

@@ -6,10 +6,10 @@
 
 #include <fmt/format.h>
 
-#include <volccd/mesh/query_set.hpp>
 #include <volccd/narrowphase/exact_predicates.hpp>
 #include <volccd/narrowphase/inclusion.hpp>
 #include <volccd/pipelines/registry.hpp>
+#include <volccd/query/query_set.hpp>
 
 #include "byte_reader.hpp"
 
@@ -165,7 +165,7 @@ void narrow_phase(Bytes bytes) {
   const ExactAnswer exact = exact_first_touch(motion_of(test, step), test.t_max);
   for (const Contestants::Narrow& narrow : contestants.narrow_phases)
     if (narrow.stage->max_control_points() >= test.control_points) check(test, step, narrow, exact, set.pairs());
-  FeatureBlock block;
+  TestBlock block;
   block.gather(step, test.kind, set.pairs());
   for (const Contestants::Filter& filter : contestants.filters) {
     std::array<std::uint8_t, 8> keep;

@@ -10,6 +10,7 @@
 #include <volccd/mesh/shapes.hpp>
 #include <volccd/mesh/topology.hpp>
 #include <volccd/mesh/topology_watch.hpp>
+#include <volccd/query/pairs.hpp>
 
 #include "mesh/naive_features.hpp"
 #include "support/allocations.hpp"

@@ -5,10 +5,10 @@
 #include <set>
 
 #include <volccd/core/random.hpp>
-#include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/detail/incidences.hpp>
 #include <volccd/mesh/detail/slot_table.hpp>
 #include <volccd/mesh/detail/tuple_table.hpp>
+#include <volccd/mesh/incidence_pool.hpp>
 
 namespace volccd::detail {
 namespace {

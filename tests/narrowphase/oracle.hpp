@@ -12,6 +12,8 @@
 
 #include "query_set.hpp"
 
+#include <volccd/query/pairs.hpp>
+
 namespace volccd::test {
 
 using Real = long double;

@@ -4,8 +4,9 @@
 #include <array>
 #include <vector>
 
-#include <volccd/mesh/query_set.hpp>
 #include <volccd/narrowphase/narrow_phase.hpp>
+#include <volccd/query/contact.hpp>
+#include <volccd/query/query_set.hpp>
 
 namespace volccd::test {
 

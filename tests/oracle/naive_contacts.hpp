@@ -10,8 +10,9 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include <volccd/mesh/feature_block.hpp>
-#include <volccd/mesh/step.hpp>
+#include <volccd/query/contact.hpp>
+#include <volccd/query/step.hpp>
+#include <volccd/query/test_block.hpp>
 
 namespace volccd::test {
 

@@ -7,8 +7,8 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/mesh/kdop.hpp>
 #include <volccd/pipelines/compare.hpp>
+#include <volccd/query/kdop.hpp>
 
 #include "pipelines/scenes.hpp"
 

@@ -5,10 +5,10 @@
 #include <vector>
 
 #include <volccd/core/random.hpp>
-#include <volccd/mesh/motion.hpp>
 #include <volccd/mesh/shapes.hpp>
 #include <volccd/mesh/topology.hpp>
 #include <volccd/pipelines/registry.hpp>
+#include <volccd/query/motion.hpp>
 
 namespace volccd::test {
 

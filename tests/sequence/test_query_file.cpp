@@ -5,9 +5,9 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/feature_block.hpp>
-#include <volccd/mesh/query_set.hpp>
 #include <volccd/mesh/sequence/query_file.hpp>
+#include <volccd/query/query_set.hpp>
+#include <volccd/query/test_block.hpp>
 
 #include "raw_hdf5.hpp"
 #include "sequences.hpp"

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include <volccd/experiments/simulation/contact_response.hpp>
+#include <volccd/simulation/contact_response.hpp>
 #include "simulation_models.hpp"
 
 namespace volccd::simulation {

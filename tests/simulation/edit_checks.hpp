@@ -12,8 +12,8 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/core/random.hpp>
-#include <volccd/experiments/simulation/topology_proposal.hpp>
 #include <volccd/mesh/shapes.hpp>
+#include <volccd/simulation/topology_proposal.hpp>
 
 namespace volccd::simulation {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Eigenvalues>
 
 #include <volccd/core/error.hpp>
-#include <volccd/experiments/simulation/detail/portable_math.hpp>
+#include <volccd/simulation/detail/portable_math.hpp>
 
 #include "shell_support.hpp"
 

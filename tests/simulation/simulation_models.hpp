@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/experiments/simulation/simulation.hpp>
 #include <volccd/mesh/shapes.hpp>
+#include <volccd/simulation/simulation.hpp>
 
 namespace volccd::simulation {
 

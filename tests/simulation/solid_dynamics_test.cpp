@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/experiments/simulation/material.hpp>
+#include <volccd/simulation/material.hpp>
 
 #include "solid_support.hpp"
 

@@ -5,7 +5,7 @@
 #include <hwy/targets.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/experiments/simulation/material.hpp>
+#include <volccd/simulation/material.hpp>
 
 #include "solid_support.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include <volccd/experiments/simulation/node_splitting.hpp>
+#include <volccd/simulation/node_splitting.hpp>
 
 #include "edit_checks.hpp"
 

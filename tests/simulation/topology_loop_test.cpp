@@ -1,7 +1,7 @@
 // Splitting, merging and cutting within the time loop: what the edits may not change, and contacts at the new surfaces.
 #include <gtest/gtest.h>
 
-#include <volccd/experiments/simulation/contact_detection.hpp>
+#include <volccd/simulation/contact_detection.hpp>
 
 #include "edit_checks.hpp"
 #include "simulation_models.hpp"

@@ -5,8 +5,8 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/tables/query_comparison.hpp>
-#include <volccd/mesh/query_set.hpp>
 #include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/query/query_set.hpp>
 
 #include "sequence/raw_hdf5.hpp"
 #include "sequence/sequences.hpp"

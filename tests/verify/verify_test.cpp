@@ -16,7 +16,7 @@ namespace {
 /// Loses every seventh test.
 class LossyFilter final : public FeatureFilter {
  public:
-  void filter(const Step&, const FeatureBlock& block, std::span<std::uint8_t> keep) const override {
+  void filter(const Step&, const TestBlock& block, std::span<std::uint8_t> keep) const override {
     for (std::size_t i = 0; i < block.size(); i += 7) keep[i] = 0;
   }
 };

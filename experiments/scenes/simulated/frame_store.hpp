@@ -7,9 +7,9 @@
 #include <vector>
 
 #include <volccd/core/function_ref.hpp>
-#include <volccd/experiments/simulation/simulation.hpp>
 #include <volccd/mesh/sequence/cells.hpp>
 #include <volccd/mesh/sequence/metadata.hpp>
+#include <volccd/simulation/simulation.hpp>
 
 namespace volccd {
 

@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include <volccd/experiments/simulation/model.hpp>
+#include <volccd/simulation/model.hpp>
 
 namespace volccd {
 

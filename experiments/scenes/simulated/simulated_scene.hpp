@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <volccd/experiments/simulation/simulation.hpp>
+#include <volccd/simulation/simulation.hpp>
 
 namespace volccd {
 

@@ -1,3 +1,0 @@
-#include <volccd/experiments/program/program.hpp>
-
-int main(int argc, char** argv) { return volccd::program(argc, argv, volccd::Registry::standard()); }

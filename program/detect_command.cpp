@@ -1,0 +1,244 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <iterator>
+#include <optional>
+#include <utility>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <volccd/core/output_file.hpp>
+#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/mesh/sequence/contacts_csv.hpp>
+#include <volccd/program/commands.hpp>
+#include <volccd/program/output_plan.hpp>
+#include <volccd/program/progress.hpp>
+#include <volccd/program/query_options.hpp>
+#include <volccd/program/scene_files.hpp>
+#include <volccd/program/step_loop.hpp>
+
+namespace volccd {
+
+namespace {
+
+struct DetectOptions {
+  SequenceOptions sequence;
+  QueryOptions query;
+  std::string pipeline = "VolCCD", contacts, overlaps, stats;
+  std::vector<std::string> settings;
+  bool first = false;
+};
+
+std::string time_text(double toi) { return std::isfinite(toi) ? fmt::format("{:.6f}", toi) : "-"; }
+
+std::vector<std::string> row_of(const std::string& title, const Statistics& s) {
+  return {title,
+          grouped(s.element_pairs),
+          grouped(s.surviving_pairs),
+          grouped(s.orphan_tests),
+          grouped(s.vf_tests),
+          grouped(s.ee_tests),
+          grouped(s.contacts),
+          grouped(s.initial_overlaps),
+          time_text(s.earliest_toi),
+          duration(s.seconds)};
+}
+
+void print_stages(const Statistics& total, std::FILE* report) {
+  TextTable table({"stage", "name", "in", "out", "time", "share"});
+  double attributed = 0;
+  for (const StageStatistics& stage : total.stages) {
+    attributed += stage.seconds;
+    table.add({stage.role, stage.name, grouped(stage.in), grouped(stage.out), duration(stage.seconds),
+               fmt::format("{:.1f} %", 100 * stage.seconds / std::max(total.seconds, 1e-300))});
+  }
+  const double rest = std::max(0.0, total.seconds - attributed);
+  table.add({"remainder", "", "", "", duration(rest), fmt::format("{:.1f} %", 100 * rest / std::max(total.seconds, 1e-300))});
+  fmt::print(report, "\n{}", table.text());
+}
+
+/// Runs the steps and keeps what the reports need.
+class Detection {
+ public:
+  Detection(const DetectOptions& options, const Registry& registry)
+      : options_(options),
+        spec_(make_spec(options, registry)),
+        pipeline_(registry, spec_),
+        workspace_(pipeline_.make_workspace()),
+        reader_(options.sequence.file),
+        stepper_(reader_, options.sequence.stepper()),
+        range_(parse_steps(options.sequence.steps, stepper_.motion_count(), options.sequence.file)),
+        executor_(make_interruptible_executor(options.query.threads)),
+        filter_(options.query.filter()) {
+    warn_of_incomplete(reader_);
+    plan_.input("FILE", options.sequence.file);
+    plan_.output("--contacts", options.contacts);
+    plan_.output("--overlaps", options.overlaps);
+    plan_.output("--stats", options.stats);
+    plan_.check();
+    if (!options.contacts.empty()) contacts_.emplace(options.contacts);
+    if (!options.overlaps.empty()) overlaps_.emplace(options.overlaps, "step,a,b");
+    if (!options.stats.empty()) stats_.emplace(options.stats);
+  }
+
+  int run() {
+    const StepsDone steps = run_steps("detecting, step", range_, [this](int k) { run_step(k); });
+    print_tables();
+    if (contacts_) note(options_.contacts, "contacts", kept(*contacts_, steps), steps);
+    if (overlaps_) note(options_.overlaps, "initial overlaps", kept(*overlaps_, steps), steps);
+    if (stats_) {
+      stats_->write(stats(steps).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
+      stats_->commit();
+      note(options_.stats, "statistics", steps, steps);
+    }
+    print_incomplete(steps, plan_.report());
+    return exit_code(steps);
+  }
+
+ private:
+  /// Ends a file; the steps that it has, which on a full disk are fewer than were complete.
+  template <class Writer>
+  static StepsDone kept(Writer& writer, const StepsDone& steps) {
+    if (!steps.complete()) return writer.finish_incomplete(steps);
+    writer.finish();
+    return steps;
+  }
+
+  /// `in_file`: the steps that the file has, of those that are `done`.
+  void note(const std::string& file, const char* what, const StepsDone& in_file, const StepsDone& done) {
+    const char* const first = std::exchange(noted_, true) ? "" : "\n";
+    if (in_file.done == in_file.begin)
+      fmt::print(plan_.report(), "{}{} could not be written to {}\n", first, what, file);
+    else if (in_file.done < done.done)
+      fmt::print(plan_.report(), "{}{} written to {} up to step {}\n", first, what, file, in_file.done - 1);
+    else
+      fmt::print(plan_.report(), "{}{} written to {}\n", first, what, file);
+  }
+
+  static PipelineSpec make_spec(const DetectOptions& options, const Registry& registry) {
+    PipelineSpec spec = registry.pipeline(options.pipeline);
+    for (const std::string& setting : options.settings) registry.apply_setting(spec, setting);
+    return spec;
+  }
+
+  void run_step(int k) {
+    stepper_.go_to(k);
+    if (k == range_.begin) options_.query.check(stepper_);
+    const Step step{stepper_.topology(), stepper_.motion(), filter_, options_.query.separation};
+    pipeline_.run(step, workspace_, *executor_, result_, 
+                  Request(options_.first ? Query::first : Query::all, true));
+    if (contacts_) contacts_->write_step(k, result_.contacts, stepper_.topology().mesh());
+    if (overlaps_) overlaps_->write_step(k, overlap_rows(k));
+    steps_.push_back(result_.statistics);
+    total_ += result_.statistics;
+  }
+
+  /// Rows ascend by element id, the smaller one first.
+  std::string overlap_rows(int k) const {
+    const Mesh& mesh = stepper_.topology().mesh();
+    std::vector<std::pair<std::int64_t, std::int64_t>> ids;
+    for (const ElementPair pair : result_.initial_overlaps)
+      ids.push_back(std::minmax({mesh.element_id(pair.a), mesh.element_id(pair.b)}));
+    std::sort(ids.begin(), ids.end());
+    std::string rows;
+    for (const auto& [a, b] : ids) fmt::format_to(std::back_inserter(rows), "{},{},{}\n", k, a, b);
+    return rows;
+  }
+
+  void print_tables() {
+    TextTable table({"step", "element pairs", "after culling", "O-Set tests", "VF tests", "EE tests", "contacts",
+                     "overlaps at 0", "earliest t", "time"});
+    for (std::size_t i = 0; i < steps_.size(); ++i)
+      table.add(row_of(fmt::format("{}", range_.begin + static_cast<int>(i)), steps_[i]));
+    table.rule();
+    table.add(row_of("all", total_));
+    fmt::print(plan_.report(), "{}: {}, {}, {} thread(s)\n\n{}", options_.sequence.file, spec_.name,
+               to_string(pipeline_.guarantee()), executor_->workers(), table.text());
+    print_stages(total_, plan_.report());
+  }
+
+  nlohmann::json stats(const StepsDone& done) const {
+    nlohmann::json steps = nlohmann::json::array();
+    for (std::size_t i = 0; i < steps_.size(); ++i) {
+      nlohmann::json entry = to_json(steps_[i]);
+      entry["step"] = range_.begin + static_cast<int>(i);
+      steps.push_back(std::move(entry));
+    }
+    return {{"sequence", options_.sequence.file},
+            {"complete", done.complete()},
+            {"steps_asked", {done.begin, done.end}},
+            {"steps_done", done.done - done.begin},
+            {"stopped_by", done.complete() ? nlohmann::json(nullptr) : nlohmann::json(done.stopped_by)},
+            {"query", options_.first ? "first" : "all"},
+            {"pairs", options_.query.pairs},
+            {"parts", options_.sequence.parts},
+            {"separation", options_.query.separation},
+            {"shells", options_.sequence.shells},
+            {"edges", options_.sequence.edges},
+            {"motion", options_.sequence.motion},
+            {"threads", executor_->workers()},
+            {"pipeline", to_json(pipeline_)},
+            {"machine", machine_facts()},
+            {"steps", steps},
+            {"total", to_json(total_)}};
+  }
+
+  const InterruptGuard guard_;  ///< before there are files that an interruption would leave behind
+  const DetectOptions& options_;
+  PipelineSpec spec_;
+  Pipeline pipeline_;
+  Workspace workspace_;
+  SequenceReader reader_;
+  SequenceStepper stepper_;
+  StepRange range_;
+  std::unique_ptr<Executor> executor_;
+  ObjectFilter filter_;
+  OutputPlan plan_;
+  std::optional<ContactsCsvWriter> contacts_;
+  std::optional<StepTextWriter> overlaps_;
+  std::optional<OutputFile> stats_;
+  bool noted_ = false;
+  StepResult result_;
+  std::vector<Statistics> steps_;
+  Statistics total_;
+};
+
+}  // namespace
+
+void add_detect_command(CLI::App& app, const Registry& registry, Action& action) {
+  CLI::App* command = app.add_subcommand("detect", "contacts of the motions in a sequence");
+  const auto options = std::make_shared<DetectOptions>();
+  options->sequence.add_to(*command);
+  command->add_option("--pipeline", options->pipeline, "see `volccd stages`")->type_name("NAME")->capture_default_str();
+  command->add_option("--set", options->settings, "stage.option=value, or role=stage[,stage...]; may be repeated")
+      ->type_name("X=Y")
+      ->allow_extra_args(false);
+  command->add_option("--contacts", options->contacts, "write the contacts as CSV")->type_name("FILE");
+  command->add_option("--overlaps", options->overlaps, "write the elements that overlap at the start of a step as CSV")
+      ->type_name("FILE");
+  command->add_option("--stats", options->stats, "write counts and times as JSON")->type_name("FILE");
+  command->add_flag("--first", options->first, "the earliest contact of each step alone, found faster");
+  options->query.add_to(*command);
+  options->sequence.add_parts_to(*command);
+  command->footer(
+      "FILE of an output: `-` and /dev/stdout stream, and the tables then go to stderr; devices and FIFOs are written "
+      "to,\n"
+      "links are followed. Ctrl-C or an error keeps the steps that were complete: the last line of a CSV file is then\n"
+      "`# incomplete: ...`, in the JSON file \"complete\" is false, and the exit code is 130 or 2.\n"
+      "Examples:\n"
+      "  volccd detect run.vtkhdf --contacts contacts.csv --stats stats.json\n"
+      "  volccd detect run.vtkhdf --steps 4:8 --pipeline NavCCD --threads 2\n"
+      "  volccd detect run.vtkhdf --pipeline VolCCD --set csat.axis=optimal --set broad-phase=spatial-hash\n"
+      "  volccd detect crash.vtkhdf --shells solid --pairs inter --first\n"
+      "  volccd detect two-bodies.vtkhdf --pairs inter --parts components");
+  command->callback([options, &registry, &action] {
+    action = [options, &registry] {
+      options->sequence.file = sequence_file(options->sequence.file);
+      return Detection(*options, registry).run();
+    };
+  });
+}
+
+}  // namespace volccd

@@ -1,0 +1,192 @@
+#include <algorithm>
+#include <charconv>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include <volccd/pictures/sequence_picture.hpp>
+#include <volccd/program/commands.hpp>
+#include <volccd/program/output_plan.hpp>
+#include <volccd/program/query_options.hpp>
+#include <volccd/program/scene_files.hpp>
+
+namespace volccd {
+
+namespace {
+
+struct PictureOptions {
+  std::vector<std::string> files, contact_files, captions;
+  std::string steps = "0", output, size = "1600", view = "iso", up = "z", shells = "surface", box;
+  bool no_lines = false;
+  PictureConfig config;
+};
+
+/// Numbers separated by `separator`. Throws ConfigError.
+template <class Number>
+std::vector<Number> parse_list(const std::string& option, const std::string& text, char separator, const char* form) {
+  std::vector<Number> numbers;
+  for (const char *at = text.data(), *end = at + text.size();; ++at) {
+    Number number{};
+    const auto [stop, error] = std::from_chars(at, end, number);
+    if (error != std::errc() || (stop != end && *stop != separator))
+      throw ConfigError(fmt::format("{}: '{}' is not {}", option, text, form));
+    numbers.push_back(number);
+    if (stop == end) return numbers;
+    at = stop;
+  }
+}
+
+/// Rows of panels: one file, several steps; or a column for each file.
+std::vector<PicturePanel> panels_of(const PictureOptions& options) {
+  const std::vector<int> steps = parse_list<int>("--step", options.steps, ',', "a step, or steps such as 0,10,20");
+  const std::size_t count = options.files.size() * steps.size();
+  const auto per_panel = [&](const char* option, const std::vector<std::string>& values) {
+    if (!values.empty() && values.size() != count)
+      throw ConfigError(fmt::format("{}: given {} time(s) for {} panel(s)", option, values.size(), count));
+  };
+  per_panel("--caption", options.captions);
+  if (!options.contact_files.empty() && options.contact_files.size() != options.files.size())
+    throw ConfigError(fmt::format("--contacts-from: given {} time(s) for {} file(s)", options.contact_files.size(),
+                                  options.files.size()));
+  std::vector<PicturePanel> panels;
+  for (const int step : steps)
+    for (std::size_t i = 0; i < options.files.size(); ++i) {
+      PicturePanel panel{options.files[i], step, "", ""};
+      if (!options.contact_files.empty()) panel.contacts = options.contact_files[i];
+      if (!options.captions.empty()) panel.caption = options.captions[panels.size()];
+      panels.push_back(std::move(panel));
+    }
+  return panels;
+}
+
+int draw_picture(const PictureOptions& options) {
+  PictureConfig config = options.config;
+  const std::vector<int> size = parse_list<int>("--size", options.size, 'x', "WIDTH or WIDTHxHEIGHT");
+  if (size.size() > 2 || size[0] < 1 || size.back() < 1)
+    throw ConfigError(fmt::format("--size: '{}' is not WIDTH or WIDTHxHEIGHT", options.size));
+  config.width = size[0];
+  config.height = size.size() == 2 ? size[1] : 0;
+  parse_view(options.view, config.view);
+  config.view.up = options.up[0];
+  config.shells = options.shells == "solid" ? ShellModel::solid : ShellModel::surface;
+  config.render.lines = !options.no_lines;
+  if (!options.box.empty()) {
+    const std::vector<double> box = parse_list<double>("--box", options.box, ',', "X0,X1,Y0,Y1,Z0,Z1");
+    if (box.size() != 6) throw ConfigError(fmt::format("--box: '{}' is not X0,X1,Y0,Y1,Z0,Z1", options.box));
+    config.box.emplace();
+    std::copy(box.begin(), box.end(), config.box->begin());
+  }
+  const std::vector<PicturePanel> panels = panels_of(options);
+  if (config.columns == 0 && options.files.size() > 1) config.columns = static_cast<int>(options.files.size());
+  OutputPlan plan;
+  for (const std::string& file : options.files) plan.input("FILE", file);
+  for (const std::string& file : options.contact_files) plan.input("--contacts-from", file);
+  plan.output("-o", options.output);
+  plan.check();
+  const Image image = draw_sequences(panels, config);
+  write_png(image, options.output);
+  fmt::print(plan.report(), "{} x {} pixels written to {}\n", image.width(), image.height(), options.output);
+  return kDone;
+}
+
+void add_picture_view(CLI::App& command, PictureOptions& options) {
+  PictureConfig& config = options.config;
+  command.add_option("--size", options.size, "WIDTHxHEIGHT in pixels; WIDTH alone: as high as the scene needs")
+      ->type_name("SIZE")
+      ->capture_default_str();
+  command
+      .add_option("--view", options.view,
+                  "front, back, left, right, side, top, bottom, iso, or AZIMUTH,ELEVATION in degrees")
+      ->type_name("VIEW")
+      ->capture_default_str();
+  command.add_option("--up", options.up, "axis that points upwards")
+      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->capture_default_str();
+  command.add_flag("--orthographic", config.view.orthographic, "without perspective");
+  command.add_option("--zoom", config.view.zoom, "enlarge about the middle")
+      ->type_name("FACTOR")
+      ->capture_default_str();
+  command.add_flag("--fit-fragments", config.fit_fragments, "fit the camera to fragments as well as to bodies");
+  command.add_option("--box", options.box, "what to fit the camera to instead: the same for all steps")
+      ->type_name("X0,X1,Y0,Y1,Z0,Z1");
+  command.add_option("--columns", config.columns, "panels in a row; 0: one for each file, or all steps")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("N")
+      ->capture_default_str();
+}
+
+void add_picture_content(CLI::App& command, PictureOptions& options) {
+  PictureConfig& config = options.config;
+  command.add_option("--parts", config.parts, "draw these alone: ids or names, separated by , or ;")->type_name("LIST");
+  command.add_option("--without", config.without, "leave these parts out")->type_name("LIST");
+  command.add_option("--colour", config.colours, "colour of a part: bullet=#C87533; may be repeated")
+      ->type_name("PART=#RRGGBB")
+      ->allow_extra_args(false);
+  command
+      .add_option("--cut", config.cuts,
+                  "take away the viewer's side of a plane: y=1.5, or y=50% (the middle); may be repeated")
+      ->type_name("AXIS=VALUE")
+      ->allow_extra_args(false);
+  command.add_option("--shells", options.shells, "triangles and quads as surfaces, or thickened by their thickness")
+      ->check(CLI::IsMember({"surface", "solid"}))
+      ->capture_default_str();
+  command.add_flag("--contacts,!--no-contacts", config.contacts, "mark the contacts of motion K -> K+1 (the default)");
+  command
+      .add_option("--contacts-from", options.contact_files,
+                  "take them from this CSV of `volccd detect`; one for each file")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
+  command.add_option("--hidden-contacts", config.render.hidden_marks, "strength of marks behind surfaces, 0 to 1")
+      ->check(CLI::Range(0.0, 1.0))
+      ->type_name("S")
+      ->capture_default_str();
+  command.add_option("--mark-size", config.mark_radius, "radius of marks in pixels; 0: by their number")
+      ->check(CLI::Range(0.0, 200.0))
+      ->type_name("R")
+      ->capture_default_str();
+  command.add_flag("--edges", config.render.edges, "the elements' edges as thin lines");
+  command.add_flag("--no-lines", options.no_lines, "without outlines and creases");
+  command.add_flag("--text,!--no-text", config.text, "captions and legend (the default)");
+  command.add_option("--caption", options.captions, "in place of the title; one for each panel")
+      ->type_name("TEXT")
+      ->allow_extra_args(false);
+  command.add_option("--samples", config.render.samples, "a pixel has N x N")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str();
+  add_threads_option(command, config.threads, "for the contacts; ");
+}
+
+}  // namespace
+
+void add_picture_command(CLI::App& scene, Action& action) {
+  CLI::App* command =
+      scene.add_subcommand("picture", "draw steps of sequences as PNG: shaded, parts in colours, contacts marked");
+  const auto options = std::make_shared<PictureOptions>();
+  command->add_option("FILE", options->files, "sequences (VTKHDF); several: side by side, with one camera")
+      ->required()
+      ->type_name("");
+  command->add_option("--step", options->steps, "K, or K,L,M: one panel each")->type_name("K")->capture_default_str();
+  command->add_option("-o,--output", options->output, "picture to write (PNG); `-`: to the standard output")
+      ->required()
+      ->type_name("FILE");
+  add_picture_view(*command, *options);
+  add_picture_content(*command, *options);
+  command->footer(
+      "Marks: a disc is a contact between parts, a diamond one within a part; pale: behind a surface.\n"
+      "Examples:\n"
+      "  volccd scene picture run.vtkhdf --step 8 -o run-8.png\n"
+      "  volccd scene picture run.vtkhdf --step 8 --cut y=50% --edges -o inside.png\n"
+      "  volccd scene picture crash.vtkhdf --step 60 --view 120,15 --without 'wall; hood, outer' --no-contacts -o "
+      "crash.png\n"
+      "  volccd scene picture run.vtkhdf --step 0,20,40,60 --columns 2 -o strip.png\n"
+      "  volccd scene picture all.vtkhdf boundary.vtkhdf --step 50 --caption 'all features' --caption 'boundary' -o "
+      "two.png");
+  command->callback([options, &action] {
+    action = [options] {
+      for (std::string& file : options->files) file = sequence_file(file);
+      return draw_picture(*options);
+    };
+  });
+}
+
+}  // namespace volccd

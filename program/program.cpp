@@ -1,0 +1,87 @@
+#include <volccd/program/program.hpp>
+
+#include <cerrno>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <exception>
+#include <new>
+
+#include <fmt/format.h>
+
+#include <volccd/experiments/records/build_facts.hpp>
+#include <volccd/mesh/sequence/hdf5_messages.hpp>
+#include <volccd/program/commands.hpp>
+#include <volccd/program/scene_files.hpp>
+
+namespace volccd {
+
+namespace {
+
+/// A word in the place of a command that is none: the parser would only say that a command is missing.
+void check_command(const CLI::App& app, int argc, const char* const* argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::string known;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (command->get_name() == argv[1]) return;
+    known += (known.empty() ? "" : ", ") + command->get_name();
+  }
+  throw ConfigError(fmt::format("no command '{}'; there are {}", argv[1], known));
+}
+
+/// False, with a message, if the standard output could not be written: the report would be lost unnoticed.
+bool flush_output() {
+  const bool failed = std::ferror(stdout) != 0;
+  if (std::fflush(stdout) == 0 && !failed) return true;
+  fmt::print(stderr, "volccd: standard output: cannot be written: {}\n", std::strerror(errno));
+  return false;
+}
+
+}  // namespace
+
+int program(int argc, const char* const* argv, const Registry& registry) {
+  turn_off_hdf5_messages();
+  CLI::App app("Continuous collision detection between deforming volume meshes: what touches what, and when.", "volccd");
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error like a full disk, not the end of the process
+  app.set_version_flag("--version", fmt::format("volccd {} ({})", build_facts().version, build_facts().commit));
+  app.require_subcommand(1);
+  app.footer(
+      "Examples:\n"
+      "  volccd info run.vtkhdf                         what is in a sequence\n"
+      "  volccd detect run.vtkhdf --contacts c.csv      all contacts of all steps\n"
+      "  volccd detect run.vtkhdf --steps 3:5 --pipeline NavCCD --stats s.json\n"
+      "  volccd verify run.vtkhdf                       all pipelines against each other and against FCL\n"
+      "  volccd queries ccd-queries.h5                  elementary tests on queries with known answers\n"
+      "  volccd COMMAND --help                          options and examples of a command\n\n"
+      "Exit codes: 0 done, 1 verify found a difference or a query was missed, 2 bad input or\n"
+      "output, 130 interrupted. What was complete before an error or Ctrl-C is kept, and marked as incomplete.");
+  Action action;
+  add_info_command(app, action);
+  add_detect_command(app, registry, action);
+  add_verify_command(app, registry, action);
+  add_queries_command(app, registry, action);
+  add_stages_command(app, registry, action);
+  add_scene_command(app, action);
+  add_experiment_command(app, registry, action);
+  try {
+    check_command(app, argc, argv);
+    app.parse(argc, argv);
+    const int code = action();
+    return flush_output() ? code : kBadInput;
+  } catch (const CLI::ParseError& error) {
+    const int code = app.exit(error);
+    return code == 0 ? kDone : kBadInput;
+  } catch (const Interrupted& error) {
+    fmt::print(stderr, "volccd: {}\n", error.what());
+    return kInterrupted;
+  } catch (const Error& error) {
+    fmt::print(stderr, "volccd: {}\n", error.what());
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "volccd: out of memory\n");
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "volccd: {}\n", error.what());
+  }
+  return kBadInput;
+}
+
+}  // namespace volccd

@@ -1,0 +1,170 @@
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include <volccd/experiments/tables/query_comparison.hpp>
+#include <volccd/mesh/sequence/query_file.hpp>
+#include <volccd/program/commands.hpp>
+#include <volccd/program/progress.hpp>
+#include <volccd/program/query_options.hpp>
+#include <volccd/program/scene_files.hpp>
+
+namespace volccd {
+
+namespace {
+
+struct QueriesOptions {
+  SequenceOptions sequence;
+  QuerySourceConfig source;
+  QueryComparisonConfig comparison;
+  std::string judge;
+  bool json = false, list = false;
+};
+
+void print_queries(const char* what, const std::string& narrow_phase, const KnownQueries& queries,
+                   const std::vector<std::uint64_t>& indices) {
+  for (const std::uint64_t i : indices)
+    fmt::print("{} by {}: {} {} {} ({})\n", what, narrow_phase, queries.scene,
+               queries.kind == FeatureKind::vf ? "VF" : "EE", i, queries.place(i));
+}
+
+void print_lists(const QueryRecord& record, const std::vector<KnownQueries>& groups) {
+  for (std::size_t g = 0; g < record.groups.size(); ++g)
+    for (const QueryScore& score : record.groups[g].scores) {
+      print_queries("missed", score.narrow_phase, groups[g], score.missed);
+      print_queries("extra", score.narrow_phase, groups[g], score.extra);
+    }
+}
+
+/// The motions to look at: those asked for, of which a query file has one.
+StepRange motions_of(const QueriesOptions& options) {
+  const std::string& file = options.sequence.file;
+  if (!is_sequence_file(file)) {
+    if (!options.sequence.steps.empty()) throw ConfigError("--steps: is for sequences, not for a query file");
+    return {0, 1};
+  }
+  SequenceReader reader(file);
+  // The truth is that of the first motion.
+  const std::string steps = options.sequence.steps.empty() && !options.source.candidates ? "0" : options.sequence.steps;
+  return parse_steps(steps, reader.step_count() - 1, file);
+}
+
+/// One motion, or a query file: adds its groups to `record`. `advance` is told a percentage.
+template <class Advance>
+void compare_on_motion(const QueriesOptions& options, const Registry& registry, int motion, Advance&& advance,
+                       QueryRecord& record) {
+  QuerySourceConfig source = options.source;
+  source.motion = motion;
+  source.stepper = options.sequence.stepper();
+  source.check = InterruptGuard::check;
+  std::vector<KnownQueries> groups = load_queries(options.sequence.file, source);
+  if (!options.judge.empty())
+    for (KnownQueries& queries : groups) judge(registry, options.judge, queries, InterruptGuard::check);
+  QueryComparisonConfig config = options.comparison;
+  config.progress = [&](std::size_t done, std::size_t total) { advance(100 * done / total); };
+  config.check = InterruptGuard::check;
+  const std::size_t before = record.groups.size();
+  compare_on_queries(registry, groups, config, record);
+  if (!options.list) return;
+  QueryRecord one = record;
+  one.groups.erase(one.groups.begin(), one.groups.begin() + static_cast<std::ptrdiff_t>(before));
+  print_lists(one, groups);
+}
+
+/// All motions; the exit code. Groups that are complete are kept.
+int compare_on_motions(const QueriesOptions& options, const Registry& registry, QueryRecord& record) {
+  const StepRange range = motions_of(options);
+  Progress progress("testing queries, %", 100 * static_cast<std::size_t>(range.end - range.begin));
+  try {
+    for (int k = range.begin; k < range.end; ++k)
+      compare_on_motion(
+          options, registry, k,
+          [&](std::size_t percent) { progress.advance(100 * static_cast<std::size_t>(k - range.begin) + percent); },
+          record);
+  } catch (const Interrupted&) {
+    if (record.groups.empty())
+      throw Interrupted("interrupted before the first group of queries was complete: no result");
+    record.stopped_by = kStoppedByUser;
+    return kInterrupted;
+  } catch (const Error& error) {
+    if (record.groups.empty()) throw;
+    record.stopped_by = error.what();
+    return kBadInput;
+  }
+  return kDone;
+}
+
+int run(const QueriesOptions& options, const Registry& registry) {
+  const InterruptGuard guard;
+  QueryRecord record;
+  const int code = compare_on_motions(options, registry, record);
+  record.file = options.sequence.file;
+  const std::string incomplete =
+      fmt::format("incomplete: {} group(s) of queries are complete; {}\n", record.groups.size(), record.stopped_by);
+  if (options.json) {
+    fmt::print("{}\n", record.to_json().dump(2));
+  } else {
+    fmt::print("{}\n\n{}", record.file, query_table(record));
+    if (code != kDone) fmt::print("\n{}", incomplete);
+  }
+  if (code != kDone) {
+    fmt::print(stderr, "volccd: {}", incomplete);
+    return code;
+  }
+  const std::vector<std::string> broken = record.broken_promises();
+  for (const std::string& line : broken) fmt::print(stderr, "volccd: {}\n", line);
+  return broken.empty() ? kDone : kDifferent;
+}
+
+}  // namespace
+
+void add_queries_command(CLI::App& app, const Registry& registry, Action& action) {
+  CLI::App* command = app.add_subcommand("queries", "narrow phases on elementary tests with known answers");
+  const auto options = std::make_shared<QueriesOptions>();
+  options->sequence.add_to(*command);
+  command->get_option("FILE")->description("query file (HDF5), or a sequence or scene: its ground truth");
+  command
+      ->add_option("--narrowphase", options->comparison.narrow_phases,
+                   "name[:option=value...]; several are compared; default: that of VolCCD+")
+      ->delimiter(',')
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--filters", options->comparison.filters,
+                   "feature filters that run before each, and count in its time")
+      ->delimiter(',')
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  command->add_option("--set", options->comparison.settings, "stage.option=value; may be repeated")
+      ->type_name("X=Y")
+      ->allow_extra_args(false);
+  command->add_flag("--candidates", options->source.candidates,
+                    "sequences: all pairs with overlapping swept boxes, not only those that the truth lists");
+  command
+      ->add_option("--judge", options->judge, "narrow phase whose answers count as the truth, in place of the file's")
+      ->type_name("NAME");
+  command->add_option("--sample", options->source.sample, "at most N of each scene and kind; 0: all")
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_option("--rounds", options->comparison.rounds, "timed runs, of which the median counts; 0: no times")
+      ->check(CLI::Range(0, 1000))
+      ->type_name("N")
+      ->capture_default_str();
+  command->add_flag("--list", options->list, "print every query that is missed or extra");
+  command->add_flag("--json", options->json, "all of it as JSON")->excludes("--list");
+  command->footer(
+      "Exit code 1 if a narrow phase whose guarantee is not `approximate` misses a query.\n"
+      "Examples:\n"
+      "  volccd queries ccd-queries.h5\n"
+      "  volccd queries ccd-queries.h5 --narrowphase cubic,cubic:tolerance=1e-6 --list\n"
+      "  volccd queries rod-twist.vtkhdf --candidates --filters feature-kdop,coplanarity --json\n"
+      "  volccd queries run.vtkhdf --candidates --sample 100000 --judge exact --rounds 0");
+  command->callback([options, &registry, &action] {
+    action = [options, &registry] {
+      options->sequence.file = sequence_file(options->sequence.file);
+      return run(*options, registry);
+    };
+  });
+}
+
+}  // namespace volccd

@@ -1,0 +1,136 @@
+#include <volccd/program/query_options.hpp>
+
+#include <charconv>
+#include <cstdio>
+#include <optional>
+
+#include <fmt/format.h>
+#include <Eigen/Geometry>
+
+namespace volccd {
+
+namespace {
+
+/// The number in `text`, or `fallback` if there is none; false if it is something else.
+bool parse_bound(std::string_view text, int fallback, int& value) {
+  value = fallback;
+  if (text.empty()) return true;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return error == std::errc() && end == text.data() + text.size();
+}
+
+/// Diagonal of the box around the control points of all vertices in use.
+double scene_diagonal(const Topology& topology, const Motion& motion) {
+  Eigen::AlignedBox3d box;
+  const Features& features = topology.features();
+  for (Index v = 0; v < features.vertex_slots(); ++v)
+    if (!features.vertex_elements(v).empty())
+      for (int i = 0; i <= motion.degree(); ++i) box.extend(motion.point(v, i));
+  return box.isEmpty() ? 0 : box.sizes().stableNorm();
+}
+
+/// The object that all elements belong to, if it is one.
+std::optional<std::int32_t> only_object(const Mesh& mesh) {
+  std::optional<std::int32_t> object;
+  for (Index o = 0; o < mesh.element_slots(); ++o) {
+    if (!mesh.alive(o)) continue;
+    if (object && *object != mesh.object(o)) return std::nullopt;
+    object = mesh.object(o);
+  }
+  return object;
+}
+
+}  // namespace
+
+StepRange parse_steps(const std::string& text, int motions, const std::string& file) {
+  StepRange range{0, motions};
+  const std::size_t colon = text.find(':');
+  bool good = true;
+  if (colon == std::string::npos) {
+    if (!text.empty()) {
+      good = parse_bound(text, 0, range.begin);
+      range.end = range.begin + 1;
+    }
+  } else {
+    good = parse_bound(std::string_view(text).substr(0, colon), 0, range.begin) &&
+           parse_bound(std::string_view(text).substr(colon + 1), motions, range.end);
+  }
+  if (!good) throw ConfigError(fmt::format("--steps: '{}' is not A:B, A:, :B or K", text));
+  if (motions == 0) throw InputError(file, "VTKHDF/Steps", "has one step only: no motion to look at");
+  if (range.begin < 0 || range.begin >= range.end || range.end > motions)
+    throw ConfigError(fmt::format("--steps: {} is not within the motions 0:{} of {}", text, motions, file));
+  return range;
+}
+
+void add_threads_option(CLI::App& command, unsigned& threads, const std::string& purpose) {
+  command.add_option("--threads", threads, purpose + "0: as many as the machine has; more are never made")
+      ->check(CLI::Range(0u, kMaxThreads))
+      ->type_name("N")
+      ->capture_default_str();
+}
+
+void SequenceOptions::add_to(CLI::App& command) {
+  command.add_option("FILE", file, "sequence (VTKHDF), or the name of a scene")->required()->type_name("");
+  command.add_option("--steps", steps, "motions k -> k+1 with A <= k < B; K alone: one motion")->type_name("A:B");
+  command.add_option("--shells", shells, "triangles and quads as surfaces, or thickened by their thickness")
+      ->check(CLI::IsMember({"surface", "solid"}))
+      ->capture_default_str();
+  command.add_option("--edges", edges, "with the diagonals of faces (complete), or without (the paper's counts)")
+      ->check(CLI::IsMember({"triangulated", "polytope"}))
+      ->capture_default_str();
+  command
+      .add_option("--motion", motion,
+                  "on straight lines, or with constant acceleration (by stored velocities, else by three steps)")
+      ->check(CLI::IsMember({"linear", "quadratic"}))
+      ->capture_default_str();
+}
+
+void SequenceOptions::add_parts_to(CLI::App& command) {
+  command
+      .add_option("--parts", parts,
+                  "objects are the parts that the file stores, or what hangs together: cells that share a vertex at "
+                  "any step are of one object")
+      ->check(CLI::IsMember({"stored", "components"}))
+      ->capture_default_str();
+}
+
+SequenceStepper::Config SequenceOptions::stepper() const {
+  SequenceStepper::Config config;
+  config.edge_set = edges == "polytope" ? EdgeSet::polytope : EdgeSet::triangulated;
+  config.shells = shells == "solid" ? ShellModel::solid : ShellModel::surface;
+  config.motion = motion == "quadratic" ? MotionModel::quadratic : MotionModel::linear;
+  config.parts = parts == "components" ? PartModel::components : PartModel::stored;
+  return config;
+}
+
+void QueryOptions::add_to(CLI::App& command) {
+  command.add_option("--pairs", pairs, "contacts of all pairs, between objects, or within objects")
+      ->check(CLI::IsMember({"all", "inter", "intra"}))
+      ->capture_default_str();
+  command
+      .add_option("--separation", separation,
+                  "contact when the distance reaches this; at most the diagonal of the box around the scene")
+      ->check(CLI::NonNegativeNumber)
+      ->type_name("D");
+  add_threads_option(command, threads);
+}
+
+ObjectFilter QueryOptions::filter() const {
+  return ObjectFilter(pairs == "inter" ? PairScope::inter : pairs == "intra" ? PairScope::intra : PairScope::all);
+}
+
+void QueryOptions::check(const SequenceStepper& stepper) const {
+  if (const double diagonal = scene_diagonal(stepper.topology(), stepper.motion()); !(separation <= diagonal))
+    throw ConfigError(
+        fmt::format("--separation: {:g} is greater than the diagonal {:g} of the box around the scene in motion {}: "
+                    "all features would be in contact",
+                    separation, diagonal, stepper.current()));
+  if (pairs != "inter") return;
+  if (const std::optional<std::int32_t> object = only_object(stepper.topology().mesh()))
+    fmt::print(stderr,
+               "volccd: warning: all elements of motion {} belong to part {}, so there are no pairs between parts; "
+               "--parts components takes what hangs together as a part\n",
+               stepper.current(), *object);
+}
+
+}  // namespace volccd

@@ -1,0 +1,207 @@
+#include <cmath>
+#include <cstdio>
+
+#include <fmt/format.h>
+
+#include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/experiments/verify/verify.hpp>
+#include <volccd/program/commands.hpp>
+#include <volccd/program/progress.hpp>
+#include <volccd/program/query_options.hpp>
+#include <volccd/program/scene_files.hpp>
+#include <volccd/program/step_loop.hpp>
+
+namespace volccd {
+
+namespace {
+
+struct VerifyOptions {
+  SequenceOptions sequence;
+  QueryOptions query;
+  VerifyConfig config;
+  bool no_fcl = false, no_truth = false;
+};
+
+constexpr std::size_t kShown = 5;  ///< differences of a kind shown in full; all are counted
+
+std::string text_of(const ContactRow& row) {
+  const auto& v = row.ids;
+  return row.kind == FeatureKind::vf ? fmt::format("VF {} | {} {} {} at {:.17g}", v[0], v[1], v[2], v[3], row.toi)
+                                     : fmt::format("EE {} {} | {} {} at {:.17g}", v[0], v[1], v[2], v[3], row.toi);
+}
+
+void show(const char* what, const std::vector<ContactRow>& rows) {
+  for (std::size_t i = 0; i < std::min(rows.size(), kShown); ++i) fmt::print("    {}: {}\n", what, text_of(rows[i]));
+  if (rows.size() > kShown) fmt::print("    {}: {} more\n", what, rows.size() - kShown);
+}
+
+std::vector<ContactRow> rows_of(int k, const std::vector<Contact>& contacts, const Mesh& mesh) {
+  std::vector<ContactRow> rows;
+  for (const Contact& contact : contacts) rows.push_back(contact_row(k, contact, mesh));
+  return rows;
+}
+
+void show(int k, const std::string& what, const std::vector<ElementPair>& pairs, const Mesh& mesh) {
+  if (pairs.empty()) return;
+  fmt::print("  step {}: {}: {} pairs of elements, first {} and {}\n", k, what, pairs.size(),
+             mesh.element_id(pairs.front().a), mesh.element_id(pairs.front().b));
+}
+
+void show_overlaps(int k, const StepVerdict& verdict, const Mesh& mesh) {
+  for (const PipelineVerdict& one : verdict.pipelines) {
+    show(k, "initial overlaps that " + one.pipeline + " misses", one.missing_overlaps, mesh);
+    show(k, "initial overlaps that only " + one.pipeline + " lists", one.extra_overlaps, mesh);
+  }
+  std::vector<ElementPair> missing;
+  for (const Overlap& overlap : verdict.initial.missing) missing.push_back(overlap.pair);
+  show(k, "initial overlaps that only FCL finds", missing, mesh);
+  show(k, "initial overlaps that are none", verdict.initial.extra, mesh);
+}
+
+void show_differences(int k, const StepVerdict& verdict, const Mesh& mesh) {
+  for (const PipelineVerdict& one : verdict.pipelines) {
+    if (one.difference.empty()) continue;
+    fmt::print("  step {}: {} differs from {}: {} missing, {} extra, {} changed\n", k, one.pipeline, verdict.reference,
+               one.difference.missing.size(), one.difference.extra.size(), one.difference.changed.size());
+    show("missing", rows_of(k, one.difference.missing, mesh));
+    show("extra", rows_of(k, one.difference.extra, mesh));
+    std::vector<Contact> changed;
+    for (const auto& [expected, found] : one.difference.changed) changed.push_back(found);
+    show("changed", rows_of(k, changed, mesh));
+  }
+  for (std::size_t i = 0; i < std::min(verdict.fcl.violations.size(), kShown); ++i) {
+    const OverlapViolation& v = verdict.fcl.violations[i];
+    fmt::print("  step {}: FCL finds elements {} and {} overlapping by {:.3g} at t = {:g}, first contact {}\n", k,
+               mesh.element_id(v.pair.a), mesh.element_id(v.pair.b), v.depth, v.time,
+               std::isfinite(v.first_contact) ? fmt::format("{:.6f}", v.first_contact) : "none");
+  }
+}
+
+bool check_truth(SequenceReader& reader, const Mesh& mesh, const std::vector<Contact>& contacts, const VerifyConfig& config) {
+  const auto truth = read_ground_truth(reader);
+  if (!truth) return true;
+  const TruthVerdict verdict = check_against_truth(mesh, contacts, *truth, config.truth_time_tolerance);
+  fmt::print("ground truth of motion 0: {} pairs touch; {} missing, {} extra, {} with a wrong time (largest error {:.2g})\n",
+             grouped(verdict.colliding), verdict.missing.size(), verdict.extra.size(), verdict.wrong_time.size(),
+             verdict.largest_time_error);
+  show("missing", verdict.missing);
+  show("extra", verdict.extra);
+  show("wrong time", verdict.wrong_time);
+  return verdict.clean();
+}
+
+std::string fcl_text(const StepVerdict& verdict) {
+  if (verdict.fcl.times == 0) return "-";
+  return fmt::format("{} of {}", grouped(verdict.fcl.violations.size()), grouped(verdict.fcl.hits));
+}
+
+/// Listed, and how many of them FCL finds.
+std::string overlap_text(const StepVerdict& verdict) {
+  if (verdict.fcl.times == 0) return grouped(verdict.initial_overlaps);
+  return fmt::format("{} (FCL {})", grouped(verdict.initial_overlaps), grouped(verdict.initial.hits));
+}
+
+/// Goes through the steps, and says of each what it found.
+class Verification {
+ public:
+  Verification(const VerifyOptions& options, const Registry& registry)
+      : options_(options),
+        config_(config_of(options)),
+        reader_(options.sequence.file),
+        stepper_(reader_, options.sequence.stepper()),
+        range_(parse_steps(options.sequence.steps, stepper_.motion_count(), options.sequence.file)),
+        executor_(make_interruptible_executor(options.query.threads)),
+        filter_(options.query.filter()),
+        verifier_(registry, config_),
+        // The truth is that of surfaces on straight lines and of all pairs.
+        truth_fits_(!options.no_truth && options.sequence.shells == "surface" && filter_.trivial() &&
+                    options.query.separation == 0 && options.sequence.edges == "triangulated" &&
+                    options.sequence.motion == "linear") {
+    warn_of_incomplete(reader_);
+  }
+
+  int run() {
+    const StepsDone steps = run_steps("verifying, step", range_, [this](int k) { run_step(k); });
+    fmt::print("{}", table_.text());
+    if (steps.complete()) {
+      fmt::print("{}\n", clean_ ? "clean: no difference" : "DIFFERENCES FOUND");
+      return clean_ ? kDone : kDifferent;
+    }
+    fmt::print("{} in these steps\n", clean_ ? "no difference" : "DIFFERENCES FOUND");
+    print_incomplete(steps, stdout);
+    return exit_code(steps);
+  }
+
+ private:
+  static VerifyConfig config_of(const VerifyOptions& options) {
+    VerifyConfig config = options.config;
+    if (options.no_fcl) config.fcl_times.clear();
+    return config;
+  }
+
+  void run_step(int k) {
+    stepper_.go_to(k);
+    if (k == range_.begin) options_.query.check(stepper_);
+    const Mesh& mesh = stepper_.topology().mesh();
+    std::vector<Contact> contacts;
+    const StepVerdict verdict = verifier_.check(
+        {stepper_.topology(), stepper_.motion(), filter_, options_.query.separation}, *executor_, &contacts);
+    std::string differ;
+    for (const PipelineVerdict& one : verdict.pipelines)
+      if (!one.same()) differ += (differ.empty() ? "" : ", ") + one.pipeline;
+    table_.add({std::to_string(k), verdict.reference, grouped(verdict.contacts),
+                std::isfinite(verdict.earliest_toi) ? fmt::format("{:.6f}", verdict.earliest_toi) : "-",
+                overlap_text(verdict), differ.empty() ? fmt::format("none of {}", verdict.pipelines.size()) : differ,
+                fcl_text(verdict)});
+    show_differences(k, verdict, mesh);
+    show_overlaps(k, verdict, mesh);
+    clean_ = clean_ && verdict.clean();
+    if (k == 0 && truth_fits_) clean_ = check_truth(reader_, mesh, contacts, config_) && clean_;
+  }
+
+  const InterruptGuard guard_;
+  const VerifyOptions& options_;
+  VerifyConfig config_;
+  SequenceReader reader_;
+  SequenceStepper stepper_;
+  StepRange range_;
+  std::unique_ptr<Executor> executor_;
+  ObjectFilter filter_;
+  Verifier verifier_;
+  bool truth_fits_;
+  bool clean_ = true;
+  TextTable table_{{"step", "reference", "contacts", "earliest t", "overlaps at 0", "pipelines that differ",
+                    "FCL violations of hits"}};
+};
+
+}  // namespace
+
+void add_verify_command(CLI::App& app, const Registry& registry, Action& action) {
+  CLI::App* command = app.add_subcommand("verify", "all pipelines against brute force, FCL and the file's ground truth");
+  const auto options = std::make_shared<VerifyOptions>();
+  options->sequence.add_to(*command);
+  options->query.add_to(*command);
+  options->sequence.add_parts_to(*command);
+  command->add_option("--brute-force-limit", options->config.brute_force_limit,
+                      "elements up to which brute force is the reference; beyond, NavCCD")
+      ->capture_default_str();
+  command->add_flag("--no-fcl", options->no_fcl, "without the FCL oracle");
+  command->add_flag("--no-truth", options->no_truth, "without the file's ground truth");
+  command->footer(
+      "Every registered pipeline must find the contacts of the reference, bit for bit. Where FCL finds two elements\n"
+      "overlapping at t = 1/4, 1/2, 3/4 or 1, they overlapped at t = 0 or must have a contact by then.\n"
+      "All pipelines must list the same initial overlaps, all that FCL finds at t = 0 and none that is clearly apart.\n"
+      "Exit code 1 if anything differs. Ctrl-C abandons the step at hand and reports those before:\n"
+      "exit code 130.\n"
+      "Examples:\n"
+      "  volccd verify run.vtkhdf\n"
+      "  volccd verify run.vtkhdf --steps 0:2 --threads 2 --no-fcl");
+  command->callback([options, &registry, &action] {
+    action = [options, &registry] {
+      options->sequence.file = sequence_file(options->sequence.file);
+      return Verification(*options, registry).run();
+    };
+  });
+}
+
+}  // namespace volccd

@@ -1,0 +1,75 @@
+#include <volccd/query/motion.hpp>
+
+#include <string>
+
+#include <volccd/core/error.hpp>
+
+namespace volccd {
+
+namespace {
+
+void check_positions(std::span<const Vec3> x, std::size_t expected, const char* dataset) {
+  if (x.size() != expected)
+    throw InputError("motion", dataset,
+                     "has " + std::to_string(x.size()) + " positions, expected " + std::to_string(expected));
+  for (std::size_t i = 0; i < x.size(); ++i)
+    if (!x[i].allFinite()) throw InputError("motion", dataset, static_cast<std::int64_t>(i), "not a finite position");
+}
+
+}  // namespace
+
+Motion::Motion(Index vertices, int control_points)
+    : vertices_(vertices), control_points_(control_points), data_(vertices * stride(), 0.0) {}
+
+Motion Motion::linear(std::span<const Vec3> x0, std::span<const Vec3> x1) {
+  Motion motion;
+  motion.set_linear(x0, x1);
+  return motion;
+}
+
+void Motion::set_linear(std::span<const Vec3> x0, std::span<const Vec3> x1) {
+  check_positions(x0, x0.size(), "x0");
+  check_positions(x1, x0.size(), "x1");
+  vertices_ = static_cast<Index>(x0.size());
+  control_points_ = 2;
+  data_.resize(x0.size() * 6);
+  for (Index v = 0; v < vertices_; ++v) {
+    set(v, 0, x0[v]);
+    set(v, 1, x1[v]);
+  }
+}
+
+Motion Motion::quadratic(std::span<const Vec3> x0, std::span<const Vec3> xm, std::span<const Vec3> x1) {
+  check_positions(x0, x0.size(), "x0");
+  check_positions(xm, x0.size(), "xm");
+  check_positions(x1, x0.size(), "x1");
+  Motion motion(static_cast<Index>(x0.size()), 3);
+  for (Index v = 0; v < motion.vertices_; ++v) {
+    motion.set(v, 0, x0[v]);
+    motion.set(v, 1, xm[v]);
+    motion.set(v, 2, x1[v]);
+  }
+  return motion;
+}
+
+Motion Motion::linear_with_new(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const char> is_new,
+                               std::span<const Vec3> velocity, double step_length) {
+  check_positions(x1, x1.size(), "x1");
+  check_positions(velocity, x1.size(), "velocity");
+  if (x0.size() != x1.size() || is_new.size() != x1.size())
+    throw InputError("motion", "x0", "arrays of different lengths");
+  std::vector<Vec3> start(x0.begin(), x0.end());
+  for (std::size_t v = 0; v < start.size(); ++v)
+    if (is_new[v]) start[v] = x1[v] - step_length * velocity[v];
+  return linear(start, x1);
+}
+
+Vec3 Motion::position(Index v, double t) const {
+  if (t == 0) return point(v, 0);
+  if (t == 1) return point(v, control_points_ - 1);
+  const auto between = [t](const Vec3& a, const Vec3& b) -> Vec3 { return (1 - t) * a + t * b; };
+  const Vec3 first = between(point(v, 0), point(v, 1));
+  return control_points_ == 2 ? first : between(first, between(point(v, 1), point(v, 2)));
+}
+
+}  // namespace volccd

@@ -1,0 +1,40 @@
+#include <volccd/query/object_filter.hpp>
+
+namespace volccd {
+
+namespace {
+
+/// Whether no vertex of the element belongs to an element of another object.
+bool is_pure(const Topology& topology, Index o) {
+  const Mesh& mesh = topology.mesh();
+  for (const Index v : mesh.vertices(o))
+    for (const Index other : topology.features().vertex_elements(v))
+      if (mesh.object(other) != mesh.object(o)) return false;
+  return true;
+}
+
+}  // namespace
+
+bool ObjectFilter::drops(const Topology& topology, ElementPair pair) const {
+  if (trivial()) return false;
+  const Mesh& mesh = topology.mesh();
+  if (allows(mesh.object(pair.a), mesh.object(pair.b))) return false;
+  return !topology.objects_share_vertices() || (is_pure(topology, pair.a) && is_pure(topology, pair.b));
+}
+
+bool ObjectFilter::asks_for(const Topology& topology, FeatureKind kind, FeaturePair pair) const {
+  if (trivial()) return true;
+  const Mesh& mesh = topology.mesh();
+  const Features& features = topology.features();
+  const bool vf = kind == FeatureKind::vf;
+  const auto inc_a = vf ? features.vertex_elements(pair.a) : features.edge_elements(pair.a);
+  const auto inc_b = vf ? features.triangle_elements(pair.b) : features.edge_elements(pair.b);
+  if (!topology.objects_share_vertices())
+    return !inc_a.empty() && !inc_b.empty() && allows(mesh.object(inc_a.front()), mesh.object(inc_b.front()));
+  for (const Index oi : inc_a)
+    for (const Index oj : inc_b)
+      if (allows(mesh.object(oi), mesh.object(oj))) return true;
+  return false;
+}
+
+}  // namespace volccd

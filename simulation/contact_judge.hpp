@@ -1,0 +1,51 @@
+// Who resists what: the direction of a contact, and whether it is one that presses.
+#pragma once
+
+#include <span>
+
+#include <volccd/mesh/topology.hpp>
+#include <volccd/query/contact.hpp>
+#include <volccd/query/motion.hpp>
+#include <volccd/simulation/contact_surface.hpp>
+#include <volccd/simulation/found_contact.hpp>
+
+namespace volccd::simulation {
+
+/// A view of one motion. What the surface has an outside for is told by that, features of one element by their shape at
+/// rest, features inside by where their elements or objects lie. Ignored are contacts that another pair of features has
+/// nearer (past a triangle's rim, at an edge's end), and those next to vertices that were one before they split, until
+/// these have come apart. Thread-safe.
+class ContactJudge {
+ public:
+  struct Scene {
+    const Topology& topology;  ///< of the collision mesh
+    const Motion& motion;
+    const ContactSurface& surface;
+    std::span<const Vec3> reference;  ///< by vertex of the simulated mesh: at rest
+    std::span<const Vec3> middles;    ///< of objects, at the start
+    Index copies;                     ///< as ContactSurface has it
+    bool adjacent;                    ///< whether adjacent elements resist each other
+    double separation;
+  };
+  explicit ContactJudge(const Scene& scene) : s_(scene) {}
+
+  FoundContact describe(const Contact& contact) const;
+
+ private:
+  void judge(const Contact& contact, FoundContact& found) const;
+  Vec3 outward(std::span<const Index> elements, const Vec3& point) const;
+  Vec3 made_up_normal(const Contact& contact) const;
+  int side_in_reference(const FoundContact& found) const;
+  bool faces(Index v0, Index v1, const Vec3& normal, double toi, bool boundary_only) const;
+  bool faces(Index vertex, const Vec3& normal, double toi) const;
+  bool rim_faces(const Contact& contact) const;
+  bool at_twins(const Contact& contact) const;
+  void judge_triangle(const Contact& contact, FoundContact& found, std::span<const Index> elements) const;
+  void judge_edges(const Contact& contact, FoundContact& found, std::span<const Index> a,
+                   std::span<const Index> b) const;
+  bool comes_out(const FoundContact& found, std::span<const Index> a, std::span<const Index> b) const;
+
+  const Scene s_;
+};
+
+}  // namespace volccd::simulation

@@ -1,0 +1,109 @@
+// Solid elements: their shape at rest, their state, and the forces of a run of them. N corners: 4, a tetrahedron; 8, a
+// hexahedron, or a wedge as one of which two edges have no length.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <Eigen/Core>
+
+#include <volccd/simulation/model.hpp>
+
+namespace volccd::simulation::detail {
+
+/// A part's material, as the kernel wants it.
+struct SolidMaterial {
+  explicit SolidMaterial(const Part& part);
+
+  Material material;
+  double mu, dilation;  ///< shear modulus; lambda + mu
+  double sound;         ///< speed of
+  bool rigid;
+};
+
+/// Symmetric 3 x 3: xx, yy, zz, xy, yz, zx.
+using Symmetric = Eigen::Matrix<double, 6, 1>;
+
+inline constexpr int mode_count(int corners) { return corners == 8 ? 4 : 0; }
+
+/// Zeros: Eigen leaves vectors as they are, and rows go to checkpoints whole.
+template <int Count>
+std::array<Vec3, Count> filled() {
+  std::array<Vec3, Count> zeros;
+  zeros.fill(Vec3::Zero());
+  return zeros;
+}
+
+/// An element at rest. Hourglass modes q = (1/8) sum h x - F a are 0 in any affine deformation.
+template <int N>
+struct SolidShape {
+  std::array<Vec3, N> gradients = filled<N>();      ///< mean over the element of each corner's shape function
+  double volume = 0;                                ///< 0: neither force nor mass
+  double packing = 1;                               ///< mass over volume and the material's density
+  Symmetric spread = Symmetric::Zero();             ///< sum of gradient gradient^T
+  double greatest_spread = 0;                       ///< its greatest eigenvalue
+  std::array<double, mode_count(N)> mode_slopes{};  ///< squared: (strain at the faces / |q|)^2
+  std::array<Vec3, mode_count(N)> modes = filled<mode_count(N)>();  ///< a, from the rest positions
+  std::array<Index, N> vertices{};
+  Index slot = kNone;      ///< of the element; kNone: an empty row
+  std::uint32_t part = 0;  ///< object id
+};
+
+/// What changes from step to step.
+template <int N>
+struct SolidState {
+  Eigen::Matrix3d deformation = Eigen::Matrix3d::Identity();  ///< F of the last call
+  Symmetric plastic_metric = identity();                      ///< Cp^-1
+  double plastic_strain = 0;                                  ///< equivalent
+  double viscous_pressure = 0;                                ///< of the last call, Pa
+  double energy = 0, plastic_work = 0, numerical_work = 0;    ///< J; the first as of the last call, the others so far
+  std::array<Vec3, mode_count(N)> modes = filled<mode_count(N)>();  ///< a, as hourglass modes flowed
+
+  static Symmetric identity() { return (Symmetric() << 1, 1, 1, 0, 0, 0).finished(); }
+};
+
+/// Shape at rest for corners at `x`: all but vertices, slot and part. False, with volume 0, if there is no volume.
+/// `wedge`: corners 1 and 2 are one vertex, and 5 and 6.
+template <int N>
+bool set_shape(const std::array<Vec3, N>& x, SolidShape<N>& shape, bool wedge = false);
+
+/// Elements of one type, a row each, and what to do with them.
+template <int N>
+struct SolidRun {
+  std::span<const SolidShape<N>> shapes;
+  std::span<SolidState<N>> states;
+  std::span<const SolidMaterial> materials;  ///< by part
+  std::span<const Vec3> x, v;                ///< by vertex
+  double dt;
+  Vec3* out;  ///< N forces a row
+};
+
+/// Largest stable step of all, infinite if there is none; smallest slot of an element whose deformation is not finite.
+struct SolidBound {
+  double step;
+  Index broken = kNone;
+};
+
+/// Has forces: not an empty row, not rigid, not flat at rest.
+template <int N>
+bool is_active(const SolidShape<N>& shape, std::span<const SolidMaterial> materials) {
+  return shape.slot != kNone && shape.volume > 0 && !materials[shape.part].rigid;
+}
+
+/// Internal forces of the active rows in [begin, end), and their states advanced by `dt` (0: deformation, energy and
+/// viscous pressure only). A row's results do not depend on the others.
+template <int N>
+SolidBound solid_forces(const SolidRun<N>& run, std::size_t begin, std::size_t end);
+
+/// Of one active element, in the deformation of its state, without velocity.
+template <int N>
+double stable_step(const SolidShape<N>& shape, const SolidState<N>& state, std::span<const SolidMaterial> materials);
+
+/// Cauchy stress times present volume, for the state of the last call; hourglass modes and viscosity left out.
+template <int N>
+Eigen::Matrix3d stress_times_volume(const SolidShape<N>& shape, const SolidMaterial& material,
+                                    const SolidState<N>& state);
+
+}  // namespace volccd::simulation::detail
