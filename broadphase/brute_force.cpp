@@ -43,7 +43,7 @@ const Options<BruteForce::Config>& BruteForce::options() {
 
 std::unique_ptr<StageState> BruteForce::make_state() const { return std::make_unique<BruteForceState>(); }
 
-void BruteForce::update(const Step& step, StageState& stage_state, Executor& executor) const {
+void BruteForce::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   BruteForceState& state = static_cast<BruteForceState&>(stage_state);
   const bool news = state.watch.look(step.topology) != TopologyWatch::News::none || !state.intact;
   state.intact = false;
@@ -53,7 +53,7 @@ void BruteForce::update(const Step& step, StageState& stage_state, Executor& exe
   state.intact = true;
 }
 
-void BruteForce::query(const Step&, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
+void BruteForce::run(const Step&, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
   BruteForceState& state = static_cast<BruteForceState&>(stage_state);
   const detail::PairRules rules(range, state.watch.adjacency(), state.keys);
   const std::size_t count = state.list.size();

@@ -82,7 +82,7 @@ const Options<KdopBvh::Config>& KdopBvh::options() {
 
 std::unique_ptr<StageState> KdopBvh::make_state() const { return std::make_unique<KdopBvhState>(); }
 
-void KdopBvh::update(const Step& step, StageState& stage_state, Executor& executor) const {
+void KdopBvh::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
   detail::bound_vertices(step, config_.k, executor, state.vertices);
   const TopologyWatch::News news = state.watch.look(step.topology);
@@ -106,7 +106,7 @@ void KdopBvh::update(const Step& step, StageState& stage_state, Executor& execut
   state.intact = true;
 }
 
-void KdopBvh::query(const Step&, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
+void KdopBvh::run(const Step&, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
   KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
   const detail::PairRules rules(range, state.watch.adjacency(), state.keys);
   state.counters.node_tests += make_tasks(state, rules);

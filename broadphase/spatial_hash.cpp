@@ -92,7 +92,7 @@ const Options<SpatialHash::Config>& SpatialHash::options() {
 
 std::unique_ptr<StageState> SpatialHash::make_state() const { return std::make_unique<SpatialHashState>(); }
 
-void SpatialHash::update(const Step& step, StageState& stage_state, Executor& executor) const {
+void SpatialHash::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   SpatialHashState& state = static_cast<SpatialHashState&>(stage_state);
   const TopologyWatch::News news = state.watch.look(step.topology);
   const bool fresh = !state.intact || news == TopologyWatch::News::everything;
@@ -109,7 +109,7 @@ void SpatialHash::update(const Step& step, StageState& stage_state, Executor& ex
   state.intact = true;
 }
 
-void SpatialHash::query(const Step&, StageState& stage_state, PairRange range, Executor& executor,
+void SpatialHash::run(const Step&, StageState& stage_state, PairRange range, Executor& executor,
                         PairSink sink) const {
   SpatialHashState& state = static_cast<SpatialHashState&>(stage_state);
   const detail::PairRules rules(range, state.watch.adjacency(), state.keys);

@@ -2,18 +2,15 @@
 
 #include <volccd/culling/detail/assignment_table.hpp>
 #include <volccd/culling/detail/masked_features.hpp>
-#include <volccd/culling/detail/orphans.hpp>
 
 namespace volccd {
 
 namespace {
 
 struct DynamicAssignmentState final : StageState {
-  explicit DynamicAssignmentState(OSetKind kind) : orphans(kind) {}
-  std::size_t bytes() const override { return table.bytes() + orphans.bytes(); }
+  std::size_t bytes() const override { return table.bytes(); }
 
   detail::AssignmentTable table;
-  detail::Orphans orphans;
 };
 
 /// Whether (o1, o2), not adjacent, is the first non-adjacent pair in inc_a x inc_b; o1 is in inc_a and o2 in inc_b, and
@@ -75,29 +72,22 @@ void edge_tests(const Step& step, const Owner& owner, ElementPair pair, const Fe
 }  // namespace
 
 const Options<DynamicAssignment::Config>& DynamicAssignment::options() {
-  static const Options<Config> options = [] {
-    Options<Config> o;
-    detail::add_o_set_option(o);
-    return o;
-  }();
+  static const Options<Config> options;
   return options;
 }
 
-std::string DynamicAssignment::unsound() const {
-  if (config_.oset != OSetKind::none) return {};
+std::string DynamicAssignment::incomplete_on_every() const {
   return "a feature pair all of whose elements are adjacent has no owner, and without an O-Set nobody tests it; use "
-         "oset=minimal or oset=literal";
+         "orphans=o-set";
 }
 
-std::unique_ptr<StageState> DynamicAssignment::make_state() const { return std::make_unique<DynamicAssignmentState>(config_.oset); }
+std::unique_ptr<StageState> DynamicAssignment::make_state() const { return std::make_unique<DynamicAssignmentState>(); }
 
-void DynamicAssignment::update(const Step& step, StageState& state) const {
-  DynamicAssignmentState& mine = static_cast<DynamicAssignmentState&>(state);
-  mine.table.update(step.topology);
-  mine.orphans.update(step.topology);
+void DynamicAssignment::prepare(const Step& step, StageState& state, Executor&) const {
+  static_cast<DynamicAssignmentState&>(state).table.update(step.topology);
 }
 
-void DynamicAssignment::tests(const Step& step, const StageState& state, const PairBatch& batch, TestBatch& out) const {
+void DynamicAssignment::run(const Step& step, StageState& state, unsigned, const PairBatch& batch, TestBatch& out) const {
   const detail::AssignmentTable& table = static_cast<const DynamicAssignmentState&>(state).table;
   const Owner owner(step.features(), table);
   for (std::size_t i = 0; i < batch.size(); ++i) {
@@ -109,17 +99,9 @@ void DynamicAssignment::tests(const Step& step, const StageState& state, const P
   }
 }
 
-std::size_t DynamicAssignment::orphan_blocks(const StageState& state) const {
-  return static_cast<const DynamicAssignmentState&>(state).orphans.blocks();
-}
-
-void DynamicAssignment::orphans(const Step&, const StageState& state, std::size_t block, TestBatch& out) const {
-  static_cast<const DynamicAssignmentState&>(state).orphans.append(block, out);
-}
-
-StageDescriptor<FeatureCulling> describe_dynamic_assignment() {
-  return describe_stage<FeatureCulling, DynamicAssignment>(
-      "dynamic-assignment", "each test by the first non-adjacent element pair that has it, and the O-Set (Algorithms 3, 5)",
+StageDescriptor<Assignment> describe_dynamic_assignment() {
+  return describe_stage<Assignment, DynamicAssignment>(
+      "dynamic-assignment", "each test by the first non-adjacent element pair that has it (Algorithm 5); needs the O-Set",
       Guarantee::exact);
 }
 

@@ -1,7 +1,6 @@
 #include <volccd/culling/o_set.hpp>
 
 #include <algorithm>
-#include <cassert>
 #include <vector>
 
 #include <volccd/culling/detail/o_set_blocks.hpp>
@@ -207,7 +206,7 @@ void OSet::Impl::update(const Topology& topology, const std::vector<const Topolo
   version = topology.version();
 }
 
-OSet::OSet(OSetKind kind) : impl_(std::make_unique<Impl>(kind)) { assert(kind != OSetKind::none); }
+OSet::OSet(OSetKind kind) : impl_(std::make_unique<Impl>(kind)) {}
 OSet::OSet(OSet&&) noexcept = default;
 OSet& OSet::operator=(OSet&&) noexcept = default;
 OSet::~OSet() = default;

@@ -6,13 +6,12 @@
 #include <cstdint>
 #include <memory>
 
-#include <volccd/culling/feature_culling.hpp>
+#include <volccd/culling/assignment.hpp>
 #include <volccd/mesh/topology.hpp>
 
 namespace volccd {
 
 enum class OSetKind {
-  none,
   /// VF pairs {v,f}, v not in f, and EE pairs without a common vertex, for which every (oi, oj) in inc(a) x inc(b) is
   /// adjacent (an element is adjacent to itself). With dynamic assignment each test comes out exactly once.
   minimal,
@@ -33,7 +32,6 @@ class OSet {
  public:
   static constexpr std::size_t kBlockPairs = 4096;
 
-  /// `kind` is not none.
   explicit OSet(OSetKind kind = OSetKind::minimal);
   OSet(OSet&&) noexcept;
   OSet& operator=(OSet&&) noexcept;

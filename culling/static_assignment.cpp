@@ -2,8 +2,6 @@
 
 #include <volccd/culling/detail/assignment_table.hpp>
 #include <volccd/culling/detail/masked_features.hpp>
-#include <volccd/culling/detail/orphans.hpp>
-#include <volccd/query/test_block.hpp>
 
 namespace volccd {
 
@@ -43,28 +41,22 @@ void edge_tests(const Step& step, const detail::AssignmentTable& table, ElementP
 }  // namespace
 
 const Options<StaticAssignment::Config>& StaticAssignment::options() {
-  static const Options<Config> options = [] {
-    Options<Config> o;
-    detail::add_o_set_option(o);
-    return o;
-  }();
+  static const Options<Config> options;
   return options;
 }
 
-std::string StaticAssignment::unsound() const {
-  if (config_.oset == OSetKind::none) return {};
-  return "with an O-Set, adjacent element pairs are skipped, but static assignment gives some feature pairs to adjacent "
-         "elements although non-adjacent ones cover them, so that the O-Set lacks them (Section 5.2); use "
-         "dynamic-assignment, or oset=none";
+std::string StaticAssignment::incomplete_on_nonadjacent() const {
+  return "static assignment gives some feature pairs to adjacent elements although non-adjacent ones cover them, so that "
+         "the O-Set lacks them (Section 5.2); use assignment=dynamic-assignment, or orphans=none";
 }
 
 std::unique_ptr<StageState> StaticAssignment::make_state() const { return std::make_unique<StaticAssignmentState>(); }
 
-void StaticAssignment::update(const Step& step, StageState& state) const {
+void StaticAssignment::prepare(const Step& step, StageState& state, Executor&) const {
   static_cast<StaticAssignmentState&>(state).table.update(step.topology);
 }
 
-void StaticAssignment::tests(const Step& step, const StageState& state, const PairBatch& batch, TestBatch& out) const {
+void StaticAssignment::run(const Step& step, StageState& state, unsigned, const PairBatch& batch, TestBatch& out) const {
   const detail::AssignmentTable& table = static_cast<const StaticAssignmentState&>(state).table;
   for (std::size_t i = 0; i < batch.size(); ++i) {
     const ElementPair pair = batch.pairs[i];
@@ -74,8 +66,8 @@ void StaticAssignment::tests(const Step& step, const StageState& state, const Pa
   }
 }
 
-StageDescriptor<FeatureCulling> describe_static_assignment() {
-  return describe_stage<FeatureCulling, StaticAssignment>(
+StageDescriptor<Assignment> describe_static_assignment() {
+  return describe_stage<Assignment, StaticAssignment>(
       "static-assignment", "each feature is tested by the first element that has it (Algorithm 4)", Guarantee::exact);
 }
 

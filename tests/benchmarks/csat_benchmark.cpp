@@ -58,13 +58,12 @@ void run(benchmark::State& state, const OptionValues& options, ElementType type)
   const auto stage = describe_csat().make(options);
   const Scene& s = scene(type);
   PairBatch batch;
+  StageState none;
   std::size_t kept = 0, rounds = 0;
   for (auto _ : state) {
     for (std::size_t i = 0; i < s.pairs.size(); i += 1024) {
-      const auto begin = s.pairs.begin() + static_cast<std::ptrdiff_t>(i);
-      batch.pairs.assign(begin, begin + static_cast<std::ptrdiff_t>(std::min<std::size_t>(1024, s.pairs.size() - i)));
-      batch.masks.assign(batch.pairs.size(), {});
-      stage->cull({s.topology, s.motion, s.filter}, nullptr, batch);
+      batch.assign(std::span(s.pairs).subspan(i, std::min<std::size_t>(1024, s.pairs.size() - i)));
+      stage->run({s.topology, s.motion, s.filter}, none, 0, batch);
       kept += batch.size();
     }
     ++rounds;
