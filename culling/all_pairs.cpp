@@ -4,7 +4,6 @@
 
 #include <volccd/culling/detail/masked_features.hpp>
 #include <volccd/culling/detail/orphans.hpp>
-#include <volccd/mesh/topology_watch.hpp>
 #include <volccd/query/test_block.hpp>
 
 namespace volccd {
@@ -13,9 +12,8 @@ namespace {
 
 struct AllPairsState final : StageState {
   explicit AllPairsState(OSetKind kind) : orphans(kind) {}
-  std::size_t bytes() const override { return watch.bytes() + orphans.bytes(); }
+  std::size_t bytes() const override { return orphans.bytes(); }
 
-  TopologyWatch watch;
   detail::Orphans orphans;
 };
 
@@ -79,13 +77,11 @@ const Options<AllPairs::Config>& AllPairs::options() {
 std::unique_ptr<StageState> AllPairs::make_state() const { return std::make_unique<AllPairsState>(config_.oset); }
 
 void AllPairs::update(const Step& step, StageState& state) const {
-  AllPairsState& mine = static_cast<AllPairsState&>(state);
-  mine.watch.look(step.topology);
-  mine.orphans.update(step.topology);
+  static_cast<AllPairsState&>(state).orphans.update(step.topology);
 }
 
-void AllPairs::tests(const Step& step, const StageState& state, const PairBatch& batch, TestBatch& out) const {
-  const AdjacencyTest& adjacency = static_cast<const AllPairsState&>(state).watch.adjacency();
+void AllPairs::tests(const Step& step, const StageState&, const PairBatch& batch, TestBatch& out) const {
+  const Adjacency& adjacency = step.topology.adjacency();
   for (std::size_t i = 0; i < batch.size(); ++i) {
     const ElementPair pair = batch.pairs[i];
     if (adjacency.adjacent(pair.a, pair.b))

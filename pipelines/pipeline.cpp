@@ -19,7 +19,7 @@ Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
 std::size_t Workspace::bytes() const {
   if (!data_) return 0;
-  std::size_t sum = data_->adjacency.bytes();
+  std::size_t sum = 0;
   if (data_->broad_phase) sum += data_->broad_phase->bytes();
   if (data_->feature_culling) sum += data_->feature_culling->bytes();
   for (const auto& state : data_->element_culling) sum += state ? state->bytes() : 0;
@@ -84,7 +84,6 @@ void Pipeline::make_states(Workspace::Data& data) const {
   data.feature_culling = feature_culling_->make_state();
   data.element_culling.clear();
   for (const auto& stage : element_culling_) data.element_culling.push_back(stage->make_state());
-  data.adjacency_version = 0;
   data.intact = true;
 }
 

@@ -106,10 +106,6 @@ void Pipeline::Run::update_stages() {
     stages[culling_stage(i)].seconds += watch.lap();
   }
   pipeline_.feature_culling_->update(step_, *data_.feature_culling);
-  if (range_ == PairRange::every && data_.adjacency_version != step_.topology.version()) {
-    data_.adjacency.build(step_.mesh());
-    data_.adjacency_version = step_.topology.version();
-  }
   stages[feature_stage()].seconds += watch.lap();
 }
 
@@ -126,7 +122,7 @@ Step Pipeline::Run::pruned_step() const {
 void Pipeline::Run::count_adjacent(std::span<const ElementPair> pairs, Statistics& sums) const {
   sums.element_pairs += pairs.size();
   if (range_ == PairRange::nonadjacent) return;
-  for (const ElementPair pair : pairs) sums.adjacent_pairs += data_.adjacency.adjacent(pair.a, pair.b) ? 1 : 0;
+  for (const ElementPair pair : pairs) sums.adjacent_pairs += step_.topology.adjacency().adjacent(pair.a, pair.b) ? 1 : 0;
 }
 
 void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, WorkerScratch& worker) {
@@ -173,7 +169,7 @@ void Pipeline::Run::take_overlaps(const PairBatch& batch, WorkerScratch& worker)
   std::vector<ElementPair>& candidates = worker.overlap_candidates;
   candidates.clear();
   for (const ElementPair pair : batch.pairs)
-    if ((adjacency_known || !data_.adjacency.adjacent(pair.a, pair.b)) &&
+    if ((adjacency_known || !step_.topology.adjacency().adjacent(pair.a, pair.b)) &&
         step_.filter.allows(mesh.object(pair.a), mesh.object(pair.b)))
       candidates.push_back(pair);
   const std::size_t before = worker.overlaps.size();

@@ -5,7 +5,6 @@
 #include <memory>
 #include <vector>
 
-#include <volccd/mesh/adjacency.hpp>
 #include <volccd/narrowphase/initial_overlap.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 #include <volccd/query/contact.hpp>
@@ -56,8 +55,6 @@ struct Workspace::Data {
   std::unique_ptr<StageState> broad_phase, feature_culling;
   std::vector<std::unique_ptr<StageState>> element_culling;
   std::vector<std::unique_ptr<detail::WorkerScratch>> workers;
-  AdjacencyTest adjacency;  ///< only to count adjacent pairs where they are asked for
-  std::uint64_t adjacency_version = 0;
 };
 
 }  // namespace volccd
