@@ -3,17 +3,10 @@
 #include <algorithm>
 
 #include <volccd/culling/detail/masked_features.hpp>
-#include <volccd/mesh/topology_watch.hpp>
 
 namespace volccd {
 
 namespace {
-
-struct AllPairsState final : StageState {
-  std::size_t bytes() const override { return watch.bytes(); }
-
-  TopologyWatch watch;
-};
 
 bool contains(std::span<const Index> list, Index value) {
   return std::find(list.begin(), list.end(), value) != list.end();
@@ -68,14 +61,8 @@ const Options<AllPairs::Config>& AllPairs::options() {
   return options;
 }
 
-std::unique_ptr<StageState> AllPairs::make_state() const { return std::make_unique<AllPairsState>(); }
-
-void AllPairs::prepare(const Step& step, StageState& state, Executor&) const {
-  static_cast<AllPairsState&>(state).watch.look(step.topology);
-}
-
-void AllPairs::run(const Step& step, StageState& state, unsigned, const PairBatch& batch, TestBatch& out) const {
-  const AdjacencyTest& adjacency = static_cast<const AllPairsState&>(state).watch.adjacency();
+void AllPairs::run(const Step& step, StageState&, unsigned, const PairBatch& batch, TestBatch& out) const {
+  const Adjacency& adjacency = step.topology.adjacency();
   for (std::size_t i = 0; i < batch.size(); ++i) {
     const ElementPair pair = batch.pairs[i];
     if (adjacency.adjacent(pair.a, pair.b))

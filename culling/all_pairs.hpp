@@ -19,8 +19,6 @@ class AllPairs final : public Assignment {
 
   explicit AllPairs(const Config&) {}
 
-  std::unique_ptr<StageState> make_state() const override;
-  void prepare(const Step& step, StageState& state, Executor& executor) const override;
   void run(const Step& step, StageState& state, unsigned worker, const PairBatch& batch, TestBatch& out) const override;
 };
 

@@ -19,8 +19,6 @@ class DynamicAssignment final : public Assignment {
   explicit DynamicAssignment(const Config&) {}
 
   std::string incomplete_on_every() const override;
-  std::unique_ptr<StageState> make_state() const override;
-  void prepare(const Step& step, StageState& state, Executor& executor) const override;
   /// Pairs of adjacent elements in the batch own nothing and give no tests.
   void run(const Step& step, StageState& state, unsigned worker, const PairBatch& batch, TestBatch& out) const override;
 };

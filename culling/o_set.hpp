@@ -3,7 +3,6 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 
 #include <volccd/culling/assignment.hpp>
@@ -47,9 +46,6 @@ class OSet {
   /// does not reach back. Otherwise the amortised cost is proportional to the number of pairs that contain a feature of a
   /// changed element.
   void update(const Topology& topology);
-
-  /// Topology::version() of the last build or update; 0 before.
-  std::uint64_t version() const;
 
   std::size_t blocks() const;
   /// Appends a block's pairs: its VF pairs to out.vf, its EE pairs to out.ee.

@@ -19,8 +19,6 @@ class StaticAssignment final : public Assignment {
   explicit StaticAssignment(const Config&) {}
 
   std::string incomplete_on_nonadjacent() const override;
-  std::unique_ptr<StageState> make_state() const override;
-  void prepare(const Step& step, StageState& state, Executor& executor) const override;
   void run(const Step& step, StageState& state, unsigned worker, const PairBatch& batch, TestBatch& out) const override;
 };
 

@@ -20,7 +20,7 @@ Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
 std::size_t Workspace::bytes() const {
   if (!data_) return 0;
-  std::size_t sum = data_->adjacency.bytes();
+  std::size_t sum = 0;
   for (const auto& state : data_->states) sum += state->bytes();
   for (const auto& worker : data_->workers) sum += worker->bytes();
   return sum;
@@ -83,7 +83,6 @@ Workspace Pipeline::make_workspace() const {
 void Pipeline::make_states(Workspace::Data& data) const {
   data.states.clear();
   for (const Stage* stage : stages_) data.states.push_back(stage->make_state());
-  data.adjacency_version = 0;
   data.intact = true;
 }
 

@@ -26,7 +26,7 @@ class Stage {
   virtual std::unique_ptr<StageState> make_state() const { return std::make_unique<StageState>(); }
 
   /// Brings `state`, made by make_state() of this stage, up to the step: builds what it lacks, and updates what it holds
-  /// from earlier steps, which may have had another motion or another topology (TopologyWatch tells what changed). May use
+  /// from earlier steps, which may have had another motion or another topology (TopologyDelta tells what changed). May use
   /// the executor. No allocation in steady state (same topology).
   virtual void prepare(const Step& step, StageState& state, Executor& executor) const {
     (void)step, (void)state, (void)executor;

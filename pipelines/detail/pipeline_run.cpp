@@ -69,10 +69,6 @@ void Pipeline::Run::prepare_stages() {
     const StageTimer timer(clock, data_.workers[0]->sums.stages[i].prepare_seconds);
     pipeline_.stages_[i]->prepare(step_, state(i), executor_);
   }
-  if (pipeline_.range_ == PairRange::every && data_.adjacency_version != step_.topology.version()) {
-    data_.adjacency.build(step_.mesh());
-    data_.adjacency_version = step_.topology.version();
-  }
 }
 
 double Pipeline::Run::charged_seconds() const {
@@ -133,7 +129,7 @@ double Pipeline::Run::latest_time() const {
 void Pipeline::Run::count_adjacent(std::span<const ElementPair> pairs, Statistics& sums) const {
   sums.element_pairs += pairs.size();
   if (pipeline_.range_ == PairRange::nonadjacent) return;
-  for (const ElementPair pair : pairs) sums.adjacent_pairs += data_.adjacency.adjacent(pair.a, pair.b) ? 1 : 0;
+  for (const ElementPair pair : pairs) sums.adjacent_pairs += step_.topology.adjacency().adjacent(pair.a, pair.b) ? 1 : 0;
 }
 
 void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w) {
@@ -183,7 +179,7 @@ void Pipeline::Run::take_overlaps(std::span<const ElementPair> pairs, WorkerScra
   std::vector<ElementPair>& candidates = worker.overlap_candidates;
   candidates.clear();
   for (const ElementPair pair : pairs)
-    if ((adjacency_known || !data_.adjacency.adjacent(pair.a, pair.b)) &&
+    if ((adjacency_known || !step_.topology.adjacency().adjacent(pair.a, pair.b)) &&
         step_.filter.allows(mesh.object(pair.a), mesh.object(pair.b)))
       candidates.push_back(pair);
   const std::size_t before = worker.overlaps.size();

@@ -4,7 +4,6 @@
 #include <memory>
 #include <vector>
 
-#include <volccd/mesh/adjacency.hpp>
 #include <volccd/narrowphase/initial_overlap.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 #include <volccd/pipelines/test_chain.hpp>
@@ -36,8 +35,6 @@ struct Workspace::Data {
   bool intact = false;         ///< false during a run, and for good if that throws: then the states are made anew
   std::vector<std::unique_ptr<StageState>> states;  ///< in the order of the stages
   std::vector<std::unique_ptr<detail::WorkerScratch>> workers;
-  AdjacencyTest adjacency;  ///< only to count adjacent pairs where they are asked for
-  std::uint64_t adjacency_version = 0;
 };
 
 }  // namespace volccd

@@ -8,7 +8,6 @@
 #include <Eigen/Geometry>
 
 #include <volccd/culling/csat.hpp>
-#include <volccd/mesh/adjacency.hpp>
 #include <volccd/mesh/shapes.hpp>
 
 namespace volccd {
@@ -19,14 +18,12 @@ struct Scene {
   explicit Scene(ElementType type) : Scene(jittered_block(type)) {}
   explicit Scene(const Shape& shape) : topology(shape.mesh()), motion(twisted(shape.positions)) {
     const Mesh& mesh = topology.mesh();
-    AdjacencyTest adjacency;
-    adjacency.build(mesh);
     std::vector<Eigen::AlignedBox<double, 3>> boxes(mesh.element_slots());
     for (Index o = 0; o < mesh.element_slots(); ++o)
       for (const Index v : mesh.vertices(o)) boxes[o].extend(motion.point(v, 0)).extend(motion.point(v, 1));
     for (Index a = 0; a < mesh.element_slots(); ++a)
       for (Index b = a + 1; b < mesh.element_slots(); ++b)
-        if (boxes[a].intersects(boxes[b]) && !adjacency.adjacent(a, b)) pairs.push_back({a, b});
+        if (boxes[a].intersects(boxes[b]) && !topology.adjacency().adjacent(a, b)) pairs.push_back({a, b});
   }
 
   static Shape jittered_block(ElementType type) {

@@ -173,8 +173,6 @@ BENCHMARK(orphans)->Arg(octopus)->Unit(benchmark::kMillisecond);
 std::vector<ElementPair> element_pairs(const Topology& topology, bool near, std::size_t n) {
   const Mesh& mesh = topology.mesh();
   Random random(2);
-  AdjacencyTest adjacency;
-  adjacency.build(mesh);
   std::vector<ElementPair> pairs;
   std::vector<Index> around, around_that;
   while (pairs.size() < n) {
@@ -185,7 +183,7 @@ std::vector<ElementPair> element_pairs(const Topology& topology, bool near, std:
       adjacent_elements(mesh, topology.features(), around[random.below(around.size())], around_that);
       b = around_that[random.below(around_that.size())];
     }
-    if (!adjacency.adjacent(a, b)) pairs.push_back({std::min(a, b), std::max(a, b)});
+    if (!topology.adjacency().adjacent(a, b)) pairs.push_back({std::min(a, b), std::max(a, b)});
   }
   std::sort(pairs.begin(), pairs.end());
   return pairs;
