@@ -3,6 +3,7 @@
 set(stubs)
 foreach(module core mesh query mesh/sequence broadphase culling narrowphase pipelines)
   file(GLOB headers CONFIGURE_DEPENDS "${PROJECT_SOURCE_DIR}/${module}/*.hpp")
+  list(FILTER headers EXCLUDE REGEX "-inl\\.hpp$")  # for sources that set the instruction set
   foreach(header IN LISTS headers)
     file(RELATIVE_PATH path "${PROJECT_SOURCE_DIR}" "${header}")
     set(stub "${CMAKE_BINARY_DIR}/header_check/${path}.cpp")
