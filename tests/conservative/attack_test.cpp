@@ -7,9 +7,9 @@
 #include <vector>
 
 #include <volccd/narrowphase/cubic.hpp>
+#include <volccd/oracle/cases/attack_cases.hpp>
 #include <volccd/pipelines/registry.hpp>
 
-#include "conservative/attack_cases.hpp"
 #include "conservative/inclusion_property.hpp"
 #include "conservative/run_cases.hpp"
 #include "conservative/vector_targets.hpp"

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
+#include <volccd/oracle/cases/attack_cases.hpp>
 #include <volccd/pipelines/registry.hpp>
 
-#include "conservative/attack_cases.hpp"
 #include "conservative/inclusion_property.hpp"
 #include "conservative/one_test.hpp"
 #include "conservative/run_cases.hpp"
