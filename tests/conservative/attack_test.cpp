@@ -84,7 +84,7 @@ class CubicProperty {
     targets_.with_each([&](const std::string& target) {
       std::vector<Contact> contacts;
       NarrowCounters counters;
-      cubic_.test(test_.step(), test_.kind(), test_.pairs(), contacts, counters);
+      run_stage(cubic_, test_.step(), test_.kind(), test_.pairs(), contacts, counters);
       const std::string what = judge(c, truth, contacts);
       if (!what.empty()) wrong += what + " on " + target + ", ";
     });

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <cstdio>
 
+#include "support/stages.hpp"
+
 namespace volccd::test {
 namespace {
 
@@ -66,7 +68,7 @@ std::string InclusionProperty::judge(const Case& c) {
 Answer InclusionProperty::run(const Inclusion& inclusion, const Case& c, double t_max) {
   test_.set(c, t_max);
   Answer answer;
-  inclusion.test(test_.step(), test_.kind(), test_.pairs(), answer.contacts, answer.counters);
+  run_stage(inclusion, test_.step(), test_.kind(), test_.pairs(), answer.contacts, answer.counters);
   return answer;
 }
 

@@ -70,7 +70,7 @@ TEST(CubicProperty, BatchDoesNotMatter) {
     const std::vector<Contact> all = set.test(Cubic(), 1, &together);
     std::vector<Contact> single;
     NarrowCounters apart;
-    for (const FeaturePair& pair : set.pairs()) Cubic().test(set.step(), kind, {&pair, 1}, single, apart);
+    for (const FeaturePair& pair : set.pairs()) test::run_stage(Cubic(), set.step(), kind, {&pair, 1}, single, apart);
     EXPECT_EQ(all, single);
     EXPECT_EQ(together.degenerate, apart.degenerate);
     EXPECT_GT(together.degenerate, 10u);
@@ -81,7 +81,7 @@ TEST(CubicProperty, BatchDoesNotMatter) {
     Random(23).shuffle(shuffled);
     std::vector<Contact> again;
     NarrowCounters counters;
-    Cubic().test(set.step(), kind, shuffled, again, counters);
+    test::run_stage(Cubic(), set.step(), kind, shuffled, again, counters);
     std::stable_sort(again.begin(), again.end(), canonical_less);
     ASSERT_EQ(again.size(), 2 * all.size());
     for (std::size_t i = 0; i < all.size(); ++i) {
@@ -97,13 +97,13 @@ TEST(CubicProperty, AppendsInTheOrderOfPairs) {
   std::vector<Contact> contacts(1);
   contacts[0].toi = 42;
   NarrowCounters counters{5, 6};
-  Cubic().test(set.step(), FeatureKind::vf, reversed, contacts, counters);
+  test::run_stage(Cubic(), set.step(), FeatureKind::vf, reversed, contacts, counters);
   EXPECT_EQ(contacts[0].toi, 42);
   EXPECT_GT(counters.degenerate, 5u);
   EXPECT_EQ(counters.undecided, 6u);
   for (std::size_t i = 2; i < contacts.size(); ++i) ASSERT_GT(set.query_of(contacts[i - 1]), set.query_of(contacts[i]));
   std::vector<Contact> none;
-  Cubic().test(set.step(), FeatureKind::vf, {}, none, counters);
+  test::run_stage(Cubic(), set.step(), FeatureKind::vf, {}, none, counters);
   EXPECT_TRUE(none.empty());
 }
 

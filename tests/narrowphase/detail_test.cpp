@@ -49,11 +49,13 @@ std::vector<Query> integer_queries(std::size_t n, std::uint64_t seed) {
 TEST(Coplanarity, ErrorBoundsHold) {
   const std::vector<Query> queries = integer_queries(20000, 31);
   const QuerySet set(FeatureKind::vf, queries);
+  TestBlock tests;
   CoplanarityBlock block;
   double worst = 0;
   static constexpr double binomial[] = {1, 3, 3, 1};
   for (std::size_t i = 0; i < queries.size(); ++i) {
-    block.gather(set.step(), FeatureKind::vf, std::span(set.pairs()).subspan(i, 1));
+    tests.gather(set.step(), FeatureKind::vf, std::span(set.pairs()).subspan(i, 1));
+    block.gather(set.step().motion, tests);
     block.compute(false);
     const CoplanarityCubic cubic = block.cubic(0), refined = detail::refined_coplanarity(block.coordinates(0), 1);
     const std::array<Integer, 4> exact = exact_coefficients(queries[i]);
@@ -77,10 +79,12 @@ TEST(Coplanarity, ClosedTestsHaveNoRoot) {
   for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee}) {
     std::vector<Query> queries = integer_queries(30000, 32);
     const QuerySet set(kind, queries);
+    TestBlock tests;
     CoplanarityBlock block;
     std::size_t closed = 0;
     for (std::size_t i = 0; i < queries.size(); i += 50) {
-      block.gather(set.step(), kind, std::span(set.pairs()).subspan(i, 50));
+      tests.gather(set.step(), kind, std::span(set.pairs()).subspan(i, 50));
+      block.gather(set.step().motion, tests);
       block.compute(false);
       for (std::size_t j = 0; j < 50; ++j) {
         if (block.open(j)) continue;

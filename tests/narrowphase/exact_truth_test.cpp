@@ -100,7 +100,7 @@ void check_contacts(FeatureKind kind, const std::vector<std::array<Vec3, N>>& qu
   const volccd::QuerySet set(kind, queries);
   std::vector<Contact> contacts;
   NarrowCounters counters;
-  Exact().test(set.step(), kind, set.pairs(), contacts, counters);
+  test::run_stage(Exact(), set.step(), kind, set.pairs(), contacts, counters);
   EXPECT_GT(contacts.size(), 25u);
   for (const Contact& contact : contacts) {
     const Motion& motion = set.step().motion;

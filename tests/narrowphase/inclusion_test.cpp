@@ -28,7 +28,7 @@ std::vector<Contact> against_triangle(const std::vector<Vec3>& curve, double sep
   const volccd::QuerySet set(FeatureKind::vf, static_cast<int>(curve.size()), points);
   std::vector<Contact> contacts;
   NarrowCounters counters;
-  Inclusion().test(set.step(t_max, separation), FeatureKind::vf, set.pairs(), contacts, counters);
+  test::run_stage(Inclusion(), set.step(t_max, separation), FeatureKind::vf, set.pairs(), contacts, counters);
   return contacts;
 }
 
@@ -171,7 +171,7 @@ TEST(Inclusion, UndecidedTestsComeAsNearAsPromised) {
     const volccd::QuerySet set(kind, control_points, points);
     std::vector<Contact> contacts;
     NarrowCounters counters;
-    Inclusion().test(set.step(1), kind, set.pairs(), contacts, counters);
+    test::run_stage(Inclusion(), set.step(1), kind, set.pairs(), contacts, counters);
     if (contacts.empty() || counters.undecided == 0) continue;
     TestMotion motion{kind, control_points, {}};
     for (Index v = 0; v < 4; ++v) motion.points[v] = set.step(1).motion.at(v);
@@ -208,7 +208,7 @@ TEST(Inclusion, TheAnswerDependsNeitherOnTheBatchNorOnTheEnd) {
       const auto alone = [&](double t_max) {
         std::vector<Contact> found;
         NarrowCounters counters;
-        Inclusion().test(all.step(t_max), kind, one, found, counters);
+        test::run_stage(Inclusion(), all.step(t_max), kind, one, found, counters);
         return found;
       };
       ASSERT_EQ(alone(contact.toi), std::vector<Contact>{contact});
