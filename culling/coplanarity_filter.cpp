@@ -36,7 +36,7 @@ struct Determinant {
   }
 
  private:
-  static HWY_INLINE Lanes3 weighted(const Lanes3& a, double weight) { return weight == 1 ? a : times(a, weight); }
+  static HWY_INLINE Lanes3 weighted(const Lanes3& a, double weight) { return weight == 1 ? a : scaled(a, broadcast(weight)); }
 };
 
 /// Bound, over the whole step, of the area that turns a distance into a determinant: the product of the lengths of two
@@ -50,8 +50,8 @@ HWY_INLINE Lanes greatest_area(const TestBlock& block, std::size_t i) {
     second = hn::Max(second, length(sub(load(block, c, 3, i), load(block, c, vf ? 1 : 2, i))));
   }
   // An infinite length times one of zero would be NaN, which a maximum may lose.
-  const Lanes least = same(kLeastExtent);
-  return hn::Max(hn::Mul(hn::Max(first, least), hn::Max(second, least)), same(kLeastSquare));
+  const Lanes least = broadcast(kLeastExtent);
+  return hn::Max(hn::Mul(hn::Max(first, least), hn::Max(second, least)), broadcast(kLeastSquare));
 }
 
 /// Bound of the determinant's error, or infinity where it could overflow; the parts without and with a binomial factor.
@@ -64,27 +64,27 @@ struct ErrorBound {
                 z = hn::Add(hn::Mul(b.x, c.y), hn::Mul(b.y, c.x));
     const Lanes permanent = add3(hn::Mul(a.x, x), hn::Mul(a.y, y), hn::Mul(a.z, z));
     // The areas count, too: their sums may overflow where a small `a` keeps the permanent in range.
-    const auto in_range = hn::Lt(add3(x, y, z), same(kGreatestMagnitude));
-    const Lanes infinite = same(std::numeric_limits<double>::infinity());
-    scaled = hn::Mul(hn::IfThenElse(in_range, trusted(permanent), infinite), same(factor));
-    fixed = hn::Mul(same(kDeterminantUnderflow), hn::Add(same(1), add3(a.x, a.y, a.z)));
+    const auto in_range = hn::Lt(add3(x, y, z), broadcast(kGreatestMagnitude));
+    const Lanes infinite = broadcast(std::numeric_limits<double>::infinity());
+    scaled = hn::Mul(hn::IfThenElse(in_range, trusted(permanent), infinite), broadcast(factor));
+    fixed = hn::Mul(broadcast(kDeterminantUnderflow), hn::Add(broadcast(1), add3(a.x, a.y, a.z)));
   }
 };
 
 template <int kControlPoints>
-HWY_INLINE LaneMask never_coplanar(const TestBlock& block, double separation, const Part& part, std::size_t i) {
+HWY_INLINE LaneMask never_coplanar(const TestBlock& block, double separation, const StepPart& part, std::size_t i) {
   using Polynomial = Determinant<kControlPoints>;
   const Differences<kControlPoints> e(block, part, i);
   ErrorBound error(e.extent, determinant_error_factor(kControlPoints, part.levels));
   if (separation > 0) {
     const Lanes area = greatest_area<kControlPoints>(block, i);
-    error.scaled = hn::Add(error.scaled, hn::Mul(same(separation * kAreaSlack), area));
+    error.scaled = hn::Add(error.scaled, hn::Mul(broadcast(separation * kAreaSlack), area));
   }
   const Polynomial det(e.at);
   LaneMask above = hn::Gt(det.coefficients[0], hn::Add(error.scaled, error.fixed));
   LaneMask below = hn::Lt(det.coefficients[0], hn::Neg(hn::Add(error.scaled, error.fixed)));
   for (int k = 1; k <= Polynomial::kDegree; ++k) {
-    const Lanes bound = hn::Add(hn::Mul(error.scaled, same(binomial(Polynomial::kDegree, k))), error.fixed);
+    const Lanes bound = hn::Add(hn::Mul(error.scaled, broadcast(binomial(Polynomial::kDegree, k))), error.fixed);
     above = hn::And(above, hn::Gt(det.coefficients[k], bound));
     below = hn::And(below, hn::Lt(det.coefficients[k], hn::Neg(bound)));
   }
@@ -92,13 +92,13 @@ HWY_INLINE LaneMask never_coplanar(const TestBlock& block, double separation, co
 }
 
 template <int kControlPoints>
-void filter_block(const TestBlock& block, double separation, const Part& part, std::span<std::uint8_t> keep) {
+void filter_block(const TestBlock& block, double separation, const StepPart& part, std::span<std::uint8_t> keep) {
   for (std::size_t i = 0; i < block.size(); i += hn::Lanes(Tag()))
     drop(never_coplanar<kControlPoints>(block, separation, part, i), i, keep);
 }
 
 void coplanarity(const TestBlock& block, double separation, double t_max, std::span<std::uint8_t> keep) {
-  const Part part(t_max, block.control_points());
+  const StepPart part(t_max, block.control_points());
   if (block.control_points() == 2) filter_block<2>(block, separation, part, keep);
   if (block.control_points() == 3) filter_block<3>(block, separation, part, keep);
 }
@@ -117,7 +117,8 @@ const Options<CoplanarityFilter::Config>& CoplanarityFilter::options() {
   return options;
 }
 
-void CoplanarityFilter::filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const {
+void CoplanarityFilter::run(const Step& step, StageState&, unsigned, const TestBlock& block,
+                            std::span<std::uint8_t> keep) const {
   using namespace detail;
   HWY_DYNAMIC_DISPATCH(coplanarity)(block, step.separation, step.t_max, keep);
 }

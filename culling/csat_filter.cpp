@@ -14,7 +14,7 @@ namespace volccd::detail::HWY_NAMESPACE {
 template <FeatureKind kKind, int kControlPoints>
 class SeparatingAxes {
  public:
-  HWY_INLINE SeparatingAxes(const TestBlock& block, double separation, const Part& part, std::size_t i)
+  HWY_INLINE SeparatingAxes(const TestBlock& block, double separation, const StepPart& part, std::size_t i)
       : e_(block, part, i), factor_(gap_error_factor(part.levels)), separation_(separation) {
     extent_ = max(max(e_.extent[0], e_.extent[1]), e_.extent[2]);
   }
@@ -28,7 +28,7 @@ class SeparatingAxes {
   HWY_INLINE Lanes3 second_side(int c) const { return sub(e_.at[2][c], e_.at[kKind == FeatureKind::vf ? 0 : 1][c]); }
 
   HWY_INLINE LaneMask separates(const Lanes3& axis) const {
-    Lanes ahead = same(std::numeric_limits<double>::infinity()), behind = ahead;
+    Lanes ahead = broadcast(std::numeric_limits<double>::infinity()), behind = ahead;
     for (int c = 0; c < kControlPoints; ++c) {
       const Lanes p1 = dot(axis, e_.at[0][c]), p2 = dot(axis, e_.at[1][c]), p3 = dot(axis, e_.at[2][c]);
       const Lanes low23 = hn::Min(p2, p3), high23 = hn::Max(p2, p3), zero = hn::Zero(Tag());
@@ -46,9 +46,9 @@ class SeparatingAxes {
  private:
   HWY_INLINE Lanes threshold(const Lanes3& axis) const {
     const Lanes sum = trusted(dot(abs(axis), extent_));
-    const Lanes rounding = hn::Add(hn::Mul(sum, same(factor_)), same(kGapUnderflow));
+    const Lanes rounding = hn::Add(hn::Mul(sum, broadcast(factor_)), broadcast(kGapUnderflow));
     if (separation_ == 0) return rounding;
-    return hn::Add(rounding, hn::Mul(hn::Mul(length(axis), same(kLengthSlack)), same(separation_)));
+    return hn::Add(rounding, hn::Mul(hn::Mul(length(axis), broadcast(kLengthSlack)), broadcast(separation_)));
   }
 
   Differences<kControlPoints> e_;
@@ -57,7 +57,7 @@ class SeparatingAxes {
 };
 
 template <FeatureKind kKind, int kControlPoints>
-HWY_INLINE LaneMask separated(const TestBlock& block, double separation, const Part& part, CsatFilterAxes axes,
+HWY_INLINE LaneMask separated(const TestBlock& block, double separation, const StepPart& part, CsatFilterAxes axes,
                               std::size_t i) {
   const SeparatingAxes<kKind, kControlPoints> s(block, separation, part, i);
   const Lanes3 n = s.normal(0);
@@ -73,7 +73,7 @@ HWY_INLINE LaneMask separated(const TestBlock& block, double separation, const P
 }
 
 template <FeatureKind kKind, int kControlPoints>
-void filter_block(const TestBlock& block, double separation, const Part& part, CsatFilterAxes axes,
+void filter_block(const TestBlock& block, double separation, const StepPart& part, CsatFilterAxes axes,
                   std::span<std::uint8_t> keep) {
   for (std::size_t i = 0; i < block.size(); i += hn::Lanes(Tag()))
     drop(separated<kKind, kControlPoints>(block, separation, part, axes, i), i, keep);
@@ -81,7 +81,7 @@ void filter_block(const TestBlock& block, double separation, const Part& part, C
 
 void csat_features(const TestBlock& block, double separation, double t_max, CsatFilterAxes axes,
                    std::span<std::uint8_t> keep) {
-  const Part part(t_max, block.control_points());
+  const StepPart part(t_max, block.control_points());
   const bool vf = block.kind() == FeatureKind::vf;
   if (block.control_points() == 2)
     (vf ? filter_block<FeatureKind::vf, 2> : filter_block<FeatureKind::ee, 2>)(block, separation, part, axes, keep);
@@ -109,7 +109,8 @@ const Options<CsatFilter::Config>& CsatFilter::options() {
   return options;
 }
 
-void CsatFilter::filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const {
+void CsatFilter::run(const Step& step, StageState&, unsigned, const TestBlock& block,
+                     std::span<std::uint8_t> keep) const {
   using namespace detail;
   HWY_DYNAMIC_DISPATCH(csat_features)(block, step.separation, step.t_max, config_.axes, keep);
 }

@@ -27,7 +27,7 @@ HWY_INLINE Lanes along(const Lanes3& p) {
 template <int kControlPoints>
 class Bounds {
  public:
-  HWY_INLINE Bounds(const TestBlock& block, double separation, const Part& part, bool swept, std::size_t i)
+  HWY_INLINE Bounds(const TestBlock& block, double separation, const StepPart& part, bool swept, std::size_t i)
       : vf_(block.kind() == FeatureKind::vf),
         separation_(separation * kLengthSlack),
         swept_(swept),
@@ -41,7 +41,7 @@ class Bounds {
       restrict_to<kControlPoints>(part, points_[v]);
     }
     const Lanes sum = add3(greatest.x, greatest.y, greatest.z);
-    rounding_ = hn::Add(hn::Mul(trusted(sum), same(sum_error_factor(part.levels))), same(kGapUnderflow));
+    rounding_ = hn::Add(hn::Mul(trusted(sum), broadcast(sum_error_factor(part.levels))), broadcast(kGapUnderflow));
   }
 
   template <int kX, int kY, int kZ>
@@ -51,7 +51,7 @@ class Bounds {
     const Lanes gap = this->template gap<kX, kY, kZ>();
     // Times 0: no bound is needed, but an infinite one stays an obstacle (as NaN).
     const Lanes bound = exact_ && terms < 3 ? hn::Mul(rounding_, hn::Zero(Tag()))
-                                            : hn::Add(rounding_, same(separation_ * lengths[terms]));
+                                            : hn::Add(rounding_, broadcast(separation_ * lengths[terms]));
     return hn::Gt(gap, bound);
   }
 
@@ -114,7 +114,7 @@ HWY_INLINE LaneMask apart(const Bounds<kControlPoints>& bounds, unsigned axes, s
 struct Job {
   const TestBlock& block;
   double separation;
-  Part part;
+  StepPart part;
   bool swept;
   unsigned axes;
   std::span<std::uint8_t> keep;
@@ -130,7 +130,7 @@ void filter_block(const Job& job) {
 
 void feature_kdop(const TestBlock& block, double separation, double t_max, unsigned axes, KdopBounds bounds,
                   std::span<std::uint8_t> keep) {
-  const Job job{block, separation, Part(t_max, block.control_points()), bounds == KdopBounds::swept, axes, keep};
+  const Job job{block, separation, StepPart(t_max, block.control_points()), bounds == KdopBounds::swept, axes, keep};
   if (block.control_points() == 2) filter_block<2>(job);
   if (block.control_points() == 3) filter_block<3>(job);
 }
@@ -186,7 +186,8 @@ const Options<FeatureKdopFilter::Config>& FeatureKdopFilter::options() {
   return options;
 }
 
-void FeatureKdopFilter::filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const {
+void FeatureKdopFilter::run(const Step& step, StageState&, unsigned, const TestBlock& block,
+                            std::span<std::uint8_t> keep) const {
   using namespace detail;
   HWY_DYNAMIC_DISPATCH(feature_kdop)(block, step.separation, step.t_max, axes_of(config_.k), config_.bounds, keep);
 }

@@ -1,17 +1,19 @@
-// A block of VF or EE tests with their coordinates gathered into structure of arrays, for vector kernels.
+// A block of VF or EE tests: features, vertices, and coordinates in structure of arrays, for vector kernels.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
-#include <vector>
 
+#include <volccd/query/pairs.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd {
 
-/// Up to kCapacity tests. Row (c, p, axis) = coordinate `axis` of control point c of the test's vertex p (0..3, order of
-/// test_vertices), for all tests: row(c, p, axis)[i]. Rows are 64-byte aligned and padded to a multiple of 8 with copies
-/// of the last test, so that kernels need no tail.
+/// Up to kCapacity tests of one kind. Row (c, p, axis) = coordinate `axis` of control point c of the test's vertex p (0..3,
+/// order of test_vertices), for all tests: row(c, p, axis)[i]. Rows are 64-byte aligned. From size() to padded_size() they
+/// hold coordinates of other tests or zeros, so that kernels need no tail. No allocation.
 class TestBlock {
  public:
   static constexpr std::size_t kCapacity = 64;
@@ -20,23 +22,43 @@ class TestBlock {
   TestBlock(const TestBlock&) = delete;
   TestBlock& operator=(const TestBlock&) = delete;
 
-  /// Takes in at most kCapacity tests of one kind. No allocation after the first call with that number of control points.
+  /// Replaces the contents by these tests, at most kCapacity of them.
   void gather(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs);
+  /// Removes the tests i with keep[i] == 0; the others keep their order. keep.size() >= size().
+  void compact(std::span<const std::uint8_t> keep);
+  /// Appends the tests i of `from` with i >= begin and keep[i] != 0, in their order, until this block is full. An empty
+  /// block takes the kind and the number of control points of `from`; another one must have the same already. Returns where
+  /// to go on: from.size() when no test is left.
+  std::size_t append_kept(const TestBlock& from, std::span<const std::uint8_t> keep, std::size_t begin = 0);
+  void clear() { size_ = 0; }
 
   FeatureKind kind() const { return kind_; }
   std::size_t size() const { return size_; }
+  bool empty() const { return size_ == 0; }
+  bool full() const { return size_ == kCapacity; }
   std::size_t padded_size() const { return (size_ + 7) / 8 * 8; }
   int control_points() const { return control_points_; }
+
+  FeaturePair pair(std::size_t i) const { return pairs_[i]; }
+  std::span<const FeaturePair> pairs() const { return {pairs_.data(), size_}; }
+  /// Vertex slots in the order of test_vertices().
+  const std::array<Index, 4>& vertices(std::size_t i) const { return vertices_[i]; }
   const double* row(int control_point, int vertex, int axis) const {
     return rows_ + static_cast<std::size_t>((control_point * 4 + vertex) * 3 + axis) * kCapacity;
   }
 
  private:
+  static constexpr std::size_t kMaxControlPoints = 3;
+
+  /// Appends what is kept of [begin, end), as append_kept(); `from` may be this block where size_ <= begin.
+  std::size_t take(const TestBlock& from, std::span<const std::uint8_t> keep, std::size_t begin, std::size_t end);
+
   FeatureKind kind_ = FeatureKind::vf;
-  std::size_t size_ = 0;
   int control_points_ = 2;
-  double* rows_ = nullptr;       ///< 64-byte aligned, within storage_
-  std::vector<double> storage_;
+  std::size_t size_ = 0;
+  std::array<FeaturePair, kCapacity> pairs_;
+  std::array<std::array<Index, 4>, kCapacity> vertices_;
+  alignas(64) double rows_[12 * kMaxControlPoints * kCapacity] = {};
 };
 
 }  // namespace volccd

@@ -45,7 +45,8 @@ USERS = {"tests": list(LAYERS), "examples": LIBRARY + ["program"]}
 # Files of experiments/ that may ask the judges: `volccd verify` only.
 ORACLE_USERS = re.compile(r"^experiments/((.*/)?verify[^/]*|verify/.*)$")
 
-# Third-party header prefix -> where it may be included. "header" = public headers too, else sources and detail/ only.
+# Third-party header prefix -> where it may be included, and whether in public headers too: else in sources, detail/ and
+# -inl.hpp only.
 THIRD_PARTY = {
     "tbb/": (["core"], False),  # threads stay in one place
     "hwy/": (["mesh", "query", "broadphase", "culling", "narrowphase", "simulation"], False),  # one binary for every CPU: never in an interface
@@ -82,6 +83,11 @@ def may_use_detail(path, header_module):
     return path.startswith((f"{header_module}/", f"tests/{header_module.split('/')[-1]}/", "tests/benchmarks/"))
 
 
+def is_interface(path):
+    """Public headers. An -inl.hpp is included by sources only."""
+    return path.endswith(".hpp") and not path.endswith("-inl.hpp") and "/detail/" not in path
+
+
 def check_project_include(path, target, root):
     """Problem with including <volccd/target> from path, or None."""
     if not (root / target).is_file():
@@ -91,6 +97,8 @@ def check_project_include(path, target, root):
         return f"<volccd/{target}> is not part of a module"
     if "/detail/" in target and not may_use_detail(path, module):
         return f"<volccd/{target}> is a detail of {module}"
+    if target.endswith("-inl.hpp") and is_interface(path):
+        return f"<volccd/{target}> is compiled once for each instruction set: it may not be in a public header"
     if module == user or module in {**LAYERS, **USERS}.get(user, []):
         return None
     if module in ("oracle", "oracle/cases") and ORACLE_USERS.match(path):
@@ -107,7 +115,7 @@ def check_third_party(path, target):
             continue
         if user not in modules:
             return f"{user} may not include <{target}>"
-        if path.endswith(".hpp") and "/detail/" not in path and not in_headers:
+        if is_interface(path) and not in_headers:
             return f"<{target}> may not be in a public header"
     return None
 

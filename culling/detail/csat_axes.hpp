@@ -10,17 +10,6 @@
 
 namespace volccd::detail {
 
-/// Well mixed bits of its arguments (SplitMix64's finaliser): the "random" picks of the paper, the same on every run.
-inline std::uint64_t csat_hash(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
-  const auto mix = [](std::uint64_t v) {
-    v += 0x9e3779b97f4a7c15ull;
-    v = (v ^ (v >> 30)) * 0xbf58476d1ce4e5b9ull;
-    v = (v ^ (v >> 27)) * 0x94d049bb133111ebull;
-    return v ^ (v >> 31);
-  };
-  return mix(mix(mix(x) ^ y) ^ z);
-}
-
 /// Largest component scaled to 1, so that products with lengths do not leave the range of doubles early. Not finite for
 /// 0.
 inline Vec3 csat_scaled(const Vec3& axis) { return axis * (1 / axis.lpNorm<Eigen::Infinity>()); }

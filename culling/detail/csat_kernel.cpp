@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include <volccd/core/random.hpp>
 #include <volccd/culling/detail/csat_axes.hpp>
 #include <volccd/culling/detail/csat_points.hpp>
 #include <volccd/culling/detail/csat_simplex.hpp>
@@ -13,40 +14,62 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/detail/csat_kernel.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+#include <volccd/query/vector_lanes-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-using Tag = hn::CappedTag<double, 4>;
-using Lanes = hn::Vec<Tag>;
+using CsatTag = hn::CappedTag<double, 4>;  // CsatPoints are padded to 4
+using CsatLanes = hn::Vec<CsatTag>;
+using CsatLanes3 = LaneVector<CsatLanes>;
 
-HWY_INLINE Lanes project(const CsatPoints& points, int c, int i, Lanes lx, Lanes ly, Lanes lz) {
-  const Tag tag;
-  const auto x = hn::Mul(lx, hn::Load(tag, points.row(c, 0) + i));
-  const auto y = hn::Mul(ly, hn::Load(tag, points.row(c, 1) + i));
-  const auto z = hn::Mul(lz, hn::Load(tag, points.row(c, 2) + i));
-  return hn::Add(hn::Add(x, y), z);
+HWY_INLINE CsatLanes3 broadcast(const Vec3& a) {
+  return {broadcast<CsatLanes>(a[0]), broadcast<CsatLanes>(a[1]), broadcast<CsatLanes>(a[2])};
+}
+HWY_INLINE CsatLanes infinite() { return broadcast<CsatLanes>(std::numeric_limits<double>::infinity()); }
+
+HWY_INLINE CsatLanes project(const CsatPoints& points, int c, int i, const CsatLanes3& axis) {
+  return dot(axis, load3(CsatTag(), points.row(c, 0) + i, static_cast<std::size_t>(points.stride)));
 }
 
 /// Least and greatest projection of one control point's vertices.
-HWY_INLINE std::pair<Lanes, Lanes> range(const CsatPoints& points, int c, Lanes lx, Lanes ly, Lanes lz) {
-  const Tag tag;
-  Lanes low = project(points, c, 0, lx, ly, lz), high = low;
+HWY_INLINE std::pair<CsatLanes, CsatLanes> range(const CsatPoints& points, int c, const CsatLanes3& axis) {
+  const CsatTag tag;
+  CsatLanes low = project(points, c, 0, axis), high = low;
   for (int i = static_cast<int>(hn::Lanes(tag)); i < points.stride; i += static_cast<int>(hn::Lanes(tag))) {
-    const Lanes p = project(points, c, i, lx, ly, lz);
+    const CsatLanes p = project(points, c, i, axis);
     low = hn::Min(low, p);
     high = hn::Max(high, p);
   }
   return {hn::MinOfLanes(tag, low), hn::MaxOfLanes(tag, high)};
 }
 
+/// Control points of the motion over the part, in place.
+template <int kControlPoints>
+void restrict_points(const StepPart& part, CsatPoints& points) {
+  const CsatTag tag;
+  const auto stride = static_cast<std::size_t>(points.stride);
+  for (std::size_t i = 0; i < stride; i += hn::Lanes(tag)) {
+    CsatLanes3 p[kControlPoints];
+    for (int c = 0; c < kControlPoints; ++c) p[c] = load3(tag, points.row(c, 0) + i, stride);
+    restrict_to(part, p);
+    for (int c = 0; c < kControlPoints; ++c) {
+      double* x = points.rows + static_cast<std::size_t>(3 * c) * stride + i;
+      hn::Store(p[c].x, tag, x);
+      hn::Store(p[c].y, tag, x + stride);
+      hn::Store(p[c].z, tag, x + 2 * stride);
+    }
+  }
+  points.sum_up(kControlPoints);
+}
+
 /// Two point sets and the tests on them.
 class Separator {
  public:
+  static constexpr int kMost = 4;  ///< lanes
+
   Separator(const CsatPoints& a, const CsatPoints& b, const CsatFrame& frame, double separation)
-      : a_(a), b_(b), control_points_(frame.control_points), levels_(frame.levels), separation_(separation) {
+      : a_(a), b_(b), control_points_(frame.control_points), levels_(frame.part.levels), separation_(separation) {
     for (int k = 0; k < 3; ++k) {
       extent_[k] = std::max(a.extent[k], b.extent[k]);
       if (!(extent_[k] < kGreatestMagnitude)) extent_[k] = std::numeric_limits<double>::infinity();
@@ -59,12 +82,11 @@ class Separator {
 
   /// Whether b lies beyond a along `axis`, or a beyond b, at every control point.
   bool separates(const Vec3& axis) const {
-    const Tag tag;
-    const Lanes lx = hn::Set(tag, axis[0]), ly = hn::Set(tag, axis[1]), lz = hn::Set(tag, axis[2]);
-    Lanes ahead = hn::Set(tag, std::numeric_limits<double>::infinity()), behind = ahead;
+    const CsatLanes3 l = broadcast(axis);
+    CsatLanes ahead = infinite(), behind = ahead;
     for (int c = 0; c < control_points_; ++c) {
-      const auto [a_low, a_high] = range(a_, c, lx, ly, lz);
-      const auto [b_low, b_high] = range(b_, c, lx, ly, lz);
+      const auto [a_low, a_high] = range(a_, c, l);
+      const auto [b_low, b_high] = range(b_, c, l);
       ahead = hn::Min(hn::Sub(b_low, a_high), ahead);
       behind = hn::Min(hn::Sub(a_low, b_high), behind);
     }
@@ -74,16 +96,16 @@ class Separator {
 
   /// Bits of the vertices of a that lie beyond b along `axis`, or before it, at every control point.
   std::uint32_t separate_vertices(const Vec3& axis) const {
-    const Tag tag;
-    const Lanes lx = hn::Set(tag, axis[0]), ly = hn::Set(tag, axis[1]), lz = hn::Set(tag, axis[2]);
-    std::pair<Lanes, Lanes> others[kCsatControlPoints];
-    for (int c = 0; c < control_points_; ++c) others[c] = range(b_, c, lx, ly, lz);
-    const Lanes bound = hn::Set(tag, threshold(axis));
+    const CsatTag tag;
+    const CsatLanes3 l = broadcast(axis);
+    std::pair<CsatLanes, CsatLanes> others[kCsatControlPoints];
+    for (int c = 0; c < control_points_; ++c) others[c] = range(b_, c, l);
+    const CsatLanes bound = broadcast<CsatLanes>(threshold(axis));
     std::uint32_t bits = 0;
     for (int i = 0; i < a_.stride; i += static_cast<int>(hn::Lanes(tag))) {
-      Lanes ahead = hn::Set(tag, std::numeric_limits<double>::infinity()), behind = ahead;
+      CsatLanes ahead = infinite(), behind = ahead;
       for (int c = 0; c < control_points_; ++c) {
-        const Lanes own = project(a_, c, i, lx, ly, lz);
+        const CsatLanes own = project(a_, c, i, l);
         ahead = hn::Min(hn::Sub(others[c].first, own), ahead);
         behind = hn::Min(hn::Sub(own, others[c].second), behind);
       }
@@ -94,24 +116,18 @@ class Separator {
 
   /// Bits of the edges of a that a separating axis keeps off b: for each the cross product of its direction with `other`.
   std::uint64_t separate_edges(const CsatEdges& edges, const Vec3& other) const {
-    const Tag tag;
-    constexpr int kMost = 4;
+    const CsatTag tag;
     std::uint64_t bits = 0;
     for (int i = 0; i < edges.count; i += static_cast<int>(hn::Lanes(tag))) {
-      const Lanes dx = hn::Load(tag, edges.direction[0] + i), dy = hn::Load(tag, edges.direction[1] + i),
-                  dz = hn::Load(tag, edges.direction[2] + i);
-      const Lanes gx = hn::Set(tag, other[0]), gy = hn::Set(tag, other[1]), gz = hn::Set(tag, other[2]);
-      Lanes lx = hn::Sub(hn::Mul(dy, gz), hn::Mul(dz, gy)), ly = hn::Sub(hn::Mul(dz, gx), hn::Mul(dx, gz)),
-            lz = hn::Sub(hn::Mul(dx, gy), hn::Mul(dy, gx));
-      const Lanes greatest = hn::Max(hn::Max(hn::Abs(lx), hn::Abs(ly)), hn::Abs(lz));
-      const Lanes scale = hn::Div(hn::Set(tag, 1.0), greatest);
-      lx = hn::Mul(lx, scale), ly = hn::Mul(ly, scale), lz = hn::Mul(lz, scale);
+      CsatLanes3 l = cross(load3(tag, edges.direction[0] + i, CsatEdges::kMost), broadcast(other));
+      l = scaled(l, hn::Div(broadcast<CsatLanes>(1), greatest_coordinate(abs(l))));
       alignas(32) double axes[3][kMost], bounds[kMost];
-      hn::Store(lx, tag, axes[0]);
-      hn::Store(ly, tag, axes[1]);
-      hn::Store(lz, tag, axes[2]);
-      for (std::size_t l = 0; l < hn::Lanes(tag); ++l) bounds[l] = threshold({axes[0][l], axes[1][l], axes[2][l]});
-      bits |= std::uint64_t{edges_apart(edges, i, lx, ly, lz, hn::Load(tag, bounds))} << i;
+      hn::Store(l.x, tag, axes[0]);
+      hn::Store(l.y, tag, axes[1]);
+      hn::Store(l.z, tag, axes[2]);
+      for (std::size_t lane = 0; lane < hn::Lanes(tag); ++lane)
+        bounds[lane] = threshold({axes[0][lane], axes[1][lane], axes[2][lane]});
+      bits |= std::uint64_t{edges_apart(edges, i, l, hn::Load(tag, bounds))} << i;
     }
     return edges.count == 64 ? bits : bits & ((std::uint64_t{1} << edges.count) - 1);
   }
@@ -136,37 +152,31 @@ class Separator {
 
  private:
   /// Bit l: lane l of `ahead` or of `behind` is beyond its bound. NaN never is.
-  static std::uint32_t lane_bits(Lanes ahead, Lanes behind, Lanes bound) {
-    const Tag tag;
+  static std::uint32_t lane_bits(CsatLanes ahead, CsatLanes behind, CsatLanes bound) {
+    const CsatTag tag;
     std::uint8_t mask[8];
     hn::StoreMaskBits(tag, hn::Or(hn::Gt(ahead, bound), hn::Gt(behind, bound)), mask);
     return mask[0];
   }
 
   /// Edges i, i + 1, .. in lanes, each with its own axis.
-  std::uint32_t edges_apart(const CsatEdges& edges, int i, Lanes lx, Lanes ly, Lanes lz, Lanes bound) const {
-    const Tag tag;
-    const auto along = [&](Lanes x, Lanes y, Lanes z) {
-      return hn::Add(hn::Add(hn::Mul(lx, x), hn::Mul(ly, y)), hn::Mul(lz, z));
-    };
-    Lanes ahead = hn::Set(tag, std::numeric_limits<double>::infinity()), behind = ahead;
+  std::uint32_t edges_apart(const CsatEdges& edges, int i, const CsatLanes3& l, CsatLanes bound) const {
+    const CsatTag tag;
+    CsatLanes ahead = infinite(), behind = ahead;
     for (int c = 0; c < control_points_; ++c) {
-      alignas(32) double ends[2][3][4];
-      for (std::size_t l = 0; l < hn::Lanes(tag); ++l)
+      alignas(32) double ends[2][3][kMost];
+      for (std::size_t lane = 0; lane < hn::Lanes(tag); ++lane)
         for (int k = 0; k < 3; ++k) {
-          ends[0][k][l] = a_.at(c, k, edges.ends[0][static_cast<std::size_t>(i) + l]);
-          ends[1][k][l] = a_.at(c, k, edges.ends[1][static_cast<std::size_t>(i) + l]);
+          ends[0][k][lane] = a_.at(c, k, edges.ends[0][static_cast<std::size_t>(i) + lane]);
+          ends[1][k][lane] = a_.at(c, k, edges.ends[1][static_cast<std::size_t>(i) + lane]);
         }
-      const auto own = [&](int end) {
-        return along(hn::Load(tag, ends[end][0]), hn::Load(tag, ends[end][1]), hn::Load(tag, ends[end][2]));
+      const CsatLanes p = dot(l, load3(tag, ends[0][0], kMost)), q = dot(l, load3(tag, ends[1][0], kMost));
+      const auto point = [&](int j) HWY_ATTR {
+        return dot(l, broadcast(Vec3(b_.at(c, 0, j), b_.at(c, 1, j), b_.at(c, 2, j))));
       };
-      const Lanes p = own(0), q = own(1);
-      const auto point = [&](int j) {
-        return along(hn::Set(tag, b_.at(c, 0, j)), hn::Set(tag, b_.at(c, 1, j)), hn::Set(tag, b_.at(c, 2, j)));
-      };
-      Lanes low = point(0), high = low;
+      CsatLanes low = point(0), high = low;
       for (int j = 1; j < b_.count; ++j) {
-        const Lanes projection = point(j);
+        const CsatLanes projection = point(j);
         low = hn::Min(low, projection);
         high = hn::Max(high, projection);
       }
@@ -185,12 +195,11 @@ class Separator {
 
   /// Whether b lies beyond a along `axis`; if not, the point of conv{b - a} that is least far along it.
   bool ahead(const Vec3& axis, Vec3& support) const {
-    const Tag tag;
-    const Lanes lx = hn::Set(tag, axis[0]), ly = hn::Set(tag, axis[1]), lz = hn::Set(tag, axis[2]);
+    const CsatLanes3 l = broadcast(axis);
     double least = std::numeric_limits<double>::infinity();
     int at = 0;
     for (int c = 0; c < control_points_; ++c) {
-      const double gap = hn::GetLane(hn::Sub(range(b_, c, lx, ly, lz).first, range(a_, c, lx, ly, lz).second));
+      const double gap = hn::GetLane(hn::Sub(range(b_, c, l).first, range(a_, c, l).second));
       if (gap < least) {
         least = gap;
         at = c;
@@ -230,32 +239,30 @@ class Culler {
 
   void cull(PairBatch& batch) {
     if (frame_.control_points > kCsatControlPoints) return;
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      const ElementPair pair = batch.pairs[i];
-      FeatureMask mask = batch.masks[i];
-      if (drops(pair, mask)) continue;
-      batch.pairs[kept] = pair;
-      batch.masks[kept++] = mask;
-    }
-    batch.pairs.resize(kept);
-    batch.masks.resize(kept);
+    batch.cull([this](ElementPair pair, FeatureMask& mask) { return judge(pair, mask); });
   }
 
  private:
-  bool drops(ElementPair pair, FeatureMask& mask) {
+  PairVerdict judge(ElementPair pair, FeatureMask& mask) {
     const auto vertices_a = step_.mesh().vertices(pair.a), vertices_b = step_.mesh().vertices(pair.b);
-    if (pair.a == pair.b || vertices_a.size() > kCsatVertices || vertices_b.size() > kCsatVertices) return false;
+    if (pair.a == pair.b || vertices_a.size() > kCsatVertices || vertices_b.size() > kCsatVertices)
+      return PairVerdict::keep;
     if (pair.a != gathered_) {
       std::copy_n(step_.motion.at(vertices_a[0]), 3 * frame_.control_points, frame_.reference);
-      a_.gather(frame_, step_.motion, vertices_a);
+      gather(a_, vertices_a);
       gathered_ = pair.a;
     }
-    b_.gather(frame_, step_.motion, vertices_b);
-    if (config_.mode != CsatMode::features && separated(pair)) return true;
-    if (config_.mode == CsatMode::pair) return false;
+    gather(b_, vertices_b);
+    if (config_.mode != CsatMode::features && separated(pair)) return PairVerdict::disjoint;
+    if (config_.mode == CsatMode::pair) return PairVerdict::keep;
     mask_features(pair, mask);
-    return nothing_left(pair, mask);
+    return nothing_left(pair, mask) ? PairVerdict::contact_free : PairVerdict::keep;
+  }
+
+  void gather(CsatPoints& points, std::span<const Index> vertices) const {
+    points.gather(frame_, step_.motion, vertices);
+    if (frame_.part.levels == 0) return;
+    (frame_.control_points == 2 ? restrict_points<2> : restrict_points<3>)(frame_.part, points);
   }
 
   /// The whole elements.
@@ -337,8 +344,9 @@ class Culler {
   }
 
   std::uint64_t pick(Index o, Index other, int feature) const {
-    return csat_hash(static_cast<std::uint64_t>(step_.mesh().element_id(o)),
-                     static_cast<std::uint64_t>(step_.mesh().element_id(other)), static_cast<std::uint64_t>(feature));
+    const std::uint64_t ids = hash_ids(static_cast<std::uint64_t>(step_.mesh().element_id(o)),
+                                       static_cast<std::uint64_t>(step_.mesh().element_id(other)));
+    return mix(ids ^ static_cast<std::uint64_t>(feature));
   }
 
   const Csat::Config& config_;

@@ -10,33 +10,29 @@
 #include <volccd/query/motion.hpp>
 #include <volccd/query/rounding.hpp>
 #include <volccd/query/step.hpp>
+#include <volccd/query/step_part.hpp>
 
 namespace volccd::detail {
 
 inline constexpr int kCsatVertices = 32;
 inline constexpr int kCsatControlPoints = 3;
 
-/// Motion restricted to [0, s], and where differences are taken from: one reference point for each control point.
+/// The part of the step that is tested, and where differences are taken from: one reference point for each control point.
 struct CsatFrame {
-  int control_points = 2;
-  int levels = 0;  ///< of de Casteljau's scheme: 0 for all of the step, else the degree
-  double s = 1, rest = 0;
+  int control_points;
+  StepPart part;
   double reference[3 * kCsatControlPoints] = {};
 
-  CsatFrame(const Motion& motion, double t_max) : control_points(motion.control_points()) {
-    if (!(t_max < 1)) return;
-    levels = control_points - 1;
-    s = std::max(t_max, 0.0);
-    rest = 1 - s;
-  }
+  CsatFrame(const Motion& motion, double t_max)
+      : control_points(motion.control_points()), part(t_max, control_points) {}
 };
 
 /// Differences of vertices and reference points, row (control point, axis) by vertex, padded to a multiple of 4 with
 /// copies of the first vertex.
 struct CsatPoints {
   int count = 0, stride = 4;
-  double extent[3] = {};  ///< greatest magnitude on each axis before the restriction to [0, s]
-  double total[3] = {};   ///< sum over vertices and control points, after it
+  double extent[3] = {};  ///< greatest magnitude on each axis over the whole step
+  double total[3] = {};   ///< sum over vertices and control points
   alignas(64) double rows[3 * kCsatControlPoints * kCsatVertices];
 
   const double* row(int control_point, int axis) const { return rows + (3 * control_point + axis) * stride; }
@@ -44,15 +40,15 @@ struct CsatPoints {
 
   template <int kControlPoints>
   void gather(const CsatFrame& frame, const Motion& motion, std::span<const Index> vertices);
+  /// Over the whole step.
   void gather(const CsatFrame& frame, const Motion& motion, std::span<const Index> vertices) {
     if (frame.control_points == 2) return gather<2>(frame, motion, vertices);
     gather<3>(frame, motion, vertices);
   }
   /// Only vertices i0 and i1 of `from` (the extents stay those of the whole).
   void take(const CsatPoints& from, int control_points, int i0, int i1);
-
- private:
-  void restrict_to(const CsatFrame& frame);
+  /// Computes `total` anew, after rows changed.
+  void sum_up(int control_points);
 };
 
 template <int kControlPoints>
@@ -80,7 +76,6 @@ void CsatPoints::gather(const CsatFrame& frame, const Motion& motion, std::span<
       total[k] += sum[c];
     }
   }
-  if (frame.levels > 0) restrict_to(frame);
 }
 
 /// Edges of an element, for tests of all of them at once: local vertex numbers of their ends, and directions at t = 0. Padded
@@ -107,17 +102,10 @@ struct CsatEdges {
   }
 };
 
-inline void CsatPoints::restrict_to(const CsatFrame& frame) {
-  // De Casteljau in place: control point c of [0, s] is the c-th level's first value.
-  for (int level = 1; level <= frame.levels; ++level)
-    for (int c = frame.levels; c >= level; --c)
-      for (int i = 0; i < 3 * stride; ++i) {
-        double& to = rows[3 * c * stride + i];
-        to = frame.rest * rows[3 * (c - 1) * stride + i] + frame.s * to;
-      }
+inline void CsatPoints::sum_up(int control_points) {
   for (int k = 0; k < 3; ++k) {
     total[k] = 0;
-    for (int c = 0; c < frame.control_points; ++c)
+    for (int c = 0; c < control_points; ++c)
       for (int i = 0; i < count; ++i) total[k] += at(c, k, i);
   }
 }

@@ -2,7 +2,7 @@
 #define HWY_TARGET_INCLUDE "volccd/narrowphase/detail/coplanarity_block.cpp"
 #include <hwy/foreach_target.h>
 #include <volccd/narrowphase/detail/coplanarity_block.hpp>
-#include <volccd/narrowphase/detail/test_lanes-inl.hpp>
+#include <volccd/query/vector_lanes-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
@@ -10,10 +10,10 @@ namespace volccd::detail::HWY_NAMESPACE {
 /// Along one axis: whether the second feature is beyond the first on the same side at both ends. `start`, `end`:
 /// coordinates of the differences 1, 2, 3; point 0 is the origin. Coordinates are compared, not subtracted: where
 /// differences have overflowed to infinity, their difference would be NaN, and a minimum may lose a NaN.
-HWY_ATTR HWY_INLINE hn::Mask<D> apart(bool edges, const V (&start)[3], const V (&end)[3]) {
-  const V zero = hn::Zero(D());
-  const auto gaps = [&](const V(&d)[3], hn::Mask<D>* above, hn::Mask<D>* below) HWY_ATTR {
-    const V low = hn::Min(d[1], d[2]), high = hn::Max(d[1], d[2]);
+HWY_ATTR HWY_INLINE LaneMask apart(bool edges, const Lanes (&start)[3], const Lanes (&end)[3]) {
+  const Lanes zero = hn::Zero(Tag());
+  const auto gaps = [&](const Lanes(&d)[3], LaneMask* above, LaneMask* below) HWY_ATTR {
+    const Lanes low = hn::Min(d[1], d[2]), high = hn::Max(d[1], d[2]);
     if (edges) {
       *above = hn::Gt(low, hn::Max(zero, d[0]));
       *below = hn::Lt(high, hn::Min(zero, d[0]));
@@ -22,47 +22,44 @@ HWY_ATTR HWY_INLINE hn::Mask<D> apart(bool edges, const V (&start)[3], const V (
       *below = hn::Lt(hn::Max(high, d[0]), zero);
     }
   };
-  hn::Mask<D> above0, below0, above1, below1;
+  LaneMask above0, below0, above1, below1;
   gaps(start, &above0, &below0);
   gaps(end, &above1, &below1);
   return hn::Or(hn::And(above0, above1), hn::And(below0, below1));
 }
 
-HWY_ATTR HWY_INLINE hn::Mask<D> axis_apart(bool edges, const Vector (&start)[3], const Vector (&end)[3]) {
-  const V sx[3] = {start[0].x, start[1].x, start[2].x}, ex[3] = {end[0].x, end[1].x, end[2].x};
-  const V sy[3] = {start[0].y, start[1].y, start[2].y}, ey[3] = {end[0].y, end[1].y, end[2].y};
-  const V sz[3] = {start[0].z, start[1].z, start[2].z}, ez[3] = {end[0].z, end[1].z, end[2].z};
+HWY_ATTR HWY_INLINE LaneMask axis_apart(bool edges, const Lanes3 (&start)[3], const Lanes3 (&end)[3]) {
+  const Lanes sx[3] = {start[0].x, start[1].x, start[2].x}, ex[3] = {end[0].x, end[1].x, end[2].x};
+  const Lanes sy[3] = {start[0].y, start[1].y, start[2].y}, ey[3] = {end[0].y, end[1].y, end[2].y};
+  const Lanes sz[3] = {start[0].z, start[1].z, start[2].z}, ez[3] = {end[0].z, end[1].z, end[2].z};
   return hn::Or(hn::Or(apart(edges, sx, ex), apart(edges, sy, ey)), apart(edges, sz, ez));
 }
 
 /// Bound of each Bernstein coefficient (binomial divided out); infinite where overflow or underflow is possible.
-HWY_ATTR HWY_INLINE V error_bound(const Vector (&start)[3], const Vector (&end)[3]) {
-  const D d;
-  const Vector e1 = extent(start[0], end[0]), e2 = extent(start[1], end[1]), e3 = extent(start[2], end[2]);
-  const auto minor = [](V a, V b, V c, V e) HWY_ATTR { return hn::Add(hn::Mul(a, b), hn::Mul(c, e)); };
-  const V permanent =
+HWY_ATTR HWY_INLINE Lanes error_bound(const Lanes3 (&start)[3], const Lanes3 (&end)[3]) {
+  const Tag d;
+  const Lanes3 e1 = extent(start[0], end[0]), e2 = extent(start[1], end[1]), e3 = extent(start[2], end[2]);
+  const auto minor = [](Lanes a, Lanes b, Lanes c, Lanes e) HWY_ATTR { return hn::Add(hn::Mul(a, b), hn::Mul(c, e)); };
+  const Lanes permanent =
       hn::Add(hn::Add(hn::Mul(e1.x, minor(e2.y, e3.z, e2.z, e3.y)), hn::Mul(e1.y, minor(e2.z, e3.x, e2.x, e3.z))),
               hn::Mul(e1.z, minor(e2.x, e3.y, e2.y, e3.x)));
-  const auto largest = [](const Vector& v) HWY_ATTR { return hn::Max(hn::Max(v.x, v.y), v.z); };
-  const V size = hn::Max(hn::Max(largest(e1), largest(e2)), largest(e3));
-  const V slack = hn::Set(d, kDeterminantUnderflow * (1 + 3 * kGreatestSize));
-  const V bound = hn::Add(hn::Mul(hn::Set(d, determinant_error_factor(2, 0)), permanent), slack);
-  const auto ordinary = hn::And(hn::Ge(size, hn::Set(d, kLeastSize)), hn::Le(size, hn::Set(d, kGreatestSize)));
+  const Lanes size = hn::Max(hn::Max(greatest_coordinate(e1), greatest_coordinate(e2)), greatest_coordinate(e3));
+  const Lanes slack = broadcast(kDeterminantUnderflow * (1 + 3 * kGreatestSize));
+  const Lanes bound = hn::Add(hn::Mul(broadcast(determinant_error_factor(2, 0)), permanent), slack);
+  const auto ordinary = hn::And(hn::Ge(size, broadcast(kLeastSize)), hn::Le(size, broadcast(kGreatestSize)));
   return hn::IfThenElse(ordinary, bound, hn::Inf(d));
 }
 
 HWY_ATTR void compute_rows(const CoplanarityBlock::Rows& rows) {
-  const D d;
+  const Tag d;
   constexpr std::size_t kCapacity = CoplanarityBlock::kCapacity;
   const bool edges = rows.kind == FeatureKind::ee;
   for (std::size_t i = 0; i < rows.padded_size; i += hn::Lanes(d)) {
-    Vector p[2][3];
+    Lanes3 p[2][3];
     for (std::size_t time = 0; time < 2; ++time)
-      for (std::size_t j = 0; j < 3; ++j) {
-        const double* at = rows.differences + (time * 3 + j) * 3 * kCapacity + i;
-        p[time][j] = {hn::Load(d, at), hn::Load(d, at + kCapacity), hn::Load(d, at + 2 * kCapacity)};
-      }
-    hn::Mask<D> closed = hn::MaskFromVec(hn::Zero(d));
+      for (std::size_t j = 0; j < 3; ++j)
+        p[time][j] = load3(d, rows.differences + (time * 3 + j) * 3 * kCapacity + i, kCapacity);
+    LaneMask closed = hn::MaskFromVec(hn::Zero(d));
     if (rows.axis_test) {
       closed = axis_apart(edges, p[0], p[1]);
       if (hn::AllTrue(d, closed)) {
@@ -70,11 +67,11 @@ HWY_ATTR void compute_rows(const CoplanarityBlock::Rows& rows) {
         continue;
       }
     }
-    const Vector n0 = cross(p[0][1], p[0][2]), n2 = cross(p[1][1], p[1][2]);
-    const Vector n1 = sum(cross(p[0][1], p[1][2]), cross(p[1][1], p[0][2]));
-    const V b0 = dot(p[0][0], n0), b1 = hn::Add(dot(p[0][0], n1), dot(p[1][0], n0));
-    const V b2 = hn::Add(dot(p[0][0], n2), dot(p[1][0], n1)), b3 = dot(p[1][0], n2);
-    const V error = error_bound(p[0], p[1]), error3 = hn::Mul(hn::Set(d, 3.0), error), zero = hn::Zero(d);
+    const Lanes3 n0 = cross(p[0][1], p[0][2]), n2 = cross(p[1][1], p[1][2]);
+    const Lanes3 n1 = add(cross(p[0][1], p[1][2]), cross(p[1][1], p[0][2]));
+    const Lanes b0 = dot(p[0][0], n0), b1 = hn::Add(dot(p[0][0], n1), dot(p[1][0], n0));
+    const Lanes b2 = hn::Add(dot(p[0][0], n2), dot(p[1][0], n1)), b3 = dot(p[1][0], n2);
+    const Lanes error = error_bound(p[0], p[1]), error3 = hn::Mul(broadcast(3.0), error), zero = hn::Zero(d);
     const auto positive = hn::And(hn::Gt(hn::Min(b0, b3), error), hn::Gt(hn::Min(b1, b2), error3));
     const auto negative =
         hn::And(hn::Lt(hn::Max(b0, b3), hn::Sub(zero, error)), hn::Lt(hn::Max(b1, b2), hn::Sub(zero, error3)));
@@ -84,7 +81,7 @@ HWY_ATTR void compute_rows(const CoplanarityBlock::Rows& rows) {
     hn::Store(b2, d, rows.b[2] + i);
     hn::Store(b3, d, rows.b[3] + i);
     hn::Store(error, d, rows.error + i);
-    hn::Store(hn::IfThenZeroElse(closed, hn::Set(d, 1.0)), d, rows.open + i);
+    hn::Store(hn::IfThenZeroElse(closed, broadcast(1.0)), d, rows.open + i);
   }
 }
 
@@ -96,13 +93,13 @@ namespace volccd::detail {
 
 HWY_EXPORT(compute_rows);
 
-void CoplanarityBlock::gather(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs) {
-  size_ = pairs.size();
-  kind_ = kind;
+void CoplanarityBlock::gather(const Motion& motion, const TestBlock& tests) {
+  size_ = tests.size();
+  kind_ = tests.kind();
   for (std::size_t i = 0; i < size_; ++i) {
-    vertices_[i] = test_vertices(step.features(), kind, pairs[i]);
+    vertices_[i] = tests.vertices(i);
     TestPoints& x = coordinates_[i];
-    for (std::size_t p = 0; p < 4; ++p) x[p] = step.motion.at(vertices_[i][p]);
+    for (std::size_t p = 0; p < 4; ++p) x[p] = motion.at(vertices_[i][p]);
     for (std::size_t time = 0; time < 2; ++time)
       for (std::size_t j = 0; j < 3; ++j)
         for (std::size_t axis = 0; axis < 3; ++axis)

@@ -1,7 +1,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/simulation/detail/shell_kernels.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+#include <volccd/query/vector_lanes-inl.hpp>
 #include <volccd/simulation/detail/portable_math.hpp>
 #include <volccd/simulation/detail/shell_kernels.hpp>
 
@@ -18,9 +18,7 @@ using VI = hn::Vec<DI>;
 
 constexpr double kTiny = 1e-300;
 
-struct Vector {
-  V x, y, z;
-};
+using Vector = volccd::detail::HWY_NAMESPACE::LaneVector<V>;
 
 // Products and sums are written out: a fused multiply-add would change bits from one processor to the next.
 HWY_ATTR HWY_INLINE V set(double x) { return hn::Set(D(), x); }
@@ -30,17 +28,6 @@ HWY_ATTR HWY_INLINE V load(const std::vector<double>& values, std::size_t i) {
 HWY_ATTR HWY_INLINE V combine(V a, V s, V b, V t) { return hn::Add(hn::Mul(a, s), hn::Mul(b, t)); }
 HWY_ATTR HWY_INLINE Vector combine(const Vector& a, V s, const Vector& b, V t) {
   return {combine(a.x, s, b.x, t), combine(a.y, s, b.y, t), combine(a.z, s, b.z, t)};
-}
-HWY_ATTR HWY_INLINE Vector minus(const Vector& a, const Vector& b) {
-  return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
-}
-HWY_ATTR HWY_INLINE Vector scaled(const Vector& a, V s) { return {hn::Mul(a.x, s), hn::Mul(a.y, s), hn::Mul(a.z, s)}; }
-HWY_ATTR HWY_INLINE V dot(const Vector& a, const Vector& b) {
-  return hn::Add(combine(a.x, b.x, a.y, b.y), hn::Mul(a.z, b.z));
-}
-HWY_ATTR HWY_INLINE Vector cross(const Vector& a, const Vector& b) {
-  return {hn::Sub(hn::Mul(a.y, b.z), hn::Mul(a.z, b.y)), hn::Sub(hn::Mul(a.z, b.x), hn::Mul(a.x, b.z)),
-          hn::Sub(hn::Mul(a.x, b.y), hn::Mul(a.y, b.x))};
 }
 HWY_ATTR HWY_INLINE VI load_index(const std::vector<std::int32_t>& values, std::size_t i) {
   return hn::PromoteTo(DI(), hn::LoadU(hn::Rebind<std::int32_t, D>(), values.data() + i));
@@ -216,8 +203,8 @@ HWY_ATTR void membranes(ShellTables& t, const ShellBlock& block, const ShellLaw&
     const VI index[3] = {load_index(tri.vertices[0], i), load_index(tri.vertices[1], i),
                          load_index(tri.vertices[2], i)};
     const Vector x0 = gather(copy, index[0]), v0 = gather(copy + 3, index[0]);
-    const Vector a = minus(gather(copy, index[1]), x0), b = minus(gather(copy, index[2]), x0);
-    const Vector va = minus(gather(copy + 3, index[1]), v0), vb = minus(gather(copy + 3, index[2]), v0);
+    const Vector a = sub(gather(copy, index[1]), x0), b = sub(gather(copy, index[2]), x0);
+    const Vector va = sub(gather(copy + 3, index[1]), v0), vb = sub(gather(copy + 3, index[2]), v0);
     const V m[4] = {load(tri.shape[0], i), load(tri.shape[1], i), load(tri.shape[2], i), load(tri.shape[3], i)};
     const Gradient f(a, b, m), w(va, vb, m);
     V equivalent2;
@@ -237,7 +224,7 @@ HWY_ATTR void membranes(ShellTables& t, const ShellBlock& block, const ShellLaw&
     const Vector force1 = scaled(combine(p1, m[0], p2, m[1]), back);
     const Vector force2 = scaled(combine(p1, m[2], p2, m[3]), back);
     const Vector zero = {hn::Zero(d), hn::Zero(d), hn::Zero(d)};
-    const Vector force[3] = {minus(minus(zero, force1), force2), force1, force2};
+    const Vector force[3] = {sub(sub(zero, force1), force2), force1, force2};
     scatter(tri.vertices, i, force, forces);
   }
   sums.membrane = greatest(greatest_frequency);
@@ -266,11 +253,11 @@ struct HingeEdges {
   HWY_ATTR HWY_INLINE HingeEdges(const double* copy, const VI (&index)[4]) {
     const Vector x0 = gather(copy, index[0]), x1 = gather(copy, index[1]);
     const Vector x2 = gather(copy, index[2]), x3 = gather(copy, index[3]);
-    edge = minus(x1, x0);
-    to02 = minus(x2, x0);
-    to12 = minus(x2, x1);
-    to13 = minus(x3, x1);
-    to03 = minus(x3, x0);
+    edge = sub(x1, x0);
+    to02 = sub(x2, x0);
+    to12 = sub(x2, x1);
+    to13 = sub(x3, x1);
+    to03 = sub(x3, x0);
     n1 = cross(to02, to12);
     n2 = cross(to13, to03);
     length = hn::Sqrt(dot(edge, edge));

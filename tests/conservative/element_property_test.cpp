@@ -9,6 +9,7 @@
 
 #include "conservative/run_cases.hpp"
 #include "conservative/vector_targets.hpp"
+#include "support/stages.hpp"
 
 namespace volccd::test {
 namespace {
@@ -81,6 +82,8 @@ class ElementProperty {
   ElementGenerator generator_;
 };
 
+constexpr ElementPair kPair[] = {{0, 1}};
+
 class CsatProperty final : public ElementProperty {
  public:
   using ElementProperty::ElementProperty;
@@ -91,9 +94,8 @@ class CsatProperty final : public ElementProperty {
     targets_.with(cases_++, [&](const std::string& target) {
       for (const auto& [name, pair_only, stage] : cullings_) {
         PairBatch batch;
-        batch.pairs.push_back({0, 1});
-        batch.masks.resize(1);
-        stage->cull(step, nullptr, batch);
+        batch.assign(kPair);
+        run_stage(*stage, step, batch);
         if (batch.size() == 0) lost += name + " drops on " + target + ", ";
         if (batch.size() == 1 && scene_.masked(0, batch.masks[0])) lost += name + " masks on " + target + ", ";
       }
@@ -113,11 +115,10 @@ class BroadPhaseProperty final : public ElementProperty {
     std::string lost;
     targets_.with(cases_++, [&](const std::string& target) {
       for (const auto& [name, stage] : stages_) {
-        const auto state = stage->make_state();
-        stage->update(step, *state, executor_);
+        const auto state = prepared(*stage, step);
         std::size_t pairs = 0;
-        stage->query(step, *state, PairRange::nonadjacent, executor_,
-                     [&](std::span<const ElementPair> batch, unsigned) { pairs += batch.size(); });
+        stage->run(step, *state, PairRange::nonadjacent, executor_,
+                   [&](std::span<const ElementPair> batch, unsigned) { pairs += batch.size(); });
         if (pairs != 1) lost += name + " emits " + std::to_string(pairs) + " on " + target + ", ";
       }
     });

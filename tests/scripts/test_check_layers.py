@@ -89,6 +89,13 @@ class CheckLayers(unittest.TestCase):
         self.assert_found({"culling/x.hpp": "#pragma once\n#include <hwy/highway.h>\n"}, "culling/x.hpp:2",
                           "public header")
 
+    def test_kernel_headers(self):
+        lanes = {"mesh/lanes-inl.hpp": "#include <hwy/highway.h>\n"}
+        self.assertEqual(self.findings({**lanes, "culling/x.cpp": "#include <volccd/mesh/lanes-inl.hpp>\n",
+                                        "culling/detail/y-inl.hpp": "#include <volccd/mesh/lanes-inl.hpp>\n"}), [])
+        self.assert_found({**lanes, "culling/x.hpp": "#pragma once\n#include <volccd/mesh/lanes-inl.hpp>\n"},
+                          "culling/x.hpp:2", "public header")
+
     def test_link_above(self):
         self.assert_found({"mesh/CMakeLists.txt": "volccd_module(mesh PUBLIC volccd_core PRIVATE volccd_culling)\n"},
                           "mesh/CMakeLists.txt:1", "mesh may not link culling")
