@@ -15,6 +15,7 @@ using Action = std::function<int()>;
 void add_info_command(CLI::App& app, Action& action);
 void add_detect_command(CLI::App& app, const Registry& registry, Action& action);
 void add_verify_command(CLI::App& app, const Registry& registry, Action& action);
+void add_check_command(CLI::App& app, const Registry& registry, Action& action);
 void add_queries_command(CLI::App& app, const Registry& registry, Action& action);
 void add_stages_command(CLI::App& app, const Registry& registry, Action& action);
 void add_scene_command(CLI::App& app, Action& action);

@@ -51,14 +51,16 @@ int program(int argc, const char* const* argv, const Registry& registry) {
       "  volccd detect run.vtkhdf --contacts c.csv      all contacts of all steps\n"
       "  volccd detect run.vtkhdf --steps 3:5 --pipeline NavCCD --stats s.json\n"
       "  volccd verify run.vtkhdf                       all pipelines against each other and against FCL\n"
+      "  volccd check csat                              one stage against what it declares\n"
       "  volccd queries ccd-queries.h5                  elementary tests on queries with known answers\n"
       "  volccd COMMAND --help                          options and examples of a command\n\n"
-      "Exit codes: 0 done, 1 verify found a difference or a query was missed, 2 bad input or\n"
-      "output, 130 interrupted. What was complete before an error or Ctrl-C is kept, and marked as incomplete.");
+      "Exit codes: 0 done, 1 verify found a difference, check a broken promise, or queries a missed contact,\n"
+      "2 bad input or output, 130 interrupted. What was complete before an error or Ctrl-C is kept, and marked as incomplete.");
   Action action;
   add_info_command(app, action);
   add_detect_command(app, registry, action);
   add_verify_command(app, registry, action);
+  add_check_command(app, registry, action);
   add_queries_command(app, registry, action);
   add_stages_command(app, registry, action);
   add_scene_command(app, action);

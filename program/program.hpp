@@ -6,7 +6,7 @@
 namespace volccd {
 
 /// Runs the command line on the stages and pipelines of `registry`. Returns the exit code: 0 done, 1 `verify` found a
-/// difference or `queries` a missed query, 2 bad input or configuration (one line on stderr says what), 130 interrupted.
+/// difference, `check` a broken promise or `queries` a missed contact, 2 bad input or configuration (one line on stderr says what), 130 interrupted.
 int program(int argc, const char* const* argv, const Registry& registry);
 
 }  // namespace volccd

@@ -1,56 +1,16 @@
-// Small scenes with plenty of contacts, of every element type.
+// Scenes and the registry, as the tests of pipelines share them.
 #pragma once
 
-#include <string>
-#include <vector>
-
-#include <volccd/core/random.hpp>
-#include <volccd/mesh/shapes.hpp>
-#include <volccd/mesh/topology.hpp>
+#include <volccd/oracle/cases/colliding_scenes.hpp>
 #include <volccd/pipelines/registry.hpp>
-#include <volccd/query/motion.hpp>
 
 namespace volccd::test {
+
+using namespace cases;
 
 inline const Registry& registry() {
   static const Registry standard = Registry::standard();
   return standard;
-}
-
-struct Scene {
-  std::string name;
-  Topology topology;
-  Motion motion;
-};
-
-/// Two objects, permuted ids: the second comes down on the first, all vertices jittered at both ends so that elements invert
-/// and neighbours collide too.
-inline Scene colliding(const std::string& name, const Shape& shape, std::uint64_t seed, double jitter) {
-  Shape both;
-  both.append(shape, 1);
-  Shape other = shape;
-  double height = 0;
-  for (const Vec3& p : shape.positions) height = std::max(height, p.z());
-  other.translate(Vec3(0.31, 0.27, height + 0.4));
-  both.append(other, 2);
-  const Index first_of_second = static_cast<Index>(shape.positions.size());
-  // The permutation mixes the objects' vertices: move the second object before it, as part of a shape of its own.
-  Shape end = both;
-  for (Index v = first_of_second; v < end.positions.size(); ++v) end.positions[v] += Vec3(0.1, -0.05, -0.9);
-  const Shape start_permuted = permuted(both, seed), end_permuted = permuted(end, seed);
-  return {name, Topology(start_permuted.mesh()),
-          Motion::linear(jittered(start_permuted.positions, jitter, seed + 1),
-                         jittered(end_permuted.positions, jitter, seed + 2))};
-}
-
-/// One scene an element type and one of all types mixed.
-inline std::vector<Scene> small_scenes(std::uint64_t seed, double jitter) {
-  std::vector<Scene> scenes;
-  for (const ElementType type : {ElementType::tetrahedron, ElementType::pyramid, ElementType::wedge,
-                                 ElementType::hexahedron, ElementType::polytope, ElementType::triangle, ElementType::quad})
-    scenes.push_back(colliding(to_string(type), block(type, 2, 2, 1), seed, jitter));
-  scenes.push_back(colliding("mixed", mixed_block(1, 1), seed, jitter));
-  return scenes;
 }
 
 }  // namespace volccd::test

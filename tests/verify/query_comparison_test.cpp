@@ -24,12 +24,11 @@ class EverySecond final : public NarrowPhase {
   }
   explicit EverySecond(const Config&) {}
 
-  void test(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs, std::vector<Contact>& contacts,
-            NarrowCounters& counters) const override {
-    for (const FeaturePair pair : pairs) {
-      const std::array<Index, 4> v = test_vertices(step.features(), kind, pair);
-      if (v[0] / 4 % 2 == 0) contacts.push_back({kind, v, 0.5, Vec3::Zero(), {}, Vec3::Zero()});
-    }
+  void run(const Step&, StageState&, unsigned, const TestBlock& block, std::vector<Contact>& contacts,
+           NarrowCounters& counters) const override {
+    for (std::size_t i = 0; i < block.size(); ++i)
+      if (block.vertices(i)[0] / 4 % 2 == 0)
+        contacts.push_back({block.kind(), block.vertices(i), 0.5, Vec3::Zero(), {}, Vec3::Zero()});
     counters.undecided += 1;
   }
 };

@@ -1,0 +1,92 @@
+// The parts of check_stage(): one for each kind of stage, and one for pipelines that contain it.
+#pragma once
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+
+#include <volccd/core/executor.hpp>
+#include <volccd/experiments/verify/stage_check.hpp>
+#include <volccd/oracle/cases/near_degenerate.hpp>
+
+namespace volccd::detail {
+
+// Promises, as reports name them.
+inline constexpr const char* kLosesNoContact = "loses no contact";
+inline constexpr const char* kInventsNoContact = "invents no contact";
+inline constexpr const char* kTimes = "times are never late, and early by no more than the tolerance";
+inline constexpr const char* kWellFormed = "contacts are well formed, in the order of the tests";
+inline constexpr const char* kSameInEveryBatch = "the answer does not depend on the batch or the worker";
+inline constexpr const char* kSameAfterOtherSteps = "the answer does not depend on earlier steps";
+inline constexpr const char* kOverlapsStay = "drops no pair as disjoint that overlaps at the start";
+inline constexpr const char* kOnlyDrops = "takes pairs out of the batch, and changes nothing else";
+inline constexpr const char* kEmitsAll = "emits every pair that meets during the step";
+inline constexpr const char* kEmitsOnce = "emits each pair once, in order, by a worker of the executor";
+inline constexpr const char* kComplete = "its tests contain every feature pair that it owes";
+inline constexpr const char* kTests = "tests have no common vertex";
+inline constexpr const char* kNoAllocation = "allocates nothing in steady state";
+inline constexpr const char* kPipelinesAgree = "pipelines that contain it find the contacts of those that do not";
+inline constexpr const char* kThreadsAgree = "pipelines that contain it find the same contacts with several threads";
+inline constexpr const char* kOverlapsAgree = "pipelines that contain it list the same initial overlaps";
+
+/// What the parts need, and where they put what they see.
+class StageTrials {
+ public:
+  StageTrials(const StageCheckConfig& c, StageReport& report)
+      : config(c), threads(make_thread_executor(std::max(2u, c.threads))), report_(report) {}
+
+  /// Counts an answer; `text`, a function, tells of it if the promise is broken. A promise `required` of the stage breaks
+  /// the check.
+  template <class Text>
+  void expect(const char* promise, bool kept, Text&& text, bool required = true) {
+    PromiseReport& one = find(promise, required);
+    ++one.checked;
+    if (kept) return;
+    if (++one.broken == 1) one.example = text();
+  }
+
+  /// Whether the stage promises to lose nothing; whether it promises to invent nothing.
+  bool conservative() const { return report_.guarantee != Guarantee::approximate; }
+  bool exact() const { return report_.guarantee == Guarantee::exact; }
+
+  /// Calls body(choices, "seed N: ") for the trials [0, count).
+  void each_trial(int count, const std::function<void(cases::Choices&, const std::string& where)>& body) const;
+
+  /// Calls step(k), which prepares and runs the stage on step k of one topology, and expects that the last of them do not
+  /// allocate.
+  void expect_no_allocation(const std::function<void(int k)>& step, bool required = true);
+
+  const StageCheckConfig& config;
+  SerialExecutor serial;
+  std::unique_ptr<Executor> threads;
+
+ private:
+  PromiseReport& find(const char* promise, bool required);
+
+  StageReport& report_;
+};
+
+void try_stage(const BroadPhase& stage, StageTrials& trials);
+void try_stage(const ElementCulling& stage, StageTrials& trials);
+void try_stage(const Assignment& stage, StageTrials& trials);
+void try_stage(const OrphanSource& stage, StageTrials& trials);
+void try_stage(const FeatureFilter& stage, StageTrials& trials);
+void try_stage(const NarrowPhase& stage, StageTrials& trials);
+
+/// Pipelines with the stage in the place of the presets' one.
+void try_pipelines(const Registry& registry, const StageReport& stage, StageTrials& trials);
+
+/// What a step asks for, apart from its features: chosen for a trial.
+struct StepChoice {
+  FeatureKind kind;
+  int control_points;
+  bool separation;
+};
+StepChoice choose_step(cases::Choices& choices, int max_control_points = 3, bool separation = true);
+/// 1, the time of touch of the case, or any.
+double choose_t_max(cases::Choices& choices, const cases::Case& c);
+
+/// The test of a step as a case, for exact predicates.
+cases::Case case_of(const Step& step, FeatureKind kind, FeaturePair pair);
+
+}  // namespace volccd::detail

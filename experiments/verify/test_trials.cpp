@@ -1,0 +1,302 @@
+// Feature filters and narrow phases, on blocks of generated tests.
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include <volccd/core/random.hpp>
+#include <volccd/experiments/verify/detail/stage_trials.hpp>
+#include <volccd/oracle/cases/attack_cases.hpp>
+#include <volccd/oracle/cases/test_scene.hpp>
+
+namespace volccd::detail {
+
+using cases::Case;
+using cases::Choices;
+
+namespace {
+
+/// What a stage says of a test. A filter: whether it is kept.
+struct Answer {
+  bool found = false;
+  Contact contact{};
+  bool undecided = false;  ///< known of tests in a block of one
+
+  bool same(const Answer& other) const { return found == other.found && (!found || contact == other.contact); }
+};
+
+/// Tests of one step.
+struct Group {
+  StepChoice choice;
+  double separation, t_max;
+  std::vector<Case> tests;
+};
+
+/// Some attacks make tests that take exact arithmetic long: those are few.
+const cases::Attack& any_attack(Choices& choices, std::span<const cases::Attack> attacks) {
+  int sum = 0;
+  for (const cases::Attack& attack : attacks) sum += std::min(attack.cases, 1000);
+  int at = choices.below(sum);
+  for (const cases::Attack& attack : attacks) {
+    at -= std::min(attack.cases, 1000);
+    if (at < 0) return attack;
+  }
+  return attacks.back();
+}
+
+Case make_test(Choices& choices, const StepChoice& step) {
+  const bool vf = step.kind == FeatureKind::vf;
+  if (choices.below(2))
+    return cases::near_degenerate(choices, step.kind, step.control_points, vf ? 1 : 2, vf ? 3 : 2,
+                                  step.separation ? cases::Separation::some : cases::Separation::none);
+  const auto attacks = step.separation ? cases::separation_attacks() : cases::touching_attacks();
+  return any_attack(choices, attacks).make(choices, step.kind, step.control_points);
+}
+
+/// All with the separation of the first.
+Group make_group(Choices& choices, int max_control_points, bool separation) {
+  Group group{choose_step(choices, max_control_points, separation), 0, 1, {}};
+  const std::size_t size = choices.one_in(4) ? TestBlock::kCapacity : 1 + static_cast<std::size_t>(choices.below(20));
+  for (std::size_t i = 0; i < size; ++i) {
+    Case c = make_test(choices, group.choice);
+    if (i == 0) group.separation = c.separation;
+    if (c.separation != group.separation) c.separation = group.separation, c.touch = -1;
+    group.tests.push_back(std::move(c));
+  }
+  group.t_max = choose_t_max(choices, group.tests.front());
+  return group;
+}
+
+/// A kind of stage that looks at blocks of tests.
+class BlockStage {
+ public:
+  explicit BlockStage(const Stage& stage) : stage_(stage) {}
+  virtual ~BlockStage() = default;
+
+  const Stage& stage() const { return stage_; }
+  /// Answers to the tests of the block, in its order.
+  virtual std::vector<Answer> run(const Step& step, StageState& state, unsigned worker, const TestBlock& block) = 0;
+  /// The same without answers and without memory of its own.
+  virtual void run_quietly(const Step& step, StageState& state, const TestBlock& block) = 0;
+  /// Holds an answer to what is true of the test.
+  virtual void judge(const Case& c, double t_max, const Answer& answer, const std::string& where) = 0;
+
+ private:
+  const Stage& stage_;
+};
+
+class FilterStage final : public BlockStage {
+ public:
+  FilterStage(const FeatureFilter& filter, StageTrials& trials) : BlockStage(filter), filter_(filter), trials_(trials) {}
+
+  std::vector<Answer> run(const Step& step, StageState& state, unsigned worker, const TestBlock& block) override {
+    std::vector<std::uint8_t> keep(block.padded_size(), 1);
+    filter_.run(step, state, worker, block, keep);
+    std::vector<Answer> answers(block.size());
+    for (std::size_t i = 0; i < block.size(); ++i) answers[i].found = keep[i] != 0;
+    return answers;
+  }
+  void run_quietly(const Step& step, StageState& state, const TestBlock& block) override {
+    std::uint8_t keep[TestBlock::kCapacity];
+    std::fill(std::begin(keep), std::end(keep), std::uint8_t{1});
+    filter_.run(step, state, 0, block, {keep, block.padded_size()});
+  }
+  void judge(const Case& c, double t_max, const Answer& answer, const std::string& where) override {
+    trials_.expect(
+        kLosesNoContact, answer.found || !cases::touches(c, t_max),
+        [&] { return where + "drops, with t_max " + std::to_string(t_max) + ":\n" + to_text(c); },
+        trials_.conservative());
+  }
+
+ private:
+  const FeatureFilter& filter_;
+  StageTrials& trials_;
+};
+
+class NarrowStage final : public BlockStage {
+ public:
+  NarrowStage(const NarrowPhase& narrow, StageTrials& trials) : BlockStage(narrow), narrow_(narrow), trials_(trials) {}
+
+  std::vector<Answer> run(const Step& step, StageState& state, unsigned worker, const TestBlock& block) override {
+    std::vector<Contact> contacts;
+    NarrowCounters counters;
+    narrow_.run(step, state, worker, block, contacts, counters);
+    std::vector<Answer> answers(block.size());
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      answers[i].undecided = counters.undecided > 0;
+      if (next == contacts.size() || contacts[next].vertices != block.vertices(i)) continue;
+      answers[i].found = true;
+      answers[i].contact = contacts[next++];
+      well_formed_ = well_formed_ && answers[i].contact.kind == block.kind();
+    }
+    well_formed_ = well_formed_ && next == contacts.size();
+    return answers;
+  }
+  void run_quietly(const Step& step, StageState& state, const TestBlock& block) override {
+    contacts_.clear();
+    contacts_.reserve(TestBlock::kCapacity);
+    NarrowCounters counters;
+    narrow_.run(step, state, 0, block, contacts_, counters);
+  }
+  void judge(const Case& c, double t_max, const Answer& answer, const std::string& where) override {
+    const auto text = [&](const std::string& what) {
+      return [&, what] {
+        char at[96];
+        std::snprintf(at, sizeof at, "%s, with t_max %a, time %a:\n", what.c_str(), t_max, answer.contact.toi);
+        return where + at + to_text(c);
+      };
+    };
+    const Contact& contact = answer.contact;
+    const bool finite = !answer.found || (contact.normal.allFinite() && contact.point.allFinite() && contact.toi >= 0 &&
+                                          contact.toi <= t_max);
+    trials_.expect(kWellFormed, well_formed_ && finite, text("a contact that is no answer to its test"));
+    well_formed_ = true;
+    if (c.separation > 0)
+      judge_distance(c, t_max, answer, text);
+    else
+      judge_touch(c, t_max, answer, text);
+  }
+
+ private:
+  template <class Text>
+  void judge_touch(const Case& c, double t_max, const Answer& answer, const Text& text) {
+    const bool required = trials_.conservative();
+    const ExactAnswer truth = exact_first_touch(cases::Coordinates(c).motion(), t_max);
+    trials_.expect(kLosesNoContact, answer.found || !truth.touches, text("misses"), required);
+    trials_.expect(kInventsNoContact, !answer.found || truth.touches, text("invents"), trials_.exact());
+    if (!answer.found || !truth.touches) return;
+    const double toi = answer.contact.toi;
+    trials_.expect(kTimes, toi <= truth.toi, text("reports late"), required);
+    if (truth.reason == TouchCase::at_start)
+      trials_.expect(kTimes, toi == 0 && answer.contact.at_start, text("does not report as touching at the start"), required);
+    if (!answer.undecided)
+      trials_.expect(kTimes, truth.toi - toi <= narrow_.time_tolerance(), text("reports too early"), required);
+  }
+
+  template <class Text>
+  void judge_distance(const Case& c, double t_max, const Answer& answer, const Text& text) {
+    const bool required = trials_.conservative();
+    trials_.expect(kLosesNoContact, answer.found || !cases::touches(c, t_max), text("misses"), required);
+    if (answer.found && c.touch >= 0)
+      trials_.expect(kTimes, answer.contact.toi <= c.touch, text("reports late"), required);
+  }
+
+  const NarrowPhase& narrow_;
+  StageTrials& trials_;
+  std::vector<Contact> contacts_;
+  bool well_formed_ = true;
+};
+
+/// Runs the stage on the generated groups, each in several ways.
+class BlockTrials {
+ public:
+  BlockTrials(BlockStage& stage, StageTrials& trials) : stage_(stage), trials_(trials), kept_(stage.stage().make_state()) {}
+
+  /// `remembers`: whether answers may depend on earlier steps.
+  void run(const Group& group, bool remembers, const std::string& where) {
+    for (std::size_t i = 0; i < group.tests.size(); ++i) scene_.set(static_cast<Index>(i), group.tests[i]);
+    const Step step = scene_.step(group.choice.control_points, group.separation, group.t_max);
+    std::vector<FeaturePair> pairs;
+    for (std::size_t i = 0; i < group.tests.size(); ++i)
+      pairs.push_back(scene_.pair(group.choice.kind, static_cast<Index>(i)));
+    stage_.stage().prepare(step, *kept_, *trials_.threads);
+    std::vector<Answer> together = answers(step, *kept_, group.choice.kind, pairs, 0);
+    compare_batches(step, group, pairs, together, where);
+    const auto fresh = stage_.stage().make_state();
+    stage_.stage().prepare(step, *fresh, trials_.serial);
+    const std::vector<Answer> anew = answers(step, *fresh, group.choice.kind, pairs, 0);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      stage_.judge(group.tests[i], group.t_max, together[i], where);
+      if (remembers && !anew[i].same(together[i])) stage_.judge(group.tests[i], group.t_max, anew[i], where + "(new state) ");
+      if (!remembers)
+        trials_.expect(kSameAfterOtherSteps, anew[i].same(together[i]),
+                       [&] { return where + "a new state answers otherwise:\n" + to_text(group.tests[i]); });
+    }
+  }
+
+ private:
+  std::vector<Answer> answers(const Step& step, StageState& state, FeatureKind kind, std::span<const FeaturePair> pairs,
+                              unsigned worker) {
+    block_.gather(step, kind, pairs);
+    return stage_.run(step, state, worker, block_);
+  }
+
+  /// Each alone by one worker after another, and all in the reverse order by the last worker.
+  void compare_batches(const Step& step, const Group& group, std::vector<FeaturePair> pairs, std::vector<Answer>& together,
+                       const std::string& where) {
+    const unsigned workers = trials_.threads->workers();
+    std::vector<Answer> alone;
+    for (std::size_t i = 0; i < pairs.size(); ++i)
+      alone.push_back(answers(step, *kept_, group.choice.kind, {&pairs[i], 1}, static_cast<unsigned>(i) % workers)[0]);
+    std::reverse(pairs.begin(), pairs.end());
+    std::vector<Answer> backwards = answers(step, *kept_, group.choice.kind, pairs, workers - 1);
+    std::reverse(backwards.begin(), backwards.end());
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      trials_.expect(kSameInEveryBatch, alone[i].same(together[i]) && backwards[i].same(together[i]), [&] {
+        return where + "test " + std::to_string(i) + " of a block of " + std::to_string(pairs.size()) +
+               " has another answer alone, or in the reverse order by another worker:\n" + to_text(group.tests[i]);
+      });
+      together[i].undecided = alone[i].undecided;
+    }
+  }
+
+  BlockStage& stage_;
+  StageTrials& trials_;
+  std::unique_ptr<StageState> kept_;
+  cases::TestScene scene_{TestBlock::kCapacity};
+  TestBlock block_;
+};
+
+/// Ordinary tests of both kinds, half of which touch or so.
+void count_allocations(BlockStage& stage, StageTrials& trials, int control_points, bool required) {
+  cases::TestScene scene(TestBlock::kCapacity);
+  std::vector<FeaturePair> pairs[2];
+  for (Index i = 0; i < TestBlock::kCapacity; ++i)
+    for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee})
+      pairs[static_cast<std::size_t>(kind)].push_back(scene.pair(kind, i));
+  const auto state = stage.stage().make_state();
+  TestBlock block;
+  Random random(trials.config.seed);
+  Case c;
+  c.control_points = control_points;
+  c.sets = {std::vector<cases::Curve>(1), std::vector<cases::Curve>(3)};
+  trials.expect_no_allocation([&](int) {
+    for (Index i = 0; i < TestBlock::kCapacity; ++i) {
+      for (auto& set : c.sets)
+        for (cases::Curve& p : set)
+          for (Vec3& x : p) x = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+      scene.set(i, c);
+    }
+    const Step step = scene.step(control_points, 0, 1);
+    stage.stage().prepare(step, *state, trials.serial);
+    for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee}) {
+      block.gather(step, kind, pairs[static_cast<std::size_t>(kind)]);
+      stage.run_quietly(step, *state, block);
+    }
+  }, required);
+}
+
+void try_blocks(BlockStage& stage, StageTrials& trials, int max_control_points, bool separation, bool is_filter) {
+  BlockTrials blocks(stage, trials);
+  trials.each_trial(trials.config.trials, [&](Choices& choices, const std::string& where) {
+    blocks.run(make_group(choices, max_control_points, separation), is_filter, where);
+  });
+  // Exact arithmetic needs memory.
+  const bool required = is_filter || !trials.exact();
+  for (int points = 2; points <= max_control_points; ++points) count_allocations(stage, trials, points, required);
+}
+
+}  // namespace
+
+void try_stage(const FeatureFilter& stage, StageTrials& trials) {
+  FilterStage filter(stage, trials);
+  try_blocks(filter, trials, 3, true, true);
+}
+
+void try_stage(const NarrowPhase& stage, StageTrials& trials) {
+  NarrowStage narrow(stage, trials);
+  try_blocks(narrow, trials, stage.max_control_points(), stage.handles_separation(), false);
+}
+
+}  // namespace volccd::detail

@@ -1,0 +1,85 @@
+#include <cstdio>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/experiments/verify/stage_check.hpp>
+#include <volccd/program/allocation_count.hpp>
+#include <volccd/program/commands.hpp>
+#include <volccd/program/query_options.hpp>
+#include <volccd/program/scene_files.hpp>
+
+namespace volccd {
+
+namespace {
+
+struct CheckOptions {
+  std::string stage, file, steps;
+  std::vector<std::string> settings;
+  StageCheckConfig config;
+};
+
+/// "name=value" or "stage.name=value".
+void set_option(const CheckOptions& options, const std::string& setting, OptionValues& values) {
+  const std::size_t equals = setting.find('=');
+  std::string name = setting.substr(0, equals);
+  if (name.starts_with(options.stage + ".")) name.erase(0, options.stage.size() + 1);
+  if (equals == std::string::npos || name.empty() || name.find('.') != std::string::npos)
+    throw ConfigError(fmt::format("--set {}: not an option of the stage, {}.option=value", setting, options.stage));
+  values[name] = setting.substr(equals + 1);
+}
+
+int print(const StageReport& report) {
+  fmt::print("{} ({}), declared {}\n\n", report.stage, report.role, to_string(report.guarantee));
+  TextTable table({"promise", "answers", "broken", ""});
+  for (const PromiseReport& one : report.promises)
+    table.add({one.promise, grouped(one.checked), grouped(one.broken),
+               one.kept() ? (one.required ? "kept" : "not promised") : "BROKEN"});
+  fmt::print("{}", table.text());
+  for (const PromiseReport& one : report.promises)
+    if (!one.kept()) fmt::print("\n{}\n  {}\n", one.promise, one.example);
+  fmt::print("\n{}\n", report.kept() ? "all promises kept" : "PROMISES BROKEN");
+  return report.kept() ? kDone : kDifferent;
+}
+
+int run(CheckOptions options, const Registry& registry) {
+  for (const std::string& setting : options.settings) set_option(options, setting, options.config.options);
+  if (!options.file.empty()) {
+    options.config.file = sequence_file(options.file);
+    SequenceReader reader(options.config.file);
+    const StepRange range = parse_steps(options.steps, reader.step_count() - 1, options.config.file);
+    options.config.first_step = range.begin;
+    options.config.end_step = range.end;
+  }
+  options.config.allocation_count = allocation_count;
+  return print(check_stage(registry, options.stage, options.config));
+}
+
+}  // namespace
+
+void add_check_command(CLI::App& app, const Registry& registry, Action& action) {
+  CLI::App* command = app.add_subcommand("check", "holds one stage to what it declares");
+  const auto options = std::make_shared<CheckOptions>();
+  command->add_option("STAGE", options->stage, "name of a stage, as `volccd stages` lists it")->required();
+  command->add_option("FILE", options->file, "sequence, or name of a scene, whose steps are looked at as well");
+  command->add_option("--steps", options->steps, "steps of FILE: K, A:B, A:, :B (default all)");
+  command->add_option("--set", options->settings, "an option of the stage: stage.option=value");
+  command->add_option("--trials", options->config.trials, "generated trials")->check(CLI::Range(1, 100'000'000))->capture_default_str();
+  command->add_option("--seed", options->config.seed, "of the first trial; the next has the next seed")->capture_default_str();
+  command->add_option("--threads", options->config.threads, "where several are tried")
+      ->check(CLI::Range(2u, kMaxThreads))
+      ->capture_default_str();
+  command->footer(
+      "Tries the stage on generated tests and elements that touch or nearly do, judged in exact arithmetic: alone and in\n"
+      "batches, with several workers, with a new state and with one that has seen other steps. Then in pipelines,\n"
+      "against those without it, on small colliding bodies and on FILE. What is not promised (approximate) is counted.\n"
+      "Exit code 1 if a promise is broken; what is printed then repeats it: --seed N --trials 1.\n"
+      "Examples:\n"
+      "  volccd check csat\n"
+      "  volccd check csat run.vtkhdf --set csat.axis=optimal --trials 20000\n"
+      "  volccd check coplanarity --seed 4711 --trials 1");
+  command->callback([options, &registry, &action] { action = [options, &registry] { return run(*options, registry); }; });
+}
+
+}  // namespace volccd
