@@ -51,7 +51,8 @@ void BruteForce::update(const Step& step, StageState& stage_state, Executor& exe
   state.delta.confirm();
 }
 
-void BruteForce::query(const Step& step, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
+void BruteForce::query(const Step& step, StageState& stage_state, PairRange range, Executor& executor,
+                       PairSink sink) const {
   BruteForceState& state = static_cast<BruteForceState&>(stage_state);
   const detail::PairRules rules(range, step.topology, state.keys);
   const std::size_t count = state.list.size();

@@ -104,7 +104,8 @@ void KdopBvh::update(const Step& step, StageState& stage_state, Executor& execut
   state.delta.confirm();
 }
 
-void KdopBvh::query(const Step& step, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
+void KdopBvh::query(const Step& step, StageState& stage_state, PairRange range, Executor& executor,
+                    PairSink sink) const {
   KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
   const detail::PairRules rules(range, step.topology, state.keys);
   state.counters.node_tests += make_tasks(state, rules);

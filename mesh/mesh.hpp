@@ -42,7 +42,7 @@ class Mesh {
   /// in exactly two faces). Amortised O(vertices of the element).
   Index add_element(const ElementSpec& element);
 
-  /// O(1). The slot must be alive.
+  /// O(1). The element must be live.
   void remove_element(Index slot);
 
   /// An edit in two parts: elements that go, vertices that come, and elements that come then. prepare() needs the
@@ -60,7 +60,7 @@ class Mesh {
   /// Slots, empty ones included: the range of element slots is [0, element_slots()).
   Index element_slots() const { return static_cast<Index>(types_.size()); }
   Index element_count() const { return live_; }
-  bool alive(Index o) const { return types_[o] != ElementType::none; }
+  bool is_live(Index o) const { return types_[o] != ElementType::none; }
 
   ElementType type(Index o) const { return types_[o]; }
   std::int32_t object(Index o) const { return objects_[o]; }

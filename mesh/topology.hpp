@@ -30,8 +30,8 @@ struct TopologyChange {
 };
 
 /// Owns a Mesh, its Features and its Adjacency: all tables that depend on the elements alone, so that no stage needs a
-/// copy. Every edit raises the version; the state of a stage remembers the version that it was updated for, and asks for
-/// what has changed since (TopologyDelta).
+/// copy. Every edit raises the version. The state of a stage remembers the version that it was updated for, and finds
+/// out what has changed since with a TopologyDelta.
 class Topology {
  public:
   explicit Topology(Mesh mesh, EdgeSet edge_set = EdgeSet::triangulated);

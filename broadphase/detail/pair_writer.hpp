@@ -13,7 +13,7 @@ namespace volccd::detail {
 
 /// Which pairs a query wants.
 struct PairRules {
-  const Adjacency* adjacency;  ///< null: adjacent pairs are wanted
+  const Adjacency* adjacency;      ///< null: adjacent pairs are wanted
   const FilterKeys* keys;          ///< null: the filter drops nothing
   bool self_pairs;                 ///< (o, o) is wanted
 

@@ -43,7 +43,7 @@ class IncidenceEdit {
 
   /// First element before the edit, or kNone.
   Index old_first(Index feature) const { return feature < first_.size() ? first_[feature] : kNone; }
-  /// After make_room(): the first element, or kNone, that each feature whose elements change will have; features ascend.
+  /// After make_room(): the features whose elements change, ascending, each with its new first element or kNone.
   const std::vector<First>& new_firsts() const { return new_firsts_; }
 
   void commit(std::size_t features) noexcept;

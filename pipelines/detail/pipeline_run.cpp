@@ -122,7 +122,7 @@ Step Pipeline::Run::pruned_step() const {
 void Pipeline::Run::count_adjacent(std::span<const ElementPair> pairs, Statistics& sums) const {
   sums.element_pairs += pairs.size();
   if (range_ == PairRange::nonadjacent) return;
-  for (const ElementPair pair : pairs) sums.adjacent_pairs += step_.topology.adjacency().adjacent(pair.a, pair.b) ? 1 : 0;
+  for (const ElementPair pair : pairs) sums.adjacent_pairs += step_.topology.adjacency().adjacent(pair.a, pair.b);
 }
 
 void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, WorkerScratch& worker) {

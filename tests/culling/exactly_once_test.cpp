@@ -101,7 +101,7 @@ struct Harness {
       PairBatch batch;
       for (Index a = 0; a < mesh.element_slots(); ++a)
         for (Index b = a; b < mesh.element_slots(); ++b)
-          if (mesh.alive(a) && mesh.alive(b) && (culling.needs_adjacent_pairs() || !adjacent(mesh, a, b)))
+          if (mesh.is_live(a) && mesh.is_live(b) && (culling.needs_adjacent_pairs() || !adjacent(mesh, a, b)))
             batch.pairs.push_back({a, b});
       batch.masks.resize(batch.pairs.size());
       culling.tests(step(), state, batch, out);
@@ -241,7 +241,7 @@ void random_edit(Random& random, Topology& topology, std::vector<ElementSpec>& o
     out.erase(out.begin() + static_cast<std::ptrdiff_t>(at));
   }
   for (Index o = 0; o < topology.mesh().element_slots(); ++o)
-    if (topology.mesh().alive(o) && random.below(6) == 0) {
+    if (topology.mesh().is_live(o) && random.below(6) == 0) {
       edit.removed.push_back(o);
       for (const ElementSpec& spec : shape.elements)
         if (spec.id == topology.mesh().element_id(o)) out.push_back(spec);

@@ -22,10 +22,10 @@ std::size_t wrong(const Mesh& mesh, const Adjacency& table) {
   std::size_t count = 0;
   std::vector<Index> neighbours = {99}, expected;
   for (Index a = 0; a < mesh.element_slots(); ++a) {
-    if (!mesh.alive(a)) continue;
+    if (!mesh.is_live(a)) continue;
     expected.clear();
     for (Index b = 0; b < mesh.element_slots(); ++b) {
-      if (!mesh.alive(b)) continue;
+      if (!mesh.is_live(b)) continue;
       const bool adjacent = naive(mesh, a, b);
       count += table.adjacent(a, b) != adjacent;
       if (adjacent) expected.push_back(b);
@@ -111,7 +111,7 @@ TEST(Adjacency, FollowsEditsThroughAllSizes) {
     for (std::size_t round = 0; round < 12; ++round) {
       TopologyEdit edit;
       for (Index o = 0; o < topology.mesh().element_slots(); ++o)
-        if (topology.mesh().alive(o) && random.below(3) == 0) edit.removed.push_back(o);
+        if (topology.mesh().is_live(o) && random.below(3) == 0) edit.removed.push_back(o);
       for (int k = 0; k < 25; ++k) {
         random.shuffle(all);
         const std::size_t kind = random.below(std::min<std::size_t>(round / 2 + 1, 4));
