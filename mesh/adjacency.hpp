@@ -8,7 +8,6 @@
 #include <vector>
 
 #include <volccd/mesh/detail/share_id.hpp>
-#include <volccd/mesh/features.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/mesh.hpp>
 
@@ -57,9 +56,5 @@ class Adjacency {
   std::vector<Index> ids_;       ///< padded with the first vertex; kNone in empty slots
   detail::IncidencePool large_;  ///< vertices of the slots with more than 8; no lists if there never was one
 };
-
-/// Replaces `out` by the live elements adjacent to o, itself included, ascending, each once. O(k log k), k = sum of
-/// incident elements of its vertices.
-void adjacent_elements(const Mesh& mesh, const Features& features, Index o, std::vector<Index>& out);
 
 }  // namespace volccd

@@ -58,7 +58,7 @@ Topology::Topology(Mesh mesh, EdgeSet edge_set)
 
 const TopologyChange& Topology::apply(const TopologyEdit& edit) {
   check(edit);
-  // What needs memory comes first; up to commit() nothing changes.
+  // All memory is allocated before the first commit(); until then nothing changes.
   auto change = std::make_unique<TopologyChange>();
   change->removed_elements = edit.removed;
   std::sort(change->removed_elements.begin(), change->removed_elements.end());
