@@ -51,7 +51,8 @@ void BruteForce::prepare(const Step& step, StageState& stage_state, Executor& ex
   state.delta.confirm();
 }
 
-void BruteForce::run(const Step& step, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
+void BruteForce::run(const Step& step, StageState& stage_state, PairRange range, Executor& executor,
+                     PairSink sink) const {
   BruteForceState& state = static_cast<BruteForceState&>(stage_state);
   const detail::PairRules rules(range, step.topology, state.keys);
   const std::size_t count = state.list.size();

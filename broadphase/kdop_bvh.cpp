@@ -104,7 +104,8 @@ void KdopBvh::prepare(const Step& step, StageState& stage_state, Executor& execu
   state.delta.confirm();
 }
 
-void KdopBvh::run(const Step& step, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
+void KdopBvh::run(const Step& step, StageState& stage_state, PairRange range, Executor& executor,
+                  PairSink sink) const {
   KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
   const detail::PairRules rules(range, step.topology, state.keys);
   state.counters.node_tests += make_tasks(state, rules);

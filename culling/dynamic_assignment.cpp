@@ -8,7 +8,8 @@ namespace {
 
 /// Whether (o1, o2), not adjacent, is the first non-adjacent pair in inc_a x inc_b; o1 is in inc_a and o2 in inc_b, and
 /// (inc_a[0], inc_b[0]) is another pair and adjacent.
-bool is_first(const Adjacency& adjacency, std::span<const Index> inc_a, std::span<const Index> inc_b, Index o1, Index o2) {
+bool is_first(const Adjacency& adjacency, std::span<const Index> inc_a, std::span<const Index> inc_b, Index o1,
+              Index o2) {
   for (const Index oi : inc_a)
     for (const Index oj : inc_b) {
       if (oi == o1 && oj == o2) return true;

@@ -136,8 +136,7 @@ void OSet::Impl::find_pairs(const Topology& topology, const Renewed& renewed) {
   for (Index f : renewed.triangles) {
     triangle_rows.begin_row(f);
     partners.vertices_of_triangle(
-        literal(), f, [&](Index v) { return !blocks.vertex_is_new(v); },
-        [&](Index v) { triangle_rows.add(v); });
+        literal(), f, [&](Index v) { return !blocks.vertex_is_new(v); }, [&](Index v) { triangle_rows.add(v); });
     triangle_rows.end_row();
   }
   for (Index e : renewed.edges) {
@@ -155,7 +154,8 @@ void OSet::Impl::find_pairs(const Topology& topology, const Renewed& renewed) {
 void OSet::Impl::update(const Topology& topology) {
   const TopologyDelta::Extent changed = delta.sync(topology);
   // A build takes less time for each feature.
-  if (changed == TopologyDelta::Extent::everything || delta.changed_slots().size() > topology.mesh().element_count() / 4) {
+  const bool many = delta.changed_slots().size() > topology.mesh().element_count() / 4;
+  if (changed == TopologyDelta::Extent::everything || many) {
     build(topology);
   } else if (changed == TopologyDelta::Extent::edits) {
     blocks.next_epoch(topology.features());

@@ -12,7 +12,8 @@ void vertex_tests(const Step& step, Index o1, Index o2, std::uint32_t mask, Test
   detail::for_each_unmasked(step.mesh().vertices(o1), mask, [&](Index v) {
     if (features.first_element_of_vertex(v) != o1) return;
     for (const Index f : features.element_triangles(o2))
-      if (features.first_element_of_triangle(f) == o2 && is_test(features, FeatureKind::vf, {v, f})) out.vf.push_back({v, f});
+      if (features.first_element_of_triangle(f) == o2 && is_test(features, FeatureKind::vf, {v, f}))
+        out.vf.push_back({v, f});
   });
 }
 

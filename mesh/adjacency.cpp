@@ -82,14 +82,4 @@ bool Adjacency::adjacent_large(Index a, Index b) const {
   return false;
 }
 
-void adjacent_elements(const Mesh& mesh, const Features& features, Index o, std::vector<Index>& out) {
-  out.clear();
-  for (Index v : mesh.vertices(o)) {
-    const std::span<const Index> elements = features.vertex_elements(v);
-    out.insert(out.end(), elements.begin(), elements.end());
-  }
-  std::sort(out.begin(), out.end());
-  out.erase(std::unique(out.begin(), out.end()), out.end());
-}
-
 }  // namespace volccd

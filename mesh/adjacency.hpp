@@ -8,23 +8,22 @@
 #include <vector>
 
 #include <volccd/mesh/detail/share_id.hpp>
-#include <volccd/mesh/features.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/mesh.hpp>
 
 namespace volccd {
 
-/// The vertices of all elements, in blocks of four ids, or of eight where an element has more than four vertices; larger
-/// polytopes have a list of their own. Two elements are compared block by block in registers, which takes about a
-/// nanosecond for tetrahedra. Read-only use is thread-safe.
+/// The vertices of all elements, in blocks of four ids, or of eight if some element has more than four vertices;
+/// polytopes of more than eight vertices have lists of their own. Two elements are compared block by block in
+/// registers, which takes about a nanosecond for tetrahedra. Read-only use is thread-safe.
 class Adjacency {
  public:
   /// For the live elements of `mesh`. O(elements).
   void build(const Mesh& mesh);
 
-  /// An edit in two parts, as in Mesh: elements that go, and elements that come then, in `slots`; the mesh will have
-  /// `element_slots` slots. prepare() allocates the memory and changes nothing that can be seen; commit() of the same edit
-  /// cannot fail. Amortised time proportional to the edit, except for the first element that is larger than a block.
+  /// An edit in two parts, as in Mesh. The added elements take `slots`; the mesh will have `element_slots` slots.
+  /// prepare() allocates the memory and changes nothing that can be seen; commit() of the same edit cannot fail.
+  /// Amortised time proportional to the edit, except where its elements are the first that are larger than a block.
   void prepare(std::span<const ElementSpec> added, std::span<const Index> slots, Index element_slots);
   void commit(std::span<const Index> removed, std::span<const ElementSpec> added, std::span<const Index> slots,
               Index element_slots) noexcept;
@@ -57,9 +56,5 @@ class Adjacency {
   std::vector<Index> ids_;       ///< padded with the first vertex; kNone in empty slots
   detail::IncidencePool large_;  ///< vertices of the slots with more than 8; no lists if there never was one
 };
-
-/// Replaces `out` by the live elements adjacent to o, itself included, ascending, each once. O(k log k), k = sum of
-/// incident elements of its vertices.
-void adjacent_elements(const Mesh& mesh, const Features& features, Index o, std::vector<Index>& out);
 
 }  // namespace volccd

@@ -98,7 +98,7 @@ void Features::build(const Mesh& mesh) {
   triangles.reserve(most.triangles);
   std::vector<Index> vertex_lengths(mesh.vertex_count());
   for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.alive(o)) continue;
+    if (!mesh.is_live(o)) continue;
     for (Index v : mesh.vertices(o)) ++vertex_lengths[v];
     visit_boundary(
         mesh, o, edge_set_, [&](Index a, Index b) { edges.add(ascending(a, b), o); },
@@ -126,7 +126,8 @@ Index Features::find_triangle(Index v0, Index v1, Index v2) const {
 std::size_t Features::bytes() const {
   std::size_t total = edges_.capacity() * sizeof(edges_[0]) + triangles_.capacity() * sizeof(triangles_[0]) +
                       edge_table_.bytes() + triangle_table_.bytes() + element_edges_.bytes() +
-                      element_triangles_.bytes() + (free_edges_.capacity() + free_triangles_.capacity()) * sizeof(Index);
+                      element_triangles_.bytes() +
+                      (free_edges_.capacity() + free_triangles_.capacity()) * sizeof(Index);
   for (const auto* incidence : {&vertex_incidence_, &edge_incidence_, &triangle_incidence_})
     total += incidence->elements.bytes() + incidence->first.capacity() * sizeof(Index) + incidence->own.bytes();
   return total;

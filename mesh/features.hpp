@@ -50,7 +50,8 @@ class Features {
 
   EdgeSet edge_set() const { return edge_set_; }
 
-  /// Everything from scratch. O(elements) expected. Topology::apply() changes features with their mesh.
+  /// Replaces the contents by the features of `mesh`. O(elements) expected. Topology::apply() updates features with
+  /// their mesh.
   void build(const Mesh& mesh);
 
   /// Ranges of slots, those of no live feature included.
@@ -80,8 +81,8 @@ class Features {
   std::span<const Index> own_edges(Index o) const { return edge_incidence_.own[o]; }
   std::span<const Index> own_triangles(Index o) const { return triangle_incidence_.own[o]; }
 
-  /// Features of an element, in a fixed local order given by its type and vertex order; empty for an empty slot. Its
-  /// vertices are Mesh::vertices.
+  /// Features of an element, in a local order given by its type and vertex order; none for an empty slot. Its vertices
+  /// are Mesh::vertices.
   std::span<const Index> element_edges(Index o) const { return element_edges_[o]; }
   std::span<const Index> element_triangles(Index o) const { return element_triangles_[o]; }
 

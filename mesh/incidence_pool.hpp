@@ -12,11 +12,10 @@ namespace volccd::detail {
 /// Room that arrays get beyond their size when they are built, so that the first changes do not copy all of them.
 constexpr std::size_t with_spare(std::size_t n) { return n + n / 16; }
 
-/// List i is pool[i]. A list that outgrows its capacity moves to the end of the array. compact_if_sparse(), called
-/// after each change, keeps memory within a constant factor of what the lists hold; a change then costs amortised time
-/// proportional to the length of the lists that it touches. Spans are invalidated by every change. A member that
-/// throws, because memory runs out or with Error because the array would exceed 2^32 entries, leaves the lists as they
-/// were.
+/// List i is pool[i]. A list that outgrows its capacity moves to the end of the array. If compact_if_sparse() is called
+/// after each change, memory stays within a constant factor of the sum of the lists, and a change takes amortised time
+/// proportional to the length of the lists that it changes. Every change invalidates spans. A member that throws
+/// (std::bad_alloc, or Error if the array would exceed 2^32 entries) leaves the lists as they were.
 class IncidencePool {
  public:
   std::size_t size() const { return lists_.size(); }
@@ -43,17 +42,17 @@ class IncidencePool {
     data_[lists_[i].begin + lists_[i].size++] = value;
     ++used_;
   }
-  /// Room for n lists, and for `entries` beyond those that are there: the sum of room_for() over the lists that a
-  /// change lets grow. What has room does not throw.
+  /// Reserves memory for n lists and for `entries` more entries: the sum of room_for() over the lists that a change
+  /// lets grow. Changes within it do not throw.
   void reserve(std::size_t n, std::size_t entries);
   /// Entries that list i, which need not exist yet, takes to grow to `size`.
   std::size_t room_for(std::size_t i, std::size_t size) const {
     return i < lists_.size() && size <= lists_[i].capacity ? 0 : size + size / 2;
   }
-  /// Compacts the array if more than half of it is not in use. It stays as it is if there is no memory for that.
+  /// Compacts the array if more than half of it is not in use. Does nothing if there is no memory for that.
   void compact_if_sparse() noexcept;
 
-  /// Into and out of list i, which ascends. `values` ascend; none, or all of them, are in the list.
+  /// List i and `values` ascend. Before insert() none of the values is in the list, before erase() all are.
   void insert(std::size_t i, std::span<const Index> values);
   void erase(std::size_t i, std::span<const Index> values) noexcept;
   /// Replaces list i.

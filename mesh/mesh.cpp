@@ -59,7 +59,7 @@ Index Mesh::add_element(const ElementSpec& element) {
 }
 
 void Mesh::remove_element(Index slot) {
-  assert(slot < element_slots() && alive(slot));
+  assert(slot < element_slots() && is_live(slot));
   const Block& block = blocks_[slot];
   std::vector<std::size_t>& starts = free_blocks_[std::size_t{block.vertices} + block.faces];
   detail::reserve_more(starts, 1);

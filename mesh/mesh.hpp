@@ -22,12 +22,12 @@ struct ElementSpec {
   std::int64_t id = 0;
 };
 
-/// Invariants, kept by every member: vertex ids ascend strictly with the slot (so slot order is id order: "smallest id"
-/// is "smallest slot"); element ids are distinct; the vertices of one element are distinct and in range.
+/// Invariants, kept by every member: vertex ids ascend strictly with the slot (the vertex of smallest id is that of
+/// smallest slot); element ids are distinct; the vertices of one element are distinct and in range.
 ///
-/// Removing an element empties its slot; the slot may be taken again by a later element. Vertices are never removed:
-/// one that no element uses is simply unused, and may be used again. Not thread-safe while it changes. A member that
-/// throws, for lack of memory too, leaves the mesh as it was.
+/// Removing an element empties its slot, which a later element may take. Vertices are never removed; one that no
+/// element uses may be used again. Not thread-safe during changes. A member that throws, std::bad_alloc included,
+/// leaves the mesh as it was.
 class Mesh {
  public:
   Mesh() = default;
@@ -42,12 +42,12 @@ class Mesh {
   /// in exactly two faces). Amortised O(vertices of the element).
   Index add_element(const ElementSpec& element);
 
-  /// O(1). The slot must be alive.
+  /// O(1). The element must be live.
   void remove_element(Index slot);
 
-  /// An edit in two parts: elements that go, vertices that come, and elements that come then. prepare() needs the
-  /// memory, and changes nothing; it returns the slots that the elements will have. commit() of the same edit cannot
-  /// fail. What the members above refuse is not checked. Amortised O(vertices of the elements).
+  /// An edit in two parts: elements are removed, then vertices and elements are added. prepare() allocates the memory
+  /// and changes nothing that can be seen; it returns the slots of the added elements. commit() of the same edit cannot
+  /// fail. Neither checks what the members above check. Amortised O(vertices of the elements).
   std::vector<Index> prepare(std::span<const Index> removed, std::size_t new_vertices,
                              std::span<const ElementSpec> added);
   void commit(std::span<const Index> removed, std::span<const std::int64_t> new_vertex_ids,
@@ -57,10 +57,10 @@ class Mesh {
   std::int64_t vertex_id(Index v) const { return vertex_ids_[v]; }
   std::span<const std::int64_t> vertex_ids() const { return vertex_ids_; }
 
-  /// Slots, empty ones included: the range of element slots is [0, element_slots()).
+  /// Element slots are 0 .. element_slots() - 1, empty ones included.
   Index element_slots() const { return static_cast<Index>(types_.size()); }
   Index element_count() const { return live_; }
-  bool alive(Index o) const { return types_[o] != ElementType::none; }
+  bool is_live(Index o) const { return types_[o] != ElementType::none; }
 
   ElementType type(Index o) const { return types_[o]; }
   std::int32_t object(Index o) const { return objects_[o]; }

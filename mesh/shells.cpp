@@ -137,7 +137,7 @@ void ShellThickener::orient() {
 }
 
 ElementSpec ShellThickener::solid_element(const Mesh& mesh, Index o) const {
-  assert(mesh.element_slots() == slots_ && mesh.alive(o));
+  assert(mesh.element_slots() == slots_ && mesh.is_live(o));
   const std::span<const Index> vertices = mesh.vertices(o);
   ElementSpec solid;
   solid.type = mesh.type(o);
@@ -165,7 +165,7 @@ Mesh ShellThickener::solid_mesh(const Mesh& mesh) const {
   Mesh solid;
   solid.add_vertices(solid_vertex_ids(mesh.vertex_ids()));
   for (Index o = 0; o < slots_; ++o)
-    if (mesh.alive(o)) solid.add_element(solid_element(mesh, o));
+    if (mesh.is_live(o)) solid.add_element(solid_element(mesh, o));
   return solid;
 }
 

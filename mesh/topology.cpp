@@ -51,14 +51,14 @@ Topology::Topology(Mesh mesh, EdgeSet edge_set)
   features_.build(mesh_);
   adjacency_.build(mesh_);
   for (Index o = 0; o < mesh_.element_slots(); ++o)
-    if (mesh_.alive(o)) note_object(mesh_.object(o));
+    if (mesh_.is_live(o)) note_object(mesh_.object(o));
   if (several_objects_)
     for (Index v = 0; v < mesh_.vertex_count(); ++v) shared_vertices_ += is_shared(v);
 }
 
 const TopologyChange& Topology::apply(const TopologyEdit& edit) {
   check(edit);
-  // What needs memory comes first; up to commit() nothing changes.
+  // All memory is allocated before the first commit(); until then nothing changes.
   auto change = std::make_unique<TopologyChange>();
   change->removed_elements = edit.removed;
   std::sort(change->removed_elements.begin(), change->removed_elements.end());
@@ -112,7 +112,7 @@ void Topology::check_removed(const TopologyEdit& edit) const {
     const Index o = edit.removed[i];
     if (o >= mesh_.element_slots())
       refuse("removed", i, fmt::format("element slot {} is out of range, there are {}", o, mesh_.element_slots()));
-    if (!mesh_.alive(o)) refuse("removed", i, fmt::format("element slot {} is empty", o));
+    if (!mesh_.is_live(o)) refuse("removed", i, fmt::format("element slot {} is empty", o));
   }
   const auto order = ascending_order(edit.removed.size(), [&](std::size_t i) { return edit.removed[i]; });
   for (std::size_t i = 1; i < order.size(); ++i)

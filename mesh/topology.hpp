@@ -13,16 +13,16 @@
 
 namespace volccd {
 
-/// Elements and vertices that come and go between two steps (Section 5.1: O' = O + A_s - A_t).
+/// Elements to remove, then vertices and elements to add, between two steps (Section 5.1: O' = O + A_s - A_t).
 struct TopologyEdit {
   std::vector<Index> removed;                ///< slots of live elements, each once
-  std::vector<std::int64_t> new_vertex_ids;  ///< ascending, above all that are there; usable by `added`
+  std::vector<std::int64_t> new_vertex_ids;  ///< ascending, greater than all present ids; `added` may use them
   std::vector<ElementSpec> added;
 
   bool empty() const { return removed.empty() && added.empty() && new_vertex_ids.empty(); }
 };
 
-/// What an edit did. `version` is the topology's version after it.
+/// The result of an edit. `version` is the topology's version after it.
 struct TopologyChange {
   std::uint64_t version = 0;
   std::vector<Index> removed_elements, added_elements;  ///< ascending slots; one slot may be in both
@@ -30,8 +30,8 @@ struct TopologyChange {
 };
 
 /// Owns a Mesh, its Features and its Adjacency: all tables that depend on the elements alone, so that no stage needs a
-/// copy. Every edit raises the version; the state of a stage remembers the version that it was updated for, and asks for
-/// what has changed since (TopologyDelta).
+/// copy. Every edit raises the version. The state of a stage remembers the version that it was updated for, and finds
+/// out what has changed since with a TopologyDelta.
 class Topology {
  public:
   explicit Topology(Mesh mesh, EdgeSet edge_set = EdgeSet::triangulated);
@@ -40,17 +40,16 @@ class Topology {
   const Features& features() const { return features_; }
   const Adjacency& adjacency() const { return adjacency_; }
 
-  /// Distinct in every Topology object and after every edit (never 0), so that a state which was made for another
-  /// topology is noticed.
+  /// Never 0, and different for every Topology object and after every edit, so that a state can tell that it was made
+  /// for another topology.
   std::uint64_t version() const { return version_; }
 
-  /// All or nothing: throws InputError, or std::bad_alloc if memory runs out, before anything is changed. Time
-  /// proportional to the edit, not to the mesh.
+  /// Throws InputError for an edit that the mesh does not allow, and std::bad_alloc; the topology is then as before.
+  /// Amortised time proportional to the edit, not to the mesh.
   const TopologyChange& apply(const TopologyEdit& edit);
 
-  /// The changes that lead from `version` to now, oldest first (none if it is the current one). Returns false, with
-  /// `changes` empty, if the history does not reach back that far (another topology, or more than kHistory edits ago):
-  /// the caller builds anew.
+  /// Replaces `changes` by those since `version`, oldest first. Returns false, with `changes` empty, if the history
+  /// does not contain that version (another topology, or more than kHistory edits ago).
   bool changes_since(std::uint64_t version, std::vector<const TopologyChange*>& changes) const;
 
   static constexpr std::size_t kHistory = 8;
@@ -77,7 +76,7 @@ class Topology {
   std::uint64_t base_version_;  ///< version before the oldest change kept
   std::vector<std::unique_ptr<TopologyChange>> history_;
   std::optional<std::int32_t> first_object_;
-  bool several_objects_ = false;  ///< as long as there never were, no vertex is shared and nothing need be counted
+  bool several_objects_ = false;  ///< false: there never were elements of two objects, and no vertex can be shared
   Index shared_vertices_ = 0;
 };
 

@@ -1,5 +1,5 @@
 // Value types that every module shares. "Slot" = index of a vertex, element, edge or triangle in its table; slots are
-// stable while the thing lives, and those of removed elements, edges and triangles are used again.
+// stable while they are live, and those of removed elements, edges and triangles are used again.
 #pragma once
 
 #include <cstdint>

@@ -44,7 +44,7 @@ Bodies bodies_at(const Step& step, double t, Cover cover) {
   bodies.piece_offsets.push_back(0);
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     for (const Index v : mesh.vertices(o)) bodies.points.push_back(positions[v]);
-    if (mesh.alive(o) && !append_pieces(mesh, positions, o, cover, bodies.pieces)) ++bodies.inexact;
+    if (mesh.is_live(o) && !append_pieces(mesh, positions, o, cover, bodies.pieces)) ++bodies.inexact;
     bodies.point_offsets.push_back(bodies.points.size());
     bodies.piece_offsets.push_back(bodies.pieces.size());
   }
@@ -113,7 +113,7 @@ Sample sample(const Step& step, double t, Executor& executor) {
   const Bodies bodies = bodies_at(step, t, Cover::within);
   std::vector<detail::ElementBox> boxes;
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.alive(o)) {
+    if (mesh.is_live(o)) {
       const Box box = box_of(bodies.hull(o));
       boxes.push_back({o, box.low, box.high});
     }
@@ -253,8 +253,9 @@ InitialOverlapReport check_initial_overlaps(const Step& step, std::span<const El
   executor.parallel_for(listed.size(), 64, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t i = begin; i < end; ++i) {
       const auto [a, b] = listed[i];
-      const bool valid = a < b && b < mesh.element_slots() && mesh.alive(a) && mesh.alive(b) && allowed(listed[i]) &&
-                         !detail::share_vertex(mesh, a, b) && (i == 0 || listed[i - 1] < listed[i]);
+      const bool valid = a < b && b < mesh.element_slots() && mesh.is_live(a) && mesh.is_live(b) &&
+                         allowed(listed[i]) && !detail::share_vertex(mesh, a, b) &&
+                         (i == 0 || listed[i - 1] < listed[i]);
       wrong[i] = !valid || hulls_clearly_apart(step, listed[i]);
     }
   });

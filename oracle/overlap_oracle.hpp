@@ -66,8 +66,8 @@ struct OverlapCheck {
 struct InitialOverlapReport {
   std::uint64_t hits = 0;        ///< pairs that FCL finds overlapping at t = 0 and step.filter allows
   std::vector<Overlap> missing;  ///< hits that are not listed
-  /// Listed pairs that share a vertex, are not alive, not a < b or not allowed, and those that some axis keeps apart by more
-  /// than step.separation and 1e-9 of the pair's size.
+  /// Listed pairs that share a vertex, are not live, not a < b or not allowed, and those that some axis keeps apart by
+  /// more than step.separation and 1e-9 of the pair's size.
   std::vector<ElementPair> extra;
 
   bool clean() const { return missing.empty() && extra.empty(); }

@@ -27,7 +27,7 @@ struct Census {
 Census census(const Mesh& mesh) {
   Census result;
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.alive(o)) {
+    if (mesh.is_live(o)) {
       ++result.types[mesh.type(o)];
       ++result.objects[mesh.object(o)];
     }

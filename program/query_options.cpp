@@ -33,7 +33,7 @@ double scene_diagonal(const Topology& topology, const Motion& motion) {
 std::optional<std::int32_t> only_object(const Mesh& mesh) {
   std::optional<std::int32_t> object;
   for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.alive(o)) continue;
+    if (!mesh.is_live(o)) continue;
     if (object && *object != mesh.object(o)) return std::nullopt;
     object = mesh.object(o);
   }

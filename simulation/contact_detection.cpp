@@ -46,7 +46,7 @@ Pipeline make_pipeline(const std::string& name) {
 
 bool has_shells(const Mesh& mesh) {
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.alive(o) && is_shell(mesh.type(o))) return true;
+    if (mesh.is_live(o) && is_shell(mesh.type(o))) return true;
   return false;
 }
 
@@ -99,7 +99,7 @@ void ContactDetection::follow(const TopologyEdit& edit, std::span<const double> 
     solid_->apply(solids);
     // Sheets may have turned over with the edit: their other prisms are put in anew, each into its own slot.
     for (Index o = 0; o < mesh.element_slots(); ++o) {
-      if (!mesh.alive(o) || !is_shell(mesh.type(o))) continue;
+      if (!mesh.is_live(o) || !is_shell(mesh.type(o))) continue;
       ElementSpec spec = thickener_->solid_element(mesh, o);
       if (!same(spec, solid_->mesh(), o)) solid_->apply({{o}, {}, {std::move(spec)}});
     }
@@ -261,7 +261,7 @@ void ContactDetection::find_middles() {
   std::vector<double> count;
   middles_.clear();
   for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.alive(o)) continue;
+    if (!mesh.is_live(o)) continue;
     const auto object = static_cast<std::size_t>(mesh.object(o));
     if (object >= count.size()) {
       count.resize(object + 1, 0);

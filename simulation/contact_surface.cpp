@@ -47,7 +47,7 @@ void ContactSurface::note_first(const Topology& collision) {
   };
   std::vector<Index> face;
   for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.alive(o)) continue;
+    if (!mesh.is_live(o)) continue;
     const std::span<const std::uint8_t> stream = face_stream(mesh.type(o));  // no polytopes in a simulation
     for (std::size_t at = 0; at < stream.size(); at += 1 + stream[at]) {
       face.clear();

@@ -104,9 +104,9 @@ TopologyProposal propose_breaking(const Topology& topology, std::span<const Part
     return proposal;
   std::int64_t last_id = 0;
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.alive(o)) last_id = std::max(last_id, mesh.element_id(o));
+    if (mesh.is_live(o)) last_id = std::max(last_id, mesh.element_id(o));
   for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.alive(o) || mesh.type(o) != ElementType::hexahedron) continue;
+    if (!mesh.is_live(o) || mesh.type(o) != ElementType::hexahedron) continue;
     const Part& part = parts[static_cast<std::size_t>(mesh.object(o))];
     if (part.rigid || part.material.breaking_strain == kNever) continue;
     const VertexStress mean = stress_in(mesh.vertices(o), stress);

@@ -118,7 +118,7 @@ bool Cutter::is_covered(const Vec3& p) const {
 
 void Cutter::take_edges() {
   for (Index o = 0; o < mesh_.element_slots(); ++o)
-    if (mesh_.alive(o) && in_object(o) && mesh_.type(o) != ElementType::tetrahedron)
+    if (mesh_.is_live(o) && in_object(o) && mesh_.type(o) != ElementType::tetrahedron)
       throw InputError("cut", "elements", mesh_.element_id(o), "only tetrahedra can be cut");
   const Features& features = topology_.features();
   for (Index e = 0; e < features.edge_slots(); ++e)
@@ -170,7 +170,7 @@ void Cutter::subdivide() {
   };
   std::vector<const DividedEdge*> dividers;
   for (Index o = 0; o < mesh_.element_slots(); ++o) {
-    if (!mesh_.alive(o) || !in_object(o)) continue;
+    if (!mesh_.is_live(o) || !in_object(o)) continue;
     const std::span<const Index> v = mesh_.vertices(o);
     dividers.clear();
     for (std::size_t i = 0; i < 4; ++i)
@@ -297,7 +297,7 @@ void Cutter::write() {
   for (const auto& [p, change] : copies_) std::ranges::replace(pieces_[p].vertices, change.first, change.second);
   std::int64_t last_id = 0;
   for (Index o = 0; o < mesh_.element_slots(); ++o)
-    if (mesh_.alive(o)) last_id = std::max(last_id, mesh_.element_id(o));
+    if (mesh_.is_live(o)) last_id = std::max(last_id, mesh_.element_id(o));
 
   for (std::size_t begin = 0, end = 0; begin < pieces_.size(); begin = end) {
     const Index parent = pieces_[begin].parent;

@@ -38,7 +38,7 @@ RigidBodies::RigidBodies(const Model& model, std::span<const double> mass)
   std::vector<Index> body_of_part(model.parts.size(), kNone);
   const Mesh& mesh = model.mesh;
   for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.alive(o)) continue;
+    if (!mesh.is_live(o)) continue;
     const auto part = static_cast<std::size_t>(mesh.object(o));
     if (!model.parts[part].rigid) continue;
     if (body_of_part[part] == kNone) {

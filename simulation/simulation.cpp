@@ -45,7 +45,7 @@ void check_model(const Model& model) {
     return object >= 0 && static_cast<std::size_t>(object) < model.parts.size();
   };
   for (Index o = 0; o < model.mesh.element_slots(); ++o)
-    check(!model.mesh.alive(o) || is_part(model.mesh.object(o)), "mesh", o, "is of an object that is no part");
+    check(!model.mesh.is_live(o) || is_part(model.mesh.object(o)), "mesh", o, "is of an object that is no part");
   for (std::size_t i = 0; i < model.fixed.size(); ++i) check(model.fixed[i] < vertices, "fixed", i, "is no vertex");
   for (std::size_t i = 0; i < model.walls.size(); ++i)
     check(std::abs(model.walls[i].normal.norm() - 1) < 1e-9, "walls", i, "has a normal of another length than 1");
@@ -266,7 +266,7 @@ std::vector<double> Simulation::State::thickness() const {
   const Mesh& mesh = topology->mesh();
   std::vector<double> result(mesh.element_slots(), 0);
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.alive(o) && is_shell(mesh.type(o)))
+    if (mesh.is_live(o) && is_shell(mesh.type(o)))
       result[o] = model.parts[static_cast<std::size_t>(mesh.object(o))].thickness;
   return result;
 }

@@ -161,7 +161,7 @@ SolidForces::SolidForces(const Model& model) : vertices_(model.mesh.vertex_count
   }
   places_.resize(mesh.element_slots());
   for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.alive(o) || is_shell(mesh.type(o))) continue;
+    if (!mesh.is_live(o) || is_shell(mesh.type(o))) continue;
     if (mesh.type(o) == ElementType::wedge) throw_type(mesh, o);
     add(mesh, o, {model.positions, model.positions}, Parent{});
     const Place place = places_[o];

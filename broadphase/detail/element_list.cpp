@@ -22,7 +22,7 @@ void ElementList::assign_live(const Mesh& mesh) {
   slots_.reserve(mesh.element_count());
   begins_.reserve(mesh.element_count() + std::size_t{1});
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.alive(o)) append(mesh, o);
+    if (mesh.is_live(o)) append(mesh, o);
 }
 
 void ElementList::update(const Mesh& mesh, std::span<const Index> touched) {
@@ -30,7 +30,7 @@ void ElementList::update(const Mesh& mesh, std::span<const Index> touched) {
   for (const Index slot : slots_)
     if (slot != kNone && !std::binary_search(touched.begin(), touched.end(), slot)) slots_scratch_.push_back(slot);
   for (const Index slot : touched)
-    if (mesh.alive(slot)) slots_scratch_.push_back(slot);
+    if (mesh.is_live(slot)) slots_scratch_.push_back(slot);
   clear();
   for (const Index slot : slots_scratch_) append(mesh, slot);
 }

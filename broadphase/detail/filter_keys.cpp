@@ -23,13 +23,13 @@ void FilterKeys::make_keys(const Topology& topology) {
   const Mesh& mesh = topology.mesh();
   objects_.clear();
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.alive(o) && (objects_.empty() || objects_.back() != mesh.object(o))) objects_.push_back(mesh.object(o));
+    if (mesh.is_live(o) && (objects_.empty() || objects_.back() != mesh.object(o))) objects_.push_back(mesh.object(o));
   std::sort(objects_.begin(), objects_.end());
   objects_.erase(std::unique(objects_.begin(), objects_.end()), objects_.end());
 
   keys_.assign(mesh.element_slots(), kMixed);
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.alive(o))
+    if (mesh.is_live(o))
       keys_[o] = static_cast<std::int32_t>(std::lower_bound(objects_.begin(), objects_.end(), mesh.object(o)) -
                                            objects_.begin());
   if (!topology.objects_share_vertices()) return;

@@ -93,7 +93,7 @@ bool KdopTree::edit(const Mesh& mesh, const std::vector<Index>& touched, const B
       ++gaps_;
     }
     positions_[slot] = kNone;
-    if (mesh.alive(slot)) order_.push_back(slot);
+    if (mesh.is_live(slot)) order_.push_back(slot);
   }
   if (gaps_ > built_elements_ / kMostGaps || order_.size() > built_elements_ / kMostAdded + kFewAdded) return false;
 

@@ -14,8 +14,8 @@ namespace volccd::detail {
 /// Which pairs a query wants.
 struct PairRules {
   const Adjacency* adjacency;  ///< null: adjacent pairs are wanted
-  const FilterKeys* keys;          ///< null: the filter drops nothing
-  bool self_pairs;                 ///< (o, o) is wanted
+  const FilterKeys* keys;      ///< null: the filter drops nothing
+  bool self_pairs;             ///< (o, o) is wanted
 
   PairRules(PairRange range, const Topology& topology, const FilterKeys& filter)
       : adjacency(range == PairRange::nonadjacent ? &topology.adjacency() : nullptr),

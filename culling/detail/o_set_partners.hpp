@@ -18,7 +18,7 @@ namespace volccd::detail {
 /// I(a) holds the elements with a vertex of a, and some others, which must touch each element of inc(a) elsewhere: they
 /// are looked for around the element of inc(a) that has the fewest elements around it.
 ///
-/// A partner b is examined once, with its first incident element; in the literal case, in which that need not be in I(a),
+/// A partner b is examined once, with its first incident element; in the literal case, where that need not be in I(a),
 /// with the first of those that are.
 class OSetPartners {
  public:

@@ -30,7 +30,7 @@ class Scene {
   virtual Index vertex_count() const = 0;
   /// Replaces the contents of `out` by [vertex_count()] positions.
   virtual void positions(int frame, std::vector<Vec3>& out) const = 0;
-  /// Replaces the contents of `out` by the elements that are alive.
+  /// Replaces the contents of `out` by the live elements.
   virtual void cells(int frame, SequenceCells& out) const = 0;
 };
 

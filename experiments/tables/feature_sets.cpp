@@ -137,10 +137,10 @@ class Observer {
     };
     std::vector<Index> of_striker, of_target;
     for (Index o = 0; o < mesh.element_slots(); ++o)
-      if (mesh.alive(o))
+      if (mesh.is_live(o))
         for (Index v : mesh.vertices(o)) root[find(v)] = find(mesh.vertices(o)[0]);
     for (Index o = 0; o < mesh.element_slots(); ++o)
-      if (mesh.alive(o)) (mesh.object(o) == striker_ ? of_striker : of_target).push_back(find(mesh.vertices(o)[0]));
+      if (mesh.is_live(o)) (mesh.object(o) == striker_ ? of_striker : of_target).push_back(find(mesh.vertices(o)[0]));
     const auto distinct = [](std::vector<Index>& roots) {
       std::sort(roots.begin(), roots.end());
       return std::unique(roots.begin(), roots.end()) - roots.begin();
@@ -155,7 +155,7 @@ class Observer {
     Vec3 sum = Vec3::Zero();
     double mass = 0;
     for (Index o = 0; o < mesh.element_slots(); ++o) {
-      if (!mesh.alive(o) || mesh.object(o) != striker_) continue;
+      if (!mesh.is_live(o) || mesh.object(o) != striker_) continue;
       const std::span<const Index> vertices = mesh.vertices(o);
       const auto [at, is_new] = mass_.try_emplace(key(mesh.element_id(o), mesh.type(o)), 0);
       if (is_new) at->second = corner_volumes_of(mesh, o).volume();
@@ -168,7 +168,7 @@ class Observer {
   std::size_t inverted(const Mesh& mesh) const {
     std::size_t count = 0;
     for (Index o = 0; o < mesh.element_slots(); ++o)
-      if (mesh.alive(o)) count += corner_volumes_of(mesh, o).least() <= 0 ? 1 : 0;
+      if (mesh.is_live(o)) count += corner_volumes_of(mesh, o).least() <= 0 ? 1 : 0;
     return count;
   }
 

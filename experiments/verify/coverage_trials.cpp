@@ -45,7 +45,7 @@ std::vector<ElementPair> element_pairs(const Topology& topology, PairRange range
   const Mesh& mesh = topology.mesh();
   for (Index a = 0; a < mesh.element_slots(); ++a)
     for (Index b = a; b < mesh.element_slots(); ++b)
-      if (mesh.alive(a) && mesh.alive(b) && (range == PairRange::every || !topology.adjacency().adjacent(a, b)))
+      if (mesh.is_live(a) && mesh.is_live(b) && (range == PairRange::every || !topology.adjacency().adjacent(a, b)))
         pairs.push_back({a, b});
   return pairs;
 }
@@ -93,7 +93,7 @@ class ChangingMesh {
     const Mesh& mesh = topology_.mesh();
     std::int64_t next_id = 0;
     for (Index o = 0; o < mesh.element_slots(); ++o) {
-      if (!mesh.alive(o)) continue;
+      if (!mesh.is_live(o)) continue;
       next_id = std::max(next_id, mesh.element_id(o) + 1);
       if (gone_.empty() && choices_.below(4) == 0) edit.removed.push_back(o);
     }

@@ -1,4 +1,4 @@
-// An edit of Features in two parts: what may fail, and what may not.
+// An edit of Features in two parts: one that may throw, and one that cannot fail.
 #pragma once
 
 #include <array>
@@ -43,7 +43,7 @@ class IncidenceEdit {
 
   /// First element before the edit, or kNone.
   Index old_first(Index feature) const { return feature < first_.size() ? first_[feature] : kNone; }
-  /// After make_room(): the first element, or kNone, that each feature whose elements change will have; features ascend.
+  /// After make_room(): the features whose elements change, ascending, each with its new first element or kNone.
   const std::vector<First>& new_firsts() const { return new_firsts_; }
 
   void commit(std::size_t features) noexcept;
@@ -54,8 +54,7 @@ class IncidenceEdit {
   std::vector<First> new_firsts_;
 };
 
-/// The slots of edges or triangles in an edit. What it does is undone when it is destroyed, unless keep() has been
-/// called.
+/// The slots of edges or triangles in an edit. The destructor undoes all changes unless keep() has been called.
 template <std::size_t N>
 class TupleEdit {
  public:
@@ -86,24 +85,26 @@ class TupleEdit {
   std::vector<Index>& free_;
   std::vector<Index> erased_slots_;
   std::vector<Index> inserted_slots_;  ///< in the order in which they were inserted
-  std::vector<Tuple> replaced_;  ///< what stood in the slots of the first of inserted_slots_: those that were free
+  std::vector<Tuple> replaced_;        ///< former contents of the first of inserted_slots_: of those that were free
   std::size_t erased_count_ = 0;
   bool kept_ = false;
 };
 
-/// The constructor does all that needs memory. Until commit(), which cannot fail, the features must not be looked at;
-/// without commit(), they are as before when the edit has been destroyed.
+/// The constructor allocates all memory. Until commit(), which cannot fail, the features must not be used; if the edit
+/// is destroyed without commit(), they are as before.
 class FeatureEdit {
  public:
-  /// For `removed`, ascending slots of `mesh`, which is as it was before; and elements `added` that will be in `slots`,
-  /// distinct and empty once those are gone. The mesh will have `vertices` vertices and `elements` slots. Both spans
-  /// outlive the edit. `change` must be empty, and tells what commit() does. Expected time proportional to the features
-  /// of those elements and the length of their incidence lists, independent of the size of the mesh.
+  /// Removes the elements in the slots `removed`, which ascend, of `mesh`, which has not been edited yet. The elements
+  /// `added` take `slots`, which are distinct, and empty after the removals. The mesh will have `vertices` vertices and
+  /// `elements` slots. `removed` outlives the edit. `change` must be empty; the constructor fills it. Expected time
+  /// proportional to the features of those elements and the length of their incidence lists, independent of the size of
+  /// the mesh.
   FeatureEdit(Features& features, const Mesh& mesh, std::span<const Index> removed, std::span<const ElementSpec> added,
               std::span<const Index> slots, Index vertices, Index elements, FeatureChange& change);
   ~FeatureEdit();
 
-  /// Equal to Features::build() of the mesh after the edit, up to the numbering of edge and triangle slots.
+  /// The features are then those that Features::build() gives for the edited mesh, but for the numbering of edge and
+  /// triangle slots.
   void commit() noexcept;
 
  private:

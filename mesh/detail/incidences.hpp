@@ -1,4 +1,4 @@
-// (feature, element) pairs of a change, grouped by feature.
+// (feature, element) pairs of an edit, grouped by feature.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace volccd::detail {
 
-/// Collects pairs element by element, elements ascending; sort() then puts all elements of a feature together, so that
-/// each feature's list is changed once and in the order of memory.
+/// Collects pairs whose elements ascend; sort() then groups them by feature, so that the list of each feature is
+/// changed once, and lists are changed in the order of memory.
 class Incidences {
  public:
   void add(Index feature, Index element) { pairs_.push_back({feature, element}); }

@@ -44,7 +44,7 @@ void SequenceCells::clear() {
 SequenceCells cells_of(const Mesh& mesh) {
   SequenceCells cells;
   for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.alive(o)) continue;
+    if (!mesh.is_live(o)) continue;
     const std::span<const Index> nodes = mesh.vertices(o), stream = mesh.polytope_faces(o);
     cells.add({mesh.type(o),
                {nodes.begin(), nodes.end()},
@@ -73,7 +73,7 @@ TopologyEdit edit_to(const Mesh& mesh, const SequenceCells& cells) {
       edit.added.push_back(cells.spec(i));
   }
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.alive(o) && !stays[o]) edit.removed.push_back(o);
+    if (mesh.is_live(o) && !stays[o]) edit.removed.push_back(o);
   return edit;
 }
 

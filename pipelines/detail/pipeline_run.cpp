@@ -129,7 +129,7 @@ double Pipeline::Run::latest_time() const {
 void Pipeline::Run::count_adjacent(std::span<const ElementPair> pairs, Statistics& sums) const {
   sums.element_pairs += pairs.size();
   if (pipeline_.range_ == PairRange::nonadjacent) return;
-  for (const ElementPair pair : pairs) sums.adjacent_pairs += step_.topology.adjacency().adjacent(pair.a, pair.b) ? 1 : 0;
+  for (const ElementPair pair : pairs) sums.adjacent_pairs += step_.topology.adjacency().adjacent(pair.a, pair.b);
 }
 
 void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w) {

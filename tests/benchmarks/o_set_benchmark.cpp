@@ -16,7 +16,6 @@
 #include <volccd/culling/dynamic_assignment.hpp>
 #include <volccd/culling/o_set.hpp>
 #include <volccd/culling/static_assignment.hpp>
-#include <volccd/mesh/adjacency.hpp>
 #include <volccd/mesh/sequence/cells.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
 #include <volccd/mesh/shapes.hpp>
@@ -174,15 +173,15 @@ std::vector<ElementPair> element_pairs(const Topology& topology, bool near, std:
   const Mesh& mesh = topology.mesh();
   Random random(2);
   std::vector<ElementPair> pairs;
-  std::vector<Index> around, around_that;
+  const auto neighbour = [&](Index o) {
+    const auto vertices = mesh.vertices(o);
+    const auto around = topology.features().vertex_elements(vertices[random.below(vertices.size())]);
+    return around[random.below(around.size())];
+  };
   while (pairs.size() < n) {
     const auto a = static_cast<Index>(random.below(mesh.element_count()));
     auto b = static_cast<Index>(random.below(mesh.element_count()));
-    if (near) {
-      adjacent_elements(mesh, topology.features(), a, around);
-      adjacent_elements(mesh, topology.features(), around[random.below(around.size())], around_that);
-      b = around_that[random.below(around_that.size())];
-    }
+    if (near) b = neighbour(neighbour(a));
     if (!topology.adjacency().adjacent(a, b)) pairs.push_back({std::min(a, b), std::max(a, b)});
   }
   std::sort(pairs.begin(), pairs.end());

@@ -17,7 +17,7 @@ TopologyEdit random_edit(const Topology& topology, std::size_t removals, std::si
   std::set<Index> removed;
   for (std::size_t tries = 0; removed.size() < removals && tries < 20 * removals; ++tries) {
     const Index o = static_cast<Index>(random() % mesh.element_slots());
-    if (mesh.alive(o)) removed.insert(o);
+    if (mesh.is_live(o)) removed.insert(o);
   }
   edit.removed.assign(removed.begin(), removed.end());
   for (std::size_t i = 0; i < additions; ++i) {
@@ -136,7 +136,7 @@ Pairs pairs_of_boxes(const Step& step) {
   const Mesh& mesh = step.mesh();
   std::vector<Box> boxes;
   for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.alive(o)) continue;
+    if (!mesh.is_live(o)) continue;
     Box box{{}, o};
     box.bounds.fill(INFINITY);
     for (const Index v : mesh.vertices(o))
@@ -170,7 +170,7 @@ TopologyEdit edit_of_many(const Topology& topology, const std::vector<Vec3>& pos
   for (Index v = 0; v < mesh.vertex_count(); ++v)
     if ((positions[v] - centre).norm() < radius) near.push_back(v);
   for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.alive(o)) continue;
+    if (!mesh.is_live(o)) continue;
     const auto v = mesh.vertices(o);
     const bool cluster =
         std::any_of(v.begin(), v.end(), [&](Index i) { return (positions[i] - centre).norm() < radius / 2; });

@@ -182,7 +182,7 @@ inline Pairs all_pairs(const Step& step, PairRange range) {
   Pairs pairs;
   for (Index a = 0; a < mesh.element_slots(); ++a)
     for (Index b = a; b < mesh.element_slots(); ++b) {
-      if (!mesh.alive(a) || !mesh.alive(b) || step.filter.drops(step.topology, {a, b})) continue;
+      if (!mesh.is_live(a) || !mesh.is_live(b) || step.filter.drops(step.topology, {a, b})) continue;
       if (range == PairRange::nonadjacent) {
         bool shared = false;
         for (Index v : mesh.vertices(a))

@@ -105,7 +105,7 @@ struct Harness {
     std::vector<ElementPair> pairs;
     for (Index a = 0; a < mesh.element_slots(); ++a)
       for (Index b = a; b < mesh.element_slots(); ++b)
-        if (mesh.alive(a) && mesh.alive(b) && (range == PairRange::every || !adjacent(mesh, a, b))) pairs.push_back({a, b});
+        if (mesh.is_live(a) && mesh.is_live(b) && (range == PairRange::every || !adjacent(mesh, a, b))) pairs.push_back({a, b});
     PairBatch batch;
     batch.assign(pairs);
     assignment.run(step(), state, 0, batch, out);
@@ -263,7 +263,7 @@ void random_edit(Random& random, Topology& topology, std::vector<ElementSpec>& o
     out.erase(out.begin() + static_cast<std::ptrdiff_t>(at));
   }
   for (Index o = 0; o < topology.mesh().element_slots(); ++o)
-    if (topology.mesh().alive(o) && random.below(6) == 0) {
+    if (topology.mesh().is_live(o) && random.below(6) == 0) {
       edit.removed.push_back(o);
       for (const ElementSpec& spec : shape.elements)
         if (spec.id == topology.mesh().element_id(o)) out.push_back(spec);

@@ -252,7 +252,7 @@ class Editor {
     std::set<Index> removed;
     for (std::size_t i = 0; i < removals && mesh.element_count() > removed.size() + 8; ++i) {
       const auto o = static_cast<Index>(random_.below(mesh.element_slots()));
-      if (mesh.alive(o) && removed.insert(o).second) out_.push_back(spec_of(mesh, o));
+      if (mesh.is_live(o) && removed.insert(o).second) out_.push_back(spec_of(mesh, o));
     }
     edit.removed.assign(removed.begin(), removed.end());
     if (random_.below(4) == 0) edit.new_vertex_ids.push_back(mesh.vertex_id(mesh.vertex_count() - 1) + 1);
@@ -265,7 +265,7 @@ class Editor {
     const Mesh& mesh = topology_.mesh();
     Index start = 0;
     do start = static_cast<Index>(random_.below(mesh.element_slots()));
-    while (!mesh.alive(start));
+    while (!mesh.is_live(start));
     std::vector<Index> region{start};
     std::set<Index> seen{start};
     for (std::size_t i = 0; i < region.size() && region.size() < most; ++i)

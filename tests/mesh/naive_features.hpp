@@ -53,7 +53,7 @@ inline NaiveFeatures naive_features(const Mesh& mesh, EdgeSet edge_set) {
     return tuple;
   };
   for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.alive(o)) continue;
+    if (!mesh.is_live(o)) continue;
     for (Index v : mesh.vertices(o)) all.vertices[v].insert(o);
     for (const auto& face : faces_of(mesh, o)) {
       const std::size_t n = face.size();

@@ -51,7 +51,7 @@ TEST(Mesh, TakesEmptySlotsAgain) {
       const auto v = mesh.vertices(o);
       removed.push_back(spec(mesh.type(o), {v.begin(), v.end()}, mesh.element_id(o)));
       mesh.remove_element(o);
-      EXPECT_FALSE(mesh.alive(o));
+      EXPECT_FALSE(mesh.is_live(o));
       EXPECT_TRUE(mesh.vertices(o).empty() && mesh.polytope_faces(o).empty());
       EXPECT_EQ(mesh.find_element(removed.back().id), kNone);
     }

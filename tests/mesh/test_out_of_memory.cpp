@@ -32,7 +32,7 @@ Snapshot snapshot(const Mesh& mesh) {
   take(all, mesh.vertex_ids());
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     all.push_back(static_cast<std::int64_t>(mesh.type(o)));
-    if (!mesh.alive(o)) continue;
+    if (!mesh.is_live(o)) continue;
     all.insert(all.end(), {mesh.object(o), mesh.element_id(o), mesh.find_element(mesh.element_id(o))});
     take(all, mesh.vertices(o));
     take(all, mesh.polytope_faces(o));
@@ -80,10 +80,10 @@ Snapshot snapshot(const Topology& topology) {
   all.insert(all.end(), features.begin(), features.end());
   all.push_back(topology.objects_share_vertices());
   for (Index a = 0; a < mesh.element_slots(); ++a) {
-    if (!mesh.alive(a)) continue;
+    if (!mesh.is_live(a)) continue;
     take(all, topology.adjacency().vertices(a));
     for (Index b = a; b < mesh.element_slots(); ++b)
-      if (mesh.alive(b)) all.push_back(topology.adjacency().adjacent(a, b));
+      if (mesh.is_live(b)) all.push_back(topology.adjacency().adjacent(a, b));
   }
   return all;
 }
@@ -110,7 +110,7 @@ class Edits {
     const std::uint64_t share = random_.below(4);  // of five; none at times
     std::set<std::int64_t> there;
     for (Index o = 0; o < mesh.element_slots(); ++o) {
-      if (!mesh.alive(o)) continue;
+      if (!mesh.is_live(o)) continue;
       if (random_.below(5) < share)
         edit.removed.push_back(o);
       else
@@ -221,7 +221,6 @@ TEST(OutOfMemory, AfterAFailureADeltaListsEverything) {
   }
   EXPECT_GT(failures, 0u);
 }
-
 
 TEST(OutOfMemory, AMeshTakesAnElementAsAWholeOrNotAtAll) {
   const Shape shape = mixed_block(1, 1);

@@ -70,7 +70,7 @@ TopologyEdit random_edit(const Mesh& mesh, std::int64_t& next_id) {
   TopologyEdit edit;
   const auto share = *rc::gen::inRange(0, 4);
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.alive(o) && share != 0 && *rc::gen::inRange(0, 6) < share) edit.removed.push_back(o);
+    if (mesh.is_live(o) && share != 0 && *rc::gen::inRange(0, 6) < share) edit.removed.push_back(o);
   if (*rc::gen::arbitrary<bool>()) std::reverse(edit.removed.begin(), edit.removed.end());
   const auto new_vertices = *rc::gen::inRange<Index>(0, 4);
   for (Index i = 0; i < new_vertices; ++i)
@@ -143,10 +143,11 @@ bool adjacency_is_right(const Topology& topology) {
   const Mesh& mesh = topology.mesh();
   for (Index a = 0; a < mesh.element_slots(); ++a)
     for (Index b = 0; b < mesh.element_slots(); ++b) {
-      if (!mesh.alive(a) || !mesh.alive(b)) continue;
+      if (!mesh.is_live(a) || !mesh.is_live(b)) continue;
       const auto v = mesh.vertices(a), w = mesh.vertices(b);
       if (topology.adjacency().adjacent(a, b) !=
-          (std::find_first_of(v.begin(), v.end(), w.begin(), w.end()) != v.end())) return false;
+          (std::find_first_of(v.begin(), v.end(), w.begin(), w.end()) != v.end()))
+        return false;
     }
   return true;
 }

@@ -60,7 +60,7 @@ Pairs expected(const Step& step) {
   Pairs result;
   for (Index a = 0; a < mesh.element_slots(); ++a)
     for (Index b = a + 1; b < mesh.element_slots(); ++b)
-      if (mesh.alive(a) && mesh.alive(b) && !adjacent(a, b) && step.filter.allows(mesh.object(a), mesh.object(b)) &&
+      if (mesh.is_live(a) && mesh.is_live(b) && !adjacent(a, b) && step.filter.allows(mesh.object(a), mesh.object(b)) &&
           test.overlap(points(a), points(b), step.separation))
         result.push_back({a, b});
   return result;

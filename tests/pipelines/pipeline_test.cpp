@@ -296,7 +296,7 @@ TEST(Pipelines, WorkspaceFollowsTopologyChanges) {
       edit.added = std::move(out);
       out.clear();
       for (Index o = 0; o < topology.mesh().element_slots(); ++o)
-        if (topology.mesh().alive(o) && random.below(5) == 0) {
+        if (topology.mesh().is_live(o) && random.below(5) == 0) {
           edit.removed.push_back(o);
           for (const ElementSpec& element : shape.elements)
             if (element.id == topology.mesh().element_id(o)) out.push_back(element);

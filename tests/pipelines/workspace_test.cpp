@@ -43,7 +43,7 @@ void edit(Topology& topology, const Shape& shape, Random& random, std::vector<El
   change.added = std::move(out);
   out.clear();
   for (Index o = 0; o < topology.mesh().element_slots(); ++o)
-    if (topology.mesh().alive(o) && random.below(5) == 0) {
+    if (topology.mesh().is_live(o) && random.below(5) == 0) {
       change.removed.push_back(o);
       for (const ElementSpec& element : shape.elements)
         if (element.id == topology.mesh().element_id(o)) out.push_back(element);

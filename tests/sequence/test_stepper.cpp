@@ -42,7 +42,7 @@ Description describe(const Topology& topology) {
   };
   Description d;
   for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.alive(o)) continue;
+    if (!mesh.is_live(o)) continue;
     Ids faces;
     for (std::size_t at = 0; at < mesh.polytope_faces(o).size(); at += mesh.polytope_faces(o)[at] + 1) {
       faces.push_back(mesh.polytope_faces(o)[at]);

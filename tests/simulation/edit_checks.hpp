@@ -32,7 +32,7 @@ struct Body {
   std::vector<Index> elements() const {
     std::vector<Index> live;
     for (Index o = 0; o < mesh().element_slots(); ++o)
-      if (mesh().alive(o)) live.push_back(o);
+      if (mesh().is_live(o)) live.push_back(o);
     return live;
   }
 

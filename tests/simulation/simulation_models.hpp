@@ -57,7 +57,7 @@ inline Vec3 mean(const Simulation& s, std::span<const Vec3> values, std::int32_t
   double count = 0;
   const Mesh& mesh = s.topology().mesh();
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.alive(o) && mesh.object(o) == part)
+    if (mesh.is_live(o) && mesh.object(o) == part)
       for (Index v : mesh.vertices(o)) {
         sum += values[v];
         ++count;

@@ -21,7 +21,7 @@ std::size_t pieces(const Simulation& s) {
   std::set<Index> roots;
   for (int pass = 0; pass < 2; ++pass)
     for (Index o = 0; o < mesh.element_slots(); ++o)
-      if (mesh.alive(o))
+      if (mesh.is_live(o))
         for (Index v : mesh.vertices(o))
           pass == 0 ? void(root[find(v)] = find(mesh.vertices(o)[0])) : void(roots.insert(find(v)));
   return roots.size();

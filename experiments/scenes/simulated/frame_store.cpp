@@ -75,7 +75,7 @@ Frame capture_frame(simulation::Simulation& simulation, Index vertices_before) {
   if (shells) {
     const std::vector<double> thickness = simulation.thickness();
     for (Index o = 0; o < mesh.element_slots(); ++o)
-      if (mesh.alive(o)) frame.thickness.push_back(thickness[o]);
+      if (mesh.is_live(o)) frame.thickness.push_back(thickness[o]);
   }
   frame.counts = simulation.take_counts();
   frame.ledger = simulation.ledger();
