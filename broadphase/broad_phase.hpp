@@ -1,13 +1,11 @@
 // The broad-phase strategy: candidate pairs of elements whose swept bounds overlap.
 #pragma once
 
-#include <memory>
 #include <span>
 
-#include <volccd/core/executor.hpp>
 #include <volccd/core/function_ref.hpp>
-#include <volccd/core/stage.hpp>
-#include <volccd/query/step.hpp>
+#include <volccd/query/pairs.hpp>
+#include <volccd/query/stage.hpp>
 
 namespace volccd {
 
@@ -24,19 +22,14 @@ enum class PairRange {
 /// Guarantee (conservative): each unordered pair {a,b} of live elements in the range asked for whose closed swept volumes come
 /// within step.separation of each other is emitted exactly once, a <= b, except pairs that step.filter drops
 /// (ObjectFilter::drops). Bounds are rounded outward.
-class BroadPhase {
+class BroadPhase : public Stage {
  public:
-  virtual ~BroadPhase() = default;
+  static constexpr const char* kRole = "broad-phase";
 
-  virtual std::unique_ptr<StageState> make_state() const = 0;
-
-  /// Builds, refits or restructures the acceleration structure in `state` for this step. Notices by itself whether the state
-  /// is fresh, or was made for another topology or version. No allocation in steady state (same topology).
-  virtual void update(const Step& step, StageState& state, Executor& executor) const = 0;
-
-  /// Emits the pairs of the step that update() was called with last. Batches are of at most kMaxBatch pairs. The set of
-  /// pairs does not depend on the number of workers; their order and grouping may.
-  virtual void query(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const = 0;
+  /// Emits the pairs of the step that prepare() was called with last. Called once a step, on one thread; spreads its work
+  /// over the executor by itself. Batches are of at most kMaxBatch pairs. The set of pairs does not depend on the number
+  /// of workers; their order and grouping may. Pre: prepare() saw this step and this executor.
+  virtual void run(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const = 0;
 
   static constexpr std::size_t kMaxBatch = 1024;
 };

@@ -5,7 +5,7 @@
 
 #include <volccd/broadphase/detail/box_rows.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
-#include <volccd/mesh/topology_watch.hpp>
+#include <volccd/mesh/topology_delta.hpp>
 
 namespace volccd {
 
@@ -14,16 +14,15 @@ namespace {
 constexpr std::size_t kRowGrain = 16;
 
 struct BruteForceState final : StageState {
-  TopologyWatch watch;
+  TopologyDelta delta;
   detail::FilterKeys keys;
   detail::ElementList list;
   detail::BoxRows boxes;
   detail::PairWriters writers;
   std::vector<std::vector<Index>> hits;  ///< one for each worker
-  bool intact = false;                   ///< false while it is changed, and for good if that throws
 
   std::size_t bytes() const override {
-    std::size_t sum = watch.bytes() + keys.bytes() + list.bytes() + boxes.bytes() + writers.bytes();
+    std::size_t sum = delta.bytes() + keys.bytes() + list.bytes() + boxes.bytes() + writers.bytes();
     for (const std::vector<Index>& h : hits) sum += sizeof h + h.capacity() * sizeof(Index);
     return sum;
   }
@@ -43,19 +42,18 @@ const Options<BruteForce::Config>& BruteForce::options() {
 
 std::unique_ptr<StageState> BruteForce::make_state() const { return std::make_unique<BruteForceState>(); }
 
-void BruteForce::update(const Step& step, StageState& stage_state, Executor& executor) const {
+void BruteForce::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   BruteForceState& state = static_cast<BruteForceState&>(stage_state);
-  const bool news = state.watch.look(step.topology) != TopologyWatch::News::none || !state.intact;
-  state.intact = false;
-  if (news) state.list.assign_live(step.mesh());
-  state.keys.update(step, news);
+  const bool changed = state.delta.sync(step.topology) != TopologyDelta::Extent::none;
+  if (changed) state.list.assign_live(step.mesh());
+  state.keys.update(step, changed);
   if (config_.bounds == Bounds::aabb) state.boxes.update(step, state.list, executor);
-  state.intact = true;
+  state.delta.confirm();
 }
 
-void BruteForce::query(const Step&, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
+void BruteForce::run(const Step& step, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
   BruteForceState& state = static_cast<BruteForceState&>(stage_state);
-  const detail::PairRules rules(range, state.watch.adjacency(), state.keys);
+  const detail::PairRules rules(range, step.topology, state.keys);
   const std::size_t count = state.list.size();
   const Index* const slots = state.list.slots();
   state.writers.start(executor.workers(), sink);

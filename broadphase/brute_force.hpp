@@ -23,8 +23,8 @@ class BruteForce final : public BroadPhase {
   explicit BruteForce(const Config& config) : config_(config) {}
 
   std::unique_ptr<StageState> make_state() const override;
-  void update(const Step& step, StageState& state, Executor& executor) const override;
-  void query(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const override;
+  void prepare(const Step& step, StageState& state, Executor& executor) const override;
+  void run(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const override;
 
  private:
   Config config_;

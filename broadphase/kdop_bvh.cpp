@@ -6,7 +6,7 @@
 #include <volccd/broadphase/detail/kdop_tree.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
 #include <volccd/broadphase/detail/tree_kernels.hpp>
-#include <volccd/mesh/topology_watch.hpp>
+#include <volccd/mesh/topology_delta.hpp>
 
 namespace volccd {
 
@@ -23,7 +23,7 @@ struct alignas(64) Worker {
 };
 
 struct KdopBvhState final : StageState {
-  TopologyWatch watch;
+  TopologyDelta delta;
   detail::FilterKeys keys;
   detail::BoundsTable vertices;
   detail::KdopTree tree;
@@ -31,10 +31,9 @@ struct KdopBvhState final : StageState {
   std::vector<NodePair> tasks, expanded;
   std::vector<Worker> workers;
   KdopBvh::Counters counters;
-  bool intact = false;  ///< false while it is changed, and for good if that throws: then it is built anew
 
   std::size_t bytes() const override {
-    std::size_t sum = watch.bytes() + keys.bytes() + vertices.bytes() + tree.bytes() + writers.bytes() +
+    std::size_t sum = delta.bytes() + keys.bytes() + vertices.bytes() + tree.bytes() + writers.bytes() +
                       (tasks.capacity() + expanded.capacity()) * sizeof(NodePair);
     for (const Worker& worker : workers) sum += sizeof(Worker) + worker.stack.capacity() * sizeof(NodePair);
     return sum;
@@ -82,14 +81,13 @@ const Options<KdopBvh::Config>& KdopBvh::options() {
 
 std::unique_ptr<StageState> KdopBvh::make_state() const { return std::make_unique<KdopBvhState>(); }
 
-void KdopBvh::update(const Step& step, StageState& stage_state, Executor& executor) const {
+void KdopBvh::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
   detail::bound_vertices(step, config_.k, executor, state.vertices);
-  const TopologyWatch::News news = state.watch.look(step.topology);
-  bool build = !state.intact || news == TopologyWatch::News::everything || config_.restructure == Restructure::always;
-  state.intact = false;
-  if (!build && news == TopologyWatch::News::edited)
-    build = !state.tree.edit(step.mesh(), state.watch.touched(), state.vertices, executor);
+  const TopologyDelta::Extent changed = state.delta.sync(step.topology);
+  bool build = changed == TopologyDelta::Extent::everything || config_.restructure == Restructure::always;
+  if (!build && changed == TopologyDelta::Extent::edits)
+    build = !state.tree.edit(step.mesh(), state.delta.changed_slots(), state.vertices, executor);
   std::size_t restructured = 0;
   if (build) {
     state.tree.build(step.mesh(), config_.leaf_size, state.vertices, executor);
@@ -100,15 +98,15 @@ void KdopBvh::update(const Step& step, StageState& stage_state, Executor& execut
       restructured = state.tree.restructure(config_.degradation, state.vertices, executor);
     state.counters.restructured_elements += restructured;
   }
-  const bool new_nodes = build || news != TopologyWatch::News::none || restructured > 0;
-  const bool new_keys = state.keys.update(step, build || news != TopologyWatch::News::none);
-  if (!state.keys.trivial() && (new_nodes || new_keys)) state.tree.set_keys(state.keys);
-  state.intact = true;
+  const bool new_elements = build || changed != TopologyDelta::Extent::none;
+  const bool new_keys = state.keys.update(step, new_elements);
+  if (!state.keys.trivial() && (new_elements || restructured > 0 || new_keys)) state.tree.set_keys(state.keys);
+  state.delta.confirm();
 }
 
-void KdopBvh::query(const Step&, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
+void KdopBvh::run(const Step& step, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
   KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
-  const detail::PairRules rules(range, state.watch.adjacency(), state.keys);
+  const detail::PairRules rules(range, step.topology, state.keys);
   state.counters.node_tests += make_tasks(state, rules);
   state.workers.resize(executor.workers());
   for (Worker& worker : state.workers) {

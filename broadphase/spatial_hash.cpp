@@ -10,7 +10,7 @@
 #include <volccd/broadphase/detail/hash_kernels.hpp>
 #include <volccd/broadphase/detail/kdop_option.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
-#include <volccd/mesh/topology_watch.hpp>
+#include <volccd/mesh/topology_delta.hpp>
 
 namespace volccd {
 
@@ -19,17 +19,16 @@ namespace {
 constexpr std::size_t kEntryGrain = 4096, kLargeGrain = 1024;
 
 struct SpatialHashState final : StageState {
-  TopologyWatch watch;
+  TopologyDelta delta;
   detail::FilterKeys keys;
   detail::ElementList list;
   detail::BoundsTable vertices, elements;
   detail::HashGrid grid;
   detail::PairWriters writers;
   std::vector<detail::BucketScratch> scratch;
-  bool intact = false;  ///< false while it is changed, and for good if that throws: then it is made anew
 
   std::size_t bytes() const override {
-    std::size_t sum = watch.bytes() + keys.bytes() + list.bytes() + vertices.bytes() + elements.bytes() + grid.bytes() +
+    std::size_t sum = delta.bytes() + keys.bytes() + list.bytes() + vertices.bytes() + elements.bytes() + grid.bytes() +
                       writers.bytes();
     for (const detail::BucketScratch& s : scratch) sum += sizeof s + s.bytes();
     return sum;
@@ -92,27 +91,25 @@ const Options<SpatialHash::Config>& SpatialHash::options() {
 
 std::unique_ptr<StageState> SpatialHash::make_state() const { return std::make_unique<SpatialHashState>(); }
 
-void SpatialHash::update(const Step& step, StageState& stage_state, Executor& executor) const {
+void SpatialHash::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   SpatialHashState& state = static_cast<SpatialHashState&>(stage_state);
-  const TopologyWatch::News news = state.watch.look(step.topology);
-  const bool fresh = !state.intact || news == TopologyWatch::News::everything;
-  state.intact = false;
-  if (fresh)
+  const TopologyDelta::Extent changed = state.delta.sync(step.topology);
+  if (changed == TopologyDelta::Extent::everything)
     list_in_space(step, state);
-  else if (news == TopologyWatch::News::edited)
-    state.list.update(step.mesh(), state.watch.touched());
-  state.keys.update(step, fresh || news == TopologyWatch::News::edited);
+  else if (changed == TopologyDelta::Extent::edits)
+    state.list.update(step.mesh(), state.delta.changed_slots());
+  state.keys.update(step, changed != TopologyDelta::Extent::none);
   detail::bound_vertices(step, config_.k, executor, state.vertices);
   state.elements.resize(state.list.size(), state.vertices.width());
   detail::bound_elements(state.vertices, state.list, executor, state.elements);
   state.grid.build(state.elements, state.list.size(), config_.cell_size, kMostCells, executor);
-  state.intact = true;
+  state.delta.confirm();
 }
 
-void SpatialHash::query(const Step&, StageState& stage_state, PairRange range, Executor& executor,
-                        PairSink sink) const {
+void SpatialHash::run(const Step& step, StageState& stage_state, PairRange range, Executor& executor,
+                      PairSink sink) const {
   SpatialHashState& state = static_cast<SpatialHashState&>(stage_state);
-  const detail::PairRules rules(range, state.watch.adjacency(), state.keys);
+  const detail::PairRules rules(range, step.topology, state.keys);
   state.writers.start(executor.workers(), sink);
   state.scratch.resize(executor.workers());
   for (detail::BucketScratch& scratch : state.scratch) scratch.reserve(state.grid.largest_bucket());

@@ -17,7 +17,7 @@ namespace volccd {
 /// - No element enters more than kMostCells cells: larger ones, at most one in 200, are compared with all others. Cell
 ///   coordinates are clamped, so that elements very far out share cells; that costs time and loses nothing.
 ///
-/// update: O(n + cells entered). Memory 8 bytes for each cell entered, about 100 to 200 bytes an element at the default size,
+/// prepare: O(n + cells entered). Memory 8 bytes for each cell entered, about 100 to 200 bytes an element at the default size,
 /// and the bounds. The table is made anew at every step (the article's time stamps serve the same end).
 class SpatialHash final : public BroadPhase {
  public:
@@ -32,8 +32,8 @@ class SpatialHash final : public BroadPhase {
   explicit SpatialHash(const Config& config);
 
   std::unique_ptr<StageState> make_state() const override;
-  void update(const Step& step, StageState& state, Executor& executor) const override;
-  void query(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const override;
+  void prepare(const Step& step, StageState& state, Executor& executor) const override;
+  void run(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const override;
 
  private:
   Config config_;

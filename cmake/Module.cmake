@@ -20,11 +20,12 @@ function(volccd_quick_to_compile target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
-# volccd_module(mesh [NO_INSTALL] [PUBLIC lib...] [PRIVATE lib...]): library volccd_mesh of all sources in this folder,
-# exported as volccd::mesh with its headers. NO_INSTALL keeps it out of the package: what it needs, users of the library
-# need not have.
+# volccd_module(mesh [PUBLIC lib...] [PRIVATE lib...] [SOURCES file...]): library volccd_mesh of all sources in this folder,
+# exported as volccd::mesh with the headers that lie in this folder and what these include (InstallHeaders.cmake).
+# volccd_module(program COMPONENT program [HEADERS file...] ...): a part of the package's component `program`, whose users
+# alone need what it links. Of its headers, HEADERS and what these include are installed.
 function(volccd_module name)
-  cmake_parse_arguments(ARG "NO_INSTALL" "" "PUBLIC;PRIVATE;SOURCES" ${ARGN})
+  cmake_parse_arguments(ARG "" "COMPONENT" "PUBLIC;PRIVATE;SOURCES;HEADERS" ${ARGN})
   if(NOT ARG_SOURCES)
     file(GLOB ARG_SOURCES CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp" "${CMAKE_CURRENT_SOURCE_DIR}/detail/*.cpp")
   endif()
@@ -48,13 +49,17 @@ function(volccd_module name)
     $<BUILD_INTERFACE:${VOLCCD_INCLUDE_DIR}>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:volccd_flags>)
-  if(ARG_NO_INSTALL)
+  file(RELATIVE_PATH folder "${CMAKE_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
+  if(ARG_COMPONENT STREQUAL "program")
     # Experiments and oracle: the address sanitizer alone, which halves the time to compile them under sanitizers.
     target_compile_options(${target} PRIVATE -fno-sanitize=undefined)
-    return()
+    if(VOLCCD_BUILD_PROGRAM)
+      install(TARGETS ${target} EXPORT volccdProgramTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+    endif()
+    list(TRANSFORM ARG_HEADERS PREPEND "${folder}/")
+    set_property(GLOBAL APPEND PROPERTY VOLCCD_HEADERS ${ARG_HEADERS})
+  else()
+    install(TARGETS ${target} EXPORT volccdTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+    set_property(GLOBAL APPEND PROPERTY VOLCCD_HEADER_FOLDERS ${folder})
   endif()
-  install(TARGETS ${target} EXPORT volccdTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
-  file(RELATIVE_PATH folder "${CMAKE_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
-  install(DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}/" DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/volccd/${folder}"
-          FILES_MATCHING PATTERN "*.hpp")
 endfunction()

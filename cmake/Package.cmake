@@ -1,10 +1,24 @@
-# Install rules and find_package(volccd) for other projects. The package holds the libraries and their headers; the program
-# is installed beside them where it is built. The oracles and the experiments are not part of it.
+# Install rules and find_package(volccd) for other projects. The package holds the libraries and their headers. Where the
+# program is built, it is installed too, and so is the component `program`: the program as a library, with all that it links.
 include(CMakePackageConfigHelpers)
 
 set(VOLCCD_PACKAGE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/volccd")
 
 install(EXPORT volccdTargets NAMESPACE volccd:: DESTINATION "${VOLCCD_PACKAGE_DIR}")
+if(VOLCCD_BUILD_PROGRAM)
+  # A package without this file refuses the component (volccdConfig.cmake).
+  install(EXPORT volccdProgramTargets NAMESPACE volccd:: DESTINATION "${VOLCCD_PACKAGE_DIR}")
+  install(TARGETS volccd_executable RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+endif()
+
+get_property(headers GLOBAL PROPERTY VOLCCD_HEADERS)
+get_property(folders GLOBAL PROPERTY VOLCCD_HEADER_FOLDERS)
+install(CODE "
+  set(VOLCCD_HEADERS \"${headers}\")
+  set(VOLCCD_HEADER_FOLDERS \"${folders}\")
+  set(VOLCCD_SOURCE_DIR \"${PROJECT_SOURCE_DIR}\")
+  set(VOLCCD_HEADER_DESTINATION \"${CMAKE_INSTALL_INCLUDEDIR}/volccd\")
+  include(\"${CMAKE_CURRENT_LIST_DIR}/InstallHeaders.cmake\")")
 
 configure_package_config_file(
   "${CMAKE_CURRENT_LIST_DIR}/volccdConfig.cmake.in" "${CMAKE_BINARY_DIR}/cmake/volccdConfig.cmake"
@@ -17,7 +31,3 @@ install(FILES "${CMAKE_BINARY_DIR}/cmake/volccdConfig.cmake" "${CMAKE_BINARY_DIR
               "${CMAKE_CURRENT_LIST_DIR}/FindGMP.cmake"
         DESTINATION "${VOLCCD_PACKAGE_DIR}")
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
-
-if(TARGET volccd_program)
-  install(TARGETS volccd_program RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
-endif()

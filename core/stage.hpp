@@ -24,9 +24,8 @@ const char* to_string(Guarantee guarantee);
 /// The weaker of the two.
 constexpr Guarantee weakest(Guarantee a, Guarantee b) { return a < b ? b : a; }
 
-/// What a stage remembers from one step to the next (a tree, an O-Set) and its scratch memory. Owned by the
-/// Workspace, made by the stage's make_state(), handed back to it at every call. Stages themselves are immutable: one
-/// stage object may serve several workspaces in several threads at once.
+/// What a stage keeps from one step to the next (a tree, an O-Set) and its scratch memory; a stage that keeps nothing has
+/// a state of this type. Owned by the Workspace, made by Stage::make_state(), given back to the stage at every call.
 class StageState {
  public:
   virtual ~StageState() = default;

@@ -3,21 +3,10 @@
 #include <algorithm>
 
 #include <volccd/culling/detail/masked_features.hpp>
-#include <volccd/culling/detail/orphans.hpp>
-#include <volccd/mesh/topology_watch.hpp>
-#include <volccd/query/test_block.hpp>
 
 namespace volccd {
 
 namespace {
-
-struct AllPairsState final : StageState {
-  explicit AllPairsState(OSetKind kind) : orphans(kind) {}
-  std::size_t bytes() const override { return watch.bytes() + orphans.bytes(); }
-
-  TopologyWatch watch;
-  detail::Orphans orphans;
-};
 
 bool contains(std::span<const Index> list, Index value) {
   return std::find(list.begin(), list.end(), value) != list.end();
@@ -68,24 +57,12 @@ void adjacent_pair(const Step& step, ElementPair pair, const FeatureMask& mask, 
 }  // namespace
 
 const Options<AllPairs::Config>& AllPairs::options() {
-  static const Options<Config> options = [] {
-    Options<Config> o;
-    detail::add_o_set_option(o);
-    return o;
-  }();
+  static const Options<Config> options;
   return options;
 }
 
-std::unique_ptr<StageState> AllPairs::make_state() const { return std::make_unique<AllPairsState>(config_.oset); }
-
-void AllPairs::update(const Step& step, StageState& state) const {
-  AllPairsState& mine = static_cast<AllPairsState&>(state);
-  mine.watch.look(step.topology);
-  mine.orphans.update(step.topology);
-}
-
-void AllPairs::tests(const Step& step, const StageState& state, const PairBatch& batch, TestBatch& out) const {
-  const AdjacencyTest& adjacency = static_cast<const AllPairsState&>(state).watch.adjacency();
+void AllPairs::run(const Step& step, StageState&, unsigned, const PairBatch& batch, TestBatch& out) const {
+  const Adjacency& adjacency = step.topology.adjacency();
   for (std::size_t i = 0; i < batch.size(); ++i) {
     const ElementPair pair = batch.pairs[i];
     if (adjacency.adjacent(pair.a, pair.b))
@@ -95,16 +72,8 @@ void AllPairs::tests(const Step& step, const StageState& state, const PairBatch&
   }
 }
 
-std::size_t AllPairs::orphan_blocks(const StageState& state) const {
-  return static_cast<const AllPairsState&>(state).orphans.blocks();
-}
-
-void AllPairs::orphans(const Step&, const StageState& state, std::size_t block, TestBatch& out) const {
-  static_cast<const AllPairsState&>(state).orphans.append(block, out);
-}
-
-StageDescriptor<FeatureCulling> describe_all_pairs() {
-  return describe_stage<FeatureCulling, AllPairs>("all-pairs", "all tests of every element pair", Guarantee::exact);
+StageDescriptor<Assignment> describe_all_pairs() {
+  return describe_stage<Assignment, AllPairs>("all-pairs", "all tests of every element pair", Guarantee::exact);
 }
 
 }  // namespace volccd

@@ -1,8 +1,7 @@
-// Feature culling that culls nothing: all tests of every element pair (what NavCCD and HashCCD do, Sections 3.4 and 6.1).
+// No assignment: every element pair performs all of its tests (NavCCD and HashCCD, Sections 3.4 and 6.1).
 #pragma once
 
-#include <volccd/culling/feature_culling.hpp>
-#include <volccd/culling/o_set.hpp>
+#include <volccd/culling/assignment.hpp>
 
 namespace volccd {
 
@@ -11,29 +10,18 @@ namespace volccd {
 /// those that share a vertex, and each distinct feature pair once per element pair: adjacent elements share features, and
 /// what both have would otherwise come out twice.
 ///
-/// The same feature pair comes out of many element pairs. Complete without an O-Set on all pairs, adjacent ones and self pairs
-/// included; with an O-Set on the non-adjacent pairs alone (an ablation: what O-Sets do without assignment).
-class AllPairs final : public FeatureCulling {
+/// The same feature pair comes out of many element pairs. Complete without an O-Set; with one, an ablation: what O-Sets do
+/// without assignment.
+class AllPairs final : public Assignment {
  public:
-  struct Config {
-    OSetKind oset = OSetKind::none;
-  };
+  struct Config {};
   static const Options<Config>& options();
 
-  explicit AllPairs(const Config& config) : config_(config) {}
+  explicit AllPairs(const Config&) {}
 
-  bool needs_adjacent_pairs() const override { return config_.oset == OSetKind::none; }
-  bool exactly_once() const override { return false; }
-  std::unique_ptr<StageState> make_state() const override;
-  void update(const Step& step, StageState& state) const override;
-  void tests(const Step& step, const StageState& state, const PairBatch& batch, TestBatch& out) const override;
-  std::size_t orphan_blocks(const StageState& state) const override;
-  void orphans(const Step& step, const StageState& state, std::size_t block, TestBatch& out) const override;
-
- private:
-  Config config_;
+  void run(const Step& step, StageState& state, unsigned worker, const PairBatch& batch, TestBatch& out) const override;
 };
 
-StageDescriptor<FeatureCulling> describe_all_pairs();
+StageDescriptor<Assignment> describe_all_pairs();
 
 }  // namespace volccd

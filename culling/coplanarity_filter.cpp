@@ -117,7 +117,8 @@ const Options<CoplanarityFilter::Config>& CoplanarityFilter::options() {
   return options;
 }
 
-void CoplanarityFilter::filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const {
+void CoplanarityFilter::run(const Step& step, StageState&, unsigned, const TestBlock& block,
+                            std::span<std::uint8_t> keep) const {
   using namespace detail;
   HWY_DYNAMIC_DISPATCH(coplanarity)(block, step.separation, step.t_max, keep);
 }

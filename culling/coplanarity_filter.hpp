@@ -23,7 +23,8 @@ class CoplanarityFilter final : public FeatureFilter {
 
   explicit CoplanarityFilter(const Config&) {}
 
-  void filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const override;
+  void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,
+           std::span<std::uint8_t> keep) const override;
 };
 
 StageDescriptor<FeatureFilter> describe_coplanarity_filter();

@@ -29,8 +29,8 @@ enum class CsatMode {
 /// (query/rounding.hpp), with step.separation = d > 0 only beyond d |L|; overflow counts as not separated. For
 /// step.t_max < 1 the control points of the motion over [0, t_max] are taken.
 ///
-/// Features mode drops a pair when no test of it is left: all vertices of a and of b and all edges of a (or of b)
-/// masked. Elements of more than 32 vertices, and motions of more than 3 control points, pass untouched.
+/// Features mode drops a pair as contact_free when no test of it is left: all vertices of a and of b and all edges of a
+/// (or of b) masked. Elements of more than 32 vertices, and motions of more than 3 control points, pass untouched.
 ///
 /// `optimal` decides whether the origin is outside conv{B_c - A_c}, the hull of the Minkowski differences at the
 /// control points: Gilbert-Johnson-Keerthi on their common support function. O(vertices) an iteration.
@@ -46,9 +46,7 @@ class Csat final : public ElementCulling {
 
   explicit Csat(const Config& config) : config_(config) {}
 
-  /// Mode `pair`. The features modes also drop what only has no edges that touch.
-  bool drops_only_disjoint() const override { return config_.mode == CsatMode::pair; }
-  void cull(const Step& step, StageState* state, PairBatch& batch) const override;
+  void run(const Step& step, StageState& state, unsigned worker, PairBatch& batch) const override;
 
  private:
   Config config_;

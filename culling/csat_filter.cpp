@@ -109,7 +109,8 @@ const Options<CsatFilter::Config>& CsatFilter::options() {
   return options;
 }
 
-void CsatFilter::filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const {
+void CsatFilter::run(const Step& step, StageState&, unsigned, const TestBlock& block,
+                     std::span<std::uint8_t> keep) const {
   using namespace detail;
   HWY_DYNAMIC_DISPATCH(csat_features)(block, step.separation, step.t_max, config_.axes, keep);
 }

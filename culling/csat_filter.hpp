@@ -28,7 +28,8 @@ class CsatFilter final : public FeatureFilter {
 
   explicit CsatFilter(const Config& config) : config_(config) {}
 
-  void filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const override;
+  void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,
+           std::span<std::uint8_t> keep) const override;
 
  private:
   Config config_;

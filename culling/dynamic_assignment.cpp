@@ -1,55 +1,44 @@
 #include <volccd/culling/dynamic_assignment.hpp>
 
-#include <volccd/culling/detail/assignment_table.hpp>
 #include <volccd/culling/detail/masked_features.hpp>
-#include <volccd/culling/detail/orphans.hpp>
 
 namespace volccd {
 
 namespace {
 
-struct DynamicAssignmentState final : StageState {
-  explicit DynamicAssignmentState(OSetKind kind) : orphans(kind) {}
-  std::size_t bytes() const override { return table.bytes() + orphans.bytes(); }
-
-  detail::AssignmentTable table;
-  detail::Orphans orphans;
-};
-
 /// Whether (o1, o2), not adjacent, is the first non-adjacent pair in inc_a x inc_b; o1 is in inc_a and o2 in inc_b, and
 /// (inc_a[0], inc_b[0]) is another pair and adjacent.
-bool is_first(const detail::AssignmentTable& table, std::span<const Index> inc_a, std::span<const Index> inc_b, Index o1,
-              Index o2) {
+bool is_first(const Adjacency& adjacency, std::span<const Index> inc_a, std::span<const Index> inc_b, Index o1, Index o2) {
   for (const Index oi : inc_a)
     for (const Index oj : inc_b) {
       if (oi == o1 && oj == o2) return true;
-      if (!table.adjacent(oi, oj)) return false;
+      if (!adjacency.adjacent(oi, oj)) return false;
     }
   return false;  // not reached: (o1, o2) is among them
 }
 
 class Owner {
  public:
-  Owner(const Features& features, const detail::AssignmentTable& table) : features_(features), table_(table) {}
+  explicit Owner(const Topology& topology) : features_(topology.features()), adjacency_(topology.adjacency()) {}
 
   bool of_vf(Index v, Index f, Index o_v, Index o_f) const {
-    const Index first_v = table_.of_vertex(v), first_f = table_.of_triangle(f);
+    const Index first_v = features_.first_element_of_vertex(v), first_f = features_.first_element_of_triangle(f);
     if (first_v == o_v && first_f == o_f) return true;
-    if (!table_.adjacent(first_v, first_f)) return false;
-    return is_first(table_, features_.vertex_elements(v), features_.triangle_elements(f), o_v, o_f);
+    if (!adjacency_.adjacent(first_v, first_f)) return false;
+    return is_first(adjacency_, features_.vertex_elements(v), features_.triangle_elements(f), o_v, o_f);
   }
 
   /// e < g.
   bool of_ee(Index e, Index g, Index o_e, Index o_g) const {
-    const Index first_e = table_.of_edge(e), first_g = table_.of_edge(g);
+    const Index first_e = features_.first_element_of_edge(e), first_g = features_.first_element_of_edge(g);
     if (first_e == o_e && first_g == o_g) return true;
-    if (!table_.adjacent(first_e, first_g)) return false;
-    return is_first(table_, features_.edge_elements(e), features_.edge_elements(g), o_e, o_g);
+    if (!adjacency_.adjacent(first_e, first_g)) return false;
+    return is_first(adjacency_, features_.edge_elements(e), features_.edge_elements(g), o_e, o_g);
   }
 
  private:
   const Features& features_;
-  const detail::AssignmentTable& table_;
+  const Adjacency& adjacency_;
 };
 
 void vertex_tests(const Step& step, const Owner& owner, Index o1, Index o2, std::uint32_t mask, TestBatch& out) {
@@ -75,51 +64,29 @@ void edge_tests(const Step& step, const Owner& owner, ElementPair pair, const Fe
 }  // namespace
 
 const Options<DynamicAssignment::Config>& DynamicAssignment::options() {
-  static const Options<Config> options = [] {
-    Options<Config> o;
-    detail::add_o_set_option(o);
-    return o;
-  }();
+  static const Options<Config> options;
   return options;
 }
 
-std::string DynamicAssignment::unsound() const {
-  if (config_.oset != OSetKind::none) return {};
+std::string DynamicAssignment::incomplete_on_every() const {
   return "a feature pair all of whose elements are adjacent has no owner, and without an O-Set nobody tests it; use "
-         "oset=minimal or oset=literal";
+         "orphans=o-set";
 }
 
-std::unique_ptr<StageState> DynamicAssignment::make_state() const { return std::make_unique<DynamicAssignmentState>(config_.oset); }
-
-void DynamicAssignment::update(const Step& step, StageState& state) const {
-  DynamicAssignmentState& mine = static_cast<DynamicAssignmentState&>(state);
-  mine.table.update(step.topology);
-  mine.orphans.update(step.topology);
-}
-
-void DynamicAssignment::tests(const Step& step, const StageState& state, const PairBatch& batch, TestBatch& out) const {
-  const detail::AssignmentTable& table = static_cast<const DynamicAssignmentState&>(state).table;
-  const Owner owner(step.features(), table);
+void DynamicAssignment::run(const Step& step, StageState&, unsigned, const PairBatch& batch, TestBatch& out) const {
+  const Owner owner(step.topology);
   for (std::size_t i = 0; i < batch.size(); ++i) {
     const ElementPair pair = batch.pairs[i];
-    if (table.adjacent(pair.a, pair.b)) continue;
+    if (step.topology.adjacency().adjacent(pair.a, pair.b)) continue;
     vertex_tests(step, owner, pair.a, pair.b, batch.masks[i].vertices_a, out);
     vertex_tests(step, owner, pair.b, pair.a, batch.masks[i].vertices_b, out);
     edge_tests(step, owner, pair, batch.masks[i], out);
   }
 }
 
-std::size_t DynamicAssignment::orphan_blocks(const StageState& state) const {
-  return static_cast<const DynamicAssignmentState&>(state).orphans.blocks();
-}
-
-void DynamicAssignment::orphans(const Step&, const StageState& state, std::size_t block, TestBatch& out) const {
-  static_cast<const DynamicAssignmentState&>(state).orphans.append(block, out);
-}
-
-StageDescriptor<FeatureCulling> describe_dynamic_assignment() {
-  return describe_stage<FeatureCulling, DynamicAssignment>(
-      "dynamic-assignment", "each test by the first non-adjacent element pair that has it, and the O-Set (Algorithms 3, 5)",
+StageDescriptor<Assignment> describe_dynamic_assignment() {
+  return describe_stage<Assignment, DynamicAssignment>(
+      "dynamic-assignment", "each test by the first non-adjacent element pair that has it (Algorithm 5); needs the O-Set",
       Guarantee::exact);
 }
 

@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
+#include <span>
 #include <vector>
 
-#include <volccd/core/stage.hpp>
-#include <volccd/query/step.hpp>
+#include <volccd/query/pairs.hpp>
+#include <volccd/query/stage.hpp>
 
 namespace volccd {
 
@@ -18,40 +18,59 @@ struct FeatureMask {
   std::uint64_t edges_a = 0, edges_b = 0;
 };
 
-/// Structure of arrays: masks.size() == pairs.size(). Reused from batch to batch, so that nothing is allocated in steady
-/// state.
-struct PairBatch {
-  std::vector<ElementPair> pairs;
-  std::vector<FeatureMask> masks;
-
-  std::size_t size() const { return pairs.size(); }
-  void clear() {
-    pairs.clear();
-    masks.clear();
-  }
+/// What a stage has found out about a pair.
+enum class PairVerdict {
+  keep,
+  disjoint,      ///< the convex hulls of the elements stay further apart than step.separation during [0, step.t_max]
+  contact_free   ///< no feature of one touches the other; still, one element may lie inside the other, or pierce it
 };
 
-class ElementCulling {
+/// Element pairs on their way through element culling. Reused from batch to batch: no allocation in steady state.
+class PairBatch {
  public:
-  virtual ~ElementCulling() = default;
-
-  /// Whether a pair is dropped only if the convex hulls of its elements are proven to stay further apart than
-  /// step.separation all through [0, step.t_max]. "No feature touches another", which is all that cull() must know, is less: an
-  /// element may lie inside another, or pierce it between its edges.
-  virtual bool drops_only_disjoint() const { return false; }
-
-  /// State shared by all batches and workers of a step; nullptr if none is needed.
-  virtual std::unique_ptr<StageState> make_state() const { return nullptr; }
-  /// Once a step, before the first batch, on one thread. `state` is what make_state() made.
-  virtual void update(const Step& step, StageState* state) const {
-    (void)step;
-    (void)state;
+  /// These pairs, no feature masked.
+  void assign(std::span<const ElementPair> list) {
+    pairs.assign(list.begin(), list.end());
+    masks.assign(list.size(), FeatureMask{});
+    contact_free.clear();
   }
 
-  /// Takes pairs that do not touch during [0, step.t_max] out of the batch (keeping the order of the rest), and adds bits to
-  /// masks. Pairs of adjacent elements and of an element with itself may occur; their shared features must stay. Called
-  /// concurrently for different batches.
-  virtual void cull(const Step& step, StageState* state, PairBatch& batch) const = 0;
+  /// Asks for the verdict on each pair, PairVerdict(ElementPair, FeatureMask&), which may add bits to the mask, and takes
+  /// out those that are not kept. The order of the rest stays.
+  template <class Verdict>
+  void cull(Verdict&& verdict) {
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const ElementPair pair = pairs[i];
+      FeatureMask mask = masks[i];
+      const PairVerdict found = verdict(pair, mask);
+      if (found == PairVerdict::contact_free) contact_free.push_back(pair);
+      if (found != PairVerdict::keep) continue;
+      pairs[kept] = pair;
+      masks[kept++] = mask;
+    }
+    pairs.resize(kept);
+    masks.resize(kept);
+  }
+
+  std::size_t size() const { return pairs.size(); }
+  std::size_t bytes() const {
+    return (pairs.capacity() + contact_free.capacity()) * sizeof(ElementPair) + masks.capacity() * sizeof(FeatureMask);
+  }
+
+  std::vector<ElementPair> pairs;
+  std::vector<FeatureMask> masks;  ///< masks.size() == pairs.size()
+  /// Pairs that were taken out although they may overlap at t = 0 (PairVerdict::contact_free).
+  std::vector<ElementPair> contact_free;
+};
+
+class ElementCulling : public Stage {
+ public:
+  static constexpr const char* kRole = "element-culling";
+
+  /// Takes pairs that do not touch during [0, step.t_max] out of the batch (PairBatch::cull), and adds bits to masks. Pairs
+  /// of adjacent elements and of an element with itself may occur; their shared features must stay.
+  virtual void run(const Step& step, StageState& state, unsigned worker, PairBatch& batch) const = 0;
 };
 
 }  // namespace volccd

@@ -186,7 +186,8 @@ const Options<FeatureKdopFilter::Config>& FeatureKdopFilter::options() {
   return options;
 }
 
-void FeatureKdopFilter::filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const {
+void FeatureKdopFilter::run(const Step& step, StageState&, unsigned, const TestBlock& block,
+                            std::span<std::uint8_t> keep) const {
   using namespace detail;
   HWY_DYNAMIC_DISPATCH(feature_kdop)(block, step.separation, step.t_max, axes_of(config_.k), config_.bounds, keep);
 }

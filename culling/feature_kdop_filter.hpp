@@ -26,7 +26,8 @@ class FeatureKdopFilter final : public FeatureFilter {
 
   explicit FeatureKdopFilter(const Config& config) : config_(config) {}
 
-  void filter(const Step& step, const TestBlock& block, std::span<std::uint8_t> keep) const override;
+  void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,
+           std::span<std::uint8_t> keep) const override;
 
  private:
   Config config_;

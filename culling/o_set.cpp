@@ -1,11 +1,11 @@
 #include <volccd/culling/o_set.hpp>
 
 #include <algorithm>
-#include <cassert>
 #include <vector>
 
 #include <volccd/culling/detail/o_set_blocks.hpp>
 #include <volccd/culling/detail/o_set_partners.hpp>
+#include <volccd/mesh/topology_delta.hpp>
 
 namespace volccd {
 
@@ -14,27 +14,6 @@ namespace {
 using detail::OSetBlocks;
 using detail::OSetPartners;
 using Rows = OSetBlocks::Rows;
-
-/// The features of each element of which it is the first incident one.
-class OwnFeatures {
- public:
-  template <class Incident>
-  OwnFeatures(Index elements, Index features, Incident&& incident) : begins_(elements + 1, 0) {
-    for (Index i = 0; i < features; ++i)
-      if (const std::span<const Index> inc = incident(i); !inc.empty()) ++begins_[inc[0] + 1];
-    for (Index o = 0; o < elements; ++o) begins_[o + 1] += begins_[o];
-    values_.resize(begins_[elements]);
-    std::vector<Index> ends(begins_.begin(), begins_.end() - 1);
-    for (Index i = 0; i < features; ++i)
-      if (const std::span<const Index> inc = incident(i); !inc.empty()) values_[ends[inc[0]]++] = i;
-  }
-  std::span<const Index> operator()(Index o) const {
-    return {values_.data() + begins_[o], values_.data() + begins_[o + 1]};
-  }
-
- private:
-  std::vector<Index> begins_, values_;
-};
 
 /// Visits each vertex in use and each element once, neighbours soon after each other (breadth first): around features
 /// that are near, the same elements are looked at, which numbering may have scattered over all of memory.
@@ -80,65 +59,50 @@ struct OSet::Impl {
   explicit Impl(OSetKind set_kind) : kind(set_kind) {}
 
   void build(const Topology& topology);
-  void update(const Topology& topology, const std::vector<const TopologyChange*>& changes);
-  void fit(const Topology& topology);
-  Renewed renew(const Features& features, const std::vector<const TopologyChange*>& changes);
+  void update(const Topology& topology);
+  Renewed renew(const Features& features);
   void find_pairs(const Topology& topology, const Renewed& renewed);
 
   bool literal() const { return kind == OSetKind::literal; }
 
   OSetKind kind;
-  std::uint64_t version = 0;
+  TopologyDelta delta;
   OSetBlocks blocks;
-  detail::ElementVertices vertices;
   // Scratch.
   detail::ElementTouch touch;
   std::vector<Index> covering;
 };
 
-void OSet::Impl::fit(const Topology& topology) {
-  touch.fit(topology.features().vertex_slots(), topology.mesh().element_slots());
-}
-
 void OSet::Impl::build(const Topology& topology) {
   const Features& features = topology.features();
-  const Mesh& mesh = topology.mesh();
-  version = 0;  // stays so if memory runs out: then the next update starts over
   touch = {};
   blocks.start_over(features);
-  vertices.build(mesh);
-  fit(topology);
-
-  const OwnFeatures own_triangles(mesh.element_slots(), features.triangle_slots(),
-                                  [&](Index f) { return features.triangle_elements(f); });
-  const OwnFeatures own_edges(mesh.element_slots(), features.edge_slots(),
-                              [&](Index e) { return features.edge_elements(e); });
-  OSetPartners partners(features, vertices, touch, covering);
+  touch.fit(features.vertex_slots(), topology.mesh().element_slots());
+  OSetPartners partners(topology, touch, covering);
   OSetBlocks::Writer vertex_rows(blocks, Rows::vertex), edge_rows(blocks, Rows::edge);
   for_each_near(
-      mesh, features,
+      topology.mesh(), features,
       [&](Index v) {
         vertex_rows.begin_row(v);
-        partners.triangles_of_vertex(literal(), v, own_triangles, [&](Index f) { vertex_rows.add(f); });
+        partners.triangles_of_vertex(literal(), v, [&](Index f) { vertex_rows.add(f); });
         vertex_rows.end_row();
       },
       [&](Index o) {
-        for (Index e : own_edges(o)) {
+        for (Index e : features.own_edges(o)) {
           edge_rows.begin_row(e);
           partners.edges_of_edge(
-              literal(), e, own_edges, [e](Index e2) { return e2 > e; }, [&](Index e2) { edge_rows.add(e2); });
+              literal(), e, [e](Index e2) { return e2 > e; }, [&](Index e2) { edge_rows.add(e2); });
           edge_rows.end_row();
         }
       });
   vertex_rows.flush();
   edge_rows.flush();
   blocks.settle();
-  version = topology.version();
 }
 
-OSet::Impl::Renewed OSet::Impl::renew(const Features& features, const std::vector<const TopologyChange*>& changes) {
+OSet::Impl::Renewed OSet::Impl::renew(const Features& features) {
   Renewed renewed;
-  for (const TopologyChange* change : changes) {
+  for (const TopologyChange* change : delta.changes()) {
     const FeatureChange& f = change->features;
     for (Index v : f.removed_vertices) blocks.renew_vertex(v);
     for (Index t : f.removed_triangles) blocks.renew_triangle(t);
@@ -161,25 +125,25 @@ OSet::Impl::Renewed OSet::Impl::renew(const Features& features, const std::vecto
 /// Writes all pairs of the renewed features. A pair of two of them is written once: VF by its vertex, EE by its smaller
 /// edge.
 void OSet::Impl::find_pairs(const Topology& topology, const Renewed& renewed) {
-  OSetPartners partners(topology.features(), vertices, touch, covering);
+  OSetPartners partners(topology, touch, covering);
   OSetBlocks::Writer vertex_rows(blocks, Rows::vertex), triangle_rows(blocks, Rows::triangle),
       edge_rows(blocks, Rows::edge);
   for (Index v : renewed.vertices) {
     vertex_rows.begin_row(v);
-    partners.triangles_of_vertex(literal(), v, OSetPartners::EveryTriangle{}, [&](Index f) { vertex_rows.add(f); });
+    partners.triangles_of_vertex(literal(), v, [&](Index f) { vertex_rows.add(f); });
     vertex_rows.end_row();
   }
   for (Index f : renewed.triangles) {
     triangle_rows.begin_row(f);
     partners.vertices_of_triangle(
-        topology.mesh(), literal(), f, [&](Index v) { return !blocks.vertex_is_new(v); },
+        literal(), f, [&](Index v) { return !blocks.vertex_is_new(v); },
         [&](Index v) { triangle_rows.add(v); });
     triangle_rows.end_row();
   }
   for (Index e : renewed.edges) {
     edge_rows.begin_row(e);
     partners.edges_of_edge(
-        literal(), e, OSetPartners::EveryEdge{}, [&](Index e2) { return e2 > e || !blocks.edge_is_new(e2); },
+        literal(), e, [&](Index e2) { return e2 > e || !blocks.edge_is_new(e2); },
         [&](Index e2) { edge_rows.add(e2); });
     edge_rows.end_row();
   }
@@ -188,41 +152,35 @@ void OSet::Impl::find_pairs(const Topology& topology, const Renewed& renewed) {
   edge_rows.flush();
 }
 
-void OSet::Impl::update(const Topology& topology, const std::vector<const TopologyChange*>& changes) {
-  version = 0;  // as in build()
-  std::vector<Index> slots;
-  for (const TopologyChange* change : changes) {
-    slots.insert(slots.end(), change->removed_elements.begin(), change->removed_elements.end());
-    slots.insert(slots.end(), change->added_elements.begin(), change->added_elements.end());
+void OSet::Impl::update(const Topology& topology) {
+  const TopologyDelta::Extent changed = delta.sync(topology);
+  // A build takes less time for each feature.
+  if (changed == TopologyDelta::Extent::everything || delta.changed_slots().size() > topology.mesh().element_count() / 4) {
+    build(topology);
+  } else if (changed == TopologyDelta::Extent::edits) {
+    blocks.next_epoch(topology.features());
+    touch.fit(topology.features().vertex_slots(), topology.mesh().element_slots());
+    find_pairs(topology, renew(topology.features()));
+    blocks.compact_if_stale(topology.features());
   }
-  sort_unique(slots);
-  // A build takes less for a feature.
-  if (slots.size() > topology.mesh().element_count() / 4) return build(topology);
-
-  vertices.update(topology.mesh(), slots);
-  blocks.next_epoch(topology.features());
-  fit(topology);
-  find_pairs(topology, renew(topology.features(), changes));
-  blocks.compact_if_stale(topology.features());
-  version = topology.version();
+  delta.confirm();
 }
 
-OSet::OSet(OSetKind kind) : impl_(std::make_unique<Impl>(kind)) { assert(kind != OSetKind::none); }
+OSet::OSet(OSetKind kind) : impl_(std::make_unique<Impl>(kind)) {}
 OSet::OSet(OSet&&) noexcept = default;
 OSet& OSet::operator=(OSet&&) noexcept = default;
 OSet::~OSet() = default;
 
 OSetKind OSet::kind() const { return impl_->kind; }
-std::uint64_t OSet::version() const { return impl_->version; }
 std::size_t OSet::blocks() const { return impl_->blocks.size(); }
 
-void OSet::build(const Topology& topology) { impl_->build(topology); }
-
-void OSet::update(const Topology& topology) {
-  std::vector<const TopologyChange*> changes;
-  if (impl_->version == 0 || !topology.changes_since(impl_->version, changes)) return impl_->build(topology);
-  if (!changes.empty()) impl_->update(topology, changes);
+void OSet::build(const Topology& topology) {
+  impl_->delta.sync(topology);
+  impl_->build(topology);
+  impl_->delta.confirm();
 }
+
+void OSet::update(const Topology& topology) { impl_->update(topology); }
 
 void OSet::append(std::size_t block, TestBatch& out) const { impl_->blocks.append(block, out); }
 
@@ -233,7 +191,7 @@ OSetCounts OSet::counts() const {
 }
 
 std::size_t OSet::bytes() const {
-  return impl_->blocks.bytes() + impl_->vertices.bytes() + impl_->touch.bytes() +
+  return impl_->delta.bytes() + impl_->blocks.bytes() + impl_->touch.bytes() +
          impl_->covering.capacity() * sizeof(Index);
 }
 

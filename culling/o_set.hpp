@@ -3,16 +3,14 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <memory>
 
-#include <volccd/culling/feature_culling.hpp>
+#include <volccd/culling/assignment.hpp>
 #include <volccd/mesh/topology.hpp>
 
 namespace volccd {
 
 enum class OSetKind {
-  none,
   /// VF pairs {v,f}, v not in f, and EE pairs without a common vertex, for which every (oi, oj) in inc(a) x inc(b) is
   /// adjacent (an element is adjacent to itself). With dynamic assignment each test comes out exactly once.
   minimal,
@@ -33,7 +31,6 @@ class OSet {
  public:
   static constexpr std::size_t kBlockPairs = 4096;
 
-  /// `kind` is not none.
   explicit OSet(OSetKind kind = OSetKind::minimal);
   OSet(OSet&&) noexcept;
   OSet& operator=(OSet&&) noexcept;
@@ -49,9 +46,6 @@ class OSet {
   /// does not reach back. Otherwise the amortised cost is proportional to the number of pairs that contain a feature of a
   /// changed element.
   void update(const Topology& topology);
-
-  /// Topology::version() of the last build or update; 0 before.
-  std::uint64_t version() const;
 
   std::size_t blocks() const;
   /// Appends a block's pairs: its VF pairs to out.vf, its EE pairs to out.ee.

@@ -1,39 +1,28 @@
 #include <volccd/culling/static_assignment.hpp>
 
-#include <volccd/culling/detail/assignment_table.hpp>
 #include <volccd/culling/detail/masked_features.hpp>
-#include <volccd/culling/detail/orphans.hpp>
-#include <volccd/query/test_block.hpp>
 
 namespace volccd {
 
 namespace {
 
-struct StaticAssignmentState final : StageState {
-  std::size_t bytes() const override { return table.bytes(); }
-
-  detail::AssignmentTable table;
-};
-
 /// Vertices of o1 that belong to it against triangles of o2 that belong to it.
-void vertex_tests(const Step& step, const detail::AssignmentTable& table, Index o1, Index o2, std::uint32_t mask,
-                  TestBatch& out) {
+void vertex_tests(const Step& step, Index o1, Index o2, std::uint32_t mask, TestBatch& out) {
   const Features& features = step.features();
   detail::for_each_unmasked(step.mesh().vertices(o1), mask, [&](Index v) {
-    if (table.of_vertex(v) != o1) return;
+    if (features.first_element_of_vertex(v) != o1) return;
     for (const Index f : features.element_triangles(o2))
-      if (table.of_triangle(f) == o2 && is_test(features, FeatureKind::vf, {v, f})) out.vf.push_back({v, f});
+      if (features.first_element_of_triangle(f) == o2 && is_test(features, FeatureKind::vf, {v, f})) out.vf.push_back({v, f});
   });
 }
 
-void edge_tests(const Step& step, const detail::AssignmentTable& table, ElementPair pair, const FeatureMask& mask,
-                TestBatch& out) {
+void edge_tests(const Step& step, ElementPair pair, const FeatureMask& mask, TestBatch& out) {
   const Features& features = step.features();
   const bool itself = pair.a == pair.b;
   detail::for_each_unmasked(features.element_edges(pair.a), mask.edges_a, [&](Index e) {
-    if (table.of_edge(e) != pair.a) return;
+    if (features.first_element_of_edge(e) != pair.a) return;
     detail::for_each_unmasked(features.element_edges(pair.b), mask.edges_b, [&](Index g) {
-      if (table.of_edge(g) != pair.b || (itself && g <= e)) return;
+      if (features.first_element_of_edge(g) != pair.b || (itself && g <= e)) return;
       const FeaturePair test{std::min(e, g), std::max(e, g)};
       if (is_test(features, FeatureKind::ee, test)) out.ee.push_back(test);
     });
@@ -43,39 +32,26 @@ void edge_tests(const Step& step, const detail::AssignmentTable& table, ElementP
 }  // namespace
 
 const Options<StaticAssignment::Config>& StaticAssignment::options() {
-  static const Options<Config> options = [] {
-    Options<Config> o;
-    detail::add_o_set_option(o);
-    return o;
-  }();
+  static const Options<Config> options;
   return options;
 }
 
-std::string StaticAssignment::unsound() const {
-  if (config_.oset == OSetKind::none) return {};
-  return "with an O-Set, adjacent element pairs are skipped, but static assignment gives some feature pairs to adjacent "
-         "elements although non-adjacent ones cover them, so that the O-Set lacks them (Section 5.2); use "
-         "dynamic-assignment, or oset=none";
+std::string StaticAssignment::incomplete_on_nonadjacent() const {
+  return "static assignment gives some feature pairs to adjacent elements although non-adjacent ones cover them, so that "
+         "the O-Set lacks them (Section 5.2); use assignment=dynamic-assignment, or orphans=none";
 }
 
-std::unique_ptr<StageState> StaticAssignment::make_state() const { return std::make_unique<StaticAssignmentState>(); }
-
-void StaticAssignment::update(const Step& step, StageState& state) const {
-  static_cast<StaticAssignmentState&>(state).table.update(step.topology);
-}
-
-void StaticAssignment::tests(const Step& step, const StageState& state, const PairBatch& batch, TestBatch& out) const {
-  const detail::AssignmentTable& table = static_cast<const StaticAssignmentState&>(state).table;
+void StaticAssignment::run(const Step& step, StageState&, unsigned, const PairBatch& batch, TestBatch& out) const {
   for (std::size_t i = 0; i < batch.size(); ++i) {
     const ElementPair pair = batch.pairs[i];
-    vertex_tests(step, table, pair.a, pair.b, batch.masks[i].vertices_a, out);
-    if (pair.a != pair.b) vertex_tests(step, table, pair.b, pair.a, batch.masks[i].vertices_b, out);
-    edge_tests(step, table, pair, batch.masks[i], out);
+    vertex_tests(step, pair.a, pair.b, batch.masks[i].vertices_a, out);
+    if (pair.a != pair.b) vertex_tests(step, pair.b, pair.a, batch.masks[i].vertices_b, out);
+    edge_tests(step, pair, batch.masks[i], out);
   }
 }
 
-StageDescriptor<FeatureCulling> describe_static_assignment() {
-  return describe_stage<FeatureCulling, StaticAssignment>(
+StageDescriptor<Assignment> describe_static_assignment() {
+  return describe_stage<Assignment, StaticAssignment>(
       "static-assignment", "each feature is tested by the first element that has it (Algorithm 4)", Guarantee::exact);
 }
 

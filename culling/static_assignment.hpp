@@ -1,8 +1,7 @@
 // Static feature assignment: Section 5.2, Algorithm 4.
 #pragma once
 
-#include <volccd/culling/feature_culling.hpp>
-#include <volccd/culling/o_set.hpp>
+#include <volccd/culling/assignment.hpp>
 
 namespace volccd {
 
@@ -10,30 +9,19 @@ namespace volccd {
 /// {a,b} is tested by the pair of elements that they belong to, which may be adjacent, or one element: complete, and each
 /// test exactly once, on all pairs, adjacent ones and self pairs included.
 ///
-/// Unsound with an O-Set, as Section 5.2 says: then adjacent pairs are skipped, and pairs that belong to them but are
+/// Incomplete with an O-Set, as Section 5.2 says: then adjacent pairs are skipped, and pairs that belong to them but are
 /// covered by other, non-adjacent elements are in no O-Set.
-class StaticAssignment final : public FeatureCulling {
+class StaticAssignment final : public Assignment {
  public:
-  struct Config {
-    OSetKind oset = OSetKind::none;
-  };
+  struct Config {};
   static const Options<Config>& options();
 
-  explicit StaticAssignment(const Config& config) : config_(config) {}
+  explicit StaticAssignment(const Config&) {}
 
-  bool needs_adjacent_pairs() const override { return true; }
-  std::string unsound() const override;
-  bool exactly_once() const override { return true; }
-  std::unique_ptr<StageState> make_state() const override;
-  void update(const Step& step, StageState& state) const override;
-  void tests(const Step& step, const StageState& state, const PairBatch& batch, TestBatch& out) const override;
-  std::size_t orphan_blocks(const StageState&) const override { return 0; }
-  void orphans(const Step&, const StageState&, std::size_t, TestBatch&) const override {}
-
- private:
-  Config config_;
+  std::string incomplete_on_nonadjacent() const override;
+  void run(const Step& step, StageState& state, unsigned worker, const PairBatch& batch, TestBatch& out) const override;
 };
 
-StageDescriptor<FeatureCulling> describe_static_assignment();
+StageDescriptor<Assignment> describe_static_assignment();
 
 }  // namespace volccd

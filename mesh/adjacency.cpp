@@ -1,91 +1,85 @@
 #include <volccd/mesh/adjacency.hpp>
 
 #include <algorithm>
+#include <array>
+
+#include <volccd/mesh/detail/reserve.hpp>
 
 namespace volccd {
 
 namespace {
 
-constexpr std::size_t kBlock = 8;  // elements with more vertices are "large"
-
-bool share_sorted(std::span<const Index> a, std::span<const Index> b) {
-  for (std::size_t i = 0, j = 0; i < a.size() && j < b.size();) {
-    if (a[i] == b[j]) return true;
-    if (a[i] < b[j]) {
-      ++i;
-    } else {
-      ++j;
-    }
-  }
-  return false;
-}
-
-bool share_with_block(std::span<const Index> sorted, const Index* block) {
-  return std::any_of(block, block + kBlock,
-                     [&](Index v) { return std::binary_search(sorted.begin(), sorted.end(), v); });
+std::size_t largest(std::span<const ElementSpec> elements) {
+  std::size_t most = 0;
+  for (const ElementSpec& element : elements) most = std::max(most, element.vertices.size());
+  return most;
 }
 
 }  // namespace
 
-void AdjacencyTest::build(const Mesh& mesh) {
-  AdjacencyTest built;
+void Adjacency::build(const Mesh& mesh) {
+  *this = Adjacency();
   std::size_t most = 0;
   for (Index o = 0; o < mesh.element_slots(); ++o) most = std::max(most, mesh.vertices(o).size());
-  built.stride_ = most <= 4 ? 4 : 8;
-  built.ids_.assign(std::size_t{mesh.element_slots()} * built.stride_, kNone);
-  for (Index o = 0; o < mesh.element_slots(); ++o) built.store(mesh, o);
-  if (most > kBlock) {
-    built.large_.clear(mesh.element_slots(), 0);
-    std::vector<Index> all(mesh.element_slots());
-    for (Index o = 0; o < mesh.element_slots(); ++o) all[o] = o;
-    built.update_large(mesh, all);
-  }
-  *this = std::move(built);
+  if (most > block_) block_ = kMaxBlock;
+  const std::size_t size = std::size_t{mesh.element_slots()} * block_;
+  ids_.reserve(detail::with_spare(size));
+  ids_.resize(size);
+  if (most > kMaxBlock) large_.clear(mesh.element_slots(), 0);
+  for (Index o = 0; o < mesh.element_slots(); ++o) store(o, mesh.vertices(o));
 }
 
-void AdjacencyTest::update(const Mesh& mesh, std::span<const Index> slots) {
-  std::size_t most = 0;
-  for (Index o : slots) most = std::max(most, mesh.vertices(o).size());
-  if (most > stride_ && (stride_ == 4 || large_.size() == 0)) return build(mesh);
-  ids_.resize(std::size_t{mesh.element_slots()} * stride_, kNone);
-  if (large_.size() != 0) update_large(mesh, slots);
-  for (Index o : slots) store(mesh, o);
-}
-
-void AdjacencyTest::store(const Mesh& mesh, Index o) noexcept {
-  const std::span<const Index> vertices = mesh.vertices(o);
-  Index* const block = ids_.data() + std::size_t{o} * stride_;
-  const std::size_t held = std::min<std::size_t>(vertices.size(), stride_);
-  std::fill(std::copy_n(vertices.begin(), held, block), block + stride_, vertices.empty() ? kNone : vertices[0]);
-}
-
-/// All or nothing.
-void AdjacencyTest::update_large(const Mesh& mesh, std::span<const Index> slots) {
-  std::vector<Index> sorted;  // vertices of one element after the other
-  std::vector<std::size_t> ends(slots.size());
+void Adjacency::prepare(std::span<const ElementSpec> added, std::span<const Index> slots, Index element_slots) {
+  const std::size_t most = largest(added), block = most > block_ ? kMaxBlock : block_;
+  detail::reserve_more(ids_, element_slots * block - ids_.size());
+  if (most <= kMaxBlock && large_.size() == 0) return;
   std::size_t entries = 0;
-  for (std::size_t k = 0; k < slots.size(); ++k) {
-    const std::span<const Index> vertices = mesh.vertices(slots[k]);
-    const std::size_t begin = sorted.size();
-    if (vertices.size() > kBlock) sorted.insert(sorted.end(), vertices.begin(), vertices.end());
-    std::sort(sorted.begin() + static_cast<std::ptrdiff_t>(begin), sorted.end());
-    ends[k] = sorted.size();
-    entries += large_.room_for(slots[k], ends[k] - begin);
-  }
-  large_.reserve(mesh.element_slots(), entries);
-  large_.extend(mesh.element_slots());
-  for (std::size_t k = 0; k < slots.size(); ++k) {
-    const std::size_t begin = k == 0 ? 0 : ends[k - 1];
-    large_.assign(slots[k], std::span(sorted).subspan(begin, ends[k] - begin));
-  }
+  for (std::size_t k = 0; k < added.size(); ++k)
+    if (const std::size_t n = added[k].vertices.size(); n > kMaxBlock) entries += large_.room_for(slots[k], n);
+  large_.reserve(element_slots, entries);
+}
+
+void Adjacency::commit(std::span<const Index> removed, std::span<const ElementSpec> added, std::span<const Index> slots,
+                       Index element_slots) noexcept {
+  const std::size_t most = largest(added);
+  if (most > block_ && block_ != kMaxBlock) widen();
+  ids_.resize(std::size_t{element_slots} * block_);
+  if (most > kMaxBlock || large_.size() != 0) large_.extend(element_slots);
+  for (const Index o : removed) store(o, {});
+  for (std::size_t k = 0; k < added.size(); ++k) store(slots[k], added[k].vertices);
   large_.compact_if_sparse();
 }
 
-bool AdjacencyTest::adjacent_large(Index a, Index b) const {
-  if (large_[a].empty() && large_[b].empty()) return detail::share_id<8>(block(a), block(b));
-  if (large_[a].empty()) return share_with_block(large_[b], block(a));
-  if (large_[b].empty()) return share_with_block(large_[a], block(b));
-  return share_sorted(large_[a], large_[b]);
+void Adjacency::store(Index o, std::span<const Index> vertices) {
+  Index* const block = ids_.data() + std::size_t{o} * block_;
+  const std::size_t held = std::min<std::size_t>(vertices.size(), block_);
+  std::fill(std::copy_n(vertices.begin(), held, block), block + block_, vertices.empty() ? kNone : vertices[0]);
+  if (large_.size() != 0) large_.assign(o, vertices.size() > kMaxBlock ? vertices : std::span<const Index>());
+}
+
+/// From blocks of four to blocks of eight, in the memory that prepare() has reserved. From the back: no block is
+/// overwritten before it has been read.
+void Adjacency::widen() noexcept {
+  const std::size_t slots = ids_.size() / 4;
+  ids_.resize(slots * kMaxBlock);
+  for (std::size_t o = slots; o-- > 0;) {
+    std::array<Index, 4> ids;
+    std::copy_n(ids_.begin() + static_cast<std::ptrdiff_t>(4 * o), 4, ids.begin());
+    const auto to = ids_.begin() + static_cast<std::ptrdiff_t>(kMaxBlock * o);
+    std::fill_n(std::copy(ids.begin(), ids.end(), to), 4, ids[0]);
+  }
+  block_ = kMaxBlock;
+}
+
+/// In blocks of eight; the last one of a list overlaps the one before.
+bool Adjacency::adjacent_large(Index a, Index b) const {
+  const std::span<const Index> x = vertices(a), y = vertices(b);
+  for (std::size_t i = 0; i < x.size(); i += kMaxBlock)
+    for (std::size_t j = 0; j < y.size(); j += kMaxBlock)
+      if (detail::share_id<kMaxBlock>(x.data() + std::min(i, x.size() - kMaxBlock),
+                                      y.data() + std::min(j, y.size() - kMaxBlock)))
+        return true;
+  return false;
 }
 
 void adjacent_elements(const Mesh& mesh, const Features& features, Index o, std::vector<Index>& out) {

@@ -14,36 +14,48 @@
 
 namespace volccd {
 
-/// Decides adjacency of two elements by comparing vertex slots in registers, a nanosecond or so for tetrahedra, without
-/// lists of neighbours. Elements of up to four, or up to eight vertices are held padded in one block; larger polytopes
-/// fall back to their sorted vertices. Read-only use is thread-safe. A member that throws for lack of memory leaves it
-/// as it was.
-class AdjacencyTest {
+/// The vertices of all elements, in blocks of four ids, or of eight where an element has more than four vertices; larger
+/// polytopes have a list of their own. Two elements are compared block by block in registers, which takes about a
+/// nanosecond for tetrahedra. Read-only use is thread-safe.
+class Adjacency {
  public:
   /// For the live elements of `mesh`. O(elements).
   void build(const Mesh& mesh);
-  /// Brings the given slots up to date with `mesh` after an edit that emptied or filled them. Time proportional to
-  /// their number; all slots, when larger elements than before make the block wider.
-  void update(const Mesh& mesh, std::span<const Index> slots);
+
+  /// An edit in two parts, as in Mesh: elements that go, and elements that come then, in `slots`; the mesh will have
+  /// `element_slots` slots. prepare() allocates the memory and changes nothing that can be seen; commit() of the same edit
+  /// cannot fail. Amortised time proportional to the edit, except for the first element that is larger than a block.
+  void prepare(std::span<const ElementSpec> added, std::span<const Index> slots, Index element_slots);
+  void commit(std::span<const Index> removed, std::span<const ElementSpec> added, std::span<const Index> slots,
+              Index element_slots) noexcept;
 
   /// Whether the live elements a and b have a common vertex.
   bool adjacent(Index a, Index b) const {
-    if (stride_ == 4) return detail::share_id<4>(block(a), block(b));
+    if (block_ == 4) return detail::share_id<4>(block(a), block(b));
     if (large_.size() == 0) return detail::share_id<8>(block(a), block(b));
     return adjacent_large(a, b);
+  }
+
+  /// The vertices of a live element in node order, for random access. An element that is smaller than its block repeats
+  /// its first vertex at the end.
+  std::span<const Index> vertices(Index o) const {
+    if (large_.size() != 0 && !large_[o].empty()) return large_[o];
+    return {block(o), block_};
   }
 
   std::size_t bytes() const { return ids_.capacity() * sizeof(Index) + large_.bytes(); }
 
  private:
-  const Index* block(Index o) const { return ids_.data() + std::size_t{o} * stride_; }
-  bool adjacent_large(Index a, Index b) const;
-  void store(const Mesh& mesh, Index o) noexcept;
-  void update_large(const Mesh& mesh, std::span<const Index> slots);
+  static constexpr std::uint32_t kMaxBlock = 8;
 
-  std::uint32_t stride_ = 4;     ///< ids a slot: 4 if no element has more than four vertices, else 8
-  std::vector<Index> ids_;       ///< stride_ ids a slot; short elements repeat their first vertex
-  detail::IncidencePool large_;  ///< ascending vertices of slots with more than 8; no lists if there are none
+  const Index* block(Index o) const { return ids_.data() + std::size_t{o} * block_; }
+  bool adjacent_large(Index a, Index b) const;
+  void store(Index o, std::span<const Index> vertices);
+  void widen() noexcept;
+
+  std::uint32_t block_ = 4;      ///< ids of a slot in ids_: 4 or 8
+  std::vector<Index> ids_;       ///< padded with the first vertex; kNone in empty slots
+  detail::IncidencePool large_;  ///< vertices of the slots with more than 8; no lists if there never was one
 };
 
 /// Replaces `out` by the live elements adjacent to o, itself included, ascending, each once. O(k log k), k = sum of

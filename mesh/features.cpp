@@ -64,15 +64,27 @@ BoundarySize boundary_size(const Mesh& mesh, EdgeSet edge_set) {
   return size;
 }
 
+void fill_first(detail::Incidence& incidence) {
+  const std::size_t features = incidence.elements.size();
+  incidence.first.reserve(detail::with_spare(features));
+  for (std::size_t i = 0; i < features; ++i)
+    incidence.first.push_back(incidence.elements[i].empty() ? kNone : incidence.elements[i].front());
+}
+
 /// Tables of the edges or the triangles from their occurrences.
 template <std::size_t N>
 void build_kind(const detail::Occurrences<N>& occurrences, const Mesh& mesh, std::vector<std::array<Index, N>>& tuples,
-                detail::TupleTable<N>& table, detail::IncidencePool& incidence, detail::IncidencePool& of_element) {
+                detail::TupleTable<N>& table, detail::Incidence& incidence, detail::IncidencePool& of_element) {
   of_element.clear(mesh.element_slots(), occurrences.tuples.size());
   std::vector<Index> numbers;
-  detail::number_tuples(occurrences, mesh.vertex_count(), tuples, incidence, numbers);
+  detail::number_tuples(occurrences, mesh.vertex_count(), tuples, incidence.elements, numbers);
   for (std::size_t k = 0; k < numbers.size(); ++k) of_element.push_back(occurrences.elements[k], numbers[k]);
   table.fill(tuples);
+  fill_first(incidence);
+  std::vector<Index> lengths(mesh.element_slots());
+  for (const Index o : incidence.first) ++lengths[o];
+  incidence.own.layout(lengths);
+  for (Index i = 0; i < incidence.first.size(); ++i) incidence.own.append(incidence.first[i], i);
 }
 
 }  // namespace
@@ -95,13 +107,14 @@ void Features::build(const Mesh& mesh) {
 
   live_vertices_ =
       mesh.vertex_count() - static_cast<Index>(std::count(vertex_lengths.begin(), vertex_lengths.end(), Index{0}));
-  vertex_elements_.layout(vertex_lengths);
+  vertex_incidence_.elements.layout(vertex_lengths);
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    for (Index v : mesh.vertices(o)) vertex_elements_.append(v, o);
+    for (Index v : mesh.vertices(o)) vertex_incidence_.elements.append(v, o);
+  fill_first(vertex_incidence_);
 
-  build_kind(edges, mesh, edges_, edge_table_, edge_elements_, element_edges_);
+  build_kind(edges, mesh, edges_, edge_table_, edge_incidence_, element_edges_);
   edges = {};  // both at once would be the peak of memory
-  build_kind(triangles, mesh, triangles_, triangle_table_, triangle_elements_, element_triangles_);
+  build_kind(triangles, mesh, triangles_, triangle_table_, triangle_incidence_, element_triangles_);
 }
 
 Index Features::find_edge(Index v0, Index v1) const { return edge_table_.find(ascending(v0, v1), edges_); }
@@ -111,10 +124,12 @@ Index Features::find_triangle(Index v0, Index v1, Index v2) const {
 }
 
 std::size_t Features::bytes() const {
-  return edges_.capacity() * sizeof(edges_[0]) + triangles_.capacity() * sizeof(triangles_[0]) + edge_table_.bytes() +
-         triangle_table_.bytes() + vertex_elements_.bytes() + edge_elements_.bytes() + triangle_elements_.bytes() +
-         element_edges_.bytes() + element_triangles_.bytes() +
-         (free_edges_.capacity() + free_triangles_.capacity()) * sizeof(Index);
+  std::size_t total = edges_.capacity() * sizeof(edges_[0]) + triangles_.capacity() * sizeof(triangles_[0]) +
+                      edge_table_.bytes() + triangle_table_.bytes() + element_edges_.bytes() +
+                      element_triangles_.bytes() + (free_edges_.capacity() + free_triangles_.capacity()) * sizeof(Index);
+  for (const auto* incidence : {&vertex_incidence_, &edge_incidence_, &triangle_incidence_})
+    total += incidence->elements.bytes() + incidence->first.capacity() * sizeof(Index) + incidence->own.bytes();
+  return total;
 }
 
 }  // namespace volccd

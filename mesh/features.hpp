@@ -19,24 +19,31 @@ namespace volccd {
 
 namespace detail {
 class FeatureEdit;
-}
+
+/// The incident elements of all features of one kind.
+struct Incidence {
+  IncidencePool elements;    ///< of each feature, ascending
+  std::vector<Index> first;  ///< elements[i].front(), or kNone
+  IncidencePool own;         ///< for each element, the features i with first[i] == element, ascending; not for vertices
+};
+
+}  // namespace detail
 
 enum class EdgeSet { triangulated, polytope };
 
-/// Which features a change of topology touched. All lists ascend and hold no slot twice.
+/// The features that an edit changes. All lists ascend and hold no slot twice.
 struct FeatureChange {
-  /// Features that died (vertices: are used by no element any more). Their slots may already stand for new features:
-  /// those are in `added_*` too.
+  /// Features that lost all of their elements. The slot may hold a new feature already: then it is in `added_*` too.
   std::vector<Index> removed_vertices, removed_edges, removed_triangles;
-  /// New features (vertices: used now, but not by any element before or not after the removals).
+  /// Features that have elements now, but had none before the edit, or none between its removals and its additions.
   std::vector<Index> added_vertices, added_edges, added_triangles;
   /// Live features, new ones included, whose incident elements changed.
   std::vector<Index> touched_vertices, touched_edges, touched_triangles;
 };
 
-/// Feature slots are stable while the feature lives; a dead feature has no incident elements and its slot is used
-/// again. Incident elements ascend by slot: the order of inc(a) x inc(b) that assignment relies on (Algorithm 5),
-/// independent of the history of changes. Read-only use is thread-safe.
+/// A feature is live while it has incident elements, and keeps its slot as long; later the slot is used again. Incident
+/// elements ascend by slot: the order of inc(a) x inc(b) that assignment relies on (Algorithm 5), independent of the
+/// history of edits. Read-only use is thread-safe.
 class Features {
  public:
   explicit Features(EdgeSet edge_set = EdgeSet::triangulated) : edge_set_(edge_set) {}
@@ -46,8 +53,8 @@ class Features {
   /// Everything from scratch. O(elements) expected. Topology::apply() changes features with their mesh.
   void build(const Mesh& mesh);
 
-  /// Ranges of slots, dead ones included.
-  Index vertex_slots() const { return static_cast<Index>(vertex_elements_.size()); }
+  /// Ranges of slots, those of no live feature included.
+  Index vertex_slots() const { return static_cast<Index>(vertex_incidence_.elements.size()); }
   Index edge_slots() const { return static_cast<Index>(edges_.size()); }
   Index triangle_slots() const { return static_cast<Index>(triangles_.size()); }
   /// Live features.
@@ -55,14 +62,23 @@ class Features {
   Index edge_count() const { return static_cast<Index>(edge_table_.size()); }
   Index triangle_count() const { return static_cast<Index>(triangle_table_.size()); }
 
-  /// Vertex slots, ascending. Undefined content for a dead slot.
+  /// Vertex slots, ascending. Undefined content unless the feature is live.
   const std::array<Index, 2>& edge(Index e) const { return edges_[e]; }
   const std::array<Index, 3>& triangle(Index f) const { return triangles_[f]; }
 
-  /// Incident elements, ascending; empty: the feature is dead (vertex: unused).
-  std::span<const Index> vertex_elements(Index v) const { return vertex_elements_[v]; }
-  std::span<const Index> edge_elements(Index e) const { return edge_elements_[e]; }
-  std::span<const Index> triangle_elements(Index f) const { return triangle_elements_[f]; }
+  /// Incident elements, ascending; none if the feature is not live (a vertex: not used).
+  std::span<const Index> vertex_elements(Index v) const { return vertex_incidence_.elements[v]; }
+  std::span<const Index> edge_elements(Index e) const { return edge_incidence_.elements[e]; }
+  std::span<const Index> triangle_elements(Index f) const { return triangle_incidence_.elements[f]; }
+
+  /// The first (smallest) of the incident elements, in an array of its own for random access; kNone if there is none.
+  Index first_element_of_vertex(Index v) const { return vertex_incidence_.first[v]; }
+  Index first_element_of_edge(Index e) const { return edge_incidence_.first[e]; }
+  Index first_element_of_triangle(Index f) const { return triangle_incidence_.first[f]; }
+
+  /// The features of which o is the first incident element, ascending: each live edge and triangle is in one such list.
+  std::span<const Index> own_edges(Index o) const { return edge_incidence_.own[o]; }
+  std::span<const Index> own_triangles(Index o) const { return triangle_incidence_.own[o]; }
 
   /// Features of an element, in a fixed local order given by its type and vertex order; empty for an empty slot. Its
   /// vertices are Mesh::vertices.
@@ -83,7 +99,7 @@ class Features {
   std::vector<std::array<Index, 3>> triangles_;
   detail::TupleTable<2> edge_table_;
   detail::TupleTable<3> triangle_table_;
-  detail::IncidencePool vertex_elements_, edge_elements_, triangle_elements_;
+  detail::Incidence vertex_incidence_, edge_incidence_, triangle_incidence_;
   detail::IncidencePool element_edges_, element_triangles_;
   std::vector<Index> free_edges_, free_triangles_;
   Index live_vertices_ = 0;

@@ -49,6 +49,7 @@ std::vector<Index> vertices_of(const Mesh& mesh, const TopologyEdit& edit) {
 Topology::Topology(Mesh mesh, EdgeSet edge_set)
     : mesh_(std::move(mesh)), features_(edge_set), version_(next_version()), base_version_(version_) {
   features_.build(mesh_);
+  adjacency_.build(mesh_);
   for (Index o = 0; o < mesh_.element_slots(); ++o)
     if (mesh_.alive(o)) note_object(mesh_.object(o));
   if (several_objects_)
@@ -68,6 +69,7 @@ const TopologyChange& Topology::apply(const TopologyEdit& edit) {
   change->added_elements = slots;
   std::sort(change->added_elements.begin(), change->added_elements.end());
   const Index element_slots = std::max(mesh_.element_slots(), slots.empty() ? 0 : change->added_elements.back() + 1);
+  adjacency_.prepare(edit.added, slots, element_slots);
   detail::FeatureEdit features(features_, mesh_, change->removed_elements, edit.added, slots,
                                static_cast<Index>(mesh_.vertex_count() + edit.new_vertex_ids.size()), element_slots,
                                change->features);
@@ -76,6 +78,7 @@ const TopologyChange& Topology::apply(const TopologyEdit& edit) {
   for (const ElementSpec& spec : edit.added) note_object(spec.object);
   mesh_.commit(change->removed_elements, edit.new_vertex_ids, edit.added);
   features.commit();
+  adjacency_.commit(change->removed_elements, edit.added, slots, element_slots);
   shared_vertices_ = shared_vertices_ - shared_before + count_shared(vertices);
   change->version = next_version();
   if (history_.size() == kHistory) {
@@ -177,7 +180,7 @@ Index Topology::count_shared(std::span<const Index> vertices) const {
 }
 
 std::size_t Topology::bytes() const {
-  std::size_t total = mesh_.bytes() + features_.bytes();
+  std::size_t total = mesh_.bytes() + features_.bytes() + adjacency_.bytes();
   const auto add = [&](const auto& list) { total += list.capacity() * sizeof(list[0]); };
   for (const auto& change : history_) {
     add(change->removed_elements);

@@ -1,4 +1,4 @@
-// Mesh and Features that change together: the only way to edit a mesh whose features are in use.
+// Mesh, Features and Adjacency that change together: the only way to edit a mesh whose features are in use.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include <volccd/mesh/adjacency.hpp>
 #include <volccd/mesh/features.hpp>
 #include <volccd/mesh/mesh.hpp>
 
@@ -28,14 +29,16 @@ struct TopologyChange {
   FeatureChange features;
 };
 
-/// Owns a Mesh and its Features. Every edit raises the version; stages keep the version that they have seen in their
-/// state, and ask for what has changed since.
+/// Owns a Mesh, its Features and its Adjacency: all tables that depend on the elements alone, so that no stage needs a
+/// copy. Every edit raises the version; the state of a stage remembers the version that it was updated for, and asks for
+/// what has changed since (TopologyDelta).
 class Topology {
  public:
   explicit Topology(Mesh mesh, EdgeSet edge_set = EdgeSet::triangulated);
 
   const Mesh& mesh() const { return mesh_; }
   const Features& features() const { return features_; }
+  const Adjacency& adjacency() const { return adjacency_; }
 
   /// Distinct in every Topology object and after every edit (never 0), so that a state which was made for another
   /// topology is noticed.
@@ -69,6 +72,7 @@ class Topology {
 
   Mesh mesh_;
   Features features_;
+  Adjacency adjacency_;
   std::uint64_t version_;
   std::uint64_t base_version_;  ///< version before the oldest change kept
   std::vector<std::unique_ptr<TopologyChange>> history_;

@@ -193,16 +193,14 @@ const Options<Cubic::Config>& Cubic::options() {
   return table;
 }
 
-void Cubic::test(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs, std::vector<Contact>& contacts,
-                 NarrowCounters& counters) const {
+void Cubic::run(const Step& step, StageState&, unsigned, const TestBlock& block, std::vector<Contact>& contacts,
+                NarrowCounters& counters) const {
   assert(step.motion.control_points() == 2 && step.separation == 0);
-  CoplanarityBlock block;
-  for (std::size_t begin = 0; begin < pairs.size(); begin += CoplanarityBlock::kCapacity) {
-    block.gather(step, kind, pairs.subspan(begin, std::min(CoplanarityBlock::kCapacity, pairs.size() - begin)));
-    block.compute(config_.axis_test);
-    for (std::size_t i = 0; i < block.size(); ++i)
-      if (block.open(i)) test_open(kind, block, i, config_.tolerance, step.t_max, contacts, counters);
-  }
+  CoplanarityBlock cubics;
+  cubics.gather(step.motion, block);
+  cubics.compute(config_.axis_test);
+  for (std::size_t i = 0; i < cubics.size(); ++i)
+    if (cubics.open(i)) test_open(block.kind(), cubics, i, config_.tolerance, step.t_max, contacts, counters);
 }
 
 StageDescriptor<NarrowPhase> describe_cubic() {

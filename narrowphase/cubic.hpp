@@ -40,8 +40,8 @@ class Cubic final : public NarrowPhase {
 
   /// A contact found with t_max = 1 is found with the same bits for every t_max >= its time, and not for a smaller one.
   /// Pre: two control points, separation 0 (asserted; a pipeline refuses other combinations).
-  void test(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs, std::vector<Contact>& contacts,
-            NarrowCounters& counters) const override;
+  void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block, std::vector<Contact>& contacts,
+           NarrowCounters& counters) const override;
 
  private:
   Config config_;

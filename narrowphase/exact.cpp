@@ -12,18 +12,18 @@ const Options<Exact::Config>& Exact::options() {
   return table;
 }
 
-void Exact::test(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs, std::vector<Contact>& contacts,
-                 NarrowCounters& counters) const {
+void Exact::run(const Step& step, StageState&, unsigned, const TestBlock& block, std::vector<Contact>& contacts,
+                NarrowCounters& counters) const {
   assert(step.separation == 0);
-  TestMotion motion{kind, step.motion.control_points(), {}};
-  for (const FeaturePair& pair : pairs) {
-    const std::array<Index, 4> vertices = test_vertices(step.features(), kind, pair);
+  TestMotion motion{block.kind(), step.motion.control_points(), {}};
+  for (std::size_t test = 0; test < block.size(); ++test) {
+    const std::array<Index, 4>& vertices = block.vertices(test);
     for (std::size_t i = 0; i < 4; ++i) motion.points[i] = step.motion.at(vertices[i]);
     const ExactAnswer answer = exact_first_touch(motion, step.t_max);
     counters.degenerate += answer.degenerate ? 1 : 0;
     if (!answer.touches) continue;
     contacts.push_back(
-        detail::contact_at(kind, vertices, motion.points, motion.control_points, answer.toi, answer.side));
+        detail::contact_at(block.kind(), vertices, motion.points, motion.control_points, answer.toi, answer.side));
     contacts.back().at_start = answer.reason == TouchCase::at_start;
   }
 }

@@ -21,8 +21,8 @@ class Exact final : public NarrowPhase {
 
   int max_control_points() const override { return 3; }
   /// Pre: separation 0 (asserted; a pipeline refuses other combinations).
-  void test(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs, std::vector<Contact>& contacts,
-            NarrowCounters& counters) const override;
+  void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block, std::vector<Contact>& contacts,
+           NarrowCounters& counters) const override;
 };
 
 StageDescriptor<NarrowPhase> describe_exact();

@@ -53,29 +53,27 @@ void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<In
   contacts.back().at_start = answer.at_start;
 }
 
-void Inclusion::test(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs,
-                     std::vector<Contact>& contacts, NarrowCounters& counters) const {
+void Inclusion::run(const Step& step, StageState&, unsigned, const TestBlock& block, std::vector<Contact>& contacts,
+                    NarrowCounters& counters) const {
+  const FeatureKind kind = block.kind();
   if (step.motion.control_points() != 2 || step.separation > 0) {
-    for (const FeaturePair& pair : pairs)
-      test_one(step, kind, test_vertices(step.features(), kind, pair), contacts, counters);
+    for (std::size_t i = 0; i < block.size(); ++i) test_one(step, kind, block.vertices(i), contacts, counters);
     return;
   }
-  CoplanarityBlock block;
+  CoplanarityBlock cubics;
   CrossingBlock crossings;
-  for (std::size_t begin = 0; begin < pairs.size(); begin += CoplanarityBlock::kCapacity) {
-    block.gather(step, kind, pairs.subspan(begin, std::min(CoplanarityBlock::kCapacity, pairs.size() - begin)));
-    block.compute(true);
-    crossings.gather(block);
-    crossings.decide(config_.time_tolerance);
-    for (std::size_t i = 0; i < crossings.size(); ++i) {
-      if (crossings.apart(i)) continue;
-      const std::size_t source = crossings.source(i);
-      if (!crossings.touches(i))
-        test_one(step, kind, block.vertices(source), contacts, counters);
-      else if (crossings.toi(i) <= step.t_max)
-        contacts.push_back(contact_at(kind, block.vertices(source), block.coordinates(source), 2, crossings.toi(i),
-                                      crossings.side(i)));
-    }
+  cubics.gather(step.motion, block);
+  cubics.compute(true);
+  crossings.gather(cubics);
+  crossings.decide(config_.time_tolerance);
+  for (std::size_t i = 0; i < crossings.size(); ++i) {
+    if (crossings.apart(i)) continue;
+    const std::size_t source = crossings.source(i);
+    if (!crossings.touches(i))
+      test_one(step, kind, block.vertices(source), contacts, counters);
+    else if (crossings.toi(i) <= step.t_max)
+      contacts.push_back(contact_at(kind, block.vertices(source), cubics.coordinates(source), 2, crossings.toi(i),
+                                    crossings.side(i)));
   }
 }
 

@@ -58,8 +58,8 @@ class Inclusion final : public NarrowPhase {
   double time_tolerance() const override { return config_.time_tolerance; }
 
   /// A contact found with t_max = 1 is found with the same bits for every t_max >= its time, and not for a smaller one.
-  void test(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs, std::vector<Contact>& contacts,
-            NarrowCounters& counters) const override;
+  void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block, std::vector<Contact>& contacts,
+           NarrowCounters& counters) const override;
 
  private:
   void test_one(const Step& step, FeatureKind kind, const std::array<Index, 4>& vertices,

@@ -7,6 +7,7 @@
 
 #include <volccd/core/floating_point.hpp>
 #include <volccd/pipelines/detail/checked_executor.hpp>
+#include <volccd/pipelines/detail/completeness.hpp>
 #include <volccd/pipelines/detail/pipeline_run.hpp>
 #include <volccd/pipelines/detail/workspace_data.hpp>
 
@@ -19,10 +20,8 @@ Workspace& Workspace::operator=(Workspace&&) noexcept = default;
 
 std::size_t Workspace::bytes() const {
   if (!data_) return 0;
-  std::size_t sum = data_->adjacency.bytes();
-  if (data_->broad_phase) sum += data_->broad_phase->bytes();
-  if (data_->feature_culling) sum += data_->feature_culling->bytes();
-  for (const auto& state : data_->element_culling) sum += state ? state->bytes() : 0;
+  std::size_t sum = 0;
+  for (const auto& state : data_->states) sum += state->bytes();
   for (const auto& worker : data_->workers) sum += worker->bytes();
   return sum;
 }
@@ -58,17 +57,19 @@ std::uint64_t next_id() {
 }  // namespace
 
 Pipeline::Pipeline(const Registry& registry, const PipelineSpec& spec) : spec_(spec), id_(next_id()) {
-  broad_phase_ = make_stage<BroadPhase>(registry, spec.broad_phase, guarantee_);
-  for (const StageChoice& choice : spec.element_culling)
-    element_culling_.push_back(make_stage<ElementCulling>(registry, choice, guarantee_));
-  feature_culling_ = make_stage<FeatureCulling>(registry, spec.feature_culling, guarantee_);
-  for (const StageChoice& choice : spec.feature_filters)
-    feature_filters_.push_back(make_stage<FeatureFilter>(registry, choice, guarantee_));
-  narrow_phase_ = make_stage<NarrowPhase>(registry, spec.narrow_phase, guarantee_);
+  const auto make = [&]<class Interface>(std::unique_ptr<Interface>& stage, const StageChoice& choice) {
+    stage = make_stage<Interface>(registry, choice, guarantee_);
+    stages_.push_back(stage.get());
+  };
+  make(broad_phase_, spec.broad_phase);
+  for (const StageChoice& choice : spec.element_culling) make(element_culling_.emplace_back(), choice);
+  make(assignment_, spec.assignment);
+  if (spec.orphans) make(orphans_, *spec.orphans);
+  for (const StageChoice& choice : spec.feature_filters) make(feature_filters_.emplace_back(), choice);
+  make(narrow_phase_, spec.narrow_phase);
+  range_ = detail::required_range(spec.name, spec.assignment.name, *assignment_, orphans_ != nullptr);
   curved_narrow_phases_ = narrow_phases_that(registry, [](const NarrowPhase& n) { return n.max_control_points() > 2; });
   separating_narrow_phases_ = narrow_phases_that(registry, [](const NarrowPhase& n) { return n.handles_separation(); });
-  if (const std::string reason = feature_culling_->unsound(); !reason.empty())
-    throw ConfigError(fmt::format("pipeline {}: {} would lose contacts: {}", spec.name, spec.feature_culling.name, reason));
 }
 
 Workspace Pipeline::make_workspace() const {
@@ -80,22 +81,12 @@ Workspace Pipeline::make_workspace() const {
 }
 
 void Pipeline::make_states(Workspace::Data& data) const {
-  data.broad_phase = broad_phase_->make_state();
-  data.feature_culling = feature_culling_->make_state();
-  data.element_culling.clear();
-  for (const auto& stage : element_culling_) data.element_culling.push_back(stage->make_state());
-  data.adjacency_version = 0;
+  data.states.clear();
+  for (const Stage* stage : stages_) data.states.push_back(stage->make_state());
   data.intact = true;
 }
 
-void Pipeline::run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result,
-                   const Request& request) const {
-  require_standard_floating_point();
-  if (!workspace.data_ || workspace.data_->pipeline != id_)
-    throw ConfigError(
-        fmt::format("pipeline {}: the workspace is not one of this pipeline; make it with make_workspace() of the "
-                    "pipeline that runs",
-                    spec_.name));
+void Pipeline::check(const Step& step) const {
   if (step.motion.vertex_count() != step.mesh().vertex_count())
     throw InputError("step", "motion", fmt::format("moves {} vertices, the mesh has {}", step.motion.vertex_count(),
                                                    step.mesh().vertex_count()));
@@ -108,6 +99,17 @@ void Pipeline::run(const Step& step, Workspace& workspace, Executor& executor, S
   if (step.separation > 0 && !narrow_phase_->handles_separation())
     throw ConfigError(fmt::format("narrow phase {} does not handle a separation; {}", spec_.narrow_phase.name,
                                   separating_narrow_phases_));
+}
+
+void Pipeline::run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result,
+                   const Request& request) const {
+  require_standard_floating_point();
+  if (!workspace.data_ || workspace.data_->pipeline != id_)
+    throw ConfigError(
+        fmt::format("pipeline {}: the workspace is not one of this pipeline; make it with make_workspace() of the "
+                    "pipeline that runs",
+                    spec_.name));
+  check(step);
   Workspace::Data& data = *workspace.data_;
   if (!data.intact) make_states(data);
   data.intact = false;

@@ -1,4 +1,4 @@
-// A pipeline: broad phase, element culling, feature culling, feature filters, narrow phase.
+// A pipeline: broad phase, element culling, assignment, orphans, feature filters, narrow phase.
 #pragma once
 
 #include <cstdint>
@@ -78,6 +78,7 @@ class Pipeline {
  private:
   class Run;
 
+  void check(const Step& step) const;
   void make_states(Workspace::Data& data) const;
 
   PipelineSpec spec_;
@@ -85,9 +86,12 @@ class Pipeline {
   Guarantee guarantee_ = Guarantee::exact;
   std::unique_ptr<BroadPhase> broad_phase_;
   std::vector<std::unique_ptr<ElementCulling>> element_culling_;
-  std::unique_ptr<FeatureCulling> feature_culling_;
+  std::unique_ptr<Assignment> assignment_;
+  std::unique_ptr<OrphanSource> orphans_;  ///< may be null
   std::vector<std::unique_ptr<FeatureFilter>> feature_filters_;
   std::unique_ptr<NarrowPhase> narrow_phase_;
+  std::vector<const Stage*> stages_;  ///< all of them, in the order of spec_.stages()
+  PairRange range_ = PairRange::every;
   /// For messages: which narrow phases handle three control points, and a separation.
   std::string curved_narrow_phases_, separating_narrow_phases_;
 };

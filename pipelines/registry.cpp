@@ -14,6 +14,7 @@
 #include <volccd/culling/csat_filter.hpp>
 #include <volccd/culling/dynamic_assignment.hpp>
 #include <volccd/culling/feature_kdop_filter.hpp>
+#include <volccd/culling/o_set_source.hpp>
 #include <volccd/culling/static_assignment.hpp>
 #include <volccd/narrowphase/cubic.hpp>
 #include <volccd/narrowphase/exact.hpp>
@@ -24,24 +25,19 @@ namespace volccd {
 namespace {
 
 void add_presets(Registry& registry) {
+  const StageChoice bvh{"kdop-bvh", {}}, hash{"spatial-hash", {}}, all_pairs{"all-pairs", {}}, inclusion{"inclusion", {}};
+  const StageChoice dynamic{"dynamic-assignment", {}}, o_set{"o-set", {}}, csat_filter{"feature-csat", {}};
   registry.add_pipeline({"NavCCD", "k-DOP BVH and all elementary tests of overlapping elements (Section 6.1)",
-                         {"kdop-bvh", {}}, {}, {"all-pairs", {}}, {}, {"inclusion", {}}});
+                         bvh, {}, all_pairs, {}, {}, inclusion});
   registry.add_pipeline({"HashCCD", "spatial hashing and all elementary tests of overlapping elements (Section 6.1)",
-                         {"spatial-hash", {}}, {}, {"all-pairs", {}}, {}, {"inclusion", {}}});
+                         hash, {}, all_pairs, {}, {}, inclusion});
   registry.add_pipeline({"VolCCD", "the paper's: k-DOP BVH, CSAT, dynamic assignment with O-Set",
-                         {"kdop-bvh", {}},
-                         {{"csat", {{"axis", "face"}, {"mode", "features"}}}},
-                         {"dynamic-assignment", {{"oset", "minimal"}}},
-                         {{"feature-csat", {}}},
-                         {"inclusion", {}}});
+                         bvh, {{"csat", {{"axis", "face"}, {"mode", "features"}}}}, dynamic, o_set, {csat_filter}, inclusion});
   registry.add_pipeline({"VolCCD+", "the best that this project knows",
-                         {"kdop-bvh", {}},
-                         {{"csat", {{"axis", "optimal"}, {"mode", "pair"}}}},
-                         {"dynamic-assignment", {{"oset", "minimal"}}},
-                         {{"feature-kdop", {}}, {"coplanarity", {}}, {"feature-csat", {}}},
-                         {"inclusion", {}}});
+                         bvh, {{"csat", {{"axis", "optimal"}, {"mode", "pair"}}}}, dynamic, o_set,
+                         {{"feature-kdop", {}}, {"coplanarity", {}}, csat_filter}, inclusion});
   registry.add_pipeline({"BruteForce", "every pair of elements, compared by its swept box, and all its elementary tests",
-                         {"brute-force", {}}, {}, {"all-pairs", {}}, {}, {"inclusion", {}}});
+                         {"brute-force", {}}, {}, all_pairs, {}, {}, inclusion});
 }
 
 /// Splits "a,b,c"; "" and "none" give nothing.
@@ -56,18 +52,8 @@ std::vector<std::string> names_in(std::string_view list) {
   return names;
 }
 
-/// All stage choices of a spec, in order.
-std::vector<StageChoice*> choices(PipelineSpec& spec) {
-  std::vector<StageChoice*> all = {&spec.broad_phase};
-  for (StageChoice& choice : spec.element_culling) all.push_back(&choice);
-  all.push_back(&spec.feature_culling);
-  for (StageChoice& choice : spec.feature_filters) all.push_back(&choice);
-  all.push_back(&spec.narrow_phase);
-  return all;
-}
-
 StageChoice named(PipelineSpec& spec, const std::string& name) {
-  for (const StageChoice* choice : choices(spec))
+  for (const auto& [role, choice] : spec.stages())
     if (choice->name == name) return *choice;
   return {name, {}};
 }
@@ -75,7 +61,7 @@ StageChoice named(PipelineSpec& spec, const std::string& name) {
 void set_option(PipelineSpec& spec, const std::string& stage, const std::string& option, const std::string& value) {
   bool found = false;
   std::string known;
-  for (StageChoice* choice : choices(spec)) {
+  for (const auto& [role, choice] : spec.stages()) {
     known += (known.empty() ? "" : ", ") + choice->name;
     if (choice->name != stage) continue;
     choice->options[option] = value;
@@ -91,18 +77,37 @@ void set_role(PipelineSpec& spec, const std::string& role, const std::string& va
     if (stages.size() != 1) throw ConfigError(fmt::format("{}: needs exactly one stage, not '{}'", role, value));
     choice = stages.front();
   };
-  if (role == "broad-phase") one(spec.broad_phase);
-  else if (role == "element-culling") spec.element_culling = stages;
-  else if (role == "feature-culling") one(spec.feature_culling);
-  else if (role == "feature-filters") spec.feature_filters = stages;
-  else if (role == "narrow-phase") one(spec.narrow_phase);
-  else
-    throw ConfigError(fmt::format("no role '{}'; there are broad-phase, element-culling, feature-culling, "
-                                  "feature-filters, narrow-phase, or stage.option=value",
-                                  role));
+  if (role == BroadPhase::kRole) return one(spec.broad_phase);
+  if (role == ElementCulling::kRole) return spec.element_culling.swap(stages);
+  if (role == Assignment::kRole) return one(spec.assignment);
+  if (role == FeatureFilter::kRole) return spec.feature_filters.swap(stages);
+  if (role == NarrowPhase::kRole) return one(spec.narrow_phase);
+  if (role != OrphanSource::kRole)
+    throw ConfigError(fmt::format("no role '{}'; there are {}, {}, {}, {}, {}, {}, or stage.option=value", role,
+                                  BroadPhase::kRole, ElementCulling::kRole, Assignment::kRole, OrphanSource::kRole,
+                                  FeatureFilter::kRole, NarrowPhase::kRole));
+  spec.orphans.reset();
+  if (!stages.empty()) one(spec.orphans.emplace());
+}
+
+/// The stages of a spec that is const or not.
+template <class Choice, class Spec>
+std::vector<std::pair<const char*, Choice*>> stages_of(Spec& spec) {
+  std::vector<std::pair<const char*, Choice*>> all = {{BroadPhase::kRole, &spec.broad_phase}};
+  for (Choice& choice : spec.element_culling) all.emplace_back(ElementCulling::kRole, &choice);
+  all.emplace_back(Assignment::kRole, &spec.assignment);
+  if (spec.orphans) all.emplace_back(OrphanSource::kRole, &*spec.orphans);
+  for (Choice& choice : spec.feature_filters) all.emplace_back(FeatureFilter::kRole, &choice);
+  all.emplace_back(NarrowPhase::kRole, &spec.narrow_phase);
+  return all;
 }
 
 }  // namespace
+
+std::vector<std::pair<const char*, StageChoice*>> PipelineSpec::stages() { return stages_of<StageChoice>(*this); }
+std::vector<std::pair<const char*, const StageChoice*>> PipelineSpec::stages() const {
+  return stages_of<const StageChoice>(*this);
+}
 
 Registry Registry::standard() {
   Registry registry;
@@ -113,6 +118,7 @@ Registry Registry::standard() {
   registry.add(describe_all_pairs());
   registry.add(describe_static_assignment());
   registry.add(describe_dynamic_assignment());
+  registry.add(describe_o_set());
   registry.add(describe_feature_kdop_filter());
   registry.add(describe_coplanarity_filter());
   registry.add(describe_csat_filter());

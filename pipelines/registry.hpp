@@ -1,14 +1,16 @@
 // Stages and pipelines by name. Explicit: a registry is a value, filled by calls; nothing registers itself at start-up.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <tuple>
 #include <vector>
 
 #include <volccd/broadphase/broad_phase.hpp>
 #include <volccd/culling/element_culling.hpp>
-#include <volccd/culling/feature_culling.hpp>
+#include <volccd/culling/assignment.hpp>
 #include <volccd/culling/feature_filter.hpp>
+#include <volccd/culling/orphan_source.hpp>
 #include <volccd/narrowphase/narrow_phase.hpp>
 
 namespace volccd {
@@ -25,9 +27,14 @@ struct PipelineSpec {
   std::string description;  ///< one line
   StageChoice broad_phase;
   std::vector<StageChoice> element_culling;  ///< may be empty
-  StageChoice feature_culling;
+  StageChoice assignment;
+  std::optional<StageChoice> orphans;
   std::vector<StageChoice> feature_filters;  ///< may be empty
   StageChoice narrow_phase;
+
+  /// All stages in the order in which they run, each with its role as in `--set`.
+  std::vector<std::pair<const char*, StageChoice*>> stages();
+  std::vector<std::pair<const char*, const StageChoice*>> stages() const;
 };
 
 class Registry {
@@ -44,7 +51,7 @@ class Registry {
   /// Adds a pipeline. Throws ConfigError if the name is taken.
   void add_pipeline(PipelineSpec spec);
 
-  /// Stage is BroadPhase, ElementCulling, FeatureCulling, FeatureFilter or NarrowPhase.
+  /// Stage is BroadPhase, ElementCulling, Assignment, OrphanSource, FeatureFilter or NarrowPhase.
   template <class Stage>
   const std::vector<StageDescriptor<Stage>>& stages() const {
     return std::get<Stages<Stage>>(stages_);
@@ -65,9 +72,9 @@ class Registry {
 
   /// Changes a spec by one setting, as `--set` has it. Throws ConfigError.
   ///     stage.option=value      an option of a stage that the pipeline has:  csat.axis=optimal
-  ///     role=name[,name...]     another stage in a role, or none:            feature-filters=feature-kdop,coplanarity
-  /// Roles: broad-phase, element-culling, feature-culling, feature-filters, narrow-phase. Options that a stage has stay when it
-  /// is named again.
+  ///     role=name[,name...]     another stage in a role, or none:            feature-filter=feature-kdop,coplanarity
+  /// Roles: broad-phase, element-culling, assignment, orphans, feature-filter, narrow-phase. Options that a stage has stay
+  /// when it is named again.
   void apply_setting(PipelineSpec& spec, const std::string& setting) const;
 
  private:
@@ -77,8 +84,8 @@ class Registry {
   void check_new(const std::string& name) const;
   [[noreturn]] static void unknown(const char* what, const std::string& name, const std::string& known);
 
-  std::tuple<Stages<BroadPhase>, Stages<ElementCulling>, Stages<FeatureCulling>, Stages<FeatureFilter>,
-             Stages<NarrowPhase>>
+  std::tuple<Stages<BroadPhase>, Stages<ElementCulling>, Stages<Assignment>, Stages<OrphanSource>,
+             Stages<FeatureFilter>, Stages<NarrowPhase>>
       stages_;
   std::vector<PipelineSpec> pipelines_;
 };

@@ -30,6 +30,7 @@ Statistics& Statistics::operator+=(const Statistics& other) {
   for (std::size_t i = 0; i < stages.size(); ++i) {
     stages[i].in += other.stages[i].in;
     stages[i].out += other.stages[i].out;
+    stages[i].prepare_seconds += other.stages[i].prepare_seconds;
     stages[i].seconds += other.stages[i].seconds;
   }
   return *this;

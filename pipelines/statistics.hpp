@@ -8,15 +8,19 @@
 
 namespace volccd {
 
-/// One stage of a pipeline. What `in` and `out` count is in the stage's role: element pairs for the broad phase and element
-/// culling, tests for feature filters, tests in and contacts out for the narrow phase; feature culling takes element pairs
-/// and gives tests; initial overlaps take and give element pairs.
+/// One stage of a pipeline. What `in` and `out` count is in the stage's role: the broad phase gives element pairs, element
+/// culling and initial overlaps take and give them, the assignment takes element pairs and gives tests, an orphan source
+/// gives tests, feature filters take and give tests, the narrow phase takes tests and gives contacts.
 struct StageStatistics {
-  std::string role;  ///< "update", "broad-phase", "element-culling", "feature-culling", "orphans", "feature-filter", ...,
-                     ///< "initial-overlaps"
-  std::string name;
+  std::string role;  ///< as in `--set`: "broad-phase", "element-culling", ...; "initial-overlaps" for the last
+  std::string name;  ///< as registered
   std::uint64_t in = 0, out = 0;
-  double seconds = 0;  ///< summed over workers
+  double prepare_seconds = 0;  ///< wall clock of prepare()
+  /// Of run(), summed over workers, without what is charged to other stages, without idle time and bookkeeping. The time
+  /// to gather a block of tests is charged to the first stage that looks at it.
+  double seconds = 0;
+
+  double all_seconds() const { return prepare_seconds + seconds; }
 };
 
 struct Statistics {

@@ -47,15 +47,15 @@ std::vector<std::string> row_of(const std::string& title, const Statistics& s) {
 }
 
 void print_stages(const Statistics& total, std::FILE* report) {
-  TextTable table({"stage", "name", "in", "out", "time", "share"});
+  TextTable table({"stage", "name", "in", "out", "prepare", "run", "share"});
   double attributed = 0;
   for (const StageStatistics& stage : total.stages) {
-    attributed += stage.seconds;
-    table.add({stage.role, stage.name, grouped(stage.in), grouped(stage.out), duration(stage.seconds),
-               fmt::format("{:.1f} %", 100 * stage.seconds / std::max(total.seconds, 1e-300))});
+    attributed += stage.all_seconds();
+    table.add({stage.role, stage.name, grouped(stage.in), grouped(stage.out), duration(stage.prepare_seconds),
+               duration(stage.seconds), fmt::format("{:.1f} %", 100 * stage.all_seconds() / std::max(total.seconds, 1e-300))});
   }
   const double rest = std::max(0.0, total.seconds - attributed);
-  table.add({"remainder", "", "", "", duration(rest), fmt::format("{:.1f} %", 100 * rest / std::max(total.seconds, 1e-300))});
+  table.add({"remainder", "", "", "", "", duration(rest), fmt::format("{:.1f} %", 100 * rest / std::max(total.seconds, 1e-300))});
   fmt::print(report, "\n{}", table.text());
 }
 

@@ -9,8 +9,8 @@ namespace volccd {
 namespace {
 
 template <class Stage>
-void print_stages(const Registry& registry, const char* role) {
-  fmt::print("{}\n", role);
+void print_stages(const Registry& registry, const char* purpose) {
+  fmt::print("{}: {}\n", Stage::kRole, purpose);
   for (const StageDescriptor<Stage>& stage : registry.stages<Stage>()) {
     fmt::print("  {:<20} {} [{}]\n", stage.name, stage.description, to_string(stage.guarantee));
     for (const OptionInfo& option : stage.options)
@@ -36,8 +36,9 @@ void print_pipelines(const Registry& registry) {
   fmt::print("pipelines (--pipeline)\n");
   for (const PipelineSpec& spec : registry.pipelines()) {
     fmt::print("  {:<20} {}\n", spec.name, spec.description);
-    fmt::print("    {} | {} | {} | {} | {}\n", text_of(spec.broad_phase), text_of(spec.element_culling),
-               text_of(spec.feature_culling), text_of(spec.feature_filters), text_of(spec.narrow_phase));
+    fmt::print("    {} | {} | {} | {} | {} | {}\n", text_of(spec.broad_phase), text_of(spec.element_culling),
+               text_of(spec.assignment), spec.orphans ? text_of(*spec.orphans) : "none", text_of(spec.feature_filters),
+               text_of(spec.narrow_phase));
   }
 }
 
@@ -46,15 +47,16 @@ void print_pipelines(const Registry& registry) {
 void add_stages_command(CLI::App& app, const Registry& registry, Action& action) {
   CLI::App* command = app.add_subcommand("stages", "what is registered, with options and guarantees");
   command->footer(
-      "Use a stage in place of another:   --set broad-phase=spatial-hash   --set feature-filters=feature-kdop,coplanarity\n"
+      "Use a stage in place of another:   --set broad-phase=spatial-hash   --set feature-filter=feature-kdop,coplanarity\n"
       "Set an option of a stage:          --set csat.axis=optimal");
   command->callback([&registry, &action] {
     action = [&registry] {
-      print_stages<BroadPhase>(registry, "broad-phase: candidate pairs of elements");
-      print_stages<ElementCulling>(registry, "element-culling: drops element pairs, masks features of a pair");
-      print_stages<FeatureCulling>(registry, "feature-culling: tests from element pairs (assignment, O-Set)");
-      print_stages<FeatureFilter>(registry, "feature-filters: drop single tests");
-      print_stages<NarrowPhase>(registry, "narrow-phase: elementary tests");
+      print_stages<BroadPhase>(registry, "candidate pairs of elements");
+      print_stages<ElementCulling>(registry, "drops element pairs, masks features of a pair");
+      print_stages<Assignment>(registry, "which tests an element pair performs");
+      print_stages<OrphanSource>(registry, "tests that no pair of non-adjacent elements covers; may be none");
+      print_stages<FeatureFilter>(registry, "drops single tests");
+      print_stages<NarrowPhase>(registry, "elementary tests");
       print_pipelines(registry);
       return kDone;
     };

@@ -21,11 +21,10 @@ class TakeAll final : public NarrowPhase {
  public:
   int max_control_points() const override { return 3; }
   bool handles_separation() const override { return true; }
-  void test(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs, std::vector<Contact>& contacts,
-            NarrowCounters&) const override {
-    for (const FeaturePair& pair : pairs)
-      contacts.push_back(
-          {kind, test_vertices(step.features(), kind, pair), 0, Vec3::Zero(), {0, 0, 0, 0}, Vec3::Zero(), false});
+  void run(const Step&, StageState&, unsigned, const TestBlock& block, std::vector<Contact>& contacts,
+           NarrowCounters&) const override {
+    for (std::size_t i = 0; i < block.size(); ++i)
+      contacts.push_back({block.kind(), block.vertices(i), 0, Vec3::Zero(), {0, 0, 0, 0}, Vec3::Zero(), false});
   }
 };
 
@@ -227,16 +226,17 @@ void ContactDetection::test(const std::vector<FeaturePair>& vf, const std::vecto
   executor.parallel_for(vf_chunks + ee_chunks, 1, [&](std::size_t begin, std::size_t end, unsigned worker) {
     NarrowCounters counters;
     std::vector<Contact> contacts;
-    std::vector<FeaturePair> close;
+    TestBlock& block = *blocks_[worker];
     for (std::size_t c = begin; c < end; ++c) {
       const bool is_vf = c < vf_chunks;
       const std::vector<FeaturePair>& pairs = is_vf ? vf : ee;
       const std::size_t first = (is_vf ? c : c - vf_chunks) * kChunk;
       contacts.clear();
       const FeatureKind kind = is_vf ? FeatureKind::vf : FeatureKind::ee;
-      filter(step, kind, std::span(pairs).subspan(first, std::min(kChunk, pairs.size() - first)), *blocks_[worker],
-             close);
-      narrow_.test(step, kind, close, contacts, counters);
+      block.gather(step, kind, std::span(pairs).subspan(first, std::min(kChunk, pairs.size() - first)));
+      filter(step, block);
+      StageState none;
+      if (!block.empty()) narrow_.run(step, none, worker, block, contacts, counters);
       chunks_[c].clear();
       for (const Contact& contact : contacts) chunks_[c].push_back(judge.describe(contact));
     }
@@ -246,17 +246,14 @@ void ContactDetection::test(const std::vector<FeaturePair>& vf, const std::vecto
 }
 
 /// Most of the pairs that a query has left are further apart than the separation in a substep.
-void ContactDetection::filter(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs,
-                              TestBlock& block, std::vector<FeaturePair>& close) const {
+void ContactDetection::filter(const Step& step, TestBlock& block) const {
   std::array<std::uint8_t, kChunk> keep;
-  block.gather(step, kind, pairs);
-  const std::span<std::uint8_t> flags(keep.data(), block.padded_size());
-  std::fill(flags.begin(), flags.end(), std::uint8_t{1});
-  kdop_filter_.filter(step, block, flags);
-  csat_filter_.filter(step, block, flags);
-  close.clear();
-  for (std::size_t i = 0; i < pairs.size(); ++i)
-    if (keep[i] != 0) close.push_back(pairs[i]);
+  keep.fill(1);
+  const auto flags = std::span(keep).first(block.padded_size());
+  StageState none;
+  kdop_filter_.run(step, none, 0, block, flags);
+  csat_filter_.run(step, none, 0, block, flags);
+  block.compact(flags);
 }
 
 void ContactDetection::find_middles() {

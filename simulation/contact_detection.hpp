@@ -89,8 +89,7 @@ class ContactDetection {
   FeaturePair slots(const FoundContact& c) const;
   void test(const std::vector<FeaturePair>& vf, const std::vector<FeaturePair>& ee, double separation,
             Executor& executor, std::vector<FoundContact>& found);
-  void filter(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs, TestBlock& block,
-              std::vector<FeaturePair>& close) const;
+  void filter(const Step& step, TestBlock& block) const;
   Index copies() const { return thickener_ ? 3 : 1; }
   bool share_shell(const std::array<Index, 4>& vertices, FeatureKind kind) const;
   void find_middles();

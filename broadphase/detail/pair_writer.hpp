@@ -7,19 +7,18 @@
 
 #include <volccd/broadphase/broad_phase.hpp>
 #include <volccd/broadphase/detail/filter_keys.hpp>
-#include <volccd/mesh/adjacency.hpp>
 #include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {
 
 /// Which pairs a query wants.
 struct PairRules {
-  const AdjacencyTest* adjacency;  ///< null: adjacent pairs are wanted
+  const Adjacency* adjacency;  ///< null: adjacent pairs are wanted
   const FilterKeys* keys;          ///< null: the filter drops nothing
   bool self_pairs;                 ///< (o, o) is wanted
 
-  PairRules(PairRange range, const AdjacencyTest& test, const FilterKeys& filter)
-      : adjacency(range == PairRange::nonadjacent ? &test : nullptr),
+  PairRules(PairRange range, const Topology& topology, const FilterKeys& filter)
+      : adjacency(range == PairRange::nonadjacent ? &topology.adjacency() : nullptr),
         keys(filter.trivial() ? nullptr : &filter),
         self_pairs(range == PairRange::every) {}
 

@@ -239,32 +239,24 @@ class Culler {
 
   void cull(PairBatch& batch) {
     if (frame_.control_points > kCsatControlPoints) return;
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      const ElementPair pair = batch.pairs[i];
-      FeatureMask mask = batch.masks[i];
-      if (drops(pair, mask)) continue;
-      batch.pairs[kept] = pair;
-      batch.masks[kept++] = mask;
-    }
-    batch.pairs.resize(kept);
-    batch.masks.resize(kept);
+    batch.cull([this](ElementPair pair, FeatureMask& mask) { return judge(pair, mask); });
   }
 
  private:
-  bool drops(ElementPair pair, FeatureMask& mask) {
+  PairVerdict judge(ElementPair pair, FeatureMask& mask) {
     const auto vertices_a = step_.mesh().vertices(pair.a), vertices_b = step_.mesh().vertices(pair.b);
-    if (pair.a == pair.b || vertices_a.size() > kCsatVertices || vertices_b.size() > kCsatVertices) return false;
+    if (pair.a == pair.b || vertices_a.size() > kCsatVertices || vertices_b.size() > kCsatVertices)
+      return PairVerdict::keep;
     if (pair.a != gathered_) {
       std::copy_n(step_.motion.at(vertices_a[0]), 3 * frame_.control_points, frame_.reference);
       gather(a_, vertices_a);
       gathered_ = pair.a;
     }
     gather(b_, vertices_b);
-    if (config_.mode != CsatMode::features && separated(pair)) return true;
-    if (config_.mode == CsatMode::pair) return false;
+    if (config_.mode != CsatMode::features && separated(pair)) return PairVerdict::disjoint;
+    if (config_.mode == CsatMode::pair) return PairVerdict::keep;
     mask_features(pair, mask);
-    return nothing_left(pair, mask);
+    return nothing_left(pair, mask) ? PairVerdict::contact_free : PairVerdict::keep;
   }
 
   void gather(CsatPoints& points, std::span<const Index> vertices) const {

@@ -5,7 +5,7 @@
 
 namespace volccd::detail {
 
-/// What Csat::cull does.
+/// What Csat::run does.
 void csat_cull(const Csat::Config& config, const Step& step, PairBatch& batch);
 
 }  // namespace volccd::detail

@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include <volccd/culling/feature_culling.hpp>
+#include <volccd/culling/assignment.hpp>
 #include <volccd/mesh/features.hpp>
 
 namespace volccd::detail {

@@ -26,7 +26,7 @@ Index OSetPartners::pivot(std::span<const Index> vertices, std::span<const Index
   std::size_t least = std::numeric_limits<std::size_t>::max();
   for (Index o : inc) {
     std::size_t around = 0;
-    for (Index w : vertices_[o])
+    for (Index w : adjacency_.vertices(o))
       if (!contains(vertices, w)) around += features_.vertex_elements(w).size();
     if (around >= least) continue;
     least = around;
@@ -51,13 +51,13 @@ void OSetPartners::find_covering(std::span<const Index> vertices, std::span<cons
 void OSetPartners::find_far(std::span<const Index> vertices, std::span<const Index> inc) {
   const auto near = static_cast<std::ptrdiff_t>(covering_.size());
   const std::span<const Index> first = inc.first(std::min(inc.size(), kBits));
-  touch_.set_elements(vertices_, first);
+  touch_.set_elements(adjacency_, first);
   const std::uint64_t all = ElementTouch::all(first.size());
-  for (Index w : vertices_[pivot(vertices, inc)]) {
+  for (Index w : adjacency_.vertices(pivot(vertices, inc))) {
     if (contains(vertices, w)) continue;
     for (Index o : features_.vertex_elements(w)) {
       if (touch_.seen(o)) continue;
-      if (touch_.of(vertices_[o]) == all) {
+      if (touch_.of(adjacency_.vertices(o)) == all) {
         touch_.accept(o);
         covering_.push_back(o);
       } else {
@@ -68,9 +68,9 @@ void OSetPartners::find_far(std::span<const Index> vertices, std::span<const Ind
   touch_.clear();
   for (std::size_t k = kBits; k < inc.size(); k += kBits) {
     const std::span<const Index> part = inc.subspan(k, std::min(inc.size() - k, kBits));
-    touch_.set_elements(vertices_, part);
+    touch_.set_elements(adjacency_, part);
     const auto end = std::remove_if(covering_.begin() + near, covering_.end(), [&](Index o) {
-      const bool covers = touch_.of(vertices_[o]) == ElementTouch::all(part.size());
+      const bool covers = touch_.of(adjacency_.vertices(o)) == ElementTouch::all(part.size());
       if (!covers) touch_.reject(o);
       return !covers;
     });
@@ -82,7 +82,7 @@ void OSetPartners::find_far(std::span<const Index> vertices, std::span<const Ind
 bool OSetPartners::some_touches_all(std::span<const Index> some, std::span<const Index> all) const {
   return std::any_of(some.begin(), some.end(), [&](Index o) {
     return std::all_of(all.begin(), all.end(),
-                       [&](Index other) { return share_vertex(vertices_[o], vertices_[other]); });
+                       [&](Index other) { return share_vertex(adjacency_.vertices(o), adjacency_.vertices(other)); });
   });
 }
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <volccd/culling/detail/o_set_touch.hpp>
-#include <volccd/mesh/features.hpp>
+#include <volccd/mesh/topology.hpp>
 
 namespace volccd::detail {
 
@@ -18,17 +18,20 @@ namespace volccd::detail {
 /// I(a) holds the elements with a vertex of a, and some others, which must touch each element of inc(a) elsewhere: they
 /// are looked for around the element of inc(a) that has the fewest elements around it.
 ///
-/// A partner b is looked at once, from its first element: from that of the elements of I(a) in the literal case, where
-/// others need not be in I(a); `own_edges`, `own_triangles` give the features of an element of which it is the first.
+/// A partner b is examined once, with its first incident element; in the literal case, in which that need not be in I(a),
+/// with the first of those that are.
 class OSetPartners {
  public:
-  OSetPartners(const Features& features, const ElementVertices& vertices, ElementTouch& touch,
-               std::vector<Index>& covering)
-      : features_(features), vertices_(vertices), touch_(touch), covering_(covering) {}
+  OSetPartners(const Topology& topology, ElementTouch& touch, std::vector<Index>& covering)
+      : mesh_(topology.mesh()),
+        features_(topology.features()),
+        adjacency_(topology.adjacency()),
+        touch_(touch),
+        covering_(covering) {}
 
   /// Calls take(f) for each triangle that makes an O-Set pair with vertex v, once.
-  template <class OwnTriangles, class Take>
-  void triangles_of_vertex(bool literal, Index v, OwnTriangles&& own_triangles, Take&& take) {
+  template <class Take>
+  void triangles_of_vertex(bool literal, Index v, Take&& take) {
     const std::span<const Index> inc = features_.vertex_elements(v);
     find_covering({&v, 1}, inc);
     const auto incident = [&](Index f) { return features_.triangle_elements(f); };
@@ -39,25 +42,27 @@ class OSetPartners {
     if (literal)
       return visit_literal(
           inc, [&](Index o) { return features_.element_triangles(o); }, incident, wanted, take);
-    visit(own_triangles, incident, wanted, take);
+    visit([&](Index o) { return features_.own_triangles(o); }, incident, wanted, take);
   }
 
   /// Calls take(v) for each vertex that makes an O-Set pair with triangle f and for which wanted(v), once.
   template <class Wanted, class Take>
-  void vertices_of_triangle(const Mesh& mesh, bool literal, Index f, Wanted&& wanted, Take&& take) {
+  void vertices_of_triangle(bool literal, Index f, Wanted&& wanted, Take&& take) {
     const std::array<Index, 3> t = features_.triangle(f);
     const std::span<const Index> inc = features_.triangle_elements(f);
     find_covering(t, inc);
-    const auto of_element = [&](Index o) { return mesh.vertices(o); };
+    const auto of_element = [&](Index o) { return mesh_.vertices(o); };
     const auto incident = [&](Index v) { return features_.vertex_elements(v); };
     const auto apart = [&](Index v) { return v != t[0] && v != t[1] && v != t[2] && wanted(v); };
     if (literal) return visit_literal(inc, of_element, incident, apart, take);
-    visit_first(of_element, incident, apart, take);
+    for (Index o : covering_)
+      for (Index v : of_element(o))
+        if (features_.first_element_of_vertex(v) == o && apart(v) && others_cover(incident(v))) take(v);
   }
 
   /// Calls take(e2) for each edge that makes an O-Set pair with edge e and for which wanted(e2), once.
-  template <class OwnEdges, class Wanted, class Take>
-  void edges_of_edge(bool literal, Index e, OwnEdges&& own_edges, Wanted&& wanted, Take&& take) {
+  template <class Wanted, class Take>
+  void edges_of_edge(bool literal, Index e, Wanted&& wanted, Take&& take) {
     const std::array<Index, 2> a = features_.edge(e);
     const std::span<const Index> inc = features_.edge_elements(e);
     find_covering(a, inc);
@@ -70,12 +75,8 @@ class OSetPartners {
     if (literal)
       return visit_literal(
           inc, [&](Index o) { return features_.element_edges(o); }, incident, apart, take);
-    visit(own_edges, incident, apart, take);
+    visit([&](Index o) { return features_.own_edges(o); }, incident, apart, take);
   }
-
-  /// For own_edges and own_triangles when no table of them is at hand.
-  struct EveryEdge {};
-  struct EveryTriangle {};
 
  private:
   /// covering_ = I(a) for a feature with these vertices and incident elements, each accepted in touch_.
@@ -85,22 +86,9 @@ class OSetPartners {
 
   template <class Own, class Incident, class Wanted, class Take>
   void visit(Own&& own, Incident&& incident, Wanted&& wanted, Take&& take) {
-    using Table = std::decay_t<Own>;
-    if constexpr (std::is_same_v<Table, EveryEdge>) {
-      visit_first([&](Index o) { return features_.element_edges(o); }, incident, wanted, take);
-    } else if constexpr (std::is_same_v<Table, EveryTriangle>) {
-      visit_first([&](Index o) { return features_.element_triangles(o); }, incident, wanted, take);
-    } else {
-      for (Index o : covering_)
-        for (Index b : own(o))
-          if (wanted(b) && others_cover(incident(b))) take(b);
-    }
-  }
-  template <class OfElement, class Incident, class Wanted, class Take>
-  void visit_first(OfElement&& of_element, Incident&& incident, Wanted&& wanted, Take&& take) {
     for (Index o : covering_)
-      for (Index b : of_element(o))
-        if (const std::span<const Index> inc = incident(b); inc[0] == o && wanted(b) && others_cover(inc)) take(b);
+      for (Index b : own(o))
+        if (wanted(b) && others_cover(incident(b))) take(b);
   }
   template <class OfElement, class Incident, class Wanted, class Take>
   void visit_literal(std::span<const Index> inc_a, OfElement&& of_element, Incident&& incident, Wanted&& wanted,
@@ -120,8 +108,9 @@ class OSetPartners {
   }
   bool some_touches_all(std::span<const Index> some, std::span<const Index> all) const;
 
+  const Mesh& mesh_;
   const Features& features_;
-  const ElementVertices& vertices_;
+  const Adjacency& adjacency_;
   ElementTouch& touch_;
   std::vector<Index>& covering_;
 };

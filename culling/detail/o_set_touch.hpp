@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include <volccd/culling/detail/o_set_vertices.hpp>
+#include <volccd/mesh/adjacency.hpp>
 
 namespace volccd::detail {
 
@@ -26,9 +26,9 @@ class ElementTouch {
   }
 
   /// Bit k for the k-th of these elements.
-  void set_elements(const ElementVertices& vertices, std::span<const Index> elements) {
+  void set_elements(const Adjacency& adjacency, std::span<const Index> elements) {
     for (std::size_t k = 0; k < elements.size(); ++k)
-      for (Index v : vertices[elements[k]]) {
+      for (Index v : adjacency.vertices(elements[k])) {
         if (bits_[v] == 0) touched_.push_back(v);
         bits_[v] |= std::uint64_t{1} << k;
       }

@@ -26,17 +26,13 @@ class SphereCulling final : public ElementCulling {
   }
   explicit SphereCulling(const Config& config) : config_(config) {}
 
-  void cull(const Step& step, StageState*, PairBatch& batch) const override {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < batch.size(); ++i) {
-      const Sphere a = sphere(step, batch.pairs[i].a), b = sphere(step, batch.pairs[i].b);
+  void run(const Step& step, StageState&, unsigned, PairBatch& batch) const override {
+    batch.cull([&](ElementPair pair, FeatureMask&) {
+      const Sphere a = sphere(step, pair.a), b = sphere(step, pair.b);
       // Written so that a NaN or an infinity (overflow) keeps the pair: a stage that is called conservative never guesses.
-      if ((a.centre - b.centre).norm() > a.radius + b.radius + step.separation) continue;
-      batch.pairs[kept] = batch.pairs[i];
-      batch.masks[kept++] = batch.masks[i];
-    }
-    batch.pairs.resize(kept);
-    batch.masks.resize(kept);
+      const bool apart = (a.centre - b.centre).norm() > a.radius + b.radius + step.separation;
+      return apart ? PairVerdict::disjoint : PairVerdict::keep;
+    });
   }
 
  private:

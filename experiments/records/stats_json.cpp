@@ -53,7 +53,8 @@ json to_json(const Pipeline& pipeline) {
           {"guarantee", to_string(pipeline.guarantee())},
           {"broad_phase", to_json(spec.broad_phase)},
           {"element_culling", culling},
-          {"feature_culling", to_json(spec.feature_culling)},
+          {"assignment", to_json(spec.assignment)},
+          {"orphans", spec.orphans ? to_json(*spec.orphans) : json(nullptr)},
           {"feature_filters", filters},
           {"narrow_phase", to_json(spec.narrow_phase)}};
 }
@@ -62,7 +63,8 @@ json to_json(const Statistics& s) {
   json stages = json::array();
   for (const StageStatistics& stage : s.stages)
     stages.push_back(
-        {{"role", stage.role}, {"name", stage.name}, {"in", stage.in}, {"out", stage.out}, {"seconds", stage.seconds}});
+        {{"role", stage.role}, {"name", stage.name}, {"in", stage.in}, {"out", stage.out},
+                      {"prepare_seconds", stage.prepare_seconds}, {"seconds", stage.seconds}});
   return {{"steps", s.steps},
           {"element_pairs", s.element_pairs},
           {"adjacent_pairs", s.adjacent_pairs},

@@ -152,20 +152,24 @@ std::string comparison_table(const ComparisonRecord& record) {
 
 std::string share_table(const ComparisonRecord& record) {
   const std::vector<std::pair<std::string, std::string>> roles = {
-      {"update", "update bounds"},         {"broad-phase", "broad phase"}, {"element-culling", "element culling"},
-      {"feature-culling", "assignment"},   {"orphans", "O-Set"},           {"feature-filter", "feature filters"},
-      {"narrow-phase", "elementary tests"}};
-  std::vector<std::string> header = {"share of time, %"};
+      {BroadPhase::kRole, "broad phase"},        {ElementCulling::kRole, "element culling"},
+      {Assignment::kRole, "assignment"},         {OrphanSource::kRole, "O-Set"},
+      {FeatureFilter::kRole, "feature filters"}, {NarrowPhase::kRole, "elementary tests"}};
+  std::vector<std::string> header = {"share of time, %", "prepare"};
   for (const auto& [role, title] : roles) header.push_back(title);
   header.push_back("remainder");
   TextTable table(header);
   for (const PipelineRecord& pipeline : record.pipelines) {
     const Statistics sum = pipeline.total();
     std::map<std::string, double> seconds;
-    double attributed = 0;
-    for (const StageStatistics& stage : sum.stages) seconds[stage.role] += stage.seconds, attributed += stage.seconds;
+    double prepare = 0, attributed = 0;
+    for (const StageStatistics& stage : sum.stages) {
+      prepare += stage.prepare_seconds;
+      seconds[stage.role] += stage.seconds;
+      attributed += stage.all_seconds();
+    }
     const double all = std::max(sum.seconds * record.threads, 1e-300);
-    std::vector<std::string> row = {pipeline.name};
+    std::vector<std::string> row = {pipeline.name, fmt::format("{:.1f}", 100 * prepare / all)};
     for (const auto& [role, title] : roles)
       row.push_back(seconds.contains(role) ? fmt::format("{:.1f}", 100 * seconds[role] / all) : "-");
     row.push_back(fmt::format("{:.1f}", 100 * (all - attributed) / all));

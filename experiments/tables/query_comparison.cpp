@@ -13,6 +13,7 @@
 #include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/tables/median.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/pipelines/test_chain.hpp>
 
 namespace volccd {
 
@@ -96,20 +97,26 @@ using Filters = std::vector<std::unique_ptr<FeatureFilter>>;
 class QueryContestant {
  public:
   QueryContestant(std::unique_ptr<NarrowPhase> narrow, const Filters& filters, const std::function<void()>& check)
-      : narrow_(std::move(narrow)), filters_(filters), check_(check) {}
+      : narrow_(std::move(narrow)), check_(check), stages_{filters, *narrow_, states_}, statistics_(filters.size() + 1) {
+    for (const auto& filter : filters) states_.push_back(filter->make_state());
+    states_.push_back(narrow_->make_state());
+    stages_.states = states_;
+  }
 
   /// In batches, as a pipeline runs them.
   void run(const KnownQueries& queries) {
-    contacts.clear();
-    counters = {};
-    tests = 0;
+    SerialExecutor executor;
+    for (std::size_t i = 0; i < stages_.filters.size(); ++i)
+      stages_.filters[i]->prepare(queries.step, *states_[i], executor);
+    narrow_->prepare(queries.step, *states_.back(), executor);
+    chain_.start(queries.step, stages_, statistics_, 0);
     for (std::size_t begin = 0; begin < queries.size(); begin += kBatch) {
       if (check_) check_();
-      const auto all = std::span(queries.pairs).subspan(begin, std::min(kBatch, queries.size() - begin));
-      const std::span<const FeaturePair> left = filters_.empty() ? all : filtered(queries, all);
-      tests += left.size();
-      narrow_->test(queries.step, queries.kind, left, contacts, counters);
+      const auto batch = std::span(queries.pairs).subspan(begin, std::min(kBatch, queries.size() - begin));
+      tests_.assign(batch.begin(), batch.end());
+      chain_.add(queries.kind, tests_);
     }
+    chain_.finish();
   }
 
   double seconds_of_run(const KnownQueries& queries) {
@@ -121,36 +128,19 @@ class QueryContestant {
     }
   }
 
-  std::vector<Contact> contacts;
-  NarrowCounters counters;
-  std::uint64_t tests = 0;
+  /// Of the last run.
+  const std::vector<Contact>& contacts() const { return chain_.contacts(); }
+  const NarrowCounters& counters() const { return chain_.counters(); }
+  std::uint64_t tests() const { return chain_.tests(FeatureKind::vf) + chain_.tests(FeatureKind::ee); }
 
  private:
-  std::span<const FeaturePair> filtered(const KnownQueries& queries, std::span<const FeaturePair> all) {
-    left_.assign(all.begin(), all.end());
-    for (const auto& filter : filters_) {
-      std::size_t kept = 0;
-      for (std::size_t begin = 0; begin < left_.size(); begin += TestBlock::kCapacity) {
-        const std::size_t n = std::min(TestBlock::kCapacity, left_.size() - begin);
-        block_.gather(queries.step, queries.kind, std::span(left_).subspan(begin, n));
-        keep_.assign(block_.padded_size(), 1);
-        filter->filter(queries.step, block_, keep_);
-        for (std::size_t i = 0; i < n; ++i) {
-          left_[kept] = left_[begin + i];
-          kept += keep_[i] != 0 ? 1 : 0;
-        }
-      }
-      left_.resize(kept);
-    }
-    return left_;
-  }
-
   std::unique_ptr<NarrowPhase> narrow_;
-  const Filters& filters_;
   const std::function<void()>& check_;
-  TestBlock block_;
-  std::vector<std::uint8_t> keep_;
-  std::vector<FeaturePair> left_;
+  std::vector<std::unique_ptr<StageState>> states_;
+  TestStages stages_;
+  std::vector<StageStatistics> statistics_;
+  TestChain chain_;
+  std::vector<FeaturePair> tests_;
 };
 
 /// The contact of each query, null where there is none, from the contestant's last run, which are in the order of the
@@ -171,11 +161,11 @@ std::vector<const Contact*> contacts_by_query(const std::string& name, const Kno
 QueryScore score(const std::string& name, const KnownQueries& queries, const QueryContestant& contestant) {
   QueryScore result;
   result.narrow_phase = name;
-  result.contacts = contestant.contacts.size();
-  result.degenerate = contestant.counters.degenerate;
-  result.undecided = contestant.counters.undecided;
-  result.tests = contestant.tests;
-  const std::vector<const Contact*> found = contacts_by_query(name, queries, contestant.contacts);
+  result.contacts = contestant.contacts().size();
+  result.degenerate = contestant.counters().degenerate;
+  result.undecided = contestant.counters().undecided;
+  result.tests = contestant.tests();
+  const std::vector<const Contact*> found = contacts_by_query(name, queries, contestant.contacts());
   if (queries.collides.empty()) return result;
   for (std::size_t i = 0; i < queries.size(); ++i) {
     if (queries.collides[i] && !found[i]) result.missed.push_back(queries.index[i]);
@@ -272,7 +262,7 @@ void judge(const Registry& registry, const std::string& narrow_phase, KnownQueri
   contestant.run(queries);
   queries.collides.assign(queries.size(), 0);
   queries.toi.assign(queries.size(), std::numeric_limits<double>::quiet_NaN());
-  const std::vector<const Contact*> found = contacts_by_query(narrow_phase, queries, contestant.contacts);
+  const std::vector<const Contact*> found = contacts_by_query(narrow_phase, queries, contestant.contacts());
   for (std::size_t i = 0; i < queries.size(); ++i) {
     if (!found[i]) continue;
     queries.collides[i] = 1;

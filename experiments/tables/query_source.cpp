@@ -12,11 +12,11 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/culling/dynamic_assignment.hpp>
+#include <volccd/culling/o_set_source.hpp>
 #include <volccd/mesh/sequence/ground_truth.hpp>
 #include <volccd/mesh/sequence/query_file.hpp>
 #include <volccd/mesh/sequence/stepper.hpp>
 #include <volccd/query/query_set.hpp>
-#include <volccd/query/test_block.hpp>
 
 namespace volccd {
 
@@ -81,19 +81,20 @@ class Candidates {
     boxes_alone.k = 6;  // more axes would drop pairs whose boxes overlap
     const KdopBvh broad(boxes_alone);
     const DynamicAssignment assignment{DynamicAssignment::Config{}};
+    const OSetSource orphans{OSetSource::Config{}};
     SerialExecutor executor;
-    const auto boxes = broad.make_state(), features = assignment.make_state();
-    broad.update(step_, *boxes, executor);
-    assignment.update(step_, *features);
+    const auto boxes = broad.make_state(), owners = assignment.make_state(), o_set = orphans.make_state();
+    broad.prepare(step_, *boxes, executor);
+    assignment.prepare(step_, *owners, executor);
+    orphans.prepare(step_, *o_set, executor);
     PairBatch batch;
-    broad.query(step_, *boxes, PairRange::nonadjacent, executor, [&](std::span<const ElementPair> pairs, unsigned) {
-      batch.pairs.assign(pairs.begin(), pairs.end());
-      batch.masks.assign(pairs.size(), FeatureMask{});
-      assignment.tests(step_, *features, batch, tests_);
+    broad.run(step_, *boxes, PairRange::nonadjacent, executor, [&](std::span<const ElementPair> pairs, unsigned) {
+      batch.assign(pairs);
+      assignment.run(step_, *owners, 0, batch, tests_);
       take();
     });
-    for (std::size_t block = 0; block < assignment.orphan_blocks(*features); ++block) {
-      assignment.orphans(step_, *features, block, tests_);
+    for (std::size_t block = 0; block < orphans.blocks(*o_set); ++block) {
+      orphans.run(step_, *o_set, 0, block, tests_);
       take();
     }
     std::sort(vf.begin(), vf.end());

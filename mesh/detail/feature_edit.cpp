@@ -6,44 +6,57 @@
 
 namespace volccd::detail {
 
+void ListEdit::make_room(std::size_t size) {
+  std::size_t entries = 0;
+  added.group([&](Index i, std::span<const Index> values) {
+    entries += lists.room_for(i, (i < lists.size() ? lists[i].size() : 0) + values.size());
+  });
+  lists.reserve(size, entries);
+}
+
+void ListEdit::commit(std::size_t size) noexcept {
+  removed.group([&](Index i, std::span<const Index> values) { lists.erase(i, values); });
+  lists.extend(size);
+  added.group([&](Index i, std::span<const Index> values) { lists.insert(i, values); });
+  lists.compact_if_sparse();
+}
+
 std::vector<Index> IncidenceEdit::emptied() {
   std::vector<Index> emptied;
-  gone_.sort();
-  gone_.group([&](Index i, std::span<const Index> elements) {
-    (elements.size() == lists_[i].size() ? emptied : survived_).push_back(i);
+  elements_.removed.sort();
+  elements_.removed.group([&](Index i, std::span<const Index> removed) {
+    const std::span<const Index> before = elements_.lists[i];
+    std::size_t k = 0;
+    while (k < removed.size() && removed[k] == before[k]) ++k;
+    new_firsts_.push_back({i, k < before.size() ? before[k] : kNone});
+    if (k == before.size()) emptied.push_back(i);
   });
   return emptied;
 }
 
-std::vector<Index> IncidenceEdit::make_room(std::size_t features) {
-  come_.sort();
-  std::vector<Index> come;
-  std::size_t entries = 0;
-  come_.group([&](Index i, std::span<const Index> elements) {
-    come.push_back(i);
-    entries += lists_.room_for(i, (i < lists_.size() ? lists_[i].size() : 0) + elements.size());
+void IncidenceEdit::make_room(std::size_t features, std::vector<Index>& added, std::vector<Index>& touched) {
+  elements_.added.sort();
+  elements_.make_room(features);
+  reserve_more(first_, features - first_.size());
+  std::vector<First> remaining;
+  remaining.swap(new_firsts_);
+  auto next = remaining.begin();
+  elements_.added.group([&](Index i, std::span<const Index> elements) {
+    while (next != remaining.end() && next->feature < i) new_firsts_.push_back(*next++);
+    First first{i, old_first(i)};
+    if (next != remaining.end() && next->feature == i) first = *next++;
+    if (first.element == kNone) added.push_back(i);
+    new_firsts_.push_back({i, std::min(first.element, elements.front())});
   });
-  lists_.reserve(features, entries);
-  std::vector<Index> touched;
-  touched.reserve(survived_.size() + come.size());
-  std::set_union(survived_.begin(), survived_.end(), come.begin(), come.end(), std::back_inserter(touched));
-  return touched;
-}
-
-std::vector<Index> IncidenceEdit::inserted(std::span<const Index> emptied) const {
-  std::vector<Index> inserted;
-  come_.group([&](Index i, std::span<const Index>) {
-    if (i >= lists_.size() || lists_[i].empty() || std::binary_search(emptied.begin(), emptied.end(), i))
-      inserted.push_back(i);
-  });
-  return inserted;
+  new_firsts_.insert(new_firsts_.end(), next, remaining.end());
+  for (const First& first : new_firsts_)
+    if (first.element != kNone) touched.push_back(first.feature);
 }
 
 void IncidenceEdit::commit(std::size_t features) noexcept {
-  gone_.group([&](Index i, std::span<const Index> elements) { lists_.erase(i, elements); });
-  lists_.extend(features);
-  come_.group([&](Index i, std::span<const Index> elements) { lists_.insert(i, elements); });
-  lists_.compact_if_sparse();
+  elements_.commit(features);
+  first_.resize(features, kNone);
+  for (const First& first : new_firsts_) first_[first.feature] = first.element;
 }
 
 template <std::size_t N>
@@ -98,23 +111,30 @@ void TupleEdit<N>::undo() noexcept {
 template <std::size_t N>
 void FeatureEdit::Kind<N>::remove(std::span<const Index> elements) {
   for (const Index o : elements)
-    for (const Index i : of_element[o]) lists.remove(i, o);
-  tuples.erase(lists.emptied());
+    for (const Index i : of_element[o]) incident.remove(i, o);
+  tuples.erase(incident.emptied());
 }
 
 template <std::size_t N>
 void FeatureEdit::Kind<N>::add(Index element, const std::array<Index, N>& key) {
   of_added.push_back(tuples.insert(key));
-  lists.add(of_added.back(), element);
+  incident.add(of_added.back(), element);
 }
 
 template <std::size_t N>
 void FeatureEdit::Kind<N>::make_room(std::span<const Index> slots, Index elements, std::vector<Index>& removed,
                                      std::vector<Index>& added, std::vector<Index>& touched) {
   removed = tuples.erased();
-  added = tuples.inserted();
-  std::sort(added.begin(), added.end());
-  touched = lists.make_room(tuples.slots());
+  incident.make_room(tuples.slots(), added, touched);
+  for (const auto [i, first] : incident.new_firsts()) {
+    const Index before = incident.old_first(i);
+    if (before == first) continue;
+    if (before != kNone) own.removed.add(before, i);
+    if (first != kNone) own.added.add(first, i);
+  }
+  own.removed.sort();
+  own.added.sort();
+  own.make_room(elements);
   std::size_t entries = 0;
   for (std::size_t k = 0; k < slots.size(); ++k)
     entries += of_element.room_for(slots[k], ends[k] - (k == 0 ? 0 : ends[k - 1]));
@@ -125,7 +145,8 @@ template <std::size_t N>
 void FeatureEdit::Kind<N>::commit(std::span<const Index> removed, std::span<const Index> slots,
                                   Index elements) noexcept {
   tuples.keep();
-  lists.commit(tuples.slots());
+  incident.commit(tuples.slots());
+  own.commit(elements);
   for (const Index o : removed) of_element.assign(o, {});
   of_element.extend(elements);
   for (std::size_t k = 0; k < slots.size(); ++k) {
@@ -143,14 +164,14 @@ FeatureEdit::FeatureEdit(Features& features, const Mesh& mesh, std::span<const I
       slots_(slots.begin(), slots.end()),
       vertices_(vertices),
       elements_(elements),
-      vertex_lists_(features.vertex_elements_),
-      edges_(features.edges_, features.edge_table_, features.edge_elements_, features.free_edges_,
+      vertex_incident_(features.vertex_incidence_),
+      edges_(features.edges_, features.edge_table_, features.edge_incidence_, features.free_edges_,
              features.element_edges_),
-      triangles_(features.triangles_, features.triangle_table_, features.triangle_elements_, features.free_triangles_,
+      triangles_(features.triangles_, features.triangle_table_, features.triangle_incidence_, features.free_triangles_,
                  features.element_triangles_) {
   for (const Index o : removed)
-    for (const Index v : mesh.vertices(o)) vertex_lists_.remove(v, o);
-  change.removed_vertices = vertex_lists_.emptied();
+    for (const Index v : mesh.vertices(o)) vertex_incident_.remove(v, o);
+  change.removed_vertices = vertex_incident_.emptied();
   edges_.remove(removed);
   triangles_.remove(removed);
 
@@ -160,7 +181,7 @@ FeatureEdit::FeatureEdit(Features& features, const Mesh& mesh, std::span<const I
   std::sort(slots_.begin(), slots_.end());
   for (const std::size_t i : order) {
     const ElementSpec& element = added[i];
-    for (const Index v : element.vertices) vertex_lists_.add(v, slots[i]);
+    for (const Index v : element.vertices) vertex_incident_.add(v, slots[i]);
     visit_boundary(
         element.type, element.vertices.data(), element.faces, features.edge_set(),
         [&](Index a, Index b) { edges_.add(slots[i], ascending(a, b)); },
@@ -168,8 +189,7 @@ FeatureEdit::FeatureEdit(Features& features, const Mesh& mesh, std::span<const I
     edges_.ends.push_back(edges_.of_added.size());
     triangles_.ends.push_back(triangles_.of_added.size());
   }
-  change.touched_vertices = vertex_lists_.make_room(vertices);
-  change.added_vertices = vertex_lists_.inserted(change.removed_vertices);
+  vertex_incident_.make_room(vertices, change.added_vertices, change.touched_vertices);
   edges_.make_room(slots_, elements, change.removed_edges, change.added_edges, change.touched_edges);
   triangles_.make_room(slots_, elements, change.removed_triangles, change.added_triangles, change.touched_triangles);
   live_vertices_ = features.live_vertices_ - static_cast<Index>(change.removed_vertices.size()) +
@@ -179,7 +199,7 @@ FeatureEdit::FeatureEdit(Features& features, const Mesh& mesh, std::span<const I
 FeatureEdit::~FeatureEdit() = default;
 
 void FeatureEdit::commit() noexcept {
-  vertex_lists_.commit(vertices_);
+  vertex_incident_.commit(vertices_);
   edges_.commit(removed_, slots_, elements_);
   triangles_.commit(removed_, slots_, elements_);
   features_.live_vertices_ = live_vertices_;

@@ -11,29 +11,47 @@
 
 namespace volccd::detail {
 
-/// The incidence lists of one kind of feature in an edit.
+/// Lists of a pool in an edit: (list, value) pairs that leave and that enter.
+struct ListEdit {
+  explicit ListEdit(IncidencePool& pool) : lists(pool) {}
+
+  /// Once both are sorted: room for the edit and for `size` lists.
+  void make_room(std::size_t size);
+  void commit(std::size_t size) noexcept;
+
+  IncidencePool& lists;
+  Incidences removed, added;
+};
+
+/// The incident elements of one kind of feature in an edit.
 class IncidenceEdit {
  public:
-  explicit IncidenceEdit(IncidencePool& lists) : lists_(lists) {}
+  struct First {
+    Index feature, element;
+  };
+
+  explicit IncidenceEdit(Incidence& incidence) : first_(incidence.first), elements_(incidence.elements) {}
 
   /// Element by element, elements ascending.
-  void remove(Index feature, Index element) { gone_.add(feature, element); }
-  void add(Index feature, Index element) { come_.add(feature, element); }
+  void remove(Index feature, Index element) { elements_.removed.add(feature, element); }
+  void add(Index feature, Index element) { elements_.added.add(feature, element); }
 
   /// After all remove(): the features that lose all of their elements, ascending.
   std::vector<Index> emptied();
-  /// After all add(): makes room for them, in `features` lists. Returns the remaining and new features whose elements
-  /// change, ascending.
-  std::vector<Index> make_room(std::size_t features);
-  /// Features that add() named and that had no element, or lose all of them (`emptied`); ascending. After make_room().
-  std::vector<Index> inserted(std::span<const Index> emptied) const;
+  /// After all add(): makes room for `features` features. Lists `added` and `touched` as FeatureChange has them.
+  void make_room(std::size_t features, std::vector<Index>& added, std::vector<Index>& touched);
+
+  /// First element before the edit, or kNone.
+  Index old_first(Index feature) const { return feature < first_.size() ? first_[feature] : kNone; }
+  /// After make_room(): the first element, or kNone, that each feature whose elements change will have; features ascend.
+  const std::vector<First>& new_firsts() const { return new_firsts_; }
 
   void commit(std::size_t features) noexcept;
 
  private:
-  IncidencePool& lists_;
-  Incidences gone_, come_;
-  std::vector<Index> survived_;
+  std::vector<Index>& first_;
+  ListEdit elements_;
+  std::vector<First> new_firsts_;
 };
 
 /// The slots of edges or triangles in an edit. What it does is undone when it is destroyed, unless keep() has been
@@ -58,8 +76,6 @@ class TupleEdit {
 
   std::size_t slots() const { return tuples_.size(); }
   const std::vector<Index>& erased() const { return erased_slots_; }
-  /// In the order in which they were inserted.
-  const std::vector<Index>& inserted() const { return inserted_slots_; }
   void keep() noexcept { kept_ = true; }
 
  private:
@@ -68,7 +84,8 @@ class TupleEdit {
   std::vector<Tuple>& tuples_;
   TupleTable<N>& table_;
   std::vector<Index>& free_;
-  std::vector<Index> erased_slots_, inserted_slots_;
+  std::vector<Index> erased_slots_;
+  std::vector<Index> inserted_slots_;  ///< in the order in which they were inserted
   std::vector<Tuple> replaced_;  ///< what stood in the slots of the first of inserted_slots_: those that were free
   std::size_t erased_count_ = 0;
   bool kept_ = false;
@@ -92,9 +109,9 @@ class FeatureEdit {
  private:
   template <std::size_t N>
   struct Kind {
-    Kind(std::vector<std::array<Index, N>>& all, TupleTable<N>& table, IncidencePool& incidence,
-         std::vector<Index>& free, IncidencePool& by_element)
-        : tuples(all, table, free), lists(incidence), of_element(by_element) {}
+    Kind(std::vector<std::array<Index, N>>& all, TupleTable<N>& table, Incidence& incidence, std::vector<Index>& free,
+         IncidencePool& by_element)
+        : tuples(all, table, free), incident(incidence), own(incidence.own), of_element(by_element) {}
 
     void remove(std::span<const Index> elements);
     void add(Index element, const std::array<Index, N>& key);
@@ -103,7 +120,8 @@ class FeatureEdit {
     void commit(std::span<const Index> removed, std::span<const Index> slots, Index elements) noexcept;
 
     TupleEdit<N> tuples;
-    IncidenceEdit lists;
+    IncidenceEdit incident;
+    ListEdit own;
     IncidencePool& of_element;
     std::vector<Index> of_added;    ///< features of one added element after the other
     std::vector<std::size_t> ends;  ///< of each
@@ -113,7 +131,7 @@ class FeatureEdit {
   std::span<const Index> removed_;
   std::vector<Index> slots_;  ///< of added elements, ascending
   Index vertices_, elements_, live_vertices_;
-  IncidenceEdit vertex_lists_;
+  IncidenceEdit vertex_incident_;
   Kind<2> edges_;
   Kind<3> triangles_;
 };

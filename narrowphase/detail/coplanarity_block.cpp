@@ -93,13 +93,13 @@ namespace volccd::detail {
 
 HWY_EXPORT(compute_rows);
 
-void CoplanarityBlock::gather(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs) {
-  size_ = pairs.size();
-  kind_ = kind;
+void CoplanarityBlock::gather(const Motion& motion, const TestBlock& tests) {
+  size_ = tests.size();
+  kind_ = tests.kind();
   for (std::size_t i = 0; i < size_; ++i) {
-    vertices_[i] = test_vertices(step.features(), kind, pairs[i]);
+    vertices_[i] = tests.vertices(i);
     TestPoints& x = coordinates_[i];
-    for (std::size_t p = 0; p < 4; ++p) x[p] = step.motion.at(vertices_[i][p]);
+    for (std::size_t p = 0; p < 4; ++p) x[p] = motion.at(vertices_[i][p]);
     for (std::size_t time = 0; time < 2; ++time)
       for (std::size_t j = 0; j < 3; ++j)
         for (std::size_t axis = 0; axis < 3; ++axis)

@@ -15,10 +15,10 @@ namespace volccd::detail {
 /// coordinates, this holds the differences to the first point: all that the elementary tests need.
 class CoplanarityBlock {
  public:
-  static constexpr std::size_t kCapacity = 64;
+  static constexpr std::size_t kCapacity = TestBlock::kCapacity;
 
-  /// Takes in 1 to kCapacity tests.
-  void gather(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs);
+  /// Takes in the tests of a block that is not empty.
+  void gather(const Motion& motion, const TestBlock& tests);
 
   /// Computes the cubics. Open are then all tests but those
   ///  - whose cubic has no root in [0,1]: all Bernstein coefficients of one sign, beyond their rounding bound; or,

@@ -3,20 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include <volccd/pipelines/detail/charged_executor.hpp>
+
 namespace volccd {
 
-using detail::StopWatch;
 using detail::WorkerScratch;
-
-namespace {
-
-/// Leading stages that drop only pairs whose elements are disjoint.
-std::size_t disjoint_droppers(const std::vector<std::unique_ptr<ElementCulling>>& stages) {
-  const auto other = std::find_if(stages.begin(), stages.end(), [](const auto& s) { return !s->drops_only_disjoint(); });
-  return static_cast<std::size_t>(other - stages.begin());
-}
-
-}  // namespace
 
 Pipeline::Run::Run(const Pipeline& pipeline, const Step& step, Workspace::Data& data, Executor& executor,
                    const Request& request)
@@ -26,250 +17,222 @@ Pipeline::Run::Run(const Pipeline& pipeline, const Step& step, Workspace::Data& 
       executor_(executor),
       query_(request.query),
       overlaps_asked_(request.initial_overlaps),
-      overlaps_after_(disjoint_droppers(pipeline.element_culling_)),
-      range_(pipeline.feature_culling_->needs_adjacent_pairs() ? PairRange::every : PairRange::nonadjacent),
+      test_stages_{pipeline.feature_filters_, *pipeline.narrow_phase_, std::span(data.states).subspan(first_filter())},
       best_(std::min(step.t_max, 1.0)) {}
 
 std::vector<StageStatistics> Pipeline::Run::empty_stages() const {
-  const PipelineSpec& spec = pipeline_.spec_;
   std::vector<StageStatistics> stages;
-  stages.push_back({"update", spec.broad_phase.name});
-  stages.push_back({"broad-phase", spec.broad_phase.name});
-  for (const StageChoice& choice : spec.element_culling) stages.push_back({"element-culling", choice.name});
-  stages.push_back({"feature-culling", spec.feature_culling.name});
-  stages.push_back({"orphans", spec.feature_culling.name});
-  for (const StageChoice& choice : spec.feature_filters) stages.push_back({"feature-filter", choice.name});
-  stages.push_back({"narrow-phase", spec.narrow_phase.name});
+  for (const auto& [role, choice] : pipeline_.spec_.stages()) stages.push_back({role, choice->name});
   stages.push_back({"initial-overlaps", "hulls"});
   return stages;
 }
 
 void Pipeline::Run::execute(StepResult& result, const Workspace& workspace) {
-  StopWatch whole;
-  prepare_workers();
-  update_stages();
-
-  // Later stages run inside the traversal: what they take is told apart from the traversal itself.
-  const double before = stage_seconds();
-  StopWatch watch;
-  pipeline_.broad_phase_->query(step_, *data_.broad_phase, range_, executor_,
-                                [&](std::span<const ElementPair> pairs, unsigned w) {
-                                  take_pairs(pairs, *data_.workers[w]);
-                                });
-  const double traversal = watch.lap() * executor_.workers() - (stage_seconds() - before);
-  data_.workers[0]->sums.stages[1].seconds += std::max(0.0, traversal);
-
-  executor_.parallel_for(pipeline_.feature_culling_->orphan_blocks(*data_.feature_culling), 1,
-                         [&](std::size_t begin, std::size_t end, unsigned w) {
-                           for (std::size_t b = begin; b < end; ++b) take_orphans(b, *data_.workers[w]);
-                         });
-  executor_.parallel_for(data_.workers.size(), 1, [&](std::size_t begin, std::size_t end, unsigned) {
-    for (std::size_t w = begin; w < end; ++w) run_tests(*data_.workers[w]);
-  });
-  collect(result);
-
+  double wall = 0;
+  {
+    StageClock clock;
+    const StageTimer timer(clock, wall);
+    prepare_workers();
+    prepare_stages();
+    run_broad_phase();
+    if (pipeline_.orphans_) run_orphans();
+    executor_.parallel_for(data_.workers.size(), 1, [&](std::size_t begin, std::size_t end, unsigned) {
+      for (std::size_t w = begin; w < end; ++w) finish_tests(*data_.workers[w]);
+    });
+    collect(result);
+  }
   Statistics& statistics = result.statistics;
   statistics.steps = 1;
   statistics.workspace_bytes = workspace.bytes();
-  statistics.seconds = whole.lap();
+  statistics.seconds = wall;
 }
 
 void Pipeline::Run::prepare_workers() {
   while (data_.workers.size() < executor_.workers()) data_.workers.push_back(std::make_unique<WorkerScratch>());
-  for (const auto& worker : data_.workers) {
-    worker->tests.clear();
-    worker->contacts.clear();
-    worker->overlaps.clear();
-    worker->narrow = {};
-    std::vector<StageStatistics> stages = std::move(worker->sums.stages);
+  for (unsigned w = 0; w < data_.workers.size(); ++w) {
+    WorkerScratch& worker = *data_.workers[w];
+    worker.tests.clear();
+    worker.overlaps.clear();
+    std::vector<StageStatistics> stages = std::move(worker.sums.stages);
     if (stages.empty()) stages = empty_stages();
-    for (StageStatistics& stage : stages) stage.in = stage.out = 0, stage.seconds = 0;
-    worker->sums = {};
-    worker->sums.stages = std::move(stages);
+    for (StageStatistics& stage : stages) stage.in = stage.out = 0, stage.prepare_seconds = stage.seconds = 0;
+    worker.sums = {};
+    worker.sums.stages = std::move(stages);
+    worker.chain.start(step_, test_stages_,
+                       std::span(worker.sums.stages).subspan(first_filter(), test_stages_.states.size()), w);
   }
 }
 
-double Pipeline::Run::stage_seconds() const {
+void Pipeline::Run::prepare_stages() {
+  StageClock clock;
+  for (std::size_t i = 0; i < pipeline_.stages_.size(); ++i) {
+    const StageTimer timer(clock, data_.workers[0]->sums.stages[i].prepare_seconds);
+    pipeline_.stages_[i]->prepare(step_, state(i), executor_);
+  }
+}
+
+double Pipeline::Run::charged_seconds() const {
   double sum = 0;
   for (const auto& worker : data_.workers)
     for (const StageStatistics& stage : worker->sums.stages) sum += stage.seconds;
   return sum;
 }
 
-void Pipeline::Run::update_stages() {
-  std::vector<StageStatistics>& stages = data_.workers[0]->sums.stages;
-  StopWatch watch;
-  pipeline_.broad_phase_->update(step_, *data_.broad_phase, executor_);
-  stages[0].seconds += watch.lap();
-  for (std::size_t i = 0; i < pipeline_.element_culling_.size(); ++i) {
-    pipeline_.element_culling_[i]->update(step_, data_.element_culling[i].get());
-    stages[culling_stage(i)].seconds += watch.lap();
+/// Later stages run inside the broad phase, which is charged for its own part of each chunk, and for what it does outside
+/// of chunks. Of the latter, what it hands on there is taken off again.
+void Pipeline::Run::run_broad_phase() {
+  detail::ChargedExecutor executor(executor_, data_.workers, kBroadPhase);
+  StageClock clock;
+  double all = 0, handed_on = 0;
+  {
+    const StageTimer timer(clock, all);
+    pipeline_.broad_phase_->run(step_, state(kBroadPhase), pipeline_.range_, executor,
+                                [&](std::span<const ElementPair> pairs, unsigned w) {
+                                  const bool in_chunk = data_.workers[w]->chain.clock().running();
+                                  const double before = in_chunk ? 0 : charged_seconds();
+                                  take_pairs(pairs, w);
+                                  if (!in_chunk) handed_on += charged_seconds() - before;
+                                });
   }
-  pipeline_.feature_culling_->update(step_, *data_.feature_culling);
-  if (range_ == PairRange::every && data_.adjacency_version != step_.topology.version()) {
-    data_.adjacency.build(step_.mesh());
-    data_.adjacency_version = step_.topology.version();
-  }
-  stages[feature_stage()].seconds += watch.lap();
+  data_.workers[0]->sums.stages[kBroadPhase].seconds += std::max(0.0, all - executor.in_parallel() - handed_on);
+}
+
+void Pipeline::Run::run_orphans() {
+  const OrphanSource& source = *pipeline_.orphans_;
+  executor_.parallel_for(source.blocks(state(orphans())), 1, [&](std::size_t begin, std::size_t end, unsigned w) {
+    WorkerScratch& worker = *data_.workers[w];
+    StageStatistics& statistics = worker.sums.stages[orphans()];
+    Step step = step_;
+    step.t_max = latest_time();
+    for (std::size_t block = begin; block < end; ++block) {
+      const std::size_t before = worker.tests.size();
+      {
+        const StageTimer timer(worker.chain.clock(), statistics.seconds);
+        source.run(step, state(orphans()), w, block, worker.tests);
+      }
+      statistics.out += worker.tests.size() - before;
+      worker.sums.orphan_tests += worker.tests.size() - before;
+      run_tests(worker, TestBlock::kCapacity);
+    }
+  });
 }
 
 /// With Query::first, what touches only after the best contact so far does not matter. The slack keeps the answer
 /// independent of the order in which workers find contacts although the narrow phase rounds its times; the narrow phase
 /// itself always sees the step as it was given.
-Step Pipeline::Run::pruned_step() const {
-  Step step = step_;
+double Pipeline::Run::latest_time() const {
+  if (query_ != Query::first) return step_.t_max;
   const double slack = 1e-12 + pipeline_.narrow_phase_->time_tolerance();
-  if (query_ == Query::first) step.t_max = std::min(1.0, best_.load(std::memory_order_relaxed) * (1 + 1e-9) + slack);
-  return step;
+  return std::min(1.0, best_.load(std::memory_order_relaxed) * (1 + 1e-9) + slack);
 }
 
 void Pipeline::Run::count_adjacent(std::span<const ElementPair> pairs, Statistics& sums) const {
   sums.element_pairs += pairs.size();
-  if (range_ == PairRange::nonadjacent) return;
-  for (const ElementPair pair : pairs) sums.adjacent_pairs += data_.adjacency.adjacent(pair.a, pair.b) ? 1 : 0;
+  if (pipeline_.range_ == PairRange::nonadjacent) return;
+  for (const ElementPair pair : pairs) sums.adjacent_pairs += step_.topology.adjacency().adjacent(pair.a, pair.b) ? 1 : 0;
 }
 
-void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, WorkerScratch& worker) {
-  const Step step = pruned_step();
-  Statistics& sums = worker.sums;
-  count_adjacent(pairs, sums);
-  sums.stages[1].out += pairs.size();
+void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w) {
+  WorkerScratch& worker = *data_.workers[w];
+  const StageTimer nobody(worker.chain.clock());
+  Step step = step_;
+  step.t_max = latest_time();
+  worker.sums.stages[kBroadPhase].out += pairs.size();
+  count_adjacent(pairs, worker.sums);
   for (std::size_t begin = 0; begin < pairs.size(); begin += kPairs) {
-    const auto part = pairs.subspan(begin, std::min(kPairs, pairs.size() - begin));
-    PairBatch& batch = worker.batch;
-    batch.pairs.assign(part.begin(), part.end());
-    batch.masks.assign(part.size(), FeatureMask{});
-    StopWatch watch;
-    if (overlaps_after_ == 0) take_overlaps(batch, worker);
-    watch.lap();
-    for (std::size_t i = 0; i < pipeline_.element_culling_.size() && batch.size() != 0; ++i) {
-      StageStatistics& stage = sums.stages[culling_stage(i)];
-      stage.in += batch.size();
-      pipeline_.element_culling_[i]->cull(step, data_.element_culling[i].get(), batch);
-      stage.out += batch.size();
-      stage.seconds += watch.lap();
-      if (i + 1 != overlaps_after_) continue;
-      take_overlaps(batch, worker);
-      watch.lap();
+    worker.batch.assign(pairs.subspan(begin, std::min(kPairs, pairs.size() - begin)));
+    cull_pairs(step, w);
+    if (overlaps_asked_) {
+      take_overlaps(worker.batch.pairs, worker);
+      take_overlaps(worker.batch.contact_free, worker);
     }
-    sums.surviving_pairs += batch.size();
-    const std::size_t before = worker.tests.vf.size() + worker.tests.ee.size();
-    pipeline_.feature_culling_->tests(step, *data_.feature_culling, batch, worker.tests);
-    const std::size_t owned = worker.tests.vf.size() + worker.tests.ee.size() - before;
-    StageStatistics& stage = sums.stages[feature_stage()];
-    stage.in += batch.size();
-    stage.out += owned;
-    stage.seconds += watch.lap();
-    sums.owned_tests += owned;
-    if (before + owned >= kTests) run_tests(worker);
+    StageStatistics& statistics = worker.sums.stages[assignment()];
+    const std::size_t before = worker.tests.size();
+    {
+      const StageTimer timer(worker.chain.clock(), statistics.seconds);
+      pipeline_.assignment_->run(step, state(assignment()), w, worker.batch, worker.tests);
+    }
+    statistics.in += worker.batch.size();
+    statistics.out += worker.tests.size() - before;
+    worker.sums.surviving_pairs += worker.batch.size();
+    worker.sums.owned_tests += worker.tests.size() - before;
+    if (worker.tests.size() >= kTests) run_tests(worker, TestBlock::kCapacity);
   }
 }
 
-void Pipeline::Run::take_overlaps(const PairBatch& batch, WorkerScratch& worker) {
-  if (!overlaps_asked_) return;
-  StopWatch watch;
+void Pipeline::Run::cull_pairs(const Step& step, unsigned w) {
+  WorkerScratch& worker = *data_.workers[w];
+  for (std::size_t i = 0; i < pipeline_.element_culling_.size() && worker.batch.size() != 0; ++i) {
+    StageStatistics& statistics = worker.sums.stages[kFirstCulling + i];
+    const StageTimer timer(worker.chain.clock(), statistics.seconds);
+    statistics.in += worker.batch.size();
+    pipeline_.element_culling_[i]->run(step, state(kFirstCulling + i), w, worker.batch);
+    statistics.out += worker.batch.size();
+  }
+}
+
+void Pipeline::Run::take_overlaps(std::span<const ElementPair> pairs, WorkerScratch& worker) {
+  StageStatistics& statistics = worker.sums.stages[overlap_test()];
+  const StageTimer timer(worker.chain.clock(), statistics.seconds);
   const Mesh& mesh = step_.mesh();
-  const bool adjacency_known = range_ == PairRange::nonadjacent;
+  const bool adjacency_known = pipeline_.range_ == PairRange::nonadjacent;
   std::vector<ElementPair>& candidates = worker.overlap_candidates;
   candidates.clear();
-  for (const ElementPair pair : batch.pairs)
-    if ((adjacency_known || !data_.adjacency.adjacent(pair.a, pair.b)) &&
+  for (const ElementPair pair : pairs)
+    if ((adjacency_known || !step_.topology.adjacency().adjacent(pair.a, pair.b)) &&
         step_.filter.allows(mesh.object(pair.a), mesh.object(pair.b)))
       candidates.push_back(pair);
   const std::size_t before = worker.overlaps.size();
   worker.overlap_test.find(step_, candidates, worker.overlaps);
-  StageStatistics& stage = worker.sums.stages[overlap_stage()];
-  stage.in += candidates.size();
-  stage.out += worker.overlaps.size() - before;
-  stage.seconds += watch.lap();
+  statistics.in += candidates.size();
+  statistics.out += worker.overlaps.size() - before;
 }
 
-void Pipeline::Run::take_orphans(std::size_t block, WorkerScratch& worker) {
-  StopWatch watch;
-  const std::size_t before = worker.tests.vf.size() + worker.tests.ee.size();
-  pipeline_.feature_culling_->orphans(step_, *data_.feature_culling, block, worker.tests);
-  const std::size_t orphans = worker.tests.vf.size() + worker.tests.ee.size() - before;
-  StageStatistics& stage = worker.sums.stages[orphan_stage()];
-  stage.out += orphans;
-  stage.seconds += watch.lap();
-  worker.sums.orphan_tests += orphans;
-  if (before + orphans >= kTests) run_tests(worker);
-}
-
-void Pipeline::Run::run_tests(WorkerScratch& worker) {
-  const auto run_all = [&](FeatureKind kind, std::vector<FeaturePair>& tests) {
-    for (std::size_t begin = 0; begin < tests.size(); begin += kTests)
-      run_group(kind, std::span(tests).subspan(begin, std::min(kTests, tests.size() - begin)), worker);
-    tests.clear();
+/// As many tests of each kind as make a multiple; the rest waits for more.
+void Pipeline::Run::run_tests(WorkerScratch& worker, std::size_t multiple) {
+  const std::size_t old_contacts = worker.chain.contacts().size();
+  worker.chain.prune(latest_time());
+  const auto run = [&](FeatureKind kind, std::vector<FeaturePair>& tests) {
+    const std::size_t rest = tests.size() % multiple;
+    worker.chain.add(kind, std::span(tests).subspan(rest));
+    tests.resize(rest);
   };
-  run_all(FeatureKind::vf, worker.tests.vf);
-  run_all(FeatureKind::ee, worker.tests.ee);
+  run(FeatureKind::vf, worker.tests.vf);
+  run(FeatureKind::ee, worker.tests.ee);
+  note_first(worker, old_contacts);
 }
 
-void Pipeline::Run::run_group(FeatureKind kind, std::span<FeaturePair> tests, WorkerScratch& worker) {
-  StopWatch watch;
-  const Step step = pruned_step();
-  // Where only some objects are excluded, most tests are asked for: then less is looked up after the filters.
-  const bool scope = step.filter.scope() != PairScope::all;
-  if (scope) tests = tests.first(filter_objects(kind, tests));
-  for (std::size_t i = 0; i < pipeline_.feature_filters_.size() && !tests.empty(); ++i) {
-    StageStatistics& stage = worker.sums.stages[filter_stage(i)];
-    stage.in += tests.size();
-    tests = tests.first(apply_filter(i, step, kind, tests, worker));
-    stage.out += tests.size();
-    stage.seconds += watch.lap();
-  }
-  if (!scope && !step.filter.trivial()) tests = tests.first(filter_objects(kind, tests));
-  StageStatistics& stage = worker.sums.stages[narrow_stage()];
-  stage.in += tests.size();
-  (kind == FeatureKind::vf ? worker.sums.vf_tests : worker.sums.ee_tests) += tests.size();
-  const std::size_t before = worker.contacts.size();
-  pipeline_.narrow_phase_->test(step_, kind, tests, worker.contacts, worker.narrow);
-  stage.out += worker.contacts.size() - before;
-  stage.seconds += watch.lap();
-  if (query_ == Query::first) note_first(worker, before);
-}
-
-std::size_t Pipeline::Run::filter_objects(FeatureKind kind, std::span<FeaturePair> tests) const {
-  const auto unwanted = [&](FeaturePair pair) { return !step_.filter.asks_for(step_.topology, kind, pair); };
-  return static_cast<std::size_t>(std::remove_if(tests.begin(), tests.end(), unwanted) - tests.begin());
-}
-
-std::size_t Pipeline::Run::apply_filter(std::size_t filter, const Step& step, FeatureKind kind,
-                                        std::span<FeaturePair> tests, WorkerScratch& worker) const {
-  std::size_t kept = 0;
-  for (std::size_t begin = 0; begin < tests.size(); begin += TestBlock::kCapacity) {
-    const auto part = tests.subspan(begin, std::min(TestBlock::kCapacity, tests.size() - begin));
-    worker.block.gather(step, kind, part);
-    worker.keep.assign(worker.block.padded_size(), 1);
-    pipeline_.feature_filters_[filter]->filter(step, worker.block, worker.keep);
-    for (std::size_t i = 0; i < part.size(); ++i) {
-      tests[kept] = part[i];
-      kept += worker.keep[i] != 0 ? 1 : 0;
-    }
-  }
-  return kept;
+void Pipeline::Run::finish_tests(WorkerScratch& worker) {
+  run_tests(worker, 1);
+  const std::size_t old_contacts = worker.chain.contacts().size();
+  worker.chain.finish();
+  note_first(worker, old_contacts);
 }
 
 void Pipeline::Run::note_first(WorkerScratch& worker, std::size_t old_contacts) {
-  for (std::size_t i = old_contacts; i < worker.contacts.size(); ++i) {
-    const double toi = worker.contacts[i].toi;
+  if (query_ != Query::first) return;
+  std::vector<Contact>& contacts = worker.chain.contacts();
+  for (std::size_t i = old_contacts; i < contacts.size(); ++i) {
+    const double toi = contacts[i].toi;
     double best = best_.load(std::memory_order_relaxed);
     while (toi < best && !best_.compare_exchange_weak(best, toi, std::memory_order_relaxed)) {
     }
   }
   const double best = best_.load(std::memory_order_relaxed);
-  std::erase_if(worker.contacts, [best](const Contact& contact) { return contact.toi > best; });
+  std::erase_if(contacts, [best](const Contact& contact) { return contact.toi > best; });
 }
 
 void Pipeline::Run::collect(StepResult& result) {
   result.contacts.clear();
   result.statistics = {};
   for (const auto& worker : data_.workers) {
-    worker->sums.degenerate = worker->narrow.degenerate;
-    worker->sums.undecided = worker->narrow.undecided;
+    TestChain& chain = worker->chain;
+    worker->sums.vf_tests = chain.tests(FeatureKind::vf);
+    worker->sums.ee_tests = chain.tests(FeatureKind::ee);
+    worker->sums.degenerate = chain.counters().degenerate;
+    worker->sums.undecided = chain.counters().undecided;
     result.statistics += worker->sums;
-    result.contacts.insert(result.contacts.end(), worker->contacts.begin(), worker->contacts.end());
+    result.contacts.insert(result.contacts.end(), chain.contacts().begin(), chain.contacts().end());
   }
   std::vector<Contact>& contacts = result.contacts;
   std::sort(contacts.begin(), contacts.end(), canonical_less);

@@ -6,13 +6,13 @@
 
 #include <volccd/pipelines/detail/workspace_data.hpp>
 #include <volccd/pipelines/pipeline.hpp>
-#include <volccd/query/pairs.hpp>
 
 namespace volccd {
 
-/// Batches of the broad phase flow through all later stages on the worker that received them, so that no list of all pairs
-/// or all tests exists at any time. Sums are kept by worker and added in the end; contacts are put in canonical order: both
-/// are independent of the number of workers.
+/// Two sources of tests: element pairs of the broad phase, through element culling and assignment; and blocks of orphans.
+/// Both flow through filters and narrow phase on the worker that received them, so that no list of all pairs or all tests
+/// exists at any time. Sums are kept by worker and added in the end; contacts are put in canonical order: both are
+/// independent of the number of workers.
 class Pipeline::Run {
  public:
   Run(const Pipeline& pipeline, const Step& step, Workspace::Data& data, Executor& executor,
@@ -21,34 +21,33 @@ class Pipeline::Run {
   void execute(StepResult& result, const Workspace& workspace);
 
  private:
-  /// Element pairs that go through culling at once, tests that go through filters at once: small enough for the caches,
+  /// Element pairs that go through culling at once, tests that go through the chain at once: small enough for the caches,
   /// large enough that clocks and virtual calls do not count.
   static constexpr std::size_t kPairs = 256, kTests = 1024;
 
   void prepare_workers();
-  double stage_seconds() const;
-  void update_stages();
+  void prepare_stages();
+  void run_broad_phase();
+  void run_orphans();
+  double charged_seconds() const;
+  double latest_time() const;
   void count_adjacent(std::span<const ElementPair> pairs, Statistics& sums) const;
-  void take_pairs(std::span<const ElementPair> pairs, detail::WorkerScratch& worker);
-  void take_overlaps(const PairBatch& batch, detail::WorkerScratch& worker);
-  void take_orphans(std::size_t block, detail::WorkerScratch& worker);
-  void run_tests(detail::WorkerScratch& worker);
-  void run_group(FeatureKind kind, std::span<FeaturePair> tests, detail::WorkerScratch& worker);
-  std::size_t filter_objects(FeatureKind kind, std::span<FeaturePair> tests) const;
-  std::size_t apply_filter(std::size_t filter, const Step& step, FeatureKind kind, std::span<FeaturePair> tests,
-                           detail::WorkerScratch& worker) const;
+  void take_pairs(std::span<const ElementPair> pairs, unsigned w);
+  void cull_pairs(const Step& step, unsigned w);
+  void take_overlaps(std::span<const ElementPair> pairs, detail::WorkerScratch& worker);
+  void run_tests(detail::WorkerScratch& worker, std::size_t multiple);
+  void finish_tests(detail::WorkerScratch& worker);
   void note_first(detail::WorkerScratch& worker, std::size_t old_contacts);
   void collect(StepResult& result);
   void collect_overlaps(StepResult& result) const;
-  Step pruned_step() const;
 
-  // Places of the stages in Statistics::stages.
-  std::size_t culling_stage(std::size_t i) const { return 2 + i; }
-  std::size_t feature_stage() const { return 2 + pipeline_.element_culling_.size(); }
-  std::size_t orphan_stage() const { return feature_stage() + 1; }
-  std::size_t filter_stage(std::size_t i) const { return orphan_stage() + 1 + i; }
-  std::size_t narrow_stage() const { return filter_stage(pipeline_.feature_filters_.size()); }
-  std::size_t overlap_stage() const { return narrow_stage() + 1; }
+  // Places of the stages in Statistics::stages, in Workspace::Data::states and in Pipeline::stages_.
+  static constexpr std::size_t kBroadPhase = 0, kFirstCulling = 1;
+  std::size_t assignment() const { return kFirstCulling + pipeline_.element_culling_.size(); }
+  std::size_t orphans() const { return assignment() + 1; }
+  std::size_t first_filter() const { return assignment() + (pipeline_.orphans_ ? 2 : 1); }
+  std::size_t overlap_test() const { return pipeline_.stages_.size(); }
+  StageState& state(std::size_t stage) const { return *data_.states[stage]; }
   std::vector<StageStatistics> empty_stages() const;
 
   const Pipeline& pipeline_;
@@ -57,9 +56,7 @@ class Pipeline::Run {
   Executor& executor_;
   const Query query_;
   const bool overlaps_asked_;
-  /// Number of element-culling stages that run before the test of initial overlaps: all that a pair which overlaps passes.
-  const std::size_t overlaps_after_;
-  const PairRange range_;
+  const TestStages test_stages_;
   std::atomic<double> best_;  ///< earliest contact so far (Query::first)
 };
 

@@ -84,8 +84,8 @@ void update(benchmark::State& timer, const StageDescriptor<BroadPhase>& descript
   SerialExecutor executor;
   const auto phase = descriptor.make(options);
   const auto state = phase->make_state();
-  phase->update(scene.step(), *state, executor);
-  for (auto _ : timer) phase->update(scene.step(), *state, executor);
+  phase->prepare(scene.step(), *state, executor);
+  for (auto _ : timer) phase->prepare(scene.step(), *state, executor);
 }
 
 void query(benchmark::State& timer, const StageDescriptor<BroadPhase>& descriptor, const OptionValues& options,
@@ -93,12 +93,12 @@ void query(benchmark::State& timer, const StageDescriptor<BroadPhase>& descripto
   SerialExecutor executor;
   const auto phase = descriptor.make(options);
   const auto state = phase->make_state();
-  phase->update(scene.step(), *state, executor);
+  phase->prepare(scene.step(), *state, executor);
   std::size_t pairs = 0;
   for (auto _ : timer) {
     pairs = 0;
-    phase->query(scene.step(), *state, range, executor,
-                 [&](std::span<const ElementPair> batch, unsigned) { pairs += batch.size(); });
+    phase->run(scene.step(), *state, range, executor,
+               [&](std::span<const ElementPair> batch, unsigned) { pairs += batch.size(); });
   }
   timer.counters["pairs"] = static_cast<double>(pairs);
   timer.counters["pairs/s"] =

@@ -8,7 +8,6 @@
 #include <Eigen/Geometry>
 
 #include <volccd/culling/csat.hpp>
-#include <volccd/mesh/adjacency.hpp>
 #include <volccd/mesh/shapes.hpp>
 
 namespace volccd {
@@ -19,14 +18,12 @@ struct Scene {
   explicit Scene(ElementType type) : Scene(jittered_block(type)) {}
   explicit Scene(const Shape& shape) : topology(shape.mesh()), motion(twisted(shape.positions)) {
     const Mesh& mesh = topology.mesh();
-    AdjacencyTest adjacency;
-    adjacency.build(mesh);
     std::vector<Eigen::AlignedBox<double, 3>> boxes(mesh.element_slots());
     for (Index o = 0; o < mesh.element_slots(); ++o)
       for (const Index v : mesh.vertices(o)) boxes[o].extend(motion.point(v, 0)).extend(motion.point(v, 1));
     for (Index a = 0; a < mesh.element_slots(); ++a)
       for (Index b = a + 1; b < mesh.element_slots(); ++b)
-        if (boxes[a].intersects(boxes[b]) && !adjacency.adjacent(a, b)) pairs.push_back({a, b});
+        if (boxes[a].intersects(boxes[b]) && !topology.adjacency().adjacent(a, b)) pairs.push_back({a, b});
   }
 
   static Shape jittered_block(ElementType type) {
@@ -58,13 +55,12 @@ void run(benchmark::State& state, const OptionValues& options, ElementType type)
   const auto stage = describe_csat().make(options);
   const Scene& s = scene(type);
   PairBatch batch;
+  StageState none;
   std::size_t kept = 0, rounds = 0;
   for (auto _ : state) {
     for (std::size_t i = 0; i < s.pairs.size(); i += 1024) {
-      const auto begin = s.pairs.begin() + static_cast<std::ptrdiff_t>(i);
-      batch.pairs.assign(begin, begin + static_cast<std::ptrdiff_t>(std::min<std::size_t>(1024, s.pairs.size() - i)));
-      batch.masks.assign(batch.pairs.size(), {});
-      stage->cull({s.topology, s.motion, s.filter}, nullptr, batch);
+      batch.assign(std::span(s.pairs).subspan(i, std::min<std::size_t>(1024, s.pairs.size() - i)));
+      stage->run({s.topology, s.motion, s.filter}, none, 0, batch);
       kept += batch.size();
     }
     ++rounds;

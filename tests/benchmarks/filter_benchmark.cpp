@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <random>
 #include <string>
+#include <deque>
 #include <vector>
 
 #include <benchmark/benchmark.h>
@@ -31,9 +32,9 @@ struct Tests {
     }
   }
 
-  std::vector<TestBlock> blocks(FeatureKind kind) const {
+  std::deque<TestBlock> blocks(FeatureKind kind) const {
     const Features& features = topology.features();
-    std::vector<TestBlock> all(kCount / TestBlock::kCapacity);
+    std::deque<TestBlock> all(kCount / TestBlock::kCapacity);
     for (std::size_t b = 0; b < all.size(); ++b) {
       std::vector<FeaturePair> pairs;
       for (std::size_t k = 0; k < TestBlock::kCapacity; ++k) {
@@ -76,11 +77,12 @@ void run(benchmark::State& state, const StageDescriptor<FeatureFilter>& stage, c
   const Tests& all = tests(control_points);
   const auto blocks = all.blocks(kind);
   std::vector<std::uint8_t> keep(TestBlock::kCapacity);
+  StageState none;
   std::size_t kept = 0, rounds = 0;
   for (auto _ : state) {
     for (const TestBlock& block : blocks) {
       std::fill(keep.begin(), keep.end(), std::uint8_t{1});
-      filter->filter({all.topology, all.motion, all.filter}, block, keep);
+      filter->run({all.topology, all.motion, all.filter}, none, 0, block, keep);
       for (const auto k : keep) kept += k;
     }
     ++rounds;

@@ -16,6 +16,8 @@
 #include <volccd/narrowphase/exact.hpp>
 #include <volccd/narrowphase/inclusion.hpp>
 
+#include "support/stages.hpp"
+
 namespace {
 
 using namespace volccd;
@@ -118,7 +120,7 @@ void tests(benchmark::State& state, FeatureKind kind, Pairs wanted) {
   for (auto _ : state) {
     contacts.clear();
     counters = {};
-    narrow.test(Scene::get().step(), kind, pairs, contacts, counters);
+    test::run_stage(narrow, Scene::get().step(), kind, pairs, contacts, counters);
     benchmark::DoNotOptimize(contacts.data());
   }
   const double n = static_cast<double>(pairs.size());

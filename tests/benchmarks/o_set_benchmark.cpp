@@ -21,6 +21,8 @@
 #include <volccd/mesh/sequence/reader.hpp>
 #include <volccd/mesh/shapes.hpp>
 
+#include "support/stages.hpp"
+
 namespace volccd {
 namespace {
 
@@ -171,8 +173,6 @@ BENCHMARK(orphans)->Arg(octopus)->Unit(benchmark::kMillisecond);
 std::vector<ElementPair> element_pairs(const Topology& topology, bool near, std::size_t n) {
   const Mesh& mesh = topology.mesh();
   Random random(2);
-  AdjacencyTest adjacency;
-  adjacency.build(mesh);
   std::vector<ElementPair> pairs;
   std::vector<Index> around, around_that;
   while (pairs.size() < n) {
@@ -183,29 +183,27 @@ std::vector<ElementPair> element_pairs(const Topology& topology, bool near, std:
       adjacent_elements(mesh, topology.features(), around[random.below(around.size())], around_that);
       b = around_that[random.below(around_that.size())];
     }
-    if (!adjacency.adjacent(a, b)) pairs.push_back({std::min(a, b), std::max(a, b)});
+    if (!topology.adjacency().adjacent(a, b)) pairs.push_back({std::min(a, b), std::max(a, b)});
   }
   std::sort(pairs.begin(), pairs.end());
   return pairs;
 }
 
-void tests(benchmark::State& state, StageDescriptor<FeatureCulling> (*describe)(), bool near) {
+void tests(benchmark::State& state, StageDescriptor<Assignment> (*describe)(), bool near) {
   const Mesh& mesh = model(state.range(0));
   if (absent(state, mesh)) return;
   const Topology topology(mesh);
   const Motion motion(mesh.vertex_count(), 2);
   const ObjectFilter filter;
   const Step step{topology, motion, filter};
-  const auto culling = describe().make({});
-  const auto kept = culling->make_state();
-  culling->update(step, *kept);
+  const auto assignment = describe().make({});
+  const auto kept = test::prepared(*assignment, step);
   PairBatch batch;
-  batch.pairs = element_pairs(topology, near, 1024);
-  batch.masks.resize(batch.pairs.size());
+  batch.assign(element_pairs(topology, near, 1024));
   TestBatch out;
   for (auto _ : state) {
     out.clear();
-    culling->tests(step, *kept, batch, out);
+    assignment->run(step, *kept, 0, batch, out);
     benchmark::DoNotOptimize(out.ee.data());
   }
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(batch.size()));

@@ -217,9 +217,9 @@ TEST(BroadPhases, AnExceptionOfTheSinkArrivesAndTheStateStaysUsable) {
   const auto executor = make_thread_executor(2);
   for (const auto& phase : all_phases()) {
     const auto state = phase->make_state();
-    phase->update(scene.step(), *state, *executor);
+    phase->prepare(scene.step(), *state, *executor);
     const auto sink = [](std::span<const ElementPair>, unsigned) { throw std::runtime_error("full"); };
-    EXPECT_THROW(phase->query(scene.step(), *state, PairRange::every, *executor, sink), std::runtime_error);
+    EXPECT_THROW(phase->run(scene.step(), *state, PairRange::every, *executor, sink), std::runtime_error);
     EXPECT_EQ(query(*phase, scene.step(), *state, PairRange::every, *executor), run_fresh(*phase, scene.step()));
   }
 }

@@ -266,7 +266,7 @@ std::vector<Vec3> scattered(const Shape& shape, std::size_t vertices_a_block, do
 
 std::uint64_t tests_of_query(const KdopBvh& phase, const Step& step, StageState& state, Executor& executor) {
   const std::uint64_t before = KdopBvh::counters(state).node_tests;
-  phase.query(step, state, PairRange::nonadjacent, executor, [](std::span<const ElementPair>, unsigned) {});
+  phase.run(step, state, PairRange::nonadjacent, executor, [](std::span<const ElementPair>, unsigned) {});
   return KdopBvh::counters(state).node_tests - before;
 }
 
@@ -284,9 +284,9 @@ Cost long_motion(KdopBvh::Restructure restructure, Scene& scene, const std::vect
   SerialExecutor executor;
   for (std::size_t i = 0; i + 1 < frames.size(); ++i) {
     scene.motion = Motion::linear(frames[i], frames[i + 1]);
-    phase.update(scene.step(), *state, executor);
+    phase.prepare(scene.step(), *state, executor);
   }
-  phase.update(scene.step(), *fresh, executor);
+  phase.prepare(scene.step(), *fresh, executor);
   EXPECT_EQ(query(phase, scene.step(), *state, PairRange::every, executor),
             query(phase, scene.step(), *fresh, PairRange::every, executor));
   const KdopBvh::Counters& counters = KdopBvh::counters(*state);
@@ -390,9 +390,9 @@ TEST(SteadyState, AllocatesNothing) {
           if (round == 2) before = allocation_count();
           for (const Motion& motion : motions) {
             scene.motion = motion;  // same size: the assignment itself allocates nothing
-            phase->update(scene.step(), *state, *executor);
+            phase->prepare(scene.step(), *state, *executor);
             for (PairRange range : {PairRange::nonadjacent, PairRange::every})
-              phase->query(scene.step(), *state, range, *executor, [](std::span<const ElementPair>, unsigned) {});
+              phase->run(scene.step(), *state, range, *executor, [](std::span<const ElementPair>, unsigned) {});
           }
         }
         EXPECT_EQ(allocation_count() - before, 0u) << descriptor.name << " with " << workers << " workers";

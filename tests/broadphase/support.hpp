@@ -20,7 +20,6 @@
 #include <volccd/broadphase/brute_force.hpp>
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/broadphase/spatial_hash.hpp>
-#include <volccd/mesh/adjacency.hpp>
 #include <volccd/mesh/shapes.hpp>
 #include <volccd/query/kdop.hpp>
 #include <volccd/query/pairs.hpp>
@@ -61,7 +60,7 @@ inline std::unique_ptr<BroadPhase> make(const StageDescriptor<BroadPhase>& descr
 inline Pairs query(const BroadPhase& phase, const Step& step, StageState& state, PairRange range, Executor& executor) {
   std::mutex mutex;
   Pairs pairs;
-  phase.query(step, state, range, executor, [&](std::span<const ElementPair> batch, unsigned worker) {
+  phase.run(step, state, range, executor, [&](std::span<const ElementPair> batch, unsigned worker) {
     const std::lock_guard lock(mutex);
     EXPECT_LE(batch.size(), BroadPhase::kMaxBatch);
     EXPECT_GT(batch.size(), 0u);
@@ -75,7 +74,7 @@ inline Pairs query(const BroadPhase& phase, const Step& step, StageState& state,
 }
 
 inline Pairs run(const BroadPhase& phase, const Step& step, StageState& state, PairRange range, Executor& executor) {
-  phase.update(step, state, executor);
+  phase.prepare(step, state, executor);
   return query(phase, step, state, range, executor);
 }
 

@@ -7,12 +7,13 @@
 #include <vector>
 
 #include <volccd/narrowphase/cubic.hpp>
+#include <volccd/oracle/cases/attack_cases.hpp>
 #include <volccd/pipelines/registry.hpp>
 
-#include "conservative/attack_cases.hpp"
 #include "conservative/inclusion_property.hpp"
 #include "conservative/run_cases.hpp"
 #include "conservative/vector_targets.hpp"
+#include "support/stages.hpp"
 
 namespace volccd::test {
 namespace {
@@ -37,7 +38,7 @@ class NarrowPhaseProperty {
       for (const auto& [name, guarantee, stage] : stages_) {
         std::vector<Contact> contacts;
         NarrowCounters counters;
-        stage->test(test_.step(), test_.kind(), test_.pairs(), contacts, counters);
+        run_stage(*stage, test_.step(), test_.kind(), test_.pairs(), contacts, counters);
         const bool found = !contacts.empty();
         if (truth.touches && !found) wrong += name + " misses it on " + target + ", ";
         if (truth.touches && found && contacts.front().toi > truth.toi) wrong += name + " is late on " + target + ", ";

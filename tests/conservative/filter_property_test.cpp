@@ -4,13 +4,14 @@
 #include <string>
 #include <vector>
 
+#include <volccd/oracle/cases/attack_cases.hpp>
 #include <volccd/pipelines/registry.hpp>
 
-#include "conservative/attack_cases.hpp"
 #include "conservative/inclusion_property.hpp"
 #include "conservative/one_test.hpp"
 #include "conservative/run_cases.hpp"
 #include "conservative/vector_targets.hpp"
+#include "support/stages.hpp"
 
 namespace volccd::test {
 namespace {
@@ -52,7 +53,7 @@ class FilterProperty {
     targets_.with(static_cast<std::size_t>(all_), [&](const char* target) {
       for (const auto& [name, filter] : filters_) {
         std::uint8_t keep[8] = {1, 1, 1, 1, 1, 1, 1, 1};
-        filter->filter(test_.step(), test_.block(), keep);
+        run_stage(*filter, test_.step(), test_.block(), keep);
         if (!keep[0]) dropped += name + " " + target + ", ";
       }
     });

@@ -1,7 +1,8 @@
 // Contacts that elementary tests have missed, reported too early, or reported too far off, one by one.
 #include <cmath>
 
-#include "conservative/attack_cases.hpp"
+#include <volccd/oracle/cases/attack_cases.hpp>
+
 #include "conservative/inclusion_property.hpp"
 #include "conservative/run_cases.hpp"
 

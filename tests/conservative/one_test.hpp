@@ -4,11 +4,12 @@
 #include <optional>
 #include <span>
 
+#include <volccd/oracle/cases/near_degenerate.hpp>
 #include <volccd/query/test_block.hpp>
 
-#include "conservative/near_degenerate.hpp"
-
 namespace volccd::test {
+
+using namespace cases;
 
 /// One tetrahedron: room for one test of either kind.
 class OneTest {

@@ -8,9 +8,11 @@
 #include <gtest/gtest.h>
 #include <rapidcheck.h>
 
-#include "conservative/near_degenerate.hpp"
+#include <volccd/oracle/cases/near_degenerate.hpp>
 
 namespace volccd::test {
+
+using namespace cases;
 
 /// Many cases, quickly: seeds first, first + 1, ...; stops at the first failure.
 template <class Property>

@@ -1,5 +1,14 @@
-# cmake -DBUILD_DIR=... -DSOURCE_DIR=... -DWORK_DIR=... -DGENERATOR=... -DCXX=... -DCXX_FLAGS=... -DBUILD_TYPE=... -P run.cmake
-# Installs the build into WORK_DIR/prefix, then configures, builds and runs the consumer against that prefix alone.
+# cmake -DPART=... -DBUILD_DIR=... -DPROJECT_DIR=... -DWORK_DIR=... -DGENERATOR=... -DCXX=... -DCXX_FLAGS=... -DBUILD_TYPE=...
+#       -P run.cmake
+# The tests of the installed package. PART is one of:
+#   install    installs the build into WORK_DIR/prefix, which the other parts use; looks through what lies there
+#   consumer   builds and runs tests/consumer/, without the packages that only the component `program` needs
+#   example    builds examples/custom_culling/, which asks for the component `program`
+#   refusals   components that cannot be had are refused, and the message says why
+#   headers    each installed header compiles alone
+cmake_policy(VERSION 3.22)
+set(PREFIX "${WORK_DIR}/prefix")
+
 function(run what)
   message(STATUS "${what}")
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE code)
@@ -8,25 +17,101 @@ function(run what)
   endif()
 endfunction()
 
-file(REMOVE_RECURSE "${WORK_DIR}")
-file(MAKE_DIRECTORY "${WORK_DIR}")
-run("install" "${CMAKE_COMMAND}" --install "${BUILD_DIR}" --prefix "${WORK_DIR}/prefix")
+# configure_command(variable source name [options...]): with the build folder WORK_DIR/name.
+function(configure_command variable source name)
+  file(REMOVE_RECURSE "${WORK_DIR}/${name}")
+  set(${variable} "${CMAKE_COMMAND}" -S "${source}" -B "${WORK_DIR}/${name}" -G "${GENERATOR}"
+      "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}" "-DCMAKE_BUILD_TYPE=${BUILD_TYPE}"
+      -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF "-DCMAKE_PREFIX_PATH=${PREFIX}" ${ARGN} PARENT_SCOPE)
+endfunction()
 
-# The tree's own folders must not be what the consumer sees.
-file(GLOB_RECURSE installed "${WORK_DIR}/prefix/*.cmake")
-foreach(script IN LISTS installed)
-  file(READ "${script}" text)
-  foreach(folder "${BUILD_DIR}" "${PROJECT_DIR}")
-    string(REPLACE "${WORK_DIR}" "" text "${text}")
-    string(FIND "${text}" "${folder}" position)
-    if(NOT position EQUAL -1)
-      message(FATAL_ERROR "${script} names ${folder}: the package works on this machine only")
-    endif()
+function(build source name)
+  configure_command(command "${source}" "${name}" ${ARGN})
+  run("configure" ${command})
+  run("build" "${CMAKE_COMMAND}" --build "${WORK_DIR}/${name}")
+endfunction()
+
+# write_project(folder component text): a project that asks for the component (empty: for none).
+function(write_project folder component text)
+  if(component)
+    set(component "COMPONENTS ${component}")
+  endif()
+  file(WRITE "${WORK_DIR}/${folder}/CMakeLists.txt" "cmake_minimum_required(VERSION 3.22)
+project(${folder} LANGUAGES CXX)
+find_package(volccd REQUIRED ${component})
+${text}")
+endfunction()
+
+# refuse(component message [options...]): configuring a project that asks for the component fails with the message.
+function(refuse component expected)
+  write_project(refused "${component}" "")
+  configure_command(command "${WORK_DIR}/refused" refused-build ${ARGN})
+  execute_process(COMMAND ${command} RESULT_VARIABLE code OUTPUT_QUIET ERROR_VARIABLE message)
+  string(REGEX REPLACE "[ \n]+" " " message "${message}")
+  string(FIND "${message}" "${expected}" position)
+  if(code EQUAL 0 OR position EQUAL -1)
+    message(FATAL_ERROR "component ${component}: exit code ${code}, and not '${expected}', but: ${message}")
+  endif()
+endfunction()
+
+# The tree's own folders must not be what users of the package see.
+function(check_no_file_names_this_machine)
+  file(GLOB_RECURSE scripts "${PREFIX}/*.cmake")
+  foreach(script IN LISTS scripts)
+    file(READ "${script}" text)
+    foreach(folder "${BUILD_DIR}" "${PROJECT_DIR}")
+      string(REPLACE "${WORK_DIR}" "" text "${text}")
+      string(FIND "${text}" "${folder}" position)
+      if(NOT position EQUAL -1)
+        message(FATAL_ERROR "${script} names ${folder}: the package works on this machine only")
+      endif()
+    endforeach()
   endforeach()
-endforeach()
+endfunction()
 
-run("configure" "${CMAKE_COMMAND}" -S "${SOURCE_DIR}" -B "${WORK_DIR}/build" -G "${GENERATOR}"
-    "-DCMAKE_PREFIX_PATH=${WORK_DIR}/prefix" "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}"
-    "-DCMAKE_BUILD_TYPE=${BUILD_TYPE}" -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF)
-run("build" "${CMAKE_COMMAND}" --build "${WORK_DIR}/build")
-run("run" "${WORK_DIR}/build/consumer")
+file(GLOB_RECURSE headers RELATIVE "${PREFIX}/include" "${PREFIX}/include/*.hpp")
+file(GLOB_RECURSE program_targets "${PREFIX}/*/volccdProgramTargets.cmake")
+
+if(PART STREQUAL "install")
+  file(REMOVE_RECURSE "${WORK_DIR}")
+  run("install" "${CMAKE_COMMAND}" --install "${BUILD_DIR}" --prefix "${PREFIX}")
+  check_no_file_names_this_machine()
+elseif(PART STREQUAL "consumer")
+  foreach(package PNG fcl ccd CLI11 nlohmann_json)
+    list(APPEND without "-DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON")
+  endforeach()
+  build("${PROJECT_DIR}/tests/consumer" consumer ${without})
+  run("run" "${WORK_DIR}/consumer/consumer")
+elseif(PART STREQUAL "example")
+  build("${PROJECT_DIR}/examples/custom_culling" custom_culling)
+elseif(PART STREQUAL "refusals")
+  refuse(nonsense "volccd has no component 'nonsense'; there is program")
+  refuse(program "volccd's component program needs fcl (Debian: libfcl-dev), which was not found"
+         -DCMAKE_DISABLE_FIND_PACKAGE_fcl=ON)
+  # A package without the program is one without this file.
+  file(COPY "${PREFIX}/" DESTINATION "${WORK_DIR}/prefix-without-program" PATTERN "volccdProgramTargets*" EXCLUDE)
+  set(PREFIX "${WORK_DIR}/prefix-without-program")
+  refuse(program "this package of volccd was built without its component program" )
+elseif(PART STREQUAL "headers")
+  # Twice: the second time checks the include guard.
+  foreach(header IN LISTS headers)
+    file(WRITE "${WORK_DIR}/headers/${header}.cpp" "#include <${header}>\n#include <${header}>\n")
+  endforeach()
+  set(component)
+  if(program_targets)
+    set(component program)
+  endif()
+  write_project(headers "${component}" "
+file(GLOB_RECURSE stubs \"\${CMAKE_CURRENT_SOURCE_DIR}/volccd/*.cpp\")
+add_library(headers OBJECT \${stubs})
+target_compile_options(headers PRIVATE -O0 -fsyntax-only)
+target_link_libraries(headers PRIVATE volccd::volccd)
+if(TARGET volccd::program)
+  target_link_libraries(headers PRIVATE volccd::program)
+endif()\n")
+  build("${WORK_DIR}/headers" headers-build)
+  list(LENGTH headers count)
+  message(STATUS "${count} headers")
+else()
+  message(FATAL_ERROR "no part '${PART}'")
+endif()

@@ -12,6 +12,7 @@
 #include <volccd/culling/csat.hpp>
 
 #include "filter_touching.hpp"
+#include "support/stages.hpp"
 
 namespace volccd::test {
 namespace {
@@ -144,7 +145,7 @@ void check_touching(ElementType type, std::uint64_t seed, int rounds, bool apart
           for (const auto& [name, stage] : cullings) {
             const bool swapped = round % 2 == 1;
             PairBatch batch = bench.batch(swapped);
-            stage->cull(step, nullptr, batch);
+            test::run_stage(*stage, step, batch);
             for (Index i = 0; i < bench.pairs(); ++i) {
               if (tests[i].time <= step.t_max) {
                 ASSERT_TRUE(kept(bench, batch, i, kind, swapped))
@@ -187,7 +188,7 @@ TEST(CsatConservative, GrazingTetrahedraAreKept) {
     }
     for (const auto& [name, stage] : cullings) {
       PairBatch batch = bench.batch();
-      stage->cull(bench.step(), nullptr, batch);
+      test::run_stage(*stage, bench.step(), batch);
       for (Index i = 0; i < bench.pairs(); ++i) {
         ASSERT_TRUE(kept(bench, batch, i, FeatureKind::vf, false)) << name;
         ASSERT_TRUE(kept(bench, batch, i, FeatureKind::vf, true)) << name;
@@ -220,7 +221,7 @@ double culled_share(const OptionValues& options, ElementType type, int control_p
     PairBench bench(type, control_points);
     set_apart(bench, random, gap);
     PairBatch batch = bench.batch();
-    stage->cull(bench.step(separation, t_max), nullptr, batch);
+    test::run_stage(*stage, bench.step(separation, t_max), batch);
     left += batch.size();
     all += bench.pairs();
   }
@@ -260,7 +261,7 @@ TEST(CsatEffect, EarlyTimesPruneMore) {
   const auto stage = describe_csat().make({{"mode", "pair"}});
   const auto left = [&](double t_max) {
     PairBatch batch = bench.batch();
-    stage->cull(bench.step(0, t_max), nullptr, batch);
+    test::run_stage(*stage, bench.step(0, t_max), batch);
     return batch.size();
   };
   EXPECT_EQ(left(0.2), 0u);
@@ -338,7 +339,7 @@ TEST(CsatMasks, MaskedFeaturesTouchNothing) {
       Random random(10);
       set_apart(bench, random, -0.6);
       PairBatch batch = bench.batch();
-      stage->cull(bench.step(), nullptr, batch);
+      test::run_stage(*stage, bench.step(), batch);
       std::size_t masked = 0;
       for (std::size_t k = 0; k < batch.size(); ++k) {
         const auto [a, b] = batch.pairs[k];
@@ -357,7 +358,7 @@ TEST(CsatMasks, KnownBitsAndOrderStay) {
   for (const auto& [name, stage] : all_cullings()) {
     PairBatch batch = bench.batch();
     for (auto& mask : batch.masks) mask = {1, 2, 4, 8};
-    stage->cull(bench.step(), nullptr, batch);
+    test::run_stage(*stage, bench.step(), batch);
     ASSERT_EQ(batch.pairs.size(), batch.masks.size());
     EXPECT_TRUE(std::is_sorted(batch.pairs.begin(), batch.pairs.end()));
     for (const auto& m : batch.masks)
@@ -386,7 +387,7 @@ TEST(CsatMasks, SharedFeaturesOfAdjacentElementsStay) {
     PairBatch batch;
     batch.pairs = {{0, 0}, {0, 1}};
     batch.masks.resize(2);
-    stage->cull({topology, motion, filter}, nullptr, batch);
+    test::run_stage(*stage, {topology, motion, filter}, batch);
     ASSERT_EQ(batch.size(), 2u) << name;
     EXPECT_EQ(batch.masks[0].vertices_a | batch.masks[0].vertices_b, 0u) << name;
     EXPECT_EQ(batch.masks[1].vertices_a & ~1u, 0u) << name;
@@ -447,7 +448,7 @@ TEST(CsatOptimal, AgreesWithLibccd) {
         set_apart(bench, random, gap);
         const auto is_kept = [&](double separation) {
           PairBatch batch = bench.batch();
-          stage->cull(bench.step(separation), nullptr, batch);
+          test::run_stage(*stage, bench.step(separation), batch);
           std::vector<bool> flags(bench.pairs(), false);
           for (const auto& pair : batch.pairs) flags[pair.a / 2] = true;
           return flags;
@@ -478,7 +479,7 @@ TEST(CsatSimd, AllInstructionSetsAgree) {
       for (const auto& [name, stage] : all_cullings()) {
         const auto run = [&] {
           PairBatch batch = bench.batch();
-          stage->cull(step, nullptr, batch);
+          test::run_stage(*stage, step, batch);
           return batch;
         };
         const PairBatch expected = run();

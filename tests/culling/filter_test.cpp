@@ -12,6 +12,7 @@
 #include <volccd/culling/feature_kdop_filter.hpp>
 
 #include "filter_touching.hpp"
+#include "support/stages.hpp"
 
 namespace volccd::test {
 namespace {
@@ -41,7 +42,7 @@ std::vector<NamedFilter> all_filters() {
 
 std::vector<std::uint8_t> run(const FeatureFilter& filter, const Step& step, const TestBlock& block) {
   std::vector<std::uint8_t> keep(block.padded_size(), 1);
-  filter.filter(step, block, keep);
+  test::run_stage(filter, step, block, keep);
   return keep;
 }
 
@@ -297,7 +298,7 @@ TEST(FilterBlock, LeavesOthersAlone) {
   const TestBlock& block = bench.block(FeatureKind::vf);
   for (const auto& [name, filter] : all_filters()) {
     std::vector<std::uint8_t> keep(block.padded_size(), 0);
-    filter->filter(bench.step(), block, keep);
+    test::run_stage(*filter, bench.step(), block, keep);
     EXPECT_EQ(keep, std::vector<std::uint8_t>(block.padded_size(), 0)) << name << " brought a test back";
   }
 }

@@ -12,6 +12,7 @@
 #include <volccd/query/query_set.hpp>
 
 #include "byte_reader.hpp"
+#include "support/stages.hpp"
 
 namespace volccd::fuzz {
 
@@ -140,7 +141,7 @@ void check(const Test& test, const Step& step, const Contestants::Narrow& narrow
            std::span<const FeaturePair> pairs) {
   std::vector<Contact> contacts;
   NarrowCounters counters;
-  narrow.stage->test(step, test.kind, pairs, contacts, counters);
+  test::run_stage(*narrow.stage, step, test.kind, pairs, contacts, counters);
   std::string problem = malformed(test, contacts);
   if (problem.empty() && narrow.guarantee != Guarantee::approximate) {
     const TestMotion motion = motion_of(test, step);
@@ -170,7 +171,7 @@ void narrow_phase(Bytes bytes) {
   for (const Contestants::Filter& filter : contestants.filters) {
     std::array<std::uint8_t, 8> keep;
     keep.fill(1);
-    filter.stage->filter(step, block, keep);
+    test::run_stage(*filter.stage, step, block, keep);
     if (exact.touches && keep[0] == 0)
       promise_broken(fmt::format("filter {} drops a contact at {:a}\n{}", filter.name, exact.toi, test.text()));
   }

@@ -34,7 +34,8 @@ void apply(const Registry& registry, PipelineSpec& spec, const std::string& line
   const OptionValues values = {{line.substr(0, equals), line.substr(equals + 1)}};
   make_all<BroadPhase>(registry, values);
   make_all<ElementCulling>(registry, values);
-  make_all<FeatureCulling>(registry, values);
+  make_all<Assignment>(registry, values);
+  make_all<OrphanSource>(registry, values);
   make_all<FeatureFilter>(registry, values);
   make_all<NarrowPhase>(registry, values);
 }

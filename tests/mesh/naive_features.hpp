@@ -117,10 +117,26 @@ inline std::string inconsistency(const Mesh& mesh, const Features& features) {
   }
   for (Index v = 0; v < features.vertex_slots(); ++v)
     if (!ascends(features.vertex_elements(v))) return "elements of a vertex do not ascend";
+  // The first elements, and the features that belong to each element by them.
+  const auto first = [](std::span<const Index> elements) { return elements.empty() ? kNone : elements.front(); };
+  std::map<Index, std::vector<Index>> own_edges, own_triangles;
+  for (Index v = 0; v < features.vertex_slots(); ++v)
+    if (features.first_element_of_vertex(v) != first(features.vertex_elements(v))) return "first_element_of_vertex";
+  for (Index e = 0; e < features.edge_slots(); ++e) {
+    if (features.first_element_of_edge(e) != first(features.edge_elements(e))) return "first_element_of_edge";
+    own_edges[features.first_element_of_edge(e)].push_back(e);
+  }
+  for (Index f = 0; f < features.triangle_slots(); ++f) {
+    if (features.first_element_of_triangle(f) != first(features.triangle_elements(f)))
+      return "first_element_of_triangle";
+    own_triangles[features.first_element_of_triangle(f)].push_back(f);
+  }
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     const auto edges = features.element_edges(o), triangles = features.element_triangles(o);
     if (std::multiset<Index>(edges.begin(), edges.end()) != edges_of[o]) return "element_edges";
     if (std::multiset<Index>(triangles.begin(), triangles.end()) != triangles_of[o]) return "element_triangles";
+    if (!std::ranges::equal(features.own_edges(o), own_edges[o])) return "own_edges";
+    if (!std::ranges::equal(features.own_triangles(o), own_triangles[o])) return "own_triangles";
   }
   return {};
 }

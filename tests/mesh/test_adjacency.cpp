@@ -3,6 +3,7 @@
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/adjacency.hpp>
 #include <volccd/mesh/shapes.hpp>
+#include <volccd/mesh/topology.hpp>
 
 namespace volccd {
 namespace {
@@ -14,8 +15,8 @@ bool naive(const Mesh& mesh, Index a, Index b) {
   return false;
 }
 
-/// Number of pairs on which the test is wrong; also checks adjacent_elements.
-std::size_t wrong(const Mesh& mesh, const AdjacencyTest& test) {
+/// Number of pairs and elements on which the table is wrong; also checks adjacent_elements.
+std::size_t wrong(const Mesh& mesh, const Adjacency& table) {
   Features features;
   features.build(mesh);
   std::size_t count = 0;
@@ -26,11 +27,14 @@ std::size_t wrong(const Mesh& mesh, const AdjacencyTest& test) {
     for (Index b = 0; b < mesh.element_slots(); ++b) {
       if (!mesh.alive(b)) continue;
       const bool adjacent = naive(mesh, a, b);
-      count += test.adjacent(a, b) != adjacent;
+      count += table.adjacent(a, b) != adjacent;
       if (adjacent) expected.push_back(b);
     }
     adjacent_elements(mesh, features, a, neighbours);
     count += neighbours != expected;
+    const auto vertices = mesh.vertices(a), padded = table.vertices(a);
+    count += !std::ranges::equal(padded.first(vertices.size()), vertices) ||
+             std::ranges::any_of(padded.subspan(vertices.size()), [&](Index v) { return v != vertices[0]; });
   }
   return count;
 }
@@ -57,12 +61,12 @@ TEST(Adjacency, EqualsComparingAllVertices) {
   for (ElementType type : {ElementType::triangle, ElementType::quad, ElementType::tetrahedron, ElementType::pyramid,
                            ElementType::wedge, ElementType::hexahedron, ElementType::polytope}) {
     const Mesh mesh = permuted(block(type, 4, 3, 3), 11).mesh();
-    AdjacencyTest test;
+    Adjacency test;
     test.build(mesh);
     EXPECT_EQ(wrong(mesh, test), 0u) << to_string(type);
   }
   const Mesh mesh = permuted(mixed_block(3, 3), 5).mesh();
-  AdjacencyTest test;
+  Adjacency test;
   test.build(mesh);
   EXPECT_EQ(wrong(mesh, test), 0u);
 }
@@ -83,13 +87,13 @@ TEST(Adjacency, SeesEveryPairOfPositions) {
         b.id = 1;
         mesh.add_element(a);
         mesh.add_element(b);
-        AdjacencyTest test;
+        Adjacency test;
         test.build(mesh);
         EXPECT_TRUE(test.adjacent(0, 1) && test.adjacent(1, 0)) << i << " " << j;
         mesh.remove_element(1);
         b.vertices[j] = n + j;
         mesh.add_element(b);
-        test.update(mesh, std::vector<Index>{1});
+        test.build(mesh);
         EXPECT_FALSE(test.adjacent(0, 1) || test.adjacent(1, 0)) << i << " " << j;
       }
 }
@@ -100,18 +104,14 @@ TEST(Adjacency, FollowsEditsThroughAllSizes) {
     Random random(seed);
     Mesh mesh;
     mesh.add_vertices(200);
-    AdjacencyTest test;
-    test.build(mesh);
+    Topology topology(std::move(mesh));
     std::vector<Index> all(200);
     for (Index v = 0; v < 200; ++v) all[v] = v;
     std::int64_t id = 0;
     for (std::size_t round = 0; round < 12; ++round) {
-      std::vector<Index> changed;
-      for (Index o = 0; o < mesh.element_slots(); ++o)
-        if (mesh.alive(o) && random.below(3) == 0) {
-          mesh.remove_element(o);
-          changed.push_back(o);
-        }
+      TopologyEdit edit;
+      for (Index o = 0; o < topology.mesh().element_slots(); ++o)
+        if (topology.mesh().alive(o) && random.below(3) == 0) edit.removed.push_back(o);
       for (int k = 0; k < 25; ++k) {
         random.shuffle(all);
         const std::size_t kind = random.below(std::min<std::size_t>(round / 2 + 1, 4));
@@ -123,12 +123,10 @@ TEST(Adjacency, FollowsEditsThroughAllSizes) {
         element.vertices.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(n));
         if (kind == 3) element = prism(element.vertices, 0);
         element.id = id++;
-        changed.push_back(mesh.add_element(element));
+        edit.added.push_back(element);
       }
-      std::sort(changed.begin(), changed.end());
-      changed.erase(std::unique(changed.begin(), changed.end()), changed.end());
-      test.update(mesh, changed);
-      ASSERT_EQ(wrong(mesh, test), 0u) << "round " << round;
+      topology.apply(edit);
+      ASSERT_EQ(wrong(topology.mesh(), topology.adjacency()), 0u) << "round " << round;
     }
   }
 }

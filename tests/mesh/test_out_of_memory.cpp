@@ -5,12 +5,10 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/mesh/adjacency.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/shapes.hpp>
 #include <volccd/mesh/topology.hpp>
-#include <volccd/mesh/topology_watch.hpp>
-#include <volccd/query/pairs.hpp>
+#include <volccd/mesh/topology_delta.hpp>
 
 #include "mesh/naive_features.hpp"
 #include "support/allocations.hpp"
@@ -46,15 +44,20 @@ Snapshot snapshot(const Mesh& mesh) {
 Snapshot snapshot(const Features& features, Index element_slots) {
   Snapshot all = {features.vertex_slots(), features.edge_slots(), features.triangle_slots(),
                   features.vertex_count(), features.edge_count(), features.triangle_count()};
-  for (Index v = 0; v < features.vertex_slots(); ++v) take(all, features.vertex_elements(v));
+  for (Index v = 0; v < features.vertex_slots(); ++v) {
+    take(all, features.vertex_elements(v));
+    all.push_back(features.first_element_of_vertex(v));
+  }
   for (Index e = 0; e < features.edge_slots(); ++e) {
     take(all, features.edge_elements(e));
+    all.push_back(features.first_element_of_edge(e));
     if (features.edge_elements(e).empty()) continue;
     take(all, features.edge(e));
     all.push_back(features.find_edge(features.edge(e)[0], features.edge(e)[1]));
   }
   for (Index f = 0; f < features.triangle_slots(); ++f) {
     take(all, features.triangle_elements(f));
+    all.push_back(features.first_element_of_triangle(f));
     if (features.triangle_elements(f).empty()) continue;
     const auto& t = features.triangle(f);
     take(all, t);
@@ -63,16 +66,25 @@ Snapshot snapshot(const Features& features, Index element_slots) {
   for (Index o = 0; o < element_slots; ++o) {
     take(all, features.element_edges(o));
     take(all, features.element_triangles(o));
+    take(all, features.own_edges(o));
+    take(all, features.own_triangles(o));
   }
   return all;
 }
 
 /// Without versions, which differ between topologies.
 Snapshot snapshot(const Topology& topology) {
-  Snapshot all = snapshot(topology.mesh());
+  const Mesh& mesh = topology.mesh();
+  Snapshot all = snapshot(mesh);
   const Snapshot features = snapshot(topology.features(), topology.mesh().element_slots());
   all.insert(all.end(), features.begin(), features.end());
   all.push_back(topology.objects_share_vertices());
+  for (Index a = 0; a < mesh.element_slots(); ++a) {
+    if (!mesh.alive(a)) continue;
+    take(all, topology.adjacency().vertices(a));
+    for (Index b = a; b < mesh.element_slots(); ++b)
+      if (mesh.alive(b)) all.push_back(topology.adjacency().adjacent(a, b));
+  }
   return all;
 }
 
@@ -126,10 +138,35 @@ class Edits {
   std::int64_t next_id_ = 1000;
 };
 
-TEST(OutOfMemory, AnEditOfATopologyIsMadeAsAWholeOrNotAtAll) {
-  const Shape shape = permuted(mixed_block(3, 3), 1);
+/// `start` with hexahedra and prisms of 8 to 14 vertices.
+Shape with_large_elements(const Shape& start) {
+  Shape shape = start;
+  Random random(2);
+  for (std::int64_t id = 500; id < 530; ++id) {
+    ElementSpec element{id % 3 == 0 ? ElementType::hexahedron : ElementType::polytope, {}, {}, 0, id};
+    const std::size_t n = id % 3 == 0 ? 4 : 4 + random.below(4);
+    std::set<Index> chosen;
+    while (chosen.size() < 2 * n) chosen.insert(static_cast<Index>(random.below(start.positions.size())));
+    element.vertices.assign(chosen.begin(), chosen.end());
+    if (element.type == ElementType::polytope) {
+      for (const std::size_t ring : {std::size_t{0}, n}) {
+        element.faces.push_back(static_cast<Index>(n));
+        for (std::size_t k = 0; k < n; ++k) element.faces.push_back(element.vertices[ring + k]);
+      }
+      for (std::size_t k = 0; k < n; ++k) {
+        const std::size_t next = (k + 1) % n;
+        element.faces.push_back(4);
+        for (const std::size_t corner : {k, next, n + next, n + k}) element.faces.push_back(element.vertices[corner]);
+      }
+    }
+    shape.elements.push_back(element);
+  }
+  return shape;
+}
+
+void check_edits(const Shape& start, const Shape& shape, std::size_t expected_failures) {
   for (const EdgeSet edge_set : {EdgeSet::triangulated, EdgeSet::polytope}) {
-    Topology topology(shape.mesh(), edge_set), undisturbed(shape.mesh(), edge_set);
+    Topology topology(start.mesh(), edge_set), undisturbed(start.mesh(), edge_set);
     Edits edits(shape, 5);
     std::size_t failures = 0;
     for (int i = 0; i < 16; ++i) {
@@ -152,9 +189,39 @@ TEST(OutOfMemory, AnEditOfATopologyIsMadeAsAWholeOrNotAtAll) {
       EXPECT_TRUE(topology.changes_since(version, changes));
       EXPECT_EQ(changes, std::vector<const TopologyChange*>{change});
     }
-    EXPECT_GT(failures, 500u);
+    EXPECT_GT(failures, expected_failures);
   }
 }
+
+TEST(OutOfMemory, AnEditOfATopologyIsMadeAsAWholeOrNotAtAll) {
+  const Shape shape = permuted(mixed_block(3, 3), 1);
+  check_edits(shape, shape, 500);
+}
+
+TEST(OutOfMemory, AnEditThatBringsLargerElementsIsMadeAsAWholeOrNotAtAll) {
+  const Shape small = block(ElementType::tetrahedron, 3, 3, 2);
+  check_edits(small, with_large_elements(small), 500);
+}
+
+TEST(OutOfMemory, AfterAFailureADeltaListsEverything) {
+  using Extent = TopologyDelta::Extent;
+  const Shape shape = permuted(mixed_block(2, 2), 1);
+  Topology topology(shape.mesh());
+  Edits edits(shape, 7);
+  TopologyDelta delta;
+  std::size_t failures = 0;
+  Extent extent = Extent::none;
+  for (int i = 0; i < 4; ++i) {
+    const std::size_t before = failures;
+    failures += test::fail_allocations(
+        Memory::lacks_once, [&] { extent = delta.sync(topology); }, [] {});
+    EXPECT_EQ(extent, i == 0 || failures != before ? Extent::everything : Extent::edits) << i;
+    delta.confirm();
+    topology.apply(edits.next(topology.mesh()));
+  }
+  EXPECT_GT(failures, 0u);
+}
+
 
 TEST(OutOfMemory, AMeshTakesAnElementAsAWholeOrNotAtAll) {
   const Shape shape = mixed_block(1, 1);
@@ -185,62 +252,6 @@ TEST(OutOfMemory, AMeshTakesAnElementAsAWholeOrNotAtAll) {
           memory, [&] { slot = mesh.add_element(element); }, unchanged);
       there.push_back(slot);
     }
-  }
-  EXPECT_GT(failures, 50u);
-}
-
-TEST(OutOfMemory, AWatchTellsTheSameNewsAgain) {
-  // Polytopes of more than eight vertices come and go, so that wide and large elements are kept in all ways.
-  const Shape small = block(ElementType::tetrahedron, 3, 3, 2);
-  Shape shape = small;
-  Random random(2);
-  for (std::int64_t id = 500; id < 530; ++id) {
-    ElementSpec element{id % 3 == 0 ? ElementType::hexahedron : ElementType::polytope, {}, {}, 0, id};
-    const std::size_t n = id % 3 == 0 ? 4 : 4 + random.below(4);
-    std::set<Index> chosen;
-    while (chosen.size() < 2 * n) chosen.insert(static_cast<Index>(random.below(small.positions.size())));
-    element.vertices.assign(chosen.begin(), chosen.end());
-    if (element.type == ElementType::polytope) {  // a prism
-      for (const std::size_t ring : {std::size_t{0}, n}) {
-        element.faces.push_back(static_cast<Index>(n));
-        for (std::size_t k = 0; k < n; ++k) element.faces.push_back(element.vertices[ring + k]);
-      }
-      for (std::size_t k = 0; k < n; ++k) {
-        const std::size_t next = (k + 1) % n;
-        element.faces.push_back(4);
-        for (const std::size_t corner : {k, next, n + next, n + k}) element.faces.push_back(element.vertices[corner]);
-      }
-    }
-    shape.elements.push_back(element);
-  }
-  Topology topology(small.mesh());
-  TopologyWatch watch;
-  Edits edits(shape, 7);
-  std::size_t failures = 0;
-  std::vector<std::pair<ElementPair, bool>> known;
-  for (int i = 0; i < 14; ++i) {
-    TopologyWatch::News news = TopologyWatch::News::none;
-    failures += test::fail_allocations(
-        i % 2 == 0 ? Memory::lacks_once : Memory::stays_out, [&] { news = watch.look(topology); },
-        [&] {
-          for (const auto& [pair, adjacent] : known)
-            ASSERT_EQ(watch.adjacency().adjacent(pair.a, pair.b), adjacent) << i;
-        });
-    EXPECT_EQ(news, i % 5 == 0 ? TopologyWatch::News::everything : TopologyWatch::News::edited) << i;
-    const Mesh& mesh = topology.mesh();
-    known.clear();
-    for (Index a = 0; a < mesh.element_slots(); ++a)
-      for (Index b = 0; b < mesh.element_slots(); ++b) {
-        if (!mesh.alive(a) || !mesh.alive(b)) continue;
-        const auto v = mesh.vertices(a), w = mesh.vertices(b);
-        known.push_back({{a, b}, std::find_first_of(v.begin(), v.end(), w.begin(), w.end()) != v.end()});
-        ASSERT_EQ(watch.adjacency().adjacent(a, b), known.back().second) << i;
-      }
-    if (news == TopologyWatch::News::edited) {
-      EXPECT_EQ(watch.changes().size(), 1u);
-    }
-    const std::size_t number = i % 5 == 4 ? Topology::kHistory + 1 : 1;
-    for (std::size_t k = 0; k < number; ++k) topology.apply(edits.next(mesh));
   }
   EXPECT_GT(failures, 50u);
 }

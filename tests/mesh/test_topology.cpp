@@ -5,9 +5,9 @@
 #include <limits>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/adjacency.hpp>
 #include <volccd/mesh/shapes.hpp>
 #include <volccd/mesh/topology.hpp>
+#include <volccd/mesh/topology_delta.hpp>
 
 #include "mesh/naive_features.hpp"
 
@@ -139,12 +139,14 @@ bool naive_shared(const NaiveFeatures& features, const Mesh& mesh) {
   return false;
 }
 
-bool adjacency_is_right(const Mesh& mesh, const AdjacencyTest& test) {
+bool adjacency_is_right(const Topology& topology) {
+  const Mesh& mesh = topology.mesh();
   for (Index a = 0; a < mesh.element_slots(); ++a)
     for (Index b = 0; b < mesh.element_slots(); ++b) {
       if (!mesh.alive(a) || !mesh.alive(b)) continue;
       const auto v = mesh.vertices(a), w = mesh.vertices(b);
-      if (test.adjacent(a, b) != (std::find_first_of(v.begin(), v.end(), w.begin(), w.end()) != v.end())) return false;
+      if (topology.adjacency().adjacent(a, b) !=
+          (std::find_first_of(v.begin(), v.end(), w.begin(), w.end()) != v.end())) return false;
     }
   return true;
 }
@@ -198,6 +200,7 @@ void check_random_edits(EdgeSet edge_set) {
     check_edit(topology, random_edit(topology.mesh(), next_id));
     const std::string problem = test::inconsistency(topology.mesh(), topology.features());
     if (!problem.empty()) RC_FAIL(problem);
+    RC_ASSERT(adjacency_is_right(topology));
     Features rebuilt(edge_set);
     rebuilt.build(topology.mesh());
     RC_ASSERT(test::contents(rebuilt) == test::contents(topology.features()));
@@ -219,28 +222,41 @@ TEST(Topology, EditedEqualsRebuiltPolytope) {
   EXPECT_TRUE(rc::check([] { check_random_edits(EdgeSet::polytope); }));
 }
 
-TEST(Topology, HistoryKeepsAdjacencyInStep) {
+TEST(Topology, ADeltaListsWhatChangedSinceItWasConfirmed) {
   EXPECT_TRUE(rc::check([] {
+    using Extent = TopologyDelta::Extent;
     Topology topology(random_mesh());
-    AdjacencyTest adjacency;
-    adjacency.build(topology.mesh());
+    TopologyDelta delta;
+    RC_ASSERT(delta.sync(topology) == Extent::everything);
     std::uint64_t seen = topology.version();
     std::int64_t next_id = 1000;
     std::vector<const TopologyChange*> changes;
-    for (int round = 0; round < 4; ++round) {
+    for (int round = 0; round < 6; ++round) {
+      const auto confirmed = *rc::gen::arbitrary<bool>();
+      if (confirmed) delta.confirm();
       const auto edits = *rc::gen::inRange<std::size_t>(0, Topology::kHistory + 3);
-      for (std::size_t i = 0; i < edits; ++i) topology.apply(random_edit(topology.mesh(), next_id));
+      std::set<Index> slots;
+      for (std::size_t i = 0; i < edits; ++i) {
+        const TopologyChange& change = topology.apply(random_edit(topology.mesh(), next_id));
+        slots.insert(change.removed_elements.begin(), change.removed_elements.end());
+        slots.insert(change.added_elements.begin(), change.added_elements.end());
+      }
       RC_ASSERT(topology.changes_since(seen, changes) == (edits <= Topology::kHistory));
       RC_ASSERT(changes.size() == (edits <= Topology::kHistory ? edits : 0));
-      if (edits > Topology::kHistory) adjacency.build(topology.mesh());
-      for (const TopologyChange* change : changes) {
-        adjacency.update(topology.mesh(), change->removed_elements);
-        adjacency.update(topology.mesh(), change->added_elements);
-      }
       if (!changes.empty()) RC_ASSERT(changes.back()->version == topology.version());
-      RC_ASSERT(adjacency_is_right(topology.mesh(), adjacency));
+      const Extent extent = delta.sync(topology);
+      RC_ASSERT(extent == (!confirmed || edits > Topology::kHistory ? Extent::everything
+                           : edits == 0                             ? Extent::none
+                                                                    : Extent::edits));
+      if (extent != Extent::everything) {
+        RC_ASSERT(delta.changes() == changes);
+        RC_ASSERT(std::ranges::equal(delta.changed_slots(), slots));
+      }
       seen = topology.version();
     }
+    delta.confirm();
+    const Topology other(random_mesh());
+    RC_ASSERT(delta.sync(other) == Extent::everything);
   }));
 }
 

@@ -8,6 +8,8 @@
 #include <volccd/query/contact.hpp>
 #include <volccd/query/query_set.hpp>
 
+#include "support/stages.hpp"
+
 namespace volccd::test {
 
 /// Points 0..3 at t = 0, then at t = 1. VF: vertex, triangle. EE: edge 1, edge 2.
@@ -21,7 +23,7 @@ class QuerySet : public volccd::QuerySet {
   std::vector<Contact> test(const NarrowPhase& narrow, double t_max = 1, NarrowCounters* counters = nullptr) const {
     std::vector<Contact> contacts;
     NarrowCounters own;
-    narrow.test(step(t_max), kind(), pairs(), contacts, counters ? *counters : own);
+    run_stage(narrow, step(t_max), kind(), pairs(), contacts, counters ? *counters : own);
     return contacts;
   }
 };

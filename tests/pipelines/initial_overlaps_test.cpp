@@ -152,7 +152,7 @@ Scene pierced(bool needle) {
   return {needle ? "pierced" : "inside", Topology(shape.mesh()), Motion::linear(shape.positions, end)};
 }
 
-TEST(InitialOverlaps, InsideAndPiercedAreFoundWhateverFeatureCullingDrops) {
+TEST(InitialOverlaps, InsideAndPiercedAreFoundWhateverElementCullingDrops) {
   const ObjectFilter everything;
   for (const bool needle : {false, true}) {
     const Scene scene = pierced(needle);

@@ -47,7 +47,7 @@ void expect_same(const StepResult& expected, const StepResult& found, const std:
   EXPECT_TRUE(d.empty()) << what << ": " << summary(d);
 }
 
-/// All sound combinations of stages: broad phase x element culling x feature culling x feature filters.
+/// All sound combinations of stages: broad phase x element culling x assignment and orphans x feature filters.
 std::vector<PipelineSpec> combinations() {
   const std::vector<std::vector<StageChoice>> element = {
       {},
@@ -57,24 +57,22 @@ std::vector<PipelineSpec> combinations() {
       {{"csat", {{"axis", "centroid"}, {"mode", "pair"}}}},
       {{"csat", {{"axis", "optimal"}, {"mode", "pair"}}}},
       {{"csat", {{"axis", "optimal"}, {"mode", "both"}}}}};
-  const std::vector<StageChoice> feature = {{"all-pairs", {}},
-                                            {"all-pairs", {{"oset", "minimal"}}},
-                                            {"all-pairs", {{"oset", "literal"}}},
-                                            {"static-assignment", {}},
-                                            {"dynamic-assignment", {}},
-                                            {"dynamic-assignment", {{"oset", "literal"}}}};
+  const StageChoice minimal{"o-set", {{"kind", "minimal"}}}, literal{"o-set", {{"kind", "literal"}}};
+  const std::vector<std::pair<StageChoice, std::optional<StageChoice>>> tests = {
+      {{"all-pairs", {}}, {}},         {{"all-pairs", {}}, minimal},          {{"all-pairs", {}}, literal},
+      {{"static-assignment", {}}, {}}, {{"dynamic-assignment", {}}, minimal}, {{"dynamic-assignment", {}}, literal}};
   const std::vector<std::vector<StageChoice>> filters = {
       {}, {{"feature-kdop", {}}}, {{"coplanarity", {}}}, {{"feature-csat", {}}},
       {{"feature-kdop", {}}, {"coplanarity", {}}, {"feature-csat", {}}}};
   std::vector<PipelineSpec> specs;
   for (const char* broad : {"kdop-bvh", "spatial-hash", "brute-force"})
     for (const auto& e : element)
-      for (const auto& f : feature)
+      for (const auto& [assignment, orphans] : tests)
         for (const auto& t : filters) {
-          PipelineSpec spec{broad, "", {broad, {}}, e, f, t, {"inclusion", {}}};
-          spec.name += (e.empty() ? "" : "/" + e[0].options.at("axis") + "-" + e[0].options.at("mode")) + "/" + f.name +
-                       (f.options.empty() ? "" : "-" + f.options.begin()->second) + "/" + std::to_string(t.size()) +
-                       (t.size() == 1 ? t[0].name : "");
+          PipelineSpec spec{broad, "", {broad, {}}, e, assignment, orphans, t, {"inclusion", {}}};
+          spec.name += (e.empty() ? "" : "/" + e[0].options.at("axis") + "-" + e[0].options.at("mode")) + "/" +
+                       assignment.name + (orphans ? "-" + orphans->options.at("kind") : "") + "/" +
+                       std::to_string(t.size()) + (t.size() == 1 ? t[0].name : "");
           specs.push_back(spec);
         }
   return specs;
@@ -310,12 +308,24 @@ TEST(Pipelines, WorkspaceFollowsTopologyChanges) {
 
 TEST(Pipelines, RefuseWhatIsUnsound) {
   PipelineSpec spec = registry().pipeline("VolCCD");
-  spec.feature_culling = {"static-assignment", {{"oset", "minimal"}}};
-  EXPECT_THROW(Pipeline(registry(), spec), ConfigError);
-  spec.feature_culling = {"dynamic-assignment", {{"oset", "none"}}};
-  EXPECT_THROW(Pipeline(registry(), spec), ConfigError);
-  spec.feature_culling = {"no-such-stage", {}};
-  EXPECT_THROW(Pipeline(registry(), spec), ConfigError);
+  const auto refused = [](const PipelineSpec& refused_spec, const std::string& reason) {
+    try {
+      const Pipeline pipeline(registry(), refused_spec);
+      return false;
+    } catch (const ConfigError& error) {
+      return std::string(error.what()).find(reason) != std::string::npos;
+    }
+  };
+  spec.assignment.name = "static-assignment";
+  EXPECT_TRUE(refused(spec, "gives some feature pairs to adjacent elements"));
+  spec.orphans.reset();
+  EXPECT_FALSE(refused(spec, ""));
+  spec.assignment.name = "dynamic-assignment";
+  EXPECT_TRUE(refused(spec, "has no owner"));
+  spec.assignment.name = "all-pairs";
+  EXPECT_FALSE(refused(spec, ""));
+  spec.assignment.name = "no-such-stage";
+  EXPECT_TRUE(refused(spec, "no-such-stage"));
   spec = registry().pipeline("VolCCD");
   spec.broad_phase.options["k"] = "17";
   EXPECT_THROW(Pipeline(registry(), spec), ConfigError);
@@ -351,13 +361,20 @@ TEST(Registry, SettingsChangeAPipeline) {
   PipelineSpec spec = registry().pipeline("VolCCD");
   registry().apply_setting(spec, "csat.axis=centroid");
   EXPECT_EQ(spec.element_culling.front().options.at("axis"), "centroid");
-  registry().apply_setting(spec, "feature-filters=feature-kdop,coplanarity");
+  registry().apply_setting(spec, "feature-filter=feature-kdop,coplanarity");
   EXPECT_EQ(spec.feature_filters.size(), 2u);
   registry().apply_setting(spec, "element-culling=none");
   EXPECT_TRUE(spec.element_culling.empty());
+  registry().apply_setting(spec, "orphans=none");
+  EXPECT_FALSE(spec.orphans.has_value());
+  registry().apply_setting(spec, "orphans=o-set");
+  registry().apply_setting(spec, "o-set.kind=literal");
+  EXPECT_EQ(spec.orphans->options.at("kind"), "literal");
+  registry().apply_setting(spec, "assignment=all-pairs");
+  EXPECT_EQ(spec.assignment.name, "all-pairs");
   registry().apply_setting(spec, "broad-phase=spatial-hash");
   EXPECT_EQ(spec.broad_phase.name, "spatial-hash");
-  for (const char* wrong : {"csat.axis=centroid", "x", "=x", "broad-phase=none", "no-role=x", "kdop-bvh.k=18"})
+  for (const char* wrong : {"csat.axis=centroid", "x", "=x", "broad-phase=none", "assignment=none", "orphans=o-set,o-set", "no-role=x", "kdop-bvh.k=18"})
     EXPECT_THROW(registry().apply_setting(spec, wrong), ConfigError) << wrong;
 }
 

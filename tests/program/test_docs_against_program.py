@@ -15,7 +15,7 @@ VOLCCD, EXAMPLE = (os.path.abspath(path) for path in sys.argv[1:3])
 del sys.argv[1:3]
 ROOT = Path(__file__).resolve().parents[2]
 DOCUMENTS = [*sorted(ROOT.glob("*.md")), *sorted(ROOT.glob("docs/*.md"))]
-ROLE_OF_OPTION = {"--narrowphase": "narrow-phase", "--judge": "narrow-phase", "--filters": "feature-filters"}
+ROLE_OF_OPTION = {"--narrowphase": "narrow-phase", "--judge": "narrow-phase", "--filters": "feature-filter"}
 
 
 def run(*arguments, program=VOLCCD):
@@ -165,7 +165,7 @@ def code_in(text):
 class DocsAgainstProgram(unittest.TestCase):
     def test_the_program_is_understood(self):
         self.assertEqual(list(LIBRARY.roles),
-                         ["broad-phase", "element-culling", "feature-culling", "feature-filters", "narrow-phase"])
+                         ["broad-phase", "element-culling", "assignment", "orphans", "feature-filter", "narrow-phase"])
         self.assertGreater(sum(map(len, LIBRARY.options.values())), 15)
         self.assertGreaterEqual(len(COMMANDS), 12)
         self.assertEqual(COMMANDS[("detect",)].options["--motion"], (True, ["linear", "quadratic"], "linear"))
@@ -178,7 +178,7 @@ class DocsAgainstProgram(unittest.TestCase):
                                            for line in re.findall(r"^\| `[A-Z]\w+\+?` \|.*$", page, re.MULTILINE))}
         self.assertEqual(sorted(rows), sorted(f"`{name}`" for name in LIBRARY.pipelines))
         for name, cells in LIBRARY.pipelines.items():
-            for documented, actual in zip(rows[f"`{name}`"], cells[:4], strict=True):
+            for documented, actual in zip(rows[f"`{name}`"], cells[:5], strict=True):
                 values = re.findall(r"=(\w+)", actual)
                 stages = [] if actual == "none" else re.sub(r"\(.*?\)", "", actual).replace(",", " ").split()
                 named = re.findall(r"`([\w-]+)`", documented)
@@ -187,14 +187,15 @@ class DocsAgainstProgram(unittest.TestCase):
                     self.assertRegex(documented, rf"\b{value}\b", name)
         narrow = re.search(r"All have the narrow phase `(\w+)`", page)
         self.assertIsNotNone(narrow)
-        self.assertEqual({cells[4] for cells in LIBRARY.pipelines.values()}, {narrow[1]})
+        self.assertEqual({cells[5] for cells in LIBRARY.pipelines.values()}, {narrow[1]})
 
     def test_lists_of_stages_and_choices_are_complete(self):
         def first_column(name):
             return sorted(set(re.findall(r"^\| `([a-z-]+)` \|", text_of(name), re.MULTILINE)))
 
-        self.assertEqual(first_column("docs/feature_filters.md"), sorted(LIBRARY.roles["feature-filters"]))
-        self.assertEqual(first_column("docs/feature_culling.md"), sorted(LIBRARY.roles["feature-culling"]))
+        self.assertEqual(first_column("docs/feature_filters.md"), sorted(LIBRARY.roles["feature-filter"]))
+        self.assertEqual(first_column("docs/assignment.md"),
+                         sorted(LIBRARY.roles["assignment"] + LIBRARY.roles["orphans"]))
         self.assertEqual(first_column("docs/csat.md"), sorted(LIBRARY.options["csat"]["axis"][0].split("|")))
         headings = re.findall(r"^## ([a-z]+-[a-z]+)$", text_of("docs/broad_phases.md"), re.MULTILINE)
         self.assertEqual(headings, LIBRARY.roles["broad-phase"])

@@ -155,9 +155,9 @@ class Program(ProgramTest):
 
     def test_settings_change_stages_and_not_contacts(self):
         expected = self.contacts()
-        for settings in (["broad-phase=spatial-hash"], ["element-culling=none"], ["feature-culling=all-pairs"],
-                         ["feature-filters=feature-kdop,coplanarity"], ["kdop-bvh.k=24", "csat.axis=optimal"],
-                         ["feature-culling=static-assignment", "feature-filters=none"]):
+        for settings in (["broad-phase=spatial-hash"], ["element-culling=none"], ["assignment=all-pairs"], ["orphans=none", "assignment=all-pairs"],
+                         ["feature-filter=feature-kdop,coplanarity"], ["kdop-bvh.k=24", "csat.axis=optimal"],
+                         ["assignment=static-assignment", "orphans=none", "feature-filter=none"]):
             arguments = [word for setting in settings for word in ("--set", setting)]
             self.assertEqual(self.contacts(*arguments), expected, settings)
 
@@ -307,8 +307,7 @@ class Program(ProgramTest):
         self.bad("detect", self.sequence, "--pipeline", "Nothing", says="VolCCD+")
         self.bad("detect", self.sequence, "--set", "csat.axis=sideways", says="centroid")
         self.bad("detect", self.sequence, "--set", "nothing.x=1", says="kdop-bvh")
-        self.bad("detect", self.sequence, "--set", "feature-culling=static-assignment", "--set",
-                 "static-assignment.oset=minimal", says="O-Set")
+        self.bad("detect", self.sequence, "--set", "assignment=static-assignment", says="O-Set")
         for steps in ("4", "2:2", "3:1", "x", "-1:2", "0:9"):
             self.bad("detect", self.sequence, "--steps=" + steps, says="--steps")
         self.bad("detect", self.sequence, "--separation", "0.1", "--set", "narrow-phase=cubic", says="separation")

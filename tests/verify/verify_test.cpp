@@ -16,7 +16,7 @@ namespace {
 /// Loses every seventh test.
 class LossyFilter final : public FeatureFilter {
  public:
-  void filter(const Step&, const TestBlock& block, std::span<std::uint8_t> keep) const override {
+  void run(const Step&, StageState&, unsigned, const TestBlock& block, std::span<std::uint8_t> keep) const override {
     for (std::size_t i = 0; i < block.size(); i += 7) keep[i] = 0;
   }
 };
@@ -66,13 +66,10 @@ TEST(Verify, FindsAStageThatLosesContacts) {
 /// Drops pairs of odd elements, and says that they were disjoint.
 class LyingCulling final : public ElementCulling {
  public:
-  bool drops_only_disjoint() const override { return true; }
-  void cull(const Step&, StageState*, PairBatch& batch) const override {
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < batch.size(); ++i)
-      if ((batch.pairs[i].a & batch.pairs[i].b & 1u) == 0) batch.pairs[kept++] = batch.pairs[i];
-    batch.pairs.resize(kept);
-    batch.masks.resize(kept);
+  void run(const Step&, StageState&, unsigned, PairBatch& batch) const override {
+    batch.cull([](ElementPair pair, FeatureMask&) {
+      return (pair.a & pair.b & 1u) == 0 ? PairVerdict::keep : PairVerdict::disjoint;
+    });
   }
 };
 

@@ -11,7 +11,7 @@
 #include <volccd/narrowphase/exact_predicates.hpp>
 #include <volccd/query/pairs.hpp>
 
-namespace volccd::test {
+namespace volccd::cases {
 
 /// What a generator asks for: from a seed, or from a list that rapidcheck makes and shrinks. 0 is the simplest answer
 /// to every question, and what follows the end of a list.
@@ -96,4 +96,4 @@ bool touches(const Case& c, double t_max);
 /// Coordinates as hexadecimal literals, to be pasted into a test.
 std::string to_text(const Case& c);
 
-}  // namespace volccd::test
+}  // namespace volccd::cases

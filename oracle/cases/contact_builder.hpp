@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <optional>
 
-#include "conservative/near_degenerate.hpp"
+#include <volccd/oracle/cases/near_degenerate.hpp>
 
 #include <volccd/query/pairs.hpp>
 
-namespace volccd::test {
+namespace volccd::cases {
 
 /// Position, velocity and half the acceleration at the time of contact: dyadic numbers of few bits, so that what is
 /// made of them is exact.
@@ -88,4 +88,4 @@ class ContactBuilder {
   Vec3 drift_;
 };
 
-}  // namespace volccd::test
+}  // namespace volccd::cases

@@ -1,4 +1,4 @@
-#include "conservative/contact_builder.hpp"
+#include <volccd/oracle/cases/contact_builder.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 
 #include <Eigen/Dense>
 
-namespace volccd::test {
+namespace volccd::cases {
 
 Curve Path::curve(int control_points, double t) const {
   const Vec3 start = x - t * v + t * t * a, end = x + (1 - t) * v + (1 - t) * (1 - t) * a;
@@ -213,4 +213,4 @@ void ContactBuilder::scale_by(const Vec3& factors) {
   case_.separation *= factors.x();
 }
 
-}  // namespace volccd::test
+}  // namespace volccd::cases

@@ -1,11 +1,11 @@
-#include "conservative/attack_cases.hpp"
+#include <volccd/oracle/cases/attack_cases.hpp>
 
 #include <algorithm>
 #include <cmath>
 
-#include "conservative/contact_builder.hpp"
+#include <volccd/oracle/cases/contact_builder.hpp>
 
-namespace volccd::test {
+namespace volccd::cases {
 namespace {
 
 /// In [2^low, 2^(high + 1)), with 20 bits; spread over the powers of two.
@@ -366,4 +366,4 @@ Case crossing_frame(FeatureKind kind, int control_points, const Vec3& p, const V
   return made;
 }
 
-}  // namespace volccd::test
+}  // namespace volccd::cases

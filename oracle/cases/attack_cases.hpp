@@ -5,11 +5,11 @@
 #include <ostream>
 #include <span>
 
-#include "conservative/near_degenerate.hpp"
+#include <volccd/oracle/cases/near_degenerate.hpp>
 
 #include <volccd/query/pairs.hpp>
 
-namespace volccd::test {
+namespace volccd::cases {
 
 struct Attack {
   const char* name;
@@ -39,4 +39,4 @@ Case any_attack_elements(Choices& choices, std::span<const Attack> attacks, Feat
 /// (p,0,0) and (0,-q,z), (0,q,z).
 Case crossing_frame(FeatureKind kind, int control_points, const Vec3& p, const Vec3& q, const Vec3& z);
 
-}  // namespace volccd::test
+}  // namespace volccd::cases

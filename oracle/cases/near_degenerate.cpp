@@ -1,12 +1,12 @@
-#include "conservative/near_degenerate.hpp"
+#include <volccd/oracle/cases/near_degenerate.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 
-#include "conservative/contact_builder.hpp"
+#include <volccd/oracle/cases/contact_builder.hpp>
 
-namespace volccd::test {
+namespace volccd::cases {
 namespace {
 
 /// More digits than the coordinates have.
@@ -174,4 +174,4 @@ std::string to_text(const Case& c) {
   return all;
 }
 
-}  // namespace volccd::test
+}  // namespace volccd::cases

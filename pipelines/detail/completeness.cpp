@@ -1,0 +1,16 @@
+#include <volccd/pipelines/detail/completeness.hpp>
+
+#include <fmt/format.h>
+
+namespace volccd::detail {
+
+PairRange required_range(const std::string& pipeline, const std::string& assignment_name, const Assignment& assignment,
+                         bool has_orphans) {
+  const std::string reason =
+      has_orphans ? assignment.incomplete_on_nonadjacent() : assignment.incomplete_on_every();
+  if (!reason.empty())
+    throw ConfigError(fmt::format("pipeline {}: {} would lose contacts: {}", pipeline, assignment_name, reason));
+  return has_orphans ? PairRange::nonadjacent : PairRange::every;
+}
+
+}  // namespace volccd::detail

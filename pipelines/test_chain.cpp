@@ -1,0 +1,98 @@
+#include <volccd/pipelines/test_chain.hpp>
+
+#include <algorithm>
+
+namespace volccd {
+
+void TestChain::start(const Step& step, const TestStages& stages, std::span<StageStatistics> statistics,
+                      unsigned worker) {
+  step_ = &step;
+  stages_ = &stages;
+  statistics_ = statistics;
+  worker_ = worker;
+  t_max_ = step.t_max;
+  for (Blocks& list : blocks_) {
+    list.resize(stages.filters.size() + 1);
+    for (TestBlock& block : list) block.clear();
+  }
+  contacts_.clear();
+  counters_ = {};
+  tests_ = {};
+  clock_ = {};
+}
+
+std::size_t TestChain::bytes() const {
+  std::size_t sum = contacts_.capacity() * sizeof(Contact);
+  for (const Blocks& list : blocks_) sum += list.size() * sizeof(TestBlock);
+  return sum;
+}
+
+void TestChain::add(FeatureKind kind, std::span<FeaturePair> tests) {
+  const ObjectFilter& rule = step_->filter;
+  // Where only some pairs of objects are excluded, most tests are asked for: less is looked up after the filters.
+  if (!rule.trivial() && (rule.scope() != PairScope::all || stages_->filters.empty()))
+    tests = tests.first(asked_for(kind, tests));
+  StageTimer timer(clock_, statistics_[0].seconds);
+  while (!tests.empty()) {
+    const std::size_t taken = std::min(tests.size(), TestBlock::kCapacity);
+    blocks(kind)[0].gather(*step_, kind, tests.first(taken));
+    run(kind, 0);
+    tests = tests.subspan(taken);
+  }
+}
+
+std::size_t TestChain::asked_for(FeatureKind kind, std::span<FeaturePair> tests) const {
+  const auto unwanted = [&](FeaturePair pair) { return !step_->filter.asks_for(step_->topology, kind, pair); };
+  return static_cast<std::size_t>(std::remove_if(tests.begin(), tests.end(), unwanted) - tests.begin());
+}
+
+void TestChain::finish() {
+  for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee})
+    for (std::size_t stage = 1; stage < blocks(kind).size(); ++stage)
+      if (!blocks(kind)[stage].empty()) run(kind, stage);
+}
+
+void TestChain::run(FeatureKind kind, std::size_t stage) {
+  StageTimer timer(clock_, statistics_[stage].seconds);
+  TestBlock& block = blocks(kind)[stage];
+  statistics_[stage].in += block.size();
+  if (stage < stages_->filters.size())
+    run_filter(kind, stage);
+  else
+    run_narrow_phase(block);
+  block.clear();
+}
+
+void TestChain::run_filter(FeatureKind kind, std::size_t stage) {
+  const TestBlock& block = blocks(kind)[stage];
+  Step pruned = *step_;
+  pruned.t_max = t_max_;
+  std::array<std::uint8_t, TestBlock::kCapacity> flags;
+  flags.fill(1);
+  const auto keep = std::span(flags).first(block.padded_size());
+  stages_->filters[stage]->run(pruned, *stages_->states[stage], worker_, block, keep);
+  const auto dropped = std::count(keep.begin(), keep.begin() + static_cast<std::ptrdiff_t>(block.size()), 0);
+  statistics_[stage].out += block.size() - static_cast<std::size_t>(dropped);
+  const bool last = stage + 1 == stages_->filters.size();
+  if (last && !step_->filter.trivial() && step_->filter.scope() == PairScope::all) keep_asked_for(block, keep);
+  TestBlock& next = blocks(kind)[stage + 1];
+  for (std::size_t begin = 0; begin < block.size();) {
+    begin = next.append_kept(block, keep, begin);
+    if (next.full()) run(kind, stage + 1);
+  }
+}
+
+void TestChain::keep_asked_for(const TestBlock& block, std::span<std::uint8_t> keep) const {
+  for (std::size_t i = 0; i < block.size(); ++i)
+    if (keep[i] != 0 && !step_->filter.asks_for(step_->topology, block.kind(), block.pair(i))) keep[i] = 0;
+}
+
+void TestChain::run_narrow_phase(const TestBlock& block) {
+  tests_[static_cast<std::size_t>(block.kind())] += block.size();
+  const std::size_t before = contacts_.size();
+  const std::size_t stage = stages_->filters.size();
+  stages_->narrow_phase.run(*step_, *stages_->states[stage], worker_, block, contacts_, counters_);
+  statistics_[stage].out += contacts_.size() - before;
+}
+
+}  // namespace volccd

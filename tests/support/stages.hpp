@@ -1,0 +1,42 @@
+// Stages by themselves: state, prepare() and run() in one call, on the calling thread.
+#pragma once
+
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include <volccd/culling/element_culling.hpp>
+#include <volccd/culling/feature_filter.hpp>
+#include <volccd/narrowphase/narrow_phase.hpp>
+
+namespace volccd::test {
+
+/// A fresh state of the stage, prepared for the step.
+inline std::unique_ptr<StageState> prepared(const Stage& stage, const Step& step) {
+  SerialExecutor executor;
+  std::unique_ptr<StageState> state = stage.make_state();
+  stage.prepare(step, *state, executor);
+  return state;
+}
+
+inline void run_stage(const ElementCulling& stage, const Step& step, PairBatch& batch) {
+  stage.run(step, *prepared(stage, step), 0, batch);
+}
+
+inline void run_stage(const FeatureFilter& stage, const Step& step, const TestBlock& block,
+                      std::span<std::uint8_t> keep) {
+  stage.run(step, *prepared(stage, step), 0, block, keep);
+}
+
+/// All tests, in blocks; contacts are appended.
+inline void run_stage(const NarrowPhase& stage, const Step& step, FeatureKind kind, std::span<const FeaturePair> tests,
+                      std::vector<Contact>& contacts, NarrowCounters& counters) {
+  const auto state = prepared(stage, step);
+  TestBlock block;
+  for (; !tests.empty(); tests = tests.subspan(block.size())) {
+    block.gather(step, kind, tests.first(std::min(tests.size(), TestBlock::kCapacity)));
+    stage.run(step, *state, 0, block, contacts, counters);
+  }
+}
+
+}  // namespace volccd::test
