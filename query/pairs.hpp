@@ -1,6 +1,7 @@
 // Pairs of elements, and pairs of features: what the stages of a pipeline hand on.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <compare>
 #include <cstdint>
@@ -30,7 +31,18 @@ struct FeaturePair {
 /// Vertex slots of a test. VF: {vertex, triangle ascending}. EE: {edge a ascending, edge b ascending}, the edges swapped if
 /// need be so that the first is lexicographically smaller: kernels see each test in one canonical order, whichever
 /// stage it came through, and so their results agree bit for bit.
-std::array<Index, 4> test_vertices(const Features& features, FeatureKind kind, FeaturePair pair);
+inline std::array<Index, 4> test_vertices(const Features& features, FeatureKind kind, FeaturePair pair) {
+  if (kind == FeatureKind::vf) {
+    const std::array<Index, 3>& f = features.triangle(pair.b);
+    return {pair.a, f[0], f[1], f[2]};
+  }
+  // Compared as one number, without a branch: the order is hard to predict.
+  const auto number = [](const std::array<Index, 2>& e) { return std::uint64_t{e[0]} << 32 | e[1]; };
+  const std::uint64_t a = number(features.edge(pair.a)), b = number(features.edge(pair.b));
+  const std::uint64_t first = std::min(a, b), second = std::max(a, b);
+  return {static_cast<Index>(first >> 32), static_cast<Index>(first), static_cast<Index>(second >> 32),
+          static_cast<Index>(second)};
+}
 
 /// Whether the two features have no vertex in common (only then is there a test).
 bool is_test(const Features& features, FeatureKind kind, FeaturePair pair);

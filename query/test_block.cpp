@@ -4,26 +4,97 @@
 #include <cassert>
 #include <utility>
 
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "volccd/query/test_block.cpp"
+#include <hwy/foreach_target.h>
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace volccd::detail::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using RecordTag = hn::CappedTag<double, 4>;
+constexpr int kLanes = static_cast<int>(hn::MaxLanes(RecordTag()));
+
+/// Where double k of a vertex's record in Motion goes, from the first row of that vertex of the tests.
+constexpr std::size_t row_offset(int k) { return static_cast<std::size_t>(k / 3 * 12 + k % 3) * TestBlock::kCapacity; }
+
+/// Transposes doubles kFirst .. kFirst + kLanes - 1 of kLanes records, and stores those from number kFrom on.
+template <int kFirst, int kFrom>
+HWY_INLINE void transpose(const double* const (&records)[4], double* rows) {
+  const RecordTag d;
+  const auto load = [&](int i) HWY_ATTR { return hn::LoadU(d, records[i] + kFirst); };
+  const auto store = [&](hn::Vec<RecordTag> values, int k)
+                         HWY_ATTR { if (k >= kFrom) hn::Store(values, d, rows + row_offset(kFirst + k)); };
+#if HWY_TARGET == HWY_SCALAR
+  store(load(0), 0);
+#else
+  if constexpr (kLanes == 2) {
+    const auto a = load(0), b = load(1);
+    store(hn::InterleaveLower(d, a, b), 0);
+    store(hn::InterleaveUpper(d, a, b), 1);
+  } else {
+    const auto a = load(0), b = load(1), c = load(2), e = load(3);
+    const auto even0 = hn::InterleaveLower(d, a, b), even1 = hn::InterleaveLower(d, c, e);
+    const auto odd0 = hn::InterleaveUpper(d, a, b), odd1 = hn::InterleaveUpper(d, c, e);
+    store(hn::ConcatLowerLower(d, even1, even0), 0);
+    store(hn::ConcatLowerLower(d, odd1, odd0), 1);
+    store(hn::ConcatUpperUpper(d, even1, even0), 2);
+    store(hn::ConcatUpperUpper(d, odd1, odd0), 3);
+  }
+#endif
+}
+
+/// Records of kDoubles from double kFirst on.
+template <int kDoubles, int kFirst = 0>
+HWY_INLINE void transpose_records(const double* const (&records)[4], double* rows) {
+  if constexpr (kFirst + kLanes <= kDoubles) {
+    transpose<kFirst, 0>(records, rows);
+    transpose_records<kDoubles, kFirst + kLanes>(records, rows);
+  } else if constexpr (kFirst < kDoubles) {
+    transpose<kDoubles - kLanes, kFirst - (kDoubles - kLanes)>(records, rows);
+  }
+}
+
+template <int kDoubles>
+void gather_records(const Motion& motion, std::span<const std::array<Index, 4>> tests, double* rows) {
+  const double* all = motion.at(0);
+  for (std::size_t i = 0; i < tests.size(); i += kLanes)
+    for (std::size_t p = 0; p < 4; ++p) {
+      const double* records[4] = {};
+      for (std::size_t lane = 0; lane < kLanes; ++lane) records[lane] = all + std::size_t{tests[i + lane][p]} * kDoubles;
+      transpose_records<kDoubles>(records, rows + p * 3 * TestBlock::kCapacity + i);
+    }
+}
+
+/// `tests`: a multiple of 4 of them.
+void gather_rows(const Motion& motion, std::span<const std::array<Index, 4>> tests, double* rows) {
+  (motion.control_points() == 2 ? gather_records<6> : gather_records<9>)(motion, tests, rows);
+}
+
+}  // namespace volccd::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
 namespace volccd {
+
+namespace detail {
+HWY_EXPORT(gather_rows);
+}
 
 void TestBlock::gather(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs) {
   assert(pairs.size() <= kCapacity);
   kind_ = kind;
   size_ = pairs.size();
   control_points_ = step.motion.control_points();
+  if (size_ == 0) return;
   std::copy(pairs.begin(), pairs.end(), pairs_.begin());
-  for (std::size_t i = 0; i < size_; ++i) {
-    vertices_[i] = test_vertices(step.features(), kind, pairs[i]);
-    for (std::size_t p = 0; p < 4; ++p) {
-      const double* x = step.motion.at(vertices_[i][p]);
-      double* out = rows_ + p * 3 * kCapacity + i;
-      for (int c = 0; c < control_points_; ++c, x += 3, out += 12 * kCapacity) {
-        out[0] = x[0];
-        out[kCapacity] = x[1];
-        out[2 * kCapacity] = x[2];
-      }
-    }
-  }
+  const Features& features = step.features();
+  for (std::size_t i = 0; i < size_; ++i) vertices_[i] = test_vertices(features, kind, pairs[i]);
+  for (std::size_t i = size_; i < padded_size(); ++i) vertices_[i] = vertices_[size_ - 1];
+  using namespace detail;
+  HWY_DYNAMIC_DISPATCH(gather_rows)(step.motion, std::span(vertices_).first(padded_size()), rows_);
 }
 
 void TestBlock::compact(std::span<const std::uint8_t> keep) {
@@ -67,3 +138,4 @@ std::size_t TestBlock::take(const TestBlock& from, std::span<const std::uint8_t>
 }
 
 }  // namespace volccd
+#endif

@@ -4,6 +4,8 @@
 #include <volccd/mesh/shapes.hpp>
 #include <volccd/query/test_block.hpp>
 
+#include "conservative/vector_targets.hpp"
+
 namespace volccd {
 namespace {
 
@@ -79,17 +81,31 @@ void for_each_kind(Body&& body) {
     }
 }
 
-TEST(TestBlock, GathersEverySize) {
+TEST(TestBlock, GathersEverySizeOnEveryInstructionSet) {
   for_each_kind([](Scene& scene, FeatureKind kind) {
     TestBlock block;
     for (std::size_t n = 0; n <= TestBlock::kCapacity; ++n) {
       const auto pairs = scene.pairs(kind, n);
-      block.gather(scene.step(), kind, pairs);
-      expect_tests(block, scene.step(), kind, pairs);
+      test::VectorTargets().with_each([&](const char* target) {
+        SCOPED_TRACE(target);
+        block.clear();
+        block.gather(scene.step(), kind, pairs);
+        expect_tests(block, scene.step(), kind, pairs);
+      });
       EXPECT_EQ(block.padded_size() % 8, 0u);
       EXPECT_EQ(reinterpret_cast<std::uintptr_t>(block.row(1, 2, 1)) % 64, 0u);
     }
   });
+}
+
+TEST(TestVertices, EdgesInLexicographicOrder) {
+  Scene scene(2);
+  const Features& features = scene.step().features();
+  for (const FeaturePair pair : scene.pairs(FeatureKind::ee, 1000)) {
+    auto a = features.edge(pair.a), b = features.edge(pair.b);
+    if (b < a) std::swap(a, b);
+    EXPECT_EQ(test_vertices(features, FeatureKind::ee, pair), (std::array{a[0], a[1], b[0], b[1]}));
+  }
 }
 
 TEST(TestBlock, CompactsInPlace) {
