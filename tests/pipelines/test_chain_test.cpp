@@ -1,0 +1,177 @@
+// Tests on their way through filters and the narrow phase: none lost, none twice, ids and coordinates together, blocks full.
+#include <volccd/pipelines/test_chain.hpp>
+
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include <volccd/core/random.hpp>
+
+#include "pipelines/scenes.hpp"
+
+namespace volccd {
+namespace {
+
+/// Keeps the tests whose slots, mixed, are divisible by `divisor`.
+class Sieve final : public FeatureFilter {
+ public:
+  explicit Sieve(std::uint64_t divisor) : divisor_(divisor) {}
+
+  bool keeps(FeaturePair pair) const { return (pair.a * 7919u + pair.b * 104729u) % divisor_ == 0; }
+  void run(const Step& step, StageState&, unsigned worker, const TestBlock& block,
+           std::span<std::uint8_t> keep) const override {
+    EXPECT_EQ(worker, 3u);
+    EXPECT_EQ(step.t_max, 0.5);
+    EXPECT_EQ(keep.size(), block.padded_size());
+    sizes.push_back(block.size());
+    for (std::size_t i = 0; i < block.size(); ++i)
+      if (!keeps(block.pair(i))) keep[i] = 0;
+  }
+
+  mutable std::vector<std::size_t> sizes;
+
+ private:
+  std::uint64_t divisor_;
+};
+
+/// A contact for each test; its point is what the block says of the test's first vertex at t = 0.
+class ReportAll final : public NarrowPhase {
+ public:
+  void run(const Step& step, StageState&, unsigned worker, const TestBlock& block, std::vector<Contact>& contacts,
+           NarrowCounters& counters) const override {
+    EXPECT_EQ(worker, 3u);
+    EXPECT_EQ(step.t_max, 0.75);
+    sizes.push_back(block.size());
+    counters.degenerate += block.size();
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      EXPECT_EQ(block.vertices(i), test_vertices(step.features(), block.kind(), block.pair(i)));
+      for (int c = 0; c < 2; ++c)
+        for (int v = 0; v < 4; ++v)
+          for (int k = 0; k < 3; ++k)
+            EXPECT_EQ(block.row(c, v, k)[i], step.motion.at(block.vertices(i)[static_cast<std::size_t>(v)])[3 * c + k]);
+      contacts.push_back({block.kind(), block.vertices(i), 0, Vec3::Zero(), {}, Vec3::Zero(), false});
+    }
+  }
+
+  mutable std::vector<std::size_t> sizes;
+};
+
+struct Bench {
+  explicit Bench(std::vector<std::uint64_t> divisors) : statistics(divisors.size() + 1) {
+    for (const std::uint64_t divisor : divisors) {
+      auto sieve = std::make_unique<Sieve>(divisor);
+      sieves.push_back(sieve.get());
+      filters.push_back(std::move(sieve));
+    }
+    for (std::size_t i = 0; i <= filters.size(); ++i) states.push_back(std::make_unique<StageState>());
+  }
+
+  /// In parts of random lengths.
+  void run(const Step& step, const std::vector<FeaturePair>& vf, const std::vector<FeaturePair>& ee, Random& random) {
+    const TestStages stages{filters, narrow, states};
+    chain.start(step, stages, statistics, 3);
+    chain.prune(0.5);
+    std::array<std::size_t, 2> next{};
+    for (bool more = true; more;) {
+      more = false;
+      for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee}) {
+        const std::vector<FeaturePair>& all = kind == FeatureKind::vf ? vf : ee;
+        std::size_t& at = next[static_cast<std::size_t>(kind)];
+        const std::size_t length = std::min<std::size_t>(all.size() - at, random.below(300));
+        std::vector<FeaturePair> part(all.begin() + static_cast<std::ptrdiff_t>(at),
+                                      all.begin() + static_cast<std::ptrdiff_t>(at + length));
+        chain.add(kind, part);
+        at += length;
+        more |= at < all.size();
+      }
+    }
+    chain.finish();
+  }
+
+  std::vector<std::unique_ptr<FeatureFilter>> filters;
+  std::vector<Sieve*> sieves;
+  ReportAll narrow;
+  std::vector<std::unique_ptr<StageState>> states;
+  std::vector<StageStatistics> statistics;
+  TestChain chain;
+};
+
+std::vector<FeaturePair> all_tests(const Features& features, FeatureKind kind) {
+  std::vector<FeaturePair> tests;
+  const bool vf = kind == FeatureKind::vf;
+  for (Index a = 0; a < (vf ? features.vertex_slots() : features.edge_slots()); ++a)
+    for (Index b = vf ? 0 : a + 1; b < (vf ? features.triangle_slots() : features.edge_slots()); ++b)
+      if (is_test(features, kind, {a, b})) tests.push_back({a, b});
+  return tests;
+}
+
+TEST(TestChain, KeepsWhatAllFiltersKeepWhicheverWayTestsCome) {
+  const test::Scene scene = test::colliding("tetrahedra", block(ElementType::tetrahedron, 2, 1, 1), 3, 0.1);
+  const ObjectFilter everything;
+  const Step step{scene.topology, scene.motion, everything, 0, 0.75};
+  const Features& features = scene.topology.features();
+  const auto vf = all_tests(features, FeatureKind::vf), ee = all_tests(features, FeatureKind::ee);
+  ASSERT_GT(ee.size(), 1000u);
+  Random random(11);
+  for (const auto& divisors : std::vector<std::vector<std::uint64_t>>{{}, {1}, {2}, {3, 5}, {1, 2, 1}, {100}}) {
+    Bench bench(divisors);
+    std::vector<Contact> expected;
+    std::vector<std::uint64_t> kept(divisors.size() + 1, 0);
+    for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee})
+      for (const FeaturePair pair : kind == FeatureKind::vf ? vf : ee) {
+        std::size_t stage = 0;
+        while (stage < bench.sieves.size() && bench.sieves[stage]->keeps(pair)) ++kept[stage++];
+        if (stage < bench.sieves.size()) continue;
+        expected.push_back({kind, test_vertices(features, kind, pair), 0, Vec3::Zero(), {}, Vec3::Zero(), false});
+      }
+    bench.run(step, vf, ee, random);
+    std::vector<Contact> found = bench.chain.contacts();
+    std::sort(found.begin(), found.end(), canonical_less);
+    std::sort(expected.begin(), expected.end(), canonical_less);
+    EXPECT_EQ(found, expected);
+    EXPECT_EQ(bench.chain.counters().degenerate, expected.size());
+    EXPECT_EQ(bench.chain.tests(FeatureKind::vf) + bench.chain.tests(FeatureKind::ee), expected.size());
+    for (std::size_t i = 0; i <= divisors.size(); ++i) {
+      EXPECT_EQ(bench.statistics[i].in, i == 0 ? vf.size() + ee.size() : kept[i - 1]) << i;
+      EXPECT_EQ(bench.statistics[i].out, i < divisors.size() ? kept[i] : expected.size()) << i;
+    }
+  }
+}
+
+TEST(TestChain, LaterStagesRunOnFullBlocks) {
+  const test::Scene scene = test::colliding("tetrahedra", block(ElementType::tetrahedron, 2, 1, 1), 3, 0.1);
+  const ObjectFilter everything;
+  const Step step{scene.topology, scene.motion, everything, 0, 0.75};
+  Random random(12);
+  Bench bench({10, 3});
+  bench.run(step, {}, all_tests(scene.topology.features(), FeatureKind::ee), random);
+  for (const std::vector<std::size_t>& sizes : {bench.sieves[1]->sizes, bench.narrow.sizes}) {
+    ASSERT_FALSE(sizes.empty());
+    for (std::size_t i = 0; i + 1 < sizes.size(); ++i) EXPECT_EQ(sizes[i], TestBlock::kCapacity);
+  }
+}
+
+TEST(StageClock, ChargesTheInnermostAlone) {
+  const auto pause = [] { std::this_thread::sleep_for(std::chrono::milliseconds(20)); };
+  const auto start = std::chrono::steady_clock::now();
+  StageClock clock;
+  double outer = 0, inner = 0;
+  {
+    const StageTimer first(clock, outer);
+    {
+      const StageTimer second(clock, inner);
+      pause();
+      const StageTimer nobody(clock);
+      pause();
+    }
+    pause();
+  }
+  const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  EXPECT_FALSE(clock.running());
+  EXPECT_GE(inner, 0.02);
+  EXPECT_GE(outer, 0.02);
+  EXPECT_GE(wall - inner - outer, 0.02) << "charged twice, or to somebody";
+}
+
+}  // namespace
+}  // namespace volccd
