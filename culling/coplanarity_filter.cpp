@@ -42,12 +42,11 @@ struct Determinant {
 /// Bound, over the whole step, of the area that turns a distance into a determinant: the product of the lengths of two
 /// sides of the triangle (VF), of both edges (EE).
 template <int kControlPoints>
-HWY_INLINE Lanes greatest_area(const TestBlock& block, std::size_t i) {
-  const bool vf = block.kind() == FeatureKind::vf;
+HWY_INLINE Lanes greatest_area(bool vf, BlockColumns tests) {
   Lanes first = hn::Zero(Tag()), second = first;
   for (int c = 0; c < kControlPoints; ++c) {
-    first = hn::Max(first, length(sub(load(block, c, vf ? 2 : 1, i), load(block, c, vf ? 1 : 0, i))));
-    second = hn::Max(second, length(sub(load(block, c, 3, i), load(block, c, vf ? 1 : 2, i))));
+    first = hn::Max(first, length(sub(load(tests, c, vf ? 2 : 1), load(tests, c, vf ? 1 : 0))));
+    second = hn::Max(second, length(sub(load(tests, c, 3), load(tests, c, vf ? 1 : 2))));
   }
   // An infinite length times one of zero would be NaN, which a maximum may lose.
   const Lanes least = broadcast(kLeastExtent);
@@ -59,7 +58,7 @@ struct ErrorBound {
   Lanes fixed, scaled;
 
   HWY_INLINE ErrorBound(const Lanes3 (&extent)[3], double factor) {
-    const Lanes3 &a = extent[0], &b = extent[1], &c = extent[2];
+    const Lanes3 a = trusted(extent[0]), b = trusted(extent[1]), c = trusted(extent[2]);
     const Lanes x = hn::Add(hn::Mul(b.y, c.z), hn::Mul(b.z, c.y)), y = hn::Add(hn::Mul(b.z, c.x), hn::Mul(b.x, c.z)),
                 z = hn::Add(hn::Mul(b.x, c.y), hn::Mul(b.y, c.x));
     const Lanes permanent = add3(hn::Mul(a.x, x), hn::Mul(a.y, y), hn::Mul(a.z, z));
@@ -72,12 +71,12 @@ struct ErrorBound {
 };
 
 template <int kControlPoints>
-HWY_INLINE LaneMask never_coplanar(const TestBlock& block, double separation, const StepPart& part, std::size_t i) {
+HWY_INLINE LaneMask never_coplanar(bool vf, BlockColumns tests, double separation, const StepPart& part) {
   using Polynomial = Determinant<kControlPoints>;
-  const Differences<kControlPoints> e(block, part, i);
+  const Differences<kControlPoints> e(tests, part);
   ErrorBound error(e.extent, determinant_error_factor(kControlPoints, part.levels));
   if (separation > 0) {
-    const Lanes area = greatest_area<kControlPoints>(block, i);
+    const Lanes area = greatest_area<kControlPoints>(vf, tests);
     error.scaled = hn::Add(error.scaled, hn::Mul(broadcast(separation * kAreaSlack), area));
   }
   const Polynomial det(e.at);
@@ -93,8 +92,9 @@ HWY_INLINE LaneMask never_coplanar(const TestBlock& block, double separation, co
 
 template <int kControlPoints>
 void filter_block(const TestBlock& block, double separation, const StepPart& part, std::span<std::uint8_t> keep) {
-  for (std::size_t i = 0; i < block.size(); i += hn::Lanes(Tag()))
-    drop(never_coplanar<kControlPoints>(block, separation, part, i), i, keep);
+  drop_tests(block, keep, [&](auto tests) HWY_ATTR {
+    return never_coplanar<kControlPoints>(block.kind() == FeatureKind::vf, tests, separation, part);
+  });
 }
 
 void coplanarity(const TestBlock& block, double separation, double t_max, std::span<std::uint8_t> keep) {

@@ -14,11 +14,27 @@ namespace volccd::detail::HWY_NAMESPACE {
 template <FeatureKind kKind, int kControlPoints>
 class SeparatingAxes {
  public:
-  HWY_INLINE SeparatingAxes(const TestBlock& block, double separation, const StepPart& part, std::size_t i)
-      : e_(block, part, i), factor_(gap_error_factor(part.levels)), separation_(separation) {
-    extent_ = max(max(e_.extent[0], e_.extent[1]), e_.extent[2]);
+  template <std::size_t kDistance>
+  HWY_INLINE SeparatingAxes(Columns<kDistance> tests, double separation, const StepPart& part)
+      : e_(tests, part), factor_(gap_error_factor(part.levels)), separation_(separation) {
+    extent_ = trusted(max(max(e_.extent[0], e_.extent[1]), e_.extent[2]));
   }
 
+  HWY_INLINE LaneMask along_normals(CsatFilterAxes axes) const {
+    const LaneMask apart = separates(normal(0));
+    if (axes == CsatFilterAxes::first || hn::AllTrue(Tag(), apart)) return apart;
+    return hn::Or(apart, separates(normal(kControlPoints - 1)));
+  }
+  HWY_INLINE LaneMask across_edges() const {
+    const Lanes3 n = normal(0);
+    LaneMask apart = separates(cross(n, first_side(0)));
+    apart = hn::Or(apart, separates(cross(n, second_side(0))));
+    if constexpr (kKind == FeatureKind::vf)
+      apart = hn::Or(apart, separates(cross(n, sub(second_side(0), first_side(0)))));
+    return apart;
+  }
+
+ private:
   /// Triangle normal or cross product of the edges, at a control point.
   HWY_INLINE Lanes3 normal(int c) const { return cross(first_side(c), second_side(c)); }
   /// Two sides of the triangle, or both edges.
@@ -43,7 +59,6 @@ class SeparatingAxes {
     return hn::Gt(hn::Max(ahead, behind), threshold(axis));
   }
 
- private:
   HWY_INLINE Lanes threshold(const Lanes3& axis) const {
     const Lanes sum = trusted(dot(abs(axis), extent_));
     const Lanes rounding = hn::Add(hn::Mul(sum, broadcast(factor_)), broadcast(kGapUnderflow));
@@ -57,26 +72,16 @@ class SeparatingAxes {
 };
 
 template <FeatureKind kKind, int kControlPoints>
-HWY_INLINE LaneMask separated(const TestBlock& block, double separation, const StepPart& part, CsatFilterAxes axes,
-                              std::size_t i) {
-  const SeparatingAxes<kKind, kControlPoints> s(block, separation, part, i);
-  const Lanes3 n = s.normal(0);
-  LaneMask apart = s.separates(n);
-  if (axes == CsatFilterAxes::first) return apart;
-  apart = hn::Or(apart, s.separates(s.normal(kControlPoints - 1)));
-  if (axes == CsatFilterAxes::ends || hn::AllTrue(Tag(), apart)) return apart;
-  apart = hn::Or(apart, s.separates(cross(n, s.first_side(0))));
-  apart = hn::Or(apart, s.separates(cross(n, s.second_side(0))));
-  if constexpr (kKind == FeatureKind::vf)
-    apart = hn::Or(apart, s.separates(cross(n, sub(s.second_side(0), s.first_side(0)))));
-  return apart;
-}
-
-template <FeatureKind kKind, int kControlPoints>
 void filter_block(const TestBlock& block, double separation, const StepPart& part, CsatFilterAxes axes,
                   std::span<std::uint8_t> keep) {
-  for (std::size_t i = 0; i < block.size(); i += hn::Lanes(Tag()))
-    drop(separated<kKind, kControlPoints>(block, separation, part, axes, i), i, keep);
+  using Axes = SeparatingAxes<kKind, kControlPoints>;
+  drop_tests(block, keep, [&](auto tests) HWY_ATTR {
+    return Axes(tests, separation, part).along_normals(axes);
+  });
+  if (axes != CsatFilterAxes::wide) return;
+  drop_kept_tests(block, keep, [&](auto tests) HWY_ATTR {
+    return Axes(tests, separation, part).across_edges();
+  });
 }
 
 void csat_features(const TestBlock& block, double separation, double t_max, CsatFilterAxes axes,

@@ -24,24 +24,63 @@ HWY_INLINE Lanes along(const Lanes3& p) {
   return sum;
 }
 
-template <int kControlPoints>
+struct Job {
+  double separation;
+  StepPart part;
+  bool swept;
+  unsigned axes;  ///< bit i: axis i of the 26-DOP; those of any k are a subset
+};
+constexpr auto kAxes = kdop_axes<26>();
+constexpr unsigned kCoordinateAxes = 0x7, kExactAxes = 0x1ff;  ///< those of one term, of one or two
+
+/// For the whole step without a separation: sums of up to two coordinates, rounded, compare as the exact ones do. They are
+/// not subtracted: where they overflowed, their difference could be NaN.
+template <FeatureKind kKind, int kControlPoints>
+struct ExactBounds {
+  template <std::size_t kAxis, std::size_t kDistance>
+  static HWY_INLINE LaneMask apart(Columns<kDistance> tests) {
+    LaneMask ahead = hn::FirstN(Tag(), 0), behind = ahead;
+    for (int c = 0; c < kControlPoints; ++c) {
+      Lanes p[4];
+      for (int v = 0; v < 4; ++v) p[v] = along<kAxes[kAxis][0], kAxes[kAxis][1], kAxes[kAxis][2]>(load(tests, c, v));
+      const Lanes low = hn::Min(p[2], p[3]), high = hn::Max(p[2], p[3]);
+      constexpr bool vf = kKind == FeatureKind::vf;
+      const LaneMask above = hn::Gt(vf ? hn::Min(low, p[1]) : low, vf ? p[0] : hn::Max(p[0], p[1]));
+      const LaneMask below = hn::Lt(vf ? hn::Max(high, p[1]) : high, vf ? p[0] : hn::Min(p[0], p[1]));
+      ahead = c == 0 ? above : hn::And(ahead, above);
+      behind = c == 0 ? below : hn::And(behind, below);
+    }
+    return hn::Or(ahead, behind);
+  }
+
+  /// Axes kFirst + 0, 1, .. among `axes`.
+  template <std::size_t kFirst, std::size_t kDistance, std::size_t... kAxis>
+  static HWY_INLINE LaneMask apart(Columns<kDistance> tests, unsigned axes, std::index_sequence<kAxis...>) {
+    LaneMask mask = hn::FirstN(Tag(), 0);
+    const auto join = [&](LaneMask more) HWY_ATTR { mask = hn::Or(mask, more); };
+    ((axes >> (kFirst + kAxis) & 1 ? join(apart<kFirst + kAxis>(tests)) : void()), ...);
+    return mask;
+  }
+};
+
+/// In all cases.
+template <FeatureKind kKind, int kControlPoints>
 class Bounds {
  public:
-  HWY_INLINE Bounds(const TestBlock& block, double separation, const StepPart& part, bool swept, std::size_t i)
-      : vf_(block.kind() == FeatureKind::vf),
-        separation_(separation * kLengthSlack),
-        swept_(swept),
-        exact_(separation == 0 && part.levels == 0) {
-    Lanes3 greatest = abs(load(block, 0, 0, i));
+  HWY_INLINE Bounds(BlockColumns tests, const Job& job)
+      : separation_(job.separation * kLengthSlack),
+        swept_(job.swept),
+        exact_(job.separation == 0 && job.part.levels == 0) {
+    Lanes3 greatest = abs(load(tests, 0, 0));
     for (int v = 0; v < 4; ++v) {
       for (int c = 0; c < kControlPoints; ++c) {
-        points_[v][c] = load(block, c, v, i);
+        points_[v][c] = load(tests, c, v);
         greatest = max(greatest, abs(points_[v][c]));
       }
-      restrict_to<kControlPoints>(part, points_[v]);
+      restrict_to<kControlPoints>(job.part, points_[v]);
     }
     const Lanes sum = add3(greatest.x, greatest.y, greatest.z);
-    rounding_ = hn::Add(hn::Mul(trusted(sum), broadcast(sum_error_factor(part.levels))), broadcast(kGapUnderflow));
+    rounding_ = hn::Add(hn::Mul(trusted(sum), broadcast(sum_error_factor(job.part.levels))), broadcast(kGapUnderflow));
   }
 
   template <int kX, int kY, int kZ>
@@ -72,9 +111,10 @@ class Bounds {
     for (int c = 0; c < kControlPoints; ++c) {
       Lanes p[4];
       for (int v = 0; v < 4; ++v) p[v] = along<kX, kY, kZ>(points_[v][c]);
-      first[c] = vf_ ? Range{p[0], p[0]} : Range{hn::Min(p[0], p[1]), hn::Max(p[0], p[1])};
+      constexpr bool vf = kKind == FeatureKind::vf;
+      first[c] = vf ? Range{p[0], p[0]} : Range{hn::Min(p[0], p[1]), hn::Max(p[0], p[1])};
       second[c] = {hn::Min(p[2], p[3]), hn::Max(p[2], p[3])};
-      if (vf_) second[c] = joined(second[c], {p[1], p[1]});
+      if (vf) second[c] = joined(second[c], {p[1], p[1]});
     }
     if (swept_) {
       for (int c = 1; c < kControlPoints; ++c) {
@@ -93,46 +133,48 @@ class Bounds {
 
   Lanes3 points_[4][kControlPoints];
   Lanes rounding_;
-  bool vf_;
   double separation_;
   bool swept_, exact_;
 };
 
-/// Axis i of the 26-DOP, for every i in `axes`: those of any k are a subset.
-template <int kControlPoints, std::size_t... kAxis>
-HWY_INLINE LaneMask apart(const Bounds<kControlPoints>& bounds, unsigned axes, std::index_sequence<kAxis...>) {
-  constexpr auto all = kdop_axes<26>();
+template <FeatureKind kKind, int kControlPoints, std::size_t... kAxis>
+HWY_INLINE LaneMask apart(const Bounds<kKind, kControlPoints>& bounds, unsigned axes, std::index_sequence<kAxis...>) {
   LaneMask mask = hn::FirstN(Tag(), 0);
-  const auto joins = [&](LaneMask more) {
+  const auto joins = [&](LaneMask more) HWY_ATTR {
     mask = hn::Or(mask, more);
     return hn::AllTrue(Tag(), mask);
   };
-  (void)(((axes >> kAxis & 1) && joins(bounds.template apart<all[kAxis][0], all[kAxis][1], all[kAxis][2]>())) || ...);
+  (void)(((axes >> kAxis & 1) && joins(bounds.template apart<kAxes[kAxis][0], kAxes[kAxis][1], kAxes[kAxis][2]>())) || ...);
   return mask;
 }
 
-struct Job {
-  const TestBlock& block;
-  double separation;
-  StepPart part;
-  bool swept;
-  unsigned axes;
-  std::span<std::uint8_t> keep;
-};
-
-template <int kControlPoints>
-void filter_block(const Job& job) {
-  for (std::size_t i = 0; i < job.block.size(); i += hn::Lanes(Tag())) {
-    const Bounds<kControlPoints> bounds(job.block, job.separation, job.part, job.swept, i);
-    drop(apart(bounds, job.axes, std::make_index_sequence<13>()), i, job.keep);
+template <FeatureKind kKind, int kControlPoints>
+void filter_block(Job job, const TestBlock& block, std::span<std::uint8_t> keep) {
+  if (!job.swept && job.separation == 0 && job.part.levels == 0) {
+    using Exact = ExactBounds<kKind, kControlPoints>;
+    drop_tests(block, keep, [&](BlockColumns tests) HWY_ATTR {
+      return Exact::template apart<0>(tests, job.axes, std::make_index_sequence<3>());
+    });
+    if ((job.axes & kExactAxes) != kCoordinateAxes)
+      drop_kept_tests(block, keep, [&](Columns<8> tests) HWY_ATTR {
+        return Exact::template apart<3>(tests, job.axes, std::make_index_sequence<6>());
+      });
+    job.axes &= ~kExactAxes;
   }
+  if (job.axes != 0)
+    drop_tests(block, keep, [&](BlockColumns tests) HWY_ATTR {
+      return apart(Bounds<kKind, kControlPoints>(tests, job), job.axes, std::make_index_sequence<13>());
+    });
 }
 
 void feature_kdop(const TestBlock& block, double separation, double t_max, unsigned axes, KdopBounds bounds,
                   std::span<std::uint8_t> keep) {
-  const Job job{block, separation, StepPart(t_max, block.control_points()), bounds == KdopBounds::swept, axes, keep};
-  if (block.control_points() == 2) filter_block<2>(job);
-  if (block.control_points() == 3) filter_block<3>(job);
+  const Job job{separation, StepPart(t_max, block.control_points()), bounds == KdopBounds::swept, axes};
+  const bool vf = block.kind() == FeatureKind::vf;
+  if (block.control_points() == 2)
+    (vf ? filter_block<FeatureKind::vf, 2> : filter_block<FeatureKind::ee, 2>)(job, block, keep);
+  else
+    (vf ? filter_block<FeatureKind::vf, 3> : filter_block<FeatureKind::ee, 3>)(job, block, keep);
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE
@@ -186,10 +228,12 @@ const Options<FeatureKdopFilter::Config>& FeatureKdopFilter::options() {
   return options;
 }
 
+FeatureKdopFilter::FeatureKdopFilter(const Config& config) : axes_(detail::axes_of(config.k)), bounds_(config.bounds) {}
+
 void FeatureKdopFilter::run(const Step& step, StageState&, unsigned, const TestBlock& block,
                             std::span<std::uint8_t> keep) const {
   using namespace detail;
-  HWY_DYNAMIC_DISPATCH(feature_kdop)(block, step.separation, step.t_max, axes_of(config_.k), config_.bounds, keep);
+  HWY_DYNAMIC_DISPATCH(feature_kdop)(block, step.separation, step.t_max, axes_, bounds_, keep);
 }
 
 StageDescriptor<FeatureFilter> describe_feature_kdop_filter() {

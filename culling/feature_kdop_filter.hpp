@@ -24,13 +24,14 @@ class FeatureKdopFilter final : public FeatureFilter {
   };
   static const Options<Config>& options();
 
-  explicit FeatureKdopFilter(const Config& config) : config_(config) {}
+  explicit FeatureKdopFilter(const Config& config);
 
   void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,
            std::span<std::uint8_t> keep) const override;
 
  private:
-  Config config_;
+  unsigned axes_;  ///< bit i: axis i of the 26-DOP
+  KdopBounds bounds_;
 };
 
 StageDescriptor<FeatureFilter> describe_feature_kdop_filter();

@@ -89,9 +89,11 @@ void TestBlock::gather(const Step& step, FeatureKind kind, std::span<const Featu
   size_ = pairs.size();
   control_points_ = step.motion.control_points();
   if (size_ == 0) return;
-  std::copy(pairs.begin(), pairs.end(), pairs_.begin());
   const Features& features = step.features();
-  for (std::size_t i = 0; i < size_; ++i) vertices_[i] = test_vertices(features, kind, pairs[i]);
+  for (std::size_t i = 0; i < size_; ++i) {
+    pairs_[i] = pairs[i];
+    vertices_[i] = test_vertices(features, kind, pairs[i]);
+  }
   for (std::size_t i = size_; i < padded_size(); ++i) vertices_[i] = vertices_[size_ - 1];
   using namespace detail;
   HWY_DYNAMIC_DISPATCH(gather_rows)(step.motion, std::span(vertices_).first(padded_size()), rows_);

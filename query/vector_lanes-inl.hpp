@@ -92,6 +92,10 @@ HWY_INLINE V trusted(V x) {
   return hn::IfThenElse(hn::Lt(x, broadcast<V>(kGreatestMagnitude)), x,
                         broadcast<V>(std::numeric_limits<double>::infinity()));
 }
+template <class V>
+HWY_INLINE LaneVector<V> trusted(const LaneVector<V>& a) {
+  return {trusted(a.x), trusted(a.y), trusted(a.z)};
+}
 /// At least the length, up to a factor that kLengthSlack makes up for.
 template <class V>
 HWY_INLINE V length(const LaneVector<V>& a) {

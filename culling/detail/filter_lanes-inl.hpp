@@ -1,6 +1,8 @@
 // What the feature filters share: a test a lane. Included once for each instruction set, inside foreach_target sources.
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <span>
 
 #include <volccd/query/test_block.hpp>
@@ -16,39 +18,88 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-HWY_INLINE Lanes3 load(const TestBlock& block, int control_point, int vertex, std::size_t i) {
-  return load3(Tag(), block.row(control_point, vertex, 0) + i, TestBlock::kCapacity);
+/// Coordinates of consecutive tests in the row order of TestBlock, rows kDistance doubles apart.
+template <std::size_t kDistance>
+struct Columns {
+  const double* rows;
+};
+using BlockColumns = Columns<TestBlock::kCapacity>;
+
+template <std::size_t kDistance>
+HWY_INLINE Lanes3 load(Columns<kDistance> tests, int control_point, int vertex) {
+  return load3(Tag(), tests.rows + static_cast<std::size_t>((control_point * 4 + vertex) * 3) * kDistance, kDistance);
 }
 
 /// Vertices 1..3 relative to vertex 0.
 template <int kControlPoints>
 struct Differences {
   Lanes3 at[3][kControlPoints];
-  Lanes3 extent[3];  ///< greatest magnitudes over the control points of the whole step; infinite where not trusted
+  Lanes3 extent[3];  ///< greatest magnitudes over the control points of the whole step
 
-  HWY_INLINE Differences(const TestBlock& block, const StepPart& part, std::size_t i) {
+  template <std::size_t kDistance>
+  HWY_INLINE Differences(Columns<kDistance> tests, const StepPart& part) {
     const Lanes least = broadcast(kLeastExtent);
     for (int v = 0; v < 3; ++v) extent[v] = {least, least, least};
     for (int c = 0; c < kControlPoints; ++c) {
-      const Lanes3 origin = load(block, c, 0, i);
+      const Lanes3 origin = load(tests, c, 0);
       for (int v = 0; v < 3; ++v) {
-        at[v][c] = sub(load(block, c, v + 1, i), origin);
+        at[v][c] = sub(load(tests, c, v + 1), origin);
         extent[v] = max(extent[v], abs(at[v][c]));
       }
     }
-    for (int v = 0; v < 3; ++v) {
-      extent[v] = {trusted(extent[v].x), trusted(extent[v].y), trusted(extent[v].z)};
-      restrict_to<kControlPoints>(part, at[v]);
-    }
+    for (int v = 0; v < 3; ++v) restrict_to<kControlPoints>(part, at[v]);
   }
 };
 
-HWY_INLINE void drop(LaneMask mask, std::size_t i, std::span<std::uint8_t> keep) {
+/// Bit k: dropped(tests from k on), which answers for a register of tests, drops test k of 8.
+template <std::size_t kDistance, class Dropped>
+HWY_INLINE std::uint32_t dropped_bits(Columns<kDistance> tests, Dropped&& dropped) {
   const Tag tag;
-  std::uint8_t bits[8] = {};
-  hn::StoreMaskBits(tag, mask, bits);
-  for (std::size_t lane = 0; lane < hn::Lanes(tag); ++lane)  // without a branch: masks are hard to predict
-    keep[i + lane] &= static_cast<std::uint8_t>((bits[0] >> lane & 1) - 1);
+  std::uint32_t bits = 0;
+  for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(tag)) {
+    std::uint8_t mask[8] = {};
+    hn::StoreMaskBits(tag, dropped(Columns<kDistance>{tests.rows + lane}), mask);
+    bits |= std::uint32_t{mask[0]} << lane;
+  }
+  return bits;
+}
+
+/// Sets keep[i] to 0 for the tests of the block that are dropped. Groups with nothing left are not asked about.
+template <class Dropped>
+HWY_INLINE void drop_tests(const TestBlock& block, std::span<std::uint8_t> keep, Dropped&& dropped) {
+  for (std::size_t i = 0; i < block.size(); i += 8) {
+    std::uint64_t flags;
+    std::memcpy(&flags, keep.data() + i, 8);
+    if (flags == 0) continue;
+    // Without a branch, verdicts being hard to predict: byte k holds bit k, then 1 or 0.
+    constexpr std::uint64_t ones = 0x0101010101010101u;
+    std::uint64_t spread = (dropped_bits(BlockColumns{block.row(0, 0, 0) + i}, dropped) * ones) & 0x8040201008040201u;
+    spread = (((spread + 127 * ones) | spread) >> 7) & ones;
+    flags &= ~(spread * 255);
+    std::memcpy(keep.data() + i, &flags, 8);
+  }
+}
+
+/// The same for tests with keep[i] != 0, which are brought together first: for what is asked where few tests are left.
+template <class Dropped>
+HWY_INLINE void drop_kept_tests(const TestBlock& block, std::span<std::uint8_t> keep, Dropped&& dropped) {
+  std::uint8_t kept[TestBlock::kCapacity + 8];
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < block.size(); ++i) {
+    kept[count] = static_cast<std::uint8_t>(i);
+    count += keep[i] != 0 ? 1 : 0;
+  }
+  if (count == 0) return;
+  std::fill_n(kept + count, 8, kept[count - 1]);
+  alignas(64) double packed[36 * 8];
+  const auto rows = static_cast<std::size_t>(block.control_points() * 12);
+  for (const std::uint8_t* group = kept; group < kept + count; group += 8) {
+    const double* from = block.row(0, 0, 0);
+    for (double* to = packed; to < packed + rows * 8; to += 8, from += TestBlock::kCapacity)
+      for (std::size_t k = 0; k < 8; ++k) to[k] = from[group[k]];
+    const std::uint32_t bits = dropped_bits(Columns<8>{packed}, dropped);
+    for (std::size_t k = 0; k < 8; ++k) keep[group[k]] &= static_cast<std::uint8_t>((bits >> k & 1) - 1);
+  }
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE

@@ -291,6 +291,35 @@ TEST(FilterSimd, AllInstructionSetsAgree) {
       }
 }
 
+TEST(FilterBlock, VerdictsDependOnTheTestAlone) {
+  const auto filters = all_filters();
+  Random random(10);
+  for (const auto kind : {FeatureKind::vf, FeatureKind::ee})
+    for (const int control_points : {2, 3})
+      for (int round = 0; round < 30; ++round) {
+        TestBench bench(control_points);
+        fill_apart(bench, random, kind, control_points, round * 0.02 - 0.3, 0.2);
+        const Step step = bench.step(round % 3 * 0.05, round % 4 == 1 ? 0.7 : 1);
+        const TestBlock& block = bench.block(kind);
+        std::vector<std::uint8_t> picked(block.size());
+        for (auto& pick : picked) pick = random.integer(0, round % 5 + 1) != 0 ? 0 : 1;
+        TestBlock some;
+        some.append_kept(block, picked);
+        if (some.empty()) continue;
+        for (const auto& [name, filter] : filters) {
+          const auto all = run(*filter, step, block), alone = run(*filter, step, some);
+          auto kept = picked;
+          test::run_stage(*filter, step, block, kept);
+          std::size_t next = 0;
+          for (std::size_t i = 0; i < block.size(); ++i) {
+            ASSERT_EQ(kept[i], picked[i] & all[i]) << name << " round " << round << " test " << i << " among others dropped";
+            if (picked[i] == 0) continue;
+            ASSERT_EQ(alone[next++], all[i]) << name << " round " << round << " test " << i << " among others gathered";
+          }
+        }
+      }
+}
+
 TEST(FilterBlock, LeavesOthersAlone) {
   TestBench bench(2);
   Random random(8);
