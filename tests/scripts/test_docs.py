@@ -36,6 +36,12 @@ class Docs(unittest.TestCase):
         consumer = (ROOT / "tests/consumer/main.cpp").read_text().split("\n", 1)[1]
         self.assertEqual(listing, consumer)
 
+    def test_listings_of_adding_a_stage_are_the_example(self):
+        page = (ROOT / "docs/adding_a_stage.md").read_text()
+        for language, name in (("cmake", "CMakeLists.txt"), ("cpp", "custom_culling.cpp")):
+            listings = re.findall(rf"```{language}\n(.*?)```", page, re.DOTALL)
+            self.assertEqual(listings, [(ROOT / "examples/custom_culling" / name).read_text()], name)
+
 
 if __name__ == "__main__":
     unittest.main()
