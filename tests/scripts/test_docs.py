@@ -15,7 +15,8 @@ class Docs(unittest.TestCase):
 
     def test_links(self):
         for document in DOCUMENTS:
-            for target in re.findall(r"\]\(([^)#]+)", document.read_text()):
+            prose = re.sub(r"^```.*?^```", "", document.read_text(), flags=re.DOTALL | re.MULTILINE)
+            for target in re.findall(r"\]\(([^)#]+)", prose):
                 if not target.startswith("http"):
                     self.assertTrue((document.parent / target).exists(), f"{document.name}: {target}")
 

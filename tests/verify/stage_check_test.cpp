@@ -440,7 +440,9 @@ TEST(StageCheck, FindsAStateThatIsNotUpdatedForTheStep) {
   descriptor.guarantee = Guarantee::conservative;
   descriptor.make = [](const OptionValues&) { return std::make_unique<StaleCulling>(); };
   registry.add(descriptor);
-  EXPECT_TRUE(broken(check_stage(registry, "stale", quick(200)), kLoses));
+  StageCheckConfig config = quick(200);
+  config.pipelines = false;
+  EXPECT_TRUE(broken(check_stage(registry, "stale", config), kLoses));
 }
 
 // --- broad phases
