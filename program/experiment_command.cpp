@@ -22,7 +22,7 @@ namespace volccd {
 namespace {
 
 struct ExperimentOptions {
-  std::vector<std::string> names;
+  std::vector<std::string> names, pipelines;
   std::string output = "results";
   bool quick = false, full = false;
   unsigned threads = 1;
@@ -78,6 +78,7 @@ int run_projectile(const ExperimentOptions& options, const Registry& registry) {
   ComparisonConfig config;
   config.sequence = reader.file();
   config.rounds = options.full ? 5 : 1;
+  config.pipelines.insert(config.pipelines.end(), options.pipelines.begin(), options.pipelines.end());
   const auto executor = make_interruptible_executor(options.threads);
   ComparisonRecord record;
   keep_complete_steps(record.compared, [&] {
@@ -219,6 +220,9 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
   CLI::App* run_command = command->add_subcommand("run", "measure, print the tables, keep the records");
   const auto options = std::make_shared<ExperimentOptions>();
   run_command->add_option("NAME", options->names, "see `volccd experiment list`")->required()->type_name("");
+  run_command->add_option("--pipelines", options->pipelines, "projectile: pipelines to compare beside the four, NAME[,NAME...]")
+      ->delimiter(',')
+      ->allow_extra_args(false);
   run_command->add_option("-o,--output", options->output, "folder for tables and records")->capture_default_str();
   run_command->add_flag("--quick", options->quick, "projectile: one round (the default); others: the small sizes");
   run_command->add_flag("--full", options->full, "five rounds")->excludes("--quick");
@@ -227,6 +231,7 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
       "Ctrl-C or an error keeps what was complete as NAME.incomplete.json and .txt; a whole record stays as it was.\n"
       "Examples:\n"
       "  volccd experiment run projectile --quick -o results/\n"
+      "  volccd experiment run projectile --pipelines BruteForce -o results/\n"
       "  volccd experiment run scenes --threads 2 -o results/\n"
       "  volccd experiment run feature-sets --quick --threads 2 -o results/");
   run_command->callback(

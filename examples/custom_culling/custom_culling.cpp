@@ -1,18 +1,16 @@
 // A culling idea of one's own, measured against all the others: element pairs whose swept bounding spheres are apart are
-// dropped. The stage is defined and registered here, outside the library; all commands of the program, `verify` included, know
-// it all the same:
-//
-//     custom_culling stages
-//     custom_culling detect FILE --pipeline Spheres --set spheres.padding=0.1
-//     custom_culling detect FILE --pipeline VolCCD+ --set element-culling=spheres,csat
-//     custom_culling verify FILE
-#include <Eigen/Geometry>
+// dropped. The spheres are the stage's state. docs/adding_a_stage.md goes through this file.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <vector>
 
 #include <volccd/program/program.hpp>
 
-namespace {
-
 using namespace volccd;
+
+namespace {
 
 class SphereCulling final : public ElementCulling {
  public:
@@ -26,32 +24,57 @@ class SphereCulling final : public ElementCulling {
   }
   explicit SphereCulling(const Config& config) : config_(config) {}
 
-  void run(const Step& step, StageState&, unsigned, PairBatch& batch) const override {
+  std::unique_ptr<StageState> make_state() const override { return std::make_unique<State>(); }
+
+  /// Once a step. The state is that of the step before: its memory is used again.
+  void prepare(const Step& step, StageState& state, Executor& executor) const override {
+    std::vector<Sphere>& spheres = static_cast<State&>(state).spheres;
+    spheres.resize(step.mesh().element_slots());
+    executor.parallel_for(spheres.size(), 1024, [&](std::size_t begin, std::size_t end, unsigned) {
+      for (std::size_t o = begin; o < end; ++o) spheres[o] = sphere(step, static_cast<Index>(o));
+    });
+  }
+
+  /// For each batch of pairs, by several threads at once: the state is only read.
+  void run(const Step& step, StageState& state, unsigned, PairBatch& batch) const override {
+    const std::vector<Sphere>& spheres = static_cast<const State&>(state).spheres;
     batch.cull([&](ElementPair pair, FeatureMask&) {
-      const Sphere a = sphere(step, pair.a), b = sphere(step, pair.b);
+      const Sphere &a = spheres[pair.a], &b = spheres[pair.b];
+      const Vec3 d = a.centre - b.centre;
       // Written so that a NaN or an infinity (overflow) keeps the pair: a stage that is called conservative never guesses.
-      const bool apart = (a.centre - b.centre).norm() > a.radius + b.radius + step.separation;
+      const bool apart = std::hypot(d.x(), d.y(), d.z()) > a.radius + b.radius + step.separation;
       return apart ? PairVerdict::disjoint : PairVerdict::keep;
     });
   }
 
  private:
   struct Sphere {
-    Vec3 centre = Vec3::Zero();
-    double radius = 0;
+    Vec3 centre;
+    double radius;
+  };
+  struct State final : StageState {
+    std::vector<Sphere> spheres;  ///< by element
+    std::size_t bytes() const override { return spheres.capacity() * sizeof(Sphere); }
   };
 
   /// Around all control points of an element's vertices, and so around its whole motion (convex-hull property).
   Sphere sphere(const Step& step, Index element) const {
+    const auto vertices = step.mesh().vertices(element);
     const int points = step.motion.control_points();
-    Eigen::AlignedBox3d box;
-    for (const Index v : step.mesh().vertices(element))
-      for (int c = 0; c < points; ++c) box.extend(step.motion.point(v, c));
-    Sphere result{box.center(), 0};
-    for (const Index v : step.mesh().vertices(element))
-      for (int c = 0; c < points; ++c)
-        result.radius = std::max(result.radius, (step.motion.point(v, c) - result.centre).norm());
-    result.radius += config_.padding * std::max(box.min().cwiseAbs().maxCoeff(), box.max().cwiseAbs().maxCoeff());
+    Vec3 low = Vec3::Constant(HUGE_VAL), high = -low;
+    for (const Index v : vertices)
+      for (int c = 0; c < points; ++c) {
+        low = low.cwiseMin(step.motion.point(v, c));
+        high = high.cwiseMax(step.motion.point(v, c));
+      }
+    Sphere result{(low + high) / 2, 0};
+    for (const Index v : vertices)
+      for (int c = 0; c < points; ++c) {
+        const Vec3 d = step.motion.point(v, c) - result.centre;
+        result.radius = std::max(result.radius, std::hypot(d.x(), d.y(), d.z()));
+      }
+    const double largest = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff());
+    result.radius += config_.padding * largest + std::numeric_limits<double>::min();
     return result;
   }
 
@@ -68,6 +91,10 @@ int main(int argc, char** argv) {
   spec.name = "Spheres";
   spec.description = "VolCCD+ with bounding spheres in the place of CSAT";
   spec.element_culling = {{"spheres", {}}};
+  registry.add_pipeline(spec);
+  spec.name = "Spheres+CSAT";
+  spec.description = "VolCCD+ with bounding spheres before CSAT";
+  spec.element_culling = {{"spheres", {}}, {"csat", {{"axis", "optimal"}, {"mode", "pair"}}}};
   registry.add_pipeline(spec);
   return program(argc, argv, registry);
 }

@@ -13,8 +13,9 @@ namespace volccd {
 struct StageCheckConfig {
   OptionValues options;    ///< of the stage, where they differ from their defaults
   std::uint64_t seed = 1;  ///< trial i has the seed `seed` + i, so that a trial that failed can be repeated by itself
-  int trials = 2000;       ///< generated trials; each has up to 64 tests or 8 pairs of elements
+  int trials = 1000;       ///< generated trials; each has up to 64 tests or 8 pairs of elements
   unsigned threads = 3;    ///< of the executor that several workers are tried with
+  bool pipelines = true;   ///< false: the stage is looked at by itself only
   std::string file;        ///< a sequence whose steps are looked at as well, or empty
   int first_step = 0, end_step = 1 << 30;  ///< motions of the file: first_step <= k < end_step
   /// Number of allocations since some time, of all threads. Null: allocations are not looked at. The program counts them by

@@ -148,6 +148,8 @@ def problem_in_command(words):
             if problem := problem_in_value(word, value):
                 return problem
     names = {("scene", "generate"): SCENES, ("experiment", "run"): EXPERIMENTS}.get(path)
+    if path == ("check",):
+        names = {name for name in [*STAGES.options, *positionals[1:]] if name in STAGES.options or known_sequence(name)}
     known = names.__contains__ if names else known_sequence
     return next((f"{' '.join(path)}: what is {name}?" for word in positionals for name in word.split("|")
                  if not known(name) and not name.isupper()), None)
@@ -243,7 +245,7 @@ class DocsAgainstProgram(unittest.TestCase):
         for name, text in sources.items():
             for code in code_in(text):
                 code = re.split(r"\s{3,}", code)[0]  # a remark beside it
-                if match := re.match(r"(?:build/release/(?:examples/)?)?(?:volccd|custom_culling) (\S.*)", code):
+                if match := re.match(r"(?:build/(?:release/)?)?(?:volccd|custom_culling) (\S.*)", code):
                     words = shlex.split(match[1])
                 elif code.startswith("--pipeline ") and name.endswith(".md"):
                     words = ["detect", *shlex.split(code)]

@@ -102,8 +102,8 @@ class ProgramTest(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
         return done.stdout
 
-    def bad(self, *arguments, says, env=None):
-        done = run(*arguments, env=env)
+    def bad(self, *arguments, says, program=VOLCCD, env=None):
+        done = run(*arguments, program=program, env=env)
         self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
         self.assertIn(says, done.stderr)
 
@@ -327,10 +327,33 @@ class Program(ProgramTest):
 
     def test_a_stage_from_outside_the_library(self):
         self.assertIn("spheres", self.good("stages", program=EXAMPLE))
-        self.assertIn("none of 5", self.good("verify", self.sequence, program=EXAMPLE))
-        self.assertIn("spheres", self.good("detect", self.sequence, "--pipeline", "Spheres", program=EXAMPLE))
+        self.assertIn("none of 6", self.good("verify", self.sequence, program=EXAMPLE))
+        for pipeline in ("Spheres", "Spheres+CSAT"):
+            self.assertIn("spheres", self.good("detect", self.sequence, "--pipeline", pipeline, program=EXAMPLE))
         self.good("detect", self.sequence, "--pipeline", "VolCCD+", "--set", "element-culling=spheres,csat", "--set",
                   "spheres.padding=0.1", program=EXAMPLE)
+
+    def test_a_stage_from_outside_the_library_in_a_table(self):
+        env = {"VOLCCD_DATA": self.path("absent")}
+        arguments = ["experiment", "run", "projectile", "--pipelines", "Spheres,Spheres+CSAT", "-o", self.path("own")]
+        done = run(*arguments, program=EXAMPLE, env=env)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"\nSpheres +\S+ ms +")
+        with open(os.path.join(self.path("own"), "projectile.json")) as file:
+            record = json.load(file)
+        self.assertEqual([pipeline["name"] for pipeline in record["pipelines"]][3:], ["VolCCD+", "Spheres", "Spheres+CSAT"])
+        self.bad(*arguments[:3], "--pipelines", "Nothing", "-o", self.path("own"), says="Spheres+CSAT", program=EXAMPLE)
+
+    def test_check_of_a_stage(self):
+        shown = self.good("check", "spheres", self.sequence, "--trials", "300", program=EXAMPLE)
+        self.assertIn("spheres (element-culling), declared conservative", shown)
+        self.assertRegex(shown, r"allocates nothing in steady state +[1-9]")
+        self.assertTrue(shown.endswith("all promises kept\n"))
+        self.good("check", "csat", "--set", "csat.axis=optimal", "--trials", "10", "--seed", "7")
+        self.bad("check", "nothing", says="kdop-bvh")
+        self.bad("check", "csat", "--set", "kdop-bvh.k=6", says="csat.option=value")
+        self.bad("check", "csat", "--set", "csat.axis=sideways", says="centroid")
+        self.bad("check", "csat", self.path("absent.vtkhdf"), says="absent.vtkhdf")
 
     def test_separation_beyond_the_scene_is_refused(self):
         for command in ("detect", "verify"):

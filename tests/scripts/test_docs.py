@@ -15,7 +15,8 @@ class Docs(unittest.TestCase):
 
     def test_links(self):
         for document in DOCUMENTS:
-            for target in re.findall(r"\]\(([^)#]+)", document.read_text()):
+            prose = re.sub(r"^```.*?^```", "", document.read_text(), flags=re.DOTALL | re.MULTILINE)
+            for target in re.findall(r"\]\(([^)#]+)", prose):
                 if not target.startswith("http"):
                     self.assertTrue((document.parent / target).exists(), f"{document.name}: {target}")
 
@@ -35,6 +36,12 @@ class Docs(unittest.TestCase):
         listing = re.search(r"```cpp\n(.*?)```", (ROOT / "README.md").read_text(), re.DOTALL).group(1)
         consumer = (ROOT / "tests/consumer/main.cpp").read_text().split("\n", 1)[1]
         self.assertEqual(listing, consumer)
+
+    def test_listings_of_adding_a_stage_are_the_example(self):
+        page = (ROOT / "docs/adding_a_stage.md").read_text()
+        for language, name in (("cmake", "CMakeLists.txt"), ("cpp", "custom_culling.cpp")):
+            listings = re.findall(rf"```{language}\n(.*?)```", page, re.DOTALL)
+            self.assertEqual(listings, [(ROOT / "examples/custom_culling" / name).read_text()], name)
 
 
 if __name__ == "__main__":
