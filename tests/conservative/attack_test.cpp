@@ -117,16 +117,20 @@ class CubicProperty {
 
 class InclusionAttack : public testing::TestWithParam<Attack> {
  protected:
-  void run(std::uint64_t first, int cases) {
-    InclusionProperty property(InclusionProperty::Promise::complete,
-                               [](Choices& choices) { return attack_test(choices, GetParam()); });
+  void run(std::uint64_t first, int cases, InclusionProperty::Others others) {
+    InclusionProperty property(
+        InclusionProperty::Promise::complete, [](Choices& choices) { return attack_test(choices, GetParam()); }, others);
     run_seeds(first, cases, property);
   }
 };
 class LongInclusionAttack : public InclusionAttack {};
 
-TEST_P(InclusionAttack, KeepsItsPromise) { run(1, GetParam().cases); }
-TEST_P(LongInclusionAttack, KeepsItsPromise) { run(40'000'000, 5 * GetParam().cases); }
+TEST_P(InclusionAttack, KeepsItsPromise) {
+  run(1, GetParam().cases, InclusionProperty::Others::all);
+}
+TEST_P(LongInclusionAttack, KeepsItsPromise) {
+  run(40'000'000, 5 * GetParam().cases, InclusionProperty::Others::in_turn);
+}
 
 std::vector<Attack> all_attacks() {
   std::vector<Attack> all(touching_attacks().begin(), touching_attacks().end());

@@ -7,8 +7,10 @@ namespace {
 
 using Promise = InclusionProperty::Promise;
 
-InclusionProperty near_degenerate_property(Promise promise, Separation separation) {
-  return {promise, [separation](Choices& choices) { return near_degenerate_test(choices, separation); }};
+using Others = InclusionProperty::Others;
+
+InclusionProperty near_degenerate_property(Promise promise, Separation separation, Others others = Others::all) {
+  return {promise, [separation](Choices& choices) { return near_degenerate_test(choices, separation); }, others};
 }
 
 TEST(InclusionProperty, MissesNothing) {
@@ -28,7 +30,7 @@ TEST(InclusionProperty, ReportsWhatComesNear) {
   run_seeds(1, 1000, within);
 }
 TEST(LongInclusionProperty, MissesNothing) {
-  InclusionProperty property = near_degenerate_property(Promise::complete, Separation::none);
+  InclusionProperty property = near_degenerate_property(Promise::complete, Separation::none, Others::in_turn);
   run_seeds(20'000'000, 20'000, property);
 }
 TEST(LongInclusionProperty, MissesNothingWithinTheSeparation) {
@@ -36,7 +38,7 @@ TEST(LongInclusionProperty, MissesNothingWithinTheSeparation) {
   run_seeds(20'000'000, 20'000, property);
 }
 TEST(LongInclusionProperty, ReportsWhatComesNear) {
-  InclusionProperty touching = near_degenerate_property(Promise::near, Separation::none);
+  InclusionProperty touching = near_degenerate_property(Promise::near, Separation::none, Others::in_turn);
   run_seeds(20'000'000, 40'000, touching);
   InclusionProperty within = near_degenerate_property(Promise::near, Separation::some);
   run_seeds(20'000'000, 20'000, within);

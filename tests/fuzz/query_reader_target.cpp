@@ -23,7 +23,7 @@ void write_base(const std::string& name) {
   }
 }
 
-void read(const std::string& name, std::uint8_t) {
+void read_queries(const std::string& name, std::uint8_t) {
   if (is_sequence_file(name)) return;
   for (const QueryGroup& group : read_query_file(name)) {
     const std::size_t n = group.size();
@@ -38,7 +38,7 @@ void read(const std::string& name, std::uint8_t) {
 
 void query_reader(Bytes bytes) {
   static const std::vector<Image> bases = {image_of(write_base)};
-  read_spoilt(bytes, bases, read);
+  read_spoilt(bytes, bases, read_queries);
 }
 
 }  // namespace volccd::fuzz

@@ -35,7 +35,7 @@ std::vector<Image> make_bases() {
   return bases;
 }
 
-void read(const std::string& name, std::uint8_t choice) {
+void read_sequence(const std::string& name, std::uint8_t choice) {
   SequenceReader reader(name);
   try {
     reader.check_contents();
@@ -63,7 +63,7 @@ void read(const std::string& name, std::uint8_t choice) {
 
 void sequence_reader(Bytes bytes) {
   static const std::vector<Image> bases = make_bases();
-  read_spoilt(bytes, bases, read);
+  read_spoilt(bytes, bases, read_sequence);
 }
 
 }  // namespace volccd::fuzz

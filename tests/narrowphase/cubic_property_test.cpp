@@ -10,7 +10,7 @@
 
 #include "query_set.hpp"
 
-namespace volccd::test {
+namespace volccd::test::cubic_property {
 namespace {
 
 constexpr FeatureKind kKinds[] = {FeatureKind::vf, FeatureKind::ee};
@@ -177,4 +177,4 @@ TEST(CubicDescriptor, MakesFromOptions) {
 }
 
 }  // namespace
-}  // namespace volccd::test
+}  // namespace volccd::test::cubic_property

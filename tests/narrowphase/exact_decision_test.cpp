@@ -11,7 +11,7 @@
 
 #include "oracle.hpp"
 
-namespace volccd::test {
+namespace volccd::test::exact_decision {
 namespace {
 
 using Corners = std::array<Vec3, 4>;
@@ -453,4 +453,4 @@ TEST(ExactHulls, Hexahedra) {
 }
 
 }  // namespace
-}  // namespace volccd::test
+}  // namespace volccd::test::exact_decision
