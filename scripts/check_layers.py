@@ -33,7 +33,7 @@ LAYERS = {
     "simulation": ["core", "mesh", "query", "broadphase", "culling", "narrowphase", "pipelines"],
     "pictures": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines"],
     "experiments": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
-                    "simulation"],
+                    "simulation", "oracle/cases"],
     "program": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
                 "experiments", "pictures"],
 }

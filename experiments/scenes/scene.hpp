@@ -10,7 +10,7 @@
 #include <volccd/core/options.hpp>
 #include <volccd/mesh/sequence/cells.hpp>
 #include <volccd/mesh/sequence/metadata.hpp>
-#include <volccd/mesh/sequence/step_text.hpp>
+#include <volccd/core/step_text.hpp>
 #include <volccd/mesh/shapes.hpp>
 
 namespace volccd {

@@ -9,7 +9,7 @@
 
 #include <nlohmann/json.hpp>
 #include <volccd/core/executor.hpp>
-#include <volccd/mesh/sequence/step_text.hpp>
+#include <volccd/core/step_text.hpp>
 #include <volccd/mesh/sequence/stepper.hpp>
 
 #include <volccd/pipelines/pipeline.hpp>

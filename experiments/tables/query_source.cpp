@@ -16,7 +16,7 @@
 #include <volccd/mesh/sequence/ground_truth.hpp>
 #include <volccd/mesh/sequence/query_file.hpp>
 #include <volccd/mesh/sequence/stepper.hpp>
-#include <volccd/query/query_set.hpp>
+#include <volccd/oracle/cases/query_set.hpp>
 
 namespace volccd {
 

@@ -16,7 +16,7 @@
 #include <vector>
 
 #include <volccd/mesh/mesh.hpp>
-#include <volccd/mesh/sequence/step_text.hpp>
+#include <volccd/core/step_text.hpp>
 #include <volccd/query/contact.hpp>
 
 namespace volccd {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include <volccd/oracle/cases/near_degenerate.hpp>
-#include <volccd/query/step.hpp>
+#include <volccd/oracle/cases/query_set.hpp>
 
 namespace volccd::cases {
 
@@ -12,7 +12,7 @@ namespace volccd::cases {
 class TestScene {
  public:
   explicit TestScene(Index tests = 1)
-      : topology_(tetrahedra(tests)), motions_{Motion(4 * tests, 2), Motion(4 * tests, 3)} {}
+      : topology_(separate_tetrahedra(tests)), motions_{Motion(4 * tests, 2), Motion(4 * tests, 3)} {}
 
   void set(Index i, const Case& c) {
     Motion& motion = motions_[static_cast<std::size_t>(c.control_points - 2)];
@@ -33,14 +33,6 @@ class TestScene {
   }
 
  private:
-  static Mesh tetrahedra(Index count) {
-    Mesh mesh;
-    mesh.add_vertices(4 * count);
-    for (Index i = 0; i < count; ++i)
-      mesh.add_element({ElementType::tetrahedron, {4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3}, {}, 0, i});
-    return mesh;
-  }
-
   Topology topology_;
   Motion motions_[2];
   ObjectFilter everything_;

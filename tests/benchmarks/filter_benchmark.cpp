@@ -10,6 +10,7 @@
 #include <volccd/culling/coplanarity_filter.hpp>
 #include <volccd/culling/csat_filter.hpp>
 #include <volccd/culling/feature_kdop_filter.hpp>
+#include <volccd/oracle/cases/query_set.hpp>
 
 namespace volccd {
 namespace {
@@ -19,7 +20,7 @@ namespace {
 struct Tests {
   static constexpr Index kCount = 64 * TestBlock::kCapacity;
 
-  explicit Tests(int control_points) : topology(make_mesh()), motion(4 * kCount, control_points) {
+  explicit Tests(int control_points) : topology(separate_tetrahedra(kCount)), motion(4 * kCount, control_points) {
     std::mt19937_64 engine(1);
     std::uniform_real_distribution<double> size(-1, 1);
     const auto random = [&] { return Vec3(size(engine), size(engine), size(engine)); };
@@ -46,19 +47,6 @@ struct Tests {
       all[b].gather({topology, motion, filter}, kind, pairs);
     }
     return all;
-  }
-
-  static Mesh make_mesh() {
-    Mesh mesh;
-    mesh.add_vertices(4 * kCount);
-    for (Index i = 0; i < kCount; ++i) {
-      ElementSpec element;
-      element.type = ElementType::tetrahedron;
-      element.vertices = {4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3};
-      element.id = i;
-      mesh.add_element(element);
-    }
-    return mesh;
   }
 
   Topology topology;

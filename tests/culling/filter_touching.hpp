@@ -10,6 +10,7 @@
 #include <vector>
 
 #include <volccd/query/test_block.hpp>
+#include <volccd/oracle/cases/query_set.hpp>
 
 namespace volccd::test {
 
@@ -135,7 +136,7 @@ inline void part(Random& random, TouchingTest& test, int exponent) {
 class TestBench {
  public:
   explicit TestBench(int control_points)
-      : topology_(make_mesh()), motion_(topology_.mesh().vertex_count(), control_points) {
+      : topology_(separate_tetrahedra(TestBlock::kCapacity)), motion_(topology_.mesh().vertex_count(), control_points) {
     for (Index i = 0; i < TestBlock::kCapacity; ++i) {
       const auto& features = topology_.features();
       vf_.push_back({4 * i, features.find_triangle(4 * i + 1, 4 * i + 2, 4 * i + 3)});
@@ -156,19 +157,6 @@ class TestBench {
   }
 
  private:
-  static Mesh make_mesh() {
-    Mesh mesh;
-    mesh.add_vertices(4 * TestBlock::kCapacity);
-    for (Index i = 0; i < TestBlock::kCapacity; ++i) {
-      ElementSpec element;
-      element.type = ElementType::tetrahedron;
-      element.vertices = {4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3};
-      element.id = i;
-      mesh.add_element(element);
-    }
-    return mesh;
-  }
-
   Topology topology_;
   Motion motion_;
   ObjectFilter filter_;

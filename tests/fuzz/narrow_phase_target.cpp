@@ -9,7 +9,7 @@
 #include <volccd/narrowphase/exact_predicates.hpp>
 #include <volccd/narrowphase/inclusion.hpp>
 #include <volccd/pipelines/registry.hpp>
-#include <volccd/query/query_set.hpp>
+#include <volccd/oracle/cases/query_set.hpp>
 
 #include "byte_reader.hpp"
 #include "support/stages.hpp"

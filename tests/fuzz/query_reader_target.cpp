@@ -1,5 +1,5 @@
 #include <volccd/mesh/sequence/query_file.hpp>
-#include <volccd/query/query_set.hpp>
+#include <volccd/oracle/cases/query_set.hpp>
 
 #include "hdf5_script.hpp"
 #include "sequence/raw_hdf5.hpp"

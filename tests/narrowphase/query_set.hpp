@@ -6,7 +6,7 @@
 
 #include <volccd/narrowphase/narrow_phase.hpp>
 #include <volccd/query/contact.hpp>
-#include <volccd/query/query_set.hpp>
+#include <volccd/oracle/cases/query_set.hpp>
 
 #include "support/stages.hpp"
 

@@ -6,7 +6,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/mesh/sequence/query_file.hpp>
-#include <volccd/query/query_set.hpp>
+#include <volccd/oracle/cases/query_set.hpp>
 #include <volccd/query/test_block.hpp>
 
 #include "raw_hdf5.hpp"

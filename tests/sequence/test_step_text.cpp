@@ -6,7 +6,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/mesh/sequence/contacts_csv.hpp>
-#include <volccd/mesh/sequence/step_text.hpp>
+#include <volccd/core/step_text.hpp>
 
 #include "sequences.hpp"
 #include "support/full_disk.hpp"

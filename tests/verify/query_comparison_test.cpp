@@ -6,7 +6,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/tables/query_comparison.hpp>
 #include <volccd/mesh/sequence/stepper.hpp>
-#include <volccd/query/query_set.hpp>
+#include <volccd/oracle/cases/query_set.hpp>
 
 #include "sequence/raw_hdf5.hpp"
 #include "sequence/sequences.hpp"

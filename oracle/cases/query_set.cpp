@@ -1,4 +1,4 @@
-#include <volccd/query/query_set.hpp>
+#include <volccd/oracle/cases/query_set.hpp>
 
 #include <cassert>
 #include <string>
@@ -9,19 +9,6 @@
 namespace volccd {
 
 namespace {
-
-Mesh tetrahedra(Index count) {
-  Mesh mesh;
-  mesh.add_vertices(4 * count);
-  for (Index i = 0; i < count; ++i) {
-    ElementSpec spec;
-    spec.type = ElementType::tetrahedron;
-    spec.vertices = {4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3};
-    spec.id = i;
-    mesh.add_element(spec);
-  }
-  return mesh;
-}
 
 Motion motion_of(Index queries, int control_points, std::span<const Vec3> points) {
   Motion motion(4 * queries, control_points);
@@ -48,10 +35,18 @@ Index query_count(int control_points, std::span<const Vec3> points) {
 
 }  // namespace
 
+Mesh separate_tetrahedra(Index count) {
+  Mesh mesh;
+  mesh.add_vertices(4 * count);
+  for (Index i = 0; i < count; ++i)
+    mesh.add_element({ElementType::tetrahedron, {4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3}, {}, 0, i});
+  return mesh;
+}
+
 QuerySet::QuerySet(FeatureKind kind, int control_points, std::span<const Vec3> points) : kind_(kind) {
   const Index n = query_count(control_points, points);
   Motion motion = motion_of(n, control_points, points);
-  scene_ = std::make_unique<const Scene>(Scene{Topology(tetrahedra(n)), std::move(motion), {}});
+  scene_ = std::make_unique<const Scene>(Scene{Topology(separate_tetrahedra(n)), std::move(motion), {}});
   const Features& features = scene_->topology.features();
   pairs_.reserve(n);
   for (Index i = 0; i < n; ++i) {

@@ -1,4 +1,4 @@
-#include <volccd/mesh/sequence/step_text.hpp>
+#include <volccd/core/step_text.hpp>
 
 #include <fmt/format.h>
 

@@ -11,6 +11,9 @@
 
 namespace volccd {
 
+/// `count` tetrahedra that share nothing: element i has the vertices 4 i .. 4 i + 3.
+Mesh separate_tetrahedra(Index count);
+
 /// Queries of one kind that share nothing. The four points of query i, VF: vertex, triangle; EE: edge 1, edge 2; become
 /// the vertices 4 i .. 4 i + 3 in this order, which is also that of test_vertices(), and belong to one tetrahedron,
 /// whatever its volume. Immutable; what step() refers to lives as long as the set, moved or not.
