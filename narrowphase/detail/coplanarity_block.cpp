@@ -98,17 +98,15 @@ void CoplanarityBlock::gather(const Motion& motion, const TestBlock& tests) {
   kind_ = tests.kind();
   for (std::size_t i = 0; i < size_; ++i) {
     vertices_[i] = tests.vertices(i);
-    TestPoints& x = coordinates_[i];
-    for (std::size_t p = 0; p < 4; ++p) x[p] = motion.at(vertices_[i][p]);
-    for (std::size_t time = 0; time < 2; ++time)
-      for (std::size_t j = 0; j < 3; ++j)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-          differences_[row(time, j, axis) + i] = x[j + 1][3 * time + axis] - x[0][3 * time + axis];
+    for (std::size_t p = 0; p < 4; ++p) coordinates_[i][p] = motion.at(vertices_[i][p]);
   }
-  const std::size_t padded = (size_ + 7) / 8 * 8;
-  for (std::size_t r = 0; r < 18; ++r)
-    for (std::size_t i = size_; i < padded; ++i)
-      differences_[r * kCapacity + i] = differences_[r * kCapacity + size_ - 1];
+  for (int time = 0; time < 2; ++time)
+    for (int j = 0; j < 3; ++j)
+      for (int axis = 0; axis < 3; ++axis) {
+        const double *x = tests.row(time, j + 1, axis), *origin = tests.row(time, 0, axis);
+        double* difference = differences_ + row(std::size_t(time), std::size_t(j), std::size_t(axis));
+        for (std::size_t i = 0; i < tests.padded_size(); ++i) difference[i] = x[i] - origin[i];
+      }
 }
 
 void CoplanarityBlock::compute(bool axis_test) {

@@ -1,4 +1,4 @@
-// First pass over a batch of tests: gathers differences, computes coplanarity cubics, and finds the tests that these
+// First pass over a block of tests: takes differences, computes coplanarity cubics, and finds the tests that these
 // prove free of contact. On the stack: no allocation.
 #pragma once
 
