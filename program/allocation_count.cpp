@@ -1,4 +1,5 @@
-// In a source of its own: where the compiler sees these operators and their calls together, it takes them for a mismatch.
+// In a source of its own: where the compiler sees these operators and their calls together, it takes them for a
+// mismatch.
 #include <volccd/program/allocation_count.hpp>
 
 #include <atomic>
@@ -28,10 +29,12 @@ constexpr std::size_t bytes(std::align_val_t alignment) { return static_cast<std
 
 }  // namespace
 
-// The other forms call these. Memory comes from malloc(), as that of the standard library's operators does; both are freed
-// here, so that sanitizers see no mismatch.
+// The other forms call these. Memory comes from malloc(), as that of the standard library's operators does; both are
+// freed here, so that sanitizers see no mismatch.
 [[gnu::weak]] void* operator new(std::size_t size) { return allocate(size); }
-[[gnu::weak]] void* operator new(std::size_t size, std::align_val_t alignment) { return allocate(size, bytes(alignment)); }
+[[gnu::weak]] void* operator new(std::size_t size, std::align_val_t alignment) {
+  return allocate(size, bytes(alignment));
+}
 [[gnu::weak]] void operator delete(void* p) noexcept { std::free(p); }
 [[gnu::weak]] void operator delete(void* p, std::size_t) noexcept { std::free(p); }
 [[gnu::weak]] void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }

@@ -65,21 +65,27 @@ void add_check_command(CLI::App& app, const Registry& registry, Action& action) 
   command->add_option("FILE", options->file, "sequence, or name of a scene, whose steps are looked at as well");
   command->add_option("--steps", options->steps, "steps of FILE: K, A:B, A:, :B (default all)");
   command->add_option("--set", options->settings, "an option of the stage: stage.option=value");
-  command->add_option("--trials", options->config.trials, "generated trials")->check(CLI::Range(1, 100'000'000))->capture_default_str();
-  command->add_option("--seed", options->config.seed, "of the first trial; the next has the next seed")->capture_default_str();
+  command->add_option("--trials", options->config.trials, "generated trials")
+      ->check(CLI::Range(1, 100'000'000))
+      ->capture_default_str();
+  command->add_option("--seed", options->config.seed, "of the first trial; the next has the next seed")
+      ->capture_default_str();
   command->add_option("--threads", options->config.threads, "where several are tried")
       ->check(CLI::Range(2u, kMaxThreads))
       ->capture_default_str();
   command->footer(
-      "Tries the stage on generated tests and elements that touch or nearly do, judged in exact arithmetic: alone and in\n"
+      "Tries the stage on generated tests and elements that touch or nearly do, judged in exact arithmetic: alone and "
+      "in\n"
       "batches, with several workers, with a new state and with one that has seen other steps. Then in pipelines,\n"
-      "against those without it, on small colliding bodies and on FILE. What is not promised (approximate) is counted.\n"
+      "against those without it, on small colliding bodies and on FILE. What is not promised (approximate) is "
+      "counted.\n"
       "Exit code 1 if a promise is broken; what is printed then repeats it: --seed N --trials 1.\n"
       "Examples:\n"
       "  volccd check csat\n"
       "  volccd check csat run.vtkhdf --set csat.axis=optimal --trials 20000\n"
       "  volccd check coplanarity --seed 4711 --trials 1");
-  command->callback([options, &registry, &action] { action = [options, &registry] { return run(*options, registry); }; });
+  command->callback(
+      [options, &registry, &action] { action = [options, &registry] { return run(*options, registry); }; });
 }
 
 }  // namespace volccd

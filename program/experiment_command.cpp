@@ -220,7 +220,9 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
   CLI::App* run_command = command->add_subcommand("run", "measure, print the tables, keep the records");
   const auto options = std::make_shared<ExperimentOptions>();
   run_command->add_option("NAME", options->names, "see `volccd experiment list`")->required()->type_name("");
-  run_command->add_option("--pipelines", options->pipelines, "projectile: pipelines to compare beside the four, NAME[,NAME...]")
+  run_command
+      ->add_option("--pipelines", options->pipelines,
+                   "projectile: pipelines to compare beside the four, NAME[,NAME...]")
       ->delimiter(',')
       ->allow_extra_args(false);
   run_command->add_option("-o,--output", options->output, "folder for tables and records")->capture_default_str();

@@ -1,4 +1,5 @@
-// The `volccd` program as a function, so that a program with stages of its own is three lines (examples/custom_culling).
+// The `volccd` program as a function, so that a program with stages of its own is three lines
+// (examples/custom_culling).
 #pragma once
 
 #include <volccd/pipelines/registry.hpp>
@@ -6,7 +7,8 @@
 namespace volccd {
 
 /// Runs the command line on the stages and pipelines of `registry`. Returns the exit code: 0 done, 1 `verify` found a
-/// difference, `check` a broken promise or `queries` a missed contact, 2 bad input or configuration (one line on stderr says what), 130 interrupted.
+/// difference, `check` a broken promise or `queries` a missed contact, 2 bad input or configuration (one line on stderr
+/// says what), 130 interrupted.
 int program(int argc, const char* const* argv, const Registry& registry);
 
 }  // namespace volccd

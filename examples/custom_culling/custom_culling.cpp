@@ -1,5 +1,5 @@
-// A culling idea of one's own, measured against all the others: element pairs whose swept bounding spheres are apart are
-// dropped. The spheres are the stage's state. docs/adding_a_stage.md goes through this file.
+// A culling idea of one's own, measured against all the others: element pairs whose swept bounding spheres are apart
+// are dropped. The spheres are the stage's state. docs/adding_a_stage.md goes through this file.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -41,7 +41,8 @@ class SphereCulling final : public ElementCulling {
     batch.cull([&](ElementPair pair, FeatureMask&) {
       const Sphere &a = spheres[pair.a], &b = spheres[pair.b];
       const Vec3 d = a.centre - b.centre;
-      // Written so that a NaN or an infinity (overflow) keeps the pair: a stage that is called conservative never guesses.
+      // Written so that a NaN or an infinity (overflow) keeps the pair: a stage that is called conservative never
+      // guesses.
       const bool apart = std::hypot(d.x(), d.y(), d.z()) > a.radius + b.radius + step.separation;
       return apart ? PairVerdict::disjoint : PairVerdict::keep;
     });
@@ -85,8 +86,8 @@ class SphereCulling final : public ElementCulling {
 
 int main(int argc, char** argv) {
   Registry registry = Registry::standard();
-  registry.add(describe_stage<ElementCulling, SphereCulling>("spheres", "drops pairs whose swept bounding spheres are apart",
-                                                             Guarantee::conservative));
+  registry.add(describe_stage<ElementCulling, SphereCulling>(
+      "spheres", "drops pairs whose swept bounding spheres are apart", Guarantee::conservative));
   PipelineSpec spec = registry.pipeline("VolCCD+");
   spec.name = "Spheres";
   spec.description = "VolCCD+ with bounding spheres in the place of CSAT";

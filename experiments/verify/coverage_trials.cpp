@@ -102,7 +102,8 @@ class ChangingMesh {
     for (ElementSpec& spec : edit.added) spec.id = next_id++;
     for (const Index o : edit.removed) {
       const auto vertices = mesh.vertices(o), faces = mesh.polytope_faces(o);
-      gone_.push_back({mesh.type(o), {vertices.begin(), vertices.end()}, {faces.begin(), faces.end()}, mesh.object(o), 0});
+      gone_.push_back(
+          {mesh.type(o), {vertices.begin(), vertices.end()}, {faces.begin(), faces.end()}, mesh.object(o), 0});
     }
     topology_.apply(edit);
     move();
@@ -133,7 +134,8 @@ class ChangingMesh {
 
 void expect_tests(const Step& step, const TestBatch& batch, StageTrials& trials, const std::string& where) {
   const auto good = [&](FeatureKind kind, const Tests& tests) {
-    return std::all_of(tests.begin(), tests.end(), [&](FeaturePair pair) { return is_test(step.features(), kind, pair); });
+    return std::all_of(tests.begin(), tests.end(),
+                       [&](FeaturePair pair) { return is_test(step.features(), kind, pair); });
   };
   trials.expect(kTests, good(FeatureKind::vf, batch.vf) && good(FeatureKind::ee, batch.ee),
                 [&] { return where + "a test of features with a common vertex"; });
@@ -164,7 +166,8 @@ void try_range(const Assignment& stage, const Step& step, StageState& state, Pai
         kComplete, missing.empty(),
         [&] {
           return where + (range == PairRange::every ? "all pairs" : "non-adjacent pairs") + ": " +
-                 std::to_string(missing.size()) + " are missing, " + text_of(step.features(), kind, missing[0]) + " among them";
+                 std::to_string(missing.size()) + " are missing, " + text_of(step.features(), kind, missing[0]) +
+                 " among them";
         },
         trials.conservative());
   }
@@ -203,7 +206,8 @@ void try_stage(const Assignment& stage, StageTrials& trials) {
   Choices choices(trials.config.seed);
   ChangingMesh mesh(choices);
   const Step step = mesh.step();
-  const std::vector<ElementPair> pairs = element_pairs(step.topology, nonadjacent ? PairRange::nonadjacent : PairRange::every);
+  const std::vector<ElementPair> pairs =
+      element_pairs(step.topology, nonadjacent ? PairRange::nonadjacent : PairRange::every);
   const auto state = stage.make_state();
   PairBatch batch;
   TestBatch out;
@@ -238,7 +242,8 @@ void expect_orphans(const Step& step, const TestBatch& found, StageTrials& trial
           [&] { return where + text_of(step.features(), kind, pair) + " touches and is missing:\n" + to_text(c); },
           trials.conservative());
     }
-  trials.expect(kComplete, true, [] { return std::string(); }, trials.conservative());
+  trials.expect(
+      kComplete, true, [] { return std::string(); }, trials.conservative());
 }
 
 }  // namespace

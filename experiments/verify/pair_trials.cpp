@@ -28,8 +28,8 @@ struct PairGroup {
 PairGroup make_group(Choices& choices, ElementPairs& elements) {
   PairGroup group{choose_step(choices), 0, 1, {}, {}};
   const auto attacks = group.choice.separation ? cases::separation_attacks() : cases::touching_attacks();
-  const auto nearly = cases::nearly_degenerate_elements(group.choice.separation ? cases::Separation::some
-                                                                                : cases::Separation::none);
+  const auto nearly =
+      cases::nearly_degenerate_elements(group.choice.separation ? cases::Separation::some : cases::Separation::none);
   for (Index i = 0; i < elements.size(); ++i) {
     const int which = choices.below(8);
     const bool nested = which == 7;
@@ -103,8 +103,8 @@ class CullingTrials {
   }
 
  private:
-  std::vector<Verdict> verdicts(const Step& step, StageState& state, std::span<const ElementPair> pairs, unsigned worker,
-                                const std::string& where) {
+  std::vector<Verdict> verdicts(const Step& step, StageState& state, std::span<const ElementPair> pairs,
+                                unsigned worker, const std::string& where) {
     batch_.assign(pairs);
     stage_.run(step, state, worker, batch_);
     std::vector<Verdict> verdicts(pairs.size());
@@ -117,7 +117,8 @@ class CullingTrials {
       verdicts[i].mask = batch_.masks[next++];
     }
     trials_.expect(kOnlyDrops, next == batch_.pairs.size() && batch_.masks.size() == batch_.pairs.size(), [&] {
-      return where + "the batch has pairs that it did not have, has them in another order, or has another number of masks";
+      return where +
+             "the batch has pairs that it did not have, has them in another order, or has another number of masks";
     });
     return verdicts;
   }
@@ -183,7 +184,8 @@ class BroadTrials {
 
  private:
   /// Each pair, and how often it came.
-  std::map<ElementPair, int> emitted(const Step& step, StageState& state, Executor& executor, const std::string& where) {
+  std::map<ElementPair, int> emitted(const Step& step, StageState& state, Executor& executor,
+                                     const std::string& where) {
     std::map<ElementPair, int> pairs;
     std::mutex mutex;
     bool regular = true;
@@ -193,7 +195,8 @@ class BroadTrials {
       regular = regular && worker < executor.workers() && batch.size() <= BroadPhase::kMaxBatch;
       for (const ElementPair pair : batch) regular = regular && pair.a <= pair.b && ++pairs[pair] == 1;
     });
-    trials_.expect(kEmitsOnce, regular, [&] { return where + "a pair twice, (b, a) in place of (a, b), or a batch too large"; });
+    trials_.expect(kEmitsOnce, regular,
+                   [&] { return where + "a pair twice, (b, a) in place of (a, b), or a batch too large"; });
     return pairs;
   }
 

@@ -56,7 +56,9 @@ std::vector<PipelineSpec> specs_with(const Registry& registry, const StageReport
 class PipelineTrials {
  public:
   PipelineTrials(const Registry& registry, const StageReport& stage, StageTrials& trials)
-      : trials_(trials), is_narrow_phase_(stage.role == NarrowPhase::kRole), small_(registry, reference(registry, is_narrow_phase_ ? "VolCCD+" : "BruteForce")),
+      : trials_(trials),
+        is_narrow_phase_(stage.role == NarrowPhase::kRole),
+        small_(registry, reference(registry, is_narrow_phase_ ? "VolCCD+" : "BruteForce")),
         large_(registry, reference(registry, is_narrow_phase_ ? "VolCCD+" : "NavCCD")) {
     for (const PipelineSpec& spec : specs_with(registry, stage, trials.config.options))
       entries_.push_back(std::make_unique<Entry>(registry, spec));
@@ -132,12 +134,16 @@ class PipelineTrials {
       const std::string place = where + ", " + entry->pipeline.spec().name + ": ";
       compare(step, truth, found, place);
       expect_same_first(found, first, place);
-      trials_.expect(kThreadsAgree, found.contacts == by_threads.contacts && found.initial_overlaps == by_threads.initial_overlaps,
+      trials_.expect(kThreadsAgree,
+                     found.contacts == by_threads.contacts && found.initial_overlaps == by_threads.initial_overlaps,
                      [&] { return place + "other contacts with several threads"; });
-      trials_.expect(kOverlapsAgree, truth.initial_overlaps == found.initial_overlaps, [&] {
-        return place + fmt::format("{} initial overlaps, {} of the pipeline without it", found.initial_overlaps.size(),
-                                   truth.initial_overlaps.size());
-      }, trials_.conservative());
+      trials_.expect(
+          kOverlapsAgree, truth.initial_overlaps == found.initial_overlaps,
+          [&] {
+            return place + fmt::format("{} initial overlaps, {} of the pipeline without it",
+                                       found.initial_overlaps.size(), truth.initial_overlaps.size());
+          },
+          trials_.conservative());
     }
   }
 
@@ -147,8 +153,9 @@ class PipelineTrials {
     trials_.expect(
         kPipelinesAgree, difference.empty(),
         [&] {
-          return place + fmt::format("{} missing, {} extra, {} changed of {}", difference.missing.size(),
-                                     difference.extra.size(), difference.changed.size(), truth.contacts.size()) +
+          return place +
+                 fmt::format("{} missing, {} extra, {} changed of {}", difference.missing.size(),
+                             difference.extra.size(), difference.changed.size(), truth.contacts.size()) +
                  (difference.missing.empty() ? std::string() : ", missing " + text_of(step, difference.missing[0]));
         },
         trials_.conservative());
@@ -164,8 +171,8 @@ class PipelineTrials {
     for (const Contact& contact : truth.contacts) {
       const auto at = times.find({contact.kind, contact.vertices});
       const bool found_it = at != times.end();
-      const bool right = found_it && at->second <= contact.toi &&
-                         (may_be_early || contact.toi - at->second <= tolerance_);
+      const bool right =
+          found_it && at->second <= contact.toi && (may_be_early || contact.toi - at->second <= tolerance_);
       if (!right && example.empty()) example = text_of(step, contact);
       missing += !found_it;
       wrong += found_it && !right;
@@ -174,8 +181,8 @@ class PipelineTrials {
     trials_.expect(
         kPipelinesAgree, missing == 0 && wrong == 0 && (extra == 0 || !trials_.exact()),
         [&] {
-          return place + fmt::format("{} missing, {} extra, {} at a wrong time, of {} that `exact` finds; {}", missing, extra,
-                                     wrong, truth.contacts.size(), example);
+          return place + fmt::format("{} missing, {} extra, {} at a wrong time, of {} that `exact` finds; {}", missing,
+                                     extra, wrong, truth.contacts.size(), example);
         },
         trials_.conservative());
   }
@@ -186,14 +193,15 @@ class PipelineTrials {
                                            [](const Contact& x, const Contact& y) { return x.toi < y.toi; });
     const bool same = earliest == all.contacts.end() ? first.contacts.empty()
                                                      : first.contacts.size() == 1 && first.contacts[0] == *earliest;
-    trials_.expect(kPipelinesAgree, same, [&] { return place + "another earliest contact if it alone is asked for"; },
-                   trials_.conservative());
+    trials_.expect(
+        kPipelinesAgree, same, [&] { return place + "another earliest contact if it alone is asked for"; },
+        trials_.conservative());
   }
 
   static std::string text_of(const Step& step, const Contact& contact) {
     const ContactRow row = contact_row(0, contact, step.mesh());
-    return fmt::format("{} of the vertices {} {} {} {} at t = {:g}", row.kind == FeatureKind::vf ? "VF" : "EE", row.ids[0],
-                       row.ids[1], row.ids[2], row.ids[3], row.toi);
+    return fmt::format("{} of the vertices {} {} {} {} at t = {:g}", row.kind == FeatureKind::vf ? "VF" : "EE",
+                       row.ids[0], row.ids[1], row.ids[2], row.ids[3], row.toi);
   }
 
   StageTrials& trials_;

@@ -32,16 +32,19 @@ void StageTrials::expect_no_allocation(const std::function<void(int k)>& step, b
   find(kNoAllocation, required);
   const std::size_t none = config.allocation_count();
   const auto probe = std::make_unique<int>(0);
-  int* volatile seen = probe.get();  // or the compiler would leave the allocation out
+  int* volatile seen = probe.get();                        // or the compiler would leave the allocation out
   if (!seen || config.allocation_count() == none) return;  // the counter sees nothing: no answers are looked at
   for (int k = 0; k < kSteps; ++k) {
     const std::size_t before = config.allocation_count();
     step(k);
     const std::size_t after = config.allocation_count();
     if (k >= kWarmUp)
-      expect(kNoAllocation, after == before, [&] {
-        return fmt::format("prepare() and run() on step {} of one topology: {} allocations", k + 1, after - before);
-      }, required);
+      expect(
+          kNoAllocation, after == before,
+          [&] {
+            return fmt::format("prepare() and run() on step {} of one topology: {} allocations", k + 1, after - before);
+          },
+          required);
   }
 }
 
@@ -117,11 +120,11 @@ std::string names(const Registry& registry) {
 StageReport check_stage(const Registry& registry, const std::string& stage, const StageCheckConfig& config) {
   StageReport report;
   report.stage = stage;
-  if (!try_kinds<BroadPhase, ElementCulling, Assignment, OrphanSource, FeatureFilter, NarrowPhase>(registry, stage, config,
-                                                                                                   report))
-    throw ConfigError(fmt::format(
-        "no stage '{}'; there are {}", stage,
-        names<BroadPhase, ElementCulling, Assignment, OrphanSource, FeatureFilter, NarrowPhase>(registry)));
+  if (!try_kinds<BroadPhase, ElementCulling, Assignment, OrphanSource, FeatureFilter, NarrowPhase>(registry, stage,
+                                                                                                   config, report))
+    throw ConfigError(
+        fmt::format("no stage '{}'; there are {}", stage,
+                    names<BroadPhase, ElementCulling, Assignment, OrphanSource, FeatureFilter, NarrowPhase>(registry)));
   return report;
 }
 

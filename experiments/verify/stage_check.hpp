@@ -1,5 +1,5 @@
-// Holds one stage to what it declares: its guarantee and the rules of its interface. For stages of one's own, before they are
-// measured: `volccd check`, or check_stage() in a test.
+// Holds one stage to what it declares: its guarantee and the rules of its interface. For stages of one's own, before
+// they are measured: `volccd check`, or check_stage() in a test.
 #pragma once
 
 #include <cstdint>
@@ -18,8 +18,8 @@ struct StageCheckConfig {
   bool pipelines = true;   ///< false: the stage is looked at by itself only
   std::string file;        ///< a sequence whose steps are looked at as well, or empty
   int first_step = 0, end_step = 1 << 30;  ///< motions of the file: first_step <= k < end_step
-  /// Number of allocations since some time, of all threads. Null: allocations are not looked at. The program counts them by
-  /// itself; a test can hand over a counter of its own operator new.
+  /// Number of allocations since some time, of all threads. Null: allocations are not looked at. The program counts
+  /// them by itself; a test can hand over a counter of its own operator new.
   std::size_t (*allocation_count)() = nullptr;
 };
 
@@ -43,11 +43,11 @@ struct StageReport {
   bool kept() const;
 };
 
-/// Tries the stage on generated steps: small features with near-degenerate motion, pairs of elements that touch or nearly
-/// do, meshes that change, linear and quadratic motion, separations, t_max < 1; then, in pipelines, on colliding bodies and on
-/// the steps of the file. What touches is decided in exact arithmetic. A stage is looked at alone and in batches, with
-/// several workers, with a new state and with one that has seen other steps. Takes seconds with the default number of
-/// trials.
+/// Tries the stage on generated steps: small features with near-degenerate motion, pairs of elements that touch or
+/// nearly do, meshes that change, linear and quadratic motion, separations, t_max < 1; then, in pipelines, on colliding
+/// bodies and on the steps of the file. What touches is decided in exact arithmetic. A stage is looked at alone and in
+/// batches, with several workers, with a new state and with one that has seen other steps. Takes seconds with the
+/// default number of trials, half a minute for narrow phases.
 ///
 /// Throws ConfigError for an unknown stage or option, and what SequenceReader throws for the file.
 StageReport check_stage(const Registry& registry, const std::string& stage, const StageCheckConfig& config = {});

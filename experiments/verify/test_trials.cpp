@@ -96,7 +96,8 @@ class BlockStage {
 
 class FilterStage final : public BlockStage {
  public:
-  FilterStage(const FeatureFilter& filter, StageTrials& trials) : BlockStage(filter), filter_(filter), trials_(trials) {}
+  FilterStage(const FeatureFilter& filter, StageTrials& trials)
+      : BlockStage(filter), filter_(filter), trials_(trials) {}
 
   std::vector<Answer> run(const Step& step, StageState& state, unsigned worker, const TestBlock& block) override {
     std::vector<std::uint8_t> keep(block.padded_size(), 1);
@@ -178,7 +179,8 @@ class NarrowStage final : public BlockStage {
     const double toi = answer.contact.toi;
     trials_.expect(kTimes, toi <= truth.toi, text("reports late"), required);
     if (truth.reason == TouchCase::at_start)
-      trials_.expect(kTimes, toi == 0 && answer.contact.at_start, text("does not report as touching at the start"), required);
+      trials_.expect(kTimes, toi == 0 && answer.contact.at_start, text("does not report as touching at the start"),
+                     required);
     if (!answer.undecided)
       trials_.expect(kTimes, truth.toi - toi <= narrow_.time_tolerance(), text("reports too early"), required);
   }
@@ -200,7 +202,8 @@ class NarrowStage final : public BlockStage {
 /// Runs the stage on the generated groups, each in several ways.
 class BlockTrials {
  public:
-  BlockTrials(BlockStage& stage, StageTrials& trials) : stage_(stage), trials_(trials), kept_(stage.stage().make_state()) {}
+  BlockTrials(BlockStage& stage, StageTrials& trials)
+      : stage_(stage), trials_(trials), kept_(stage.stage().make_state()) {}
 
   /// `remembers`: whether answers may depend on earlier steps.
   void run(const Group& group, bool remembers, const std::string& where) {
@@ -217,7 +220,8 @@ class BlockTrials {
     const std::vector<Answer> anew = answers(step, *fresh, group.choice.kind, pairs, 0);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       stage_.judge(group.tests[i], group.t_max, together[i], where);
-      if (remembers && !anew[i].same(together[i])) stage_.judge(group.tests[i], group.t_max, anew[i], where + "(new state) ");
+      if (remembers && !anew[i].same(together[i]))
+        stage_.judge(group.tests[i], group.t_max, anew[i], where + "(new state) ");
       if (!remembers)
         trials_.expect(kSameAfterOtherSteps, anew[i].same(together[i]),
                        [&] { return where + "a new state answers otherwise:\n" + to_text(group.tests[i]); });
@@ -232,8 +236,8 @@ class BlockTrials {
   }
 
   /// Each alone by one worker after another, and all in the reverse order by the last worker.
-  void compare_batches(const Step& step, const Group& group, std::vector<FeaturePair> pairs, std::vector<Answer>& together,
-                       const std::string& where) {
+  void compare_batches(const Step& step, const Group& group, std::vector<FeaturePair> pairs,
+                       std::vector<Answer>& together, const std::string& where) {
     const unsigned workers = trials_.threads->workers();
     std::vector<Answer> alone;
     for (std::size_t i = 0; i < pairs.size(); ++i)
@@ -270,20 +274,22 @@ void count_allocations(BlockStage& stage, StageTrials& trials, int control_point
   Case c;
   c.control_points = control_points;
   c.sets = {std::vector<cases::Curve>(1), std::vector<cases::Curve>(3)};
-  trials.expect_no_allocation([&](int) {
-    for (Index i = 0; i < TestBlock::kCapacity; ++i) {
-      for (auto& set : c.sets)
-        for (cases::Curve& p : set)
-          for (Vec3& x : p) x = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
-      scene.set(i, c);
-    }
-    const Step step = scene.step(control_points, 0, 1);
-    stage.stage().prepare(step, *state, trials.serial);
-    for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee}) {
-      block.gather(step, kind, pairs[static_cast<std::size_t>(kind)]);
-      stage.run_quietly(step, *state, block);
-    }
-  }, required);
+  trials.expect_no_allocation(
+      [&](int) {
+        for (Index i = 0; i < TestBlock::kCapacity; ++i) {
+          for (auto& set : c.sets)
+            for (cases::Curve& p : set)
+              for (Vec3& x : p) x = {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
+          scene.set(i, c);
+        }
+        const Step step = scene.step(control_points, 0, 1);
+        stage.stage().prepare(step, *state, trials.serial);
+        for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee}) {
+          block.gather(step, kind, pairs[static_cast<std::size_t>(kind)]);
+          stage.run_quietly(step, *state, block);
+        }
+      },
+      required);
 }
 
 void try_blocks(BlockStage& stage, StageTrials& trials, int max_control_points, bool separation, bool is_filter) {

@@ -17,8 +17,8 @@ struct Scene {
   Motion motion;
 };
 
-/// Two objects, permuted ids: the second comes down on the first, all vertices jittered at both ends so that elements invert
-/// and neighbours collide too.
+/// Two objects, permuted ids: the second comes down on the first, all vertices jittered at both ends so that elements
+/// invert and neighbours collide too.
 inline Scene colliding(const std::string& name, const Shape& shape, std::uint64_t seed, double jitter) {
   Shape both;
   both.append(shape, 1);
@@ -40,8 +40,9 @@ inline Scene colliding(const std::string& name, const Shape& shape, std::uint64_
 /// One scene an element type and one of all types mixed.
 inline std::vector<Scene> small_scenes(std::uint64_t seed, double jitter) {
   std::vector<Scene> scenes;
-  for (const ElementType type : {ElementType::tetrahedron, ElementType::pyramid, ElementType::wedge,
-                                 ElementType::hexahedron, ElementType::polytope, ElementType::triangle, ElementType::quad})
+  for (const ElementType type :
+       {ElementType::tetrahedron, ElementType::pyramid, ElementType::wedge, ElementType::hexahedron,
+        ElementType::polytope, ElementType::triangle, ElementType::quad})
     scenes.push_back(colliding(to_string(type), block(type, 2, 2, 1), seed, jitter));
   scenes.push_back(colliding("mixed", mixed_block(1, 1), seed, jitter));
   return scenes;

@@ -39,7 +39,9 @@ Case nested_elements(Choices& choices, FeatureKind kind, int control_points, std
   Case made;
   made.kind = kind;
   made.control_points = control_points;
-  const auto lattice = [&](int range) { return Vec3(choices.lattice(range), choices.lattice(range), choices.lattice(range)); };
+  const auto lattice = [&](int range) {
+    return Vec3(choices.lattice(range), choices.lattice(range), choices.lattice(range));
+  };
   Vec3 middle = Vec3::Zero();
   for (std::size_t i = 0; i < count; ++i) {
     const Vec3 x = lattice(1 << 16);

@@ -45,7 +45,9 @@ class ElementPairs {
     std::vector<Index> sets[2];  ///< vertices of the features
   };
 
-  Index element(Index i, std::size_t set) const { return 2 * i + (static_cast<Index>(set) ^ Index{features_[i].swapped}); }
+  Index element(Index i, std::size_t set) const {
+    return 2 * i + (static_cast<Index>(set) ^ Index{features_[i].swapped});
+  }
   std::vector<Index> choose_feature(Choices& choices, std::size_t vertices, Index o) const;
   bool vertex_masked(Index i, const FeatureMask& mask) const;
   bool edge_masked(Index i, std::size_t set, const FeatureMask& mask) const;

@@ -1,5 +1,5 @@
-# cmake -DPART=... -DBUILD_DIR=... -DPROJECT_DIR=... -DWORK_DIR=... -DGENERATOR=... -DCXX=... -DCXX_FLAGS=... -DBUILD_TYPE=...
-#       -P run.cmake
+# cmake -DPART=... -DBUILD_DIR=... -DPROJECT_DIR=... -DWORK_DIR=... -DGENERATOR=... -DCXX=... -DCXX_FLAGS=...
+#       -DBUILD_TYPE=... -P run.cmake
 # The tests of the installed package. PART is one of:
 #   install    installs the build into WORK_DIR/prefix, which the other parts use; looks through what lies there
 #   consumer   builds and runs tests/consumer/, without the packages that only the component `program` needs
@@ -91,7 +91,7 @@ elseif(PART STREQUAL "refusals")
   # A package without the program is one without this file.
   file(COPY "${PREFIX}/" DESTINATION "${WORK_DIR}/prefix-without-program" PATTERN "volccdProgramTargets*" EXCLUDE)
   set(PREFIX "${WORK_DIR}/prefix-without-program")
-  refuse(program "this package of volccd was built without its component program" )
+  refuse(program "this package of volccd was built without its component program")
 elseif(PART STREQUAL "headers")
   # Twice: the second time checks the include guard.
   foreach(header IN LISTS headers)

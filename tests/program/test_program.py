@@ -341,7 +341,7 @@ class Program(ProgramTest):
         self.assertRegex(done.stdout, r"\nSpheres +\S+ ms +")
         with open(os.path.join(self.path("own"), "projectile.json")) as file:
             record = json.load(file)
-        self.assertEqual([pipeline["name"] for pipeline in record["pipelines"]][3:], ["VolCCD+", "Spheres", "Spheres+CSAT"])
+        self.assertEqual([pipeline["pipeline"]["name"] for pipeline in record["pipelines"]][3:], ["VolCCD+", "Spheres", "Spheres+CSAT"])
         self.bad(*arguments[:3], "--pipelines", "Nothing", "-o", self.path("own"), says="Spheres+CSAT", program=EXAMPLE)
 
     def test_check_of_a_stage(self):

@@ -70,6 +70,9 @@ class CheckLayers(unittest.TestCase):
     def test_oracle_is_for_verify_only(self):
         self.assert_found({"experiments/detect.cpp": "#include <volccd/oracle/fcl.hpp>\n"}, "experiments/detect.cpp:1",
                           "experiments may not include oracle")
+        self.assert_found({"oracle/cases/attack.hpp": "#pragma once\n",
+                           "experiments/detect.cpp": "#include <volccd/oracle/cases/attack.hpp>\n"},
+                          "experiments/detect.cpp:1", "experiments may not include oracle/cases")
         self.assert_found({"pipelines/x.cpp": "#include <volccd/oracle/fcl.hpp>\n"}, "pipelines/x.cpp:1",
                           "pipelines may not include oracle")
 

@@ -35,8 +35,8 @@ class StageTrials {
   StageTrials(const StageCheckConfig& c, StageReport& report)
       : config(c), threads(make_thread_executor(std::max(2u, c.threads))), report_(report) {}
 
-  /// Counts an answer; `text`, a function, tells of it if the promise is broken. A promise `required` of the stage breaks
-  /// the check.
+  /// Counts an answer; `text`, a function, tells of it if the promise is broken. A promise `required` of the stage
+  /// breaks the check.
   template <class Text>
   void expect(const char* promise, bool kept, Text&& text, bool required = true) {
     PromiseReport& one = find(promise, required);
@@ -52,8 +52,8 @@ class StageTrials {
   /// Calls body(choices, "seed N: ") for the trials [0, count).
   void each_trial(int count, const std::function<void(cases::Choices&, const std::string& where)>& body) const;
 
-  /// Calls step(k), which prepares and runs the stage on step k of one topology, and expects that the last of them do not
-  /// allocate.
+  /// Calls step(k), which prepares and runs the stage on step k of one topology, and expects that the last of them do
+  /// not allocate.
   void expect_no_allocation(const std::function<void(int k)>& step, bool required = true);
 
   const StageCheckConfig& config;
