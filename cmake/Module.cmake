@@ -36,7 +36,8 @@ function(volccd_module name)
     if(kernels)
       set_property(SOURCE "${source}" PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)  # it includes itself, once a target
       set_property(SOURCE "${source}" APPEND PROPERTY COMPILE_OPTIONS -fno-sanitize=undefined
-                   "$<$<CXX_COMPILER_ID:Clang>:SHELL:-mllvm -asan-instrumentation-with-call-threshold=0>")
+                   $<$<CXX_COMPILER_ID:Clang>:-mllvm>
+                   $<$<CXX_COMPILER_ID:Clang>:-asan-instrumentation-with-call-threshold=0>)
     endif()
   endforeach()
   set(target "volccd_${name}")

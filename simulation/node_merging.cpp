@@ -132,7 +132,7 @@ bool Merger::keeps_shape(Index o, Index v, const Vec3& place) const {
   }
   for (std::size_t i = 0; i < 8; ++i) {
     const auto [j, k, l] = kHexCorners[i];
-    const auto volume = [&](bool moved) {
+    const auto volume = [&, j = j, k = k, l = l](bool moved) {
       return corner(i, static_cast<std::size_t>(j), static_cast<std::size_t>(k), static_cast<std::size_t>(l), moved);
     };
     if (!enough(volume(false), volume(true))) return false;

@@ -79,7 +79,9 @@ TEST(CollapseElement, EveryIdentificationKeepsTheBoundaryOrIsRefused) {
                                                   {ElementType::pyramid, 52},
                                                   {ElementType::wedge, 203},
                                                   {ElementType::hexahedron, 4140}};  // Bell numbers
-  for (const auto& [type, count] : all) {
+  for (const auto& [of, many] : all) {
+    const ElementType type = of;  // clang captures no structured bindings
+    const std::size_t count = many;
     std::size_t seen = 0;
     std::map<ElementType, int> results;
     for_each_identification(static_cast<std::size_t>(vertex_count(type)), [&](const Nodes& nodes) {
