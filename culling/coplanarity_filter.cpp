@@ -36,7 +36,9 @@ struct Determinant {
   }
 
  private:
-  static HWY_INLINE Lanes3 weighted(const Lanes3& a, double weight) { return weight == 1 ? a : scaled(a, broadcast(weight)); }
+  static HWY_INLINE Lanes3 weighted(const Lanes3& a, double weight) {
+    return weight == 1 ? a : scaled(a, broadcast(weight));
+  }
 };
 
 /// Bound, over the whole step, of the area that turns a distance into a determinant: the product of the lengths of two

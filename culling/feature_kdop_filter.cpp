@@ -33,8 +33,8 @@ struct Job {
 constexpr auto kAxes = kdop_axes<26>();
 constexpr unsigned kCoordinateAxes = 0x7, kExactAxes = 0x1ff;  ///< those of one term, of one or two
 
-/// For the whole step without a separation: sums of up to two coordinates, rounded, compare as the exact ones do. They are
-/// not subtracted: where they overflowed, their difference could be NaN.
+/// For the whole step without a separation, axes of one or two terms: where rounded sums of two coordinates differ, the
+/// exact sums differ in the same sense. They are not subtracted: where they overflowed, that could give NaN.
 template <FeatureKind kKind, int kControlPoints>
 struct ExactBounds {
   template <std::size_t kAxis, std::size_t kDistance>
@@ -63,7 +63,7 @@ struct ExactBounds {
   }
 };
 
-/// In all cases.
+/// For all cases: with a separation, for a part of the step, over all control points, axes of three terms.
 template <FeatureKind kKind, int kControlPoints>
 class Bounds {
  public:
@@ -144,7 +144,8 @@ HWY_INLINE LaneMask apart(const Bounds<kKind, kControlPoints>& bounds, unsigned 
     mask = hn::Or(mask, more);
     return hn::AllTrue(Tag(), mask);
   };
-  (void)(((axes >> kAxis & 1) && joins(bounds.template apart<kAxes[kAxis][0], kAxes[kAxis][1], kAxes[kAxis][2]>())) || ...);
+  (void)((((axes >> kAxis & 1) &&
+           joins(bounds.template apart<kAxes[kAxis][0], kAxes[kAxis][1], kAxes[kAxis][2]>()))) || ...);
   return mask;
 }
 

@@ -5,8 +5,8 @@
 
 namespace volccd {
 
-/// [0, s] of a step, s = t_max in [0, 1], as weights of de Casteljau's scheme: control point c of the motion over the part is
-/// the first value of level c.
+/// [0, s] of a step, s = t_max in [0, 1], as weights of de Casteljau's scheme: control point c of the motion over the
+/// part is the first value of level c.
 struct StepPart {
   int levels;      ///< of the scheme: 0 for all of the step, else the degree of the motion
   double s, rest;  ///< rest = 1 - s

@@ -63,7 +63,7 @@ void gather_records(const Motion& motion, std::span<const std::array<Index, 4>> 
   for (std::size_t i = 0; i < tests.size(); i += kLanes)
     for (std::size_t p = 0; p < 4; ++p) {
       const double* records[4] = {};
-      for (std::size_t lane = 0; lane < kLanes; ++lane) records[lane] = all + std::size_t{tests[i + lane][p]} * kDoubles;
+      for (std::size_t k = 0; k < kLanes; ++k) records[k] = all + std::size_t{tests[i + k][p]} * kDoubles;
       transpose_records<kDoubles>(records, rows + p * 3 * TestBlock::kCapacity + i);
     }
 }

@@ -11,9 +11,9 @@
 
 namespace volccd {
 
-/// Up to kCapacity tests of one kind. Row (c, p, axis) = coordinate `axis` of control point c of the test's vertex p (0..3,
-/// order of test_vertices), for all tests: row(c, p, axis)[i]. Rows are 64-byte aligned. From size() to padded_size() they
-/// hold coordinates of other tests or zeros, so that kernels need no tail. No allocation.
+/// Up to kCapacity tests of one kind. row(c, p, axis)[i] = coordinate `axis` of control point c of vertex p of test i,
+/// p = 0..3 in the order of test_vertices(). Rows are 64-byte aligned. From size() to padded_size() they hold other
+/// tests' coordinates or zeros, so that kernels need no tail. No allocation.
 class TestBlock {
  public:
   static constexpr std::size_t kCapacity = 64;
@@ -27,8 +27,8 @@ class TestBlock {
   /// Removes the tests i with keep[i] == 0; the others keep their order. keep.size() >= size().
   void compact(std::span<const std::uint8_t> keep);
   /// Appends the tests i of `from` with i >= begin and keep[i] != 0, in their order, until this block is full. An empty
-  /// block takes the kind and the number of control points of `from`; another one must have the same already. Returns where
-  /// to go on: from.size() when no test is left.
+  /// block takes the kind and the number of control points of `from`; another one must have the same already. Returns
+  /// where to go on: from.size() when no test is left.
   std::size_t append_kept(const TestBlock& from, std::span<const std::uint8_t> keep, std::size_t begin = 0);
   void clear() { size_ = 0; }
 

@@ -1,5 +1,5 @@
-// Vectors in space in structure of arrays, for the vector kernels of all modules: each lane holds the coordinates of another
-// test, element or vertex. Included once for each instruction set, inside foreach_target sources.
+// Vectors in space in structure of arrays, for the vector kernels of all modules: each lane holds the coordinates of
+// another test, element or vertex. Included once for each instruction set, inside foreach_target sources.
 #include <limits>
 
 #include <volccd/query/rounding.hpp>
@@ -41,7 +41,7 @@ HWY_INLINE LaneVector<hn::Vec<D>> load3(D d, const double* x, std::size_t distan
   return {hn::Load(d, x), hn::Load(d, x + distance), hn::Load(d, x + 2 * distance)};
 }
 
-// Products and sums are written out, and their order is a contract that rounding bounds rely on: a fused multiply-add would
+// Products and sums are written out, and rounding bounds rely on their order: a fused multiply-add would
 // change bits from one processor to the next.
 template <class V>
 HWY_INLINE V add3(V x, V y, V z) {

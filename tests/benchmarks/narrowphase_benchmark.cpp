@@ -134,13 +134,15 @@ void tests(benchmark::State& state, FeatureKind kind, Pairs wanted) {
 /// The vector pass alone.
 void first_pass(benchmark::State& state, FeatureKind kind, Pairs wanted, bool gather_only) {
   const std::vector<FeaturePair> pairs = Scene::get().pairs(kind, wanted);
+  TestBlock tests;
   detail::CoplanarityBlock block;
   std::size_t open = 0;
   for (auto _ : state) {
     open = 0;
     for (std::size_t i = 0; i < pairs.size(); i += detail::CoplanarityBlock::kCapacity) {
       const std::size_t n = std::min(detail::CoplanarityBlock::kCapacity, pairs.size() - i);
-      block.gather(Scene::get().step(), kind, std::span(pairs).subspan(i, n));
+      tests.gather(Scene::get().step(), kind, std::span(pairs).subspan(i, n));
+      block.gather(Scene::get().step().motion, tests);
       benchmark::ClobberMemory();
       if (gather_only) continue;
       block.compute(true);

@@ -107,13 +107,15 @@ TEST(Coplanarity, AxisTestClosesOnlySeparatedTests) {
       for (Vec3& p : q)
         for (int k = 0; k < 3; ++k) p[k] = static_cast<double>(random.below(6));
     const QuerySet set(kind, queries);
+    TestBlock tests;
     std::size_t separated = 0;
     for (std::size_t i = 0; i < queries.size(); i += 64) {
       CoplanarityBlock with, without;
       const auto batch = std::span(set.pairs()).subspan(i, std::min<std::size_t>(64, queries.size() - i));
-      with.gather(set.step(), kind, batch);
+      tests.gather(set.step(), kind, batch);
+      with.gather(set.step().motion, tests);
       with.compute(true);
-      without.gather(set.step(), kind, batch);
+      without.gather(set.step().motion, tests);
       without.compute(false);
       for (std::size_t j = 0; j < batch.size(); ++j) {
         const std::size_t split = kind == FeatureKind::vf ? 1 : 2;

@@ -129,7 +129,8 @@ TEST(TestBlock, SurvivorsOfManyBlocksFillAnother) {
       TestBlock block, survivors;
       std::vector<FeaturePair> expected, collected;
       const auto flush = [&] {
-        expect_tests(survivors, scene.step(), kind, std::span(expected).subspan(collected.size()).first(survivors.size()));
+        const auto next = std::span(expected).subspan(collected.size()).first(survivors.size());
+        expect_tests(survivors, scene.step(), kind, next);
         collected.insert(collected.end(), survivors.pairs().begin(), survivors.pairs().end());
         survivors.clear();
       };
