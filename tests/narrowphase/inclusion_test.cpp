@@ -119,7 +119,7 @@ TEST(Inclusion, ExactIsNotAskedWhereItWouldTakeLong) {
     const volccd::QuerySet set(FeatureKind::vf, 3, points);
     std::vector<Contact> contacts;
     NarrowCounters counters;
-    Inclusion({.exact_bits = exact_bits}).test(set.step(1), FeatureKind::vf, set.pairs(), contacts, counters);
+    test::run_stage(Inclusion({.exact_bits = exact_bits}), set.step(1), FeatureKind::vf, set.pairs(), contacts, counters);
     EXPECT_EQ(counters.undecided, 1u);
     return contacts.size();
   };
