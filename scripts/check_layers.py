@@ -101,7 +101,7 @@ def check_project_include(path, target, root):
         return f"<volccd/{target}> is compiled once for each instruction set: it may not be in a public header"
     if module == user or module in {**LAYERS, **USERS}.get(user, []):
         return None
-    if module in ("oracle", "oracle/cases") and ORACLE_USERS.match(path):
+    if module == "oracle" and ORACLE_USERS.match(path):
         return None
     return f"{user} may not include {module} (<volccd/{target}>)"
 
@@ -145,7 +145,7 @@ def links(root):
 def check_links(root, used, closure, direct):
     for module, others in sorted(direct.items()):
         for other in sorted(others):
-            if other not in LAYERS[module] and not (module == "experiments" and other in ("oracle", "oracle/cases")):
+            if other not in LAYERS[module] and not (module == "experiments" and other == "oracle"):
                 yield f"{module}/CMakeLists.txt:1: {module} may not link {other}"
     for (module, other), place in sorted(used.items()):
         if module in closure and other != module and other not in closure[module]:

@@ -71,8 +71,8 @@ class CheckLayers(unittest.TestCase):
         self.assert_found({"experiments/detect.cpp": "#include <volccd/oracle/fcl.hpp>\n"}, "experiments/detect.cpp:1",
                           "experiments may not include oracle")
         self.assert_found({"oracle/cases/attack.hpp": "#pragma once\n",
-                           "experiments/detect.cpp": "#include <volccd/oracle/cases/attack.hpp>\n"},
-                          "experiments/detect.cpp:1", "experiments may not include oracle/cases")
+                           "simulation/x.cpp": "#include <volccd/oracle/cases/attack.hpp>\n"},
+                          "simulation/x.cpp:1", "simulation may not include oracle/cases")
         self.assert_found({"pipelines/x.cpp": "#include <volccd/oracle/fcl.hpp>\n"}, "pipelines/x.cpp:1",
                           "pipelines may not include oracle")
 
