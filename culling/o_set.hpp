@@ -29,7 +29,7 @@ struct OSetCounts {
 /// with a feature in common, and tables for updates (40 bytes a triangle of rod-twist). Read-only use is thread-safe.
 class OSet {
  public:
-  static constexpr std::size_t kBlockPairs = 4096;
+  static constexpr std::size_t kBlockPairs = 1024;
 
   explicit OSet(OSetKind kind = OSetKind::minimal);
   OSet(OSet&&) noexcept;

@@ -13,7 +13,7 @@ struct Step {
   const Topology& topology;
   const Motion& motion;       ///< motion.vertex_count() == topology.mesh().vertex_count()
   const ObjectFilter& filter;
-  /// Contact when the distance reaches this (>= 0). 0: when they touch.
+  /// Contact when the distance reaches this, in the unit of the coordinates (finite, >= 0). 0: when they touch.
   double separation = 0;
   /// Contacts later than this need not be found: a stage may drop what touches only after t_max. 1: all of the step. A
   /// stage may ignore it.

@@ -42,31 +42,36 @@ void OSetBlocks::next_epoch(const Features& features) {
 
 template <class Visit>
 void OSetBlocks::visit(const Block& block, Visit&& pair) const {
-  const bool all = block.epoch == epoch_;
-  for (std::size_t at = 0; at < block.rows.size();) {
-    const Index owner = block.rows[at];
-    const std::size_t end = at + 2 + block.rows[at + 1];
-    for (std::size_t i = at + 2; i < end; ++i)
-      if (all || holds(block, owner, block.rows[i])) pair(owner, block.rows[i]);
-    at = end;
+  const bool edges = block.kind == Rows::edge, vertices = block.kind == Rows::vertex;
+  const Epoch* const owners = (edges ? edges_ : vertices ? vertices_ : triangles_).data();
+  const Epoch* const partners = (edges ? edges_ : vertices ? triangles_ : vertices_).data();
+  const Epoch epoch = block.epoch;
+  const Index* const last = block.rows.data() + block.rows.size();
+  for (const Index* row = block.rows.data(); row != last;) {
+    const Index owner = row[0];
+    const Index *next = row + 2, *const end = next + row[1];
+    row = end;
+    if (epoch == epoch_) {
+      for (; next != end; ++next) pair(owner, *next);
+    } else if (owners[owner] <= epoch) {
+      for (; next != end; ++next)
+        if (partners[*next] <= epoch) pair(owner, *next);
+    }
   }
-}
-
-bool OSetBlocks::holds(const Block& block, Index owner, Index partner) const {
-  const bool ee = block.kind == Rows::edge;
-  const Index a = ee ? std::min(owner, partner) : block.kind == Rows::vertex ? owner : partner;
-  const Index b = ee ? std::max(owner, partner) : block.kind == Rows::vertex ? partner : owner;
-  return (ee ? edges_[a] : vertices_[a]) <= block.epoch && (ee ? edges_[b] : triangles_[b]) <= block.epoch;
 }
 
 void OSetBlocks::append(std::size_t block, TestBatch& out) const {
   const Block& source = blocks_[block];
+  std::vector<FeaturePair>& list = source.kind == Rows::edge ? out.ee : out.vf;
+  const std::size_t before = list.size();
+  list.resize(before + source.pairs);
+  FeaturePair* next = list.data() + before;  // a push_back for each costs more than all the rest
   switch (source.kind) {
-    case Rows::vertex: return visit(source, [&](Index v, Index f) { out.vf.push_back({v, f}); });
-    case Rows::triangle: return visit(source, [&](Index f, Index v) { out.vf.push_back({v, f}); });
-    case Rows::edge:
-      return visit(source, [&](Index a, Index b) { out.ee.push_back({std::min(a, b), std::max(a, b)}); });
+    case Rows::vertex: visit(source, [&](Index v, Index f) { *next++ = {v, f}; }); break;
+    case Rows::triangle: visit(source, [&](Index f, Index v) { *next++ = {v, f}; }); break;
+    case Rows::edge: visit(source, [&](Index a, Index b) { *next++ = {std::min(a, b), std::max(a, b)}; }); break;
   }
+  list.resize(static_cast<std::size_t>(next - list.data()));
 }
 
 void OSetBlocks::count(std::size_t& vf, std::size_t& ee) const {

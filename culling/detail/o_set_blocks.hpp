@@ -15,7 +15,7 @@ namespace volccd::detail {
 /// being looked up. When too much is void, everything is written again: amortised over the renewals.
 class OSetBlocks {
  public:
-  static constexpr std::size_t kBlockPairs = 4096;
+  static constexpr std::size_t kBlockPairs = 1024;
 
   /// Which kind of feature a row belongs to: vertex and triangle rows hold VF pairs, edge rows EE pairs.
   enum class Rows : std::uint8_t { vertex, triangle, edge };
@@ -60,7 +60,6 @@ class OSetBlocks {
   }
   template <class Visit>
   void visit(const Block& block, Visit&& pair) const;
-  bool holds(const Block& block, Index owner, Index partner) const;
   void compact();
 
   std::vector<Block> blocks_;
