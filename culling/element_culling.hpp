@@ -36,9 +36,10 @@ class PairBatch {
   }
 
   /// Asks for the verdict on each pair, PairVerdict(ElementPair, FeatureMask&), which may add bits to the mask, and takes
-  /// out those that are not kept. The order of the rest stays.
+  /// out those that are not kept. The order of the rest stays. Always inline: kernels for one instruction set could not be
+  /// inlined into a function for another.
   template <class Verdict>
-  void cull(Verdict&& verdict) {
+  [[gnu::always_inline]] void cull(Verdict&& verdict) {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const ElementPair pair = pairs[i];
