@@ -90,6 +90,10 @@ void Pipeline::check(const Step& step) const {
   if (step.motion.vertex_count() != step.mesh().vertex_count())
     throw InputError("step", "motion", fmt::format("moves {} vertices, the mesh has {}", step.motion.vertex_count(),
                                                    step.mesh().vertex_count()));
+  if (const int points = step.motion.control_points(); points < 2 || points > TestBlock::kMaxControlPoints)
+    throw ConfigError(fmt::format("motion: {} control points a vertex; there must be two (constant velocity) or three "
+                                  "(constant acceleration)",
+                                  points));
   if (step.motion.control_points() > narrow_phase_->max_control_points())
     throw ConfigError(fmt::format("narrow phase {} handles motion of degree {} at most, not {}; {}",
                                   spec_.narrow_phase.name, narrow_phase_->max_control_points() - 1,

@@ -88,6 +88,7 @@ void TestBlock::gather(const Step& step, FeatureKind kind, std::span<const Featu
   kind_ = kind;
   size_ = pairs.size();
   control_points_ = step.motion.control_points();
+  assert(control_points_ >= 2 && control_points_ <= kMaxControlPoints);
   if (size_ == 0) return;
   const Features& features = step.features();
   for (std::size_t i = 0; i < size_; ++i) {

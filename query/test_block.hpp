@@ -17,12 +17,13 @@ namespace volccd {
 class TestBlock {
  public:
   static constexpr std::size_t kCapacity = 64;
+  static constexpr int kMaxControlPoints = 3;
 
   TestBlock() = default;
   TestBlock(const TestBlock&) = delete;
   TestBlock& operator=(const TestBlock&) = delete;
 
-  /// Replaces the contents by these tests, at most kCapacity of them.
+  /// Replaces the contents by these tests, at most kCapacity of them. Pre: the motion has two or three control points.
   void gather(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs);
   /// Removes the tests i with keep[i] == 0; the others keep their order. keep.size() >= size().
   void compact(std::span<const std::uint8_t> keep);
@@ -48,8 +49,6 @@ class TestBlock {
   }
 
  private:
-  static constexpr std::size_t kMaxControlPoints = 3;
-
   /// Appends what is kept of [begin, end), as append_kept(); `from` may be this block where size_ <= begin.
   std::size_t take(const TestBlock& from, std::span<const std::uint8_t> keep, std::size_t begin, std::size_t end);
 
@@ -58,7 +57,7 @@ class TestBlock {
   std::size_t size_ = 0;
   std::array<FeaturePair, kCapacity> pairs_;
   std::array<std::array<Index, 4>, kCapacity> vertices_;
-  alignas(64) double rows_[12 * kMaxControlPoints * kCapacity] = {};
+  alignas(64) double rows_[std::size_t{12} * kMaxControlPoints * kCapacity] = {};
 };
 
 }  // namespace volccd

@@ -178,7 +178,7 @@ void try_range(const Assignment& stage, const Step& step, StageState& state, Pai
                 [&] { return where + "element pairs have other tests alone, or by another worker"; });
 }
 
-/// An eighth of the trials of other stages: each has many more tests.
+/// A 64th of the trials of other stages: each has many more tests.
 int coverage_trials(const StageTrials& trials) { return std::max(1, trials.config.trials / 64); }
 
 }  // namespace

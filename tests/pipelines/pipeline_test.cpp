@@ -346,6 +346,37 @@ TEST(Pipelines, RefuseStepsTheyCannotRun) {
   EXPECT_THROW(pipeline.run({scene.topology, scene.motion, kEverything, -1}, workspace, serial, result), ConfigError);
 }
 
+/// Takes motion of every degree, by its own words.
+class AnyDegree final : public NarrowPhase {
+ public:
+  int max_control_points() const override { return 9; }
+  void run(const Step&, StageState&, unsigned, const TestBlock&, std::vector<Contact>&, NarrowCounters&) const override {}
+};
+
+TEST(Pipelines, RefuseMotionThatBlocksOfTestsDoNotHold) {
+  const Scene scene = std::move(test::small_scenes(1, 0.1).front());
+  Registry own = Registry::standard();
+  StageDescriptor<NarrowPhase> descriptor;
+  descriptor.name = "any-degree";
+  descriptor.guarantee = Guarantee::approximate;
+  descriptor.make = [](const OptionValues&) { return std::make_unique<AnyDegree>(); };
+  own.add(descriptor);
+  PipelineSpec spec = own.pipeline("VolCCD+");
+  spec.narrow_phase = {"any-degree", {}};
+  const Pipeline pipeline(own, spec);
+  Workspace workspace = pipeline.make_workspace();
+  SerialExecutor serial;
+  StepResult result;
+  for (const int points : {1, 2, 3, 4}) {
+    const Motion motion(scene.motion.vertex_count(), points);
+    const Step step{scene.topology, motion, kEverything};
+    if (points == 2 || points == 3)
+      EXPECT_NO_THROW(pipeline.run(step, workspace, serial, result)) << points;
+    else
+      EXPECT_THROW(pipeline.run(step, workspace, serial, result), ConfigError) << points;
+  }
+}
+
 TEST(Pipelines, RefuseSeparationsThatAreNotFinite) {
   const Scene scene = std::move(test::small_scenes(1, 0.1).front());
   const Pipeline pipeline(registry(), registry().pipeline("VolCCD+"));
