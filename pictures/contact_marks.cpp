@@ -4,7 +4,7 @@
 #include <iterator>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/sequence/contacts_csv.hpp>
+#include <volccd/experiments/records/contacts_csv.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
 namespace volccd {

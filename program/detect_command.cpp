@@ -11,7 +11,7 @@
 #include <volccd/core/output_file.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
-#include <volccd/mesh/sequence/contacts_csv.hpp>
+#include <volccd/experiments/records/contacts_csv.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/output_plan.hpp>
 #include <volccd/program/progress.hpp>

@@ -31,13 +31,14 @@ LAYERS = {
     "oracle/cases": ["core", "mesh", "query", "culling", "narrowphase"],
     "oracle": ["core", "mesh", "query", "broadphase", "culling", "narrowphase", "pipelines"],
     "simulation": ["core", "mesh", "query", "broadphase", "culling", "narrowphase", "pipelines"],
-    "pictures": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines"],
     "experiments": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
                     "simulation", "oracle/cases"],
+    "pictures": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
+                 "experiments"],
     "program": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
                 "experiments", "pictures"],
 }
-PROGRAM = ["oracle", "oracle/cases", "simulation", "pictures", "experiments", "program"]
+PROGRAM = ["oracle", "oracle/cases", "simulation", "experiments", "pictures", "program"]
 LIBRARY = [module for module in LAYERS if module not in PROGRAM]
 # Users of the modules: not modules themselves.
 USERS = {"tests": list(LAYERS), "examples": LIBRARY + ["program"]}

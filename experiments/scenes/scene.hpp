@@ -11,7 +11,7 @@
 #include <volccd/mesh/sequence/cells.hpp>
 #include <volccd/mesh/sequence/metadata.hpp>
 #include <volccd/core/step_text.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {
 

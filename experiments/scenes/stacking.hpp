@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {
 

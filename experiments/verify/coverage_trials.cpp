@@ -5,7 +5,7 @@
 #include <volccd/culling/assignment.hpp>
 #include <volccd/culling/orphan_source.hpp>
 #include <volccd/experiments/verify/detail/stage_trials.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd::detail {
 

@@ -6,6 +6,7 @@
 #include <volccd/core/random.hpp>
 #include <volccd/experiments/verify/detail/stage_trials.hpp>
 #include <volccd/oracle/cases/element_pairs.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd::detail {
 

@@ -5,7 +5,7 @@
 #include <fmt/format.h>
 
 #include <volccd/experiments/verify/detail/stage_trials.hpp>
-#include <volccd/mesh/sequence/contacts_csv.hpp>
+#include <volccd/experiments/records/contacts_csv.hpp>
 #include <volccd/mesh/sequence/stepper.hpp>
 #include <volccd/oracle/cases/colliding_scenes.hpp>
 #include <volccd/pipelines/compare.hpp>

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <volccd/mesh/sequence/contacts_csv.hpp>
+#include <volccd/experiments/records/contacts_csv.hpp>
 #include <volccd/mesh/sequence/ground_truth.hpp>
 #include <volccd/oracle/overlap_oracle.hpp>
 #include <volccd/pipelines/compare.hpp>

@@ -14,8 +14,8 @@ namespace {
 /// Of any size; up to 768 bits (coordinates of some 60 bits over their common unit) it allocates nothing.
 using WideInteger =
     boost::multiprecision::number<boost::multiprecision::cpp_int_backend<768, 0>, boost::multiprecision::et_off>;
-using Simplex = HullSimplex<WideInteger>;
-using Point = Vector3<WideInteger>;
+using WideSimplex = HullSimplex<WideInteger>;
+using WidePoint = Vector3<WideInteger>;
 
 /// Coordinates as integer multiples of a power of two.
 class Lattice {
@@ -33,8 +33,8 @@ class Lattice {
     WideInteger result = parts.mantissa;
     return result *= WideInteger(1) << (parts.exponent - unit_);
   }
-  std::vector<Point> at(std::span<const Vec3> points) const {
-    std::vector<Point> result;
+  std::vector<WidePoint> at(std::span<const Vec3> points) const {
+    std::vector<WidePoint> result;
     result.reserve(points.size());
     for (const Vec3& p : points) result.push_back({at(p[0]), at(p[1]), at(p[2])});
     return result;
@@ -45,7 +45,7 @@ class Lattice {
 };
 
 /// The vertex of least projection, and the projection.
-std::pair<int, WideInteger> least(const std::vector<Point>& points, const Point& axis) {
+std::pair<int, WideInteger> least(const std::vector<WidePoint>& points, const WidePoint& axis) {
   std::pair<int, WideInteger> best{0, dot(axis, points[0])};
   for (std::size_t i = 1; i < points.size(); ++i)
     if (WideInteger p = dot(axis, points[i]); p < best.second) best = {static_cast<int>(i), std::move(p)};
@@ -62,18 +62,20 @@ bool hulls_in_integers(std::span<const Vec3> a, std::span<const Vec3> b, double 
   lattice.cover(a);
   lattice.cover(b);
   lattice.cover(distance);
-  const std::vector<Point> own = lattice.at(a), other = lattice.at(b);
+  const std::vector<WidePoint> own = lattice.at(a), other = lattice.at(b);
   const WideInteger limit = lattice.at(distance), limit_square = limit * limit;
-  Simplex simplex;
+  WideSimplex simplex;
   const auto add = [&](std::pair<int, int> name) {
-    simplex.add(Point(other[static_cast<std::size_t>(name.second)] - own[static_cast<std::size_t>(name.first)]), name);
+    const WidePoint& to = other[static_cast<std::size_t>(name.second)];
+    const WidePoint& from = own[static_cast<std::size_t>(name.first)];
+    simplex.add(WidePoint(to - from), name);
   };
   add({0, 0});
   for (int i = 0; i < start.size; ++i)
     if (simplex.size < 4) add(start.names[static_cast<std::size_t>(i)]);
   for (;;) {
     if (simplex.square <= limit_square * simplex.divisor) return true;
-    const Point axis = simplex.direction, back = -axis;
+    const WidePoint axis = simplex.direction, back = -axis;
     const auto [j, low_other] = least(other, axis);
     const auto [i, low_own] = least(own, back);
     const WideInteger gap = low_other + low_own;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <volccd/core/random.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/mesh/topology.hpp>
 #include <volccd/query/motion.hpp>
 

@@ -17,7 +17,7 @@
 #include <volccd/broadphase/spatial_hash.hpp>
 #include <volccd/mesh/sequence/cells.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {
 namespace {

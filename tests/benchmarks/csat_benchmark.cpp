@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 
 #include <volccd/culling/csat.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {
 namespace {

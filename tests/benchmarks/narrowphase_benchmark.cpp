@@ -10,7 +10,7 @@
 #include <benchmark/benchmark.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/narrowphase/cubic.hpp>
 #include <volccd/narrowphase/detail/coplanarity_block.hpp>
 #include <volccd/narrowphase/exact.hpp>

@@ -18,7 +18,7 @@
 #include <volccd/culling/static_assignment.hpp>
 #include <volccd/mesh/sequence/cells.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 #include "support/stages.hpp"
 

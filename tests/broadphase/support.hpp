@@ -20,7 +20,7 @@
 #include <volccd/broadphase/brute_force.hpp>
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/broadphase/spatial_hash.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/query/kdop.hpp>
 #include <volccd/query/pairs.hpp>
 

@@ -13,7 +13,7 @@
 #include <volccd/culling/dynamic_assignment.hpp>
 #include <volccd/culling/o_set_source.hpp>
 #include <volccd/culling/static_assignment.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 #include "support/stages.hpp"
 

@@ -13,7 +13,7 @@
 #include <volccd/core/random.hpp>
 #include <volccd/culling/detail/o_set_blocks.hpp>
 #include <volccd/culling/o_set.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/query/test_block.hpp>
 
 namespace volccd {

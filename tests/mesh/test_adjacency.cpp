@@ -2,7 +2,7 @@
 
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/adjacency.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/mesh/topology.hpp>
 
 namespace volccd {

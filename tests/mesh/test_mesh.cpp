@@ -3,7 +3,7 @@
 #include <limits>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/mesh/topology.hpp>
 #include <volccd/mesh/topology_delta.hpp>
 

@@ -8,7 +8,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/element_type.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/mesh/shells.hpp>
 
 #include "support/allocations.hpp"

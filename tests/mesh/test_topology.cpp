@@ -5,7 +5,7 @@
 #include <limits>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/mesh/topology.hpp>
 #include <volccd/mesh/topology_delta.hpp>
 

@@ -7,7 +7,7 @@
 #include <set>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/oracle/detail/convex_pieces.hpp>
 #include <volccd/oracle/detail/separation.hpp>
 

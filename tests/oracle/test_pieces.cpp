@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/oracle/detail/convex_pieces.hpp>
 #include <volccd/oracle/detail/fcl_pieces.hpp>
 #include <volccd/oracle/detail/separation.hpp>

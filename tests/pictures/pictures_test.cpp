@@ -14,7 +14,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/sequence/writer.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/pictures/palette.hpp>
 #include <volccd/pictures/surface.hpp>
 #include <volccd/pictures/text.hpp>

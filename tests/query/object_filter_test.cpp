@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/query/object_filter.hpp>
 
 #include "mesh/naive_features.hpp"

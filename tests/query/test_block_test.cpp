@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/query/test_block.hpp>
 
 #include "conservative/vector_targets.hpp"

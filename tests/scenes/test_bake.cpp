@@ -16,7 +16,7 @@
 #include <volccd/experiments/scenes/sequence_statistics.hpp>
 #include <volccd/experiments/scenes/sequences.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {
 namespace {

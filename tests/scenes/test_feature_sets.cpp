@@ -10,7 +10,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/mesh/sequence/writer.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {
 namespace {

@@ -205,17 +205,18 @@ TEST(SequenceLayout, PolytopesAreThoseOfVtkHdf25) {
   std::int64_t version[2];
   H5Aread(H5Aopen_by_name(raw.id(), "VTKHDF", "Version", H5P_DEFAULT, H5P_DEFAULT), H5T_NATIVE_INT64, version);
   EXPECT_EQ(version[1], 5);
-  using I = std::vector<std::int64_t>;
-  EXPECT_EQ(raw.integers("VTKHDF/NumberOfFaces"), (I{12, 6}));
-  EXPECT_EQ(raw.integers("VTKHDF/NumberOfFaceConnectivityIds"), (I{48, 24}));
-  EXPECT_EQ(raw.integers("VTKHDF/NumberOfPolyhedronToFaceIds"), (I{12, 6}));
-  EXPECT_EQ(raw.integers("VTKHDF/PolyhedronOffsets"), (I{0, 6, 12, 0, 6}));
-  EXPECT_EQ(raw.integers("VTKHDF/PolyhedronToFaces"), (I{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5}));
+  using Integers = std::vector<std::int64_t>;
+  EXPECT_EQ(raw.integers("VTKHDF/NumberOfFaces"), (Integers{12, 6}));
+  EXPECT_EQ(raw.integers("VTKHDF/NumberOfFaceConnectivityIds"), (Integers{48, 24}));
+  EXPECT_EQ(raw.integers("VTKHDF/NumberOfPolyhedronToFaceIds"), (Integers{12, 6}));
+  EXPECT_EQ(raw.integers("VTKHDF/PolyhedronOffsets"), (Integers{0, 6, 12, 0, 6}));
+  EXPECT_EQ(raw.integers("VTKHDF/PolyhedronToFaces"),
+            (Integers{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 0, 1, 2, 3, 4, 5}));
   EXPECT_EQ(raw.integers("VTKHDF/FaceOffsets"),
-            (I{0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 0, 4, 8, 12, 16, 20, 24}));
-  EXPECT_EQ(raw.integers("VTKHDF/Steps/FaceOffsetsOffsets"), (I{0, 12}));
-  EXPECT_EQ(raw.integers("VTKHDF/Steps/FaceConnectivityOffsets"), (I{0, 48}));
-  EXPECT_EQ(raw.integers("VTKHDF/Steps/PolyhedronToFaceIdOffsets"), (I{0, 12}));
+            (Integers{0, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 0, 4, 8, 12, 16, 20, 24}));
+  EXPECT_EQ(raw.integers("VTKHDF/Steps/FaceOffsetsOffsets"), (Integers{0, 12}));
+  EXPECT_EQ(raw.integers("VTKHDF/Steps/FaceConnectivityOffsets"), (Integers{0, 48}));
+  EXPECT_EQ(raw.integers("VTKHDF/Steps/PolyhedronToFaceIdOffsets"), (Integers{0, 12}));
   const auto points = raw.integers("VTKHDF/FaceConnectivity");
   for (std::size_t i = 0; i < 24; ++i) EXPECT_EQ(points[48 + i], shape.elements[1].faces[i / 4 * 5 + 1 + i % 4]);
 }

@@ -12,7 +12,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/core/random.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/simulation/topology_proposal.hpp>
 
 namespace volccd::simulation {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/simulation/simulation.hpp>
 
 namespace volccd::simulation {

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {
 

@@ -1,7 +1,7 @@
 // A bullet and a plate of hexahedra.
 #pragma once
 
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {
 

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {
 

@@ -1,7 +1,7 @@
 // A steering wheel of shells.
 #pragma once
 
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {
 

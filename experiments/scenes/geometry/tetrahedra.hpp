@@ -2,7 +2,7 @@
 #pragma once
 
 #include <volccd/experiments/scenes/geometry/implicit_solid.hpp>
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {
 

@@ -4,7 +4,7 @@
 #include <array>
 #include <cstdint>
 
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {
 

@@ -1,4 +1,4 @@
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 #include <algorithm>
 #include <numeric>

@@ -3,7 +3,7 @@
 
 #include <Eigen/Geometry>
 
-#include <volccd/mesh/shapes.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/mesh/shells.hpp>
 
 namespace volccd {

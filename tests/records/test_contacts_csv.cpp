@@ -13,9 +13,9 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/sequence/contacts_csv.hpp>
+#include <volccd/experiments/records/contacts_csv.hpp>
 
-#include "sequences.hpp"
+#include "support/scratch_folder.hpp"
 #include "support/test_data.hpp"
 
 namespace volccd::test {
@@ -139,6 +139,8 @@ TEST(ContactsCsv, PointsNotCommasInEveryLocale) {
 
 TEST(ContactsCsv, WriterRefuses) {
   const ScratchFolder folder;
+  for (const std::string& file : {folder / "no/such/folder/c.csv", folder / "", std::string("/proc/c.csv")})
+    EXPECT_THROW(ContactsCsvWriter{file}, InputError);
   const Mesh mesh = mesh_of_ids({0, 1, 2, 3});
   {
     ContactsCsvWriter writer(folder / "c.csv");

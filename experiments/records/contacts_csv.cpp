@@ -1,4 +1,4 @@
-#include <volccd/mesh/sequence/contacts_csv.hpp>
+#include <volccd/experiments/records/contacts_csv.hpp>
 
 #include <algorithm>
 #include <cerrno>

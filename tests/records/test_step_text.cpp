@@ -5,11 +5,11 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/sequence/contacts_csv.hpp>
 #include <volccd/core/step_text.hpp>
+#include <volccd/experiments/records/contacts_csv.hpp>
 
-#include "sequences.hpp"
 #include "support/full_disk.hpp"
+#include "support/scratch_folder.hpp"
 
 namespace volccd::test {
 namespace {
