@@ -31,6 +31,13 @@ class BroadPhase : public Stage {
   /// of workers; their order and grouping may. Pre: prepare() saw this step and this executor.
   virtual void run(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const = 0;
 
+  /// Seconds that the last prepare() spent on the bounds of vertices, a part that the paper lists by itself (Figure 11); 0
+  /// if the stage does not measure it.
+  virtual double bounds_seconds(const StageState& state) const {
+    (void)state;
+    return 0;
+  }
+
   static constexpr std::size_t kMaxBatch = 1024;
 };
 

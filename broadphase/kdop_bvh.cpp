@@ -25,6 +25,7 @@ struct alignas(64) Worker {
 struct KdopBvhState final : StageState {
   TopologyDelta delta;
   detail::FilterKeys keys;
+  double bounds_seconds = 0;
   detail::BoundsTable vertices;
   detail::KdopTree tree;
   detail::PairWriters writers;
@@ -83,7 +84,7 @@ std::unique_ptr<StageState> KdopBvh::make_state() const { return std::make_uniqu
 
 void KdopBvh::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
-  detail::bound_vertices(step, config_.k, executor, state.vertices);
+  state.bounds_seconds = detail::bound_vertices(step, config_.k, executor, state.vertices);
   const TopologyDelta::Extent changed = state.delta.sync(step.topology);
   bool build = changed == TopologyDelta::Extent::everything || config_.restructure == Restructure::always;
   if (!build && changed == TopologyDelta::Extent::edits)
@@ -124,6 +125,10 @@ void KdopBvh::run(const Step& step, StageState& stage_state, PairRange range, Ex
 }
 
 const KdopBvh::Counters& KdopBvh::counters(const StageState& state) { return static_cast<const KdopBvhState&>(state).counters; }
+
+double KdopBvh::bounds_seconds(const StageState& state) const {
+  return static_cast<const KdopBvhState&>(state).bounds_seconds;
+}
 
 StageDescriptor<BroadPhase> describe_kdop_bvh() {
   return describe_stage<BroadPhase, KdopBvh>("kdop-bvh", "bounding volume hierarchy of swept k-DOPs, refitted each step",

@@ -46,6 +46,7 @@ class KdopBvh final : public BroadPhase {
   std::unique_ptr<StageState> make_state() const override;
   void prepare(const Step& step, StageState& state, Executor& executor) const override;
   void run(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const override;
+  double bounds_seconds(const StageState& state) const override;
 
   /// Of a state that a KdopBvh made.
   static const Counters& counters(const StageState& state);

@@ -22,6 +22,7 @@ struct SpatialHashState final : StageState {
   TopologyDelta delta;
   detail::FilterKeys keys;
   detail::ElementList list;
+  double bounds_seconds = 0;
   detail::BoundsTable vertices, elements;
   detail::HashGrid grid;
   detail::PairWriters writers;
@@ -99,7 +100,7 @@ void SpatialHash::prepare(const Step& step, StageState& stage_state, Executor& e
   else if (changed == TopologyDelta::Extent::edits)
     state.list.update(step.mesh(), state.delta.changed_slots());
   state.keys.update(step, changed != TopologyDelta::Extent::none);
-  detail::bound_vertices(step, config_.k, executor, state.vertices);
+  state.bounds_seconds = detail::bound_vertices(step, config_.k, executor, state.vertices);
   state.elements.resize(state.list.size(), state.vertices.width());
   detail::bound_elements(state.vertices, state.list, executor, state.elements);
   state.grid.build(state.elements, state.list.size(), config_.cell_size, kMostCells, executor);
@@ -127,6 +128,10 @@ void SpatialHash::run(const Step& step, StageState& stage_state, PairRange range
     for (std::size_t p = 0; p < state.list.size(); ++p)
       if (rules.want(slots[p], slots[p])) state.writers[0].push(slots[p], slots[p]);
   state.writers.finish();
+}
+
+double SpatialHash::bounds_seconds(const StageState& state) const {
+  return static_cast<const SpatialHashState&>(state).bounds_seconds;
 }
 
 StageDescriptor<BroadPhase> describe_spatial_hash() {

@@ -34,6 +34,7 @@ class SpatialHash final : public BroadPhase {
   std::unique_ptr<StageState> make_state() const override;
   void prepare(const Step& step, StageState& state, Executor& executor) const override;
   void run(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const override;
+  double bounds_seconds(const StageState& state) const override;
 
  private:
   Config config_;

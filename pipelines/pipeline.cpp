@@ -56,7 +56,7 @@ std::uint64_t next_id() {
 
 }  // namespace
 
-Pipeline::Pipeline(const Registry& registry, const PipelineSpec& spec) : spec_(spec), id_(next_id()) {
+Pipeline::Pipeline(const Registry& registry, const PipelineSpec& spec) : spec_(registry.resolved(spec)), id_(next_id()) {
   const auto make = [&]<class Interface>(std::unique_ptr<Interface>& stage, const StageChoice& choice) {
     stage = make_stage<Interface>(registry, choice, guarantee_);
     stages_.push_back(stage.get());

@@ -38,6 +38,9 @@ enum class Query {
 struct Request {
   Query query = Query::all;
   bool initial_overlaps = false;  ///< list them (StepResult); a query for the first contact lists all of them, too
+  /// Fill Statistics::adjacent_pairs where the broad phase emits adjacent pairs. It costs a comparison a pair, which
+  /// belongs to no stage: measurements leave it out.
+  bool count_adjacent = true;
 
   Request() = default;
   Request(Query q, bool overlaps = false) : query(q), initial_overlaps(overlaps) {}  // NOLINT: a Query is a request
@@ -60,6 +63,7 @@ class Pipeline {
   /// reason.
   Pipeline(const Registry& registry, const PipelineSpec& spec);
 
+  /// With every option of its stages, defaults included.
   const PipelineSpec& spec() const { return spec_; }
   /// The weakest of the stages'.
   Guarantee guarantee() const { return guarantee_; }

@@ -161,6 +161,19 @@ const PipelineSpec& Registry::pipeline(const std::string& name) const {
   unknown("pipeline", name, known);
 }
 
+PipelineSpec Registry::resolved(PipelineSpec spec) const {
+  const auto fill = [](const std::vector<OptionInfo>& known, StageChoice& choice) {
+    for (const OptionInfo& option : known) choice.options.try_emplace(option.name, option.default_value);
+  };
+  fill(stage<BroadPhase>(spec.broad_phase.name).options, spec.broad_phase);
+  for (StageChoice& choice : spec.element_culling) fill(stage<ElementCulling>(choice.name).options, choice);
+  fill(stage<Assignment>(spec.assignment.name).options, spec.assignment);
+  if (spec.orphans) fill(stage<OrphanSource>(spec.orphans->name).options, *spec.orphans);
+  for (StageChoice& choice : spec.feature_filters) fill(stage<FeatureFilter>(choice.name).options, choice);
+  fill(stage<NarrowPhase>(spec.narrow_phase.name).options, spec.narrow_phase);
+  return spec;
+}
+
 void Registry::apply_setting(PipelineSpec& spec, const std::string& setting) const {
   const std::size_t equals = setting.find('=');
   if (equals == std::string::npos || equals == 0)

@@ -69,6 +69,8 @@ class Registry {
 
   const std::vector<PipelineSpec>& pipelines() const { return pipelines_; }
   const PipelineSpec& pipeline(const std::string& name) const;
+  /// The same with every option of its stages, defaults included. Throws ConfigError: unknown stage or option.
+  PipelineSpec resolved(PipelineSpec spec) const;
 
   /// Changes a spec by one setting, as `--set` has it. Throws ConfigError.
   ///     stage.option=value      an option of a stage that the pipeline has:  csat.axis=optimal

@@ -31,6 +31,7 @@ Statistics& Statistics::operator+=(const Statistics& other) {
     stages[i].in += other.stages[i].in;
     stages[i].out += other.stages[i].out;
     stages[i].prepare_seconds += other.stages[i].prepare_seconds;
+    stages[i].bounds_seconds += other.stages[i].bounds_seconds;
     stages[i].seconds += other.stages[i].seconds;
   }
   return *this;

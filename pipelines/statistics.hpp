@@ -16,6 +16,7 @@ struct StageStatistics {
   std::string name;  ///< as registered
   std::uint64_t in = 0, out = 0;
   double prepare_seconds = 0;  ///< wall clock of prepare()
+  double bounds_seconds = 0;   ///< of these, what a broad phase spent on the bounds of vertices (BroadPhase::bounds_seconds)
   /// Of run(), summed over workers, without what is charged to other stages, without idle time and bookkeeping. The time
   /// to gather a block of tests is charged to the first stage that looks at it.
   double seconds = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <type_traits>
@@ -149,7 +150,8 @@ void BoundsTable::grow(std::size_t rows, std::size_t kept) {
   capacity_ = size;
 }
 
-void bound_vertices(const Step& step, int k, Executor& executor, BoundsTable& vertices) {
+double bound_vertices(const Step& step, int k, Executor& executor, BoundsTable& vertices) {
+  const auto begun = std::chrono::steady_clock::now();
   assert(step.motion.vertex_count() == step.mesh().vertex_count());
   const std::size_t count = step.motion.vertex_count();
   vertices.resize(count, padded_axes(k));
@@ -164,6 +166,7 @@ void bound_vertices(const Step& step, int k, Executor& executor, BoundsTable& ve
   executor.parallel_for(count, 4096, [&](std::size_t begin, std::size_t end, unsigned) {
     HWY_DYNAMIC_DISPATCH(bound_vertex_kernel)(step.motion, k, length, margin, begin, end, vertices);
   });
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 }
 
 void bound_elements(const BoundsTable& vertices, const ElementList& list, std::size_t begin, std::size_t end,

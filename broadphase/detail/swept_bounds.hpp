@@ -48,8 +48,8 @@ class BoundsTable {
   int width_ = 8;
 };
 
-/// Bounds of all vertices over the step. k as in query/kdop.hpp.
-void bound_vertices(const Step& step, int k, Executor& executor, BoundsTable& vertices);
+/// Bounds of all vertices over the step. k as in query/kdop.hpp. Returns the seconds that it took.
+double bound_vertices(const Step& step, int k, Executor& executor, BoundsTable& vertices);
 
 /// Bounds of the listed elements [begin, end) into the same rows of `elements`; gaps of the list get empty bounds.
 void bound_elements(const BoundsTable& vertices, const ElementList& list, std::size_t begin, std::size_t end,

@@ -1,7 +1,9 @@
 #include <volccd/experiments/records/build_facts.hpp>
 
+#include "volccd_commit.hpp"
+
 namespace volccd {
 
-BuildFacts build_facts() { return {VOLCCD_VERSION, VOLCCD_COMMIT, VOLCCD_BUILD_TYPE}; }
+BuildFacts build_facts() { return {VOLCCD_VERSION, VOLCCD_COMMIT, VOLCCD_BUILD_TYPE, VOLCCD_FLAGS}; }
 
 }  // namespace volccd

@@ -25,6 +25,13 @@ std::string cpu_name() {
   return "unknown";
 }
 
+/// Processes that were running or waiting, mean over the last minute; null where the system does not tell.
+json load_average() {
+  double load = 0;
+  std::ifstream file("/proc/loadavg");
+  return file >> load ? json(load) : json(nullptr);
+}
+
 json to_json(const StageChoice& choice) {
   json options = json::object();
   for (const auto& [name, value] : choice.options) options[name] = value;
@@ -39,18 +46,24 @@ json machine_facts() {
           {"commit", build.commit},
           {"compiler", "g++ " __VERSION__},
           {"build_type", build.build_type},
+          {"flags", build.flags},
           {"cpu", cpu_name()},
           {"cores", std::thread::hardware_concurrency()},
+          {"load", load_average()},
           {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))}};
 }
 
 json to_json(const Pipeline& pipeline) {
-  const PipelineSpec& spec = pipeline.spec();
+  json record = to_json(pipeline.spec());
+  record["guarantee"] = to_string(pipeline.guarantee());
+  return record;
+}
+
+json to_json(const PipelineSpec& spec) {
   json culling = json::array(), filters = json::array();
   for (const StageChoice& choice : spec.element_culling) culling.push_back(to_json(choice));
   for (const StageChoice& choice : spec.feature_filters) filters.push_back(to_json(choice));
   return {{"name", spec.name},
-          {"guarantee", to_string(pipeline.guarantee())},
           {"broad_phase", to_json(spec.broad_phase)},
           {"element_culling", culling},
           {"assignment", to_json(spec.assignment)},
@@ -64,7 +77,8 @@ json to_json(const Statistics& s) {
   for (const StageStatistics& stage : s.stages)
     stages.push_back(
         {{"role", stage.role}, {"name", stage.name}, {"in", stage.in}, {"out", stage.out},
-                      {"prepare_seconds", stage.prepare_seconds}, {"seconds", stage.seconds}});
+                      {"prepare_seconds", stage.prepare_seconds}, {"bounds_seconds", stage.bounds_seconds},
+                      {"seconds", stage.seconds}});
   return {{"steps", s.steps},
           {"element_pairs", s.element_pairs},
           {"adjacent_pairs", s.adjacent_pairs},

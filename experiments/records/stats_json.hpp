@@ -14,6 +14,8 @@ nlohmann::json machine_facts();
 
 /// Stages with their options, and the guarantee.
 nlohmann::json to_json(const Pipeline& pipeline);
+/// The stages of a pipeline by role, with the options that the spec has.
+nlohmann::json to_json(const PipelineSpec& spec);
 
 /// Counts, earliest_toi (null without contacts), seconds, and per stage: role, name, in, out, seconds.
 nlohmann::json to_json(const Statistics& statistics);

@@ -17,6 +17,7 @@ Pipeline::Run::Run(const Pipeline& pipeline, const Step& step, Workspace::Data& 
       executor_(executor),
       query_(request.query),
       overlaps_asked_(request.initial_overlaps),
+      adjacent_asked_(request.count_adjacent && pipeline.range_ == PairRange::every),
       test_stages_{pipeline.feature_filters_, *pipeline.narrow_phase_, std::span(data.states).subspan(first_filter())},
       best_(std::min(step.t_max, 1.0)) {}
 
@@ -55,7 +56,7 @@ void Pipeline::Run::prepare_workers() {
     worker.overlaps.clear();
     std::vector<StageStatistics> stages = std::move(worker.sums.stages);
     if (stages.empty()) stages = empty_stages();
-    for (StageStatistics& stage : stages) stage.in = stage.out = 0, stage.prepare_seconds = stage.seconds = 0;
+    for (StageStatistics& stage : stages) stage = {std::move(stage.role), std::move(stage.name)};
     worker.sums = {};
     worker.sums.stages = std::move(stages);
     worker.chain.start(step_, test_stages_,
@@ -69,6 +70,7 @@ void Pipeline::Run::prepare_stages() {
     const StageTimer timer(clock, data_.workers[0]->sums.stages[i].prepare_seconds);
     pipeline_.stages_[i]->prepare(step_, state(i), executor_);
   }
+  data_.workers[0]->sums.stages[kBroadPhase].bounds_seconds = pipeline_.broad_phase_->bounds_seconds(state(kBroadPhase));
 }
 
 double Pipeline::Run::charged_seconds() const {
@@ -128,7 +130,7 @@ double Pipeline::Run::latest_time() const {
 
 void Pipeline::Run::count_adjacent(std::span<const ElementPair> pairs, Statistics& sums) const {
   sums.element_pairs += pairs.size();
-  if (pipeline_.range_ == PairRange::nonadjacent) return;
+  if (!adjacent_asked_) return;
   for (const ElementPair pair : pairs) sums.adjacent_pairs += step_.topology.adjacency().adjacent(pair.a, pair.b);
 }
 

@@ -55,7 +55,7 @@ class Pipeline::Run {
   Workspace::Data& data_;
   Executor& executor_;
   const Query query_;
-  const bool overlaps_asked_;
+  const bool overlaps_asked_, adjacent_asked_;
   const TestStages test_stages_;
   std::atomic<double> best_;  ///< earliest contact so far (Query::first)
 };

@@ -1,0 +1,31 @@
+// What rows say of a motion, whatever the pipeline: sizes, how far it goes, which element pairs touch.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+
+#include <volccd/mesh/topology.hpp>
+#include <volccd/query/contact.hpp>
+#include <volccd/query/motion.hpp>
+
+namespace volccd {
+
+/// Pairs of elements with a common vertex, each once, and each element with itself: what a broad phase over all pairs emits
+/// besides non-adjacent ones, since swept volumes with a common vertex overlap. O(elements x neighbours).
+std::uint64_t adjacent_pair_count(const Topology& topology);
+
+/// Non-adjacent element pairs that share out at least one of the contacts: one element has the one feature, the other the
+/// other. O(contacts x elements at a feature).
+std::uint64_t touching_pair_count(const Topology& topology, std::span<const Contact> contacts);
+
+/// Mean displacement of the vertices in use, in mean edge lengths at t = 0.
+double mean_moved_edges(const Features& features, const Motion& motion);
+
+/// 64-bit FNV-1a of kinds, vertices and times, as hexadecimal text: equal for equal contacts, bit for bit.
+std::string contacts_hash(std::span<const Contact> contacts);
+
+/// The same hash of a file's bytes. Throws InputError.
+std::string file_hash(const std::string& file);
+
+}  // namespace volccd

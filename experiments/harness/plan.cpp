@@ -1,0 +1,66 @@
+#include <volccd/experiments/harness/plan.hpp>
+
+#include <algorithm>
+#include <filesystem>
+
+#include <volccd/experiments/records/stats_json.hpp>
+
+namespace volccd {
+
+using nlohmann::json;
+
+const char* name_of(MotionModel model) {
+  switch (model) {
+    case MotionModel::linear: return "linear";
+    case MotionModel::quadratic: return "quadratic";
+  }
+  return "";
+}
+const char* name_of(ShellModel model) { return model == ShellModel::surface ? "surface" : "solid"; }
+const char* name_of(EdgeSet set) { return set == EdgeSet::triangulated ? "triangulated" : "polytope"; }
+
+std::vector<MotionWindow> sampled_windows(int motions, int count, int length) {
+  if (motions <= count * length) return {{0, motions}};
+  std::vector<MotionWindow> windows;
+  const int places = motions - 1;  // motion 1 and later
+  for (int i = 0; i < count; ++i) {
+    const int middle = 1 + static_cast<int>((i + 0.5) * places / count);
+    const int first = std::clamp(middle - length / 2, 1, motions - length);
+    if (windows.empty() || first >= windows.back().first + windows.back().count) windows.push_back({first, length});
+  }
+  return windows;
+}
+
+std::size_t measured_runs(const ExperimentPlan& plan) {
+  std::size_t sum = 0;
+  for (const SceneRun& run : plan.runs)
+    for (const MotionWindow& window : run.windows)
+      sum += static_cast<std::size_t>(window.count) * run.entrants.size() * static_cast<std::size_t>(plan.rounds);
+  return sum;
+}
+
+json to_json(const ExperimentPlan& plan) {
+  json runs = json::array();
+  for (const SceneRun& run : plan.runs) {
+    json windows = json::array(), entrants = json::array();
+    for (const MotionWindow& window : run.windows) windows.push_back({window.first, window.count});
+    for (const Entrant& entrant : run.entrants)
+      entrants.push_back({{"table", entrant.table},
+                          {"pipeline", entrant.pipeline},
+                          {"variant", entrant.variant},
+                          {"stages", to_json(entrant.spec)}});
+    runs.push_back({{"scene", run.scene},
+                    {"file", std::filesystem::path(run.file).filename().string()},
+                    {"motion_model", name_of(run.config.motion)},
+                    {"shells", name_of(run.config.shells)},
+                    {"edges", name_of(run.config.edge_set)},
+                    {"windows", windows},
+                    {"entrants", entrants},
+                    {"motion_scale", run.motion_scale},
+                    {"subdivisions", run.subdivisions},
+                    {"columns", run.columns}});
+  }
+  return {{"experiment", plan.name}, {"setting", plan.setting}, {"rounds", plan.rounds}, {"runs", runs}};
+}
+
+}  // namespace volccd

@@ -1,0 +1,20 @@
+// Finer meshes of the same motion, for the tables of scaling.
+#pragma once
+
+#include <volccd/mesh/topology.hpp>
+#include <volccd/query/motion.hpp>
+
+namespace volccd {
+
+struct RefinedStep {
+  Mesh mesh;
+  Motion motion;
+};
+
+/// Divides each element `times` times in the middle of its edges: triangles and quads into 4, tetrahedra, wedges and
+/// hexahedra into 8. A new vertex has the mean of the control points of the corners between which it lies, so that neighbours
+/// agree and the motion is the same. Vertices that no element uses are left out. Object ids stay; element ids are numbered
+/// anew. Throws ConfigError for pyramids and polytopes. O(elements of the result) expected.
+RefinedStep refine(const Topology& topology, const Motion& motion, int times);
+
+}  // namespace volccd
