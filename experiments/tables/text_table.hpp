@@ -17,11 +17,27 @@ class TextTable {
   void rule() { rules_.push_back(rows_.size()); }
   /// With a line break at the end; a rule under the header.
   std::string text() const;
+  std::string markdown() const;
+  std::string csv() const;
+  /// A tabular environment for booktabs.
+  std::string latex() const;
 
  private:
   std::vector<std::vector<std::string>> rows_;
   std::vector<std::size_t> rules_;
 };
+
+enum class TableFormat { text, markdown, csv, latex };
+
+/// A table of an experiment, with what to know to read it.
+struct TitledTable {
+  std::string title;
+  TextTable table;
+  std::string note;
+};
+
+/// Titles, tables and notes, one after the other.
+std::string render(const std::vector<TitledTable>& tables, TableFormat format);
 
 /// 1234567 -> "1,234,567".
 std::string grouped(std::uint64_t n);

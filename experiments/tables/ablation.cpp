@@ -1,0 +1,138 @@
+#include <volccd/experiments/tables/ablation.hpp>
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include <volccd/core/error.hpp>
+#include <volccd/experiments/tables/rows.hpp>
+
+namespace volccd {
+
+using nlohmann::json;
+
+namespace {
+
+/// VolCCD+ with some of its stages on another broad phase. Without assignment, the O-Set goes as well.
+void add_subsets(const Registry& registry, std::vector<Entrant>& entrants) {
+  for (const char* broad_phase : {"kdop-bvh", "spatial-hash", "brute-force"})
+    for (int subset = 0; subset < 8; ++subset) {
+      std::vector<std::string> settings = {std::string("broad-phase=") + broad_phase};
+      std::string variant;
+      const auto without = [&](bool present, const char* name, std::initializer_list<const char*> changes) {
+        if (present)
+          variant += (variant.empty() ? "" : " + ") + std::string(name);
+        else
+          settings.insert(settings.end(), changes.begin(), changes.end());
+      };
+      without(subset & 1, "CSAT", {"element-culling=none"});
+      without(subset & 2, "assignment + O-Set", {"orphans=none", "assignment=all-pairs"});
+      without(subset & 4, "filters", {"feature-filter=none"});
+      Entrant one = entrant(registry, "stages", "VolCCD+", settings);
+      one.pipeline = broad_phase;
+      one.variant = variant.empty() ? "none" : variant;
+      entrants.push_back(std::move(one));
+    }
+}
+
+struct Sweep {
+  const char *pipeline, *key, *values;
+};
+constexpr Sweep kOptions[] = {{"VolCCD", "csat.axis", "face,predetermined,velocity,centroid,optimal"},
+                              {"VolCCD+", "csat.mode", "pair,features,both"},
+                              {"VolCCD+", "kdop-bvh.k", "6,14,16,18,24,26"},
+                              {"VolCCD+", "kdop-bvh.leaf_size", "1,2,4,8"},
+                              {"VolCCD+", "kdop-bvh.restructure", "none,subtrees,always"},
+                              {"HashCCD", "spatial-hash.cell_size", "0.5,1,2,4"},
+                              {"VolCCD+", "o-set.kind", "minimal,literal"},
+                              {"VolCCD", "feature-csat.axes", "first,ends,wide"},
+                              {"VolCCD+", "feature-kdop.bounds", "swept,relative"}};
+
+std::vector<std::string> split(const std::string& values) {
+  std::vector<std::string> parts(1);
+  for (const char c : values) c == ',' ? parts.emplace_back() : parts.back() += c;
+  return parts;
+}
+
+void add_sweep(const Registry& registry, const std::string& table, const std::string& pipeline, const std::string& key,
+               const std::string& values, std::vector<Entrant>& entrants) {
+  for (const std::string& value : split(values)) entrants.push_back(entrant(registry, table, pipeline, {key + "=" + value}));
+}
+
+void add_options(const Registry& registry, std::vector<Entrant>& entrants) {
+  for (const Sweep& sweep : kOptions) add_sweep(registry, "options", sweep.pipeline, sweep.key, sweep.values, entrants);
+  // Static assignment covers everything by itself (docs/pipelines.md).
+  entrants.push_back(entrant(registry, "options", "VolCCD+", {"orphans=none", "assignment=static-assignment"}));
+  entrants.push_back(entrant(registry, "options", "VolCCD+"));
+}
+
+void add_own(const PlanContext& context, std::vector<Entrant>& entrants) {
+  std::vector<std::string> pipelines = context.pipelines;
+  if (pipelines.empty()) pipelines = {"VolCCD+"};
+  for (const std::string& pipeline : pipelines) {
+    entrants.push_back(entrant(context.registry, "sweep", pipeline));
+    for (const std::string& setting : context.settings) {
+      const std::size_t equals = setting.find('=');
+      if (equals == std::string::npos) throw ConfigError(fmt::format("--set {}: is not stage.option=value[,value...]", setting));
+      // The values of a role are one list; those of an option, one each.
+      if (setting.find('.') > equals)
+        entrants.push_back(entrant(context.registry, "sweep", pipeline, {setting}));
+      else
+        add_sweep(context.registry, "sweep", pipeline, setting.substr(0, equals), setting.substr(equals + 1), entrants);
+    }
+  }
+}
+
+TitledTable table_of(const Rows& rows, const std::string& title) {
+  TextTable table({"pipeline", "settings", "ms a step", "relative", "pairs", "survive", "tests", "contacts"});
+  double best = 0;
+  for (const json& pipeline : rows.values("pipeline"))
+    for (const json& variant : rows.with("pipeline", pipeline).values("variant")) {
+      const double ms = rows.with("pipeline", pipeline).with("variant", variant).median_ms(kStepTime);
+      best = best > 0 ? std::min(best, ms) : ms;
+    }
+  for (const json& pipeline : rows.values("pipeline"))
+    for (const json& variant : rows.with("pipeline", pipeline).values("variant")) {
+      const Rows of = rows.with("pipeline", pipeline).with("variant", variant);
+      const auto count = [&](const char* column) { return grouped(static_cast<std::uint64_t>(of.sum(column))); };
+      table.add({pipeline, variant.get<std::string>().empty() ? "-" : variant, fmt::format("{:.3g}", of.median_ms(kStepTime)),
+                 fmt::format("{:.3g}", of.median_ms(kStepTime) / best), count("element_pairs"), count("surviving_pairs"),
+                 grouped(static_cast<std::uint64_t>(of.tests())), count("contacts")});
+    }
+  return {title, table, "ms: median over motions; relative: to the fastest; counts: sums over motions\n"};
+}
+
+}  // namespace
+
+ExperimentPlan ablation_plan(const PlanContext& context) {
+  ExperimentPlan plan{"ablation", context.full ? "full" : "quick", context.full ? 3 : 1, {}};
+  for (const TableScene& scene : table_scenes(context)) {
+    if (scene.name != "octopi" && scene.name != "bullet" && scene.name != "crash" && scene.name != "ls-dyna-projectile") continue;
+    SceneRun run{scene.name, scene.file, table_config(scene.file), sampled_windows(motion_count(scene.file), 2, 1), {}};
+    if (context.pipelines.empty() && context.settings.empty()) {
+      // The crash takes longest, and says little that the others do not.
+      if (scene.name == "crash") continue;
+      add_subsets(context.registry, run.entrants);
+      add_options(context.registry, run.entrants);
+    } else {
+      add_own(context, run.entrants);
+    }
+    plan.runs.push_back(std::move(run));
+  }
+  return plan;
+}
+
+std::vector<TitledTable> ablation_tables(const json& record) {
+  const Rows rows(record);
+  std::vector<TitledTable> tables;
+  for (const json& scene : rows.values("scene"))
+    for (const json& table : rows.values("table")) {
+      const Rows of = rows.with("scene", scene).with("table", table);
+      if (!of.empty())
+        tables.push_back(table_of(of, fmt::format("{}: {}, {} elements, {} motions", scene.get<std::string>(), table.get<std::string>(),
+                                                  grouped(static_cast<std::uint64_t>(of.median("elements"))), of.motions())));
+    }
+  return tables;
+}
+
+}  // namespace volccd

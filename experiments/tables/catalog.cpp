@@ -1,0 +1,72 @@
+#include <volccd/experiments/tables/catalog.hpp>
+
+#include <fmt/format.h>
+
+#include <volccd/experiments/scenes/sequences.hpp>
+#include <volccd/experiments/scenes/simulated/simulated_scene.hpp>
+#include <volccd/experiments/tables/ablation.hpp>
+#include <volccd/experiments/tables/culling_counts.hpp>
+#include <volccd/experiments/tables/pipelines_table.hpp>
+#include <volccd/experiments/tables/scaling.hpp>
+#include <volccd/experiments/tables/table1.hpp>
+#include <volccd/mesh/sequence/reader.hpp>
+
+namespace volccd {
+
+const std::vector<ExperimentKind>& experiment_kinds() {
+  static const std::vector<ExperimentKind> kinds = {
+      {"projectile", "NavCCD, HashCCD, VolCCD and VolCCD+ on a real penetration run: time, counts, shares", projectile_plan,
+       pipeline_tables, nullptr},
+      {"table1", "Table I three times: as in 2011, with today's baselines, and certified; Figures 4 and 11", table1_plan,
+       table1_tables, table1_summary},
+      {"culling", "Tables II and III: VF and EE tests without culling, with features, with features and elements",
+       culling_plan, culling_tables, nullptr},
+      {"ablation", "sound combinations of culling stages on each broad phase, and options (--pipelines, --set)",
+       ablation_plan, ablation_tables, nullptr},
+      {"scaling", "time, memory and tests against elements and against motion a step", scaling_plan, scaling_tables,
+       scaling_summary},
+  };
+  return kinds;
+}
+
+std::vector<TableScene> table_scenes(const PlanContext& context) {
+  const std::pair<const char*, const char*> simulated[] = {
+      {"octopi", "Octopi"}, {"bullet", "Bullet"}, {"airbag", "Airbag"}, {"liver", "Liver"}, {"crash", "Ford"}};
+  std::vector<TableScene> scenes;
+  const auto add = [&](const std::string& name, const std::string& source, const char* paper) {
+    if (const std::optional<std::string> file = context.file_of(source)) scenes.push_back({name, *file, paper});
+  };
+  for (const auto& [name, paper] : simulated) add(name, std::string(name) + (context.full ? "" : "-quick"), paper);
+  for (const ExternalScene& scene : external_scenes()) {
+    const bool airbag = scene.name == "openradioss-airbag", bullet = scene.name == "openradioss-bullet";
+    const bool crash = scene.name == "openradioss-crash", projectile = scene.name == "ls-dyna-projectile";
+    if (context.full || projectile)
+      add(scene.name, scene.name, airbag ? "Airbag" : bullet || projectile ? "Bullet" : crash ? "Ford" : "");
+  }
+  return scenes;
+}
+
+SequenceStepper::Config table_config(const std::string& file, MotionModel motion) {
+  SequenceStepper::Config config;
+  if (SequenceReader(file).has_thickness()) config.shells = ShellModel::solid;
+  config.motion = motion;
+  return config;
+}
+
+int motion_count(const std::string& file) { return SequenceReader(file).step_count() - 1; }
+
+Entrant entrant(const Registry& registry, const std::string& table, const std::string& pipeline,
+                const std::vector<std::string>& settings) {
+  Entrant result{table, pipeline, {}, registry.pipeline(pipeline)};
+  for (const std::string& setting : settings) {
+    registry.apply_setting(result.spec, setting);
+    result.variant += (result.variant.empty() ? "" : " ") + setting;
+  }
+  result.spec = registry.resolved(result.spec);
+  return result;
+}
+
+std::string ratio_text(double value) { return value >= 100 ? fmt::format("{:.0f}x", value) : fmt::format("{:.3g}x", value); }
+std::string percent_text(double share) { return fmt::format("{:.3g} %", 100 * share); }
+
+}  // namespace volccd

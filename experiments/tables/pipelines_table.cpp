@@ -1,0 +1,124 @@
+#include <volccd/experiments/tables/pipelines_table.hpp>
+
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include <volccd/core/error.hpp>
+#include <volccd/experiments/tables/rows.hpp>
+
+namespace volccd {
+
+using nlohmann::json;
+
+namespace {
+
+std::string label(const json& row) {
+  const std::string variant = row.at("variant");
+  return row.at("pipeline").get<std::string>() + (variant.empty() ? "" : " " + variant);
+}
+
+/// Rows of each entrant, in their order.
+std::vector<Rows> entrants_of(const Rows& rows) {
+  std::vector<Rows> result;
+  for (const json& pipeline : rows.values("pipeline")) {
+    const Rows of_pipeline = rows.with("pipeline", pipeline);
+    for (const json& variant : of_pipeline.values("variant")) result.push_back(of_pipeline.with("variant", variant));
+  }
+  return result;
+}
+
+/// "3 + 0.99329": the first motion with a contact, and its time within it.
+std::string earliest(const Rows& rows) {
+  for (const json& motion : rows.values("motion"))
+    if (const json toi = rows.with("motion", motion).front().at("earliest_toi"); toi.is_number())
+      return fmt::format("{} + {:.5f}", motion.get<int>(), toi.get<double>());
+  return "-";
+}
+
+bool same_contacts(const Rows& rows, const Rows& reference) {
+  for (const json& motion : rows.values("motion"))
+    if (rows.with("motion", motion).values("contacts_hash") !=
+        reference.with("motion", motion).with("round", 0).values("contacts_hash"))
+      return false;
+  return true;
+}
+
+std::string count(double value) { return grouped(static_cast<std::uint64_t>(value)); }
+
+TitledTable comparison(const Rows& rows, const std::string& scene) {
+  const std::vector<Rows> entrants = entrants_of(rows);
+  const Rows &nav = rows.with("pipeline", "NavCCD"), &hash = rows.with("pipeline", "HashCCD");
+  const auto over = [](const Rows& baseline, const Rows& of) {
+    return baseline.empty() ? std::string("-") : ratio_text(baseline.median_ms(kStepTime) / of.median_ms(kStepTime));
+  };
+  TextTable table({"pipeline", "time/step", "/NavCCD", "/HashCCD", "element pairs", "VF tests", "EE tests", "tests", "contacts",
+                   "earliest", "same"});
+  for (const Rows& of : entrants)
+    table.add({label(of.front()), duration(of.median_ms(kStepTime) / 1e3), over(nav, of), over(hash, of),
+               count(of.sum("element_pairs")), count(of.sum("vf_tests")), count(of.sum("ee_tests")),
+               nav.empty() ? "-" : percent_text(of.tests() / nav.tests()), count(of.sum("contacts")), earliest(of),
+               same_contacts(of, entrants[0]) ? "yes" : "NO"});
+  table.rule();
+  table.add({"paper, bullet", "48 ms", "21x", "28x", "-", "-", "-", "0.69 %", "-", "-", "-"});
+  return {fmt::format("{}: {} motions, {} round(s), {} thread(s)", scene, rows.motions(), rows.values("round").size(),
+                      rows.front().at("threads").get<int>()),
+          table,
+          "time: median over motions of medians over rounds; counts: sums over motions; /: speed-up; tests: share of NavCCD's; "
+          "earliest: motion + time;\nsame: the first pipeline's contacts, bit for bit\n"};
+}
+
+TitledTable stage_shares(const Rows& rows, const std::string& scene) {
+  const std::pair<const char*, const char*> roles[] = {{"broad_phase", "broad phase"}, {"element_culling", "element culling"},
+                                                       {"assignment", "assignment"},   {"orphans", "O-Set"},
+                                                       {"feature_filter", "filters"},  {"narrow_phase", "tests"}};
+  std::vector<std::string> header = {"share of time, %", "prepare"};
+  for (const auto& [role, title] : roles) header.push_back(title);
+  header.push_back("rest");
+  TextTable table(header);
+  for (const Rows& of : entrants_of(rows)) {
+    const double whole = std::max(of.sum("seconds") * of.front().at("threads").get<double>(), 1e-300);
+    double prepare = 0, known = 0;
+    std::vector<std::string> cells;
+    for (const auto& [role, title] : roles) {
+      const double run = of.sum(std::string(role) + "_run_s");
+      prepare += of.sum(std::string(role) + "_prepare_s");
+      known += run;
+      cells.push_back(run > 0 ? fmt::format("{:.1f}", 100 * run / whole) : "-");
+    }
+    cells.insert(cells.begin(), {label(of.front()), fmt::format("{:.1f}", 100 * prepare / whole)});
+    cells.push_back(fmt::format("{:.1f}", 100 * (whole - prepare - known) / whole));
+    table.add(cells);
+  }
+  return {scene + ": where the time goes", table, ""};
+}
+
+}  // namespace
+
+ExperimentPlan projectile_plan(const PlanContext& context) {
+  std::string scene = "ls-dyna-projectile";
+  std::optional<std::string> file = context.file_of(scene);
+  if (!file) file = context.file_of(scene = "builtin");
+  if (!file) throw ConfigError("projectile: there is neither ls-dyna-projectile nor the scene builtin");
+  SceneRun run{scene, *file, {}, {{0, motion_count(*file)}}, {}};
+  std::vector<std::string> pipelines = {"NavCCD", "HashCCD", "VolCCD", "VolCCD+"};
+  pipelines.insert(pipelines.end(), context.pipelines.begin(), context.pipelines.end());
+  for (const std::string& pipeline : pipelines) {
+    run.entrants.push_back(entrant(context.registry, "", pipeline, {"narrow-phase=cubic"}));
+    run.entrants.back().variant.clear();  // the same for all
+  }
+  return {"projectile", context.full ? "full" : "quick", context.full ? 5 : 1, {run}};
+}
+
+std::vector<TitledTable> pipeline_tables(const json& record) {
+  const Rows rows(record);
+  std::vector<TitledTable> tables;
+  for (const json& scene : rows.values("scene")) {
+    const Rows of = rows.with("scene", scene);
+    tables.push_back(comparison(of, scene));
+    tables.push_back(stage_shares(of, scene));
+  }
+  return tables;
+}
+
+}  // namespace volccd

@@ -1,0 +1,73 @@
+#include <volccd/experiments/tables/rows.hpp>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include <volccd/core/error.hpp>
+#include <volccd/experiments/tables/median.hpp>
+
+namespace volccd {
+
+using nlohmann::json;
+
+const std::vector<std::string> kStepTime = {"seconds"}, kStepAndEditTime = {"seconds", "topology_seconds"};
+
+namespace {
+
+double mean(const std::vector<double>& values) {
+  return values.empty() ? 0 : std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+const json& at(const json& row, const std::string& column) {
+  const auto place = row.find(column);
+  if (place == row.end()) throw InputError("record", "rows", fmt::format("a row has no column '{}': {}", column, row.dump()));
+  return *place;
+}
+
+}  // namespace
+
+Rows::Rows(const json& record) {
+  if (!record.contains("rows")) throw InputError("record", "rows", "is missing");
+  for (const json& row : record.at("rows")) rows_.push_back(&row);
+}
+
+Rows Rows::with(const std::string& column, const json& value) const {
+  Rows result;
+  for (const json* row : rows_)
+    if (at(*row, column) == value) result.rows_.push_back(row);
+  return result;
+}
+
+std::vector<json> Rows::values(const std::string& column) const {
+  std::vector<json> result;
+  for (const json* row : rows_)
+    if (const json& value = at(*row, column); std::find(result.begin(), result.end(), value) == result.end())
+      result.push_back(value);
+  return result;
+}
+
+std::vector<double> Rows::by_motion(const std::vector<std::string>& columns) const {
+  std::map<int, std::vector<double>> rounds;
+  for (const json* row : rows_) {
+    double sum = 0;
+    for (const std::string& column : columns) sum += at(*row, column).get<double>();
+    rounds[at(*row, "motion").get<int>()].push_back(sum);
+  }
+  std::vector<double> result;
+  for (auto& [motion, values] : rounds) result.push_back(volccd::median(std::move(values)));
+  return result;
+}
+
+double Rows::mean_ms(const std::vector<std::string>& columns) const { return 1e3 * mean(by_motion(columns)); }
+double Rows::median_ms(const std::vector<std::string>& columns) const { return 1e3 * volccd::median(by_motion(columns)); }
+double Rows::median(const std::string& column) const { return volccd::median(by_motion({column})); }
+
+double Rows::sum(const std::string& column) const {
+  const std::vector<double> values = by_motion({column});
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+}  // namespace volccd

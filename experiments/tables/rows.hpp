@@ -1,0 +1,46 @@
+// Rows of a record, grouped and summed up for tables.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+namespace volccd {
+
+/// Rows that have something in common. A value of pointers into a record, which outlives it.
+class Rows {
+ public:
+  Rows() = default;
+  /// All rows of a record. Throws InputError if it has none.
+  explicit Rows(const nlohmann::json& record);
+
+  bool empty() const { return rows_.empty(); }
+  std::size_t size() const { return rows_.size(); }
+  const nlohmann::json& front() const { return *rows_.front(); }
+
+  /// Those whose column is this text or number.
+  Rows with(const std::string& column, const nlohmann::json& value) const;
+  /// The values of a column, each once, in the order of the rows.
+  std::vector<nlohmann::json> values(const std::string& column) const;
+
+  /// For each motion, the median over rounds of the sum of the columns.
+  std::vector<double> by_motion(const std::vector<std::string>& columns) const;
+  /// Mean (the paper's average) and median over motions of that, in milliseconds for columns of seconds.
+  double mean_ms(const std::vector<std::string>& columns) const;
+  double median_ms(const std::vector<std::string>& columns) const;
+  /// Sum over motions, of the median over rounds (counts are the same in every round).
+  double sum(const std::string& column) const;
+  double median(const std::string& column) const;
+  /// VF and EE tests, summed over motions.
+  double tests() const { return sum("vf_tests") + sum("ee_tests"); }
+  std::size_t motions() const { return values("motion").size(); }
+
+ private:
+  std::vector<const nlohmann::json*> rows_;
+};
+
+/// Columns of a step's time: without and with what editing the topology took.
+extern const std::vector<std::string> kStepTime, kStepAndEditTime;
+
+}  // namespace volccd

@@ -1,0 +1,260 @@
+#include <volccd/experiments/tables/table1.hpp>
+
+#include <algorithm>
+#include <map>
+
+#include <fmt/format.h>
+
+#include <volccd/experiments/tables/rows.hpp>
+#include <volccd/mesh/sequence/reader.hpp>
+
+namespace volccd {
+
+using nlohmann::json;
+
+namespace {
+
+/// Table I as printed.
+struct PaperRow {
+  const char *time, *over_nav, *over_hash, *ratio;
+};
+const std::map<std::string, PaperRow> kPrintedRows = {{"octopi", {"75 ms", "12x", "18.3x", "0.01 %"}},
+                                                {"bullet", {"48 ms", "21x", "28x", "0.69 %"}},
+                                                {"airbag", {"88 ms", "10.2x", "13x", "0.58 %"}},
+                                                {"liver", {"53 ms", "10.3x", "14.1x", "0.72 %"}},
+                                                {"crash", {"3.3 s", "12.4x", "17.4x", "3.54 %"}}};
+
+/// NavCCD without adjacent pairs; the O-Set tests what they alone cover.
+constexpr const char* kNoAdjacent = "orphans=o-set";
+
+const char* title_of(const std::string& table) {
+  if (table == "a") return "Table I-a: as in 2011 (scalar elementary test and CSAT, literal O-Set, boxes in the hash)";
+  if (table == "b") return "Table I-b: the paper's elementary test, with today's baselines";
+  return "Table I-c: certified elementary tests";
+}
+
+std::vector<Entrant> entrants_of(const Registry& registry, const std::string& table) {
+  if (table == "a")
+    return {entrant(registry, "a", "NavCCD-2011"), entrant(registry, "a", "HashCCD-2011"), entrant(registry, "a", "VolCCD-2011")};
+  const std::vector<std::string> test = table == "b" ? std::vector<std::string>{"narrow-phase=cubic"} : std::vector<std::string>{};
+  std::vector<std::string> apart = test;
+  apart.push_back(kNoAdjacent);
+  std::vector<Entrant> entrants = {entrant(registry, table, "NavCCD", test), entrant(registry, table, "HashCCD", test),
+                                   entrant(registry, table, "VolCCD", test), entrant(registry, table, "NavCCD", apart),
+                                   table == "b" ? entrant(registry, table, "VolCCD-2011", test)
+                                                : entrant(registry, table, "VolCCD+")};
+  return entrants;
+}
+
+bool has_hexahedra(const std::string& file) {
+  SequenceCells cells;
+  SequenceReader(file).read_cells(0, cells);
+  return std::find(cells.types.begin(), cells.types.end(), ElementType::hexahedron) != cells.types.end();
+}
+
+/// What one table says of one scene.
+struct Comparison {
+  Comparison(const Rows& rows, const std::string& table) {
+    const auto of = [&](const std::string& name) { return rows.with("pipeline", table == "a" ? name + "-2011" : name); };
+    const auto plain = [](const Rows& all) {
+      Rows result = all;
+      for (const json& variant : all.values("variant"))
+        if (variant.get<std::string>().find(kNoAdjacent) == std::string::npos) result = all.with("variant", variant);
+      return result;
+    };
+    nav = plain(of("NavCCD"));
+    hash = of("HashCCD");
+    vol = of("VolCCD");
+    plus = rows.with("pipeline", "VolCCD+");
+    for (const json& variant : rows.values("variant"))
+      if (variant.get<std::string>().find(kNoAdjacent) != std::string::npos) apart = rows.with("variant", variant);
+  }
+  Rows nav, hash, vol, plus, apart;
+
+  double share_of_tests(const Rows& of) const { return nav.tests() > 0 ? of.tests() / nav.tests() : 0; }
+};
+
+double over(const Rows& baseline, const Rows& of) {
+  const double time = of.mean_ms(kStepAndEditTime);
+  return time > 0 && !baseline.empty() ? baseline.mean_ms(kStepAndEditTime) / time : 0;
+}
+
+/// Nanoseconds of an elementary test.
+double test_cost(const Rows& rows) {
+  return rows.tests() > 0 ? 1e9 * (rows.sum("narrow_phase_run_s") + rows.sum("narrow_phase_prepare_s")) / rows.tests() : 0;
+}
+
+std::string milliseconds(const Rows& rows) { return rows.empty() ? "-" : fmt::format("{:.3g}", rows.mean_ms(kStepAndEditTime)); }
+std::string ratio_or_dash(double value) { return value > 0 ? ratio_text(value) : "-"; }
+
+/// Calls visit(table, scene, comparison) for each group of rows that is one line of a table.
+template <class Visitor>
+void for_each_line(const Rows& all, const std::string& model, const std::string& edges, Visitor&& visit) {
+  const Rows rows = all.with("motion_model", model).with("edges", edges);
+  for (const json& table : rows.values("table"))
+    for (const json& scene : rows.with("table", table).values("scene"))
+      visit(table.get<std::string>(), scene.get<std::string>(), Comparison(rows.with("table", table).with("scene", scene), table));
+}
+
+/// Whether all entrants found the same contacts in all motions.
+std::string same_contacts(const Comparison& c) {
+  for (const json& motion : c.nav.values("motion")) {
+    const json expected = c.nav.with("motion", motion).front().at("contacts_hash");
+    for (const Rows* rows : {&c.hash, &c.vol, &c.plus, &c.apart})
+      if (!rows->empty() && rows->with("motion", motion).values("contacts_hash") != std::vector<json>{expected}) return "NO";
+  }
+  return "yes";
+}
+
+TitledTable times(const Rows& rows, const std::string& table, const std::string& model, const std::string& edges) {
+  const bool certified = table == "c";
+  std::vector<std::string> header = {"scene", "elements", "motions", "NavCCD", "HashCCD", "VolCCD"};
+  if (certified) header.push_back("VolCCD+");
+  for (const char* name : {"/Nav", "paper", "/Hash", "paper"}) header.push_back(name);
+  if (certified) header.insert(header.end(), {"+/Nav", "+/Hash"});
+  TextTable text(header);
+  for_each_line(rows, model, edges, [&](const std::string& of, const std::string& scene, const Comparison& c) {
+    if (of != table || c.nav.empty()) return;
+    const auto paper = kPrintedRows.find(scene);
+    const auto printed = [&](const char* PaperRow::*column) { return std::string(paper == kPrintedRows.end() ? "-" : paper->second.*column); };
+    std::vector<std::string> row = {scene, grouped(static_cast<std::uint64_t>(c.nav.median("elements"))),
+                                    std::to_string(c.nav.motions()), milliseconds(c.nav), milliseconds(c.hash), milliseconds(c.vol)};
+    if (certified) row.push_back(milliseconds(c.plus));
+    for (const std::string& cell : {ratio_or_dash(over(c.nav, c.vol)), printed(&PaperRow::over_nav),
+                                    ratio_or_dash(over(c.hash, c.vol)), printed(&PaperRow::over_hash)})
+      row.push_back(cell);
+    if (certified) row.insert(row.end(), {ratio_or_dash(over(c.nav, c.plus)), ratio_or_dash(over(c.hash, c.plus))});
+    text.add(row);
+  });
+  return {fmt::format("{}; {} motion, {} edges", title_of(table), model, edges), text,
+          "ms a step: mean over motions of medians over rounds, edits of the topology included; /Nav, /Hash: speed-up of VolCCD "
+          "over them,\nwith the paper's beside it; +: of VolCCD+\n"};
+}
+
+/// What explains the speed-up: tests left out, a cheaper test, and what the other stages cost.
+TitledTable explanation(const Rows& rows, const std::string& table, const std::string& model, const std::string& edges) {
+  TextTable text({"scene", "tests, NavCCD", "VolCCD", "ratio", "paper", "ns/test Nav", "Vol", "by culling", "by cost", "other",
+                  "no adjacent", "same"});
+  for_each_line(rows, model, edges, [&](const std::string& of, const std::string& scene, const Comparison& c) {
+    if (of != table || c.nav.empty() || c.vol.empty()) return;
+    const auto paper = kPrintedRows.find(scene);
+    const double saved = 1e6 * (c.nav.mean_ms(kStepTime) - c.vol.mean_ms(kStepTime)) * static_cast<double>(c.nav.motions());
+    const double culled = (c.nav.tests() - c.vol.tests()) * test_cost(c.nav);
+    const double cheaper = c.vol.tests() * (test_cost(c.nav) - test_cost(c.vol));
+    const auto share = [&](double part) { return saved > 0 ? fmt::format("{:.0f} %", 100 * part / saved) : std::string("-"); };
+    text.add({scene, grouped(static_cast<std::uint64_t>(c.nav.tests())), grouped(static_cast<std::uint64_t>(c.vol.tests())),
+              percent_text(c.share_of_tests(c.vol)), paper == kPrintedRows.end() ? "-" : paper->second.ratio,
+              fmt::format("{:.3g}", test_cost(c.nav)), fmt::format("{:.3g}", test_cost(c.vol)), share(culled), share(cheaper),
+              share(saved - culled - cheaper), milliseconds(c.apart), same_contacts(c)});
+  });
+  return {fmt::format("What explains the speed-up of VolCCD in Table I-{}; {} motion, {} edges", table, model, edges), text,
+          "tests: sum over motions; by culling: tests left out times NavCCD's cost of a test, by cost: tests performed times the "
+          "difference in cost,\nboth as shares of the time saved; other: what else VolCCD spends or saves; no adjacent: ms a step of "
+          "NavCCD on non-adjacent pairs\nand an O-Set; same: all found the same contacts, bit for bit\n"};
+}
+
+/// Figures 4 and 11 as numbers.
+TitledTable shares(const Rows& all, const std::string& table) {
+  TextTable text({"scene", "k-DOPs", "tree", "traversal+culling", "O-Set", "filters", "tests", "rest", "edits, ms", "touch nothing"});
+  for_each_line(all, "linear", "triangulated", [&](const std::string& of, const std::string& scene, const Comparison& c) {
+    if (of != table || c.vol.empty()) return;
+    const double whole = c.vol.sum("seconds") * c.vol.front().at("threads").get<double>();
+    double known = 0;
+    const auto share = [&](const std::vector<std::string>& columns, double less = 0) {
+      double sum = -less;
+      for (const std::string& column : columns) sum += c.vol.sum(column);
+      known += sum;
+      return fmt::format("{:.1f}", 100 * sum / whole);
+    };
+    std::vector<std::string> row = {scene, share({"bounds_s"}), share({"broad_phase_prepare_s"}, c.vol.sum("bounds_s")),
+                                    share({"broad_phase_run_s", "element_culling_prepare_s", "element_culling_run_s",
+                                           "assignment_prepare_s", "assignment_run_s"}),
+                                    share({"orphans_prepare_s", "orphans_run_s"}),
+                                    share({"feature_filter_prepare_s", "feature_filter_run_s"}),
+                                    share({"narrow_phase_prepare_s", "narrow_phase_run_s"})};
+    row.push_back(fmt::format("{:.1f}", 100 * (whole - known) / whole));
+    row.push_back(fmt::format("{:.3g}", c.vol.mean_ms({"topology_seconds"})));
+    const double pairs = c.vol.sum("element_pairs");
+    row.push_back(pairs > 0 ? percent_text(1 - c.vol.sum("touching_pairs") / pairs) : "-");
+    text.add(row);
+  });
+  return {fmt::format("Figures 11 and 4: shares of VolCCD's time in Table I-{}, %, and leaf pairs that touch nothing", table), text,
+          "touch nothing: of non-adjacent pairs of elements whose k-DOPs overlap (the paper: 90 to 99 %)\n"};
+}
+
+json summary_of(const std::string& table, const std::string& scene, const Comparison& c) {
+  json line = {{"table", table},
+               {"scene", scene},
+               {"motion_model", c.nav.front().at("motion_model")},
+               {"edges", c.nav.front().at("edges")},
+               {"elements", c.nav.median("elements")},
+               {"motions", c.nav.motions()},
+               {"culling_ratio_percent", 100 * c.share_of_tests(c.vol)},
+               {"speedup_navccd", over(c.nav, c.vol)},
+               {"speedup_hashccd", over(c.hash, c.vol)}};
+  const auto put = [&](const char* name, const Rows& rows) {
+    if (rows.empty()) return;
+    line[std::string(name) + "_ms"] = rows.mean_ms(kStepAndEditTime);
+    line[std::string("median_") + name + "_ms"] = rows.median_ms(kStepAndEditTime);
+  };
+  put("navccd", c.nav), put("hashccd", c.hash), put("volccd", c.vol), put("volccd_plus", c.plus);
+  put("navccd_without_adjacent", c.apart);
+  if (!c.plus.empty()) {
+    line["speedup_navccd_plus"] = over(c.nav, c.plus);
+    line["speedup_hashccd_plus"] = over(c.hash, c.plus);
+    line["culling_ratio_percent_plus"] = 100 * c.share_of_tests(c.plus);
+  }
+  return line;
+}
+
+}  // namespace
+
+ExperimentPlan table1_plan(const PlanContext& context) {
+  ExperimentPlan plan{"table1", context.full ? "full" : "quick", context.full ? 3 : 1, {}};
+  for (const TableScene& scene : table_scenes(context)) {
+    const int motions = motion_count(scene.file);
+    const int windows = context.full ? 4 : 1, length = context.full ? 2 : 1;
+    const auto add = [&](const std::string& table, MotionModel model, EdgeSet edges) {
+      SceneRun run{scene.name, scene.file, table_config(scene.file, model), sampled_windows(motions, windows, length), {}};
+      run.config.edge_set = edges;
+      run.entrants = entrants_of(context.registry, table);
+      if (table == "c")
+        for (const std::string& pipeline : context.pipelines) run.entrants.push_back(entrant(context.registry, table, pipeline));
+      plan.runs.push_back(std::move(run));
+    };
+    for (const char* table : {"a", "b", "c"}) add(table, MotionModel::linear, EdgeSet::triangulated);
+    if (context.full && SequenceReader(scene.file).has_velocity()) add("c", MotionModel::tentative, EdgeSet::triangulated);
+    if (context.full && has_hexahedra(scene.file)) add("b", MotionModel::linear, EdgeSet::polytope);
+  }
+  return plan;
+}
+
+std::vector<TitledTable> table1_tables(const json& record) {
+  const Rows rows(record);
+  std::vector<TitledTable> tables;
+  for (const json& model : rows.values("motion_model"))
+    for (const json& edges : rows.with("motion_model", model).values("edges")) {
+      const Rows some = rows.with("motion_model", model).with("edges", edges);
+      for (const json& table : some.values("table")) {
+        tables.push_back(times(some, table, model, edges));
+        tables.push_back(explanation(some, table, model, edges));
+      }
+    }
+  for (const json& table : rows.values("table")) tables.push_back(shares(rows, table));
+  tables[0].note += "setting " + record.at("provenance").at("setting").get<std::string>() + ", commit " +
+                    record.at("provenance").at("commit").get<std::string>() + "\n";
+  return tables;
+}
+
+json table1_summary(const json& record) {
+  const Rows rows(record);
+  json summary = json::array();
+  for (const json& model : rows.values("motion_model"))
+    for (const json& edges : rows.with("motion_model", model).values("edges"))
+      for_each_line(rows, model, edges, [&](const std::string& table, const std::string& scene, const Comparison& c) {
+        if (!c.nav.empty()) summary.push_back(summary_of(table, scene, c));
+      });
+  return summary;
+}
+
+}  // namespace volccd
