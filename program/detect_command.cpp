@@ -232,6 +232,7 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
       "  volccd detect run.vtkhdf --steps 4:8 --pipeline NavCCD --threads 2\n"
       "  volccd detect run.vtkhdf --pipeline VolCCD --set csat.axis=optimal --set broad-phase=spatial-hash\n"
       "  volccd detect crash.vtkhdf --shells solid --pairs inter --first\n"
+      "  volccd detect run.vtkhdf --motion tentative --stats stats.json\n"
       "  volccd detect two-bodies.vtkhdf --pairs inter --parts components");
   command->callback([options, &registry, &action] {
     action = [options, &registry] {

@@ -158,7 +158,7 @@ void add_info_command(CLI::App& app, Action& action) {
   const auto options = std::make_shared<SequenceOptions>();
   options->add_to(*command);
   options->add_parts_to(*command);
-  command->footer("Example:\n  volccd info run.vtkhdf --steps 0:10");
+  command->footer("Examples:\n  volccd info run.vtkhdf --steps 0:10\n  volccd info run.vtkhdf --motion tentative");
   command->callback([options, &action] {
     action = [options] {
       options->file = sequence_file(options->file);

@@ -80,8 +80,9 @@ void SequenceOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   command
       .add_option("--motion", motion,
-                  "on straight lines, or with constant acceleration (by stored velocities, else by three steps)")
-      ->check(CLI::IsMember({"linear", "quadratic"}))
+                  "to the next step on straight lines, or with constant acceleration (by stored velocities, else by "
+                  "three steps); tentative: to x + h v, by the velocities and on the cells of the step at the start")
+      ->check(CLI::IsMember({"linear", "quadratic", "tentative"}))
       ->capture_default_str();
 }
 
@@ -98,7 +99,9 @@ SequenceStepper::Config SequenceOptions::stepper() const {
   SequenceStepper::Config config;
   config.edge_set = edges == "polytope" ? EdgeSet::polytope : EdgeSet::triangulated;
   config.shells = shells == "solid" ? ShellModel::solid : ShellModel::surface;
-  config.motion = motion == "quadratic" ? MotionModel::quadratic : MotionModel::linear;
+  config.motion = motion == "quadratic"   ? MotionModel::quadratic
+                  : motion == "tentative" ? MotionModel::tentative
+                                          : MotionModel::linear;
   config.parts = parts == "components" ? PartModel::components : PartModel::stored;
   return config;
 }

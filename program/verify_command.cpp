@@ -195,7 +195,8 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
       "exit code 130.\n"
       "Examples:\n"
       "  volccd verify run.vtkhdf\n"
-      "  volccd verify run.vtkhdf --steps 0:2 --threads 2 --no-fcl");
+      "  volccd verify run.vtkhdf --steps 0:2 --threads 2 --no-fcl\n"
+      "  volccd verify run.vtkhdf --motion tentative");
   command->callback([options, &registry, &action] {
     action = [options, &registry] {
       options->sequence.file = sequence_file(options->sequence.file);

@@ -170,11 +170,12 @@ void spread(const std::vector<FeaturePair>& pairs, KnownQueries& queries, const 
 
 std::vector<KnownQueries> from_sequence(const std::string& file, const QuerySourceConfig& config) {
   const auto motion = std::make_shared<MotionOfFile>(file, config);
-  const auto answers = config.motion == 0 ? read_ground_truth(motion->reader) : std::nullopt;
-  const bool candidates = config.candidates;
+  const bool linear = config.stepper.motion == MotionModel::linear, candidates = config.candidates;
+  const auto answers = config.motion == 0 && linear ? read_ground_truth(motion->reader) : std::nullopt;
   if (!answers && !candidates)
     throw InputError(file, "GroundTruth",
-                     fmt::format("is missing for motion {}: there are candidates only (--candidates)", config.motion));
+                     fmt::format("{} motion {}: there are candidates only (--candidates)",
+                                 linear ? "is missing for" : "holds for linear motion, not for this", config.motion));
   std::optional<Candidates> found;
   if (candidates) found.emplace(motion->step(), config.check);
   const std::string scene = fmt::format("{}, motion {}", candidates ? "candidates" : "listed", config.motion);

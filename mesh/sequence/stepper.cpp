@@ -1,6 +1,7 @@
 #include <volccd/mesh/sequence/stepper.hpp>
 
 #include <algorithm>
+#include <chrono>
 #include <string>
 
 #include <volccd/core/error.hpp>
@@ -28,6 +29,9 @@ SequenceStepper::SequenceStepper(SequenceReader& reader, Config config) : reader
   if (config.motion == MotionModel::quadratic && reader.step_count() == 2 && !reader.has_velocity())
     throw InputError(reader.file(), "VTKHDF/PointData/Velocity",
                      "is missing: quadratic motion needs velocities, or three steps");
+  if (config.motion == MotionModel::tentative && reader.step_count() > 1 && !reader.has_velocity())
+    throw InputError(reader.file(), "VTKHDF/PointData/Velocity",
+                     "is missing: tentative motion needs the velocities of each step; write them, or take linear motion");
   if (config.parts == PartModel::components) components_.emplace(reader);
   if (config.shells == ShellModel::solid) solids_ = std::make_unique<detail::ShellSolids>(reader);
 }
@@ -39,13 +43,19 @@ void SequenceStepper::go_to(int motion) {
     throw InputError(reader_.file(), "VTKHDF/Steps", motion,
                      "there is no such motion, the file has " + std::to_string(motion_count()));
   // All that can fail comes before the first change.
+  const bool tentative = config_.motion == MotionModel::tentative;
+  const int cells_step = tentative ? motion : motion + 1;
   read_points(motion);
-  read_cells(motion + 1);
-  const std::vector<Vec3>&x0 = points(motion), &x1 = points(motion + 1);
+  read_cells(cells_step);
   if (config_.motion == MotionModel::quadratic) read_middle(motion);
+  if (tentative) read_tentative(motion);
+  const std::vector<Vec3>&x0 = points(motion), &x1 = tentative ? tentative_ : points(motion + 1);
   Index without_normal = 0;
-  if (solids_) without_normal = solids_->positions(x0, x1, solid0_, solid1_);
-  set_topology(motion + 1);
+  if (solids_) {
+    solids_->set_steps(motion, cells_step);
+    without_normal = solids_->positions(x0, x1, solid0_, solid1_);
+  }
+  set_topology(cells_step);
   if (solids_) {
     if (config_.motion == MotionModel::quadratic) set_solid_middle(x0, x1);
     set_motion(solid0_, solid1_, solid_middle_);
@@ -57,12 +67,13 @@ void SequenceStepper::go_to(int motion) {
 }
 
 int SequenceStepper::third_step(int motion) const {
-  if (config_.motion == MotionModel::linear || reader_.has_velocity()) return -1;
+  if (config_.motion != MotionModel::quadratic || reader_.has_velocity()) return -1;
   return motion == 0 ? 2 : motion - 1;
 }
 
 void SequenceStepper::read_points(int motion) {
-  const std::array<int, 3> wanted = {motion, motion + 1, third_step(motion)};
+  const std::array<int, 3> wanted = {motion, config_.motion == MotionModel::tentative ? -1 : motion + 1,
+                                     third_step(motion)};
   const auto is_wanted = [&](int step) { return std::find(wanted.begin(), wanted.end(), step) != wanted.end(); };
   for (const int step : wanted) {
     if (step < 0 || std::any_of(points_.begin(), points_.end(), [&](const Points& p) { return p.step == step; }))
@@ -116,6 +127,21 @@ void SequenceStepper::read_middle(int motion) {
   }
 }
 
+void SequenceStepper::read_tentative(int motion) {
+  const std::vector<Vec3>& x0 = points(motion);
+  mark_used(motion);
+  reader_.read_velocity(motion, velocity_);
+  const double h = reader_.time(motion + 1) - reader_.time(motion);
+  tentative_.resize(x0.size());
+  for (std::size_t v = 0; v < x0.size(); ++v) {
+    tentative_[v] = used_[v] ? Vec3(x0[v] + h * velocity_[v]) : x0[v];
+    if (!tentative_[v].allFinite())
+      throw InputError(reader_.file(), "VTKHDF/PointData/Velocity",
+                       "the tentative motion " + std::to_string(motion) + " of point id " +
+                           std::to_string(reader_.point_ids()[v]) + " overflows");
+  }
+}
+
 void SequenceStepper::set_solid_middle(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1) {
   solid_middle_.resize(solid0_.size());
   for (Index v = 0; v < x0.size(); ++v) {
@@ -134,17 +160,21 @@ void SequenceStepper::read_cells(int step) {
     if (solids_) solids_->set_cells(cells_);
   }
   cells_step_ = step;
-  if (solids_) solids_->set_step(step);
 }
 
 void SequenceStepper::set_topology(int step) {
   const SequenceCells& cells = solids_ ? solids_->cells() : cells_;
+  edit_seconds_ = 0;
   if (!topology_) {
     const std::span<const std::int64_t> ids = solids_ ? solids_->vertex_ids() : reader_.point_ids();
     topology_.emplace(mesh_of(ids, cells), config_.edge_set);
   } else if (!reader_.same_cells(step, topology_step_)) {
     const TopologyEdit edit = edit_to(topology_->mesh(), cells);
-    if (!edit.empty()) topology_->apply(edit);
+    if (!edit.empty()) {
+      const auto start = std::chrono::steady_clock::now();
+      topology_->apply(edit);
+      edit_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    }
   }
   topology_step_ = step;
 }

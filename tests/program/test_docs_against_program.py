@@ -170,7 +170,8 @@ class DocsAgainstProgram(unittest.TestCase):
                          ["broad-phase", "element-culling", "assignment", "orphans", "feature-filter", "narrow-phase"])
         self.assertGreater(sum(map(len, LIBRARY.options.values())), 15)
         self.assertGreaterEqual(len(COMMANDS), 12)
-        self.assertEqual(COMMANDS[("detect",)].options["--motion"], (True, ["linear", "quadratic"], "linear"))
+        self.assertEqual(COMMANDS[("detect",)].options["--motion"],
+                         (True, ["linear", "quadratic", "tentative"], "linear"))
         self.assertEqual(COMMANDS[("detect",)].options["--first"][0], False)
         self.assertGreaterEqual(len(SCENES), 8)
 

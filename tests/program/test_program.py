@@ -244,6 +244,22 @@ class Program(ProgramTest):
         self.assertIn("motions", self.good("info", self.sequence, "--motion", "quadratic"))
         self.bad("detect", self.sequence, "--motion", "quadratic", "--set", "narrow-phase=cubic", says="exact")
 
+    def test_tentative_motion(self):
+        for command in ("detect", "verify", "info"):
+            self.bad(command, self.sequence, "--motion", "tentative", says="Velocity: is missing: tentative motion needs")
+        data = os.environ.get("VOLCCD_DATA", os.path.join(SOURCE, "..", "shared", "data"))
+        projectile = os.path.join(data, "ls-dyna-projectile.vtkhdf")
+        if not os.path.exists(projectile):
+            self.skipTest("ls-dyna-projectile.vtkhdf is not there")
+        stats = self.path("tentative.json")
+        self.good("detect", projectile, "--steps", "1", "--motion", "tentative", "--stats", stats)
+        with open(stats, encoding="utf-8") as file:
+            record = json.load(file)
+        self.assertEqual(record["motion"], "tentative")
+        self.good("detect", projectile, "--steps", "1", "--stats", stats)
+        with open(stats, encoding="utf-8") as file:
+            self.assertNotEqual(json.load(file)["total"]["contacts"], record["total"]["contacts"])
+
     def test_info_stages_and_lists(self):
         info = self.good("info", self.sequence)
         self.assertIn("hexahedron", info)

@@ -34,13 +34,17 @@ void ShellSolids::read_thickness() {
     thickness1_.assign(cells, 0);
     return;
   }
-  reader_.read_thickness(step_, thickness1_);
-  if (reader_.same_cells(step_ - 1, step_)) {
-    reader_.read_thickness(step_ - 1, thickness0_);
+  reader_.read_thickness(end_, thickness1_);
+  if (start_ == end_) {
+    thickness0_ = thickness1_;
     return;
   }
-  reader_.read_thickness(step_ - 1, thickness_before_);
-  reader_.read_cells(step_ - 1, before_);
+  if (reader_.same_cells(start_, end_)) {
+    reader_.read_thickness(start_, thickness0_);
+    return;
+  }
+  reader_.read_thickness(start_, thickness_before_);
+  reader_.read_cells(start_, before_);
   thickness0_ = thickness1_;
   for (std::size_t i = 0; i < before_.size(); ++i)
     if (const Index o = mesh_.find_element(before_.ids[i]); o != kNone) thickness0_[o] = thickness_before_[i];

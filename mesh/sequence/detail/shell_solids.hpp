@@ -22,13 +22,13 @@ class ShellSolids {
 
   /// Takes these cells as those to thicken.
   void set_cells(const SequenceCells& cells);
-  /// A step of the file that has those cells.
-  void set_step(int step) { step_ = step; }
+  /// The steps whose thickness counts at the start and at the end of a motion; the latter has those cells.
+  void set_steps(int start, int end) { start_ = start, end_ = end; }
   /// The solids, in the order of the cells.
   const SequenceCells& cells() const { return solids_; }
 
-  /// Positions of the solid mesh at both ends of the motion that ends with the step of set_step. Each end has the
-  /// thickness of its own step; a shell that is not there at the first has that of the second. Returns the number of
+  /// Positions of the solid mesh at both ends of a motion. Each end has the thickness of its step of set_steps; a shell
+  /// that is not there at the first has that of the second. Returns the number of
   /// vertices without a normal, of both ends. Throws InputError if there are shells and the file has no thickness.
   Index positions(std::span<const Vec3> x0, std::span<const Vec3> x1, std::vector<Vec3>& solid0,
                   std::vector<Vec3>& solid1);
@@ -38,7 +38,7 @@ class ShellSolids {
 
   SequenceReader& reader_;
   std::vector<std::int64_t> vertex_ids_;
-  int step_ = -1;
+  int start_ = -1, end_ = -1;
   Mesh mesh_;  ///< element i is cell i
   std::optional<ShellThickener> thickener_;
   ShellThickener::Scratch scratch_;
