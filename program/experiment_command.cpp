@@ -1,13 +1,19 @@
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 
 #include <fmt/format.h>
 
 #include <volccd/core/output_file.hpp>
+#include <volccd/experiments/harness/run.hpp>
+#include <volccd/experiments/records/record_file.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
+#include <volccd/experiments/scenes/sequences.hpp>
 #include <volccd/experiments/scenes/shared_data.hpp>
 #include <volccd/experiments/scenes/simulated/bake.hpp>
-#include <volccd/experiments/tables/comparison.hpp>
+#include <volccd/experiments/tables/catalog.hpp>
+#include <volccd/experiments/tables/compare_records.hpp>
 #include <volccd/experiments/tables/feature_sets.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
 #include <volccd/program/commands.hpp>
@@ -22,21 +28,11 @@ namespace volccd {
 namespace {
 
 struct ExperimentOptions {
-  std::vector<std::string> names, pipelines;
+  std::vector<std::string> names, pipelines, settings;
   std::string output = "results";
   bool quick = false, full = false;
   unsigned threads = 1;
 };
-
-/// The real LS-DYNA run where the shared data is there; else the built-in sequence, written to `folder`, and says so.
-std::string projectile_sequence(const std::filesystem::path& folder) {
-  const std::string real = shared_data_path("ls-dyna-projectile.vtkhdf");
-  if (std::filesystem::exists(real)) return real;
-  const std::filesystem::path standin = folder / "builtin.vtkhdf";
-  fmt::print("{} is not there (VOLCCD_DATA names another folder): taking the built-in sequence instead\n\n", real);
-  write_scene(*make_scene("builtin", {}), standin.string());
-  return standin.string();
-}
 
 void make_folder(const std::string& folder) {
   std::error_code error;
@@ -49,10 +45,10 @@ std::string record_file(const ExperimentOptions& options, const std::string& nam
 }
 
 /// Before anything is measured.
-void check_outputs(const ExperimentOptions& options, const std::string& name, const std::string& input = {}) {
+void check_outputs(const ExperimentOptions& options, const std::string& name, const ExperimentPlan& experiment = {}) {
   OutputPlan plan;
-  plan.input("the sequence", input);
-  for (const char* suffix : {".json", ".txt", ".incomplete.json", ".incomplete.txt"})
+  for (const SceneRun& run : experiment.runs) plan.input("the sequence", run.file);
+  for (const char* suffix : {".json", ".txt", ".incomplete.json", ".incomplete.txt", ".incomplete.jsonl"})
     plan.output("-o", record_file(options, name, suffix));
   plan.check();
 }
@@ -68,46 +64,61 @@ void keep(const ExperimentOptions& options, const std::string& name, const nlohm
   fmt::print("record: {}\n", file);
 }
 
-int run_projectile(const ExperimentOptions& options, const Registry& registry) {
+/// Sequence of a scene for a table: a run of another program if it is there, the built-in scene beside the records, a
+/// simulated scene from the cache or after baking it.
+std::optional<std::string> scene_file(const ExperimentOptions& options, const std::string& name) {
+  for (const ExternalScene& scene : external_scenes())
+    if (scene.name == name) {
+      const std::string file = external_scene_file(scene);
+      if (std::filesystem::exists(file)) return file;
+      fmt::print("{} is not there (VOLCCD_DATA names another folder): the tables do without it\n", file);
+      return std::nullopt;
+    }
+  if (name == "ls-dyna-projectile") {
+    fmt::print("{} is not there (VOLCCD_DATA names another folder): the tables do without it\n",
+               shared_data_path(name + ".vtkhdf"));
+    return std::nullopt;
+  }
+  if (name == "builtin") {
+    const std::string file = record_file(options, name, ".vtkhdf");
+    write_scene(*make_scene(name, {}), file);
+    return file;
+  }
+  return sequence_file(name, options.threads);
+}
+
+/// Runs what the record of an earlier, interrupted run does not have, and writes record and tables.
+int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const Registry& registry) {
   const InterruptGuard guard;
   make_folder(options.output);
-  const std::string file = projectile_sequence(options.output);
-  check_outputs(options, "projectile", file);
-  SequenceReader reader(file);
-  SequenceStepper stepper(reader);
-  ComparisonConfig config;
-  config.sequence = reader.file();
-  config.rounds = options.full ? 5 : 1;
-  config.pipelines.insert(config.pipelines.end(), options.pipelines.begin(), options.pipelines.end());
+  const ExperimentPlan plan =
+      kind.plan({registry, options.full, options.pipelines, options.settings,
+                 [&](const std::string& name) { return scene_file(options, name); }});
+  if (plan.runs.empty()) throw ConfigError(fmt::format("{}: none of its scenes is there", kind.name));
+  check_outputs(options, kind.name, plan);
   const auto executor = make_interruptible_executor(options.threads);
-  ComparisonRecord record;
-  keep_complete_steps(record.compared, [&] {
-    std::unique_ptr<Progress> progress;
-    config.progress = [&](std::size_t done, std::size_t total) {
-      if (!progress) progress = std::make_unique<Progress>("comparing pipelines, run", total);
-      progress->advance(done);
+  const nlohmann::json facts = provenance(plan, *executor);
+  nlohmann::json identity = {{"plan", facts.at("plan")}, {"threads", facts.at("threads")}};
+  for (const char* fact : {"commit", "compiler", "flags", "cpu", "inputs"}) identity[fact] = facts.at(fact);
+  RecordFile record(options.output, kind.name, identity);
+  if (record.replaced())
+    fmt::print("{}: rows of another build or plan, begun anew\n", record.incomplete_file());
+  if (record.resumed() > 0) fmt::print("{}: going on, {} window(s) are there\n", record.incomplete_file(), record.resumed());
+  try {
+    Progress progress(fmt::format("{}, run", kind.name), measured_runs(plan));
+    run_experiment(registry, plan, *executor, record, [&](std::size_t done, std::size_t) {
+      progress.advance(done);
       InterruptGuard::check();
-    };
-    compare_pipelines(registry, stepper, config, *executor, record);
-  });
-  const bool complete = record.compared.complete();
-  const std::string tables = fmt::format(
-      "{}\n{} motions, {} round(s) interleaved, {} thread(s); time: median over motions; counts: sum of all "
-      "motions\n{}\n"
-      "{}\n{}",
-      reader.metadata().title.empty() ? reader.file() : reader.metadata().title, record.compared.done, record.rounds,
-      record.threads, complete ? "" : "incomplete: " + record.compared.text() + "\n", comparison_table(record),
-      share_table(record));
-  keep(options, "projectile", record.to_json(), tables, complete);
-  if (!complete) {
-    fmt::print(stderr, "volccd: incomplete: {}\n", record.compared.text());
-    return exit_code(record.compared);
+    });
+  } catch (const Interrupted&) {
+    throw Interrupted(fmt::format("{}: stopped; the same command goes on with what {} has", kind.name, record.incomplete_file()));
   }
-  for (const PipelineRecord& pipeline : record.pipelines)
-    if (!pipeline.same_contacts) {
-      fmt::print(stderr, "volccd: {} found other contacts than {}\n", pipeline.name, record.pipelines.front().name);
-      return kDifferent;
-    }
+  nlohmann::json whole = {{"rows", record.rows()}, {"provenance", facts}};
+  record.finish(facts, kind.summary ? kind.summary(whole) : nlohmann::json::array());
+  const std::string tables = render(kind.tables(whole), TableFormat::text);
+  fmt::print("{}\n", tables);
+  write_text_file(record_file(options, kind.name, ".txt"), tables);
+  fmt::print("record: {}\n", record.file());
   return kDone;
 }
 
@@ -175,33 +186,103 @@ int run_feature_sets(const ExperimentOptions& options, const Registry&) {
       feature_set_record, feature_set_table);
 }
 
-struct Experiment {
+/// Experiments whose records have a form of their own.
+struct OtherExperiment {
   const char *name, *description;
   int (*run)(const ExperimentOptions& options, const Registry& registry);
 };
 
-constexpr Experiment kExperiments[] = {
-    {"projectile", "NavCCD, HashCCD, VolCCD and VolCCD+ on a real penetration run: time, counts, shares",
-     run_projectile},
+constexpr OtherExperiment kOthers[] = {
     {"scenes", "the simulated scenes: sizes, motion, contacts, edits, energy (--quick: the small sizes)", run_scenes},
     {"feature-sets", "Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's",
      run_feature_sets}};
 
-int run(const ExperimentOptions& options, const Registry& registry) {
-  std::vector<const Experiment*> chosen;
+std::string known_experiments() {
+  std::string known;
+  for (const ExperimentKind& kind : experiment_kinds()) known += std::string(kind.name) + ", ";
+  for (const OtherExperiment& other : kOthers) known += std::string(other.name) + ", ";
+  return known + "all";
+}
+
+const ExperimentKind* find_kind(const std::string& name) {
+  for (const ExperimentKind& kind : experiment_kinds())
+    if (name == kind.name) return &kind;
+  return nullptr;
+}
+
+int run_one(const std::string& name, const ExperimentOptions& options, const Registry& registry) {
+  if (const ExperimentKind* kind = find_kind(name)) return run_kind(*kind, options, registry);
+  for (const OtherExperiment& other : kOthers)
+    if (name == other.name) return other.run(options, registry);
+  throw ConfigError(fmt::format("no experiment '{}'; there are {}", name, known_experiments()));
+}
+
+int run(ExperimentOptions options, const Registry& registry) {
+  std::vector<std::string> names;
   for (const std::string& name : options.names) {
-    std::string known;
-    const std::size_t before = chosen.size();
-    for (const Experiment& experiment : kExperiments) {
-      known += (known.empty() ? "" : ", ") + std::string(experiment.name);
-      if (name == experiment.name) chosen.push_back(&experiment);
+    if (name != "all") {
+      names.push_back(name);
+      continue;
     }
-    if (chosen.size() == before) throw ConfigError(fmt::format("no experiment '{}'; there are {}", name, known));
+    options.quick = !options.full;
+    for (const OtherExperiment& other : kOthers) names.push_back(other.name);
+    for (const ExperimentKind& kind : experiment_kinds()) names.push_back(kind.name);
   }
+  for (const std::string& name : names)  // before the first of them takes its time
+    if (!find_kind(name) && std::none_of(std::begin(kOthers), std::end(kOthers), [&](const auto& o) { return name == o.name; }))
+      throw ConfigError(fmt::format("no experiment '{}'; there are {}", name, known_experiments()));
   int code = kDone;
-  for (const Experiment* experiment : chosen)
-    if (code == kDone) code = experiment->run(options, registry);
+  for (const std::string& name : names)
+    if (code == kDone) code = run_one(name, options, registry);
   return code;
+}
+
+struct TableOptions {
+  std::string name, results = "results", format = "text", output = "-";
+};
+
+int print_table(const TableOptions& options) {
+  const ExperimentKind* kind = find_kind(options.name);
+  if (!kind) throw ConfigError(fmt::format("no tables of '{}'; there are {}", options.name, known_experiments()));
+  const std::string file = (std::filesystem::path(options.results) / (options.name + ".json")).string();
+  const std::map<std::string, TableFormat> formats = {{"text", TableFormat::text},
+                                                      {"markdown", TableFormat::markdown},
+                                                      {"csv", TableFormat::csv},
+                                                      {"latex", TableFormat::latex}};
+  write_text_file(options.output, render(kind->tables(read_record(file)), formats.at(options.format)));
+  return kDone;
+}
+
+int compare(const std::string& a, const std::string& b) {
+  const RecordComparison result = compare_records(a, b);
+  if (result.slower + result.faster + result.other_counts > 0) fmt::print("{}\n", result.table.text());
+  fmt::print("{} compared: {} slower, {} faster beyond the spread, {} with other counts\n", result.compared, result.slower,
+             result.faster, result.other_counts);
+  return result.slower + result.other_counts > 0 ? kDifferent : kDone;
+}
+
+void add_table_command(CLI::App& command, Action& action) {
+  const auto options = std::make_shared<TableOptions>();
+  CLI::App* table = command.add_subcommand("table", "prints the tables of a record, without running anything");
+  table->add_option("NAME", options->name, "the experiment")->required();
+  table->add_option("--results", options->results, "folder with its record")->capture_default_str();
+  table->add_option("--format", options->format, "text, markdown, csv or latex (booktabs)")
+      ->check(CLI::IsMember({"text", "markdown", "csv", "latex"}))
+      ->capture_default_str();
+  table->add_option("-o,--output", options->output, "file; - is the standard output")->capture_default_str();
+  table->footer("Example:\n  volccd experiment table table1 --results results/ --format latex -o table1.tex");
+  table->callback([options, &action] { action = [options] { return print_table(*options); }; });
+}
+
+void add_compare_command(CLI::App& command, Action& action) {
+  const auto folders = std::make_shared<std::pair<std::string, std::string>>();
+  CLI::App* compare_command = command.add_subcommand("compare", "what changed between two folders of records, beyond the spread");
+  compare_command->add_option("A", folders->first, "folder of the records before")->required();
+  compare_command->add_option("B", folders->second, "folder of the records after")->required();
+  compare_command->footer(
+      "Exit code 1 where something became slower beyond the spread of its rounds and 3 %, or counts differ.\n"
+      "Example:\n  volccd experiment compare results/ build/results/");
+  compare_command->callback([folders, &action] { action = [folders] { return compare(folders->first, folders->second); }; });
 }
 
 }  // namespace
@@ -212,8 +293,9 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
   CLI::App* list = command->add_subcommand("list", "what there is");
   list->callback([&action] {
     action = [] {
-      for (const Experiment& experiment : kExperiments)
-        fmt::print("{:<12} {}\n", experiment.name, experiment.description);
+      for (const ExperimentKind& kind : experiment_kinds()) fmt::print("{:<12} {}\n", kind.name, kind.description);
+      for (const OtherExperiment& other : kOthers) fmt::print("{:<12} {}\n", other.name, other.description);
+      fmt::print("{:<12} {}\n", "all", "all of these");
       return kDone;
     };
   });
@@ -222,22 +304,32 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
   run_command->add_option("NAME", options->names, "see `volccd experiment list`")->required()->type_name("");
   run_command
       ->add_option("--pipelines", options->pipelines,
-                   "projectile: pipelines to compare beside the four, NAME[,NAME...]")
+                   "further pipelines beside those of the experiment, NAME[,NAME...]; ablation: these alone")
       ->delimiter(',')
       ->allow_extra_args(false);
+  run_command
+      ->add_option("--set", options->settings,
+                   "ablation: stage.option=value[,value...], a run for each value; role=stage[,stage...]; may be repeated")
+      ->type_name("SETTING")
+      ->allow_extra_args(false);
   run_command->add_option("-o,--output", options->output, "folder for tables and records")->capture_default_str();
-  run_command->add_flag("--quick", options->quick, "projectile: one round (the default); others: the small sizes");
-  run_command->add_flag("--full", options->full, "five rounds")->excludes("--quick");
+  run_command->add_flag("--quick", options->quick, "minutes: small scenes, few motions, one round (the default of those with rounds)");
+  run_command->add_flag("--full", options->full, "hours: scenes at their own sizes, more motions, several rounds")->excludes("--quick");
   add_threads_option(*run_command, options->threads);
   run_command->footer(
-      "Ctrl-C or an error keeps what was complete as NAME.incomplete.json and .txt; a whole record stays as it was.\n"
+      "Motions are sampled evenly where all would take too long; the record lists them. After Ctrl-C or an error the same\n"
+      "command goes on with what NAME.incomplete.jsonl has (scenes, feature-sets: NAME.incomplete.json and .txt keep the\n"
+      "scenes that were complete); a whole record stays as it was until then.\n"
       "Examples:\n"
       "  volccd experiment run projectile --quick -o results/\n"
       "  volccd experiment run projectile --pipelines BruteForce -o results/\n"
-      "  volccd experiment run scenes --threads 2 -o results/\n"
-      "  volccd experiment run feature-sets --quick --threads 2 -o results/");
+      "  volccd experiment run table1 --quick -o results/\n"
+      "  volccd experiment run ablation --pipelines VolCCD,VolCCD+ --set csat.axis=face,centroid -o results/\n"
+      "  volccd experiment run all --full --threads 1 -o results/");
   run_command->callback(
       [options, &registry, &action] { action = [options, &registry] { return run(*options, registry); }; });
+  add_table_command(*command, action);
+  add_compare_command(*command, action);
 }
 
 }  // namespace volccd

@@ -13,6 +13,7 @@ const char* name_of(MotionModel model) {
   switch (model) {
     case MotionModel::linear: return "linear";
     case MotionModel::quadratic: return "quadratic";
+    case MotionModel::tentative: return "tentative";
   }
   return "";
 }

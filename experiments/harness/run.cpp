@@ -145,7 +145,7 @@ class Runner {
                 {"motion", motion},
                 {"round", round},
                 {"threads", executor_.workers()},
-                {"topology_seconds", 0.0},
+                {"topology_seconds", rounded(stepper_.edit_seconds())},
                 {"contacts_hash", contacts_hash(result_.contacts)}});
     json& known = of_motion_.at(motion);
     if (!known.contains("touching_pairs")) known["touching_pairs"] = touching_pair_count(*topology_, result_.contacts);
