@@ -188,6 +188,8 @@ const Options<Cubic::Config>& Cubic::options() {
     options.add("tolerance", &Config::tolerance, 1e-13, 1e-3,
                 "distance that counts as touching, relative to the size of a test");
     options.add("axis_test", &Config::axis_test, "drop tests that the x, y or z axis separates before the cubic");
+    options.add("coplanarity", &Config::coplanarity,
+                "drop tests whose Bernstein coefficients have one sign before the search for roots");
     return options;
   }();
   return table;
@@ -198,7 +200,7 @@ void Cubic::run(const Step& step, StageState&, unsigned, const TestBlock& block,
   assert(step.motion.control_points() == 2 && step.separation == 0);
   CoplanarityBlock cubics;
   cubics.gather(step.motion, block);
-  cubics.compute(config_.axis_test);
+  cubics.compute(config_.axis_test, config_.coplanarity);
   for (std::size_t i = 0; i < cubics.size(); ++i)
     if (cubics.open(i)) test_open(block.kind(), cubics, i, config_.tolerance, step.t_max, contacts, counters);
 }

@@ -23,8 +23,8 @@ namespace volccd {
 /// such a contact is the direction in which the features were apart just before; at t = 0, with the motion continued
 /// backwards.
 ///
-/// Two control points; no separation. Does not allocate but for the contacts. O(1) a test; most tests end in a
-/// vector kernel that proves the cubic free of roots.
+/// Two control points; no separation. Does not allocate but for the contacts. O(1) a test; with `coplanarity`, most
+/// tests end in a vector kernel that proves the cubic free of roots.
 class Cubic final : public NarrowPhase {
  public:
   struct Config {
@@ -32,6 +32,9 @@ class Cubic final : public NarrowPhase {
     double tolerance = 1e-10;
     /// Before the cubic, drop tests whose features the x, y or z axis separates at both ends (Corollaries 1 and 3).
     bool axis_test = true;
+    /// Drop tests whose cubic is proven free of roots by the signs of its Bernstein coefficients (Tang et al. 2010), one test
+    /// a lane. The contacts are the same without; then every test goes on to the search for roots, one at a time.
+    bool coplanarity = true;
   };
   static const Options<Config>& options();
 

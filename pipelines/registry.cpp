@@ -11,6 +11,7 @@
 #include <volccd/culling/all_pairs.hpp>
 #include <volccd/culling/coplanarity_filter.hpp>
 #include <volccd/culling/csat.hpp>
+#include <volccd/culling/csat_2011.hpp>
 #include <volccd/culling/csat_filter.hpp>
 #include <volccd/culling/dynamic_assignment.hpp>
 #include <volccd/culling/feature_kdop_filter.hpp>
@@ -19,6 +20,7 @@
 #include <volccd/narrowphase/cubic.hpp>
 #include <volccd/narrowphase/exact.hpp>
 #include <volccd/narrowphase/inclusion.hpp>
+#include <volccd/narrowphase/provot.hpp>
 
 namespace volccd {
 
@@ -38,6 +40,20 @@ void add_presets(Registry& registry) {
                          {{"feature-kdop", {}}, {"coplanarity", {}}, csat_filter}, inclusion});
   registry.add_pipeline({"BruteForce", "every pair of elements, compared by its swept box, and all its elementary tests",
                          {"brute-force", {}}, {}, all_pairs, {}, {}, inclusion});
+}
+
+/// The paper's Table I as measured in 2011: what it describes, and nothing that it has not. Boxes for HashCCD, as in Teschner et
+/// al. 2003.
+void add_presets_of_2011(Registry& registry) {
+  const StageChoice bvh{"kdop-bvh", {{"k", "16"}, {"leaf_size", "1"}}}, boxes{"spatial-hash", {{"k", "6"}}};
+  const StageChoice all_pairs{"all-pairs", {}}, provot{"provot", {}};
+  registry.add_pipeline({"NavCCD-2011", "NavCCD as in 2011: elements as leaves, scalar elementary test",
+                         bvh, {}, all_pairs, {}, {}, provot});
+  registry.add_pipeline({"HashCCD-2011", "HashCCD as in 2011: boxes, scalar elementary test",
+                         boxes, {}, all_pairs, {}, {}, provot});
+  registry.add_pipeline({"VolCCD-2011", "VolCCD as in 2011: elements as leaves, scalar CSAT and elementary test, printed O-Set",
+                         bvh, {{"csat-2011", {}}}, {"dynamic-assignment", {}}, StageChoice{"o-set", {{"kind", "literal"}}},
+                         {{"feature-csat-2011", {}}}, provot});
 }
 
 /// Splits "a,b,c"; "" and "none" give nothing.
@@ -115,6 +131,7 @@ Registry Registry::standard() {
   registry.add(describe_spatial_hash());
   registry.add(describe_brute_force());
   registry.add(describe_csat());
+  registry.add(describe_csat_2011());
   registry.add(describe_all_pairs());
   registry.add(describe_static_assignment());
   registry.add(describe_dynamic_assignment());
@@ -122,10 +139,13 @@ Registry Registry::standard() {
   registry.add(describe_feature_kdop_filter());
   registry.add(describe_coplanarity_filter());
   registry.add(describe_csat_filter());
+  registry.add(describe_csat_filter_2011());
+  registry.add(describe_provot());
   registry.add(describe_cubic());
   registry.add(describe_inclusion());
   registry.add(describe_exact());
   add_presets(registry);
+  add_presets_of_2011(registry);
   return registry;
 }
 

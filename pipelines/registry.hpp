@@ -39,7 +39,8 @@ struct PipelineSpec {
 
 class Registry {
  public:
-  /// Everything that the library has: all stages and the presets NavCCD, HashCCD, VolCCD, VolCCD+ and BruteForce.
+  /// Everything that the library has: all stages; the presets NavCCD, HashCCD, VolCCD, VolCCD+ and BruteForce; NavCCD-2011,
+  /// HashCCD-2011 and VolCCD-2011.
   static Registry standard();
 
   /// Adds a stage. Throws ConfigError if the name is taken by any stage: `--set name.option=value` must be unambiguous.

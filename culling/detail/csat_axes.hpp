@@ -5,10 +5,18 @@
 
 #include <Eigen/Geometry>
 
+#include <volccd/core/random.hpp>
 #include <volccd/culling/detail/csat_points.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::detail {
+
+/// The hash that picks a feature of element `other` for the tests of element o with it; `feature`: 0 for a face, 1 for an edge.
+inline std::uint64_t csat_pick(const Step& step, Index o, Index other, int feature) {
+  const std::uint64_t ids = hash_ids(static_cast<std::uint64_t>(step.mesh().element_id(o)),
+                                     static_cast<std::uint64_t>(step.mesh().element_id(other)));
+  return mix(ids ^ static_cast<std::uint64_t>(feature));
+}
 
 /// Largest component scaled to 1, so that products with lengths do not leave the range of doubles early. Not finite for
 /// 0.

@@ -5,7 +5,6 @@
 #include <limits>
 #include <utility>
 
-#include <volccd/core/random.hpp>
 #include <volccd/culling/detail/csat_axes.hpp>
 #include <volccd/culling/detail/csat_points.hpp>
 #include <volccd/culling/detail/csat_simplex.hpp>
@@ -343,11 +342,7 @@ class Culler {
             all(mask.edges_b, step_.features().element_edges(pair.b).size()));
   }
 
-  std::uint64_t pick(Index o, Index other, int feature) const {
-    const std::uint64_t ids = hash_ids(static_cast<std::uint64_t>(step_.mesh().element_id(o)),
-                                       static_cast<std::uint64_t>(step_.mesh().element_id(other)));
-    return mix(ids ^ static_cast<std::uint64_t>(feature));
-  }
+  std::uint64_t pick(Index o, Index other, int feature) const { return csat_pick(step_, o, other, feature); }
 
   const Csat::Config& config_;
   const Step& step_;

@@ -1,7 +1,7 @@
 #include <volccd/narrowphase/detail/coplanarity.hpp>
 
 #include <volccd/narrowphase/detail/double_double.hpp>
-#include <volccd/narrowphase/detail/vector3.hpp>
+#include <volccd/query/vector3.hpp>
 
 namespace volccd::detail {
 namespace {

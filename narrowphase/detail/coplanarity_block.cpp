@@ -75,7 +75,7 @@ HWY_ATTR void compute_rows(const CoplanarityBlock::Rows& rows) {
     const auto positive = hn::And(hn::Gt(hn::Min(b0, b3), error), hn::Gt(hn::Min(b1, b2), error3));
     const auto negative =
         hn::And(hn::Lt(hn::Max(b0, b3), hn::Sub(zero, error)), hn::Lt(hn::Max(b1, b2), hn::Sub(zero, error3)));
-    closed = hn::Or(closed, hn::Or(positive, negative));
+    if (rows.coplanarity) closed = hn::Or(closed, hn::Or(positive, negative));
     hn::Store(b0, d, rows.b[0] + i);
     hn::Store(b1, d, rows.b[1] + i);
     hn::Store(b2, d, rows.b[2] + i);
@@ -109,9 +109,9 @@ void CoplanarityBlock::gather(const Motion& motion, const TestBlock& tests) {
       }
 }
 
-void CoplanarityBlock::compute(bool axis_test) {
+void CoplanarityBlock::compute(bool axis_test, bool coplanarity) {
   HWY_DYNAMIC_DISPATCH(compute_rows)
-  ({differences_, {b_[0], b_[1], b_[2], b_[3]}, error_, open_, (size_ + 7) / 8 * 8, kind_, axis_test});
+  ({differences_, {b_[0], b_[1], b_[2], b_[3]}, error_, open_, (size_ + 7) / 8 * 8, kind_, axis_test, coplanarity});
 }
 
 MovingPoints CoplanarityBlock::points(std::size_t i) const { return moving_points(coordinates_[i], 1); }

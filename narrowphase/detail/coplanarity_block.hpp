@@ -21,10 +21,11 @@ class CoplanarityBlock {
   void gather(const Motion& motion, const TestBlock& tests);
 
   /// Computes the cubics. Open are then all tests but those
-  ///  - whose cubic has no root in [0,1]: all Bernstein coefficients of one sign, beyond their rounding bound; or,
+  ///  - with `coplanarity`, whose cubic has no root in [0,1]: all Bernstein coefficients of one sign, beyond their rounding
+  ///    bound (Tang et al. 2010); or,
   ///  - with `axis_test`, that the x, y or z axis separates at both ends (exact: rounding of differences is monotone).
   /// The same bits for every vector length.
-  void compute(bool axis_test);
+  void compute(bool axis_test, bool coplanarity = true);
 
   std::size_t size() const { return size_; }
   bool open(std::size_t i) const { return open_[i] != 0; }
@@ -47,7 +48,7 @@ class CoplanarityBlock {
     double* open;
     std::size_t padded_size;
     FeatureKind kind;
-    bool axis_test;
+    bool axis_test, coplanarity;
   };
 
  private:

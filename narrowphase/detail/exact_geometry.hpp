@@ -6,7 +6,7 @@
 #include <span>
 
 #include <volccd/narrowphase/detail/algebraic_time.hpp>
-#include <volccd/narrowphase/detail/vector3.hpp>
+#include <volccd/query/vector3.hpp>
 #include <volccd/narrowphase/exact_predicates.hpp>
 #include <volccd/query/pairs.hpp>
 

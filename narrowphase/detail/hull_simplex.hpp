@@ -5,7 +5,7 @@
 #include <cstddef>
 #include <utility>
 
-#include <volccd/narrowphase/detail/vector3.hpp>
+#include <volccd/query/vector3.hpp>
 
 namespace volccd::detail {
 
