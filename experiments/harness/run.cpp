@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
@@ -69,8 +70,7 @@ class Runner {
  public:
   Runner(const Registry& registry, const SceneRun& run, int rounds, Executor& executor,
          const std::function<void()>& before_each)
-      : run_(run), rounds_(rounds), executor_(executor), before_each_(before_each), reader_(run.file),
-        stepper_(reader_, run.config) {
+      : run_(run), rounds_(rounds), executor_(executor), before_each_(before_each), reader_(run.file) {
     for (const Entrant& entrant : run.entrants)
       contestants_.push_back(std::make_unique<Contestant>(registry, entrant));
   }
@@ -78,8 +78,11 @@ class Runner {
   std::vector<json> measure(const MotionWindow& window) {
     std::vector<json> rows;
     for (int round = 0; round < rounds_; ++round) {
-      go_to(std::max(window.first - 1, 0));
-      for (const auto& contestant : contestants_) run(*contestant);
+      if (round == 0 || edits_in(window) || window.count == 1) {
+        stepper_.emplace(reader_, run_.config);  // element slots, and counts with them, depend on the way taken
+        go_to(std::max(window.first - 1, 0));
+        for (const auto& contestant : contestants_) run(*contestant);
+      }
       for (int k = window.first; k < window.first + window.count; ++k) {
         go_to(k);
         if (round == 0) remember(k);
@@ -94,16 +97,23 @@ class Runner {
   }
 
  private:
+  /// Whether cells change from the motion before the window to its last one.
+  bool edits_in(const MotionWindow& window) {
+    for (int step = std::max(window.first, 1); step < window.first + window.count; ++step)
+      if (!reader_.same_cells(step, step + 1)) return true;
+    return false;
+  }
+
   void go_to(int motion) {
-    stepper_.go_to(motion);
-    topology_ = &stepper_.topology();
-    motion_ = stepper_.motion();
+    stepper_->go_to(motion);
+    topology_ = &stepper_->topology();
+    motion_ = stepper_->motion();
     if (run_.motion_scale != 1) scale(motion_);
     if (run_.subdivisions == 0) return;
     RefinedStep refined = refine(*topology_, motion_, run_.subdivisions);
     motion_ = std::move(refined.motion);
-    if (!refined_ || stepper_.topology().version() != refined_version_) refined_.emplace(std::move(refined.mesh));
-    refined_version_ = stepper_.topology().version();
+    if (!refined_ || stepper_->topology().version() != refined_version_) refined_.emplace(std::move(refined.mesh));
+    refined_version_ = stepper_->topology().version();
     topology_ = &*refined_;
   }
 
@@ -145,7 +155,7 @@ class Runner {
                 {"motion", motion},
                 {"round", round},
                 {"threads", executor_.workers()},
-                {"topology_seconds", rounded(stepper_.edit_seconds())},
+                {"topology_seconds", rounded(stepper_->edit_seconds())},
                 {"contacts_hash", contacts_hash(result_.contacts)}});
     json& known = of_motion_.at(motion);
     if (!known.contains("touching_pairs")) known["touching_pairs"] = touching_pair_count(*topology_, result_.contacts);
@@ -161,7 +171,7 @@ class Runner {
   Executor& executor_;
   const std::function<void()>& before_each_;
   SequenceReader reader_;
-  SequenceStepper stepper_;
+  std::optional<SequenceStepper> stepper_;
   std::vector<std::unique_ptr<Contestant>> contestants_;
   const ObjectFilter everything_;
   const Topology* topology_ = nullptr;

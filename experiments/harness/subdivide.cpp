@@ -87,7 +87,9 @@ class Division {
   void divide_boxes(const ElementSpec& element, int axes) {
     constexpr int kRound[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     const int layers = axes == 3 ? 2 : 1;
+    Index centre = kNone;  // of eight corners: no other element has it
     const auto point = [&](int i, int j, int k) {
+      if (centre != kNone && axes == 3 && i == 1 && j == 1 && k == 1) return centre;
       std::vector<Index> corners;
       for (int c = 0; c < 4 * layers; ++c) {
         const int at[3] = {2 * kRound[c % 4][0], 2 * kRound[c % 4][1], 2 * (c / 4)};
@@ -96,7 +98,9 @@ class Division {
         for (int axis = 0; axis < axes; ++axis) between &= wanted[axis] == 1 || wanted[axis] == at[axis];
         if (between) corners.push_back(element.vertices[static_cast<std::size_t>(c)]);
       }
-      return middle(corners);
+      const Index v = middle(corners);
+      if (corners.size() == 8) centre = v;
+      return v;
     };
     for (int k = 0; k < layers; ++k)
       for (const auto& low : kRound) {

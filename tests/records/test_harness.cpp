@@ -1,0 +1,183 @@
+// The harness: what is measured, that edits are repeated in every round, and that counts do not depend on how often or by how
+// many threads.
+#include <numeric>
+#include <set>
+
+#include <gtest/gtest.h>
+
+#include <volccd/core/error.hpp>
+#include <volccd/experiments/harness/motion_measures.hpp>
+#include <volccd/experiments/harness/run.hpp>
+#include <volccd/experiments/harness/subdivide.hpp>
+#include <volccd/experiments/scenes/scene.hpp>
+#include <volccd/experiments/tables/catalog.hpp>
+#include <volccd/experiments/tables/rows.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
+#include <volccd/pipelines/pipeline.hpp>
+
+#include "support/scratch_folder.hpp"
+
+namespace volccd::test {
+namespace {
+
+using nlohmann::json;
+
+TEST(SampledWindows, AreSpreadEvenlyAndHaveAMotionBefore) {
+  const std::vector<MotionWindow> all = sampled_windows(5, 3, 2);
+  ASSERT_EQ(all.size(), 1u);
+  EXPECT_EQ(all[0].count, 5);
+  for (const int motions : {9, 10, 64, 96}) {
+    const std::vector<MotionWindow> some = sampled_windows(motions, 4, 2);
+    ASSERT_EQ(some.size(), 4u) << motions;
+    int last = 0;
+    for (const MotionWindow& window : some) {
+      EXPECT_GE(window.first, std::max(1, last)) << motions;
+      last = window.first + window.count;
+    }
+    EXPECT_LE(last, motions);
+    EXPECT_GE(last, motions - motions / 4 - 1) << "nothing of the last quarter";
+  }
+}
+
+/// The built-in block that goes through a plate: elements erode.
+class Harness : public testing::Test {
+ protected:
+  Harness() : file_(folder_ / "builtin.vtkhdf") {
+    write_scene(*make_scene("builtin", {{"elements", "200"}, {"steps", "9"}}), file_);
+  }
+
+  ExperimentPlan plan(int rounds, std::vector<MotionWindow> windows) const {
+    SceneRun run{"block", file_, {}, std::move(windows), {}};
+    for (const char* pipeline : {"NavCCD", "HashCCD", "VolCCD", "VolCCD+"})
+      run.entrants.push_back(entrant(registry_, "c", pipeline));
+    return {"test", "quick", rounds, {run}};
+  }
+  std::vector<json> rows_of(const ExperimentPlan& plan, unsigned threads, const std::string& name) {
+    const auto executor = make_thread_executor(threads);
+    RecordFile record(folder_ / "", name, {{"name", name}});
+    run_experiment(registry_, plan, *executor, record);
+    return record.rows();
+  }
+
+  const ScratchFolder folder_;
+  const std::string file_;
+  const Registry registry_ = Registry::standard();
+};
+
+/// Columns that no clock decides.
+json counts_of(json row) {
+  json counts;
+  for (const auto& [name, value] : row.items())
+    if (!name.ends_with("_s") && !name.ends_with("seconds") && name != "workspace_bytes" && name != "threads" && name != "round")
+      counts[name] = value;
+  return counts;
+}
+
+TEST_F(Harness, ARowForEachMotionEntrantAndRound) {
+  const std::vector<json> rows = rows_of(plan(2, {{1, 2}, {5, 1}}), 1, "a");
+  EXPECT_EQ(rows.size(), 3u * 4u * 2u);
+  std::set<std::string> keys;
+  for (const json& row : rows) {
+    keys.insert(row.at("pipeline").get<std::string>() + row.at("motion").dump() + "/" + row.at("round").dump());
+    EXPECT_GT(row.at("seconds").get<double>(), 0);
+    EXPECT_GE(row.at("broad_phase_prepare_s").get<double>(), row.at("bounds_s").get<double>());
+  }
+  EXPECT_EQ(keys.size(), rows.size());
+}
+
+TEST_F(Harness, CountsRepeatForAnyNumberOfThreadsAndRounds) {
+  const ExperimentPlan three = plan(3, {{2, 2}});
+  const std::vector<json> once = rows_of(plan(1, {{2, 2}}), 1, "once");
+  std::map<std::string, json> expected;
+  const auto key = [](const json& row) { return row.at("pipeline").get<std::string>() + row.at("motion").dump(); };
+  for (const json& row : once) expected[key(row)] = counts_of(row);
+  for (const unsigned threads : {1u, 3u})
+    for (const json& row : rows_of(three, threads, "t" + std::to_string(threads))) {
+      EXPECT_EQ(counts_of(row), expected.at(key(row))) << key(row) << " round " << row.at("round");
+    }
+}
+
+TEST_F(Harness, EveryRoundRepeatsTheEdit) {
+  int edited = 0;
+  for (int first = 1; first < 8 && edited == 0; ++first) {
+    const std::vector<json> rows = rows_of(plan(3, {{first, 1}}), 1, "e" + std::to_string(first));
+    for (const json& row : rows) edited += row.at("topology_seconds").get<double>() > 0;
+    EXPECT_TRUE(edited == 0 || edited == static_cast<int>(rows.size())) << "some rounds have an edit, and others none";
+  }
+  EXPECT_GT(edited, 0) << "the scene shows nothing: no element erodes";
+}
+
+TEST_F(Harness, GoesOnWhereItWasStopped) {
+  const ExperimentPlan two = plan(1, {{1, 1}, {4, 1}});
+  SerialExecutor serial;
+  {
+    RecordFile record(folder_ / "", "r", {{"a", 1}});
+    EXPECT_THROW(run_experiment(registry_, two, serial, record,
+                                [](std::size_t done, std::size_t) {
+                                  if (done >= 4) throw Error("stop");
+                                }),
+                 Error);
+    EXPECT_EQ(record.rows().size(), 4u);
+  }
+  RecordFile record(folder_ / "", "r", {{"a", 1}});
+  EXPECT_EQ(record.resumed(), 1u);
+  std::size_t least = 100;
+  run_experiment(registry_, two, serial, record, [&](std::size_t done, std::size_t) { least = std::min(least, done); });
+  EXPECT_EQ(least, 4u) << "the first window ran again";
+  EXPECT_EQ(record.rows().size(), 8u);
+}
+
+TEST_F(Harness, AdjacentPairsAreThoseThatThePipelineCounts) {
+  SequenceReader reader(file_);
+  SequenceStepper stepper(reader);
+  stepper.go_to(3);
+  const ObjectFilter everything;
+  SerialExecutor serial;
+  const Pipeline pipeline(registry_, registry_.pipeline("NavCCD"));
+  Workspace workspace = pipeline.make_workspace();
+  StepResult result;
+  pipeline.run({stepper.topology(), stepper.motion(), everything}, workspace, serial, result);
+  EXPECT_EQ(adjacent_pair_count(stepper.topology()), result.statistics.adjacent_pairs);
+  Request without;
+  without.count_adjacent = false;
+  pipeline.run({stepper.topology(), stepper.motion(), everything}, workspace, serial, result, without);
+  EXPECT_EQ(result.statistics.adjacent_pairs, 0u);
+}
+
+TEST_F(Harness, TablesAreMadeOfTheRecordAlone) {
+  const ExperimentKind& kind = experiment_kinds().at(0);
+  const json record = {{"rows", rows_of(plan(2, {{1, 3}}), 1, "a")}, {"provenance", {{"setting", "quick"}, {"commit", "c"}}}};
+  for (const TableFormat format : {TableFormat::text, TableFormat::markdown, TableFormat::csv, TableFormat::latex}) {
+    const std::string table = render(kind.tables(record), format);
+    EXPECT_NE(table.find("VolCCD+"), std::string::npos);
+    EXPECT_EQ(table, render(kind.tables(json::parse(record.dump())), format)) << "not the same from the file";
+  }
+}
+
+TEST(Refine, KeepsTheMotionAndTheVolumeOfEveryType) {
+  for (const ElementType type : {ElementType::triangle, ElementType::quad, ElementType::tetrahedron, ElementType::wedge, ElementType::hexahedron}) {
+    const Shape shape = block(type, 2, 2, 2);
+    const Topology topology(shape.mesh());
+    std::vector<Vec3> moved = shape.positions;
+    for (Vec3& p : moved) p += Vec3(0.5, 0.25, 1);
+    const RefinedStep fine = refine(topology, Motion::linear(shape.positions, moved), 2);
+    const Index parts = is_shell(type) ? 4 : 8;
+    EXPECT_EQ(fine.mesh.element_count(), shape.elements.size() * parts * parts);
+    for (Index v = 0; v < fine.motion.vertex_count(); ++v)
+      EXPECT_TRUE(fine.motion.point(v, 1).isApprox(fine.motion.point(v, 0) + Vec3(0.5, 0.25, 1)));
+    // Neighbours share their new vertices: a block twice divided has as many as one of eight cells an edge.
+    if (type != ElementType::tetrahedron) {
+      EXPECT_EQ(fine.mesh.vertex_count(), block(type, 8, 8, 8).positions.size()) << to_string(type);
+    }
+    const Topology refined(fine.mesh);
+    Index boundary = 0;
+    for (Index f = 0; f < refined.features().triangle_slots(); ++f) boundary += refined.features().triangle_elements(f).size() == 1;
+    Index coarse = 0;
+    for (Index f = 0; f < topology.features().triangle_slots(); ++f) coarse += topology.features().triangle_elements(f).size() == 1;
+    EXPECT_EQ(boundary, coarse * 16) << to_string(type) << ": cracks between the parts of neighbours";
+  }
+  EXPECT_THROW(refine(Topology(block(ElementType::pyramid, 1, 1, 1).mesh()), Motion(9, 2), 1), ConfigError);
+}
+
+}  // namespace
+}  // namespace volccd::test
