@@ -80,6 +80,7 @@ std::optional<std::string> scene_file(const ExperimentOptions& options, const st
     return std::nullopt;
   }
   if (name == "builtin") {
+    fmt::print("taking the built-in sequence\n");
     const std::string file = record_file(options, name, ".vtkhdf");
     write_scene(*make_scene(name, {}), file);
     return file;

@@ -32,6 +32,12 @@ std::vector<MotionWindow> sampled_windows(int motions, int count, int length) {
   return windows;
 }
 
+std::vector<MotionWindow> all_windows(int motions, int length) {
+  std::vector<MotionWindow> windows;
+  for (int first = 0; first < motions; first += length) windows.push_back({first, std::min(length, motions - first)});
+  return windows;
+}
+
 std::size_t measured_runs(const ExperimentPlan& plan) {
   std::size_t sum = 0;
   for (const SceneRun& run : plan.runs)

@@ -52,6 +52,9 @@ const char* name_of(EdgeSet set);
 /// state up to it. All motions, in one window, where that is no more.
 std::vector<MotionWindow> sampled_windows(int motions, int count, int length);
 
+/// All motions, in windows of `length` (the last may be shorter).
+std::vector<MotionWindow> all_windows(int motions, int length);
+
 /// Motions that are measured: runs x windows x rounds x entrants x motions.
 std::size_t measured_runs(const ExperimentPlan& plan);
 

@@ -100,7 +100,7 @@ ExperimentPlan projectile_plan(const PlanContext& context) {
   std::optional<std::string> file = context.file_of(scene);
   if (!file) file = context.file_of(scene = "builtin");
   if (!file) throw ConfigError("projectile: there is neither ls-dyna-projectile nor the scene builtin");
-  SceneRun run{scene, *file, {}, {{0, motion_count(*file)}}, {}};
+  SceneRun run{scene, *file, {}, all_windows(motion_count(*file), 5), {}};
   std::vector<std::string> pipelines = {"NavCCD", "HashCCD", "VolCCD", "VolCCD+"};
   pipelines.insert(pipelines.end(), context.pipelines.begin(), context.pipelines.end());
   for (const std::string& pipeline : pipelines) {

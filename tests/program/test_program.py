@@ -312,7 +312,30 @@ class Program(ProgramTest):
         self.assertIn("built-in sequence", text)
         self.assertIn("0.69 %", text)
         with open(self.path("results/projectile.json"), encoding="utf-8") as file:
-            self.assertEqual(len(json.load(file)["pipelines"]), 4)
+            record = json.load(file)
+        self.assertEqual({row["pipeline"] for row in record["rows"]}, {"NavCCD", "HashCCD", "VolCCD", "VolCCD+"})
+        self.assertEqual({row["motion"] for row in record["rows"]}, set(range(8)))
+        self.assertEqual({row["scene"] for row in record["rows"]}, {"builtin"})
+        names = [option for stage in record["provenance"]["plan"]["runs"][0]["entrants"][0]["stages"].values()
+                 if isinstance(stage, dict) for option in stage["options"]]
+        self.assertIn("leaf_size", names)  # options are recorded whether or not they were set
+        for fact in ("commit", "compiler", "flags", "cpu", "load", "inputs"):
+            self.assertIn(fact, record["provenance"])
+        self.assertNotIn(self.folder.name, json.dumps(record))  # no path of this machine
+        for form, sign in (("text", "0.69 %"), ("markdown", "|---|"), ("csv", "NavCCD,"), ("latex", "\\toprule")):
+            self.assertIn(sign, self.good("experiment", "table", "projectile", "--results", self.path("results"), "--format", form))
+        text = self.good("experiment", "table", "projectile", "--results", self.path("results"))
+        self.assertEqual(text, self.read("results/projectile.txt").decode())
+        same = self.good("experiment", "compare", self.path("results"), self.path("results"))
+        self.assertIn("4 compared: 0 slower, 0 faster beyond the spread, 0 with other counts", same)
+        record["rows"][0]["contacts_hash"] = "0"
+        os.mkdir(self.path("other"))
+        self.write("other/projectile.json", json.dumps(record))
+        changed = run("experiment", "compare", self.path("results"), self.path("other"))
+        self.assertEqual(changed.returncode, 1)
+        self.assertIn("OTHER", changed.stdout)
+        self.bad("experiment", "table", "projectile", "--results", self.path("absent"), says="projectile.json")
+        self.bad("experiment", "compare", self.path("results"), self.path("absent"), says="absent")
 
     def test_bad_input_exits_with_2_and_says_why(self):
         empty = self.path("empty.vtkhdf")
@@ -357,7 +380,8 @@ class Program(ProgramTest):
         self.assertRegex(done.stdout, r"\nSpheres +\S+ ms +")
         with open(os.path.join(self.path("own"), "projectile.json")) as file:
             record = json.load(file)
-        self.assertEqual([pipeline["pipeline"]["name"] for pipeline in record["pipelines"]][3:], ["VolCCD+", "Spheres", "Spheres+CSAT"])
+        self.assertEqual({row["pipeline"] for row in record["rows"]} - {"NavCCD", "HashCCD", "VolCCD"},
+                         {"VolCCD+", "Spheres", "Spheres+CSAT"})
         self.bad(*arguments[:3], "--pipelines", "Nothing", "-o", self.path("own"), says="Spheres+CSAT", program=EXAMPLE)
 
     def test_check_of_a_stage(self):
@@ -687,20 +711,23 @@ class Outputs(ProgramTest):
             self.write("projectile/records/" + name, "whole")
         cut = Interruption("experiment", "run", "projectile", "-o", results, done=1, env=env)
         self.assertEqual(cut.code, 130, cut.screen)
-        self.assertIn("interrupted before the first step was complete", cut.screen)
-        self.assertEqual(sorted(os.listdir(results)), ["projectile.json", "projectile.txt"])
-        cut = Interruption("experiment", "run", "projectile", "-o", results, done=40, env=env)
+        self.assertIn("stopped; the same command goes on", cut.screen)
+        kept = ["projectile.incomplete.jsonl", "projectile.json", "projectile.txt"]
+        self.assertEqual(sorted(os.listdir(results)), kept)
+        cut = Interruption("experiment", "run", "projectile", "-o", results, done=60, env=env)
         self.assertEqual(cut.code, 130, cut.screen)
-        self.assertIn("projectile.incomplete.json", cut.out)
+        self.assertEqual(sorted(os.listdir(results)), kept)
         for name in ("projectile.json", "projectile.txt"):
             self.assertEqual(self.read("projectile/records/" + name), b"whole")
-        record = json.loads(self.read("projectile/records/projectile.incomplete.json"))
-        self.assertFalse(record["complete"])
-        self.assertGreaterEqual(record["steps_done"], 9)
-        self.assertEqual([len(pipeline["steps"]) for pipeline in record["pipelines"]], 4 * [record["steps_done"]])
-        text = self.read("projectile/records/projectile.incomplete.txt").decode()
-        self.assertIn(f"\nincomplete: steps 0 to {record['steps_done'] - 1} of 0 to 148 are complete; interrupted\n", text)
-        self.assertIn("incomplete: steps 0 to ", cut.out)
+        windows = self.read("projectile/records/projectile.incomplete.jsonl").decode().splitlines()[1:]
+        self.assertGreaterEqual(len(windows), 2)
+        first = json.loads(windows[0])["rows"]
+        self.assertEqual(len(first), 4 * len({row["motion"] for row in first}))
+        text = self.good("experiment", "run", "projectile", "-o", results, env=env)
+        self.assertRegex(text, r"going on, [1-9]\d* window")
+        rows = json.loads(self.read("projectile/records/projectile.json"))["rows"]
+        self.assertEqual(len(rows), 4 * 149)
+        self.assertEqual(rows[:len(first)], first)
         self.no_leftovers()
 
 
