@@ -44,9 +44,10 @@ StepVerdict Verifier::check(const Step& step, Executor& executor, std::vector<Co
   Entry& reference = step.mesh().element_count() <= config_.brute_force_limit ? *brute_ : *unculled_;
   verdict.reference = reference.pipeline.spec().name;
   StepResult truth;
-  const Request request(Query::all, true);
+  const Request request(Query::all, true, config_.leave_out_shell_neighbours);
   reference.pipeline.run(step, reference.workspace, executor, truth, request);
   verdict.contacts = truth.contacts.size();
+  verdict.left_out = truth.left_out.size();
   verdict.initial_overlaps = truth.initial_overlaps.size();
   verdict.earliest_toi = truth.statistics.earliest_toi;
   for (const auto& entry : entries_) {
@@ -60,13 +61,17 @@ StepVerdict Verifier::check(const Step& step, Executor& executor, std::vector<Co
       continue;
     }
     one.difference = compare_contacts(truth.contacts, found.contacts);
+    one.left_out = compare_contacts(truth.left_out, found.left_out);
     one.missing_overlaps = only_in(truth.initial_overlaps, found.initial_overlaps);
     one.extra_overlaps = only_in(found.initial_overlaps, truth.initial_overlaps);
     one.statistics = found.statistics;
   }
   const bool complete_edges = step.features().edge_set() == EdgeSet::triangulated;
-  if (!config_.fcl_times.empty() && complete_edges)
-    verdict.fcl = check_against_fcl(step, truth.contacts, config_.fcl_times, executor);
+  if (!config_.fcl_times.empty() && complete_edges) {
+    std::vector<Contact> every = truth.contacts;
+    every.insert(every.end(), truth.left_out.begin(), truth.left_out.end());
+    verdict.fcl = check_against_fcl(step, every, config_.fcl_times, executor);
+  }
   if (!config_.fcl_times.empty()) verdict.initial = check_initial_overlaps(step, truth.initial_overlaps, executor);
   if (expected) *expected = std::move(truth.contacts);
   return verdict;
