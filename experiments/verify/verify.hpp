@@ -23,7 +23,8 @@ struct VerifyConfig {
   std::vector<double> fcl_times = {0.25, 0.5, 0.75, 1.0};
   /// Tolerance on times where the file has ground truth with times.
   double truth_time_tolerance = 1e-6;
-  /// Request::leave_out_shell_neighbours, for all pipelines. What is left out is compared, too, and FCL is told of it.
+  /// Request::leave_out_shell_neighbours, for all pipelines. What is left out is compared, too. FCL does not miss it:
+  /// the elements have a common vertex, or touch at t = 0.
   bool leave_out_shell_neighbours = false;
 };
 
