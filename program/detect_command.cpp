@@ -164,7 +164,8 @@ class Detection {
   }
 
   void print_left_out() const {
-    const char* const count = "contacts of features that stem from one shell vertex; --shell-neighbours keep takes them in";
+    const char* const count =
+        "contacts of features that stem from one shell vertex; --shell-neighbours keep takes them in";
     if (options_.first)
       fmt::print(plan_.report(), "left out, not counted with --first: {}\n", count);
     else

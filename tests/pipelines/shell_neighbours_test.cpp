@@ -149,7 +149,8 @@ TEST(ShellNeighbours, AreNotTheFirstContact) {
     const Solids solids = book(0.2, angle);
     const StepResult all = solids.run("BruteForce", kLeaveOut);
     ASSERT_GT(all.contacts.size(), 0u);
-    EXPECT_TRUE(std::ranges::any_of(all.left_out, [&](const Contact& c) { return c.toi < all.statistics.earliest_toi; }));
+    const double earliest = all.statistics.earliest_toi;
+    EXPECT_TRUE(std::ranges::any_of(all.left_out, [&](const Contact& c) { return c.toi < earliest; }));
     const Contact first = *std::ranges::min_element(all.contacts, [](const Contact& x, const Contact& y) {
       return x.toi != y.toi ? x.toi < y.toi : canonical_less(x, y);
     });
