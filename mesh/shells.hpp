@@ -17,6 +17,8 @@ namespace volccd {
 constexpr Index solid_middle(Index v) { return 3 * v; }
 constexpr Index solid_below(Index v) { return 3 * v + 1; }
 constexpr Index solid_above(Index v) { return 3 * v + 2; }
+/// The vertex of the shell mesh that a vertex of the solid mesh stems from.
+constexpr Index shell_vertex(Index solid) { return solid / 3; }
 
 /// 3 id, 3 id + 1, 3 id + 2 for each id. Throws InputError for ids beyond a third of the range of 64 bits.
 std::vector<std::int64_t> solid_vertex_ids(std::span<const std::int64_t> ids);

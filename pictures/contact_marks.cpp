@@ -20,7 +20,8 @@ std::vector<PictureContact> find_contacts(SequenceReader& reader, int motion, Sh
   const std::unique_ptr<Executor> executor = make_executor(threads);
   const ObjectFilter filter;
   StepResult result;
-  pipeline.run(Step{stepper.topology(), stepper.motion(), filter}, workspace, *executor, result);
+  pipeline.run(Step{stepper.topology(), stepper.motion(), filter}, workspace, *executor, result,
+               Request(Query::all, false, shells == ShellModel::solid));
   std::vector<PictureContact> contacts;
   contacts.reserve(result.contacts.size());
   for (const Contact& contact : result.contacts) contacts.push_back({contact.kind, contact.vertices});

@@ -114,6 +114,10 @@ void Pipeline::run(const Step& step, Workspace& workspace, Executor& executor, S
                     "pipeline that runs",
                     spec_.name));
   check(step);
+  if (request.leave_out_shell_neighbours && step.mesh().vertex_count() % 3 != 0)
+    throw ConfigError(fmt::format("shell neighbours can be left out of thickened shells only: the mesh has {} vertices, "
+                                  "not three for each vertex of a shell mesh",
+                                  step.mesh().vertex_count()));
   Workspace::Data& data = *workspace.data_;
   if (!data.intact) make_states(data);
   data.intact = false;

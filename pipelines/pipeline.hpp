@@ -41,14 +41,21 @@ struct Request {
   /// Fill Statistics::adjacent_pairs where the broad phase emits adjacent pairs. It costs a comparison a pair, which
   /// belongs to no stage: measurements leave it out.
   bool count_adjacent = true;
+  /// The mesh is the solid mesh of a ShellThickener: contacts of features that stem from one vertex of the shell mesh
+  /// (share_shell_vertex) are no contacts. All stages see their tests as any others.
+  bool leave_out_shell_neighbours = false;
 
   Request() = default;
-  Request(Query q, bool overlaps = false) : query(q), initial_overlaps(overlaps) {}  // NOLINT: a Query is a request
+  Request(Query q, bool overlaps = false, bool without_shell_neighbours = false)  // NOLINT: a Query is a request
+      : query(q), initial_overlaps(overlaps), leave_out_shell_neighbours(without_shell_neighbours) {}
 };
 
 struct StepResult {
   /// In canonical order, each feature pair once. The same bit for bit for any number of workers.
   std::vector<Contact> contacts;
+  /// Those that Request::leave_out_shell_neighbours keeps from being in `contacts`, in the same order. Empty for a query
+  /// for the first contact, which does not find them all.
+  std::vector<Contact> left_out;
   /// If asked for: all pairs of non-adjacent elements, a < b, ascending, that step.filter allows and whose convex hulls have
   /// a point in common at t = 0, one inside the other included (with a separation: come as close as that). Exact, and the
   /// same for every pipeline whose broad phase is conservative (docs/initial_overlaps.md).
@@ -70,8 +77,9 @@ class Pipeline {
 
   Workspace make_workspace() const;
 
-  /// Runs one step. Throws ConfigError if a stage does not handle the step's degree of motion or separation, if the
-  /// workspace was not made by this pipeline, or if a thread's floating-point environment is not the standard one
+  /// Runs one step. Throws ConfigError if a stage does not handle the step's degree of motion or separation, if shell
+  /// neighbours are to be left out of a mesh that has not three vertices for each of a shell mesh, if the workspace was
+  /// not made by this pipeline, or if a thread's floating-point environment is not the standard one
   /// (core/floating_point.hpp); InputError if motion and mesh differ in their number of vertices. After any exception
   /// the workspace is as good as a new one, and the result is unspecified. Once the workspace has grown to the scene, a
   /// step on an unchanged topology allocates nothing but what the result's vectors need, and what tests need that exact

@@ -33,8 +33,10 @@ struct Statistics {
   std::uint64_t orphan_tests = 0;    ///< tests that the O-Set gave
   std::uint64_t vf_tests = 0, ee_tests = 0;  ///< elementary tests performed by the narrow phase
   std::uint64_t contacts = 0;
+  std::uint64_t contacts_at_start = 0;  ///< of those, with Contact::at_start
+  std::uint64_t left_out = 0;  ///< contacts that are not in `contacts` because the request leaves them out
   std::uint64_t initial_overlaps = 0;  ///< element pairs listed; 0 where they are not asked for
-  std::uint64_t duplicates = 0;      ///< contacts found again, not in `contacts`
+  std::uint64_t duplicates = 0;      ///< contacts found again, not in `contacts` nor `left_out`
   std::uint64_t degenerate = 0, undecided = 0;  ///< NarrowCounters
   double earliest_toi = std::numeric_limits<double>::infinity();  ///< of all contacts; infinity without any
   double seconds = 0;                ///< wall clock of run(); with one worker, the stages and a remainder add up to it

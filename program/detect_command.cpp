@@ -71,7 +71,9 @@ class Detection {
         stepper_(reader_, options.sequence.stepper()),
         range_(parse_steps(options.sequence.steps, stepper_.motion_count(), options.sequence.file)),
         executor_(make_interruptible_executor(options.query.threads)),
-        filter_(options.query.filter()) {
+        filter_(options.query.filter()),
+        request_(options.first ? Query::first : Query::all, true,
+                 options.query.leaves_out_shell_neighbours(options.sequence)) {
     warn_of_incomplete(reader_);
     plan_.input("FILE", options.sequence.file);
     plan_.output("--contacts", options.contacts);
@@ -127,8 +129,7 @@ class Detection {
     stepper_.go_to(k);
     if (k == range_.begin) options_.query.check(stepper_);
     const Step step{stepper_.topology(), stepper_.motion(), filter_, options_.query.separation};
-    pipeline_.run(step, workspace_, *executor_, result_, 
-                  Request(options_.first ? Query::first : Query::all, true));
+    pipeline_.run(step, workspace_, *executor_, result_, request_);
     if (contacts_) contacts_->write_step(k, result_.contacts, stepper_.topology().mesh());
     if (overlaps_) overlaps_->write_step(k, overlap_rows(k));
     steps_.push_back(result_.statistics);
@@ -156,7 +157,19 @@ class Detection {
     table.add(row_of("all", total_));
     fmt::print(plan_.report(), "{}: {}, {}, {} thread(s)\n\n{}", options_.sequence.file, spec_.name,
                to_string(pipeline_.guarantee()), executor_->workers(), table.text());
+    fmt::print(plan_.report(), "\ncontacts at t = 0: {} of {}\n", grouped(total_.contacts_at_start),
+               grouped(total_.contacts));
+    if (request_.leave_out_shell_neighbours) print_left_out();
     print_stages(total_, plan_.report());
+  }
+
+  void print_left_out() const {
+    const char* const count =
+        "contacts of features that stem from one shell vertex; --shell-neighbours keep takes them in";
+    if (options_.first)
+      fmt::print(plan_.report(), "left out, not counted with --first: {}\n", count);
+    else
+      fmt::print(plan_.report(), "left out: {} {}\n", grouped(total_.left_out), count);
   }
 
   nlohmann::json stats(const StepsDone& done) const {
@@ -176,6 +189,7 @@ class Detection {
             {"parts", options_.sequence.parts},
             {"separation", options_.query.separation},
             {"shells", options_.sequence.shells},
+            {"shell_neighbours", request_.leave_out_shell_neighbours ? "leave-out" : "keep"},
             {"edges", options_.sequence.edges},
             {"motion", options_.sequence.motion},
             {"threads", executor_->workers()},
@@ -195,6 +209,7 @@ class Detection {
   StepRange range_;
   std::unique_ptr<Executor> executor_;
   ObjectFilter filter_;
+  Request request_;
   OutputPlan plan_;
   std::optional<ContactsCsvWriter> contacts_;
   std::optional<StepTextWriter> overlaps_;
@@ -233,6 +248,7 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
       "  volccd detect run.vtkhdf --pipeline VolCCD --set csat.axis=optimal --set broad-phase=spatial-hash\n"
       "  volccd detect crash.vtkhdf --shells solid --pairs inter --first\n"
       "  volccd detect run.vtkhdf --motion tentative --stats stats.json\n"
+      "  volccd detect crash.vtkhdf --shells solid --shell-neighbours keep --stats stats.json\n"
       "  volccd detect two-bodies.vtkhdf --pairs inter --parts components");
   command->callback([options, &registry, &action] {
     action = [options, &registry] {

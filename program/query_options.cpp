@@ -115,7 +115,19 @@ void QueryOptions::add_to(CLI::App& command) {
                   "contact when the distance reaches this; at most the diagonal of the box around the scene")
       ->check(CLI::NonNegativeNumber)
       ->type_name("D");
+  command
+      .add_option("--shell-neighbours", shell_neighbours,
+                  "contacts of thickened shells between features that stem from one vertex of the shells: leave them "
+                  "out, and count them, or keep them; default: leave-out with --shells solid")
+      ->check(CLI::IsMember({"leave-out", "keep"}));
   add_threads_option(command, threads);
+}
+
+bool QueryOptions::leaves_out_shell_neighbours(const SequenceOptions& sequence) const {
+  const bool solid = sequence.shells == "solid";
+  if (shell_neighbours == "leave-out" && !solid)
+    throw ConfigError("--shell-neighbours: leave-out is for thickened shells: add --shells solid");
+  return solid && shell_neighbours != "keep";
 }
 
 ObjectFilter QueryOptions::filter() const {

@@ -35,14 +35,17 @@ struct SequenceOptions {
   SequenceStepper::Config stepper() const;
 };
 
-/// What is asked: --pairs, --separation, --threads.
+/// What is asked: --pairs, --separation, --shell-neighbours, --threads.
 struct QueryOptions {
-  std::string pairs = "all";
+  std::string pairs = "all", shell_neighbours;
   double separation = 0;
   unsigned threads = 1;
 
   void add_to(CLI::App& command);
   ObjectFilter filter() const;
+  /// Whether contacts of shell neighbours are left out (Request): if asked for, else for thickened shells. Throws
+  /// ConfigError if asked for on shells that are not thickened.
+  bool leaves_out_shell_neighbours(const SequenceOptions& sequence) const;
 
   /// To be called at the first motion. Throws ConfigError for a separation greater than the diagonal of the box around
   /// all vertices in use. Warns on stderr if pairs between parts are asked for and there is one part only.

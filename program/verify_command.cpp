@@ -69,6 +69,11 @@ void show_differences(int k, const StepVerdict& verdict, const Mesh& mesh) {
     for (const auto& [expected, found] : one.difference.changed) changed.push_back(found);
     show("changed", rows_of(k, changed, mesh));
   }
+  for (const PipelineVerdict& one : verdict.pipelines)
+    if (!one.left_out.empty())
+      fmt::print("  step {}: {} leaves out other contacts of shell neighbours than {}: {} missing, {} extra, {} changed\n",
+                 k, one.pipeline, verdict.reference, one.left_out.missing.size(), one.left_out.extra.size(),
+                 one.left_out.changed.size());
   for (std::size_t i = 0; i < std::min(verdict.fcl.violations.size(), kShown); ++i) {
     const OverlapViolation& v = verdict.fcl.violations[i];
     fmt::print("  step {}: FCL finds elements {} and {} overlapping by {:.3g} at t = {:g}, first contact {}\n", k,
@@ -123,6 +128,8 @@ class Verification {
   int run() {
     const StepsDone steps = run_steps("verifying, step", range_, [this](int k) { run_step(k); });
     fmt::print("{}", table_.text());
+    if (config_.leave_out_shell_neighbours)
+      fmt::print("left out of the contacts: {} of features that stem from one shell vertex\n", grouped(left_out_));
     if (steps.complete()) {
       fmt::print("{}\n", clean_ ? "clean: no difference" : "DIFFERENCES FOUND");
       return clean_ ? kDone : kDifferent;
@@ -136,6 +143,7 @@ class Verification {
   static VerifyConfig config_of(const VerifyOptions& options) {
     VerifyConfig config = options.config;
     if (options.no_fcl) config.fcl_times.clear();
+    config.leave_out_shell_neighbours = options.query.leaves_out_shell_neighbours(options.sequence);
     return config;
   }
 
@@ -153,6 +161,7 @@ class Verification {
                 std::isfinite(verdict.earliest_toi) ? fmt::format("{:.6f}", verdict.earliest_toi) : "-",
                 overlap_text(verdict), differ.empty() ? fmt::format("none of {}", verdict.pipelines.size()) : differ,
                 fcl_text(verdict)});
+    left_out_ += verdict.left_out;
     show_differences(k, verdict, mesh);
     show_overlaps(k, verdict, mesh);
     clean_ = clean_ && verdict.clean();
@@ -170,6 +179,7 @@ class Verification {
   Verifier verifier_;
   bool truth_fits_;
   bool clean_ = true;
+  std::uint64_t left_out_ = 0;
   TextTable table_{{"step", "reference", "contacts", "earliest t", "overlaps at 0", "pipelines that differ",
                     "FCL violations of hits"}};
 };

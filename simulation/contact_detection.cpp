@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 
 #include <volccd/core/error.hpp>
+#include <volccd/query/shell_neighbours.hpp>
 
 namespace volccd::simulation {
 namespace {
@@ -132,7 +133,7 @@ void ContactDetection::query(std::span<const Vec3> x0, std::span<const Vec3> x1,
   pipeline_.run({collision_topology(), motion_, filter_, config_.separation + reach_}, workspace_, executor, result_);
   candidates_.clear();
   for (const Contact& contact : result_.contacts)
-    if (!share_shell(contact.vertices, contact.kind)) candidates_.push_back({contact.kind, contact.vertices});
+    if (!thickener_ || !share_shell_vertex(contact.kind, contact.vertices)) candidates_.push_back({contact.kind, contact.vertices});
   find_slots();
 }
 
@@ -141,15 +142,6 @@ double ContactDetection::spread() const {
   Eigen::AlignedBox3d box;
   for (Index v = 0; v < motion_.vertex_count(); ++v) box.extend(Vec3(motion_.point(v, 1) - motion_.point(v, 0)));
   return box.isEmpty() ? 0 : 2 * box.diagonal().norm();
-}
-
-bool ContactDetection::share_shell(const std::array<Index, 4>& v, FeatureKind kind) const {
-  if (!thickener_) return false;
-  const std::size_t first = kind == FeatureKind::vf ? 1 : 2;
-  for (std::size_t i = 0; i < first; ++i)
-    for (std::size_t j = first; j < 4; ++j)
-      if (v[i] / 3 == v[j] / 3) return true;
-  return false;
 }
 
 void ContactDetection::find_slots() {

@@ -91,7 +91,6 @@ class ContactDetection {
             Executor& executor, std::vector<FoundContact>& found);
   void filter(const Step& step, TestBlock& block) const;
   Index copies() const { return thickener_ ? 3 : 1; }
-  bool share_shell(const std::array<Index, 4>& vertices, FeatureKind kind) const;
   void find_middles();
 
   const Topology& model_;

@@ -32,6 +32,8 @@ json columns_of(const Statistics& statistics) {
               {"vf_tests", statistics.vf_tests},
               {"ee_tests", statistics.ee_tests},
               {"contacts", statistics.contacts},
+              {"contacts_at_start", statistics.contacts_at_start},
+              {"left_out", statistics.left_out},
               {"degenerate", statistics.degenerate},
               {"undecided", statistics.undecided},
               {"earliest_toi", std::isfinite(statistics.earliest_toi) ? json(statistics.earliest_toi) : json(nullptr)},
@@ -128,6 +130,7 @@ class Runner {
     before_each_();
     Request request;
     request.count_adjacent = false;
+    request.leave_out_shell_neighbours = run_.config.shells == ShellModel::solid && run_.subdivisions == 0;
     const Step step{*topology_, motion_, everything_};
     contestant.pipeline.run(step, contestant.workspace, executor_, result_, request);
   }

@@ -88,6 +88,8 @@ json to_json(const Statistics& s) {
           {"vf_tests", s.vf_tests},
           {"ee_tests", s.ee_tests},
           {"contacts", s.contacts},
+          {"contacts_at_start", s.contacts_at_start},
+          {"left_out", s.left_out},
           {"initial_overlaps", s.initial_overlaps},
           {"duplicates", s.duplicates},
           {"degenerate", s.degenerate},

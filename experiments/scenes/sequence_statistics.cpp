@@ -87,7 +87,10 @@ std::vector<MotionStatistics> sequence_statistics(SequenceReader& reader, Execut
     stepper.go_to(k);
     const Topology& topology = stepper.topology();
     measure_motion(topology.features(), stepper.motion(), motion);
-    pipeline.run(Step{topology, stepper.motion(), filter}, workspace, executor, result);
+    pipeline.run(Step{topology, stepper.motion(), filter}, workspace, executor, result,
+                 Request(Query::all, false, config.shells == ShellModel::solid));
+    motion.contacts_at_start = result.statistics.contacts_at_start;
+    motion.left_out = result.statistics.left_out;
     for (const Contact& contact : result.contacts)
       count_contact(topology.mesh(), topology.features(), contact, motion.contacts);
     if (go_on && !go_on(k + 1)) break;
@@ -109,7 +112,9 @@ nlohmann::json to_json(const std::vector<MotionStatistics>& motions) {
          {"added", m.added},
          {"mean_edge", m.mean_edge},
          {"moved_edges", {{"median", m.median_motion}, {"p99", m.p99_motion}, {"largest", m.largest_motion}}},
-         {"contacts", {{"inter", m.contacts.inter}, {"intra", m.contacts.intra}, {"adjacent", m.contacts.adjacent}}}});
+         {"contacts", {{"inter", m.contacts.inter}, {"intra", m.contacts.intra}, {"adjacent", m.contacts.adjacent}}},
+         {"contacts_at_start", m.contacts_at_start},
+         {"left_out", m.left_out}});
   }
   return list;
 }

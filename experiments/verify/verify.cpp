@@ -44,9 +44,10 @@ StepVerdict Verifier::check(const Step& step, Executor& executor, std::vector<Co
   Entry& reference = step.mesh().element_count() <= config_.brute_force_limit ? *brute_ : *unculled_;
   verdict.reference = reference.pipeline.spec().name;
   StepResult truth;
-  const Request request(Query::all, true);
+  const Request request(Query::all, true, config_.leave_out_shell_neighbours);
   reference.pipeline.run(step, reference.workspace, executor, truth, request);
   verdict.contacts = truth.contacts.size();
+  verdict.left_out = truth.left_out.size();
   verdict.initial_overlaps = truth.initial_overlaps.size();
   verdict.earliest_toi = truth.statistics.earliest_toi;
   for (const auto& entry : entries_) {
@@ -60,6 +61,7 @@ StepVerdict Verifier::check(const Step& step, Executor& executor, std::vector<Co
       continue;
     }
     one.difference = compare_contacts(truth.contacts, found.contacts);
+    one.left_out = compare_contacts(truth.left_out, found.left_out);
     one.missing_overlaps = only_in(truth.initial_overlaps, found.initial_overlaps);
     one.extra_overlaps = only_in(found.initial_overlaps, truth.initial_overlaps);
     one.statistics = found.statistics;

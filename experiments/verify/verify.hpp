@@ -23,6 +23,9 @@ struct VerifyConfig {
   std::vector<double> fcl_times = {0.25, 0.5, 0.75, 1.0};
   /// Tolerance on times where the file has ground truth with times.
   double truth_time_tolerance = 1e-6;
+  /// Request::leave_out_shell_neighbours, for all pipelines. What is left out is compared, too. FCL does not miss it:
+  /// the elements have a common vertex, or touch at t = 0.
+  bool leave_out_shell_neighbours = false;
 };
 
 /// How one pipeline did on one step, against the reference.
@@ -30,10 +33,11 @@ struct PipelineVerdict {
   std::string pipeline;
   std::string refused;  ///< why it cannot run this step (no difference), or empty
   ContactDifference difference;
+  ContactDifference left_out;  ///< of StepResult::left_out
   std::vector<ElementPair> missing_overlaps, extra_overlaps;  ///< of the lists of initial overlaps
   Statistics statistics;
 
-  bool same() const { return difference.empty() && missing_overlaps.empty() && extra_overlaps.empty(); }
+  bool same() const { return difference.empty() && left_out.empty() && missing_overlaps.empty() && extra_overlaps.empty(); }
 };
 
 /// How the reference did against the file's ground truth.
@@ -49,7 +53,7 @@ struct TruthVerdict {
 
 struct StepVerdict {
   std::string reference;  ///< name of the reference pipeline
-  std::uint64_t contacts = 0;
+  std::uint64_t contacts = 0, left_out = 0;
   double earliest_toi = 0;
   std::vector<PipelineVerdict> pipelines;
   OverlapReport fcl;

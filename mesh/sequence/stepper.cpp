@@ -31,7 +31,8 @@ SequenceStepper::SequenceStepper(SequenceReader& reader, Config config) : reader
                      "is missing: quadratic motion needs velocities, or three steps");
   if (config.motion == MotionModel::tentative && reader.step_count() > 1 && !reader.has_velocity())
     throw InputError(reader.file(), "VTKHDF/PointData/Velocity",
-                     "is missing: tentative motion needs the velocities of each step; write them, or take linear motion");
+                     "is missing: tentative motion needs the velocities of each step; write them, or take linear "
+                     "motion");
   if (config.parts == PartModel::components) components_.emplace(reader);
   if (config.shells == ShellModel::solid) solids_ = std::make_unique<detail::ShellSolids>(reader);
 }

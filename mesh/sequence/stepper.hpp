@@ -90,8 +90,8 @@ class SequenceStepper {
   int motion_count() const { return reader_.step_count() - 1; }
 
   /// Throws InputError if there is no such motion or its data are bad (a control point computed from velocities or
-  /// three steps that overflows, where a cell uses it, included); then topology() and motion() are as before. Time without reading: proportional to the
-  /// points, the cells, and the features of the cells that change.
+  /// three steps that overflows, where a cell uses it, included); then topology() and motion() are as before. Time
+  /// without reading: proportional to the points, the cells, and the features of the cells that change.
   void go_to(int motion);
 
   /// The motion gone to last, or -1. What follows needs one.

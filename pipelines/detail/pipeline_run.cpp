@@ -4,10 +4,27 @@
 #include <cmath>
 
 #include <volccd/pipelines/detail/charged_executor.hpp>
+#include <volccd/query/shell_neighbours.hpp>
 
 namespace volccd {
 
 using detail::WorkerScratch;
+
+namespace {
+
+/// Puts contacts in canonical order, each feature pair once. Returns how many were there again.
+std::size_t make_canonical(std::vector<Contact>& contacts) {
+  const std::size_t found = contacts.size();
+  std::sort(contacts.begin(), contacts.end(), canonical_less);
+  contacts.erase(std::unique(contacts.begin(), contacts.end(),
+                             [](const Contact& x, const Contact& y) {
+                               return x.kind == y.kind && x.vertices == y.vertices;
+                             }),
+                 contacts.end());
+  return found - contacts.size();
+}
+
+}  // namespace
 
 Pipeline::Run::Run(const Pipeline& pipeline, const Step& step, Workspace::Data& data, Executor& executor,
                    const Request& request)
@@ -18,6 +35,7 @@ Pipeline::Run::Run(const Pipeline& pipeline, const Step& step, Workspace::Data& 
       query_(request.query),
       overlaps_asked_(request.initial_overlaps),
       adjacent_asked_(request.count_adjacent && pipeline.range_ == PairRange::every),
+      shell_neighbours_left_out_(request.leave_out_shell_neighbours),
       test_stages_{pipeline.feature_filters_, *pipeline.narrow_phase_, std::span(data.states).subspan(first_filter())},
       best_(std::min(step.t_max, 1.0)) {}
 
@@ -54,6 +72,7 @@ void Pipeline::Run::prepare_workers() {
     WorkerScratch& worker = *data_.workers[w];
     worker.tests.clear();
     worker.overlaps.clear();
+    worker.left_out.clear();
     std::vector<StageStatistics> stages = std::move(worker.sums.stages);
     if (stages.empty()) stages = empty_stages();
     for (StageStatistics& stage : stages) stage = {std::move(stage.role), std::move(stage.name)};
@@ -201,14 +220,28 @@ void Pipeline::Run::run_tests(WorkerScratch& worker, std::size_t multiple) {
   };
   run(FeatureKind::vf, worker.tests.vf);
   run(FeatureKind::ee, worker.tests.ee);
-  note_first(worker, old_contacts);
+  take_contacts(worker, old_contacts);
 }
 
 void Pipeline::Run::finish_tests(WorkerScratch& worker) {
   run_tests(worker, 1);
   const std::size_t old_contacts = worker.chain.contacts().size();
   worker.chain.finish();
+  take_contacts(worker, old_contacts);
+}
+
+/// Contacts from `old_contacts` on are new. What is left out must not count as the first one.
+void Pipeline::Run::take_contacts(WorkerScratch& worker, std::size_t old_contacts) {
+  if (shell_neighbours_left_out_) leave_out(worker, old_contacts);
   note_first(worker, old_contacts);
+}
+
+void Pipeline::Run::leave_out(WorkerScratch& worker, std::size_t old_contacts) const {
+  std::vector<Contact>& contacts = worker.chain.contacts();
+  const auto left_out = std::partition(contacts.begin() + static_cast<std::ptrdiff_t>(old_contacts), contacts.end(),
+                                       [](const Contact& c) { return !share_shell_vertex(c.kind, c.vertices); });
+  if (query_ != Query::first) worker.left_out.insert(worker.left_out.end(), left_out, contacts.end());
+  contacts.erase(left_out, contacts.end());
 }
 
 void Pipeline::Run::note_first(WorkerScratch& worker, std::size_t old_contacts) {
@@ -226,6 +259,7 @@ void Pipeline::Run::note_first(WorkerScratch& worker, std::size_t old_contacts) 
 
 void Pipeline::Run::collect(StepResult& result) {
   result.contacts.clear();
+  result.left_out.clear();
   result.statistics = {};
   for (const auto& worker : data_.workers) {
     TestChain& chain = worker->chain;
@@ -235,25 +269,23 @@ void Pipeline::Run::collect(StepResult& result) {
     worker->sums.undecided = chain.counters().undecided;
     result.statistics += worker->sums;
     result.contacts.insert(result.contacts.end(), chain.contacts().begin(), chain.contacts().end());
+    result.left_out.insert(result.left_out.end(), worker->left_out.begin(), worker->left_out.end());
   }
   std::vector<Contact>& contacts = result.contacts;
-  std::sort(contacts.begin(), contacts.end(), canonical_less);
-  const std::size_t found = contacts.size();
-  contacts.erase(std::unique(contacts.begin(), contacts.end(),
-                             [](const Contact& x, const Contact& y) {
-                               return x.kind == y.kind && x.vertices == y.vertices;
-                             }),
-                 contacts.end());
-  result.statistics.duplicates = found - contacts.size();
+  result.statistics.duplicates = make_canonical(contacts);
+  result.statistics.duplicates += make_canonical(result.left_out);
   if (query_ == Query::first && !contacts.empty()) {
     const auto earliest = std::min_element(contacts.begin(), contacts.end(), [](const Contact& x, const Contact& y) {
       return x.toi != y.toi ? x.toi < y.toi : canonical_less(x, y);
     });
     contacts = {*earliest};
   }
-  for (const Contact& contact : contacts)
+  for (const Contact& contact : contacts) {
     result.statistics.earliest_toi = std::min(result.statistics.earliest_toi, contact.toi);
+    result.statistics.contacts_at_start += contact.at_start ? 1 : 0;
+  }
   result.statistics.contacts = contacts.size();
+  result.statistics.left_out = result.left_out.size();
   collect_overlaps(result);
 }
 

@@ -37,6 +37,8 @@ class Pipeline::Run {
   void take_overlaps(std::span<const ElementPair> pairs, detail::WorkerScratch& worker);
   void run_tests(detail::WorkerScratch& worker, std::size_t multiple);
   void finish_tests(detail::WorkerScratch& worker);
+  void take_contacts(detail::WorkerScratch& worker, std::size_t old_contacts);
+  void leave_out(detail::WorkerScratch& worker, std::size_t old_contacts) const;
   void note_first(detail::WorkerScratch& worker, std::size_t old_contacts);
   void collect(StepResult& result);
   void collect_overlaps(StepResult& result) const;
@@ -55,7 +57,7 @@ class Pipeline::Run {
   Workspace::Data& data_;
   Executor& executor_;
   const Query query_;
-  const bool overlaps_asked_, adjacent_asked_;
+  const bool overlaps_asked_, adjacent_asked_, shell_neighbours_left_out_;
   const TestStages test_stages_;
   std::atomic<double> best_;  ///< earliest contact so far (Query::first)
 };

@@ -19,11 +19,12 @@ struct alignas(64) WorkerScratch {
   TestChain chain;
   InitialOverlapTest overlap_test;
   std::vector<ElementPair> overlap_candidates, overlaps;
+  std::vector<Contact> left_out;
   Statistics sums;
 
   std::size_t bytes() const {
     return sizeof(*this) + batch.bytes() + (tests.vf.capacity() + tests.ee.capacity()) * sizeof(FeaturePair) +
-           chain.bytes() + (overlap_candidates.capacity() + overlaps.capacity()) * sizeof(ElementPair) +
+           chain.bytes() + left_out.capacity() * sizeof(Contact) + (overlap_candidates.capacity() + overlaps.capacity()) * sizeof(ElementPair) +
            overlap_test.bytes();
   }
 };

@@ -260,6 +260,35 @@ class Program(ProgramTest):
         with open(stats, encoding="utf-8") as file:
             self.assertNotEqual(json.load(file)["total"]["contacts"], record["total"]["contacts"])
 
+    def test_contacts_of_shell_neighbours(self):
+        self.bad("detect", self.sequence, "--shell-neighbours", "leave-out", says="--shells solid")
+        self.bad("verify", self.sequence, "--shell-neighbours", "leave-out", says="--shells solid")
+        data = os.environ.get("VOLCCD_DATA", os.path.join(SOURCE, "..", "shared", "data"))
+        crash = os.path.join(data, "openradioss-crash.vtkhdf")
+        if not os.path.exists(crash):
+            self.skipTest("openradioss-crash.vtkhdf is not there")
+        solid = ["detect", crash, "--shells", "solid", "--steps", "20", "--stats", self.path("shells.json")]
+
+        def total(*arguments):
+            text = self.good(*solid, *arguments)
+            with open(self.path("shells.json"), encoding="utf-8") as file:
+                record = json.load(file)
+            return text, record["shell_neighbours"], record["total"]
+
+        text, rule, without = total()
+        self.assertEqual(rule, "leave-out")
+        self.assertGreater(without["left_out"], 0)
+        self.assertIn(f"left out: {without['left_out']:,} contacts", text)
+        self.assertIn(f"contacts at t = 0: {without['contacts_at_start']:,} of {without['contacts']:,}", text)
+        text, rule, every = total("--shell-neighbours", "keep")
+        self.assertEqual((rule, every["left_out"]), ("keep", 0))
+        self.assertNotIn("left out", text)
+        self.assertEqual(every["contacts"], without["contacts"] + without["left_out"])
+        text, _, first = total("--first")
+        self.assertIn("not counted with --first", text)
+        self.assertEqual(first["earliest_toi"], without["earliest_toi"])
+        self.assertLessEqual(every["earliest_toi"], first["earliest_toi"])
+
     def test_info_stages_and_lists(self):
         info = self.good("info", self.sequence)
         self.assertIn("hexahedron", info)

@@ -153,8 +153,10 @@ TEST(QuerySource, TruthIsSpreadOverCandidates) {
     s.steps.push_back(step);
   }
   s.write(folder / "s");
-  {
-    RawFile raw(folder / "s");
+  for (Sequence::Step& step : s.steps) step.velocity.assign(8, Vec3(0, 0, -0.1));
+  s.write(folder / "with");
+  for (const char* name : {"s", "with"}) {
+    RawFile raw(folder / name);
     raw.group("GroundTruth");
     raw.group("GroundTruth/VertexFace");
     raw.put("GroundTruth/VertexFace/Pairs", {2, 2}, H5T_STD_I32LE, std::vector<std::int64_t>{7, 2, 4, 2});
@@ -166,6 +168,19 @@ TEST(QuerySource, TruthIsSpreadOverCandidates) {
     ASSERT_EQ(listed[0].size(), 2u);
     EXPECT_EQ(listed[0].pairs[1].a, 4u);
     EXPECT_EQ(listed[0].place(1), "4 | 0 1 2");
+  }
+  for (const MotionModel other : {MotionModel::quadratic, MotionModel::tentative}) {
+    QuerySourceConfig config;
+    config.stepper.motion = other;
+    try {
+      load_queries(folder / "with", config);
+      ADD_FAILURE() << "the truth of linear motion was taken for another";
+    } catch (const InputError& error) {
+      EXPECT_EQ(error.dataset(), "GroundTruth");
+      EXPECT_NE(std::string(error.what()).find("linear"), std::string::npos) << error.what();
+    }
+    config.candidates = true;
+    for (const KnownQueries& queries : load_queries(folder / "with", config)) EXPECT_TRUE(queries.collides.empty());
   }
   {
     RawFile raw(folder / "s");

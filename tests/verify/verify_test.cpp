@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/mesh/shells.hpp>
 
 #include "pipelines/scenes.hpp"
 #include "support/test_data.hpp"
@@ -97,6 +98,45 @@ TEST(Verify, FindsAListOfInitialOverlapsThatIsNotThatOfTheReference) {
     EXPECT_EQ(one.missing_overlaps.empty(), one.pipeline != "Lying") << one.pipeline;
     EXPECT_TRUE(one.extra_overlaps.empty()) << one.pipeline;
   }
+}
+
+/// Two quads of a sheet that folds up, thickened: nearly closed, the prisms of the halves go through each other.
+TEST(Verify, LeavesOutShellNeighboursInAllPipelinesAlike) {
+  const Shape sheet = block(ElementType::quad, 2, 1, 1);
+  std::vector<Vec3> start = sheet.positions, end = sheet.positions;
+  double middle = 0;
+  for (const Vec3& p : sheet.positions) middle = std::max(middle, p.x() / 2);
+  for (std::size_t i = 0; i < end.size(); ++i) {
+    const double r = sheet.positions[i].x() - middle;
+    if (r <= 0) continue;
+    start[i] = Vec3(middle + r * std::cos(0.2), start[i].y(), r * std::sin(0.2));
+    end[i] = Vec3(middle + r * std::cos(3.0), end[i].y(), r * std::sin(3.0));
+  }
+  const Mesh shells = sheet.mesh();
+  const ShellThickener thickener(shells);
+  const Topology topology(thickener.solid_mesh(shells));
+  const std::vector<double> thickness(shells.element_slots(), 0.3);
+  std::vector<Vec3> x0, x1;
+  thickener.positions(start, thickness, x0);
+  thickener.positions(end, thickness, x1);
+  Motion motion;
+  motion.set_linear(x0, x1);
+  SerialExecutor serial;
+  const ObjectFilter filter;
+  Verifier all(Registry::standard(), {}), fewer(Registry::standard(), {.leave_out_shell_neighbours = true});
+  const StepVerdict every = all.check({topology, motion, filter}, serial);
+  std::vector<Contact> contacts;
+  const StepVerdict kept = fewer.check({topology, motion, filter}, serial, &contacts);
+  EXPECT_TRUE(every.clean());
+  EXPECT_TRUE(kept.clean());
+  EXPECT_EQ(every.left_out, 0u);
+  EXPECT_GT(kept.left_out, 0u);
+  EXPECT_EQ(kept.contacts + kept.left_out, every.contacts);
+  EXPECT_EQ(contacts.size(), kept.contacts);
+
+  Verifier lossy(lossy_registry(), {.fcl_times = {}, .leave_out_shell_neighbours = true});
+  for (const PipelineVerdict& one : lossy.check({topology, motion, filter}, serial).pipelines)
+    EXPECT_EQ(one.same(), one.pipeline != "Lossy") << one.pipeline;
 }
 
 TEST(Verify, PipelinesThatCannotRunTheStepAreRefusedNotDifferent) {

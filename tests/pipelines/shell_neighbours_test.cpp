@@ -1,0 +1,208 @@
+// Contacts of features that stem from one vertex of thickened shells are left out where that is asked for, and counted.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include <volccd/core/executor.hpp>
+#include <volccd/mesh/shells.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
+#include <volccd/pipelines/pipeline.hpp>
+
+#include "pipelines/scenes.hpp"
+
+namespace volccd {
+namespace {
+
+using test::registry;
+
+const ObjectFilter kAll;
+const Request kKeep, kLeaveOut(Query::all, false, true);
+
+/// Shells that move from `start` to `end`, thickened.
+struct Solids {
+  Solids(const Shape& shape, const std::vector<Vec3>& start, const std::vector<Vec3>& end, double thickness)
+      : shells(shape.mesh()), thickener(shells), topology(thickener.solid_mesh(shells)) {
+    const std::vector<double> h(shells.element_slots(), thickness);
+    std::vector<Vec3> x0, x1;
+    thickener.positions(start, h, x0);
+    thickener.positions(end, h, x1);
+    motion.set_linear(x0, x1);
+  }
+
+  StepResult run(const std::string& pipeline, const Request& request, unsigned threads = 1) const {
+    const Pipeline p(registry(), registry().pipeline(pipeline));
+    Workspace workspace = p.make_workspace();
+    const auto executor = make_executor(threads);
+    StepResult result;
+    p.run({topology, motion, kAll, separation}, workspace, *executor, result, request);
+    return result;
+  }
+
+  /// By ids, of which a shell's vertex has 3 id to 3 id + 2: not by the function that is tested.
+  bool stem_from_one(const Contact& c) const {
+    const std::size_t second = c.kind == FeatureKind::vf ? 1 : 2;
+    const auto id = [&](std::size_t i) { return topology.mesh().vertex_id(c.vertices[i]) / 3; };
+    for (std::size_t i = 0; i < second; ++i)
+      for (std::size_t j = second; j < 4; ++j)
+        if (id(i) == id(j)) return true;
+    return false;
+  }
+
+  Mesh shells;
+  ShellThickener thickener;
+  Topology topology;
+  Motion motion;
+  double separation = 0;
+};
+
+/// Two quads, whose common edge is a hinge: they fold up like a book, by an angle from `from` to `to`.
+Solids book(double from, double to) {
+  const Shape shape = block(ElementType::quad, 2, 1, 1);
+  const auto folded = [&](double angle) {
+    std::vector<Vec3> x = shape.positions;
+    double middle = 0;
+    for (const Vec3& p : x) middle = std::max(middle, p.x() / 2);
+    for (Vec3& p : x)
+      if (p.x() > middle) {
+        const double r = p.x() - middle;
+        p = Vec3(middle + r * std::cos(angle), p.y(), p.z() + r * std::sin(angle));
+      }
+    return x;
+  };
+  return Solids(shape, folded(from), folded(to), 0.3);
+}
+
+/// A sheet whose vertices move anyhow, and another one that falls through it.
+Solids crumpled(std::uint64_t seed) {
+  Shape shape = block(ElementType::quad, 3, 2, 1), other = block(ElementType::triangle, 2, 2, 1);
+  const std::size_t of_first = shape.positions.size();
+  shape.append(other.translate(Vec3(0.3, 0.2, 2)), 1);
+  const std::vector<Vec3> start = jittered(shape.positions, 0.1, seed);
+  std::vector<Vec3> end = jittered(shape.positions, 0.6, seed + 1000);
+  for (std::size_t i = of_first; i < end.size(); ++i) end[i].z() -= 2.2;
+  return Solids(shape, start, end, 0.25);
+}
+
+void expect_split(const Solids& solids, const StepResult& every, const StepResult& result) {
+  std::vector<Contact> kept, left_out;
+  for (const Contact& c : every.contacts) (solids.stem_from_one(c) ? left_out : kept).push_back(c);
+  EXPECT_EQ(result.contacts, kept);
+  EXPECT_EQ(result.left_out, left_out);
+  EXPECT_EQ(result.statistics.contacts, kept.size());
+  EXPECT_EQ(result.statistics.left_out, left_out.size());
+  double earliest = INFINITY;
+  for (const Contact& c : kept) earliest = std::min(earliest, c.toi);
+  EXPECT_EQ(result.statistics.earliest_toi, earliest);
+}
+
+TEST(ShellNeighbours, OfABookThatClosesAreLeftOutAndCounted) {
+  const Solids solids = book(0.2, 3.0);
+  const StepResult every = solids.run("BruteForce", kKeep);
+  EXPECT_TRUE(every.left_out.empty());
+  EXPECT_EQ(every.statistics.left_out, 0u);
+  EXPECT_GT(std::ranges::count_if(every.contacts, [&](const Contact& c) { return solids.stem_from_one(c); }), 0);
+  for (const PipelineSpec& spec : registry().pipelines()) {
+    SCOPED_TRACE(spec.name);
+    EXPECT_EQ(solids.run(spec.name, kKeep).contacts, every.contacts);
+    expect_split(solids, every, solids.run(spec.name, kLeaveOut));
+  }
+}
+
+/// All pipelines leave out the same, whatever the number of workers, and nothing else.
+TEST(ShellNeighbours, AreLeftOutByAllPipelinesAlike) {
+  std::size_t kept = 0, left_out = 0;
+  for (std::uint64_t seed = 0; seed < 6; ++seed) {
+    SCOPED_TRACE(seed);
+    const Solids solids = crumpled(seed);
+    const StepResult every = solids.run("BruteForce", kKeep);
+    for (const PipelineSpec& spec : registry().pipelines())
+      for (const unsigned threads : {1u, 3u}) {
+        SCOPED_TRACE(spec.name + " " + std::to_string(threads));
+        expect_split(solids, every, solids.run(spec.name, kLeaveOut, threads));
+      }
+    const StepResult result = solids.run("VolCCD+", kLeaveOut);
+    kept += result.contacts.size();
+    left_out += result.left_out.size();
+  }
+  EXPECT_GT(kept, 0u);
+  EXPECT_GT(left_out, 0u);
+}
+
+TEST(ShellNeighbours, ContactsOfShellsWithoutACommonVertexStay) {
+  Shape shape = block(ElementType::quad, 2, 2, 1), other = block(ElementType::quad, 2, 2, 1);
+  shape.append(other.translate(Vec3(0.3, 0.2, 0.8)), 1);
+  const std::vector<Vec3> start = jittered(shape.positions, 0.02, 7);
+  std::vector<Vec3> end = start;
+  for (std::size_t i = end.size() / 2; i < end.size(); ++i) end[i].z() -= 1.5;
+  const Solids solids(shape, start, end, 0.1);
+  const StepResult every = solids.run("VolCCD", kKeep), result = solids.run("VolCCD", kLeaveOut);
+  EXPECT_GT(result.contacts.size(), 0u);
+  EXPECT_EQ(result.contacts, every.contacts);
+  EXPECT_EQ(result.statistics.left_out, 0u);
+}
+
+/// The earliest contact is the earliest of those that are not left out, although others come before it.
+TEST(ShellNeighbours, AreNotTheFirstContact) {
+  for (const double angle : {3.0, 3.1}) {
+    SCOPED_TRACE(angle);
+    const Solids solids = book(0.2, angle);
+    const StepResult all = solids.run("BruteForce", kLeaveOut);
+    ASSERT_GT(all.contacts.size(), 0u);
+    const double earliest = all.statistics.earliest_toi;
+    EXPECT_TRUE(std::ranges::any_of(all.left_out, [&](const Contact& c) { return c.toi < earliest; }));
+    const Contact first = *std::ranges::min_element(all.contacts, [](const Contact& x, const Contact& y) {
+      return x.toi != y.toi ? x.toi < y.toi : canonical_less(x, y);
+    });
+    for (const PipelineSpec& spec : registry().pipelines())
+      for (const unsigned threads : {1u, 3u}) {
+        SCOPED_TRACE(spec.name + " " + std::to_string(threads));
+        const StepResult result = solids.run(spec.name, Request(Query::first, false, true), threads);
+        ASSERT_EQ(result.contacts.size(), 1u);
+        EXPECT_EQ(result.contacts.front(), first);
+        EXPECT_TRUE(result.left_out.empty());
+        EXPECT_EQ(result.statistics.left_out, 0u);
+      }
+  }
+}
+
+TEST(ShellNeighbours, AreRefusedWhereVerticesAreNotThreeByThree) {
+  const Shape shape = block(ElementType::tetrahedron, 1, 1, 1);
+  const Topology topology(shape.mesh());
+  ASSERT_NE(topology.mesh().vertex_count() % 3, 0u);
+  Motion motion;
+  motion.set_linear(shape.positions, shape.positions);
+  const Pipeline pipeline(registry(), registry().pipeline("VolCCD"));
+  Workspace workspace = pipeline.make_workspace();
+  SerialExecutor serial;
+  StepResult result;
+  EXPECT_THROW(pipeline.run({topology, motion, kAll}, workspace, serial, result, kLeaveOut), ConfigError);
+  EXPECT_NO_THROW(pipeline.run({topology, motion, kAll}, workspace, serial, result, kKeep));
+}
+
+TEST(Statistics, ContactsAtTheStartAreCounted) {
+  Statistics sum;
+  std::uint64_t at_start = 0, contacts = 0, left_out = 0;
+  for (std::uint64_t seed = 0; seed < 3; ++seed) {
+    Solids solids = crumpled(seed);
+    solids.separation = 1.5;
+    for (const Request& request : {kKeep, kLeaveOut}) {
+      const StepResult result = solids.run("VolCCD+", request);
+      const auto count = std::ranges::count_if(result.contacts, [](const Contact& c) { return c.at_start; });
+      EXPECT_EQ(result.statistics.contacts_at_start, static_cast<std::uint64_t>(count));
+      sum += result.statistics;
+      at_start += static_cast<std::uint64_t>(count);
+      contacts += result.contacts.size();
+      left_out += result.left_out.size();
+    }
+  }
+  EXPECT_GT(at_start, 0u);
+  EXPECT_LT(at_start, contacts);
+  EXPECT_EQ(sum.contacts_at_start, at_start);
+  EXPECT_EQ(sum.contacts, contacts);
+  EXPECT_GT(left_out, 0u);
+  EXPECT_EQ(sum.left_out, left_out);
+}
+
+}  // namespace
+}  // namespace volccd
