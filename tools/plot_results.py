@@ -1,0 +1,808 @@
+#!/usr/bin/env python3
+"""Draws the figures of docs/reproducing.md from the records of experiments; nothing is run or measured.
+
+Input: the records in a folder, EXPERIMENT.json as `volccd experiment run` writes them. Output: each figure as SVG, whose text is
+text, and as PNG with 300 dots per inch. The same record gives the same SVG, byte for byte (with the same matplotlib).
+
+  experiment   figures
+  table1       speedup, breakdown, false-positives, funnel
+  culling      culling
+  ablation     ablation
+  scaling      scaling, scaling-motion
+
+Rows of another motion model than `linear` get figures of their own (speedup-tentative), and so do the tables of an ablation
+(ablation-axes). What has no record or no rows is skipped, and this is said.
+
+Examples:
+  plot_results.py results/                                  all figures, into results/figures/
+  plot_results.py results/ -o build/figures --only speedup culling
+
+Needs python3-matplotlib. Exit code: 0 drawn, 2 bad input, output or usage; records are checked before anything is drawn.
+"""
+
+import argparse
+import collections
+import dataclasses
+import itertools
+import json
+import math
+import os
+import re
+import statistics
+import sys
+import textwrap
+
+try:
+    import matplotlib
+    from matplotlib.figure import Figure
+    from matplotlib.lines import Line2D
+    from matplotlib.patches import Patch
+except ImportError as problem:
+    sys.exit(f"plot_results.py: {problem}; install python3-matplotlib")
+
+SCHEMA = 1
+SINGLE, DOUBLE, TALLEST = 85, 175, 235  # widths of one and of two columns, and the height of a page, in mm
+INCH = 25.4
+RC = {"svg.fonttype": "none", "svg.hashsalt": "volccd", "font.family": "DejaVu Sans", "font.size": 8, "axes.titlesize": 8,
+      "axes.labelsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8, "legend.fontsize": 8, "axes.linewidth": 0.6,
+      "lines.linewidth": 1.0, "lines.markersize": 4.5, "hatch.linewidth": 0.5, "axes.axisbelow": True, "grid.linewidth": 0.4,
+      "grid.color": "#cccccc", "legend.frameon": False, "text.parse_math": False}
+SMALL = 7  # points: numbers beside marks, captions
+
+# Okabe and Ito's palette, the dark colours first. Marker, line and hatch differ as well.
+COLOURS = ["#0072B2", "#D55E00", "#009E73", "#000000", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442"]
+MARKERS = ["o", "s", "^", "v", "D", "P", "X", "<", ">"]
+LINES = ["-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1))]
+HATCHES = ["", "////", "....", "\\\\\\\\", "xxxx", "----", "++++", "||||", "oo"]
+
+# The paper's printed figures: Table I (speed-ups), Tables II and III (VF and EE tests for A, B and C).
+PAPER_SCENES = ["octopi", "bullet", "airbag", "crash", "liver"]
+PAPER_SPEEDUP = {"NavCCD": {"octopi": 12, "bullet": 21, "airbag": 10.2, "crash": 12.4, "liver": 10.3},
+                 "HashCCD": {"octopi": 18.3, "bullet": 28, "airbag": 13, "crash": 17.4, "liver": 14.1}}
+PAPER_TESTS = {"octopi": {"A": (26e6, 312e6), "B": (1.1e6, 6.4e6), "C": (7.9e3, 24e3)},
+               "crash": {"A": (8.24e9, 1.6e10), "B": (9.8e7, 3.8e8), "C": (2.3e7, 1.2e8)}}
+
+TEXTS = ("table", "scene", "motion_model", "pipeline", "variant")
+COUNTS = ("vf_tests", "ee_tests")
+STAGES = ("bounds_s", *(f"{role}_{part}_s" for role in ("broad_phase", "element_culling", "assignment", "orphans",
+                                                        "feature_filter", "narrow_phase") for part in ("prepare", "run")))
+
+
+class BadInput(Exception):
+    pass
+
+
+@dataclasses.dataclass(frozen=True)
+class Record:
+    """Of one experiment; `rows` are those that a figure is about, `where` says of each (by its id) where it stands."""
+    experiment: str
+    path: str
+    complete: bool
+    provenance: dict
+    rows: list
+    where: dict
+
+    def with_rows(self, rows):
+        return dataclasses.replace(self, rows=rows)
+
+
+# --- records ---------------------------------------------------------------------------------------------------------------
+
+def read_record(path, experiment):
+    try:
+        with open(path, encoding="utf-8") as file:
+            data = json.load(file)
+    except (OSError, ValueError) as problem:
+        raise BadInput(f"{path}: cannot be read: {problem}") from problem
+    if not isinstance(data, dict) or data.get("experiment") != experiment:
+        raise BadInput(f"{path}: is no record of the experiment {experiment}; run it again to replace the file")
+    if data.get("schema") != SCHEMA:
+        raise BadInput(f"{path}: has the schema {data.get('schema')}, but this program reads {SCHEMA}; run the experiment again")
+    for key, kind in (("rows", list), ("provenance", dict)):
+        if not isinstance(data.get(key), kind):
+            raise BadInput(f"{path}: has no '{key}'; run the experiment again")
+    for key in ("setting", "commit", "dirty", "cpu", "cores", "threads"):
+        if key not in data["provenance"]:
+            raise BadInput(f"{path}: the provenance has no '{key}'; run the experiment again")
+    for index, row in enumerate(data["rows"]):
+        if not isinstance(row, dict):
+            raise BadInput(f"{path}: row {index} is no object of columns; run the experiment again")
+    where = {id(row): index for index, row in enumerate(data["rows"])}
+    return Record(experiment, path, data.get("complete") is True, data["provenance"], data["rows"], where)
+
+
+def check_columns(record, columns):
+    """Every row has the columns that identify it and `columns`: texts, else finite numbers that are not negative, and times > 0."""
+    for row in record.rows:
+        for column in (*TEXTS, "motion", "round", *columns):
+            value = row.get(column)
+            if column in TEXTS:
+                good = isinstance(value, str)
+            else:
+                good = isinstance(value, (int, float)) and not isinstance(value, bool) and 0 <= value < math.inf
+                good = good and (value > 0 or column not in ("seconds", "elements", "moved_edges"))
+            if not good:
+                there = f"{column} = {json.dumps(value)}" if column in row else f"no column '{column}'"
+                raise BadInput(f"{record.path}: row {record.where[id(row)]} has {there}, which a figure of {record.experiment} "
+                               "needs; run the experiment again with this version of the program")
+
+
+def grouped(rows, *columns):
+    """Rows by the values of the columns, in the order in which they come; by the value itself for a single column."""
+    groups = {}
+    for row in rows:
+        key = tuple(row[column] for column in columns)
+        groups.setdefault(key if len(columns) > 1 else key[0], []).append(row)
+    return groups
+
+
+def typical(rows):
+    """One row for each motion: that of the round with the (lower) median time, so that its stages add up."""
+    return [sorted(rounds, key=lambda row: (row["seconds"], row["round"]))[(len(rounds) - 1) // 2]
+            for rounds in grouped(rows, "motion").values()]
+
+
+def median_over_motions(rows, column):
+    """The median over motions of the median over rounds."""
+    return statistics.median(statistics.median(row[column] for row in rounds) for rounds in grouped(rows, "motion").values())
+
+
+def mean_count(rows, count):
+    """Per motion; counts are the same in all rounds."""
+    return statistics.fmean(count(row) for row in typical(rows))
+
+
+def tests(row):
+    return row["vf_tests"] + row["ee_tests"]
+
+
+def is_baseline(pipeline):
+    return pipeline.startswith(("NavCCD", "HashCCD"))
+
+
+def label_of(pipeline, variant):
+    return f"{pipeline}, {variant}" if variant else pipeline
+
+
+def scenes_of(rows):
+    """The paper's in the order of its Section 6.2, then all others by name."""
+    names = {row["scene"] for row in rows}
+    return [name for name in PAPER_SCENES if name in names] + sorted(names.difference(PAPER_SCENES))
+
+
+def caption_of(record):
+    motions = {scene: len({row["motion"] for row in rows}) for scene, rows in grouped(record.rows, "scene").items()}
+    scenes = ", ".join(f"{scene} ({motions[scene]})" for scene in scenes_of(record.rows))
+    facts = record.provenance
+    number = facts["threads"]
+    return (f"Scenes (motions): {scenes}. Setting: {facts['setting']}{'' if record.complete else ', incomplete record'}. "
+            f"Commit {facts['commit']}{' with local changes' if facts['dirty'] else ''}. "
+            f"{facts['cpu']}, {facts['cores']} cores, {number} {'thread' if number == 1 else 'threads'}.")
+
+
+# --- pages -----------------------------------------------------------------------------------------------------------------
+
+class Looks:
+    """Colour, marker, line and hatch by name: those of `known` are the same in all figures, others follow in their order."""
+
+    def __init__(self, known=()):
+        self.names = list(known)
+
+    def index(self, name):
+        if name not in self.names:
+            self.names.append(name)
+        return self.names.index(name)
+
+    def marker(self, name, **more):
+        i = self.index(name)
+        return {"color": COLOURS[i % len(COLOURS)], "marker": MARKERS[i % len(MARKERS)], "markeredgecolor": "black",
+                "markeredgewidth": 0.4, **more}
+
+    def line(self, name):
+        return self.marker(name, linestyle=LINES[self.index(name) % len(LINES)])
+
+    def bar(self, name):
+        i = self.index(name)
+        return {"facecolor": COLOURS[-1 - i % len(COLOURS)], "hatch": HATCHES[i % len(HATCHES)], "edgecolor": "black",
+                "linewidth": 0.5}
+
+
+def pipeline_looks():
+    return Looks(["VolCCD-2011", "VolCCD", "VolCCD+", "NavCCD-2011", "NavCCD", "HashCCD-2011", "HashCCD"])
+
+
+PAPER_MARK = {"marker": "D", "color": "none", "markeredgecolor": "black", "markeredgewidth": 0.8, "linestyle": "none"}
+
+
+class Page:
+    """A figure: panels, a legend above them and a caption below, as wide as one or two columns of print."""
+
+    def __init__(self, width, height, rows=1, columns=1, **subplots):
+        self.size = (width / INCH, min(height, TALLEST) / INCH)
+        self.figure = Figure(figsize=self.size)
+        self.panels = self.figure.subplots(rows, columns, squeeze=False, **subplots)
+        self.handles = {}
+
+    def legend(self, name, handle):
+        self.handles.setdefault(name, handle)
+
+    def unused(self, count):
+        """Takes away the last panels of the grid, beyond the first `count`."""
+        for panel in list(self.panels.flat)[count:]:
+            panel.remove()
+
+    def fit_legend(self):
+        """The legend with as many columns as the width holds, or None."""
+        for columns in range(len(self.handles), 0, -1):
+            legend = self.figure.legend(self.handles.values(), self.handles.keys(), loc="upper center", ncol=columns,
+                                        columnspacing=1.2, handletextpad=0.5, borderaxespad=0.2)
+            if columns == 1 or legend.get_window_extent().width <= self.figure.bbox.width:
+                return legend
+            legend.remove()
+        return None
+
+    def fit_caption(self, words):
+        text = self.figure.text(0.01, 0, "", fontsize=SMALL, va="bottom", linespacing=1.15)
+        for width in range(200, 20, -2):
+            text.set_text(textwrap.fill(words, width))
+            if text.get_window_extent().width <= 0.98 * self.figure.bbox.width:
+                break
+        return text
+
+    def save(self, path, caption):
+        """Writes path.svg and path.png. Legend and caption make the page taller, not the panels smaller."""
+        legend, text = self.fit_legend(), self.fit_caption(caption)
+        dpi = self.figure.dpi
+        above = (legend.get_window_extent().height / dpi if legend else 0) + 0.02
+        below = text.get_window_extent().height / dpi + 0.05
+        height = self.size[1] + above + below
+        self.figure.set_size_inches(self.size[0], height)
+        text.set_position((0.01, 0.03 / height))
+        self.figure.set_layout_engine("constrained", rect=(0, below / height, 1, self.size[1] / height), w_pad=0.03, h_pad=0.03)
+        self.figure.savefig(f"{path}.svg", metadata={"Date": None, "Creator": None})
+        self.figure.savefig(f"{path}.png", dpi=300, metadata={"Software": None})
+
+
+def number(value):
+    """Three digits, with k, M or G; short enough to stand beside a mark."""
+    for limit, unit in ((1e9, " G"), (1e6, " M"), (1e3, " k")):
+        if value >= 0.9995 * limit:
+            return f"{value / limit:.3g}{unit}"
+    return f"{value:.3g}"
+
+
+def times(ratio):
+    return f"{ratio:.2f}×" if ratio < 1 else f"{ratio:.1f}×" if ratio < 99.95 else f"{ratio:.0f}×"
+
+
+def scene_axis(panel, positions, scenes):
+    panel.set_yticks(positions, scenes)
+    panel.tick_params(axis="y", length=0)
+
+
+def log_limits(axis_limits, values, room=1.0):
+    """Limits that hold the positive values, whole decades below; where zeros are drawn, in place of minus infinity."""
+    positive = [value for value in values if value > 0] or [1]
+    low, high = 10 ** math.floor(math.log10(min(positive)) - 0.05), max(positive) * room
+    low = low / 10 if any(value <= 0 for value in values) else low
+    axis_limits(low, max(high, low * 10))
+    return low
+
+
+# --- table1 ----------------------------------------------------------------------------------------------------------------
+
+def comparisons(rows, family):
+    """(label, baseline's rows, rows) of pipelines that are no baselines against those of the family, each variant against its
+    like; where there is none, against the one without settings."""
+    pipelines = grouped(rows, "pipeline", "variant")
+    subjects = [key for key in pipelines if not is_baseline(key[0])]
+    baselines = [key for key in pipelines if key[0].startswith(family)]
+
+    def like(key, others):
+        return [other for other in others if other[1] == key[1]] or [other for other in others if not other[1]] or others
+
+    pairs = {(subject, baseline): None for subject in subjects for baseline in like(subject, baselines)}
+    pairs |= {(subject, baseline): None for baseline in baselines for subject in like(baseline, subjects)}
+    several = len({baseline[0] for baseline in baselines}) > 1
+    for subject, baseline in pairs:
+        label = label_of(*subject)
+        if several or baseline[1] != subject[1]:
+            label += " over " + label_of(*baseline)
+        yield label, pipelines[baseline], pipelines[subject]
+
+
+def speedup(baseline, subject):
+    """Ratio of the median times of the motions that both have, or None without any."""
+    motions = {row["motion"] for row in baseline} & {row["motion"] for row in subject}
+    if not motions:
+        return None
+    before, after = (median_over_motions([row for row in rows if row["motion"] in motions], "seconds")
+                     for rows in (baseline, subject))
+    return before / after
+
+
+def speedups(record, say):
+    """{(family, table, scene): [(label, ratio)]}."""
+    result = {}
+    for family in PAPER_SPEEDUP:
+        for (table, scene), rows in grouped(record.rows, "table", "scene").items():
+            entries = result.setdefault((family, table, scene), [])
+            for label, baseline, subject in comparisons(rows, family):
+                ratio = speedup(baseline, subject)
+                if ratio is None:
+                    say(f"speedup: table {table}, {scene}, {label}: no motion in common with {baseline[0]['pipeline']}; left out")
+                else:
+                    entries.append((label, ratio))
+    return result
+
+
+def draw_speedup(record, say):
+    ratios = speedups(record, say)
+    scenes, tables = scenes_of(record.rows), sorted({row["table"] for row in record.rows})
+    slots = max(map(len, ratios.values())) + 1
+    pitch = slots + 0.8
+    page = Page(DOUBLE, 2 * (12 + 3.3 * pitch * len(scenes)), len(PAPER_SPEEDUP), len(tables), sharex=True, sharey=True)
+    looks = pipeline_looks()
+    every = [ratio for entries in ratios.values() for _, ratio in entries]
+    every += [factor for printed in PAPER_SPEEDUP.values() for factor in printed.values()]
+    low, high = min(0.9, *every) / 1.2, max(every) * 4
+    for (family, panels), (column, table) in itertools.product(zip(PAPER_SPEEDUP, page.panels), enumerate(tables)):
+        panel = panels[column]
+        panel.set(xscale="log", xlim=(low, high), title=f"Table I-{table}: over {family}")
+        for i, scene in enumerate(scenes):
+            printed = PAPER_SPEEDUP[family].get(scene)
+            marks = [(label, ratio, looks.marker(label)) for label, ratio in ratios.get((family, table, scene), [])]
+            marks += [("paper (Table I, as printed)", printed, PAPER_MARK)] if printed else []
+            if i % 2:
+                panel.axhspan(i * pitch - 0.9, i * pitch + slots - 0.1, color="#f2f2f2", linewidth=0)
+            for j, (label, ratio, look) in enumerate(marks):
+                y = i * pitch + j
+                panel.plot([1, ratio], [y, y], color="#888888", linewidth=0.6)
+                panel.plot([ratio], [y], **look)
+                panel.annotate(times(ratio), (ratio, y), (4, 0), textcoords="offset points", va="center", fontsize=SMALL)
+                page.legend(label, Line2D([], [], **{**look, "linestyle": "none"}))
+        panel.axvline(1, color="black", linewidth=0.6)
+        panel.set_ylim(len(scenes) * pitch - 0.9, -0.9)
+        scene_axis(panel, [i * pitch + (slots - 1) / 2 for i in range(len(scenes))], scenes)
+    for panel in page.panels[-1]:
+        panel.set_xlabel("speed-up (ratio of median times)")
+    return [("speedup", page)]
+
+
+def parts_of(row):
+    """Seconds by the parts of Figure 11; with several threads, stages count the time of all workers."""
+    parts = {"k-DOPs": row["bounds_s"],
+             "tree": row["broad_phase_prepare_s"] - row["bounds_s"],
+             "traversal and culling": row["broad_phase_run_s"] + sum(
+                 row[f"{role}_{part}_s"] for role in ("element_culling", "assignment") for part in ("prepare", "run"))}
+    for role, name in (("orphans", "O-Set"), ("feature_filter", "feature filters"), ("narrow_phase", "elementary tests")):
+        parts[name] = row[f"{role}_prepare_s"] + row[f"{role}_run_s"]
+    return parts
+
+
+def shares_of(rows):
+    """Percent of the time of all motions, by part, the remainder included."""
+    totals, seconds = collections.Counter(), 0
+    for row in typical(rows):
+        totals.update(parts_of(row))
+        seconds += row["seconds"]
+    totals["remainder"] = max(0, seconds - sum(totals.values()))
+    whole = sum(totals.values())
+    return {name: 100 * max(0, value) / whole for name, value in totals.items()}
+
+
+def draw_breakdown(record, _):
+    scenes = scenes_of(record.rows)
+    groups = {key: rows for key, rows in grouped(record.rows, "table", "pipeline", "variant").items() if not is_baseline(key[1])}
+    columns = min(5, len(groups))
+    lines = math.ceil(len(groups) / max(columns, 1))
+    if not groups:
+        return []
+    page = Page(DOUBLE, lines * (14 + 5.2 * len(scenes)), lines, columns, sharex=True, sharey=True)
+    looks = Looks()
+    for panel, ((table, pipeline, variant), rows) in zip(page.panels.flat, sorted(groups.items())):
+        for scene, of_scene in grouped(rows, "scene").items():
+            left = 0
+            for name, share in shares_of(of_scene).items():
+                look = looks.bar(name)
+                panel.barh(scenes.index(scene), share, left=left, height=0.75, **look)
+                if share >= 11:
+                    panel.text(left + share / 2, scenes.index(scene), f"{share:.0f}", ha="center", va="center", fontsize=SMALL,
+                               bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6})
+                page.legend(name, Patch(**look))
+                left += share
+        panel.set_title(textwrap.fill(f"I-{table}: {label_of(pipeline, variant)}", 24))
+        panel.set(xlim=(0, 100), ylim=(len(scenes) - 0.5, -0.5), xticks=[0, 50, 100])
+        scene_axis(panel, range(len(scenes)), scenes)
+    page.unused(len(groups))
+    page.figure.supxlabel("share of the time of a query, %", fontsize=8)
+    return [("breakdown", page)]
+
+
+def false_positives(rows, say):
+    """Percent of a motion's pairs of non-adjacent leaves that have no contact; motions without such pairs have none."""
+    shares = []
+    for row in typical(rows):
+        pairs = row["element_pairs"] - row["adjacent_pairs"]
+        if pairs > 0:
+            shares.append(100 * (1 - row["touching_pairs"] / pairs))
+    left_out = len(typical(rows)) - len(shares)
+    if left_out:
+        say(f"false-positives: {rows[0]['scene']}: {left_out} motions without pairs of non-adjacent leaves; left out")
+    return shares
+
+
+def draw_false_positives(record, say):
+    preferred = ["VolCCD-2011", "VolCCD", "NavCCD-2011", "NavCCD"]
+    rank = {name: i for i, name in enumerate([*preferred, *sorted({row["pipeline"] for row in record.rows} - set(preferred))])}
+    shares = {}
+    for scene, rows in grouped(record.rows, "scene").items():
+        name = min((row["variant"], rank[row["pipeline"]], row["pipeline"], row["table"]) for row in rows)
+        chosen = [row for row in rows if (row["variant"], row["pipeline"], row["table"]) == (name[0], name[2], name[3])]
+        shares[scene] = (name[2], false_positives(chosen, say))
+    scenes = [scene for scene in scenes_of(record.rows) if shares[scene][1]]
+    if not scenes:
+        return []
+    page = Page(SINGLE, 14 + 6 * len(scenes))
+    panel = page.panels[0][0]
+    page.legend("paper (Figure 4): 90 to 99 %", panel.axvspan(90, 99, facecolor="#dddddd", hatch="////", edgecolor="#bbbbbb"))
+    looks = Looks()
+    for i, scene in enumerate(scenes):
+        pipeline, values = shares[scene]
+        middle, look = statistics.median(values), looks.marker(pipeline, markersize=5)
+        panel.plot([min(values), max(values)], [i, i], color="black", linewidth=1, marker="|", markersize=6)
+        panel.plot([middle], [i], **look)
+        panel.annotate(f"{middle:.2f}", (middle, i), (0, 4), textcoords="offset points", ha="center", fontsize=SMALL)
+        page.legend(f"pairs of {pipeline}: median, range", Line2D([], [], **{**look, "linestyle": "-"}))
+    low = min(85, math.floor(min(min(shares[scene][1]) for scene in scenes) / 10) * 10)
+    panel.set(xlim=(low, 100 + (100 - low) * 0.06), ylim=(len(scenes) - 0.5, -0.8))
+    panel.set_xlabel("non-adjacent leaf pairs that touch nothing, %")
+    scene_axis(panel, range(len(scenes)), scenes)
+    return [("false-positives", page)]
+
+
+FUNNEL = {"element\npairs": lambda row: row["element_pairs"], "surviving\npairs": lambda row: row["surviving_pairs"],
+          "assigned\ntests": lambda row: row["owned_tests"] + row["orphan_tests"], "tests\nmade": tests,
+          "contacts": lambda row: row["contacts"]}
+
+
+def draw_funnel(record, say):
+    """Of the last table (c, of `inclusion`): pipelines that are no baselines."""
+    rows = [row for row in record.rows if not is_baseline(row["pipeline"])]
+    if not rows:
+        return []
+    tables = sorted({row["table"] for row in rows})
+    rows = [row for row in rows if row["table"] == tables[-1]]
+    if len(tables) > 1:
+        say(f"funnel: table {tables[-1]} is drawn; tables {', '.join(tables[:-1])} are not in this figure")
+    scenes, looks = scenes_of(rows), pipeline_looks()
+    columns = min(3, len(scenes))
+    lines = math.ceil(len(scenes) / columns)
+    page = Page(DOUBLE if columns > 1 else SINGLE, lines * 48, lines, columns, sharex=True, sharey=True)
+    every = []
+    for panel, scene in zip(page.panels.flat, scenes):
+        panel.set(title=scene, yscale="log")
+        panel.grid(axis="y")
+        counts = {label_of(*key): [mean_count(of_key, count) for count in FUNNEL.values()] for key, of_key
+                  in grouped([row for row in rows if row["scene"] == scene], "pipeline", "variant").items()}
+        every.append((panel, counts))
+    low = log_limits(page.panels.flat[0].set_ylim, [value for _, counts in every for values in counts.values() for value in values], 20)
+    for panel, counts in every:
+        draw_funnel_lines(page, panel, counts, looks, low)
+    page.unused(len(scenes))
+    for panel in list(page.panels.flat)[max(0, len(scenes) - columns):len(scenes)]:
+        panel.tick_params(axis="x", labelbottom=True)
+    page.figure.supylabel(f"count per motion (mean), table {tables[-1]}", fontsize=8)
+    return [("funnel", page)]
+
+
+def draw_funnel_lines(page, panel, counts, looks, low):
+    """Numbers stand above the first line and below the last; zeros at the lower end of the axis."""
+    for i, (label, values) in enumerate(counts.items()):
+        look = looks.line(label)
+        panel.plot(range(len(values)), [max(value, low) for value in values], clip_on=False, **look)
+        page.legend(label, Line2D([], [], **look))
+        if i not in (0, len(counts) - 1):
+            continue
+        above = max(values) if i == 0 else 0
+        for x, value in enumerate(values):
+            same = i > 0 and number(value) == number(next(iter(counts.values()))[x])
+            if not same:
+                panel.annotate(number(value), (x, max(value, low)), (0, 4 if above else -4), textcoords="offset points",
+                               ha="center", va="bottom" if above else "top", fontsize=SMALL)
+    panel.set_xlim(-0.5, len(FUNNEL) - 0.5)
+    panel.set_xticks(range(len(FUNNEL)), FUNNEL, fontsize=SMALL)
+
+
+# --- culling ---------------------------------------------------------------------------------------------------------------
+
+def draw_culling(record, _):
+    scenes = scenes_of(record.rows)
+    looks = Looks()
+    columns = min(2, len(scenes))
+    lines = math.ceil(len(scenes) / columns)
+    page = Page(DOUBLE if columns > 1 else SINGLE, 62 * lines, lines, columns)
+    for panel, scene in zip(page.panels.flat, scenes):
+        groups = grouped([row for row in record.rows if row["scene"] == scene], "pipeline", "variant")
+        drawn = []
+        for i, (key, rows) in enumerate(groups.items()):
+            for group, column in enumerate(COUNTS):
+                drawn.append((group * (len(groups) + 1) + i, label_of(*key), sum(row[column] for row in typical(rows)),
+                              mean_count(rows, lambda row, column=column: row[column]),
+                              PAPER_TESTS.get(scene, {}).get(key[0].split(" ")[0], (None, None))[group]))
+        low = log_limits(panel.set_ylim, [value for bar in drawn for value in bar[2:] if value is not None], 6)
+        panel.set(yscale="log", title=scene, ylabel="elementary tests")
+        panel.grid(axis="y")
+        for bar in drawn:
+            draw_culling_bar(page, panel, bar, looks, low)
+        middle = (len(groups) - 1) / 2
+        panel.set_xticks([middle, middle + len(groups) + 1], ["VF tests", "EE tests"])
+        panel.tick_params(axis="x", length=0)
+    page.unused(len(scenes))
+    return [("culling", page)]
+
+
+def draw_culling_bar(page, panel, bar, looks, low):
+    x, label, total, mean, printed = bar
+    look = looks.bar(label)
+    panel.bar(x, max(total, low) - low, bottom=low, width=0.85, **look)
+    page.legend(f"{label}: sum of all motions", Patch(**look))
+    mark = {"marker": "_", "markersize": 13, "color": "black", "markeredgewidth": 2.2, "linestyle": "none"}
+    panel.plot([x], [max(mean, low)], **{**mark, "color": "white", "markeredgewidth": 4, "markersize": 15})
+    panel.plot([x], [max(mean, low)], **mark)
+    page.legend("mean of a motion", Line2D([], [], **{**mark, "markersize": 9}))
+    top = max(total, low, printed or 0)
+    if printed:
+        panel.plot([x], [printed], **{**PAPER_MARK, "color": "white"})
+        page.legend("paper (Tables II and III, as printed)", Line2D([], [], **PAPER_MARK))
+    panel.annotate(number(total), (x, top), (0, 4), textcoords="offset points", ha="center", fontsize=SMALL)
+
+
+# --- ablation --------------------------------------------------------------------------------------------------------------
+
+def broad_phase_of(record, pipeline, variant):
+    """From the variant's settings, else from the stages of the pipeline in the provenance."""
+    if setting := re.search(r"(?:^|\s)broad-phase=([\w-]+)", variant):
+        return setting[1]
+    for known in record.provenance.get("pipelines", []):
+        if known.get("name") == pipeline:
+            for stage in known.get("stages", []):
+                if stage.get("role") == "broad-phase":
+                    return stage["name"]
+    return "broad phase not recorded"
+
+
+def ablation_lines(record):
+    """[(broad phase, label, {scene: (seconds relative to the scene's best, tests)})], by broad phase in the order of the rows."""
+    best, cells = {}, {}
+    for (scene, pipeline, variant), rows in grouped(record.rows, "scene", "pipeline", "variant").items():
+        broad_phase = broad_phase_of(record, pipeline, variant)
+        label = label_of(pipeline, re.sub(r"(?:^|\s)broad-phase=[\w-]+", "", variant).strip())
+        seconds = median_over_motions(rows, "seconds")
+        best[scene] = min(seconds, best.get(scene, math.inf))
+        cells.setdefault((broad_phase, label), {})[scene] = (seconds, mean_count(rows, tests))
+    order = list(dict.fromkeys(broad_phase for broad_phase, _ in cells))
+    return [(broad_phase, label, {scene: (seconds / best[scene], count) for scene, (seconds, count) in scenes.items()})
+            for (broad_phase, label), scenes in sorted(cells.items(), key=lambda cell: order.index(cell[0][0]))]
+
+
+def draw_ablation(record, say):
+    tables = grouped(record.rows, "table")
+    result = []
+    for table, rows in tables.items():
+        name = "ablation" if len(tables) == 1 else "ablation-" + re.sub(r"[^\w.-]+", "-", table)
+        lines = ablation_lines(record.with_rows(rows))
+        for first in range(0, len(lines), 44):  # what a page holds
+            more = f"-{first // 44 + 1}" if len(lines) > 44 else ""
+            result.append((name + more, ablation_page(lines[first:first + 44], scenes_of(rows))))
+    if any("broad phase not recorded" == line[0] for rows in tables.values() for line in ablation_lines(record.with_rows(rows))):
+        say("ablation: neither the variant nor the provenance names the broad phase of some rows")
+    return result
+
+
+def ablation_page(lines, scenes):
+    labels, heights, y = [], [], 0.0
+    page = Page(DOUBLE, 0, 1, 2, sharey=True)
+    left, right = page.panels[0]
+    for i, (broad_phase, label, _) in enumerate(lines):
+        if i == 0 or lines[i - 1][0] != broad_phase:
+            y += 1.1 if i else 0.2
+            left.text(-0.02, y, broad_phase, transform=left.get_yaxis_transform(), ha="right", va="center", weight="bold")
+            y += 1.0
+        labels.append(textwrap.fill(label, 46))
+        y += 0.4 * labels[-1].count("\n")
+        heights.append(y)
+        y += 1 + 0.4 * labels[-1].count("\n")
+    looks = Looks(scenes)
+    for height, (_, _, cells) in zip(heights, lines):
+        for panel in (left, right):
+            panel.axhline(height, color="#dddddd", linewidth=0.4, zorder=0)
+        for scene, (ratio, count) in cells.items():
+            look = {**looks.marker(scene), "linestyle": "none", "clip_on": False}
+            left.plot([ratio], [height], **look)
+            right.plot([max(count, 0.5)], [height], **look)
+            page.legend(scene, Line2D([], [], **look))
+            if len(scenes) == 1:
+                for panel, value, text in ((left, ratio, times(ratio)), (right, max(count, 0.5), number(count))):
+                    panel.annotate(text, (value, height), (5, 0), textcoords="offset points", va="center", fontsize=SMALL)
+    room = 3 if len(scenes) == 1 else 1.2
+    left.set(xscale="log", xlabel="median time, relative to the scene's best", ylim=(y - 0.4, -0.4))
+    left.set_xlim(0.9, room * max(ratio for _, _, cells in lines for ratio, _ in cells.values()))
+    right.set(xscale="log", xlabel="elementary tests per motion (mean)")
+    log_limits(right.set_xlim, [max(count, 0.5) for _, _, cells in lines for _, count in cells.values()], room)
+    scene_axis(left, heights, labels)
+    page.size = (page.size[0], (12 + 3.9 * y) / INCH)
+    return page
+
+
+# --- scaling ---------------------------------------------------------------------------------------------------------------
+
+QUANTITIES = {"time, s": lambda rows: median_over_motions(rows, "seconds"),
+              "memory, bytes": lambda rows: max(row["workspace_bytes"] for row in rows),
+              "elementary tests per motion": lambda rows: mean_count(rows, tests)}
+
+
+def exponent(lines):
+    """Slope of log y against log x, one for all lines of points, each with its own height, and its standard error (None where
+    there are no more points than unknowns); None where x does not vary."""
+    logs = [[(math.log(x), math.log(y)) for x, y in points if y > 0] for points in lines]
+    logs = [points for points in logs if points]
+    centred = [(x - statistics.fmean(p[0] for p in points), y - statistics.fmean(p[1] for p in points))
+               for points in logs for x, y in points]
+    across = sum(x * x for x, _ in centred)
+    if across < 1e-12:
+        return None
+    slope = sum(x * y for x, y in centred) / across
+    free = len(centred) - len(logs) - 1
+    rest = sum((y - slope * x) ** 2 for x, y in centred)
+    return slope, math.sqrt(rest / free / across) if free > 0 else None
+
+
+def exponent_text(fit):
+    if fit is None:
+        return "no exponent"
+    return f"{fit[0]:.2f} ± {fit[1]:.2f}" if fit[1] is not None else f"{fit[0]:.2f} (no spread)"
+
+
+def scaling_lines(rows, prefix, column):
+    """{pipeline with its other settings: {scene: [(x, rows)] by x}}, of rows whose variant begins with the prefix."""
+    result = {}
+    for (pipeline, variant, scene), group in grouped(rows, "pipeline", "variant", "scene").items():
+        others = " ".join(word for word in variant.split() if not word.startswith(prefix))
+        x = statistics.median(row[column] for row in group)
+        result.setdefault(label_of(pipeline, others), {}).setdefault(scene, []).append((x, group))
+    return {label: {scene: sorted(points, key=lambda point: point[0]) for scene, points in scenes.items()}
+            for label, scenes in result.items()}
+
+
+def draw_scaling_page(record, prefix, column, xlabel, say):
+    rows = [row for row in record.rows if row["variant"].startswith(prefix)]
+    if not rows:
+        return None
+    lines, scenes = scaling_lines(rows, prefix, column), scenes_of(rows)
+    looks, marks = pipeline_looks(), Looks(scenes)
+    page = Page(DOUBLE, 78, 1, len(QUANTITIES))
+    for panel, (ylabel, measure) in zip(page.panels.flat, QUANTITIES.items()):
+        handles = {}
+        for label, of_scene in lines.items():
+            points = {scene: [(x, measure(group)) for x, group in groups] for scene, groups in of_scene.items()}
+            look = looks.line(label)
+            for scene, xy in points.items():
+                positive = [(x, y) for x, y in xy if y > 0]
+                if len(positive) < len(xy):
+                    say(f"{prefix}: {scene}, {label}: {ylabel} is 0 at {len(xy) - len(positive)} points; not on a log scale")
+                panel.plot(*zip(*positive or [(math.nan, math.nan)]), **{**look, "marker": marks.marker(scene)["marker"]})
+            handles[f"{label}: {exponent_text(exponent(points.values()))}"] = Line2D([], [], **{**look, "marker": ""})
+        panel.set(xscale="log", yscale="log", xlabel=xlabel, ylabel=ylabel)
+        panel.grid()
+        panel.legend(handles.values(), handles.keys(), loc="lower center", bbox_to_anchor=(0.45, 1), fontsize=SMALL,
+                     title="exponent ± std. error", title_fontsize=SMALL, handlelength=2.6, borderaxespad=0.2)
+    for scene in scenes:
+        page.legend(scene, Line2D([], [], linestyle="none", marker=marks.marker(scene)["marker"], color="black"))
+    return page
+
+
+def draw_scaling(record, say):
+    page = draw_scaling_page(record, "size=", "elements", "elements", say)
+    others = grouped([row for row in record.rows if not row["variant"].startswith(("size=", "motion="))], "variant")
+    for variant, rows in others.items():
+        say(f"scaling: {len(rows)} rows with the variant '{variant}' are neither of size= nor of motion=; not drawn")
+    return [("scaling", page)] if page else []
+
+
+def draw_scaling_motion(record, say):
+    rows = [row for row in record.rows if row["variant"].startswith("motion=")]
+    check_columns(record.with_rows(rows), ("moved_edges",))
+    page = draw_scaling_page(record, "motion=", "moved_edges", "motion per step, edge lengths", say)
+    return [("scaling-motion", page)] if page else []
+
+
+# --- all -------------------------------------------------------------------------------------------------------------------
+
+SCALING = ("seconds", "elements", "workspace_bytes", *COUNTS)
+# Experiment: its figures, each with the function that draws it and the columns that this reads.
+FIGURES = {
+    "table1": {"speedup": (draw_speedup, ("seconds",)),
+               "breakdown": (draw_breakdown, ("seconds", *STAGES)),
+               "false-positives": (draw_false_positives, ("seconds", "element_pairs", "adjacent_pairs", "touching_pairs")),
+               "funnel": (draw_funnel, ("seconds", "element_pairs", "surviving_pairs", "owned_tests", "orphan_tests", *COUNTS,
+                                        "contacts"))},
+    "culling": {"culling": (draw_culling, ("seconds", *COUNTS))},
+    "ablation": {"ablation": (draw_ablation, ("seconds", *COUNTS))},
+    "scaling": {"scaling": (draw_scaling, SCALING), "scaling-motion": (draw_scaling_motion, SCALING)},
+}
+
+
+def say(text):
+    print(f"plot_results.py: {text}")
+
+
+def records_in(folder, wanted):
+    """Those of experiments with a wanted figure, checked; says what has none."""
+    if not os.path.isdir(folder):
+        raise BadInput(f"{folder}: no such folder; name the folder that `volccd experiment run` wrote to")
+    records = []
+    for experiment, figures in FIGURES.items():
+        names = [name for name in figures if name in wanted]
+        path = os.path.join(folder, f"{experiment}.json")
+        if names and not os.path.exists(path):
+            say(f"{', '.join(names)}: skipped, there is no {path}")
+        elif names:
+            record = read_record(path, experiment)
+            for name in names:
+                check_columns(record, figures[name][1])
+            records.append((record, names))
+    others = sorted(name for name in os.listdir(folder) if name.endswith(".json") and name[:-5] not in FIGURES)
+    if others:
+        say(f"no figure is made of {', '.join(others)}")
+    if not records:
+        raise BadInput(f"{folder}: has no record of {', '.join(FIGURES)} for the figures asked for; run an experiment first")
+    return records
+
+
+def pages_of(record, names):
+    """[(file name without suffix, page, record with the rows of its motion model)]."""
+    result = []
+    for name in names:
+        draw = FIGURES[record.experiment][name][0]
+        drawn = []
+        for model, rows in grouped(record.rows, "motion_model").items():
+            part = record.with_rows(rows)
+            drawn += [(page_name + ("" if model == "linear" else f"-{model}"), page, part) for page_name, page in draw(part, say)]
+        if not drawn:
+            say(f"{name}: skipped, {record.path} has no rows for it")
+        result += drawn
+    return result
+
+
+def parse_arguments(arguments):
+    every = [name for figures in FIGURES.values() for name in figures]
+    parser = argparse.ArgumentParser(prog="plot_results.py", description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("folder", metavar="RESULTS_FOLDER", help="the records")
+    parser.add_argument("-o", "--output", metavar="FOLDER", help="where figures are written; RESULTS_FOLDER/figures if absent")
+    parser.add_argument("--only", nargs="+", metavar="NAME", choices=every, default=every, help=f"of {', '.join(every)}")
+    return parser.parse_args(arguments)
+
+
+def main(arguments):
+    options = parse_arguments(arguments)
+    output = options.output or os.path.join(options.folder, "figures")
+    try:
+        with matplotlib.rc_context():
+            matplotlib.rcdefaults()
+            matplotlib.rcParams.update(RC)
+            pages = [page for record, names in records_in(options.folder, options.only) for page in pages_of(record, names)]
+            os.makedirs(output, exist_ok=True)
+            for name, page, record in pages:
+                path = os.path.join(output, name)
+                page.save(path, caption_of(record))
+                print(f"{path}.svg, {path}.png")
+    except (BadInput, OSError) as problem:
+        print(f"plot_results.py: {problem}", file=sys.stderr)
+        return 2
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
