@@ -1,8 +1,9 @@
 #!/usr/bin/env python3
 """Draws the figures of docs/reproducing.md from the records of experiments; nothing is run or measured.
 
-Input: the records in a folder, EXPERIMENT.json as `volccd experiment run` writes them. Output: each figure as SVG, whose text is
-text, and as PNG with 300 dots per inch. The same record gives the same SVG, byte for byte (with the same matplotlib).
+Input: the records in a folder, EXPERIMENT.json as `volccd experiment run` writes them. Output: each figure as SVG,
+whose text is text, and as PNG with 300 dots per inch. The same record gives the same SVG, byte for byte (with the same
+matplotlib).
 
   experiment   figures
   table1       speedup, breakdown, false-positives, funnel
@@ -10,14 +11,15 @@ text, and as PNG with 300 dots per inch. The same record gives the same SVG, byt
   ablation     ablation
   scaling      scaling, scaling-motion
 
-Rows of another motion model than `linear` get figures of their own (speedup-tentative), and so do the tables of an ablation
-(ablation-axes). What has no record or no rows is skipped, and this is said.
+Rows of another motion model than `linear` get figures of their own (speedup-tentative), and so do the tables of an
+ablation (ablation-axes). What has no record or no rows is skipped, and this is said.
 
 Examples:
   plot_results.py results/                                  all figures, into results/figures/
   plot_results.py results/ -o build/figures --only speedup culling
 
-Needs python3-matplotlib. Exit code: 0 drawn, 2 bad input, output or usage; records are checked before anything is drawn.
+Needs python3-matplotlib. Exit code: 0 drawn, 2 bad input, output or usage; records are checked before
+anything is drawn.
 """
 
 import argparse
@@ -37,22 +39,26 @@ try:
     from matplotlib.figure import Figure
     from matplotlib.lines import Line2D
     from matplotlib.patches import Patch
+    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 except ImportError as problem:
     sys.exit(f"plot_results.py: {problem}; install python3-matplotlib")
 
 SCHEMA = 1
 SINGLE, DOUBLE, TALLEST = 85, 175, 235  # widths of one and of two columns, and the height of a page, in mm
 INCH = 25.4
-RC = {"svg.fonttype": "none", "svg.hashsalt": "volccd", "font.family": "DejaVu Sans", "font.size": 8, "axes.titlesize": 8,
-      "axes.labelsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8, "legend.fontsize": 8, "axes.linewidth": 0.6,
-      "lines.linewidth": 1.0, "lines.markersize": 4.5, "hatch.linewidth": 0.5, "axes.axisbelow": True, "grid.linewidth": 0.4,
-      "grid.color": "#cccccc", "legend.frameon": False, "text.parse_math": False}
+RC = {"svg.fonttype": "none", "svg.hashsalt": "volccd", "font.family": "DejaVu Sans", "font.size": 8,
+      "axes.titlesize": 8, "axes.labelsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8, "legend.fontsize": 8,
+      "axes.linewidth": 0.6, "lines.linewidth": 1.0, "lines.markersize": 4.5, "hatch.linewidth": 0.5,
+      "axes.axisbelow": True, "grid.linewidth": 0.4, "grid.color": "#cccccc", "legend.frameon": False,
+      "text.parse_math": False}
 SMALL = 7  # points: numbers beside marks, captions
+LINES_OF_A_PAGE = 30  # of an ablation
 
 # Okabe and Ito's palette, the dark colours first. Marker, line and hatch differ as well.
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#000000", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442"]
 MARKERS = ["o", "s", "^", "v", "D", "P", "X", "<", ">"]
 LINES = ["-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1))]
+BAR_COLOURS = ["#F0E442", "#56B4E9", "#E69F00", "#FFFFFF", "#CC79A7", "#009E73", "#D55E00", "#BBBBBB"]  # show hatches
 HATCHES = ["", "////", "....", "\\\\\\\\", "xxxx", "----", "++++", "||||", "oo"]
 
 # The paper's printed figures: Table I (speed-ups), Tables II and III (VF and EE tests for A, B and C).
@@ -64,8 +70,8 @@ PAPER_TESTS = {"octopi": {"A": (26e6, 312e6), "B": (1.1e6, 6.4e6), "C": (7.9e3, 
 
 TEXTS = ("table", "scene", "motion_model", "pipeline", "variant")
 COUNTS = ("vf_tests", "ee_tests")
-STAGES = ("bounds_s", *(f"{role}_{part}_s" for role in ("broad_phase", "element_culling", "assignment", "orphans",
-                                                        "feature_filter", "narrow_phase") for part in ("prepare", "run")))
+ROLES = ("broad_phase", "element_culling", "assignment", "orphans", "feature_filter", "narrow_phase")
+STAGES = ("bounds_s", *(f"{role}_{part}_s" for role in ROLES for part in ("prepare", "run")))
 
 
 class BadInput(Exception):
@@ -86,7 +92,7 @@ class Record:
         return dataclasses.replace(self, rows=rows)
 
 
-# --- records ---------------------------------------------------------------------------------------------------------------
+# --- records -------------------------------------------------------------------------------------------------------
 
 def read_record(path, experiment):
     try:
@@ -97,7 +103,8 @@ def read_record(path, experiment):
     if not isinstance(data, dict) or data.get("experiment") != experiment:
         raise BadInput(f"{path}: is no record of the experiment {experiment}; run it again to replace the file")
     if data.get("schema") != SCHEMA:
-        raise BadInput(f"{path}: has the schema {data.get('schema')}, but this program reads {SCHEMA}; run the experiment again")
+        raise BadInput(f"{path}: has the schema {data.get('schema')}, but this program reads {SCHEMA}; "
+                       "run the experiment again")
     for key, kind in (("rows", list), ("provenance", dict)):
         if not isinstance(data.get(key), kind):
             raise BadInput(f"{path}: has no '{key}'; run the experiment again")
@@ -112,19 +119,20 @@ def read_record(path, experiment):
 
 
 def check_columns(record, columns):
-    """Every row has the columns that identify it and `columns`: texts, else finite numbers that are not negative, and times > 0."""
+    """Every row has the columns that identify it and `columns`: texts, else finite numbers that are not negative;
+    times, elements and lengths are positive."""
     for row in record.rows:
         for column in (*TEXTS, "motion", "round", *columns):
             value = row.get(column)
             if column in TEXTS:
                 good = isinstance(value, str)
             else:
-                good = isinstance(value, (int, float)) and not isinstance(value, bool) and 0 <= value < math.inf
+                good = type(value) in (int, float) and 0 <= value < math.inf
                 good = good and (value > 0 or column not in ("seconds", "elements", "moved_edges"))
             if not good:
                 there = f"{column} = {json.dumps(value)}" if column in row else f"no column '{column}'"
-                raise BadInput(f"{record.path}: row {record.where[id(row)]} has {there}, which a figure of {record.experiment} "
-                               "needs; run the experiment again with this version of the program")
+                raise BadInput(f"{record.path}: row {record.where[id(row)]} has {there}, which a figure of "
+                               f"{record.experiment} needs; run the experiment again with this version of the program")
 
 
 def grouped(rows, *columns):
@@ -138,13 +146,15 @@ def grouped(rows, *columns):
 
 def typical(rows):
     """One row for each motion: that of the round with the (lower) median time, so that its stages add up."""
-    return [sorted(rounds, key=lambda row: (row["seconds"], row["round"]))[(len(rounds) - 1) // 2]
-            for rounds in grouped(rows, "motion").values()]
+    by_time = [sorted(rounds, key=lambda row: (row["seconds"], row["round"]))
+               for rounds in grouped(rows, "motion").values()]
+    return [rounds[(len(rounds) - 1) // 2] for rounds in by_time]
 
 
 def median_over_motions(rows, column):
     """The median over motions of the median over rounds."""
-    return statistics.median(statistics.median(row[column] for row in rounds) for rounds in grouped(rows, "motion").values())
+    return statistics.median(statistics.median(row[column] for row in rounds)
+                             for rounds in grouped(rows, "motion").values())
 
 
 def mean_count(rows, count):
@@ -174,16 +184,17 @@ def caption_of(record):
     motions = {scene: len({row["motion"] for row in rows}) for scene, rows in grouped(record.rows, "scene").items()}
     scenes = ", ".join(f"{scene} ({motions[scene]})" for scene in scenes_of(record.rows))
     facts = record.provenance
-    number = facts["threads"]
-    return (f"Scenes (motions): {scenes}. Setting: {facts['setting']}{'' if record.complete else ', incomplete record'}. "
-            f"Commit {facts['commit']}{' with local changes' if facts['dirty'] else ''}. "
-            f"{facts['cpu']}, {facts['cores']} cores, {number} {'thread' if number == 1 else 'threads'}.")
+    incomplete = "" if record.complete else ", incomplete record"
+    changes = " with local changes" if facts["dirty"] else ""
+    threads = f"{facts['threads']} thread{'' if facts['threads'] == 1 else 's'}"
+    return (f"Scenes (motions): {scenes}. Setting: {facts['setting']}{incomplete}. Commit {facts['commit']}{changes}. "
+            f"{facts['cpu']}, {facts['cores']} cores, {threads}.")
 
 
-# --- pages -----------------------------------------------------------------------------------------------------------------
+# --- pages ------------------------------------------------------------------------------------------------------------
 
 class Looks:
-    """Colour, marker, line and hatch by name: those of `known` are the same in all figures, others follow in their order."""
+    """Colour, marker, line and hatch by name: the same in all figures for those of `known`; others follow in turn."""
 
     def __init__(self, known=()):
         self.names = list(known)
@@ -203,15 +214,15 @@ class Looks:
 
     def bar(self, name):
         i = self.index(name)
-        return {"facecolor": COLOURS[-1 - i % len(COLOURS)], "hatch": HATCHES[i % len(HATCHES)], "edgecolor": "black",
-                "linewidth": 0.5}
+        return {"facecolor": BAR_COLOURS[i % len(BAR_COLOURS)], "hatch": HATCHES[i % len(HATCHES)],
+                "edgecolor": "black", "linewidth": 0.5}
 
 
 def pipeline_looks():
     return Looks(["VolCCD-2011", "VolCCD", "VolCCD+", "NavCCD-2011", "NavCCD", "HashCCD-2011", "HashCCD"])
 
 
-PAPER_MARK = {"marker": "D", "color": "none", "markeredgecolor": "black", "markeredgewidth": 0.8, "linestyle": "none"}
+PAPER_MARK = {"marker": "D", "color": "white", "markeredgecolor": "black", "markeredgewidth": 0.8, "linestyle": "none"}
 
 
 class Page:
@@ -232,11 +243,13 @@ class Page:
             panel.remove()
 
     def fit_legend(self):
-        """The legend with as many columns as the width holds, or None."""
-        for columns in range(len(self.handles), 0, -1):
-            legend = self.figure.legend(self.handles.values(), self.handles.keys(), loc="upper center", ncol=columns,
-                                        columnspacing=1.2, handletextpad=0.5, borderaxespad=0.2)
-            if columns == 1 or legend.get_window_extent().width <= self.figure.bbox.width:
+        """The legend in as few lines as the width allows, means and the paper's marks last; None without marks."""
+        names = sorted(self.handles, key=lambda name: (name.startswith("paper"), name.startswith("mean")))
+        for lines in range(1, len(names) + 1):
+            legend = self.figure.legend([self.handles[name] for name in names], names, loc="upper center",
+                                        ncol=math.ceil(len(names) / lines), columnspacing=1.2, handletextpad=0.5,
+                                        borderaxespad=0.2)
+            if lines == len(names) or legend.get_window_extent().width <= self.figure.bbox.width:
                 return legend
             legend.remove()
         return None
@@ -258,7 +271,10 @@ class Page:
         height = self.size[1] + above + below
         self.figure.set_size_inches(self.size[0], height)
         text.set_position((0.01, 0.03 / height))
-        self.figure.set_layout_engine("constrained", rect=(0, below / height, 1, self.size[1] / height), w_pad=0.03, h_pad=0.03)
+        room = (0, below / height, 1, self.size[1] / height)
+        self.figure.set_layout_engine("constrained", rect=room, w_pad=0.03, h_pad=0.03)
+        self.figure.draw_without_rendering()
+        self.figure.set_layout_engine("none")
         self.figure.savefig(f"{path}.svg", metadata={"Date": None, "Creator": None})
         self.figure.savefig(f"{path}.png", dpi=300, metadata={"Software": None})
 
@@ -275,31 +291,43 @@ def times(ratio):
     return f"{ratio:.2f}×" if ratio < 1 else f"{ratio:.1f}×" if ratio < 99.95 else f"{ratio:.0f}×"
 
 
+def log_axis(axis, zero=None):
+    """Labels of a logarithmic axis in plain text: at powers of ten, between them too where there are few. Zeros, if
+    there are any, stand at `zero`."""
+    low, high = sorted(axis.get_view_interval())
+    axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 100 * low else (1,), numticks=12))
+    axis.set_major_formatter(FuncFormatter(lambda x, _: "0" if zero and x < 1.5 * zero else number(x)))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def log_limits(set_limits, values, room):
+    """Limits that hold all values: from a power of ten below the smallest (two below, where zeros need a place) to the
+    largest times `room`. Returns the lower one, and it again, or None, as the place of zeros."""
+    positive = [value for value in values if value > 0] or [1]
+    low = 10.0 ** math.floor(math.log10(min(positive)) - 0.05)
+    zeros = min(values, default=1) <= 0
+    low = low / 10 if zeros else low
+    set_limits(low, max(max(positive) * room, low * 10))
+    return low, low if zeros else None
+
+
 def scene_axis(panel, positions, scenes):
     panel.set_yticks(positions, scenes)
     panel.tick_params(axis="y", length=0)
 
 
-def log_limits(axis_limits, values, room=1.0):
-    """Limits that hold the positive values, whole decades below; where zeros are drawn, in place of minus infinity."""
-    positive = [value for value in values if value > 0] or [1]
-    low, high = 10 ** math.floor(math.log10(min(positive)) - 0.05), max(positive) * room
-    low = low / 10 if any(value <= 0 for value in values) else low
-    axis_limits(low, max(high, low * 10))
-    return low
-
-
-# --- table1 ----------------------------------------------------------------------------------------------------------------
+# --- table1 -----------------------------------------------------------------------------------------------------------
 
 def comparisons(rows, family):
-    """(label, baseline's rows, rows) of pipelines that are no baselines against those of the family, each variant against its
-    like; where there is none, against the one without settings."""
+    """(label, baseline's rows, rows) of pipelines that are no baselines against those of the family, each variant
+    against its like; where there is none, against the one without settings."""
     pipelines = grouped(rows, "pipeline", "variant")
     subjects = [key for key in pipelines if not is_baseline(key[0])]
     baselines = [key for key in pipelines if key[0].startswith(family)]
 
     def like(key, others):
-        return [other for other in others if other[1] == key[1]] or [other for other in others if not other[1]] or others
+        same = [other for other in others if other[1] == key[1]]
+        return same or [other for other in others if not other[1]] or others
 
     pairs = {(subject, baseline): None for subject in subjects for baseline in like(subject, baselines)}
     pairs |= {(subject, baseline): None for baseline in baselines for subject in like(baseline, subjects)}
@@ -330,7 +358,8 @@ def speedups(record, say):
             for label, baseline, subject in comparisons(rows, family):
                 ratio = speedup(baseline, subject)
                 if ratio is None:
-                    say(f"speedup: table {table}, {scene}, {label}: no motion in common with {baseline[0]['pipeline']}; left out")
+                    say(f"speedup: table {table}, {scene}, {label}: has no motion in common with "
+                        f"{baseline[0]['pipeline']}; left out")
                 else:
                     entries.append((label, ratio))
     return result
@@ -338,6 +367,8 @@ def speedups(record, say):
 
 def draw_speedup(record, say):
     ratios = speedups(record, say)
+    if not any(ratios.values()):
+        return []
     scenes, tables = scenes_of(record.rows), sorted({row["table"] for row in record.rows})
     slots = max(map(len, ratios.values())) + 1
     pitch = slots + 0.8
@@ -345,23 +376,27 @@ def draw_speedup(record, say):
     looks = pipeline_looks()
     every = [ratio for entries in ratios.values() for _, ratio in entries]
     every += [factor for printed in PAPER_SPEEDUP.values() for factor in printed.values()]
-    low, high = min(0.9, *every) / 1.2, max(every) * 4
+    low = min(0.9, *every) / 1.2
+    high = max(every) * (max(every) / low) ** 0.35  # room for numbers beside marks
     for (family, panels), (column, table) in itertools.product(zip(PAPER_SPEEDUP, page.panels), enumerate(tables)):
         panel = panels[column]
-        panel.set(xscale="log", xlim=(low, high), title=f"Table I-{table}: over {family}")
+        names = {row["pipeline"] for row in record.rows if row["table"] == table and row["pipeline"].startswith(family)}
+        panel.set(xscale="log", xlim=(low, high), title=f"I-{table}: over {', '.join(sorted(names)) or family}")
         for i, scene in enumerate(scenes):
             printed = PAPER_SPEEDUP[family].get(scene)
-            marks = [(label, ratio, looks.marker(label)) for label, ratio in ratios.get((family, table, scene), [])]
-            marks += [("paper (Table I, as printed)", printed, PAPER_MARK)] if printed else []
+            marks = [(label, ratio, looks.marker(label), times(ratio))
+                     for label, ratio in ratios.get((family, table, scene), [])]
+            marks += [("paper (Table I, as printed)", printed, PAPER_MARK, f"{printed:g}×")] if printed else []
             if i % 2:
                 panel.axhspan(i * pitch - 0.9, i * pitch + slots - 0.1, color="#f2f2f2", linewidth=0)
-            for j, (label, ratio, look) in enumerate(marks):
+            for j, (label, ratio, look, text) in enumerate(marks):
                 y = i * pitch + j
                 panel.plot([1, ratio], [y, y], color="#888888", linewidth=0.6)
                 panel.plot([ratio], [y], **look)
-                panel.annotate(times(ratio), (ratio, y), (4, 0), textcoords="offset points", va="center", fontsize=SMALL)
+                panel.annotate(text, (ratio, y), (4, 0), textcoords="offset points", va="center", fontsize=SMALL)
                 page.legend(label, Line2D([], [], **{**look, "linestyle": "none"}))
         panel.axvline(1, color="black", linewidth=0.6)
+        log_axis(panel.xaxis)
         panel.set_ylim(len(scenes) * pitch - 0.9, -0.9)
         scene_axis(panel, [i * pitch + (slots - 1) / 2 for i in range(len(scenes))], scenes)
     for panel in page.panels[-1]:
@@ -375,7 +410,8 @@ def parts_of(row):
              "tree": row["broad_phase_prepare_s"] - row["bounds_s"],
              "traversal and culling": row["broad_phase_run_s"] + sum(
                  row[f"{role}_{part}_s"] for role in ("element_culling", "assignment") for part in ("prepare", "run"))}
-    for role, name in (("orphans", "O-Set"), ("feature_filter", "feature filters"), ("narrow_phase", "elementary tests")):
+    others = {"orphans": "O-Set", "feature_filter": "feature filters", "narrow_phase": "elementary tests"}
+    for role, name in others.items():
         parts[name] = row[f"{role}_prepare_s"] + row[f"{role}_run_s"]
     return parts
 
@@ -393,7 +429,7 @@ def shares_of(rows):
 
 def draw_breakdown(record, _):
     scenes = scenes_of(record.rows)
-    groups = {key: rows for key, rows in grouped(record.rows, "table", "pipeline", "variant").items() if not is_baseline(key[1])}
+    groups = grouped([row for row in record.rows if not is_baseline(row["pipeline"])], "table", "pipeline", "variant")
     columns = min(5, len(groups))
     lines = math.ceil(len(groups) / max(columns, 1))
     if not groups:
@@ -406,16 +442,18 @@ def draw_breakdown(record, _):
             for name, share in shares_of(of_scene).items():
                 look = looks.bar(name)
                 panel.barh(scenes.index(scene), share, left=left, height=0.75, **look)
-                if share >= 11:
-                    panel.text(left + share / 2, scenes.index(scene), f"{share:.0f}", ha="center", va="center", fontsize=SMALL,
-                               bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6})
+                if share >= 14:
+                    panel.text(left + share / 2, scenes.index(scene), f"{share:.0f}", ha="center", va="center",
+                               fontsize=SMALL, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6})
                 page.legend(name, Patch(**look))
                 left += share
         panel.set_title(textwrap.fill(f"I-{table}: {label_of(pipeline, variant)}", 24))
         panel.set(xlim=(0, 100), ylim=(len(scenes) - 0.5, -0.5), xticks=[0, 50, 100])
         scene_axis(panel, range(len(scenes)), scenes)
     page.unused(len(groups))
-    page.figure.supxlabel("share of the time of a query, %", fontsize=8)
+    for panel in list(page.panels.flat)[max(0, len(groups) - columns):len(groups)]:
+        panel.set_xlabel("share of time, %")
+        panel.tick_params(axis="x", labelbottom=True)
     return [("breakdown", page)]
 
 
@@ -434,35 +472,38 @@ def false_positives(rows, say):
 
 def draw_false_positives(record, say):
     preferred = ["VolCCD-2011", "VolCCD", "NavCCD-2011", "NavCCD"]
-    rank = {name: i for i, name in enumerate([*preferred, *sorted({row["pipeline"] for row in record.rows} - set(preferred))])}
+    rank = {name: i for i, name in enumerate([*preferred, *sorted({row["pipeline"] for row in record.rows})][::-1])}
     shares = {}
     for scene, rows in grouped(record.rows, "scene").items():
-        name = min((row["variant"], rank[row["pipeline"]], row["pipeline"], row["table"]) for row in rows)
-        chosen = [row for row in rows if (row["variant"], row["pipeline"], row["table"]) == (name[0], name[2], name[3])]
-        shares[scene] = (name[2], false_positives(chosen, say))
+        groups = grouped(rows, "variant", "pipeline", "table")
+        chosen = min(groups, key=lambda key: (key[0], -rank[key[1]], key[2]))
+        shares[scene] = (chosen[1], false_positives(groups[chosen], say))
     scenes = [scene for scene in scenes_of(record.rows) if shares[scene][1]]
     if not scenes:
         return []
     page = Page(SINGLE, 14 + 6 * len(scenes))
     panel = page.panels[0][0]
-    page.legend("paper (Figure 4): 90 to 99 %", panel.axvspan(90, 99, facecolor="#dddddd", hatch="////", edgecolor="#bbbbbb"))
+    band = panel.axvspan(90, 99, facecolor="#dddddd", hatch="////", edgecolor="#bbbbbb")
+    page.legend("paper (Figure 4): 90 to 99 %", band)
     looks = Looks()
     for i, scene in enumerate(scenes):
         pipeline, values = shares[scene]
         middle, look = statistics.median(values), looks.marker(pipeline, markersize=5)
-        panel.plot([min(values), max(values)], [i, i], color="black", linewidth=1, marker="|", markersize=6)
+        panel.plot([min(values), max(values)], [i, i], color=look["color"], linewidth=1, marker="|", markersize=6)
         panel.plot([middle], [i], **look)
         panel.annotate(f"{middle:.2f}", (middle, i), (0, 4), textcoords="offset points", ha="center", fontsize=SMALL)
-        page.legend(f"pairs of {pipeline}: median, range", Line2D([], [], **{**look, "linestyle": "-"}))
+        page.legend(f"non-adjacent leaf pairs, {pipeline}: median, range", Line2D([], [], **{**look, "linestyle": "-"}))
     low = min(85, math.floor(min(min(shares[scene][1]) for scene in scenes) / 10) * 10)
     panel.set(xlim=(low, 100 + (100 - low) * 0.06), ylim=(len(scenes) - 0.5, -0.8))
-    panel.set_xlabel("non-adjacent leaf pairs that touch nothing, %")
+    panel.set_xlabel("leaf pairs that touch nothing, %")
     scene_axis(panel, range(len(scenes)), scenes)
     return [("false-positives", page)]
 
 
-FUNNEL = {"element\npairs": lambda row: row["element_pairs"], "surviving\npairs": lambda row: row["surviving_pairs"],
-          "assigned\ntests": lambda row: row["owned_tests"] + row["orphan_tests"], "tests\nmade": tests,
+FUNNEL = {"element pairs": lambda row: row["element_pairs"],
+          "surviving pairs": lambda row: row["surviving_pairs"],
+          "assigned tests": lambda row: row["owned_tests"] + row["orphan_tests"],
+          "tests made": tests,
           "contacts": lambda row: row["contacts"]}
 
 
@@ -486,13 +527,16 @@ def draw_funnel(record, say):
         counts = {label_of(*key): [mean_count(of_key, count) for count in FUNNEL.values()] for key, of_key
                   in grouped([row for row in rows if row["scene"] == scene], "pipeline", "variant").items()}
         every.append((panel, counts))
-    low = log_limits(page.panels.flat[0].set_ylim, [value for _, counts in every for values in counts.values() for value in values], 20)
+    values = [value for _, counts in every for line in counts.values() for value in line]
+    low, zero = log_limits(page.panels.flat[0].set_ylim, values, 20)
     for panel, counts in every:
         draw_funnel_lines(page, panel, counts, looks, low)
+        log_axis(panel.yaxis, zero)
     page.unused(len(scenes))
     for panel in list(page.panels.flat)[max(0, len(scenes) - columns):len(scenes)]:
         panel.tick_params(axis="x", labelbottom=True)
-    page.figure.supylabel(f"count per motion (mean), table {tables[-1]}", fontsize=8)
+    for line in page.panels:
+        line[0].set_ylabel(f"mean of a motion (I-{tables[-1]})")
     return [("funnel", page)]
 
 
@@ -509,12 +553,13 @@ def draw_funnel_lines(page, panel, counts, looks, low):
             same = i > 0 and number(value) == number(next(iter(counts.values()))[x])
             if not same:
                 panel.annotate(number(value), (x, max(value, low)), (0, 4 if above else -4), textcoords="offset points",
-                               ha="center", va="bottom" if above else "top", fontsize=SMALL)
+                               ha="center", va="bottom" if above else "top", fontsize=SMALL,
+                               bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.2, "alpha": 0.8})
     panel.set_xlim(-0.5, len(FUNNEL) - 0.5)
-    panel.set_xticks(range(len(FUNNEL)), FUNNEL, fontsize=SMALL)
+    panel.set_xticks(range(len(FUNNEL)), FUNNEL, rotation=40, ha="right", rotation_mode="anchor")
 
 
-# --- culling ---------------------------------------------------------------------------------------------------------------
+# --- culling ----------------------------------------------------------------------------------------------------------
 
 def draw_culling(record, _):
     scenes = scenes_of(record.rows)
@@ -524,41 +569,52 @@ def draw_culling(record, _):
     page = Page(DOUBLE if columns > 1 else SINGLE, 62 * lines, lines, columns)
     for panel, scene in zip(page.panels.flat, scenes):
         groups = grouped([row for row in record.rows if row["scene"] == scene], "pipeline", "variant")
-        drawn = []
-        for i, (key, rows) in enumerate(groups.items()):
-            for group, column in enumerate(COUNTS):
-                drawn.append((group * (len(groups) + 1) + i, label_of(*key), sum(row[column] for row in typical(rows)),
-                              mean_count(rows, lambda row, column=column: row[column]),
-                              PAPER_TESTS.get(scene, {}).get(key[0].split(" ")[0], (None, None))[group]))
-        low = log_limits(panel.set_ylim, [value for bar in drawn for value in bar[2:] if value is not None], 6)
+        bars = []
+        for (group, column), (i, (key, rows)) in itertools.product(enumerate(COUNTS), enumerate(groups.items())):
+            bars.append(Bar(group * (len(groups) + 1) + i, label_of(*key), sum(row[column] for row in typical(rows)),
+                            mean_count(rows, lambda row, column=column: row[column]),
+                            PAPER_TESTS.get(scene, {}).get(key[0].split(" ")[0], (None, None))[group]))
+        values = [value for bar in bars for value in (bar.total, bar.mean, bar.printed or bar.total)]
+        low, zero = log_limits(panel.set_ylim, values, 3)
         panel.set(yscale="log", title=scene, ylabel="elementary tests")
         panel.grid(axis="y")
-        for bar in drawn:
-            draw_culling_bar(page, panel, bar, looks, low)
-        middle = (len(groups) - 1) / 2
-        panel.set_xticks([middle, middle + len(groups) + 1], ["VF tests", "EE tests"])
+        log_axis(panel.yaxis, zero)
+        for bar in bars:
+            draw_bar(page, panel, bar, looks, low)
+        names = {(len(groups) - 1) // 2: "VF tests", (len(groups) - 1) // 2 + len(groups): "EE tests"}
+        labels = [f"{number(bar.total)}\n{names.get(i, '')}" for i, bar in enumerate(bars)]
+        panel.set_xticks([bar.x for bar in bars], labels, linespacing=1.6, fontsize=SMALL)
         panel.tick_params(axis="x", length=0)
     page.unused(len(scenes))
     return [("culling", page)]
 
 
-def draw_culling_bar(page, panel, bar, looks, low):
-    x, label, total, mean, printed = bar
-    look = looks.bar(label)
-    panel.bar(x, max(total, low) - low, bottom=low, width=0.85, **look)
-    page.legend(f"{label}: sum of all motions", Patch(**look))
+@dataclasses.dataclass(frozen=True)
+class Bar:
+    x: int
+    label: str
+    total: int
+    mean: float
+    printed: float | None
+
+
+def draw_bar(page, panel, bar, looks, low):
+    look = looks.bar(bar.label)
+    panel.bar(bar.x, max(bar.total, low) - low, bottom=low, width=0.85, **look)
+    page.legend(f"{bar.label}: sum of all motions", Patch(**look))
     mark = {"marker": "_", "markersize": 13, "color": "black", "markeredgewidth": 2.2, "linestyle": "none"}
-    panel.plot([x], [max(mean, low)], **{**mark, "color": "white", "markeredgewidth": 4, "markersize": 15})
-    panel.plot([x], [max(mean, low)], **mark)
+    panel.plot([bar.x], [max(bar.mean, low)], **{**mark, "color": "white", "markeredgewidth": 4, "markersize": 15})
+    panel.plot([bar.x], [max(bar.mean, low)], **mark)
     page.legend("mean of a motion", Line2D([], [], **{**mark, "markersize": 9}))
-    top = max(total, low, printed or 0)
-    if printed:
-        panel.plot([x], [printed], **{**PAPER_MARK, "color": "white"})
+    if bar.printed:
+        panel.plot([bar.x], [bar.printed], **PAPER_MARK)
         page.legend("paper (Tables II and III, as printed)", Line2D([], [], **PAPER_MARK))
-    panel.annotate(number(total), (x, top), (0, 4), textcoords="offset points", ha="center", fontsize=SMALL)
 
 
-# --- ablation --------------------------------------------------------------------------------------------------------------
+# --- ablation ---------------------------------------------------------------------------------------------------------
+
+NOT_RECORDED = "broad phase not recorded"
+
 
 def broad_phase_of(record, pipeline, variant):
     """From the variant's settings, else from the stages of the pipeline in the provenance."""
@@ -569,11 +625,11 @@ def broad_phase_of(record, pipeline, variant):
             for stage in known.get("stages", []):
                 if stage.get("role") == "broad-phase":
                     return stage["name"]
-    return "broad phase not recorded"
+    return NOT_RECORDED
 
 
 def ablation_lines(record):
-    """[(broad phase, label, {scene: (seconds relative to the scene's best, tests)})], by broad phase in the order of the rows."""
+    """[(broad phase, label, {scene: (seconds relative to the scene's best, tests)})], one broad phase after another."""
     best, cells = {}, {}
     for (scene, pipeline, variant), rows in grouped(record.rows, "scene", "pipeline", "variant").items():
         broad_phase = broad_phase_of(record, pipeline, variant)
@@ -582,8 +638,9 @@ def ablation_lines(record):
         best[scene] = min(seconds, best.get(scene, math.inf))
         cells.setdefault((broad_phase, label), {})[scene] = (seconds, mean_count(rows, tests))
     order = list(dict.fromkeys(broad_phase for broad_phase, _ in cells))
-    return [(broad_phase, label, {scene: (seconds / best[scene], count) for scene, (seconds, count) in scenes.items()})
-            for (broad_phase, label), scenes in sorted(cells.items(), key=lambda cell: order.index(cell[0][0]))]
+    ordered = sorted(cells.items(), key=lambda cell: order.index(cell[0][0]))
+    return [(*key, {scene: (seconds / best[scene], count) for scene, (seconds, count) in scenes.items()})
+            for key, scenes in ordered]
 
 
 def draw_ablation(record, say):
@@ -592,11 +649,11 @@ def draw_ablation(record, say):
     for table, rows in tables.items():
         name = "ablation" if len(tables) == 1 else "ablation-" + re.sub(r"[^\w.-]+", "-", table)
         lines = ablation_lines(record.with_rows(rows))
-        for first in range(0, len(lines), 44):  # what a page holds
-            more = f"-{first // 44 + 1}" if len(lines) > 44 else ""
-            result.append((name + more, ablation_page(lines[first:first + 44], scenes_of(rows))))
-    if any("broad phase not recorded" == line[0] for rows in tables.values() for line in ablation_lines(record.with_rows(rows))):
-        say("ablation: neither the variant nor the provenance names the broad phase of some rows")
+        for first in range(0, len(lines), LINES_OF_A_PAGE):
+            more = f"-{first // LINES_OF_A_PAGE + 1}" if len(lines) > LINES_OF_A_PAGE else ""
+            result.append((name + more, ablation_page(lines[first:first + LINES_OF_A_PAGE], scenes_of(rows))))
+        if any(line[0] == NOT_RECORDED for line in lines):
+            say(f"{name}: neither the variant nor the provenance names the broad phase of some rows")
     return result
 
 
@@ -607,35 +664,41 @@ def ablation_page(lines, scenes):
     for i, (broad_phase, label, _) in enumerate(lines):
         if i == 0 or lines[i - 1][0] != broad_phase:
             y += 1.1 if i else 0.2
-            left.text(-0.02, y, broad_phase, transform=left.get_yaxis_transform(), ha="right", va="center", weight="bold")
+            left.text(-0.02, y, broad_phase, transform=left.get_yaxis_transform(), ha="right", va="center",
+                      weight="bold")
             y += 1.0
-        labels.append(textwrap.fill(label, 46))
+        labels.append(textwrap.fill(label, 46, break_on_hyphens=False))
         y += 0.4 * labels[-1].count("\n")
         heights.append(y)
         y += 1 + 0.4 * labels[-1].count("\n")
-    looks = Looks(scenes)
+    looks, pitch = Looks(scenes), 0.5 / len(scenes)
     for height, (_, _, cells) in zip(heights, lines):
         for panel in (left, right):
             panel.axhline(height, color="#dddddd", linewidth=0.4, zorder=0)
         for scene, (ratio, count) in cells.items():
+            at = height + pitch * (scenes.index(scene) - (len(scenes) - 1) / 2)
             look = {**looks.marker(scene), "linestyle": "none", "clip_on": False}
-            left.plot([ratio], [height], **look)
-            right.plot([max(count, 0.5)], [height], **look)
+            left.plot([ratio], [at], **look)
+            right.plot([max(count, 0.5)], [at], **look)
             page.legend(scene, Line2D([], [], **look))
             if len(scenes) == 1:
                 for panel, value, text in ((left, ratio, times(ratio)), (right, max(count, 0.5), number(count))):
-                    panel.annotate(text, (value, height), (5, 0), textcoords="offset points", va="center", fontsize=SMALL)
-    room = 3 if len(scenes) == 1 else 1.2
-    left.set(xscale="log", xlabel="median time, relative to the scene's best", ylim=(y - 0.4, -0.4))
+                    panel.annotate(text, (value, height), (5, 0), textcoords="offset points", va="center",
+                                   fontsize=SMALL)
+    room = 3 if len(scenes) == 1 else 1.4
+    left.set(xscale="log", xlabel="median time / the scene's best", ylim=(y - 0.4, -0.4))
     left.set_xlim(0.9, room * max(ratio for _, _, cells in lines for ratio, _ in cells.values()))
-    right.set(xscale="log", xlabel="elementary tests per motion (mean)")
+    right.set(xscale="log", xlabel="tests per motion (mean)")
     log_limits(right.set_xlim, [max(count, 0.5) for _, _, cells in lines for _, count in cells.values()], room)
     scene_axis(left, heights, labels)
+    right.tick_params(axis="y", length=0)
+    log_axis(left.xaxis)
+    log_axis(right.xaxis)
     page.size = (page.size[0], (12 + 3.9 * y) / INCH)
     return page
 
 
-# --- scaling ---------------------------------------------------------------------------------------------------------------
+# --- scaling ----------------------------------------------------------------------------------------------------------
 
 QUANTITIES = {"time, s": lambda rows: median_over_motions(rows, "seconds"),
               "memory, bytes": lambda rows: max(row["workspace_bytes"] for row in rows),
@@ -643,8 +706,8 @@ QUANTITIES = {"time, s": lambda rows: median_over_motions(rows, "seconds"),
 
 
 def exponent(lines):
-    """Slope of log y against log x, one for all lines of points, each with its own height, and its standard error (None where
-    there are no more points than unknowns); None where x does not vary."""
+    """Slope of log y against log x, one for all lines of points, each with its own height, and its standard error (None
+    where there are no more points than unknowns); None where x does not vary."""
     logs = [[(math.log(x), math.log(y)) for x, y in points if y > 0] for points in lines]
     logs = [points for points in logs if points]
     centred = [(x - statistics.fmean(p[0] for p in points), y - statistics.fmean(p[1] for p in points))
@@ -690,11 +753,15 @@ def draw_scaling_page(record, prefix, column, xlabel, say):
             for scene, xy in points.items():
                 positive = [(x, y) for x, y in xy if y > 0]
                 if len(positive) < len(xy):
-                    say(f"{prefix}: {scene}, {label}: {ylabel} is 0 at {len(xy) - len(positive)} points; not on a log scale")
-                panel.plot(*zip(*positive or [(math.nan, math.nan)]), **{**look, "marker": marks.marker(scene)["marker"]})
+                    say(f"scaling, {prefix}: {scene}, {label}: {ylabel} is 0 at {len(xy) - len(positive)} points, "
+                        "which a logarithmic axis does not show")
+                look["marker"] = marks.marker(scene)["marker"]
+                panel.plot([x for x, _ in positive], [y for _, y in positive], **look)
             handles[f"{label}: {exponent_text(exponent(points.values()))}"] = Line2D([], [], **{**look, "marker": ""})
         panel.set(xscale="log", yscale="log", xlabel=xlabel, ylabel=ylabel)
         panel.grid()
+        log_axis(panel.xaxis)
+        log_axis(panel.yaxis)
         panel.legend(handles.values(), handles.keys(), loc="lower center", bbox_to_anchor=(0.45, 1), fontsize=SMALL,
                      title="exponent ± std. error", title_fontsize=SMALL, handlelength=2.6, borderaxespad=0.2)
     for scene in scenes:
@@ -717,15 +784,16 @@ def draw_scaling_motion(record, say):
     return [("scaling-motion", page)] if page else []
 
 
-# --- all -------------------------------------------------------------------------------------------------------------------
+# --- all --------------------------------------------------------------------------------------------------------------
 
+PAIRS = ("element_pairs", "adjacent_pairs")
 SCALING = ("seconds", "elements", "workspace_bytes", *COUNTS)
 # Experiment: its figures, each with the function that draws it and the columns that this reads.
 FIGURES = {
     "table1": {"speedup": (draw_speedup, ("seconds",)),
                "breakdown": (draw_breakdown, ("seconds", *STAGES)),
-               "false-positives": (draw_false_positives, ("seconds", "element_pairs", "adjacent_pairs", "touching_pairs")),
-               "funnel": (draw_funnel, ("seconds", "element_pairs", "surviving_pairs", "owned_tests", "orphan_tests", *COUNTS,
+               "false-positives": (draw_false_positives, ("seconds", *PAIRS, "touching_pairs")),
+               "funnel": (draw_funnel, ("seconds", *PAIRS, "surviving_pairs", "owned_tests", "orphan_tests", *COUNTS,
                                         "contacts"))},
     "culling": {"culling": (draw_culling, ("seconds", *COUNTS))},
     "ablation": {"ablation": (draw_ablation, ("seconds", *COUNTS))},
@@ -756,7 +824,8 @@ def records_in(folder, wanted):
     if others:
         say(f"no figure is made of {', '.join(others)}")
     if not records:
-        raise BadInput(f"{folder}: has no record of {', '.join(FIGURES)} for the figures asked for; run an experiment first")
+        raise BadInput(f"{folder}: has no record for the figures asked for; run one of the experiments "
+                       f"{', '.join(FIGURES)} first")
     return records
 
 
@@ -768,7 +837,8 @@ def pages_of(record, names):
         drawn = []
         for model, rows in grouped(record.rows, "motion_model").items():
             part = record.with_rows(rows)
-            drawn += [(page_name + ("" if model == "linear" else f"-{model}"), page, part) for page_name, page in draw(part, say)]
+            suffix = "" if model == "linear" else f"-{model}"
+            drawn += [(page_name + suffix, page, part) for page_name, page in draw(part, say)]
         if not drawn:
             say(f"{name}: skipped, {record.path} has no rows for it")
         result += drawn
@@ -780,8 +850,10 @@ def parse_arguments(arguments):
     parser = argparse.ArgumentParser(prog="plot_results.py", description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", metavar="RESULTS_FOLDER", help="the records")
-    parser.add_argument("-o", "--output", metavar="FOLDER", help="where figures are written; RESULTS_FOLDER/figures if absent")
-    parser.add_argument("--only", nargs="+", metavar="NAME", choices=every, default=every, help=f"of {', '.join(every)}")
+    parser.add_argument("-o", "--output", metavar="FOLDER",
+                        help="where figures are written; RESULTS_FOLDER/figures if absent")
+    parser.add_argument("--only", nargs="+", metavar="NAME", choices=every, default=every,
+                        help=f"of {', '.join(every)}")
     return parser.parse_args(arguments)
 
 
@@ -792,7 +864,8 @@ def main(arguments):
         with matplotlib.rc_context():
             matplotlib.rcdefaults()
             matplotlib.rcParams.update(RC)
-            pages = [page for record, names in records_in(options.folder, options.only) for page in pages_of(record, names)]
+            records = records_in(options.folder, options.only)
+            pages = [page for record, names in records for page in pages_of(record, names)]
             os.makedirs(output, exist_ok=True)
             for name, page, record in pages:
                 path = os.path.join(output, name)
