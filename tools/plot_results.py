@@ -11,8 +11,9 @@ matplotlib).
   ablation     ablation
   scaling      scaling, scaling-motion
 
-Rows of another motion model than `linear` get figures of their own (speedup-tentative), and so do the tables of an
-ablation (ablation-axes). What has no record or no rows is skipped, and this is said.
+Rows of another motion model than `linear` and of another edge set than `triangulated` get figures of their own
+(speedup-tentative, speedup-polytope), and so do speed-ups over variants of a baseline (speedup-variants) and the tables
+of an ablation (ablation-stages). What has no record or no rows is skipped, and this is said.
 
 Examples:
   plot_results.py results/                                  all figures, into results/figures/
@@ -52,7 +53,7 @@ RC = {"svg.fonttype": "none", "svg.hashsalt": "volccd", "font.family": "DejaVu S
       "axes.axisbelow": True, "grid.linewidth": 0.4, "grid.color": "#cccccc", "legend.frameon": False,
       "text.parse_math": False}
 SMALL = 7  # points: numbers beside marks, captions
-LINES_OF_A_PAGE = 30  # of an ablation
+LINES_OF_A_PAGE = 40  # of an ablation
 
 # Okabe and Ito's palette, the dark colours first. Marker, line and hatch differ as well.
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#000000", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442"]
@@ -151,10 +152,17 @@ def typical(rows):
     return [rounds[(len(rounds) - 1) // 2] for rounds in by_time]
 
 
-def median_over_motions(rows, column):
-    """The median over motions of the median over rounds."""
-    return statistics.median(statistics.median(row[column] for row in rounds)
-                             for rounds in grouped(rows, "motion").values())
+def median_over_motions(rows, value):
+    """Of value(row): the median over motions of the median over rounds."""
+    return statistics.median(statistics.median(map(value, rounds)) for rounds in grouped(rows, "motion").values())
+
+
+def seconds(row):
+    return row["seconds"]
+
+
+def seconds_with_edit(row):
+    return row["seconds"] + row["topology_seconds"]
 
 
 def mean_count(rows, count):
@@ -316,6 +324,19 @@ def scene_axis(panel, positions, scenes):
     panel.tick_params(axis="y", length=0)
 
 
+def without_common_settings(record, say):
+    """The record without the settings that all variants of a table have, such as its narrow phase."""
+    rows = []
+    for table, of_table in grouped(record.rows, "table").items():
+        words = [row["variant"].split() for row in of_table]
+        common = {word for word in words[0] if all(word in others for others in words)}
+        if common:
+            say(f"{record.experiment}: table {table}: {' '.join(sorted(common))} is a setting of all its pipelines")
+        rows += [row | {"variant": " ".join(word for word in row["variant"].split() if word not in common)}
+                 for row in of_table]
+    return record.with_rows(rows)
+
+
 # --- table1 -----------------------------------------------------------------------------------------------------------
 
 def comparisons(rows, family):
@@ -340,11 +361,11 @@ def comparisons(rows, family):
 
 
 def speedup(baseline, subject):
-    """Ratio of the median times of the motions that both have, or None without any."""
+    """Ratio of the median times, topology edits included, of the motions that both have, or None without any."""
     motions = {row["motion"] for row in baseline} & {row["motion"] for row in subject}
     if not motions:
         return None
-    before, after = (median_over_motions([row for row in rows if row["motion"] in motions], "seconds")
+    before, after = (median_over_motions([row for row in rows if row["motion"] in motions], seconds_with_edit)
                      for rows in (baseline, subject))
     return before / after
 
@@ -366,42 +387,57 @@ def speedups(record, say):
 
 
 def draw_speedup(record, say):
+    """Speed-ups over a variant of a baseline that the pipeline itself has not go to a page of their own."""
     ratios = speedups(record, say)
-    if not any(ratios.values()):
-        return []
-    scenes, tables = scenes_of(record.rows), sorted({row["table"] for row in record.rows})
+    pages = []
+    for name, wanted in (("speedup", False), ("speedup-variants", True)):
+        some = {key: [entry for entry in entries if (" over " in entry[0]) == wanted]
+                for key, entries in ratios.items()}
+        if any(some.values()):
+            families = [family for family in PAPER_SPEEDUP if any(some[key] for key in some if key[0] == family)]
+            tables = sorted({table for (_, table, _), entries in some.items() if entries})
+            scenes = [scene for scene in scenes_of(record.rows) if any(some[key] for key in some if key[2] == scene)]
+            pages.append((name, speedup_page(record, some, families, tables, scenes)))
+    return pages
+
+
+def speedup_page(record, ratios, families, tables, scenes):
     slots = max(map(len, ratios.values())) + 1
     pitch = slots + 0.8
-    page = Page(DOUBLE, 2 * (12 + 3.3 * pitch * len(scenes)), len(PAPER_SPEEDUP), len(tables), sharex=True, sharey=True)
+    page = Page(DOUBLE, len(families) * (12 + 3.3 * pitch * len(scenes)), len(families), len(tables), sharex=True,
+                sharey=True)
     looks = pipeline_looks()
     every = [ratio for entries in ratios.values() for _, ratio in entries]
     every += [factor for printed in PAPER_SPEEDUP.values() for factor in printed.values()]
     low = min(0.9, *every) / 1.2
     high = max(every) * (max(every) / low) ** 0.35  # room for numbers beside marks
-    for (family, panels), (column, table) in itertools.product(zip(PAPER_SPEEDUP, page.panels), enumerate(tables)):
+    for (family, panels), (column, table) in itertools.product(zip(families, page.panels), enumerate(tables)):
         panel = panels[column]
         names = {row["pipeline"] for row in record.rows if row["table"] == table and row["pipeline"].startswith(family)}
         panel.set(xscale="log", xlim=(low, high), title=f"I-{table}: over {', '.join(sorted(names)) or family}")
         for i, scene in enumerate(scenes):
-            printed = PAPER_SPEEDUP[family].get(scene)
-            marks = [(label, ratio, looks.marker(label), times(ratio))
-                     for label, ratio in ratios.get((family, table, scene), [])]
-            marks += [("paper (Table I, as printed)", printed, PAPER_MARK, f"{printed:g}×")] if printed else []
             if i % 2:
                 panel.axhspan(i * pitch - 0.9, i * pitch + slots - 0.1, color="#f2f2f2", linewidth=0)
-            for j, (label, ratio, look, text) in enumerate(marks):
-                y = i * pitch + j
-                panel.plot([1, ratio], [y, y], color="#888888", linewidth=0.6)
-                panel.plot([ratio], [y], **look)
-                panel.annotate(text, (ratio, y), (4, 0), textcoords="offset points", va="center", fontsize=SMALL)
-                page.legend(label, Line2D([], [], **{**look, "linestyle": "none"}))
+            draw_speedups(page, panel, i * pitch, ratios.get((family, table, scene), []), looks,
+                          PAPER_SPEEDUP[family].get(scene))
         panel.axvline(1, color="black", linewidth=0.6)
         log_axis(panel.xaxis)
         panel.set_ylim(len(scenes) * pitch - 0.9, -0.9)
         scene_axis(panel, [i * pitch + (slots - 1) / 2 for i in range(len(scenes))], scenes)
     for panel in page.panels[-1]:
-        panel.set_xlabel("speed-up (ratio of median times)")
-    return [("speedup", page)]
+        panel.set_xlabel("speed-up (ratio of median times)" if len(tables) < 4 else "speed-up")
+    return page
+
+
+def draw_speedups(page, panel, y, entries, looks, printed):
+    """Of one scene, one below the other, the paper's last."""
+    marks = [(label, ratio, looks.marker(label), times(ratio)) for label, ratio in entries]
+    marks += [("paper (Table I, as printed)", printed, PAPER_MARK, f"{printed:g}×")] if printed else []
+    for j, (label, ratio, look, text) in enumerate(marks):
+        panel.plot([1, ratio], [y + j, y + j], color="#888888", linewidth=0.6)
+        panel.plot([ratio], [y + j], **look)
+        panel.annotate(text, (ratio, y + j), (4, 0), textcoords="offset points", va="center", fontsize=SMALL)
+        page.legend(label, Line2D([], [], **{**look, "linestyle": "none"}))
 
 
 def parts_of(row):
@@ -418,11 +454,11 @@ def parts_of(row):
 
 def shares_of(rows):
     """Percent of the time of all motions, by part, the remainder included."""
-    totals, seconds = collections.Counter(), 0
+    totals, measured = collections.Counter(), 0
     for row in typical(rows):
         totals.update(parts_of(row))
-        seconds += row["seconds"]
-    totals["remainder"] = max(0, seconds - sum(totals.values()))
+        measured += row["seconds"]
+    totals["remainder"] = max(0, measured - sum(totals.values()))
     whole = sum(totals.values())
     return {name: 100 * max(0, value) / whole for name, value in totals.items()}
 
@@ -571,7 +607,9 @@ def draw_culling(record, _):
         groups = grouped([row for row in record.rows if row["scene"] == scene], "pipeline", "variant")
         bars = []
         for (group, column), (i, (key, rows)) in itertools.product(enumerate(COUNTS), enumerate(groups.items())):
-            bars.append(Bar(group * (len(groups) + 1) + i, label_of(*key), sum(row[column] for row in typical(rows)),
+            # A, B and C have settings that their names stand for.
+            label = key[0] if [name for name, _ in groups].count(key[0]) == 1 else label_of(*key)
+            bars.append(Bar(group * (len(groups) + 1) + i, label, sum(row[column] for row in typical(rows)),
                             mean_count(rows, lambda row, column=column: row[column]),
                             PAPER_TESTS.get(scene, {}).get(key[0].split(" ")[0], (None, None))[group]))
         values = [value for bar in bars for value in (bar.total, bar.mean, bar.printed or bar.total)]
@@ -616,30 +654,30 @@ def draw_bar(page, panel, bar, looks, low):
 NOT_RECORDED = "broad phase not recorded"
 
 
-def broad_phase_of(record, pipeline, variant):
-    """From the variant's settings, else from the stages of the pipeline in the provenance."""
-    if setting := re.search(r"(?:^|\s)broad-phase=([\w-]+)", variant):
-        return setting[1]
-    for known in record.provenance.get("pipelines", []):
-        if known.get("name") == pipeline:
-            for stage in known.get("stages", []):
-                if stage.get("role") == "broad-phase":
-                    return stage["name"]
-    return NOT_RECORDED
+def broad_phases(record):
+    """By (table, pipeline, variant), of the plan in the provenance."""
+    result = {}
+    for run in record.provenance.get("plan", {}).get("runs", []):
+        for entrant in run["entrants"]:
+            result[entrant["table"], entrant["pipeline"], entrant["variant"]] = entrant["stages"]["broad_phase"]["name"]
+    return result
 
 
 def ablation_lines(record):
     """[(broad phase, label, {scene: (seconds relative to the scene's best, tests)})], one broad phase after another."""
-    best, cells = {}, {}
-    for (scene, pipeline, variant), rows in grouped(record.rows, "scene", "pipeline", "variant").items():
-        broad_phase = broad_phase_of(record, pipeline, variant)
-        label = label_of(pipeline, re.sub(r"(?:^|\s)broad-phase=[\w-]+", "", variant).strip())
-        seconds = median_over_motions(rows, "seconds")
-        best[scene] = min(seconds, best.get(scene, math.inf))
-        cells.setdefault((broad_phase, label), {})[scene] = (seconds, mean_count(rows, tests))
+    best, cells, planned = {}, {}, broad_phases(record)
+    for key, rows in grouped(record.rows, "table", "pipeline", "variant", "scene").items():
+        table, pipeline, variant, scene = key
+        setting = re.search(r"(?:^|\s)broad-phase=([\w-]+)", variant)
+        broad_phase = setting[1] if setting else planned.get((table, pipeline, variant), NOT_RECORDED)
+        others = re.sub(r"(?:^|\s)broad-phase=[\w-]+", "", variant).strip()
+        label = others or "none" if pipeline == broad_phase else label_of(pipeline, others)
+        time = median_over_motions(rows, seconds)
+        best[scene] = min(time, best.get(scene, math.inf))
+        cells.setdefault((broad_phase, label), {})[scene] = (time, mean_count(rows, tests))
     order = list(dict.fromkeys(broad_phase for broad_phase, _ in cells))
     ordered = sorted(cells.items(), key=lambda cell: order.index(cell[0][0]))
-    return [(*key, {scene: (seconds / best[scene], count) for scene, (seconds, count) in scenes.items()})
+    return [(*key, {scene: (time / best[scene], count) for scene, (time, count) in scenes.items()})
             for key, scenes in ordered]
 
 
@@ -700,7 +738,7 @@ def ablation_page(lines, scenes):
 
 # --- scaling ----------------------------------------------------------------------------------------------------------
 
-QUANTITIES = {"time, s": lambda rows: median_over_motions(rows, "seconds"),
+QUANTITIES = {"time, s": lambda rows: median_over_motions(rows, seconds),
               "memory, bytes": lambda rows: max(row["workspace_bytes"] for row in rows),
               "elementary tests per motion": lambda rows: mean_count(rows, tests)}
 
@@ -790,7 +828,7 @@ PAIRS = ("element_pairs", "adjacent_pairs")
 SCALING = ("seconds", "elements", "workspace_bytes", *COUNTS)
 # Experiment: its figures, each with the function that draws it and the columns that this reads.
 FIGURES = {
-    "table1": {"speedup": (draw_speedup, ("seconds",)),
+    "table1": {"speedup": (draw_speedup, ("seconds", "topology_seconds")),
                "breakdown": (draw_breakdown, ("seconds", *STAGES)),
                "false-positives": (draw_false_positives, ("seconds", *PAIRS, "touching_pairs")),
                "funnel": (draw_funnel, ("seconds", *PAIRS, "surviving_pairs", "owned_tests", "orphan_tests", *COUNTS,
@@ -814,7 +852,9 @@ def records_in(folder, wanted):
         names = [name for name in figures if name in wanted]
         path = os.path.join(folder, f"{experiment}.json")
         if names and not os.path.exists(path):
-            say(f"{', '.join(names)}: skipped, there is no {path}")
+            begun = os.path.join(folder, f"{experiment}.incomplete.jsonl")
+            say(f"{', '.join(names)}: skipped, there is no {path}" +
+                (f"; repeat the command that began {begun}" if os.path.exists(begun) else ""))
         elif names:
             record = read_record(path, experiment)
             for name in names:
@@ -829,15 +869,25 @@ def records_in(folder, wanted):
     return records
 
 
+def suffix_of(row):
+    """Of the names of figures: what is not as usual."""
+    parts = (row["motion_model"], row.get("edges", "triangulated"))
+    return "".join(f"-{part}" for part in parts if part not in ("linear", "triangulated"))
+
+
 def pages_of(record, names):
-    """[(file name without suffix, page, record with the rows of its motion model)]."""
+    """[(file name without ending, page, record with the rows of its motion model and edge set)]."""
+    if record.experiment == "table1":
+        record = without_common_settings(record, say)
+    parts = {}
+    for row in record.rows:
+        parts.setdefault(suffix_of(row), []).append(row)
     result = []
     for name in names:
         draw = FIGURES[record.experiment][name][0]
         drawn = []
-        for model, rows in grouped(record.rows, "motion_model").items():
+        for suffix, rows in parts.items():
             part = record.with_rows(rows)
-            suffix = "" if model == "linear" else f"-{model}"
             drawn += [(page_name + suffix, page, part) for page_name, page in draw(part, say)]
         if not drawn:
             say(f"{name}: skipped, {record.path} has no rows for it")
