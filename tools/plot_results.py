@@ -109,7 +109,7 @@ def read_record(path, experiment):
     for key, kind in (("rows", list), ("provenance", dict)):
         if not isinstance(data.get(key), kind):
             raise BadInput(f"{path}: has no '{key}'; run the experiment again")
-    for key in ("setting", "commit", "dirty", "cpu", "cores", "threads"):
+    for key in ("setting", "commit", "cpu", "cores", "threads"):
         if key not in data["provenance"]:
             raise BadInput(f"{path}: the provenance has no '{key}'; run the experiment again")
     for index, row in enumerate(data["rows"]):
@@ -193,9 +193,10 @@ def caption_of(record):
     scenes = ", ".join(f"{scene} ({motions[scene]})" for scene in scenes_of(record.rows))
     facts = record.provenance
     incomplete = "" if record.complete else ", incomplete record"
-    changes = " with local changes" if facts["dirty"] else ""
+    commit = facts["commit"].removesuffix("-dirty")
+    changes = " with local changes" if commit != facts["commit"] else ""
     threads = f"{facts['threads']} thread{'' if facts['threads'] == 1 else 's'}"
-    return (f"Scenes (motions): {scenes}. Setting: {facts['setting']}{incomplete}. Commit {facts['commit']}{changes}. "
+    return (f"Scenes (motions): {scenes}. Setting: {facts['setting']}{incomplete}. Commit {commit}{changes}. "
             f"{facts['cpu']}, {facts['cores']} cores, {threads}.")
 
 

@@ -26,7 +26,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(HERE)), "tools"))
 import plot_results  # noqa: E402  # pylint: disable=wrong-import-position
 
-PROVENANCE = {"version": "0.1.0", "commit": "abc1234", "dirty": False, "cpu": "Test CPU", "cores": 2, "threads": 1,
+PROVENANCE = {"version": "0.1.0", "commit": "abc1234", "cpu": "Test CPU", "cores": 2, "threads": 1,
               "setting": "quick"}
 
 
@@ -299,7 +299,7 @@ class Plots(unittest.TestCase):
         self.refused("table1.json", "cannot be read")
 
     def test_incomplete_records_are_called_so(self):
-        self.record("table1", self.table1(), complete=False, provenance=PROVENANCE | {"dirty": True, "threads": 2})
+        self.record("table1", self.table1(), complete=False, provenance=PROVENANCE | {"commit": "abc1234-dirty", "threads": 2})
         self.good("--only", "funnel")
         caption = " ".join(self.texts("funnel"))
         for part in ("quick, incomplete record.", "abc1234 with local changes.", "2 threads."):
