@@ -190,12 +190,12 @@ def scenes_of(rows):
 
 def caption_of(record):
     motions = {scene: len({row["motion"] for row in rows}) for scene, rows in grouped(record.rows, "scene").items()}
-    scenes = ", ".join(f"{scene} ({motions[scene]})" for scene in scenes_of(record.rows))
+    scenes = ", ".join(f"{scene}\N{NO-BREAK SPACE}({motions[scene]})" for scene in scenes_of(record.rows))
     facts = record.provenance
     incomplete = "" if record.complete else ", incomplete record"
     commit = facts["commit"].removesuffix("-dirty")
     changes = " with local changes" if commit != facts["commit"] else ""
-    threads = f"{facts['threads']} thread{'' if facts['threads'] == 1 else 's'}"
+    threads = f"{facts['threads']}\N{NO-BREAK SPACE}thread{'' if facts['threads'] == 1 else 's'}"
     return (f"Scenes (motions): {scenes}. Setting: {facts['setting']}{incomplete}. Commit {commit}{changes}. "
             f"{facts['cpu']}, {facts['cores']} cores, {threads}.")
 
@@ -479,7 +479,7 @@ def draw_breakdown(record, _):
             for name, share in shares_of(of_scene).items():
                 look = looks.bar(name)
                 panel.barh(scenes.index(scene), share, left=left, height=0.75, **look)
-                if share >= 14:
+                if share >= 2.8 * columns:  # wide enough for two digits
                     panel.text(left + share / 2, scenes.index(scene), f"{share:.0f}", ha="center", va="center",
                                fontsize=SMALL, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6})
                 page.legend(name, Patch(**look))
@@ -540,7 +540,7 @@ def draw_false_positives(record, say):
 FUNNEL = {"element pairs": lambda row: row["element_pairs"],
           "surviving pairs": lambda row: row["surviving_pairs"],
           "assigned tests": lambda row: row["owned_tests"] + row["orphan_tests"],
-          "tests made": tests,
+          "tests performed": tests,
           "contacts": lambda row: row["contacts"]}
 
 

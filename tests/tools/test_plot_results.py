@@ -86,7 +86,8 @@ class Plots(unittest.TestCase):
             return file.read()
 
     def texts(self, name):
-        return re.findall(r"<text[^>]*>([^<]*)</text>", self.read(f"{name}.svg").decode())
+        svg = self.read(f"{name}.svg").decode().replace("\N{NO-BREAK SPACE}", " ")
+        return re.findall(r"<text[^>]*>([^<]*)</text>", svg)
 
     def table1(self):
         return [*motions([[4, 9, 3], [4, 4, 5], [100, 200, 300]], "NavCCD"), *motions([[8], [8], [8]], "HashCCD"),
@@ -223,7 +224,8 @@ class Plots(unittest.TestCase):
                 for pipeline, variant, name in (("VolCCD", "", "kdop-bvh"), ("VolCCD", "csat.axis=face", "kdop-bvh"),
                                                 ("spatial-hash", "none", "spatial-hash"))]
         self.record("ablation", [row(seconds=2), row(variant="csat.axis=face", seconds=3, vf_tests=480),
-                                 row(variant="csat.axis=face broad-phase=brute-force", seconds=8), row("Other", seconds=0.5),
+                                 row(variant="csat.axis=face broad-phase=brute-force", seconds=8),
+                                 row("Other", seconds=0.5),
                                  row("spatial-hash", variant="CSAT + filters", seconds=5),
                                  row("spatial-hash", variant="none", seconds=7)],
                     provenance=PROVENANCE | {"plan": {"runs": [{"entrants": plan}]}})
@@ -299,7 +301,8 @@ class Plots(unittest.TestCase):
         self.refused("table1.json", "cannot be read")
 
     def test_incomplete_records_are_called_so(self):
-        self.record("table1", self.table1(), complete=False, provenance=PROVENANCE | {"commit": "abc1234-dirty", "threads": 2})
+        self.record("table1", self.table1(), complete=False,
+                    provenance=PROVENANCE | {"commit": "abc1234-dirty", "threads": 2})
         self.good("--only", "funnel")
         caption = " ".join(self.texts("funnel"))
         for part in ("quick, incomplete record.", "abc1234 with local changes.", "2 threads."):
