@@ -266,7 +266,7 @@ class Page:
     def fit_caption(self, words):
         text = self.figure.text(0.01, 0, "", fontsize=SMALL, va="bottom", linespacing=1.15)
         for width in range(200, 20, -2):
-            text.set_text(textwrap.fill(words, width))
+            text.set_text(textwrap.fill(words, width, break_on_hyphens=False))
             if text.get_window_extent().width <= 0.98 * self.figure.bbox.width:
                 break
         return text
@@ -288,11 +288,11 @@ class Page:
         self.figure.savefig(f"{path}.png", dpi=300, metadata={"Software": None})
 
 
-def number(value):
-    """Three digits, with k, M or G; short enough to stand beside a mark."""
+def number(value, digits=3):
+    """Short enough to stand beside a mark: three digits; from 1000 on `digits` of them, with k, M or G."""
     for limit, unit in ((1e9, " G"), (1e6, " M"), (1e3, " k")):
         if value >= 0.9995 * limit:
-            return f"{value / limit:.3g}{unit}"
+            return f"{float(f'{value / limit:.{digits}g}'):g}{unit}"
     return f"{value:.3g}"
 
 
@@ -531,7 +531,7 @@ def draw_false_positives(record, say):
         panel.annotate(f"{middle:.2f}", (middle, i), (0, 4), textcoords="offset points", ha="center", fontsize=SMALL)
         page.legend(f"non-adjacent leaf pairs, {pipeline}: median, range", Line2D([], [], **{**look, "linestyle": "-"}))
     low = min(85, math.floor(min(min(shares[scene][1]) for scene in scenes) / 10) * 10)
-    panel.set(xlim=(low, 100 + (100 - low) * 0.06), ylim=(len(scenes) - 0.5, -0.8))
+    panel.set(xlim=(low, 100 + (100 - low) * 0.1), ylim=(len(scenes) - 0.5, -0.8))
     panel.set_xlabel("leaf pairs that touch nothing, %")
     scene_axis(panel, range(len(scenes)), scenes)
     return [("false-positives", page)]
@@ -579,18 +579,18 @@ def draw_funnel(record, say):
 
 def draw_funnel_lines(page, panel, counts, looks, low):
     """Numbers stand above the first line and below the last; zeros at the lower end of the axis."""
+    first = next(iter(counts.values()))
     for i, (label, values) in enumerate(counts.items()):
         look = looks.line(label)
         panel.plot(range(len(values)), [max(value, low) for value in values], clip_on=False, **look)
         page.legend(label, Line2D([], [], **look))
         if i not in (0, len(counts) - 1):
             continue
-        above = max(values) if i == 0 else 0
         for x, value in enumerate(values):
-            same = i > 0 and number(value) == number(next(iter(counts.values()))[x])
-            if not same:
-                panel.annotate(number(value), (x, max(value, low)), (0, 4 if above else -4), textcoords="offset points",
-                               ha="center", va="bottom" if above else "top", fontsize=SMALL,
+            above = i == 0 or value <= low
+            if i == 0 or number(value, 2) != number(first[x], 2):
+                panel.annotate(number(value, 2), (x, max(value, low)), (0, 4 if above else -4), ha="center",
+                               textcoords="offset points", va="bottom" if above else "top", fontsize=SMALL,
                                bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.2, "alpha": 0.8})
     panel.set_xlim(-0.5, len(FUNNEL) - 0.5)
     panel.set_xticks(range(len(FUNNEL)), FUNNEL, rotation=40, ha="right", rotation_mode="anchor")
