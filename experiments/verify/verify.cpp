@@ -17,6 +17,16 @@ std::vector<ElementPair> only_in(const std::vector<ElementPair>& these, const st
   return result;
 }
 
+bool same_stage(const StageChoice& a, const StageChoice& b) { return a.name == b.name && a.options == b.options; }
+
+/// Without contacts of both whose times differ by no more than the tolerance.
+ContactDifference within_tolerance(ContactDifference difference, double tolerance) {
+  std::erase_if(difference.changed, [tolerance](const std::pair<Contact, Contact>& both) {
+    return std::abs(both.first.toi - both.second.toi) <= tolerance;
+  });
+  return difference;
+}
+
 }  // namespace
 
 bool StepVerdict::clean() const {
@@ -36,7 +46,10 @@ Verifier::Verifier(const Registry& registry, VerifyConfig config)
 std::unique_ptr<Verifier::Entry> Verifier::make_entry(const Registry& registry, const std::string& name) {
   Pipeline pipeline(registry, registry.pipeline(name));
   Workspace workspace = pipeline.make_workspace();
-  return std::make_unique<Entry>(std::move(pipeline), std::move(workspace));
+  auto entry = std::make_unique<Entry>(std::move(pipeline), std::move(workspace));
+  const std::string& narrow_phase = entry->pipeline.spec().narrow_phase.name;
+  entry->approximate = registry.stage<NarrowPhase>(narrow_phase).guarantee == Guarantee::approximate;
+  return entry;
 }
 
 StepVerdict Verifier::check(const Step& step, Executor& executor, std::vector<Contact>* expected) {
@@ -59,7 +72,10 @@ StepVerdict Verifier::check(const Step& step, Executor& executor, std::vector<Co
       one.refused = error.what();
       continue;
     }
+    one.held = !entry->approximate ||
+               same_stage(entry->pipeline.spec().narrow_phase, reference.pipeline.spec().narrow_phase);
     one.difference = compare_contacts(truth.contacts, found.contacts);
+    if (!one.held) one.difference = within_tolerance(std::move(one.difference), config_.truth_time_tolerance);
     one.missing_overlaps = only_in(truth.initial_overlaps, found.initial_overlaps);
     one.extra_overlaps = only_in(found.initial_overlaps, truth.initial_overlaps);
     one.statistics = found.statistics;
