@@ -13,7 +13,8 @@ namespace volccd {
 /// May miss: contacts at which the cubic touches zero without a change of sign (grazing), contacts at t = 0 that rounding
 /// moves out of the step, features that stay in one plane (looked at at t = 0 and t = 1 only), triangles without area at the
 /// time of contact (counted as degenerate). May invent: what the tolerance lets through. Times: within about 1e-13 of a single
-/// root of a well-conditioned cubic.
+/// root of a well-conditioned cubic. Of near-degenerate tests that touch (tests/narrowphase/provot_test.cpp) it misses 28 per cent, of
+/// random ones none: docs/narrowphase_provot.md.
 ///
 /// Two control points; no separation. Does not allocate but for the contacts. O(1) a test.
 class Provot final : public NarrowPhase {

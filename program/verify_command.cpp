@@ -125,6 +125,9 @@ class Verification {
   int run() {
     const StepsDone steps = run_steps("verifying, step", range_, [this](int k) { run_step(k); });
     fmt::print("{}", table_.text());
+    if (!verifier_.left_out().empty())
+      fmt::print("left out, their narrow phase being approximate (--approximate runs them): {}\n",
+                 fmt::join(verifier_.left_out(), ", "));
     if (steps.complete()) {
       fmt::print("{}\n", clean_ ? "clean: no difference" : "DIFFERENCES FOUND");
       return clean_ ? kDone : kDifferent;
@@ -187,10 +190,13 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
   command->add_option("--brute-force-limit", options->config.brute_force_limit,
                       "elements up to which brute force is the reference; beyond, NavCCD")
       ->capture_default_str();
+  command->add_flag("--approximate", options->config.approximate,
+                    "runs pipelines with an approximate narrow phase, too: shows what they miss, and does not count it");
   command->add_flag("--no-fcl", options->no_fcl, "without the FCL oracle");
   command->add_flag("--no-truth", options->no_truth, "without the file's ground truth");
   command->footer(
-      "Every registered pipeline must find the contacts of the reference, bit for bit. Where FCL finds two elements\n"
+      "Every registered pipeline must find the contacts of the reference, bit for bit, but those whose narrow phase is\n"
+      "approximate and another one than the reference's: these run with --approximate only. Where FCL finds two elements\n"
       "overlapping at t = 1/4, 1/2, 3/4 or 1, they overlapped at t = 0 or must have a contact by then.\n"
       "All pipelines must list the same initial overlaps, all that FCL finds at t = 0 and none that is clearly apart.\n"
       "Exit code 1 if anything differs. Ctrl-C abandons the step at hand and reports those before:\n"

@@ -39,17 +39,22 @@ Verifier::Verifier(const Registry& registry, VerifyConfig config)
     : config_(std::move(config)),
       brute_(make_entry(registry, "BruteForce")),
       unculled_(make_entry(registry, "NavCCD")) {
-  for (const PipelineSpec& spec : registry.pipelines())
-    if (spec.name != "BruteForce") entries_.push_back(make_entry(registry, spec.name));
+  for (const PipelineSpec& spec : registry.pipelines()) {
+    if (spec.name == "BruteForce") continue;
+    std::unique_ptr<Entry> entry = make_entry(registry, spec.name);
+    entry->held = same_stage(spec.narrow_phase, brute_->pipeline.spec().narrow_phase) ||
+                  registry.stage<NarrowPhase>(spec.narrow_phase.name).guarantee != Guarantee::approximate;
+    if (entry->held || config_.approximate)
+      entries_.push_back(std::move(entry));
+    else
+      left_out_.push_back(spec.name);
+  }
 }
 
 std::unique_ptr<Verifier::Entry> Verifier::make_entry(const Registry& registry, const std::string& name) {
   Pipeline pipeline(registry, registry.pipeline(name));
   Workspace workspace = pipeline.make_workspace();
-  auto entry = std::make_unique<Entry>(std::move(pipeline), std::move(workspace));
-  const std::string& narrow_phase = entry->pipeline.spec().narrow_phase.name;
-  entry->approximate = registry.stage<NarrowPhase>(narrow_phase).guarantee == Guarantee::approximate;
-  return entry;
+  return std::make_unique<Entry>(std::move(pipeline), std::move(workspace));
 }
 
 StepVerdict Verifier::check(const Step& step, Executor& executor, std::vector<Contact>* expected) {
@@ -65,6 +70,7 @@ StepVerdict Verifier::check(const Step& step, Executor& executor, std::vector<Co
   for (const auto& entry : entries_) {
     PipelineVerdict& one = verdict.pipelines.emplace_back();
     one.pipeline = entry->pipeline.spec().name;
+    one.held = entry->held;
     StepResult found;
     try {
       entry->pipeline.run(step, entry->workspace, executor, found, request);
@@ -72,8 +78,6 @@ StepVerdict Verifier::check(const Step& step, Executor& executor, std::vector<Co
       one.refused = error.what();
       continue;
     }
-    one.held = !entry->approximate ||
-               same_stage(entry->pipeline.spec().narrow_phase, reference.pipeline.spec().narrow_phase);
     one.difference = compare_contacts(truth.contacts, found.contacts);
     if (!one.held) one.difference = within_tolerance(std::move(one.difference), config_.truth_time_tolerance);
     one.missing_overlaps = only_in(truth.initial_overlaps, found.initial_overlaps);

@@ -23,6 +23,8 @@ struct VerifyConfig {
   std::vector<double> fcl_times = {0.25, 0.5, 0.75, 1.0};
   /// Tolerance on times where the file has ground truth with times, and on those of approximate narrow phases.
   double truth_time_tolerance = 1e-6;
+  /// Whether pipelines run that are not held to the reference's contacts (PipelineVerdict::held), too.
+  bool approximate = false;
 };
 
 /// How one pipeline did on one step, against the reference.
@@ -67,7 +69,11 @@ class Verifier {
  public:
   Verifier(const Registry& registry, VerifyConfig config);
 
-  /// Runs the reference and every registered pipeline. `expected`, if given, receives the reference's contacts.
+  /// Names of the registered pipelines that do not run, as VerifyConfig::approximate has it.
+  const std::vector<std::string>& left_out() const { return left_out_; }
+
+  /// Runs the reference and every other registered pipeline but those left out. `expected`, if given, receives the
+  /// reference's contacts.
   StepVerdict check(const Step& step, Executor& executor, std::vector<Contact>* expected = nullptr);
 
  private:
@@ -75,7 +81,7 @@ class Verifier {
     Entry(Pipeline p, Workspace w) : pipeline(std::move(p)), workspace(std::move(w)) {}
     Pipeline pipeline;
     Workspace workspace;
-    bool approximate = false;  ///< its narrow phase
+    bool held = true;
   };
 
   VerifyConfig config_;
@@ -83,6 +89,7 @@ class Verifier {
 
   std::unique_ptr<Entry> brute_, unculled_;
   std::vector<std::unique_ptr<Entry>> entries_;
+  std::vector<std::string> left_out_;
 };
 
 /// Contacts of motion 0 -> 1 against the file's truth, which lists all pairs that touch.

@@ -46,7 +46,8 @@ TEST(Verify, CleanWhereNothingIsWrong) {
   const ObjectFilter filter;
   const StepVerdict verdict = verifier.check({scene().topology, scene().motion, filter}, serial);
   EXPECT_TRUE(verdict.clean());
-  EXPECT_EQ(verdict.pipelines.size(), 7u);
+  EXPECT_EQ(verdict.pipelines.size(), 4u);
+  EXPECT_EQ(verifier.left_out(), (std::vector<std::string>{"NavCCD-2011", "HashCCD-2011", "VolCCD-2011"}));
   EXPECT_GT(verdict.contacts, 0u);
   EXPECT_GT(verdict.fcl.hits, 0u);
 }
@@ -69,7 +70,7 @@ TEST(Verify, ShowsWhatApproximateNarrowPhasesMissAndDoesNotCountIt) {
   spec.name = "LossyProvot";
   spec.narrow_phase = {"provot", {}};
   registry.add_pipeline(spec);
-  Verifier verifier(registry, {.fcl_times = {}});
+  Verifier verifier(registry, {.fcl_times = {}, .approximate = true});
   SerialExecutor serial;
   const ObjectFilter filter;
   const StepVerdict verdict = verifier.check({scene().topology, scene().motion, filter}, serial);
@@ -78,6 +79,7 @@ TEST(Verify, ShowsWhatApproximateNarrowPhasesMissAndDoesNotCountIt) {
     const bool lossy = one.pipeline.starts_with("Lossy");
     EXPECT_EQ(one.difference.missing.empty(), !lossy) << one.pipeline;
     EXPECT_TRUE(one.difference.changed.empty()) << one.pipeline << ": times agree within the tolerance";
+    EXPECT_TRUE(one.refused.empty()) << one.refused;
     EXPECT_EQ(one.held, one.pipeline != "LossyProvot" && !one.pipeline.ends_with("-2011")) << one.pipeline;
     EXPECT_EQ(one.same(), one.pipeline != "Lossy") << one.pipeline;
   }
@@ -125,7 +127,7 @@ TEST(Verify, PipelinesThatCannotRunTheStepAreRefusedNotDifferent) {
   limited.name = "Limited";
   registry.apply_setting(limited, "narrow-phase=cubic");
   registry.add_pipeline(limited);
-  Verifier verifier(registry, {.brute_force_limit = 0, .fcl_times = {}});
+  Verifier verifier(registry, {.brute_force_limit = 0, .fcl_times = {}, .approximate = true});
   SerialExecutor serial;
   const ObjectFilter filter;
   const StepVerdict verdict = verifier.check({scene().topology, scene().motion, filter, 0.1}, serial);
