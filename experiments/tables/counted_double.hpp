@@ -13,8 +13,8 @@ struct OperationCounts {
   friend bool operator==(const OperationCounts&, const OperationCounts&) = default;
 };
 
-/// Calculates as double does, bit for bit, and counts into counts(). A change of sign is not counted. Thread rule: all values
-/// of this type share one count, so that only one thread may calculate with them at a time.
+/// Calculates as double does, bit for bit, and counts into counts(). A change of sign is not counted. Thread rule: all
+/// values of this type share one count, so that only one thread may calculate with them at a time.
 class CountedDouble {
  public:
   CountedDouble(double value = 0) : value_(value) {}  // NOLINT(google-explicit-constructor): takes the place of double
@@ -29,7 +29,9 @@ class CountedDouble {
 
   friend CountedDouble operator+(CountedDouble a, CountedDouble b) { return ++counts().additions, a.value_ + b.value_; }
   friend CountedDouble operator-(CountedDouble a, CountedDouble b) { return ++counts().additions, a.value_ - b.value_; }
-  friend CountedDouble operator*(CountedDouble a, CountedDouble b) { return ++counts().multiplications, a.value_ * b.value_; }
+  friend CountedDouble operator*(CountedDouble a, CountedDouble b) {
+    return ++counts().multiplications, a.value_ * b.value_;
+  }
   friend CountedDouble operator/(CountedDouble a, CountedDouble b) { return ++counts().divisions, a.value_ / b.value_; }
   friend CountedDouble operator-(CountedDouble a) { return -a.value_; }
   friend bool operator<(CountedDouble a, CountedDouble b) { return ++counts().comparisons, a.value_ < b.value_; }

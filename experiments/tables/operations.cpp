@@ -74,6 +74,10 @@ struct ElementaryTest {
   }
 };
 
+struct ElementaryTestLeft : ElementaryTest {
+  static constexpr const char* kName = "elementary-test-left";
+};
+
 /// What Section 7.1 prints: it has numbers for VF alone.
 json printed(FeatureKind kind, const std::string& operation) {
   if (kind == FeatureKind::vf && operation == Csat::kName)
@@ -93,8 +97,9 @@ Sample<double> sample_of(const Step& step, FeatureKind kind, FeaturePair pair, d
   const std::array<Index, 4> vertices = test_vertices(step.features(), kind, pair);
   for (std::size_t i = 0; i < 4; ++i) sample.points[i] = point_of(step.motion, vertices[i]);
   const Features& features = step.features();
-  const Index other = kind == FeatureKind::vf ? features.triangle_elements(pair.b).front()
-                                              : features.edge_elements(features.find_edge(vertices[2], vertices[3])).front();
+  const auto others = kind == FeatureKind::vf ? features.triangle_elements(pair.b)
+                                              : features.edge_elements(features.find_edge(vertices[2], vertices[3]));
+  const Index other = others.front();
   for (const Index v : step.mesh().vertices(other)) sample.element.push_back(point_of(step.motion, v));
   sample.axis = axis_of(kind, sample.points);
   sample.tolerance = tolerance;
@@ -208,7 +213,7 @@ class Operation {
 
 json operation_counts(const std::vector<KnownQueries>& queries, const OperationConfig& config) {
   const std::array<FeatureKind, 2> kinds = {FeatureKind::vf, FeatureKind::ee};
-  std::array<std::vector<Sample<double>>, 2> samples;
+  std::array<std::vector<Sample<double>>, 2> samples, left;
   std::vector<Operation> operations;
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     samples[k] = samples_of(kinds[k], queries, config);
@@ -217,6 +222,9 @@ json operation_counts(const std::vector<KnownQueries>& queries, const OperationC
     operations.push_back(Operation::of<CsatWithAxis>(kinds[k], samples[k]));
     operations.push_back(Operation::of<CsatElement>(kinds[k], samples[k]));
     operations.push_back(Operation::of<ElementaryTest>(kinds[k], samples[k]));
+    for (const Sample<double>& sample : samples[k])
+      if (!Csat::run(kinds[k], sample)) left[k].push_back(sample);
+    if (!left[k].empty()) operations.push_back(Operation::of<ElementaryTestLeft>(kinds[k], left[k]));
   }
   for (int repetition = 0; repetition < std::max(config.repetitions, 1); ++repetition)
     for (Operation& operation : operations) operation.time();

@@ -52,7 +52,8 @@ struct Culled {
 
 /// Every masked feature of a pair, and all of them if the pair was dropped, touch nothing of the other element.
 void expect_apart(const Step& step, ElementPair pair, const FeatureMask& mask, bool dropped, Culled& culled) {
-  const auto check = [&](std::span<const Index> features, std::uint64_t bits, Index other, auto touches, std::size_t& count) {
+  const auto check = [&](std::span<const Index> features, std::uint64_t bits, Index other, auto touches,
+                         std::size_t& count) {
     for (std::size_t i = 0; i < features.size(); ++i) {
       if (!dropped && (bits >> i & 1) == 0) continue;
       ++count;
@@ -84,7 +85,8 @@ TEST(Csat2011, CullsOnlyWhatDoesNotTouch) {
 }
 
 TEST(Csat2011, CullsWhatCsatDoesWhereRoundingDoesNotMatter) {
-  const auto plain = describe_csat_2011().make({}), bounded = describe_csat().make({{"axis", "face"}, {"mode", "features"}});
+  const auto plain = describe_csat_2011().make({});
+  const auto bounded = describe_csat().make({{"axis", "face"}, {"mode", "features"}});
   std::size_t dropped = 0;
   for (const cases::Scene& scene : cases::small_scenes(8, 0.2)) {
     const Step step{scene.topology, scene.motion, kEverything};
@@ -113,14 +115,18 @@ TEST(Csat2011, CullsNothingThatItWasNotMadeFor) {
     for (int c = 0; c < 3; ++c) curved.set(v, c, scene.motion.position(v, 0.5 * c));
   const auto stage = describe_csat_2011().make({});
   const auto filter = describe_csat_filter_2011().make({});
-  for (const Step& step : {Step{scene.topology, scene.motion, kEverything, 0.01}, Step{scene.topology, curved, kEverything}}) {
+  const Step with_separation{scene.topology, scene.motion, kEverything, 0.01};
+  const Step on_curves{scene.topology, curved, kEverything};
+  for (const Step& step : {with_separation, on_curves}) {
     PairBatch batch = all_pairs(step.mesh(), false);
     const std::size_t before = batch.size();
     run_stage(*stage, step, batch);
     EXPECT_EQ(batch.size(), before);
-    for (const FeatureMask& mask : batch.masks) ASSERT_EQ(mask.vertices_a | mask.vertices_b | mask.edges_a | mask.edges_b, 0u);
+    for (const FeatureMask& mask : batch.masks)
+      ASSERT_EQ(mask.vertices_a | mask.vertices_b | mask.edges_a | mask.edges_b, 0u);
     TestBlock block;
-    const FeaturePair pair = {step.features().element_edges(0)[0], step.features().element_edges(step.mesh().element_slots() - 1)[0]};
+    const Index last = step.mesh().element_slots() - 1;
+    const FeaturePair pair = {step.features().element_edges(0)[0], step.features().element_edges(last)[0]};
     block.gather(step, FeatureKind::ee, {&pair, 1});
     std::vector<std::uint8_t> keep(block.padded_size(), 1);
     run_stage(*filter, step, block, keep);

@@ -120,7 +120,8 @@ TEST(Provot, LatestTimeOnlyDropsLaterContacts) {
     }
     for (const double t_max : times) {
       std::vector<Contact> expected;
-      std::copy_if(all.begin(), all.end(), std::back_inserter(expected), [&](const Contact& c) { return c.toi <= t_max; });
+      for (const Contact& c : all)
+        if (c.toi <= t_max) expected.push_back(c);
       EXPECT_EQ(set.test(Provot(), t_max), expected) << t_max;
     }
   }
@@ -136,8 +137,8 @@ TEST(Provot, ToleranceLetsWeightsOutside) {
   EXPECT_EQ(set.test(Provot({.tolerance = 1e-4})).size(), 1u);
 }
 
-/// Lattices, features within one plane, contacts at corners and at the start, off by units in the last place; of ordinary size.
-/// The header of `provot` quotes what this counts.
+/// Lattices, features within one plane, contacts at corners and at the start, off by units in the last place; of
+/// ordinary size. The header of `provot` quotes what this counts.
 TEST(Provot, MissesFewerThanHalfOfTheNearDegenerateTests) {
   cases::TestScene scene;
   std::size_t touching = 0, missed = 0, apart = 0, invented = 0;

@@ -90,8 +90,9 @@ KnownQueries known(const QuerySet& set) {
 TEST(Operations, AreThoseOfTheFormulas) {
   const QuerySet vf(FeatureKind::vf, queries(1000, 2)), ee(FeatureKind::ee, queries(700, 3));
   const auto record = operation_counts({known(vf), known(ee)}, {.tests = 600, .repetitions = 3});
-  EXPECT_EQ(record.at("rows").size(), 8u);
+  EXPECT_EQ(record.at("rows").size(), 10u);
   for (const auto& one : record.at("rows")) {
+    if (one.at("operation") == "elementary-test-left") continue;
     EXPECT_EQ(one.at("tests"), 600);
     EXPECT_GT(one.at("ns").get<double>(), 0);
     EXPECT_GT(one.at("positive").get<double>(), 0.001) << one;
@@ -114,6 +115,13 @@ TEST(Operations, AreThoseOfTheFormulas) {
   EXPECT_EQ(row(record, "elementary-test", "vf").at("paper").at("multiplications"), 217);
   EXPECT_TRUE(row(record, "elementary-test", "ee").at("paper").is_null());
   EXPECT_GT(row(record, "elementary-test", "ee").at("square_roots").get<double>(), 0.5);
+  for (const char* kind : {"vf", "ee"}) {
+    const auto &all = row(record, "elementary-test", kind), &left = row(record, "elementary-test-left", kind);
+    const double apart = row(record, "csat", kind).at("positive");
+    EXPECT_NEAR(left.at("tests").get<double>(), 600 * (1 - apart), 1e-6);
+    // Nothing that touches is apart: what is left has all contacts.
+    EXPECT_NEAR(left.at("positive").get<double>() * (1 - apart), all.at("positive").get<double>(), 1e-9);
+  }
 }
 
 TEST(Operations, OfARealMotionAreOfThePapersOrder) {
@@ -126,9 +134,9 @@ TEST(Operations, OfARealMotionAreOfThePapersOrder) {
   RecordProperty("record", record.dump());
   for (const char* kind : {"vf", "ee"}) {
     const auto &cheap = row(record, "csat", kind), &test = row(record, "elementary-test", kind);
-    EXPECT_GT(test.at("multiplications").get<double>(), 60);
+    EXPECT_GT(test.at("multiplications").get<double>(), 40);
     EXPECT_LT(test.at("multiplications").get<double>(), 434) << "twice the paper's";
-    EXPECT_LT(cheap.at("multiplications").get<double>(), 0.2 * test.at("multiplications").get<double>());
+    EXPECT_LT(cheap.at("multiplications").get<double>(), 0.4 * test.at("multiplications").get<double>());
     EXPECT_LT(cheap.at("ns").get<double>(), test.at("ns").get<double>());
   }
 }
