@@ -43,7 +43,9 @@ struct Element {
   std::span<const Point> all() const { return {points.data(), count}; }
 };
 
-constexpr std::uint64_t bits(std::size_t count) { return count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1; }
+constexpr std::uint64_t bits(std::size_t count) {
+  return count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1;
+}
 
 /// Corollary 2: adds the bits of the vertices of `own` that touch nothing of `other`. Returns whether all are set then.
 bool mask_vertices(const Step& step, const Element& own, const Element& other, std::uint32_t& mask) {
@@ -117,13 +119,14 @@ void CsatFilter2011::run(const Step& step, StageState&, unsigned, const TestBloc
 }
 
 StageDescriptor<ElementCulling> describe_csat_2011() {
-  return describe_stage<ElementCulling, Csat2011>("csat-2011", "CSAT as printed: Algorithm 2, scalar, without rounding bounds",
-                                                  Guarantee::approximate);
+  return describe_stage<ElementCulling, Csat2011>(
+      "csat-2011", "CSAT as printed: Algorithm 2, scalar, without rounding bounds", Guarantee::approximate);
 }
 
 StageDescriptor<FeatureFilter> describe_csat_filter_2011() {
   return describe_stage<FeatureFilter, CsatFilter2011>(
-      "feature-csat-2011", "CSAT as printed: Corollaries 1 and 3, scalar, without rounding bounds", Guarantee::approximate);
+      "feature-csat-2011", "CSAT as printed: Corollaries 1 and 3, scalar, without rounding bounds",
+      Guarantee::approximate);
 }
 
 }  // namespace volccd

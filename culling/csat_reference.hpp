@@ -1,6 +1,6 @@
-// CSAT as the paper prints it: Theorem 1, Corollaries 1 to 4, signs of dot products (Section 4). Scalar, over any number type.
-// Signs are those that rounding gives: nothing here is conservative in floating point (culling/csat.hpp is). The stages are in
-// culling/csat_2011.hpp.
+// CSAT as the paper prints it: Theorem 1, Corollaries 1 to 4, signs of dot products (Section 4). Scalar, over any
+// number type. Signs are those that rounding gives: nothing here is conservative in floating point (culling/csat.hpp
+// is). The stages are in culling/csat_2011.hpp.
 #pragma once
 
 #include <array>
@@ -46,7 +46,8 @@ Vector3<Scalar> start_normal(const std::array<MovingPoint<Scalar>, 3>& f) {
 
 /// Corollary 1 along the normal n0 of the triangle at t = 0: 4 dot products, those at t = 0 being taken for equal.
 template <class Scalar>
-bool vertex_apart(const MovingPoint<Scalar>& p, const std::array<MovingPoint<Scalar>, 3>& f, const Vector3<Scalar>& n0) {
+bool vertex_apart(const MovingPoint<Scalar>& p, const std::array<MovingPoint<Scalar>, 3>& f,
+                  const Vector3<Scalar>& n0) {
   CommonSign sign;
   return sign.take(dot(f[0].x0 - p.x0, n0)) && sign.take(dot(f[0].x1 - p.x1, n0)) &&
          sign.take(dot(f[1].x1 - p.x1, n0)) && sign.take(dot(f[2].x1 - p.x1, n0));

@@ -1,5 +1,6 @@
-// The elementary test as Provot 1997 and Bridson et al. 2002 published it: times at which four moving points are coplanar,
-// and at each whether the two features touch. Scalar, over any number type; the stage is narrowphase/provot.hpp.
+// The elementary test as Provot 1997 and Bridson et al. 2002 published it: times at which four moving points are
+// coplanar, and at each whether the two features touch. Scalar, over any number type; the stage is
+// narrowphase/provot.hpp.
 #pragma once
 
 #include <array>
@@ -20,7 +21,8 @@ struct ProvotAnswer {
   int side = 0;
 };
 
-/// Points 1, 2, 3 relative to point 0: position at t = 0, and velocity. In the order of test_vertices(), as all of this file.
+/// Points 1, 2, 3 relative to point 0: position at t = 0, and velocity. In the order of test_vertices(), as all of this
+/// file.
 template <class Scalar>
 struct RelativeMotion {
   std::array<Vector3<Scalar>, 3> x, v;
@@ -53,8 +55,8 @@ struct ProvotCubic {
   Scalar value(const Scalar& t) const { return ((a * t + b) * t + c) * t + d; }
   Scalar derivative(const Scalar& t) const { return (Scalar(3) * a * t + Scalar(2) * b) * t + c; }
 
-  /// Writes 0, the critical points within ]0,1[ in ascending order, and 1: the cubic is monotone in between. Returns how
-  /// many pieces that makes.
+  /// Writes 0, the critical points within ]0,1[ in ascending order, and 1: the cubic is monotone in between. Returns
+  /// how many pieces that makes.
   std::size_t monotone_pieces(std::array<Scalar, 4>& cuts) const {
     using std::sqrt;
     std::size_t count = 0;
@@ -78,10 +80,11 @@ int sign_of(const Scalar& value) {
   return value > Scalar(0) ? 1 : value < Scalar(0) ? -1 : 0;
 }
 
-/// The root of f in [low, high], a piece on which f is monotone and has values of opposite signs at the ends: Newton's method,
-/// with bisection where it would leave the bracket. Within about 1e-13 for a single root.
+/// The root of f in [low, high], a piece on which f is monotone and has values of opposite signs at the ends: Newton's
+/// method, with bisection where it would leave the bracket. Within about 1e-13 for a single root.
 template <class Scalar>
-Scalar bracketed_root(const ProvotCubic<Scalar>& f, Scalar low, Scalar high, const Scalar& f_low, const Scalar& f_high) {
+Scalar bracketed_root(const ProvotCubic<Scalar>& f, Scalar low, Scalar high, const Scalar& f_low,
+                      const Scalar& f_high) {
   constexpr int kMostSteps = 64;
   const Scalar accuracy = 0x1p-44;
   const bool rising = f_low < Scalar(0);
@@ -106,11 +109,12 @@ bool within(const Scalar& weight, const Scalar& tolerance) {
   return weight >= -tolerance && weight <= Scalar(1) + tolerance;
 }
 
-/// Below this share of the product of its squared sides, a squared area (for edges: sine of their angle) counts as none.
+/// Below this share of the product of its squared sides, a squared area (for edges: sine of their angle) counts as
+/// none.
 inline constexpr double kLeastSquaredSine = 1e-14;
 
-/// Whether the origin, at a time when it is in the plane of the triangle d, is inside it: barycentric coordinates by normal
-/// equations (Bridson et al., Section 6).
+/// Whether the origin, at a time when it is in the plane of the triangle d, is inside it: barycentric coordinates by
+/// normal equations (Bridson et al., Section 6).
 template <class Scalar>
 bool inside_triangle(const std::array<Vector3<Scalar>, 3>& d, const Scalar& tolerance, bool& degenerate) {
   const Vector3<Scalar> e1 = d[0] - d[2], e2 = d[1] - d[2];
@@ -136,8 +140,8 @@ bool near_segment(const Vector3<Scalar>& p, const Vector3<Scalar>& from, const V
   return dot(gap, gap) <= most;
 }
 
-/// Whether the edges from the origin to d[0], and from d[1] to d[2], meet at a time when they are in one plane. Of parallel
-/// edges, an end of one has to be within `tolerance` times the longer edge of the other one.
+/// Whether the edges from the origin to d[0], and from d[1] to d[2], meet at a time when they are in one plane. Of
+/// parallel edges, an end of one has to be within `tolerance` times the longer edge of the other one.
 template <class Scalar>
 bool edges_meet(const std::array<Vector3<Scalar>, 3>& d, const Scalar& tolerance, bool& degenerate) {
   const Vector3<Scalar>&e1 = d[0], e2 = d[2] - d[1];
@@ -153,8 +157,8 @@ bool edges_meet(const std::array<Vector3<Scalar>, 3>& d, const Scalar& tolerance
          near_segment(d[1], origin, e1, aa, most) || near_segment(d[2], origin, e1, aa, most);
 }
 
-/// One elementary test on [0, t_max]: the first root of the cubic at which the features touch. Where the cubic is 0 at both
-/// ends of the step (coplanar all along, say), these are looked at and nothing in between.
+/// One elementary test on [0, t_max]: the first root of the cubic at which the features touch. Where the cubic is 0 at
+/// both ends of the step (coplanar all along, say), these are looked at and nothing in between.
 template <class Scalar>
 ProvotAnswer<Scalar> provot_test(FeatureKind kind, const std::array<MovingPoint<Scalar>, 4>& points,
                                  const Scalar& tolerance, const Scalar& t_max) {

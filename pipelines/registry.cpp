@@ -42,8 +42,8 @@ void add_presets(Registry& registry) {
                          {"brute-force", {}}, {}, all_pairs, {}, {}, inclusion});
 }
 
-/// The paper's Table I as measured in 2011: what it describes, and nothing that it has not. Boxes for HashCCD, as in Teschner et
-/// al. 2003.
+/// The paper's Table I as measured in 2011: what it describes, and nothing that it has not. Boxes for HashCCD, as in
+/// Teschner et al. 2003.
 void add_presets_of_2011(Registry& registry) {
   const StageChoice bvh{"kdop-bvh", {{"k", "16"}, {"leaf_size", "1"}}}, boxes{"spatial-hash", {{"k", "6"}}};
   const StageChoice all_pairs{"all-pairs", {}}, provot{"provot", {}};
@@ -51,9 +51,9 @@ void add_presets_of_2011(Registry& registry) {
                          bvh, {}, all_pairs, {}, {}, provot});
   registry.add_pipeline({"HashCCD-2011", "HashCCD as in 2011: boxes, scalar elementary test",
                          boxes, {}, all_pairs, {}, {}, provot});
-  registry.add_pipeline({"VolCCD-2011", "VolCCD as in 2011: elements as leaves, scalar CSAT and elementary test, printed O-Set",
-                         bvh, {{"csat-2011", {}}}, {"dynamic-assignment", {}}, StageChoice{"o-set", {{"kind", "literal"}}},
-                         {{"feature-csat-2011", {}}}, provot});
+  const StageChoice dynamic{"dynamic-assignment", {}}, o_set{"o-set", {{"kind", "literal"}}};
+  registry.add_pipeline({"VolCCD-2011", "VolCCD as in 2011: elements as leaves, scalar CSAT and test, printed O-Set",
+                         bvh, {{"csat-2011", {}}}, dynamic, o_set, {{"feature-csat-2011", {}}}, provot});
 }
 
 /// Splits "a,b,c"; "" and "none" give nothing.

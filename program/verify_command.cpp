@@ -61,8 +61,10 @@ void show_overlaps(int k, const StepVerdict& verdict, const Mesh& mesh) {
 void show_differences(int k, const StepVerdict& verdict, const Mesh& mesh) {
   for (const PipelineVerdict& one : verdict.pipelines) {
     if (one.difference.empty()) continue;
-    fmt::print("  step {}: {} differs from {}: {} missing, {} extra, {} changed\n", k, one.pipeline, verdict.reference,
-               one.difference.missing.size(), one.difference.extra.size(), one.difference.changed.size());
+    fmt::print("  step {}: {} differs from {}: {} missing, {} extra, {} changed{}\n", k, one.pipeline, verdict.reference,
+               one.difference.missing.size(), one.difference.extra.size(), one.difference.changed.size(),
+               one.held ? "" : "; not counted, its narrow phase being approximate");
+    if (!one.held) continue;
     show("missing", rows_of(k, one.difference.missing, mesh));
     show("extra", rows_of(k, one.difference.extra, mesh));
     std::vector<Contact> changed;
@@ -130,6 +132,9 @@ class Verification {
     fmt::print("{}", table_.text());
     if (config_.leave_out_shell_neighbours)
       fmt::print("left out of the contacts: {} of features that stem from one shell vertex\n", grouped(left_out_));
+    if (!verifier_.left_out().empty())
+      fmt::print("left out, their narrow phase being approximate (--approximate runs them): {}\n",
+                 fmt::join(verifier_.left_out(), ", "));
     if (steps.complete()) {
       fmt::print("{}\n", clean_ ? "clean: no difference" : "DIFFERENCES FOUND");
       return clean_ ? kDone : kDifferent;
@@ -195,10 +200,13 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
   command->add_option("--brute-force-limit", options->config.brute_force_limit,
                       "elements up to which brute force is the reference; beyond, NavCCD")
       ->capture_default_str();
+  command->add_flag("--approximate", options->config.approximate,
+                    "runs pipelines with an approximate narrow phase, too: shows what they miss, and does not count it");
   command->add_flag("--no-fcl", options->no_fcl, "without the FCL oracle");
   command->add_flag("--no-truth", options->no_truth, "without the file's ground truth");
   command->footer(
-      "Every registered pipeline must find the contacts of the reference, bit for bit. Where FCL finds two elements\n"
+      "Every registered pipeline must find the contacts of the reference, bit for bit, but those whose narrow phase is\n"
+      "approximate and another one than the reference's: these run with --approximate only. Where FCL finds two elements\n"
       "overlapping at t = 1/4, 1/2, 3/4 or 1, they overlapped at t = 0 or must have a contact by then.\n"
       "All pipelines must list the same initial overlaps, all that FCL finds at t = 0 and none that is clearly apart.\n"
       "Exit code 1 if anything differs. Ctrl-C abandons the step at hand and reports those before:\n"

@@ -1,5 +1,5 @@
-// Vectors and moving points of the reference implementation of 2011: scalar code over a number type of the caller's choice,
-// so that the same code that is timed with double counts its operations with another type.
+// Vectors and moving points of the reference implementation of 2011: scalar code over a number type of the caller's
+// choice, so that the same code that is timed with double counts its operations with another type.
 #pragma once
 
 #include <volccd/query/vector3.hpp>

@@ -11,7 +11,8 @@
 
 namespace volccd::detail {
 
-/// The hash that picks a feature of element `other` for the tests of element o with it; `feature`: 0 for a face, 1 for an edge.
+/// The hash that picks a feature of element `other` for the tests of element o with it; `feature`: 0 for a face, 1 for
+/// an edge.
 inline std::uint64_t csat_pick(const Step& step, Index o, Index other, int feature) {
   const std::uint64_t ids = hash_ids(static_cast<std::uint64_t>(step.mesh().element_id(o)),
                                      static_cast<std::uint64_t>(step.mesh().element_id(other)));

@@ -17,6 +17,16 @@ std::vector<ElementPair> only_in(const std::vector<ElementPair>& these, const st
   return result;
 }
 
+bool same_stage(const StageChoice& a, const StageChoice& b) { return a.name == b.name && a.options == b.options; }
+
+/// Without contacts of both whose times differ by no more than the tolerance.
+ContactDifference within_tolerance(ContactDifference difference, double tolerance) {
+  std::erase_if(difference.changed, [tolerance](const std::pair<Contact, Contact>& both) {
+    return std::abs(both.first.toi - both.second.toi) <= tolerance;
+  });
+  return difference;
+}
+
 }  // namespace
 
 bool StepVerdict::clean() const {
@@ -29,8 +39,16 @@ Verifier::Verifier(const Registry& registry, VerifyConfig config)
     : config_(std::move(config)),
       brute_(make_entry(registry, "BruteForce")),
       unculled_(make_entry(registry, "NavCCD")) {
-  for (const PipelineSpec& spec : registry.pipelines())
-    if (spec.name != "BruteForce") entries_.push_back(make_entry(registry, spec.name));
+  for (const PipelineSpec& spec : registry.pipelines()) {
+    if (spec.name == "BruteForce") continue;
+    std::unique_ptr<Entry> entry = make_entry(registry, spec.name);
+    entry->held = same_stage(spec.narrow_phase, brute_->pipeline.spec().narrow_phase) ||
+                  registry.stage<NarrowPhase>(spec.narrow_phase.name).guarantee != Guarantee::approximate;
+    if (entry->held || config_.approximate)
+      entries_.push_back(std::move(entry));
+    else
+      left_out_.push_back(spec.name);
+  }
 }
 
 std::unique_ptr<Verifier::Entry> Verifier::make_entry(const Registry& registry, const std::string& name) {
@@ -53,6 +71,7 @@ StepVerdict Verifier::check(const Step& step, Executor& executor, std::vector<Co
   for (const auto& entry : entries_) {
     PipelineVerdict& one = verdict.pipelines.emplace_back();
     one.pipeline = entry->pipeline.spec().name;
+    one.held = entry->held;
     StepResult found;
     try {
       entry->pipeline.run(step, entry->workspace, executor, found, request);
@@ -62,6 +81,7 @@ StepVerdict Verifier::check(const Step& step, Executor& executor, std::vector<Co
     }
     one.difference = compare_contacts(truth.contacts, found.contacts);
     one.left_out = compare_contacts(truth.left_out, found.left_out);
+    if (!one.held) one.difference = within_tolerance(std::move(one.difference), config_.truth_time_tolerance);
     one.missing_overlaps = only_in(truth.initial_overlaps, found.initial_overlaps);
     one.extra_overlaps = only_in(found.initial_overlaps, truth.initial_overlaps);
     one.statistics = found.statistics;

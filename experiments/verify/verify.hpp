@@ -21,23 +21,31 @@ struct VerifyConfig {
   Index brute_force_limit = 100000;
   /// Times at which FCL looks; none: no oracle.
   std::vector<double> fcl_times = {0.25, 0.5, 0.75, 1.0};
-  /// Tolerance on times where the file has ground truth with times.
+  /// Tolerance on times where the file has ground truth with times, and on those of approximate narrow phases.
   double truth_time_tolerance = 1e-6;
   /// Request::leave_out_shell_neighbours, for all pipelines. What is left out is compared, too. FCL does not miss it:
   /// the elements have a common vertex, or touch at t = 0.
   bool leave_out_shell_neighbours = false;
+  /// Whether pipelines run that are not held to the reference's contacts (PipelineVerdict::held), too.
+  bool approximate = false;
 };
 
 /// How one pipeline did on one step, against the reference.
 struct PipelineVerdict {
   std::string pipeline;
   std::string refused;  ///< why it cannot run this step (no difference), or empty
+  /// Whether it is held to the reference's contacts, bit for bit. Not if its narrow phase is approximate and another one than
+  /// the reference's: then `difference` leaves out contacts of both whose times agree within
+  /// VerifyConfig::truth_time_tolerance, and what is left does not count.
+  bool held = true;
   ContactDifference difference;
   ContactDifference left_out;  ///< of StepResult::left_out
   std::vector<ElementPair> missing_overlaps, extra_overlaps;  ///< of the lists of initial overlaps
   Statistics statistics;
 
-  bool same() const { return difference.empty() && left_out.empty() && missing_overlaps.empty() && extra_overlaps.empty(); }
+  bool same() const {
+    return (!held || (difference.empty() && left_out.empty())) && missing_overlaps.empty() && extra_overlaps.empty();
+  }
 };
 
 /// How the reference did against the file's ground truth.
@@ -67,7 +75,11 @@ class Verifier {
  public:
   Verifier(const Registry& registry, VerifyConfig config);
 
-  /// Runs the reference and every registered pipeline. `expected`, if given, receives the reference's contacts.
+  /// Names of the registered pipelines that do not run, as VerifyConfig::approximate has it.
+  const std::vector<std::string>& left_out() const { return left_out_; }
+
+  /// Runs the reference and every other registered pipeline but those left out. `expected`, if given, receives the
+  /// reference's contacts.
   StepVerdict check(const Step& step, Executor& executor, std::vector<Contact>* expected = nullptr);
 
  private:
@@ -75,6 +87,7 @@ class Verifier {
     Entry(Pipeline p, Workspace w) : pipeline(std::move(p)), workspace(std::move(w)) {}
     Pipeline pipeline;
     Workspace workspace;
+    bool held = true;
   };
 
   VerifyConfig config_;
@@ -82,6 +95,7 @@ class Verifier {
 
   std::unique_ptr<Entry> brute_, unculled_;
   std::vector<std::unique_ptr<Entry>> entries_;
+  std::vector<std::string> left_out_;
 };
 
 /// Contacts of motion 0 -> 1 against the file's truth, which lists all pairs that touch.

@@ -91,6 +91,28 @@ TEST(CubicProperty, BatchDoesNotMatter) {
   }
 }
 
+TEST(CubicProperty, CoplanarityFilterDoesNotMatter) {
+  for (const FeatureKind kind : kKinds) {
+    const QuerySet set(kind, mixed_queries(4000, 27));
+    for (const bool axis_test : {false, true}) {
+      const std::vector<Contact> expected = set.test(Cubic({.axis_test = axis_test}));
+      EXPECT_EQ(set.test(Cubic({.axis_test = axis_test, .coplanarity = false})), expected);
+    }
+    // Without both filters every test goes on to its roots.
+    TestBlock tests;
+    tests.gather(set.step(), kind, set.pairs().first(TestBlock::kCapacity));
+    std::size_t open[2] = {};
+    for (const bool coplanarity : {false, true}) {
+      detail::CoplanarityBlock block;
+      block.gather(set.step().motion, tests);
+      block.compute(false, coplanarity);
+      for (std::size_t i = 0; i < block.size(); ++i) open[coplanarity] += block.open(i) ? 1 : 0;
+    }
+    EXPECT_EQ(open[false], TestBlock::kCapacity);
+    EXPECT_LT(open[true], TestBlock::kCapacity - 5);
+  }
+}
+
 TEST(CubicProperty, AppendsInTheOrderOfPairs) {
   const QuerySet set(FeatureKind::vf, mixed_queries(500, 24));
   std::vector<FeaturePair> reversed(set.pairs().rbegin(), set.pairs().rend());

@@ -31,9 +31,10 @@ StepResult run(const PipelineSpec& spec, const Scene& scene, Query query = Query
 }
 
 /// Every pair of elements, without even boxes: nothing is culled anywhere.
-PipelineSpec reference() {
+PipelineSpec reference(const char* narrow_phase = "inclusion") {
   PipelineSpec spec = registry().pipeline("BruteForce");
   spec.broad_phase.options["bounds"] = "none";
+  spec.narrow_phase.name = narrow_phase;
   return spec;
 }
 
@@ -81,10 +82,12 @@ std::vector<PipelineSpec> combinations() {
 TEST(Pipelines, EveryPresetFindsTheContactsOfBruteForce) {
   for (const double jitter : {0.02, 0.35})
     for (const Scene& scene : test::small_scenes(7, jitter)) {
-      const StepResult expected = run(reference(), scene);
-      EXPECT_GT(expected.contacts.size(), 10u) << scene.name;
+      std::map<std::string, StepResult> expected;
+      for (const char* narrow : {"inclusion", "provot"}) expected[narrow] = run(reference(narrow), scene);
+      EXPECT_GT(expected["inclusion"].contacts.size(), 10u) << scene.name;
+      EXPECT_EQ(expected["inclusion"].contacts.size(), expected["provot"].contacts.size()) << scene.name;
       for (const PipelineSpec& spec : registry().pipelines())
-        expect_same(expected, run(spec, scene), scene.name + " " + spec.name);
+        expect_same(expected.at(spec.narrow_phase.name), run(spec, scene), scene.name + " " + spec.name);
     }
 }
 
@@ -207,16 +210,18 @@ TEST(Pipelines, ScopesFollowTheirDefinitionWhereObjectsShareVertices) {
       {ObjectFilter(PairScope::intra), [](int a, int b) { return a == b; }},
       {excluding, [](int a, int b) { return !(a + b == 3) && !(a == 3 && b == 3); }},
       {both, [](int a, int b) { return a != b && a + b != 5; }}};
-  const StepResult all = run(reference(), scene);
-  for (const auto& [filter, allowed] : cases) {
-    StepResult expected;
-    for (const Contact& contact : all.contacts)
-      if (asked_for(scene.topology, contact, allowed)) expected.contacts.push_back(contact);
-    EXPECT_GT(expected.contacts.size(), 0u);
-    EXPECT_LT(expected.contacts.size(), all.contacts.size());
-    expect_same(expected, run(reference(), scene, Query::all, filter), "without culling");
-    for (const PipelineSpec& spec : registry().pipelines())
-      expect_same(expected, run(spec, scene, Query::all, filter), spec.name);
+  for (const char* narrow : {"inclusion", "provot"}) {
+    const StepResult all = run(reference(narrow), scene);
+    for (const auto& [filter, allowed] : cases) {
+      StepResult expected;
+      for (const Contact& contact : all.contacts)
+        if (asked_for(scene.topology, contact, allowed)) expected.contacts.push_back(contact);
+      EXPECT_GT(expected.contacts.size(), 0u);
+      EXPECT_LT(expected.contacts.size(), all.contacts.size());
+      expect_same(expected, run(reference(narrow), scene, Query::all, filter), "without culling");
+      for (const PipelineSpec& spec : registry().pipelines())
+        if (spec.narrow_phase.name == narrow) expect_same(expected, run(spec, scene, Query::all, filter), spec.name);
+    }
   }
 }
 

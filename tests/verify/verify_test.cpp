@@ -48,6 +48,7 @@ TEST(Verify, CleanWhereNothingIsWrong) {
   const StepVerdict verdict = verifier.check({scene().topology, scene().motion, filter}, serial);
   EXPECT_TRUE(verdict.clean());
   EXPECT_EQ(verdict.pipelines.size(), 4u);
+  EXPECT_EQ(verifier.left_out(), (std::vector<std::string>{"NavCCD-2011", "HashCCD-2011", "VolCCD-2011"}));
   EXPECT_GT(verdict.contacts, 0u);
   EXPECT_GT(verdict.fcl.hits, 0u);
 }
@@ -61,6 +62,27 @@ TEST(Verify, FindsAStageThatLosesContacts) {
   for (const PipelineVerdict& one : verdict.pipelines) {
     EXPECT_EQ(one.difference.empty(), one.pipeline != "Lossy") << one.pipeline;
     EXPECT_EQ(one.difference.extra.size() + one.difference.changed.size(), 0u) << one.pipeline;
+  }
+}
+
+TEST(Verify, ShowsWhatApproximateNarrowPhasesMissAndDoesNotCountIt) {
+  Registry registry = lossy_registry();
+  PipelineSpec spec = registry.pipeline("Lossy");
+  spec.name = "LossyProvot";
+  spec.narrow_phase = {"provot", {}};
+  registry.add_pipeline(spec);
+  Verifier verifier(registry, {.fcl_times = {}, .approximate = true});
+  SerialExecutor serial;
+  const ObjectFilter filter;
+  const StepVerdict verdict = verifier.check({scene().topology, scene().motion, filter}, serial);
+  EXPECT_FALSE(verdict.clean());
+  for (const PipelineVerdict& one : verdict.pipelines) {
+    const bool lossy = one.pipeline.starts_with("Lossy");
+    EXPECT_EQ(one.difference.missing.empty(), !lossy) << one.pipeline;
+    EXPECT_TRUE(one.difference.changed.empty()) << one.pipeline << ": times agree within the tolerance";
+    EXPECT_TRUE(one.refused.empty()) << one.refused;
+    EXPECT_EQ(one.held, one.pipeline != "LossyProvot" && !one.pipeline.ends_with("-2011")) << one.pipeline;
+    EXPECT_EQ(one.same(), one.pipeline != "Lossy") << one.pipeline;
   }
 }
 
@@ -145,13 +167,14 @@ TEST(Verify, PipelinesThatCannotRunTheStepAreRefusedNotDifferent) {
   limited.name = "Limited";
   registry.apply_setting(limited, "narrow-phase=cubic");
   registry.add_pipeline(limited);
-  Verifier verifier(registry, {.brute_force_limit = 0, .fcl_times = {}});
+  Verifier verifier(registry, {.brute_force_limit = 0, .fcl_times = {}, .approximate = true});
   SerialExecutor serial;
   const ObjectFilter filter;
   const StepVerdict verdict = verifier.check({scene().topology, scene().motion, filter, 0.1}, serial);
   EXPECT_EQ(verdict.reference, "NavCCD");
   EXPECT_TRUE(verdict.clean());
-  for (const PipelineVerdict& one : verdict.pipelines) EXPECT_EQ(one.refused.empty(), one.pipeline != "Limited");
+  for (const PipelineVerdict& one : verdict.pipelines)
+    EXPECT_EQ(one.refused.empty(), one.pipeline != "Limited" && !one.pipeline.ends_with("-2011")) << one.pipeline;
 }
 
 TEST(Compare, TellsMissingExtraAndChanged) {
