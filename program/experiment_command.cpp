@@ -92,10 +92,11 @@ std::optional<std::string> scene_file(const ExperimentOptions& options, const st
 int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const Registry& registry) {
   const InterruptGuard guard;
   make_folder(options.output);
-  const ExperimentPlan plan =
-      kind.plan({registry, options.full, options.pipelines, options.settings,
-                 [&](const std::string& name) { return scene_file(options, name); }});
-  if (plan.runs.empty()) throw ConfigError(fmt::format("{}: none of its scenes is there", kind.name));
+  const PlanContext context{registry, options.full, options.pipelines, options.settings,
+                            [&](const std::string& name) { return scene_file(options, name); }};
+  ExperimentPlan plan{kind.name, options.full ? "full" : "quick", 1, {}};
+  if (kind.plan) plan = kind.plan(context);
+  if (kind.plan && plan.runs.empty()) throw ConfigError(fmt::format("{}: none of its scenes is there", kind.name));
   check_outputs(options, kind.name, plan);
   const auto executor = make_interruptible_executor(options.threads);
   const nlohmann::json facts = provenance(plan, *executor);
@@ -106,6 +107,7 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
     fmt::print("{}: rows of another build or plan, begun anew\n", record.incomplete_file());
   if (record.resumed() > 0) fmt::print("{}: going on, {} window(s) are there\n", record.incomplete_file(), record.resumed());
   try {
+    if (kind.rows && !record.has("rows")) record.add("rows", kind.rows(context));
     Progress progress(fmt::format("{}, run", kind.name), measured_runs(plan));
     run_experiment(registry, plan, *executor, record, [&](std::size_t done, std::size_t) {
       progress.advance(done);

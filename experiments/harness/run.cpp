@@ -214,6 +214,7 @@ json provenance(const ExperimentPlan& plan, const Executor& executor) {
   result["setting"] = plan.setting;
   result["rounds"] = plan.rounds;
   result["threads"] = executor.workers();
+  result["inputs"] = json::array();
   std::map<std::string, std::string> files;
   for (const SceneRun& run : plan.runs) files.emplace(run.file, run.scene);
   for (const auto& [file, scene] : files)

@@ -61,6 +61,8 @@ void add_sweep(const Registry& registry, const std::string& table, const std::st
 
 void add_options(const Registry& registry, std::vector<Entrant>& entrants) {
   for (const Sweep& sweep : kOptions) add_sweep(registry, "options", sweep.pipeline, sweep.key, sweep.values, entrants);
+  for (const char* filters : {"none", "feature-csat", "coplanarity", "feature-kdop", "feature-kdop,coplanarity,feature-csat"})
+    entrants.push_back(entrant(registry, "options", "VolCCD", {std::string("feature-filter=") + filters}));
   // Static assignment covers everything by itself (docs/pipelines.md).
   entrants.push_back(entrant(registry, "options", "VolCCD+", {"orphans=none", "assignment=static-assignment"}));
   entrants.push_back(entrant(registry, "options", "VolCCD+"));

@@ -6,6 +6,7 @@
 #include <volccd/experiments/scenes/simulated/simulated_scene.hpp>
 #include <volccd/experiments/tables/ablation.hpp>
 #include <volccd/experiments/tables/culling_counts.hpp>
+#include <volccd/experiments/tables/operation_table.hpp>
 #include <volccd/experiments/tables/pipelines_table.hpp>
 #include <volccd/experiments/tables/scaling.hpp>
 #include <volccd/experiments/tables/table1.hpp>
@@ -25,6 +26,8 @@ const std::vector<ExperimentKind>& experiment_kinds() {
        ablation_plan, ablation_tables, nullptr},
       {"scaling", "time, memory and tests against elements and against motion a step", scaling_plan, scaling_tables,
        scaling_summary},
+      {"operations", "Section 7: operations and nanoseconds of CSAT and of an elementary test, beside the paper's", nullptr,
+       operation_tables, nullptr, operation_rows},
   };
   return kinds;
 }

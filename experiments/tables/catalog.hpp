@@ -25,10 +25,12 @@ struct PlanContext {
 
 struct ExperimentKind {
   const char *name, *description;
-  ExperimentPlan (*plan)(const PlanContext& context);
+  ExperimentPlan (*plan)(const PlanContext& context);  ///< null where `rows` makes them
   std::vector<TitledTable> (*tables)(const nlohmann::json& record);
   /// Rows for scripts and other documents; may be null: none.
   nlohmann::json (*summary)(const nlohmann::json& record);
+  /// Rows that the harness does not make; may be null.
+  std::vector<nlohmann::json> (*rows)(const PlanContext& context) = nullptr;
 };
 
 const std::vector<ExperimentKind>& experiment_kinds();
