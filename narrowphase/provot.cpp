@@ -10,13 +10,9 @@ namespace {
 
 using reference::MovingPoint;
 
-std::array<MovingPoint<double>, 4> points_of(const TestBlock& block, std::size_t i) {
+std::array<MovingPoint<double>, 4> points_of(const detail::TestPoints& x) {
   std::array<MovingPoint<double>, 4> points;
-  for (std::size_t p = 0; p < 4; ++p)
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      points[p].x0[axis] = block.row(0, static_cast<int>(p), static_cast<int>(axis))[i];
-      points[p].x1[axis] = block.row(1, static_cast<int>(p), static_cast<int>(axis))[i];
-    }
+  for (std::size_t p = 0; p < 4; ++p) points[p] = {{x[p][0], x[p][1], x[p][2]}, {x[p][3], x[p][4], x[p][5]}};
   return points;
 }
 
@@ -35,11 +31,11 @@ void Provot::run(const Step& step, StageState&, unsigned, const TestBlock& block
                  NarrowCounters& counters) const {
   assert(step.motion.control_points() == 2 && step.separation == 0);
   for (std::size_t i = 0; i < block.size(); ++i) {
-    const auto answer = reference::provot_test(block.kind(), points_of(block, i), config_.tolerance, step.t_max);
-    counters.degenerate += answer.degenerate ? 1 : 0;
-    if (!answer.touches) continue;
     detail::TestPoints x;
     for (std::size_t p = 0; p < 4; ++p) x[p] = step.motion.at(block.vertices(i)[p]);
+    const auto answer = reference::provot_test(block.kind(), points_of(x), config_.tolerance, step.t_max);
+    counters.degenerate += answer.degenerate ? 1 : 0;
+    if (!answer.touches) continue;
     Contact contact = detail::contact_at(block.kind(), block.vertices(i), x, 2, answer.t, answer.side);
     contact.at_start = contact.toi == 0;
     contacts.push_back(contact);
