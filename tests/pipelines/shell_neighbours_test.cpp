@@ -96,13 +96,20 @@ void expect_split(const Solids& solids, const StepResult& every, const StepResul
   EXPECT_EQ(result.statistics.earliest_toi, earliest);
 }
 
+/// Those that find the same contacts, bit for bit.
+std::vector<PipelineSpec> certified_pipelines() {
+  std::vector<PipelineSpec> pipelines = registry().pipelines();
+  std::erase_if(pipelines, [](const PipelineSpec& spec) { return spec.narrow_phase.name != "inclusion"; });
+  return pipelines;
+}
+
 TEST(ShellNeighbours, OfABookThatClosesAreLeftOutAndCounted) {
   const Solids solids = book(0.2, 3.0);
   const StepResult every = solids.run("BruteForce", kKeep);
   EXPECT_TRUE(every.left_out.empty());
   EXPECT_EQ(every.statistics.left_out, 0u);
   EXPECT_GT(std::ranges::count_if(every.contacts, [&](const Contact& c) { return solids.stem_from_one(c); }), 0);
-  for (const PipelineSpec& spec : registry().pipelines()) {
+  for (const PipelineSpec& spec : certified_pipelines()) {
     SCOPED_TRACE(spec.name);
     EXPECT_EQ(solids.run(spec.name, kKeep).contacts, every.contacts);
     expect_split(solids, every, solids.run(spec.name, kLeaveOut));
@@ -116,7 +123,7 @@ TEST(ShellNeighbours, AreLeftOutByAllPipelinesAlike) {
     SCOPED_TRACE(seed);
     const Solids solids = crumpled(seed);
     const StepResult every = solids.run("BruteForce", kKeep);
-    for (const PipelineSpec& spec : registry().pipelines())
+    for (const PipelineSpec& spec : certified_pipelines())
       for (const unsigned threads : {1u, 3u}) {
         SCOPED_TRACE(spec.name + " " + std::to_string(threads));
         expect_split(solids, every, solids.run(spec.name, kLeaveOut, threads));
@@ -154,7 +161,7 @@ TEST(ShellNeighbours, AreNotTheFirstContact) {
     const Contact first = *std::ranges::min_element(all.contacts, [](const Contact& x, const Contact& y) {
       return x.toi != y.toi ? x.toi < y.toi : canonical_less(x, y);
     });
-    for (const PipelineSpec& spec : registry().pipelines())
+    for (const PipelineSpec& spec : certified_pipelines())
       for (const unsigned threads : {1u, 3u}) {
         SCOPED_TRACE(spec.name + " " + std::to_string(threads));
         const StepResult result = solids.run(spec.name, Request(Query::first, false, true), threads);

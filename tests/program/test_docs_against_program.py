@@ -106,7 +106,7 @@ COMMANDS |= {(*path, name): Command(*path, name)
 SCENES = set(re.findall(r"^  ([a-z][\w-]+) ", run("scene", "list").stdout, re.MULTILINE))
 # Listed only where the data is.
 SCENES |= {"ls-dyna-projectile", "openradioss-bullet", "openradioss-airbag", "openradioss-crash"}
-EXPERIMENTS = set(re.findall(r"^([a-z-]+) ", run("experiment", "list").stdout, re.MULTILINE))
+EXPERIMENTS = set(re.findall(r"^([a-z0-9-]+) ", run("experiment", "list").stdout, re.MULTILINE))
 
 
 def known_sequence(name):

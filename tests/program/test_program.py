@@ -354,12 +354,14 @@ class Program(ProgramTest):
         for form, sign in (("text", "0.69 %"), ("markdown", "|---|"), ("csv", "NavCCD,"), ("latex", "\\toprule")):
             self.assertIn(sign, self.good("experiment", "table", "projectile", "--results", self.path("results"), "--format", form))
         text = self.good("experiment", "table", "projectile", "--results", self.path("results"))
-        self.assertEqual(text, self.read("results/projectile.txt").decode())
+        with open(self.path("results/projectile.txt"), encoding="utf-8") as file:
+            self.assertEqual(text, file.read())
         same = self.good("experiment", "compare", self.path("results"), self.path("results"))
         self.assertIn("4 compared: 0 slower, 0 faster beyond the spread, 0 with other counts", same)
         record["rows"][0]["contacts_hash"] = "0"
         os.mkdir(self.path("other"))
-        self.write("other/projectile.json", json.dumps(record))
+        with open(self.path("other/projectile.json"), "w", encoding="utf-8") as file:
+            json.dump(record, file)
         changed = run("experiment", "compare", self.path("results"), self.path("other"))
         self.assertEqual(changed.returncode, 1)
         self.assertIn("OTHER", changed.stdout)
