@@ -38,11 +38,13 @@ std::vector<MotionWindow> all_windows(int motions, int length) {
   return windows;
 }
 
+int rounds_of(const ExperimentPlan& plan, const SceneRun& run) { return run.rounds > 0 ? run.rounds : plan.rounds; }
+
 std::size_t measured_runs(const ExperimentPlan& plan) {
   std::size_t sum = 0;
   for (const SceneRun& run : plan.runs)
     for (const MotionWindow& window : run.windows)
-      sum += static_cast<std::size_t>(window.count) * run.entrants.size() * static_cast<std::size_t>(plan.rounds);
+      sum += static_cast<std::size_t>(window.count) * run.entrants.size() * static_cast<std::size_t>(rounds_of(plan, run));
   return sum;
 }
 
@@ -63,6 +65,7 @@ json to_json(const ExperimentPlan& plan) {
                     {"edges", name_of(run.config.edge_set)},
                     {"windows", windows},
                     {"entrants", entrants},
+                    {"rounds", rounds_of(plan, run)},
                     {"motion_scale", run.motion_scale},
                     {"subdivisions", run.subdivisions},
                     {"columns", run.columns}});

@@ -31,6 +31,7 @@ struct SceneRun {
   SequenceStepper::Config config = {};
   std::vector<MotionWindow> windows;
   std::vector<Entrant> entrants;
+  int rounds = 0;  ///< 0: those of the plan
   double motion_scale = 1;  ///< end points are x0 + motion_scale (x1 - x0); linear motion only unless 1
   int subdivisions = 0;     ///< times that each element is divided (harness/subdivide.hpp); no object filter, no edits
   nlohmann::json columns = nlohmann::json::object();  ///< further columns of all rows
@@ -54,6 +55,8 @@ std::vector<MotionWindow> sampled_windows(int motions, int count, int length);
 
 /// All motions, in windows of `length` (the last may be shorter).
 std::vector<MotionWindow> all_windows(int motions, int length);
+
+int rounds_of(const ExperimentPlan& plan, const SceneRun& run);
 
 /// Motions that are measured: runs x windows x rounds x entrants x motions.
 std::size_t measured_runs(const ExperimentPlan& plan);

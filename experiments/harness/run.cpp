@@ -200,10 +200,10 @@ void run_experiment(const Registry& registry, const ExperimentPlan& plan, Execut
     for (const MotionWindow& window : run.windows) {
       const std::string key = fmt::format("{}/{}/{}", r, run.scene, window.first);
       if (!record.has(key)) {
-        if (!runner) runner = std::make_unique<Runner>(registry, run, plan.rounds, executor, before_each);
+        if (!runner) runner = std::make_unique<Runner>(registry, run, rounds_of(plan, run), executor, before_each);
         record.add(key, runner->measure(window));
       }
-      done += static_cast<std::size_t>(window.count) * run.entrants.size() * static_cast<std::size_t>(plan.rounds);
+      done += static_cast<std::size_t>(window.count) * run.entrants.size() * static_cast<std::size_t>(rounds_of(plan, run));
     }
   }
 }

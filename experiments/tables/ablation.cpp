@@ -107,10 +107,10 @@ TitledTable table_of(const Rows& rows, const std::string& title) {
 }  // namespace
 
 ExperimentPlan ablation_plan(const PlanContext& context) {
-  ExperimentPlan plan{"ablation", context.full ? "full" : "quick", context.full ? 3 : 1, {}};
+  ExperimentPlan plan{"ablation", context.full ? "full" : "quick", context.full ? 2 : 1, {}};
   for (const TableScene& scene : table_scenes(context)) {
     if (scene.name != "octopi" && scene.name != "bullet" && scene.name != "crash" && scene.name != "ls-dyna-projectile") continue;
-    SceneRun run{scene.name, scene.file, table_config(scene.file), sampled_windows(motion_count(scene.file), 2, 1), {}};
+    SceneRun run{scene.name, scene.file, table_config(scene.file), sampled_windows(motion_count(scene.file), 1, 1), {}};
     if (context.pipelines.empty() && context.settings.empty()) {
       // The crash takes longest, and says little that the others do not.
       if (scene.name == "crash") continue;

@@ -107,7 +107,7 @@ ExperimentPlan projectile_plan(const PlanContext& context) {
     run.entrants.push_back(entrant(context.registry, "", pipeline, {"narrow-phase=cubic"}));
     run.entrants.back().variant.clear();  // the same for all
   }
-  return {"projectile", context.full ? "full" : "quick", context.full ? 5 : 1, {run}};
+  return {"projectile", context.full ? "full" : "quick", context.full ? 3 : 1, {run}};
 }
 
 std::vector<TitledTable> pipeline_tables(const json& record) {

@@ -88,7 +88,7 @@ std::string exponent_text(const Fit& f) {
 }  // namespace
 
 ExperimentPlan scaling_plan(const PlanContext& context) {
-  ExperimentPlan plan{"scaling", context.full ? "full" : "quick", context.full ? 3 : 1, {}};
+  ExperimentPlan plan{"scaling", context.full ? "full" : "quick", 1, {}};
   for (const TableScene& scene : table_scenes(context)) {
     const bool divided = scene.name == "octopi" || scene.name == "airbag" || scene.name == "crash";
     if (!divided || (!context.full && scene.name != "octopi")) continue;
@@ -109,6 +109,8 @@ ExperimentPlan scaling_plan(const PlanContext& context) {
       SceneRun run{scene.name, scene.file, table_config(scene.file), middle, {}};
       run.motion_scale = edges / std::max(moved, 1e-12);
       add_entrants(context, "motion", fmt::format("motion={}", edges), run);
+      // All tests of all pairs would take minutes a step.
+      if (edges > 3) std::erase_if(run.entrants, [](const Entrant& e) { return e.pipeline == "NavCCD" || e.pipeline == "HashCCD"; });
       plan.runs.push_back(std::move(run));
     }
   }
