@@ -33,7 +33,7 @@ struct SceneRun {
   std::vector<Entrant> entrants;
   int rounds = 0;  ///< 0: those of the plan
   double motion_scale = 1;  ///< end points are x0 + motion_scale (x1 - x0); linear motion only unless 1
-  int subdivisions = 0;     ///< times that each element is divided (harness/subdivide.hpp); no object filter, no edits
+  int subdivisions = 0;     ///< times that each element is divided (harness/subdivide.hpp), solid shells in their plane; no edits
   nlohmann::json columns = nlohmann::json::object();  ///< further columns of all rows
 };
 

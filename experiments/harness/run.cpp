@@ -112,7 +112,8 @@ class Runner {
     motion_ = stepper_->motion();
     if (run_.motion_scale != 1) scale(motion_);
     if (run_.subdivisions == 0) return;
-    RefinedStep refined = refine(*topology_, motion_, run_.subdivisions);
+    RefinedStep refined = refine(*topology_, motion_, run_.subdivisions,
+                                 run_.config.shells == ShellModel::solid ? Division::in_plane : Division::everywhere);
     motion_ = std::move(refined.motion);
     if (!refined_ || stepper_->topology().version() != refined_version_) refined_.emplace(std::move(refined.mesh));
     refined_version_ = stepper_->topology().version();

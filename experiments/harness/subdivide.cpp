@@ -29,9 +29,9 @@ struct CornersHash {
 };
 
 /// Divides all elements once.
-class Division {
+class Divider {
  public:
-  explicit Division(Draft& draft) : draft_(draft) {}
+  Divider(Draft& draft, Division division) : draft_(draft), through_(division == Division::everywhere) {}
 
   void run() {
     std::vector<ElementSpec> old;
@@ -78,7 +78,9 @@ class Division {
       case ElementType::hexahedron: return divide_boxes(element, 3);
       case ElementType::triangle: return divide_prisms(element, 1);
       case ElementType::wedge: return divide_prisms(element, 2);
-      case ElementType::tetrahedron: return divide_tetrahedron(element);
+      case ElementType::tetrahedron:
+        if (through_) return divide_tetrahedron(element);
+        [[fallthrough]];
       default: throw ConfigError(std::string("elements of type ") + to_string(element.type) + " cannot be divided");
     }
   }
@@ -102,11 +104,12 @@ class Division {
       if (corners.size() == 8) centre = v;
       return v;
     };
-    for (int k = 0; k < layers; ++k)
+    for (int k = 0; k < (through_ ? layers : 1); ++k)
       for (const auto& low : kRound) {
         std::vector<Index> vertices;
         for (int c = 0; c < 4 * layers; ++c)
-          vertices.push_back(point(low[0] + kRound[c % 4][0], low[1] + kRound[c % 4][1], axes == 3 ? k + c / 4 : 0));
+          vertices.push_back(
+              point(low[0] + kRound[c % 4][0], low[1] + kRound[c % 4][1], through_ ? k + c / 4 : 2 * (c / 4)));
         put(element, std::move(vertices));
       }
   }
@@ -125,11 +128,11 @@ class Division {
       }
       return middle(corners);
     };
-    for (int layer = 0; layer < layers; ++layer)
+    for (int layer = 0; layer < (through_ ? layers : 1); ++layer)
       for (const auto& part : kParts) {
         std::vector<Index> vertices;
-        for (int height = layer; height < layer + layers; ++height)
-          for (const int p : part) vertices.push_back(point(p, height));
+        for (int end = 0; end < layers; ++end)
+          for (const int p : part) vertices.push_back(point(p, through_ ? layer + end : 2 * end));
         put(element, std::move(vertices));
       }
   }
@@ -150,6 +153,7 @@ class Division {
   }
 
   Draft& draft_;
+  const bool through_;
   std::unordered_map<std::array<Index, 4>, Index, CornersHash> middles_;
 };
 
@@ -179,9 +183,9 @@ Draft draft_of(const Mesh& mesh, const Motion& motion) {
 
 }  // namespace
 
-RefinedStep refine(const Topology& topology, const Motion& motion, int times) {
+RefinedStep refine(const Topology& topology, const Motion& motion, int times, Division division) {
   Draft draft = draft_of(topology.mesh(), motion);
-  for (int i = 0; i < times; ++i) Division(draft).run();
+  for (int i = 0; i < times; ++i) Divider(draft, division).run();
   RefinedStep result{{}, Motion(draft.vertex_count(), draft.control_points)};
   result.mesh.add_vertices(draft.vertex_count());
   for (const ElementSpec& element : draft.elements) result.mesh.add_element(element);

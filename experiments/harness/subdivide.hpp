@@ -11,10 +11,14 @@ struct RefinedStep {
   Motion motion;
 };
 
-/// Divides each element `times` times in the middle of its edges: triangles and quads into 4, tetrahedra, wedges and
-/// hexahedra into 8. A new vertex has the mean of the control points of the corners between which it lies, so that neighbours
+enum class Division {
+  everywhere,  ///< triangles and quads into 4, tetrahedra, wedges and hexahedra into 8
+  in_plane     ///< thickened shells: wedges and hexahedra into 4, with their thickness as it was
+};
+
+/// Divides each element `times` times in the middle of its edges. A new vertex has the mean of the control points of the corners between which it lies, so that neighbours
 /// agree and the motion is the same. Vertices that no element uses are left out. Object ids stay; element ids are numbered
-/// anew. Throws ConfigError for pyramids and polytopes. O(elements of the result) expected.
-RefinedStep refine(const Topology& topology, const Motion& motion, int times);
+/// anew. Throws ConfigError for pyramids and polytopes, and for tetrahedra in the plane. O(elements of the result) expected.
+RefinedStep refine(const Topology& topology, const Motion& motion, int times, Division division = Division::everywhere);
 
 }  // namespace volccd

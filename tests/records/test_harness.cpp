@@ -176,6 +176,12 @@ TEST(Refine, KeepsTheMotionAndTheVolumeOfEveryType) {
     for (Index f = 0; f < topology.features().triangle_slots(); ++f) coarse += topology.features().triangle_elements(f).size() == 1;
     EXPECT_EQ(boundary, coarse * 16) << to_string(type) << ": cracks between the parts of neighbours";
   }
+  for (const ElementType type : {ElementType::wedge, ElementType::hexahedron}) {
+    const Shape shape = block(type, 2, 2, 1);
+    const RefinedStep fine = refine(Topology(shape.mesh()), Motion::linear(shape.positions, shape.positions), 1, Division::in_plane);
+    EXPECT_EQ(fine.mesh.element_count(), shape.elements.size() * 4);
+    EXPECT_EQ(fine.mesh.vertex_count(), block(type, 4, 4, 1).positions.size()) << to_string(type);
+  }
   EXPECT_THROW(refine(Topology(block(ElementType::pyramid, 1, 1, 1).mesh()), Motion(9, 2), 1), ConfigError);
 }
 
