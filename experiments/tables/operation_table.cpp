@@ -19,7 +19,9 @@ std::vector<json> operation_rows(const PlanContext& context) {
   source.sample = 2048;
   source.motion = motion_count(*file) / 2;
   std::vector<json> rows;
-  for (json row : operation_counts(load_queries(*file, source)).at("rows")) {
+  const json counts = operation_counts(load_queries(*file, source));
+  if (counts.at("rows").empty()) throw ConfigError("operations: " + *file + " has no tests at its middle motion");
+  for (json row : counts.at("rows")) {
     row["scene"] = "octopi";
     row["motion"] = source.motion;
     rows.push_back(std::move(row));

@@ -11,6 +11,7 @@
 #include <volccd/experiments/scenes/sequence_statistics.hpp>
 #include <volccd/experiments/tables/median.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/mesh/types.hpp>
 
 namespace volccd {
 
@@ -52,6 +53,33 @@ std::string energy_text(const json& frames) {
   return scale > 0 ? fmt::format("{:.2f} %", 100 * worst / scale) : "-";
 }
 
+/// What the time stepping took out of the energy, and what contacts put in, in per cent of the same.
+std::string energy_shares(const json& frames) {
+  const json& energy = frames.back().at("energy");
+  double scale = 0;
+  for (const json& frame : frames)
+    scale = std::max(scale, frame.at("energy").at("initial").get<double>() + std::abs(frame.at("energy").at("external").get<double>()));
+  if (scale <= 0) return "-";
+  return fmt::format("{:.1f} / {:.1f} %", 100 * energy.at("numerical").get<double>() / scale,
+                     100 * energy.at("contact").get<double>() / scale);
+}
+
+/// Change of the angular momentum that no impulse from outside explains, in per cent of the greatest that there was.
+std::string angular_drift(const json& frames) {
+  const auto vector = [](const json& frame, const char* name) {
+    const json& v = frame.at(name);
+    return Vec3(v[0].get<double>(), v[1].get<double>(), v[2].get<double>());
+  };
+  const Vec3 first = vector(frames.front(), "angular_momentum") - vector(frames.front(), "angular_impulse");
+  double worst = 0, scale = 0;
+  for (const json& frame : frames) {
+    const Vec3 now = vector(frame, "angular_momentum"), given = vector(frame, "angular_impulse");
+    worst = std::max(worst, (now - given - first).norm());
+    scale = std::max({scale, now.norm(), given.norm()});
+  }
+  return scale > 0 ? fmt::format("{:.2g} %", 100 * worst / scale) : "-";
+}
+
 /// Contacts that met a response in a substep: between objects, within one, of adjacent elements.
 std::string resisted_text(const json& frames) {
   std::string text;
@@ -88,11 +116,15 @@ std::vector<std::string> row_of(const json& record) {
                                   contacts("inter"),
                                   contacts("intra"),
                                   contacts("adjacent"),
+                                  grouped(static_cast<std::uint64_t>(median_over(
+                                      motions, [](const json& m) { return m.at("contacts_at_start").get<double>(); }))),
                                   fmt::format("{:.2f} ({:.2f})", usual, fastest),
                                   fmt::format("{:.1f}", changed / static_cast<double>(motions.size()))};
   row.push_back(baked.is_null() ? "-" : resisted_text(baked.at("frames")));
   row.push_back(baked.is_null() ? "-" : duration(baked.at("seconds").get<double>()));
   row.push_back(baked.is_null() ? "-" : energy_text(baked.at("frames")));
+  row.push_back(baked.is_null() ? "-" : energy_shares(baked.at("frames")));
+  row.push_back(baked.is_null() ? "-" : angular_drift(baked.at("frames")));
   return row;
 }
 
@@ -118,15 +150,16 @@ std::optional<json> scene_record(const std::string& name, const std::string& seq
 
 std::string scene_table(const std::vector<json>& records) {
   TextTable table({"scene", "elements", "first", "last", "paper", "frames", "inter", "intra", "adjacent",
-                   "moved, edges", "new elements", "resisted", "computed in", "energy error"});
+                   "at t = 0", "moved, edges", "new elements", "resisted", "computed in", "energy error",
+                   "numerical / contacts", "angular drift"});
   for (const json& record : records) table.add(row_of(record));
   return table.text() +
-         "\ncontacts: median over the motions, between objects, within one, of adjacent elements; moved: 99th "
-         "percentile "
-         "of the vertices, median (greatest) over the motions; new elements: a motion; resisted: contacts that met an "
-         "impulse in a substep of the simulation (inter / intra / adjacent), median over the frames: what it keeps "
-         "apart "
-         "does not touch in the file\n";
+         "\ncontacts: median over the motions, between objects, within one, of adjacent elements; at t = 0: of those, touching at the\n"
+         "start already; moved: 99th percentile of the vertices, median (greatest) over the motions; new elements: a motion;\n"
+         "resisted: contacts that met an impulse in a substep of the simulation (inter / intra / adjacent), median over the\n"
+         "frames: what it keeps apart does not touch in the file; numerical / contacts: energy that the time stepping took out and\n"
+         "that contacts put in, to the end, as shares of what there was and came from outside; angular drift: change of the angular\n"
+         "momentum that no impulse from outside explains, of the greatest that there was\n";
 }
 
 }  // namespace volccd

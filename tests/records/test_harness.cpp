@@ -11,6 +11,7 @@
 #include <volccd/experiments/harness/subdivide.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
+#include <volccd/experiments/tables/operation_table.hpp>
 #include <volccd/experiments/tables/rows.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/pipelines/pipeline.hpp>
@@ -152,6 +153,38 @@ TEST_F(Harness, TablesAreMadeOfTheRecordAlone) {
     EXPECT_NE(table.find("VolCCD+"), std::string::npos);
     EXPECT_EQ(table, render(kind.tables(json::parse(record.dump())), format)) << "not the same from the file";
   }
+}
+
+TEST_F(Harness, EveryPlanHasScenesAndPipelinesThatCanBeMade) {
+  for (const bool full : {false, true}) {
+    const PlanContext context{registry_, full, {}, {}, [&](const std::string&) { return std::optional(file_); }};
+    for (const ExperimentKind& kind : experiment_kinds()) {
+      if (!kind.plan) continue;
+      const ExperimentPlan plan = kind.plan(context);
+      EXPECT_FALSE(plan.runs.empty()) << kind.name;
+      EXPECT_GT(measured_runs(plan), 0u) << kind.name;
+      for (const SceneRun& run : plan.runs)
+        for (const Entrant& entrant : run.entrants) EXPECT_NO_THROW(Pipeline(registry_, entrant.spec)) << kind.name;
+    }
+  }
+}
+
+TEST_F(Harness, ASweepRunsEachValueOfASetting) {
+  const PlanContext context{registry_, false, {"VolCCD"}, {"csat.axis=face,centroid", "feature-filter=none"},
+                            [&](const std::string&) { return std::optional(file_); }};
+  const ExperimentKind& ablation = experiment_kinds().at(3);
+  ASSERT_STREQ(ablation.name, "ablation");
+  std::vector<std::string> variants;
+  const ExperimentPlan plan = ablation.plan(context);
+  for (const Entrant& entrant : plan.runs.at(0).entrants) variants.push_back(entrant.variant);
+  EXPECT_EQ(variants, (std::vector<std::string>{"", "csat.axis=face", "csat.axis=centroid", "feature-filter=none"}));
+}
+
+TEST_F(Harness, OperationsAreCountedOnAScene) {
+  const PlanContext context{registry_, false, {}, {}, [&](const std::string&) { return std::optional(file_); }};
+  const std::vector<json> rows = operation_rows(context);
+  EXPECT_GE(rows.size(), 8u);
+  EXPECT_NE(render(operation_tables({{"rows", rows}}), TableFormat::text).find("217"), std::string::npos) << "the paper's";
 }
 
 TEST(Refine, KeepsTheMotionAndTheVolumeOfEveryType) {
