@@ -145,9 +145,14 @@ def problem_in_command(words):
             value = words.pop(0)
             if choices and value not in choices:
                 return f"{word} is one of {choices}, not {value}"
-            if problem := problem_in_value(word, value):
+            sweep = path == ("experiment", "run") and word == "--set" and "." in value.split("=")[0]
+            key, _, listed = value.partition("=")
+            values = [f"{key}={one}" for one in listed.split(",")] if sweep else [value]
+            if problem := next(filter(None, (problem_in_value(word, one) for one in values)), None):
                 return problem
-    names = {("scene", "generate"): SCENES, ("experiment", "run"): EXPERIMENTS}.get(path)
+    names = {("scene", "generate"): SCENES, ("experiment", "run"): EXPERIMENTS, ("experiment", "table"): EXPERIMENTS}.get(path)
+    if path == ("experiment", "compare"):
+        return None  # folders
     if path == ("check",):
         names = {name for name in [*STAGES.options, *positionals[1:]] if name in STAGES.options or known_sequence(name)}
     known = names.__contains__ if names else known_sequence
