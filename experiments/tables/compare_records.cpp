@@ -47,12 +47,18 @@ double spread(const Samples& samples) {
   return middle > 0 ? (*high - *low) / middle : 0;
 }
 
+/// Operations have rows of another kind, which are not compared.
+bool has_timed_rows(const json& record) {
+  const auto rows = record.find("rows");
+  return rows != record.end() && !rows->empty() && rows->front().contains("pipeline");
+}
+
 std::vector<std::string> records_in(const std::string& folder) {
   std::vector<std::string> names;
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const json record = entry.path().extension() == ".json" ? read_json_file(entry.path().string()) : json();
-    if (record.is_object() && record.value("schema", 0) == kRecordSchema) names.push_back(entry.path().filename().string());
+    if (record.is_object() && record.value("schema", 0) == kRecordSchema && has_timed_rows(record)) names.push_back(entry.path().filename().string());
   }
   if (error) throw InputError(folder, "", "cannot be read: " + error.message());
   std::sort(names.begin(), names.end());

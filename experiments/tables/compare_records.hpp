@@ -17,7 +17,7 @@ struct RecordComparison {
 };
 
 /// Compares the records of the same name in both folders, entrant by entrant (table, scene, motion model, edges, pipeline,
-/// variant), on the motions that both have. The spread of an entrant is the mean over motions of (greatest - smallest) /
+/// variant), on the motions that both have; records whose rows are no runs of pipelines are left out. The spread of an entrant is the mean over motions of (greatest - smallest) /
 /// median over rounds, the greater of both sides. Throws InputError: no record in common, or a bad record.
 RecordComparison compare_records(const std::string& folder_a, const std::string& folder_b);
 

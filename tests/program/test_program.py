@@ -362,6 +362,10 @@ class Program(ProgramTest):
         os.mkdir(self.path("other"))
         with open(self.path("other/projectile.json"), "w", encoding="utf-8") as file:
             json.dump(record, file)
+        other_rows = {"experiment": "operations", "schema": 1, "rows": [{"operation": "csat", "ns": 1.0}]}
+        for folder in ("results", "other"):
+            with open(self.path(folder + "/operations.json"), "w", encoding="utf-8") as file:
+                json.dump(other_rows, file)
         changed = run("experiment", "compare", self.path("results"), self.path("other"))
         self.assertEqual(changed.returncode, 1)
         self.assertIn("OTHER", changed.stdout)
