@@ -103,9 +103,9 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
   nlohmann::json identity = {{"plan", facts.at("plan")}, {"threads", facts.at("threads")}};
   for (const char* fact : {"commit", "compiler", "flags", "cpu", "inputs"}) identity[fact] = facts.at(fact);
   RecordFile record(options.output, kind.name, identity);
-  if (record.replaced())
-    fmt::print("{}: rows of another build or plan, begun anew\n", record.incomplete_file());
-  if (record.resumed() > 0) fmt::print("{}: going on, {} window(s) are there\n", record.incomplete_file(), record.resumed());
+  if (record.replaced()) fmt::print("{}: rows of another build or plan, begun anew\n", record.incomplete_file());
+  if (record.resumed() > 0)
+    fmt::print("{}: going on, {} window(s) are there\n", record.incomplete_file(), record.resumed());
   try {
     if (kind.rows && !record.has("rows")) record.add("rows", kind.rows(context));
     Progress progress(fmt::format("{}, run", kind.name), measured_runs(plan));
@@ -114,7 +114,8 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
       InterruptGuard::check();
     });
   } catch (const Interrupted&) {
-    throw Interrupted(fmt::format("{}: stopped; the same command goes on with what {} has", kind.name, record.incomplete_file()));
+    throw Interrupted(
+        fmt::format("{}: stopped; the same command goes on with what {} has", kind.name, record.incomplete_file()));
   }
   nlohmann::json whole = {{"rows", record.rows()}, {"provenance", facts}};
   record.finish(facts, kind.summary ? kind.summary(whole) : nlohmann::json::array());
@@ -232,7 +233,8 @@ int run(ExperimentOptions options, const Registry& registry) {
     for (const ExperimentKind& kind : experiment_kinds()) names.push_back(kind.name);
   }
   for (const std::string& name : names)  // before the first of them takes its time
-    if (!find_kind(name) && std::none_of(std::begin(kOthers), std::end(kOthers), [&](const auto& o) { return name == o.name; }))
+    if (!find_kind(name) &&
+        std::none_of(std::begin(kOthers), std::end(kOthers), [&](const auto& o) { return name == o.name; }))
       throw ConfigError(fmt::format("no experiment '{}'; there are {}", name, known_experiments()));
   int code = kDone;
   for (const std::string& name : names)
@@ -259,8 +261,10 @@ int print_table(const TableOptions& options) {
 int compare(const std::string& a, const std::string& b) {
   const RecordComparison result = compare_records(a, b);
   if (result.slower + result.faster + result.other_counts > 0) fmt::print("{}\n", result.table.text());
-  fmt::print("{} compared: {} slower, {} faster beyond the spread, {} with other counts\n", result.compared, result.slower,
-             result.faster, result.other_counts);
+  fmt::print("{} compared: {} slower, {} faster beyond the spread, {} with other counts\n", result.compared,
+             result.slower, result.faster, result.other_counts);
+  if (result.single > 0)
+    fmt::print("{} with a single round: their spread is unknown, and their times are not judged\n", result.single);
   return result.slower + result.other_counts > 0 ? kDifferent : kDone;
 }
 
@@ -279,13 +283,15 @@ void add_table_command(CLI::App& command, Action& action) {
 
 void add_compare_command(CLI::App& command, Action& action) {
   const auto folders = std::make_shared<std::pair<std::string, std::string>>();
-  CLI::App* compare_command = command.add_subcommand("compare", "what changed between two folders of records, beyond the spread");
+  CLI::App* compare_command =
+      command.add_subcommand("compare", "what changed between two folders of records, beyond the spread");
   compare_command->add_option("A", folders->first, "folder of the records before")->required();
   compare_command->add_option("B", folders->second, "folder of the records after")->required();
   compare_command->footer(
       "Exit code 1 where something became slower beyond the spread of its rounds and 3 %, or counts differ.\n"
       "Example:\n  volccd experiment compare results/ build/results/");
-  compare_command->callback([folders, &action] { action = [folders] { return compare(folders->first, folders->second); }; });
+  compare_command->callback(
+      [folders, &action] { action = [folders] { return compare(folders->first, folders->second); }; });
 }
 
 }  // namespace
@@ -311,17 +317,22 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
       ->delimiter(',')
       ->allow_extra_args(false);
   run_command
-      ->add_option("--set", options->settings,
-                   "ablation: stage.option=value[,value...], a run for each value; role=stage[,stage...]; may be repeated")
+      ->add_option(
+          "--set", options->settings,
+          "ablation: stage.option=value[,value...], a run for each value; role=stage[,stage...]; may be repeated")
       ->type_name("SETTING")
       ->allow_extra_args(false);
   run_command->add_option("-o,--output", options->output, "folder for tables and records")->capture_default_str();
-  run_command->add_flag("--quick", options->quick, "minutes: small scenes, few motions, one round (the default of those with rounds)");
-  run_command->add_flag("--full", options->full, "hours: scenes at their own sizes, more motions, several rounds")->excludes("--quick");
+  run_command->add_flag("--quick", options->quick,
+                        "minutes: small scenes, few motions, one round (the default of those with rounds)");
+  run_command->add_flag("--full", options->full, "hours: scenes at their own sizes, more motions, several rounds")
+      ->excludes("--quick");
   add_threads_option(*run_command, options->threads);
   run_command->footer(
-      "Motions are sampled evenly where all would take too long; the record lists them. After Ctrl-C or an error the same\n"
-      "command goes on with what NAME.incomplete.jsonl has (scenes, feature-sets: NAME.incomplete.json and .txt keep the\n"
+      "Motions are sampled evenly where all would take too long; the record lists them. After Ctrl-C or an error the "
+      "same\n"
+      "command goes on with what NAME.incomplete.jsonl has (scenes, feature-sets: NAME.incomplete.json and .txt keep "
+      "the\n"
       "scenes that were complete); a whole record stays as it was until then.\n"
       "Examples:\n"
       "  volccd experiment run projectile --quick -o results/\n"

@@ -28,11 +28,13 @@ class Fnv1a {
 };
 
 /// Elements at both features of a contact.
-std::pair<std::span<const Index>, std::span<const Index>> elements_of(const Features& features, const Contact& contact) {
+std::pair<std::span<const Index>, std::span<const Index>> elements_of(const Features& features,
+                                                                      const Contact& contact) {
   const auto& v = contact.vertices;
   if (contact.kind == FeatureKind::vf)
     return {features.vertex_elements(v[0]), features.triangle_elements(features.find_triangle(v[1], v[2], v[3]))};
-  return {features.edge_elements(features.find_edge(v[0], v[1])), features.edge_elements(features.find_edge(v[2], v[3]))};
+  return {features.edge_elements(features.find_edge(v[0], v[1])),
+          features.edge_elements(features.find_edge(v[2], v[3]))};
 }
 
 }  // namespace

@@ -11,12 +11,12 @@
 
 namespace volccd {
 
-/// Pairs of elements with a common vertex, each once, and each element with itself: what a broad phase over all pairs emits
-/// besides non-adjacent ones, since swept volumes with a common vertex overlap. O(elements x neighbours).
+/// Pairs of elements with a common vertex, each once, and each element with itself: what a broad phase over all pairs
+/// emits besides non-adjacent ones, since swept volumes with a common vertex overlap. O(elements x neighbours).
 std::uint64_t adjacent_pair_count(const Topology& topology);
 
-/// Non-adjacent element pairs that share out at least one of the contacts: one element has the one feature, the other the
-/// other. O(contacts x elements at a feature).
+/// Non-adjacent element pairs that share out at least one of the contacts: one element has the one feature, the other
+/// the other. O(contacts x elements at a feature).
 std::uint64_t touching_pair_count(const Topology& topology, std::span<const Contact> contacts);
 
 /// Mean displacement of the vertices in use, in mean edge lengths at t = 0.

@@ -44,7 +44,8 @@ std::size_t measured_runs(const ExperimentPlan& plan) {
   std::size_t sum = 0;
   for (const SceneRun& run : plan.runs)
     for (const MotionWindow& window : run.windows)
-      sum += static_cast<std::size_t>(window.count) * run.entrants.size() * static_cast<std::size_t>(rounds_of(plan, run));
+      sum +=
+          static_cast<std::size_t>(window.count) * run.entrants.size() * static_cast<std::size_t>(rounds_of(plan, run));
   return sum;
 }
 

@@ -31,9 +31,10 @@ struct SceneRun {
   SequenceStepper::Config config = {};
   std::vector<MotionWindow> windows;
   std::vector<Entrant> entrants;
-  int rounds = 0;  ///< 0: those of the plan
+  int rounds = 0;           ///< 0: those of the plan
   double motion_scale = 1;  ///< end points are x0 + motion_scale (x1 - x0); linear motion only unless 1
-  int subdivisions = 0;     ///< times that each element is divided (harness/subdivide.hpp), solid shells in their plane; no edits
+  int subdivisions =
+      0;  ///< times that each element is divided (harness/subdivide.hpp), solid shells in their plane; no edits
   nlohmann::json columns = nlohmann::json::object();  ///< further columns of all rows
 };
 
@@ -49,8 +50,8 @@ const char* name_of(MotionModel model);
 const char* name_of(ShellModel model);
 const char* name_of(EdgeSet set);
 
-/// `count` windows of `length` motions each, spread evenly over [1, motions): motion 0 has none before it that could bring a
-/// state up to it. All motions, in one window, where that is no more.
+/// `count` windows of `length` motions each, spread evenly over [1, motions): motion 0 has none before it that could
+/// bring a state up to it. All motions, in one window, where that is no more.
 std::vector<MotionWindow> sampled_windows(int motions, int count, int length);
 
 /// All motions, in windows of `length` (the last may be shorter).

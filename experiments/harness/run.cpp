@@ -73,8 +73,7 @@ class Runner {
   Runner(const Registry& registry, const SceneRun& run, int rounds, Executor& executor,
          const std::function<void()>& before_each)
       : run_(run), rounds_(rounds), executor_(executor), before_each_(before_each), reader_(run.file) {
-    for (const Entrant& entrant : run.entrants)
-      contestants_.push_back(std::make_unique<Contestant>(registry, entrant));
+    for (const Entrant& entrant : run.entrants) contestants_.push_back(std::make_unique<Contestant>(registry, entrant));
   }
 
   std::vector<json> measure(const MotionWindow& window) {
@@ -204,7 +203,8 @@ void run_experiment(const Registry& registry, const ExperimentPlan& plan, Execut
         if (!runner) runner = std::make_unique<Runner>(registry, run, rounds_of(plan, run), executor, before_each);
         record.add(key, runner->measure(window));
       }
-      done += static_cast<std::size_t>(window.count) * run.entrants.size() * static_cast<std::size_t>(rounds_of(plan, run));
+      done +=
+          static_cast<std::size_t>(window.count) * run.entrants.size() * static_cast<std::size_t>(rounds_of(plan, run));
     }
   }
 }
@@ -219,9 +219,8 @@ json provenance(const ExperimentPlan& plan, const Executor& executor) {
   std::map<std::string, std::string> files;
   for (const SceneRun& run : plan.runs) files.emplace(run.file, run.scene);
   for (const auto& [file, scene] : files)
-    result["inputs"].push_back({{"scene", scene},
-                                {"file", std::filesystem::path(file).filename().string()},
-                                {"fnv1a", file_hash(file)}});
+    result["inputs"].push_back(
+        {{"scene", scene}, {"file", std::filesystem::path(file).filename().string()}, {"fnv1a", file_hash(file)}});
   return result;
 }
 

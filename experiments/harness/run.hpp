@@ -12,11 +12,12 @@ namespace volccd {
 
 /// Runs the windows of the plan that the record does not have, and adds their rows, a window at a time.
 ///
-/// A round of a window goes to the motion before it first, with all entrants and without measuring, so that states are up to
-/// the frame before and a topology edit falls into the measurement, in every round. Then it goes from motion to motion: all
-/// entrants run on each, in an order that shifts by one from round to round. A window that begins with motion 0 runs that
-/// motion unmeasured instead. Where a window of several motions has no edits, later rounds begin at once: the state of its
-/// last motion is as near as that of the motion before. Every entrant keeps its workspace through the windows of a run.
+/// A round of a window goes to the motion before it first, with all entrants and without measuring, so that states are
+/// up to the frame before and a topology edit falls into the measurement, in every round. Then it goes from motion to
+/// motion: all entrants run on each, in an order that shifts by one from round to round. A window that begins with
+/// motion 0 runs that motion unmeasured instead. Where a window of several motions has no edits, later rounds begin at
+/// once: the state of its last motion is as near as that of the motion before. Every entrant keeps its workspace
+/// through the windows of a run.
 ///
 /// A row is one (scene, motion, entrant, round); its columns are in docs/reproducing.md. `progress(done, total)` counts
 /// measured runs, and may throw to stop: what is in the record stays. Throws what reading and the pipelines throw.

@@ -116,7 +116,7 @@ class Divider {
 
   /// Triangles, and wedges as two layers of them.
   void divide_prisms(const ElementSpec& element, int layers) {
-    constexpr int kParts[4][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};      // of the points below
+    constexpr int kParts[4][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};       // of the points below
     constexpr int kPoints[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};  // corners between which they lie
     const auto point = [&](int p, int height) {
       std::vector<Index> corners;

@@ -76,8 +76,8 @@ json read_record(const std::string& file) {
     throw InputError(file, "rows", "is missing: this is no record of an experiment");
   if (record.value("schema", 0) != kRecordSchema)
     throw InputError(file, "schema",
-                     fmt::format("is {}, and this program reads {}; run the experiment again", record.value("schema", 0),
-                                 kRecordSchema));
+                     fmt::format("is {}, and this program reads {}; run the experiment again",
+                                 record.value("schema", 0), kRecordSchema));
   return record;
 }
 

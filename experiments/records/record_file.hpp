@@ -13,10 +13,10 @@ namespace volccd {
 
 inline constexpr int kRecordSchema = 1;
 
-/// Rows of an experiment that runs. They go to FOLDER/NAME.incomplete.jsonl as they come: its first line says what they are
-/// rows of, each further line is {"key": ..., "rows": [...]}. A later run of the same experiment takes up what is there;
-/// finish() writes FOLDER/NAME.json in the place of the old record, and removes the other file. A line that the last run did
-/// not finish is dropped. One thread, and one process, at a time.
+/// Rows of an experiment that runs. They go to FOLDER/NAME.incomplete.jsonl as they come: its first line says what they
+/// are rows of, each further line is {"key": ..., "rows": [...]}. A later run of the same experiment takes up what is
+/// there; finish() writes FOLDER/NAME.json in the place of the old record, and removes the other file. A line that the
+/// last run did not finish is dropped. One thread, and one process, at a time.
 class RecordFile {
  public:
   /// `identity`: plan, build, machine. If the file that is there has another identity, its rows are thrown away, and

@@ -56,12 +56,14 @@ std::vector<std::string> split(const std::string& values) {
 
 void add_sweep(const Registry& registry, const std::string& table, const std::string& pipeline, const std::string& key,
                const std::string& values, std::vector<Entrant>& entrants) {
-  for (const std::string& value : split(values)) entrants.push_back(entrant(registry, table, pipeline, {key + "=" + value}));
+  for (const std::string& value : split(values))
+    entrants.push_back(entrant(registry, table, pipeline, {key + "=" + value}));
 }
 
 void add_options(const Registry& registry, std::vector<Entrant>& entrants) {
   for (const Sweep& sweep : kOptions) add_sweep(registry, "options", sweep.pipeline, sweep.key, sweep.values, entrants);
-  for (const char* filters : {"none", "feature-csat", "coplanarity", "feature-kdop", "feature-kdop,coplanarity,feature-csat"})
+  for (const char* filters :
+       {"none", "feature-csat", "coplanarity", "feature-kdop", "feature-kdop,coplanarity,feature-csat"})
     entrants.push_back(entrant(registry, "options", "VolCCD", {std::string("feature-filter=") + filters}));
   // Static assignment covers everything by itself (docs/pipelines.md).
   entrants.push_back(entrant(registry, "options", "VolCCD+", {"orphans=none", "assignment=static-assignment"}));
@@ -75,7 +77,8 @@ void add_own(const PlanContext& context, std::vector<Entrant>& entrants) {
     entrants.push_back(entrant(context.registry, "sweep", pipeline));
     for (const std::string& setting : context.settings) {
       const std::size_t equals = setting.find('=');
-      if (equals == std::string::npos) throw ConfigError(fmt::format("--set {}: is not stage.option=value[,value...]", setting));
+      if (equals == std::string::npos)
+        throw ConfigError(fmt::format("--set {}: is not stage.option=value[,value...]", setting));
       // The values of a role are one list; those of an option, one each.
       if (setting.find('.') > equals)
         entrants.push_back(entrant(context.registry, "sweep", pipeline, {setting}));
@@ -97,9 +100,10 @@ TitledTable table_of(const Rows& rows, const std::string& title) {
     for (const json& variant : rows.with("pipeline", pipeline).values("variant")) {
       const Rows of = rows.with("pipeline", pipeline).with("variant", variant);
       const auto count = [&](const char* column) { return grouped(static_cast<std::uint64_t>(of.sum(column))); };
-      table.add({pipeline, variant.get<std::string>().empty() ? "-" : variant, fmt::format("{:.3g}", of.median_ms(kStepTime)),
-                 fmt::format("{:.3g}", of.median_ms(kStepTime) / best), count("element_pairs"), count("surviving_pairs"),
-                 grouped(static_cast<std::uint64_t>(of.tests())), count("contacts")});
+      table.add({pipeline, variant.get<std::string>().empty() ? "-" : variant,
+                 fmt::format("{:.3g}", of.median_ms(kStepTime)), fmt::format("{:.3g}", of.median_ms(kStepTime) / best),
+                 count("element_pairs"), count("surviving_pairs"), grouped(static_cast<std::uint64_t>(of.tests())),
+                 count("contacts")});
     }
   return {title, table, "ms: median over motions; relative: to the fastest; counts: sums over motions\n"};
 }
@@ -109,7 +113,8 @@ TitledTable table_of(const Rows& rows, const std::string& title) {
 ExperimentPlan ablation_plan(const PlanContext& context) {
   ExperimentPlan plan{"ablation", context.full ? "full" : "quick", context.full ? 2 : 1, {}};
   for (const TableScene& scene : table_scenes(context)) {
-    if (scene.name != "octopi" && scene.name != "bullet" && scene.name != "crash" && scene.name != "ls-dyna-projectile") continue;
+    if (scene.name != "octopi" && scene.name != "bullet" && scene.name != "crash" && scene.name != "ls-dyna-projectile")
+      continue;
     SceneRun run{scene.name, scene.file, table_config(scene.file), sampled_windows(motion_count(scene.file), 1, 1), {}};
     if (context.pipelines.empty() && context.settings.empty()) {
       // The crash takes longest, and says little that the others do not.
@@ -131,8 +136,9 @@ std::vector<TitledTable> ablation_tables(const json& record) {
     for (const json& table : rows.values("table")) {
       const Rows of = rows.with("scene", scene).with("table", table);
       if (!of.empty())
-        tables.push_back(table_of(of, fmt::format("{}: {}, {} elements, {} motions", scene.get<std::string>(), table.get<std::string>(),
-                                                  grouped(static_cast<std::uint64_t>(of.median("elements"))), of.motions())));
+        tables.push_back(table_of(
+            of, fmt::format("{}: {}, {} elements, {} motions", scene.get<std::string>(), table.get<std::string>(),
+                            grouped(static_cast<std::uint64_t>(of.median("elements"))), of.motions())));
     }
   return tables;
 }

@@ -16,18 +16,18 @@ namespace volccd {
 
 const std::vector<ExperimentKind>& experiment_kinds() {
   static const std::vector<ExperimentKind> kinds = {
-      {"projectile", "NavCCD, HashCCD, VolCCD and VolCCD+ on a real penetration run: time, counts, shares", projectile_plan,
-       pipeline_tables, nullptr},
-      {"table1", "Table I three times: as in 2011, with today's baselines, and certified; Figures 4 and 11", table1_plan,
-       table1_tables, table1_summary},
+      {"projectile", "NavCCD, HashCCD, VolCCD and VolCCD+ on a real penetration run: time, counts, shares",
+       projectile_plan, pipeline_tables, nullptr},
+      {"table1", "Table I three times: as in 2011, with today's baselines, and certified; Figures 4 and 11",
+       table1_plan, table1_tables, table1_summary},
       {"culling", "Tables II and III: VF and EE tests without culling, with features, with features and elements",
        culling_plan, culling_tables, nullptr},
       {"ablation", "sound combinations of culling stages on each broad phase, and options (--pipelines, --set)",
        ablation_plan, ablation_tables, nullptr},
       {"scaling", "time, memory and tests against elements and against motion a step", scaling_plan, scaling_tables,
        scaling_summary},
-      {"operations", "Section 7: operations and nanoseconds of CSAT and of an elementary test, beside the paper's", nullptr,
-       operation_tables, nullptr, operation_rows},
+      {"operations", "Section 7: operations and nanoseconds of CSAT and of an elementary test, beside the paper's",
+       nullptr, operation_tables, nullptr, operation_rows},
   };
   return kinds;
 }
@@ -69,7 +69,9 @@ Entrant entrant(const Registry& registry, const std::string& table, const std::s
   return result;
 }
 
-std::string ratio_text(double value) { return value >= 100 ? fmt::format("{:.0f}x", value) : fmt::format("{:.3g}x", value); }
+std::string ratio_text(double value) {
+  return value >= 100 ? fmt::format("{:.0f}x", value) : fmt::format("{:.3g}x", value);
+}
 std::string percent_text(double share) { return fmt::format("{:.3g} %", 100 * share); }
 
 }  // namespace volccd

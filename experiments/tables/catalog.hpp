@@ -37,7 +37,7 @@ const std::vector<ExperimentKind>& experiment_kinds();
 
 /// The five simulated scenes and, behind them, the runs of other programs that are there.
 struct TableScene {
-  std::string name;   ///< as rows have it
+  std::string name;  ///< as rows have it
   std::string file;
   std::string paper;  ///< the paper's name of the scene; empty: it has none like it
 };

@@ -58,38 +58,61 @@ std::vector<std::string> records_in(const std::string& folder) {
   std::error_code error;
   for (const auto& entry : std::filesystem::directory_iterator(folder, error)) {
     const json record = entry.path().extension() == ".json" ? read_json_file(entry.path().string()) : json();
-    if (record.is_object() && record.value("schema", 0) == kRecordSchema && has_timed_rows(record)) names.push_back(entry.path().filename().string());
+    if (record.is_object() && record.value("schema", 0) == kRecordSchema && has_timed_rows(record))
+      names.push_back(entry.path().filename().string());
   }
   if (error) throw InputError(folder, "", "cannot be read: " + error.message());
   std::sort(names.begin(), names.end());
   return names;
 }
 
+/// An entrant on the motions that both sides have.
+struct Change {
+  std::size_t motions = 0;
+  double before = 0, after = 0;       ///< seconds, sums over motions
+  double spread_a = 0, spread_b = 0;  ///< sums over motions
+  bool same_counts = true;
+  bool judged = true;  ///< both sides have several rounds: the spread is known
+
+  double ratio() const { return after / before; }
+  double tolerance() const { return std::max(0.03, std::max(spread_a, spread_b) / static_cast<double>(motions)); }
+  bool slower() const { return judged && ratio() > 1 + tolerance(); }
+  bool faster() const { return judged && ratio() < 1 / (1 + tolerance()); }
+};
+
+Change change_of(const std::map<int, Samples>& a, const std::map<int, Samples>& b) {
+  Change change;
+  for (const auto& [motion, before] : a) {
+    const auto there = b.find(motion);
+    if (there == b.end()) continue;
+    const Samples& after = there->second;
+    ++change.motions;
+    change.before += median(before.seconds), change.after += median(after.seconds);
+    change.spread_a += spread(before), change.spread_b += spread(after);
+    change.same_counts &= before.tests == after.tests && before.contacts == after.contacts;
+    change.judged &= before.seconds.size() > 1 && after.seconds.size() > 1;
+  }
+  return change;
+}
+
 void compare(const std::string& name, const Entrants& a, const Entrants& b, RecordComparison& result) {
   for (const auto& [key, motions] : a) {
     const auto other = b.find(key);
     if (other == b.end()) continue;
-    double before = 0, after = 0, spread_a = 0, spread_b = 0;
-    std::size_t common = 0;
-    bool same = true;
-    for (const auto& [motion, samples] : motions) {
-      const auto there = other->second.find(motion);
-      if (there == other->second.end()) continue;
-      ++common;
-      before += median(samples.seconds), after += median(there->second.seconds);
-      spread_a += spread(samples), spread_b += spread(there->second);
-      same &= samples.tests == there->second.tests && samples.contacts == there->second.contacts;
-    }
-    if (common == 0 || before <= 0) continue;
-    const double ratio = after / before, tolerance = std::max(0.03, std::max(spread_a, spread_b) / static_cast<double>(common));
-    const bool slower = ratio > 1 + tolerance, faster = ratio < 1 / (1 + tolerance);
+    const Change change = change_of(motions, other->second);
+    if (change.motions == 0 || change.before <= 0) continue;
+    const bool slower = change.slower(), faster = change.faster();
     ++result.compared;
-    result.slower += slower, result.faster += faster, result.other_counts += !same;
-    if (slower || faster || !same)
-      result.table.add({name, key, fmt::format("{:.3g}", 1e3 * before / static_cast<double>(common)),
-                        fmt::format("{:.3g}", 1e3 * after / static_cast<double>(common)), fmt::format("{:.3f}", ratio),
-                        fmt::format("{:.1f} %", 100 * tolerance), slower ? "slower" : faster ? "faster" : "-",
-                        same ? "same" : "OTHER"});
+    result.slower += slower, result.faster += faster, result.other_counts += !change.same_counts;
+    result.single += !change.judged;
+    if (!slower && !faster && change.same_counts) continue;
+    const auto ms = [&](double seconds) { return fmt::format("{:.3g}", 1e3 * seconds / double(change.motions)); };
+    result.table.add({name, key, ms(change.before), ms(change.after), fmt::format("{:.3f}", change.ratio()),
+                      change.judged ? fmt::format("{:.1f} %", 100 * change.tolerance()) : "-",
+                      slower   ? "slower"
+                      : faster ? "faster"
+                               : "-",
+                      change.same_counts ? "same" : "OTHER"});
   }
 }
 
@@ -106,7 +129,8 @@ RecordComparison compare_records(const std::string& folder_a, const std::string&
     compare(std::filesystem::path(name).stem().string(), entrants(folder_a), entrants(folder_b), result);
   }
   if (result.compared == 0)
-    throw InputError(folder_b, "", "has no row in common with " + folder_a + "; both are folders that `experiment run` filled");
+    throw InputError(folder_b, "",
+                     "has no row in common with " + folder_a + "; both are folders that `experiment run` filled");
   return result;
 }
 

@@ -19,9 +19,14 @@ struct PrintedTable {
   PaperLine lines[3];
 };
 constexpr PrintedTable kPrintedTables[] = {
-    {"octopi", "Table II", {{"26M", "312M", "339M", "100%"}, {"1.1M", "6.4M", "7.5M", "2.23%"}, {"7.9K", "24K", "32K", "0.42%"}}},
-    {"crash", "Table III",
-     {{"8.24E+09", "1.6E+10", "2.43E+10", "100%"}, {"9.8E+07", "3.8E+08", "4.76E+08", "1.96%"}, {"2.3E+07", "1.2E+08", "1.41E+08", "29.61%"}}}};
+    {"octopi",
+     "Table II",
+     {{"26M", "312M", "339M", "100%"}, {"1.1M", "6.4M", "7.5M", "2.23%"}, {"7.9K", "24K", "32K", "0.42%"}}},
+    {"crash",
+     "Table III",
+     {{"8.24E+09", "1.6E+10", "2.43E+10", "100%"},
+      {"9.8E+07", "3.8E+08", "4.76E+08", "1.96%"},
+      {"2.3E+07", "1.2E+08", "1.41E+08", "29.61%"}}}};
 
 constexpr const char* kCulling[] = {"A none", "B features", "C features and elements"};
 
@@ -32,9 +37,9 @@ void add_lines(const Rows& rows, const PrintedTable& paper, TextTable& table) {
     if (of.empty()) continue;
     const double motions = static_cast<double>(of.motions()), tests = of.tests();
     const auto text = [](double value) { return grouped(static_cast<std::uint64_t>(value)); };
-    table.add({kCulling[i], text(of.sum("vf_tests") / motions), text(of.sum("ee_tests") / motions), text(tests / motions),
-               text(tests), i == 0 ? "100 %" : percent_text(before > 0 ? tests / before : 0), paper.lines[i][0],
-               paper.lines[i][1], paper.lines[i][2], paper.lines[i][3]});
+    table.add({kCulling[i], text(of.sum("vf_tests") / motions), text(of.sum("ee_tests") / motions),
+               text(tests / motions), text(tests), i == 0 ? "100 %" : percent_text(before > 0 ? tests / before : 0),
+               paper.lines[i][0], paper.lines[i][1], paper.lines[i][2], paper.lines[i][3]});
     before = tests;
   }
 }
@@ -47,7 +52,8 @@ ExperimentPlan culling_plan(const PlanContext& context) {
   for (const PrintedTable& paper : kPrintedTables) {
     const auto file = context.file_of(std::string(paper.scene) + (context.full ? "" : "-quick"));
     if (!file) continue;
-    SceneRun run{paper.scene, *file, table_config(*file), sampled_windows(motion_count(*file), context.full ? 8 : 2, 1), {}};
+    SceneRun run{
+        paper.scene, *file, table_config(*file), sampled_windows(motion_count(*file), context.full ? 8 : 2, 1), {}};
     run.entrants = {entrant(registry, "", "NavCCD-2011"),
                     entrant(registry, "", "VolCCD-2011", {"element-culling=none", "feature-filter=none"}),
                     entrant(registry, "", "VolCCD-2011")};
@@ -63,13 +69,16 @@ std::vector<TitledTable> culling_tables(const json& record) {
   for (const PrintedTable& paper : kPrintedTables) {
     const Rows of = rows.with("scene", paper.scene);
     if (of.empty()) continue;
-    TextTable table({"culling", "VF/frame", "EE/frame", "total/frame", "total", "ratio", "paper: VF", "EE", "total", "ratio"});
+    TextTable table(
+        {"culling", "VF/frame", "EE/frame", "total/frame", "total", "ratio", "paper: VF", "EE", "total", "ratio"});
     add_lines(of, paper, table);
-    tables.push_back({fmt::format("{}: elementary tests on {}, {} elements, {} motions", paper.title, paper.scene,
-                                  grouped(static_cast<std::uint64_t>(of.median("elements"))), of.motions()),
-                      table,
-                      "ratio: to the line above; total: sum over the motions that were measured. The paper does not say whether "
-                      "its counts are a\nframe's or all frames': those of Table II in the time of Table I would be 2.7 ns a test.\n"});
+    tables.push_back(
+        {fmt::format("{}: elementary tests on {}, {} elements, {} motions", paper.title, paper.scene,
+                     grouped(static_cast<std::uint64_t>(of.median("elements"))), of.motions()),
+         table,
+         "ratio: to the line above; total: sum over the motions that were measured. The paper does not say whether "
+         "its counts are a\nframe's or all frames': those of Table II in the time of Table I would be 2.7 ns a "
+         "test.\n"});
   }
   return tables;
 }

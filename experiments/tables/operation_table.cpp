@@ -35,11 +35,13 @@ std::vector<TitledTable> operation_tables(const json& record) {
     const auto mean = [&](const char* name) { return fmt::format("{:.1f}", row.at(name).get<double>()); };
     const auto printed = [&](const char* name) {
       const json& paper = row.at("paper");
-      return paper.is_object() && paper.contains(name) && paper.at(name).is_number() ? paper.at(name).dump() : std::string("-");
+      return paper.is_object() && paper.contains(name) && paper.at(name).is_number() ? paper.at(name).dump()
+                                                                                     : std::string("-");
     };
     table.add({row.at("operation"), row.at("kind"), grouped(row.at("tests").get<std::uint64_t>()), mean("additions"),
-               mean("multiplications"), mean("divisions"), printed("additions"), printed("multiplications"), printed("divisions"),
-               mean("comparisons"), mean("square_roots"), fmt::format("{:.1f}", row.at("ns").get<double>())});
+               mean("multiplications"), mean("divisions"), printed("additions"), printed("multiplications"),
+               printed("divisions"), mean("comparisons"), mean("square_roots"),
+               fmt::format("{:.1f}", row.at("ns").get<double>())});
   }
   return {{"Section 7.1: floating-point operations of a test, means", table,
            "of the reference implementation of 2011, on tests whose features have overlapping boxes; one thread\n"}};

@@ -52,8 +52,8 @@ TitledTable comparison(const Rows& rows, const std::string& scene) {
   const auto over = [](const Rows& baseline, const Rows& of) {
     return baseline.empty() ? std::string("-") : ratio_text(baseline.median_ms(kStepTime) / of.median_ms(kStepTime));
   };
-  TextTable table({"pipeline", "time/step", "/NavCCD", "/HashCCD", "element pairs", "VF tests", "EE tests", "tests", "contacts",
-                   "earliest", "same"});
+  TextTable table({"pipeline", "time/step", "/NavCCD", "/HashCCD", "element pairs", "VF tests", "EE tests", "tests",
+                   "contacts", "earliest", "same"});
   for (const Rows& of : entrants)
     table.add({label(of.front()), duration(of.median_ms(kStepTime) / 1e3), over(nav, of), over(hash, of),
                count(of.sum("element_pairs")), count(of.sum("vf_tests")), count(of.sum("ee_tests")),
@@ -64,14 +64,15 @@ TitledTable comparison(const Rows& rows, const std::string& scene) {
   return {fmt::format("{}: {} motions, {} round(s), {} thread(s)", scene, rows.motions(), rows.values("round").size(),
                       rows.front().at("threads").get<int>()),
           table,
-          "time: median over motions of medians over rounds; counts: sums over motions; /: speed-up; tests: share of NavCCD's; "
+          "time: median over motions of medians over rounds; counts: sums over motions; /: speed-up; tests: share of "
+          "NavCCD's; "
           "earliest: motion + time;\nsame: the first pipeline's contacts, bit for bit\n"};
 }
 
 TitledTable stage_shares(const Rows& rows, const std::string& scene) {
-  const std::pair<const char*, const char*> roles[] = {{"broad_phase", "broad phase"}, {"element_culling", "element culling"},
-                                                       {"assignment", "assignment"},   {"orphans", "O-Set"},
-                                                       {"feature_filter", "filters"},  {"narrow_phase", "tests"}};
+  const std::pair<const char*, const char*> roles[] = {
+      {"broad_phase", "broad phase"}, {"element_culling", "element culling"}, {"assignment", "assignment"},
+      {"orphans", "O-Set"},           {"feature_filter", "filters"},          {"narrow_phase", "tests"}};
   std::vector<std::string> header = {"share of time, %", "prepare"};
   for (const auto& [role, title] : roles) header.push_back(title);
   header.push_back("rest");

@@ -5,8 +5,8 @@
 
 namespace volccd {
 
-/// NavCCD, HashCCD, VolCCD and VolCCD+ with the paper's elementary test, and the context's pipelines, on all motions of the
-/// LS-DYNA run, or of the built-in scene where that is not there.
+/// NavCCD, HashCCD, VolCCD and VolCCD+ with the paper's elementary test, and the context's pipelines, on all motions of
+/// the LS-DYNA run, or of the built-in scene where that is not there.
 ExperimentPlan projectile_plan(const PlanContext& context);
 
 /// Time a step, speed-up, pairs, tests, contacts; and shares of the time by stage. One pair of tables for each scene.

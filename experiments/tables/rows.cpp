@@ -23,7 +23,8 @@ double mean(const std::vector<double>& values) {
 
 const json& at(const json& row, const std::string& column) {
   const auto place = row.find(column);
-  if (place == row.end()) throw InputError("record", "rows", fmt::format("a row has no column '{}': {}", column, row.dump()));
+  if (place == row.end())
+    throw InputError("record", "rows", fmt::format("a row has no column '{}': {}", column, row.dump()));
   return *place;
 }
 
@@ -62,7 +63,9 @@ std::vector<double> Rows::by_motion(const std::vector<std::string>& columns) con
 }
 
 double Rows::mean_ms(const std::vector<std::string>& columns) const { return 1e3 * mean(by_motion(columns)); }
-double Rows::median_ms(const std::vector<std::string>& columns) const { return 1e3 * volccd::median(by_motion(columns)); }
+double Rows::median_ms(const std::vector<std::string>& columns) const {
+  return 1e3 * volccd::median(by_motion(columns));
+}
 double Rows::median(const std::string& column) const { return volccd::median(by_motion({column})); }
 
 double Rows::sum(const std::string& column) const {

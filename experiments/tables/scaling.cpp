@@ -76,7 +76,8 @@ void for_each_curve(const Rows& rows, Visitor&& visit) {
   for (const json& table : rows.values("table"))
     for (const json& scene : rows.with("table", table).values("scene")) {
       const Rows of_scene = rows.with("table", table).with("scene", scene);
-      for (const json& pipeline : of_scene.values("pipeline")) visit(table, scene, pipeline, of_scene.with("pipeline", pipeline));
+      for (const json& pipeline : of_scene.values("pipeline"))
+        visit(table, scene, pipeline, of_scene.with("pipeline", pipeline));
     }
 }
 
@@ -94,7 +95,8 @@ ExperimentPlan scaling_plan(const PlanContext& context) {
     if (!divided || (!context.full && scene.name != "octopi")) continue;
     const std::vector<MotionWindow> middle = sampled_windows(motion_count(scene.file), 1, 1);
     for (int times = 0; times <= (context.full ? 2 : 1); ++times) {
-      // Scenes without edits. 17.6 K tetrahedra once divided are 0.14 M, and 60 K shells twice 0.96 M: the paper's size.
+      // Scenes without edits. 17.6 K tetrahedra once divided are 0.14 M, and 60 K shells twice 0.96 M: the paper's
+      // size.
       if (scene.name == "octopi" && times > 1) continue;
       SceneRun run{scene.name, scene.file, table_config(scene.file), middle, {}};
       run.subdivisions = times;
@@ -110,7 +112,8 @@ ExperimentPlan scaling_plan(const PlanContext& context) {
       run.motion_scale = edges / std::max(moved, 1e-12);
       add_entrants(context, "motion", fmt::format("motion={}", edges), run);
       // All tests of all pairs would take minutes a step.
-      if (edges > 3) std::erase_if(run.entrants, [](const Entrant& e) { return e.pipeline == "NavCCD" || e.pipeline == "HashCCD"; });
+      if (edges > 3)
+        std::erase_if(run.entrants, [](const Entrant& e) { return e.pipeline == "NavCCD" || e.pipeline == "HashCCD"; });
       plan.runs.push_back(std::move(run));
     }
   }
@@ -119,14 +122,16 @@ ExperimentPlan scaling_plan(const PlanContext& context) {
 
 std::vector<TitledTable> scaling_tables(const json& record) {
   const Rows rows(record);
-  TextTable points({"table", "scene", "pipeline", "elements", "moved, edges", "ms a step", "workspace", "tests", "contacts"});
+  TextTable points(
+      {"table", "scene", "pipeline", "elements", "moved, edges", "ms a step", "workspace", "tests", "contacts"});
   TextTable exponents({"against", "scene", "pipeline", "time", "memory", "tests"});
   for_each_curve(rows, [&](const json& table, const json& scene, const json& pipeline, const Rows& of) {
     for (const json& variant : of.values("variant")) {
       const Rows at = of.with("variant", variant);
       points.add({table, scene, pipeline, grouped(static_cast<std::uint64_t>(at.median("elements"))),
                   fmt::format("{:.2f}", at.median("moved_edges")), fmt::format("{:.3g}", at.median_ms(kStepTime)),
-                  memory(static_cast<std::size_t>(at.median("workspace_bytes"))), grouped(static_cast<std::uint64_t>(at.tests())),
+                  memory(static_cast<std::size_t>(at.median("workspace_bytes"))),
+                  grouped(static_cast<std::uint64_t>(at.tests())),
                   grouped(static_cast<std::uint64_t>(at.sum("contacts")))});
     }
     const auto exponent = [&](const char* y) { return exponent_text(fit(curve(of, x_of(table), y))); };
@@ -142,8 +147,13 @@ json scaling_summary(const json& record) {
   for_each_curve(rows, [&](const json& table, const json& scene, const json& pipeline, const Rows& of) {
     for (const char* y : {"seconds", "workspace_bytes", "tests"}) {
       const Fit f = fit(curve(of, x_of(table), y));
-      summary.push_back({{"table", table}, {"scene", scene}, {"pipeline", pipeline}, {"quantity", y},
-                         {"exponent", f.exponent}, {"spread", f.spread}, {"points", f.points}});
+      summary.push_back({{"table", table},
+                         {"scene", scene},
+                         {"pipeline", pipeline},
+                         {"quantity", y},
+                         {"exponent", f.exponent},
+                         {"spread", f.spread},
+                         {"points", f.points}});
     }
   });
   return summary;

@@ -58,7 +58,8 @@ std::string energy_shares(const json& frames) {
   const json& energy = frames.back().at("energy");
   double scale = 0;
   for (const json& frame : frames)
-    scale = std::max(scale, frame.at("energy").at("initial").get<double>() + std::abs(frame.at("energy").at("external").get<double>()));
+    scale = std::max(scale, frame.at("energy").at("initial").get<double>() +
+                                std::abs(frame.at("energy").at("external").get<double>()));
   if (scale <= 0) return "-";
   return fmt::format("{:.1f} / {:.1f} %", 100 * energy.at("numerical").get<double>() / scale,
                      100 * energy.at("contact").get<double>() / scale);
@@ -149,16 +150,21 @@ std::optional<json> scene_record(const std::string& name, const std::string& seq
 }
 
 std::string scene_table(const std::vector<json>& records) {
-  TextTable table({"scene", "elements", "first", "last", "paper", "frames", "inter", "intra", "adjacent",
-                   "at t = 0", "moved, edges", "new elements", "resisted", "computed in", "energy error",
-                   "numerical / contacts", "angular drift"});
+  TextTable table({"scene", "elements", "first", "last", "paper", "frames", "inter", "intra", "adjacent", "at t = 0",
+                   "moved, edges", "new elements", "resisted", "computed in", "energy error", "numerical / contacts",
+                   "angular drift"});
   for (const json& record : records) table.add(row_of(record));
   return table.text() +
-         "\ncontacts: median over the motions, between objects, within one, of adjacent elements; at t = 0: of those, touching at the\n"
-         "start already; moved: 99th percentile of the vertices, median (greatest) over the motions; new elements: a motion;\n"
-         "resisted: contacts that met an impulse in a substep of the simulation (inter / intra / adjacent), median over the\n"
-         "frames: what it keeps apart does not touch in the file; numerical / contacts: energy that the time stepping took out and\n"
-         "that contacts put in, to the end, as shares of what there was and came from outside; angular drift: change of the angular\n"
+         "\ncontacts: median over the motions, between objects, within one, of adjacent elements; at t = 0: of those, "
+         "touching at the\n"
+         "start already; moved: 99th percentile of the vertices, median (greatest) over the motions; new elements: a "
+         "motion;\n"
+         "resisted: contacts that met an impulse in a substep of the simulation (inter / intra / adjacent), median "
+         "over the\n"
+         "frames: what it keeps apart does not touch in the file; numerical / contacts: energy that the time stepping "
+         "took out and\n"
+         "that contacts put in, to the end, as shares of what there was and came from outside; angular drift: change "
+         "of the angular\n"
          "momentum that no impulse from outside explains, of the greatest that there was\n";
 }
 

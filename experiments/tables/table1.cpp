@@ -19,10 +19,10 @@ struct PaperRow {
   const char *time, *over_nav, *over_hash, *ratio;
 };
 const std::map<std::string, PaperRow> kPrintedRows = {{"octopi", {"75 ms", "12x", "18.3x", "0.01 %"}},
-                                                {"bullet", {"48 ms", "21x", "28x", "0.69 %"}},
-                                                {"airbag", {"88 ms", "10.2x", "13x", "0.58 %"}},
-                                                {"liver", {"53 ms", "10.3x", "14.1x", "0.72 %"}},
-                                                {"crash", {"3.3 s", "12.4x", "17.4x", "3.54 %"}}};
+                                                      {"bullet", {"48 ms", "21x", "28x", "0.69 %"}},
+                                                      {"airbag", {"88 ms", "10.2x", "13x", "0.58 %"}},
+                                                      {"liver", {"53 ms", "10.3x", "14.1x", "0.72 %"}},
+                                                      {"crash", {"3.3 s", "12.4x", "17.4x", "3.54 %"}}};
 
 /// NavCCD without adjacent pairs; the O-Set tests what they alone cover.
 constexpr const char* kNoAdjacent = "orphans=o-set";
@@ -35,14 +35,16 @@ const char* title_of(const std::string& table) {
 
 std::vector<Entrant> entrants_of(const Registry& registry, const std::string& table) {
   if (table == "a")
-    return {entrant(registry, "a", "NavCCD-2011"), entrant(registry, "a", "HashCCD-2011"), entrant(registry, "a", "VolCCD-2011")};
-  const std::vector<std::string> test = table == "b" ? std::vector<std::string>{"narrow-phase=cubic"} : std::vector<std::string>{};
+    return {entrant(registry, "a", "NavCCD-2011"), entrant(registry, "a", "HashCCD-2011"),
+            entrant(registry, "a", "VolCCD-2011")};
+  const std::vector<std::string> test =
+      table == "b" ? std::vector<std::string>{"narrow-phase=cubic"} : std::vector<std::string>{};
   std::vector<std::string> apart = test;
   apart.push_back(kNoAdjacent);
-  std::vector<Entrant> entrants = {entrant(registry, table, "NavCCD", test), entrant(registry, table, "HashCCD", test),
-                                   entrant(registry, table, "VolCCD", test), entrant(registry, table, "NavCCD", apart),
-                                   table == "b" ? entrant(registry, table, "VolCCD-2011", test)
-                                                : entrant(registry, table, "VolCCD+")};
+  std::vector<Entrant> entrants = {
+      entrant(registry, table, "NavCCD", test), entrant(registry, table, "HashCCD", test),
+      entrant(registry, table, "VolCCD", test), entrant(registry, table, "NavCCD", apart),
+      table == "b" ? entrant(registry, table, "VolCCD-2011", test) : entrant(registry, table, "VolCCD+")};
   return entrants;
 }
 
@@ -55,7 +57,9 @@ bool has_hexahedra(const std::string& file) {
 /// What one table says of one scene.
 struct Comparison {
   Comparison(const Rows& rows, const std::string& table) {
-    const auto of = [&](const std::string& name) { return rows.with("pipeline", table == "a" ? name + "-2011" : name); };
+    const auto of = [&](const std::string& name) {
+      return rows.with("pipeline", table == "a" ? name + "-2011" : name);
+    };
     const auto plain = [](const Rows& all) {
       Rows result = all;
       for (const json& variant : all.values("variant"))
@@ -83,10 +87,13 @@ double over(const Rows& baseline, const Rows& of) {
 
 /// Nanoseconds of an elementary test.
 double test_cost(const Rows& rows) {
-  return rows.tests() > 0 ? 1e9 * (rows.sum("narrow_phase_run_s") + rows.sum("narrow_phase_prepare_s")) / rows.tests() : 0;
+  return rows.tests() > 0 ? 1e9 * (rows.sum("narrow_phase_run_s") + rows.sum("narrow_phase_prepare_s")) / rows.tests()
+                          : 0;
 }
 
-std::string milliseconds(const Rows& rows) { return rows.empty() ? "-" : fmt::format("{:.3g}", rows.mean_ms(kStepAndEditTime)); }
+std::string milliseconds(const Rows& rows) {
+  return rows.empty() ? "-" : fmt::format("{:.3g}", rows.mean_ms(kStepAndEditTime));
+}
 std::string ratio_or_dash(double value) { return value > 0 ? ratio_text(value) : "-"; }
 
 /// Calls visit(table, scene, comparison) for each group of rows that is one line of a table.
@@ -95,7 +102,8 @@ void for_each_line(const Rows& all, const std::string& model, const std::string&
   const Rows rows = all.with("motion_model", model).with("edges", edges);
   for (const json& table : rows.values("table"))
     for (const json& scene : rows.with("table", table).values("scene"))
-      visit(table.get<std::string>(), scene.get<std::string>(), Comparison(rows.with("table", table).with("scene", scene), table));
+      visit(table.get<std::string>(), scene.get<std::string>(),
+            Comparison(rows.with("table", table).with("scene", scene), table));
 }
 
 /// Whether all entrants found the same contacts in all motions.
@@ -103,7 +111,8 @@ std::string same_contacts(const Comparison& c) {
   for (const json& motion : c.nav.values("motion")) {
     const json expected = c.nav.with("motion", motion).front().at("contacts_hash");
     for (const Rows* rows : {&c.hash, &c.vol, &c.plus, &c.apart})
-      if (!rows->empty() && rows->with("motion", motion).values("contacts_hash") != std::vector<json>{expected}) return "NO";
+      if (!rows->empty() && rows->with("motion", motion).values("contacts_hash") != std::vector<json>{expected})
+        return "NO";
   }
   return "yes";
 }
@@ -119,9 +128,15 @@ TitledTable times(const Rows& rows, const std::string& table, const std::string&
   for_each_line(rows, model, edges, [&](const std::string& of, const std::string& scene, const Comparison& c) {
     if (of != table || c.nav.empty()) return;
     const auto paper = kPrintedRows.find(scene);
-    const auto printed = [&](const char* PaperRow::*column) { return std::string(paper == kPrintedRows.end() ? "-" : paper->second.*column); };
-    std::vector<std::string> row = {scene, grouped(static_cast<std::uint64_t>(c.nav.median("elements"))),
-                                    std::to_string(c.nav.motions()), milliseconds(c.nav), milliseconds(c.hash), milliseconds(c.vol)};
+    const auto printed = [&](const char* PaperRow::*column) {
+      return std::string(paper == kPrintedRows.end() ? "-" : paper->second.*column);
+    };
+    std::vector<std::string> row = {scene,
+                                    grouped(static_cast<std::uint64_t>(c.nav.median("elements"))),
+                                    std::to_string(c.nav.motions()),
+                                    milliseconds(c.nav),
+                                    milliseconds(c.hash),
+                                    milliseconds(c.vol)};
     if (certified) row.push_back(milliseconds(c.plus));
     if (table == "b") row.push_back(milliseconds(c.printed));
     for (const std::string& cell : {ratio_or_dash(over(c.nav, c.vol)), printed(&PaperRow::over_nav),
@@ -131,60 +146,77 @@ TitledTable times(const Rows& rows, const std::string& table, const std::string&
     text.add(row);
   });
   return {fmt::format("{}; {} motion, {} edges", title_of(table), model, edges), text,
-          "ms a step: mean over motions of medians over rounds, edits of the topology included; /Nav, /Hash: speed-up of VolCCD "
+          "ms a step: mean over motions of medians over rounds, edits of the topology included; /Nav, /Hash: speed-up "
+          "of VolCCD "
           "over them,\nwith the paper's beside it" +
-              std::string(certified ? "; +: of VolCCD+" : table == "b" ? "; 2011: VolCCD-2011 with this test" : "") + "\n"};
+              std::string(certified      ? "; +: of VolCCD+"
+                          : table == "b" ? "; 2011: VolCCD-2011 with this test"
+                                         : "") +
+              "\n"};
 }
 
 /// What explains the speed-up: tests left out, a cheaper test, and what the other stages cost.
-TitledTable explanation(const Rows& rows, const std::string& table, const std::string& model, const std::string& edges) {
-  TextTable text({"scene", "tests, NavCCD", "VolCCD", "ratio", "paper", "ns/test Nav", "Vol", "by culling", "by cost", "other",
-                  "no adjacent", "same"});
+TitledTable explanation(const Rows& rows, const std::string& table, const std::string& model,
+                        const std::string& edges) {
+  TextTable text({"scene", "tests, NavCCD", "VolCCD", "ratio", "paper", "ns/test Nav", "Vol", "by culling", "by cost",
+                  "other", "no adjacent", "same"});
   for_each_line(rows, model, edges, [&](const std::string& of, const std::string& scene, const Comparison& c) {
     if (of != table || c.nav.empty() || c.vol.empty()) return;
     const auto paper = kPrintedRows.find(scene);
-    const double saved = 1e6 * (c.nav.mean_ms(kStepTime) - c.vol.mean_ms(kStepTime)) * static_cast<double>(c.nav.motions());
+    const double saved =
+        1e6 * (c.nav.mean_ms(kStepTime) - c.vol.mean_ms(kStepTime)) * static_cast<double>(c.nav.motions());
     const double culled = (c.nav.tests() - c.vol.tests()) * test_cost(c.nav);
     const double cheaper = c.vol.tests() * (test_cost(c.nav) - test_cost(c.vol));
-    const auto share = [&](double part) { return saved > 0 ? fmt::format("{:.0f} %", 100 * part / saved) : std::string("-"); };
-    text.add({scene, grouped(static_cast<std::uint64_t>(c.nav.tests())), grouped(static_cast<std::uint64_t>(c.vol.tests())),
-              percent_text(c.share_of_tests(c.vol)), paper == kPrintedRows.end() ? "-" : paper->second.ratio,
-              fmt::format("{:.3g}", test_cost(c.nav)), fmt::format("{:.3g}", test_cost(c.vol)), share(culled), share(cheaper),
-              share(saved - culled - cheaper), milliseconds(c.apart), same_contacts(c)});
+    const auto share = [&](double part) {
+      return saved > 0 ? fmt::format("{:.0f} %", 100 * part / saved) : std::string("-");
+    };
+    text.add({scene, grouped(static_cast<std::uint64_t>(c.nav.tests())),
+              grouped(static_cast<std::uint64_t>(c.vol.tests())), percent_text(c.share_of_tests(c.vol)),
+              paper == kPrintedRows.end() ? "-" : paper->second.ratio, fmt::format("{:.3g}", test_cost(c.nav)),
+              fmt::format("{:.3g}", test_cost(c.vol)), share(culled), share(cheaper), share(saved - culled - cheaper),
+              milliseconds(c.apart), same_contacts(c)});
   });
-  return {fmt::format("What explains the speed-up of VolCCD in Table I-{}; {} motion, {} edges", table, model, edges), text,
-          "tests: sum over motions; by culling: tests left out times NavCCD's cost of a test, by cost: tests performed times the "
-          "difference in cost,\nboth as shares of the time saved; other: what else VolCCD spends or saves; no adjacent: ms a step of "
+  return {fmt::format("What explains the speed-up of VolCCD in Table I-{}; {} motion, {} edges", table, model, edges),
+          text,
+          "tests: sum over motions; by culling: tests left out times NavCCD's cost of a test, by cost: tests performed "
+          "times the "
+          "difference in cost,\nboth as shares of the time saved; other: what else VolCCD spends or saves; no "
+          "adjacent: ms a step of "
           "NavCCD on non-adjacent pairs\nand an O-Set; same: all found the same contacts, bit for bit\n"};
 }
 
 /// Figures 4 and 11 as numbers.
 TitledTable shares(const Rows& all, const std::string& table) {
-  TextTable text({"scene", "k-DOPs", "tree", "traversal+culling", "O-Set", "filters", "tests", "rest", "edits, ms", "touch nothing"});
-  for_each_line(all, "linear", "triangulated", [&](const std::string& of, const std::string& scene, const Comparison& c) {
-    if (of != table || c.vol.empty()) return;
-    const double whole = c.vol.sum("seconds") * c.vol.front().at("threads").get<double>();
-    double known = 0;
-    const auto share = [&](const std::vector<std::string>& columns, double less = 0) {
-      double sum = -less;
-      for (const std::string& column : columns) sum += c.vol.sum(column);
-      known += sum;
-      return fmt::format("{:.1f}", 100 * sum / whole);
-    };
-    std::vector<std::string> row = {scene, share({"bounds_s"}), share({"broad_phase_prepare_s"}, c.vol.sum("bounds_s")),
-                                    share({"broad_phase_run_s", "element_culling_prepare_s", "element_culling_run_s",
-                                           "assignment_prepare_s", "assignment_run_s"}),
-                                    share({"orphans_prepare_s", "orphans_run_s"}),
-                                    share({"feature_filter_prepare_s", "feature_filter_run_s"}),
-                                    share({"narrow_phase_prepare_s", "narrow_phase_run_s"})};
-    row.push_back(fmt::format("{:.1f}", 100 * (whole - known) / whole));
-    row.push_back(fmt::format("{:.3g}", c.vol.mean_ms({"topology_seconds"})));
-    const double pairs = c.vol.sum("element_pairs");
-    row.push_back(pairs > 0 ? percent_text(1 - c.vol.sum("touching_pairs") / pairs) : "-");
-    text.add(row);
-  });
-  return {fmt::format("Figures 11 and 4: shares of VolCCD's time in Table I-{}, %, and leaf pairs that touch nothing", table), text,
-          "touch nothing: of non-adjacent pairs of elements whose k-DOPs overlap (the paper: 90 to 99 %)\n"};
+  TextTable text({"scene", "k-DOPs", "tree", "traversal+culling", "O-Set", "filters", "tests", "rest", "edits, ms",
+                  "touch nothing"});
+  for_each_line(
+      all, "linear", "triangulated", [&](const std::string& of, const std::string& scene, const Comparison& c) {
+        if (of != table || c.vol.empty()) return;
+        const double whole = c.vol.sum("seconds") * c.vol.front().at("threads").get<double>();
+        double known = 0;
+        const auto share = [&](const std::vector<std::string>& columns, double less = 0) {
+          double sum = -less;
+          for (const std::string& column : columns) sum += c.vol.sum(column);
+          known += sum;
+          return fmt::format("{:.1f}", 100 * sum / whole);
+        };
+        std::vector<std::string> row = {scene,
+                                        share({"bounds_s"}),
+                                        share({"broad_phase_prepare_s"}, c.vol.sum("bounds_s")),
+                                        share({"broad_phase_run_s", "element_culling_prepare_s",
+                                               "element_culling_run_s", "assignment_prepare_s", "assignment_run_s"}),
+                                        share({"orphans_prepare_s", "orphans_run_s"}),
+                                        share({"feature_filter_prepare_s", "feature_filter_run_s"}),
+                                        share({"narrow_phase_prepare_s", "narrow_phase_run_s"})};
+        row.push_back(fmt::format("{:.1f}", 100 * (whole - known) / whole));
+        row.push_back(fmt::format("{:.3g}", c.vol.mean_ms({"topology_seconds"})));
+        const double pairs = c.vol.sum("element_pairs");
+        row.push_back(pairs > 0 ? percent_text(1 - c.vol.sum("touching_pairs") / pairs) : "-");
+        text.add(row);
+      });
+  return {fmt::format("Figures 11 and 4: shares of VolCCD's time in Table I-{}, %, and leaf pairs that touch nothing",
+                      table),
+          text, "touch nothing: of non-adjacent pairs of elements whose k-DOPs overlap (the paper: 90 to 99 %)\n"};
 }
 
 json summary_of(const std::string& table, const std::string& scene, const Comparison& c) {
@@ -220,17 +252,22 @@ ExperimentPlan table1_plan(const PlanContext& context) {
     const int motions = motion_count(scene.file);
     const auto add = [&](const std::string& table, MotionModel model, EdgeSet edges) {
       const bool main_rows = model == MotionModel::linear && edges == EdgeSet::triangulated;
-      SceneRun run{scene.name, scene.file, table_config(scene.file, model),
-                   sampled_windows(motions, context.full && main_rows ? 2 : 1, context.full ? 2 : 1), {}};
+      SceneRun run{scene.name,
+                   scene.file,
+                   table_config(scene.file, model),
+                   sampled_windows(motions, context.full && main_rows ? 2 : 1, context.full ? 2 : 1),
+                   {}};
       if (table == "a") run.rounds = 1;  // half of all time, and its ratios are far from 1
       run.config.edge_set = edges;
       run.entrants = entrants_of(context.registry, table);
       if (table == "c")
-        for (const std::string& pipeline : context.pipelines) run.entrants.push_back(entrant(context.registry, table, pipeline));
+        for (const std::string& pipeline : context.pipelines)
+          run.entrants.push_back(entrant(context.registry, table, pipeline));
       plan.runs.push_back(std::move(run));
     };
     for (const char* table : {"a", "b", "c"}) add(table, MotionModel::linear, EdgeSet::triangulated);
-    if (context.full && SequenceReader(scene.file).has_velocity()) add("c", MotionModel::tentative, EdgeSet::triangulated);
+    if (context.full && SequenceReader(scene.file).has_velocity())
+      add("c", MotionModel::tentative, EdgeSet::triangulated);
     if (context.full && has_hexahedra(scene.file)) add("b", MotionModel::linear, EdgeSet::polytope);
   }
   return plan;

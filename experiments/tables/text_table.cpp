@@ -79,7 +79,8 @@ std::string TextTable::csv() const {
 }
 
 std::string TextTable::latex() const {
-  std::string text = "\\begin{tabular}{l" + std::string(rows_[0].empty() ? 0 : rows_[0].size() - 1, 'r') + "}\n\\toprule\n";
+  std::string text =
+      "\\begin{tabular}{l" + std::string(rows_[0].empty() ? 0 : rows_[0].size() - 1, 'r') + "}\n\\toprule\n";
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     if (r == 1 || std::find(rules_.begin(), rules_.end(), r) != rules_.end()) text += "\\midrule\n";
     text += line_of(rows_[r], "", " & ", " \\\\", [](const std::string& cell) { return escaped(cell, "&%$#_{}"); });
@@ -93,7 +94,9 @@ std::string render(const std::vector<TitledTable>& tables, TableFormat format) {
     if (!text.empty()) text += "\n";
     switch (format) {
       case TableFormat::text: text += table.title + "\n\n" + table.table.text() + table.note; break;
-      case TableFormat::markdown: text += "### " + table.title + "\n\n" + table.table.markdown() + "\n" + table.note; break;
+      case TableFormat::markdown:
+        text += "### " + table.title + "\n\n" + table.table.markdown() + "\n" + table.note;
+        break;
       case TableFormat::csv: text += "# " + table.title + "\n" + table.table.csv(); break;
       case TableFormat::latex: text += "% " + table.title + "\n" + table.table.latex(); break;
     }

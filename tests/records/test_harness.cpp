@@ -1,5 +1,5 @@
-// The harness: what is measured, that edits are repeated in every round, and that counts do not depend on how often or by how
-// many threads.
+// The harness: what is measured, that edits are repeated in every round, and that counts do not depend on how often or
+// by how many threads.
 #include <numeric>
 #include <set>
 
@@ -69,7 +69,8 @@ class Harness : public testing::Test {
 json counts_of(json row) {
   json counts;
   for (const auto& [name, value] : row.items())
-    if (!name.ends_with("_s") && !name.ends_with("seconds") && name != "workspace_bytes" && name != "threads" && name != "round")
+    if (!name.ends_with("_s") && !name.ends_with("seconds") && name != "workspace_bytes" && name != "threads" &&
+        name != "round")
       counts[name] = value;
   return counts;
 }
@@ -147,7 +148,8 @@ TEST_F(Harness, AdjacentPairsAreThoseThatThePipelineCounts) {
 
 TEST_F(Harness, TablesAreMadeOfTheRecordAlone) {
   const ExperimentKind& kind = experiment_kinds().at(0);
-  const json record = {{"rows", rows_of(plan(2, {{1, 3}}), 1, "a")}, {"provenance", {{"setting", "quick"}, {"commit", "c"}}}};
+  const json record = {{"rows", rows_of(plan(2, {{1, 3}}), 1, "a")},
+                       {"provenance", {{"setting", "quick"}, {"commit", "c"}}}};
   for (const TableFormat format : {TableFormat::text, TableFormat::markdown, TableFormat::csv, TableFormat::latex}) {
     const std::string table = render(kind.tables(record), format);
     EXPECT_NE(table.find("VolCCD+"), std::string::npos);
@@ -170,8 +172,10 @@ TEST_F(Harness, EveryPlanHasScenesAndPipelinesThatCanBeMade) {
 }
 
 TEST_F(Harness, ASweepRunsEachValueOfASetting) {
-  const PlanContext context{registry_, false, {"VolCCD"}, {"csat.axis=face,centroid", "feature-filter=none"},
-                            [&](const std::string&) { return std::optional(file_); }};
+  const PlanContext context{
+      registry_, false, {"VolCCD"}, {"csat.axis=face,centroid", "feature-filter=none"}, [&](const std::string&) {
+        return std::optional(file_);
+      }};
   const ExperimentKind& ablation = experiment_kinds().at(3);
   ASSERT_STREQ(ablation.name, "ablation");
   std::vector<std::string> variants;
@@ -184,11 +188,13 @@ TEST_F(Harness, OperationsAreCountedOnAScene) {
   const PlanContext context{registry_, false, {}, {}, [&](const std::string&) { return std::optional(file_); }};
   const std::vector<json> rows = operation_rows(context);
   EXPECT_GE(rows.size(), 8u);
-  EXPECT_NE(render(operation_tables({{"rows", rows}}), TableFormat::text).find("217"), std::string::npos) << "the paper's";
+  EXPECT_NE(render(operation_tables({{"rows", rows}}), TableFormat::text).find("217"), std::string::npos)
+      << "the paper's";
 }
 
 TEST(Refine, KeepsTheMotionAndTheVolumeOfEveryType) {
-  for (const ElementType type : {ElementType::triangle, ElementType::quad, ElementType::tetrahedron, ElementType::wedge, ElementType::hexahedron}) {
+  for (const ElementType type : {ElementType::triangle, ElementType::quad, ElementType::tetrahedron, ElementType::wedge,
+                                 ElementType::hexahedron}) {
     const Shape shape = block(type, 2, 2, 2);
     const Topology topology(shape.mesh());
     std::vector<Vec3> moved = shape.positions;
@@ -204,14 +210,17 @@ TEST(Refine, KeepsTheMotionAndTheVolumeOfEveryType) {
     }
     const Topology refined(fine.mesh);
     Index boundary = 0;
-    for (Index f = 0; f < refined.features().triangle_slots(); ++f) boundary += refined.features().triangle_elements(f).size() == 1;
+    for (Index f = 0; f < refined.features().triangle_slots(); ++f)
+      boundary += refined.features().triangle_elements(f).size() == 1;
     Index coarse = 0;
-    for (Index f = 0; f < topology.features().triangle_slots(); ++f) coarse += topology.features().triangle_elements(f).size() == 1;
+    for (Index f = 0; f < topology.features().triangle_slots(); ++f)
+      coarse += topology.features().triangle_elements(f).size() == 1;
     EXPECT_EQ(boundary, coarse * 16) << to_string(type) << ": cracks between the parts of neighbours";
   }
   for (const ElementType type : {ElementType::wedge, ElementType::hexahedron}) {
     const Shape shape = block(type, 2, 2, 1);
-    const RefinedStep fine = refine(Topology(shape.mesh()), Motion::linear(shape.positions, shape.positions), 1, Division::in_plane);
+    const RefinedStep fine =
+        refine(Topology(shape.mesh()), Motion::linear(shape.positions, shape.positions), 1, Division::in_plane);
     EXPECT_EQ(fine.mesh.element_count(), shape.elements.size() * 4);
     EXPECT_EQ(fine.mesh.vertex_count(), block(type, 4, 4, 1).positions.size()) << to_string(type);
   }

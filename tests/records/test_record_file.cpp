@@ -6,6 +6,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/records/record_file.hpp>
+#include <volccd/experiments/tables/compare_records.hpp>
 
 #include "support/scratch_folder.hpp"
 
@@ -60,6 +61,47 @@ TEST(RecordFile, AWholeRecordStaysUntilTheNextIsWhole) {
   RecordFile record(folder / "", "x", kIdentity);
   record.add("first", {json{{"n", 2}}});
   EXPECT_EQ(text_of(folder / "x.json"), before);
+}
+
+/// A record of one entrant on one motion, with these seconds of its rounds.
+void write_record(const std::string& folder, const std::vector<double>& seconds, const std::string& contacts) {
+  std::filesystem::create_directories(folder);
+  std::vector<json> rows;
+  for (const double s : seconds)
+    rows.push_back({{"table", "c"},
+                    {"scene", "s"},
+                    {"motion_model", "linear"},
+                    {"edges", "triangulated"},
+                    {"pipeline", "VolCCD"},
+                    {"variant", ""},
+                    {"motion", 3},
+                    {"seconds", s},
+                    {"topology_seconds", 0.0},
+                    {"vf_tests", 1},
+                    {"ee_tests", 2},
+                    {"contacts_hash", contacts}});
+  RecordFile record(folder, "x", json::object());
+  record.add("w", rows);
+  record.finish(json::object(), json::array());
+}
+
+TEST(CompareRecords, JudgesBeyondTheSpreadOnly) {
+  const ScratchFolder folder;
+  const std::string a = folder / "a", b = folder / "b";
+  const auto changed = [&](const std::vector<double>& before, const std::vector<double>& after,
+                           const char* hash = "h") {
+    write_record(a, before, "h");
+    write_record(b, after, hash);
+    return compare_records(a, b);
+  };
+  EXPECT_EQ(changed({1.00, 1.01, 1.02}, {1.10, 1.11, 1.12}).slower, 1u);
+  EXPECT_EQ(changed({1.10, 1.11, 1.12}, {1.00, 1.01, 1.02}).faster, 1u);
+  EXPECT_EQ(changed({1.00, 1.01, 1.02}, {1.01, 1.02, 1.03}).slower, 0u) << "within 3 %";
+  EXPECT_EQ(changed({0.90, 1.00, 1.10}, {1.00, 1.11, 1.20}).slower, 0u) << "within the spread";
+  EXPECT_EQ(changed({1.00}, {2.00}).slower, 0u);
+  EXPECT_EQ(changed({1.00}, {2.00}).single, 1u);
+  EXPECT_EQ(changed({1.00, 1.00}, {1.00, 1.00}, "other").other_counts, 1u);
+  EXPECT_THROW(compare_records(a, folder / "absent"), InputError);
 }
 
 TEST(RecordFile, RefusesWhatIsNoRecord) {
