@@ -48,7 +48,8 @@ std::string record_file(const ExperimentOptions& options, const std::string& nam
 void check_outputs(const ExperimentOptions& options, const std::string& name, const ExperimentPlan& experiment = {}) {
   OutputPlan plan;
   for (const SceneRun& run : experiment.runs) plan.input("the sequence", run.file);
-  for (const char* suffix : {".json", ".txt", ".incomplete.json", ".incomplete.txt", ".incomplete.jsonl"})
+  for (const char* suffix :
+       {".json", ".txt", ".incomplete.json", ".incomplete.txt", ".incomplete.jsonl", ".incomplete.old.jsonl"})
     plan.output("-o", record_file(options, name, suffix));
   plan.check();
 }
@@ -64,28 +65,34 @@ void keep(const ExperimentOptions& options, const std::string& name, const nlohm
   fmt::print("record: {}\n", file);
 }
 
-/// Sequence of a scene for a table: a run of another program if it is there, the built-in scene beside the records, a
-/// simulated scene from the cache or after baking it.
+/// Sequence of a scene for a table: a run of another program if it is there; a simulated scene, or the built-in one,
+/// from the cache, after making it if need be.
 std::optional<std::string> scene_file(const ExperimentOptions& options, const std::string& name) {
-  for (const ExternalScene& scene : external_scenes())
-    if (scene.name == name) {
-      const std::string file = external_scene_file(scene);
-      if (std::filesystem::exists(file)) return file;
-      fmt::print("{} is not there (VOLCCD_DATA names another folder): the tables do without it\n", file);
-      return std::nullopt;
-    }
-  if (name == "ls-dyna-projectile") {
-    fmt::print("{} is not there (VOLCCD_DATA names another folder): the tables do without it\n",
-               shared_data_path(name + ".vtkhdf"));
+  const bool external = name == "ls-dyna-projectile" || name.starts_with("openradioss-");
+  const std::string file = external ? shared_data_path(name + ".vtkhdf") : "";
+  if (external && !std::filesystem::exists(file)) {
+    fmt::print("{} is not there (VOLCCD_DATA names another folder): the tables do without it\n", file);
     return std::nullopt;
   }
-  if (name == "builtin") {
-    fmt::print("taking the built-in sequence\n");
-    const std::string file = record_file(options, name, ".vtkhdf");
-    write_scene(*make_scene(name, {}), file);
-    return file;
-  }
-  return sequence_file(name, options.threads);
+  if (name == "builtin") fmt::print("taking the built-in sequence\n");
+  return external ? file : sequence_file(name, options.threads);
+}
+
+/// Options that the experiment would ignore are refused.
+void check_options(const ExperimentKind* kind, const std::string& name, const ExperimentOptions& options) {
+  if (!options.pipelines.empty() && !(kind && kind->takes_pipelines))
+    throw ConfigError(fmt::format("{} takes no --pipelines: its pipelines are fixed", name));
+  if (!options.settings.empty() && !(kind && kind->takes_settings))
+    throw ConfigError(fmt::format("{} takes no --set; `volccd experiment run ablation --set ...` does", name));
+}
+
+/// 1, and says so on stderr, if pipelines that should have found the same contacts did not.
+int same_contacts(const ExperimentKind& kind, const Registry& registry, const ExperimentPlan& plan,
+                  const std::vector<nlohmann::json>& rows) {
+  if (!kind.plan) return kDone;
+  const std::vector<std::string> lines = contact_differences(registry, plan, rows);
+  for (const std::string& line : lines) fmt::print(stderr, "volccd: {}: other contacts: {}\n", kind.name, line);
+  return lines.empty() ? kDone : kDifferent;
 }
 
 /// Runs what the record of an earlier, interrupted run does not have, and writes record and tables.
@@ -101,9 +108,11 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
   const auto executor = make_interruptible_executor(options.threads);
   const nlohmann::json facts = provenance(plan, *executor);
   nlohmann::json identity = {{"plan", facts.at("plan")}, {"threads", facts.at("threads")}};
-  for (const char* fact : {"commit", "compiler", "flags", "cpu", "inputs"}) identity[fact] = facts.at(fact);
+  for (const char* fact : {"commit", "program_fnv1a", "compiler", "flags", "cpu", "inputs"})
+    identity[fact] = facts.at(fact);
   RecordFile record(options.output, kind.name, identity);
-  if (record.replaced()) fmt::print("{}: rows of another build or plan, begun anew\n", record.incomplete_file());
+  if (record.set_aside())
+    fmt::print("{}: rows of another build or plan, kept as {}\n", record.incomplete_file(), record.old_file());
   if (record.resumed() > 0)
     fmt::print("{}: going on, {} window(s) are there\n", record.incomplete_file(), record.resumed());
   try {
@@ -123,7 +132,7 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
   fmt::print("{}\n", tables);
   write_text_file(record_file(options, kind.name, ".txt"), tables);
   fmt::print("record: {}\n", record.file());
-  return kDone;
+  return same_contacts(kind, registry, plan, record.rows());
 }
 
 struct Baked {
@@ -214,31 +223,49 @@ const ExperimentKind* find_kind(const std::string& name) {
   return nullptr;
 }
 
-int run_one(const std::string& name, const ExperimentOptions& options, const Registry& registry) {
-  if (const ExperimentKind* kind = find_kind(name)) return run_kind(*kind, options, registry);
+const OtherExperiment* find_other(const std::string& name) {
   for (const OtherExperiment& other : kOthers)
-    if (name == other.name) return other.run(options, registry);
-  throw ConfigError(fmt::format("no experiment '{}'; there are {}", name, known_experiments()));
+    if (name == other.name) return &other;
+  return nullptr;
 }
 
-int run(ExperimentOptions options, const Registry& registry) {
-  std::vector<std::string> names;
-  for (const std::string& name : options.names) {
-    if (name != "all") {
-      names.push_back(name);
+int run_one(const std::string& name, const ExperimentOptions& options, const Registry& registry) {
+  if (const ExperimentKind* kind = find_kind(name)) return run_kind(*kind, options, registry);
+  return find_other(name)->run(options, registry);
+}
+
+/// All of them: further pipelines and settings go to those that take them. Small scenes, unless --full.
+std::vector<std::pair<std::string, ExperimentOptions>> all_experiments(ExperimentOptions options) {
+  options.quick = !options.full;
+  std::vector<std::pair<std::string, ExperimentOptions>> jobs;
+  for (const ExperimentKind& kind : experiment_kinds()) {
+    jobs.emplace_back(kind.name, options);
+    if (!kind.takes_pipelines) jobs.back().second.pipelines.clear();
+    if (!kind.takes_settings) jobs.back().second.settings.clear();
+  }
+  for (const OtherExperiment& other : kOthers) jobs.emplace_back(other.name, options);
+  return jobs;
+}
+
+int run(const ExperimentOptions& options, const Registry& registry) {
+  std::vector<std::pair<std::string, ExperimentOptions>> jobs;
+  for (const std::string& name : options.names) {  // before the first of them takes its time
+    if (name == "all") {
+      const auto all = all_experiments(options);
+      jobs.insert(jobs.end(), all.begin(), all.end());
       continue;
     }
-    options.quick = !options.full;
-    for (const OtherExperiment& other : kOthers) names.push_back(other.name);
-    for (const ExperimentKind& kind : experiment_kinds()) names.push_back(kind.name);
-  }
-  for (const std::string& name : names)  // before the first of them takes its time
-    if (!find_kind(name) &&
-        std::none_of(std::begin(kOthers), std::end(kOthers), [&](const auto& o) { return name == o.name; }))
+    if (!find_kind(name) && !find_other(name))
       throw ConfigError(fmt::format("no experiment '{}'; there are {}", name, known_experiments()));
-  int code = kDone;
-  for (const std::string& name : names)
-    if (code == kDone) code = run_one(name, options, registry);
+    check_options(find_kind(name), name, options);
+    jobs.emplace_back(name, options);
+  }
+  int code = kDone;  // other contacts in one experiment are no reason to leave out the next
+  for (const auto& [name, own] : jobs) {
+    const int one = run_one(name, own, registry);
+    if (one != kDone) code = one;
+    if (one != kDone && one != kDifferent) break;
+  }
   return code;
 }
 

@@ -97,6 +97,7 @@ std::string file_hash(const std::string& file) {
   std::vector<char> block(1 << 20);
   while (in.read(block.data(), static_cast<std::streamsize>(block.size())) || in.gcount() > 0)
     hash.add(block.data(), static_cast<std::size_t>(in.gcount()));
+  if (in.bad()) throw InputError(file, "", "cannot be read to its end");
   return hash.text();
 }
 

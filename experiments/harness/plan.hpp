@@ -32,9 +32,10 @@ struct SceneRun {
   std::vector<MotionWindow> windows;
   std::vector<Entrant> entrants;
   int rounds = 0;           ///< 0: those of the plan
-  double motion_scale = 1;  ///< end points are x0 + motion_scale (x1 - x0); linear motion only unless 1
-  int subdivisions =
-      0;  ///< times that each element is divided (harness/subdivide.hpp), solid shells in their plane; no edits
+  double motion_scale = 1;  ///< control points are x0 + motion_scale (x - x0)
+  /// Times that each element is divided (harness/subdivide.hpp), solid shells in their plane. For scenes without edits: an
+  /// edit builds the divided mesh anew.
+  int subdivisions = 0;
   nlohmann::json columns = nlohmann::json::object();  ///< further columns of all rows
 };
 

@@ -24,20 +24,9 @@ namespace {
 double rounded(double seconds) { return std::round(seconds * 1e9) / 1e9; }
 
 json columns_of(const Statistics& statistics) {
-  json row = {{"seconds", rounded(statistics.seconds)},
-              {"element_pairs", statistics.element_pairs},
-              {"surviving_pairs", statistics.surviving_pairs},
-              {"owned_tests", statistics.owned_tests},
-              {"orphan_tests", statistics.orphan_tests},
-              {"vf_tests", statistics.vf_tests},
-              {"ee_tests", statistics.ee_tests},
-              {"contacts", statistics.contacts},
-              {"contacts_at_start", statistics.contacts_at_start},
-              {"left_out", statistics.left_out},
-              {"degenerate", statistics.degenerate},
-              {"undecided", statistics.undecided},
-              {"earliest_toi", std::isfinite(statistics.earliest_toi) ? json(statistics.earliest_toi) : json(nullptr)},
-              {"workspace_bytes", statistics.workspace_bytes}};
+  json row = to_json(statistics);
+  for (const char* other : {"stages", "steps", "adjacent_pairs", "initial_overlaps", "duplicates"}) row.erase(other);
+  row["seconds"] = rounded(statistics.seconds);
   std::map<std::string, std::pair<double, double>> roles = {{BroadPhase::kRole, {}},    {ElementCulling::kRole, {}},
                                                             {Assignment::kRole, {}},    {OrphanSource::kRole, {}},
                                                             {FeatureFilter::kRole, {}}, {NarrowPhase::kRole, {}}};
@@ -100,8 +89,8 @@ class Runner {
  private:
   /// Whether cells change from the motion before the window to its last one.
   bool edits_in(const MotionWindow& window) {
-    for (int step = std::max(window.first, 1); step < window.first + window.count; ++step)
-      if (!reader_.same_cells(step, step + 1)) return true;
+    for (int k = std::max(window.first, 1); k < window.first + window.count; ++k)
+      if (!reader_.same_cells(stepper_->cells_step(k - 1), stepper_->cells_step(k))) return true;
     return false;
   }
 
@@ -122,7 +111,8 @@ class Runner {
   void scale(Motion& motion) const {
     for (Index v = 0; v < motion.vertex_count(); ++v) {
       const Vec3 x0 = motion.point(v, 0);
-      motion.set(v, 1, x0 + run_.motion_scale * (motion.point(v, 1) - x0));
+      for (int c = 1; c < motion.control_points(); ++c)
+        motion.set(v, c, x0 + run_.motion_scale * (motion.point(v, c) - x0));
     }
   }
 
@@ -209,8 +199,74 @@ void run_experiment(const Registry& registry, const ExperimentPlan& plan, Execut
   }
 }
 
+namespace {
+
+/// Whether all stages but the narrow phase keep every contact.
+bool keeps_contacts(const Registry& registry, const PipelineSpec& spec) {
+  const auto sound = [](const auto& descriptor) { return descriptor.guarantee != Guarantee::approximate; };
+  const auto all = [&]<class Stage>(const std::vector<StageChoice>& choices) {
+    return std::all_of(choices.begin(), choices.end(),
+                       [&](const StageChoice& choice) { return sound(registry.stage<Stage>(choice.name)); });
+  };
+  return sound(registry.stage<BroadPhase>(spec.broad_phase.name)) &&
+         all.template operator()<ElementCulling>(spec.element_culling) &&
+         sound(registry.stage<Assignment>(spec.assignment.name)) &&
+         (!spec.orphans || sound(registry.stage<OrphanSource>(spec.orphans->name))) &&
+         all.template operator()<FeatureFilter>(spec.feature_filters);
+}
+
+std::string row_key(const json& scene, const json& model, const json& edges, const Entrant& entrant) {
+  return json::array({scene, model, edges, entrant.table, entrant.pipeline, entrant.variant}).dump();
+}
+
+/// "" if both have the same contacts on every motion.
+std::string difference(const Entrant& entrant, const std::map<int, const json*>& rows, const Entrant& reference,
+                       const std::map<int, const json*>& expected) {
+  for (const auto& [motion, row] : rows) {
+    const json& other = *expected.at(motion);
+    if (row->at("contacts_hash") == other.at("contacts_hash")) continue;
+    const auto found = [](const json& r) {
+      return fmt::format("{} (undecided {})", r.at("contacts").get<std::uint64_t>(),
+                         r.at("undecided").get<std::uint64_t>());
+    };
+    return fmt::format("{}, motion {}: {} {} found {} contacts, {} {} {}", row->at("scene").get<std::string>(), motion,
+                       entrant.pipeline, entrant.variant, found(*row), reference.pipeline, reference.variant,
+                       found(other));
+  }
+  return "";
+}
+
+}  // namespace
+
+std::vector<std::string> contact_differences(const Registry& registry, const ExperimentPlan& plan,
+                                             const std::vector<json>& rows) {
+  std::map<std::string, std::map<int, const json*>> by_entrant;
+  for (const json& row : rows) {
+    Entrant entrant{row.at("table"), row.at("pipeline"), row.at("variant"), {}};
+    by_entrant[row_key(row.at("scene"), row.at("motion_model"), row.at("edges"), entrant)][row.at("motion")] = &row;
+  }
+  std::vector<std::string> lines;
+  for (const SceneRun& run : plan.runs) {
+    const auto rows_of = [&](const Entrant& entrant) {
+      return by_entrant.at(row_key(run.scene, name_of(run.config.motion), name_of(run.config.edge_set), entrant));
+    };
+    std::map<std::string, const Entrant*> references;  // by narrow phase
+    for (const Entrant& entrant : run.entrants) {
+      if (!keeps_contacts(registry, entrant.spec)) continue;
+      const std::string test = json{entrant.spec.narrow_phase.name, entrant.spec.narrow_phase.options}.dump();
+      const auto [reference, is_first] = references.try_emplace(test, &entrant);
+      if (is_first) continue;
+      const Entrant& first = *reference->second;
+      if (const std::string line = difference(entrant, rows_of(entrant), first, rows_of(first)); !line.empty())
+        lines.push_back(line);
+    }
+  }
+  return lines;
+}
+
 json provenance(const ExperimentPlan& plan, const Executor& executor) {
   json result = machine_facts();
+  result["program_fnv1a"] = file_hash("/proc/self/exe");
   result["plan"] = to_json(plan);
   result["setting"] = plan.setting;
   result["rounds"] = plan.rounds;

@@ -3,6 +3,8 @@
 
 #include <cstddef>
 #include <functional>
+#include <string>
+#include <vector>
 
 #include <volccd/core/executor.hpp>
 #include <volccd/experiments/harness/plan.hpp>
@@ -24,7 +26,15 @@ namespace volccd {
 void run_experiment(const Registry& registry, const ExperimentPlan& plan, Executor& executor, RecordFile& record,
                     const std::function<void(std::size_t done, std::size_t total)>& progress = {});
 
-/// What a reader of the rows must know: build, machine, load, plan with all options, and hashes of the input files.
+/// Entrants of a run that have the same narrow phase must find the same contacts, bit for bit, if none of their other
+/// stages is approximate. Returns a line for each that differs from the first such entrant, with the first motion that
+/// shows it; `undecided` tests, which the narrow phase reports unless a filter proves them apart, are the usual cause.
+/// Rows are all of a record of this plan.
+std::vector<std::string> contact_differences(const Registry& registry, const ExperimentPlan& plan,
+                                             const std::vector<nlohmann::json>& rows);
+
+/// What a reader of the rows must know: build (with a hash of the program), machine, load, plan with all options, and
+/// hashes of the input files. Throws InputError for a file that cannot be read.
 nlohmann::json provenance(const ExperimentPlan& plan, const Executor& executor);
 
 }  // namespace volccd

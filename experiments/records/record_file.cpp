@@ -17,37 +17,38 @@ RecordFile::RecordFile(const std::string& folder, const std::string& name, const
     : name_(name),
       file_((std::filesystem::path(folder) / (name + ".json")).string()),
       incomplete_((std::filesystem::path(folder) / (name + ".incomplete.jsonl")).string()) {
-  read_back(identity);
-  resumed_ = keys_.size();
   // Written anew, so that a line without an end is gone.
-  std::string text = identity.dump() + "\n";
-  std::string lines;
-  {
-    std::ifstream in(incomplete_);
-    std::size_t kept = 0;
-    std::string line;
-    std::getline(in, line);
-    while (kept < keys_.size() && std::getline(in, line)) lines += line + "\n", ++kept;
-  }
-  write_text_file(incomplete_, text + lines);
+  write_text_file(incomplete_, identity.dump() + "\n" + read_back(identity));
+  resumed_ = keys_.size();
   out_.open(incomplete_, std::ios::app);
   if (!out_) throw InputError(incomplete_, "", "cannot be written");
 }
 
-void RecordFile::read_back(const json& identity) {
+std::string RecordFile::old_file() const {
+  return std::filesystem::path(incomplete_).replace_extension(".old.jsonl").string();
+}
+
+std::string RecordFile::read_back(const json& identity) {
   std::ifstream in(incomplete_);
-  std::string line;
-  if (!in || !std::getline(in, line)) return;
-  if (json::parse(line, nullptr, false) != identity) {
-    replaced_ = true;
-    return;
+  std::string line, whole_lines;
+  if (!in) return whole_lines;
+  if (!std::getline(in, line) || json::parse(line, nullptr, false) != identity) {
+    std::error_code error;
+    std::filesystem::rename(incomplete_, old_file(), error);
+    if (error) throw InputError(incomplete_, "", "is of another run and cannot be renamed: " + error.message());
+    set_aside_ = true;
+    return whole_lines;
   }
   while (std::getline(in, line)) {
     const json entry = json::parse(line, nullptr, false);
-    if (!entry.is_object() || !entry.contains("key") || !entry.contains("rows")) return;
+    const bool whole = entry.is_object() && entry.contains("key") && entry.at("key").is_string() &&
+                       entry.contains("rows") && entry.at("rows").is_array();
+    if (!whole) break;
     keys_.insert(entry.at("key").get<std::string>());
     for (const json& row : entry.at("rows")) rows_.push_back(row);
+    whole_lines += line + "\n";
   }
+  return whole_lines;
 }
 
 void RecordFile::add(const std::string& key, const std::vector<json>& rows) {

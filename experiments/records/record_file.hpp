@@ -19,14 +19,15 @@ inline constexpr int kRecordSchema = 1;
 /// last run did not finish is dropped. One thread, and one process, at a time.
 class RecordFile {
  public:
-  /// `identity`: plan, build, machine. If the file that is there has another identity, its rows are thrown away, and
-  /// replaced() says so. Throws InputError naming the file that cannot be read or written.
+  /// `identity`: plan, build, machine. A file that is there with another identity is renamed to
+  /// NAME.incomplete.old.jsonl, in the place of one that was renamed before, and set_aside() says so. Throws InputError
+  /// naming the file that cannot be read or written.
   RecordFile(const std::string& folder, const std::string& name, const nlohmann::json& identity);
 
   /// Whether the rows of this key are there already.
   bool has(const std::string& key) const { return keys_.contains(key); }
   std::size_t resumed() const { return resumed_; }  ///< keys that were there at first
-  bool replaced() const { return replaced_; }
+  bool set_aside() const { return set_aside_; }
 
   void add(const std::string& key, const std::vector<nlohmann::json>& rows);
   const std::vector<nlohmann::json>& rows() const { return rows_; }
@@ -36,15 +37,17 @@ class RecordFile {
 
   const std::string& file() const { return file_; }
   const std::string& incomplete_file() const { return incomplete_; }
+  std::string old_file() const;  ///< where another's rows were set aside
 
  private:
-  void read_back(const nlohmann::json& identity);
+  /// Takes up the rows that are there; returns their lines.
+  std::string read_back(const nlohmann::json& identity);
 
   std::string name_, file_, incomplete_;
   std::set<std::string> keys_;
   std::vector<nlohmann::json> rows_;
   std::size_t resumed_ = 0;
-  bool replaced_ = false;
+  bool set_aside_ = false;
   std::ofstream out_;
 };
 

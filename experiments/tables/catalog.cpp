@@ -2,8 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <volccd/experiments/scenes/sequences.hpp>
-#include <volccd/experiments/scenes/simulated/simulated_scene.hpp>
 #include <volccd/experiments/tables/ablation.hpp>
 #include <volccd/experiments/tables/culling_counts.hpp>
 #include <volccd/experiments/tables/operation_table.hpp>
@@ -17,15 +15,15 @@ namespace volccd {
 const std::vector<ExperimentKind>& experiment_kinds() {
   static const std::vector<ExperimentKind> kinds = {
       {"projectile", "NavCCD, HashCCD, VolCCD and VolCCD+ on a real penetration run: time, counts, shares",
-       projectile_plan, pipeline_tables, nullptr},
+       projectile_plan, pipeline_tables, nullptr, nullptr, true},
       {"table1", "Table I three times: as in 2011, with today's baselines, and certified; Figures 4 and 11",
-       table1_plan, table1_tables, table1_summary},
+       table1_plan, table1_tables, table1_summary, nullptr, true},
       {"culling", "Tables II and III: VF and EE tests without culling, with features, with features and elements",
        culling_plan, culling_tables, nullptr},
       {"ablation", "sound combinations of culling stages on each broad phase, and options (--pipelines, --set)",
-       ablation_plan, ablation_tables, nullptr},
+       ablation_plan, ablation_tables, nullptr, nullptr, true, true},
       {"scaling", "time, memory and tests against elements and against motion a step", scaling_plan, scaling_tables,
-       scaling_summary},
+       scaling_summary, nullptr, true},
       {"operations", "Section 7: operations and nanoseconds of CSAT and of an elementary test, beside the paper's",
        nullptr, operation_tables, nullptr, operation_rows},
   };
@@ -33,19 +31,14 @@ const std::vector<ExperimentKind>& experiment_kinds() {
 }
 
 std::vector<TableScene> table_scenes(const PlanContext& context) {
-  const std::pair<const char*, const char*> simulated[] = {
-      {"octopi", "Octopi"}, {"bullet", "Bullet"}, {"airbag", "Airbag"}, {"liver", "Liver"}, {"crash", "Ford"}};
   std::vector<TableScene> scenes;
-  const auto add = [&](const std::string& name, const std::string& source, const char* paper) {
-    if (const std::optional<std::string> file = context.file_of(source)) scenes.push_back({name, *file, paper});
+  const auto add = [&](const std::string& name, const std::string& source) {
+    if (const std::optional<std::string> file = context.file_of(source)) scenes.push_back({name, *file});
   };
-  for (const auto& [name, paper] : simulated) add(name, std::string(name) + (context.full ? "" : "-quick"), paper);
-  for (const ExternalScene& scene : external_scenes()) {
-    const bool airbag = scene.name == "openradioss-airbag", bullet = scene.name == "openradioss-bullet";
-    const bool crash = scene.name == "openradioss-crash", projectile = scene.name == "ls-dyna-projectile";
-    if (context.full || projectile)
-      add(scene.name, scene.name, airbag ? "Airbag" : bullet || projectile ? "Bullet" : crash ? "Ford" : "");
-  }
+  for (const std::string name : {"octopi", "bullet", "airbag", "liver", "crash"})
+    add(name, name + (context.full ? "" : "-quick"));
+  for (const char* name : {"ls-dyna-projectile", "openradioss-bullet", "openradioss-airbag", "openradioss-crash"})
+    if (context.full || std::string(name) == "ls-dyna-projectile") add(name, name);
   return scenes;
 }
 

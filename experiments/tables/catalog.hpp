@@ -18,7 +18,7 @@ struct PlanContext {
   const Registry& registry;
   bool full = false;
   std::vector<std::string> pipelines;  ///< further ones, or those of an ablation
-  std::vector<std::string> settings;   ///< "stage.option=value[,value...]": sweeps of an ablation
+  std::vector<std::string> settings;   ///< "stage.option=value[,value...]" or "role=stage[,stage...]"
   /// The sequence file of a scene's name, or nothing if it is not there. May take long (a bake), and may throw.
   std::function<std::optional<std::string>(const std::string& name)> file_of;
 };
@@ -31,6 +31,7 @@ struct ExperimentKind {
   nlohmann::json (*summary)(const nlohmann::json& record);
   /// Rows that the harness does not make; may be null.
   std::vector<nlohmann::json> (*rows)(const PlanContext& context) = nullptr;
+  bool takes_pipelines = false, takes_settings = false;  ///< of the context
 };
 
 const std::vector<ExperimentKind>& experiment_kinds();
@@ -39,7 +40,6 @@ const std::vector<ExperimentKind>& experiment_kinds();
 struct TableScene {
   std::string name;  ///< as rows have it
   std::string file;
-  std::string paper;  ///< the paper's name of the scene; empty: it has none like it
 };
 std::vector<TableScene> table_scenes(const PlanContext& context);
 

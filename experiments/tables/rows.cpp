@@ -33,6 +33,7 @@ const json& at(const json& row, const std::string& column) {
 Rows::Rows(const json& record) {
   if (!record.contains("rows")) throw InputError("record", "rows", "is missing");
   for (const json& row : record.at("rows")) rows_.push_back(&row);
+  if (rows_.empty()) throw InputError("record", "rows", "has none");
 }
 
 Rows Rows::with(const std::string& column, const json& value) const {

@@ -45,18 +45,17 @@ void SequenceStepper::go_to(int motion) {
                      "there is no such motion, the file has " + std::to_string(motion_count()));
   // All that can fail comes before the first change.
   const bool tentative = config_.motion == MotionModel::tentative;
-  const int cells_step = tentative ? motion : motion + 1;
   read_points(motion);
-  read_cells(cells_step);
+  read_cells(cells_step(motion));
   if (config_.motion == MotionModel::quadratic) read_middle(motion);
   if (tentative) read_tentative(motion);
   const std::vector<Vec3>&x0 = points(motion), &x1 = tentative ? tentative_ : points(motion + 1);
   Index without_normal = 0;
   if (solids_) {
-    solids_->set_steps(motion, cells_step);
+    solids_->set_steps(motion, cells_step(motion));
     without_normal = solids_->positions(x0, x1, solid0_, solid1_);
   }
-  set_topology(cells_step);
+  set_topology(cells_step(motion));
   if (solids_) {
     if (config_.motion == MotionModel::quadratic) set_solid_middle(x0, x1);
     set_motion(solid0_, solid1_, solid_middle_);

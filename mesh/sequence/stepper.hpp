@@ -89,6 +89,9 @@ class SequenceStepper {
   /// Steps less one; 0 for a file of one step.
   int motion_count() const { return reader_.step_count() - 1; }
 
+  /// The step whose cells a motion runs on: the one after it, or its own for tentative motion.
+  int cells_step(int motion) const { return config_.motion == MotionModel::tentative ? motion : motion + 1; }
+
   /// Throws InputError if there is no such motion or its data are bad (a control point computed from velocities or
   /// three steps that overflows, where a cell uses it, included); then topology() and motion() are as before. Time
   /// without reading: proportional to the points, the cells, and the features of the cells that change.
