@@ -19,9 +19,9 @@ enum class PairRange {
   every         ///< adjacent pairs too, and each live element with itself (o, o)
 };
 
-/// Guarantee (conservative): each unordered pair {a,b} of live elements in the range asked for whose closed swept volumes come
-/// within step.separation of each other is emitted exactly once, a <= b, except pairs that step.filter drops
-/// (ObjectFilter::drops). Bounds are rounded outward.
+/// Guarantee (conservative): each unordered pair {a,b} of elements that take part (Step::takes_part), in the range asked for,
+/// whose closed swept volumes come within step.separation of each other is emitted exactly once, a <= b, except pairs that
+/// step.filter drops (ObjectFilter::drops). Bounds are rounded outward.
 class BroadPhase : public Stage {
  public:
   static constexpr const char* kRole = "broad-phase";

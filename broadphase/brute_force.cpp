@@ -5,7 +5,6 @@
 
 #include <volccd/broadphase/detail/box_rows.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
-#include <volccd/mesh/topology_delta.hpp>
 
 namespace volccd {
 
@@ -14,7 +13,7 @@ namespace {
 constexpr std::size_t kRowGrain = 16;
 
 struct BruteForceState final : StageState {
-  TopologyDelta delta;
+  ElementDelta delta;
   detail::FilterKeys keys;
   detail::ElementList list;
   detail::BoxRows boxes;
@@ -44,8 +43,8 @@ std::unique_ptr<StageState> BruteForce::make_state() const { return std::make_un
 
 void BruteForce::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   BruteForceState& state = static_cast<BruteForceState&>(stage_state);
-  const bool changed = state.delta.sync(step.topology) != TopologyDelta::Extent::none;
-  if (changed) state.list.assign_live(step.mesh());
+  const bool changed = state.delta.sync(step) != ElementDelta::Extent::none;
+  if (changed) state.list.assign(step);
   state.keys.update(step, changed);
   if (config_.bounds == Bounds::aabb) state.boxes.update(step, state.list, executor);
   state.delta.confirm();

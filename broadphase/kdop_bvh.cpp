@@ -6,7 +6,6 @@
 #include <volccd/broadphase/detail/kdop_tree.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
 #include <volccd/broadphase/detail/tree_kernels.hpp>
-#include <volccd/mesh/topology_delta.hpp>
 
 namespace volccd {
 
@@ -23,7 +22,7 @@ struct alignas(64) Worker {
 };
 
 struct KdopBvhState final : StageState {
-  TopologyDelta delta;
+  ElementDelta delta;
   detail::FilterKeys keys;
   double bounds_seconds = 0;
   detail::BoundsTable vertices;
@@ -85,13 +84,13 @@ std::unique_ptr<StageState> KdopBvh::make_state() const { return std::make_uniqu
 void KdopBvh::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
   state.bounds_seconds = detail::bound_vertices(step, config_.k, executor, state.vertices);
-  const TopologyDelta::Extent changed = state.delta.sync(step.topology);
-  bool build = changed == TopologyDelta::Extent::everything || config_.restructure == Restructure::always;
-  if (!build && changed == TopologyDelta::Extent::edits)
-    build = !state.tree.edit(step.mesh(), state.delta.changed_slots(), state.vertices, executor);
+  const ElementDelta::Extent changed = state.delta.sync(step);
+  bool build = changed == ElementDelta::Extent::everything || config_.restructure == Restructure::always;
+  if (!build && changed == ElementDelta::Extent::edits)
+    build = !state.tree.edit(step, state.delta.changed_slots(), state.vertices, executor);
   std::size_t restructured = 0;
   if (build) {
-    state.tree.build(step.mesh(), config_.leaf_size, state.vertices, executor);
+    state.tree.build(step, config_.leaf_size, state.vertices, executor);
     ++state.counters.builds;
   } else {
     state.tree.refit(state.vertices, executor);
@@ -99,7 +98,7 @@ void KdopBvh::prepare(const Step& step, StageState& stage_state, Executor& execu
       restructured = state.tree.restructure(config_.degradation, state.vertices, executor);
     state.counters.restructured_elements += restructured;
   }
-  const bool new_elements = build || changed != TopologyDelta::Extent::none;
+  const bool new_elements = build || changed != ElementDelta::Extent::none;
   const bool new_keys = state.keys.update(step, new_elements);
   if (!state.keys.trivial() && (new_elements || restructured > 0 || new_keys)) state.tree.set_keys(state.keys);
   state.delta.confirm();

@@ -10,7 +10,6 @@
 #include <volccd/broadphase/detail/hash_kernels.hpp>
 #include <volccd/broadphase/detail/kdop_option.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
-#include <volccd/mesh/topology_delta.hpp>
 
 namespace volccd {
 
@@ -19,7 +18,7 @@ namespace {
 constexpr std::size_t kEntryGrain = 4096, kLargeGrain = 1024;
 
 struct SpatialHashState final : StageState {
-  TopologyDelta delta;
+  ElementDelta delta;
   detail::FilterKeys keys;
   detail::ElementList list;
   double bounds_seconds = 0;
@@ -46,10 +45,10 @@ std::uint64_t spread(std::uint64_t x) {
   return (x | x << 2) & 0x1249249249249249;
 }
 
-/// Lists the live elements along a Morton curve through their first vertices: elements that share cells lie together in
+/// Lists the elements along a Morton curve through their first vertices: elements that share cells lie together in
 /// memory. Only speed depends on it, so that it is left as it is afterwards.
 void list_in_space(const Step& step, SpatialHashState& state) {
-  state.list.assign_live(step.mesh());
+  state.list.assign(step);
   const std::size_t count = state.list.size();
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
   for (Index v = 0; v < step.motion.vertex_count(); ++v) {
@@ -94,12 +93,12 @@ std::unique_ptr<StageState> SpatialHash::make_state() const { return std::make_u
 
 void SpatialHash::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   SpatialHashState& state = static_cast<SpatialHashState&>(stage_state);
-  const TopologyDelta::Extent changed = state.delta.sync(step.topology);
-  if (changed == TopologyDelta::Extent::everything)
+  const ElementDelta::Extent changed = state.delta.sync(step);
+  if (changed == ElementDelta::Extent::everything)
     list_in_space(step, state);
-  else if (changed == TopologyDelta::Extent::edits)
-    state.list.update(step.mesh(), state.delta.changed_slots());
-  state.keys.update(step, changed != TopologyDelta::Extent::none);
+  else if (changed == ElementDelta::Extent::edits)
+    state.list.update(step, state.delta.changed_slots());
+  state.keys.update(step, changed != ElementDelta::Extent::none);
   state.bounds_seconds = detail::bound_vertices(step, config_.k, executor, state.vertices);
   state.elements.resize(state.list.size(), state.vertices.width());
   detail::bound_elements(state.vertices, state.list, executor, state.elements);

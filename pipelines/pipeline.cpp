@@ -22,6 +22,7 @@ std::size_t Workspace::bytes() const {
   if (!data_) return 0;
   std::size_t sum = 0;
   for (const auto& state : data_->states) sum += state->bytes();
+  if (data_->flood_broad_phase) sum += data_->flood_broad_phase->bytes();
   for (const auto& worker : data_->workers) sum += worker->bytes();
   return sum;
 }
@@ -65,9 +66,11 @@ Pipeline::Pipeline(const Registry& registry, const PipelineSpec& spec) : spec_(r
   for (const StageChoice& choice : spec.element_culling) make(element_culling_.emplace_back(), choice);
   make(assignment_, spec.assignment);
   if (spec.orphans) make(orphans_, *spec.orphans);
+  if (spec.flood) make(flood_, *spec.flood);
   for (const StageChoice& choice : spec.feature_filters) make(feature_filters_.emplace_back(), choice);
   make(narrow_phase_, spec.narrow_phase);
   range_ = detail::required_range(spec.name, spec.assignment.name, *assignment_, orphans_ != nullptr);
+  if (flood_) detail::require_orphans_for(spec.name, spec.flood->name, orphans_ != nullptr);
   curved_narrow_phases_ = narrow_phases_that(registry, [](const NarrowPhase& n) { return n.max_control_points() > 2; });
   separating_narrow_phases_ = narrow_phases_that(registry, [](const NarrowPhase& n) { return n.handles_separation(); });
 }
@@ -83,6 +86,7 @@ Workspace Pipeline::make_workspace() const {
 void Pipeline::make_states(Workspace::Data& data) const {
   data.states.clear();
   for (const Stage* stage : stages_) data.states.push_back(stage->make_state());
+  if (flood_) data.flood_broad_phase = broad_phase_->make_state();
   data.intact = true;
 }
 

@@ -1,4 +1,4 @@
-// A pipeline: broad phase, element culling, assignment, orphans, feature filters, narrow phase.
+// A pipeline: broad phase, element culling, assignment, orphans, flood, feature filters, narrow phase.
 #pragma once
 
 #include <cstdint>
@@ -100,6 +100,7 @@ class Pipeline {
   std::vector<std::unique_ptr<ElementCulling>> element_culling_;
   std::unique_ptr<Assignment> assignment_;
   std::unique_ptr<OrphanSource> orphans_;  ///< may be null
+  std::unique_ptr<Flood> flood_;           ///< may be null
   std::vector<std::unique_ptr<FeatureFilter>> feature_filters_;
   std::unique_ptr<NarrowPhase> narrow_phase_;
   std::vector<const Stage*> stages_;  ///< all of them, in the order of spec_.stages()

@@ -9,6 +9,7 @@
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/broadphase/spatial_hash.hpp>
 #include <volccd/culling/all_pairs.hpp>
+#include <volccd/culling/boundary_flood.hpp>
 #include <volccd/culling/coplanarity_filter.hpp>
 #include <volccd/culling/csat.hpp>
 #include <volccd/culling/csat_2011.hpp>
@@ -98,12 +99,13 @@ void set_role(PipelineSpec& spec, const std::string& role, const std::string& va
   if (role == Assignment::kRole) return one(spec.assignment);
   if (role == FeatureFilter::kRole) return spec.feature_filters.swap(stages);
   if (role == NarrowPhase::kRole) return one(spec.narrow_phase);
-  if (role != OrphanSource::kRole)
-    throw ConfigError(fmt::format("no role '{}'; there are {}, {}, {}, {}, {}, {}, or stage.option=value", role,
+  if (role != OrphanSource::kRole && role != Flood::kRole)
+    throw ConfigError(fmt::format("no role '{}'; there are {}, {}, {}, {}, {}, {}, {}, or stage.option=value", role,
                                   BroadPhase::kRole, ElementCulling::kRole, Assignment::kRole, OrphanSource::kRole,
-                                  FeatureFilter::kRole, NarrowPhase::kRole));
-  spec.orphans.reset();
-  if (!stages.empty()) one(spec.orphans.emplace());
+                                  Flood::kRole, FeatureFilter::kRole, NarrowPhase::kRole));
+  std::optional<StageChoice>& choice = role == Flood::kRole ? spec.flood : spec.orphans;
+  choice.reset();
+  if (!stages.empty()) one(choice.emplace());
 }
 
 /// The stages of a spec that is const or not.
@@ -113,6 +115,7 @@ std::vector<std::pair<const char*, Choice*>> stages_of(Spec& spec) {
   for (Choice& choice : spec.element_culling) all.emplace_back(ElementCulling::kRole, &choice);
   all.emplace_back(Assignment::kRole, &spec.assignment);
   if (spec.orphans) all.emplace_back(OrphanSource::kRole, &*spec.orphans);
+  if (spec.flood) all.emplace_back(Flood::kRole, &*spec.flood);
   for (Choice& choice : spec.feature_filters) all.emplace_back(FeatureFilter::kRole, &choice);
   all.emplace_back(NarrowPhase::kRole, &spec.narrow_phase);
   return all;
@@ -136,6 +139,7 @@ Registry Registry::standard() {
   registry.add(describe_static_assignment());
   registry.add(describe_dynamic_assignment());
   registry.add(describe_o_set());
+  registry.add(describe_boundary_flood());
   registry.add(describe_feature_kdop_filter());
   registry.add(describe_coplanarity_filter());
   registry.add(describe_csat_filter());
@@ -189,6 +193,7 @@ PipelineSpec Registry::resolved(PipelineSpec spec) const {
   for (StageChoice& choice : spec.element_culling) fill(stage<ElementCulling>(choice.name).options, choice);
   fill(stage<Assignment>(spec.assignment.name).options, spec.assignment);
   if (spec.orphans) fill(stage<OrphanSource>(spec.orphans->name).options, *spec.orphans);
+  if (spec.flood) fill(stage<Flood>(spec.flood->name).options, *spec.flood);
   for (StageChoice& choice : spec.feature_filters) fill(stage<FeatureFilter>(choice.name).options, choice);
   fill(stage<NarrowPhase>(spec.narrow_phase.name).options, spec.narrow_phase);
   return spec;

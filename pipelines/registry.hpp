@@ -10,6 +10,7 @@
 #include <volccd/culling/element_culling.hpp>
 #include <volccd/culling/assignment.hpp>
 #include <volccd/culling/feature_filter.hpp>
+#include <volccd/culling/flood.hpp>
 #include <volccd/culling/orphan_source.hpp>
 #include <volccd/narrowphase/narrow_phase.hpp>
 
@@ -31,6 +32,7 @@ struct PipelineSpec {
   std::optional<StageChoice> orphans;
   std::vector<StageChoice> feature_filters;  ///< may be empty
   StageChoice narrow_phase;
+  std::optional<StageChoice> flood = std::nullopt;  ///< beside assignment and orphans, for the steps that it takes
 
   /// All stages in the order in which they run, each with its role as in `--set`.
   std::vector<std::pair<const char*, StageChoice*>> stages();
@@ -52,7 +54,7 @@ class Registry {
   /// Adds a pipeline. Throws ConfigError if the name is taken.
   void add_pipeline(PipelineSpec spec);
 
-  /// Stage is BroadPhase, ElementCulling, Assignment, OrphanSource, FeatureFilter or NarrowPhase.
+  /// Stage is BroadPhase, ElementCulling, Assignment, OrphanSource, Flood, FeatureFilter or NarrowPhase.
   template <class Stage>
   const std::vector<StageDescriptor<Stage>>& stages() const {
     return std::get<Stages<Stage>>(stages_);
@@ -76,7 +78,7 @@ class Registry {
   /// Changes a spec by one setting, as `--set` has it. Throws ConfigError.
   ///     stage.option=value      an option of a stage that the pipeline has:  csat.axis=optimal
   ///     role=name[,name...]     another stage in a role, or none:            feature-filter=feature-kdop,coplanarity
-  /// Roles: broad-phase, element-culling, assignment, orphans, feature-filter, narrow-phase. Options that a stage has stay
+  /// Roles: broad-phase, element-culling, assignment, orphans, flood, feature-filter, narrow-phase. Options that a stage has stay
   /// when it is named again.
   void apply_setting(PipelineSpec& spec, const std::string& setting) const;
 
@@ -87,7 +89,7 @@ class Registry {
   void check_new(const std::string& name) const;
   [[noreturn]] static void unknown(const char* what, const std::string& name, const std::string& known);
 
-  std::tuple<Stages<BroadPhase>, Stages<ElementCulling>, Stages<Assignment>, Stages<OrphanSource>,
+  std::tuple<Stages<BroadPhase>, Stages<ElementCulling>, Stages<Assignment>, Stages<OrphanSource>, Stages<Flood>,
              Stages<FeatureFilter>, Stages<NarrowPhase>>
       stages_;
   std::vector<PipelineSpec> pipelines_;

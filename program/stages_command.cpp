@@ -36,8 +36,9 @@ void print_pipelines(const Registry& registry) {
   fmt::print("pipelines (--pipeline)\n");
   for (const PipelineSpec& spec : registry.pipelines()) {
     fmt::print("  {:<20} {}\n", spec.name, spec.description);
-    fmt::print("    {} | {} | {} | {} | {} | {}\n", text_of(spec.broad_phase), text_of(spec.element_culling),
-               text_of(spec.assignment), spec.orphans ? text_of(*spec.orphans) : "none", text_of(spec.feature_filters),
+    fmt::print("    {} | {} | {} | {} | {} | {} | {}\n", text_of(spec.broad_phase), text_of(spec.element_culling),
+               text_of(spec.assignment), spec.orphans ? text_of(*spec.orphans) : "none",
+               spec.flood ? text_of(*spec.flood) : "none", text_of(spec.feature_filters),
                text_of(spec.narrow_phase));
   }
 }
@@ -55,6 +56,7 @@ void add_stages_command(CLI::App& app, const Registry& registry, Action& action)
       print_stages<ElementCulling>(registry, "drops element pairs, masks features of a pair");
       print_stages<Assignment>(registry, "which tests an element pair performs");
       print_stages<OrphanSource>(registry, "tests that no pair of non-adjacent elements covers; may be none");
+      print_stages<Flood>(registry, "reaches all contacts from pairs of boundary elements; may be none");
       print_stages<FeatureFilter>(registry, "drops single tests");
       print_stages<NarrowPhase>(registry, "elementary tests");
       print_pipelines(registry);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <volccd/mesh/topology.hpp>
+#include <volccd/query/element_subset.hpp>
 #include <volccd/query/motion.hpp>
 #include <volccd/query/object_filter.hpp>
 
@@ -18,9 +19,12 @@ struct Step {
   /// Contacts later than this need not be found: a stage may drop what touches only after t_max. 1: all of the step. A
   /// stage may ignore it.
   double t_max = 1;
+  /// The elements that a broad phase pairs; null: all live ones.
+  const ElementSubset* subset = nullptr;
 
   const Mesh& mesh() const { return topology.mesh(); }
   const Features& features() const { return topology.features(); }
+  bool takes_part(Index o) const { return mesh().is_live(o) && (!subset || subset->contains(o)); }
 };
 
 }  // namespace volccd

@@ -17,22 +17,24 @@ void ElementList::append(const Mesh& mesh, Index slot) {
   begins_.push_back(vertices_.size());
 }
 
-void ElementList::assign_live(const Mesh& mesh) {
+void ElementList::assign(const Step& step) {
+  const Mesh& mesh = step.mesh();
   clear();
-  slots_.reserve(mesh.element_count());
-  begins_.reserve(mesh.element_count() + std::size_t{1});
+  const std::size_t count = step.subset ? step.subset->size() : mesh.element_count();
+  slots_.reserve(count);
+  begins_.reserve(count + 1);
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.is_live(o)) append(mesh, o);
+    if (step.takes_part(o)) append(mesh, o);
 }
 
-void ElementList::update(const Mesh& mesh, std::span<const Index> touched) {
+void ElementList::update(const Step& step, std::span<const Index> touched) {
   slots_scratch_.clear();
   for (const Index slot : slots_)
     if (slot != kNone && !std::binary_search(touched.begin(), touched.end(), slot)) slots_scratch_.push_back(slot);
   for (const Index slot : touched)
-    if (mesh.is_live(slot)) slots_scratch_.push_back(slot);
+    if (step.takes_part(slot)) slots_scratch_.push_back(slot);
   clear();
-  for (const Index slot : slots_scratch_) append(mesh, slot);
+  for (const Index slot : slots_scratch_) append(step.mesh(), slot);
 }
 
 void ElementList::permute(std::size_t begin, std::span<const Index> order) {

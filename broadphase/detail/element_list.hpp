@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/mesh.hpp>
+#include <volccd/query/step.hpp>
 
 namespace volccd::detail {
 
@@ -15,10 +15,10 @@ class ElementList {
   void clear() { truncate(0); }
   void truncate(std::size_t size);
   void append(const Mesh& mesh, Index slot);
-  /// All live elements, by slot.
-  void assign_live(const Mesh& mesh);
-  /// After an edit: takes out the slots that were emptied or filled and appends those that live. `touched` ascends.
-  void update(const Mesh& mesh, std::span<const Index> touched);
+  /// All elements that take part in the step, by slot.
+  void assign(const Step& step);
+  /// Takes out the touched slots and appends those that take part. `touched` ascends.
+  void update(const Step& step, std::span<const Index> touched);
 
   std::size_t size() const { return slots_.size(); }
   Index slot(std::size_t position) const { return slots_[position]; }

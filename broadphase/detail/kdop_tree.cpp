@@ -54,16 +54,16 @@ double KdopTree::centre(const BuildItem& item, std::size_t axis) {
   return 0.5 * (static_cast<double>(item.lo[axis]) + static_cast<double>(item.hi[axis]));
 }
 
-void KdopTree::build(const Mesh& mesh, int leaf_size, const BoundsTable& vertices, Executor& executor) {
+void KdopTree::build(const Step& step, int leaf_size, const BoundsTable& vertices, Executor& executor) {
   leaf_size_ = static_cast<Index>(leaf_size);
-  list_.assign_live(mesh);
+  list_.assign(step);
   const Index count = static_cast<Index>(list_.size());
   built_elements_ = count;
   gaps_ = 0;
   depth_ = 0;
   roots_.clear();
   nodes_.clear();
-  positions_.assign(mesh.element_slots(), kNone);
+  positions_.assign(step.mesh().element_slots(), kNone);
   element_bounds_.resize(count + LeafLanes::kPadding, vertices.width());
   bound_elements(vertices, list_, executor, element_bounds_);
   node_bounds_.resize(count == 0 ? 0 : nodes_of(count), vertices.width());
@@ -81,9 +81,9 @@ void KdopTree::build(const Mesh& mesh, int leaf_size, const BoundsTable& vertice
   if (count > 0) note_costs(0);
 }
 
-bool KdopTree::edit(const Mesh& mesh, const std::vector<Index>& touched, const BoundsTable& vertices,
+bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const BoundsTable& vertices,
                     Executor& executor) {
-  positions_.resize(mesh.element_slots(), kNone);
+  positions_.resize(step.mesh().element_slots(), kNone);
   order_.clear();  // slots of the second tree
   for (std::size_t p = built_elements_; p < list_.size(); ++p)
     if (!std::binary_search(touched.begin(), touched.end(), list_.slot(p))) order_.push_back(list_.slot(p));
@@ -93,12 +93,12 @@ bool KdopTree::edit(const Mesh& mesh, const std::vector<Index>& touched, const B
       ++gaps_;
     }
     positions_[slot] = kNone;
-    if (mesh.is_live(slot)) order_.push_back(slot);
+    if (step.takes_part(slot)) order_.push_back(slot);
   }
   if (gaps_ > built_elements_ / kMostGaps || order_.size() > built_elements_ / kMostAdded + kFewAdded) return false;
 
   list_.truncate(built_elements_);
-  for (const Index slot : order_) list_.append(mesh, slot);
+  for (const Index slot : order_) list_.append(step.mesh(), slot);
   const Index end = static_cast<Index>(list_.size());
   const Index first = built_elements_ == 0 ? 0 : nodes_of(built_elements_);
   nodes_.resize(end == built_elements_ ? first : first + nodes_of(end - built_elements_));

@@ -45,12 +45,12 @@ class KdopTree {
  public:
   static constexpr int kMostLeafSize = 8;
 
-  /// A tree over all live elements, with bounds. `vertices` are the vertices' bounds of this step.
-  void build(const Mesh& mesh, int leaf_size, const BoundsTable& vertices, Executor& executor);
+  /// A tree over all elements that take part, with bounds. `vertices` are the vertices' bounds of this step.
+  void build(const Step& step, int leaf_size, const BoundsTable& vertices, Executor& executor);
 
   /// Takes elements out and puts others in. False if a build is due instead: too many of either have gathered since the
-  /// last one. `touched`: slots emptied or filled since the last call. Bounds are those of the next refit.
-  bool edit(const Mesh& mesh, const std::vector<Index>& touched, const BoundsTable& vertices, Executor& executor);
+  /// last one. `touched`: slots whose taking part may have changed since the last call. Bounds are those of the next refit.
+  bool edit(const Step& step, const std::vector<Index>& touched, const BoundsTable& vertices, Executor& executor);
 
   /// Bounds for another step. Time linear in the elements.
   void refit(const BoundsTable& vertices, Executor& executor);

@@ -28,7 +28,7 @@ json columns_of(const Statistics& statistics) {
   for (const char* other : {"stages", "steps", "adjacent_pairs", "initial_overlaps", "duplicates"}) row.erase(other);
   row["seconds"] = rounded(statistics.seconds);
   std::map<std::string, std::pair<double, double>> roles = {{BroadPhase::kRole, {}},    {ElementCulling::kRole, {}},
-                                                            {Assignment::kRole, {}},    {OrphanSource::kRole, {}},
+                                                            {Assignment::kRole, {}},    {OrphanSource::kRole, {}}, {Flood::kRole, {}},
                                                             {FeatureFilter::kRole, {}}, {NarrowPhase::kRole, {}}};
   double bounds = 0;
   for (const StageStatistics& stage : statistics.stages) {
@@ -211,6 +211,7 @@ bool keeps_contacts(const Registry& registry, const PipelineSpec& spec) {
   return sound(registry.stage<BroadPhase>(spec.broad_phase.name)) &&
          all.template operator()<ElementCulling>(spec.element_culling) &&
          sound(registry.stage<Assignment>(spec.assignment.name)) &&
+         (!spec.flood || sound(registry.stage<Flood>(spec.flood->name))) &&
          (!spec.orphans || sound(registry.stage<OrphanSource>(spec.orphans->name))) &&
          all.template operator()<FeatureFilter>(spec.feature_filters);
 }

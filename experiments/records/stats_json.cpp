@@ -68,6 +68,7 @@ json to_json(const PipelineSpec& spec) {
           {"element_culling", culling},
           {"assignment", to_json(spec.assignment)},
           {"orphans", spec.orphans ? to_json(*spec.orphans) : json(nullptr)},
+          {"flood", spec.flood ? to_json(*spec.flood) : json(nullptr)},
           {"feature_filters", filters},
           {"narrow_phase", to_json(spec.narrow_phase)}};
 }

@@ -13,4 +13,11 @@ PairRange required_range(const std::string& pipeline, const std::string& assignm
   return has_orphans ? PairRange::nonadjacent : PairRange::every;
 }
 
+void require_orphans_for(const std::string& pipeline, const std::string& flood_name, bool has_orphans) {
+  if (has_orphans) return;
+  throw ConfigError(fmt::format("pipeline {}: {} needs an assignment and an O-Set for the steps that it does not take; use "
+                                "orphans=o-set, or flood=none",
+                                pipeline, flood_name));
+}
+
 }  // namespace volccd::detail

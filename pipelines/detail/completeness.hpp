@@ -11,4 +11,7 @@ namespace volccd::detail {
 PairRange required_range(const std::string& pipeline, const std::string& assignment_name, const Assignment& assignment,
                          bool has_orphans);
 
+/// Throws ConfigError unless the pipeline of a flood has orphans: for the steps that the flood does not take.
+void require_orphans_for(const std::string& pipeline, const std::string& flood_name, bool has_orphans);
+
 }  // namespace volccd::detail

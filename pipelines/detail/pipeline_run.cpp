@@ -54,6 +54,7 @@ void Pipeline::Run::execute(StepResult& result, const Workspace& workspace) {
     prepare_workers();
     prepare_stages();
     run_broad_phase();
+    if (flooded_) run_flood();
     if (pipeline_.orphans_) run_orphans();
     executor_.parallel_for(data_.workers.size(), 1, [&](std::size_t begin, std::size_t end, unsigned) {
       for (std::size_t w = begin; w < end; ++w) finish_tests(*data_.workers[w]);
@@ -85,9 +86,19 @@ void Pipeline::Run::prepare_workers() {
 
 void Pipeline::Run::prepare_stages() {
   StageClock clock;
-  for (std::size_t i = 0; i < pipeline_.stages_.size(); ++i) {
+  const auto prepare = [&](std::size_t i, const Step& step) {
     const StageTimer timer(clock, data_.workers[0]->sums.stages[i].prepare_seconds);
-    pipeline_.stages_[i]->prepare(step_, state(i), executor_);
+    pipeline_.stages_[i]->prepare(step, state(i), executor_);
+  };
+  if (pipeline_.flood_) {
+    prepare(flood(), step_);
+    flooded_ = pipeline_.flood_->takes(state(flood()), overlaps_asked_);
+    if (flooded_) flood_step_.emplace(pipeline_.flood_->step(state(flood())));
+  }
+  for (std::size_t i = 0; i < pipeline_.stages_.size(); ++i) {
+    if (pipeline_.flood_ && i == flood()) continue;
+    if (flooded_ && i == orphans()) continue;  // its O-Set is not needed: it waits for the next step without a flood
+    prepare(i, i <= assignment() ? pair_step() : step_);
   }
   data_.workers[0]->sums.stages[kBroadPhase].bounds_seconds = pipeline_.broad_phase_->bounds_seconds(state(kBroadPhase));
 }
@@ -107,8 +118,9 @@ void Pipeline::Run::run_broad_phase() {
   double all = 0, handed_on = 0;
   {
     const StageTimer timer(clock, all);
-    pipeline_.broad_phase_->run(step_, state(kBroadPhase), pipeline_.range_, executor,
+    pipeline_.broad_phase_->run(pair_step(), state(kBroadPhase), pipeline_.range_, executor,
                                 [&](std::span<const ElementPair> pairs, unsigned w) {
+                                  data_.workers[w]->sums.stages[kBroadPhase].out += pairs.size();
                                   const bool in_chunk = data_.workers[w]->chain.clock().running();
                                   const double before = in_chunk ? 0 : charged_seconds();
                                   take_pairs(pairs, w);
@@ -118,20 +130,42 @@ void Pipeline::Run::run_broad_phase() {
   data_.workers[0]->sums.stages[kBroadPhase].seconds += std::max(0.0, all - executor.in_parallel() - handed_on);
 }
 
+void Pipeline::Run::run_flood() {
+  const Flood& source = *pipeline_.flood_;
+  StageStatistics& statistics = data_.workers[0]->sums.stages[flood()];
+  StageClock clock;
+  for (;;) {
+    Flood::Front front;
+    {
+      const StageTimer timer(clock, statistics.seconds);
+      front = source.next(state(flood()), executor_);
+    }
+    if (front.pairs.empty()) return;
+    statistics.out += front.pairs.size();
+    executor_.parallel_for(front.pairs.size(), kPairs, [&](std::size_t begin, std::size_t end, unsigned w) {
+      take_pairs(front.pairs.subspan(begin, end - begin), w, front.at_start);
+    });
+  }
+}
+
 void Pipeline::Run::run_orphans() {
-  const OrphanSource& source = *pipeline_.orphans_;
-  executor_.parallel_for(source.blocks(state(orphans())), 1, [&](std::size_t begin, std::size_t end, unsigned w) {
+  const std::size_t stage = flooded_ ? flood() : orphans();
+  const std::size_t blocks = flooded_ ? pipeline_.flood_->orphan_blocks(state(stage)) : pipeline_.orphans_->blocks(state(stage));
+  executor_.parallel_for(blocks, 1, [&](std::size_t begin, std::size_t end, unsigned w) {
     WorkerScratch& worker = *data_.workers[w];
-    StageStatistics& statistics = worker.sums.stages[orphans()];
+    StageStatistics& statistics = worker.sums.stages[stage];
     Step step = step_;
     step.t_max = latest_time();
     for (std::size_t block = begin; block < end; ++block) {
       const std::size_t before = worker.tests.size();
       {
         const StageTimer timer(worker.chain.clock(), statistics.seconds);
-        source.run(step, state(orphans()), w, block, worker.tests);
+        if (flooded_)
+          pipeline_.flood_->orphans(state(stage), w, block, worker.tests);
+        else
+          pipeline_.orphans_->run(step, state(stage), w, block, worker.tests);
       }
-      statistics.out += worker.tests.size() - before;
+      if (!flooded_) statistics.out += worker.tests.size() - before;
       worker.sums.orphan_tests += worker.tests.size() - before;
       run_tests(worker, TestBlock::kCapacity);
     }
@@ -150,15 +184,15 @@ double Pipeline::Run::latest_time() const {
 void Pipeline::Run::count_adjacent(std::span<const ElementPair> pairs, Statistics& sums) const {
   sums.element_pairs += pairs.size();
   if (!adjacent_asked_) return;
-  for (const ElementPair pair : pairs) sums.adjacent_pairs += step_.topology.adjacency().adjacent(pair.a, pair.b);
+  for (const ElementPair pair : pairs) sums.adjacent_pairs += pair_step().topology.adjacency().adjacent(pair.a, pair.b);
 }
 
-void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w) {
+/// From the broad phase or a flood. `at_start`: only what touches at t = 0 matters.
+void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w, bool at_start) {
   WorkerScratch& worker = *data_.workers[w];
   const StageTimer nobody(worker.chain.clock());
-  Step step = step_;
-  step.t_max = latest_time();
-  worker.sums.stages[kBroadPhase].out += pairs.size();
+  Step step = pair_step();
+  step.t_max = at_start ? 0 : latest_time();
   count_adjacent(pairs, worker.sums);
   for (std::size_t begin = 0; begin < pairs.size(); begin += kPairs) {
     worker.batch.assign(pairs.subspan(begin, std::min(kPairs, pairs.size() - begin)));
@@ -167,18 +201,31 @@ void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w) {
       take_overlaps(worker.batch.pairs, worker);
       take_overlaps(worker.batch.contact_free, worker);
     }
-    StageStatistics& statistics = worker.sums.stages[assignment()];
-    const std::size_t before = worker.tests.size();
-    {
+    if (flooded_) {
+      StageStatistics& statistics = worker.sums.stages[flood()];
       const StageTimer timer(worker.chain.clock(), statistics.seconds);
-      pipeline_.assignment_->run(step, state(assignment()), w, worker.batch, worker.tests);
+      statistics.in += worker.batch.size();
+      pipeline_.flood_->reach(state(flood()), w, worker.batch.pairs);
     }
-    statistics.in += worker.batch.size();
-    statistics.out += worker.tests.size() - before;
-    worker.sums.surviving_pairs += worker.batch.size();
-    worker.sums.owned_tests += worker.tests.size() - before;
+    assign_tests(step, w);
     if (worker.tests.size() >= kTests) run_tests(worker, TestBlock::kCapacity);
   }
+}
+
+void Pipeline::Run::assign_tests(const Step& step, unsigned w) {
+  WorkerScratch& worker = *data_.workers[w];
+  StageStatistics& statistics = worker.sums.stages[assignment()];
+  const std::size_t vf_before = worker.tests.vf.size(), ee_before = worker.tests.ee.size();
+  {
+    const StageTimer timer(worker.chain.clock(), statistics.seconds);
+    pipeline_.assignment_->run(step, state(assignment()), w, worker.batch, worker.tests);
+    if (flooded_) pipeline_.flood_->to_mesh_features(state(flood()), worker.tests, vf_before, ee_before);
+  }
+  const std::size_t tests = worker.tests.size() - vf_before - ee_before;
+  statistics.in += worker.batch.size();
+  statistics.out += tests;
+  worker.sums.surviving_pairs += worker.batch.size();
+  worker.sums.owned_tests += tests;
 }
 
 void Pipeline::Run::cull_pairs(const Step& step, unsigned w) {

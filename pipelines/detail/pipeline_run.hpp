@@ -2,6 +2,7 @@
 #pragma once
 
 #include <atomic>
+#include <optional>
 #include <span>
 
 #include <volccd/pipelines/detail/workspace_data.hpp>
@@ -10,6 +11,7 @@
 namespace volccd {
 
 /// Two sources of tests: element pairs of the broad phase, through element culling and assignment; and blocks of orphans.
+/// Where a flood takes the step, it proposes further pairs, and has the orphans.
 /// Both flow through filters and narrow phase on the worker that received them, so that no list of all pairs or all tests
 /// exists at any time. Sums are kept by worker and added in the end; contacts are put in canonical order: both are
 /// independent of the number of workers.
@@ -28,11 +30,14 @@ class Pipeline::Run {
   void prepare_workers();
   void prepare_stages();
   void run_broad_phase();
+  void run_flood();
   void run_orphans();
   double charged_seconds() const;
+  const Step& pair_step() const { return flooded_ ? *flood_step_ : step_; }
   double latest_time() const;
   void count_adjacent(std::span<const ElementPair> pairs, Statistics& sums) const;
-  void take_pairs(std::span<const ElementPair> pairs, unsigned w);
+  void take_pairs(std::span<const ElementPair> pairs, unsigned w, bool at_start = false);
+  void assign_tests(const Step& step, unsigned w);
   void cull_pairs(const Step& step, unsigned w);
   void take_overlaps(std::span<const ElementPair> pairs, detail::WorkerScratch& worker);
   void run_tests(detail::WorkerScratch& worker, std::size_t multiple);
@@ -47,13 +52,18 @@ class Pipeline::Run {
   static constexpr std::size_t kBroadPhase = 0, kFirstCulling = 1;
   std::size_t assignment() const { return kFirstCulling + pipeline_.element_culling_.size(); }
   std::size_t orphans() const { return assignment() + 1; }
-  std::size_t first_filter() const { return assignment() + (pipeline_.orphans_ ? 2 : 1); }
+  std::size_t flood() const { return assignment() + (pipeline_.orphans_ ? 2 : 1); }
+  std::size_t first_filter() const { return flood() + (pipeline_.flood_ ? 1 : 0); }
   std::size_t overlap_test() const { return pipeline_.stages_.size(); }
-  StageState& state(std::size_t stage) const { return *data_.states[stage]; }
+  StageState& state(std::size_t stage) const {
+    return flooded_ && stage == kBroadPhase ? *data_.flood_broad_phase : *data_.states[stage];
+  }
   std::vector<StageStatistics> empty_stages() const;
 
   const Pipeline& pipeline_;
   const Step& step_;
+  std::optional<Step> flood_step_;  ///< what broad phase, culling and assignment see if a flood takes the step
+  bool flooded_ = false;
   Workspace::Data& data_;
   Executor& executor_;
   const Query query_;

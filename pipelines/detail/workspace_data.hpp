@@ -35,6 +35,7 @@ struct Workspace::Data {
   std::uint64_t pipeline = 0;  ///< id of the one that made it
   bool intact = false;         ///< false during a run, and for good if that throws: then the states are made anew
   std::vector<std::unique_ptr<StageState>> states;  ///< in the order of the stages
+  std::unique_ptr<StageState> flood_broad_phase;    ///< of the broad phase, for steps that a flood takes
   std::vector<std::unique_ptr<detail::WorkerScratch>> workers;
 };
 

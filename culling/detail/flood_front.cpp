@@ -1,0 +1,154 @@
+#include <volccd/culling/detail/flood_front.hpp>
+
+#include <algorithm>
+#include <numeric>
+
+#include <volccd/culling/detail/certified_sign.hpp>
+
+namespace volccd::detail {
+
+namespace {
+
+bool has_vertex(std::span<const Index> vertices, Index v) {
+  return std::find(vertices.begin(), vertices.end(), v) != vertices.end();
+}
+
+bool is_volume(const Mesh& mesh, Index o) { return mesh.type(o) == ElementType::tetrahedron; }
+
+}  // namespace
+
+void FloodFront::propose(Index a, Index b) {
+  if (a == b || step_.topology.adjacency().adjacent(a, b)) return;
+  const ElementPair pair{std::min(a, b), std::max(a, b)};
+  if (seen_.insert(pair)) out_.push_back(pair);
+}
+
+void FloodFront::inner_neighbours(Index of, Index other) {
+  for (const StarTable::Neighbour& across : stars_.neighbours(of))
+    if (across.element != kNone && !outer(across.element)) propose(across.element, other);
+}
+
+void FloodFront::around(ElementPair pair) {
+  if (is_volume(step_.mesh(), pair.a)) inner_neighbours(pair.a, pair.b);
+  if (is_volume(step_.mesh(), pair.b)) inner_neighbours(pair.b, pair.a);
+}
+
+bool FloodFront::only_suspect_common(Index a, Index b) const {
+  const std::span<const Index> of_b = step_.mesh().vertices(b);
+  for (const Index v : step_.mesh().vertices(a))
+    if (!classes_.suspect(v) && has_vertex(of_b, v)) return false;
+  return true;
+}
+
+bool FloodFront::has_inner_neighbour(Index o) const {
+  if (!is_volume(step_.mesh(), o)) return false;
+  const auto& neighbours = stars_.neighbours(o);
+  return std::any_of(neighbours.begin(), neighbours.end(), [&](const StarTable::Neighbour& across) {
+    return across.element != kNone && !outer(across.element);
+  });
+}
+
+void FloodFront::around_suspect_stars() {
+  for (const Index v : classes_.suspects()) {
+    const std::span<const Index> star = step_.features().vertex_elements(v);
+    for (const Index a : star) {
+      if (!has_inner_neighbour(a)) continue;
+      for (const Index b : star)
+        if (only_suspect_common(a, b)) inner_neighbours(a, b);
+    }
+  }
+}
+
+/// Whether all of b but vertices of a face of a lies beyond that face, at t = 0: then they have no more than common vertices
+/// in common.
+bool FloodFront::beyond_a_face_at_start(Index a, Index b) const {
+  if (!is_volume(step_.mesh(), a)) return false;
+  const std::span<const Index> of_a = step_.mesh().vertices(a), of_b = step_.mesh().vertices(b);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const Index x = of_a[i == 0 ? 1 : 0], y = of_a[i <= 1 ? 2 : 1], z = of_a[i <= 2 ? 3 : 2];
+    const Vec3 at = step_.motion.point(x, 0);
+    const Vec3 e = step_.motion.point(y, 0) - at, f = step_.motion.point(z, 0) - at;
+    const auto side = [&](Index v) { return CertifiedDeterminant(e, f, step_.motion.point(v, 0) - at); };
+    const CertifiedDeterminant own = side(of_a[i]);
+    if (!own.positive() && !own.negative()) continue;
+    const bool beyond = std::all_of(of_b.begin(), of_b.end(), [&](Index v) {
+      return v == x || v == y || v == z || (own.positive() ? side(v).negative() : side(v).positive());
+    });
+    if (beyond) return true;
+  }
+  return false;
+}
+
+bool FloodFront::may_overlap_at_start(Index a, Index b) const {
+  return !beyond_a_face_at_start(a, b) && !beyond_a_face_at_start(b, a);
+}
+
+bool FloodFront::may_contain_at_start(Index tetrahedron, Index vertex) const {
+  const std::span<const Index> t = step_.mesh().vertices(tetrahedron);
+  const Vec3 p = step_.motion.point(vertex, 0);
+  for (int axis = 0; axis < 3; ++axis) {
+    double low = p[axis], high = p[axis];
+    const double first = step_.motion.point(t[0], 0)[axis];
+    low = high = first;
+    for (const Index v : t) {
+      low = std::min(low, step_.motion.point(v, 0)[axis]);
+      high = std::max(high, step_.motion.point(v, 0)[axis]);
+    }
+    if (p[axis] < low || p[axis] > high) return false;
+  }
+  return true;
+}
+
+void FloodFront::around_at_start(ElementPair pair) {
+  if (outer(pair.b)) std::swap(pair.a, pair.b);
+  if (!outer(pair.a) || outer(pair.b)) return;
+  for (const Index v : step_.mesh().vertices(pair.a))
+    for (const Index other : step_.features().vertex_elements(v))
+      if (outer(other)) propose(other, pair.b);
+  inner_neighbours(pair.b, pair.a);
+}
+
+void FloodFront::from_start(std::span<const Index> vertices) {
+  const Mesh& mesh = step_.mesh();
+  for (Index o = 0; o < mesh.element_slots(); ++o) {
+    if (!mesh.is_live(o) || outer(o)) continue;
+    for (const Index v : vertices)
+      if (may_contain_at_start(o, v))
+        for (const Index at : step_.features().vertex_elements(v))
+          if (outer(at)) propose(at, o);
+  }
+  for (const Index v : classes_.suspects()) {
+    const std::span<const Index> star = step_.features().vertex_elements(v);
+    for (const Index inner : star) {
+      if (outer(inner)) continue;
+      for (const Index other : star)
+        if (outer(other) && only_suspect_common(inner, other) && may_overlap_at_start(inner, other))
+          around_at_start({other, inner});
+    }
+  }
+}
+
+std::vector<Index> FloodFront::one_of_each_part(const Step& step) {
+  std::vector<Index> parents(step.mesh().vertex_count());
+  std::iota(parents.begin(), parents.end(), Index{0});
+  const auto root = [&](Index v) {
+    while (parents[v] != v) v = parents[v] = parents[parents[v]];
+    return v;
+  };
+  std::vector<std::uint8_t> used(parents.size(), 0);
+  for (Index o = 0; o < step.mesh().element_slots(); ++o) {
+    if (!step.takes_part(o)) continue;
+    const std::span<const Index> vertices = step.mesh().vertices(o);
+    for (const Index v : vertices) {
+      used[v] = 1;
+      const Index x = root(v), y = root(vertices[0]);
+      parents[std::max(x, y)] = std::min(x, y);
+    }
+  }
+  std::vector<Index> first;
+  for (Index v = 0; v < parents.size(); ++v)
+    if (used[v] != 0 && parents[v] == v) first.push_back(v);
+  return first;
+}
+
+}  // namespace volccd::detail

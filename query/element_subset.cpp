@@ -1,0 +1,55 @@
+#include <volccd/query/element_subset.hpp>
+
+#include <algorithm>
+#include <atomic>
+#include <iterator>
+#include <utility>
+
+#include <volccd/query/step.hpp>
+
+namespace volccd {
+
+namespace {
+
+std::uint64_t next_version() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
+
+}  // namespace
+
+ElementSubset::ElementSubset() : version_(next_version()) {}
+
+void ElementSubset::end_change() {
+  if (next_.empty()) return;
+  changed_.swap(next_);
+  before_ = std::exchange(version_, next_version());
+}
+
+bool ElementSubset::changes_since(std::uint64_t version, std::span<const Index>& slots) const {
+  slots = {};
+  if (version == version_) return true;
+  if (version != before_) return false;
+  slots = changed_;
+  return true;
+}
+
+ElementDelta::Extent ElementDelta::sync(const Step& step) {
+  const Extent extent = topology_.sync(step.topology);
+  const std::uint64_t last = std::exchange(confirmed_, 0);
+  synced_ = step.subset ? step.subset->version() : 0;
+  changed_slots_.clear();
+  std::span<const Index> slots;
+  const bool known = step.subset ? step.subset->changes_since(last, slots) : last == 0;
+  if (extent == Extent::everything || !known) return Extent::everything;
+  std::set_union(topology_.changed_slots().begin(), topology_.changed_slots().end(), slots.begin(), slots.end(),
+                 std::back_inserter(changed_slots_));
+  return changed_slots_.empty() ? Extent::none : Extent::edits;
+}
+
+void ElementDelta::confirm() {
+  topology_.confirm();
+  confirmed_ = synced_;
+}
+
+}  // namespace volccd
