@@ -1,17 +1,17 @@
 #include <volccd/culling/boundary_flood.hpp>
 
+#include <algorithm>
 #include <optional>
 
 #include <volccd/culling/detail/flood_front.hpp>
-#include <volccd/culling/detail/o_set_partners.hpp>
 #include <volccd/culling/detail/simplex_complex.hpp>
 
 namespace volccd {
 
 namespace {
 
-/// Elements whose orphans are listed at once.
-constexpr std::size_t kBlockElements = 16;
+/// Suspect vertices whose orphans are listed at once.
+constexpr std::size_t kBlockVertices = 4;
 /// The subset keeps elements that it need not have until they are more than 1 in kSpare, and kFewSpare.
 constexpr std::size_t kSpare = 4, kFewSpare = 64;
 
@@ -19,8 +19,6 @@ enum class Phase { idle, start, flood };
 
 struct alignas(64) Worker {
   std::vector<ElementPair> reached;
-  detail::ElementTouch touch;
-  std::vector<Index> covering;
 };
 
 struct BoundaryFloodState final : StageState {
@@ -34,7 +32,6 @@ struct BoundaryFloodState final : StageState {
   std::vector<Index> parts;
   detail::PairSet seen, seen_at_start;
   std::vector<ElementPair> front, reached;
-  std::vector<Index> orphan_elements;
   std::vector<Worker> workers;
   Phase phase = Phase::idle;
   BoundaryFlood::Counters counters;
@@ -42,9 +39,8 @@ struct BoundaryFloodState final : StageState {
   std::size_t bytes() const override {
     std::size_t sum = complex.bytes() + stars.bytes() + classes.bytes() + outer.bytes() + seen.bytes() +
                       seen_at_start.bytes() + (front.capacity() + reached.capacity()) * sizeof(ElementPair) +
-                      (parts.capacity() + orphan_elements.capacity()) * sizeof(Index);
-    for (const Worker& w : workers)
-      sum += sizeof w + w.reached.capacity() * sizeof(ElementPair) + w.touch.bytes() + w.covering.capacity() * sizeof(Index);
+                      parts.capacity() * sizeof(Index);
+    for (const Worker& w : workers) sum += sizeof w + w.reached.capacity() * sizeof(ElementPair);
     return sum;
   }
 };
@@ -76,59 +72,64 @@ void choose_outer(const Step& step, BoundaryFloodState& state) {
   if (state.outer.version() != version) state.parts_valid = false;
 }
 
-/// First elements of the orphans that may touch: those with a vertex in a suspect star.
-void find_orphan_elements(const Step& step, BoundaryFloodState& state) {
-  state.orphan_elements.clear();
-  for (const Index v : state.classes.suspects()) {
-    const std::span<const Index> star = step.features().vertex_elements(v);
-    state.orphan_elements.insert(state.orphan_elements.end(), star.begin(), star.end());
-  }
-  std::sort(state.orphan_elements.begin(), state.orphan_elements.end());
-  state.orphan_elements.erase(std::unique(state.orphan_elements.begin(), state.orphan_elements.end()),
-                              state.orphan_elements.end());
-}
-
-/// Lists the orphans of which the first feature belongs to an element first.
+/// Lists the orphans whose first elements have common vertices in suspect stars only, each at the smallest of these vertices.
 class Orphans {
  public:
-  Orphans(const BoundaryFloodState& state, Worker& worker, TestBatch& out)
-      : topology_(state.complex.topology()),
-        classes_(state.classes),
-        partners_(topology_, worker.touch, worker.covering),
-        out_(out) {
-    worker.touch.fit(topology_.mesh().vertex_count(), topology_.mesh().element_slots());
-  }
+  Orphans(const BoundaryFloodState& state, TestBatch& out)
+      : topology_(state.complex.topology()), mesh_(topology_.mesh()), features_(topology_.features()), classes_(state.classes),
+        out_(out) {}
 
-  void of_element(Index o) {
-    const Features& features = topology_.features();
-    for (const Index v : topology_.mesh().vertices(o)) {
-      if (features.first_element_of_vertex(v) != o) continue;
-      partners_.triangles_of_vertex(false, v, [&](Index f) {
-        if (may_touch(features.vertex_elements(v), features.triangle_elements(f))) out_.vf.push_back({v, f});
-      });
-    }
-    for (const Index e : features.own_edges(o))
-      partners_.edges_of_edge(false, e, [&](Index g) { return e < g; }, [&](Index g) {
-        if (may_touch(features.edge_elements(e), features.edge_elements(g))) out_.ee.push_back({e, g});
-      });
+  void at_vertex(Index v) {
+    const std::span<const Index> star = features_.vertex_elements(v);
+    for (std::size_t i = 0; i < star.size(); ++i)
+      for (std::size_t j = i; j < star.size(); ++j)
+        if (first_common_suspect(star[i], star[j]) == v) of_elements(star[i], star[j]);
   }
 
  private:
-  /// Two features touch only if all pairs of elements around them have no common vertex of a clear star.
-  bool may_touch(std::span<const Index> inc_a, std::span<const Index> inc_b) const {
-    for (const Index a : inc_a)
-      for (const Index b : inc_b)
-        for (const Index v : topology_.mesh().vertices(a)) {
-          if (classes_.suspect(v)) continue;
-          const std::span<const Index> of_b = topology_.mesh().vertices(b);
-          if (std::find(of_b.begin(), of_b.end(), v) != of_b.end()) return false;
-        }
-    return true;
+  /// The smallest common vertex, or kNone if there is none or one of them has a clear star.
+  Index first_common_suspect(Index a, Index b) const {
+    Index first = kNone;
+    const std::span<const Index> of_a = topology_.adjacency().vertices(a);
+    for (std::uint32_t bits = classes_.common_suspects(topology_, a, b), i = 0; bits >> i != 0; ++i)
+      if (bits >> i & 1) first = std::min(first, of_a[i]);
+    return first;
+  }
+
+  /// Features that belong to a, or b, first.
+  void of_elements(Index a, Index b) {
+    vertices_and_triangles(a, b);
+    if (a != b) vertices_and_triangles(b, a);
+    for (const Index e : features_.own_edges(a))
+      for (const Index g : features_.own_edges(b)) {
+        if ((a == b && e >= g) || !is_test(features_, FeatureKind::ee, {e, g})) continue;
+        if (is_orphan(features_.edge_elements(e), features_.edge_elements(g)))
+          out_.ee.push_back({std::min(e, g), std::max(e, g)});
+      }
+  }
+
+  void vertices_and_triangles(Index a, Index b) {
+    for (const Index v : mesh_.vertices(a)) {
+      if (features_.first_element_of_vertex(v) != a) continue;
+      for (const Index f : features_.own_triangles(b))
+        if (is_test(features_, FeatureKind::vf, {v, f}) &&
+            is_orphan(features_.vertex_elements(v), features_.triangle_elements(f)))
+          out_.vf.push_back({v, f});
+    }
+  }
+
+  /// Two features without a pair of non-adjacent elements touch only if no pair of elements around them has a common
+  /// vertex of a clear star.
+  bool is_orphan(std::span<const Index> inc_a, std::span<const Index> inc_b) const {
+    return std::all_of(inc_a.begin(), inc_a.end(), [&](Index a) {
+      return std::all_of(inc_b.begin(), inc_b.end(), [&](Index b) { return classes_.common_suspects(topology_, a, b) != 0; });
+    });
   }
 
   const Topology& topology_;
+  const Mesh& mesh_;
+  const Features& features_;
   const detail::StarClasses& classes_;
-  detail::OSetPartners partners_;
   TestBatch& out_;
 };
 
@@ -165,7 +166,6 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
     return;
   choose_outer(*state.step, state);
   state.counters.paired = state.outer.size();
-  find_orphan_elements(*state.step, state);
   state.workers.resize(executor.workers());
   for (Worker& worker : state.workers) worker.reached.clear();
   state.reached.clear();
@@ -229,15 +229,16 @@ void BoundaryFlood::to_mesh_features(const StageState& state, TestBatch& tests, 
 }
 
 std::size_t BoundaryFlood::orphan_blocks(const StageState& state) const {
-  return (own(state).orphan_elements.size() + kBlockElements - 1) / kBlockElements;
+  return (own(state).classes.suspects().size() + kBlockVertices - 1) / kBlockVertices;
 }
 
-void BoundaryFlood::orphans(StageState& stage_state, unsigned worker, std::size_t block, TestBatch& out) const {
-  BoundaryFloodState& state = own(stage_state);
+void BoundaryFlood::orphans(const StageState& stage_state, std::size_t block, TestBatch& out) const {
+  const BoundaryFloodState& state = own(stage_state);
+  const std::vector<Index>& suspects = state.classes.suspects();
   const std::size_t vf_begin = out.vf.size(), ee_begin = out.ee.size();
-  Orphans orphans(state, state.workers[worker], out);
-  const std::size_t end = std::min(state.orphan_elements.size(), (block + 1) * kBlockElements);
-  for (std::size_t i = block * kBlockElements; i < end; ++i) orphans.of_element(state.orphan_elements[i]);
+  Orphans orphans(state, out);
+  const std::size_t end = std::min(suspects.size(), (block + 1) * kBlockVertices);
+  for (std::size_t i = block * kBlockVertices; i < end; ++i) orphans.at_vertex(suspects[i]);
   state.complex.to_mesh_features(out, vf_begin, ee_begin);
 }
 

@@ -44,7 +44,7 @@ class BoundaryFlood final : public Flood {
   void to_mesh_features(const StageState& state, TestBatch& tests, std::size_t vf_begin,
                         std::size_t ee_begin) const override;
   std::size_t orphan_blocks(const StageState& state) const override;
-  void orphans(StageState& state, unsigned worker, std::size_t block, TestBatch& out) const override;
+  void orphans(const StageState& state, std::size_t block, TestBatch& out) const override;
 
   /// Of a state that a BoundaryFlood made.
   static const Counters& counters(const StageState& state);

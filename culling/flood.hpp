@@ -29,7 +29,8 @@ class Flood : public Stage {
   /// What broad phase, culling and assignment see. Refers to `state`, which keeps it until the next prepare().
   virtual Step step(const StageState& state) const = 0;
 
-  /// Takes note of pairs that survived culling, on the worker that culled them.
+  /// Takes note of pairs that survived culling, on the worker that culled them: also those that were taken out as
+  /// PairVerdict::contact_free, which may have points in common.
   virtual void reach(StageState& state, unsigned worker, const std::vector<ElementPair>& pairs) const = 0;
 
   /// Pairs to look at next, none of which was looked at before; none: the flood is over.
@@ -46,7 +47,7 @@ class Flood : public Stage {
 
   /// The orphans, as OrphanSource::blocks() and run() give them, in features of the mesh.
   virtual std::size_t orphan_blocks(const StageState& state) const = 0;
-  virtual void orphans(StageState& state, unsigned worker, std::size_t block, TestBatch& out) const = 0;
+  virtual void orphans(const StageState& state, std::size_t block, TestBatch& out) const = 0;
 };
 
 }  // namespace volccd

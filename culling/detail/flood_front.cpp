@@ -2,16 +2,13 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include <volccd/culling/detail/certified_sign.hpp>
 
 namespace volccd::detail {
 
 namespace {
-
-bool has_vertex(std::span<const Index> vertices, Index v) {
-  return std::find(vertices.begin(), vertices.end(), v) != vertices.end();
-}
 
 bool is_volume(const Mesh& mesh, Index o) { return mesh.type(o) == ElementType::tetrahedron; }
 
@@ -33,13 +30,6 @@ void FloodFront::around(ElementPair pair) {
   if (is_volume(step_.mesh(), pair.b)) inner_neighbours(pair.b, pair.a);
 }
 
-bool FloodFront::only_suspect_common(Index a, Index b) const {
-  const std::span<const Index> of_b = step_.mesh().vertices(b);
-  for (const Index v : step_.mesh().vertices(a))
-    if (!classes_.suspect(v) && has_vertex(of_b, v)) return false;
-  return true;
-}
-
 bool FloodFront::has_inner_neighbour(Index o) const {
   if (!is_volume(step_.mesh(), o)) return false;
   const auto& neighbours = stars_.neighbours(o);
@@ -54,7 +44,7 @@ void FloodFront::around_suspect_stars() {
     for (const Index a : star) {
       if (!has_inner_neighbour(a)) continue;
       for (const Index b : star)
-        if (only_suspect_common(a, b)) inner_neighbours(a, b);
+        if (classes_.common_suspects(step_.topology, a, b) != 0) inner_neighbours(a, b);
     }
   }
 }
@@ -83,20 +73,27 @@ bool FloodFront::may_overlap_at_start(Index a, Index b) const {
   return !beyond_a_face_at_start(a, b) && !beyond_a_face_at_start(b, a);
 }
 
-bool FloodFront::may_contain_at_start(Index tetrahedron, Index vertex) const {
-  const std::span<const Index> t = step_.mesh().vertices(tetrahedron);
-  const Vec3 p = step_.motion.point(vertex, 0);
-  for (int axis = 0; axis < 3; ++axis) {
-    double low = p[axis], high = p[axis];
-    const double first = step_.motion.point(t[0], 0)[axis];
-    low = high = first;
-    for (const Index v : t) {
-      low = std::min(low, step_.motion.point(v, 0)[axis]);
-      high = std::max(high, step_.motion.point(v, 0)[axis]);
+/// Inner elements whose boxes contain one of the vertices, which are put in order of their first coordinates.
+void FloodFront::from_contained(std::span<const Index> vertices) {
+  std::vector<std::pair<double, Index>> along_x;
+  for (const Index v : vertices) along_x.emplace_back(step_.motion.point(v, 0)[0], v);
+  std::sort(along_x.begin(), along_x.end());
+  const Mesh& mesh = step_.mesh();
+  for (Index o = 0; o < mesh.element_slots(); ++o) {
+    if (!mesh.is_live(o) || outer(o)) continue;
+    Vec3 low = step_.motion.point(mesh.vertices(o)[0], 0), high = low;
+    for (const Index v : mesh.vertices(o).subspan(1)) {
+      low = low.cwiseMin(step_.motion.point(v, 0));
+      high = high.cwiseMax(step_.motion.point(v, 0));
     }
-    if (p[axis] < low || p[axis] > high) return false;
+    for (auto it = std::lower_bound(along_x.begin(), along_x.end(), std::pair(low[0], Index{0}));
+         it != along_x.end() && it->first <= high[0]; ++it) {
+      const Vec3 p = step_.motion.point(it->second, 0);
+      if (p[1] < low[1] || p[1] > high[1] || p[2] < low[2] || p[2] > high[2]) continue;
+      for (const Index at : step_.features().vertex_elements(it->second))
+        if (outer(at)) propose(at, o);
+    }
   }
-  return true;
 }
 
 void FloodFront::around_at_start(ElementPair pair) {
@@ -109,20 +106,13 @@ void FloodFront::around_at_start(ElementPair pair) {
 }
 
 void FloodFront::from_start(std::span<const Index> vertices) {
-  const Mesh& mesh = step_.mesh();
-  for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.is_live(o) || outer(o)) continue;
-    for (const Index v : vertices)
-      if (may_contain_at_start(o, v))
-        for (const Index at : step_.features().vertex_elements(v))
-          if (outer(at)) propose(at, o);
-  }
+  from_contained(vertices);
   for (const Index v : classes_.suspects()) {
     const std::span<const Index> star = step_.features().vertex_elements(v);
     for (const Index inner : star) {
       if (outer(inner)) continue;
       for (const Index other : star)
-        if (outer(other) && only_suspect_common(inner, other) && may_overlap_at_start(inner, other))
+        if (outer(other) && classes_.common_suspects(step_.topology, inner, other) != 0 && may_overlap_at_start(inner, other))
           around_at_start({other, inner});
     }
   }

@@ -35,11 +35,10 @@ class FloodFront {
 
  private:
   bool outer(Index o) const { return step_.subset->contains(o); }
-  bool only_suspect_common(Index a, Index b) const;
   bool has_inner_neighbour(Index o) const;
   bool may_overlap_at_start(Index a, Index b) const;
   bool beyond_a_face_at_start(Index a, Index b) const;
-  bool may_contain_at_start(Index tetrahedron, Index vertex) const;
+  void from_contained(std::span<const Index> vertices);
   void inner_neighbours(Index of, Index other);
   void propose(Index a, Index b);
 

@@ -123,6 +123,7 @@ void StarClasses::find_degenerate(const Step& step, const StarTable& stars, Exec
   const Index slots = mesh.element_slots();
   signs_.resize(slots);
   degenerate_.resize(slots);
+  sound_.resize(slots);
   executor.parallel_for(slots, kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
     volume_signs(step, static_cast<Index>(begin), static_cast<Index>(end), signs_.data());
   });
@@ -133,30 +134,43 @@ void StarClasses::find_degenerate(const Step& step, const StarTable& stars, Exec
         for (const StarTable::Neighbour& across : stars.neighbours(static_cast<Index>(o)))
           unsound = unsound || (across.element != kNone && signs_[o] * signs_[across.element] == (across.opposite ? -1 : 1));
       degenerate_[o] = unsound ? 1 : 0;
+      sound_[o] = !unsound && mesh.type(static_cast<Index>(o)) == ElementType::tetrahedron ? 1 : 0;
     }
   });
 }
 
-/// The degree of a star can change only while one of its tetrahedra is in D, when the topology changes, or when the step
-/// does not begin where the last one ended.
-void StarClasses::forget_degrees(const Step& step, const StarTable& stars, TopologyDelta::Extent changed) {
-  const Features& features = step.features();
+void StarClasses::forget_degrees_around(const Step& step, Index element) {
+  for (const Index v : step.mesh().vertices(element)) degrees_[v] = Degree::unknown;
+}
+
+/// The degree of a star can change only while a volume in it is 0, or with the topology. If this step does not begin where
+/// the last one ended, the degree is that of before where the volumes keep their signs on the straight way in between.
+void StarClasses::keep_degrees(const Step& step, const StarTable& stars, TopologyDelta::Extent changed,
+                               Executor& executor) {
   const Index vertices = step.motion.vertex_count();
-  if (changed == TopologyDelta::Extent::everything) {
-    degrees_.assign(vertices, Degree::unknown);
-    last_.assign(vertices, Vec3::Zero());
-  }
+  const bool anew = changed == TopologyDelta::Extent::everything || last_.empty();
+  if (anew) degrees_.assign(vertices, Degree::unknown);
   degrees_.resize(vertices, Degree::unknown);
-  last_.resize(vertices, Vec3::Zero());
   if (changed == TopologyDelta::Extent::edits)
     for (const Index v : stars.changed_vertices()) degrees_[v] = Degree::unknown;
-  const int end = step.motion.control_points() - 1;
+  start_.resize(vertices);
+  bool moved = false;
   for (Index v = 0; v < vertices; ++v) {
-    if (last_[v] != step.motion.point(v, 0))
-      for (const Index o : features.vertex_elements(v))
-        for (const Index w : step.mesh().vertices(o)) degrees_[w] = Degree::unknown;
-    last_[v] = step.motion.point(v, end);
+    start_[v] = step.motion.point(v, 0);
+    if (v >= last_.size()) last_.push_back(start_[v]);
+    moved = moved || last_[v] != start_[v];
   }
+  if (moved && !anew) {
+    gap_.set_linear(last_, start_);
+    const Step way{step.topology, gap_, step.filter};
+    gap_signs_.resize(signs_.size());
+    executor.parallel_for(signs_.size(), kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+      volume_signs(way, static_cast<Index>(begin), static_cast<Index>(end), gap_signs_.data());
+    });
+    for (Index o = 0; o < signs_.size(); ++o)
+      if (gap_signs_[o] != signs_[o]) forget_degrees_around(step, o);
+  }
+  for (Index v = 0; v < vertices; ++v) last_[v] = step.motion.point(v, step.motion.control_points() - 1);
 }
 
 void StarClasses::classify(const Step& step, const StarTable& stars, Index v) {
@@ -172,7 +186,7 @@ void StarClasses::classify(const Step& step, const StarTable& stars, Index v) {
 
 void StarClasses::update(const Step& step, const StarTable& stars, TopologyDelta::Extent changed, Executor& executor) {
   find_degenerate(step, stars, executor);
-  forget_degrees(step, stars, changed);
+  keep_degrees(step, stars, changed, executor);
   const Index vertices = step.motion.vertex_count();
   suspect_.resize(vertices);
   wound_.assign(vertices, 0);
@@ -181,10 +195,8 @@ void StarClasses::update(const Step& step, const StarTable& stars, TopologyDelta
   for (Index o = 0; o < degenerate_.size(); ++o) {
     if (degenerate_[o] == 0) continue;
     ++degenerate_count_;
-    for (const Index v : step.mesh().vertices(o)) {
-      suspect_[v] = 1;
-      degrees_[v] = Degree::unknown;
-    }
+    forget_degrees_around(step, o);
+    for (const Index v : step.mesh().vertices(o)) suspect_[v] = 1;
   }
   executor.parallel_for(vertices, kVertexGrain, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t v = begin; v < end; ++v) classify(step, stars, static_cast<Index>(v));
@@ -192,11 +204,18 @@ void StarClasses::update(const Step& step, const StarTable& stars, TopologyDelta
   suspects_.clear();
   for (Index v = 0; v < vertices; ++v)
     if (suspect_[v] != 0) suspects_.push_back(v);
+  suspect_places_.assign(signs_.size(), 0);
+  for (const Index v : suspects_)
+    for (const Index o : step.features().vertex_elements(v)) {
+      const std::span<const Index> corners = step.topology.adjacency().vertices(o);
+      for (std::size_t i = 0; i < 4; ++i)
+        suspect_places_[o] |= static_cast<std::uint8_t>((corners[i] == v ? 1 : 0) << i);
+    }
 }
 
 std::size_t StarClasses::bytes() const {
-  return signs_.capacity() + degenerate_.capacity() + suspect_.capacity() + wound_.capacity() + degrees_.capacity() +
-         last_.capacity() * sizeof(Vec3) + suspects_.capacity() * sizeof(Index);
+  return signs_.capacity() + degenerate_.capacity() + sound_.capacity() + suspect_.capacity() + suspect_places_.capacity() + wound_.capacity() + degrees_.capacity() +
+         (last_.capacity() + start_.capacity()) * sizeof(Vec3) + gap_.bytes() + gap_signs_.capacity() + suspects_.capacity() * sizeof(Index);
 }
 
 }  // namespace volccd::detail

@@ -1,6 +1,7 @@
 // Which parts of a simplicial complex stay embedded all through a step, and which may fold: D, clear and suspect stars.
 #pragma once
 
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -27,20 +28,41 @@ class StarClasses {
   /// An interior vertex whose star is in one piece, not in D, and not proven to go once around the vertex.
   bool wound(Index v) const { return wound_[v] != 0; }
 
+  /// Bits of the places at which the vertices of simplex a are vertices of b (Adjacency::vertices, a triangle repeats its
+  /// first one).
+  static std::uint32_t common_vertices(const Topology& topology, Index a, Index b) {
+    const Index *x = topology.adjacency().vertices(a).data(), *y = topology.adjacency().vertices(b).data();
+    std::uint32_t bits = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+      bits |= std::uint32_t{x[i] == y[0] || x[i] == y[1] || x[i] == y[2] || x[i] == y[3]} << i;
+    return bits;
+  }
+  /// The same, 0 if a and b are proven to have no two points of the complex in one place at any time: one of the common
+  /// vertices has a clear star, or they are tetrahedra out of D with a common face, or the same.
+  std::uint32_t common_suspects(const Topology& topology, Index a, Index b) const {
+    const std::uint32_t common = common_vertices(topology, a, b);
+    if ((common & ~std::uint32_t{suspect_places_[a]}) != 0) return 0;
+    return sound_[a] != 0 && sound_[b] != 0 && std::popcount(common) >= 3 ? 0 : common;
+  }
+
   std::size_t bytes() const;
 
  private:
   enum class Degree : std::uint8_t { unknown, one, other };
 
   void find_degenerate(const Step& step, const StarTable& stars, Executor& executor);
-  void forget_degrees(const Step& step, const StarTable& stars, TopologyDelta::Extent changed);
+  void keep_degrees(const Step& step, const StarTable& stars, TopologyDelta::Extent changed, Executor& executor);
+  void forget_degrees_around(const Step& step, Index element);
   void classify(const Step& step, const StarTable& stars, Index v);
 
   std::vector<std::int8_t> signs_;         ///< of volumes, by element slot
-  std::vector<std::uint8_t> degenerate_;   ///< by element slot
+  std::vector<std::uint8_t> degenerate_, sound_;  ///< by element slot; sound: a tetrahedron out of D
   std::vector<std::uint8_t> suspect_, wound_;  ///< by vertex
+  std::vector<std::uint8_t> suspect_places_;   ///< by element slot: bits of its vertices
   std::vector<Degree> degrees_;            ///< by vertex; stays while no tetrahedron around is in D
-  std::vector<Vec3> last_;                 ///< where the vertices were at the end of the last step
+  std::vector<Vec3> last_, start_;  ///< where the vertices are at the end of the last step, and at the start of this one
+  Motion gap_;                             ///< from there to here
+  std::vector<std::int8_t> gap_signs_;
   std::vector<Index> suspects_;
   std::size_t degenerate_count_ = 0;
 };

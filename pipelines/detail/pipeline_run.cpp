@@ -161,7 +161,7 @@ void Pipeline::Run::run_orphans() {
       {
         const StageTimer timer(worker.chain.clock(), statistics.seconds);
         if (flooded_)
-          pipeline_.flood_->orphans(state(stage), w, block, worker.tests);
+          pipeline_.flood_->orphans(state(stage), block, worker.tests);
         else
           pipeline_.orphans_->run(step, state(stage), w, block, worker.tests);
       }
@@ -206,6 +206,7 @@ void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w, b
       const StageTimer timer(worker.chain.clock(), statistics.seconds);
       statistics.in += worker.batch.size();
       pipeline_.flood_->reach(state(flood()), w, worker.batch.pairs);
+      pipeline_.flood_->reach(state(flood()), w, worker.batch.contact_free);
     }
     assign_tests(step, w);
     if (worker.tests.size() >= kTests) run_tests(worker, TestBlock::kCapacity);

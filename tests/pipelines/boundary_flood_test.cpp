@@ -1,0 +1,201 @@
+// `boundary-flood`: no contact is lost, whatever the mesh does; held against the same pipeline without it.
+#include <volccd/culling/boundary_flood.hpp>
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include <volccd/pipelines/compare.hpp>
+#include <volccd/pipelines/pipeline.hpp>
+
+#include "pipelines/scenes.hpp"
+
+namespace volccd {
+namespace {
+
+using test::registry;
+
+const ObjectFilter kNoFilter;
+
+/// Without undecided tests: a pipeline may leave out an undecided test that another stage has proven apart.
+PipelineSpec spec_of(const char* flood) {
+  PipelineSpec spec = registry().pipeline("VolCCD+");
+  registry().apply_setting(spec, std::string("flood=") + flood);
+  spec.narrow_phase = {"inclusion", {{"undecided", "exact"}}};
+  return spec;
+}
+
+struct FloodScene {
+  Topology topology;
+  Motion linear, quadratic;
+  std::string what;
+};
+
+/// Random meshes and motions, made to fold, invert, crush, roll through itself, nest, and tear.
+class FloodScenes {
+ public:
+  explicit FloodScenes(std::uint64_t seed) : random_(seed) {}
+
+  FloodScene make() {
+    what_.clear();
+    const Shape shape = permuted(several_objects(), random_.next());
+    const std::vector<Vec3> x0 = moved(shape.positions), x1 = one_in(4) ? near(x0) : moved(shape.positions);
+    std::vector<Vec3> middle(x0.size());
+    for (std::size_t v = 0; v < x0.size(); ++v) middle[v] = (x0[v] + x1[v]) / 2;
+    middle = jittered(middle, one_in(2) ? 0.05 : 0.4, random_.next());
+    return {Topology(shape.mesh()), Motion::linear(x0, x1), Motion::quadratic(x0, middle, x1), what_};
+  }
+
+ private:
+  bool one_in(std::uint64_t n) { return random_.below(n) == 0; }
+  void note(const std::string& text) { what_ += (what_.empty() ? "" : ", ") + text; }
+
+  Shape one_object() {
+    constexpr std::array types = {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge,
+                                  ElementType::pyramid, ElementType::polytope, ElementType::triangle, ElementType::quad};
+    const int n = 2 + static_cast<int>(random_.below(2));
+    if (one_in(6)) return note("mixed"), mixed_block(n - 1, n);
+    const ElementType type = types[one_in(5) ? random_.below(types.size()) : random_.below(4)];
+    note(to_string(type));
+    return block(type, n, n + static_cast<int>(random_.below(2)), is_shell(type) ? 1 : n);
+  }
+
+  Shape several_objects() {
+    Shape all = one_object();
+    if (one_in(2)) {
+      Shape other = one_object();
+      const bool nested = one_in(2);
+      note(nested ? "nested" : "beside");
+      for (Vec3& p : other.positions) p = nested ? Vec3(0.2 * p + Vec3(0.71, 0.62, 0.83)) : Vec3(p + Vec3(1.3, 0.4, 1.1));
+      all.append(other, 2);
+    }
+    if (one_in(3)) join_somewhere(all);
+    if (one_in(2)) tear(all);
+    return all;
+  }
+
+  /// Elements go; what is left hangs together by edges and vertices in places, or not at all.
+  void tear(Shape& shape) {
+    const double share = random_.uniform(0.05, 0.6);
+    std::erase_if(shape.elements, [&](const ElementSpec&) { return shape.elements.size() > 4 && random_.uniform() < share; });
+    note("torn");
+  }
+
+  /// Makes vertices of two elements one.
+  void join_somewhere(Shape& shape) {
+    for (int i = 0; i < 3; ++i) {
+      const Index a = static_cast<Index>(random_.below(shape.positions.size()));
+      const Index b = static_cast<Index>(random_.below(shape.positions.size()));
+      const bool safe = std::none_of(shape.elements.begin(), shape.elements.end(), [&](const ElementSpec& e) {
+        const auto has = [&](Index v) { return std::find(e.vertices.begin(), e.vertices.end(), v) != e.vertices.end(); };
+        return has(a) && has(b);
+      });
+      if (!safe || a == b) continue;
+      for (ElementSpec& e : shape.elements) {
+        std::replace(e.vertices.begin(), e.vertices.end(), a, b);
+        for (std::size_t f = 0; f < e.faces.size(); f += e.faces[f] + std::size_t{1})
+          std::replace(e.faces.begin() + static_cast<std::ptrdiff_t>(f + 1),
+                       e.faces.begin() + static_cast<std::ptrdiff_t>(f + 1 + e.faces[f]), a, b);
+      }
+      note("joined");
+    }
+  }
+
+  std::vector<Vec3> near(const std::vector<Vec3>& from) { return jittered(from, 0.01, random_.next()); }
+
+  std::vector<Vec3> moved(std::vector<Vec3> x) {
+    for (std::uint64_t i = random_.below(3); i > 0; --i) deform(x);
+    constexpr std::array amounts = {0.0, 0.02, 0.15, 0.45};
+    const double amount = amounts[random_.below(amounts.size())];
+    if (amount > 0) x = jittered(x, amount, random_.next());
+    note("jitter " + std::to_string(amount));
+    return x;
+  }
+
+  void deform(std::vector<Vec3>& x) {
+    const std::uint64_t kind = random_.below(7);
+    const double turns = random_.uniform(0.1, 1.4), pivot = random_.uniform(0.2, 1.5);
+    const Vec3 target(random_.uniform(0, 2), random_.uniform(0, 2), random_.uniform(0, 2));
+    constexpr std::array names = {"roll", "twist", "mirror", "crush", "turn inside out", "fold", "pull a vertex"};
+    note(names[kind]);
+    if (kind == 6) {
+      x[random_.below(x.size())] = target;
+      return;
+    }
+    for (Vec3& p : x) p = deformed(p, kind, turns, pivot, target);
+  }
+
+  static Vec3 deformed(const Vec3& p, std::uint64_t kind, double turns, double pivot, const Vec3& target) {
+    const double angle = 2 * std::numbers::pi * turns;
+    switch (kind) {
+      case 0: return {(pivot + p.z()) * std::sin(angle * p.x() / 3), p.y(), (pivot + p.z()) * std::cos(angle * p.x() / 3)};
+      case 1: {
+        const double a = angle * p.z() / 3, x = p.x() - 1, y = p.y() - 1;
+        return {std::cos(a) * x - std::sin(a) * y, std::sin(a) * x + std::cos(a) * y, p.z()};
+      }
+      case 2: return {-p.x(), p.y(), p.z()};
+      case 3: return {p.x(), p.y(), p.z() * (pivot - 0.5) / 5};
+      case 4: return target - (p - target) * turns;
+      default: return {p.x() < pivot ? p.x() : 2 * pivot - p.x(), p.y(), p.z()};
+    }
+  }
+
+  Random random_;
+  std::string what_;
+};
+
+class Contest {
+ public:
+  Contest()
+      : plain_(registry(), spec_of("none")), flooded_(registry(), spec_of("boundary-flood")),
+        plain_workspace_(plain_.make_workspace()), flooded_workspace_(flooded_.make_workspace()) {}
+
+  /// Returns the number of contacts.
+  std::size_t compare(const Step& step, const std::string& what, const Request& request = {}) {
+    SerialExecutor serial;
+    StepResult expected, found;
+    plain_.run(step, plain_workspace_, serial, expected, request);
+    flooded_.run(step, flooded_workspace_, serial, found, request);
+    const ContactDifference d = compare_contacts(expected.contacts, found.contacts);
+    EXPECT_TRUE(d.empty()) << what << ": " << d.missing.size() << " of " << expected.contacts.size() << " missing, "
+                           << d.extra.size() << " extra, " << d.changed.size() << " changed";
+    EXPECT_EQ(expected.initial_overlaps, found.initial_overlaps) << what;
+    return expected.contacts.size();
+  }
+
+ private:
+  Pipeline plain_, flooded_;
+  Workspace plain_workspace_, flooded_workspace_;
+};
+
+std::size_t compare_scenes(std::uint64_t first_seed, int count) {
+  std::size_t contacts = 0;
+  for (int i = 0; i < count && !testing::Test::HasFailure(); ++i) {
+    const std::uint64_t seed = first_seed + static_cast<std::uint64_t>(i);
+    FloodScene scene = FloodScenes(seed).make();
+    Contest contest;
+    const std::string what = "seed " + std::to_string(seed) + ": " + scene.what;
+    contacts += contest.compare({scene.topology, scene.linear, kNoFilter}, what);
+    contacts += contest.compare({scene.topology, scene.linear, kNoFilter, 0, 0.4}, what + ", t_max 0.4");
+    if (seed % 4 == 0) contacts += contest.compare({scene.topology, scene.quadratic, kNoFilter}, what + ", quadratic");
+    const ObjectFilter inter(PairScope::inter);
+    contest.compare({scene.topology, scene.linear, inter}, what + ", pairs of different objects");
+    contest.compare({scene.topology, scene.linear, kNoFilter}, what + ", first", Query::first);
+    TopologyEdit edit;
+    Random random(seed);
+    for (Index o = 0; o < scene.topology.mesh().element_slots(); ++o)
+      if (random.below(5) == 0) edit.removed.push_back(o);
+    scene.topology.apply(edit);
+    contacts += contest.compare({scene.topology, scene.linear, kNoFilter}, what + ", edited");
+  }
+  return contacts;
+}
+
+TEST(BoundaryFlood, FindsAllContactsOfMeshesMadeToBreakIt) { EXPECT_GT(compare_scenes(1, 150), 100000u); }
+
+TEST(LongBoundaryFlood, FindsAllContactsOfMeshesMadeToBreakIt) { compare_scenes(100000, 2500); }
+
+}  // namespace
+}  // namespace volccd
