@@ -4,7 +4,7 @@ import json
 import os
 import unittest
 
-from program_support import EXAMPLE, run, Interruption, ProgramTest
+from program_support import EXAMPLE, SOURCE, run, Interruption, ProgramTest
 
 
 class Experiments(ProgramTest):
@@ -56,6 +56,16 @@ class Experiments(ProgramTest):
         self.assertEqual({row["pipeline"] for row in record["rows"]} - {"NavCCD", "HashCCD", "VolCCD"},
                          {"VolCCD+", "Spheres", "Spheres+CSAT"})
         self.bad(*arguments[:3], "--pipelines", "Nothing", "-o", self.path("own"), says="Spheres+CSAT", program=EXAMPLE)
+
+    def test_committed_tables_are_those_of_their_records(self):
+        results, compared = os.path.join(SOURCE, "results"), 0
+        for name in ("table1", "culling", "ablation", "scaling", "operations", "projectile"):
+            if os.path.exists(os.path.join(results, name + ".json")):
+                with open(os.path.join(results, name + ".txt"), encoding="utf-8") as file:
+                    expected = file.read()
+                self.assertEqual(self.good("experiment", "table", name, "--results", results), expected, name)
+                compared += 1
+        self.assertGreater(compared, 0)
 
     def test_options_that_an_experiment_would_ignore_are_refused(self):
         env, folder = {"VOLCCD_DATA": self.path("absent"), "VOLCCD_CACHE": self.path("no-cache")}, self.path("refused")
