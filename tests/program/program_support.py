@@ -121,4 +121,5 @@ class ProgramTest(unittest.TestCase):
         return self.path(name)
 
     def no_leftovers(self):
-        self.assertEqual([name for _, _, names in os.walk(self.folder.name) for name in names if name.endswith("tmp")], [])
+        every = [name for _, _, names in os.walk(self.folder.name) for name in names]
+        self.assertEqual([name for name in every if name.endswith("tmp")], [])

@@ -48,7 +48,8 @@ class Detect(ProgramTest):
 
     def test_settings_change_stages_and_not_contacts(self):
         expected = self.contacts()
-        for settings in (["broad-phase=spatial-hash"], ["element-culling=none"], ["assignment=all-pairs"], ["orphans=none", "assignment=all-pairs"],
+        for settings in (["broad-phase=spatial-hash"], ["element-culling=none"], ["assignment=all-pairs"],
+                         ["orphans=none", "assignment=all-pairs"],
                          ["feature-filter=feature-kdop,coplanarity"], ["kdop-bvh.k=24", "csat.axis=optimal"],
                          ["assignment=static-assignment", "orphans=none", "feature-filter=none"]):
             arguments = [word for setting in settings for word in ("--set", setting)]
@@ -57,8 +58,8 @@ class Detect(ProgramTest):
     def test_initial_overlaps(self):
         target = self.path("overlaps.csv")
         texts = set()
-        for arguments in (["--pipeline", "VolCCD"], ["--pipeline", "VolCCD+", "--threads", "2"], ["--pipeline", "HashCCD"],
-                          ["--first"]):
+        for arguments in (["--pipeline", "VolCCD"], ["--pipeline", "VolCCD+", "--threads", "2"],
+                          ["--pipeline", "HashCCD"], ["--first"]):
             self.good("detect", self.sequence, "--overlaps", target, "--stats", self.path("stats.json"), *arguments)
             with open(target, encoding="ascii") as file:
                 texts.add(file.read())
@@ -78,7 +79,8 @@ class Detect(ProgramTest):
 
     def test_tentative_motion(self):
         for command in ("detect", "verify", "info"):
-            self.bad(command, self.sequence, "--motion", "tentative", says="Velocity: is missing: tentative motion needs")
+            self.bad(command, self.sequence, "--motion", "tentative",
+                     says="Velocity: is missing: tentative motion needs")
         data = os.environ.get("VOLCCD_DATA", os.path.join(SOURCE, "..", "shared", "data"))
         projectile = os.path.join(data, "ls-dyna-projectile.vtkhdf")
         if not os.path.exists(projectile):
@@ -131,7 +133,8 @@ class Detect(ProgramTest):
     def test_pairs_between_parts_of_a_file_without_parts(self):
         """The two bodies of the built-in scene with their parts taken away: one part, of two components."""
         source, plain = self.path("parts.vtkhdf"), self.path("no-parts.vtkhdf")
-        self.good("scene", "generate", "deform", "--mesh", self.sequence, "--motion", "twist", "--steps", "3", "-o", source)
+        self.good("scene", "generate", "deform", "--mesh", self.sequence, "--motion", "twist", "--steps", "3",
+                  "-o", source)
         with open(source, "rb") as file:
             data = file.read()
         self.assertEqual(data.count(b"PartId\0"), 2)  # the array and its table

@@ -25,7 +25,8 @@ class Experiments(ProgramTest):
             self.assertIn(fact, record["provenance"])
         self.assertNotIn(self.folder.name, json.dumps(record))  # no path of this machine
         for form, sign in (("text", "0.69 %"), ("markdown", "|---|"), ("csv", "NavCCD,"), ("latex", "\\toprule")):
-            self.assertIn(sign, self.good("experiment", "table", "projectile", "--results", self.path("results"), "--format", form))
+            table = self.good("experiment", "table", "projectile", "--results", self.path("results"), "--format", form)
+            self.assertIn(sign, table)
         text = self.good("experiment", "table", "projectile", "--results", self.path("results"))
         with open(self.path("results/projectile.txt"), encoding="utf-8") as file:
             self.assertEqual(text, file.read())
@@ -76,8 +77,8 @@ class Experiments(ProgramTest):
             self.bad("experiment", "run", name, "--quick", "--set", "csat.axis=face", "-o", folder, env=env,
                      says=f"{name} takes no --set")
         # Also behind one that takes them, and then neither is run.
-        self.bad("experiment", "run", "projectile", "culling", "--quick", "--pipelines", "NavCCD", "-o", folder, env=env,
-                 says="culling takes no --pipelines")
+        self.bad("experiment", "run", "projectile", "culling", "--quick", "--pipelines", "NavCCD", "-o", folder,
+                 env=env, says="culling takes no --pipelines")
         self.assertFalse(os.path.exists(folder))
         self.assertFalse(os.path.exists(self.path("no-cache")))
 

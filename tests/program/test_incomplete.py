@@ -61,7 +61,8 @@ class Incomplete(ProgramTest):
         source, contacts, stats = self.path("bad.vtkhdf"), self.path("bad.csv"), self.path("bad.json")
         with open(source, "wb") as file:
             file.write(with_bad_last_step(self.read("run.vtkhdf")))
-        done = run("detect", source, "--contacts", contacts, "--stats", stats, "--overlaps", self.path("bad-overlaps.csv"))
+        done = run("detect", source, "--contacts", contacts, "--stats", stats,
+                   "--overlaps", self.path("bad-overlaps.csv"))
         self.assertEqual(done.returncode, 2)
         self.assertIn("incomplete: steps 0 to 2 of 0 to 3 are complete; " + source, done.stderr)
         self.assertIn("incomplete: steps 0 to 2 of 0 to 3", done.stdout)
@@ -77,7 +78,8 @@ class Incomplete(ProgramTest):
         self.assertEqual(done.returncode, 2)
         self.assertIn("no difference in these steps\n\nincomplete: steps 0 to 2 of 0 to 3", done.stdout)
         done = run("detect", source, "--steps", "3", "--contacts", contacts)
-        self.assertEqual((done.returncode, self.read("bad.csv").decode().splitlines()), (2, lines), "no step: nothing new")
+        self.assertEqual((done.returncode, self.read("bad.csv").decode().splitlines()), (2, lines),
+                         "no step: nothing new")
 
     def test_ctrl_c_keeps_complete_steps(self):
         contacts, stats = self.path("cut.csv"), self.path("cut.json")
@@ -90,7 +92,8 @@ class Incomplete(ProgramTest):
         for text in (cut.out, cut.screen):
             self.assertIn(f"incomplete: steps 0 to {steps - 1} of 0 to 148 are complete; interrupted", text)
         record = json.loads(self.read("cut.json"))
-        self.assertEqual((record["complete"], record["steps_done"], record["stopped_by"]), (False, steps, "interrupted"))
+        self.assertEqual((record["complete"], record["steps_done"], record["stopped_by"]),
+                         (False, steps, "interrupted"))
         self.good("detect", self.sequence, "--stats", stats)
         record = json.loads(self.read("cut.json"))
         self.assertEqual((record["complete"], record["steps_done"], record["stopped_by"]), (True, 4, None))
@@ -120,7 +123,8 @@ class Incomplete(ProgramTest):
         cut = Interruption("verify", self.long, "--no-fcl", done=2)
         self.assertEqual(cut.code, 130, cut.screen)
         self.assertLess(cut.seconds, self.patience)
-        self.assertRegex(cut.out, r"no difference in these steps\n\nincomplete: steps 0 to \d+ of 0 to 148 are complete; inter")
+        self.assertRegex(cut.out, r"no difference in these steps\n\n"
+                                  r"incomplete: steps 0 to \d+ of 0 to 148 are complete; inter")
         self.assertIn("incomplete: steps 0 to ", cut.screen)
         for json_wanted in (False, True):
             cut = Interruption("queries", self.long, "--candidates", "--steps", ":50", "--sample", "5000",
@@ -136,13 +140,15 @@ class Incomplete(ProgramTest):
 
     def test_a_sequence_cut_short_says_so(self):
         target = self.path("cut.vtkhdf")
-        cut = Interruption("scene", "generate", "builtin", "--elements", "3000", "--steps", "5000", "-o", target, done=5)
+        cut = Interruption("scene", "generate", "builtin", "--elements", "3000", "--steps", "5000", "-o", target,
+                           done=5)
         self.assertEqual(cut.code, 130, cut.screen)
         self.assertIn("are complete; interrupted", cut.screen)
         info = self.good("info", target)
         done = run("detect", target, "--steps", "0")
         self.assertEqual(done.returncode, 0)
-        self.assertRegex(done.stderr, r"cut.vtkhdf is incomplete: steps 0 to \d+ of 0 to 4999 are complete; interrupted")
+        self.assertRegex(done.stderr,
+                         r"cut.vtkhdf is incomplete: steps 0 to \d+ of 0 to 4999 are complete; interrupted")
         self.assertRegex(info, r"INCOMPLETE steps 0 to \d+ of 0 to 4999 are complete; interrupted")
 
 

@@ -17,7 +17,8 @@ class Outputs(ProgramTest):
         os.link(source, self.path("hard.vtkhdf"))
         os.symlink("in.vtkhdf", self.path("soft.vtkhdf"))
         rows = self.write("rows.csv", "step,kind,a,b,c,d,toi\n")
-        for name in ("in.vtkhdf", "hard.vtkhdf", "soft.vtkhdf", "../" + os.path.basename(self.folder.name) + "/in.vtkhdf"):
+        for name in ("in.vtkhdf", "hard.vtkhdf", "soft.vtkhdf",
+                     "../" + os.path.basename(self.folder.name) + "/in.vtkhdf"):
             same = self.path(name)
             for option in ("--contacts", "--overlaps", "--stats"):
                 self.bad("detect", source, option, same, says=option)
@@ -109,8 +110,8 @@ class Outputs(ProgramTest):
         self.assertEqual(done.returncode, 2)
         self.assertIn("standard output: cannot be written: No space left on device", done.stderr)
         with open("/dev/full", "w", encoding="ascii") as full:
-            done = subprocess.run([VOLCCD, "detect", self.sequence, "--contacts", "-"], stdout=full, stderr=subprocess.PIPE,
-                                  text=True, check=False)
+            done = subprocess.run([VOLCCD, "detect", self.sequence, "--contacts", "-"], stdout=full,
+                                  stderr=subprocess.PIPE, text=True, check=False)
         self.assertEqual(done.returncode, 2)
         self.assertIn("-: cannot be written: No space left on device", done.stderr)
         self.no_leftovers()

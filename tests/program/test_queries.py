@@ -27,7 +27,8 @@ class Queries(ProgramTest):
         for group, fewer in zip(found["groups"], filtered["groups"]):
             self.assertEqual(fewer["scores"][0]["contacts"], group["scores"][0]["contacts"])
             self.assertLess(fewer["scores"][0]["tests"], group["queries"])
-        sample = self.queries(self.sequence, "--steps", "0:2", "--candidates", "--narrowphase", "cubic", "--sample", "10")
+        sample = self.queries(self.sequence, "--steps", "0:2", "--candidates", "--narrowphase", "cubic",
+                              "--sample", "10")
         self.assertEqual([group["queries"] for group in sample["groups"]], [10, 10, 10, 10])
 
     def test_queries_judged_by_a_narrow_phase(self):

@@ -57,8 +57,8 @@ class Scenes(ProgramTest):
         self.assertEqual(self.good("detect", "openradioss-bullet", env=env).split("\n")[3:4],
                          self.good("detect", self.sequence).split("\n")[3:4])
         self.assertIn("builtin", self.good("info", "builtin", env=env))
-        self.assertIn("candidates", self.good("queries", "builtin", "--candidates", "--sample", "20", "--judge", "exact",
-                                              "--steps", "0", "--rounds", "0", env=env))
+        self.assertIn("candidates", self.good("queries", "builtin", "--candidates", "--sample", "20",
+                                              "--judge", "exact", "--steps", "0", "--rounds", "0", env=env))
         target, stats = self.path("copy.vtkhdf"), self.path("scene-stats.json")
         self.good("scene", "generate", "openradioss-bullet", "-o", target, "--stats", stats, env=env)
         with open(target, "rb") as copy, open(self.sequence, "rb") as original:
@@ -71,7 +71,8 @@ class Scenes(ProgramTest):
         self.bad("scene", "generate", "octopus", "-o", target, says="there are: octopi, bullet, airbag, crash, liver,")
         self.bad("scene", "generate", "crash", "--copies", "2", "-o", target, says="scene crash has no option --copies")
         self.bad("scene", "generate", "builtin", "--quick", "-o", target, says="no quick size")
-        self.bad("scene", "generate", "crash", "--elements", "0", "-o", target, says="--elements: '0' is not a positive number")
+        self.bad("scene", "generate", "crash", "--elements", "0", "-o", target,
+                 says="--elements: '0' is not a positive number")
 
 
 if __name__ == "__main__":
