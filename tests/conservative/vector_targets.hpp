@@ -14,8 +14,8 @@ class VectorTargets {
   std::size_t size() const { return targets_.size(); }
   const char* name(std::size_t i) const { return hwy::TargetName(targets_[i]); }
 
-  /// Calls visit(name) while kernels take number i (modulo size()); afterwards they take the best again. The processor is
-  /// not asked again what it has: that is an instruction that a virtual machine takes 20 microseconds to answer.
+  /// Calls visit(name) while kernels take number i (modulo size()); afterwards they take the best again. The processor
+  /// is not asked again what it has: that is an instruction that a virtual machine takes 20 microseconds to answer.
   template <class Visit>
   void with(std::size_t i, Visit&& visit) const {
     i %= size();
