@@ -16,8 +16,7 @@ namespace volccd {
 /// in the state. A state serves one step at a time:
 ///  - prepare() runs alone;
 ///  - run() is called concurrently by the workers of the executor that prepare() saw, each call with its worker's
-///  number in
-///    [0, executor.workers()). It may read all of the state and may write what belongs to its worker alone.
+///    number in [0, executor.workers()). It may read all of the state and may write what belongs to its worker alone.
 ///  - The step given to run() is that of the last prepare(); its t_max may be smaller.
 /// prepare() and run() throw std::bad_alloc if memory runs out, and what their own header says. After an exception a
 /// state is not used again.
