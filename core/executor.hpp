@@ -20,8 +20,8 @@ class Executor {
   /// Number of workers; `worker` in the body is below it, and two chunks that run at the same time have different ones.
   virtual unsigned workers() const = 0;
 
-  /// Calls body on disjoint chunks [begin, end) that cover [0, n), each of at most max(grain, 1) indices, and returns when
-  /// all are done. The first exception of a body is rethrown here. Not to be called from inside a body.
+  /// Calls body on disjoint chunks [begin, end) that cover [0, n), each of at most max(grain, 1) indices, and returns
+  /// when all are done. The first exception of a body is rethrown here. Not to be called from inside a body.
   virtual void parallel_for(std::size_t n, std::size_t grain, Body body) = 0;
 };
 

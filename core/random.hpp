@@ -7,8 +7,8 @@
 
 namespace volccd {
 
-/// Mixes a 64-bit value (the finaliser of SplitMix64, Steele et al. 2014). For "randomly picked" that depends on ids alone:
-/// hash_ids(a, b) (invariant 5).
+/// Mixes a 64-bit value (the finaliser of SplitMix64, Steele et al. 2014). For "randomly picked" that depends on ids
+/// alone: hash_ids(a, b) (invariant 5).
 constexpr std::uint64_t mix(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15u;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;

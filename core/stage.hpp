@@ -12,7 +12,8 @@
 
 namespace volccd {
 
-/// What a stage promises about the pairs that it keeps or reports. A pipeline's guarantee is the weakest of its stages'.
+/// What a stage promises about the pairs that it keeps or reports. A pipeline's guarantee is the weakest of its
+/// stages'.
 enum class Guarantee {
   exact,         ///< decides exactly, on the given doubles
   conservative,  ///< never loses a contact; may keep what does not touch
@@ -24,8 +25,9 @@ const char* to_string(Guarantee guarantee);
 /// The weaker of the two.
 constexpr Guarantee weakest(Guarantee a, Guarantee b) { return a < b ? b : a; }
 
-/// What a stage keeps from one step to the next (a tree, an O-Set) and its scratch memory; a stage that keeps nothing has
-/// a state of this type. Owned by the Workspace, made by Stage::make_state(), given back to the stage at every call.
+/// What a stage keeps from one step to the next (a tree, an O-Set) and its scratch memory; a stage that keeps nothing
+/// has a state of this type. Owned by the Workspace, made by Stage::make_state(), given back to the stage at every
+/// call.
 class StageState {
  public:
   virtual ~StageState() = default;
@@ -43,8 +45,8 @@ struct StageDescriptor {
   std::function<std::unique_ptr<Stage>(const OptionValues&)> make;  ///< throws ConfigError
 };
 
-/// Descriptor of a stage `T : Stage` that has `struct T::Config`, `static Options<Config> T::options()` and a constructor
-/// from Config.
+/// Descriptor of a stage `T : Stage` that has `struct T::Config`, `static Options<Config> T::options()` and a
+/// constructor from Config.
 template <class Stage, class T>
 StageDescriptor<Stage> describe_stage(std::string name, std::string description, Guarantee guarantee) {
   return {std::move(name), std::move(description), guarantee, T::options().describe(),

@@ -27,7 +27,8 @@ void apart_pair(const Step& step, ElementPair pair, const FeatureMask& mask, Tes
   });
 }
 
-/// All tests of adjacent elements, or of an element with itself: a pair of features that both elements have is taken once.
+/// All tests of adjacent elements, or of an element with itself: a pair of features that both elements have is taken
+/// once.
 void adjacent_pair(const Step& step, ElementPair pair, const FeatureMask& mask, TestBatch& out) {
   const Features& features = step.features();
   const auto add = [&](FeatureKind kind, FeaturePair test, std::vector<FeaturePair>& list) {

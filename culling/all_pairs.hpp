@@ -5,13 +5,13 @@
 
 namespace volccd {
 
-/// Tests of an element pair (a,b): each vertex of a against each triangle of b, each vertex of b against each triangle of a,
-/// each edge of a against each edge of b; of a pair (o,o): each vertex against each triangle, each pair of edges. Without
-/// those that share a vertex, and each distinct feature pair once per element pair: adjacent elements share features, and
-/// what both have would otherwise come out twice.
+/// Tests of an element pair (a,b): each vertex of a against each triangle of b, each vertex of b against each triangle
+/// of a, each edge of a against each edge of b; of a pair (o,o): each vertex against each triangle, each pair of edges.
+/// Without those that share a vertex, and each distinct feature pair once per element pair: adjacent elements share
+/// features, and what both have would otherwise come out twice.
 ///
-/// The same feature pair comes out of many element pairs. Complete without an O-Set; with one, an ablation: what O-Sets do
-/// without assignment.
+/// The same feature pair comes out of many element pairs. Complete without an O-Set; with one, an ablation: what O-Sets
+/// do without assignment.
 class AllPairs final : public Assignment {
  public:
   struct Config {};

@@ -20,8 +20,8 @@ struct TestBatch {
 };
 
 /// Completeness of a pipeline (docs/pipelines.md) rests on what the tests of all pairs of a range contain:
-///  - of all pairs of non-adjacent elements: every feature pair that some pair of non-adjacent elements covers. The rest
-///    comes from an OrphanSource.
+///  - of all pairs of non-adjacent elements: every feature pair that some pair of non-adjacent elements covers.
+///    The rest comes from an OrphanSource.
 ///  - of all pairs, adjacent ones and (o, o) included: every feature pair.
 /// An element pair covers a feature pair {a,b} when a is a feature of one element and b of the other.
 class Assignment : public Stage {

@@ -10,9 +10,9 @@
 
 namespace volccd {
 
-/// Features of an element pair (a,b) that were shown not to touch the other element. Bit i of `vertices_a`: vertex i of a
-/// (node order) touches no triangle of b; bit i of `edges_a`: edge i of a (Features::element_edges) touches no edge of b;
-/// likewise for b. Features beyond the bits are never masked: large polytopes are merely culled less.
+/// Features of an element pair (a,b) that were shown not to touch the other element. Bit i of `vertices_a`: vertex i of
+/// a (node order) touches no triangle of b; bit i of `edges_a`: edge i of a (Features::element_edges) touches no edge
+/// of b; likewise for b. Features beyond the bits are never masked: large polytopes are merely culled less.
 struct FeatureMask {
   std::uint32_t vertices_a = 0, vertices_b = 0;
   std::uint64_t edges_a = 0, edges_b = 0;
@@ -35,9 +35,9 @@ class PairBatch {
     contact_free.clear();
   }
 
-  /// Asks for the verdict on each pair, PairVerdict(ElementPair, FeatureMask&), which may add bits to the mask, and takes
-  /// out those that are not kept. The order of the rest stays. Always inline: kernels for one instruction set could not be
-  /// inlined into a function for another.
+  /// Asks for the verdict on each pair, PairVerdict(ElementPair, FeatureMask&), which may add bits to the mask, and
+  /// takes out those that are not kept. The order of the rest stays. Always inline: kernels for one instruction set
+  /// could not be inlined into a function for another.
   template <class Verdict>
   [[gnu::always_inline]] void cull(Verdict&& verdict) {
     std::size_t kept = 0;
@@ -69,8 +69,8 @@ class ElementCulling : public Stage {
  public:
   static constexpr const char* kRole = "element-culling";
 
-  /// Takes pairs that do not touch during [0, step.t_max] out of the batch (PairBatch::cull), and adds bits to masks. Pairs
-  /// of adjacent elements and of an element with itself may occur; their shared features must stay.
+  /// Takes pairs that do not touch during [0, step.t_max] out of the batch (PairBatch::cull), and adds bits to masks.
+  /// Pairs of adjacent elements and of an element with itself may occur; their shared features must stay.
   virtual void run(const Step& step, StageState& state, unsigned worker, PairBatch& batch) const = 0;
 };
 

@@ -7,8 +7,9 @@
 
 namespace volccd {
 
-/// The blocks together contain every feature pair {a,b} without a common vertex for which all elements of inc(a) are adjacent
-/// to all of inc(b), as long as its features touch. A pipeline with such a stage looks at non-adjacent element pairs only.
+/// The blocks together contain every feature pair {a,b} without a common vertex for which all elements of inc(a) are
+/// adjacent to all of inc(b), as long as its features touch. A pipeline with such a stage looks at non-adjacent element
+/// pairs only.
 class OrphanSource : public Stage {
  public:
   static constexpr const char* kRole = "orphans";

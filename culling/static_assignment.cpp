@@ -38,8 +38,8 @@ const Options<StaticAssignment::Config>& StaticAssignment::options() {
 }
 
 std::string StaticAssignment::incomplete_on_nonadjacent() const {
-  return "static assignment gives some feature pairs to adjacent elements although non-adjacent ones cover them, so that "
-         "the O-Set lacks them (Section 5.2); use assignment=dynamic-assignment, or orphans=none";
+  return "static assignment gives some feature pairs to adjacent elements although non-adjacent ones cover them, so "
+         "that the O-Set lacks them (Section 5.2); use assignment=dynamic-assignment, or orphans=none";
 }
 
 void StaticAssignment::run(const Step& step, StageState&, unsigned, const PairBatch& batch, TestBatch& out) const {

@@ -12,11 +12,11 @@ namespace volccd {
 /// at t = 0 or 1. Reported is the first such time; it is 0 for a pair that touches at the start.
 ///
 /// Missed contacts: none are known of tests whose coordinates span at most 300 bits (coordinate_bits()). The cubic's
-/// coefficients have a rounding bound; a root that its sign changes do not prove is looked at again with coefficients of
-/// twice the precision, and then with those of the short part of the step in which the sign stays open. Extra contacts:
-/// only pairs that come within the tolerance. Time: within 1e-12 of the root, of a few degenerate tests within 1e-6;
-/// where the points are coplanar for longer, as far as doubles can tell, the first time in that stretch at which the
-/// features are within the tolerance.
+/// coefficients have a rounding bound; a root that its sign changes do not prove is looked at again with coefficients
+/// of twice the precision, and then with those of the short part of the step in which the sign stays open. Extra
+/// contacts: only pairs that come within the tolerance. Time: within 1e-12 of the root, of a few degenerate tests
+/// within 1e-6; where the points are coplanar for longer, as far as doubles can tell, the first time in that stretch at
+/// which the features are within the tolerance.
 ///
 /// Degenerate geometry (coplanar over a stretch of time, parallel edges, triangles and edges without extent, no
 /// relative motion) is decided by the events at which coplanar features can begin to touch, and counted. The normal of
@@ -32,8 +32,9 @@ class Cubic final : public NarrowPhase {
     double tolerance = 1e-10;
     /// Before the cubic, drop tests whose features the x, y or z axis separates at both ends (Corollaries 1 and 3).
     bool axis_test = true;
-    /// Drop tests whose cubic is proven free of roots by the signs of its Bernstein coefficients (Tang et al. 2010), one test
-    /// a lane. The contacts are the same without; then every test goes on to the search for roots, one at a time.
+    /// Drop tests whose cubic is proven free of roots by the signs of its Bernstein coefficients (Tang et al. 2010),
+    /// one test a lane. The contacts are the same without; then every test goes on to the search for roots, one at a
+    /// time.
     bool coplanarity = true;
   };
   static const Options<Config>& options();

@@ -33,8 +33,8 @@ enum class Undecided {
 /// certain if the polynomial changes sign while the features overlap as seen along a fixed direction. Else it is split.
 /// Every sign is trusted beyond its rounding bound only (docs/numerics.md). Most tests end in a vector kernel before.
 ///
-/// Two or three control points, any separation. Does not allocate but for the contacts (and in `exact`). See also Snyder
-/// et al. 1993 and Wang et al. 2021 for inclusion-based tests, Tang et al. 2010 and 2014 for Bernstein signs.
+/// Two or three control points, any separation. Does not allocate but for the contacts (and in `exact`). See also
+/// Snyder et al. 1993 and Wang et al. 2021 for inclusion-based tests, Tang et al. 2010 and 2014 for Bernstein signs.
 class Inclusion final : public NarrowPhase {
  public:
   struct Config {
@@ -42,10 +42,9 @@ class Inclusion final : public NarrowPhase {
     double time_tolerance = 1e-9;
     Undecided undecided = Undecided::report;
     int most_parts = 1000;  ///< of a test that the search looks at
-    /// Bits that the coordinates of a test may span (coordinate_bits()) for `exact` to decide what the search leaves open
-    /// for too long. Costs: docs/narrowphase_exact.md; a third of a second was the longest seen up to 1024 bits, seconds
-    /// over the range of all doubles. Ordinary data: 53 to 150.
-    /// `undecided=exact` knows no such limit.
+    /// Bits that the coordinates of a test may span (coordinate_bits()) for `exact` to decide what the search leaves
+    /// open for too long. Costs: docs/narrowphase_exact.md; a third of a second was the longest seen up to 1024 bits,
+    /// seconds over the range of all doubles. Ordinary data: 53 to 150. `undecided=exact` knows no such limit.
     int exact_bits = 1024;
   };
   static const Options<Config>& options();

@@ -17,8 +17,8 @@ namespace volccd {
 /// have dropped before, the same pairs are found.
 ///
 /// A convex search in doubles decides all but pairs that touch or miss by rounding; those are decided in integers.
-/// O(vertices) a turn; 0.1 to 1.5 microseconds for a clear pair, 4 to 7 for a close call. In steady state only close calls
-/// allocate. One object serves one thread at a time.
+/// O(vertices) a turn; 0.1 to 1.5 microseconds for a clear pair, 4 to 7 for a close call. In steady state only close
+/// calls allocate. One object serves one thread at a time.
 class InitialOverlapTest {
  public:
   InitialOverlapTest();
@@ -26,8 +26,9 @@ class InitialOverlapTest {
   InitialOverlapTest(InitialOverlapTest&&) noexcept;
   InitialOverlapTest& operator=(InitialOverlapTest&&) noexcept;
 
-  /// Appends those of `pairs` that overlap to `out`, in their order. Does not look at adjacency or step.filter. The first
-  /// element is gathered once for a run of pairs that have it (1.0 to 1.6 pairs on average as broad phases emit them).
+  /// Appends those of `pairs` that overlap to `out`, in their order. Does not look at adjacency or step.filter. The
+  /// first element is gathered once for a run of pairs that have it (1.0 to 1.6 pairs on average as broad phases emit
+  /// them).
   void find(const Step& step, std::span<const ElementPair> pairs, std::vector<ElementPair>& out);
 
   /// The same for two sets of points that need not be elements; an empty set overlaps nothing. Pre: finite coordinates,

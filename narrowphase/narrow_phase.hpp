@@ -29,11 +29,11 @@ class NarrowPhase : public Stage {
   /// By how much of the step the time of a contact may be too early.
   virtual double time_tolerance() const { return 0; }
 
-  /// Appends a Contact for each test of the block that touches during [0, step.t_max], in the order of the block; perhaps
-  /// also for one that touches later than t_max by at most time_tolerance(), and whose time is reported as t_max or less.
-  /// The answer to a test depends on the coordinates of its vertices in the order of test_vertices() alone, not on the
-  /// block: contacts are the same bit for bit whatever pipeline asks. A test that touches at t = 0 has toi 0. Pre: the
-  /// block is not empty.
+  /// Appends a Contact for each test of the block that touches during [0, step.t_max], in the order of the block;
+  /// perhaps also for one that touches later than t_max by at most time_tolerance(), and whose time is reported as
+  /// t_max or less. The answer to a test depends on the coordinates of its vertices in the order of test_vertices()
+  /// alone, not on the block: contacts are the same bit for bit whatever pipeline asks. A test that touches at t = 0
+  /// has toi 0. Pre: the block is not empty.
   virtual void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,
                    std::vector<Contact>& contacts, NarrowCounters& counters) const = 0;
 };

@@ -219,8 +219,8 @@ void refuse_what_owes_nothing(const Step& step, std::span<const double> times) {
                         std::to_string(step.t_max) + "]");
 }
 
-/// Whether an axis keeps the hulls at t = 0 apart by more than the separation and 1e-9 of the pair's size. Only axes are
-/// believed: FCL may miss a shallow overlap.
+/// Whether an axis keeps the hulls at t = 0 apart by more than the separation and 1e-9 of the pair's size. Only axes
+/// are believed: FCL may miss a shallow overlap.
 bool hulls_clearly_apart(const Step& step, ElementPair pair) {
   std::vector<Vec3> a, b;
   for (const Index v : step.mesh().vertices(pair.a)) a.push_back(step.motion.point(v, 0));

@@ -52,10 +52,12 @@ void print_stages(const Statistics& total, std::FILE* report) {
   for (const StageStatistics& stage : total.stages) {
     attributed += stage.all_seconds();
     table.add({stage.role, stage.name, grouped(stage.in), grouped(stage.out), duration(stage.prepare_seconds),
-               duration(stage.seconds), fmt::format("{:.1f} %", 100 * stage.all_seconds() / std::max(total.seconds, 1e-300))});
+               duration(stage.seconds),
+               fmt::format("{:.1f} %", 100 * stage.all_seconds() / std::max(total.seconds, 1e-300))});
   }
   const double rest = std::max(0.0, total.seconds - attributed);
-  table.add({"remainder", "", "", "", "", duration(rest), fmt::format("{:.1f} %", 100 * rest / std::max(total.seconds, 1e-300))});
+  table.add({"remainder", "", "", "", "", duration(rest),
+             fmt::format("{:.1f} %", 100 * rest / std::max(total.seconds, 1e-300))});
   fmt::print(report, "\n{}", table.text());
 }
 

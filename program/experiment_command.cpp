@@ -361,6 +361,7 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
       "command goes on with what NAME.incomplete.jsonl has (scenes, feature-sets: NAME.incomplete.json and .txt keep "
       "the\n"
       "scenes that were complete); a whole record stays as it was until then.\n"
+      "Exit code 1 if pipelines that should find the same contacts found others.\n"
       "Examples:\n"
       "  volccd experiment run projectile --quick -o results/\n"
       "  volccd experiment run projectile --pipelines BruteForce -o results/\n"

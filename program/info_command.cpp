@@ -57,7 +57,8 @@ MotionFacts motion_facts(const Topology& topology, const Motion& motion) {
   std::vector<double> moved;
   for (Index v = 0; v < features.vertex_slots(); ++v)
     if (!features.vertex_elements(v).empty())
-      moved.push_back((motion.point(v, motion.degree()) - motion.point(v, 0)).norm() / std::max(facts.mean_edge, 1e-300));
+      moved.push_back((motion.point(v, motion.degree()) - motion.point(v, 0)).norm() /
+                      std::max(facts.mean_edge, 1e-300));
   facts.median = quantile(moved, 0.5);
   facts.p99 = quantile(moved, 0.99);
   facts.largest = quantile(moved, 1);

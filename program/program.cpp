@@ -41,8 +41,10 @@ bool flush_output() {
 
 int program(int argc, const char* const* argv, const Registry& registry) {
   turn_off_hdf5_messages();
-  CLI::App app("Continuous collision detection between deforming volume meshes: what touches what, and when.", "volccd");
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is an error like a full disk, not the end of the process
+  CLI::App app("Continuous collision detection between deforming volume meshes: what touches what, and when.",
+               "volccd");
+  // A limit on the size of files is an error like a full disk, not the end of the process.
+  std::signal(SIGXFSZ, SIG_IGN);
   app.set_version_flag("--version", fmt::format("volccd {} ({})", build_facts().version, build_facts().commit));
   app.require_subcommand(1);
   app.footer(
@@ -54,8 +56,9 @@ int program(int argc, const char* const* argv, const Registry& registry) {
       "  volccd check csat                              one stage against what it declares\n"
       "  volccd queries ccd-queries.h5                  elementary tests on queries with known answers\n"
       "  volccd COMMAND --help                          options and examples of a command\n\n"
-      "Exit codes: 0 done, 1 verify found a difference, check a broken promise, or queries a missed contact,\n"
-      "2 bad input or output, 130 interrupted. What was complete before an error or Ctrl-C is kept, and marked as incomplete.");
+      "Exit codes: 0 done, 1 verify found a difference, check a broken promise, queries a missed contact,\n"
+      "or experiment other contacts or a slower pipeline, 2 bad input or output, 130 interrupted.\n"
+      "What was complete before an error or Ctrl-C is kept, and marked as incomplete.");
   Action action;
   add_info_command(app, action);
   add_detect_command(app, registry, action);

@@ -48,7 +48,8 @@ void print_pipelines(const Registry& registry) {
 void add_stages_command(CLI::App& app, const Registry& registry, Action& action) {
   CLI::App* command = app.add_subcommand("stages", "what is registered, with options and guarantees");
   command->footer(
-      "Use a stage in place of another:   --set broad-phase=spatial-hash   --set feature-filter=feature-kdop,coplanarity\n"
+      "Use a stage in place of another:   --set broad-phase=spatial-hash   "
+      "--set feature-filter=feature-kdop,coplanarity\n"
       "Set an option of a stage:          --set csat.axis=optimal");
   command->callback([&registry, &action] {
     action = [&registry] {

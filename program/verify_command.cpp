@@ -61,9 +61,9 @@ void show_overlaps(int k, const StepVerdict& verdict, const Mesh& mesh) {
 void show_differences(int k, const StepVerdict& verdict, const Mesh& mesh) {
   for (const PipelineVerdict& one : verdict.pipelines) {
     if (one.difference.empty()) continue;
-    fmt::print("  step {}: {} differs from {}: {} missing, {} extra, {} changed{}\n", k, one.pipeline, verdict.reference,
-               one.difference.missing.size(), one.difference.extra.size(), one.difference.changed.size(),
-               one.held ? "" : "; not counted, its narrow phase being approximate");
+    fmt::print("  step {}: {} differs from {}: {} missing, {} extra, {} changed{}\n", k, one.pipeline,
+               verdict.reference, one.difference.missing.size(), one.difference.extra.size(),
+               one.difference.changed.size(), one.held ? "" : "; not counted, its narrow phase being approximate");
     if (!one.held) continue;
     show("missing", rows_of(k, one.difference.missing, mesh));
     show("extra", rows_of(k, one.difference.extra, mesh));
@@ -73,9 +73,10 @@ void show_differences(int k, const StepVerdict& verdict, const Mesh& mesh) {
   }
   for (const PipelineVerdict& one : verdict.pipelines)
     if (!one.left_out.empty())
-      fmt::print("  step {}: {} leaves out other contacts of shell neighbours than {}: {} missing, {} extra, {} changed\n",
-                 k, one.pipeline, verdict.reference, one.left_out.missing.size(), one.left_out.extra.size(),
-                 one.left_out.changed.size());
+      fmt::print(
+          "  step {}: {} leaves out other contacts of shell neighbours than {}: {} missing, {} extra, {} changed\n", k,
+          one.pipeline, verdict.reference, one.left_out.missing.size(), one.left_out.extra.size(),
+          one.left_out.changed.size());
   for (std::size_t i = 0; i < std::min(verdict.fcl.violations.size(), kShown); ++i) {
     const OverlapViolation& v = verdict.fcl.violations[i];
     fmt::print("  step {}: FCL finds elements {} and {} overlapping by {:.3g} at t = {:g}, first contact {}\n", k,
@@ -84,13 +85,15 @@ void show_differences(int k, const StepVerdict& verdict, const Mesh& mesh) {
   }
 }
 
-bool check_truth(SequenceReader& reader, const Mesh& mesh, const std::vector<Contact>& contacts, const VerifyConfig& config) {
+bool check_truth(SequenceReader& reader, const Mesh& mesh, const std::vector<Contact>& contacts,
+                 const VerifyConfig& config) {
   const auto truth = read_ground_truth(reader);
   if (!truth) return true;
   const TruthVerdict verdict = check_against_truth(mesh, contacts, *truth, config.truth_time_tolerance);
-  fmt::print("ground truth of motion 0: {} pairs touch; {} missing, {} extra, {} with a wrong time (largest error {:.2g})\n",
-             grouped(verdict.colliding), verdict.missing.size(), verdict.extra.size(), verdict.wrong_time.size(),
-             verdict.largest_time_error);
+  fmt::print(
+      "ground truth of motion 0: {} pairs touch; {} missing, {} extra, {} with a wrong time (largest error {:.2g})\n",
+      grouped(verdict.colliding), verdict.missing.size(), verdict.extra.size(), verdict.wrong_time.size(),
+      verdict.largest_time_error);
   show("missing", verdict.missing);
   show("extra", verdict.extra);
   show("wrong time", verdict.wrong_time);
@@ -132,9 +135,9 @@ class Verification {
     fmt::print("{}", table_.text());
     if (config_.leave_out_shell_neighbours)
       fmt::print("left out of the contacts: {} of features that stem from one shell vertex\n", grouped(left_out_));
-    if (!verifier_.left_out().empty())
+    if (!verifier_.skipped_pipelines().empty())
       fmt::print("left out, their narrow phase being approximate (--approximate runs them): {}\n",
-                 fmt::join(verifier_.left_out(), ", "));
+                 fmt::join(verifier_.skipped_pipelines(), ", "));
     if (steps.complete()) {
       fmt::print("{}\n", clean_ ? "clean: no difference" : "DIFFERENCES FOUND");
       return clean_ ? kDone : kDifferent;
@@ -192,7 +195,8 @@ class Verification {
 }  // namespace
 
 void add_verify_command(CLI::App& app, const Registry& registry, Action& action) {
-  CLI::App* command = app.add_subcommand("verify", "all pipelines against brute force, FCL and the file's ground truth");
+  CLI::App* command =
+      app.add_subcommand("verify", "all pipelines against brute force, FCL and the file's ground truth");
   const auto options = std::make_shared<VerifyOptions>();
   options->sequence.add_to(*command);
   options->query.add_to(*command);
@@ -200,14 +204,15 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
   command->add_option("--brute-force-limit", options->config.brute_force_limit,
                       "elements up to which brute force is the reference; beyond, NavCCD")
       ->capture_default_str();
-  command->add_flag("--approximate", options->config.approximate,
-                    "runs pipelines with an approximate narrow phase, too: shows what they miss, and does not count it");
+  command->add_flag(
+      "--approximate", options->config.approximate,
+      "runs pipelines with an approximate narrow phase, too: shows what they miss, and does not count it");
   command->add_flag("--no-fcl", options->no_fcl, "without the FCL oracle");
   command->add_flag("--no-truth", options->no_truth, "without the file's ground truth");
   command->footer(
-      "Every registered pipeline must find the contacts of the reference, bit for bit, but those whose narrow phase is\n"
-      "approximate and another one than the reference's: these run with --approximate only. Where FCL finds two elements\n"
-      "overlapping at t = 1/4, 1/2, 3/4 or 1, they overlapped at t = 0 or must have a contact by then.\n"
+      "Every registered pipeline must find the contacts of the reference, bit for bit, but those whose narrow\n"
+      "phase is approximate and another one than the reference's: these run with --approximate only. Where FCL finds\n"
+      "two elements overlapping at t = 1/4, 1/2, 3/4 or 1, they overlapped at t = 0 or must have a contact by then.\n"
       "All pipelines must list the same initial overlaps, all that FCL finds at t = 0 and none that is clearly apart.\n"
       "Exit code 1 if anything differs. Ctrl-C abandons the step at hand and reports those before:\n"
       "exit code 130.\n"

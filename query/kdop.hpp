@@ -18,8 +18,8 @@
 
 namespace volccd {
 
-/// Largest float <= x, smallest float >= x; values beyond the range of floats go to -inf / +inf or to the largest finite
-/// float, whichever lies outward. Never changes the rounding mode.
+/// Largest float <= x, smallest float >= x; values beyond the range of floats go to -inf / +inf or to the largest
+/// finite float, whichever lies outward. Never changes the rounding mode.
 inline float float_below(double x) {
   const float f = static_cast<float>(x);
   return static_cast<double>(f) > x ? std::nextafterf(f, -std::numeric_limits<float>::infinity()) : f;

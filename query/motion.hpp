@@ -8,16 +8,17 @@
 
 namespace volccd {
 
-/// Two control points a vertex: constant velocity (the paper's Section 3.1). Three: constant acceleration (Section 7.1).
-/// Layout: the control points of a vertex lie together, [vertex][control point][axis], so that a gather touches one or
-/// two cache lines. Positions are doubles and taken as exact. Vertices that no element uses may hold anything finite.
+/// Two control points a vertex: constant velocity (the paper's Section 3.1). Three: constant acceleration
+/// (Section 7.1). Layout: the control points of a vertex lie together, [vertex][control point][axis], so that a gather
+/// touches one or two cache lines. Positions are doubles and taken as exact. Vertices that no element uses may hold
+/// anything finite.
 class Motion {
  public:
   Motion() = default;
   Motion(Index vertices, int control_points);
 
-  /// Straight lines from x0 to x1, both [vertices]. Throws InputError (source "motion", dataset "x0" or "x1", index) for a
-  /// coordinate that is not finite, or arrays of different lengths.
+  /// Straight lines from x0 to x1, both [vertices]. Throws InputError (source "motion", dataset "x0" or "x1", index)
+  /// for a coordinate that is not finite, or arrays of different lengths.
   static Motion linear(std::span<const Vec3> x0, std::span<const Vec3> x1);
   /// The same in place: no allocation where the number of vertices stays.
   void set_linear(std::span<const Vec3> x0, std::span<const Vec3> x1);

@@ -16,12 +16,12 @@ enum class PairScope {
   intra   ///< within one object
 };
 
-/// A rule on pairs of object ids, symmetric. A feature belongs to every object that has an element incident to it. A feature
-/// pair {a,b} is asked for when some (oi, oj) in inc(a) x inc(b) has an allowed pair of objects.
+/// A rule on pairs of object ids, symmetric. A feature belongs to every object that has an element incident to it. A
+/// feature pair {a,b} is asked for when some (oi, oj) in inc(a) x inc(b) has an allowed pair of objects.
 ///
-/// Culling on element pairs is exact only if objects share no vertices: otherwise an element pair may own (assignment) a
-/// feature pair that is asked for because of other elements. Therefore element pairs are only dropped when both elements
-/// are pure: no vertex of them belongs to an element of another object.
+/// Culling on element pairs is exact only if objects share no vertices: otherwise an element pair may own (assignment)
+/// a feature pair that is asked for because of other elements. Therefore element pairs are only dropped when both
+/// elements are pure: no vertex of them belongs to an element of another object.
 class ObjectFilter {
  public:
   ObjectFilter() = default;

@@ -28,9 +28,9 @@ struct FeaturePair {
   auto operator<=>(const FeaturePair&) const = default;
 };
 
-/// Vertex slots of a test. VF: {vertex, triangle ascending}. EE: {edge a ascending, edge b ascending}, the edges swapped if
-/// need be so that the first is lexicographically smaller: kernels see each test in one canonical order, whichever
-/// stage it came through, and so their results agree bit for bit.
+/// Vertex slots of a test. VF: {vertex, triangle ascending}. EE: {edge a ascending, edge b ascending}, the edges
+/// swapped if need be so that the first is lexicographically smaller: kernels see each test in one canonical order,
+/// whichever stage it came through, and so their results agree bit for bit.
 inline std::array<Index, 4> test_vertices(const Features& features, FeatureKind kind, FeaturePair pair) {
   if (kind == FeatureKind::vf) {
     const std::array<Index, 3>& f = features.triangle(pair.b);

@@ -8,8 +8,8 @@
 
 namespace volccd {
 
-/// Motion of one step on one topology, and what the caller asks for. A value of references: cheap to copy; what it refers
-/// to outlives the call and does not change during it.
+/// Motion of one step on one topology, and what the caller asks for. A value of references: cheap to copy; what it
+/// refers to outlives the call and does not change during it.
 struct Step {
   const Topology& topology;
   const Motion& motion;       ///< motion.vertex_count() == topology.mesh().vertex_count()

@@ -133,7 +133,8 @@ void ContactDetection::query(std::span<const Vec3> x0, std::span<const Vec3> x1,
   pipeline_.run({collision_topology(), motion_, filter_, config_.separation + reach_}, workspace_, executor, result_);
   candidates_.clear();
   for (const Contact& contact : result_.contacts)
-    if (!thickener_ || !share_shell_vertex(contact.kind, contact.vertices)) candidates_.push_back({contact.kind, contact.vertices});
+    if (!thickener_ || !share_shell_vertex(contact.kind, contact.vertices))
+      candidates_.push_back({contact.kind, contact.vertices});
   find_slots();
 }
 

@@ -11,8 +11,8 @@
 namespace volccd::detail {
 
 /// Pairs lie in rows {owner, n, partner 1 .. n}, rows in blocks, and each block has the epoch (number of the update) in
-/// which it was written. When a feature is renewed in an epoch, its pairs in blocks of earlier epochs become void without
-/// being looked up. When too much is void, everything is written again: amortised over the renewals.
+/// which it was written. When a feature is renewed in an epoch, its pairs in blocks of earlier epochs become void
+/// without being looked up. When too much is void, everything is written again: amortised over the renewals.
 class OSetBlocks {
  public:
   static constexpr std::size_t kBlockPairs = 1024;

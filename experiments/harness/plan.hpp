@@ -33,8 +33,8 @@ struct SceneRun {
   std::vector<Entrant> entrants;
   int rounds = 0;           ///< 0: those of the plan
   double motion_scale = 1;  ///< control points are x0 + motion_scale (x - x0)
-  /// Times that each element is divided (harness/subdivide.hpp), solid shells in their plane. For scenes without edits: an
-  /// edit builds the divided mesh anew.
+  /// Times that each element is divided (harness/subdivide.hpp), solid shells in their plane. For scenes without edits:
+  /// an edit builds the divided mesh anew.
   int subdivisions = 0;
   nlohmann::json columns = nlohmann::json::object();  ///< further columns of all rows
 };

@@ -29,7 +29,7 @@ struct MotionStatistics {
   double median_motion = 0, p99_motion = 0, largest_motion = 0;  ///< of vertices in use, in mean edges
   ContactCounts contacts;
   std::uint64_t contacts_at_start = 0;  ///< of them, at t = 0
-  std::uint64_t left_out = 0;           ///< not among them: contacts of shell neighbours (Request), if shells are solids
+  std::uint64_t left_out = 0;  ///< not among them: contacts of shell neighbours (Request), if shells are solids
 };
 
 /// All motions of a file; contacts by the pipeline VolCCD+, shells as solids where the file has their thickness.

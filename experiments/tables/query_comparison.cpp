@@ -97,7 +97,10 @@ using Filters = std::vector<std::unique_ptr<FeatureFilter>>;
 class QueryContestant {
  public:
   QueryContestant(std::unique_ptr<NarrowPhase> narrow, const Filters& filters, const std::function<void()>& check)
-      : narrow_(std::move(narrow)), check_(check), stages_{filters, *narrow_, states_}, statistics_(filters.size() + 1) {
+      : narrow_(std::move(narrow)),
+        check_(check),
+        stages_{filters, *narrow_, states_},
+        statistics_(filters.size() + 1) {
     for (const auto& filter : filters) states_.push_back(filter->make_state());
     states_.push_back(narrow_->make_state());
     stages_.states = states_;

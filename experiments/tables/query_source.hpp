@@ -38,10 +38,10 @@ struct QuerySourceConfig {
 };
 
 /// Of a query file, or of a motion of a sequence: the pairs in its ground truth or, with `candidates`, all pairs
-/// without a common vertex whose closed swept boxes overlap. The truth is that of motion 0: there, what it does not list
-/// does not touch; of candidates of another motion, or of a sequence without truth, nothing is known. Throws InputError;
-/// also for a sequence or a motion without truth unless candidates are wanted, and for a pair in the truth that the mesh
-/// does not have.
+/// without a common vertex whose closed swept boxes overlap. The truth is that of motion 0: there, what it does not
+/// list does not touch; of candidates of another motion, or of a sequence without truth, nothing is known. Throws
+/// InputError; also for a sequence or a motion without truth unless candidates are wanted, and for a pair in the truth
+/// that the mesh does not have.
 std::vector<KnownQueries> load_queries(const std::string& file, const QuerySourceConfig& config);
 
 }  // namespace volccd

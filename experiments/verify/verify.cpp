@@ -47,7 +47,7 @@ Verifier::Verifier(const Registry& registry, VerifyConfig config)
     if (entry->held || config_.approximate)
       entries_.push_back(std::move(entry));
     else
-      left_out_.push_back(spec.name);
+      skipped_pipelines_.push_back(spec.name);
   }
 }
 

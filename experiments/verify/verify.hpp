@@ -34,8 +34,8 @@ struct VerifyConfig {
 struct PipelineVerdict {
   std::string pipeline;
   std::string refused;  ///< why it cannot run this step (no difference), or empty
-  /// Whether it is held to the reference's contacts, bit for bit. Not if its narrow phase is approximate and another one than
-  /// the reference's: then `difference` leaves out contacts of both whose times agree within
+  /// Whether it is held to the reference's contacts, bit for bit. Not if its narrow phase is approximate and another
+  /// one than the reference's: then `difference` leaves out contacts of both whose times agree within
   /// VerifyConfig::truth_time_tolerance, and what is left does not count.
   bool held = true;
   ContactDifference difference;
@@ -70,13 +70,14 @@ struct StepVerdict {
   bool clean() const;
 };
 
-/// Keeps pipelines and workspaces from step to step, as a user of a sequence does: their incremental updates are checked too.
+/// Keeps pipelines and workspaces from step to step, as a user of a sequence does: their incremental updates are
+/// checked too.
 class Verifier {
  public:
   Verifier(const Registry& registry, VerifyConfig config);
 
   /// Names of the registered pipelines that do not run, as VerifyConfig::approximate has it.
-  const std::vector<std::string>& left_out() const { return left_out_; }
+  const std::vector<std::string>& skipped_pipelines() const { return skipped_pipelines_; }
 
   /// Runs the reference and every other registered pipeline but those left out. `expected`, if given, receives the
   /// reference's contacts.
@@ -95,7 +96,7 @@ class Verifier {
 
   std::unique_ptr<Entry> brute_, unculled_;
   std::vector<std::unique_ptr<Entry>> entries_;
-  std::vector<std::string> left_out_;
+  std::vector<std::string> skipped_pipelines_;
 };
 
 /// Contacts of motion 0 -> 1 against the file's truth, which lists all pairs that touch.

@@ -45,8 +45,9 @@ struct CoplanarityCubic {
 
 /// Coefficients computed with about 100 bits from the exact coordinates (times `scale`, see range_scale()) and then
 /// rounded: `error` is 2^-90 of the permanent of the differences' magnitudes, so that what is left as zero is zero, or
-/// as good as. Over the part [lo, hi] of the step: the cubic's parameter is 0 at lo and 1 at hi. A short part in which the
-/// points come close to each other has coefficients of their distances then, which a whole step of fast motion would hide.
+/// as good as. Over the part [lo, hi] of the step: the cubic's parameter is 0 at lo and 1 at hi. A short part in which
+/// the points come close to each other has coefficients of their distances then, which a whole step of fast motion
+/// would hide.
 CoplanarityCubic refined_coplanarity(const TestPoints& x, double scale, double lo = 0, double hi = 1);
 
 }  // namespace volccd::detail

@@ -21,8 +21,8 @@ class CoplanarityBlock {
   void gather(const Motion& motion, const TestBlock& tests);
 
   /// Computes the cubics. Open are then all tests but those
-  ///  - with `coplanarity`, whose cubic has no root in [0,1]: all Bernstein coefficients of one sign, beyond their rounding
-  ///    bound (Tang et al. 2010); or,
+  ///  - with `coplanarity`, whose cubic has no root in [0,1]: all Bernstein coefficients of one sign, beyond their
+  ///    rounding bound (Tang et al. 2010); or,
   ///  - with `axis_test`, that the x, y or z axis separates at both ends (exact: rounding of differences is monotone).
   /// The same bits for every vector length.
   void compute(bool axis_test, bool coplanarity = true);

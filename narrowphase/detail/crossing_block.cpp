@@ -86,8 +86,8 @@ struct Shape {
     least = hn::IfThenElse(inside, minimum, broadcast(0.5));
     const LaneMask dips = hn::And(inside, hn::Lt(cubic.value(least), hn::Neg(cubic.error)));
     found = hn::And(hn::Gt(cubic.b[0], cubic.error), hn::Or(dips, hn::Lt(cubic.b[3], hn::Neg(cubic.error))));
-    // Where Newton's method converges from one side: the inflection point between a maximum and a minimum; for a minimum
-    // that comes first, 0; beyond the maximum after it, 1.
+    // Where Newton's method converges from one side: the inflection point between a maximum and a minimum; for a
+    // minimum that comes first, 0; beyond the maximum after it, 1.
     const Lanes inflection = clamp01(hn::Neg(hn::Div(h, a)));
     root = hn::IfThenElse(hn::Gt(a, zero), inflection, hn::IfThenElse(dips, zero, one));
     root = newton(cubic, root);
@@ -233,7 +233,8 @@ struct Bracket {
   }
 };
 
-/// At most two roots are looked at: with a third, which needs the features to change sides back and forth, others decide.
+/// At most two roots are looked at: with a third, which needs the features to change sides back and forth, others
+/// decide.
 HWY_ATTR void decide_crossings(const CrossingBlock::Rows& rows, double tolerance) {
   const Tag d;
   const Lanes zero = hn::Zero(d), one = broadcast(1), backwards = broadcast(1 - 4 * kUnitRoundoff);

@@ -1,5 +1,5 @@
-// Second pass of the `inclusion` narrow phase: tests whose four points change sides at most twice, by far the most that the
-// first pass leaves. A vector kernel decides those that are clear when they do.
+// Second pass of the `inclusion` narrow phase: tests whose four points change sides at most twice, by far the most that
+// the first pass leaves. A vector kernel decides those that are clear when they do.
 #pragma once
 
 #include <array>

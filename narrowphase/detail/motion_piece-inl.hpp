@@ -67,7 +67,8 @@ void BoundedTest<kPoints>::measure() {
   }
   // The sides were computed from rounded differences: their error is a few units of the extent.
   const double slack = 16 * kUnitRoundoff * extent_.sum();
-  coplanarity_within_separation_ = separation_ * kAreaSlack * std::max((first + slack) * (second + slack), kLeastSquare);
+  coplanarity_within_separation_ =
+      separation_ * kAreaSlack * std::max((first + slack) * (second + slack), kLeastSquare);
   gap_error_ = kDistanceError * extent_.sum() + 32 * kUnitRoundoff * separation_;
 }
 
@@ -117,8 +118,9 @@ bool MotionPiece<kPoints>::never_coplanar() {
   b_.fill(0);
   for (int i = 0; i <= n; ++i)
     for (int j = 0; j <= n; ++j)
-      normal[static_cast<std::size_t>(i + j)] += binomial(n, i) * binomial(n, j) *
-                                                 e_[1][static_cast<std::size_t>(i)].cross(e_[2][static_cast<std::size_t>(j)]);
+      normal[static_cast<std::size_t>(i + j)] +=
+          binomial(n, i) * binomial(n, j) *
+          e_[1][static_cast<std::size_t>(i)].cross(e_[2][static_cast<std::size_t>(j)]);
   for (int i = 0; i <= n; ++i)
     for (int k = 0; k <= 2 * n; ++k)
       b_[static_cast<std::size_t>(i + k)] +=

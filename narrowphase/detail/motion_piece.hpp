@@ -84,19 +84,20 @@ class MotionPiece {
   bool never_coplanar_before(double s) const;
   bool never_coplanar_after(double s) const;
 
-  /// True only if the projections onto `axis` (any vector) stay further apart than the separation all through the piece.
+  /// True only if the projections onto `axis` (any vector) stay further apart than the separation all through the
+  /// piece.
   bool separated_along(const Vec3& axis) const;
 
   /// Of the differences of the second feature's control points to those of the first, at equal times, the least along
   /// `axis`. Rounded.
   Vec3 support(const Vec3& axis) const;
 
-  /// True only if, seen along `direction`, the features overlap all through the piece (vertex inside the triangle, edges
-  /// crossing): then each root of the polynomial in it is a contact.
+  /// True only if, seen along `direction`, the features overlap all through the piece (vertex inside the triangle,
+  /// edges crossing): then each root of the polynomial in it is a contact.
   bool overlap_along(const Vec3& direction) const;
 
-  /// Given that the signs at the ends are certain and opposite: a time before the first root by less than `tolerance`, or
-  /// that root; negative if that cannot be told. `guess`: likely_root().
+  /// Given that the signs at the ends are certain and opposite: a time before the first root by less than `tolerance`,
+  /// or that root; negative if that cannot be told. `guess`: likely_root().
   double before_first_root(double guess, double tolerance) const;
 
  private:

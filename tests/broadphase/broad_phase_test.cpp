@@ -31,7 +31,8 @@ TEST(KdopBvhTest, LeafSizeDoesNotMatter) {
     SCOPED_TRACE(scene.name);
     const Pairs expected = run_fresh(*make(describe_kdop_bvh()), scene.step());
     for (int leaf_size : {1, 2, 3, 5, 7, 8})
-      EXPECT_EQ(expected, run_fresh(*make(describe_kdop_bvh(), {{"leaf_size", std::to_string(leaf_size)}}), scene.step()))
+      EXPECT_EQ(expected,
+                run_fresh(*make(describe_kdop_bvh(), {{"leaf_size", std::to_string(leaf_size)}}), scene.step()))
           << leaf_size;
   }
 }
@@ -70,7 +71,8 @@ TEST(BruteForceTest, WithoutBoundsEveryPair) {
 TEST(BroadPhases, QuadraticMotionEnclosesItsControlPoints) {
   const Shape shape = mixed_block(2, 2);
   Scene scene = make_scene("quadratic", shape, shape.positions);
-  scene.motion = Motion::quadratic(shape.positions, jittered(shape.positions, 1.5, 1), jittered(shape.positions, 0.2, 2));
+  scene.motion =
+      Motion::quadratic(shape.positions, jittered(shape.positions, 1.5, 1), jittered(shape.positions, 0.2, 2));
   const Step step = scene.step();
   const KdopOracle dops(step, 16), boxes(step, 6);
   expect_sound(run_fresh(*make(describe_kdop_bvh()), step), dops, step, PairRange::every);

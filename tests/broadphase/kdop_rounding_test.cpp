@@ -8,11 +8,13 @@ namespace volccd::test {
 namespace {
 
 std::vector<double> awkward_doubles() {
-  std::vector<double> all{0.0, -0.0, 1.0, -1.0, 0.1, -0.1, 1e-320, -1e-320, 5e-324, -5e-324, 1e308, -1e308, 1.4e-45, 7e-46};
+  std::vector<double> all{0.0,     -0.0,   1.0,     -1.0,  0.1,    -0.1,    1e-320,
+                          -1e-320, 5e-324, -5e-324, 1e308, -1e308, 1.4e-45, 7e-46};
   const double most = std::numeric_limits<float>::max(), least = std::numeric_limits<float>::denorm_min();
   for (double x : {most, least, static_cast<double>(std::numeric_limits<float>::min()), 16777216.0})
     for (double sign : {-1.0, 1.0})
-      for (double y : {std::nextafter(x, 0), x, std::nextafter(x, HUGE_VAL), x / 2, x * 2, x * 1.5}) all.push_back(sign * y);
+      for (double y : {std::nextafter(x, 0), x, std::nextafter(x, HUGE_VAL), x / 2, x * 2, x * 1.5})
+        all.push_back(sign * y);
   std::mt19937_64 random(1);
   while (all.size() < 20000) {
     const std::uint64_t bits = random();
@@ -20,7 +22,8 @@ std::vector<double> awkward_doubles() {
     static_assert(sizeof x == sizeof bits);
     std::memcpy(&x, &bits, sizeof x);
     if (std::isfinite(x)) all.push_back(x);
-    all.push_back(static_cast<double>(static_cast<float>(std::ldexp(static_cast<double>(bits), -64 + static_cast<int>(random() % 64)))));
+    all.push_back(static_cast<double>(
+        static_cast<float>(std::ldexp(static_cast<double>(bits), -64 + static_cast<int>(random() % 64)))));
   }
   return all;
 }
@@ -94,8 +97,8 @@ TEST(VertexBounds, AreTheRoundedProjectionsLaneByLane) {
   }
 }
 
-/// Whole numbers whose sum along an axis of three terms is small: exact in 64 bits, while that of two of them in doubles is
-/// not.
+/// Whole numbers whose sum along an axis of three terms is small: exact in 64 bits, while that of two of them in
+/// doubles is not.
 TEST(VertexBounds, EncloseSumsOfThreeTermsThatCancel) {
   std::mt19937_64 random(3);
   Shape shape = block(ElementType::tetrahedron, 1, 1, 1);

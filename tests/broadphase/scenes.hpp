@@ -45,14 +45,15 @@ inline Shape with_outliers() {
   return shape;
 }
 
-/// Two tetrahedra that overlap by 2^-61 along x+y+z and amply along all other axes. In doubles 1 + 2^-60 - 1 is 0: without
-/// a margin for sums of three terms they are apart.
+/// Two tetrahedra that overlap by 2^-61 along x+y+z and amply along all other axes. In doubles 1 + 2^-60 - 1 is 0:
+/// without a margin for sums of three terms they are apart.
 inline Shape cancellation() {
   Shape shape = block(ElementType::tetrahedron, 1, 1, 1);
   shape.elements.resize(2);
   shape.elements[0].vertices = {0, 1, 2, 3};
   shape.elements[1].vertices = {4, 5, 6, 7};
-  shape.positions = {{1, 0x1p-60, -1}, {-1, 0, 1}, {0, -1, 1}, {0, 1, -1}, {0x1p-61, 0, 0}, {1, 1, 1}, {2, -1, 1}, {-1, 2, 1}};
+  shape.positions = {{1, 0x1p-60, -1}, {-1, 0, 1}, {0, -1, 1}, {0, 1, -1},
+                     {0x1p-61, 0, 0},  {1, 1, 1},  {2, -1, 1}, {-1, 2, 1}};
   return shape;
 }
 

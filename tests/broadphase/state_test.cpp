@@ -25,8 +25,9 @@ TopologyEdit random_edit(const Topology& topology, std::size_t removals, std::si
     const std::size_t count = random() % 3 == 0 ? 3 : 4;
     const Index near = static_cast<Index>(random() % mesh.vertex_count());
     while (vertices.size() < count)
-      vertices.insert(random() % 8 == 0 ? static_cast<Index>(random() % mesh.vertex_count())
-                                        : std::min<Index>(near + static_cast<Index>(random() % 6), mesh.vertex_count() - 1));
+      vertices.insert(random() % 8 == 0
+                          ? static_cast<Index>(random() % mesh.vertex_count())
+                          : std::min<Index>(near + static_cast<Index>(random() % 6), mesh.vertex_count() - 1));
     edit.added.push_back({count == 3 ? ElementType::triangle : ElementType::tetrahedron,
                           {vertices.begin(), vertices.end()},
                           {},

@@ -52,7 +52,8 @@ inline std::vector<Vec3> scaled(std::vector<Vec3> positions, double by) {
   return positions;
 }
 
-inline std::unique_ptr<BroadPhase> make(const StageDescriptor<BroadPhase>& descriptor, const OptionValues& values = {}) {
+inline std::unique_ptr<BroadPhase> make(const StageDescriptor<BroadPhase>& descriptor,
+                                        const OptionValues& values = {}) {
   return descriptor.make(values);
 }
 

@@ -119,7 +119,8 @@ class InclusionAttack : public testing::TestWithParam<Attack> {
  protected:
   void run(std::uint64_t first, int cases, InclusionProperty::Others others) {
     InclusionProperty property(
-        InclusionProperty::Promise::complete, [](Choices& choices) { return attack_test(choices, GetParam()); }, others);
+        InclusionProperty::Promise::complete, [](Choices& choices) { return attack_test(choices, GetParam()); },
+        others);
     run_seeds(first, cases, property);
   }
 };

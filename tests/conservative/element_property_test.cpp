@@ -53,7 +53,8 @@ std::vector<NamedBroadPhase> all_broad_phases() {
 /// What both properties share: a case, and a part of the step.
 class ElementProperty {
  public:
-  ElementProperty(ElementType type, Separation separation) : ElementProperty(type, nearly_degenerate_elements(separation)) {}
+  ElementProperty(ElementType type, Separation separation)
+      : ElementProperty(type, nearly_degenerate_elements(separation)) {}
   ElementProperty(ElementType type, ElementGenerator generator) : scene_(type), generator_(std::move(generator)) {}
 
   std::string operator()(Choices& choices) {

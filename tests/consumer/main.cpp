@@ -1,4 +1,4 @@
-// Two tetrahedra, of which the second falls onto the first: contacts of one step. The listing in README.md is this file.
+// Two tetrahedra, of which the second falls onto the first: contacts of one step. README.md lists this file.
 #include <cstdio>
 #include <vector>
 

@@ -93,7 +93,8 @@ elseif(PART STREQUAL "refusals")
   set(PREFIX "${WORK_DIR}/prefix-without-program")
   refuse(program "this package of volccd was built without its component program")
 elseif(PART STREQUAL "headers")
-  # Twice: the second time checks the include guard.
+  # Twice: the second time checks the include guard. To objects, which a compiler cache keeps, as it does not keep checks
+  # of the syntax alone.
   foreach(header IN LISTS headers)
     file(WRITE "${WORK_DIR}/headers/${header}.cpp" "#include <${header}>\n#include <${header}>\n")
   endforeach()
@@ -104,7 +105,7 @@ elseif(PART STREQUAL "headers")
   write_project(headers "${component}" "
 file(GLOB_RECURSE stubs \"\${CMAKE_CURRENT_SOURCE_DIR}/volccd/*.cpp\")
 add_library(headers OBJECT \${stubs})
-target_compile_options(headers PRIVATE -O0 -fsyntax-only)
+target_compile_options(headers PRIVATE -O0)
 target_link_libraries(headers PRIVATE volccd::volccd)
 if(TARGET volccd::program)
   target_link_libraries(headers PRIVATE volccd::program)

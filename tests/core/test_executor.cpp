@@ -64,7 +64,8 @@ TEST_P(ExecutorContract, ChunksCoverEachIndexOnce) {
         for (std::size_t i = begin; i < end; ++i) ++visits[i];
       });
       EXPECT_EQ(bad_chunks, 0) << n << " indices, grain " << grain;
-      for (std::size_t i = 0; i < n; ++i) ASSERT_EQ(visits[i], 1) << "index " << i << " of " << n << ", grain " << grain;
+      for (std::size_t i = 0; i < n; ++i)
+        ASSERT_EQ(visits[i], 1) << "index " << i << " of " << n << ", grain " << grain;
     }
 }
 
@@ -79,8 +80,8 @@ TEST_P(ExecutorContract, ConcurrentChunksHaveDifferentWorkers) {
   EXPECT_EQ(clashes, 0);
 }
 
-// What a stage does: per-worker buffers without locks, merged afterwards. ThreadSanitizer sees here whether the executor
-// orders the chunks of one worker, and the caller after all of them.
+// What a stage does: per-worker buffers without locks, merged afterwards. ThreadSanitizer sees here whether the
+// executor orders the chunks of one worker, and the caller after all of them.
 TEST_P(ExecutorContract, ResultsDoNotDependOnTheExecutor) {
   constexpr std::size_t n = 5000;
   std::vector<std::uint64_t> values(n), sums(executor_->workers());
@@ -134,8 +135,9 @@ TEST_P(ExecutorContract, ExceptionReachesTheCallerAndTheExecutorLives) {
 
 TEST_P(ExecutorContract, OneOfManyExceptionsReachesTheCaller) {
   for (int round = 0; round < 50; ++round)
-    EXPECT_THROW(executor_->parallel_for(64, 1, [](std::size_t, std::size_t, unsigned) { throw std::runtime_error("all"); }),
-                 std::runtime_error);
+    EXPECT_THROW(
+        executor_->parallel_for(64, 1, [](std::size_t, std::size_t, unsigned) { throw std::runtime_error("all"); }),
+        std::runtime_error);
 }
 
 TEST(Executor, SerialRunsInOrder) {

@@ -75,7 +75,8 @@ TEST(Options, RefusesWhatIsNotWhollyAValue) {
     EXPECT_NE(refusal({{"cell", text}}), "") << "'" << text << "'";
   for (const char* text : {"inf", "nan", "-1e-300"}) EXPECT_NE(refusal({{"gap", text}}), "") << text;
   for (const char* text : {"", "True", "yes", "2"}) EXPECT_NE(refusal({{"refit", text}}), "") << "'" << text << "'";
-  for (const char* text : {"", "Face", "fac", "face|optimal"}) EXPECT_NE(refusal({{"axis", text}}), "") << "'" << text << "'";
+  for (const char* text : {"", "Face", "fac", "face|optimal"})
+    EXPECT_NE(refusal({{"axis", text}}), "") << "'" << text << "'";
 }
 
 TEST(Options, RefusalNamesTheOptionTheTextAndWhatIsAllowed) {

@@ -1,5 +1,5 @@
-// Invariant 2 by full enumeration: every VF and EE pair without a common vertex is in the O-Set, or owned by exactly one pair
-// of non-adjacent elements. Small meshes of every element type and mix, permuted ids, both edge sets.
+// Invariant 2 by full enumeration: every VF and EE pair without a common vertex is in the O-Set, or owned by exactly
+// one pair of non-adjacent elements. Small meshes of every element type and mix, permuted ids, both edge sets.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -68,12 +68,13 @@ void for_each_test(const Features& features, Visit&& visit) {
 
 std::set<FeatureTest> naive_minimal(const Topology& topology) {
   std::set<FeatureTest> set;
-  for_each_test(topology.features(), [&](const FeatureTest& test, std::span<const Index> inc_a, std::span<const Index> inc_b) {
-    for (const Index oi : inc_a)
-      for (const Index oj : inc_b)
-        if (!adjacent(topology.mesh(), oi, oj)) return;
-    set.insert(test);
-  });
+  for_each_test(topology.features(),
+                [&](const FeatureTest& test, std::span<const Index> inc_a, std::span<const Index> inc_b) {
+                  for (const Index oi : inc_a)
+                    for (const Index oj : inc_b)
+                      if (!adjacent(topology.mesh(), oi, oj)) return;
+                  set.insert(test);
+                });
   return set;
 }
 
@@ -81,7 +82,8 @@ std::set<FeatureTest> naive_minimal(const Topology& topology) {
 std::set<FeatureTest> naive_literal(const Topology& topology) {
   const Mesh& mesh = topology.mesh();
   std::set<FeatureTest> set;
-  for_each_test(topology.features(), [&](const FeatureTest& test, std::span<const Index> inc_a, std::span<const Index> inc_b) {
+  for_each_test(topology.features(), [&](const FeatureTest& test, std::span<const Index> inc_a,
+                                         std::span<const Index> inc_b) {
     const auto all_adjacent = [&](std::span<const Index> elements, Index o) {
       return std::all_of(elements.begin(), elements.end(), [&](Index k) { return adjacent(mesh, k, o); });
     };
@@ -105,7 +107,8 @@ struct Harness {
     std::vector<ElementPair> pairs;
     for (Index a = 0; a < mesh.element_slots(); ++a)
       for (Index b = a; b < mesh.element_slots(); ++b)
-        if (mesh.is_live(a) && mesh.is_live(b) && (range == PairRange::every || !adjacent(mesh, a, b))) pairs.push_back({a, b});
+        if (mesh.is_live(a) && mesh.is_live(b) && (range == PairRange::every || !adjacent(mesh, a, b)))
+          pairs.push_back({a, b});
     PairBatch batch;
     batch.assign(pairs);
     assignment.run(step(), state, 0, batch, out);
@@ -151,8 +154,9 @@ std::set<FeatureTest> keys(const Counts& counts) {
 
 std::vector<std::pair<std::string, Shape>> shapes() {
   std::vector<std::pair<std::string, Shape>> list;
-  for (const ElementType type : {ElementType::tetrahedron, ElementType::pyramid, ElementType::wedge,
-                                 ElementType::hexahedron, ElementType::polytope, ElementType::triangle, ElementType::quad}) {
+  for (const ElementType type :
+       {ElementType::tetrahedron, ElementType::pyramid, ElementType::wedge, ElementType::hexahedron,
+        ElementType::polytope, ElementType::triangle, ElementType::quad}) {
     list.emplace_back(to_string(type), block(type, 2, 2, 2));
     list.emplace_back(std::string("one ") + to_string(type), block(type, 1, 1, 1));
     Shape two = block(type, 3, 1, 1);

@@ -312,7 +312,8 @@ TEST(FilterBlock, VerdictsDependOnTheTestAlone) {
           test::run_stage(*filter, step, block, kept);
           std::size_t next = 0;
           for (std::size_t i = 0; i < block.size(); ++i) {
-            ASSERT_EQ(kept[i], picked[i] & all[i]) << name << " round " << round << " test " << i << " among others dropped";
+            ASSERT_EQ(kept[i], picked[i] & all[i])
+                << name << " round " << round << " test " << i << " among others dropped";
             if (picked[i] == 0) continue;
             ASSERT_EQ(alone[next++], all[i]) << name << " round " << round << " test " << i << " among others gathered";
           }

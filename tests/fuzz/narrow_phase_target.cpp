@@ -119,9 +119,9 @@ std::string malformed(const Test& test, const std::vector<Contact>& contacts) {
   return {};
 }
 
-/// Why a reported time is wrong, for a narrow phase that is not approximate; or nothing. `exact`: over the whole step, as
-/// what is reported early may touch a little after t_max. `unbounded`: undecided, and of coordinates that `exact` was not
-/// asked about: such a test may be reported at any time before.
+/// Why a reported time is wrong, for a narrow phase that is not approximate; or nothing. `exact`: over the whole step,
+/// as what is reported early may touch a little after t_max. `unbounded`: undecided, and of coordinates that `exact`
+/// was not asked about: such a test may be reported at any time before.
 std::string wrong_time(const Contestants::Narrow& narrow, const ExactAnswer& exact, double toi, bool undecided,
                        bool unbounded) {
   if (exact.touches && toi > exact.toi) return fmt::format("is late: {:a}, not {:a}", toi, exact.toi);

@@ -1,5 +1,5 @@
-// `inclusion` on cases whose answer is plain, and its rounding bounds against rationals. Published truth: truth_test.cpp.
-// Random near-degenerate tests: tests/conservative.
+// `inclusion` on cases whose answer is plain, and its rounding bounds against rationals. Published truth:
+// truth_test.cpp. Random near-degenerate tests: tests/conservative.
 #include <cmath>
 #include <limits>
 #include <random>
@@ -109,7 +109,8 @@ TEST(Inclusion, PartsLeaveNoGap) {
 }
 
 TEST(Inclusion, ExactIsNotAskedWhereItWouldTakeLong) {
-  // The vertex comes down to a triangle that lies lower by 2^-`power`, and goes up again: no contact, which no double shows.
+  // The vertex comes down to a triangle that lies lower by 2^-`power`, and goes up again: no contact, which no double
+  // shows.
   const auto ask = [](int power, int exact_bits) {
     std::vector<Vec3> points;
     for (const double z : {1.0, -1.0, 1.0}) {
@@ -119,7 +120,8 @@ TEST(Inclusion, ExactIsNotAskedWhereItWouldTakeLong) {
     const volccd::QuerySet set(FeatureKind::vf, 3, points);
     std::vector<Contact> contacts;
     NarrowCounters counters;
-    test::run_stage(Inclusion({.exact_bits = exact_bits}), set.step(1), FeatureKind::vf, set.pairs(), contacts, counters);
+    test::run_stage(Inclusion({.exact_bits = exact_bits}), set.step(1), FeatureKind::vf, set.pairs(), contacts,
+                    counters);
     EXPECT_EQ(counters.undecided, 1u);
     return contacts.size();
   };
@@ -142,8 +144,8 @@ TEST(Inclusion, CoordinateBitsSpanAllCoordinates) {
   EXPECT_EQ(coordinate_bits(motion), 2098);
 }
 
-/// A degenerate triangle (parallel edges) far from the origin, whose corners rounding has moved off one line, and the other
-/// feature near it at the end of the step.
+/// A degenerate triangle (parallel edges) far from the origin, whose corners rounding has moved off one line, and the
+/// other feature near it at the end of the step.
 std::vector<Vec3> near_a_sliver(std::mt19937_64& random, FeatureKind kind, int control_points) {
   std::uniform_real_distribution<double> number(-1, 1);
   const auto vector = [&] { return Vec3(number(random), number(random), number(random)); };
@@ -227,8 +229,9 @@ Rational coplanarity(const std::array<std::array<Vec3, kPoints>, 4>& curves, con
   for (std::size_t i = 0; i < 4; ++i)
     for (int k = 0; k < 3; ++k) {
       const auto at = [&](std::size_t c) { return Rational(curves[i][c][k]); };
-      p[i][static_cast<std::size_t>(k)] =
-          kPoints == 2 ? Rational(s * at(0) + t * at(1)) : Rational(s * s * at(0) + 2 * s * t * at(1) + t * t * at(kPoints - 1));
+      p[i][static_cast<std::size_t>(k)] = kPoints == 2
+                                              ? Rational(s * at(0) + t * at(1))
+                                              : Rational(s * s * at(0) + 2 * s * t * at(1) + t * t * at(kPoints - 1));
     }
   std::array<std::array<Rational, 3>, 3> e;
   for (std::size_t i = 0; i < 3; ++i)
@@ -243,9 +246,11 @@ void expect_bounds_hold(std::uint64_t seed, double* closest) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> number(-1, 1), part(0, 1);
   std::array<std::array<Vec3, kPoints>, 4> curves;
-  const Vec3 offset = seed % 2 == 0 ? Vec3(Vec3::Zero()) : Vec3(1e3 * Vec3(number(random), number(random), number(random)));
+  const Vec3 offset =
+      seed % 2 == 0 ? Vec3(Vec3::Zero()) : Vec3(1e3 * Vec3(number(random), number(random), number(random)));
   for (auto& curve : curves)
-    for (Vec3& p : curve) p = offset + Vec3(number(random), number(random), std::ldexp(number(random), -int(seed % 7) * 4));
+    for (Vec3& p : curve)
+      p = offset + Vec3(number(random), number(random), std::ldexp(number(random), -int(seed % 7) * 4));
   detail::TestPoints x;
   for (std::size_t i = 0; i < 4; ++i) x[i] = curves[i][0].data();
   double lo = part(random), hi = part(random);

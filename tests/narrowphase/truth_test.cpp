@@ -22,8 +22,8 @@ struct Score {
   Real worst_distance = 0;  ///< of an extra contact, relative to its size
 };
 
-Score score(const NarrowPhase& narrow, FeatureKind kind, const std::vector<Query>& queries, const std::vector<int>& collides,
-            const std::vector<double>& toi) {
+Score score(const NarrowPhase& narrow, FeatureKind kind, const std::vector<Query>& queries,
+            const std::vector<int>& collides, const std::vector<double>& toi) {
   const QuerySet set(kind, queries);
   NarrowCounters counters;
   const std::vector<Contact> contacts = set.test(narrow, 1, &counters);

@@ -149,8 +149,8 @@ TEST(OverlappingElements, SameForAnyNumberOfThreads) {
 }
 
 TEST(CheckInitialOverlaps, TellsMissingAndExtra) {
-  Scene scene(block(ElementType::tetrahedron, 2, 2, 1), moved(block(ElementType::hexahedron, 2, 2, 1), Vec3(0.3, 0.4, 0.5)),
-              Vec3(0, 0, 0), 0.05, 3);
+  Scene scene(block(ElementType::tetrahedron, 2, 2, 1),
+              moved(block(ElementType::hexahedron, 2, 2, 1), Vec3(0.3, 0.4, 0.5)), Vec3(0, 0, 0), 0.05, 3);
   std::vector<ElementPair> listed;
   for (const Overlap& overlap : overlapping_elements(scene.step(), 0, scene.executor)) listed.push_back(overlap.pair);
   ASSERT_GT(listed.size(), 10u);

@@ -101,7 +101,8 @@ TEST(LongPipelines, EveryBroadPhaseCombinesWithEveryStageOnEveryType) {
   for (const std::uint64_t seed : {11u, 12u})
     for (const Scene& scene : test::small_scenes(seed, 0.3)) {
       const StepResult expected = run(reference(), scene);
-      for (const PipelineSpec& spec : combinations()) expect_same(expected, run(spec, scene), scene.name + " " + spec.name);
+      for (const PipelineSpec& spec : combinations())
+        expect_same(expected, run(spec, scene), scene.name + " " + spec.name);
     }
 }
 
@@ -355,7 +356,8 @@ TEST(Pipelines, RefuseStepsTheyCannotRun) {
 class AnyDegree final : public NarrowPhase {
  public:
   int max_control_points() const override { return 9; }
-  void run(const Step&, StageState&, unsigned, const TestBlock&, std::vector<Contact>&, NarrowCounters&) const override {}
+  void run(const Step&, StageState&, unsigned, const TestBlock&, std::vector<Contact>&,
+           NarrowCounters&) const override {}
 };
 
 TEST(Pipelines, RefuseMotionThatBlocksOfTestsDoNotHold) {
@@ -410,7 +412,8 @@ TEST(Registry, SettingsChangeAPipeline) {
   EXPECT_EQ(spec.assignment.name, "all-pairs");
   registry().apply_setting(spec, "broad-phase=spatial-hash");
   EXPECT_EQ(spec.broad_phase.name, "spatial-hash");
-  for (const char* wrong : {"csat.axis=centroid", "x", "=x", "broad-phase=none", "assignment=none", "orphans=o-set,o-set", "no-role=x", "kdop-bvh.k=18"})
+  for (const char* wrong : {"csat.axis=centroid", "x", "=x", "broad-phase=none", "assignment=none",
+                            "orphans=o-set,o-set", "no-role=x", "kdop-bvh.k=18"})
     EXPECT_THROW(registry().apply_setting(spec, wrong), ConfigError) << wrong;
 }
 

@@ -1,4 +1,5 @@
-// Tests on their way through filters and the narrow phase: none lost, none twice, ids and coordinates together, blocks full.
+// Tests on their way through filters and the narrow phase: none lost, none twice, ids and coordinates together, blocks
+// full.
 #include <volccd/pipelines/test_chain.hpp>
 
 #include <thread>

@@ -150,7 +150,8 @@ def problem_in_command(words):
             values = [f"{key}={one}" for one in listed.split(",")] if sweep else [value]
             if problem := next(filter(None, (problem_in_value(word, one) for one in values)), None):
                 return problem
-    names = {("scene", "generate"): SCENES, ("experiment", "run"): EXPERIMENTS, ("experiment", "table"): EXPERIMENTS}.get(path)
+    names = {("scene", "generate"): SCENES, ("experiment", "run"): EXPERIMENTS,
+             ("experiment", "table"): EXPERIMENTS}.get(path)
     if path == ("experiment", "compare"):
         return None  # folders
     if path == ("check",):

@@ -3,20 +3,20 @@
 #include <numeric>
 #include <set>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/harness/motion_measures.hpp>
-#include <volccd/experiments/harness/run.hpp>
 #include <volccd/experiments/harness/subdivide.hpp>
-#include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/operation_table.hpp>
 #include <volccd/experiments/tables/rows.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
-#include "support/scratch_folder.hpp"
+#include "records/harness_fixture.hpp"
+#include "sequence/sequences.hpp"
 
 namespace volccd::test {
 namespace {
@@ -39,31 +39,6 @@ TEST(SampledWindows, AreSpreadEvenlyAndHaveAMotionBefore) {
     EXPECT_GE(last, motions - motions / 4 - 1) << "nothing of the last quarter";
   }
 }
-
-/// The built-in block that goes through a plate: elements erode.
-class Harness : public testing::Test {
- protected:
-  Harness() : file_(folder_ / "builtin.vtkhdf") {
-    write_scene(*make_scene("builtin", {{"elements", "200"}, {"steps", "9"}}), file_);
-  }
-
-  ExperimentPlan plan(int rounds, std::vector<MotionWindow> windows) const {
-    SceneRun run{"block", file_, {}, std::move(windows), {}};
-    for (const char* pipeline : {"NavCCD", "HashCCD", "VolCCD", "VolCCD+"})
-      run.entrants.push_back(entrant(registry_, "c", pipeline));
-    return {"test", "quick", rounds, {run}};
-  }
-  std::vector<json> rows_of(const ExperimentPlan& plan, unsigned threads, const std::string& name) {
-    const auto executor = make_thread_executor(threads);
-    RecordFile record(folder_ / "", name, {{"name", name}});
-    run_experiment(registry_, plan, *executor, record);
-    return record.rows();
-  }
-
-  const ScratchFolder folder_;
-  const std::string file_;
-  const Registry registry_ = Registry::standard();
-};
 
 /// Columns that no clock decides.
 json counts_of(json row) {
@@ -107,6 +82,45 @@ TEST_F(Harness, EveryRoundRepeatsTheEdit) {
     EXPECT_TRUE(edited == 0 || edited == static_cast<int>(rows.size())) << "some rounds have an edit, and others none";
   }
   EXPECT_GT(edited, 0) << "the scene shows nothing: no element erodes";
+}
+
+/// Blocks that move and lose an element between steps 3 and 4.
+void write_loss(const std::string& file) {
+  const Shape shape = block(ElementType::tetrahedron, 2, 1, 1);
+  Sequence sequence;
+  for (std::size_t v = 0; v < shape.positions.size(); ++v) sequence.point_ids.push_back(static_cast<std::int64_t>(v));
+  for (int k = 0; k < 8; ++k) {
+    Sequence::Step step{0.1 * k, shape.positions, {}, {}, {}};
+    for (Vec3& x : step.points) x += 0.1 * k * Vec3::UnitX();
+    step.velocity.assign(shape.positions.size(), Vec3::UnitX());
+    for (std::size_t o = k < 4 ? 0 : 1; o < shape.elements.size(); ++o) step.cells.add(shape.elements[o]);
+    sequence.steps.push_back(std::move(step));
+  }
+  sequence.write(file);
+}
+
+/// Motion k is on the cells of step k + 1, or of step k if it is tentative: rounds after the first go back to the
+/// motion before the window only if one of the window has other cells than the motion before.
+TEST_F(Harness, RoundsGoBackWhereTheCellsOfTheWindowsMotionsChange) {
+  const std::string file = folder_ / "loss.vtkhdf";
+  write_loss(file);
+  for (const MotionModel model : {MotionModel::linear, MotionModel::tentative})
+    for (int first = 1; first < 6; ++first) {
+      SCOPED_TRACE(testing::Message() << name_of(model) << " motion, window of 2 from " << first);
+      ExperimentPlan two = plan(2, {{first, 2}});
+      two.runs[0].file = file;
+      two.runs[0].config.motion = model;
+      RecordFile record(folder_ / "", fmt::format("loss-{}-{}", name_of(model), first), {{"a", 1}});
+      SerialExecutor serial;
+      std::size_t runs = 0;
+      run_experiment(registry_, two, serial, record, [&](std::size_t, std::size_t) { ++runs; });
+      const int edited = model == MotionModel::tentative ? 4 : 3;
+      const bool edits = edited == first || edited == first + 1;
+      EXPECT_EQ(runs, 4u * (edits ? 2 + 2 * 2 : 1 + 2 * 2)) << "of 4 pipelines: warm-ups and motions of two rounds";
+      for (const json& row : record.rows())
+        EXPECT_EQ(row.at("topology_seconds").get<double>() > 0, row.at("motion") == edited)
+            << "motion " << row.at("motion") << ", round " << row.at("round");
+    }
 }
 
 TEST_F(Harness, GoesOnWhereItWasStopped) {

@@ -25,6 +25,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(HERE)), "tools"))
 import plot_results  # noqa: E402  # pylint: disable=wrong-import-position
+from plots import records, scaling, stages  # noqa: E402  # pylint: disable=wrong-import-position
 
 PROVENANCE = {"version": "0.1.0", "commit": "abc1234", "cpu": "Test CPU", "cores": 2, "threads": 1,
               "setting": "quick"}
@@ -37,7 +38,7 @@ def row(pipeline="VolCCD", scene="octopi", **columns):
               "element_pairs": 1200, "adjacent_pairs": 200, "surviving_pairs": 300, "touching_pairs": 100,
               "owned_tests": 60, "orphan_tests": 7, "vf_tests": 10, "ee_tests": 20, "contacts": 5, "earliest_toi": None,
               "workspace_bytes": 4096, "bounds_s": 0.05}
-    result |= {f"{role}_{part}_s": 0.0 for role in plot_results.ROLES for part in ("prepare", "run")}
+    result |= {f"{role}_{part}_s": 0.0 for role in records.ROLES for part in ("prepare", "run")}
     result |= {"broad_phase_prepare_s": 0.2, "broad_phase_run_s": 0.1, "element_culling_run_s": 0.1,
                "narrow_phase_run_s": 0.5}
     return result | columns
@@ -103,7 +104,8 @@ class Plots(unittest.TestCase):
                     [row(variant=f"motion={f}", moved_edges=f) for f in (0.1, 1)])
         self.good()
         again = [sys.executable, plot_results.__file__, self.folder, "-o", os.path.join(self.folder, "again")]
-        subprocess.run(again, env=os.environ | {"PYTHONHASHSEED": "7"}, check=True, stdout=subprocess.DEVNULL)
+        environment = os.environ | {"PYTHONHASHSEED": "7", "PYTHONDONTWRITEBYTECODE": "1"}
+        subprocess.run(again, env=environment, check=True, stdout=subprocess.DEVNULL)
         names = ["ablation", "breakdown", "breakdown-tentative", "culling", "false-positives",
                  "false-positives-tentative", "funnel", "funnel-tentative", "scaling", "scaling-motion", "speedup",
                  "speedup-tentative"]
@@ -182,7 +184,7 @@ class Plots(unittest.TestCase):
         self.assertFalse(any("paper" in text for text in self.texts("culling")))
 
     def test_breakdown_has_all_of_the_time(self):
-        shares = plot_results.shares_of(motions([[1.0, 1.0], [1.0]]))
+        shares = stages.shares_of(motions([[1.0, 1.0], [1.0]]))
         expected = {"k-DOPs": 5, "tree": 15, "traversal and culling": 20, "O-Set": 0, "feature filters": 0,
                     "elementary tests": 50, "remainder": 10}
         self.assertEqual(list(shares), list(expected))
@@ -195,7 +197,7 @@ class Plots(unittest.TestCase):
 
     def test_typical_round_is_the_median_and_a_single_one(self):
         rows = motions([[3, 1, 2], [5, 4]])
-        self.assertEqual([r["seconds"] for r in plot_results.typical(rows)], [2, 4])
+        self.assertEqual([r["seconds"] for r in records.typical(rows)], [2, 4])
 
     def test_false_positives(self):
         self.record("table1", [row(), row(motion=1, touching_pairs=20), row(motion=2, touching_pairs=10),
@@ -246,11 +248,11 @@ class Plots(unittest.TestCase):
 
     def test_exponents(self):
         lines = [[(n, 5 * n ** 1.5) for n in (10, 100, 1000)], [(10, 9e9), (20, 9e9 * 2 ** 1.5)]]
-        slope, error = plot_results.exponent(lines)
+        slope, error = scaling.exponent(lines)
         self.assertAlmostEqual(slope, 1.5)
         self.assertAlmostEqual(error, 0)
-        self.assertIsNone(plot_results.exponent([[(10, 1), (20, 2)]])[1])
-        self.assertIsNone(plot_results.exponent([[(10, 1)], [(20, 2)]]))
+        self.assertIsNone(scaling.exponent([[(10, 1), (20, 2)]])[1])
+        self.assertIsNone(scaling.exponent([[(10, 1)], [(20, 2)]]))
         self.record("scaling", [row(variant=f"size={n}", elements=10 ** n, seconds=100 ** n, vf_tests=0, ee_tests=0)
                                 for n in (1, 2, 3)] + [row(variant="odd"), row(variant="size=1 csat.k=2")])
         out = self.good("--only", "scaling")

@@ -109,7 +109,8 @@ simulation::Model octopi_model(int elements, std::uint64_t seed) {
   for (int i = 0; i < kOctopi; ++i) {
     const Octopus& octopus = octopi[static_cast<std::size_t>(i)];
     all.append(octopus.shape, i);
-    const Vec3 turning = kOctopiTurning * random.uniform(0.7, 1.3) * (random.next() % 2 == 0 ? 1 : -1) * octopus.outwards();
+    const Vec3 turning =
+        kOctopiTurning * random.uniform(0.7, 1.3) * (random.next() % 2 == 0 ? 1 : -1) * octopus.outwards();
     for (const Vec3& p : octopus.shape.positions) {
       model.positions.push_back(octopus.placed(p, distance));
       model.velocities.push_back(-kOctopiSpeed * octopus.outwards() + turning.cross(model.positions.back()));

@@ -1,0 +1,125 @@
+"""The `volccd` program and the custom-culling example, as a user runs them: what the tests of this folder share.
+
+Usage of a test: test_NAME.py VOLCCD EXAMPLE [options of unittest]."""
+
+import csv
+import os
+import pty
+import re
+import resource
+import signal
+import subprocess
+import sys
+import tempfile
+import threading
+import time
+import unittest
+import zlib
+
+VOLCCD, EXAMPLE = sys.argv[1:3]
+SOURCE = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
+del sys.argv[1:3]
+
+
+def run(*arguments, program=VOLCCD, env=None, disk=None):
+    """`disk`: no file can grow beyond so many bytes, as on a full disk."""
+    def limit():
+        resource.setrlimit(resource.RLIMIT_FSIZE, (disk, disk))
+    return subprocess.run([program, *arguments], capture_output=True, text=True, env={**os.environ, **(env or {})},
+                          check=False, preexec_fn=limit if disk is not None else None)
+
+
+def with_bad_last_step(sequence):
+    """The bytes of a sequence whose steps have one chunk of points each, with the last of these chunks destroyed."""
+    chunks = {}
+    for match in re.finditer(rb"\x78[\x01\x5e\x9c\xda]", sequence):
+        try:
+            chunks.setdefault(len(zlib.decompressobj().decompress(sequence[match.start():])), []).append(match.start())
+        except zlib.error:
+            pass
+    begin = max(chunks[max(chunks)])  # the points are what is largest
+    return sequence[:begin + 100] + bytes(64) + sequence[begin + 164:]
+
+
+class Interruption:
+    """A run that gets Ctrl-C once its progress, on a terminal of its own, shows `done` steps; `seconds` it took to end
+    after that."""
+
+    def __init__(self, *arguments, done=1, env=None, delay=0.0):
+        terminal, tty = pty.openpty()
+        with subprocess.Popen([VOLCCD, *arguments], stdout=subprocess.PIPE, stderr=tty, text=True,
+                              env={**os.environ, **(env or {})}) as process:
+            os.close(tty)
+            self.screen = b""
+            out = []
+            reader = threading.Thread(target=lambda: out.append(process.stdout.read()))
+            reader.start()
+            sent = None
+            limit = threading.Timer(120, process.kill)
+            limit.start()
+            while True:
+                try:
+                    data = os.read(terminal, 4096)
+                except OSError:  # the program has closed it
+                    break
+                if not data:
+                    break
+                self.screen += data
+                shown = re.findall(rb" (\d+)/\d+", self.screen)
+                if sent is None and shown and int(shown[-1]) >= done:
+                    time.sleep(delay)
+                    sent = time.monotonic()
+                    process.send_signal(signal.SIGINT)
+            self.code = process.wait()
+            limit.cancel()
+            reader.join()
+        os.close(terminal)
+        self.seconds = time.monotonic() - sent if sent is not None else None
+        self.out = out[0]
+        self.screen = self.screen.decode()
+
+
+class ProgramTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.sequence = cls.path("run.vtkhdf")
+        made = run("scene", "generate", "builtin", "--elements", "300", "--steps", "5", "-o", cls.sequence)
+        assert made.returncode == 0, made.stderr
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    @classmethod
+    def path(cls, name):
+        return os.path.join(cls.folder.name, name)
+
+    def good(self, *arguments, program=VOLCCD, env=None):
+        done = run(*arguments, program=program, env=env)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        return done.stdout
+
+    def bad(self, *arguments, says, program=VOLCCD, env=None):
+        done = run(*arguments, program=program, env=env)
+        self.assertEqual(done.returncode, 2, done.stdout + done.stderr)
+        self.assertIn(says, done.stderr)
+
+    def contacts(self, *arguments):
+        target = self.path("contacts.csv")
+        self.good("detect", self.sequence, "--contacts", target, *arguments)
+        with open(target, encoding="ascii", newline="") as file:
+            return list(csv.reader(file))
+
+    def read(self, name):
+        with open(self.path(name), "rb") as file:
+            return file.read()
+
+    def write(self, name, text):
+        with open(self.path(name), "w", encoding="ascii") as file:
+            file.write(text)
+        return self.path(name)
+
+    def no_leftovers(self):
+        every = [name for _, _, names in os.walk(self.folder.name) for name in names]
+        self.assertEqual([name for name in every if name.endswith("tmp")], [])

@@ -1,0 +1,54 @@
+"""Bad input is refused with the reason."""
+
+import os
+import unittest
+
+from program_support import run, ProgramTest
+
+
+class BadInput(ProgramTest):
+    def test_bad_input_exits_with_2_and_says_why(self):
+        empty = self.path("empty.vtkhdf")
+        with open(empty, "wb"):
+            pass
+        self.bad("info", empty, says="empty.vtkhdf")
+        self.bad("detect", self.path("absent.vtkhdf"), says="absent.vtkhdf")
+        self.bad("detect", self.sequence, "--pipeline", "Nothing", says="VolCCD+")
+        self.bad("detect", self.sequence, "--set", "csat.axis=sideways", says="centroid")
+        self.bad("detect", self.sequence, "--set", "nothing.x=1", says="kdop-bvh")
+        self.bad("detect", self.sequence, "--set", "assignment=static-assignment", says="O-Set")
+        for steps in ("4", "2:2", "3:1", "x", "-1:2", "0:9"):
+            self.bad("detect", self.sequence, "--steps=" + steps, says="--steps")
+        self.bad("detect", self.sequence, "--separation", "0.1", "--set", "narrow-phase=cubic", says="separation")
+        self.bad("detect", self.sequence, "--contacts", self.path("no/such/folder.csv"), says="folder.csv")
+        self.bad("queries", self.path("absent.h5"), says="absent.h5")
+        self.bad("queries", self.sequence, says="GroundTruth")
+        self.bad("queries", self.sequence, "--candidates", "--narrowphase", "nothing", says="cubic")
+        self.bad("queries", self.sequence, "--candidates", "--narrowphase", "cubic:tolerance", says="option=value")
+        self.bad("queries", self.sequence, "--candidates", "--set", "csat.axis=face", says="csat")
+        for command in (["detect", self.sequence], ["verify", self.sequence], ["experiment", "run", "projectile"],
+                        ["scene", "generate", "builtin", "-o", self.path("threads.vtkhdf")],
+                        ["scene", "picture", self.sequence, "-o", self.path("threads.png")]):
+            self.bad(*command, "--threads", "100000", says="1024")
+        self.bad("frobnicate", says="frobnicate")
+        self.bad("experiment", "run", "nothing", says="projectile")
+        self.assertEqual([name for name in os.listdir(self.folder.name) if "tmp" in name], [])
+
+    def test_damaged_files_leave_no_messages_of_hdf5(self):
+        """Where the address in a continuation message of an object header is wrong, HDF5 loses memory of its own."""
+        with open(self.sequence, "rb") as file:
+            data = file.read()
+        message = b"\x10\x00\x10\x00\x00\x00\x00\x00"
+        damaged, at, refused = self.path("damaged.vtkhdf"), data.find(message), 0
+        while at >= 0:
+            with open(damaged, "wb") as file:
+                file.write(data[:at + 12] + b"\x56" + data[at + 13:])
+            done = run("info", damaged)
+            self.assertNotIn("infinite loop", done.stderr)
+            refused += done.returncode == 2
+            at = data.find(message, at + 1)
+        self.assertGreater(refused, 2)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,116 @@
+"""experiment: records, tables, comparisons, and what an interrupted run leaves."""
+
+import json
+import os
+import unittest
+
+from program_support import EXAMPLE, SOURCE, run, Interruption, ProgramTest
+
+
+class Experiments(ProgramTest):
+    def test_experiment_falls_back_to_the_builtin_sequence(self):
+        text = self.good("experiment", "run", "projectile", "--quick", "-o", self.path("results"),
+                         env={"VOLCCD_DATA": self.folder.name})
+        self.assertIn("built-in sequence", text)
+        self.assertIn("0.69 %", text)
+        with open(self.path("results/projectile.json"), encoding="utf-8") as file:
+            record = json.load(file)
+        self.assertEqual({row["pipeline"] for row in record["rows"]}, {"NavCCD", "HashCCD", "VolCCD", "VolCCD+"})
+        self.assertEqual({row["motion"] for row in record["rows"]}, set(range(8)))
+        self.assertEqual({row["scene"] for row in record["rows"]}, {"builtin"})
+        names = [option for stage in record["provenance"]["plan"]["runs"][0]["entrants"][0]["stages"].values()
+                 if isinstance(stage, dict) for option in stage["options"]]
+        self.assertIn("leaf_size", names)  # options are recorded whether or not they were set
+        for fact in ("commit", "compiler", "flags", "cpu", "load", "inputs"):
+            self.assertIn(fact, record["provenance"])
+        self.assertNotIn(self.folder.name, json.dumps(record))  # no path of this machine
+        for form, sign in (("text", "0.69 %"), ("markdown", "|---|"), ("csv", "NavCCD,"), ("latex", "\\toprule")):
+            table = self.good("experiment", "table", "projectile", "--results", self.path("results"), "--format", form)
+            self.assertIn(sign, table)
+        text = self.good("experiment", "table", "projectile", "--results", self.path("results"))
+        with open(self.path("results/projectile.txt"), encoding="utf-8") as file:
+            self.assertEqual(text, file.read())
+        same = self.good("experiment", "compare", self.path("results"), self.path("results"))
+        self.assertIn("4 compared: 0 slower, 0 faster beyond the spread, 0 with other counts", same)
+        record["rows"][0]["contacts_hash"] = "0"
+        os.mkdir(self.path("other"))
+        with open(self.path("other/projectile.json"), "w", encoding="utf-8") as file:
+            json.dump(record, file)
+        other_rows = {"experiment": "operations", "schema": 1, "rows": [{"operation": "csat", "ns": 1.0}]}
+        for folder in ("results", "other"):
+            with open(self.path(folder + "/operations.json"), "w", encoding="utf-8") as file:
+                json.dump(other_rows, file)
+        changed = run("experiment", "compare", self.path("results"), self.path("other"))
+        self.assertEqual(changed.returncode, 1)
+        self.assertIn("OTHER", changed.stdout)
+        self.bad("experiment", "table", "projectile", "--results", self.path("absent"), says="projectile.json")
+        self.bad("experiment", "compare", self.path("results"), self.path("absent"), says="absent")
+
+    def test_a_stage_from_outside_the_library_in_a_table(self):
+        env = {"VOLCCD_DATA": self.path("absent")}
+        arguments = ["experiment", "run", "projectile", "--pipelines", "Spheres,Spheres+CSAT", "-o", self.path("own")]
+        done = run(*arguments, program=EXAMPLE, env=env)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertRegex(done.stdout, r"\nSpheres +\S+ ms +")
+        with open(os.path.join(self.path("own"), "projectile.json")) as file:
+            record = json.load(file)
+        self.assertEqual({row["pipeline"] for row in record["rows"]} - {"NavCCD", "HashCCD", "VolCCD"},
+                         {"VolCCD+", "Spheres", "Spheres+CSAT"})
+        self.bad(*arguments[:3], "--pipelines", "Nothing", "-o", self.path("own"), says="Spheres+CSAT", program=EXAMPLE)
+
+    def test_committed_tables_are_those_of_their_records(self):
+        results, compared = os.path.join(SOURCE, "results"), 0
+        for name in ("table1", "culling", "ablation", "scaling", "operations", "projectile"):
+            if os.path.exists(os.path.join(results, name + ".json")):
+                with open(os.path.join(results, name + ".txt"), encoding="utf-8") as file:
+                    expected = file.read()
+                self.assertEqual(self.good("experiment", "table", name, "--results", results), expected, name)
+                compared += 1
+        self.assertGreater(compared, 0)
+
+    def test_options_that_an_experiment_would_ignore_are_refused(self):
+        env, folder = {"VOLCCD_DATA": self.path("absent"), "VOLCCD_CACHE": self.path("no-cache")}, self.path("refused")
+        for name in ("culling", "operations", "scenes", "feature-sets"):
+            self.bad("experiment", "run", name, "--quick", "--pipelines", "NavCCD", "-o", folder, env=env,
+                     says=f"{name} takes no --pipelines")
+        for name in ("projectile", "table1", "culling", "scaling", "operations", "scenes", "feature-sets"):
+            self.bad("experiment", "run", name, "--quick", "--set", "csat.axis=face", "-o", folder, env=env,
+                     says=f"{name} takes no --set")
+        # Also behind one that takes them, and then neither is run.
+        self.bad("experiment", "run", "projectile", "culling", "--quick", "--pipelines", "NavCCD", "-o", folder,
+                 env=env, says="culling takes no --pipelines")
+        self.assertFalse(os.path.exists(folder))
+        self.assertFalse(os.path.exists(self.path("no-cache")))
+
+    def test_an_interrupted_experiment_leaves_the_whole_record(self):
+        data = self.path("projectile")
+        os.makedirs(os.path.join(data, "records"))
+        self.good("scene", "generate", "builtin", "--elements", "300", "--steps", "61", "-o",
+                  os.path.join(data, "ls-dyna-projectile.vtkhdf"))
+        env, results = {"VOLCCD_DATA": data}, os.path.join(data, "records")
+        for name in ("projectile.json", "projectile.txt"):
+            self.write("projectile/records/" + name, "whole")
+        cut = Interruption("experiment", "run", "projectile", "-o", results, done=1, env=env)
+        self.assertEqual(cut.code, 130, cut.screen)
+        self.assertIn("stopped; the same command goes on", cut.screen)
+        kept = ["projectile.incomplete.jsonl", "projectile.json", "projectile.txt"]
+        self.assertEqual(sorted(os.listdir(results)), kept)
+        cut = Interruption("experiment", "run", "projectile", "-o", results, done=60, env=env)
+        self.assertEqual(cut.code, 130, cut.screen)
+        self.assertEqual(sorted(os.listdir(results)), kept)
+        for name in ("projectile.json", "projectile.txt"):
+            self.assertEqual(self.read("projectile/records/" + name), b"whole")
+        windows = self.read("projectile/records/projectile.incomplete.jsonl").decode().splitlines()[1:]
+        self.assertGreaterEqual(len(windows), 2)
+        first = json.loads(windows[0])["rows"]
+        self.assertEqual(len(first), 4 * len({row["motion"] for row in first}))
+        text = self.good("experiment", "run", "projectile", "-o", results, env=env)
+        self.assertRegex(text, r"going on, [1-9]\d* window")
+        rows = json.loads(self.read("projectile/records/projectile.json"))["rows"]
+        self.assertEqual(len(rows), 4 * 60)
+        self.assertEqual(rows[:len(first)], first)
+        self.no_leftovers()
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,1 @@
+"""Mesh files of other programs become a sequence; the command is ../import_sequence.py."""

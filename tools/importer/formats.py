@@ -1,0 +1,76 @@
+"""Files of other programs, read through meshio."""
+
+import contextlib
+import io
+import os
+import re
+import tempfile
+
+import meshio
+
+from .errors import BadInput
+
+# meshio's name -> VTK's number, nodes, dimension.
+CELLS = {"triangle": (5, 3, 2), "quad": (9, 4, 2), "tetra": (10, 4, 3), "hexahedron": (12, 8, 3), "wedge": (13, 6, 3),
+         "pyramid": (14, 5, 3)}
+NODES = {number: nodes for number, nodes, _ in CELLS.values()}
+LEFT_OUT = re.compile(r"vertex|line\d*|VTK_LAGRANGE_CURVE")
+# By extension: meshio's name.
+FORMATS = {".vtu": "vtu", ".vtk": "vtk", ".msh": "gmsh", ".ply": "ply", ".obj": "obj", ".inp": "abaqus", ".bdf": "nastran",
+           ".fem": "nastran", ".nas": "nastran"}
+VTK_51_TYPES = {b"vtkIdType": b"vtktypeint32", b"int": b"vtktypeint32", b"unsigned_int": b"vtktypeuint32",
+                b"char": b"vtktypeint8", b"unsigned_char": b"vtktypeuint8", b"short": b"vtktypeint16",
+                b"unsigned_short": b"vtktypeuint16"}
+
+
+def patched(file, extension):
+    """Text in place of the file's where meshio stumbles over what other programs write, or None."""
+    if extension == ".vtk":
+        with open(file, "rb") as stream:
+            data = stream.read()
+        # VTK stores its ids as int, under a name that meshio does not know; in version 5.1 it takes int for 64 bits.
+        names = VTK_51_TYPES if data.startswith(b"# vtk DataFile Version 5") else {b"vtkIdType": b"int"}
+        result = re.sub(rb"(?m)^(\S+ \d+ \d+|SCALARS \S+) (%s)(?=[ \d\r]*$)" % b"|".join(names),
+                        lambda match: match.group(1) + b" " + names[match.group(2)], data)
+        return result if result != data else None
+    if FORMATS[extension] == "nastran":
+        with open(file, "rb") as stream:
+            data = stream.read()
+        # Gmsh writes the bulk data alone.
+        return None if re.search(rb"(?m)^\s*BEGIN\s+BULK", data) else b"BEGIN BULK\n" + data
+    return None
+
+
+def meshio_read(file):
+    """meshio's mesh. It reports on the console, ends the process, and leaves out what it does not know: all caught."""
+    extension = os.path.splitext(file)[1].lower()
+    if extension not in FORMATS:
+        raise BadInput(file, "", f"unknown extension '{extension}'; known: {' '.join(FORMATS)}")
+    if not os.path.isfile(file):
+        raise BadInput(file, "", "no such file")
+    said = io.StringIO()
+    try:
+        with contextlib.ExitStack() as stack:
+            source = file
+            text = patched(file, extension)
+            if text is not None:
+                copy = stack.enter_context(tempfile.NamedTemporaryFile(suffix=extension))
+                copy.write(text)
+                copy.flush()
+                source = copy.name
+            stack.enter_context(contextlib.redirect_stdout(said))
+            stack.enter_context(contextlib.redirect_stderr(said))
+            mesh = meshio.read(source, FORMATS[extension])
+    except (Exception, SystemExit) as problem:  # pylint: disable=broad-except  # a parser throws anything at a bad file
+        text = " ".join(said.getvalue().split()).replace(source, file)
+        if not isinstance(problem, SystemExit):
+            text += f" {type(problem).__name__}: {problem}"
+        raise BadInput(file, "", f"meshio cannot read it as {FORMATS[extension]}: {text.strip()}") from problem
+    text = " ".join(said.getvalue().split())
+    if "cannot handle" in text:
+        raise BadInput(file, "cells", text)
+    if extension == ".vtu":
+        with open(file, "rb") as stream:
+            if len(re.findall(rb"<Piece\b", stream.read())) > 1:
+                raise BadInput(file, "Piece", "several pieces in one file: meshio drops cells; merge them first")
+    return mesh, text

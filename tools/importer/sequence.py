@@ -1,0 +1,93 @@
+"""Steps put together: their order, their points, their times."""
+
+import re
+
+import numpy as np
+
+from .errors import BadInput
+
+
+def natural_key(file):
+    return [int(part) if part.isdigit() else part for part in re.split(r"(\d+)", file)]
+
+
+def order_files(files, how):
+    natural = sorted(files, key=natural_key)
+    if how == "natural":
+        return natural
+    if how is None and files != natural:
+        first = next(i for i, (given, sorted_) in enumerate(zip(files, natural)) if given != sorted_)
+        raise BadInput("", "files", f"{files[first]} comes before {natural[first]}, but the numbers in the names say otherwise: "
+                       "give --sort natural, or --sort given", first)
+    return files
+
+
+class Union:
+    """All points that any file has: those of the first file in its order, then the others as they come."""
+
+    def __init__(self):
+        self.ids = self.order = self.places = None
+
+    def add(self, step, file):
+        if self.places is None:
+            self.ids, self.places = step.point_ids, step.points
+        elif (step.point_ids is None) != (self.ids is None):
+            raise BadInput(file, "point ids", "given here but not in the first file" if self.ids is None else
+                           "not given here but in the first file")
+        elif self.ids is None:
+            if len(step.points) != len(self.places):
+                raise BadInput(file, "points", f"{len(step.points)}, the first file has {len(self.places)}, and there are no "
+                               "point ids")
+        else:
+            new = ~np.isin(step.point_ids, self.ids)
+            self.ids = np.concatenate([self.ids, step.point_ids[new]])
+            self.places = np.concatenate([self.places, step.points[new]])
+        self.order = None if self.ids is None else np.argsort(self.ids)
+
+    def renumber(self, step):
+        """Puts the points of a step into this order; those that it lacks stay where they were, with no velocity."""
+        if self.ids is None:
+            return step
+        row = self.order[np.searchsorted(self.ids, step.point_ids, sorter=self.order)]
+        self.places = self.places.copy()
+        self.places[row] = step.points
+        if step.velocity is not None:
+            velocity = np.zeros_like(self.places)
+            velocity[row] = step.velocity
+            step.velocity = velocity
+        step.points, step.connectivity = self.places, row[step.connectivity]
+        return step
+
+
+def check_same(step, first, file):
+    """What every step has to have alike."""
+    for what in ("velocity", "thickness", "cell_ids"):
+        if (getattr(step, what) is None) != (getattr(first, what) is None):
+            there = "not in this file" if getattr(step, what) is None else "not in the first file"
+            raise BadInput(file, what.replace("_", " "), f"{there}, but in others")
+    if step.cell_ids is None and not same_cells(step, first):
+        raise BadInput(file, "cells", "differ from those of the first file, and there are no cell ids")
+    for number, name in step.part_names.items():
+        if first.part_names.setdefault(number, name) != name:
+            raise BadInput(file, "part", f"{number} is '{name}' here and '{first.part_names[number]}' before")
+
+
+def same_cells(a, b):
+    return all(np.array_equal(getattr(a, name), getattr(b, name)) for name in ("types", "connectivity", "parts", "cell_ids"))
+
+
+def times_of(files, options, found):
+    """Times of the steps: given, else the files' own, else 0, 1, .."""
+    if options.times is not None:
+        times = options.times
+        if len(times) != len(files):
+            raise BadInput("", "--times", f"{len(times)} times for {len(files)} files")
+    elif options.dt is not None:
+        times = [options.dt * k for k in range(len(files))]
+    else:
+        times = list(found) if None not in found else [float(k) for k in range(len(files))]
+    for k in range(len(times)):
+        if not np.isfinite(times[k]) or (k > 0 and not times[k] > times[k - 1]):
+            raise BadInput(files[k], "time", f"{times[k]} is not finite or not after that of the file before: give --times or "
+                           "--dt", k)
+    return times
