@@ -155,7 +155,7 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   // Object ids change along a chain of pairs only where objects share vertices; there the tests alone are filtered.
   state.filter = topology.objects_share_vertices() ? ObjectFilter() : step.filter;
   state.step.emplace(Step{topology, step.motion, state.filter, 0, step.t_max, &state.outer});
-  const TopologyDelta::Extent changed = state.stars.update(topology);
+  const TopologyDelta::Extent changed = state.stars.update(topology, executor);
   if (changed != TopologyDelta::Extent::none) state.parts_valid = false;
   state.classes.update(*state.step, state.stars, changed, executor);
   state.counters.simplices = topology.mesh().element_count();

@@ -44,77 +44,18 @@ bool goes_once_around(const Step& step, Index v, const std::vector<std::int8_t>&
   return std::all_of(star.begin() + 1, star.end(), [&](Index o) { return Corner(step, o, v, signs[o] < 0).excludes(direction); });
 }
 
-/// Whether the ring of boundary faces around v is a graph over one plane at all times: the normals of all faces have a
-/// positive product with one direction, all through the step, and the ring goes once around it.
-class RingTest {
- public:
-  static constexpr std::size_t kMost = 64;
-
-  RingTest(const Step& step, Index v, std::span<const Index> ring)
-      : size_(ring.size()), control_points_(step.motion.control_points()) {
-    if (size_ > kMost) return;
-    for (int c = 0; c < control_points_; ++c) {
-      const Vec3 at = step.motion.point(v, c);
-      for (std::size_t i = 0; i < size_; ++i) sides_[i][static_cast<std::size_t>(c)] = step.motion.point(ring[i], c) - at;
-    }
-  }
-
-  bool is_graph() const {
-    if (size_ > kMost) return false;
-    const Vec3 up = direction();
-    for (std::size_t i = 0; i < size_; ++i)
-      if (!stays_positive(up, sides_[i], sides_[next(i)])) return false;
-    return winds_once(up);
-  }
-
- private:
-  using Side = std::array<Vec3, 3>;  ///< by control point
-
-  std::size_t next(std::size_t i) const { return i + 1 == size_ ? 0 : i + 1; }
-
-  /// Any direction is valid; this one, the sum of the unit normals at both ends, is likely to do.
-  Vec3 direction() const {
-    Vec3 sum = Vec3::Zero();
-    for (const std::size_t c : {std::size_t{0}, static_cast<std::size_t>(control_points_ - 1)})
-      for (std::size_t i = 0; i < size_; ++i) {
-        const Vec3 normal = sides_[i][c].cross(sides_[next(i)][c]);
-        const double square = normal.squaredNorm();
-        if (square > 0) sum += normal / std::sqrt(square);
-      }
-    return sum;
-  }
-
-  /// det(up, a(t), b(t)) > 0 for all t: its Bernstein coefficients, each times a binomial, are.
-  bool stays_positive(const Vec3& up, const Side& a, const Side& b) const {
-    const int n = control_points_ - 1;
-    for (int k = 0; k <= 2 * n; ++k) {
-      double sum = 0, bound = 0;
-      for (int i = std::max(0, k - n); i <= std::min(n, k); ++i) {
-        const Vec3 &x = a[static_cast<std::size_t>(i)], &y = b[static_cast<std::size_t>(k - i)];
-        const double weight = (n == 2 && i == 1 ? 2 : 1) * (n == 2 && k - i == 1 ? 2 : 1);
-        const CertifiedDeterminant part(up, x, y);
-        sum += weight * part.value;
-        bound += weight * part.bound;
-      }
-      if (!(sum > 2 * bound)) return false;  // twice: for the sum's own rounding
-    }
-    return true;
-  }
-
-  /// At t = 0. The sectors of the faces in the plane across `up` are narrower than half a turn: a direction in the first of
-  /// them is in no other.
-  bool winds_once(const Vec3& up) const {
-    const Vec3 d = sides_[0][0] + sides_[next(0)][0];
-    if (!certainly_positive(up, sides_[0][0], d) || !certainly_positive(up, d, sides_[next(0)][0])) return false;
-    for (std::size_t i = 1; i < size_; ++i)
-      if (!certainly_negative(up, sides_[i][0], d) && !certainly_negative(up, d, sides_[next(i)][0])) return false;
-    return true;
-  }
-
-  std::size_t size_;
-  int control_points_;
-  std::array<Side, kMost> sides_;
-};
+/// At t = 0, for a ring whose faces all have a positive product of their normals with `up`: whether it goes once around `up`.
+/// The sectors of the faces in the plane across `up` are narrower than half a turn: a direction in the first of them is in
+/// no other.
+bool winds_once(const Step& step, Index v, std::span<const Index> ring, const Vec3& up) {
+  const Vec3 at = step.motion.point(v, 0);
+  const auto side = [&](std::size_t i) -> Vec3 { return step.motion.point(ring[i < ring.size() ? i : 0], 0) - at; };
+  const Vec3 direction = side(0) + side(1);
+  if (!certainly_positive(up, side(0), direction) || !certainly_positive(up, direction, side(1))) return false;
+  for (std::size_t i = 1; i < ring.size(); ++i)
+    if (!certainly_negative(up, side(i), direction) && !certainly_negative(up, direction, side(i + 1))) return false;
+  return true;
+}
 
 }  // namespace
 
@@ -139,20 +80,16 @@ void StarClasses::find_degenerate(const Step& step, const StarTable& stars, Exec
   });
 }
 
-void StarClasses::forget_degrees_around(const Step& step, Index element) {
-  for (const Index v : step.mesh().vertices(element)) degrees_[v] = Degree::unknown;
-}
-
-/// The degree of a star can change only while a volume in it is 0, or with the topology. If this step does not begin where
-/// the last one ended, the degree is that of before where the volumes keep their signs on the straight way in between.
-void StarClasses::keep_degrees(const Step& step, const StarTable& stars, TopologyDelta::Extent changed,
-                               Executor& executor) {
+/// What is known of a star, the degree and that its ring goes once around, can change only while a volume in it is 0 or the
+/// ring folds, or with the topology. If this step does not begin where the last one ended, it stays true where neither
+/// happens on the straight way in between.
+void StarClasses::keep_known(const Step& step, const StarTable& stars, TopologyDelta::Extent changed, Executor& executor) {
   const Index vertices = step.motion.vertex_count();
   const bool anew = changed == TopologyDelta::Extent::everything || last_.empty();
-  if (anew) degrees_.assign(vertices, Degree::unknown);
-  degrees_.resize(vertices, Degree::unknown);
+  if (anew) embedded_.assign(vertices, Known::no);
+  embedded_.resize(vertices, Known::no);
   if (changed == TopologyDelta::Extent::edits)
-    for (const Index v : stars.changed_vertices()) degrees_[v] = Degree::unknown;
+    for (const Index v : stars.changed_vertices()) embedded_[v] = Known::no;
   start_.resize(vertices);
   bool moved = false;
   for (Index v = 0; v < vertices; ++v) {
@@ -168,25 +105,41 @@ void StarClasses::keep_degrees(const Step& step, const StarTable& stars, Topolog
       volume_signs(way, static_cast<Index>(begin), static_cast<Index>(end), gap_signs_.data());
     });
     for (Index o = 0; o < signs_.size(); ++o)
-      if (gap_signs_[o] != signs_[o]) forget_degrees_around(step, o);
+      if (gap_signs_[o] != signs_[o]) forget_around(step, o);
+    rings_.find_folds(way, executor, folds_);
+    for (Index v = 0; v < vertices; ++v)
+      if (folds_[v] != 0) embedded_[v] = Known::no;
   }
   for (Index v = 0; v < vertices; ++v) last_[v] = step.motion.point(v, step.motion.control_points() - 1);
 }
 
+void StarClasses::forget_around(const Step& step, Index element) {
+  for (const Index v : step.mesh().vertices(element)) embedded_[v] = Known::no;
+}
+
 void StarClasses::classify(const Step& step, const StarTable& stars, Index v) {
   if (stars.kind(v) == StarKind::unused || suspect_[v] != 0) return;
+  const bool ring = stars.kind(v) == StarKind::ring;
+  if (ring && folds_[v] != 0) {
+    suspect_[v] = 1;
+    embedded_[v] = Known::no;
+    return;
+  }
+  if (embedded_[v] == Known::yes) return;
   const bool volumes = step.mesh().type(step.features().vertex_elements(v)[0]) == ElementType::tetrahedron;
-  if (volumes && degrees_[v] != Degree::one)
-    degrees_[v] = goes_once_around(step, v, signs_) ? Degree::one : Degree::other;
-  const bool around = !volumes || degrees_[v] == Degree::one;
-  wound_[v] = !around && stars.kind(v) == StarKind::interior ? 1 : 0;
-  const bool clear = around && (stars.kind(v) == StarKind::interior || RingTest(step, v, stars.ring(v)).is_graph());
-  suspect_[v] = clear ? 0 : 1;
+  const bool around = !volumes || goes_once_around(step, v, signs_);
+  wound_[v] = !around && !ring ? 1 : 0;
+  if (around && (!ring || winds_once(step, v, stars.ring(step.topology, v), rings_.up(v))))
+    embedded_[v] = Known::yes;
+  else
+    suspect_[v] = 1;
 }
 
 void StarClasses::update(const Step& step, const StarTable& stars, TopologyDelta::Extent changed, Executor& executor) {
   find_degenerate(step, stars, executor);
-  keep_degrees(step, stars, changed, executor);
+  if (changed != TopologyDelta::Extent::none) rings_.collect(step.topology, stars);
+  keep_known(step, stars, changed, executor);
+  rings_.find_folds(step, executor, folds_);
   const Index vertices = step.motion.vertex_count();
   suspect_.resize(vertices);
   wound_.assign(vertices, 0);
@@ -195,7 +148,7 @@ void StarClasses::update(const Step& step, const StarTable& stars, TopologyDelta
   for (Index o = 0; o < degenerate_.size(); ++o) {
     if (degenerate_[o] == 0) continue;
     ++degenerate_count_;
-    forget_degrees_around(step, o);
+    forget_around(step, o);
     for (const Index v : step.mesh().vertices(o)) suspect_[v] = 1;
   }
   executor.parallel_for(vertices, kVertexGrain, [&](std::size_t begin, std::size_t end, unsigned) {
@@ -214,7 +167,7 @@ void StarClasses::update(const Step& step, const StarTable& stars, TopologyDelta
 }
 
 std::size_t StarClasses::bytes() const {
-  return signs_.capacity() + degenerate_.capacity() + sound_.capacity() + suspect_.capacity() + suspect_places_.capacity() + wound_.capacity() + degrees_.capacity() +
+  return signs_.capacity() + degenerate_.capacity() + sound_.capacity() + suspect_.capacity() + suspect_places_.capacity() + wound_.capacity() + embedded_.capacity() + folds_.capacity() + rings_.bytes() +
          (last_.capacity() + start_.capacity()) * sizeof(Vec3) + gap_.bytes() + gap_signs_.capacity() + suspects_.capacity() * sizeof(Index);
 }
 

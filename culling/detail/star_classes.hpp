@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/culling/detail/boundary_rings.hpp>
 #include <volccd/culling/detail/star_table.hpp>
 #include <volccd/query/step.hpp>
 
@@ -48,18 +49,20 @@ class StarClasses {
   std::size_t bytes() const;
 
  private:
-  enum class Degree : std::uint8_t { unknown, one, other };
+  enum class Known : std::uint8_t { no, yes };
 
   void find_degenerate(const Step& step, const StarTable& stars, Executor& executor);
-  void keep_degrees(const Step& step, const StarTable& stars, TopologyDelta::Extent changed, Executor& executor);
-  void forget_degrees_around(const Step& step, Index element);
+  void keep_known(const Step& step, const StarTable& stars, TopologyDelta::Extent changed, Executor& executor);
+  void forget_around(const Step& step, Index element);
   void classify(const Step& step, const StarTable& stars, Index v);
 
   std::vector<std::int8_t> signs_;         ///< of volumes, by element slot
   std::vector<std::uint8_t> degenerate_, sound_;  ///< by element slot; sound: a tetrahedron out of D
   std::vector<std::uint8_t> suspect_, wound_;  ///< by vertex
   std::vector<std::uint8_t> suspect_places_;   ///< by element slot: bits of its vertices
-  std::vector<Degree> degrees_;            ///< by vertex; stays while no tetrahedron around is in D
+  std::vector<Known> embedded_;  ///< by vertex: its star goes once around it, and its ring once around; as long as neither folds
+  BoundaryRings rings_;
+  std::vector<std::uint8_t> folds_;
   std::vector<Vec3> last_, start_;  ///< where the vertices are at the end of the last step, and at the start of this one
   Motion gap_;                             ///< from there to here
   std::vector<std::int8_t> gap_signs_;

@@ -7,13 +7,6 @@ namespace volccd::detail {
 
 namespace {
 
-/// Faces of a tetrahedron opposite to vertex i, oriented outward where the volume is positive in VTK's node order.
-constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-
-std::array<Index, 3> face_of(std::span<const Index> vertices, std::size_t i) {
-  return {vertices[kFaces[i][0]], vertices[kFaces[i][1]], vertices[kFaces[i][2]]};
-}
-
 std::size_t opposite_vertex(std::span<const Index> vertices, const std::array<Index, 3>& face) {
   std::size_t i = 0;
   while (std::find(face.begin(), face.end(), vertices[i]) != face.end()) ++i;
@@ -30,8 +23,6 @@ Index root(std::vector<Index>& parents, Index i) {
   return i;
 }
 
-void join(std::vector<Index>& parents, Index i, Index j) { parents[root(parents, i)] = root(parents, j); }
-
 }  // namespace
 
 void StarTable::set_neighbours(const Topology& topology, Index triangle) {
@@ -45,95 +36,122 @@ void StarTable::set_neighbours(const Topology& topology, Index triangle) {
     if (!is_volume(elements[k])) continue;
     const std::span<const Index> vertices = topology.mesh().vertices(elements[k]);
     const std::size_t i = opposite_vertex(vertices, face);
-    neighbours_[elements[k]][i] = {};
+    neighbours_[elements[k]][i] = {kNone, elements.size() > 1};
     if (pair) side[k] = i, even[k] = is_even(face_of(vertices, i));
   }
   if (!pair) return;
   for (std::size_t k = 0; k < 2; ++k) neighbours_[elements[k]][side[k]] = {elements[1 - k], even[0] != even[1]};
 }
 
-/// The link of v is a surface, its triangles (v's tetrahedra) or, where v has triangles only, a curve, its edges. Corners
-/// are the pairs of an element and another vertex of it; faces at v join elements, and corners at their ends.
-void StarTable::set_star(const Topology& topology, Index v) {
+/// The link of v is a surface, its triangles v's tetrahedra. Whether it is in one piece, and around each of its vertices, too:
+/// corners are pairs of a tetrahedron and another vertex of it; faces at v join tetrahedra, and corners at their ends.
+bool StarTable::joins_up(const Topology& topology, Index v, Scratch& scratch) const {
   const std::span<const Index> star = topology.features().vertex_elements(v);
   const Mesh& mesh = topology.mesh();
-  rings_.assign(v, {});
-  kinds_[v] = star.empty() ? StarKind::unused : StarKind::irregular;
-  if (star.empty()) return;
-  const ElementType type = mesh.type(star[0]);
-  const bool alike = std::all_of(star.begin(), star.end(), [&](Index o) { return mesh.type(o) == type; });
-  if (!alike) return;
-  open_.clear();
-  if (type == ElementType::triangle) {
-    for (const Index o : star) {
-      const std::span<const Index> t = mesh.vertices(o);
-      const std::size_t i = static_cast<std::size_t>(std::find(t.begin(), t.end(), v) - t.begin());
-      open_.push_back({t[(i + 1) % 3], t[(i + 2) % 3]});
-    }
-    if (order_ring(v)) kinds_[v] = StarKind::ring;
-    return;
-  }
-  sides_.clear();
-  corners_.clear();
   const Index count = static_cast<Index>(star.size());
+  for (Index k = 0; k < count; ++k) scratch.places[star[k]] = k;
+  std::vector<Index>& parents = scratch.parents;
+  parents.resize(5 * std::size_t{count});  // corners, then elements
+  std::iota(parents.begin(), parents.end(), Index{0});
+  const auto join = [&](Index i, Index j) {
+    i = root(parents, i), j = root(parents, j);
+    parents[i] = j;
+    return i == j ? Index{0} : Index{1};  // how many parts there are less
+  };
+  bool shared = false;  // by more than two
+  Index parts = count, fans = 0, others = 0;
   for (Index k = 0; k < count; ++k) {
     const std::span<const Index> vertices = mesh.vertices(star[k]);
-    for (std::size_t i = 0; i < 4; ++i) {
+    for (Index i = 0; i < 4; ++i) {
       if (vertices[i] == v) continue;
-      const std::array<Index, 3> face = face_of(vertices, i);
-      const auto at = static_cast<std::size_t>(std::find(face.begin(), face.end(), v) - face.begin());
-      const Index a = face[(at + 1) % 3], b = face[(at + 2) % 3];
-      const auto corner = [&](Index w) {
-        return 4 * k + static_cast<Index>(std::find(vertices.begin(), vertices.end(), w) - vertices.begin());
-      };
-      sides_.push_back(a < b ? Side{{a, b}, {corner(a), corner(b)}, false} : Side{{b, a}, {corner(b), corner(a)}, true});
-      corners_.push_back(vertices[i]);
+      others += scratch.corners[vertices[i]] == kNone ? 1 : 0;
+      scratch.corners[vertices[i]] = k;
+      ++fans;
+      const Neighbour& across = neighbours_[star[k]][i];
+      shared = shared || (across.element == kNone && across.opposite);
+      if (across.element == kNone) continue;
+      const Index other = scratch.places[across.element];
+      if (other < k) continue;
+      const std::span<const Index> of_other = mesh.vertices(across.element);
+      for (Index j = 0; j < 4; ++j) {
+        if (j == i || vertices[j] == v) continue;
+        const auto at = static_cast<Index>(std::find(of_other.begin(), of_other.end(), vertices[j]) - of_other.begin());
+        fans -= join(4 * k + j, 4 * other + at);
+      }
+      parts -= join(4 * count + k, 4 * count + other);
     }
   }
-  std::sort(sides_.begin(), sides_.end());
-  std::sort(corners_.begin(), corners_.end());
-  const auto others = static_cast<std::size_t>(std::unique(corners_.begin(), corners_.end()) - corners_.begin());
-  parents_.resize(5 * std::size_t{count});  // corners, then elements
-  std::iota(parents_.begin(), parents_.end(), Index{0});
-  for (std::size_t i = 0, n; i < sides_.size(); i += n) {
-    for (n = 1; i + n < sides_.size() && sides_[i + n].ends == sides_[i].ends;) ++n;
-    if (n > 2) return;
-    const Side &x = sides_[i], &y = sides_[i + n - 1];
-    if (n == 1) {
-      open_.push_back(x.swapped ? std::array{x.ends[1], x.ends[0]} : x.ends);
-      continue;
-    }
-    for (std::size_t end = 0; end < 2; ++end) join(parents_, x.corner[end], y.corner[end]);
-    join(parents_, 4 * count + x.corner[0] / 4, 4 * count + y.corner[0] / 4);
-  }
-  std::size_t parts = 0, fans = 0;
-  for (Index k = 0; k < count; ++k) {
-    parts += root(parents_, 4 * count + k) == 4 * count + k ? 1 : 0;
-    for (Index i = 0; i < 4; ++i)
-      fans += mesh.vertices(star[k])[i] != v && root(parents_, 4 * k + i) == 4 * k + i ? 1 : 0;
-  }
-  if (parts != 1 || fans != others) return;
-  if (open_.empty())
-    kinds_[v] = StarKind::interior;
-  else if (order_ring(v))
-    kinds_[v] = StarKind::ring;
+  for (const Index o : star)
+    for (const Index w : mesh.vertices(o)) scratch.corners[w] = kNone;
+  return !shared && parts == 1 && fans == others;
 }
 
-/// Puts the edges of open_ one after the other; false if they are not one closed ring, oriented alike.
-bool StarTable::order_ring(Index v) {
-  std::sort(open_.begin(), open_.end());
-  ring_.clear();
-  Index at = open_[0][0];
+/// The sides of the boundary faces at v that are opposite to it, oriented as the faces.
+void StarTable::find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const {
+  open.clear();
+  for (const Index o : topology.features().vertex_elements(v)) {
+    const std::span<const Index> vertices = topology.mesh().vertices(o);
+    const auto add = [&](const std::array<Index, 3>& face) {
+      const auto i = static_cast<std::size_t>(std::find(face.begin(), face.end(), v) - face.begin());
+      open.push_back({face[(i + 1) % 3], face[(i + 2) % 3]});
+    };
+    if (vertices.size() == 3) {
+      add({vertices[0], vertices[1], vertices[2]});
+      continue;
+    }
+    for (std::size_t i = 0; i < 4; ++i)
+      if (vertices[i] != v && neighbours_[o][i].element == kNone) add(face_of(vertices, i));
+  }
+}
+
+/// Puts the sides one after the other; false if they are not one closed ring, oriented alike. Pre: there are some.
+bool StarTable::order_ring(std::vector<std::array<Index, 2>>& open, std::vector<Index>& ring) {
+  std::sort(open.begin(), open.end());
+  ring.clear();
+  Index at = open[0][0];
   do {
-    const auto next = std::lower_bound(open_.begin(), open_.end(), std::array{at, Index{0}});
-    if (next == open_.end() || (*next)[0] != at || ring_.size() == open_.size()) return false;
-    if (next + 1 != open_.end() && next[1][0] == at) return false;
-    ring_.push_back(at);
+    const auto next = std::lower_bound(open.begin(), open.end(), std::array{at, Index{0}});
+    if (next == open.end() || (*next)[0] != at || ring.size() == open.size()) return false;
+    if (next + 1 != open.end() && next[1][0] == at) return false;
+    ring.push_back(at);
     at = (*next)[1];
-  } while (at != open_[0][0]);
-  if (ring_.size() != open_.size()) return false;
-  rings_.assign(v, ring_);
-  return true;
+  } while (at != open[0][0]);
+  return ring.size() == open.size();
+}
+
+std::vector<Index> StarTable::ring(const Topology& topology, Index v) const {
+  std::vector<std::array<Index, 2>> open;
+  std::vector<Index> ring;
+  if (kinds_[v] != StarKind::ring) return ring;
+  find_open(topology, v, open);
+  order_ring(open, ring);
+  return ring;
+}
+
+StarKind StarTable::kind_of(const Topology& topology, Index v, Scratch& scratch) const {
+  const std::span<const Index> star = topology.features().vertex_elements(v);
+  if (star.empty()) return StarKind::unused;
+  const ElementType type = topology.mesh().type(star[0]);
+  const bool alike = std::all_of(star.begin(), star.end(), [&](Index o) { return topology.mesh().type(o) == type; });
+  if (!alike) return StarKind::irregular;
+  if (type == ElementType::tetrahedron && !joins_up(topology, v, scratch)) return StarKind::irregular;
+  find_open(topology, v, scratch.open);
+  if (scratch.open.empty()) return StarKind::interior;
+  return order_ring(scratch.open, scratch.parents) ? StarKind::ring : StarKind::irregular;
+}
+
+/// Of `count` vertices, or of all slots below if `vertices` is null.
+void StarTable::set_kinds(const Topology& topology, std::size_t count, const Index* vertices, Executor& executor) {
+  scratch_.resize(executor.workers());
+  executor.parallel_for(count, 256, [&](std::size_t begin, std::size_t end, unsigned w) {
+    Scratch& scratch = scratch_[w];
+    scratch.places.resize(topology.mesh().element_slots());
+    scratch.corners.resize(topology.mesh().vertex_count(), kNone);
+    for (std::size_t i = begin; i < end; ++i) {
+      const Index v = vertices ? vertices[i] : static_cast<Index>(i);
+      kinds_[v] = kind_of(topology, v, scratch);
+    }
+  });
 }
 
 void StarTable::set_boundary(const Topology& topology, Index o) {
@@ -148,23 +166,22 @@ void StarTable::set_boundary(const Topology& topology, Index o) {
   on_boundary_[o] = boundary ? 1 : 0;
 }
 
-TopologyDelta::Extent StarTable::update(const Topology& topology) {
+TopologyDelta::Extent StarTable::update(const Topology& topology, Executor& executor) {
   const TopologyDelta::Extent changed = delta_.sync(topology);
   const Features& features = topology.features();
+  const Index slots = topology.mesh().element_slots();
   changed_vertices_.clear();
   if (changed == TopologyDelta::Extent::everything) {
-    neighbours_.assign(topology.mesh().element_slots(), {});
-    on_boundary_.assign(topology.mesh().element_slots(), 0);
+    neighbours_.assign(slots, {});
+    on_boundary_.assign(slots, 0);
     kinds_.assign(features.vertex_slots(), StarKind::unused);
-    rings_.clear(features.vertex_slots(), 0);
     for (Index f = 0; f < features.triangle_slots(); ++f) set_neighbours(topology, f);
-    for (Index v = 0; v < features.vertex_slots(); ++v) set_star(topology, v);
-    for (Index o = 0; o < topology.mesh().element_slots(); ++o) set_boundary(topology, o);
+    set_kinds(topology, features.vertex_slots(), nullptr, executor);
+    for (Index o = 0; o < slots; ++o) set_boundary(topology, o);
   } else if (changed == TopologyDelta::Extent::edits) {
-    neighbours_.resize(topology.mesh().element_slots());
-    on_boundary_.resize(topology.mesh().element_slots(), 0);
+    neighbours_.resize(slots);
+    on_boundary_.resize(slots, 0);
     kinds_.resize(features.vertex_slots(), StarKind::unused);
-    rings_.extend(features.vertex_slots());
     for (const TopologyChange* change : delta_.changes()) {
       const FeatureChange& f = change->features;
       for (const auto* list : {&f.added_triangles, &f.touched_triangles})
@@ -174,21 +191,22 @@ TopologyDelta::Extent StarTable::update(const Topology& topology) {
     }
     std::sort(changed_vertices_.begin(), changed_vertices_.end());
     changed_vertices_.erase(std::unique(changed_vertices_.begin(), changed_vertices_.end()), changed_vertices_.end());
-    for (const Index v : changed_vertices_) set_star(topology, v);
+    set_kinds(topology, changed_vertices_.size(), changed_vertices_.data(), executor);
     for (const Index v : changed_vertices_)
       for (const Index o : features.vertex_elements(v)) set_boundary(topology, o);
     for (const Index o : delta_.changed_slots()) set_boundary(topology, o);
-    rings_.compact_if_sparse();
   }
   delta_.confirm();
   return changed;
 }
 
 std::size_t StarTable::bytes() const {
-  return delta_.bytes() + neighbours_.capacity() * sizeof(neighbours_[0]) + on_boundary_.capacity() +
-         kinds_.capacity() + rings_.bytes() +
-         (changed_vertices_.capacity() + parents_.capacity() + corners_.capacity() + ring_.capacity()) * sizeof(Index) +
-         sides_.capacity() * sizeof(Side) + open_.capacity() * sizeof(open_[0]);
+  std::size_t sum = delta_.bytes() + neighbours_.capacity() * sizeof(neighbours_[0]) + on_boundary_.capacity() +
+                    kinds_.capacity() + changed_vertices_.capacity() * sizeof(Index);
+  for (const Scratch& s : scratch_)
+    sum += (s.places.capacity() + s.corners.capacity() + s.parents.capacity()) * sizeof(Index) +
+           s.open.capacity() * sizeof(s.open[0]);
+  return sum;
 }
 
 }  // namespace volccd::detail

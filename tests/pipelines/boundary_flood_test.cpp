@@ -23,6 +23,7 @@ const ObjectFilter kNoFilter;
 PipelineSpec spec_of(const char* flood) {
   PipelineSpec spec = registry().pipeline("VolCCD+");
   registry().apply_setting(spec, std::string("flood=") + flood);
+  if (spec.flood) spec.flood->options["most_degenerate"] = "1";  // nothing is left to the other stages
   spec.narrow_phase = {"inclusion", {{"undecided", "exact"}}};
   return spec;
 }
@@ -55,7 +56,7 @@ class FloodScenes {
   Shape one_object() {
     constexpr std::array types = {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge,
                                   ElementType::pyramid, ElementType::polytope, ElementType::triangle, ElementType::quad};
-    const int n = 2 + static_cast<int>(random_.below(2));
+      const int n = one_in(3) ? 3 : 2;
     if (one_in(6)) return note("mixed"), mixed_block(n - 1, n);
     const ElementType type = types[one_in(5) ? random_.below(types.size()) : random_.below(4)];
     note(to_string(type));
@@ -178,11 +179,11 @@ std::size_t compare_scenes(std::uint64_t first_seed, int count) {
     Contest contest;
     const std::string what = "seed " + std::to_string(seed) + ": " + scene.what;
     contacts += contest.compare({scene.topology, scene.linear, kNoFilter}, what);
-    contacts += contest.compare({scene.topology, scene.linear, kNoFilter, 0, 0.4}, what + ", t_max 0.4");
-    if (seed % 4 == 0) contacts += contest.compare({scene.topology, scene.quadratic, kNoFilter}, what + ", quadratic");
     const ObjectFilter inter(PairScope::inter);
-    contest.compare({scene.topology, scene.linear, inter}, what + ", pairs of different objects");
-    contest.compare({scene.topology, scene.linear, kNoFilter}, what + ", first", Query::first);
+    if (i % 4 == 0) contest.compare({scene.topology, scene.linear, kNoFilter, 0, 0.4}, what + ", t_max 0.4");
+    if (i % 4 == 1) contest.compare({scene.topology, scene.quadratic, kNoFilter}, what + ", quadratic");
+    if (i % 4 == 2) contest.compare({scene.topology, scene.linear, inter}, what + ", pairs of different objects");
+    if (i % 4 == 3) contest.compare({scene.topology, scene.linear, kNoFilter}, what + ", first", Query::first);
     TopologyEdit edit;
     Random random(seed);
     for (Index o = 0; o < scene.topology.mesh().element_slots(); ++o)
@@ -193,9 +194,9 @@ std::size_t compare_scenes(std::uint64_t first_seed, int count) {
   return contacts;
 }
 
-TEST(BoundaryFlood, FindsAllContactsOfMeshesMadeToBreakIt) { EXPECT_GT(compare_scenes(1, 150), 100000u); }
+TEST(BoundaryFlood, FindsAllContactsOfMeshesMadeToBreakIt) { EXPECT_GT(compare_scenes(1, 30), 20000u); }
 
-TEST(LongBoundaryFlood, FindsAllContactsOfMeshesMadeToBreakIt) { compare_scenes(100000, 2500); }
+TEST(LongBoundaryFlood, FindsAllContactsOfMeshesMadeToBreakIt) { compare_scenes(1000, 300); }
 
 }  // namespace
 }  // namespace volccd
