@@ -1,0 +1,255 @@
+// Element pairs in lanes: the points and the projections of CSAT in single precision, a pair a lane. Included once for each
+// instruction set, inside foreach_target sources.
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+#include <volccd/culling/detail/csat_float_bounds.hpp>
+#include <volccd/culling/detail/csat_points.hpp>
+#include <volccd/query/step.hpp>
+#include <volccd/query/vector_lanes-inl.hpp>
+
+#if defined(VOLCCD_CSAT_PAIR_GROUP_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef VOLCCD_CSAT_PAIR_GROUP_INL
+#undef VOLCCD_CSAT_PAIR_GROUP_INL
+#else
+#define VOLCCD_CSAT_PAIR_GROUP_INL
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace volccd::detail::HWY_NAMESPACE {
+
+using PairTag = hn::CappedTag<float, 8>;
+using PairLanes = hn::Vec<PairTag>;
+using PairMask = hn::Mask<PairTag>;
+using PairLanes3 = LaneVector<PairLanes>;
+
+HWY_INLINE PairLanes in_lanes(float x) { return hn::Set(PairTag(), x); }
+HWY_INLINE PairLanes3 select(PairMask mask, const PairLanes3& yes, const PairLanes3& no) {
+  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
+}
+
+#if HWY_TARGET == HWY_SCALAR
+/// As below.
+template <int kControlPoints>
+HWY_INLINE PairLanes3 load_differences(const double* const* p, const double* const* r, int c) {
+  const auto difference = [&](int k) { return in_lanes(static_cast<float>(p[0][3 * c + k] - r[0][3 * c + k])); };
+  return {difference(0), difference(1), difference(2)};
+}
+#else
+using PointTag = hn::FixedTag<float, 4>;
+
+/// Four doubles less four others, rounded to floats.
+template <class D>
+HWY_INLINE hn::Vec<PointTag> float_difference(D d, const double* a, const double* b) {
+  const PointTag four;
+  if constexpr (hn::MaxLanes(D()) == 4) {
+    return hn::DemoteTo(four, hn::Sub(hn::LoadU(d, a), hn::LoadU(d, b)));
+  } else {
+    const hn::Half<PointTag> two;
+    return hn::Combine(four, hn::DemoteTo(two, hn::Sub(hn::LoadU(d, a + 2), hn::LoadU(d, b + 2))),
+                       hn::DemoteTo(two, hn::Sub(hn::LoadU(d, a), hn::LoadU(d, b))));
+  }
+}
+
+/// float_difference() of points `lane` and, in the upper half of 8 lanes, `lane + 4`, from `offset` on.
+template <class D>
+HWY_INLINE hn::Vec<D> float_differences(D d, const double* const* p, const double* const* r, std::size_t lane,
+                                        std::size_t offset) {
+  const hn::CappedTag<double, 4> four;
+  const auto low = float_difference(four, p[lane] + offset, r[lane] + offset);
+  if constexpr (hn::MaxLanes(D()) == 8) {
+    return hn::Combine(d, float_difference(four, p[lane + 4] + offset, r[lane + 4] + offset), low);
+  } else {
+    return low;
+  }
+}
+
+/// Control point c of a vertex for a register of pairs: p - r in doubles, rounded to floats. Four doubles are loaded at once:
+/// the coordinate too many is that of another control point.
+template <int kControlPoints>
+HWY_INLINE PairLanes3 load_differences(const double* const* p, const double* const* r, int c) {
+  const PairTag tag;
+  const bool last = c == kControlPoints - 1;
+  const auto offset = static_cast<std::size_t>(last ? 3 * c - 1 : 3 * c);
+  const PairLanes a0 = float_differences(tag, p, r, 0, offset), a1 = float_differences(tag, p, r, 1, offset);
+  const PairLanes a2 = float_differences(tag, p, r, 2, offset), a3 = float_differences(tag, p, r, 3, offset);
+  const PairLanes low0 = hn::InterleaveLower(tag, a0, a2), low1 = hn::InterleaveLower(tag, a1, a3);
+  const PairLanes high0 = hn::InterleaveUpper(tag, a0, a2), high1 = hn::InterleaveUpper(tag, a1, a3);
+  const PairLanes second = hn::InterleaveUpper(tag, low0, low1), third = hn::InterleaveLower(tag, high0, high1);
+  if (last) return {second, third, hn::InterleaveUpper(tag, high0, high1)};
+  return {hn::InterleaveLower(tag, low0, low1), second, third};
+}
+#endif
+
+/// Pairs (a, b) of elements of one shape: equally many vertices of each a, and of each b.
+struct PairList {
+  static constexpr std::size_t kPairs = 8, kVertices = 8;
+
+  std::size_t size = 0;
+  std::size_t counts[2];  ///< vertices
+  ElementPair pairs[kPairs];
+  const Index* vertices[2][kPairs];
+  std::uint8_t index[kPairs];  ///< of the pair, where it came from
+};
+
+/// The control points of a list of pairs, relative to the first vertex of a pair's first element, and projections of them.
+/// `lane` is the first of the lanes of a register.
+template <int kControlPoints>
+class PairGroup {
+ public:
+  PairGroup(const CsatFrame& frame, const Step& step)
+      : part_(frame.part), step_(step), separation_(float_separation(step.separation)) {}
+
+  /// Unused lanes get copies of the first pair. The points of the first elements stay where these are the last group's.
+  void gather(const PairList& list) {
+    const Index* vertices[2][kPairs];
+    bool known = true;
+    for (std::size_t lane = 0; lane < kPairs; ++lane) {
+      const std::size_t i = lane < list.size ? lane : 0;
+      vertices[0][lane] = list.vertices[0][i];
+      vertices[1][lane] = list.vertices[1][i];
+      known = known && list.pairs[i].a == first_[lane];
+      first_[lane] = list.pairs[i].a;
+      reference_[lane] = step_.motion.at(*vertices[0][lane]);
+    }
+    if (!known) gather(0, list.counts[0], vertices[0]);
+    gather(1, list.counts[1], vertices[1]);
+  }
+
+  /// Greatest magnitude on each axis over the whole step.
+  HWY_INLINE PairLanes3 extent(std::size_t lane) const {
+    return max(load(0, kExtent, lane), load(1, kExtent, lane));
+  }
+
+  /// From the mean of the first elements' control points to that of the second.
+  HWY_INLINE PairLanes3 centroid_difference(std::size_t lane) const {
+    const auto mean = [&](std::size_t side) HWY_ATTR {
+      return scaled(load(side, kTotal, lane), in_lanes(1 / static_cast<float>(count_[side] * kControlPoints)));
+    };
+    return sub(mean(1), mean(0));
+  }
+
+  /// What a gap along the axis must exceed.
+  HWY_INLINE PairLanes threshold(const PairLanes3& axis, const PairLanes3& extent) const {
+    const PairLanes sum = dot(abs(axis), extent);
+    PairLanes bound = hn::Add(hn::Mul(in_lanes(float_gap_error_factor(part_.levels)), sum), in_lanes(kFloatGapUnderflow));
+    if (separation_ != 0) {
+      const PairLanes length = hn::Mul(axis_length(axis), in_lanes(kFloatLengthSlack));
+      bound = hn::Add(bound, hn::Mul(in_lanes(separation_), length));
+    }
+    return hn::IfThenElse(hn::Lt(sum, in_lanes(kFloatGreatestMagnitude)), bound,
+                          in_lanes(std::numeric_limits<float>::infinity()));
+  }
+
+  /// How far b lies beyond a along the axis, at the control point where that is least.
+  HWY_INLINE PairLanes gap(const PairLanes3& axis, std::size_t lane) const {
+    PairLanes least = in_lanes(std::numeric_limits<float>::infinity());
+    for (int c = 0; c < kControlPoints; ++c) {
+      PairLanes high = dot(axis, point(0, 0, c, lane)), low = dot(axis, point(1, 0, c, lane));
+      for (std::size_t v = 1; v < count_[0]; ++v) high = hn::Max(high, dot(axis, point(0, v, c, lane)));
+      for (std::size_t v = 1; v < count_[1]; ++v) low = hn::Min(low, dot(axis, point(1, v, c, lane)));
+      least = hn::Min(least, hn::Sub(low, high));
+    }
+    return least;
+  }
+
+  /// The same, and the difference b - a of the points where it is.
+  HWY_INLINE PairLanes support(const PairLanes3& axis, std::size_t lane, PairLanes3& difference) const {
+    PairLanes least = in_lanes(std::numeric_limits<float>::infinity());
+    difference = {least, least, least};
+    const PairLanes3 back = {hn::Neg(axis.x), hn::Neg(axis.y), hn::Neg(axis.z)};
+    for (int c = 0; c < kControlPoints; ++c) {
+      PairLanes3 a, b;
+      const PairLanes low = lowest(axis, 1, c, lane, b), minus_high = lowest(back, 0, c, lane, a);
+      const PairLanes found = hn::Add(low, minus_high);
+      const PairMask nearer = hn::Lt(found, least);
+      least = hn::IfThenElse(nearer, found, least);
+      difference = select(nearer, sub(b, a), difference);
+    }
+    return least;
+  }
+
+ private:
+  static constexpr std::size_t kPairs = PairList::kPairs;
+  static constexpr std::size_t kExtent = 0, kTotal = 1, kPoints = 2;  ///< triples of rows
+
+  HWY_INLINE PairLanes3 load(std::size_t side, std::size_t triple, std::size_t lane) const {
+    const float* from = rows_ + ((side * kTriples + triple) * 3) * kPairs + lane;
+    return {hn::Load(PairTag(), from), hn::Load(PairTag(), from + kPairs), hn::Load(PairTag(), from + 2 * kPairs)};
+  }
+  HWY_INLINE PairLanes3 point(std::size_t side, std::size_t v, int c, std::size_t lane) const {
+    return load(side, kPoints + v * kControlPoints + static_cast<std::size_t>(c), lane);
+  }
+  HWY_INLINE void store(const PairLanes3& x, std::size_t side, std::size_t triple, std::size_t lane) {
+    float* to = rows_ + ((side * kTriples + triple) * 3) * kPairs + lane;
+    hn::Store(x.x, PairTag(), to);
+    hn::Store(x.y, PairTag(), to + kPairs);
+    hn::Store(x.z, PairTag(), to + 2 * kPairs);
+  }
+
+  void gather(std::size_t side, std::size_t count, const Index* const* vertices) {
+    const PairLanes least = in_lanes(kFloatLeastExtent), zero = in_lanes(0);
+    count_[side] = count;
+    for (std::size_t lane = 0; lane < kPairs; lane += hn::Lanes(PairTag())) {
+      PairLanes3 extent = {least, least, least}, total = {zero, zero, zero};
+      for (std::size_t v = 0; v < count; ++v) {
+        const double* p[kPairs];
+        for (std::size_t i = 0; i < hn::Lanes(PairTag()); ++i) p[i] = step_.motion.at(vertices[lane + i][v]);
+        PairLanes3 x[kControlPoints];
+        for (int c = 0; c < kControlPoints; ++c) {
+          x[c] = load_differences<kControlPoints>(p, reference_ + lane, c);
+          extent = max(extent, abs(x[c]));
+        }
+        restrict_points(x);
+        for (int c = 0; c < kControlPoints; ++c) {
+          total = add(total, x[c]);
+          store(x[c], side, kPoints + v * kControlPoints + static_cast<std::size_t>(c), lane);
+        }
+      }
+      store(extent, side, kExtent, lane);
+      store(total, side, kTotal, lane);
+    }
+  }
+
+  HWY_INLINE void restrict_points(PairLanes3 (&x)[kControlPoints]) const {
+    const PairLanes rest = in_lanes(static_cast<float>(part_.rest)), s = in_lanes(static_cast<float>(part_.s));
+    for (int level = 1; level <= part_.levels; ++level)
+      for (int c = kControlPoints - 1; c >= level; --c) x[c] = add(scaled(x[c - 1], rest), scaled(x[c], s));
+  }
+
+  static HWY_INLINE PairLanes axis_length(const PairLanes3& axis) {
+    const PairLanes square = dot(axis, axis);
+    const PairLanes3 m = abs(axis);
+    return hn::IfThenElse(hn::Gt(square, in_lanes(kFloatLeastSquare)), hn::Sqrt(square), add3(m.x, m.y, m.z));
+  }
+
+  /// Least projection of one control point's vertices, and the vertex.
+  HWY_INLINE PairLanes lowest(const PairLanes3& axis, std::size_t side, int c, std::size_t lane, PairLanes3& at) const {
+    at = point(side, 0, c, lane);
+    PairLanes low = dot(axis, at);
+    for (std::size_t v = 1; v < count_[side]; ++v) {
+      const PairLanes3 x = point(side, v, c, lane);
+      const PairLanes projection = dot(axis, x);
+      const PairMask lower = hn::Lt(projection, low);
+      low = hn::IfThenElse(lower, projection, low);
+      at = select(lower, x, at);
+    }
+    return low;
+  }
+
+  static constexpr std::size_t kTriples = kPoints + PairList::kVertices * kControlPoints;
+
+  const StepPart& part_;
+  const Step& step_;
+  float separation_;
+  std::size_t count_[2] = {};
+  Index first_[kPairs] = {kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone};
+  const double* reference_[kPairs];
+  alignas(64) float rows_[2 * kTriples * 3 * kPairs];
+};
+
+}  // namespace volccd::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif

@@ -1,0 +1,154 @@
+// What CSAT finds out about whole element pairs in lanes. Included once for each instruction set, inside foreach_target
+// sources.
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include <volccd/culling/csat.hpp>
+#include <volccd/culling/detail/csat_pair_simplex-inl.hpp>
+
+#if defined(VOLCCD_CSAT_PAIR_SEARCH_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef VOLCCD_CSAT_PAIR_SEARCH_INL
+#undef VOLCCD_CSAT_PAIR_SEARCH_INL
+#else
+#define VOLCCD_CSAT_PAIR_SEARCH_INL
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace volccd::detail::HWY_NAMESPACE {
+
+enum class PairFinding : std::uint8_t {
+  open,
+  disjoint,
+  overlapping  ///< no axis separates the pair: the hulls overlap by more than rounding
+};
+
+/// Axes `centroid` and `optimal` in single precision. A pair's finding does not depend on the other pairs of its block.
+template <int kControlPoints>
+class PairSearch {
+ public:
+  static constexpr std::size_t kBlock = 256;
+
+  PairSearch(const Csat::Config& config, const CsatFrame& frame, const Step& step)
+      : rounds_(config.axis == CsatAxis::optimal ? std::min(config.iterations, kMostRounds) : 1),
+        mesh_(step.mesh()),
+        group_(frame, step) {}
+
+  PairFinding finding(std::size_t i) const { return findings_[i]; }
+
+  /// Findings on at most kBlock pairs. Elements of more than 8 vertices, and pairs of an element with itself, stay open.
+  void judge(std::span<const ElementPair> pairs) {
+    std::fill_n(findings_, pairs.size(), PairFinding::open);
+    open_count_ = 0;
+    for (std::size_t i = 0; i < pairs.size(); ++i) take(pairs, i, false);
+    test(false);
+    for (std::size_t i = 0; i < open_count_; ++i) take(pairs, open_[i], true);
+    test(true);
+  }
+
+ private:
+  static constexpr int kMostRounds = 8;
+  static constexpr int kEnough = 4;  ///< pairs that are worth a search in their group
+
+  void take(std::span<const ElementPair> pairs, std::size_t i, bool search) {
+    const auto a = mesh_.vertices(pairs[i].a), b = mesh_.vertices(pairs[i].b);
+    if (pairs[i].a == pairs[i].b || a.size() > PairList::kVertices || b.size() > PairList::kVertices) return;
+    if (list_.size == PairList::kPairs || a.size() != list_.counts[0] || b.size() != list_.counts[1]) {
+      test(search);
+      list_.counts[0] = a.size();
+      list_.counts[1] = b.size();
+    }
+    list_.pairs[list_.size] = pairs[i];
+    list_.vertices[0][list_.size] = a.data();
+    list_.vertices[1][list_.size] = b.data();
+    list_.index[list_.size++] = static_cast<std::uint8_t>(i);
+  }
+
+  /// Tests the pairs of the list, and empties it: in the first pass along the first axis; the rest where `search` says so,
+  /// or where enough of a group are left.
+  void test(bool search) {
+    if (list_.size == 0) return;
+    group_.gather(list_);
+    const std::uint32_t all = (1u << list_.size) - 1;
+    std::uint32_t left = search ? all : all & ~first_axis();
+    if (!search) set(all & ~left, PairFinding::disjoint);
+    if (left != 0 && rounds_ > 1) {
+      if (search || std::popcount(left) >= kEnough)
+        this->search(left);
+      else
+        for (; left != 0; left &= left - 1) open_[open_count_++] = list_.index[std::countr_zero(left)];
+    }
+    list_.size = 0;
+  }
+
+  void set(std::uint32_t lanes, PairFinding finding) {
+    for (; lanes != 0; lanes &= lanes - 1) findings_[list_.index[std::countr_zero(lanes)]] = finding;
+  }
+
+  /// Bits of the lanes that the line between the centroids separates.
+  std::uint32_t first_axis() const {
+    const PairTag tag;
+    std::uint32_t bits = 0;
+    for (std::size_t lane = 0; lane < PairList::kPairs; lane += hn::Lanes(tag)) {
+      const PairLanes3 extent = group_.extent(lane);
+      const PairLanes scale = hn::Div(in_lanes(1), greatest_coordinate(extent));
+      const PairLanes3 axis = scaled(group_.centroid_difference(lane), scale);
+      bits |= lane_bits(hn::Gt(group_.gap(axis, lane), group_.threshold(axis, extent))) << lane;
+    }
+    return bits;
+  }
+
+  /// Gilbert-Johnson-Keerthi steps from the line between the centroids on, as Separator::search().
+  void search(std::uint32_t lanes) {
+    for (std::size_t lane = 0; lane < PairList::kPairs; lane += hn::Lanes(PairTag())) {
+      const std::uint32_t bits = lanes >> lane & ((1u << hn::Lanes(PairTag())) - 1);
+      if (bits != 0) search(bits, lane);
+    }
+  }
+
+  void search(std::uint32_t bits, std::size_t lane) {
+    const PairLanes3 extent = group_.extent(lane);
+    const PairLanes size = greatest_coordinate(extent);
+    const PairLanes scale = hn::Div(in_lanes(1), size);
+    PairLanes3 axis = scaled(group_.centroid_difference(lane), scale), support;
+    PairSimplex simplex(axis);
+    const PairMask sound = hn::And(hn::Gt(size, in_lanes(kLeastSize)), hn::Lt(size, in_lanes(kGreatestSize)));
+    bits &= lane_bits(sound);
+    for (int round = 0; bits != 0; ++round) {
+      const PairLanes gap = group_.support(axis, lane, support);
+      const std::uint32_t apart = bits & lane_bits(hn::Gt(gap, group_.threshold(axis, extent)));
+      set(apart << lane, PairFinding::disjoint);
+      bits &= ~apart;
+      if (bits == 0 || round + 1 == rounds_) return;
+      support = scaled(support, scale);
+      bits &= ~lane_bits(simplex.contains(support));  // no axis does better
+      const std::uint32_t inside = bits & lane_bits(simplex.extend(support, axis));
+      set(inside << lane, PairFinding::overlapping);
+      bits &= ~inside;
+    }
+  }
+
+  static HWY_INLINE std::uint32_t lane_bits(PairMask mask) {
+    std::uint8_t bytes[8] = {};
+    hn::StoreMaskBits(PairTag(), mask, bytes);
+    return bytes[0];
+  }
+
+  /// The search is left to doubles where its products could underflow or overflow.
+  static constexpr float kLeastSize = 0x1p-60f, kGreatestSize = 0x1p60f;
+
+  int rounds_;
+  const Mesh& mesh_;
+  PairGroup<kControlPoints> group_;
+  PairList list_;
+  PairFinding findings_[kBlock];
+  std::uint8_t open_[kBlock];
+  std::size_t open_count_ = 0;
+};
+
+}  // namespace volccd::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
