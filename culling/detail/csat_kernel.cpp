@@ -255,12 +255,12 @@ class Culler {
     batch.cull([&](ElementPair pair, FeatureMask& mask) {
       constexpr std::size_t block = PairSearch<kControlPoints>::kBlock;
       if (i % block == 0) search.judge(std::span(batch.pairs).subspan(i, std::min(block, size - i)));
-      return judge(pair, mask, search.finding(i++ % block));
+      const PairFinding finding = search.finding(i++ % block);
+      return finding == PairFinding::disjoint ? PairVerdict::disjoint : judge(pair, mask, finding);
     });
   }
 
   PairVerdict judge(ElementPair pair, FeatureMask& mask, PairFinding finding) {
-    if (finding == PairFinding::disjoint) return PairVerdict::disjoint;
     if (finding == PairFinding::overlapping && config_.mode == CsatMode::pair) return PairVerdict::keep;
     const auto vertices_a = step_.mesh().vertices(pair.a), vertices_b = step_.mesh().vertices(pair.b);
     if (pair.a == pair.b || vertices_a.size() > kCsatVertices || vertices_b.size() > kCsatVertices)

@@ -84,13 +84,14 @@ HWY_INLINE PairLanes3 load_differences(const double* const* p, const double* con
 
 /// Pairs (a, b) of elements of one shape: equally many vertices of each a, and of each b.
 struct PairList {
-  static constexpr std::size_t kPairs = 8, kVertices = 8;
+  /// Pairs: two registers of 8 hide the latency of one another's operations.
+  static constexpr std::size_t kPairs = 8, kRegister = 8, kVertices = 8;
 
   std::size_t size = 0;
-  std::size_t counts[2];  ///< vertices
-  ElementPair pairs[kPairs];
-  const Index* vertices[2][kPairs];
-  std::uint8_t index[kPairs];  ///< of the pair, where it came from
+  std::size_t counts[2] = {};       ///< vertices
+  Index first[kPairs];              ///< a
+  const Index* vertices[kPairs];    ///< of b
+  std::uint8_t index[kPairs];       ///< of the pair, where it came from
 };
 
 /// The control points of a list of pairs, relative to the first vertex of a pair's first element, and projections of them.
@@ -99,23 +100,27 @@ template <int kControlPoints>
 class PairGroup {
  public:
   PairGroup(const CsatFrame& frame, const Step& step)
-      : part_(frame.part), step_(step), separation_(float_separation(step.separation)) {}
-
-  /// Unused lanes get copies of the first pair. The points of the first elements stay where these are the last group's.
-  void gather(const PairList& list) {
-    const Index* vertices[2][kPairs];
-    bool known = true;
-    for (std::size_t lane = 0; lane < kPairs; ++lane) {
-      const std::size_t i = lane < list.size ? lane : 0;
-      vertices[0][lane] = list.vertices[0][i];
-      vertices[1][lane] = list.vertices[1][i];
-      known = known && list.pairs[i].a == first_[lane];
-      first_[lane] = list.pairs[i].a;
-      reference_[lane] = step_.motion.at(*vertices[0][lane]);
-    }
-    if (!known) gather(0, list.counts[0], vertices[0]);
-    gather(1, list.counts[1], vertices[1]);
+      : part_(frame.part), mesh_(step.mesh()), points_(step.motion.at(0)), separation_(float_separation(step.separation)) {
+    std::fill_n(first_, kPairs, kNone);
   }
+
+  /// Unused lanes get copies of the first pair. Points of first elements stay in the registers that hold them already.
+  void gather(PairList& list) {
+    const std::size_t lanes = (list.size + PairList::kRegister - 1) / PairList::kRegister * PairList::kRegister;
+    for (std::size_t lane = list.size; lane < lanes; ++lane) {
+      list.first[lane] = list.first[0];
+      list.vertices[lane] = list.vertices[0];
+    }
+    count_[0] = list.counts[0];
+    count_[1] = list.counts[1];
+    for (std::size_t lane = 0; lane < lanes; lane += hn::Lanes(PairTag())) {
+      gather_first(list.first + lane, lane);
+      gather(1, list.vertices + lane, lane);
+    }
+  }
+
+  /// Vertices of each element, 0 where the two differ.
+  std::size_t count() const { return count_[0] == count_[1] ? count_[0] : 0; }
 
   /// Greatest magnitude on each axis over the whole step.
   HWY_INLINE PairLanes3 extent(std::size_t lane) const {
@@ -142,13 +147,16 @@ class PairGroup {
                           in_lanes(std::numeric_limits<float>::infinity()));
   }
 
-  /// How far b lies beyond a along the axis, at the control point where that is least.
+  /// How far b lies beyond a along the axis, at the control point where that is least. kCount: vertices of each element, or
+  /// 0 for any number.
+  template <std::size_t kCount>
   HWY_INLINE PairLanes gap(const PairLanes3& axis, std::size_t lane) const {
+    const std::size_t counts[2] = {kCount != 0 ? kCount : count_[0], kCount != 0 ? kCount : count_[1]};
     PairLanes least = in_lanes(std::numeric_limits<float>::infinity());
     for (int c = 0; c < kControlPoints; ++c) {
       PairLanes high = dot(axis, point(0, 0, c, lane)), low = dot(axis, point(1, 0, c, lane));
-      for (std::size_t v = 1; v < count_[0]; ++v) high = hn::Max(high, dot(axis, point(0, v, c, lane)));
-      for (std::size_t v = 1; v < count_[1]; ++v) low = hn::Min(low, dot(axis, point(1, v, c, lane)));
+      for (std::size_t v = 1; v < counts[0]; ++v) high = hn::Max(high, dot(axis, point(0, v, c, lane)));
+      for (std::size_t v = 1; v < counts[1]; ++v) low = hn::Min(low, dot(axis, point(1, v, c, lane)));
       least = hn::Min(least, hn::Sub(low, high));
     }
     return least;
@@ -174,6 +182,7 @@ class PairGroup {
   static constexpr std::size_t kPairs = PairList::kPairs;
   static constexpr std::size_t kExtent = 0, kTotal = 1, kPoints = 2;  ///< triples of rows
 
+  HWY_INLINE const double* at(Index v) const { return points_ + std::size_t{v} * (3 * kControlPoints); }
   HWY_INLINE PairLanes3 load(std::size_t side, std::size_t triple, std::size_t lane) const {
     const float* from = rows_ + ((side * kTriples + triple) * 3) * kPairs + lane;
     return {hn::Load(PairTag(), from), hn::Load(PairTag(), from + kPairs), hn::Load(PairTag(), from + 2 * kPairs)};
@@ -188,28 +197,54 @@ class PairGroup {
     hn::Store(x.z, PairTag(), to + 2 * kPairs);
   }
 
-  void gather(std::size_t side, std::size_t count, const Index* const* vertices) {
-    const PairLanes least = in_lanes(kFloatLeastExtent), zero = in_lanes(0);
-    count_[side] = count;
-    for (std::size_t lane = 0; lane < kPairs; lane += hn::Lanes(PairTag())) {
-      PairLanes3 extent = {least, least, least}, total = {zero, zero, zero};
-      for (std::size_t v = 0; v < count; ++v) {
-        const double* p[kPairs];
-        for (std::size_t i = 0; i < hn::Lanes(PairTag()); ++i) p[i] = step_.motion.at(vertices[lane + i][v]);
-        PairLanes3 x[kControlPoints];
-        for (int c = 0; c < kControlPoints; ++c) {
-          x[c] = load_differences<kControlPoints>(p, reference_ + lane, c);
-          extent = max(extent, abs(x[c]));
-        }
-        restrict_points(x);
-        for (int c = 0; c < kControlPoints; ++c) {
-          total = add(total, x[c]);
-          store(x[c], side, kPoints + v * kControlPoints + static_cast<std::size_t>(c), lane);
-        }
-      }
-      store(extent, side, kExtent, lane);
-      store(total, side, kTotal, lane);
+  void gather_first(const Index* first, std::size_t lane) {
+    constexpr std::size_t lanes = hn::MaxLanes(PairTag());
+    if (std::equal(first, first + lanes, first_ + lane)) return;
+    const Index* vertices[lanes];
+    bool one = true;
+    for (std::size_t i = 0; i < lanes; ++i) {
+      one = one && first[i] == first[0];
+      first_[lane + i] = first[i];
+      vertices[i] = mesh_.vertices(first[i]).data();
+      reference_[lane + i] = at(*vertices[i]);
     }
+    one ? spread(vertices[0], lane) : gather(0, vertices, lane);
+  }
+
+  /// The points of elements, whose vertices are given, in the lanes of one register.
+  void gather(std::size_t side, const Index* const* vertices, std::size_t lane) {
+    gather(side, lane, [&](std::size_t v, PairLanes3(&x)[kControlPoints]) HWY_ATTR {
+      const double* p[kPairs];
+      for (std::size_t i = 0; i < hn::Lanes(PairTag()); ++i) p[i] = at(vertices[i][v]);
+      for (int c = 0; c < kControlPoints; ++c) x[c] = load_differences<kControlPoints>(p, reference_ + lane, c);
+    });
+  }
+
+  /// The same for one first element in all lanes of the register.
+  void spread(const Index* vertices, std::size_t lane) {
+    gather(0, lane, [&](std::size_t v, PairLanes3(&x)[kControlPoints]) HWY_ATTR {
+      const double *p = at(vertices[v]), *r = reference_[lane];
+      const auto difference = [&](int k) HWY_ATTR { return in_lanes(static_cast<float>(p[k] - r[k])); };
+      for (int c = 0; c < kControlPoints; ++c) x[c] = {difference(3 * c), difference(3 * c + 1), difference(3 * c + 2)};
+    });
+  }
+
+  template <class LoadPoints>
+  HWY_INLINE void gather(std::size_t side, std::size_t lane, const LoadPoints& load_points) {
+    const PairLanes least = in_lanes(kFloatLeastExtent), zero = in_lanes(0);
+    PairLanes3 extent = {least, least, least}, total = {zero, zero, zero};
+    for (std::size_t v = 0; v < count_[side]; ++v) {
+      PairLanes3 x[kControlPoints];
+      load_points(v, x);
+      for (int c = 0; c < kControlPoints; ++c) extent = max(extent, abs(x[c]));
+      restrict_points(x);
+      for (int c = 0; c < kControlPoints; ++c) {
+        total = add(total, x[c]);
+        store(x[c], side, kPoints + v * kControlPoints + static_cast<std::size_t>(c), lane);
+      }
+    }
+    store(extent, side, kExtent, lane);
+    store(total, side, kTotal, lane);
   }
 
   HWY_INLINE void restrict_points(PairLanes3 (&x)[kControlPoints]) const {
@@ -241,10 +276,11 @@ class PairGroup {
   static constexpr std::size_t kTriples = kPoints + PairList::kVertices * kControlPoints;
 
   const StepPart& part_;
-  const Step& step_;
+  const Mesh& mesh_;
+  const double* points_;
   float separation_;
   std::size_t count_[2] = {};
-  Index first_[kPairs] = {kNone, kNone, kNone, kNone, kNone, kNone, kNone, kNone};
+  Index first_[kPairs];  ///< whose points the lanes hold
   const double* reference_[kPairs];
   alignas(64) float rows_[2 * kTriples * 3 * kPairs];
 };

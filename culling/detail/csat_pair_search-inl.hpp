@@ -53,32 +53,42 @@ class PairSearch {
   static constexpr int kEnough = 4;  ///< pairs that are worth a search in their group
 
   void take(std::span<const ElementPair> pairs, std::size_t i, bool search) {
-    const auto a = mesh_.vertices(pairs[i].a), b = mesh_.vertices(pairs[i].b);
-    if (pairs[i].a == pairs[i].b || a.size() > PairList::kVertices || b.size() > PairList::kVertices) return;
+    const ElementPair pair = pairs[i];
+    if (pair.a != first_) {
+      first_ = pair.a;
+      first_vertices_ = mesh_.vertices(pair.a);
+    }
+    const auto a = first_vertices_, b = mesh_.vertices(pair.b);
+    if (pair.a == pair.b || std::max(a.size(), b.size()) > PairList::kVertices) return;
     if (list_.size == PairList::kPairs || a.size() != list_.counts[0] || b.size() != list_.counts[1]) {
       test(search);
       list_.counts[0] = a.size();
       list_.counts[1] = b.size();
     }
-    list_.pairs[list_.size] = pairs[i];
-    list_.vertices[0][list_.size] = a.data();
-    list_.vertices[1][list_.size] = b.data();
+    list_.first[list_.size] = pair.a;
+    list_.vertices[list_.size] = b.data();
     list_.index[list_.size++] = static_cast<std::uint8_t>(i);
   }
 
   /// Tests the pairs of the list, and empties it: in the first pass along the first axis; the rest where `search` says so,
-  /// or where enough of a group are left.
+  /// or where enough of a register are left.
   void test(bool search) {
     if (list_.size == 0) return;
     group_.gather(list_);
     const std::uint32_t all = (1u << list_.size) - 1;
-    std::uint32_t left = search ? all : all & ~first_axis();
-    if (!search) set(all & ~left, PairFinding::disjoint);
+    std::uint32_t left = all;
+    if (!search) {
+      left &= ~first_axis();
+      set(all & ~left, PairFinding::disjoint);
+    }
     if (left != 0 && rounds_ > 1) {
-      if (search || std::popcount(left) >= kEnough)
-        this->search(left);
-      else
-        for (; left != 0; left &= left - 1) open_[open_count_++] = list_.index[std::countr_zero(left)];
+      for (std::size_t lane = 0; lane < list_.size; lane += hn::Lanes(PairTag())) {
+        std::uint32_t bits = left >> lane & ((1u << hn::Lanes(PairTag())) - 1);
+        if (search || std::popcount(bits) >= kEnough)
+          this->search(bits, lane);
+        else
+          for (; bits != 0; bits &= bits - 1) open_[open_count_++] = list_.index[lane + std::countr_zero(bits)];
+      }
     }
     list_.size = 0;
   }
@@ -88,26 +98,21 @@ class PairSearch {
   }
 
   /// Bits of the lanes that the line between the centroids separates.
+  std::uint32_t first_axis() const { return group_.count() == 4 ? first_axis<4>() : first_axis<0>(); }
+
+  template <std::size_t kCount>
   std::uint32_t first_axis() const {
     const PairTag tag;
     std::uint32_t bits = 0;
-    for (std::size_t lane = 0; lane < PairList::kPairs; lane += hn::Lanes(tag)) {
+    for (std::size_t lane = 0; lane < list_.size; lane += hn::Lanes(tag)) {
       const PairLanes3 extent = group_.extent(lane);
-      const PairLanes scale = hn::Div(in_lanes(1), greatest_coordinate(extent));
-      const PairLanes3 axis = scaled(group_.centroid_difference(lane), scale);
-      bits |= lane_bits(hn::Gt(group_.gap(axis, lane), group_.threshold(axis, extent))) << lane;
+      const PairLanes3 axis = group_.centroid_difference(lane);
+      bits |= lane_bits(hn::Gt(group_.template gap<kCount>(axis, lane), group_.threshold(axis, extent))) << lane;
     }
     return bits;
   }
 
   /// Gilbert-Johnson-Keerthi steps from the line between the centroids on, as Separator::search().
-  void search(std::uint32_t lanes) {
-    for (std::size_t lane = 0; lane < PairList::kPairs; lane += hn::Lanes(PairTag())) {
-      const std::uint32_t bits = lanes >> lane & ((1u << hn::Lanes(PairTag())) - 1);
-      if (bits != 0) search(bits, lane);
-    }
-  }
-
   void search(std::uint32_t bits, std::size_t lane) {
     const PairLanes3 extent = group_.extent(lane);
     const PairLanes size = greatest_coordinate(extent);
@@ -143,6 +148,8 @@ class PairSearch {
   const Mesh& mesh_;
   PairGroup<kControlPoints> group_;
   PairList list_;
+  Index first_ = kNone;
+  std::span<const Index> first_vertices_;
   PairFinding findings_[kBlock];
   std::uint8_t open_[kBlock];
   std::size_t open_count_ = 0;
