@@ -90,7 +90,7 @@ struct PairList {
   std::size_t size = 0;
   std::size_t counts[2] = {};       ///< vertices
   Index first[kPairs];              ///< a
-  const Index* vertices[kPairs];    ///< of b
+  const Index* vertices[2][kPairs];
   std::uint8_t index[kPairs];       ///< of the pair, where it came from
 };
 
@@ -100,7 +100,7 @@ template <int kControlPoints>
 class PairGroup {
  public:
   PairGroup(const CsatFrame& frame, const Step& step)
-      : part_(frame.part), mesh_(step.mesh()), points_(step.motion.at(0)), separation_(float_separation(step.separation)) {
+      : part_(frame.part), points_(step.motion.at(0)), separation_(float_separation(step.separation)) {
     std::fill_n(first_, kPairs, kNone);
   }
 
@@ -109,13 +109,13 @@ class PairGroup {
     const std::size_t lanes = (list.size + PairList::kRegister - 1) / PairList::kRegister * PairList::kRegister;
     for (std::size_t lane = list.size; lane < lanes; ++lane) {
       list.first[lane] = list.first[0];
-      list.vertices[lane] = list.vertices[0];
+      for (auto& vertices : list.vertices) vertices[lane] = vertices[0];
     }
     count_[0] = list.counts[0];
     count_[1] = list.counts[1];
     for (std::size_t lane = 0; lane < lanes; lane += hn::Lanes(PairTag())) {
-      gather_first(list.first + lane, lane);
-      gather(1, list.vertices + lane, lane);
+      gather_first(list.first + lane, list.vertices[0] + lane, lane);
+      gather(1, list.vertices[1] + lane, lane);
     }
   }
 
@@ -197,15 +197,13 @@ class PairGroup {
     hn::Store(x.z, PairTag(), to + 2 * kPairs);
   }
 
-  void gather_first(const Index* first, std::size_t lane) {
+  void gather_first(const Index* first, const Index* const* vertices, std::size_t lane) {
     constexpr std::size_t lanes = hn::MaxLanes(PairTag());
     if (std::equal(first, first + lanes, first_ + lane)) return;
-    const Index* vertices[lanes];
     bool one = true;
     for (std::size_t i = 0; i < lanes; ++i) {
       one = one && first[i] == first[0];
       first_[lane + i] = first[i];
-      vertices[i] = mesh_.vertices(first[i]).data();
       reference_[lane + i] = at(*vertices[i]);
     }
     one ? spread(vertices[0], lane) : gather(0, vertices, lane);
@@ -276,7 +274,6 @@ class PairGroup {
   static constexpr std::size_t kTriples = kPoints + PairList::kVertices * kControlPoints;
 
   const StepPart& part_;
-  const Mesh& mesh_;
   const double* points_;
   float separation_;
   std::size_t count_[2] = {};

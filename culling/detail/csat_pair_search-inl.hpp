@@ -6,6 +6,8 @@
 #include <cstdint>
 #include <span>
 
+#include <hwy/cache_control.h>
+
 #include <volccd/culling/csat.hpp>
 #include <volccd/culling/detail/csat_pair_simplex-inl.hpp>
 
@@ -34,6 +36,8 @@ class PairSearch {
   PairSearch(const Csat::Config& config, const CsatFrame& frame, const Step& step)
       : rounds_(config.axis == CsatAxis::optimal ? std::min(config.iterations, kMostRounds) : 1),
         mesh_(step.mesh()),
+        motion_(step.motion),
+        large_(step.motion.vertex_count() > kManyVertices),
         group_(frame, step) {}
 
   PairFinding finding(std::size_t i) const { return findings_[i]; }
@@ -42,7 +46,11 @@ class PairSearch {
   void judge(std::span<const ElementPair> pairs) {
     std::fill_n(findings_, pairs.size(), PairFinding::open);
     open_count_ = 0;
-    for (std::size_t i = 0; i < pairs.size(); ++i) take(pairs, i, false);
+    look_up(pairs);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      if (large_ && i + 2 * PairList::kPairs < pairs.size()) prefetch(i + 2 * PairList::kPairs);
+      take(pairs, i, false);
+    }
     test(false);
     for (std::size_t i = 0; i < open_count_; ++i) take(pairs, open_[i], true);
     test(true);
@@ -50,23 +58,35 @@ class PairSearch {
 
  private:
   static constexpr int kMostRounds = 8;
+  static constexpr Index kManyVertices = 1 << 14;  ///< whose points do not stay in a second-level cache
   static constexpr int kEnough = 4;  ///< pairs that are worth a search in their group
 
-  void take(std::span<const ElementPair> pairs, std::size_t i, bool search) {
-    const ElementPair pair = pairs[i];
-    if (pair.a != first_) {
-      first_ = pair.a;
-      first_vertices_ = mesh_.vertices(pair.a);
+  /// Looks up the vertices of all pairs before any is tested: memory answers many requests at a time.
+  void look_up(std::span<const ElementPair> pairs) {
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      vertices_[0][i] = mesh_.vertices(pairs[i].a);
+      vertices_[1][i] = mesh_.vertices(pairs[i].b);
+      hwy::Prefetch(vertices_[0][i].data());
+      hwy::Prefetch(vertices_[1][i].data());
     }
-    const auto a = first_vertices_, b = mesh_.vertices(pair.b);
-    if (pair.a == pair.b || std::max(a.size(), b.size()) > PairList::kVertices) return;
+  }
+
+  void prefetch(std::size_t i) const {
+    for (const auto& side : vertices_)
+      for (const Index v : side[i]) hwy::Prefetch(motion_.at(v));
+  }
+
+  void take(std::span<const ElementPair> pairs, std::size_t i, bool search) {
+    const auto a = vertices_[0][i], b = vertices_[1][i];
+    if (pairs[i].a == pairs[i].b || std::max(a.size(), b.size()) > PairList::kVertices) return;
     if (list_.size == PairList::kPairs || a.size() != list_.counts[0] || b.size() != list_.counts[1]) {
       test(search);
       list_.counts[0] = a.size();
       list_.counts[1] = b.size();
     }
-    list_.first[list_.size] = pair.a;
-    list_.vertices[list_.size] = b.data();
+    list_.first[list_.size] = pairs[i].a;
+    list_.vertices[0][list_.size] = a.data();
+    list_.vertices[1][list_.size] = b.data();
     list_.index[list_.size++] = static_cast<std::uint8_t>(i);
   }
 
@@ -146,10 +166,11 @@ class PairSearch {
 
   int rounds_;
   const Mesh& mesh_;
+  const Motion& motion_;
+  bool large_;
   PairGroup<kControlPoints> group_;
   PairList list_;
-  Index first_ = kNone;
-  std::span<const Index> first_vertices_;
+  std::span<const Index> vertices_[2][kBlock];
   PairFinding findings_[kBlock];
   std::uint8_t open_[kBlock];
   std::size_t open_count_ = 0;
