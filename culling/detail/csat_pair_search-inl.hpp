@@ -37,7 +37,6 @@ class PairSearch {
       : rounds_(config.axis == CsatAxis::optimal ? std::min(config.iterations, kMostRounds) : 1),
         mesh_(step.mesh()),
         motion_(step.motion),
-        large_(step.motion.vertex_count() > kManyVertices),
         group_(frame, step) {}
 
   PairFinding finding(std::size_t i) const { return findings_[i]; }
@@ -48,7 +47,7 @@ class PairSearch {
     open_count_ = 0;
     look_up(pairs);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      if (large_ && i + 2 * PairList::kPairs < pairs.size()) prefetch(i + 2 * PairList::kPairs);
+      if (i + 2 * PairList::kPairs < pairs.size()) prefetch(i + 2 * PairList::kPairs);
       take(pairs, i, false);
     }
     test(false);
@@ -58,7 +57,6 @@ class PairSearch {
 
  private:
   static constexpr int kMostRounds = 8;
-  static constexpr Index kManyVertices = 1 << 14;  ///< whose points do not stay in a second-level cache
   static constexpr int kEnough = 4;  ///< pairs that are worth a search in their group
 
   /// Looks up the vertices of all pairs before any is tested: memory answers many requests at a time.
@@ -167,7 +165,6 @@ class PairSearch {
   int rounds_;
   const Mesh& mesh_;
   const Motion& motion_;
-  bool large_;
   PairGroup<kControlPoints> group_;
   PairList list_;
   std::span<const Index> vertices_[2][kBlock];
