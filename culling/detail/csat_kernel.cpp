@@ -261,7 +261,7 @@ class Culler {
   }
 
   PairVerdict judge(ElementPair pair, FeatureMask& mask, PairFinding finding) {
-    if (finding == PairFinding::overlapping && config_.mode == CsatMode::pair) return PairVerdict::keep;
+    if (finding == PairFinding::kept && config_.mode == CsatMode::pair) return PairVerdict::keep;
     const auto vertices_a = step_.mesh().vertices(pair.a), vertices_b = step_.mesh().vertices(pair.b);
     if (pair.a == pair.b || vertices_a.size() > kCsatVertices || vertices_b.size() > kCsatVertices)
       return PairVerdict::keep;

@@ -115,7 +115,7 @@ class PairGroup {
     count_[1] = list.counts[1];
     for (std::size_t lane = 0; lane < lanes; lane += hn::Lanes(PairTag())) {
       gather_first(list.first + lane, list.vertices[0] + lane, lane);
-      gather(1, list.vertices[1] + lane, lane);
+      list.size == 1 ? spread(1, list.vertices[1][0], lane) : gather(1, list.vertices[1] + lane, lane);
     }
   }
 
@@ -135,16 +135,27 @@ class PairGroup {
     return sub(mean(1), mean(0));
   }
 
-  /// What a gap along the axis must exceed.
-  HWY_INLINE PairLanes threshold(const PairLanes3& axis, const PairLanes3& extent) const {
-    const PairLanes sum = dot(abs(axis), extent);
-    PairLanes bound = hn::Add(hn::Mul(in_lanes(float_gap_error_factor(part_.levels)), sum), in_lanes(kFloatGapUnderflow));
-    if (separation_ != 0) {
-      const PairLanes length = hn::Mul(axis_length(axis), in_lanes(kFloatLengthSlack));
-      bound = hn::Add(bound, hn::Mul(in_lanes(separation_), length));
+  struct Threshold {
+    PairLanes error, separation;
+    PairMask trusted;  ///< lanes of no overflow
+
+    HWY_INLINE PairMask exceeded(PairLanes gap) const {
+      return hn::And(trusted, hn::Gt(gap, hn::Add(error, separation)));
     }
-    return hn::IfThenElse(hn::Lt(sum, in_lanes(kFloatGreatestMagnitude)), bound,
-                          in_lanes(std::numeric_limits<float>::infinity()));
+    /// Lanes whose exact gap is below the separation by far more than all rounding.
+    HWY_INLINE PairMask missed(PairLanes gap) const {
+      return hn::And(trusted, hn::Lt(hn::Add(gap, hn::Mul(in_lanes(32), error)), separation));
+    }
+  };
+
+  /// What a gap along the axis must exceed.
+  HWY_INLINE Threshold threshold(const PairLanes3& axis, const PairLanes3& extent) const {
+    const PairLanes sum = dot(abs(axis), extent);
+    PairLanes separation = in_lanes(0);
+    if (separation_ != 0)
+      separation = hn::Mul(in_lanes(separation_), hn::Mul(axis_length(axis), in_lanes(kFloatLengthSlack)));
+    return {hn::Add(hn::Mul(in_lanes(float_gap_error_factor(part_.levels)), sum), in_lanes(kFloatGapUnderflow)),
+            separation, hn::Lt(sum, in_lanes(kFloatGreatestMagnitude))};
   }
 
   /// How far b lies beyond a along the axis, at the control point where that is least. kCount: vertices of each element, or
@@ -206,7 +217,7 @@ class PairGroup {
       first_[lane + i] = first[i];
       reference_[lane + i] = at(*vertices[i]);
     }
-    one ? spread(vertices[0], lane) : gather(0, vertices, lane);
+    one ? spread(0, vertices[0], lane) : gather(0, vertices, lane);
   }
 
   /// The points of elements, whose vertices are given, in the lanes of one register.
@@ -218,9 +229,9 @@ class PairGroup {
     });
   }
 
-  /// The same for one first element in all lanes of the register.
-  void spread(const Index* vertices, std::size_t lane) {
-    gather(0, lane, [&](std::size_t v, PairLanes3(&x)[kControlPoints]) HWY_ATTR {
+  /// The same for one element in all lanes of the register, as part of the same pair or with the same first element.
+  void spread(std::size_t side, const Index* vertices, std::size_t lane) {
+    gather(side, lane, [&](std::size_t v, PairLanes3(&x)[kControlPoints]) HWY_ATTR {
       const double *p = at(vertices[v]), *r = reference_[lane];
       const auto difference = [&](int k) HWY_ATTR { return in_lanes(static_cast<float>(p[k] - r[k])); };
       for (int c = 0; c < kControlPoints; ++c) x[c] = {difference(3 * c), difference(3 * c + 1), difference(3 * c + 2)};

@@ -24,7 +24,7 @@ namespace volccd::detail::HWY_NAMESPACE {
 enum class PairFinding : std::uint8_t {
   open,
   disjoint,
-  overlapping  ///< no axis separates the pair: the hulls overlap by more than rounding
+  kept  ///< none of the axes that the configuration allows separates the pair, by more than rounding
 };
 
 /// Axes `centroid` and `optimal` in single precision. A pair's finding does not depend on the other pairs of its block.
@@ -59,32 +59,40 @@ class PairSearch {
   static constexpr int kMostRounds = 8;
   static constexpr int kEnough = 4;  ///< pairs that are worth a search in their group
 
+  struct Vertices {
+    const Index* data;
+    std::size_t count;
+  };
+
   /// Looks up the vertices of all pairs before any is tested: memory answers many requests at a time.
   void look_up(std::span<const ElementPair> pairs) {
+    const auto of = [this](Index o) {
+      const auto vertices = mesh_.vertices(o);
+      hwy::Prefetch(vertices.data());
+      return Vertices{vertices.data(), vertices.size()};
+    };
     for (std::size_t i = 0; i < pairs.size(); ++i) {
-      vertices_[0][i] = mesh_.vertices(pairs[i].a);
-      vertices_[1][i] = mesh_.vertices(pairs[i].b);
-      hwy::Prefetch(vertices_[0][i].data());
-      hwy::Prefetch(vertices_[1][i].data());
+      vertices_[0][i] = of(pairs[i].a);
+      vertices_[1][i] = of(pairs[i].b);
     }
   }
 
   void prefetch(std::size_t i) const {
     for (const auto& side : vertices_)
-      for (const Index v : side[i]) hwy::Prefetch(motion_.at(v));
+      for (std::size_t v = 0; v < side[i].count; ++v) hwy::Prefetch(motion_.at(side[i].data[v]));
   }
 
   void take(std::span<const ElementPair> pairs, std::size_t i, bool search) {
-    const auto a = vertices_[0][i], b = vertices_[1][i];
-    if (pairs[i].a == pairs[i].b || std::max(a.size(), b.size()) > PairList::kVertices) return;
-    if (list_.size == PairList::kPairs || a.size() != list_.counts[0] || b.size() != list_.counts[1]) {
+    const Vertices a = vertices_[0][i], b = vertices_[1][i];
+    if (pairs[i].a == pairs[i].b || std::max(a.count, b.count) > PairList::kVertices) return;
+    if (list_.size == PairList::kPairs || a.count != list_.counts[0] || b.count != list_.counts[1]) {
       test(search);
-      list_.counts[0] = a.size();
-      list_.counts[1] = b.size();
+      list_.counts[0] = a.count;
+      list_.counts[1] = b.count;
     }
     list_.first[list_.size] = pairs[i].a;
-    list_.vertices[0][list_.size] = a.data();
-    list_.vertices[1][list_.size] = b.data();
+    list_.vertices[0][list_.size] = a.data;
+    list_.vertices[1][list_.size] = b.data;
     list_.index[list_.size++] = static_cast<std::uint8_t>(i);
   }
 
@@ -93,20 +101,13 @@ class PairSearch {
   void test(bool search) {
     if (list_.size == 0) return;
     group_.gather(list_);
-    const std::uint32_t all = (1u << list_.size) - 1;
-    std::uint32_t left = all;
-    if (!search) {
-      left &= ~first_axis();
-      set(all & ~left, PairFinding::disjoint);
-    }
-    if (left != 0 && rounds_ > 1) {
-      for (std::size_t lane = 0; lane < list_.size; lane += hn::Lanes(PairTag())) {
-        std::uint32_t bits = left >> lane & ((1u << hn::Lanes(PairTag())) - 1);
-        if (search || std::popcount(bits) >= kEnough)
-          this->search(bits, lane);
-        else
-          for (; bits != 0; bits &= bits - 1) open_[open_count_++] = list_.index[lane + std::countr_zero(bits)];
-      }
+    const std::uint32_t left = ((1u << list_.size) - 1) & ~(search ? 0 : first_axis());
+    for (std::size_t lane = 0; left >> lane != 0 && rounds_ > 1; lane += hn::Lanes(PairTag())) {
+      std::uint32_t bits = left >> lane & ((1u << hn::Lanes(PairTag())) - 1);
+      if (search || std::popcount(bits) >= kEnough)
+        this->search(bits, lane);
+      else
+        for (; bits != 0; bits &= bits - 1) open_[open_count_++] = list_.index[lane + std::countr_zero(bits)];
     }
     list_.size = 0;
   }
@@ -115,19 +116,23 @@ class PairSearch {
     for (; lanes != 0; lanes &= lanes - 1) findings_[list_.index[std::countr_zero(lanes)]] = finding;
   }
 
-  /// Bits of the lanes that the line between the centroids separates.
-  std::uint32_t first_axis() const { return group_.count() == 4 ? first_axis<4>() : first_axis<0>(); }
+  /// Tests the line between the centroids; returns the bits of the lanes that it separates.
+  std::uint32_t first_axis() { return group_.count() == 4 ? first_axis<4>() : first_axis<0>(); }
 
   template <std::size_t kCount>
-  std::uint32_t first_axis() const {
-    const PairTag tag;
-    std::uint32_t bits = 0;
-    for (std::size_t lane = 0; lane < list_.size; lane += hn::Lanes(tag)) {
-      const PairLanes3 extent = group_.extent(lane);
+  std::uint32_t first_axis() {
+    std::uint32_t apart = 0, missed = 0;
+    for (std::size_t lane = 0; lane < list_.size; lane += hn::Lanes(PairTag())) {
       const PairLanes3 axis = group_.centroid_difference(lane);
-      bits |= lane_bits(hn::Gt(group_.template gap<kCount>(axis, lane), group_.threshold(axis, extent))) << lane;
+      const auto threshold = group_.threshold(axis, group_.extent(lane));
+      const PairLanes gap = group_.template gap<kCount>(axis, lane);
+      apart |= lane_bits(threshold.exceeded(gap)) << lane;
+      if (rounds_ == 1) missed |= lane_bits(threshold.missed(gap)) << lane;
     }
-    return bits;
+    const std::uint32_t all = (1u << list_.size) - 1;
+    set(apart & all, PairFinding::disjoint);
+    set(missed & all, PairFinding::kept);
+    return apart;
   }
 
   /// Gilbert-Johnson-Keerthi steps from the line between the centroids on, as Separator::search().
@@ -141,14 +146,14 @@ class PairSearch {
     bits &= lane_bits(sound);
     for (int round = 0; bits != 0; ++round) {
       const PairLanes gap = group_.support(axis, lane, support);
-      const std::uint32_t apart = bits & lane_bits(hn::Gt(gap, group_.threshold(axis, extent)));
+      const std::uint32_t apart = bits & lane_bits(group_.threshold(axis, extent).exceeded(gap));
       set(apart << lane, PairFinding::disjoint);
       bits &= ~apart;
       if (bits == 0 || round + 1 == rounds_) return;
       support = scaled(support, scale);
       bits &= ~lane_bits(simplex.contains(support));  // no axis does better
       const std::uint32_t inside = bits & lane_bits(simplex.extend(support, axis));
-      set(inside << lane, PairFinding::overlapping);
+      set(inside << lane, PairFinding::kept);
       bits &= ~inside;
     }
   }
@@ -167,7 +172,7 @@ class PairSearch {
   const Motion& motion_;
   PairGroup<kControlPoints> group_;
   PairList list_;
-  std::span<const Index> vertices_[2][kBlock];
+  Vertices vertices_[2][kBlock];
   PairFinding findings_[kBlock];
   std::uint8_t open_[kBlock];
   std::size_t open_count_ = 0;
