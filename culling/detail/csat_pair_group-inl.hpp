@@ -119,6 +119,8 @@ class PairGroup {
     }
   }
 
+  float separation() const { return separation_; }
+
   /// Vertices of each element, 0 where the two differ.
   std::size_t count() const { return count_[0] == count_[1] ? count_[0] : 0; }
 

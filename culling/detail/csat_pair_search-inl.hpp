@@ -101,7 +101,8 @@ class PairSearch {
   void test(bool search) {
     if (list_.size == 0) return;
     group_.gather(list_);
-    const std::uint32_t left = ((1u << list_.size) - 1) & ~(search ? 0 : first_axis());
+    std::uint32_t left = (1u << list_.size) - 1;
+    if (!search) left = without_common_vertex(left & ~first_axis());
     for (std::size_t lane = 0; left >> lane != 0 && rounds_ > 1; lane += hn::Lanes(PairTag())) {
       std::uint32_t bits = left >> lane & ((1u << hn::Lanes(PairTag())) - 1);
       if (search || std::popcount(bits) >= kEnough)
@@ -135,6 +136,20 @@ class PairSearch {
     return apart;
   }
 
+  /// Adjacent elements touch at the common vertex all the time.
+  std::uint32_t without_common_vertex(std::uint32_t lanes) {
+    std::uint32_t adjacent = 0;
+    for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
+      const int i = std::countr_zero(left);
+      bool common = false;
+      for (std::size_t v = 0; v < list_.counts[0]; ++v)
+        for (std::size_t w = 0; w < list_.counts[1]; ++w) common |= list_.vertices[0][i][v] == list_.vertices[1][i][w];
+      adjacent |= std::uint32_t{common} << i;
+    }
+    set(adjacent, PairFinding::kept);
+    return lanes & ~adjacent;
+  }
+
   /// Gilbert-Johnson-Keerthi steps from the line between the centroids on, as Separator::search().
   void search(std::uint32_t bits, std::size_t lane) {
     const PairLanes3 extent = group_.extent(lane);
@@ -144,6 +159,7 @@ class PairSearch {
     PairSimplex simplex(axis);
     const PairMask sound = hn::And(hn::Gt(size, in_lanes(kLeastSize)), hn::Lt(size, in_lanes(kGreatestSize)));
     bits &= lane_bits(sound);
+    const PairLanes near = hn::Sub(hn::Mul(scale, in_lanes(0.999f * group_.separation())), in_lanes(1e-5f));
     for (int round = 0; bits != 0; ++round) {
       const PairLanes gap = group_.support(axis, lane, support);
       const std::uint32_t apart = bits & lane_bits(group_.threshold(axis, extent).exceeded(gap));
@@ -152,9 +168,10 @@ class PairSearch {
       if (bits == 0 || round + 1 == rounds_) return;
       support = scaled(support, scale);
       bits &= ~lane_bits(simplex.contains(support));  // no axis does better
-      const std::uint32_t inside = bits & lane_bits(simplex.extend(support, axis));
-      set(inside << lane, PairFinding::kept);
-      bits &= ~inside;
+      const PairMask inside = simplex.extend(support, axis);
+      const std::uint32_t kept = bits & lane_bits(hn::Or(inside, simplex.nearer_than(near)));
+      set(kept << lane, PairFinding::kept);
+      bits &= ~kept;
     }
   }
 

@@ -50,6 +50,11 @@ class PairSimplex {
     return inside;
   }
 
+  /// Lanes in which some point of the simplex is nearer to the origin. Rounding: some 1e-6 of the simplex's size.
+  HWY_INLINE PairMask nearer_than(PairLanes distance) const {
+    return hn::And(hn::Gt(distance, in_lanes(0)), hn::Lt(nearest_, hn::Mul(distance, distance)));
+  }
+
  private:
   /// The origin's coordinates in the sides' basis times the simplex's volume are the heights.
   HWY_INLINE PairMask origin_inside(const PairLanes3& w) const {
