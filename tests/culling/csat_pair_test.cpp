@@ -139,6 +139,38 @@ TEST(CsatPairs, WhatIsDroppedIsExactlySeparable) {
   EXPECT_GT(inseparable, 1000u);
 }
 
+/// At one control point a lies below a tilted plane, b above, and three corners of each in the plane: triangles that
+/// overlap, b's being a's turned by half a turn. Elsewhere they are mirror images. So the line between the centroids is the
+/// plane's normal, the gap along it is exactly 0, and no axis separates the pair.
+TEST(CsatPairs, RoundingMakesNoGaps) {
+  Random random(26);
+  const Vec3 n(3, 5, 7), u(5, -3, 0), w(7, 0, -3);
+  const auto whole = [&](std::int64_t low) { return static_cast<double>(random.integer(low, 1 << 20)); };
+  for (const auto type : {ElementType::tetrahedron, ElementType::triangle, ElementType::wedge, ElementType::hexahedron})
+    for (const int control_points : {2, 3}) {
+      PairBench bench(type, control_points, 1024);
+      for (Index i = 0; i < bench.pairs(); ++i) {
+        const auto first = static_cast<Index>(random.integer(0, bench.vertices() - 1));
+        const int end = static_cast<int>(random.integer(0, control_points - 1));
+        const Vec3 p = whole(-(1 << 20)) * u + whole(-(1 << 20)) * w, q = whole(-(1 << 20)) * u + whole(-(1 << 20)) * w;
+        const Vec3 corners[3] = {p, q, -p - q};
+        for (Index v = 0; v < bench.vertices(); ++v)
+          for (int c = 0; c < control_points; ++c) {
+            const Index corner = (v + first) % bench.vertices();
+            const bool touches = corner < 3 && c == end;
+            const Vec3 height = (touches ? 0.0 : whole(0)) * n;
+            const Vec3 across = touches ? corners[corner] : Vec3(whole(-(1 << 20)) * u + whole(-(1 << 20)) * w);
+            bench.set(i, 0, v, c, across - height);
+            bench.set(i, 1, v, c, (touches ? Vec3(-across) : across) + height);
+          }
+      }
+      const auto pairs = bench.batch().pairs;
+      for (const char* axis : {"centroid", "optimal"})
+        EXPECT_EQ(kept_pairs({{"axis", axis}, {"mode", "pair"}}, bench.step(), pairs, 256).size(), pairs.size())
+            << to_string(type) << " " << control_points << " " << axis;
+    }
+}
+
 // What floats cannot represent is left to doubles; differences are taken before anything is rounded to floats.
 TEST(CsatPairs, DropsWhatIsApartAtAnyScale) {
   for (const auto type : {ElementType::tetrahedron, ElementType::triangle, ElementType::wedge, ElementType::hexahedron})
