@@ -11,10 +11,11 @@ inline constexpr float kFloatRoundoff = 0x1p-24f;
 /// Kernels trust no sum of magnitudes that exceeds this: its lane counts as not separated.
 inline constexpr float kFloatGreatestMagnitude = 0x1p100f;
 
-/// Gap along an axis L as in query/rounding.hpp, on differences that were computed in doubles and rounded to floats once:
+/// Gap along an axis L as in query/rounding.hpp, on differences that were computed in doubles and rounded to floats
+/// once:
 ///     T = float_gap_error_factor(n) * S + kFloatGapUnderflow [+ separation term],   S = |Lx| Dx + |Ly| Dy + |Lz| Dz
-/// where Dk = max(kFloatLeastExtent, max |xk - rk| as a float), and n levels of de Casteljau's scheme were applied to the
-/// floats.
+/// where Dk = max(kFloatLeastExtent, max |xk - rk| as a float), and n levels of de Casteljau's scheme were applied to
+/// the floats.
 constexpr float float_gap_error_factor(int levels) { return static_cast<float>(10 + 6 * levels) * kFloatRoundoff; }
 inline constexpr float kFloatGapUnderflow = 0x1p-145f;
 inline constexpr float kFloatLeastExtent = 0x1p-126f;

@@ -271,7 +271,8 @@ class Culler {
       gathered_ = pair.a;
     }
     gather(b_, vertices_b);
-    if (config_.mode != CsatMode::features && finding == PairFinding::open && separated(pair)) return PairVerdict::disjoint;
+    if (config_.mode != CsatMode::features && finding == PairFinding::open && separated(pair))
+      return PairVerdict::disjoint;
     if (config_.mode == CsatMode::pair) return PairVerdict::keep;
     mask_features(pair, mask);
     return nothing_left(pair, mask) ? PairVerdict::contact_free : PairVerdict::keep;

@@ -1,13 +1,12 @@
-// Element pairs in lanes: the points and the projections of CSAT in single precision, a pair a lane. Included once for each
-// instruction set, inside foreach_target sources.
+// Element pairs in lanes: the points and the projections of CSAT in single precision, a pair a lane. Included once for
+// each instruction set, inside foreach_target sources.
 #include <cstddef>
 #include <cstdint>
 #include <limits>
 
-#include <volccd/culling/detail/csat_float_bounds.hpp>
+#include <volccd/culling/detail/csat_pair_lanes-inl.hpp>
 #include <volccd/culling/detail/csat_points.hpp>
 #include <volccd/query/step.hpp>
-#include <volccd/query/vector_lanes-inl.hpp>
 
 #if defined(VOLCCD_CSAT_PAIR_GROUP_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef VOLCCD_CSAT_PAIR_GROUP_INL
@@ -19,83 +18,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-using PairTag = hn::CappedTag<float, 8>;
-using PairLanes = hn::Vec<PairTag>;
-using PairMask = hn::Mask<PairTag>;
-using PairLanes3 = LaneVector<PairLanes>;
-
-HWY_INLINE PairLanes in_lanes(float x) { return hn::Set(PairTag(), x); }
-HWY_INLINE PairLanes3 select(PairMask mask, const PairLanes3& yes, const PairLanes3& no) {
-  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
-}
-
-#if HWY_TARGET == HWY_SCALAR
-/// As below.
-template <int kControlPoints>
-HWY_INLINE PairLanes3 load_differences(const double* const* p, const double* const* r, int c) {
-  const auto difference = [&](int k) { return in_lanes(static_cast<float>(p[0][3 * c + k] - r[0][3 * c + k])); };
-  return {difference(0), difference(1), difference(2)};
-}
-#else
-using PointTag = hn::FixedTag<float, 4>;
-
-/// Four doubles less four others, rounded to floats.
-template <class D>
-HWY_INLINE hn::Vec<PointTag> float_difference(D d, const double* a, const double* b) {
-  const PointTag four;
-  if constexpr (hn::MaxLanes(D()) == 4) {
-    return hn::DemoteTo(four, hn::Sub(hn::LoadU(d, a), hn::LoadU(d, b)));
-  } else {
-    const hn::Half<PointTag> two;
-    return hn::Combine(four, hn::DemoteTo(two, hn::Sub(hn::LoadU(d, a + 2), hn::LoadU(d, b + 2))),
-                       hn::DemoteTo(two, hn::Sub(hn::LoadU(d, a), hn::LoadU(d, b))));
-  }
-}
-
-/// float_difference() of points `lane` and, in the upper half of 8 lanes, `lane + 4`, from `offset` on.
-template <class D>
-HWY_INLINE hn::Vec<D> float_differences(D d, const double* const* p, const double* const* r, std::size_t lane,
-                                        std::size_t offset) {
-  const hn::CappedTag<double, 4> four;
-  const auto low = float_difference(four, p[lane] + offset, r[lane] + offset);
-  if constexpr (hn::MaxLanes(D()) == 8) {
-    return hn::Combine(d, float_difference(four, p[lane + 4] + offset, r[lane + 4] + offset), low);
-  } else {
-    return low;
-  }
-}
-
-/// Control point c of a vertex for a register of pairs: p - r in doubles, rounded to floats. Four doubles are loaded at once:
-/// the coordinate too many is that of another control point.
-template <int kControlPoints>
-HWY_INLINE PairLanes3 load_differences(const double* const* p, const double* const* r, int c) {
-  const PairTag tag;
-  const bool last = c == kControlPoints - 1;
-  const auto offset = static_cast<std::size_t>(last ? 3 * c - 1 : 3 * c);
-  const PairLanes a0 = float_differences(tag, p, r, 0, offset), a1 = float_differences(tag, p, r, 1, offset);
-  const PairLanes a2 = float_differences(tag, p, r, 2, offset), a3 = float_differences(tag, p, r, 3, offset);
-  const PairLanes low0 = hn::InterleaveLower(tag, a0, a2), low1 = hn::InterleaveLower(tag, a1, a3);
-  const PairLanes high0 = hn::InterleaveUpper(tag, a0, a2), high1 = hn::InterleaveUpper(tag, a1, a3);
-  const PairLanes second = hn::InterleaveUpper(tag, low0, low1), third = hn::InterleaveLower(tag, high0, high1);
-  if (last) return {second, third, hn::InterleaveUpper(tag, high0, high1)};
-  return {hn::InterleaveLower(tag, low0, low1), second, third};
-}
-#endif
-
-/// Pairs (a, b) of elements of one shape: equally many vertices of each a, and of each b.
-struct PairList {
-  /// Pairs: two registers of 8 hide the latency of one another's operations.
-  static constexpr std::size_t kPairs = 8, kRegister = 8, kVertices = 8;
-
-  std::size_t size = 0;
-  std::size_t counts[2] = {};       ///< vertices
-  Index first[kPairs];              ///< a
-  const Index* vertices[2][kPairs];
-  std::uint8_t index[kPairs];       ///< of the pair, where it came from
-};
-
-/// The control points of a list of pairs, relative to the first vertex of a pair's first element, and projections of them.
-/// `lane` is the first of the lanes of a register.
+/// The control points of a list of pairs, relative to the first vertex of a pair's first element, and projections of
+/// them. `lane` is the first of the lanes of a register.
 template <int kControlPoints>
 class PairGroup {
  public:
@@ -106,14 +30,13 @@ class PairGroup {
 
   /// Unused lanes get copies of the first pair. Points of first elements stay in the registers that hold them already.
   void gather(PairList& list) {
-    const std::size_t lanes = (list.size + PairList::kRegister - 1) / PairList::kRegister * PairList::kRegister;
-    for (std::size_t lane = list.size; lane < lanes; ++lane) {
+    for (std::size_t lane = list.size; lane < kPairs; ++lane) {
       list.first[lane] = list.first[0];
       for (auto& vertices : list.vertices) vertices[lane] = vertices[0];
     }
     count_[0] = list.counts[0];
     count_[1] = list.counts[1];
-    for (std::size_t lane = 0; lane < lanes; lane += hn::Lanes(PairTag())) {
+    for (std::size_t lane = 0; lane < kPairs; lane += hn::Lanes(PairTag())) {
       gather_first(list.first + lane, list.vertices[0] + lane, lane);
       list.size == 1 ? spread(1, list.vertices[1][0], lane) : gather(1, list.vertices[1] + lane, lane);
     }
@@ -125,9 +48,7 @@ class PairGroup {
   std::size_t count() const { return count_[0] == count_[1] ? count_[0] : 0; }
 
   /// Greatest magnitude on each axis over the whole step.
-  HWY_INLINE PairLanes3 extent(std::size_t lane) const {
-    return max(load(0, kExtent, lane), load(1, kExtent, lane));
-  }
+  HWY_INLINE PairLanes3 extent(std::size_t lane) const { return max(load(0, kExtent, lane), load(1, kExtent, lane)); }
 
   /// From the mean of the first elements' control points to that of the second.
   HWY_INLINE PairLanes3 centroid_difference(std::size_t lane) const {
@@ -137,31 +58,12 @@ class PairGroup {
     return sub(mean(1), mean(0));
   }
 
-  struct Threshold {
-    PairLanes error, separation;
-    PairMask trusted;  ///< lanes of no overflow
-
-    HWY_INLINE PairMask exceeded(PairLanes gap) const {
-      return hn::And(trusted, hn::Gt(gap, hn::Add(error, separation)));
-    }
-    /// Lanes whose exact gap is below the separation by far more than all rounding.
-    HWY_INLINE PairMask missed(PairLanes gap) const {
-      return hn::And(trusted, hn::Lt(hn::Add(gap, hn::Mul(in_lanes(32), error)), separation));
-    }
-  };
-
-  /// What a gap along the axis must exceed.
-  HWY_INLINE Threshold threshold(const PairLanes3& axis, const PairLanes3& extent) const {
-    const PairLanes sum = dot(abs(axis), extent);
-    PairLanes separation = in_lanes(0);
-    if (separation_ != 0)
-      separation = hn::Mul(in_lanes(separation_), hn::Mul(axis_length(axis), in_lanes(kFloatLengthSlack)));
-    return {hn::Add(hn::Mul(in_lanes(float_gap_error_factor(part_.levels)), sum), in_lanes(kFloatGapUnderflow)),
-            separation, hn::Lt(sum, in_lanes(kFloatGreatestMagnitude))};
+  HWY_INLINE PairThreshold threshold(const PairLanes3& axis, const PairLanes3& extent) const {
+    return {axis, extent, part_.levels, separation_};
   }
 
-  /// How far b lies beyond a along the axis, at the control point where that is least. kCount: vertices of each element, or
-  /// 0 for any number.
+  /// How far b lies beyond a along the axis, at the control point where that is least. kCount: vertices of each
+  /// element, or 0 for any number.
   template <std::size_t kCount>
   HWY_INLINE PairLanes gap(const PairLanes3& axis, std::size_t lane) const {
     const std::size_t counts[2] = {kCount != 0 ? kCount : count_[0], kCount != 0 ? kCount : count_[1]};
@@ -262,12 +164,6 @@ class PairGroup {
     const PairLanes rest = in_lanes(static_cast<float>(part_.rest)), s = in_lanes(static_cast<float>(part_.s));
     for (int level = 1; level <= part_.levels; ++level)
       for (int c = kControlPoints - 1; c >= level; --c) x[c] = add(scaled(x[c - 1], rest), scaled(x[c], s));
-  }
-
-  static HWY_INLINE PairLanes axis_length(const PairLanes3& axis) {
-    const PairLanes square = dot(axis, axis);
-    const PairLanes3 m = abs(axis);
-    return hn::IfThenElse(hn::Gt(square, in_lanes(kFloatLeastSquare)), hn::Sqrt(square), add3(m.x, m.y, m.z));
   }
 
   /// Least projection of one control point's vertices, and the vertex.

@@ -41,7 +41,8 @@ class PairSearch {
 
   PairFinding finding(std::size_t i) const { return findings_[i]; }
 
-  /// Findings on at most kBlock pairs. Elements of more than 8 vertices, and pairs of an element with itself, stay open.
+  /// Findings on at most kBlock pairs. Elements of more than 8 vertices, and pairs of an element with itself, stay
+  /// open.
   void judge(std::span<const ElementPair> pairs) {
     std::fill_n(findings_, pairs.size(), PairFinding::open);
     open_count_ = 0;
@@ -96,13 +97,13 @@ class PairSearch {
     list_.index[list_.size++] = static_cast<std::uint8_t>(i);
   }
 
-  /// Tests the pairs of the list, and empties it: in the first pass along the first axis; the rest where `search` says so,
-  /// or where enough of a register are left.
+  /// Tests the pairs of the list, and empties it: in the first pass along the first axis; the rest where `search` says
+  /// so, or where enough of a register are left.
   void test(bool search) {
     if (list_.size == 0) return;
     group_.gather(list_);
     std::uint32_t left = (1u << list_.size) - 1;
-    if (!search) left = without_common_vertex(left & ~first_axis());
+    if (!search) left = without_adjacent(left & ~first_axis());
     for (std::size_t lane = 0; left >> lane != 0 && rounds_ > 1; lane += hn::Lanes(PairTag())) {
       std::uint32_t bits = left >> lane & ((1u << hn::Lanes(PairTag())) - 1);
       if (search || std::popcount(bits) >= kEnough)
@@ -125,7 +126,7 @@ class PairSearch {
     std::uint32_t apart = 0, missed = 0;
     for (std::size_t lane = 0; lane < list_.size; lane += hn::Lanes(PairTag())) {
       const PairLanes3 axis = group_.centroid_difference(lane);
-      const auto threshold = group_.threshold(axis, group_.extent(lane));
+      const PairThreshold threshold = group_.threshold(axis, group_.extent(lane));
       const PairLanes gap = group_.template gap<kCount>(axis, lane);
       apart |= lane_bits(threshold.exceeded(gap)) << lane;
       if (rounds_ == 1) missed |= lane_bits(threshold.missed(gap)) << lane;
@@ -137,14 +138,11 @@ class PairSearch {
   }
 
   /// Adjacent elements touch at the common vertex all the time.
-  std::uint32_t without_common_vertex(std::uint32_t lanes) {
+  std::uint32_t without_adjacent(std::uint32_t lanes) {
     std::uint32_t adjacent = 0;
     for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
-      const int i = std::countr_zero(left);
-      bool common = false;
-      for (std::size_t v = 0; v < list_.counts[0]; ++v)
-        for (std::size_t w = 0; w < list_.counts[1]; ++w) common |= list_.vertices[0][i][v] == list_.vertices[1][i][w];
-      adjacent |= std::uint32_t{common} << i;
+      const auto i = static_cast<std::size_t>(std::countr_zero(left));
+      adjacent |= std::uint32_t{list_.adjacent(i)} << i;
     }
     set(adjacent, PairFinding::kept);
     return lanes & ~adjacent;

@@ -1,4 +1,5 @@
-// A Gilbert-Johnson-Keerthi simplex for each lane. Included once for each instruction set, inside foreach_target sources.
+// A Gilbert-Johnson-Keerthi simplex for each lane. Included once for each instruction set, inside foreach_target
+// sources.
 #include <volccd/culling/detail/csat_pair_group-inl.hpp>
 
 #if defined(VOLCCD_CSAT_PAIR_SIMPLEX_INL) == defined(HWY_TARGET_TOGGLE)
@@ -19,15 +20,14 @@ class PairSimplex {
 
   /// Lanes that have the point already.
   HWY_INLINE PairMask contains(const PairLanes3& p) const {
-    const auto equal = [&](const PairLanes3& q) HWY_ATTR {
-      return hn::And(hn::And(hn::Eq(p.x, q.x), hn::Eq(p.y, q.y)), hn::Eq(p.z, q.z));
-    };
+    const auto equal = [&](const PairLanes3& q)
+                           HWY_ATTR { return hn::And(hn::And(hn::Eq(p.x, q.x), hn::Eq(p.y, q.y)), hn::Eq(p.z, q.z)); };
     return hn::Or(hn::Or(equal(corners_[0]), equal(corners_[1])), equal(corners_[2]));
   }
 
-  /// Adds w and cuts the simplex down to the face at w that is nearest to the origin. `axis` becomes a positive multiple of
-  /// that face's nearest point. Returns the lanes in which the origin is inside the simplex by a margin that exceeds all
-  /// rounding; their axis is undefined.
+  /// Adds w and cuts the simplex down to the face at w that is nearest to the origin. `axis` becomes a positive
+  /// multiple of that face's nearest point. Returns the lanes in which the origin is inside the simplex by a margin
+  /// that exceeds all rounding; their axis is undefined.
   HWY_INLINE PairMask extend(const PairLanes3& w, PairLanes3& axis) {
     for (int i = 0; i < 3; ++i) {
       side_[i] = sub(corners_[i], w);
@@ -61,7 +61,8 @@ class PairSimplex {
     const PairLanes volume = dot(normal_[0], side_[2]);
     const PairLanes size = hn::Max(hn::Max(square_[0], square_[1]), hn::Max(square_[2], dot(w, w)));
     const PairLanes margin = hn::Mul(in_lanes(kInsideMargin), hn::Mul(size, hn::Sqrt(size)));
-    const auto oriented = [&](PairLanes x) HWY_ATTR { return hn::IfThenElse(hn::Lt(volume, in_lanes(0)), hn::Neg(x), x); };
+    const auto oriented = [&](PairLanes x)
+                              HWY_ATTR { return hn::IfThenElse(hn::Lt(volume, in_lanes(0)), hn::Neg(x), x); };
     const PairLanes h0 = oriented(height_[0]), h1 = oriented(height_[1]), h2 = oriented(height_[2]);
     const PairLanes fourth = hn::Sub(hn::Abs(volume), add3(h0, h1, h2));
     return hn::Gt(hn::Min(hn::Min(h0, h1), hn::Min(h2, fourth)), margin);

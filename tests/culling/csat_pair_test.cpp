@@ -26,8 +26,8 @@ WidePoint wide_cross(const WidePoint& p, const WidePoint& q) {
 }
 Wide wide_dot(const WidePoint& p, const WidePoint& q) { return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]; }
 
-/// Whether some axis has a positive product with all points, which span space: the sum of the extreme rays of the cone of
-/// axes without a negative product is inside it. Exact.
+/// Whether some axis has a positive product with all points, which span space: the sum of the extreme rays of the cone
+/// of axes without a negative product is inside it. Exact.
 bool strictly_separable(const std::vector<WidePoint>& points) {
   WidePoint sum = {0, 0, 0};
   const auto add_ray = [&](const WidePoint& ray) {
@@ -44,8 +44,8 @@ bool strictly_separable(const std::vector<WidePoint>& points) {
   return std::all_of(points.begin(), points.end(), [&](const WidePoint& p) { return wide_dot(sum, p) > 0; });
 }
 
-/// Differences b - a at the control points of the motion over [0, 1] or, `half`, over [0, 1/2], times a positive number,
-/// in units of 2^-20.
+/// Differences b - a at the control points of the motion over [0, 1] or, `half`, over [0, 1/2], times a positive
+/// number, in units of 2^-20.
 std::vector<WidePoint> lattice_differences(const PairBench& bench, Index pair, bool half) {
   const int n = bench.motion().control_points();
   const auto at = [&](Index side, Index i, int c, int k) {
@@ -61,15 +61,14 @@ std::vector<WidePoint> lattice_differences(const PairBench& bench, Index pair, b
     for (Index i = 0; i < bench.vertices(); ++i)
       for (Index j = 0; j < bench.vertices(); ++j) {
         WidePoint p;
-        for (int k = 0; k < 3; ++k)
-          p[static_cast<std::size_t>(k)] = coordinate(1, j, c, k) - coordinate(0, i, c, k);
+        for (int k = 0; k < 3; ++k) p[static_cast<std::size_t>(k)] = coordinate(1, j, c, k) - coordinate(0, i, c, k);
         points.push_back(p);
       }
   return points;
 }
 
-/// Elements below and above a tilted plane, but for a corner of each at one control point, which is at most `depth` lattice
-/// cells beyond it, on either side. All coordinates are exact: heights along n = (3, 5, 7) are multiples of n.
+/// Elements below and above a tilted plane, but for a corner of each at one control point, which is at most `depth`
+/// lattice cells beyond it, on either side. All coordinates are exact: heights along n = (3, 5, 7) are multiples of n.
 void set_nearly_touching(PairBench& bench, Random& random, std::int64_t depth) {
   const Vec3 n(3, 5, 7), u(5, -3, 0), w(7, 0, -3);
   const auto whole = [&](std::int64_t most) { return static_cast<double>(random.integer(-most, most)); };
@@ -124,14 +123,15 @@ TEST(CsatPairs, WhatIsDroppedIsExactlySeparable) {
             separable.push_back(strictly_separable(lattice_differences(bench, i, half)));
           for (const char* axis : {"centroid", "optimal"})
             for (const char* mode : {"pair", "both"}) {
-              const auto kept =
-                  kept_pairs({{"axis", axis}, {"mode", mode}, {"iterations", "12"}}, bench.step(0, half ? 0.5 : 1), pairs, 256);
+              const auto kept = kept_pairs({{"axis", axis}, {"mode", mode}, {"iterations", "12"}},
+                                           bench.step(0, half ? 0.5 : 1), pairs, 256);
               for (const ElementPair pair : pairs) {
                 if (mode == std::string("both") && !separable[pair.a / 2]) continue;  // contact_free is another matter
                 dropped += !kept.count(pair);
                 inseparable += !separable[pair.a / 2];
                 EXPECT_TRUE(kept.count(pair) || separable[pair.a / 2])
-                    << to_string(type) << " " << control_points << " depth " << depth << " " << axis << " half " << half;
+                    << to_string(type) << " " << control_points << " depth " << depth << " " << axis << " half "
+                    << half;
               }
             }
         }
@@ -140,8 +140,8 @@ TEST(CsatPairs, WhatIsDroppedIsExactlySeparable) {
 }
 
 /// At one control point a lies below a tilted plane, b above, and three corners of each in the plane: triangles that
-/// overlap, b's being a's turned by half a turn. Elsewhere they are mirror images. So the line between the centroids is the
-/// plane's normal, the gap along it is exactly 0, and no axis separates the pair.
+/// overlap, b's being a's turned by half a turn. Elsewhere they are mirror images. So the line between the centroids is
+/// the plane's normal, the gap along it is exactly 0, and no axis separates the pair.
 TEST(CsatPairs, RoundingMakesNoGaps) {
   Random random(26);
   const Vec3 n(3, 5, 7), u(5, -3, 0), w(7, 0, -3);
@@ -190,7 +190,9 @@ TEST(CsatPairs, DropsWhatIsApartAtAnyScale) {
           const auto pairs = bench.batch().pairs;
           const double separation = std::ldexp(0.009, scale);
           for (const double d : {0.0, separation})
-            EXPECT_TRUE(kept_pairs({{"axis", "optimal"}, {"mode", "pair"}, {"iterations", "32"}}, bench.step(d), pairs, 256).empty())
+            EXPECT_TRUE(
+                kept_pairs({{"axis", "optimal"}, {"mode", "pair"}, {"iterations", "32"}}, bench.step(d), pairs, 256)
+                    .empty())
                 << to_string(type) << " " << control_points << " scale " << scale << " offset " << offset << " d " << d;
         }
 }
@@ -217,7 +219,8 @@ TEST(CsatPairs, SeparationCounts) {
   }
 }
 
-/// Elements of all types, moved at random, with all pairs of them in the order of their first elements, and with themselves.
+/// Elements of all types, moved at random, with all pairs of them in the order of their first elements, and with
+/// themselves.
 struct MixedScene {
   MixedScene() : topology(shape().mesh()), motion(topology.mesh().vertex_count(), 2) {
     const std::vector<Vec3> start = jittered(shape().positions, 0.2, 1), end = jittered(start, 0.3, 2);
@@ -244,16 +247,18 @@ TEST(CsatPairs, CompanyDoesNotMatter) {
     const auto alone = kept_pairs(options, step, scene.pairs, 1);
     EXPECT_GT(alone.size(), scene.pairs.size() / 10);
     EXPECT_LT(alone.size(), scene.pairs.size() / 2);
-    for (const std::size_t most : {2, 7, 8, 9, 64, 256, 1000}) EXPECT_EQ(differences(kept_pairs(options, step, scene.pairs, most), alone), 0u) << axis << " " << most;
+    for (const std::size_t most : {2, 7, 8, 9, 64, 256, 1000})
+      EXPECT_EQ(differences(kept_pairs(options, step, scene.pairs, most), alone), 0u) << axis << " " << most;
     std::vector<ElementPair> shuffled = scene.pairs;
     volccd::Random random(24);
     random.shuffle(shuffled);
-    for (const std::size_t most : {3, 256}) EXPECT_EQ(differences(kept_pairs(options, step, shuffled, most), alone), 0u) << axis << " " << most;
+    for (const std::size_t most : {3, 256})
+      EXPECT_EQ(differences(kept_pairs(options, step, shuffled, most), alone), 0u) << axis << " " << most;
   }
 }
 
-/// A hexagonal prism of 12 vertices: too many for lanes. With every corner of a tetrahedron three times it has its hull, and
-/// its centroid but for rounding.
+/// A hexagonal prism of 12 vertices: too many for lanes. With every corner of a tetrahedron three times it has its
+/// hull, and its centroid but for rounding.
 ElementSpec prism(Index first, std::int64_t id) {
   ElementSpec element;
   element.type = ElementType::polytope;
