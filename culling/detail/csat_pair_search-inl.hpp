@@ -103,7 +103,7 @@ class PairSearch {
     if (list_.size == 0) return;
     group_.gather(list_);
     std::uint32_t left = (1u << list_.size) - 1;
-    if (!search) left = without_adjacent(left & ~first_axis());
+    if (!search) left &= ~first_axis();
     for (std::size_t lane = 0; left >> lane != 0 && rounds_ > 1; lane += hn::Lanes(PairTag())) {
       std::uint32_t bits = left >> lane & ((1u << hn::Lanes(PairTag())) - 1);
       if (search || std::popcount(bits) >= kEnough)
@@ -137,40 +137,42 @@ class PairSearch {
     return apart;
   }
 
-  /// Adjacent elements touch at the common vertex all the time.
-  std::uint32_t without_adjacent(std::uint32_t lanes) {
-    std::uint32_t adjacent = 0;
-    for (std::uint32_t left = lanes; left != 0; left &= left - 1) {
-      const auto i = static_cast<std::size_t>(std::countr_zero(left));
-      adjacent |= std::uint32_t{list_.adjacent(i)} << i;
+  /// What the search leaves open is often a pair of adjacent elements: nothing separates them at the common vertex.
+  void search(std::uint32_t bits, std::size_t lane) {
+    for (std::uint32_t open = search_axis(bits, lane); open != 0; open &= open - 1) {
+      const std::size_t i = lane + static_cast<std::size_t>(std::countr_zero(open));
+      if (list_.adjacent(i)) findings_[list_.index[i]] = PairFinding::kept;
     }
-    set(adjacent, PairFinding::kept);
-    return lanes & ~adjacent;
   }
 
-  /// Gilbert-Johnson-Keerthi steps from the line between the centroids on, as Separator::search().
-  void search(std::uint32_t bits, std::size_t lane) {
+  /// Gilbert-Johnson-Keerthi steps from the line between the centroids on, as Separator::search(). Returns the bits of
+  /// the lanes, of those asked for, that stay open.
+  std::uint32_t search_axis(std::uint32_t bits, std::size_t lane) {
     const PairLanes3 extent = group_.extent(lane);
     const PairLanes size = greatest_coordinate(extent);
     const PairLanes scale = hn::Div(in_lanes(1), size);
     PairLanes3 axis = scaled(group_.centroid_difference(lane), scale), support;
     PairSimplex simplex(axis);
     const PairMask sound = hn::And(hn::Gt(size, in_lanes(kLeastSize)), hn::Lt(size, in_lanes(kGreatestSize)));
-    bits &= lane_bits(sound);
     const PairLanes near = hn::Sub(hn::Mul(scale, in_lanes(0.999f * group_.separation())), in_lanes(1e-5f));
+    std::uint32_t open = bits;
+    bits &= lane_bits(sound);
     for (int round = 0; bits != 0; ++round) {
       const PairLanes gap = group_.support(axis, lane, support);
       const std::uint32_t apart = bits & lane_bits(group_.threshold(axis, extent).exceeded(gap));
       set(apart << lane, PairFinding::disjoint);
       bits &= ~apart;
-      if (bits == 0 || round + 1 == rounds_) return;
+      open &= ~apart;
+      if (bits == 0 || round + 1 == rounds_) break;
       support = scaled(support, scale);
       bits &= ~lane_bits(simplex.contains(support));  // no axis does better
       const PairMask inside = simplex.extend(support, axis);
       const std::uint32_t kept = bits & lane_bits(hn::Or(inside, simplex.nearer_than(near)));
       set(kept << lane, PairFinding::kept);
       bits &= ~kept;
+      open &= ~kept;
     }
+    return open;
   }
 
   static HWY_INLINE std::uint32_t lane_bits(PairMask mask) {
