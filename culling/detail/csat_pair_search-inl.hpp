@@ -161,16 +161,14 @@ class PairSearch {
       const PairLanes gap = group_.support(axis, lane, support);
       const std::uint32_t apart = bits & lane_bits(group_.threshold(axis, extent).exceeded(gap));
       set(apart << lane, PairFinding::disjoint);
-      bits &= ~apart;
-      open &= ~apart;
+      bits &= open &= ~apart;
       if (bits == 0 || round + 1 == rounds_) break;
       support = scaled(support, scale);
       bits &= ~lane_bits(simplex.contains(support));  // no axis does better
       const PairMask inside = simplex.extend(support, axis);
       const std::uint32_t kept = bits & lane_bits(hn::Or(inside, simplex.nearer_than(near)));
       set(kept << lane, PairFinding::kept);
-      bits &= ~kept;
-      open &= ~kept;
+      bits &= open &= ~kept;
     }
     return open;
   }
