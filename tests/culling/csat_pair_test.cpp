@@ -153,15 +153,15 @@ TEST(CsatPairs, RoundingMakesNoGaps) {
         const auto first = static_cast<Index>(random.integer(0, bench.vertices() - 1));
         const int end = static_cast<int>(random.integer(0, control_points - 1));
         const Vec3 p = whole(-(1 << 20)) * u + whole(-(1 << 20)) * w, q = whole(-(1 << 20)) * u + whole(-(1 << 20)) * w;
-        const Vec3 corners[3] = {p, q, -p - q};
+        const Vec3 corners[3] = {p, q, -p - q}, offset = Vec3(1, 2, 3) * (i % 2 == 0 ? 0.0 : 0x1p32);
         for (Index v = 0; v < bench.vertices(); ++v)
           for (int c = 0; c < control_points; ++c) {
             const Index corner = (v + first) % bench.vertices();
             const bool touches = corner < 3 && c == end;
             const Vec3 height = (touches ? 0.0 : whole(0)) * n;
             const Vec3 across = touches ? corners[corner] : Vec3(whole(-(1 << 20)) * u + whole(-(1 << 20)) * w);
-            bench.set(i, 0, v, c, across - height);
-            bench.set(i, 1, v, c, (touches ? Vec3(-across) : across) + height);
+            bench.set(i, 0, v, c, offset + across - height);
+            bench.set(i, 1, v, c, offset + (touches ? Vec3(-across) : across) + height);
           }
       }
       const auto pairs = bench.batch().pairs;
