@@ -33,13 +33,15 @@ enum class CsatMode {
 /// (or of b) masked. Elements of more than 32 vertices, and motions of more than 3 control points, pass untouched.
 ///
 /// `optimal` decides whether the origin is outside conv{B_c - A_c}, the hull of the Minkowski differences at the
-/// control points: Gilbert-Johnson-Keerthi on their common support function. O(vertices) an iteration.
+/// control points: Gilbert-Johnson-Keerthi on their common support function. O(vertices) an iteration. Whole pairs with
+/// axis `centroid` or `optimal` are tested many at a time in single precision first, with its own rounding bounds
+/// (docs/csat.md); the verdict on a pair depends neither on the other pairs of its batch nor on the processor.
 class Csat final : public ElementCulling {
  public:
   struct Config {
     CsatAxis axis = CsatAxis::optimal;
     CsatMode mode = CsatMode::both;
-    int iterations = 8;       ///< most axes that `optimal` tries
+    int iterations = 8;       ///< most axes that `optimal` tries, in either precision
     bool edges_of_b = false;  ///< features mode tests the edges of b against a, too
   };
   static const Options<Config>& options();

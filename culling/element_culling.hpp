@@ -43,12 +43,11 @@ class PairBatch {
     std::size_t kept = 0;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const ElementPair pair = pairs[i];
-      FeatureMask mask = masks[i];
-      const PairVerdict found = verdict(pair, mask);
+      const PairVerdict found = verdict(pair, masks[i]);
       if (found == PairVerdict::contact_free) contact_free.push_back(pair);
       if (found != PairVerdict::keep) continue;
       pairs[kept] = pair;
-      masks[kept++] = mask;
+      masks[kept++] = masks[i];
     }
     pairs.resize(kept);
     masks.resize(kept);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include <volccd/culling/detail/csat_axes.hpp>
@@ -13,6 +14,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/detail/csat_kernel.cpp"
 #include <hwy/foreach_target.h>
+#include <volccd/culling/detail/csat_pair_search-inl.hpp>
 #include <volccd/query/vector_lanes-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
@@ -238,11 +240,28 @@ class Culler {
 
   void cull(PairBatch& batch) {
     if (frame_.control_points > kCsatControlPoints) return;
-    batch.cull([this](ElementPair pair, FeatureMask& mask) { return judge(pair, mask); });
+    if (config_.mode != CsatMode::features && (config_.axis == CsatAxis::centroid || config_.axis == CsatAxis::optimal))
+      return frame_.control_points == 2 ? cull_in_lanes<2>(batch) : cull_in_lanes<3>(batch);
+    batch.cull([this](ElementPair pair, FeatureMask& mask) { return judge(pair, mask, PairFinding::open); });
   }
 
  private:
-  PairVerdict judge(ElementPair pair, FeatureMask& mask) {
+  /// Many pairs at once in single precision; the rest one after the other in double precision.
+  template <int kControlPoints>
+  void cull_in_lanes(PairBatch& batch) {
+    PairSearch<kControlPoints> search(config_, frame_, step_);
+    const std::size_t size = batch.size();
+    std::size_t i = 0;
+    batch.cull([&](ElementPair pair, FeatureMask& mask) {
+      constexpr std::size_t block = PairSearch<kControlPoints>::kBlock;
+      if (i % block == 0) search.judge(std::span(batch.pairs).subspan(i, std::min(block, size - i)));
+      const PairFinding finding = search.finding(i++ % block);
+      return finding == PairFinding::disjoint ? PairVerdict::disjoint : judge(pair, mask, finding);
+    });
+  }
+
+  PairVerdict judge(ElementPair pair, FeatureMask& mask, PairFinding finding) {
+    if (finding == PairFinding::kept && config_.mode == CsatMode::pair) return PairVerdict::keep;
     const auto vertices_a = step_.mesh().vertices(pair.a), vertices_b = step_.mesh().vertices(pair.b);
     if (pair.a == pair.b || vertices_a.size() > kCsatVertices || vertices_b.size() > kCsatVertices)
       return PairVerdict::keep;
@@ -252,7 +271,8 @@ class Culler {
       gathered_ = pair.a;
     }
     gather(b_, vertices_b);
-    if (config_.mode != CsatMode::features && separated(pair)) return PairVerdict::disjoint;
+    if (config_.mode != CsatMode::features && finding == PairFinding::open && separated(pair))
+      return PairVerdict::disjoint;
     if (config_.mode == CsatMode::pair) return PairVerdict::keep;
     mask_features(pair, mask);
     return nothing_left(pair, mask) ? PairVerdict::contact_free : PairVerdict::keep;

@@ -1,4 +1,5 @@
-// Microseconds an element pair of CSAT, by axis and mode, on a block of tetrahedra or hexahedra that twists.
+// Nanoseconds an element pair of CSAT: by axis and mode, on a block of tetrahedra, triangles or hexahedra that twists;
+// by batch size; and on two blocks inside each other (`crossing`), where many pairs overlap.
 #include <algorithm>
 #include <cmath>
 #include <string>
@@ -15,7 +16,7 @@ namespace {
 
 /// Non-adjacent pairs whose swept boxes overlap.
 struct Scene {
-  explicit Scene(ElementType type) : Scene(jittered_block(type)) {}
+  Scene(ElementType type, bool crossing) : Scene(crossing ? crossing_blocks(type) : jittered_block(type)) {}
   explicit Scene(const Shape& shape) : topology(shape.mesh()), motion(twisted(shape.positions)) {
     const Mesh& mesh = topology.mesh();
     std::vector<Eigen::AlignedBox<double, 3>> boxes(mesh.element_slots());
@@ -28,6 +29,14 @@ struct Scene {
 
   static Shape jittered_block(ElementType type) {
     Shape shape = block(type, 6, 6, 12);
+    if (type == ElementType::triangle)
+      for (int layer = 1; layer < 24; ++layer) shape.append(block(type, 6, 6, 1).translate(Vec3(0, 0, 0.5 * layer)), 0);
+    shape.positions = jittered(shape.positions, 0.2, 1);
+    return shape;
+  }
+  static Shape crossing_blocks(ElementType type) {
+    Shape shape = block(type, 4, 4, 6);
+    shape.append(block(type, 4, 4, 6).translate(Vec3(0.3, 0.4, 0.5)), 1);
     shape.positions = jittered(shape.positions, 0.2, 1);
     return shape;
   }
@@ -46,20 +55,22 @@ struct Scene {
   std::vector<ElementPair> pairs;
 };
 
-const Scene& scene(ElementType type) {
-  static const Scene tetrahedra(ElementType::tetrahedron), hexahedra(ElementType::hexahedron);
-  return type == ElementType::tetrahedron ? tetrahedra : hexahedra;
+const Scene& scene(ElementType type, bool crossing) {
+  static const Scene tetrahedra(ElementType::tetrahedron, false), hexahedra(ElementType::hexahedron, false),
+      triangles(ElementType::triangle, false), overlapping(ElementType::tetrahedron, true);
+  if (crossing) return overlapping;
+  return type == ElementType::tetrahedron ? tetrahedra : type == ElementType::hexahedron ? hexahedra : triangles;
 }
 
-void run(benchmark::State& state, const OptionValues& options, ElementType type) {
+void run(benchmark::State& state, const OptionValues& options, ElementType type, bool crossing, std::size_t most) {
   const auto stage = describe_csat().make(options);
-  const Scene& s = scene(type);
+  const Scene& s = scene(type, crossing);
   PairBatch batch;
   StageState none;
   std::size_t kept = 0, rounds = 0;
   for (auto _ : state) {
-    for (std::size_t i = 0; i < s.pairs.size(); i += 1024) {
-      batch.assign(std::span(s.pairs).subspan(i, std::min<std::size_t>(1024, s.pairs.size() - i)));
+    for (std::size_t i = 0; i < s.pairs.size(); i += most) {
+      batch.assign(std::span(s.pairs).subspan(i, std::min(most, s.pairs.size() - i)));
       stage->run({s.topology, s.motion, s.filter}, none, 0, batch);
       kept += batch.size();
     }
@@ -72,13 +83,18 @@ void run(benchmark::State& state, const OptionValues& options, ElementType type)
 }
 
 [[maybe_unused]] const bool registered = [] {
-  for (const auto type : {ElementType::tetrahedron, ElementType::hexahedron})
+  for (const auto type : {ElementType::tetrahedron, ElementType::hexahedron, ElementType::triangle})
     for (const char* mode : {"pair", "features", "both"})
       for (const char* axis : {"face", "predetermined", "velocity", "centroid", "optimal"}) {
         const OptionValues options = {{"axis", axis}, {"mode", mode}};
         const std::string name = std::string("csat/") + to_string(type) + "/" + mode + "/" + axis;
-        benchmark::RegisterBenchmark(name.c_str(), run, options, type);
+        benchmark::RegisterBenchmark(name.c_str(), run, options, type, false, 1024);
       }
+  const OptionValues optimal = {{"axis", "optimal"}, {"mode", "pair"}};
+  benchmark::RegisterBenchmark("csat/crossing/pair/optimal", run, optimal, ElementType::tetrahedron, true, 256);
+  for (const std::size_t most : {1, 4, 16, 64, 256})
+    benchmark::RegisterBenchmark(("csat/batches/" + std::to_string(most)).c_str(), run, optimal,
+                                 ElementType::tetrahedron, false, most);
   return true;
 }();
 

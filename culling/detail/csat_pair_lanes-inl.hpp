@@ -1,0 +1,137 @@
+// Lanes of CSAT in single precision, a pair of elements a lane: points, rounding bounds. Included once for each
+// instruction set, inside foreach_target sources.
+#include <cstddef>
+#include <cstdint>
+
+#include <volccd/culling/detail/csat_float_bounds.hpp>
+#include <volccd/query/pairs.hpp>
+#include <volccd/query/vector_lanes-inl.hpp>
+
+#if defined(VOLCCD_CSAT_PAIR_LANES_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef VOLCCD_CSAT_PAIR_LANES_INL
+#undef VOLCCD_CSAT_PAIR_LANES_INL
+#else
+#define VOLCCD_CSAT_PAIR_LANES_INL
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace volccd::detail::HWY_NAMESPACE {
+
+using PairTag = hn::CappedTag<float, 8>;
+using PairLanes = hn::Vec<PairTag>;
+using PairMask = hn::Mask<PairTag>;
+using PairLanes3 = LaneVector<PairLanes>;
+
+HWY_INLINE PairLanes in_lanes(float x) { return hn::Set(PairTag(), x); }
+HWY_INLINE PairLanes3 select(PairMask mask, const PairLanes3& yes, const PairLanes3& no) {
+  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
+}
+
+#if HWY_TARGET == HWY_SCALAR
+/// As below.
+template <int kControlPoints>
+HWY_INLINE PairLanes3 load_differences(const double* const* p, const double* const* r, int c) {
+  const auto difference = [&](int k) { return in_lanes(static_cast<float>(p[0][3 * c + k] - r[0][3 * c + k])); };
+  return {difference(0), difference(1), difference(2)};
+}
+#else
+using PointTag = hn::FixedTag<float, 4>;
+
+/// Four doubles less four others, rounded to floats.
+template <class D>
+HWY_INLINE hn::Vec<PointTag> float_difference(D d, const double* a, const double* b) {
+  const PointTag four;
+  if constexpr (hn::MaxLanes(D()) == 4) {
+    return hn::DemoteTo(four, hn::Sub(hn::LoadU(d, a), hn::LoadU(d, b)));
+  } else {
+    const hn::Half<PointTag> two;
+    return hn::Combine(four, hn::DemoteTo(two, hn::Sub(hn::LoadU(d, a + 2), hn::LoadU(d, b + 2))),
+                       hn::DemoteTo(two, hn::Sub(hn::LoadU(d, a), hn::LoadU(d, b))));
+  }
+}
+
+/// float_difference() of points `lane` and, in the upper half of 8 lanes, `lane + 4`, from `offset` on.
+template <class D>
+HWY_INLINE hn::Vec<D> float_differences(D d, const double* const* p, const double* const* r, std::size_t lane,
+                                        std::size_t offset) {
+  const hn::CappedTag<double, 4> four;
+  const auto low = float_difference(four, p[lane] + offset, r[lane] + offset);
+  if constexpr (hn::MaxLanes(D()) == 8) {
+    return hn::Combine(d, float_difference(four, p[lane + 4] + offset, r[lane + 4] + offset), low);
+  } else {
+    return low;
+  }
+}
+
+/// Control point c of a vertex for a register of pairs: p - r in doubles, rounded to floats. Four doubles are loaded at
+/// once: the coordinate too many is that of another control point.
+template <int kControlPoints>
+HWY_INLINE PairLanes3 load_differences(const double* const* p, const double* const* r, int c) {
+  const PairTag tag;
+  const bool last = c == kControlPoints - 1;
+  const auto offset = static_cast<std::size_t>(last ? 3 * c - 1 : 3 * c);
+  const PairLanes a0 = float_differences(tag, p, r, 0, offset), a1 = float_differences(tag, p, r, 1, offset);
+  const PairLanes a2 = float_differences(tag, p, r, 2, offset), a3 = float_differences(tag, p, r, 3, offset);
+  const PairLanes low0 = hn::InterleaveLower(tag, a0, a2), low1 = hn::InterleaveLower(tag, a1, a3);
+  const PairLanes high0 = hn::InterleaveUpper(tag, a0, a2), high1 = hn::InterleaveUpper(tag, a1, a3);
+  const PairLanes second = hn::InterleaveUpper(tag, low0, low1), third = hn::InterleaveLower(tag, high0, high1);
+  if (last) return {second, third, hn::InterleaveUpper(tag, high0, high1)};
+  return {hn::InterleaveLower(tag, low0, low1), second, third};
+}
+#endif
+
+/// Pairs (a, b) of elements of one shape: equally many vertices of each a, and of each b.
+struct PairList {
+  static constexpr std::size_t kPairs = 8, kVertices = 8;
+
+  std::size_t size = 0;
+  std::size_t counts[2] = {};  ///< vertices
+  Index first[kPairs];         ///< a
+  const Index* vertices[2][kPairs];
+  std::uint8_t index[kPairs];  ///< of the pair, where it came from
+
+  /// Whether the elements of pair i have a common vertex.
+  bool adjacent(std::size_t i) const {
+    bool common = false;
+    for (std::size_t v = 0; v < counts[0]; ++v)
+      for (std::size_t w = 0; w < counts[1]; ++w) common |= vertices[0][i][v] == vertices[1][i][w];
+    return common;
+  }
+};
+
+/// What a gap along an axis must exceed; Dk of csat_float_bounds.hpp are the extent's coordinates.
+struct PairThreshold {
+  PairLanes error, separation;
+  PairMask trusted;  ///< lanes without overflow
+
+  HWY_INLINE PairThreshold(const PairLanes3& axis, const PairLanes3& extent, int levels, float distance) {
+    const PairLanes sum = dot(abs(axis), extent);
+    error = hn::Add(hn::Mul(in_lanes(float_gap_error_factor(levels)), sum), in_lanes(kFloatGapUnderflow));
+    separation = in_lanes(0);
+    if (distance != 0)
+      separation = hn::Mul(in_lanes(distance), hn::Mul(length_bound(axis), in_lanes(kFloatLengthSlack)));
+    trusted = hn::Lt(sum, in_lanes(kFloatGreatestMagnitude));
+  }
+
+  HWY_INLINE PairMask exceeded(PairLanes gap) const {
+    return hn::And(trusted, hn::Gt(gap, hn::Add(error, separation)));
+  }
+
+  /// Lanes whose exact gap is below the separation by far more than all rounding.
+  HWY_INLINE PairMask missed(PairLanes gap) const {
+    return hn::And(trusted, hn::Lt(hn::Add(gap, hn::Mul(in_lanes(32), error)), separation));
+  }
+
+ private:
+  /// At least the length, up to a factor that kFloatLengthSlack makes up for.
+  static HWY_INLINE PairLanes length_bound(const PairLanes3& axis) {
+    const PairLanes square = dot(axis, axis);
+    const PairLanes3 m = abs(axis);
+    return hn::IfThenElse(hn::Gt(square, in_lanes(kFloatLeastSquare)), hn::Sqrt(square), add3(m.x, m.y, m.z));
+  }
+};
+
+}  // namespace volccd::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif
