@@ -75,7 +75,10 @@ void StarClasses::find_degenerate(const Step& step, const StarTable& stars, Exec
         for (const StarTable::Neighbour& across : stars.neighbours(static_cast<Index>(o)))
           unsound = unsound || (across.element != kNone && signs_[o] * signs_[across.element] == (across.opposite ? -1 : 1));
       degenerate_[o] = unsound ? 1 : 0;
-      sound_[o] = !unsound && mesh.type(static_cast<Index>(o)) == ElementType::tetrahedron ? 1 : 0;
+      sound_[o] = !unsound && mesh.type(static_cast<Index>(o)) == ElementType::tetrahedron &&
+                          !stars.shares_a_face_with_several(static_cast<Index>(o))
+                      ? 1
+                      : 0;
     }
   });
 }

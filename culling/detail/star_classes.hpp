@@ -39,7 +39,7 @@ class StarClasses {
     return bits;
   }
   /// The same, 0 if a and b are proven to have no two points of the complex in one place at any time: one of the common
-  /// vertices has a clear star, or they are tetrahedra out of D with a common face, or the same.
+  /// vertices has a clear star, or they are tetrahedra out of D, the same or on both sides of a face that no other has.
   std::uint32_t common_suspects(const Topology& topology, Index a, Index b) const {
     const std::uint32_t common = common_vertices(topology, a, b);
     if ((common & ~std::uint32_t{suspect_places_[a]}) != 0) return 0;
@@ -57,7 +57,8 @@ class StarClasses {
   void classify(const Step& step, const StarTable& stars, Index v);
 
   std::vector<std::int8_t> signs_;         ///< of volumes, by element slot
-  std::vector<std::uint8_t> degenerate_, sound_;  ///< by element slot; sound: a tetrahedron out of D
+  /// By element slot. Sound: a tetrahedron out of D, each of whose faces has one other tetrahedron or nothing.
+  std::vector<std::uint8_t> degenerate_, sound_;
   std::vector<std::uint8_t> suspect_, wound_;  ///< by vertex
   std::vector<std::uint8_t> suspect_places_;   ///< by element slot: bits of its vertices
   std::vector<Known> embedded_;  ///< by vertex: its star goes once around it, and its ring once around; as long as neither folds

@@ -45,6 +45,12 @@ class StarTable {
   /// orientable part; consecutive ones and the last with the first span a face with v. Empty for other kinds.
   std::vector<Index> ring(const Topology& topology, Index v) const;
   const std::array<Neighbour, 4>& neighbours(Index tetrahedron) const { return neighbours_[tetrahedron]; }
+  /// A tetrahedron one of whose faces has other elements, but not just one tetrahedron.
+  bool shares_a_face_with_several(Index tetrahedron) const {
+    for (const Neighbour& across : neighbours_[tetrahedron])
+      if (across.element == kNone && across.opposite) return true;
+    return false;
+  }
   /// A triangle, a tetrahedron with a face that not exactly two have, or an element with a vertex of an irregular star.
   bool on_boundary(Index o) const { return on_boundary_[o] != 0; }
 

@@ -73,6 +73,7 @@ class FloodScenes {
       all.append(other, 2);
     }
     if (one_in(3)) join_somewhere(all);
+    if (one_in(3)) add_leaves(all);
     if (one_in(2)) tear(all);
     return all;
   }
@@ -82,6 +83,24 @@ class FloodScenes {
     const double share = random_.uniform(0.05, 0.6);
     std::erase_if(shape.elements, [&](const ElementSpec&) { return shape.elements.size() > 4 && random_.uniform() < share; });
     note("torn");
+  }
+
+  /// Tetrahedra on faces of others, inside, too: such a face has three.
+  void add_leaves(Shape& shape) {
+    std::vector<std::size_t> tetrahedra;
+    for (std::size_t i = 0; i < shape.elements.size(); ++i)
+      if (shape.elements[i].type == ElementType::tetrahedron) tetrahedra.push_back(i);
+    if (tetrahedra.empty()) return;
+    note("leaves");
+    for (std::int64_t i = 0; i < 5; ++i) {
+      ElementSpec leaf = shape.elements[tetrahedra[random_.below(tetrahedra.size())]];
+      const std::size_t corner = random_.below(4);
+      leaf.id = 1000000 + i;
+      const Vec3 apart(random_.uniform(-1, 1), random_.uniform(-1, 1), random_.uniform(-1, 1));
+      shape.positions.push_back(shape.positions[leaf.vertices[corner]] + apart);
+      leaf.vertices[corner] = static_cast<Index>(shape.positions.size() - 1);
+      shape.elements.push_back(leaf);
+    }
   }
 
   /// Makes vertices of two elements one.
