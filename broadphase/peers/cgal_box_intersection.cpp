@@ -1,7 +1,6 @@
 // `cgal-box-intersection`: box_self_intersection_d of CGAL (Zomorodian and Edelsbrunner 2002), in floats, closed. It keeps
-// nothing from step to step: all of its work is in run(). GPL: a program with this file in it is under the GPL.
-#include <algorithm>
-#include <cstdint>
+// nothing from step to step: all of its work is in run(). It takes the greatest floats for bounds that no box reaches: boxes that
+// come near are scaled, and pairs compared by the adaptor. GPL: a program with this file in it is under the GPL.
 #include <vector>
 
 #include <CGAL/box_intersection_d.h>
@@ -27,10 +26,10 @@ struct CgalBox {
 };
 
 struct CgalState final : PeerState {
-  std::vector<CgalBox> boxes_of_cgal;
+  std::vector<CgalBox> intervals, points;  ///< the same boxes twice: CGAL reorders them
+  float scale = 1;
 
-  /// CGAL makes a copy of the boxes while it runs.
-  std::size_t peer_bytes() const override { return 2 * boxes_of_cgal.capacity() * sizeof(CgalBox); }
+  std::size_t peer_bytes() const override { return (intervals.capacity() + points.capacity()) * sizeof(CgalBox); }
 };
 
 class CgalBoxIntersection final : public PeerPhase {
@@ -54,22 +53,30 @@ class CgalBoxIntersection final : public PeerPhase {
  protected:
   void update(PeerState& peer, bool, Executor&) const override {
     CgalState& state = static_cast<CgalState&>(peer);
-    state.boxes_of_cgal.resize(state.list.size());
+    state.scale = state.safe_scale();
+    state.intervals.resize(state.list.size());
     for (std::size_t p = 0; p < state.list.size(); ++p) {
-      CgalBox& box = state.boxes_of_cgal[p];
-      std::copy_n(state.low(p), 3, box.low);
-      std::copy_n(state.high(p), 3, box.high);
+      CgalBox& box = state.intervals[p];
+      for (int axis = 0; axis < 3; ++axis) {
+        box.low[axis] = state.low(p)[axis] * state.scale;
+        box.high[axis] = state.high(p)[axis] * state.scale;
+      }
       box.position = static_cast<Index>(p);
     }
+    state.points = state.intervals;
   }
 
   void collide(PeerState& peer, const PairRules& rules, Executor&) const override {
     CgalState& state = static_cast<CgalState&>(peer);
     const PeerOutput output(rules, state.list.slots(), state.writers[0]);
-    CGAL::box_self_intersection_d(
-        state.boxes_of_cgal.begin(), state.boxes_of_cgal.end(),
-        [&](const CgalBox& a, const CgalBox& b) { output.push(a.position, b.position); },
-        CGAL::Box_intersection_d::Box_traits_d<CgalBox>(), config_.cutoff, CGAL::Box_intersection_d::CLOSED);
+    // box_self_intersection_d, but for the copy that it makes at each call.
+    CGAL::box_intersection_d(
+        state.intervals.begin(), state.intervals.end(), state.points.begin(), state.points.end(),
+        [&](const CgalBox& a, const CgalBox& b) {
+          if (state.scale == 1 || state.overlap(a.position, b.position)) output.push(a.position, b.position);
+        },
+        CGAL::Box_intersection_d::Box_traits_d<CgalBox>(), config_.cutoff, CGAL::Box_intersection_d::CLOSED,
+        CGAL::Box_intersection_d::COMPLETE);
   }
 
  private:

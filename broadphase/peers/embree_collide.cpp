@@ -106,8 +106,8 @@ void bound_primitive(const RTCBoundsFunctionArguments* arguments) {
 
 /// What the threads of a query share.
 struct Query {
-  const EmbreeState* state;
-  std::vector<PeerOutput> outputs;
+  EmbreeState* state;
+  const PairRules* rules;
   std::mutex mutex;
   std::exception_ptr failure;  ///< of the sink: Embree would not hand it on
   std::atomic<bool> failed{false};
@@ -116,11 +116,13 @@ struct Query {
 void take_pairs(void* user, RTCCollision* collisions, unsigned count) {
   Query& query = *static_cast<Query*>(user);
   if (query.failed.load(std::memory_order_relaxed)) return;
-  const PeerOutput output = query.outputs[static_cast<std::size_t>(tbb::this_task_arena::current_thread_index())];
+  EmbreeState& state = *query.state;
+  const PeerOutput output(*query.rules, state.list.slots(),
+                          state.writers[static_cast<unsigned>(tbb::this_task_arena::current_thread_index())]);
   try {
     for (unsigned i = 0; i < count; ++i) {
       const Index p = collisions[i].primID0, q = collisions[i].primID1;
-      if (p < q && query.state->overlap(p, q)) output.push(p, q);
+      if (p < q && state.overlap(p, q)) output.push(p, q);
     }
   } catch (...) {
     const std::lock_guard lock(query.mutex);
@@ -170,8 +172,7 @@ class EmbreeCollide final : public PeerPhase {
     const KeptEnvironment kept;
     Query query;
     query.state = &state;
-    for (unsigned w = 0; w < executor.workers(); ++w)
-      query.outputs.emplace_back(rules, state.list.slots(), state.writers[w]);
+    query.rules = &rules;
     arena_of(state, executor.workers()).execute([&] { rtcCollide(state.scene, state.scene, take_pairs, &query); });
     if (query.failure) std::rethrow_exception(query.failure);
     state.check();

@@ -47,7 +47,7 @@ TopologyEdit random_edit(const Topology& topology, std::size_t removals, std::si
 
 void expect_follows_edits(std::size_t removals, std::size_t additions, bool whole_builds_expected) {
   const Shape shape = permuted(block(ElementType::tetrahedron, 6, 5, 5), 1);
-  for (const auto& descriptor : descriptors())
+  for (const auto& descriptor : own_descriptors())
     for (PairScope scope : {PairScope::all, PairScope::inter}) {
       SCOPED_TRACE(descriptor.name);
       Scene scene = make_scene("edits", shape, jittered(shape.positions, 0.3, 1));
