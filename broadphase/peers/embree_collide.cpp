@@ -194,7 +194,8 @@ class EmbreeCollide final : public PeerPhase {
     state.scene = rtcNewScene(state.device);
     state.geometry = rtcNewGeometry(state.device, RTC_GEOMETRY_TYPE_USER);
     const bool refit = config_.update == Update::refit;
-    rtcSetSceneBuildQuality(state.scene, quality());
+    // Embree refits geometries of scenes of low quality alone: a tree of trees, of which there is one.
+    rtcSetSceneBuildQuality(state.scene, refit ? RTC_BUILD_QUALITY_LOW : quality());
     if (refit) rtcSetSceneFlags(state.scene, RTC_SCENE_FLAG_DYNAMIC);
     rtcSetGeometryBuildQuality(state.geometry, refit ? RTC_BUILD_QUALITY_REFIT : quality());
     rtcSetGeometryUserPrimitiveCount(state.geometry, static_cast<unsigned>(state.list.size()));
