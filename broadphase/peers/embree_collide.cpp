@@ -6,7 +6,6 @@
 // Both are monotone, so that overlapping boxes still overlap.
 #include <algorithm>
 #include <atomic>
-#include <cfenv>
 #include <cmath>
 #include <exception>
 #include <limits>
@@ -25,18 +24,6 @@
 namespace volccd::detail {
 
 namespace {
-
-/// Embree and its threads change the floating-point environment of the thread that calls them.
-class KeptEnvironment {
- public:
-  KeptEnvironment() { std::fegetenv(&before_); }
-  ~KeptEnvironment() { std::fesetenv(&before_); }
-  KeptEnvironment(const KeptEnvironment&) = delete;
-  KeptEnvironment& operator=(const KeptEnvironment&) = delete;
-
- private:
-  std::fenv_t before_;
-};
 
 struct EmbreeState final : PeerState {
   EmbreeState() : device(rtcNewDevice(nullptr)) {
@@ -158,7 +145,6 @@ class EmbreeCollide final : public PeerPhase {
  protected:
   void update(PeerState& peer, bool changed, Executor& executor) const override {
     EmbreeState& state = static_cast<EmbreeState&>(peer);
-    const KeptEnvironment kept;
     if (changed) make_scene(state);
     if (!state.scene) return;
     state.scale = state.safe_scale();
@@ -169,7 +155,6 @@ class EmbreeCollide final : public PeerPhase {
 
   void collide(PeerState& peer, const PairRules& rules, Executor& executor) const override {
     EmbreeState& state = static_cast<EmbreeState&>(peer);
-    const KeptEnvironment kept;
     Query query;
     query.state = &state;
     query.rules = &rules;
