@@ -177,7 +177,12 @@ class Program(ProgramTest):
         self.bad("detect", self.sequence, "--overlaps", self.path("no/such/folder.csv"), says="folder.csv")
 
     def test_verify_is_clean(self):
-        self.assertIn("clean", self.good("verify", self.sequence))
+        plain = self.good("verify", self.sequence)
+        self.assertIn("clean", plain)
+        compared = int(re.search(r"none of (\d+)", plain)[1])
+        more = self.good("verify", self.sequence, "--set", "broad-phase=spatial-hash", "--set", "spatial-hash.k=6")
+        self.assertIn(f"none of {compared + 1}", more)
+        self.bad("verify", self.sequence, "--set", "broad-phase=nothing", says="kdop-bvh")
 
     def test_picture(self):
         target = self.path("picture.png")
