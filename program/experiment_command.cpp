@@ -106,7 +106,8 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
   const PlanContext context{registry, options.full, options.pipelines, options.settings,
                             [&](const std::string& name) { return scene_file(options, name); }, executor.get(),
                             [&](std::size_t done, std::size_t total) {
-                              if (!of_rows) of_rows = std::make_unique<Progress>(fmt::format("{}, scene", kind.name), total);
+                              if (!of_rows)
+                                of_rows = std::make_unique<Progress>(fmt::format("{}, scene", kind.name), total);
                               of_rows->advance(done);
                               InterruptGuard::check();
                             }};

@@ -1,6 +1,6 @@
-// `bullet-dbvt`: btDbvt of Bullet, in floats, without margins. The tree calls back for pairs of leaves whose boxes overlap,
-// closed, each unordered pair once. Its builder fails where the volume of a box overflows: boxes that reach that far are
-// scaled, and pairs compared by the adaptor.
+// `bullet-dbvt`: btDbvt of Bullet, in floats, without margins. The tree calls back for pairs of leaves whose boxes
+// overlap, closed, each unordered pair once. Its builder fails where the volume of a box overflows: boxes that reach
+// that far are scaled, and pairs compared by the adaptor.
 #include <algorithm>
 #include <vector>
 

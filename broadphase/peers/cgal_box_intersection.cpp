@@ -1,6 +1,7 @@
-// `cgal-box-intersection`: box_self_intersection_d of CGAL (Zomorodian and Edelsbrunner 2002), in floats, closed. It keeps
-// nothing from step to step: all of its work is in run(). It takes the greatest floats for bounds that no box reaches: boxes that
-// come near are scaled, and pairs compared by the adaptor. GPL: a program with this file in it is under the GPL.
+// `cgal-box-intersection`: box_self_intersection_d of CGAL (Zomorodian and Edelsbrunner 2002), in floats, closed. It
+// keeps nothing from step to step: all of its work is in run(). It takes the greatest floats for bounds that no box
+// reaches: boxes that come near are scaled, and pairs compared by the adaptor. GPL: a program with this file in it is
+// under the GPL.
 #include <vector>
 
 #include <CGAL/box_intersection_d.h>

@@ -1,9 +1,9 @@
 // `embree-collide`: rtcCollide of Embree 3 on a scene of user geometries, one primitive for each element.
 //
 // Embree names both orders of a pair, and pairs of primitives in leaves that overlap; the adaptor keeps one order and
-// compares the two boxes. Embree ignores primitives whose coordinates reach about 2e18, and treats subnormal numbers as zero in
-// some places: boxes are scaled by a power of two where they would reach that far, and subnormal numbers are replaced by zero.
-// Both are monotone, so that overlapping boxes still overlap.
+// compares the two boxes. Embree ignores primitives whose coordinates reach about 2e18, and treats subnormal numbers as
+// zero in some places: boxes are scaled by a power of two where they would reach that far, and subnormal numbers are
+// replaced by zero. Both are monotone, so that overlapping boxes still overlap.
 #include <algorithm>
 #include <atomic>
 #include <cmath>

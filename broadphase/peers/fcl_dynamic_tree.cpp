@@ -62,7 +62,9 @@ void set_boxes(FclState& state) {
 }
 
 bool take_pair(Object* a, Object* b, void* output) {
-  const auto position = [](const Object* object) { return static_cast<Index>(reinterpret_cast<std::uintptr_t>(object->getUserData())); };
+  const auto position = [](const Object* object) {
+    return static_cast<Index>(reinterpret_cast<std::uintptr_t>(object->getUserData()));
+  };
   static_cast<const PeerOutput*>(output)->push(position(a), position(b));
   return false;  // go on
 }

@@ -324,7 +324,8 @@ std::vector<TitledTable> peers_tables(const json& record) {
   }
   std::string note =
       "means over motions of medians over rounds; pairs of a motion, without a common vertex, all written out\n";
-  if (!fastest_peer(times_of(rows))) note += "this build has no broad phases of other libraries (CMake: VOLCCD_PEERS)\n";
+  if (!fastest_peer(times_of(rows)))
+    note += "this build has no broad phases of other libraries (CMake: VOLCCD_PEERS)\n";
   return {{"Broad phases side by side, steady state", table, note}};
 }
 

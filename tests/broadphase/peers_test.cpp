@@ -1,4 +1,5 @@
-// Broad phases of other libraries, each with every way from step to step: the pairs of `kdop-bvh` with k = 6, bit for bit.
+// Broad phases of other libraries, each with every way from step to step: the pairs of `kdop-bvh` with k = 6, bit for
+// bit.
 #include <array>
 #include <cfenv>
 #include <sstream>
@@ -43,13 +44,14 @@ TEST(Peers, EmitThePairsOfBoxes) {
     SCOPED_TRACE(scene.name);
     for (PairRange range : {PairRange::nonadjacent, PairRange::every}) {
       const Pairs expected = expected_pairs(scene.step(), range);
-      for (const Variant& variant : all) EXPECT_TRUE(run_fresh(*variant.phase, scene.step(), range) == expected) << variant.name;
+      for (const Variant& variant : all)
+        EXPECT_TRUE(run_fresh(*variant.phase, scene.step(), range) == expected) << variant.name;
     }
   }
 }
 
-/// Pairs of tetrahedra, each pair at a place and in a motion of its own order of magnitude along each axis. Bounds are clamped
-/// to finite floats: `volccd check cgal-box-intersection` found pairs missing there.
+/// Pairs of tetrahedra, each pair at a place and in a motion of its own order of magnitude along each axis. Bounds are
+/// clamped to finite floats: `volccd check cgal-box-intersection` found pairs missing there.
 TEST(Peers, EmitPairsBeyondTheRangeOfFloats) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> exponent(-60, 60), sign(-1, 1);
@@ -142,7 +144,8 @@ TEST(Peers, TellTheirMemory) {
   for (const Variant& variant : variants()) {
     const auto state = variant.phase->make_state();
     variant.phase->prepare(scene.step(), *state, executor);
-    EXPECT_GT(state->bytes(), shape.elements.size() * 120) << variant.name << ": boxes and lists alone are about 80 bytes an element";
+    EXPECT_GT(state->bytes(), shape.elements.size() * 120)
+        << variant.name << ": boxes and lists alone are about 80 bytes an element";
     EXPECT_LT(state->bytes(), shape.elements.size() * 4096 + 40000000) << variant.name;
   }
 }
@@ -169,9 +172,10 @@ TEST(SpatialHashTest, SelfPairsComeFromAllWorkers) {
   } executor;
   std::array<std::size_t, 2> self{};
   phase->prepare(scene.step(), *state, executor);
-  phase->run(scene.step(), *state, PairRange::every, executor, [&](std::span<const ElementPair> pairs, unsigned worker) {
+  const auto count = [&](std::span<const ElementPair> pairs, unsigned worker) {
     for (const ElementPair pair : pairs) self[worker] += pair.a == pair.b;
-  });
+  };
+  phase->run(scene.step(), *state, PairRange::every, executor, count);
   EXPECT_EQ(self[0] + self[1], shape.elements.size());
   EXPECT_GT(std::min(self[0], self[1]), shape.elements.size() / 4);
 }

@@ -12,13 +12,15 @@ constexpr int kBoxes = 6;
 }  // namespace
 
 std::size_t PeerState::bytes() const {
-  return delta.bytes() + keys.bytes() + list.bytes() + vertices.bytes() + boxes.bytes() + writers.bytes() + peer_bytes();
+  return delta.bytes() + keys.bytes() + list.bytes() + vertices.bytes() + boxes.bytes() + writers.bytes() +
+         peer_bytes();
 }
 
 float PeerState::safe_scale() const {
   float reach = 0;
   for (std::size_t p = 0; p < list.size(); ++p)
-    for (std::size_t axis = 0; axis < 3; ++axis) reach = std::max({reach, std::abs(low(p)[axis]), std::abs(high(p)[axis])});
+    for (std::size_t axis = 0; axis < 3; ++axis)
+      reach = std::max({reach, std::abs(low(p)[axis]), std::abs(high(p)[axis])});
   return reach > 1e12f ? 0x1p-90f : 1;
 }
 

@@ -30,8 +30,8 @@ struct PeerState : StageState {
     return a[0] <= d[0] && b[0] <= c[0] && a[1] <= d[1] && b[1] <= c[1] && a[2] <= d[2] && b[2] <= c[2];
   }
 
-  /// For peers that compute volumes in floats: 1, or where some coordinate exceeds 1e12, a power of two that brings all floats
-  /// below it. Scaled boxes of overlapping boxes overlap, but others may, too: small coordinates are lost.
+  /// For peers that compute volumes in floats: 1, or where some coordinate exceeds 1e12, a power of two that brings all
+  /// floats below it. Scaled boxes of overlapping boxes overlap, but others may, too: small coordinates are lost.
   float safe_scale() const;
 
   /// Of the peer's structure, as far as it can be told.
@@ -65,8 +65,8 @@ class PeerPhase : public BroadPhase {
   double bounds_seconds(const StageState& state) const final;
 
  protected:
-  /// Brings the peer's structure up to the boxes of the state. `changed`: they belong to other elements than at the last
-  /// call, or there was none. The list may be empty.
+  /// Brings the peer's structure up to the boxes of the state. `changed`: they belong to other elements than at the
+  /// last call, or there was none. The list may be empty.
   virtual void update(PeerState& state, bool changed, Executor& executor) const = 0;
 
   /// Hands each unordered pair of different positions whose boxes overlap, touching included, to the output of
