@@ -123,9 +123,7 @@ void SpatialHash::run(const Step& step, StageState& stage_state, PairRange range
     executor.parallel_for(state.list.size(), kLargeGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
       detail::hash_large(state.grid, state.elements, slots, rules, begin, end, state.writers[w]);
     });
-  if (rules.self_pairs)
-    for (std::size_t p = 0; p < state.list.size(); ++p)
-      if (rules.want(slots[p], slots[p])) state.writers[0].push(slots[p], slots[p]);
+  detail::write_self_pairs(state.list, rules, executor, state.writers);
   state.writers.finish();
 }
 

@@ -24,8 +24,9 @@ endfunction()
 # exported as volccd::mesh with the headers that lie in this folder and what these include (InstallHeaders.cmake).
 # volccd_module(program COMPONENT program [HEADERS file...] ...): a part of the package's component `program`, whose users
 # alone need what it links. Of its headers, HEADERS and what these include are installed.
+# volccd_module(peers INTERNAL ...): not installed; for what the program's executable and the tests link privately.
 function(volccd_module name)
-  cmake_parse_arguments(ARG "" "COMPONENT" "PUBLIC;PRIVATE;SOURCES;HEADERS" ${ARGN})
+  cmake_parse_arguments(ARG "INTERNAL" "COMPONENT" "PUBLIC;PRIVATE;SOURCES;HEADERS" ${ARGN})
   if(NOT ARG_SOURCES)
     file(GLOB ARG_SOURCES CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp" "${CMAKE_CURRENT_SOURCE_DIR}/detail/*.cpp")
   endif()
@@ -50,6 +51,9 @@ function(volccd_module name)
     $<BUILD_INTERFACE:${VOLCCD_INCLUDE_DIR}>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:volccd_flags>)
+  if(ARG_INTERNAL)
+    return()
+  endif()
   file(RELATIVE_PATH folder "${CMAKE_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
   if(ARG_COMPONENT STREQUAL "program")
     # Experiments and oracle: the address sanitizer alone, which halves the time to compile them under sanitizers.

@@ -12,9 +12,6 @@ namespace {
 
 /// Suspect vertices whose orphans are listed at once.
 constexpr std::size_t kBlockVertices = 4;
-/// The subset keeps elements that it need not have until they are more than 1 in kSpare, and kFewSpare.
-constexpr std::size_t kSpare = 4, kFewSpare = 64;
-
 enum class Phase { idle, start, flood };
 
 struct alignas(64) Worker {
@@ -25,6 +22,8 @@ struct BoundaryFloodState final : StageState {
   detail::SimplexComplex complex;
   detail::StarTable stars;
   detail::StarClasses classes;
+  TopologyDelta counted;  ///< for boundary_share
+  double boundary_share = 0;
   ElementSubset outer;
   ObjectFilter filter;
   std::optional<Step> step;  ///< of the complex
@@ -48,26 +47,31 @@ struct BoundaryFloodState final : StageState {
 BoundaryFloodState& own(StageState& state) { return static_cast<BoundaryFloodState&>(state); }
 const BoundaryFloodState& own(const StageState& state) { return static_cast<const BoundaryFloodState&>(state); }
 
+/// The share of elements that are shells or have a face of no other element.
+double boundary_share(const Topology& topology) {
+  const Mesh& mesh = topology.mesh();
+  const Features& features = topology.features();
+  std::size_t boundary = 0;
+  for (Index o = 0; o < mesh.element_slots(); ++o) {
+    if (!mesh.is_live(o)) continue;
+    const std::span<const Index> triangles = features.element_triangles(o);
+    boundary += is_shell(mesh.type(o)) || std::any_of(triangles.begin(), triangles.end(), [&](Index f) {
+      return features.triangle_elements(f).size() == 1;
+    });
+  }
+  return mesh.element_count() == 0 ? 1 : static_cast<double>(boundary) / static_cast<double>(mesh.element_count());
+}
+
 /// Elements that the broad phase pairs: those on the boundary, in D, and at a vertex that the complex winds around more than
-/// once. Others stay in the set for a while: a tree is spared changes back and forth.
+/// once.
 void choose_outer(const Step& step, BoundaryFloodState& state) {
   const Mesh& mesh = step.mesh();
-  const auto needed = [&](Index o) {
+  const std::uint64_t version = state.outer.version();
+  state.outer.assign(mesh.element_slots(), [&](Index o) {
     if (!mesh.is_live(o)) return false;
     if (state.stars.on_boundary(o) || state.classes.degenerate(o)) return true;
     const std::span<const Index> vertices = mesh.vertices(o);
     return std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return state.classes.wound(v); });
-  };
-  std::size_t needed_count = 0, kept = 0;
-  for (Index o = 0; o < mesh.element_slots(); ++o) {
-    const bool need = needed(o);
-    needed_count += need ? 1 : 0;
-    kept += need || (mesh.is_live(o) && state.outer.contains(o)) ? 1 : 0;
-  }
-  const bool keep = kept <= needed_count + needed_count / kSpare + kFewSpare;
-  const std::uint64_t version = state.outer.version();
-  state.outer.assign(mesh.element_slots(), [&](Index o) {
-    return needed(o) || (keep && mesh.is_live(o) && state.outer.contains(o));
   });
   if (state.outer.version() != version) state.parts_valid = false;
 }
@@ -137,8 +141,11 @@ class Orphans {
 
 const Options<BoundaryFlood::Config>& BoundaryFlood::options() {
   static const Options<Config> options =
-      Options<Config>().add("most_degenerate", &Config::most_degenerate, 0, 1,
-                            "share of simplices not proven to keep their orientation above which a step is not flooded");
+      Options<Config>()
+          .add("most_boundary", &Config::most_boundary, 0, 1,
+               "share of elements on the boundary above which a step is left to the other stages")
+          .add("most_suspect", &Config::most_suspect, 0, 1,
+               "share of vertices whose stars may fold above which a step is left to the other stages");
   return options;
 }
 
@@ -150,6 +157,9 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   state.phase = Phase::idle;
   state.counters = {};
   if (step.separation > 0) return;
+  if (state.counted.sync(step.topology) != TopologyDelta::Extent::none) state.boundary_share = boundary_share(step.topology);
+  state.counted.confirm();
+  if (state.boundary_share > config_.most_boundary) return;
   state.complex.update(step.topology);
   const Topology& topology = state.complex.topology();
   // Object ids change along a chain of pairs only where objects share vertices; there the tests alone are filtered.
@@ -161,8 +171,8 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   state.counters.simplices = topology.mesh().element_count();
   state.counters.degenerate = state.classes.degenerate_count();
   state.counters.suspect_vertices = state.classes.suspects().size();
-  if (static_cast<double>(state.counters.degenerate) >
-      config_.most_degenerate * static_cast<double>(state.counters.simplices))
+  if (static_cast<double>(state.counters.suspect_vertices) >
+      config_.most_suspect * static_cast<double>(topology.features().vertex_count()))
     return;
   choose_outer(*state.step, state);
   state.counters.paired = state.outer.size();

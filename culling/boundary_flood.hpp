@@ -10,16 +10,21 @@ namespace volccd {
 /// goes on over face neighbours to pairs with simplices inside the volume. Of the O-Set it lists the pairs all of whose
 /// common vertices have suspect stars.
 ///
-/// Takes a step unless its separation is above 0 (the theorem's conditions on stars are for contact only), D is more than
-/// `most_degenerate` of the mesh, or initial overlaps are asked for and the mesh is not its own complex (hulls of other
-/// elements may overlap where their simplices do not).
+/// Takes a step unless
+///  - more than `most_boundary` of the elements have a boundary face, or are shells: the boundary is all there is;
+///  - more than `most_suspect` of the vertices have stars that may fold, as in rubble: the flood would look at more than a
+///    broad phase over everything (docs/boundary_flood.md has the measurements behind both);
+///  - the separation is above 0: the theorem's conditions on stars are for contact only;
+///  - initial overlaps are asked for and the mesh is not its own complex: hulls of other elements may overlap where their
+///    simplices do not.
 ///
 /// prepare: linear in the simplices. Memory: about 150 bytes a simplex, and for meshes of other elements than tetrahedra and
 /// triangles a second topology.
 class BoundaryFlood final : public Flood {
  public:
   struct Config {
-    double most_degenerate = 0.25;  ///< share of the simplices in D above which a step is not taken
+    double most_boundary = 0.8;  ///< share of the elements
+    double most_suspect = 0.03;  ///< share of the vertices
   };
   static const Options<Config>& options();
 

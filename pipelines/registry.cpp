@@ -38,7 +38,7 @@ void add_presets(Registry& registry) {
                          bvh, {{"csat", {{"axis", "face"}, {"mode", "features"}}}}, dynamic, o_set, {csat_filter}, inclusion});
   registry.add_pipeline({"VolCCD+", "the best that this project knows",
                          bvh, {{"csat", {{"axis", "optimal"}, {"mode", "pair"}}}}, dynamic, o_set,
-                         {{"feature-kdop", {}}, {"coplanarity", {}}, csat_filter}, inclusion});
+                         {{"feature-kdop", {}}, {"coplanarity", {}}, csat_filter}, inclusion, StageChoice{"boundary-flood", {}}});
   registry.add_pipeline({"BruteForce", "every pair of elements, compared by its swept box, and all its elementary tests",
                          {"brute-force", {}}, {}, all_pairs, {}, {}, inclusion});
 }

@@ -68,7 +68,9 @@ void keep(const ExperimentOptions& options, const std::string& name, const nlohm
 /// Sequence of a scene for a table: a run of another program if it is there; a simulated scene, or the built-in one,
 /// from the cache, after making it if need be.
 std::optional<std::string> scene_file(const ExperimentOptions& options, const std::string& name) {
-  const bool external = name == "ls-dyna-projectile" || name.starts_with("openradioss-");
+  constexpr const char* kShared[] = {"ls-dyna-projectile", "octopus2-105k", "cloth-ball", "rod-twist"};
+  const bool external = name.starts_with("openradioss-") ||
+                        std::any_of(std::begin(kShared), std::end(kShared), [&](const char* o) { return name == o; });
   const std::string file = external ? shared_data_path(name + ".vtkhdf") : "";
   if (external && !std::filesystem::exists(file)) {
     fmt::print("{} is not there (VOLCCD_DATA names another folder): the tables do without it\n", file);
@@ -99,13 +101,20 @@ int same_contacts(const ExperimentKind& kind, const Registry& registry, const Ex
 int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const Registry& registry) {
   const InterruptGuard guard;
   make_folder(options.output);
+  const auto executor = make_interruptible_executor(options.threads);
+  std::unique_ptr<Progress> of_rows;
   const PlanContext context{registry, options.full, options.pipelines, options.settings,
-                            [&](const std::string& name) { return scene_file(options, name); }};
+                            [&](const std::string& name) { return scene_file(options, name); }, executor.get(),
+                            [&](std::size_t done, std::size_t total) {
+                              if (!of_rows)
+                                of_rows = std::make_unique<Progress>(fmt::format("{}, scene", kind.name), total);
+                              of_rows->advance(done);
+                              InterruptGuard::check();
+                            }};
   ExperimentPlan plan{kind.name, options.full ? "full" : "quick", 1, {}};
   if (kind.plan) plan = kind.plan(context);
   if (kind.plan && plan.runs.empty()) throw ConfigError(fmt::format("{}: none of its scenes is there", kind.name));
   check_outputs(options, kind.name, plan);
-  const auto executor = make_interruptible_executor(options.threads);
   const nlohmann::json facts = provenance(plan, *executor);
   nlohmann::json identity = {{"plan", facts.at("plan")}, {"threads", facts.at("threads")}};
   for (const char* fact : {"commit", "program_fnv1a", "compiler", "flags", "cpu", "inputs"})
@@ -117,6 +126,7 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
     fmt::print("{}: going on, {} window(s) are there\n", record.incomplete_file(), record.resumed());
   try {
     if (kind.rows && !record.has("rows")) record.add("rows", kind.rows(context));
+    of_rows.reset();
     Progress progress(fmt::format("{}, run", kind.name), measured_runs(plan));
     run_experiment(registry, plan, *executor, record, [&](std::size_t done, std::size_t) {
       progress.advance(done);

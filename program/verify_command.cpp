@@ -19,8 +19,21 @@ struct VerifyOptions {
   SequenceOptions sequence;
   QueryOptions query;
   VerifyConfig config;
+  std::vector<std::string> settings;
   bool no_fcl = false, no_truth = false;
 };
+
+/// Those of the program, and VolCCD+ with the settings if there are any.
+Registry with_settings(Registry registry, const std::vector<std::string>& settings) {
+  if (settings.empty()) return registry;
+  PipelineSpec spec = registry.pipeline("VolCCD+");
+  for (const std::string& setting : settings) {
+    registry.apply_setting(spec, setting);
+    spec.name += " " + setting;
+  }
+  registry.add_pipeline(std::move(spec));
+  return registry;
+}
 
 constexpr std::size_t kShown = 5;  ///< differences of a kind shown in full; all are counted
 
@@ -207,6 +220,11 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
   command->add_flag(
       "--approximate", options->config.approximate,
       "runs pipelines with an approximate narrow phase, too: shows what they miss, and does not count it");
+  command
+      ->add_option("--set", options->settings,
+                   "one more pipeline: VolCCD+ with stage.option=value or role=stage[,stage...]; may be repeated")
+      ->type_name("X=Y")
+      ->allow_extra_args(false);
   command->add_flag("--no-fcl", options->no_fcl, "without the FCL oracle");
   command->add_flag("--no-truth", options->no_truth, "without the file's ground truth");
   command->footer(
@@ -219,11 +237,12 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
       "Examples:\n"
       "  volccd verify run.vtkhdf\n"
       "  volccd verify run.vtkhdf --steps 0:2 --threads 2 --no-fcl\n"
-      "  volccd verify run.vtkhdf --motion tentative");
+      "  volccd verify run.vtkhdf --motion tentative\n"
+      "  volccd verify run.vtkhdf --set broad-phase=spatial-hash --set spatial-hash.cell_size=2");
   command->callback([options, &registry, &action] {
     action = [options, &registry] {
       options->sequence.file = sequence_file(options->sequence.file);
-      return Verification(*options, registry).run();
+      return Verification(*options, with_settings(registry, options->settings)).run();
     };
   });
 }

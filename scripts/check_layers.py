@@ -28,6 +28,7 @@ LAYERS = {
     "culling": ["core", "mesh", "query"],
     "narrowphase": ["core", "mesh", "query"],
     "pipelines": ["core", "mesh", "query", "broadphase", "culling", "narrowphase"],
+    "broadphase/peers": ["core", "mesh", "query", "broadphase", "pipelines"],
     "oracle/cases": ["core", "mesh", "query", "culling", "narrowphase"],
     "oracle": ["core", "mesh", "query", "broadphase", "culling", "narrowphase", "pipelines"],
     "simulation": ["core", "mesh", "query", "broadphase", "culling", "narrowphase", "pipelines"],
@@ -35,10 +36,10 @@ LAYERS = {
                     "simulation", "oracle/cases"],
     "pictures": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
                  "experiments"],
-    "program": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
+    "program": ["core", "mesh", "query", "mesh/sequence", "broadphase", "broadphase/peers", "culling", "narrowphase", "pipelines",
                 "experiments", "pictures"],
 }
-PROGRAM = ["oracle", "oracle/cases", "simulation", "experiments", "pictures", "program"]
+PROGRAM = ["broadphase/peers", "oracle", "oracle/cases", "simulation", "experiments", "pictures", "program"]
 LIBRARY = [module for module in LAYERS if module not in PROGRAM]
 # Users of the modules: not modules themselves.
 USERS = {"tests": list(LAYERS), "examples": LIBRARY + ["program"]}
@@ -49,10 +50,13 @@ ORACLE_USERS = re.compile(r"^experiments/((.*/)?verify[^/]*|verify/.*)$")
 # Third-party header prefix -> where it may be included, and whether in public headers too: else in sources, detail/ and
 # -inl.hpp only.
 THIRD_PARTY = {
-    "tbb/": (["core"], False),  # threads stay in one place
+    "tbb/": (["core", "broadphase/peers"], False),  # threads stay in one place; Embree's are oneTBB's
     "hwy/": (["mesh", "query", "broadphase", "culling", "narrowphase", "simulation"], False),  # one binary for every CPU: never in an interface
     "hdf5.h": (["mesh/sequence", "experiments"], False),
-    "fcl/": (["oracle", "broadphase"], False),
+    "fcl/": (["oracle", "broadphase/peers"], False),
+    "embree3/": (["broadphase/peers"], False),
+    "BulletCollision/": (["broadphase/peers"], False),
+    "CGAL/": (["broadphase/peers"], False),
     "ccd/": (["oracle", "culling", "broadphase"], False),
     "png.h": (["pictures"], False),
     "gtest/": ([], False),
@@ -69,6 +73,8 @@ SOURCE_SUFFIXES = {".hpp", ".cpp", ".h"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 THREAD_LOCAL = re.compile(r"^(?!\s*//).*\bthread_local\b")
 MODULE_CALL = re.compile(r"^\s*volccd_module\((\w+)([^)]*)\)", re.MULTILINE)
+# What the module's own executable links besides.
+EXECUTABLE_CALL = re.compile(r"^\s*target_link_libraries\(volccd_executable([^)]*)\)", re.MULTILINE)
 
 
 def owner(path):
@@ -130,7 +136,8 @@ def links(root):
         text = listing.read_text() if listing.is_file() else ""
         for name, arguments in MODULE_CALL.findall(re.sub(r"#.*", "", text)):
             if name == module.split("/")[-1]:
-                direct[module] = {names[word] for word in arguments.split() if word in names}
+                arguments += " ".join(EXECUTABLE_CALL.findall(text))
+                direct[module] = {names[word] for word in arguments.split() if word in names} - {module}
     closure = {}
     for module in direct:
         seen, todo = set(), [module]

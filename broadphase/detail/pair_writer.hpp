@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <volccd/broadphase/broad_phase.hpp>
+#include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/broadphase/detail/filter_keys.hpp>
 #include <volccd/query/pairs.hpp>
 
@@ -92,5 +93,16 @@ class PairWriters {
  private:
   std::vector<PairWriter> writers_;
 };
+
+/// Writes the pairs (o, o) that the rules want, of a list without gaps, by all workers.
+inline void write_self_pairs(const ElementList& list, const PairRules& rules, Executor& executor, PairWriters& writers) {
+  constexpr std::size_t kGrain = 4096;
+  if (!rules.self_pairs) return;
+  const Index* const slots = list.slots();
+  executor.parallel_for(list.size(), kGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
+    for (std::size_t p = begin; p < end; ++p)
+      if (rules.want(slots[p], slots[p])) writers[w].push(slots[p], slots[p]);
+  });
+}
 
 }  // namespace volccd::detail

@@ -5,6 +5,7 @@
 #include <volccd/experiments/tables/ablation.hpp>
 #include <volccd/experiments/tables/culling_counts.hpp>
 #include <volccd/experiments/tables/operation_table.hpp>
+#include <volccd/experiments/tables/peers.hpp>
 #include <volccd/experiments/tables/pipelines_table.hpp>
 #include <volccd/experiments/tables/scaling.hpp>
 #include <volccd/experiments/tables/table1.hpp>
@@ -26,6 +27,8 @@ const std::vector<ExperimentKind>& experiment_kinds() {
        scaling_summary, nullptr, true},
       {"operations", "Section 7: operations and nanoseconds of CSAT and of an elementary test, beside the paper's",
        nullptr, operation_tables, nullptr, operation_rows},
+      {"peers", "broad phases side by side, those of other libraries included: update, query, pairs a second, memory",
+       nullptr, peers_tables, peers_summary, peers_rows},
   };
   return kinds;
 }

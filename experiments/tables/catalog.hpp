@@ -8,6 +8,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <volccd/core/executor.hpp>
 #include <volccd/experiments/harness/plan.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 
@@ -21,6 +22,9 @@ struct PlanContext {
   std::vector<std::string> settings;   ///< "stage.option=value[,value...]" or "role=stage[,stage...]"
   /// The sequence file of a scene's name, or nothing if it is not there. May take long (a bake), and may throw.
   std::function<std::optional<std::string>(const std::string& name)> file_of;
+  /// For `rows`: what they are measured with (null: one thread), and who is told how far it is; may throw to stop.
+  Executor* executor = nullptr;
+  std::function<void(std::size_t done, std::size_t total)> progress = {};
 };
 
 struct ExperimentKind {

@@ -1,6 +1,8 @@
 // What every broad phase owes, on all scenes: against an oracle in exact arithmetic, and against each other.
 #include <hwy/targets.h>
 
+#include <volccd/broadphase/peers/peers.hpp>
+
 #include "broadphase/scenes.hpp"
 
 namespace volccd::test {
@@ -87,6 +89,7 @@ std::vector<std::unique_ptr<BroadPhase>> all_phases() {
   phases.push_back(make(describe_spatial_hash()));
   phases.push_back(make(describe_brute_force()));
   phases.push_back(make(describe_brute_force(), {{"bounds", "none"}}));
+  for (const auto& peer : describe_peers()) phases.push_back(make(peer));
   return phases;
 }
 

@@ -1,12 +1,21 @@
 // What a state carries from step to step: topology changes, restructuring, memory.
+#include <volccd/broadphase/peers/peers.hpp>
+
 #include "broadphase/scenes.hpp"
 #include "support/allocations.hpp"
 
 namespace volccd::test {
 namespace {
 
-std::vector<StageDescriptor<BroadPhase>> descriptors() {
+/// The project's own.
+std::vector<StageDescriptor<BroadPhase>> own_descriptors() {
   return {describe_kdop_bvh(), describe_spatial_hash(), describe_brute_force()};
+}
+
+std::vector<StageDescriptor<BroadPhase>> descriptors() {
+  std::vector<StageDescriptor<BroadPhase>> all = own_descriptors();
+  for (auto& peer : describe_peers()) all.push_back(std::move(peer));
+  return all;
 }
 
 /// Removes `removals` random elements and adds `additions` near or far.
@@ -39,7 +48,7 @@ TopologyEdit random_edit(const Topology& topology, std::size_t removals, std::si
 
 void expect_follows_edits(std::size_t removals, std::size_t additions, bool whole_builds_expected) {
   const Shape shape = permuted(block(ElementType::tetrahedron, 6, 5, 5), 1);
-  for (const auto& descriptor : descriptors())
+  for (const auto& descriptor : own_descriptors())
     for (PairScope scope : {PairScope::all, PairScope::inter}) {
       SCOPED_TRACE(descriptor.name);
       Scene scene = make_scene("edits", shape, jittered(shape.positions, 0.3, 1));
@@ -380,7 +389,7 @@ TEST(SteadyState, AllocatesNothing) {
   for (std::uint64_t seed = 0; seed < 4; ++seed)
     motions.push_back(Motion::linear(jittered(shape.positions, 0.05, seed), jittered(shape.positions, 0.2, seed + 10)));
   for (PairScope scope : {PairScope::all, PairScope::inter})
-    for (const auto& descriptor : descriptors())
+    for (const auto& descriptor : own_descriptors())
       for (unsigned workers : {1u, 3u}) {
         scene.filter = ObjectFilter(scope);
         const auto executor = make_thread_executor(workers);

@@ -23,7 +23,7 @@ const ObjectFilter kNoFilter;
 PipelineSpec spec_of(const char* flood) {
   PipelineSpec spec = registry().pipeline("VolCCD+");
   registry().apply_setting(spec, std::string("flood=") + flood);
-  if (spec.flood) spec.flood->options["most_degenerate"] = "1";  // nothing is left to the other stages
+  if (spec.flood) spec.flood->options = {{"most_boundary", "1"}, {"most_suspect", "1"}};  // no step is left to others
   spec.narrow_phase = {"inclusion", {{"undecided", "exact"}}};
   return spec;
 }

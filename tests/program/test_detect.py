@@ -1,5 +1,6 @@
 """detect and verify: contacts, what selects them, and what is written about them."""
 
+import re
 import json
 import os
 import unittest
@@ -71,7 +72,12 @@ class Detect(ProgramTest):
         self.bad("detect", self.sequence, "--overlaps", self.path("no/such/folder.csv"), says="folder.csv")
 
     def test_verify_is_clean(self):
-        self.assertIn("clean", self.good("verify", self.sequence))
+        plain = self.good("verify", self.sequence)
+        self.assertIn("clean", plain)
+        compared = int(re.search(r"none of (\d+)", plain)[1])
+        more = self.good("verify", self.sequence, "--set", "broad-phase=spatial-hash", "--set", "spatial-hash.k=6")
+        self.assertIn(f"none of {compared + 1}", more)
+        self.bad("verify", self.sequence, "--set", "broad-phase=nothing", says="kdop-bvh")
 
     def test_quadratic_motion(self):
         self.assertIn("motions", self.good("info", self.sequence, "--motion", "quadratic"))

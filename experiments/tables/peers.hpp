@@ -1,0 +1,14 @@
+// Broad phases side by side: the project's own and those of other libraries that the build has.
+#pragma once
+
+#include <volccd/experiments/tables/catalog.hpp>
+
+namespace volccd {
+
+/// Times and counts of broad phases on single motions, interleaved: docs/reproducing.md. Throws ConfigError if no scene
+/// is there, and Error if two broad phases with the same boxes emit different numbers of pairs.
+std::vector<nlohmann::json> peers_rows(const PlanContext& context);
+std::vector<TitledTable> peers_tables(const nlohmann::json& record);
+nlohmann::json peers_summary(const nlohmann::json& record);
+
+}  // namespace volccd

@@ -1,0 +1,115 @@
+// The experiment `peers`, on a small scene: what its rows say, and that broad phases which disagree are told.
+#include <volccd/experiments/tables/peers.hpp>
+
+#include <gtest/gtest.h>
+
+#include <volccd/broadphase/kdop_bvh.hpp>
+#include <volccd/core/error.hpp>
+#include <volccd/experiments/scenes/scene.hpp>
+
+#include "support/scratch_folder.hpp"
+
+namespace volccd::test {
+namespace {
+
+using nlohmann::json;
+
+/// Takes a peer's place: boxes of `kdop-bvh`, and perhaps no more than the first batch of its pairs.
+class MadeUpPeer final : public BroadPhase {
+ public:
+  explicit MadeUpPeer(bool loses) : loses_(loses) {
+    KdopBvh::Config boxes;
+    boxes.k = 6;
+    tree_ = std::make_unique<KdopBvh>(boxes);
+  }
+
+  std::unique_ptr<StageState> make_state() const override { return tree_->make_state(); }
+  void prepare(const Step& step, StageState& state, Executor& executor) const override {
+    tree_->prepare(step, state, executor);
+  }
+  void run(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const override {
+    tree_->run(step, state, range, executor, [&](std::span<const ElementPair> pairs, unsigned worker) {
+      sink(loses_ ? pairs.subspan(1) : pairs, worker);
+    });
+  }
+
+ private:
+  bool loses_;
+  std::unique_ptr<KdopBvh> tree_;
+};
+
+class PeersExperiment : public testing::Test {
+ protected:
+  PeersExperiment() : file_(folder_ / "builtin.vtkhdf") {
+    write_scene(*make_scene("builtin", {{"elements", "200"}, {"steps", "9"}}), file_);
+  }
+
+  void add_peer(bool loses) {
+    registry_.add(StageDescriptor<BroadPhase>{"cgal-box-intersection", "made up", Guarantee::conservative, {},
+                                              [loses](const OptionValues&) -> std::unique_ptr<BroadPhase> {
+                                                return std::make_unique<MadeUpPeer>(loses);
+                                              }});
+  }
+  PlanContext context(const std::string& scene) const {
+    return {registry_, false, {}, {}, [this, scene](const std::string& name) {
+              return name == scene ? std::optional<std::string>(file_) : std::nullopt;
+            }};
+  }
+
+  const ScratchFolder folder_;
+  const std::string file_;
+  Registry registry_ = Registry::standard();
+};
+
+TEST_F(PeersExperiment, RowsAndSummary) {
+  add_peer(false);
+  const json record = {{"rows", peers_rows(context("octopi-quick"))}};
+  // Four of our own and one peer, on two motions, three times.
+  ASSERT_EQ(record.at("rows").size(), 5u * 2 * 3);
+  for (const json& row : record.at("rows")) {
+    EXPECT_EQ(row.at("scene"), "octopi");
+    EXPECT_EQ(row.at("volume"), true);
+    EXPECT_EQ(row.at("threads"), 1);
+    for (const char* positive : {"elements", "build_ms", "query_ms", "pairs", "pairs_per_second", "bytes"})
+      EXPECT_GT(row.at(positive).get<double>(), 0) << positive;
+  }
+  const json summary = peers_summary(record);
+  ASSERT_EQ(summary.size(), 5u);
+  for (const json& row : summary) {
+    const bool peer = row.at("broadphase") == "cgal-box-intersection";
+    EXPECT_EQ(row.at("peer"), peer);
+    if (peer)
+      EXPECT_EQ(row.at("speedup_fastest_peer"), 1.0);
+    else
+      EXPECT_GT(row.at("speedup_fastest_peer").get<double>(), 0);
+  }
+  EXPECT_EQ(summary[0].at("broadphase"), "kdop-bvh k=6");
+  EXPECT_EQ(summary[0].at("pairs"), summary[1].at("pairs"));
+  EXPECT_EQ(peers_tables(record).size(), 1u);
+}
+
+TEST_F(PeersExperiment, AFileOfOneMotionHasAMotionBeforeIt) {
+  write_scene(*make_scene("builtin", {{"elements", "200"}, {"steps", "2"}}), file_);
+  const std::vector<json> rows = peers_rows(context("cloth-ball"));
+  ASSERT_EQ(rows.size(), 4u * 3);
+  for (const json& row : rows) EXPECT_EQ(row.at("motion"), 0);
+  const json summary = peers_summary({{"rows", rows}});
+  for (const json& row : summary) EXPECT_TRUE(row.at("speedup_fastest_peer").is_null()) << "there is no peer";
+}
+
+TEST_F(PeersExperiment, DifferentCountsAreAnError) {
+  add_peer(true);
+  try {
+    peers_rows(context("octopi-quick"));
+    FAIL() << "a broad phase that loses pairs went unnoticed";
+  } catch (const Error& error) {
+    const std::string text = error.what();
+    for (const char* part : {"octopi", "motion", "kdop-bvh k=6", "cgal-box-intersection"})
+      EXPECT_NE(text.find(part), std::string::npos) << text;
+  }
+}
+
+TEST_F(PeersExperiment, NoSceneIsAnError) { EXPECT_THROW(peers_rows(context("none")), ConfigError); }
+
+}  // namespace
+}  // namespace volccd::test
