@@ -211,6 +211,7 @@ Flood::Front BoundaryFlood::next(StageState& stage_state, Executor&) const {
       if (!state.parts_valid) state.parts = detail::FloodFront::one_of_each_part(step);
       state.parts_valid = true;
       at_start.from_start(state.parts);
+      for (const ElementPair pair : fresh) at_start.around(pair);
     } else {
       for (const ElementPair pair : fresh) {
         state.seen.insert(pair);

@@ -41,8 +41,10 @@ class FloodScenes {
 
   FloodScene make() {
     what_.clear();
+    deep_ = one_in(3);
     const Shape shape = permuted(several_objects(), random_.next());
-    const std::vector<Vec3> x0 = moved(shape.positions), x1 = one_in(4) ? near(x0) : moved(shape.positions);
+    const std::vector<Vec3> x0 = deep_ ? near(shape.positions) : moved(shape.positions);
+    const std::vector<Vec3> x1 = deep_ || one_in(4) ? near(x0) : moved(shape.positions);
     std::vector<Vec3> middle(x0.size());
     for (std::size_t v = 0; v < x0.size(); ++v) middle[v] = (x0[v] + x1[v]) / 2;
     middle = jittered(middle, one_in(2) ? 0.05 : 0.4, random_.next());
@@ -56,7 +58,8 @@ class FloodScenes {
   Shape one_object() {
     constexpr std::array types = {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge,
                                   ElementType::pyramid, ElementType::polytope, ElementType::triangle, ElementType::quad};
-      const int n = one_in(3) ? 3 : 2;
+      const int n = deep_ ? 5 : one_in(3) ? 3 : 2;
+    if (deep_) return note("large"), block(types[random_.below(4)], n, n, n - 1);
     if (one_in(6)) return note("mixed"), mixed_block(n - 1, n);
     const ElementType type = types[one_in(5) ? random_.below(types.size()) : random_.below(4)];
     note(to_string(type));
@@ -68,8 +71,10 @@ class FloodScenes {
     if (one_in(2)) {
       Shape other = one_object();
       const bool nested = one_in(2);
-      note(nested ? "nested" : "beside");
-      for (Vec3& p : other.positions) p = nested ? Vec3(0.2 * p + Vec3(0.71, 0.62, 0.83)) : Vec3(p + Vec3(1.3, 0.4, 1.1));
+      const Vec3 by(random_.uniform(0, 2), random_.uniform(0, 2), random_.uniform(0, 2));
+      const double size = nested ? 0.2 : random_.uniform(0.4, 1), turn = one_in(2) ? 1 : -1;
+      note(nested ? "nested" : "into another");
+      for (Vec3& p : other.positions) p = Vec3(size * p.x(), turn * size * p.y(), turn * size * p.z()) + by;
       all.append(other, 2);
     }
     if (one_in(3)) join_somewhere(all);
@@ -123,7 +128,7 @@ class FloodScenes {
     }
   }
 
-  std::vector<Vec3> near(const std::vector<Vec3>& from) { return jittered(from, 0.01, random_.next()); }
+  std::vector<Vec3> near(const std::vector<Vec3>& from) { return jittered(from, deep_ ? 0.1 : 0.01, random_.next()); }
 
   std::vector<Vec3> moved(std::vector<Vec3> x) {
     for (std::uint64_t i = random_.below(3); i > 0; --i) deform(x);
@@ -163,6 +168,7 @@ class FloodScenes {
   }
 
   Random random_;
+  bool deep_ = false;  ///< large meshes, hardly deformed, in one another
   std::string what_;
 };
 
@@ -211,6 +217,22 @@ std::size_t compare_scenes(std::uint64_t first_seed, int count) {
     contacts += contest.compare({scene.topology, scene.linear, kNoFilter}, what + ", edited");
   }
   return contacts;
+}
+
+/// Blocks with elements inside, one deep in the other at the start, in a small motion: its contacts are far from where the
+/// boundaries cross.
+TEST(BoundaryFlood, FindsContactsDeepInAPenetration) {
+  for (const ElementType type : {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge})
+    for (const Vec3& at : {Vec3(2.53, 1.31, 1.17), Vec3(1.27, 1.41, 1.63)}) {
+      Shape both = block(type, 5, 5, 5), other = block(type, 2, 2, at.x() > 2 ? 6 : 2);
+      // Turned, so that the first vertex of what sticks out is outside.
+      for (Vec3& p : other.positions) p = Vec3(0.9 * p.x(), 1.8 - 0.9 * p.y(), (at.x() > 2 ? 5.4 : 1.8) - 0.9 * p.z()) + at;
+      both.append(other, 2);
+      const Topology topology(both.mesh());
+      std::vector<Vec3> end = both.positions;
+      for (std::size_t v = end.size() - other.positions.size(); v < end.size(); ++v) end[v] += Vec3(0.21, 0.33, 0.12);
+      EXPECT_GT(Contest().compare({topology, Motion::linear(both.positions, end), kNoFilter}, to_string(type)), 20u);
+    }
 }
 
 TEST(BoundaryFlood, FindsAllContactsOfMeshesMadeToBreakIt) { EXPECT_GT(compare_scenes(1, 30), 20000u); }
