@@ -21,7 +21,7 @@ using Outcome = InclusionAnswer::Outcome;
 constexpr int kLevelsOfThree = 8;
 
 /// Distance in units of the rounding of the size, by axis, below which features seem to touch.
-constexpr double kTouchUnits = 16;
+constexpr double kTouchUnits = 2;
 
 /// Shortest parts after the first open one: what stays open among so few does not matter; where so many later one is
 /// open, too many are.
@@ -191,8 +191,13 @@ class PieceSearch {
     if (hi > enough) return Rest::unknown;
     const double from = std::max(hi, std::min(enough, open.toi + kFewParts * kShortestPiece));
     if (from >= 1 || free_from(from)) return Rest::free;
-    const double later = open.toi + std::min(1.5 * tolerance_, kManyParts * kShortestPiece);
-    return later + kShortestPiece <= 1 && stays_open(later, later + kShortestPiece) ? Rest::touching : Rest::unknown;
+    // Longer parts are easier to prove free where the features move apart slowly, shorter ones where they touch later.
+    const double after = std::min(1.5 * tolerance_, kManyParts * kShortestPiece);
+    for (double length = kShortestPiece; length <= after; length *= 2) {
+      const double later = open.toi + std::floor(after / length) * length;
+      if (later + length > 1 || !stays_open(later, later + length)) return Rest::unknown;
+    }
+    return Rest::touching;
   }
 
   bool free_from(double lo) {
