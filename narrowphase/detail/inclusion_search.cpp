@@ -128,6 +128,7 @@ class PieceSearch {
       open.at_start = true;
       if (const Rest rest = look_ahead(open, kShortestPiece); rest != Rest::unknown) return ended(open, rest);
       split_down_to({0, 1, 0}, 0);
+      ++pieces_;
     } else {
       stack_.push({0, 1, 0});
     }
@@ -156,9 +157,9 @@ class PieceSearch {
         return part.hi <= open.toi + tolerance_ ? touch(open.toi) : unsettled(open);
       }
       const bool splits = part.hi - part.lo > kShortestPiece && !test_.rigid();
-      if (separated(piece, part.level, splits)) continue;
+      if (separated(piece, part.level, splits && !is_open)) continue;
       if (splits) {
-        if (!split_around_touch(piece, part)) split(piece, part);
+        if (is_open || !split_around_touch(piece, part)) split(piece, part);
         continue;
       }
       if (separated_closely(piece)) continue;
@@ -191,11 +192,14 @@ class PieceSearch {
     if (hi > enough) return Rest::unknown;
     const double from = std::max(hi, std::min(enough, open.toi + kFewParts * kShortestPiece));
     if (from >= 1 || free_from(from)) return Rest::free;
-    // Longer parts are easier to prove free where the features move apart slowly, shorter ones where they touch later.
-    const double after = std::min(1.5 * tolerance_, kManyParts * kShortestPiece);
-    for (double length = kShortestPiece; length <= after; length *= 2) {
-      const double later = open.toi + std::floor(after / length) * length;
-      if (later + length > 1 || !stays_open(later, later + length)) return Rest::unknown;
+    const double many = std::min(1.5 * tolerance_, kManyParts * kShortestPiece);
+    for (const double after : {many, many / 2, many / 4, many / 8}) {
+      // Longer parts are easier to prove free where the features move apart slowly, shorter ones where they touch later.
+      for (double length = kShortestPiece; length <= after; length *= 2) {
+        const double later = open.toi + std::floor(after / length) * length;
+        if (later + length > 1 || !stays_open(later, later + length)) return Rest::unknown;
+      }
+      if (always_coplanar_) break;
     }
     return Rest::touching;
   }
@@ -203,6 +207,7 @@ class PieceSearch {
   bool free_from(double lo) {
     MotionPiece<kPoints> piece(test_, lo, 1);
     if (free_at_once(piece)) return true;
+    if (lo < 0.5) always_coplanar_ = piece.vanishes();
     look(piece);
     return separated(piece, kLevelsOfThree, false);
   }
@@ -359,7 +364,10 @@ class PieceSearch {
         stack_.push(right);
         return left;
       }
-      if (t < middle) stack_.push(right);
+      if (t < middle)
+        stack_.push(right);
+      else
+        ++pieces_;
       part = t < middle ? left : right;
     }
     return part;
