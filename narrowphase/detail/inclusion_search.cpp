@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cassert>
+#include <optional>
 
 #include <Eigen/Geometry>
 
@@ -126,7 +127,7 @@ class PieceSearch {
       // No piece that begins at 0 can be proven free: the first that stays open is the shortest of them.
       open.outcome = Outcome::undecided;
       open.at_start = true;
-      if (const Rest rest = look_ahead(open, kShortestPiece); rest != Rest::unknown) return ended(open, rest);
+      if (const auto answer = look_ahead(open, kShortestPiece)) return *answer;
       split_down_to({0, 1, 0}, 0);
       ++pieces_;
     } else {
@@ -167,7 +168,7 @@ class PieceSearch {
         return is_open ? open : undecided(part.lo);
       if (!is_open) {
         open = undecided(part.lo);
-        if (const Rest rest = look_ahead(open, part.hi); rest != Rest::unknown) return ended(open, rest);
+        if (const auto answer = look_ahead(open, part.hi)) return *answer;
       }
       if (part.hi > open.toi + tolerance_) return unsettled(open);
     }
@@ -175,39 +176,47 @@ class PieceSearch {
   }
 
  private:
-  /// What is known of the step after the first part that stays open.
-  enum class Rest {
-    free,      ///< but for less than the tolerance
-    touching,  ///< parts stay open for longer than the tolerance, or for more parts than the search looks at
-    unknown
-  };
-
-  static InclusionAnswer ended(const InclusionAnswer& open, Rest rest) {
-    return rest == Rest::free ? open : unsettled(open);
+  /// Two proofs and a guess about the step after the first open part, for what takes hundreds of parts otherwise. `open`
+  /// ends at hi.
+  std::optional<InclusionAnswer> look_ahead(const InclusionAnswer& open, double hi) {
+    const bool moved_apart = moved_apart_;
+    const Vec3 axis = axis_;
+    if (hi <= open.toi + tolerance_ && rest_is_free(open.toi, hi)) return open;
+    if (stays_open_for_long(open.toi)) return unsettled(open);
+    moved_apart_ = moved_apart;
+    axis_ = axis;
+    return std::nullopt;
   }
 
-  /// Two proofs and a guess, for what takes hundreds of parts otherwise. `open` ends at hi.
-  Rest look_ahead(const InclusionAnswer& open, double hi) {
-    const double enough = open.toi + tolerance_;
-    if (hi > enough) return Rest::unknown;
-    const double from = std::max(hi, std::min(enough, open.toi + kFewParts * kShortestPiece));
-    if (from >= 1 || free_from(from)) return Rest::free;
+  /// All but the tolerance after t. Where even the first part of it is not free, the search may end without an answer.
+  bool rest_is_free(double t, double hi) {
+    const double from = std::max(hi, std::min(t + tolerance_, t + kFewParts * kShortestPiece));
+    return from >= 1 || (is_free(from, std::min(1.0, 2 * from - t)) && is_free(from, 1));
+  }
+
+  /// Parts after t stay open for longer than the tolerance, or are more than the search looks at. No certainty: if so,
+  /// `exact` is asked in vain.
+  bool stays_open_for_long(double t) {
     const double many = std::min(1.5 * tolerance_, kManyParts * kShortestPiece);
     for (const double after : {many, many / 2, many / 4, many / 8}) {
       // Longer parts are easier to prove free where the features move apart slowly, shorter ones where they touch later.
       for (double length = kShortestPiece; length <= after; length *= 2) {
-        const double later = open.toi + std::floor(after / length) * length;
-        if (later + length > 1 || !stays_open(later, later + length)) return Rest::unknown;
+        const double later = t + std::floor(after / length) * length;
+        if (later + length > 1 || !stays_open(later, later + length)) return false;
       }
-      if (always_coplanar_) break;
+      if (always_coplanar()) break;
     }
-    return Rest::touching;
+    return true;
   }
 
-  bool free_from(double lo) {
-    MotionPiece<kPoints> piece(test_, lo, 1);
+  bool always_coplanar() const {
+    MotionPiece<kPoints> step(test_, 0, 1);
+    return !step.never_coplanar() && step.vanishes();
+  }
+
+  bool is_free(double lo, double hi) {
+    MotionPiece<kPoints> piece(test_, lo, hi);
     if (free_at_once(piece)) return true;
-    if (lo < 0.5) always_coplanar_ = piece.vanishes();
     look(piece);
     return separated(piece, kLevelsOfThree, false);
   }
@@ -340,8 +349,7 @@ class PieceSearch {
   bool split_around_touch(const MotionPiece<kPoints>& piece, const Part& part) {
     if (test_.separation() > 0 || (part.level < kLevelsOfThree && crossing(piece))) return false;
     double t = part.lo + root_ * (part.hi - part.lo);
-    if (part.level == 0) always_coplanar_ = piece.vanishes();
-    if (always_coplanar_ ? !find_touch(part, t) : !seem_to_touch(closest_)) return false;
+    if (piece.vanishes() ? !find_touch(part, t) : !seem_to_touch(closest_)) return false;
     stack_.push(split_down_to(part, t));
     return true;
   }
@@ -352,15 +360,15 @@ class PieceSearch {
     Part shortest = part;
     for (double middle = 0; shortest.hi - shortest.lo > kShortestPiece; (t < middle ? shortest.hi : shortest.lo) = middle)
       middle = shortest.lo + (shortest.hi - shortest.lo) / 2;
-    const auto is_free = [&](double lo, double hi) {
+    const auto clear = [&](double lo, double hi) {
       MotionPiece<kPoints> before(test_, lo, hi);
       return free_at_once(before);
     };
-    const bool free_before = part.lo == shortest.lo || is_free(part.lo, shortest.lo);
+    const bool clear_before = part.lo == shortest.lo || clear(part.lo, shortest.lo);
     for (; part.hi - part.lo > kShortestPiece; ++pieces_) {
       const double middle = part.lo + (part.hi - part.lo) / 2;
       const Part left{part.lo, middle, part.level + 1}, right{middle, part.hi, part.level + 1};
-      if (t >= middle && !free_before && !is_free(left.lo, left.hi)) {
+      if (t >= middle && !clear_before && !clear(left.lo, left.hi)) {
         stack_.push(right);
         return left;
       }
@@ -426,9 +434,8 @@ class PieceSearch {
   int most_pieces_;
   int pieces_ = 0;  ///< looked at
   PartStack stack_;
-  bool always_coplanar_ = false;  ///< as far as the polynomial tells
   bool moved_apart_ = false;  ///< an axis has separated a piece
-  Vec3 axis_;                 ///< the last that did
+  Vec3 axis_ = Vec3::Zero();  ///< the last that did
   double root_ = 0;           ///< local parameter at which the piece was looked at
   Differences likely_;        ///< then
   ClosestPoints closest_;     ///< then
