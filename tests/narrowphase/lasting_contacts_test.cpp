@@ -80,7 +80,7 @@ std::vector<Vec3> lasting_test(std::mt19937_64& random, LastingCase what, Featur
   return points;
 }
 
-double size_of(const TestMotion& motion) {
+double size_of_lasting(const TestMotion& motion) {
   double size = 0;
   for (const double* x : motion.points)
     for (int k = 0; k < 3 * motion.control_points; ++k) size = std::max(size, std::abs(x[k] - motion.points[0][k]));
@@ -104,7 +104,7 @@ void expect_as_exact(LastingCase what, FeatureKind kind, int control_points, int
     undecided += counters.undecided > 0 ? 1 : 0;
     if (!exact.touches && !contacts.empty()) {
       ASSERT_GT(counters.undecided, 0u) << where();
-      ASSERT_LE(compare_distance(motion, contacts[0].toi, kUndecidedDistance * size_of(motion)), 0) << where();
+      ASSERT_LE(compare_distance(motion, contacts[0].toi, kUndecidedDistance * size_of_lasting(motion)), 0) << where();
     }
     if (!exact.touches) continue;
     ASSERT_EQ(contacts.size(), 1u) << where();
