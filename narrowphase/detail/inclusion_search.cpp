@@ -24,9 +24,10 @@ constexpr int kLevelsOfThree = 8;
 /// Distance in units of the rounding of the size, by axis, below which features seem to touch.
 constexpr double kTouchUnits = 2;
 
-/// Shortest parts after the first open one: what stays open among so few does not matter; where so many later one is
-/// open, too many are.
-constexpr double kFewParts = 256, kManyParts = 600;
+/// How far the search looks ahead of the first open part: in shortest parts, as many as it could look at one by one...
+constexpr double kFewParts = 256;
+/// ... and as many as it could not, in shares of the parts that it may look at: a shortest part costs about two.
+constexpr double kManyParts = 0.6;
 
 struct Part {
   double lo, hi;
@@ -124,7 +125,7 @@ class PieceSearch {
   InclusionAnswer run(double t_max) {
     InclusionAnswer open{Outcome::apart};  // the first piece that stays open, if any
     if (test_.separation() == 0 && !test_.rigid() && share_a_point_at_start(test_.kind(), points_)) {
-      // No piece that begins at 0 can be proven free: the first that stays open is the shortest of them.
+      // No piece that begins with a contact can be proven free: the first that stays open is the shortest of them.
       open.outcome = Outcome::undecided;
       open.at_start = true;
       if (const auto answer = look_ahead(open, kShortestPiece)) return *answer;
@@ -176,8 +177,8 @@ class PieceSearch {
   }
 
  private:
-  /// Two proofs and a guess about the step after the first open part, for what takes hundreds of parts otherwise. `open`
-  /// ends at hi.
+  /// Two proofs and a guess about the step after the first open part, which take the place of hundreds of parts. `open`
+  /// is the part that ends at hi. None: the search has to go on.
   std::optional<InclusionAnswer> look_ahead(const InclusionAnswer& open, double hi) {
     const bool moved_apart = moved_apart_;
     const Vec3 axis = axis_;
@@ -188,18 +189,19 @@ class PieceSearch {
     return std::nullopt;
   }
 
-  /// All but the tolerance after t. Where even the first part of it is not free, the search may end without an answer.
+  /// All but the tolerance after t is free, and the beginning of it is easily proven so: else the search might come to
+  /// no answer.
   bool rest_is_free(double t, double hi) {
     const double from = std::max(hi, std::min(t + tolerance_, t + kFewParts * kShortestPiece));
     return from >= 1 || (is_free(from, std::min(1.0, 2 * from - t)) && is_free(from, 1));
   }
 
-  /// Parts after t stay open for longer than the tolerance, or are more than the search looks at. No certainty: if so,
-  /// `exact` is asked in vain.
+  /// Parts after t stay open for longer than the tolerance, or are more than the search looks at. Not certain: where
+  /// it is wrong, `exact` decides what the search could have decided.
   bool stays_open_for_long(double t) {
-    const double many = std::min(1.5 * tolerance_, kManyParts * kShortestPiece);
+    const double many = std::min(1.5 * tolerance_, kManyParts * most_pieces_ * kShortestPiece);
     for (const double after : {many, many / 2, many / 4, many / 8}) {
-      // Longer parts are easier to prove free where the features move apart slowly, shorter ones where they touch later.
+      // Where features move apart slowly, longer parts are easier to prove free; where they touch again, shorter ones.
       for (double length = kShortestPiece; length <= after; length *= 2) {
         const double later = t + std::floor(after / length) * length;
         if (later + length > 1 || !stays_open(later, later + length)) return false;
@@ -344,8 +346,8 @@ class PieceSearch {
     return true;
   }
 
-  /// A part around a time of contact is split down to the shortest one, as all that contain this time would be: none of
-  /// them can be proven free. False, with nothing done: there seems to be no such time.
+  /// Splits a part around a likely time of contact down to the shortest one: no part that contains a contact can be
+  /// proven free. False, with nothing done: there seems to be no such time.
   bool split_around_touch(const MotionPiece<kPoints>& piece, const Part& part) {
     if (test_.separation() > 0 || (part.level < kLevelsOfThree && crossing(piece))) return false;
     double t = part.lo + root_ * (part.hi - part.lo);
@@ -354,12 +356,15 @@ class PieceSearch {
     return true;
   }
 
-  /// Halves the part until the one with t is short enough, which is returned, or until a part before t is not free at
-  /// once: then the one with t is pushed, and that one returned. Pushes what comes later.
+  /// Halves the part until the one that contains t is short enough, and returns it; the parts before it are free then.
+  /// If a part before it is not free at once, that part is returned, and the one that contains t is pushed. Pushes all
+  /// later parts. Counts the parts that a search which tries them would look at.
   Part split_down_to(Part part, double t) {
     Part shortest = part;
-    for (double middle = 0; shortest.hi - shortest.lo > kShortestPiece; (t < middle ? shortest.hi : shortest.lo) = middle)
-      middle = shortest.lo + (shortest.hi - shortest.lo) / 2;
+    while (shortest.hi - shortest.lo > kShortestPiece) {
+      const double middle = shortest.lo + (shortest.hi - shortest.lo) / 2;
+      (t < middle ? shortest.hi : shortest.lo) = middle;
+    }
     const auto clear = [&](double lo, double hi) {
       MotionPiece<kPoints> before(test_, lo, hi);
       return free_at_once(before);
