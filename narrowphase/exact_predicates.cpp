@@ -58,8 +58,8 @@ class FirstTouch {
     }
     if (volume_.is_zero()) {
       for (const Polynomial& event : coplanar_events(kind_, x_))
-        if (auto t = first_touching_root(event)) keep_earlier(*t);
-    } else if (auto t = first_touching_root(volume_)) {
+        if (auto t = first_touching_root(event, latest())) keep_earlier(*t);
+    } else if (auto t = first_touching_root(volume_, t_max_)) {
       answer_.side = t->sign_before(volume_);
       answer_.reason = answer_.side == t->sign_after(volume_) ? TouchCase::grazing : TouchCase::crossing;
       keep(*t);
@@ -75,10 +75,13 @@ class FirstTouch {
     return touches;
   }
 
-  /// Of the roots in (0, t_max].
-  std::optional<AlgebraicTime> first_touching_root(const Polynomial& p) {
+  /// Of the times after this none is earlier, as a double, than the touch that is known.
+  double latest() const { return answer_.touches ? std::min(t_max_, std::nextafter(answer_.toi, 1.0)) : t_max_; }
+
+  /// Of the roots in (0, latest].
+  std::optional<AlgebraicTime> first_touching_root(const Polynomial& p, double latest) {
     for (AlgebraicTime& t : roots_in_step(p)) {
-      if (t.compare(dyadic(t_max_)) > 0) break;
+      if (t.compare(dyadic(latest)) > 0) break;
       if (touches_at(t)) return std::move(t);
     }
     return std::nullopt;

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cassert>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <utility>
@@ -34,6 +35,15 @@ int sign_changes(const std::vector<Integer>& p) {
     last = sign;
   }
   return changes;
+}
+
+/// One is a multiple of the other. Pre: neither is zero.
+bool proportional(const Polynomial& p, const Polynomial& q) {
+  const std::vector<Integer>&a = p.coefficients(), &b = q.coefficients();
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i + 1 < a.size(); ++i)
+    if (a[i] * b.back() != b[i] * a.back()) return false;
+  return true;
 }
 
 class Isolation {
@@ -118,6 +128,7 @@ bool AlgebraicTime::is_root_of(const Polynomial& g) const {
 
 int AlgebraicTime::sign(const Polynomial& g) {
   if (g.degree() <= 0) return g.is_zero() ? 0 : g.coefficients().front().sign();
+  if (!exact() && proportional(g, *p_)) return 0;
   for (int bisections = 0; !exact(); ++bisections) {
     if (const int sign = g.sign_on(lo_, hi_, bits_)) return sign;
     if (bisections == kBisectionsBeforeDivisor && is_root_of(g)) return 0;
@@ -126,14 +137,41 @@ int AlgebraicTime::sign(const Polynomial& g) {
   return g.sign_at({lo_, bits_});
 }
 
+double AlgebraicTime::guess() const {
+  const auto time = [&](const Integer& x) { return std::ldexp(x.convert_to<double>(), -static_cast<int>(bits_)); };
+  double lo = time(lo_), hi = time(hi_);
+  if (exact()) return lo;
+  unsigned most_bits = 0;
+  for (const Integer& c : p_->coefficients())
+    if (!c.is_zero()) most_bits = std::max(most_bits, static_cast<unsigned>(msb(Integer(abs(c)))));
+  std::vector<double> coefficients;
+  for (const Integer& c : p_->coefficients())
+    coefficients.push_back(Integer(c >> (most_bits > 1000 ? most_bits - 1000 : 0)).convert_to<double>());
+  for (int round = 0; round < std::numeric_limits<double>::digits; ++round) {
+    const double middle = lo + (hi - lo) / 2;
+    double value = 0;
+    for (std::size_t i = coefficients.size(); i-- > 0;) value = value * middle + coefficients[i];
+    (value * before_ > 0 ? lo : hi) = middle;
+  }
+  return lo;
+}
+
 double AlgebraicTime::floor() {
   if (compare({1, 0}) == 0) return 1;
   // Non-negative doubles are ordered as their bits are. Each but zero is compared before it becomes the lower bound.
   std::uint64_t below = 0, above = std::bit_cast<std::uint64_t>(1.0);
-  while (above - below > 1) {
-    const std::uint64_t middle = below + (above - below) / 2;
-    (compare(dyadic(std::bit_cast<double>(middle))) < 0 ? above : below) = middle;
+  const auto bound = [&](std::uint64_t bits) {
+    (compare(dyadic(std::bit_cast<double>(bits))) < 0 ? above : below) = bits;
+    return above == bits;
+  };
+  // In growing steps from the guess, until the time is passed.
+  const std::uint64_t start = std::bit_cast<std::uint64_t>(guess());
+  if (start > below && start < above) {
+    const bool down = bound(start);
+    for (std::uint64_t step = 1; step < above - below; step *= 8)
+      if (bound(down ? above - step : below + step) != down) break;
   }
+  while (above - below > 1) bound(below + (above - below) / 2);
   return std::bit_cast<double>(below);
 }
 

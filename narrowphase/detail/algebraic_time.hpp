@@ -31,6 +31,8 @@ class AlgebraicTime {
   int sign_after(const Polynomial& f) const;
 
  private:
+  /// Near the time, as rounding has it; not negative.
+  double guess() const;
   void bisect();
   bool is_root_of(const Polynomial& g) const;
   /// Makes ends a multiple of 2^-bits.

@@ -11,8 +11,7 @@ namespace {
 void offer(FeatureKind kind, const Differences& d, const std::array<double, 4>& weights, ClosestPoints& best) {
   ClosestPoints c;
   c.weights = weights;
-  c.separation = kind == FeatureKind::vf ? Vec3(-(weights[1] * d[0] + weights[2] * d[1] + weights[3] * d[2]))
-                                         : Vec3(weights[1] * d[0] - (weights[2] * d[1] + weights[3] * d[2]));
+  c.separation = separation_of(kind, d, weights);
   c.squared_distance = c.separation.squaredNorm();
   if (c.squared_distance < best.squared_distance) best = c;
 }

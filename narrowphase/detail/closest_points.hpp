@@ -17,6 +17,12 @@ struct ClosestPoints {
   double squared_distance;
 };
 
+/// From the point of the second feature with these weights to that of the first.
+inline Vec3 separation_of(FeatureKind kind, const Differences& d, const std::array<double, 4>& weights) {
+  return kind == FeatureKind::vf ? Vec3(-(weights[1] * d[0] + weights[2] * d[1] + weights[3] * d[2]))
+                                 : Vec3(weights[1] * d[0] - (weights[2] * d[1] + weights[3] * d[2]));
+}
+
 /// Sizes as in range_scale(). The distance is the least one up to about 1e-15 of the size, slivers included.
 ClosestPoints closest_points(FeatureKind kind, const Differences& d);
 

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cassert>
+#include <optional>
 
 #include <Eigen/Geometry>
 
@@ -19,6 +20,14 @@ using Outcome = InclusionAnswer::Outcome;
 /// A contact shrinks its piece to a quarter a level for so many levels, then to half: both ends soon suffice for a
 /// proof, where there is one.
 constexpr int kLevelsOfThree = 8;
+
+/// Distance in units of the rounding of the size, by axis, below which features seem to touch.
+constexpr double kTouchUnits = 2;
+
+/// How far the search looks ahead of the first open part: in shortest parts, as many as it could look at one by one...
+constexpr double kFewParts = 256;
+/// ... and as many as it could not, in shares of the parts that it may look at: a shortest part costs about two.
+constexpr double kManyParts = 0.6;
 
 struct Part {
   double lo, hi;
@@ -53,8 +62,7 @@ Vec3 across(Vec3 v, const Vec3& e) {
 /// Direction between the closest points. Their difference is good to a unit of the size, no better, and where it is
 /// small, its direction is not: then a plane across it cuts the long features that it should only keep apart. So it is
 /// turned to be at right angles to the edges and triangles that the closest points lie within.
-Vec3 separating_axis(FeatureKind kind, const Differences& d) {
-  const ClosestPoints closest = closest_points(kind, d);
+Vec3 separating_axis(FeatureKind kind, const Differences& d, const ClosestPoints& closest) {
   const std::array<double, 4>& w = closest.weights;
   if (kind == FeatureKind::vf) {
     const Vec3 e01 = d[1] - d[0], e02 = d[2] - d[0], e12 = d[2] - d[1];
@@ -99,6 +107,15 @@ bool moves_as_one(const TestPoints& x) {
   return true;
 }
 
+/// A point of the first feature and one of the second have the same coordinates at t = 0. Exact.
+bool share_a_point_at_start(FeatureKind kind, const TestPoints& x) {
+  const std::size_t second = kind == FeatureKind::vf ? 1 : 2;
+  for (std::size_t i = 0; i < second; ++i)
+    for (std::size_t j = second; j < 4; ++j)
+      if (x[i][0] == x[j][0] && x[i][1] == x[j][1] && x[i][2] == x[j][2]) return true;
+  return false;
+}
+
 template <int kPoints>
 class PieceSearch {
  public:
@@ -106,15 +123,24 @@ class PieceSearch {
       : points_(x), test_(kind, x, separation), tolerance_(tolerance), most_pieces_(most_pieces) {}
 
   InclusionAnswer run(double t_max) {
-    stack_.push({0, 1, 0});
     InclusionAnswer open{Outcome::apart};  // the first piece that stays open, if any
-    for (int pieces = 0; !stack_.empty(); ++pieces) {
+    if (test_.separation() == 0 && !test_.rigid() && share_a_point_at_start(test_.kind(), points_)) {
+      // No piece that begins with a contact can be proven free: the first that stays open is the shortest of them.
+      open.outcome = Outcome::undecided;
+      open.at_start = true;
+      if (const auto answer = look_ahead(open, kShortestPiece)) return *answer;
+      split_down_to({0, 1, 0}, 0);
+      ++pieces_;
+    } else {
+      stack_.push({0, 1, 0});
+    }
+    for (; !stack_.empty(); ++pieces_) {
       const Part part = stack_.pop();
       const bool is_open = open.outcome == Outcome::undecided;
       if (!is_open && part.lo > t_max) break;
-      if (pieces == most_pieces_) return unsettled(is_open ? open : undecided(part.lo));
+      if (pieces_ >= most_pieces_) return unsettled(is_open ? open : undecided(part.lo));
       MotionPiece<kPoints> piece(test_, part.lo, part.hi);
-      if (piece.never_coplanar() || (moved_apart_ && piece.separated_along(axis_))) continue;
+      if (free_at_once(piece)) continue;
       look(piece);
       if (test_.separation() > 0) {
         if (certainly_within(part.lo)) return touch(part.lo);  // all before is free
@@ -132,38 +158,110 @@ class PieceSearch {
         if (!is_open) return answer;
         return part.hi <= open.toi + tolerance_ ? touch(open.toi) : unsettled(open);
       }
-      if (separated(piece, part.level)) continue;
-      if (part.hi - part.lo > kShortestPiece && !test_.rigid()) {
-        split(piece, part);
+      const bool splits = part.hi - part.lo > kShortestPiece && !test_.rigid();
+      if (separated(piece, part.level, splits && !is_open)) continue;
+      if (splits) {
+        if (is_open || !split_around_touch(piece, part)) split(piece, part);
         continue;
       }
       if (separated_closely(piece)) continue;
-      if (!is_open) open = undecided(part.lo);
-      if (test_.separation() > 0 || (test_.rigid() && moves_as_one<kPoints>(points_))) break;
+      if (test_.separation() > 0 || (test_.rigid() && moves_as_one<kPoints>(points_)))
+        return is_open ? open : undecided(part.lo);
+      if (!is_open) {
+        open = undecided(part.lo);
+        if (const auto answer = look_ahead(open, part.hi)) return *answer;
+      }
       if (part.hi > open.toi + tolerance_) return unsettled(open);
     }
     return open;
   }
 
  private:
+  /// Two proofs and a guess about the step after the first open part, which take the place of hundreds of parts. `open`
+  /// is the part that ends at hi. None: the search has to go on.
+  std::optional<InclusionAnswer> look_ahead(const InclusionAnswer& open, double hi) {
+    const bool moved_apart = moved_apart_;
+    const Vec3 axis = axis_;
+    if (hi <= open.toi + tolerance_ && rest_is_free(open.toi, hi)) return open;
+    if (stays_open_for_long(open.toi)) return unsettled(open);
+    moved_apart_ = moved_apart;
+    axis_ = axis;
+    return std::nullopt;
+  }
+
+  /// All but the tolerance after t is free, and the beginning of it is easily proven so: else the search might come to
+  /// no answer.
+  bool rest_is_free(double t, double hi) {
+    const double from = std::max(hi, std::min(t + tolerance_, t + kFewParts * kShortestPiece));
+    return from >= 1 || (is_free(from, std::min(1.0, 2 * from - t)) && is_free(from, 1));
+  }
+
+  /// Parts after t stay open for longer than the tolerance, or are more than the search looks at. Not certain: where
+  /// it is wrong, `exact` decides what the search could have decided.
+  bool stays_open_for_long(double t) {
+    const double many = std::min(1.5 * tolerance_, kManyParts * most_pieces_ * kShortestPiece);
+    for (const double after : {many, many / 2, many / 4, many / 8}) {
+      // Where features move apart slowly, longer parts are easier to prove free; where they touch again, shorter ones.
+      for (double length = kShortestPiece; length <= after; length *= 2) {
+        const double later = t + std::floor(after / length) * length;
+        if (later + length > 1 || !stays_open(later, later + length)) return false;
+      }
+      if (always_coplanar()) break;
+    }
+    return true;
+  }
+
+  bool always_coplanar() const {
+    MotionPiece<kPoints> step(test_, 0, 1);
+    return !step.never_coplanar() && step.vanishes();
+  }
+
+  bool is_free(double lo, double hi) {
+    MotionPiece<kPoints> piece(test_, lo, hi);
+    if (free_at_once(piece)) return true;
+    look(piece);
+    return separated(piece, kLevelsOfThree, false);
+  }
+
+  /// No proof of any kind.
+  bool stays_open(double lo, double hi) {
+    MotionPiece<kPoints> piece(test_, lo, hi);
+    if (free_at_once(piece)) return false;
+    look(piece);
+    return contact(piece).outcome != Outcome::touch && !separated(piece, kLevelsOfThree, false) &&
+           !separated_closely(piece);
+  }
+
+  bool free_at_once(MotionPiece<kPoints>& piece) const {
+    return piece.never_coplanar() || (moved_apart_ && piece.separated_along(axis_));
+  }
+
   /// At the likely time of contact.
   void look(const MotionPiece<kPoints>& piece) {
     root_ = test_.separation() > 0 ? 0.5 : piece.likely_root();
     likely_ = test_.at(piece.lo() + root_ * (piece.hi() - piece.lo()));
   }
 
-  bool separated(const MotionPiece<kPoints>& piece, int level) {
-    if (separated_along(separating_axis(test_.kind(), likely_), piece)) return true;
-    // Features that stay near each other for long need the best axis there is.
-    return (test_.separation() > 0 || level >= kLevelsOfThree) && separated_by_search(piece);
+  /// Features that stay near each other for long need the best axis there is; but where they seem to touch, there is
+  /// none, and a piece that can be split need not show it.
+  bool separated(const MotionPiece<kPoints>& piece, int level, bool can_split) {
+    closest_ = closest_points(test_.kind(), likely_);
+    const Vec3 axis = separating_axis(test_.kind(), likely_, closest_);
+    if (separated_along(axis, piece)) return true;
+    if (test_.separation() > 0) return separated_by_search(axis, piece);
+    return level >= kLevelsOfThree && !(can_split && seem_to_touch(closest_)) && separated_by_search(axis, piece);
+  }
+
+  /// As near as rounding makes points of features that touch.
+  bool seem_to_touch(const ClosestPoints& closest) const {
+    return (closest.separation.cwiseAbs().array() <= kTouchUnits * kUnitRoundoff * test_.extent().array()).all();
   }
 
   /// Along the direction to the nearest point of the hull of all differences of the features' control points, which
   /// separates if anything does (Gilbert, Johnson, Keerthi).
-  bool separated_by_search(const MotionPiece<kPoints>& piece) {
+  bool separated_by_search(Vec3 axis, const MotionPiece<kPoints>& piece) {
     constexpr int kMostRounds = 8;
     HullSimplex<double> simplex;
-    Vec3 axis = separating_axis(test_.kind(), likely_);
     for (int round = 0; round < kMostRounds; ++round) {
       const Vec3 next = piece.support(axis);
       if (!simplex.add({next.x(), next.y(), next.z()}, {}) || simplex.size == 4) return false;
@@ -175,7 +273,7 @@ class PieceSearch {
 
   /// Before a part is given up: for features that are further apart than an undecided test may be.
   bool separated_closely(const MotionPiece<kPoints>& piece) {
-    const Vec3 between = closest_points(test_.kind(), likely_).separation;
+    const Vec3& between = closest_.separation;
     if (between.norm() - test_.separation() < kUndecidedDistance / 2 * test_.extent().maxCoeff()) return false;
     for (const Vec3& axis : close_axes(test_.kind(), likely_, between))
       if (separated_along(axis, piece)) return true;
@@ -217,7 +315,8 @@ class PieceSearch {
     answer.toi = t;
     if (t == 0) {
       const MotionPiece<kPoints> start(test_, 0, 0);
-      answer.at_start = !start.separated_along(separating_axis(test_.kind(), test_.at(0)));
+      const Differences d = test_.at(0);
+      answer.at_start = !start.separated_along(separating_axis(test_.kind(), d, closest_points(test_.kind(), d)));
     }
     return answer;
   }
@@ -247,6 +346,71 @@ class PieceSearch {
     return true;
   }
 
+  /// Splits a part around a likely time of contact down to the shortest one: no part that contains a contact can be
+  /// proven free. False, with nothing done: there seems to be no such time.
+  bool split_around_touch(const MotionPiece<kPoints>& piece, const Part& part) {
+    if (test_.separation() > 0 || (part.level < kLevelsOfThree && crossing(piece))) return false;
+    double t = part.lo + root_ * (part.hi - part.lo);
+    if (piece.vanishes() ? !find_touch(part, t) : !seem_to_touch(closest_)) return false;
+    stack_.push(split_down_to(part, t));
+    return true;
+  }
+
+  /// Halves the part until the one that contains t is short enough, and returns it; the parts before it are free then.
+  /// If a part before it is not free at once, that part is returned, and the one that contains t is pushed. Pushes all
+  /// later parts. Counts the parts that a search which tries them would look at.
+  Part split_down_to(Part part, double t) {
+    Part shortest = part;
+    while (shortest.hi - shortest.lo > kShortestPiece) {
+      const double middle = shortest.lo + (shortest.hi - shortest.lo) / 2;
+      (t < middle ? shortest.hi : shortest.lo) = middle;
+    }
+    const auto clear = [&](double lo, double hi) {
+      MotionPiece<kPoints> before(test_, lo, hi);
+      return free_at_once(before);
+    };
+    const bool clear_before = part.lo == shortest.lo || clear(part.lo, shortest.lo);
+    for (; part.hi - part.lo > kShortestPiece; ++pieces_) {
+      const double middle = part.lo + (part.hi - part.lo) / 2;
+      const Part left{part.lo, middle, part.level + 1}, right{middle, part.hi, part.level + 1};
+      if (t >= middle && !clear_before && !clear(left.lo, left.hi)) {
+        stack_.push(right);
+        return left;
+      }
+      if (t < middle)
+        stack_.push(right);
+      else
+        ++pieces_;
+      part = t < middle ? left : right;
+    }
+    return part;
+  }
+
+  /// The first time in the part at which the features seem to touch, by Newton's method on their distance and halving.
+  /// No certainty. False: none was found.
+  bool find_touch(const Part& part, double& t) const {
+    constexpr int kMostRounds = 16;
+    double before = part.lo;
+    t = part.lo;
+    for (int round = 0; round < kMostRounds; ++round) {
+      const ClosestPoints closest = closest_points(test_.kind(), test_.at(t));
+      if (seem_to_touch(closest)) {
+        while (t - before > kShortestPiece / 4) {
+          const double middle = before + (t - before) / 2;
+          (seem_to_touch(closest_points(test_.kind(), test_.at(middle))) ? t : before) = middle;
+        }
+        return true;
+      }
+      // The same two points at the part's end: for two control points they move along a line.
+      const Vec3 end = separation_of(test_.kind(), test_.at(part.hi), closest.weights);
+      const double approach = closest.separation.dot(closest.separation - end);
+      before = t;
+      t += (part.hi - t) * (closest.squared_distance / approach);
+      if (!(approach > 0 && t <= part.hi)) return false;
+    }
+    return false;
+  }
+
   void split(const MotionPiece<kPoints>& piece, const Part& part) {
     if (part.level < kLevelsOfThree && crossing(piece)) return split_at_root(piece, part, 0.125);
     const double middle = part.lo + (part.hi - part.lo) / 2;
@@ -273,11 +437,13 @@ class PieceSearch {
   BoundedTest<kPoints> test_;
   double tolerance_;
   int most_pieces_;
+  int pieces_ = 0;  ///< looked at
   PartStack stack_;
   bool moved_apart_ = false;  ///< an axis has separated a piece
-  Vec3 axis_;                 ///< the last that did
+  Vec3 axis_ = Vec3::Zero();  ///< the last that did
   double root_ = 0;           ///< local parameter at which the piece was looked at
   Differences likely_;        ///< then
+  ClosestPoints closest_;     ///< then
 };
 
 }  // namespace

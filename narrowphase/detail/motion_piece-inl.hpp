@@ -135,6 +135,13 @@ bool MotionPiece<kPoints>::never_coplanar() {
 }
 
 template <int kPoints>
+bool MotionPiece<kPoints>::vanishes() const {
+  for (int k = 0; k <= kDegree; ++k)
+    if (std::abs(b_[static_cast<std::size_t>(k)]) > error(k)) return false;
+  return true;
+}
+
+template <int kPoints>
 int MotionPiece<kPoints>::sign_at_start() const {
   return b_[0] > error(0) ? 1 : b_[0] < -error(0) ? -1 : 0;
 }

@@ -72,6 +72,8 @@ class MotionPiece {
   /// Bernstein coefficients, each times binomial(degree, k), and bounds on their errors.
   const std::array<double, kDegree + 1>& coefficients() const { return b_; }
   double error(int k) const;
+  /// No coefficient is beyond its bound: neither here nor in a part does the polynomial tell anything.
+  bool vanishes() const;
   /// Sign of the polynomial at the piece's start and end; 0 where rounding leaves it open.
   int sign_at_start() const;
   int sign_at_end() const;
