@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numeric>
-#include <utility>
 
 #include <volccd/culling/detail/certified_sign.hpp>
 
@@ -74,8 +73,8 @@ bool FloodFront::may_overlap_at_start(Index a, Index b) const {
 }
 
 /// Inner elements whose boxes contain one of the vertices, which are put in order of their first coordinates.
-void FloodFront::from_contained(std::span<const Index> vertices) {
-  std::vector<std::pair<double, Index>> along_x;
+void FloodFront::from_contained(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& along_x) {
+  along_x.clear();
   for (const Index v : vertices) along_x.emplace_back(step_.motion.point(v, 0)[0], v);
   std::sort(along_x.begin(), along_x.end());
   const Mesh& mesh = step_.mesh();
@@ -105,8 +104,8 @@ void FloodFront::around_at_start(ElementPair pair) {
   inner_neighbours(pair.b, pair.a);
 }
 
-void FloodFront::from_start(std::span<const Index> vertices) {
-  from_contained(vertices);
+void FloodFront::from_start(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& scratch) {
+  from_contained(vertices, scratch);
   for (const Index v : classes_.suspects()) {
     const std::span<const Index> star = step_.features().vertex_elements(v);
     for (const Index inner : star) {

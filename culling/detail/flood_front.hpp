@@ -2,6 +2,7 @@
 #pragma once
 
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <volccd/culling/detail/pair_set.hpp>
@@ -25,7 +26,7 @@ class FloodFront {
 
   /// For t = 0: inner elements that may contain one of the vertices, paired with an outer element at that vertex; and what
   /// lies around adjacent pairs that overlap, as around_at_start() goes on.
-  void from_start(std::span<const Index> vertices);
+  void from_start(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& scratch);
   /// Of an outer and an inner element: from the outer to all outer ones that share a vertex with it, from the inner over
   /// faces to inner ones.
   void around_at_start(ElementPair pair);
@@ -38,7 +39,7 @@ class FloodFront {
   bool has_inner_neighbour(Index o) const;
   bool may_overlap_at_start(Index a, Index b) const;
   bool beyond_a_face_at_start(Index a, Index b) const;
-  void from_contained(std::span<const Index> vertices);
+  void from_contained(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& along_x);
   void inner_neighbours(Index of, Index other);
   void propose(Index a, Index b);
 

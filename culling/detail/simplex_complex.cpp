@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include <volccd/mesh/detail/element_tables.hpp>
-#include <volccd/mesh/detail/visit_boundary.hpp>
+#include <volccd/mesh/oriented_boundary.hpp>
 
 namespace volccd::detail {
 
@@ -13,28 +12,6 @@ namespace {
 using Triangle = std::array<Index, 3>;
 
 bool is_simplex(ElementType type) { return type == ElementType::tetrahedron || type == ElementType::triangle; }
-
-/// Triangles of the boundary of element o, in the cyclic order of its faces.
-std::vector<Triangle> oriented_boundary(const Mesh& mesh, Index o) {
-  std::vector<Triangle> triangles;
-  const auto add_face = [&](std::vector<Index> face) {
-    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
-    for (std::size_t i = 1; i + 1 < face.size(); ++i) triangles.push_back({face[0], face[i], face[i + 1]});
-  };
-  const std::span<const Index> v = mesh.vertices(o), stream = mesh.polytope_faces(o);
-  if (mesh.type(o) == ElementType::polytope) {
-    for (std::size_t i = 0; i < stream.size(); i += stream[i] + std::size_t{1})
-      add_face({stream.begin() + static_cast<std::ptrdiff_t>(i + 1),
-                stream.begin() + static_cast<std::ptrdiff_t>(i + 1 + stream[i])});
-    return triangles;
-  }
-  const ElementTable& table = element_table(mesh.type(o));
-  for (std::size_t i = 0; i < table.triangles; ++i)
-    triangles.push_back({v[table.triangle[i][0]], v[table.triangle[i][1]], v[table.triangle[i][2]]});
-  for (std::size_t i = 0; i < table.quads; ++i)
-    add_face({v[table.quad[i][0]], v[table.quad[i][1]], v[table.quad[i][2]], v[table.quad[i][3]]});
-  return triangles;
-}
 
 bool has(const Triangle& triangle, Index v) { return triangle[0] == v || triangle[1] == v || triangle[2] == v; }
 

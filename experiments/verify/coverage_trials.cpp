@@ -280,4 +280,21 @@ void try_stage(const OrphanSource& stage, StageTrials& trials) {
   });
 }
 
+/// What a flood reaches depends on broad phase and culling: pipelines judge it. Here each front is empty.
+void try_stage(const Flood& stage, StageTrials& trials) {
+  Choices choices(trials.config.seed);
+  ChangingMesh mesh(choices);
+  const Step step = mesh.step();
+  const auto state = stage.make_state();
+  TestBatch out;
+  trials.expect_no_allocation([&](int) {
+    stage.prepare(step, *state, trials.serial);
+    out.clear();
+    if (!stage.takes(*state, false)) return;
+    for (std::size_t i = 0; i < stage.orphan_blocks(*state); ++i) stage.orphans(*state, i, out);
+    while (!stage.next(*state, trials.serial).pairs.empty()) {
+    }
+  });
+}
+
 }  // namespace volccd::detail

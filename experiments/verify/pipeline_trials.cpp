@@ -46,8 +46,12 @@ std::vector<PipelineSpec> specs_with(const Registry& registry, const StageReport
     if (role == FeatureFilter::kRole) spec->feature_filters = {choice};
     if (role == NarrowPhase::kRole) spec->narrow_phase = choice;
     // Exact arithmetic, which judges narrow phases, is slow: they see the tests that filters leave.
-    if ((role == OrphanSource::kRole || role == NarrowPhase::kRole) && spec == &every) continue;
-    if (role == OrphanSource::kRole) spec->orphans = choice;
+    if ((role == OrphanSource::kRole || role == Flood::kRole || role == NarrowPhase::kRole) && spec == &every) continue;
+    if (role == OrphanSource::kRole) {
+      spec->orphans = choice;
+      spec->flood.reset();  // which would have the orphans
+    }
+    if (role == Flood::kRole) spec->flood = choice;
     add(*spec);
   }
   return specs;

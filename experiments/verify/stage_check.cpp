@@ -120,11 +120,11 @@ std::string names(const Registry& registry) {
 StageReport check_stage(const Registry& registry, const std::string& stage, const StageCheckConfig& config) {
   StageReport report;
   report.stage = stage;
-  if (!try_kinds<BroadPhase, ElementCulling, Assignment, OrphanSource, FeatureFilter, NarrowPhase>(registry, stage,
-                                                                                                   config, report))
-    throw ConfigError(
-        fmt::format("no stage '{}'; there are {}", stage,
-                    names<BroadPhase, ElementCulling, Assignment, OrphanSource, FeatureFilter, NarrowPhase>(registry)));
+  if (!try_kinds<BroadPhase, ElementCulling, Assignment, OrphanSource, Flood, FeatureFilter, NarrowPhase>(
+          registry, stage, config, report))
+    throw ConfigError(fmt::format(
+        "no stage '{}'; there are {}", stage,
+        names<BroadPhase, ElementCulling, Assignment, OrphanSource, Flood, FeatureFilter, NarrowPhase>(registry)));
   return report;
 }
 

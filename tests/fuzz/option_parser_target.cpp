@@ -36,6 +36,7 @@ void apply(const Registry& registry, PipelineSpec& spec, const std::string& line
   make_all<ElementCulling>(registry, values);
   make_all<Assignment>(registry, values);
   make_all<OrphanSource>(registry, values);
+  make_all<Flood>(registry, values);
   make_all<FeatureFilter>(registry, values);
   make_all<NarrowPhase>(registry, values);
 }

@@ -198,7 +198,7 @@ std::vector<std::string> names() {
 std::vector<std::string> all_names() {
   std::vector<std::string> all;
   for (const auto& some : {names<BroadPhase>(), names<ElementCulling>(), names<Assignment>(), names<OrphanSource>(),
-                           names<FeatureFilter>(), names<NarrowPhase>()})
+                           names<Flood>(), names<FeatureFilter>(), names<NarrowPhase>()})
     all.insert(all.end(), some.begin(), some.end());
   return all;
 }

@@ -70,6 +70,7 @@ void try_stage(const BroadPhase& stage, StageTrials& trials);
 void try_stage(const ElementCulling& stage, StageTrials& trials);
 void try_stage(const Assignment& stage, StageTrials& trials);
 void try_stage(const OrphanSource& stage, StageTrials& trials);
+void try_stage(const Flood& stage, StageTrials& trials);
 void try_stage(const FeatureFilter& stage, StageTrials& trials);
 void try_stage(const NarrowPhase& stage, StageTrials& trials);
 
