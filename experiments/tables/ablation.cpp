@@ -13,10 +13,12 @@ using nlohmann::json;
 
 namespace {
 
-/// VolCCD+ with some of its stages on another broad phase. Without assignment, the O-Set goes as well.
+/// VolCCD+ with some of its stages on another broad phase. Without assignment, the O-Set goes as well, and the flood needs
+/// both, and CSAT: without it, the flood goes on over all that the broad phase gives.
 void add_subsets(const Registry& registry, std::vector<Entrant>& entrants) {
   for (const char* broad_phase : {"kdop-bvh", "spatial-hash", "brute-force"})
-    for (int subset = 0; subset < 8; ++subset) {
+    for (int subset = 0; subset < 16; ++subset) {
+      if ((subset & 8) != 0 && (subset & 3) != 3) continue;
       std::vector<std::string> settings = {std::string("broad-phase=") + broad_phase};
       std::string variant;
       const auto without = [&](bool present, const char* name, std::initializer_list<const char*> changes) {
@@ -28,6 +30,7 @@ void add_subsets(const Registry& registry, std::vector<Entrant>& entrants) {
       without(subset & 1, "CSAT", {"element-culling=none"});
       without(subset & 2, "assignment + O-Set", {"orphans=none", "assignment=all-pairs"});
       without(subset & 4, "filters", {"feature-filter=none"});
+      without(subset & 8, "flood", {"flood=none"});
       Entrant one = entrant(registry, "stages", "VolCCD+", settings);
       one.pipeline = broad_phase;
       one.variant = variant.empty() ? "none" : variant;
@@ -66,7 +69,7 @@ void add_options(const Registry& registry, std::vector<Entrant>& entrants) {
        {"none", "feature-csat", "coplanarity", "feature-kdop", "feature-kdop,coplanarity,feature-csat"})
     entrants.push_back(entrant(registry, "options", "VolCCD", {std::string("feature-filter=") + filters}));
   // Static assignment covers everything by itself (docs/pipelines.md).
-  entrants.push_back(entrant(registry, "options", "VolCCD+", {"orphans=none", "assignment=static-assignment"}));
+  entrants.push_back(entrant(registry, "options", "VolCCD+", {"flood=none", "orphans=none", "assignment=static-assignment"}));
   entrants.push_back(entrant(registry, "options", "VolCCD+"));
 }
 
