@@ -17,6 +17,7 @@ struct Candidates {
   std::size_t bytes() const { return (own.capacity() + later.capacity()) * sizeof(Index); }
 };
 
+/// Of one worker.
 struct alignas(64) Scratch {
   Candidates vertices, triangles, edges_a, edges_b;
 };
@@ -32,10 +33,12 @@ struct DynamicAssignmentState final : StageState {
   }
 };
 
+enum class Kind { vertex, triangle, edge };
+
 /// Writes the tests that element pairs own. In a pair (o1, o2) let a be a feature of o1 and b one of o2. That (o1, o2) is
 /// the first non-adjacent pair in inc(a) x inc(b), or (o2, o1) in inc(b) x inc(a), requires in both cases that all
 /// elements of inc(a) before o1 are adjacent to o2, and all of inc(b) before o2 to o1: two conditions that each concern
-/// one feature alone (Candidates). If o1 is the first element of a, these suffice for inc(a) x inc(b).
+/// one feature alone (Candidates). If o1 is the first element of a, they suffice for inc(a) x inc(b).
 class OwnedTests {
  public:
   OwnedTests(const Topology& topology, Scratch& scratch, TestBatch& out)
@@ -56,92 +59,102 @@ class OwnedTests {
 
  private:
   void append_vf(Index o_v, Index o_f, std::uint32_t mask) {
-    const auto of_vertex = [this](Index v) { return features_.vertex_elements(v); };
-    const auto of_triangle = [this](Index f) { return features_.triangle_elements(f); };
-    Candidates& vertices = scratch_.vertices;
-    find(mesh_.vertices(o_v), mask, o_v, o_f, [this](Index v) { return features_.first_element_of_vertex(v); }, of_vertex,
-         vertices);
+    Candidates &vertices = scratch_.vertices, &triangles = scratch_.triangles;
+    find<Kind::vertex>(o_v, o_f, mask, vertices);
     if (vertices.empty()) return;
     const std::span<const Index> own = features_.own_triangles(o_f);
     detail::append_vf(vertices.own, own, out_.vf);
     if (!connected_) return;
-    Candidates& triangles = scratch_.triangles;
-    find(features_.element_triangles(o_f), std::uint32_t{0}, o_f, o_v,
-         [this](Index f) { return features_.first_element_of_triangle(f); }, of_triangle, triangles);
+    find<Kind::triangle>(o_f, o_v, std::uint32_t{0}, triangles);
     detail::append_vf(vertices.own, triangles.later, out_.vf);
     for (const Index v : vertices.later)
       for (const auto& list : {own, std::span<const Index>(triangles.later)})
         for (const Index f : list)
-          if (all_adjacent_before(o_v, of_vertex(v), of_triangle(f))) out_.vf.push_back({v, f});
+          if (covers(o_v, elements<Kind::vertex>(v), o_f, elements<Kind::triangle>(f))) out_.vf.push_back({v, f});
   }
 
   void append_ee(ElementPair pair, const FeatureMask& mask) {
-    const auto first = [this](Index e) { return features_.first_element_of_edge(e); };
-    const auto elements = [this](Index e) { return features_.edge_elements(e); };
+    if (!connected_ && (mask.edges_a | mask.edges_b) == 0)
+      return detail::append_ee(features_.own_edges(pair.a), features_.own_edges(pair.b), out_.ee);
     Candidates &edges_a = scratch_.edges_a, &edges_b = scratch_.edges_b;
-    find(features_.element_edges(pair.a), mask.edges_a, pair.a, pair.b, first, elements, edges_a);
+    find<Kind::edge>(pair.a, pair.b, mask.edges_a, edges_a);
     if (edges_a.empty()) return;
-    find(features_.element_edges(pair.b), mask.edges_b, pair.b, pair.a, first, elements, edges_b);
+    find<Kind::edge>(pair.b, pair.a, mask.edges_b, edges_b);
     detail::append_ee(edges_a.own, edges_b.own, out_.ee);
-    append_later_ee(edges_a.own, edges_b.later, pair);
-    append_later_ee(edges_a.later, edges_b.own, pair);
-    append_later_ee(edges_a.later, edges_b.later, pair);
+    append_later_ee(pair, edges_a.own, true, edges_b.later, false);
+    append_later_ee(pair, edges_a.later, false, edges_b.own, true);
+    append_later_ee(pair, edges_a.later, false, edges_b.later, false);
   }
 
-  /// An EE pair is read in the order of its slots.
-  void append_later_ee(std::span<const Index> edges_a, std::span<const Index> edges_b, ElementPair pair) {
+  /// Edges of which not all are `own`. An EE pair is read in the order of its slots.
+  void append_later_ee(ElementPair pair, std::span<const Index> edges_a, bool own_a, std::span<const Index> edges_b,
+                       bool own_b) {
     for (const Index e : edges_a)
-      for (const Index g : edges_b) {
-        const std::span<const Index> of_e = features_.edge_elements(e), of_g = features_.edge_elements(g);
-        if (e < g ? all_adjacent_before(pair.a, of_e, of_g) : all_adjacent_before(pair.b, of_g, of_e))
-          out_.ee.push_back({std::min(e, g), std::max(e, g)});
-      }
+      for (const Index g : edges_b)
+        if (e < g) {
+          if (own_a || covers(pair.a, elements<Kind::edge>(e), pair.b, elements<Kind::edge>(g)))
+            out_.ee.push_back({e, g});
+        } else if (own_b || covers(pair.b, elements<Kind::edge>(g), pair.a, elements<Kind::edge>(e))) {
+          out_.ee.push_back({g, e});
+        }
   }
 
-  /// Sorts out the features of element o, of the pair of o with `other`. Those of one element mostly have few different
-  /// first elements, so that the last one that was not adjacent to `other` is remembered.
-  template <class Mask, class First, class Elements>
-  void find(std::span<const Index> features, Mask mask, Index o, Index other, First&& first, Elements&& elements,
-            Candidates& found) const {
+  /// Sorts out the features of element o, of its pair with `other`.
+  template <Kind K, class Mask>
+  void find(Index o, Index other, Mask mask, Candidates& found) const {
     found.clear();
-    Index apart = kNone;
-    detail::for_each_unmasked(features, mask, [&](Index i) {
-      const Index first_o = first(i);
-      if (first_o == o) {
+    Index apart = kNone;  // features of one element often have the same first element
+    detail::for_each_unmasked(features_of<K>(o), mask, [&](Index i) {
+      const Index first = first_element<K>(i);
+      if (first == o) {
         found.own.push_back(i);
-      } else if (connected_ && first_o != apart) {
-        if (!adjacency_.adjacent(first_o, other))
-          apart = first_o;
-        else if (adjacent_before(o, elements(i), other))
+      } else if (connected_ && first != apart) {
+        if (!adjacency_.adjacent(first, other))
+          apart = first;
+        else if (others_adjacent(elements<K>(i), o, other))
           found.later.push_back(i);
       }
     });
   }
 
-  /// Whether all elements of inc before o, which is one of them, are adjacent to `other`.
-  bool adjacent_before(Index o, std::span<const Index> inc, Index other) const {
-    for (const Index p : inc) {
-      if (p == o) return true;
-      if (!adjacency_.adjacent(p, other)) return false;
-    }
-    return false;  // not reached
+  /// Whether all elements of inc between the first one and o are adjacent to `other`.
+  bool others_adjacent(std::span<const Index> inc, Index o, Index other) const {
+    for (std::size_t k = 1; inc[k] != o; ++k)
+      if (!adjacency_.adjacent(inc[k], other)) return false;
+    return true;
   }
 
-  /// Whether all elements of inc_a before o, which is one of them, are adjacent to all of inc_b.
-  bool all_adjacent_before(Index o, std::span<const Index> inc_a, std::span<const Index> inc_b) const {
-    for (const Index p : inc_a) {
-      if (p == o) return true;
+  /// Whether all elements of inc_a before o_a are adjacent to all of inc_b. That they are to o_b is known.
+  bool covers(Index o_a, std::span<const Index> inc_a, Index o_b, std::span<const Index> inc_b) const {
+    for (std::size_t i = 0; inc_a[i] != o_a; ++i)
       for (const Index q : inc_b)
-        if (!adjacency_.adjacent(p, q)) return false;
-    }
-    return false;  // not reached
+        if (q != o_b && !adjacency_.adjacent(inc_a[i], q)) return false;
+    return true;
   }
 
+  template <Kind K>
+  std::span<const Index> features_of(Index o) const {
+    if constexpr (K == Kind::vertex) return mesh_.vertices(o);
+    if constexpr (K == Kind::triangle) return features_.element_triangles(o);
+    if constexpr (K == Kind::edge) return features_.element_edges(o);
+  }
+  template <Kind K>
+  std::span<const Index> elements(Index i) const {
+    if constexpr (K == Kind::vertex) return features_.vertex_elements(i);
+    if constexpr (K == Kind::triangle) return features_.triangle_elements(i);
+    if constexpr (K == Kind::edge) return features_.edge_elements(i);
+  }
+  template <Kind K>
+  Index first_element(Index i) const {
+    if constexpr (K == Kind::vertex) return features_.first_element_of_vertex(i);
+    if constexpr (K == Kind::triangle) return features_.first_element_of_triangle(i);
+    if constexpr (K == Kind::edge) return features_.first_element_of_edge(i);
+  }
   const Mesh& mesh_;
   const Features& features_;
   const Adjacency& adjacency_;
   const bool objects_apart_;  ///< elements of different objects are never adjacent
-  bool connected_ = true;     ///< elements of both objects of the present pair may be adjacent
+  bool connected_ = true;     ///< elements of the objects of the present pair may be adjacent
   Scratch& scratch_;
   TestBatch& out_;
 };
