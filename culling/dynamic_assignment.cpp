@@ -35,10 +35,10 @@ struct DynamicAssignmentState final : StageState {
 
 enum class Kind { vertex, triangle, edge };
 
-/// Writes the tests that element pairs own. In a pair (o1, o2) let a be a feature of o1 and b one of o2. That (o1, o2) is
-/// the first non-adjacent pair in inc(a) x inc(b), or (o2, o1) in inc(b) x inc(a), requires in both cases that all
-/// elements of inc(a) before o1 are adjacent to o2, and all of inc(b) before o2 to o1: two conditions that each concern
-/// one feature alone (Candidates). If o1 is the first element of a, they suffice for inc(a) x inc(b).
+/// Writes the tests that element pairs own. In a pair (o1, o2) let a be a feature of o1 and b one of o2. If (o1, o2) is
+/// the first non-adjacent pair in inc(a) x inc(b), or (o2, o1) in inc(b) x inc(a), then all elements of inc(a) before o1
+/// are adjacent to o2, and all of inc(b) before o2 to o1: two conditions that each concern one feature alone
+/// (Candidates). They suffice for inc(a) x inc(b) if o1 is the first element of a.
 class OwnedTests {
  public:
   OwnedTests(const Topology& topology, Scratch& scratch, TestBatch& out)

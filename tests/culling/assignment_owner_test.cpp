@@ -1,6 +1,6 @@
 // Dynamic assignment against the literal definition of the owner (Algorithm 5), element pair by element pair: with
-// masks, on every element type, on objects that share vertices, on elements with more features than a mask has bits, and
-// after edits.
+// masks, on every element type, on objects that share vertices, on elements with more features than a mask has bits,
+// and after edits.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -43,7 +43,8 @@ bool is_masked(Bits mask, std::size_t i) {
   return i < 8 * sizeof(Bits) && (mask >> i & 1) != 0;
 }
 
-void add_vf(const Topology& topology, const AdjacencyMatrix& adjacency, Index o_v, Index o_f, std::uint32_t mask, TestBatch& out) {
+void add_vf(const Topology& topology, const AdjacencyMatrix& adjacency, Index o_v, Index o_f, std::uint32_t mask,
+            TestBatch& out) {
   const Features& features = topology.features();
   const auto vertices = topology.mesh().vertices(o_v);
   for (std::size_t i = 0; i < vertices.size(); ++i)
