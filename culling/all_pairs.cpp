@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <volccd/culling/detail/append_tests.hpp>
 #include <volccd/culling/detail/masked_features.hpp>
 
 namespace volccd {
@@ -16,11 +17,13 @@ bool contains(std::span<const Index> list, Index value) {
 void apart_pair(const Step& step, ElementPair pair, const FeatureMask& mask, TestBatch& out) {
   const Features& features = step.features();
   detail::for_each_unmasked(step.mesh().vertices(pair.a), mask.vertices_a, [&](Index v) {
-    for (const Index f : features.element_triangles(pair.b)) out.vf.push_back({v, f});
+    detail::append_vf({&v, 1}, features.element_triangles(pair.b), out.vf);
   });
   detail::for_each_unmasked(step.mesh().vertices(pair.b), mask.vertices_b, [&](Index v) {
-    for (const Index f : features.element_triangles(pair.a)) out.vf.push_back({v, f});
+    detail::append_vf({&v, 1}, features.element_triangles(pair.a), out.vf);
   });
+  if ((mask.edges_a | mask.edges_b) == 0)
+    return detail::append_ee(features.element_edges(pair.a), features.element_edges(pair.b), out.ee);
   detail::for_each_unmasked(features.element_edges(pair.a), mask.edges_a, [&](Index e) {
     detail::for_each_unmasked(features.element_edges(pair.b), mask.edges_b,
                               [&](Index g) { out.ee.push_back({std::min(e, g), std::max(e, g)}); });

@@ -10,7 +10,8 @@ namespace volccd {
 /// by its owner alone; those without one are the O-Set (Section 5.1), which `o-set` lists. Together they give every test
 /// exactly once (the literal O-Set repeats some), and adjacent element pairs need not be looked at.
 ///
-/// Nearly always the first elements of inc(a) and inc(b) are not adjacent and decide at once.
+/// The time for an element pair is proportional to its features and the tests that it owns, not to its feature pairs,
+/// except where elements around one are adjacent to elements around the other.
 class DynamicAssignment final : public Assignment {
  public:
   struct Config {};
@@ -19,6 +20,8 @@ class DynamicAssignment final : public Assignment {
   explicit DynamicAssignment(const Config&) {}
 
   std::string incomplete_on_every() const override;
+  std::unique_ptr<StageState> make_state() const override;
+  void prepare(const Step& step, StageState& state, Executor& executor) const override;
   /// Pairs of adjacent elements in the batch own nothing and give no tests.
   void run(const Step& step, StageState& state, unsigned worker, const PairBatch& batch, TestBatch& out) const override;
 };

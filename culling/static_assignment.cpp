@@ -1,5 +1,6 @@
 #include <volccd/culling/static_assignment.hpp>
 
+#include <volccd/culling/detail/append_tests.hpp>
 #include <volccd/culling/detail/masked_features.hpp>
 
 namespace volccd {
@@ -7,25 +8,27 @@ namespace volccd {
 namespace {
 
 /// Vertices of o1 that belong to it against triangles of o2 that belong to it.
-void vertex_tests(const Step& step, Index o1, Index o2, std::uint32_t mask, TestBatch& out) {
+void vertex_tests(const Step& step, Index o1, Index o2, bool adjacent, std::uint32_t mask, TestBatch& out) {
   const Features& features = step.features();
   detail::for_each_unmasked(step.mesh().vertices(o1), mask, [&](Index v) {
     if (features.first_element_of_vertex(v) != o1) return;
-    for (const Index f : features.element_triangles(o2))
-      if (features.first_element_of_triangle(f) == o2 && is_test(features, FeatureKind::vf, {v, f}))
-        out.vf.push_back({v, f});
+    if (!adjacent) return detail::append_vf({&v, 1}, features.own_triangles(o2), out.vf);
+    for (const Index f : features.own_triangles(o2))
+      if (is_test(features, FeatureKind::vf, {v, f})) out.vf.push_back({v, f});
   });
 }
 
-void edge_tests(const Step& step, ElementPair pair, const FeatureMask& mask, TestBatch& out) {
+void edge_tests(const Step& step, ElementPair pair, bool adjacent, const FeatureMask& mask, TestBatch& out) {
   const Features& features = step.features();
+  if (!adjacent && (mask.edges_a | mask.edges_b) == 0)
+    return detail::append_ee(features.own_edges(pair.a), features.own_edges(pair.b), out.ee);
   const bool itself = pair.a == pair.b;
   detail::for_each_unmasked(features.element_edges(pair.a), mask.edges_a, [&](Index e) {
     if (features.first_element_of_edge(e) != pair.a) return;
     detail::for_each_unmasked(features.element_edges(pair.b), mask.edges_b, [&](Index g) {
       if (features.first_element_of_edge(g) != pair.b || (itself && g <= e)) return;
       const FeaturePair test{std::min(e, g), std::max(e, g)};
-      if (is_test(features, FeatureKind::ee, test)) out.ee.push_back(test);
+      if (!adjacent || is_test(features, FeatureKind::ee, test)) out.ee.push_back(test);
     });
   });
 }
@@ -45,9 +48,10 @@ std::string StaticAssignment::incomplete_on_nonadjacent() const {
 void StaticAssignment::run(const Step& step, StageState&, unsigned, const PairBatch& batch, TestBatch& out) const {
   for (std::size_t i = 0; i < batch.size(); ++i) {
     const ElementPair pair = batch.pairs[i];
-    vertex_tests(step, pair.a, pair.b, batch.masks[i].vertices_a, out);
-    if (pair.a != pair.b) vertex_tests(step, pair.b, pair.a, batch.masks[i].vertices_b, out);
-    edge_tests(step, pair, batch.masks[i], out);
+    const bool adjacent = step.topology.adjacency().adjacent(pair.a, pair.b);
+    vertex_tests(step, pair.a, pair.b, adjacent, batch.masks[i].vertices_a, out);
+    if (pair.a != pair.b) vertex_tests(step, pair.b, pair.a, adjacent, batch.masks[i].vertices_b, out);
+    edge_tests(step, pair, adjacent, batch.masks[i], out);
   }
 }
 
