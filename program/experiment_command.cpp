@@ -65,10 +65,16 @@ void keep(const ExperimentOptions& options, const std::string& name, const nlohm
   fmt::print("record: {}\n", file);
 }
 
-/// Sequence of a scene for a table: a run of another program if it is there; a simulated scene, or the built-in one,
-/// from the cache, after making it if need be.
+/// Sequence of a scene for a table: a run of another program if it is there, or a made-up motion of a mesh that is; a
+/// simulated scene, or the built-in one, from the cache, after making it if need be.
 std::optional<std::string> scene_file(const ExperimentOptions& options, const std::string& name) {
-  const bool external = name == "ls-dyna-projectile" || name.starts_with("openradioss-");
+  if (is_deformed_scene(name)) {
+    const std::optional<std::string> file = deformed_scene_file(name);
+    if (!file) fmt::print("the mesh of {} is not there (VOLCCD_DATA names its folder): the tables do without it\n", name);
+    return file;
+  }
+  const bool external = name == "ls-dyna-projectile" || name == "cloth-ball" || name == "rod-twist" ||
+                        name.starts_with("openradioss-");
   const std::string file = external ? shared_data_path(name + ".vtkhdf") : "";
   if (external && !std::filesystem::exists(file)) {
     fmt::print("{} is not there (VOLCCD_DATA names another folder): the tables do without it\n", file);
