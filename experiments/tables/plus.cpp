@@ -15,26 +15,31 @@ using nlohmann::json;
 
 namespace {
 
-/// An entrant as rows name it.
+/// An entrant: as rows and as tables name it, and what it is.
 struct Name {
-  const char *pipeline, *variant;
+  const char *pipeline, *variant, *title;
+  const char* preset = "VolCCD+";
+  const char* flood = "boundary-flood";  ///< null: as the preset has it
+  bool on_boundary = false;
 };
-constexpr Name kVolCCDCubic = {"VolCCD", "cubic"}, kVolCCD = {"VolCCD", "inclusion"}, kPlusCubic = {"VolCCD+", "cubic"},
-               kPlus = {"VolCCD+", "inclusion"}, kWithoutFlood = {"VolCCD+ without flood", "inclusion"},
-               kBoundary = {"boundary alone", "inclusion"};
-constexpr Name kEntrants[] = {kVolCCDCubic, kVolCCD, kPlusCubic, kWithoutFlood, kPlus, kBoundary};
+constexpr Name kVolCCDCubic = {"VolCCD", "cubic", "VolCCD cubic", "VolCCD", nullptr};
+constexpr Name kVolCCD = {"VolCCD", "inclusion", "VolCCD", "VolCCD", nullptr};
+constexpr Name kPlusCubic = {"VolCCD+", "cubic", "VolCCD+ cubic"};
+constexpr Name kWithoutFlood = {"VolCCD+ without flood", "inclusion", "without flood", "VolCCD+", "none"};
+constexpr Name kPlus = {"VolCCD+", "inclusion", "VolCCD+"};
+constexpr Name kBoundary = {"boundary alone", "inclusion", "boundary", "VolCCD+", "boundary-flood", true};
+constexpr Name kPlainBoundary = {"boundary alone without flood", "inclusion", "boundary, no flood", "VolCCD+", "none",
+                                 true};
+constexpr Name kEntrants[] = {kVolCCDCubic, kVolCCD, kPlusCubic, kWithoutFlood, kPlus, kBoundary, kPlainBoundary};
+constexpr const char* kTitles = "with inclusion, unless cubic is said; ";
 
 Entrant plus_entrant(const PlanContext& context, const std::string& table, const Name& name) {
-  const std::string pipeline = std::string(name.pipeline) == kVolCCD.pipeline ? "VolCCD" : "VolCCD+";
   std::vector<std::string> settings = {std::string("narrow-phase=") + name.variant};
-  if (std::string(name.pipeline) == kWithoutFlood.pipeline)
-    settings.push_back("flood=none");
-  else if (pipeline == "VolCCD+")
-    settings.push_back("flood=boundary-flood");
-  Entrant result = entrant(context.registry, table, pipeline, settings);
+  if (name.flood) settings.push_back(std::string("flood=") + name.flood);
+  Entrant result = entrant(context.registry, table, name.preset, settings);
   result.pipeline = name.pipeline;
   result.variant = name.variant;
-  result.on_boundary = result.pipeline == kBoundary.pipeline;
+  result.on_boundary = name.on_boundary;
   return result;
 }
 
@@ -92,11 +97,9 @@ std::string text_ms(double value) { return value > 0 ? fmt::format("{:.3g}", val
 std::string text_ratio(double value) { return value > 0 ? ratio_text(value) : "-"; }
 std::string whole_number(double value) { return grouped(static_cast<std::uint64_t>(value)); }
 
-std::string full_name(const Name& name) { return fmt::format("{} {}", name.pipeline, name.variant); }
-
 TitledTable times(const std::vector<Group>& groups) {
   std::vector<std::string> header = {"scene", "motion", "threads", "elements", "on boundary", "motions"};
-  for (const Name& name : kEntrants) header.push_back(full_name(name));
+  for (const Name& name : kEntrants) header.push_back(name.title);
   TextTable table(header);
   for (const Group& group : groups) {
     std::vector<std::string> row = {group.scene, group.motion, std::to_string(group.threads()),
@@ -107,8 +110,9 @@ TitledTable times(const std::vector<Group>& groups) {
     table.add(row);
   }
   return {"Whole steps, ms", table,
-          "mean over motions, without the first of each window, of medians over rounds, edits of the topology "
-          "included; on boundary: triangles\n"};
+          std::string(kTitles) +
+              "mean over motions, without the first of each window, of medians over rounds,\nedits of the topology "
+              "included; on boundary: triangles there; boundary: contacts of boundary features only\n"};
 }
 
 TitledTable ratios(const std::vector<Group>& groups) {
@@ -119,8 +123,8 @@ TitledTable ratios(const std::vector<Group>& groups) {
                text_ratio(group.ratio(kVolCCDCubic, kPlusCubic)), text_ratio(group.ratio(kVolCCD, kPlus)),
                text_ratio(group.ratio(kWithoutFlood, kPlus)), text_ratio(group.ratio(kPlus, kBoundary))});
   return {"Ratios of these times", table,
-          "VolCCD+: with inclusion, unless said; flood gains: without over with; volume / surface: VolCCD+ over the "
-          "boundary alone\n"};
+          std::string(kTitles) +
+              "flood gains: without over with; volume / surface: VolCCD+ over the boundary alone, same stages\n"};
 }
 
 TitledTable counts(const std::vector<Group>& groups) {
@@ -132,7 +136,7 @@ TitledTable counts(const std::vector<Group>& groups) {
       const Rows of = group.of(name);
       if (of.empty()) continue;
       const double motions = static_cast<double>(of.motions());
-      std::vector<std::string> row = {group.scene, group.motion, full_name(name)};
+      std::vector<std::string> row = {group.scene, group.motion, name.title};
       for (const char* column : {"element_pairs", "surviving_pairs", "owned_tests", "orphan_tests"})
         row.push_back(whole_number(of.sum(column) / motions));
       row.push_back(whole_number(of.tests() / motions));
@@ -141,8 +145,9 @@ TitledTable counts(const std::vector<Group>& groups) {
     }
   }
   return {"Counts of a motion", table,
-          "means over the same motions; pairs: of elements, that the broad phase or the flood gave; orphans: tests of "
-          "the O-Set\n"};
+          std::string(kTitles) +
+              "means over the same motions; pairs: of elements, that the broad phase or\nthe flood gave; orphans: "
+              "tests of the O-Set\n"};
 }
 
 /// The time on one thread over that on several; 0 where the record has no row of one.
@@ -155,7 +160,7 @@ double speedup_of_threads(const std::vector<Group>& groups, const Group& group, 
 
 void add_threads_table(const std::vector<Group>& groups, std::vector<TitledTable>& tables) {
   std::vector<std::string> header = {"scene", "motion", "threads"};
-  for (const Name& name : kEntrants) header.push_back(full_name(name));
+  for (const Name& name : kEntrants) header.push_back(name.title);
   TextTable table(header);
   bool any = false;
   for (const Group& group : groups) {
@@ -218,6 +223,7 @@ json plus_summary(const json& record) {
                        {"volccd_plus_cubic_ms", group.ms(kPlusCubic)},
                        {"without_flood_ms", group.ms(kWithoutFlood)},
                        {"boundary_only_ms", group.ms(kBoundary)},
+                       {"boundary_without_flood_ms", group.ms(kPlainBoundary)},
                        {"speedup_volccd", group.ratio(kVolCCDCubic, kPlus)},
                        {"speedup_volccd_cubic", group.ratio(kVolCCDCubic, kPlusCubic)},
                        {"speedup_volccd_inclusion", group.ratio(kVolCCD, kPlus)},

@@ -27,11 +27,11 @@ def draw_plus(record, _):
     pages = []
     for table, rows in grouped(record.rows, "table").items():
         name = "plus" if not table else "plus-" + table.replace(" ", "-")
-        pages.append((name, plus_page(rows)))
+        pages.append((name, plus_page(rows, table)))
     return pages
 
 
-def plus_page(rows):
+def plus_page(rows, title):
     scenes = scenes_of(rows)
     bars = {scene: [(label_of(*key), mean_ms(some)) for key, some in
                     grouped([row for row in rows if row["scene"] == scene], "pipeline", "variant").items()]
@@ -40,7 +40,7 @@ def plus_page(rows):
     pitch = slots + 1.2
     page = Page(DOUBLE, 12 + 3.1 * pitch * len(scenes))
     panel, looks = page.panels[0][0], Looks()
-    panel.set(xscale="log", xlabel="ms a step (mean over motions)", ylim=(len(scenes) * pitch - 1, -1))
+    panel.set(xscale="log", xlabel="ms a step (mean over motions)", title=title, ylim=(len(scenes) * pitch - 1, -1))
     low, _ = log_limits(panel.set_xlim, [ms for some in bars.values() for _, ms in some], 2)
     panel.grid(axis="x")
     log_axis(panel.xaxis)
