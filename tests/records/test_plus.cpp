@@ -3,6 +3,7 @@
 #include <fstream>
 #include <iterator>
 #include <set>
+#include <tuple>
 
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
@@ -117,6 +118,68 @@ TEST_F(Harness, BoundaryShellsFollowEdits) {
         << "motion " << k;
   }
   EXPECT_GT(edits, 1) << "the scene shows nothing: no element erodes";
+}
+
+using PlacedContact = std::tuple<FeatureKind, std::array<std::array<double, 3>, 4>, double>;
+
+/// Contacts by the places of their vertices at t = 0, for those that `wanted` takes.
+template <class Wanted>
+std::multiset<PlacedContact> contacts_of(const Registry& registry, const Topology& topology, const Motion& motion,
+                                         Wanted&& wanted) {
+  const Pipeline pipeline(registry, registry.pipeline("VolCCD+"));
+  Workspace workspace = pipeline.make_workspace();
+  SerialExecutor serial;
+  const ObjectFilter everything;
+  StepResult result;
+  pipeline.run({topology, motion, everything}, workspace, serial, result);
+  std::multiset<PlacedContact> contacts;
+  for (const Contact& contact : result.contacts) {
+    if (!wanted(contact)) continue;
+    std::array<std::array<double, 3>, 4> places;
+    for (std::size_t i = 0; i < 4; ++i) {
+      const Vec3 p = motion.point(contact.vertices[i], 0);
+      places[i] = {p.x(), p.y(), p.z()};
+    }
+    contacts.emplace(contact.kind, places, contact.toi);
+  }
+  return contacts;
+}
+
+/// Those of the whole mesh whose features both lie on the boundary.
+TEST_F(Harness, ContactsOfBoundaryShellsAreThoseOfBoundaryFeatures) {
+  SequenceReader reader(file_);
+  SequenceStepper stepper(reader);
+  std::size_t contacts = 0, interior = 0;
+  for (const int k : {3, 5}) {
+    stepper.go_to(k);
+    BoundaryShells shells;
+    shells.update(stepper.topology(), stepper.motion());
+    const Features& features = stepper.topology().features();
+    std::set<Index> vertices, triangles;
+    std::set<std::array<Index, 2>> edges;
+    for (Index f = 0; f < features.triangle_slots(); ++f) {
+      if (features.triangle_elements(f).size() != 1) continue;
+      const auto& v = features.triangle(f);
+      triangles.insert(f);
+      vertices.insert(v.begin(), v.end());
+      edges.insert({{v[0], v[1]}, {v[0], v[2]}, {v[1], v[2]}});
+    }
+    const auto on_boundary = [&](const Contact& contact) {
+      const auto& v = contact.vertices;
+      const auto has_edge = [&](Index a, Index b) { return edges.contains({std::min(a, b), std::max(a, b)}); };
+      const bool all = contact.kind == FeatureKind::vf
+                           ? vertices.contains(v[0]) && triangles.contains(features.find_triangle(v[1], v[2], v[3]))
+                           : has_edge(v[0], v[1]) && has_edge(v[2], v[3]);
+      interior += !all;
+      return all;
+    };
+    const auto expected = contacts_of(registry_, stepper.topology(), stepper.motion(), on_boundary);
+    EXPECT_EQ(contacts_of(registry_, shells.topology(), shells.motion(), [](const Contact&) { return true; }),
+              expected);
+    contacts += expected.size();
+  }
+  EXPECT_GT(contacts, 0u) << "the scene shows nothing";
+  EXPECT_GT(interior, 0u) << "the scene shows nothing: no contact inside";
 }
 
 class Plus : public Harness {
