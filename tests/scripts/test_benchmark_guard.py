@@ -35,7 +35,9 @@ class Judge(unittest.TestCase):
         self.assertEqual(guard.judge([1.0, 1.0, 1.0], [1.0, 1.15, 1.3])[2], "")
         self.assertEqual(guard.judge([1.0, 1.0, 1.0], [0.9, 0.9, 0.9])[2], "faster")
         self.assertEqual(guard.judge([1000], [1011], guard.LEAST_INSTRUCTIONS)[2], "slower")
-        self.assertEqual(guard.judge([0.0, 0.0], [0.0, 1.0])[2], "")
+        self.assertEqual(guard.judge([0.0, 0.0], [0.0, 0.0])[2], "")
+        self.assertEqual(guard.judge([0.0, 0.0], [1.0, 1.0])[2], "slower")
+        self.assertEqual(guard.judge([1.0, 1.0], [0.0, 0.0])[2], "faster")
 
 
 class Runs(unittest.TestCase):
