@@ -65,9 +65,14 @@ void keep(const ExperimentOptions& options, const std::string& name, const nlohm
   fmt::print("record: {}\n", file);
 }
 
-/// Sequence of a scene for a table: a run of another program if it is there; a simulated scene, or the built-in one,
-/// from the cache, after making it if need be.
+/// Sequence of a scene for a table: a run of another program if it is there, or a made-up motion of a mesh that is; a
+/// simulated scene, or the built-in one, from the cache, after making it if need be.
 std::optional<std::string> scene_file(const ExperimentOptions& options, const std::string& name) {
+  if (is_deformed_scene(name)) {
+    const std::optional<std::string> file = deformed_scene_file(name);
+    if (!file) fmt::print("the mesh of {} is not there (VOLCCD_DATA names its folder): the tables do without it\n", name);
+    return file;
+  }
   constexpr const char* kShared[] = {"ls-dyna-projectile", "octopus2-105k", "cloth-ball", "rod-twist"};
   const bool external = name.starts_with("openradioss-") ||
                         std::any_of(std::begin(kShared), std::end(kShared), [&](const char* o) { return name == o; });

@@ -10,10 +10,11 @@ matplotlib).
   culling      culling
   ablation     ablation
   scaling      scaling, scaling-motion
+  plus         plus
 
 Rows of another motion model than `linear` and of another edge set than `triangulated` get figures of their own
-(speedup-tentative, speedup-polytope), and so do speed-ups over variants of a baseline (speedup-variants) and the tables
-of an ablation (ablation-stages). What has no record or no rows is skipped, and this is said.
+(speedup-tentative, speedup-polytope), and so do speed-ups over variants of a baseline (speedup-variants), the tables
+of an ablation (ablation-stages), and several threads (plus-2-threads). What has no record or no rows is skipped, and this is said.
 
 Examples:
   plot_results.py results/                                  all figures, into results/figures/
@@ -35,6 +36,7 @@ except ImportError as problem:
 from plots.ablation import draw_ablation
 from plots.culling import draw_culling
 from plots.page import RC
+from plots.plus import draw_plus
 from plots.records import COUNTS, STAGES, BadInput, caption_of, check_columns, read_record, without_common_settings
 from plots.scaling import draw_scaling, draw_scaling_motion
 from plots.speedup import draw_speedup
@@ -52,6 +54,7 @@ FIGURES = {
     "culling": {"culling": (draw_culling, ("seconds", *COUNTS))},
     "ablation": {"ablation": (draw_ablation, ("seconds", *COUNTS))},
     "scaling": {"scaling": (draw_scaling, SCALING), "scaling-motion": (draw_scaling_motion, SCALING)},
+    "plus": {"plus": (draw_plus, ("seconds", "topology_seconds", "window"))},
 }
 
 

@@ -58,6 +58,7 @@ json to_json(const ExperimentPlan& plan) {
       entrants.push_back({{"table", entrant.table},
                           {"pipeline", entrant.pipeline},
                           {"variant", entrant.variant},
+                          {"on_boundary", entrant.on_boundary},
                           {"stages", to_json(entrant.spec)}});
     runs.push_back({{"scene", run.scene},
                     {"file", std::filesystem::path(run.file).filename().string()},
@@ -67,6 +68,7 @@ json to_json(const ExperimentPlan& plan) {
                     {"windows", windows},
                     {"entrants", entrants},
                     {"rounds", rounds_of(plan, run)},
+                    {"threads", run.threads},
                     {"motion_scale", run.motion_scale},
                     {"subdivisions", run.subdivisions},
                     {"columns", run.columns}});

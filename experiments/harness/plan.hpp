@@ -17,6 +17,7 @@ struct Entrant {
   std::string pipeline;  ///< as rows name it, e.g. "VolCCD"
   std::string variant;   ///< settings beside the preset's, "csat.axis=face"; may be empty
   PipelineSpec spec;
+  bool on_boundary = false;  ///< runs on the boundary alone, as triangle shells (harness/boundary_shells.hpp)
 };
 
 /// Motions [first, first + count) that follow each other.
@@ -32,6 +33,7 @@ struct SceneRun {
   std::vector<MotionWindow> windows;
   std::vector<Entrant> entrants;
   int rounds = 0;           ///< 0: those of the plan
+  unsigned threads = 0;     ///< 0: those of the executor that the experiment runs with
   double motion_scale = 1;  ///< control points are x0 + motion_scale (x - x0)
   /// Times that each element is divided (harness/subdivide.hpp), solid shells in their plane. For scenes without edits:
   /// an edit builds the divided mesh anew.

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <volccd/experiments/harness/boundary_shells.hpp>
 #include <volccd/experiments/harness/motion_measures.hpp>
 #include <volccd/experiments/harness/subdivide.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
@@ -61,7 +62,12 @@ class Runner {
  public:
   Runner(const Registry& registry, const SceneRun& run, int rounds, Executor& executor,
          const std::function<void()>& before_each)
-      : run_(run), rounds_(rounds), executor_(executor), before_each_(before_each), reader_(run.file) {
+      : run_(run),
+        rounds_(rounds),
+        own_executor_(run.threads > 0 ? make_executor(run.threads) : nullptr),
+        executor_(own_executor_ ? *own_executor_ : executor),
+        before_each_(before_each),
+        reader_(run.file) {
     for (const Entrant& entrant : run.entrants) contestants_.push_back(std::make_unique<Contestant>(registry, entrant));
   }
 
@@ -70,6 +76,7 @@ class Runner {
     for (int round = 0; round < rounds_; ++round) {
       if (round == 0 || edits_in(window) || window.count == 1) {
         stepper_.emplace(reader_, run_.config);  // element slots, and counts with them, depend on the way taken
+        boundary_.reset();
         go_to(std::max(window.first - 1, 0));
         for (const auto& contestant : contestants_) run(*contestant);
       }
@@ -80,6 +87,7 @@ class Runner {
           Contestant& contestant = *contestants_[(i + static_cast<std::size_t>(round)) % contestants_.size()];
           run(contestant);
           rows.push_back(row(contestant, k, round));
+          rows.back()["window"] = window.first;
         }
       }
     }
@@ -99,7 +107,17 @@ class Runner {
     topology_ = &stepper_->topology();
     motion_ = stepper_->motion();
     if (run_.motion_scale != 1) scale(motion_);
-    if (run_.subdivisions == 0) return;
+    if (run_.subdivisions > 0) divide();
+    if (std::none_of(run_.entrants.begin(), run_.entrants.end(), [](const Entrant& e) { return e.on_boundary; }))
+      return;
+    if (!boundary_) boundary_.emplace(thickened() ? 3 : 1);
+    boundary_->update(*topology_, motion_);
+  }
+
+  /// Whether three vertices stem from each vertex of a shell.
+  bool thickened() const { return run_.config.shells == ShellModel::solid && run_.subdivisions == 0; }
+
+  void divide() {
     RefinedStep refined = refine(*topology_, motion_, run_.subdivisions,
                                  run_.config.shells == ShellModel::solid ? Division::in_plane : Division::everywhere);
     motion_ = std::move(refined.motion);
@@ -120,22 +138,31 @@ class Runner {
     before_each_();
     Request request;
     request.count_adjacent = false;
-    request.leave_out_shell_neighbours = run_.config.shells == ShellModel::solid && run_.subdivisions == 0;
-    const Step step{*topology_, motion_, everything_};
+    request.leave_out_shell_neighbours = thickened();
+    const bool on_boundary = contestant.entrant.on_boundary;
+    const Step step{topology(on_boundary), on_boundary ? boundary_->motion() : motion_, everything_};
     contestant.pipeline.run(step, contestant.workspace, executor_, result_, request);
   }
 
+  const Topology& topology(bool of_boundary) const { return of_boundary ? boundary_->topology() : *topology_; }
+
   void remember(int motion) {
-    const Mesh& mesh = topology_->mesh();
-    of_motion_[motion] = {{"elements", mesh.element_count()},
-                          {"vertices", topology_->features().vertex_count()},
-                          {"edge_count", topology_->features().edge_count()},
-                          {"triangle_count", topology_->features().triangle_count()},
-                          {"moved_edges", mean_moved_edges(topology_->features(), motion_)},
-                          {"adjacent", adjacent_pair_count(*topology_)}};
+    of_motion_[motion] = measures(*topology_, motion_);
+    if (boundary_) of_boundary_[motion] = measures(boundary_->topology(), boundary_->motion());
+  }
+
+  static json measures(const Topology& topology, const Motion& motion) {
+    const Features& features = topology.features();
+    return {{"elements", topology.mesh().element_count()},
+            {"vertices", features.vertex_count()},
+            {"edge_count", features.edge_count()},
+            {"triangle_count", features.triangle_count()},
+            {"moved_edges", mean_moved_edges(features, motion)},
+            {"adjacent", adjacent_pair_count(topology)}};
   }
 
   json row(const Contestant& contestant, int motion, int round) {
+    const bool on_boundary = contestant.entrant.on_boundary;
     json row = run_.columns;
     row.update(columns_of(result_.statistics));
     row.update({{"table", contestant.entrant.table},
@@ -145,13 +172,15 @@ class Runner {
                 {"motion_model", name_of(run_.config.motion)},
                 {"edges", name_of(run_.config.edge_set)},
                 {"shells", name_of(run_.config.shells)},
+                {"mesh", on_boundary ? "boundary" : "whole"},
                 {"motion", motion},
                 {"round", round},
                 {"threads", executor_.workers()},
-                {"topology_seconds", rounded(stepper_->edit_seconds())},
+                {"topology_seconds", rounded(on_boundary ? boundary_->edit_seconds() : stepper_->edit_seconds())},
                 {"contacts_hash", contacts_hash(result_.contacts)}});
-    json& known = of_motion_.at(motion);
-    if (!known.contains("touching_pairs")) known["touching_pairs"] = touching_pair_count(*topology_, result_.contacts);
+    json& known = (on_boundary ? of_boundary_ : of_motion_).at(motion);
+    if (!known.contains("touching_pairs"))
+      known["touching_pairs"] = touching_pair_count(topology(on_boundary), result_.contacts);
     for (const char* name : {"elements", "vertices", "edge_count", "triangle_count", "moved_edges", "touching_pairs"})
       row[name] = known.at(name);
     // Without an O-Set the broad phase emits adjacent pairs, too (docs/pipelines.md).
@@ -161,6 +190,7 @@ class Runner {
 
   const SceneRun& run_;
   const int rounds_;
+  const std::unique_ptr<Executor> own_executor_;
   Executor& executor_;
   const std::function<void()>& before_each_;
   SequenceReader reader_;
@@ -171,8 +201,9 @@ class Runner {
   Motion motion_;
   std::optional<Topology> refined_;
   std::uint64_t refined_version_ = 0;
+  std::optional<BoundaryShells> boundary_;  ///< where an entrant runs on it
   StepResult result_;
-  std::map<int, json> of_motion_;
+  std::map<int, json> of_motion_, of_boundary_;
 };
 
 }  // namespace
@@ -253,7 +284,7 @@ std::vector<std::string> contact_differences(const Registry& registry, const Exp
     };
     std::map<std::string, const Entrant*> references;  // by narrow phase
     for (const Entrant& entrant : run.entrants) {
-      if (!keeps_contacts(registry, entrant.spec)) continue;
+      if (entrant.on_boundary || !keeps_contacts(registry, entrant.spec)) continue;
       const std::string test = json{entrant.spec.narrow_phase.name, entrant.spec.narrow_phase.options}.dump();
       const auto [reference, is_first] = references.try_emplace(test, &entrant);
       if (is_first) continue;

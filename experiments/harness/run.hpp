@@ -27,9 +27,9 @@ void run_experiment(const Registry& registry, const ExperimentPlan& plan, Execut
                     const std::function<void(std::size_t done, std::size_t total)>& progress = {});
 
 /// Entrants of a run that have the same narrow phase must find the same contacts, bit for bit, if none of their other
-/// stages is approximate. Returns a line for each that differs from the first such entrant, with the first motion that
-/// shows it; `undecided` tests, which the narrow phase reports unless a filter proves them apart, are the usual cause.
-/// Rows are all of a record of this plan.
+/// stages is approximate; those on the boundary alone are not compared. Returns a line for each that differs from the
+/// first such entrant, with the first motion that shows it; `undecided` tests, which the narrow phase reports unless a
+/// filter proves them apart, are the usual cause. Rows are all of a record of this plan.
 std::vector<std::string> contact_differences(const Registry& registry, const ExperimentPlan& plan,
                                              const std::vector<nlohmann::json>& rows);
 

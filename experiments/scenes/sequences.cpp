@@ -20,15 +20,26 @@ const SimulatedScene* simulated_by_name(const std::string& text, BakeSettings& s
   return scene;
 }
 
-std::string computed(const std::string& name) {
+/// Computing takes a second and is done anew each time: nothing tells which build wrote what is there.
+std::string write_to_cache(const Scene& scene, const std::string& name) {
   const std::filesystem::path folder = bake_cache_folder();
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error) throw InputError(folder.string(), "", error.message());
-  // Computing takes a second and is done anew each time: nothing tells which build wrote what is there.
   const std::string file = (folder / (name + ".vtkhdf")).string();
-  write_scene(*make_scene(name, {}), file);
+  write_scene(scene, file);
   return file;
+}
+
+struct DeformedScene {
+  const char *name, *mesh, *motion, *steps;
+};
+constexpr DeformedScene kDeformed[] = {{"octopus2-105k-deformed", "octopus2-105k", "twist:40,squeeze:0.2", "5"}};
+
+const DeformedScene* find_deformed(const std::string& name) {
+  for (const DeformedScene& scene : kDeformed)
+    if (name == scene.name) return &scene;
+  return nullptr;
 }
 
 }  // namespace
@@ -46,6 +57,16 @@ std::vector<ExternalScene> external_scenes() {
 
 std::string external_scene_file(const ExternalScene& scene) { return shared_data_path(scene.name + ".vtkhdf"); }
 
+bool is_deformed_scene(const std::string& name) { return find_deformed(name) != nullptr; }
+
+std::optional<std::string> deformed_scene_file(const std::string& name) {
+  const DeformedScene* scene = find_deformed(name);
+  const std::string mesh = scene ? shared_data_path(std::string(scene->mesh) + ".vtkhdf") : "";
+  if (!scene || !std::filesystem::exists(mesh)) return std::nullopt;
+  const Shape shape = shape_from_file(mesh);
+  return write_to_cache(*make_scene("deform", {{"motion", scene->motion}, {"steps", scene->steps}}, &shape), name);
+}
+
 std::optional<std::string> resolve_scene(const std::string& name_or_file, Executor& executor, const BakeHooks& hooks) {
   if (std::filesystem::exists(name_or_file)) return name_or_file;
   for (const ExternalScene& scene : external_scenes())
@@ -54,7 +75,7 @@ std::optional<std::string> resolve_scene(const std::string& name_or_file, Execut
   if (const SimulatedScene* scene = simulated_by_name(name_or_file, settings))
     return bake(*scene, settings, executor, hooks);
   for (const SceneDescriptor& scene : scenes())
-    if (scene.name == name_or_file && !scene.needs_mesh) return computed(scene.name);
+    if (scene.name == name_or_file && !scene.needs_mesh) return write_to_cache(*make_scene(scene.name, {}), scene.name);
   return name_or_file;
 }
 

@@ -21,6 +21,13 @@ std::vector<ExternalScene> external_scenes();
 
 std::string external_scene_file(const ExternalScene& scene);
 
+/// Whether this is the name of a made-up motion of a mesh of the shared data: octopus2-105k-deformed, turned by 10
+/// degrees and shortened by 5 % of its length in each of four motions.
+bool is_deformed_scene(const std::string& name);
+
+/// Its file in the cache, computed anew. Nothing if the mesh is not there. Throws what write_scene() throws.
+std::optional<std::string> deformed_scene_file(const std::string& name);
+
 /// What `name_or_file` means where a sequence file is asked for:
 ///   a file that is there, whatever its name;
 ///   the name of an external scene;

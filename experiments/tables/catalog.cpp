@@ -7,6 +7,7 @@
 #include <volccd/experiments/tables/operation_table.hpp>
 #include <volccd/experiments/tables/peers.hpp>
 #include <volccd/experiments/tables/pipelines_table.hpp>
+#include <volccd/experiments/tables/plus.hpp>
 #include <volccd/experiments/tables/scaling.hpp>
 #include <volccd/experiments/tables/table1.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
@@ -25,6 +26,8 @@ const std::vector<ExperimentKind>& experiment_kinds() {
        ablation_plan, ablation_tables, nullptr, nullptr, true, true},
       {"scaling", "time, memory and tests against elements and against motion a step", scaling_plan, scaling_tables,
        scaling_summary, nullptr, true},
+      {"plus", "whole steps of VolCCD+ and VolCCD, without the flood, and on the boundary alone; two cores",
+       plus_plan, plus_tables, plus_summary, nullptr, true},
       {"operations", "Section 7: operations and nanoseconds of CSAT and of an elementary test, beside the paper's",
        nullptr, operation_tables, nullptr, operation_rows},
       {"peers", "broad phases side by side, those of other libraries included: update, query, pairs a second, memory",

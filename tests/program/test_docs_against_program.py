@@ -271,8 +271,8 @@ class DocsAgainstProgram(unittest.TestCase):
 
     def test_single_options_exist(self):
         known = {option for command in (PROGRAM, *COMMANDS.values()) for option in command.options}
-        scripts = "".join(text_of(name) for name in ("scripts/test", "scripts/reproduce", "tools/import_sequence.py",
-                                                   "tools/plot_results.py"))
+        scripts = "".join(text_of(name) for name in ("scripts/test", "scripts/reproduce", "scripts/benchmark-guard",
+                                                     "tools/import_sequence.py", "tools/plot_results.py"))
         for document in DOCUMENTS:
             for code in code_in(document.read_text(encoding="utf-8")):
                 if match := re.match(r"(--[a-z][\w-]*)(?: (\S+=\S+))?", code):

@@ -60,7 +60,7 @@ class Experiments(ProgramTest):
 
     def test_committed_tables_are_those_of_their_records(self):
         results, compared = os.path.join(SOURCE, "results"), 0
-        for name in ("table1", "culling", "ablation", "scaling", "operations", "projectile"):
+        for name in ("table1", "culling", "ablation", "scaling", "operations", "projectile", "plus"):
             if os.path.exists(os.path.join(results, name + ".json")):
                 with open(os.path.join(results, name + ".txt"), encoding="utf-8") as file:
                     expected = file.read()
@@ -73,7 +73,7 @@ class Experiments(ProgramTest):
         for name in ("culling", "operations", "scenes", "feature-sets"):
             self.bad("experiment", "run", name, "--quick", "--pipelines", "NavCCD", "-o", folder, env=env,
                      says=f"{name} takes no --pipelines")
-        for name in ("projectile", "table1", "culling", "scaling", "operations", "scenes", "feature-sets"):
+        for name in ("projectile", "table1", "culling", "scaling", "plus", "operations", "scenes", "feature-sets"):
             self.bad("experiment", "run", name, "--quick", "--set", "csat.axis=face", "-o", folder, env=env,
                      says=f"{name} takes no --set")
         # Also behind one that takes them, and then neither is run.

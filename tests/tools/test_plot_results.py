@@ -261,6 +261,18 @@ class Plots(unittest.TestCase):
         self.assertIn("1 rows with the variant 'odd'", out)
         self.assertIn("is 0 at 3 points", out)
 
+    def test_whole_steps_are_those_after_the_first_of_a_window(self):
+        steps = [row("VolCCD+", table="", variant="inclusion", motion=motion, window=4, seconds=seconds,
+                     topology_seconds=0.25)
+                 for motion, seconds in ((4, 9), (5, 1), (6, 3))]
+        single = [row("boundary alone", table="", motion=4, window=4, round=round, seconds=7) for round in (0, 1)]
+        self.record("plus", [*steps, *single, row("VolCCD+", table="2 threads", window=0, motion=0)])
+        self.good("--only", "plus")
+        texts = self.texts("plus")
+        for text in ("VolCCD+, inclusion", "2.25 k", "boundary alone", "7 k"):
+            self.assertIn(text, texts)
+        self.assertIn("VolCCD+", self.texts("plus-2-threads"))
+
     # --- what is missing
 
     def test_missing_records_are_said(self):

@@ -1,0 +1,61 @@
+// The boundary of a mesh as triangle shells: what a method that looks at surfaces alone works on.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <vector>
+
+#include <volccd/mesh/topology.hpp>
+#include <volccd/query/motion.hpp>
+
+namespace volccd {
+
+/// Triangles that exactly one volume element has, oriented as in that element, and all triangles of shells (a quad has
+/// two). They have the object of their first element. Interior vertices are left out, and the others are numbered anew.
+/// Edits of the mesh become edits of the shells, so that stages can follow them. One thread at a time.
+class BoundaryShells {
+ public:
+  /// Vertex slots group * i .. group * i + group - 1 of the mesh stay together, in their order, if one of them is on
+  /// the boundary: 3 for thickened shells (mesh/shells.hpp), so that shell neighbours are still known, else 1.
+  explicit BoundaryShells(Index group = 1) : group_(group) {}
+
+  /// Brings the shells up to the mesh and its motion. O(elements) if the mesh changed, then O(vertices).
+  void update(const Topology& mesh, const Motion& motion);
+
+  /// What follows needs an update. Both stay where they are.
+  const Topology& topology() const { return *topology_; }
+  const Motion& motion() const { return motion_; }
+  /// Wall clock that the last update spent in Topology::apply: the edit that a method on surfaces is given. 0 where the
+  /// shells did not change, and for the first update. Finding the boundary is not part of it.
+  double edit_seconds() const { return edit_seconds_; }
+
+ private:
+  /// Vertex slots of the mesh, ascending.
+  using Key = std::array<Index, 3>;
+  struct Face {
+    Key oriented;
+    std::int32_t object;
+    Index slot;  ///< of the shell
+  };
+  using Faces = std::map<Key, Face>;
+
+  std::vector<Face> faces_of(const Topology& mesh) const;
+  std::vector<std::int64_t> add_vertices(const std::vector<Face>& faces, Index mesh_vertices);
+  ElementSpec element(const Face& face);
+  void build(const std::vector<Face>& faces);
+  void edit(const std::vector<Face>& faces, std::vector<std::int64_t> new_vertex_ids);
+
+  Index group_;
+  std::uint64_t version_ = 0;  ///< of the mesh
+  std::optional<Topology> topology_;
+  Motion motion_;
+  double edit_seconds_ = 0;
+  std::int64_t next_id_ = 0;
+  Faces faces_;                   ///< live shells
+  std::vector<Index> of_mesh_;    ///< by vertex of the mesh: that of the shells, or kNone
+  std::vector<Index> of_shells_;  ///< by vertex of the shells: that of the mesh
+};
+
+}  // namespace volccd

@@ -1,0 +1,240 @@
+#include <volccd/experiments/tables/plus.hpp>
+
+#include <set>
+#include <thread>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <volccd/experiments/tables/rows.hpp>
+#include <volccd/mesh/sequence/reader.hpp>
+
+namespace volccd {
+
+using nlohmann::json;
+
+namespace {
+
+/// An entrant: as rows and as tables name it, and what it is.
+struct Name {
+  const char *pipeline, *variant, *title;
+  const char* preset = "VolCCD+";
+  const char* flood = "boundary-flood";  ///< null: as the preset has it
+  bool on_boundary = false;
+};
+constexpr Name kVolCCDCubic = {"VolCCD", "cubic", "VolCCD cubic", "VolCCD", nullptr};
+constexpr Name kVolCCD = {"VolCCD", "inclusion", "VolCCD", "VolCCD", nullptr};
+constexpr Name kPlusCubic = {"VolCCD+", "cubic", "VolCCD+ cubic"};
+constexpr Name kWithoutFlood = {"VolCCD+ without flood", "inclusion", "without flood", "VolCCD+", "none"};
+constexpr Name kPlus = {"VolCCD+", "inclusion", "VolCCD+"};
+constexpr Name kBoundary = {"boundary alone", "inclusion", "boundary", "VolCCD+", "boundary-flood", true};
+constexpr Name kPlainBoundary = {"boundary alone without flood", "inclusion", "boundary, no flood", "VolCCD+", "none",
+                                 true};
+constexpr Name kEntrants[] = {kVolCCDCubic, kVolCCD, kPlusCubic, kWithoutFlood, kPlus, kBoundary, kPlainBoundary};
+constexpr const char* kTitles = "with inclusion, unless cubic is said; ";
+
+Entrant plus_entrant(const PlanContext& context, const std::string& table, const Name& name) {
+  std::vector<std::string> settings = {std::string("narrow-phase=") + name.variant};
+  if (name.flood) settings.push_back(std::string("flood=") + name.flood);
+  Entrant result = entrant(context.registry, table, name.preset, settings);
+  result.pipeline = name.pipeline;
+  result.variant = name.variant;
+  result.on_boundary = name.on_boundary;
+  return result;
+}
+
+/// table_scenes(), and what this table has besides.
+std::vector<TableScene> plus_scenes(const PlanContext& context) {
+  std::vector<TableScene> scenes = table_scenes(context);
+  for (const char* name : {"octopus2-105k-deformed", "cloth-ball", "rod-twist"})
+    if (const std::optional<std::string> file = context.file_of(name)) scenes.push_back({name, *file});
+  return scenes;
+}
+
+/// The record without the first motion of each window, whose state may come from a motion farther away; a window of one
+/// motion is kept.
+json steady(const json& record) {
+  const auto window_of = [](const json& row) { return std::pair<json, json>(row.at("scene"), row.at("window")); };
+  const auto is_first = [](const json& row) { return row.at("motion") == row.at("window"); };
+  std::set<std::pair<json, json>> long_windows;
+  for (const json& row : record.at("rows"))
+    if (!is_first(row)) long_windows.insert(window_of(row));
+  json result = {{"rows", json::array()}};
+  for (const json& row : record.at("rows"))
+    if (!is_first(row) || !long_windows.contains(window_of(row))) result["rows"].push_back(row);
+  return result;
+}
+
+/// One scene in one motion model on one number of threads.
+struct Group {
+  json scene, motion, table;
+  Rows rows;
+
+  Rows of(const Name& name) const { return rows.with("pipeline", name.pipeline).with("variant", name.variant); }
+  double ms(const Name& name) const {
+    const Rows some = of(name);
+    return some.empty() ? 0 : some.mean_ms(kStepAndEditTime);
+  }
+  double ratio(const Name& a, const Name& b) const { return ms(b) > 0 ? ms(a) / ms(b) : 0; }
+  double contacts(const Name& name) const {
+    const Rows some = of(name);
+    return some.empty() ? 0 : some.sum("contacts");
+  }
+  unsigned threads() const { return rows.front().at("threads"); }
+};
+
+std::vector<Group> groups_of(const Rows& rows) {
+  std::vector<Group> groups;
+  for (const json& table : rows.values("table"))
+    for (const json& motion : rows.with("table", table).values("motion_model"))
+      for (const json& scene : rows.with("table", table).with("motion_model", motion).values("scene"))
+        groups.push_back({scene, motion, table,
+                          rows.with("table", table).with("motion_model", motion).with("scene", scene)});
+  return groups;
+}
+
+std::string text_ms(double value) { return value > 0 ? fmt::format("{:.3g}", value) : "-"; }
+std::string text_ratio(double value) { return value > 0 ? ratio_text(value) : "-"; }
+std::string whole_number(double value) { return grouped(static_cast<std::uint64_t>(value)); }
+
+TitledTable times(const std::vector<Group>& groups) {
+  std::vector<std::string> header = {"scene", "motion", "threads", "elements", "on boundary", "motions"};
+  for (const Name& name : kEntrants) header.push_back(name.title);
+  TextTable table(header);
+  for (const Group& group : groups) {
+    std::vector<std::string> row = {group.scene, group.motion, std::to_string(group.threads()),
+                                    whole_number(group.of(kPlus).median("elements")),
+                                    whole_number(group.of(kBoundary).median("elements")),
+                                    std::to_string(group.rows.motions())};
+    for (const Name& name : kEntrants) row.push_back(text_ms(group.ms(name)));
+    table.add(row);
+  }
+  return {"Whole steps, ms", table,
+          std::string(kTitles) +
+              "mean over motions, without the first of each window, of medians over rounds,\nedits of the topology "
+              "included; on boundary: triangles there; boundary: contacts of boundary features only\n"};
+}
+
+TitledTable ratios(const std::vector<Group>& groups) {
+  TextTable table({"scene", "motion", "threads", "VolCCD cubic / VolCCD+", "both cubic", "both inclusion",
+                   "flood gains", "volume / surface"});
+  for (const Group& group : groups)
+    table.add({group.scene, group.motion, std::to_string(group.threads()), text_ratio(group.ratio(kVolCCDCubic, kPlus)),
+               text_ratio(group.ratio(kVolCCDCubic, kPlusCubic)), text_ratio(group.ratio(kVolCCD, kPlus)),
+               text_ratio(group.ratio(kWithoutFlood, kPlus)), text_ratio(group.ratio(kPlus, kBoundary))});
+  return {"Ratios of these times", table,
+          std::string(kTitles) +
+              "flood gains: without over with; volume / surface: VolCCD+ over the boundary alone, same stages\n"};
+}
+
+TitledTable counts(const std::vector<Group>& groups) {
+  TextTable table({"scene", "motion", "pipeline", "pairs", "survive", "owned tests", "orphans", "VF + EE tests",
+                   "contacts"});
+  for (const Group& group : groups) {
+    if (group.threads() != groups.front().threads()) continue;  // the same for any number of threads
+    for (const Name& name : kEntrants) {
+      const Rows of = group.of(name);
+      if (of.empty()) continue;
+      const double motions = static_cast<double>(of.motions());
+      std::vector<std::string> row = {group.scene, group.motion, name.title};
+      for (const char* column : {"element_pairs", "surviving_pairs", "owned_tests", "orphan_tests"})
+        row.push_back(whole_number(of.sum(column) / motions));
+      row.push_back(whole_number(of.tests() / motions));
+      row.push_back(whole_number(of.sum("contacts") / motions));
+      table.add(row);
+    }
+  }
+  return {"Counts of a motion", table,
+          std::string(kTitles) +
+              "means over the same motions; pairs: of elements, that the broad phase or\nthe flood gave; orphans: "
+              "tests of the O-Set\n"};
+}
+
+/// The time on one thread over that on several; 0 where the record has no row of one.
+double speedup_of_threads(const std::vector<Group>& groups, const Group& group, const Name& name) {
+  for (const Group& one : groups)
+    if (one.threads() == 1 && group.threads() > 1 && one.scene == group.scene && one.motion == group.motion)
+      return group.ms(name) > 0 ? one.ms(name) / group.ms(name) : 0;
+  return 0;
+}
+
+void add_threads_table(const std::vector<Group>& groups, std::vector<TitledTable>& tables) {
+  std::vector<std::string> header = {"scene", "motion", "threads"};
+  for (const Name& name : kEntrants) header.push_back(name.title);
+  TextTable table(header);
+  bool any = false;
+  for (const Group& group : groups) {
+    if (speedup_of_threads(groups, group, kPlus) <= 0) continue;
+    any = true;
+    std::vector<std::string> row = {group.scene, group.motion, std::to_string(group.threads())};
+    for (const Name& name : kEntrants) row.push_back(text_ratio(speedup_of_threads(groups, group, name)));
+    table.add(row);
+  }
+  if (any) tables.push_back({"Speed-up of threads", table, "time on one thread over time on several\n"});
+}
+
+}  // namespace
+
+ExperimentPlan plus_plan(const PlanContext& context) {
+  ExperimentPlan plan{"plus", context.full ? "full" : "quick", context.full ? 3 : 1, {}};
+  const bool two_cores = context.full && std::thread::hardware_concurrency() >= 2;
+  for (const TableScene& scene : plus_scenes(context)) {
+    const bool tentative = context.full && SequenceReader(scene.file).has_velocity();
+    for (const MotionModel model : {MotionModel::linear, MotionModel::tentative})
+      for (const unsigned threads : {0u, 2u}) {
+        if ((model == MotionModel::tentative && !tentative) || (threads > 0 && !two_cores)) continue;
+        const std::string table = threads > 0 ? fmt::format("{} threads", threads) : "";
+        SceneRun run{scene.name,
+                     scene.file,
+                     table_config(scene.file, model),
+                     sampled_windows(motion_count(scene.file), context.full ? 2 : 1, context.full ? 4 : 3),
+                     {}};
+        run.threads = threads;
+        for (const Name& name : kEntrants) run.entrants.push_back(plus_entrant(context, table, name));
+        for (const std::string& pipeline : context.pipelines)
+          run.entrants.push_back(entrant(context.registry, table, pipeline));
+        plan.runs.push_back(std::move(run));
+      }
+  }
+  return plan;
+}
+
+std::vector<TitledTable> plus_tables(const json& record) {
+  const json some = steady(record);
+  const std::vector<Group> groups = groups_of(Rows(some));
+  std::vector<TitledTable> tables = {times(groups), ratios(groups), counts(groups)};
+  add_threads_table(groups, tables);
+  return tables;
+}
+
+json plus_summary(const json& record) {
+  const json some = steady(record);
+  const std::vector<Group> groups = groups_of(Rows(some));
+  json summary = json::array();
+  for (const Group& group : groups) {
+    summary.push_back({{"scene", group.scene},
+                       {"motion", group.motion},
+                       {"threads", group.threads()},
+                       {"elements", group.of(kPlus).median("elements")},
+                       {"motions", group.rows.motions()},
+                       {"volccd_ms", group.ms(kVolCCDCubic)},
+                       {"volccd_inclusion_ms", group.ms(kVolCCD)},
+                       {"volccd_plus_ms", group.ms(kPlus)},
+                       {"volccd_plus_cubic_ms", group.ms(kPlusCubic)},
+                       {"without_flood_ms", group.ms(kWithoutFlood)},
+                       {"boundary_only_ms", group.ms(kBoundary)},
+                       {"boundary_without_flood_ms", group.ms(kPlainBoundary)},
+                       {"speedup_volccd", group.ratio(kVolCCDCubic, kPlus)},
+                       {"speedup_volccd_cubic", group.ratio(kVolCCDCubic, kPlusCubic)},
+                       {"speedup_volccd_inclusion", group.ratio(kVolCCD, kPlus)},
+                       {"volume_over_surface", group.ratio(kPlus, kBoundary)},
+                       {"flood_gain", group.ratio(kWithoutFlood, kPlus)},
+                       {"contacts", group.contacts(kPlus)},
+                       {"boundary_contacts", group.contacts(kBoundary)}});
+    if (const double speedup = speedup_of_threads(groups, group, kPlus); speedup > 0)
+      summary.back()["speedup_threads"] = speedup;
+  }
+  return summary;
+}
+
+}  // namespace volccd

@@ -1,0 +1,20 @@
+// Whole steps of VolCCD+ beside VolCCD, beside itself without the flood, and beside the boundary alone.
+#pragma once
+
+#include <volccd/experiments/tables/catalog.hpp>
+
+namespace volccd {
+
+/// VolCCD and VolCCD+ with `cubic` and with `inclusion`, VolCCD+ without flood, VolCCD+ on the boundary alone with
+/// and without it, and the context's pipelines: on table_scenes(), on a mesh of 105 K tetrahedra that is turned and
+/// shortened, and on two surfaces. With `full`, tentative motion too where a file has velocities, and everything on two
+/// threads where the machine has them (table "2 threads").
+ExperimentPlan plus_plan(const PlanContext& context);
+
+/// Times, ratios, counts, and the speed-up of two threads.
+std::vector<TitledTable> plus_tables(const nlohmann::json& record);
+
+/// An object for each scene, motion model and number of threads; docs/reproducing.md lists its keys.
+nlohmann::json plus_summary(const nlohmann::json& record);
+
+}  // namespace volccd
