@@ -89,7 +89,10 @@ void StarClasses::find_degenerate(const Step& step, const StarTable& stars, Exec
 void StarClasses::keep_known(const Step& step, const StarTable& stars, TopologyDelta::Extent changed, Executor& executor) {
   const Index vertices = step.motion.vertex_count();
   const bool anew = changed == TopologyDelta::Extent::everything || last_.empty();
-  if (anew) embedded_.assign(vertices, Known::no);
+  if (anew) {
+    embedded_.assign(vertices, Known::no);
+    last_.clear();  // of another topology, which may have had more vertices
+  }
   embedded_.resize(vertices, Known::no);
   if (changed == TopologyDelta::Extent::edits)
     for (const Index v : stars.changed_vertices()) embedded_[v] = Known::no;
