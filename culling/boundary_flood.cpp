@@ -57,14 +57,14 @@ double boundary_share(const Topology& topology) {
     if (!mesh.is_live(o)) continue;
     const std::span<const Index> triangles = features.element_triangles(o);
     boundary += is_shell(mesh.type(o)) || std::any_of(triangles.begin(), triangles.end(), [&](Index f) {
-      return features.triangle_elements(f).size() == 1;
-    });
+                  return features.triangle_elements(f).size() == 1;
+                });
   }
   return mesh.element_count() == 0 ? 1 : static_cast<double>(boundary) / static_cast<double>(mesh.element_count());
 }
 
-/// Elements that the broad phase pairs: those on the boundary, in D, and at a vertex that the complex winds around more than
-/// once.
+/// Elements that the broad phase pairs: those on the boundary, in D, and at a vertex that the complex winds around more
+/// than once.
 void choose_outer(const Step& step, BoundaryFloodState& state) {
   const Mesh& mesh = step.mesh();
   const std::uint64_t version = state.outer.version();
@@ -77,11 +77,15 @@ void choose_outer(const Step& step, BoundaryFloodState& state) {
   if (state.outer.version() != version) state.parts_valid = false;
 }
 
-/// Lists the orphans whose first elements have common vertices in suspect stars only, each at the smallest of these vertices.
+/// Lists the orphans whose first elements have common vertices in suspect stars only, each at the smallest of these
+/// vertices.
 class Orphans {
  public:
   Orphans(const BoundaryFloodState& state, TestBatch& out)
-      : topology_(state.complex.topology()), mesh_(topology_.mesh()), features_(topology_.features()), classes_(state.classes),
+      : topology_(state.complex.topology()),
+        mesh_(topology_.mesh()),
+        features_(topology_.features()),
+        classes_(state.classes),
         out_(out) {}
 
   void at_vertex(Index v) {
@@ -127,7 +131,8 @@ class Orphans {
   /// vertex of a clear star.
   bool is_orphan(std::span<const Index> inc_a, std::span<const Index> inc_b) const {
     return std::all_of(inc_a.begin(), inc_a.end(), [&](Index a) {
-      return std::all_of(inc_b.begin(), inc_b.end(), [&](Index b) { return classes_.common_suspects(topology_, a, b) != 0; });
+      return std::all_of(inc_b.begin(), inc_b.end(),
+                         [&](Index b) { return classes_.common_suspects(topology_, a, b) != 0; });
     });
   }
 
@@ -158,7 +163,8 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   state.phase = Phase::idle;
   state.counters = {};
   if (step.separation > 0) return;
-  if (state.counted.sync(step.topology) != TopologyDelta::Extent::none) state.boundary_share = boundary_share(step.topology);
+  if (state.counted.sync(step.topology) != TopologyDelta::Extent::none)
+    state.boundary_share = boundary_share(step.topology);
   state.counted.confirm();
   if (state.boundary_share > config_.most_boundary) return;
   state.complex.update(step.topology);

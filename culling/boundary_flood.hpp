@@ -5,21 +5,23 @@
 
 namespace volccd {
 
-/// Classifies the simplices of a step: those with a boundary face, and those whose volume is not proven to keep its sign (D),
-/// are what the broad phase pairs. From the pairs of these that element culling keeps, and from stars that may fold, it
-/// goes on over face neighbours to pairs with simplices inside the volume. Of the O-Set it lists the pairs all of whose
-/// common vertices have suspect stars.
+/// Classifies the simplices of a step: those with a boundary face, and those whose volume is not proven to keep its
+/// sign (D), are what the broad phase pairs. From the pairs of these that element culling keeps, and from stars that
+/// may fold, it goes on over face neighbours to pairs with simplices inside the volume. Of the O-Set it lists the pairs
+/// all of whose common vertices have suspect stars.
 ///
 /// Takes a step unless
 ///  - more than `most_boundary` of the elements have a boundary face, or are shells: the boundary is all there is;
-///  - more than `most_suspect` of the vertices have stars that may fold, as in rubble: the flood would look at more than a
+///  - more than `most_suspect` of the vertices have stars that may fold, as in rubble: the flood would look at more
+///  than a
 ///    broad phase over everything (docs/boundary_flood.md has the measurements behind both);
 ///  - the separation is above 0: the theorem's conditions on stars are for contact only;
-///  - initial overlaps are asked for and the mesh is not its own complex: hulls of other elements may overlap where their
+///  - initial overlaps are asked for and the mesh is not its own complex: hulls of other elements may overlap where
+///  their
 ///    simplices do not.
 ///
-/// prepare: linear in the simplices. Memory: about 150 bytes a simplex, and for meshes of other elements than tetrahedra and
-/// triangles a second topology.
+/// prepare: linear in the simplices. Memory: about 150 bytes a simplex, and for meshes of other elements than
+/// tetrahedra and triangles a second topology.
 class BoundaryFlood final : public Flood {
  public:
   struct Config {
@@ -30,12 +32,12 @@ class BoundaryFlood final : public Flood {
 
   /// Of the last step.
   struct Counters {
-    std::size_t simplices = 0;          ///< all of them
-    std::size_t degenerate = 0;         ///< in D
-    std::size_t paired = 0;             ///< in the broad phase
+    std::size_t simplices = 0;   ///< all of them
+    std::size_t degenerate = 0;  ///< in D
+    std::size_t paired = 0;      ///< in the broad phase
     std::size_t suspect_vertices = 0;
-    std::size_t looked_at = 0;          ///< pairs that next() proposed
-    std::size_t looked_at_start = 0;    ///< those of them for t = 0
+    std::size_t looked_at = 0;        ///< pairs that next() proposed
+    std::size_t looked_at_start = 0;  ///< those of them for t = 0
   };
 
   explicit BoundaryFlood(const Config& config) : config_(config) {}

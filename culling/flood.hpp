@@ -8,22 +8,23 @@
 
 namespace volccd {
 
-/// A pipeline with a flood looks for pairs on a simplicial complex of the mesh: broad phase, element culling and assignment
-/// see the step that the flood gives them (Flood::step), whose topology is that of the complex and whose subset are the
-/// elements that the broad phase pairs. What survives culling is handed to reach(); next() proposes further pairs, which go
-/// through culling and assignment in their turn, until there are none. The O-Set source is not asked: orphans come from here.
+/// A pipeline with a flood looks for pairs on a simplicial complex of the mesh: broad phase, element culling and
+/// assignment see the step that the flood gives them (Flood::step), whose topology is that of the complex and whose
+/// subset are the elements that the broad phase pairs. What survives culling is handed to reach(); next() proposes
+/// further pairs, which go through culling and assignment in their turn, until there are none. The O-Set source is not
+/// asked: orphans come from here.
 ///
 /// Guarantee (conservative): the pairs that survive contain, for each feature pair {a,b} that touches, every pair of
-/// non-adjacent simplices that covers it; and the orphans contain {a,b} if no such pair does. That holds for any element
-/// culling and any broad phase that are conservative themselves.
+/// non-adjacent simplices that covers it; and the orphans contain {a,b} if no such pair does. That holds for any
+/// element culling and any broad phase that are conservative themselves.
 ///
 /// A flood may leave a step to the pipeline's other stages (takes()), where it would not pay or is not proven.
 class Flood : public Stage {
  public:
   static constexpr const char* kRole = "flood";
 
-  /// Whether the step of the last prepare() is to be flooded. If not, nothing below is called, and the pipeline runs as if
-  /// it had no flood. `overlaps`: initial overlaps of elements are asked for.
+  /// Whether the step of the last prepare() is to be flooded. If not, nothing below is called, and the pipeline runs as
+  /// if it had no flood. `overlaps`: initial overlaps of elements are asked for.
   virtual bool takes(const StageState& state, bool overlaps) const = 0;
 
   /// What broad phase, culling and assignment see. Refers to `state`, which keeps it until the next prepare().

@@ -31,8 +31,8 @@ class ElementSubset {
 
   /// Never 0, and different for every object and after every change.
   std::uint64_t version() const { return version_; }
-  /// The slots that the change from this version to the present one concerned, ascending; false, with `slots` empty, if it
-  /// is neither the present version nor the one before.
+  /// The slots that the change from this version to the present one concerned, ascending; false, with `slots` empty, if
+  /// it is neither the present version nor the one before.
   bool changes_since(std::uint64_t version, std::span<const Index>& slots) const;
 
   std::size_t bytes() const { return flags_.capacity() + changed_.capacity() * sizeof(Index); }
@@ -54,8 +54,8 @@ class ElementSubset {
 
 struct Step;
 
-/// A TopologyDelta for the elements that take part in a step (Step::takes_part): what left or entered Step::subset counts as
-/// emptied or filled. Kept in the state of a broad phase; used in the same way.
+/// A TopologyDelta for the elements that take part in a step (Step::takes_part): what left or entered Step::subset
+/// counts as emptied or filled. Kept in the state of a broad phase; used in the same way.
 class ElementDelta {
  public:
   using Extent = TopologyDelta::Extent;

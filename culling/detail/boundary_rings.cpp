@@ -67,11 +67,12 @@ class Normals {
         const double weight = (kDegree == 2 && i == 1 ? 2 : 1) * (kDegree == 2 && j == 1 ? 2 : 1);
         normal[i + j] = add(normal[i + j], scaled(cross(a[i], b[j]), broadcast(weight)));
       }
-    for (int k = 0; k <= 2 * kDegree; ++k) store3(normal[k], out.rows.data() + static_cast<std::size_t>(3 * k) * out.stride + at, out.stride);
+    for (int k = 0; k <= 2 * kDegree; ++k)
+      store3(normal[k], out.rows.data() + static_cast<std::size_t>(3 * k) * out.stride + at, out.stride);
     // The weights of a coefficient sum to 6 at most; a term has fewer than 16 roundings (docs/boundary_flood.md).
     const Lanes bound = hn::Mul(broadcast(6 * 32 * kUnitRoundoff), trusted(hn::Mul(trusted(of_a), trusted(of_b))));
     hn::StoreU(hn::Add(bound, broadcast(kDeterminantUnderflow)), Tag(),
-              out.rows.data() + static_cast<std::size_t>(3 * out.coefficients) * out.stride + at);
+               out.rows.data() + static_cast<std::size_t>(3 * out.coefficients) * out.stride + at);
     store3(add(unit(normal[0]), unit(normal[2 * kDegree])), out.units.data() + at, out.stride);
   }
 
@@ -137,9 +138,10 @@ void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector
   normals_.stride = (faces_.size() + 7) / 8 * 8 + 8;
   normals_.rows.resize(static_cast<std::size_t>(3 * normals_.coefficients + 1) * normals_.stride);
   normals_.units.resize(3 * normals_.stride);
-  executor.parallel_for((faces_.size() + kFaceGrain - 1) / kFaceGrain, 1, [&](std::size_t begin, std::size_t end, unsigned) {
-    face_normals(step, faces_, begin * kFaceGrain, std::min(end * kFaceGrain, faces_.size()), normals_);
-  });
+  executor.parallel_for(
+      (faces_.size() + kFaceGrain - 1) / kFaceGrain, 1, [&](std::size_t begin, std::size_t end, unsigned) {
+        face_normals(step, faces_, begin * kFaceGrain, std::min(end * kFaceGrain, faces_.size()), normals_);
+      });
   const std::size_t stride = normals_.stride;
   for (const auto& face : faces_)
     for (const Index v : face) ups_[v].setZero();
@@ -156,8 +158,9 @@ void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector
         const double bound = normals_.bounds()[f] * (std::abs(up[0]) + std::abs(up[1]) + std::abs(up[2]));
         bool positive = true;
         for (int k = 0; k < normals_.coefficients; ++k)
-          positive = positive && up[0] * normals_.row(k, 0)[f] + up[1] * normals_.row(k, 1)[f] +
-                                         up[2] * normals_.row(k, 2)[f] > bound;
+          positive =
+              positive &&
+              up[0] * normals_.row(k, 0)[f] + up[1] * normals_.row(k, 1)[f] + up[2] * normals_.row(k, 2)[f] > bound;
         failed_[f] = static_cast<std::uint8_t>(failed_[f] | (positive ? 0 : 1 << i));
       }
     }
@@ -169,8 +172,9 @@ void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector
 }
 
 std::size_t BoundaryRings::bytes() const {
-  return faces_.capacity() * sizeof(faces_[0]) + (normals_.rows.capacity() + normals_.units.capacity()) * sizeof(double) +
-         ups_.capacity() * sizeof(Vec3) + failed_.capacity();
+  return faces_.capacity() * sizeof(faces_[0]) +
+         (normals_.rows.capacity() + normals_.units.capacity()) * sizeof(double) + ups_.capacity() * sizeof(Vec3) +
+         failed_.capacity();
 }
 
 }  // namespace volccd::detail

@@ -16,10 +16,10 @@ namespace volccd::detail {
 struct FaceNormals {
   static constexpr int kMostCoefficients = 5;
 
-  int coefficients = 0;        ///< 3 for linear motion, 5 for quadratic
-  std::size_t stride = 0;      ///< distance of rows, a multiple of 8
-  std::vector<double> rows;    ///< [coefficient][axis][face], each coefficient times its binomial; then [face]: the bound
-  std::vector<double> units;   ///< [axis][face]: sum of the unit normals at both ends
+  int coefficients = 0;      ///< 3 for linear motion, 5 for quadratic
+  std::size_t stride = 0;    ///< distance of rows, a multiple of 8
+  std::vector<double> rows;  ///< [coefficient][axis][face], each coefficient times its binomial; then [face]: the bound
+  std::vector<double> units;  ///< [axis][face]: sum of the unit normals at both ends
 
   const double* row(int coefficient, int axis) const {
     return rows.data() + static_cast<std::size_t>(3 * coefficient + axis) * stride;
@@ -38,8 +38,8 @@ class BoundaryRings {
   /// Faces that have a vertex with a ring: to be called when the table has changed.
   void collect(const Topology& topology, const StarTable& stars);
 
-  /// folds[v] = 1 for each vertex v with a ring whose faces do not keep a positive product of their normals with one direction
-  /// all through the step; else 0. The direction is up(v), the sum of unit normals.
+  /// folds[v] = 1 for each vertex v with a ring whose faces do not keep a positive product of their normals with one
+  /// direction all through the step; else 0. The direction is up(v), the sum of unit normals.
   void find_folds(const Step& step, Executor& executor, std::vector<std::uint8_t>& folds);
   const Vec3& up(Index v) const { return ups_[v]; }
 
@@ -48,8 +48,8 @@ class BoundaryRings {
  private:
   std::vector<std::array<Index, 3>> faces_;  ///< oriented outward for positive volumes
   FaceNormals normals_;
-  std::vector<Vec3> ups_;                ///< by vertex
-  std::vector<std::uint8_t> failed_;     ///< by face: bits of its vertices
+  std::vector<Vec3> ups_;             ///< by vertex
+  std::vector<std::uint8_t> failed_;  ///< by face: bits of its vertices
 };
 
 }  // namespace volccd::detail

@@ -48,8 +48,8 @@ void FloodFront::around_suspect_stars() {
   }
 }
 
-/// Whether all of b but vertices of a face of a lies beyond that face, at t = 0: then they have no more than common vertices
-/// in common.
+/// Whether all of b but vertices of a face of a lies beyond that face, at t = 0: then they have no more than common
+/// vertices in common.
 bool FloodFront::beyond_a_face_at_start(Index a, Index b) const {
   if (!is_volume(step_.mesh(), a)) return false;
   const std::span<const Index> of_a = step_.mesh().vertices(a), of_b = step_.mesh().vertices(b);
@@ -111,7 +111,8 @@ void FloodFront::from_start(std::span<const Index> vertices, std::vector<std::pa
     for (const Index inner : star) {
       if (outer(inner)) continue;
       for (const Index other : star)
-        if (outer(other) && classes_.common_suspects(step_.topology, inner, other) != 0 && may_overlap_at_start(inner, other))
+        if (outer(other) && classes_.common_suspects(step_.topology, inner, other) != 0 &&
+            may_overlap_at_start(inner, other))
           around_at_start({other, inner});
     }
   }

@@ -10,8 +10,8 @@
 
 namespace volccd::detail {
 
-/// Pairs of non-adjacent simplices, each proposed once. Outer elements are those that the broad phase pairs (Step::subset),
-/// the others inner ones; every proposed pair has an inner element. One thread at a time.
+/// Pairs of non-adjacent simplices, each proposed once. Outer elements are those that the broad phase pairs
+/// (Step::subset), the others inner ones; every proposed pair has an inner element. One thread at a time.
 class FloodFront {
  public:
   /// `seen`: what was proposed before. Proposals are appended to `out`.
@@ -24,11 +24,11 @@ class FloodFront {
   /// The same for all adjacent pairs that have common vertices in suspect stars only.
   void around_suspect_stars();
 
-  /// For t = 0: inner elements that may contain one of the vertices, paired with an outer element at that vertex; and what
-  /// lies around adjacent pairs that overlap, as around_at_start() goes on.
+  /// For t = 0: inner elements that may contain one of the vertices, paired with an outer element at that vertex; and
+  /// what lies around adjacent pairs that overlap, as around_at_start() goes on.
   void from_start(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& scratch);
-  /// Of an outer and an inner element: from the outer to all outer ones that share a vertex with it, from the inner over
-  /// faces to inner ones.
+  /// Of an outer and an inner element: from the outer to all outer ones that share a vertex with it, from the inner
+  /// over faces to inner ones.
   void around_at_start(ElementPair pair);
 
   /// A vertex, the smallest, of each part of the outer elements that is connected over common vertices.

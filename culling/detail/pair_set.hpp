@@ -34,9 +34,7 @@ class PairSet {
  private:
   static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};
 
-  static std::uint64_t key_of(ElementPair p) {
-    return std::uint64_t{std::min(p.a, p.b)} << 32 | std::max(p.a, p.b);
-  }
+  static std::uint64_t key_of(ElementPair p) { return std::uint64_t{std::min(p.a, p.b)} << 32 | std::max(p.a, p.b); }
   std::uint64_t& find(std::uint64_t key) {
     std::size_t i = static_cast<std::size_t>(key * 0x9e3779b97f4a7c15u >> shift_);
     while (places_[i] != key && places_[i] != kEmpty) i = (i + 1) & (places_.size() - 1);

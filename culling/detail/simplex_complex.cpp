@@ -57,7 +57,8 @@ void SimplexComplex::append_fan(const Mesh& mesh, Index element, std::vector<Ele
 void SimplexComplex::build(const Topology& topology) {
   const Mesh& mesh = topology.mesh();
   bool simplices = true;
-  for (Index o = 0; o < mesh.element_slots() && simplices; ++o) simplices = !mesh.is_live(o) || is_simplex(mesh.type(o));
+  for (Index o = 0; o < mesh.element_slots() && simplices; ++o)
+    simplices = !mesh.is_live(o) || is_simplex(mesh.type(o));
   own_.reset();
   fans_.clear();
   if (simplices) return;

@@ -12,10 +12,10 @@
 namespace volccd::detail {
 
 /// The fan of an element goes from its vertex of smallest slot over the triangles of its boundary that do not have that
-/// vertex; fans of neighbours agree on their common faces (diagonal rule, mesh/features.hpp). A simplex has the vertex slots
-/// of the mesh and the object of its element. Its orientation follows from the node order of the element, or from the face
-/// stream of a polytope, never from positions. Every feature of the mesh is a simplex of the complex; a triangle of a
-/// degenerate polytope that no tetrahedron of the fan has is added as a triangle.
+/// vertex; fans of neighbours agree on their common faces (diagonal rule, mesh/features.hpp). A simplex has the vertex
+/// slots of the mesh and the object of its element. Its orientation follows from the node order of the element, or from
+/// the face stream of a polytope, never from positions. Every feature of the mesh is a simplex of the complex; a
+/// triangle of a degenerate polytope that no tetrahedron of the fan has is added as a triangle.
 ///
 /// A mesh of tetrahedra and triangles is its own complex: nothing is stored. One thread at a time.
 class SimplexComplex {

@@ -12,6 +12,7 @@ namespace volccd::detail {
 namespace {
 
 constexpr std::size_t kElementGrain = 1024, kVertexGrain = 256;
+
 /// The other vertices of a tetrahedron as seen from v, at t = 0, in an order of positive determinant for a positive
 /// volume.
 struct Corner {
@@ -19,12 +20,12 @@ struct Corner {
 
   Corner(const Step& step, Index o, Index v, bool mirrored) {
     const std::span<const Index> t = step.topology.adjacency().vertices(o);
-    constexpr std::array<std::array<std::uint8_t, 3>, 4> kOthers{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
     const auto i = static_cast<std::size_t>(std::find(t.begin(), t.end(), v) - t.begin());
+    const std::array<Index, 3> others = StarTable::face_of(t, i);
     const Vec3 at = step.motion.point(v, 0);
-    a = step.motion.point(t[kOthers[i][0]], 0) - at;
-    b = step.motion.point(t[kOthers[i][mirrored ? 2 : 1]], 0) - at;
-    c = step.motion.point(t[kOthers[i][mirrored ? 1 : 2]], 0) - at;
+    a = step.motion.point(others[0], 0) - at;
+    b = step.motion.point(others[mirrored ? 2 : 1], 0) - at;
+    c = step.motion.point(others[mirrored ? 1 : 2], 0) - at;
   }
   bool contains(const Vec3& d) const {
     return certainly_positive(d, b, c) && certainly_positive(a, d, c) && certainly_positive(a, b, d);
@@ -41,12 +42,13 @@ bool goes_once_around(const Step& step, Index v, const std::vector<std::int8_t>&
   const Corner first(step, star[0], v, signs[star[0]] < 0);
   const Vec3 direction = first.a + first.b + first.c;
   if (!first.contains(direction)) return false;
-  return std::all_of(star.begin() + 1, star.end(), [&](Index o) { return Corner(step, o, v, signs[o] < 0).excludes(direction); });
+  return std::all_of(star.begin() + 1, star.end(),
+                     [&](Index o) { return Corner(step, o, v, signs[o] < 0).excludes(direction); });
 }
 
-/// At t = 0, for a ring whose faces all have a positive product of their normals with `up`: whether it goes once around `up`.
-/// The sectors of the faces in the plane across `up` are narrower than half a turn: a direction in the first of them is in
-/// no other.
+/// At t = 0, for a ring whose faces all have a positive product of their normals with `up`: whether it goes once around
+/// `up`. The sectors of the faces in the plane across `up` are narrower than half a turn: a direction in the first of
+/// them is in no other.
 bool winds_once(const Step& step, Index v, std::span<const Index> ring, const Vec3& up) {
   const Vec3 at = step.motion.point(v, 0);
   const auto side = [&](std::size_t i) -> Vec3 { return step.motion.point(ring[i < ring.size() ? i : 0], 0) - at; };
@@ -73,7 +75,8 @@ void StarClasses::find_degenerate(const Step& step, const StarTable& stars, Exec
       bool unsound = signs_[o] == 0;
       if (!unsound && mesh.type(static_cast<Index>(o)) == ElementType::tetrahedron)
         for (const StarTable::Neighbour& across : stars.neighbours(static_cast<Index>(o)))
-          unsound = unsound || (across.element != kNone && signs_[o] * signs_[across.element] == (across.opposite ? -1 : 1));
+          unsound =
+              unsound || (across.element != kNone && signs_[o] * signs_[across.element] == (across.opposite ? -1 : 1));
       degenerate_[o] = unsound ? 1 : 0;
       sound_[o] = !unsound && mesh.type(static_cast<Index>(o)) == ElementType::tetrahedron &&
                           !stars.shares_a_face_with_several(static_cast<Index>(o))
@@ -83,10 +86,11 @@ void StarClasses::find_degenerate(const Step& step, const StarTable& stars, Exec
   });
 }
 
-/// What is known of a star, the degree and that its ring goes once around, can change only while a volume in it is 0 or the
-/// ring folds, or with the topology. If this step does not begin where the last one ended, it stays true where neither
-/// happens on the straight way in between.
-void StarClasses::keep_known(const Step& step, const StarTable& stars, TopologyDelta::Extent changed, Executor& executor) {
+/// What is known of a star, the degree and that its ring goes once around, can change only while a volume in it is 0 or
+/// the ring folds, or with the topology. If this step does not begin where the last one ended, it stays true where
+/// neither happens on the straight way in between.
+void StarClasses::keep_known(const Step& step, const StarTable& stars, TopologyDelta::Extent changed,
+                             Executor& executor) {
   const Index vertices = step.motion.vertex_count();
   const bool anew = changed == TopologyDelta::Extent::everything || last_.empty();
   if (anew) {
@@ -173,8 +177,9 @@ void StarClasses::update(const Step& step, const StarTable& stars, TopologyDelta
 }
 
 std::size_t StarClasses::bytes() const {
-  return signs_.capacity() + degenerate_.capacity() + sound_.capacity() + suspect_.capacity() + suspect_places_.capacity() + wound_.capacity() + embedded_.capacity() + folds_.capacity() + rings_.bytes() +
-         (last_.capacity() + start_.capacity()) * sizeof(Vec3) + gap_.bytes() + gap_signs_.capacity() + suspects_.capacity() * sizeof(Index);
+  return signs_.capacity() + gap_signs_.capacity() + degenerate_.capacity() + sound_.capacity() + suspect_.capacity() +
+         suspect_places_.capacity() + wound_.capacity() + embedded_.capacity() + folds_.capacity() + rings_.bytes() +
+         (last_.capacity() + start_.capacity()) * sizeof(Vec3) + gap_.bytes() + suspects_.capacity() * sizeof(Index);
 }
 
 }  // namespace volccd::detail

@@ -12,8 +12,9 @@
 
 namespace volccd::detail {
 
-/// Classifies the elements and vertices of the complex for one step (docs/boundary_flood.md). All predicates are certified:
-/// rounding may only move an element into D, or make a star suspect. One thread at a time; uses the executor.
+/// Classifies the elements and vertices of the complex for one step (docs/boundary_flood.md). All predicates are
+/// certified: rounding may only move an element into D, or make a star suspect. One thread at a time; uses the
+/// executor.
 class StarClasses {
  public:
   /// `changed`: what StarTable::update() returned for this topology.
@@ -29,8 +30,8 @@ class StarClasses {
   /// An interior vertex whose star is in one piece, not in D, and not proven to go once around the vertex.
   bool wound(Index v) const { return wound_[v] != 0; }
 
-  /// Bits of the places at which the vertices of simplex a are vertices of b (Adjacency::vertices, a triangle repeats its
-  /// first one).
+  /// Bits of the places at which the vertices of simplex a are vertices of b (Adjacency::vertices, a triangle repeats
+  /// its first one).
   static std::uint32_t common_vertices(const Topology& topology, Index a, Index b) {
     const Index *x = topology.adjacency().vertices(a).data(), *y = topology.adjacency().vertices(b).data();
     std::uint32_t bits = 0;
@@ -56,16 +57,18 @@ class StarClasses {
   void forget_around(const Step& step, Index element);
   void classify(const Step& step, const StarTable& stars, Index v);
 
-  std::vector<std::int8_t> signs_;         ///< of volumes, by element slot
+  std::vector<std::int8_t> signs_;  ///< of volumes, by element slot
   /// By element slot. Sound: a tetrahedron out of D, each of whose faces has one other tetrahedron or nothing.
   std::vector<std::uint8_t> degenerate_, sound_;
   std::vector<std::uint8_t> suspect_, wound_;  ///< by vertex
   std::vector<std::uint8_t> suspect_places_;   ///< by element slot: bits of its vertices
-  std::vector<Known> embedded_;  ///< by vertex: its star goes once around it, and its ring once around; as long as neither folds
+  /// By vertex: its star goes once around it, and its ring once around; as long as neither folds.
+  std::vector<Known> embedded_;
   BoundaryRings rings_;
   std::vector<std::uint8_t> folds_;
-  std::vector<Vec3> last_, start_;  ///< where the vertices are at the end of the last step, and at the start of this one
-  Motion gap_;                             ///< from there to here
+  std::vector<Vec3> last_,
+      start_;   ///< where the vertices are at the end of the last step, and at the start of this one
+  Motion gap_;  ///< from there to here
   std::vector<std::int8_t> gap_signs_;
   std::vector<Index> suspects_;
   std::size_t degenerate_count_ = 0;

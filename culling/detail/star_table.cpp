@@ -14,9 +14,7 @@ std::size_t opposite_vertex(std::span<const Index> vertices, const std::array<In
 }
 
 /// Whether an even number of swaps brings the triangle in ascending order.
-bool is_even(const std::array<Index, 3>& t) {
-  return ((t[0] > t[1]) ^ (t[0] > t[2]) ^ (t[1] > t[2])) == 0;
-}
+bool is_even(const std::array<Index, 3>& t) { return ((t[0] > t[1]) ^ (t[0] > t[2]) ^ (t[1] > t[2])) == 0; }
 
 Index root(std::vector<Index>& parents, Index i) {
   while (parents[i] != i) i = parents[i] = parents[parents[i]];
@@ -43,8 +41,9 @@ void StarTable::set_neighbours(const Topology& topology, Index triangle) {
   for (std::size_t k = 0; k < 2; ++k) neighbours_[elements[k]][side[k]] = {elements[1 - k], even[0] != even[1]};
 }
 
-/// The link of v is a surface, its triangles v's tetrahedra. Whether it is in one piece, and around each of its vertices, too:
-/// corners are pairs of a tetrahedron and another vertex of it; faces at v join tetrahedra, and corners at their ends.
+/// The link of v is a surface, its triangles v's tetrahedra. Whether it is in one piece, and around each of its
+/// vertices, too: corners are pairs of a tetrahedron and another vertex of it; faces at v join tetrahedra, and corners
+/// at their ends.
 bool StarTable::joins_up(const Topology& topology, Index v, Scratch& scratch) const {
   const std::span<const Index> star = topology.features().vertex_elements(v);
   const Mesh& mesh = topology.mesh();

@@ -18,8 +18,7 @@ struct Volumes {
     for (std::size_t v = 0; v < 4; ++v) {
       const double* const from = step.motion.at(vertices[v]);
       for (std::size_t c = 0; c < kControlPoints; ++c)
-        for (std::size_t axis = 0; axis < 3; ++axis)
-          rows[((c * 4 + v) * 3 + axis) * 8 + lane] = from[3 * c + axis];
+        for (std::size_t axis = 0; axis < 3; ++axis) rows[((c * 4 + v) * 3 + axis) * 8 + lane] = from[3 * c + axis];
     }
   }
 

@@ -7,7 +7,8 @@
 namespace volccd::detail {
 
 /// Which element pairs the broad phase has to emit, so that their tests, and those of an orphan source if there is one,
-/// contain every feature pair without a common vertex that touches. Throws ConfigError if no range does, with the reason.
+/// contain every feature pair without a common vertex that touches. Throws ConfigError if no range does, with the
+/// reason.
 PairRange required_range(const std::string& pipeline, const std::string& assignment_name, const Assignment& assignment,
                          bool has_orphans);
 

@@ -16,11 +16,10 @@ namespace {
 std::size_t make_canonical(std::vector<Contact>& contacts) {
   const std::size_t found = contacts.size();
   std::sort(contacts.begin(), contacts.end(), canonical_less);
-  contacts.erase(std::unique(contacts.begin(), contacts.end(),
-                             [](const Contact& x, const Contact& y) {
-                               return x.kind == y.kind && x.vertices == y.vertices;
-                             }),
-                 contacts.end());
+  contacts.erase(
+      std::unique(contacts.begin(), contacts.end(),
+                  [](const Contact& x, const Contact& y) { return x.kind == y.kind && x.vertices == y.vertices; }),
+      contacts.end());
   return found - contacts.size();
 }
 
@@ -100,7 +99,8 @@ void Pipeline::Run::prepare_stages() {
     if (flooded_ && i == orphans()) continue;  // its O-Set is not needed: it waits for the next step without a flood
     prepare(i, i <= assignment() ? pair_step() : step_);
   }
-  data_.workers[0]->sums.stages[kBroadPhase].bounds_seconds = pipeline_.broad_phase_->bounds_seconds(state(kBroadPhase));
+  data_.workers[0]->sums.stages[kBroadPhase].bounds_seconds =
+      pipeline_.broad_phase_->bounds_seconds(state(kBroadPhase));
 }
 
 double Pipeline::Run::charged_seconds() const {
@@ -110,8 +110,8 @@ double Pipeline::Run::charged_seconds() const {
   return sum;
 }
 
-/// Later stages run inside the broad phase, which is charged for its own part of each chunk, and for what it does outside
-/// of chunks. Of the latter, what it hands on there is taken off again.
+/// Later stages run inside the broad phase, which is charged for its own part of each chunk, and for what it does
+/// outside of chunks. Of the latter, what it hands on there is taken off again.
 void Pipeline::Run::run_broad_phase() {
   detail::ChargedExecutor executor(executor_, data_.workers, kBroadPhase);
   StageClock clock;
@@ -150,7 +150,8 @@ void Pipeline::Run::run_flood() {
 
 void Pipeline::Run::run_orphans() {
   const std::size_t stage = flooded_ ? flood() : orphans();
-  const std::size_t blocks = flooded_ ? pipeline_.flood_->orphan_blocks(state(stage)) : pipeline_.orphans_->blocks(state(stage));
+  const std::size_t blocks =
+      flooded_ ? pipeline_.flood_->orphan_blocks(state(stage)) : pipeline_.orphans_->blocks(state(stage));
   executor_.parallel_for(blocks, 1, [&](std::size_t begin, std::size_t end, unsigned w) {
     WorkerScratch& worker = *data_.workers[w];
     StageStatistics& statistics = worker.sums.stages[stage];

@@ -10,21 +10,20 @@
 
 namespace volccd {
 
-/// Two sources of tests: element pairs of the broad phase, through element culling and assignment; and blocks of orphans.
-/// Where a flood takes the step, it proposes further pairs, and has the orphans.
-/// Both flow through filters and narrow phase on the worker that received them, so that no list of all pairs or all tests
-/// exists at any time. Sums are kept by worker and added in the end; contacts are put in canonical order: both are
-/// independent of the number of workers.
+/// Two sources of tests: element pairs of the broad phase, through element culling and assignment; and blocks of
+/// orphans. Where a flood takes the step, it proposes further pairs, and has the orphans. Both flow through filters and
+/// narrow phase on the worker that received them, so that no list of all pairs or all tests exists at any time. Sums
+/// are kept by worker and added in the end; contacts are put in canonical order: both are independent of the number of
+/// workers.
 class Pipeline::Run {
  public:
-  Run(const Pipeline& pipeline, const Step& step, Workspace::Data& data, Executor& executor,
-      const Request& request);
+  Run(const Pipeline& pipeline, const Step& step, Workspace::Data& data, Executor& executor, const Request& request);
 
   void execute(StepResult& result, const Workspace& workspace);
 
  private:
-  /// Element pairs that go through culling at once, tests that go through the chain at once: small enough for the caches,
-  /// large enough that clocks and virtual calls do not count.
+  /// Element pairs that go through culling at once, tests that go through the chain at once: small enough for the
+  /// caches, large enough that clocks and virtual calls do not count.
   static constexpr std::size_t kPairs = 256, kTests = 1024;
 
   void prepare_workers();

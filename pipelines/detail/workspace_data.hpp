@@ -24,8 +24,8 @@ struct alignas(64) WorkerScratch {
 
   std::size_t bytes() const {
     return sizeof(*this) + batch.bytes() + (tests.vf.capacity() + tests.ee.capacity()) * sizeof(FeaturePair) +
-           chain.bytes() + left_out.capacity() * sizeof(Contact) + (overlap_candidates.capacity() + overlaps.capacity()) * sizeof(ElementPair) +
-           overlap_test.bytes();
+           chain.bytes() + left_out.capacity() * sizeof(Contact) +
+           (overlap_candidates.capacity() + overlaps.capacity()) * sizeof(ElementPair) + overlap_test.bytes();
   }
 };
 
