@@ -143,6 +143,45 @@ class Orphans {
   TestBatch& out_;
 };
 
+/// Pairs to look at next.
+Flood::Front propose(BoundaryFloodState& state) {
+  const Step& step = *state.step;
+  state.front.clear();
+  const std::size_t begin = state.reached.size();
+  for (Worker& worker : state.workers) {
+    state.reached.insert(state.reached.end(), worker.reached.begin(), worker.reached.end());
+    worker.reached.clear();
+  }
+  const std::span<const ElementPair> fresh = std::span(state.reached).subspan(begin);
+  if (state.phase != Phase::flood) {
+    detail::FloodFront at_start(step, state.stars, state.classes, state.seen_at_start, state.front);
+    if (state.phase == Phase::idle) {
+      if (!state.parts_valid) state.parts = detail::FloodFront::one_of_each_part(step);
+      state.parts_valid = true;
+      at_start.from_start(state.parts, state.along_x);
+      for (const ElementPair pair : fresh) at_start.around(pair);
+    } else {
+      for (const ElementPair pair : fresh) {
+        state.seen.insert(pair);
+        at_start.around_at_start(pair);
+      }
+    }
+    state.phase = Phase::start;
+    state.counters.looked_at_start += state.front.size();
+    if (!state.front.empty()) {
+      state.counters.looked_at += state.front.size();
+      return {state.front, true};
+    }
+  }
+  detail::FloodFront front(step, state.stars, state.classes, state.seen, state.front);
+  if (state.phase == Phase::start) front.around_suspect_stars();
+  for (const ElementPair pair : state.phase == Phase::start ? std::span<const ElementPair>(state.reached) : fresh)
+    front.around(pair);
+  state.phase = Phase::flood;
+  state.counters.looked_at += state.front.size();
+  return {state.front, false};
+}
+
 }  // namespace
 
 const Options<BoundaryFlood::Config>& BoundaryFlood::options() {
@@ -151,7 +190,9 @@ const Options<BoundaryFlood::Config>& BoundaryFlood::options() {
           .add("most_boundary", &Config::most_boundary, 0, 1,
                "share of elements on the boundary above which a step is left to the other stages")
           .add("most_suspect", &Config::most_suspect, 0, 1,
-               "share of vertices whose stars may fold above which a step is left to the other stages");
+               "share of vertices whose stars may fold above which a step is left to the other stages")
+          .add("most_pairs", &Config::most_pairs, 0, 1e9,
+               "pairs looked at for each simplex, above which a step is begun anew by the other stages");
   return options;
 }
 
@@ -202,43 +243,11 @@ void BoundaryFlood::reach(StageState& state, unsigned worker, const std::vector<
   reached.insert(reached.end(), pairs.begin(), pairs.end());
 }
 
-Flood::Front BoundaryFlood::next(StageState& stage_state, Executor&) const {
-  BoundaryFloodState& state = own(stage_state);
-  const Step& step = *state.step;
-  state.front.clear();
-  const std::size_t begin = state.reached.size();
-  for (Worker& worker : state.workers) {
-    state.reached.insert(state.reached.end(), worker.reached.begin(), worker.reached.end());
-    worker.reached.clear();
-  }
-  const std::span<const ElementPair> fresh = std::span(state.reached).subspan(begin);
-  if (state.phase != Phase::flood) {
-    detail::FloodFront at_start(step, state.stars, state.classes, state.seen_at_start, state.front);
-    if (state.phase == Phase::idle) {
-      if (!state.parts_valid) state.parts = detail::FloodFront::one_of_each_part(step);
-      state.parts_valid = true;
-      at_start.from_start(state.parts, state.along_x);
-      for (const ElementPair pair : fresh) at_start.around(pair);
-    } else {
-      for (const ElementPair pair : fresh) {
-        state.seen.insert(pair);
-        at_start.around_at_start(pair);
-      }
-    }
-    state.phase = Phase::start;
-    state.counters.looked_at_start += state.front.size();
-    if (!state.front.empty()) {
-      state.counters.looked_at += state.front.size();
-      return {state.front, true};
-    }
-  }
-  detail::FloodFront front(step, state.stars, state.classes, state.seen, state.front);
-  if (state.phase == Phase::start) front.around_suspect_stars();
-  for (const ElementPair pair : state.phase == Phase::start ? std::span<const ElementPair>(state.reached) : fresh)
-    front.around(pair);
-  state.phase = Phase::flood;
-  state.counters.looked_at += state.front.size();
-  return {state.front, false};
+Flood::Front BoundaryFlood::next(StageState& state, Executor&) const {
+  const Front front = propose(own(state));
+  const Counters& counters = own(state).counters;
+  const double most = config_.most_pairs * static_cast<double>(counters.simplices);
+  return {front.pairs, front.at_start, static_cast<double>(counters.looked_at) > most};
 }
 
 void BoundaryFlood::to_mesh_features(const StageState& state, TestBatch& tests, std::size_t vf_begin,

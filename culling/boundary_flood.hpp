@@ -20,6 +20,9 @@ namespace volccd {
 ///  their
 ///    simplices do not.
 ///
+/// It gives a step up, to be begun anew without it, when it has proposed more than `most_pairs` pairs for each simplex:
+/// where element culling separates few pairs, it would go on through all of the volume.
+///
 /// prepare: linear in the simplices. Memory: about 150 bytes a simplex, and for meshes of other elements than
 /// tetrahedra and triangles a second topology.
 class BoundaryFlood final : public Flood {
@@ -27,6 +30,7 @@ class BoundaryFlood final : public Flood {
   struct Config {
     double most_boundary = 0.8;  ///< share of the elements
     double most_suspect = 0.03;  ///< share of the vertices
+    double most_pairs = 4;       ///< looked at, for each simplex
   };
   static const Options<Config>& options();
 

@@ -38,6 +38,9 @@ class Flood : public Stage {
   struct Front {
     std::span<const ElementPair> pairs;
     bool at_start = false;  ///< only what touches at t = 0 matters
+    /// The flood leaves the step to the other stages after all: it would look at too many pairs. Nothing else is called
+    /// then.
+    bool given_up = false;
   };
   /// Called on one thread, first when the broad phase is done, then when all pairs of the last front are.
   virtual Front next(StageState& state, Executor& executor) const = 0;

@@ -83,21 +83,22 @@ void Pipeline::Run::prepare_workers() {
   }
 }
 
-void Pipeline::Run::prepare_stages() {
+void Pipeline::Run::prepare_stage(std::size_t stage, const Step& step) {
   StageClock clock;
-  const auto prepare = [&](std::size_t i, const Step& step) {
-    const StageTimer timer(clock, data_.workers[0]->sums.stages[i].prepare_seconds);
-    pipeline_.stages_[i]->prepare(step, state(i), executor_);
-  };
+  const StageTimer timer(clock, data_.workers[0]->sums.stages[stage].prepare_seconds);
+  pipeline_.stages_[stage]->prepare(step, state(stage), executor_);
+}
+
+void Pipeline::Run::prepare_stages() {
   if (pipeline_.flood_) {
-    prepare(flood(), step_);
+    prepare_stage(flood(), step_);
     flooded_ = pipeline_.flood_->takes(state(flood()), overlaps_asked_);
     if (flooded_) flood_step_.emplace(pipeline_.flood_->step(state(flood())));
   }
   for (std::size_t i = 0; i < pipeline_.stages_.size(); ++i) {
     if (pipeline_.flood_ && i == flood()) continue;
     if (flooded_ && i == orphans()) continue;  // its O-Set is not needed: it waits for the next step without a flood
-    prepare(i, i <= assignment() ? pair_step() : step_);
+    prepare_stage(i, i <= assignment() ? pair_step() : step_);
   }
   data_.workers[0]->sums.stages[kBroadPhase].bounds_seconds =
       pipeline_.broad_phase_->bounds_seconds(state(kBroadPhase));
@@ -140,12 +141,21 @@ void Pipeline::Run::run_flood() {
       const StageTimer timer(clock, statistics.seconds);
       front = source.next(state(flood()), executor_);
     }
+    if (front.given_up) return begin_without_flood();
     if (front.pairs.empty()) return;
     statistics.out += front.pairs.size();
     executor_.parallel_for(front.pairs.size(), kPairs, [&](std::size_t begin, std::size_t end, unsigned w) {
       take_pairs(front.pairs.subspan(begin, end - begin), w, front.at_start);
     });
   }
+}
+
+/// What the flood has found stays; contacts that are found again are merged.
+void Pipeline::Run::begin_without_flood() {
+  flooded_ = false;
+  for (const auto& worker : data_.workers) worker->overlaps.clear();
+  for (std::size_t i = 0; i <= orphans(); ++i) prepare_stage(i, step_);
+  run_broad_phase();
 }
 
 void Pipeline::Run::run_orphans() {

@@ -29,7 +29,9 @@ class Pipeline::Run {
   void prepare_workers();
   void prepare_stages();
   void run_broad_phase();
+  void prepare_stage(std::size_t stage, const Step& step);
   void run_flood();
+  void begin_without_flood();
   void run_orphans();
   double charged_seconds() const;
   const Step& pair_step() const { return flooded_ ? *flood_step_ : step_; }
