@@ -296,6 +296,25 @@ TEST(BoundaryFlood, GivesUpWithoutLosingAnything) {
   EXPECT_GT(contacts, 0u);
 }
 
+TEST(ThreadsBoundaryFlood, SameContactsAndCountsForAnyNumberOfWorkers) {
+  const Pipeline pipeline(registry(), spec_of("boundary-flood"));
+  const auto three = make_thread_executor(3);
+  SerialExecutor serial;
+  for (std::uint64_t seed = 700; seed < 712; ++seed) {
+    const FloodScene scene = FloodScenes(seed).make();
+    const Step step{scene.topology, scene.linear, kNoFilter};
+    StepResult by_one, by_three;
+    Workspace first = pipeline.make_workspace(), second = pipeline.make_workspace();
+    pipeline.run(step, first, serial, by_one);
+    pipeline.run(step, second, *three, by_three);
+    EXPECT_TRUE(compare_contacts(by_one.contacts, by_three.contacts).empty()) << scene.what;
+    EXPECT_EQ(by_one.statistics.element_pairs, by_three.statistics.element_pairs) << scene.what;
+    EXPECT_EQ(by_one.statistics.orphan_tests, by_three.statistics.orphan_tests) << scene.what;
+    EXPECT_EQ(by_one.statistics.vf_tests, by_three.statistics.vf_tests) << scene.what;
+    EXPECT_EQ(by_one.statistics.ee_tests, by_three.statistics.ee_tests) << scene.what;
+  }
+}
+
 TEST(BoundaryFlood, AWorkspaceGoesOnWithAMeshOfFewerVertices) {
   Contest contest;
   for (const int n : {3, 2}) {
