@@ -161,10 +161,7 @@ Flood::Front propose(BoundaryFloodState& state) {
       at_start.from_start(state.parts, state.along_x);
       for (const ElementPair pair : fresh) at_start.around(pair);
     } else {
-      for (const ElementPair pair : fresh) {
-        state.seen.insert(pair);
-        at_start.around_at_start(pair);
-      }
+      for (const ElementPair pair : fresh) at_start.around_at_start(pair);
     }
     state.phase = Phase::start;
     state.counters.looked_at_start += state.front.size();
@@ -174,10 +171,18 @@ Flood::Front propose(BoundaryFloodState& state) {
     }
   }
   detail::FloodFront front(step, state.stars, state.classes, state.seen, state.front);
-  if (state.phase == Phase::start) front.around_suspect_stars();
-  for (const ElementPair pair : state.phase == Phase::start ? std::span<const ElementPair>(state.reached) : fresh)
-    front.around(pair);
-  state.phase = Phase::flood;
+  if (state.phase == Phase::start) {
+    front.around_suspect_stars();
+    // Seeds go on; what touches at the start is looked at once more, for all of the step.
+    for (const ElementPair pair : state.reached)
+      if (step.takes_part(pair.a) && step.takes_part(pair.b))
+        front.around(pair);
+      else
+        front.again(pair);
+    state.phase = Phase::flood;
+  } else {
+    for (const ElementPair pair : fresh) front.around(pair);
+  }
   state.counters.looked_at += state.front.size();
   return {state.front, false};
 }

@@ -34,10 +34,12 @@ class Flood : public Stage {
   /// PairVerdict::contact_free, which may have points in common.
   virtual void reach(StageState& state, unsigned worker, const std::vector<ElementPair>& pairs) const = 0;
 
-  /// Pairs to look at next, none of which was looked at before; none: the flood is over.
+  /// Pairs to look at next; none: the flood is over.
   struct Front {
     std::span<const ElementPair> pairs;
-    bool at_start = false;  ///< only what touches at t = 0 matters
+    /// Only what touches at t = 0 is to be handed to reach(): culling sees t_max = 0, and no tests are assigned. Other fronts
+    /// together hold no pair twice, and none that the broad phase gives.
+    bool at_start = false;
     /// The flood leaves the step to the other stages after all: it would look at too many pairs. Nothing else is called
     /// then.
     bool given_up = false;

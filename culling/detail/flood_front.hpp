@@ -21,6 +21,8 @@ class FloodFront {
 
   /// Over faces of either element to an inner one.
   void around(ElementPair pair);
+  /// The pair itself.
+  void again(ElementPair pair) { propose(pair.a, pair.b); }
   /// The same for all adjacent pairs that have common vertices in suspect stars only.
   void around_suspect_stars();
 

@@ -87,6 +87,8 @@ void Pipeline::Run::prepare_stage(std::size_t stage, const Step& step) {
   StageClock clock;
   const StageTimer timer(clock, data_.workers[0]->sums.stages[stage].prepare_seconds);
   pipeline_.stages_[stage]->prepare(step, state(stage), executor_);
+  if (stage == kBroadPhase)
+    data_.workers[0]->sums.stages[stage].bounds_seconds += pipeline_.broad_phase_->bounds_seconds(state(stage));
 }
 
 void Pipeline::Run::prepare_stages() {
@@ -100,8 +102,6 @@ void Pipeline::Run::prepare_stages() {
     if (flooded_ && i == orphans()) continue;  // its O-Set is not needed: it waits for the next step without a flood
     prepare_stage(i, i <= assignment() ? pair_step() : step_);
   }
-  data_.workers[0]->sums.stages[kBroadPhase].bounds_seconds =
-      pipeline_.broad_phase_->bounds_seconds(state(kBroadPhase));
 }
 
 double Pipeline::Run::charged_seconds() const {
@@ -198,7 +198,8 @@ void Pipeline::Run::count_adjacent(std::span<const ElementPair> pairs, Statistic
   for (const ElementPair pair : pairs) sums.adjacent_pairs += pair_step().topology.adjacency().adjacent(pair.a, pair.b);
 }
 
-/// From the broad phase or a flood. `at_start`: only what touches at t = 0 matters.
+/// From the broad phase or a flood. `at_start`: the flood asks only which of them touch at t = 0. Those come again in a
+/// later front, for the whole step: tests assigned at t = 0 would lack the features that touch later.
 void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w, bool at_start) {
   WorkerScratch& worker = *data_.workers[w];
   const StageTimer nobody(worker.chain.clock());
@@ -208,7 +209,7 @@ void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w, b
   for (std::size_t begin = 0; begin < pairs.size(); begin += kPairs) {
     worker.batch.assign(pairs.subspan(begin, std::min(kPairs, pairs.size() - begin)));
     cull_pairs(step, w);
-    if (overlaps_asked_) {
+    if (overlaps_asked_ && !at_start) {
       take_overlaps(worker.batch.pairs, worker);
       take_overlaps(worker.batch.contact_free, worker);
     }
@@ -219,6 +220,7 @@ void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w, b
       pipeline_.flood_->reach(state(flood()), w, worker.batch.pairs);
       pipeline_.flood_->reach(state(flood()), w, worker.batch.contact_free);
     }
+    if (at_start) continue;
     assign_tests(step, w);
     if (worker.tests.size() >= kTests) run_tests(worker, TestBlock::kCapacity);
   }

@@ -245,6 +245,21 @@ TEST(BoundaryFlood, FindsContactsDeepInAPenetration) {
     }
 }
 
+/// What assigns fewer features of a pair when it touches late, or culls less, or nothing, loses nothing.
+TEST(BoundaryFlood, FindsAllContactsWithAnyElementCulling) {
+  for (const char* culling : {"csat.mode=features", "csat.mode=both", "csat.axis=centroid", "element-culling=none"}) {
+    PipelineSpec spec = spec_of("boundary-flood");
+    registry().apply_setting(spec, culling);
+    std::size_t contacts = 0;
+    for (std::uint64_t seed = 300; seed < 306; ++seed) {
+      const FloodScene scene = FloodScenes(seed).make();
+      const std::string what = "seed " + std::to_string(seed) + ": " + scene.what + ", " + culling;
+      contacts += Contest(spec).compare({scene.topology, scene.linear, kNoFilter}, what);
+    }
+    EXPECT_GT(contacts, 100u) << culling;
+  }
+}
+
 /// A vertex at the origin whose tetrahedra go around the z axis twice. Inside of a volume: between a pole below and one
 /// above; on the boundary: with a pole below alone, so that faces with normals upward form a ring that goes around
 /// twice, its first round above the second.
