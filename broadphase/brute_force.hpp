@@ -5,9 +5,9 @@
 
 namespace volccd {
 
-/// No tree and no grid: swept boxes in doubles, exact but for the separation, which is rounded upward; or no bounds at all.
-/// Emits the pairs whose boxes come within the separation along each axis: a superset of what k-DOPs leave. O(n^2) time,
-/// about 100 bytes an element and 4 more for each worker.
+/// No tree and no grid: swept boxes in doubles, exact but for the separation, which is rounded upward; or no bounds at
+/// all. Emits the pairs whose boxes come within the separation along each axis: a superset of what k-DOPs leave. O(n^2)
+/// time, about 100 bytes an element and 4 more for each worker.
 class BruteForce final : public BroadPhase {
  public:
   enum class Bounds {

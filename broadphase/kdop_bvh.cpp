@@ -117,21 +117,24 @@ void KdopBvh::run(const Step& step, StageState& stage_state, PairRange range, Ex
   state.writers.start(executor.workers(), sink);
   executor.parallel_for(state.tasks.size(), 1, [&](std::size_t begin, std::size_t end, unsigned w) {
     for (std::size_t i = begin; i < end; ++i)
-      state.workers[w].node_tests += detail::traverse(state.tree, rules, state.tasks[i], state.workers[w].stack.data(), state.writers[w]);
+      state.workers[w].node_tests +=
+          detail::traverse(state.tree, rules, state.tasks[i], state.workers[w].stack.data(), state.writers[w]);
   });
   state.writers.finish();
   for (const Worker& worker : state.workers) state.counters.node_tests += worker.node_tests;
 }
 
-const KdopBvh::Counters& KdopBvh::counters(const StageState& state) { return static_cast<const KdopBvhState&>(state).counters; }
+const KdopBvh::Counters& KdopBvh::counters(const StageState& state) {
+  return static_cast<const KdopBvhState&>(state).counters;
+}
 
 double KdopBvh::bounds_seconds(const StageState& state) const {
   return static_cast<const KdopBvhState&>(state).bounds_seconds;
 }
 
 StageDescriptor<BroadPhase> describe_kdop_bvh() {
-  return describe_stage<BroadPhase, KdopBvh>("kdop-bvh", "bounding volume hierarchy of swept k-DOPs, refitted each step",
-                                             Guarantee::conservative);
+  return describe_stage<BroadPhase, KdopBvh>(
+      "kdop-bvh", "bounding volume hierarchy of swept k-DOPs, refitted each step", Guarantee::conservative);
 }
 
 }  // namespace volccd

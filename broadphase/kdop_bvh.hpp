@@ -11,10 +11,11 @@ namespace volccd {
 /// elements whose swept k-DOPs, widened by half of the separation on each side, overlap; `spatial-hash` with the same k
 /// emits the same pairs.
 ///
-/// prepare: built top-down by the surface-area heuristic for a fresh state, O(n log n); then refitted, O(n). Removed elements
-/// leave gaps, added ones form a second tree, until so many of either have gathered that the whole is built anew (more
-/// than a quarter gone, or 1/32 and 64 added). A subtree is rebuilt in its place when its measured cost, the node sizes in relation to the
-/// element sizes, exceeds `degradation` times what it was after its last build: only the parts that degraded.
+/// prepare: built top-down by the surface-area heuristic for a fresh state, O(n log n); then refitted, O(n). Removed
+/// elements leave gaps, added ones form a second tree, until so many of either have gathered that the whole is built
+/// anew (more than a quarter gone, or 1/32 and 64 added). A subtree is rebuilt in its place when its measured cost, the
+/// node sizes in relation to the element sizes, exceeds `degradation` times what it was after its last build: only the
+/// parts that degraded.
 ///
 /// run: the tree against itself, from a list of node pairs that does not depend on the number of workers. Memory: about
 /// 270 bytes an element for k = 16 and tetrahedra. Bounds are those over [0, 1] whatever t_max is.

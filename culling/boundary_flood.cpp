@@ -28,7 +28,7 @@ struct BoundaryFloodState final : StageState {
   ObjectFilter filter;
   std::optional<Step> step;  ///< of the complex
   bool taken = false, parts_valid = false;
-  std::vector<Index> parts;
+  std::vector<Index> parts, parents;
   std::vector<std::pair<double, Index>> along_x;
   detail::PairSet seen, seen_at_start;
   std::vector<ElementPair> front, reached;
@@ -39,7 +39,8 @@ struct BoundaryFloodState final : StageState {
   std::size_t bytes() const override {
     std::size_t sum = complex.bytes() + stars.bytes() + classes.bytes() + outer.bytes() + seen.bytes() +
                       seen_at_start.bytes() + (front.capacity() + reached.capacity()) * sizeof(ElementPair) +
-                      parts.capacity() * sizeof(Index) + counted.bytes() + along_x.capacity() * sizeof(along_x[0]);
+                      (parts.capacity() + parents.capacity()) * sizeof(Index) + counted.bytes() +
+                      along_x.capacity() * sizeof(along_x[0]);
     for (const Worker& w : workers) sum += sizeof w + w.reached.capacity() * sizeof(ElementPair);
     return sum;
   }
@@ -156,7 +157,7 @@ Flood::Front propose(BoundaryFloodState& state) {
   if (state.phase != Phase::flood) {
     detail::FloodFront at_start(step, state.stars, state.classes, state.seen_at_start, state.front);
     if (state.phase == Phase::idle) {
-      if (!state.parts_valid) state.parts = detail::FloodFront::one_of_each_part(step);
+      if (!state.parts_valid) detail::FloodFront::one_of_each_part(step, state.parts, state.parents);
       state.parts_valid = true;
       at_start.from_start(state.parts, state.along_x);
       for (const ElementPair pair : fresh) at_start.around(pair);

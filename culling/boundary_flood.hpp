@@ -13,18 +13,16 @@ namespace volccd {
 /// Takes a step unless
 ///  - more than `most_boundary` of the elements have a boundary face, or are shells: the boundary is all there is;
 ///  - more than `most_suspect` of the vertices have stars that may fold, as in rubble: the flood would look at more
-///  than a
-///    broad phase over everything (docs/boundary_flood.md has the measurements behind both);
+///    than a broad phase over everything (docs/boundary_flood.md has the measurements behind both);
 ///  - the separation is above 0: the theorem's conditions on stars are for contact only;
 ///  - initial overlaps are asked for and the mesh is not its own complex: hulls of other elements may overlap where
-///  their
-///    simplices do not.
+///    their simplices do not.
 ///
 /// It gives a step up, to be begun anew without it, when it has proposed more than `most_pairs` pairs for each simplex:
 /// where element culling separates few pairs, it would go on through all of the volume.
 ///
-/// prepare: linear in the simplices. Memory: about 150 bytes a simplex, and for meshes of other elements than
-/// tetrahedra and triangles a second topology.
+/// prepare: linear in the simplices. Memory: about 140 bytes a simplex; some 550 for meshes of other elements than
+/// tetrahedra and triangles, which need a second topology.
 class BoundaryFlood final : public Flood {
  public:
   struct Config {

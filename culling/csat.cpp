@@ -23,7 +23,9 @@ const Options<Csat::Config>& Csat::options() {
   return options;
 }
 
-void Csat::run(const Step& step, StageState&, unsigned, PairBatch& batch) const { detail::csat_cull(config_, step, batch); }
+void Csat::run(const Step& step, StageState&, unsigned, PairBatch& batch) const {
+  detail::csat_cull(config_, step, batch);
+}
 
 StageDescriptor<ElementCulling> describe_csat() {
   return describe_stage<ElementCulling, Csat>("csat", "continuous separating axis test of element pairs (Section 4)",

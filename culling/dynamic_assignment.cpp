@@ -36,8 +36,8 @@ struct DynamicAssignmentState final : StageState {
 enum class Kind { vertex, triangle, edge };
 
 /// Writes the tests that element pairs own. In a pair (o1, o2) let a be a feature of o1 and b one of o2. If (o1, o2) is
-/// the first non-adjacent pair in inc(a) x inc(b), or (o2, o1) in inc(b) x inc(a), then all elements of inc(a) before o1
-/// are adjacent to o2, and all of inc(b) before o2 to o1: two conditions that each concern one feature alone
+/// the first non-adjacent pair in inc(a) x inc(b), or (o2, o1) in inc(b) x inc(a), then all elements of inc(a) before
+/// o1 are adjacent to o2, and all of inc(b) before o2 to o1: two conditions that each concern one feature alone
 /// (Candidates). They suffice for inc(a) x inc(b) if o1 is the first element of a.
 class OwnedTests {
  public:
@@ -186,8 +186,8 @@ void DynamicAssignment::run(const Step& step, StageState& state, unsigned worker
 
 StageDescriptor<Assignment> describe_dynamic_assignment() {
   return describe_stage<Assignment, DynamicAssignment>(
-      "dynamic-assignment", "each test by the first non-adjacent element pair that has it (Algorithm 5); needs the O-Set",
-      Guarantee::exact);
+      "dynamic-assignment",
+      "each test by the first non-adjacent element pair that has it (Algorithm 5); needs the O-Set", Guarantee::exact);
 }
 
 }  // namespace volccd

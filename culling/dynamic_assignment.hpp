@@ -5,10 +5,10 @@
 
 namespace volccd {
 
-/// The owner of a feature pair {a,b} is the first pair of non-adjacent elements in inc(a) x inc(b), elements by ascending
-/// slot; an EE pair is put in the order of its edge slots first, or it would have no owner or two. A feature pair is tested
-/// by its owner alone; those without one are the O-Set (Section 5.1), which `o-set` lists. Together they give every test
-/// exactly once (the literal O-Set repeats some), and adjacent element pairs need not be looked at.
+/// The owner of a feature pair {a,b} is the first pair of non-adjacent elements in inc(a) x inc(b), elements by
+/// ascending slot; an EE pair is put in the order of its edge slots first, or it would have no owner or two. A feature
+/// pair is tested by its owner alone; those without one are the O-Set (Section 5.1), which `o-set` lists. Together they
+/// give every test exactly once (the literal O-Set repeats some), and adjacent element pairs need not be looked at.
 ///
 /// The time for an element pair is proportional to its features and the tests that it owns, not to its feature pairs,
 /// except where elements around one are adjacent to elements around the other.

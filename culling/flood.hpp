@@ -37,8 +37,8 @@ class Flood : public Stage {
   /// Pairs to look at next; none: the flood is over.
   struct Front {
     std::span<const ElementPair> pairs;
-    /// Only what touches at t = 0 is to be handed to reach(): culling sees t_max = 0, and no tests are assigned. Other fronts
-    /// together hold no pair twice, and none that the broad phase gives.
+    /// Only what touches at t = 0 is to be handed to reach(): culling sees t_max = 0, and no tests are assigned. Other
+    /// fronts together hold no pair twice, and none that the broad phase gives.
     bool at_start = false;
     /// The flood leaves the step to the other stages after all: it would look at too many pairs. Nothing else is called
     /// then.

@@ -25,8 +25,9 @@ struct OSetCounts {
   friend bool operator==(const OSetCounts&, const OSetCounts&) = default;
 };
 
-/// The pairs of one topology, each once, in blocks of at most kBlockPairs; four bytes a pair, eight for each run of pairs
-/// with a feature in common, and tables for updates (40 bytes a triangle of rod-twist). Read-only use is thread-safe.
+/// The pairs of one topology, each once, in blocks of at most kBlockPairs; four bytes a pair, eight for each run of
+/// pairs with a feature in common, and tables for updates (40 bytes a triangle of rod-twist). Read-only use is
+/// thread-safe.
 class OSet {
  public:
   static constexpr std::size_t kBlockPairs = 1024;
@@ -42,9 +43,9 @@ class OSet {
   /// them.
   void build(const Topology& topology);
 
-  /// Updates the set after topology edits: the same set as build() gives. Builds at first, and if the topology's history
-  /// does not reach back. Otherwise the amortised cost is proportional to the number of pairs that contain a feature of a
-  /// changed element.
+  /// Updates the set after topology edits: the same set as build() gives. Builds at first, and if the topology's
+  /// history does not reach back. Otherwise the amortised cost is proportional to the number of pairs that contain a
+  /// feature of a changed element.
   void update(const Topology& topology);
 
   std::size_t blocks() const;

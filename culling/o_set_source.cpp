@@ -26,7 +26,9 @@ void OSetSource::prepare(const Step& step, StageState& state, Executor&) const {
   static_cast<OSetState&>(state).set.update(step.topology);
 }
 
-std::size_t OSetSource::blocks(const StageState& state) const { return static_cast<const OSetState&>(state).set.blocks(); }
+std::size_t OSetSource::blocks(const StageState& state) const {
+  return static_cast<const OSetState&>(state).set.blocks();
+}
 
 void OSetSource::run(const Step&, StageState& state, unsigned, std::size_t block, TestBatch& out) const {
   static_cast<const OSetState&>(state).set.append(block, out);

@@ -6,8 +6,8 @@
 
 namespace volccd {
 
-/// Holds an OSet in its state, built for the first topology that it sees and updated after edits (OSet::update). With the
-/// minimal set and dynamic assignment each test comes out exactly once; the literal set repeats some.
+/// Holds an OSet in its state, built for the first topology that it sees and updated after edits (OSet::update). With
+/// the minimal set and dynamic assignment each test comes out exactly once; the literal set repeats some.
 class OSetSource final : public OrphanSource {
  public:
   struct Config {

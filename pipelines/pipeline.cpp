@@ -57,7 +57,8 @@ std::uint64_t next_id() {
 
 }  // namespace
 
-Pipeline::Pipeline(const Registry& registry, const PipelineSpec& spec) : spec_(registry.resolved(spec)), id_(next_id()) {
+Pipeline::Pipeline(const Registry& registry, const PipelineSpec& spec)
+    : spec_(registry.resolved(spec)), id_(next_id()) {
   const auto make = [&]<class Interface>(std::unique_ptr<Interface>& stage, const StageChoice& choice) {
     stage = make_stage<Interface>(registry, choice, guarantee_);
     stages_.push_back(stage.get());
@@ -119,9 +120,10 @@ void Pipeline::run(const Step& step, Workspace& workspace, Executor& executor, S
                     spec_.name));
   check(step);
   if (request.leave_out_shell_neighbours && step.mesh().vertex_count() % 3 != 0)
-    throw ConfigError(fmt::format("shell neighbours can be left out of thickened shells only: the mesh has {} vertices, "
-                                  "not three for each vertex of a shell mesh",
-                                  step.mesh().vertex_count()));
+    throw ConfigError(
+        fmt::format("shell neighbours can be left out of thickened shells only: the mesh has {} vertices, "
+                    "not three for each vertex of a shell mesh",
+                    step.mesh().vertex_count()));
   Workspace::Data& data = *workspace.data_;
   if (!data.intact) make_states(data);
   data.intact = false;

@@ -53,12 +53,12 @@ struct Request {
 struct StepResult {
   /// In canonical order, each feature pair once. The same bit for bit for any number of workers.
   std::vector<Contact> contacts;
-  /// Those that Request::leave_out_shell_neighbours keeps from being in `contacts`, in the same order. Empty for a query
-  /// for the first contact, which does not find them all.
+  /// Those that Request::leave_out_shell_neighbours keeps from being in `contacts`, in the same order. Empty for a
+  /// query for the first contact, which does not find them all.
   std::vector<Contact> left_out;
-  /// If asked for: all pairs of non-adjacent elements, a < b, ascending, that step.filter allows and whose convex hulls have
-  /// a point in common at t = 0, one inside the other included (with a separation: come as close as that). Exact, and the
-  /// same for every pipeline whose broad phase is conservative (docs/initial_overlaps.md).
+  /// If asked for: all pairs of non-adjacent elements, a < b, ascending, that step.filter allows and whose convex hulls
+  /// have a point in common at t = 0, one inside the other included (with a separation: come as close as that). Exact,
+  /// and the same for every pipeline whose broad phase is conservative (docs/initial_overlaps.md).
   std::vector<ElementPair> initial_overlaps;
   Statistics statistics;
 };

@@ -28,19 +28,38 @@ namespace volccd {
 namespace {
 
 void add_presets(Registry& registry) {
-  const StageChoice bvh{"kdop-bvh", {}}, hash{"spatial-hash", {}}, all_pairs{"all-pairs", {}}, inclusion{"inclusion", {}};
+  const StageChoice bvh{"kdop-bvh", {}}, hash{"spatial-hash", {}}, all_pairs{"all-pairs", {}},
+      inclusion{"inclusion", {}};
   const StageChoice dynamic{"dynamic-assignment", {}}, o_set{"o-set", {}}, csat_filter{"feature-csat", {}};
   registry.add_pipeline({"NavCCD", "k-DOP BVH and all elementary tests of overlapping elements (Section 6.1)",
                          bvh, {}, all_pairs, {}, {}, inclusion});
   registry.add_pipeline({"HashCCD", "spatial hashing and all elementary tests of overlapping elements (Section 6.1)",
                          hash, {}, all_pairs, {}, {}, inclusion});
-  registry.add_pipeline({"VolCCD", "the paper's: k-DOP BVH, CSAT, dynamic assignment with O-Set",
-                         bvh, {{"csat", {{"axis", "face"}, {"mode", "features"}}}}, dynamic, o_set, {csat_filter}, inclusion});
-  registry.add_pipeline({"VolCCD+", "the best that this project knows",
-                         bvh, {{"csat", {{"axis", "optimal"}, {"mode", "pair"}}}}, dynamic, o_set,
-                         {{"feature-kdop", {}}, {"coplanarity", {}}, csat_filter}, inclusion, StageChoice{"boundary-flood", {}}});
-  registry.add_pipeline({"BruteForce", "every pair of elements, compared by its swept box, and all its elementary tests",
-                         {"brute-force", {}}, {}, all_pairs, {}, {}, inclusion});
+  registry.add_pipeline({"VolCCD",
+                         "the paper's: k-DOP BVH, CSAT, dynamic assignment with O-Set",
+                         bvh,
+                         {{"csat", {{"axis", "face"}, {"mode", "features"}}}},
+                         dynamic,
+                         o_set,
+                         {csat_filter},
+                         inclusion});
+  registry.add_pipeline({"VolCCD+",
+                         "the best that this project knows",
+                         bvh,
+                         {{"csat", {{"axis", "optimal"}, {"mode", "pair"}}}},
+                         dynamic,
+                         o_set,
+                         {{"feature-kdop", {}}, {"coplanarity", {}}, csat_filter},
+                         inclusion,
+                         StageChoice{"boundary-flood", {}}});
+  registry.add_pipeline({"BruteForce",
+                         "every pair of elements, compared by its swept box, and all its elementary tests",
+                         {"brute-force", {}},
+                         {},
+                         all_pairs,
+                         {},
+                         {},
+                         inclusion});
 }
 
 /// The paper's Table I as measured in 2011: what it describes, and nothing that it has not. Boxes for HashCCD, as in

@@ -41,8 +41,8 @@ struct PipelineSpec {
 
 class Registry {
  public:
-  /// Everything that the library has: all stages; the presets NavCCD, HashCCD, VolCCD, VolCCD+ and BruteForce; NavCCD-2011,
-  /// HashCCD-2011 and VolCCD-2011.
+  /// Everything that the library has: all stages; the presets NavCCD, HashCCD, VolCCD, VolCCD+ and BruteForce;
+  /// NavCCD-2011, HashCCD-2011 and VolCCD-2011.
   static Registry standard();
 
   /// Adds a stage. Throws ConfigError if the name is taken by any stage: `--set name.option=value` must be unambiguous.
@@ -78,8 +78,8 @@ class Registry {
   /// Changes a spec by one setting, as `--set` has it. Throws ConfigError.
   ///     stage.option=value      an option of a stage that the pipeline has:  csat.axis=optimal
   ///     role=name[,name...]     another stage in a role, or none:            feature-filter=feature-kdop,coplanarity
-  /// Roles: broad-phase, element-culling, assignment, orphans, flood, feature-filter, narrow-phase. Options that a stage has stay
-  /// when it is named again.
+  /// Roles: broad-phase, element-culling, assignment, orphans, flood, feature-filter, narrow-phase. Options that a
+  /// stage has stay when it is named again.
   void apply_setting(PipelineSpec& spec, const std::string& setting) const;
 
  private:

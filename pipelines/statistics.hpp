@@ -8,17 +8,18 @@
 
 namespace volccd {
 
-/// One stage of a pipeline. What `in` and `out` count is in the stage's role: the broad phase gives element pairs, element
-/// culling and initial overlaps take and give them, the assignment takes element pairs and gives tests, an orphan source
-/// gives tests, feature filters take and give tests, the narrow phase takes tests and gives contacts.
+/// One stage of a pipeline. What `in` and `out` count is in the stage's role: the broad phase gives element pairs,
+/// element culling and initial overlaps take and give them, the assignment takes element pairs and gives tests, an
+/// orphan source gives tests, feature filters take and give tests, the narrow phase takes tests and gives contacts.
 struct StageStatistics {
   std::string role;  ///< as in `--set`: "broad-phase", "element-culling", ...; "initial-overlaps" for the last
   std::string name;  ///< as registered
   std::uint64_t in = 0, out = 0;
   double prepare_seconds = 0;  ///< wall clock of prepare()
-  double bounds_seconds = 0;   ///< of these, what a broad phase spent on the bounds of vertices (BroadPhase::bounds_seconds)
-  /// Of run(), summed over workers, without what is charged to other stages, without idle time and bookkeeping. The time
-  /// to gather a block of tests is charged to the first stage that looks at it.
+  double bounds_seconds =
+      0;  ///< of these, what a broad phase spent on the bounds of vertices (BroadPhase::bounds_seconds)
+  /// Of run(), summed over workers, without what is charged to other stages, without idle time and bookkeeping. The
+  /// time to gather a block of tests is charged to the first stage that looks at it.
   double seconds = 0;
 
   double all_seconds() const { return prepare_seconds + seconds; }

@@ -23,11 +23,11 @@ struct TestStages {
   std::span<const std::unique_ptr<StageState>> states;
 };
 
-/// The tests of a worker are gathered once into blocks. What a filter keeps is collected, by kind, in a block before the next
-/// stage, which runs when that block is full: blocks are full although filters keep few tests.
+/// The tests of a worker are gathered once into blocks. What a filter keeps is collected, by kind, in a block before
+/// the next stage, which runs when that block is full: blocks are full although filters keep few tests.
 ///
-/// Tests that step.filter does not ask for are dropped: before the filters where whole scopes are excluded, else after them.
-/// Reused from step to step; no allocation in steady state but for the contacts. One thread at a time.
+/// Tests that step.filter does not ask for are dropped: before the filters where whole scopes are excluded, else after
+/// them. Reused from step to step; no allocation in steady state but for the contacts. One thread at a time.
 class TestChain {
  public:
   /// Begins a step: forgets tests and contacts. `statistics`, as many as stages.states, are added to.

@@ -70,7 +70,8 @@ void keep(const ExperimentOptions& options, const std::string& name, const nlohm
 std::optional<std::string> scene_file(const ExperimentOptions& options, const std::string& name) {
   if (is_deformed_scene(name)) {
     const std::optional<std::string> file = deformed_scene_file(name);
-    if (!file) fmt::print("the mesh of {} is not there (VOLCCD_DATA names its folder): the tables do without it\n", name);
+    if (!file)
+      fmt::print("the mesh of {} is not there (VOLCCD_DATA names its folder): the tables do without it\n", name);
     return file;
   }
   constexpr const char* kShared[] = {"ls-dyna-projectile", "octopus2-105k", "cloth-ball", "rod-twist"};

@@ -9,8 +9,8 @@
 
 namespace volccd {
 
-/// Base of the stage interfaces: BroadPhase, ElementCulling, Assignment, OrphanSource, Flood, FeatureFilter, NarrowPhase.
-/// Each adds its run(step, state, ...), and kRole, the name of its role in a pipeline.
+/// Base of the stage interfaces: BroadPhase, ElementCulling, Assignment, OrphanSource, Flood, FeatureFilter,
+/// NarrowPhase. Each adds its run(step, state, ...), and kRole, the name of its role in a pipeline.
 ///
 /// Stages are immutable: one stage object may serve several workspaces in several threads at once. All that changes is
 /// in the state. A state serves one step at a time:

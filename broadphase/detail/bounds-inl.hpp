@@ -24,7 +24,8 @@ template <int kWidth>
 HWY_INLINE bool overlap(const float* a, const float* b) {
   const RowTag<kWidth> d;
   const std::size_t lanes = hn::Lanes(d);
-  auto inside = hn::And(hn::Le(hn::Load(d, a), hn::Load(d, b + kWidth)), hn::Le(hn::Load(d, b), hn::Load(d, a + kWidth)));
+  auto inside =
+      hn::And(hn::Le(hn::Load(d, a), hn::Load(d, b + kWidth)), hn::Le(hn::Load(d, b), hn::Load(d, a + kWidth)));
   for (std::size_t i = lanes; i < kWidth; i += lanes) {
     inside = hn::And(inside, hn::Le(hn::Load(d, a + i), hn::Load(d, b + kWidth + i)));
     inside = hn::And(inside, hn::Le(hn::Load(d, b + i), hn::Load(d, a + kWidth + i)));

@@ -8,8 +8,8 @@
 
 namespace volccd::detail {
 
-/// Key of a pure element: the rank of its object's id. kMixed: an element with a vertex of another object, which is never
-/// dropped. allowed(key(a), key(b)) == !filter.drops(topology, {a, b}).
+/// Key of a pure element: the rank of its object's id. kMixed: an element with a vertex of another object, which is
+/// never dropped. allowed(key(a), key(b)) == !filter.drops(topology, {a, b}).
 class FilterKeys {
  public:
   static constexpr std::int32_t kMixed = -1;

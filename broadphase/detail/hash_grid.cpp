@@ -44,7 +44,8 @@ void HashGrid::build(const BoundsTable& bounds, std::size_t elements, double cel
   choose_cell(bounds, elements, cell_size, executor);
   find_cells(bounds, elements, most_cells, executor);
 
-  // Counting sort by bucket. Counts end up as the buckets' ends, and are moved down to their begins by filling from there.
+  // Counting sort by bucket. Counts end up as the buckets' ends, and are moved down to their begins by filling from
+  // there.
   mask_ = std::bit_ceil(std::max<std::size_t>(elements, 16)) - 1;
   begins_.assign(buckets() + 1, 0);
   const auto for_all = [&](auto&& visit) {
@@ -68,7 +69,8 @@ void HashGrid::build(const BoundsTable& bounds, std::size_t elements, double cel
   }
   entries_.resize(total);
   for_all([&](std::size_t p, std::size_t bucket, Index offset) {
-    const Index at = alone ? --begins_[bucket] : std::atomic_ref(begins_[bucket]).fetch_sub(1, std::memory_order_relaxed) - 1;
+    const Index at =
+        alone ? --begins_[bucket] : std::atomic_ref(begins_[bucket]).fetch_sub(1, std::memory_order_relaxed) - 1;
     entries_[at] = {static_cast<Index>(p), offset};
   });
 }
@@ -96,7 +98,8 @@ void HashGrid::choose_cell(const BoundsTable& bounds, std::size_t elements, doub
   inverse_cell_ = 1 / cell;
 }
 
-void HashGrid::find_cells(const BoundsTable& bounds, std::size_t elements, std::int64_t most_cells, Executor& executor) {
+void HashGrid::find_cells(const BoundsTable& bounds, std::size_t elements, std::int64_t most_cells,
+                          Executor& executor) {
   const auto width = static_cast<std::size_t>(bounds.width());
   cells_.resize(elements);
   // floor, product and clamp are monotone: of two overlapping intervals the higher low end lies in a cell of both.

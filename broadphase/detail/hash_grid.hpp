@@ -23,8 +23,8 @@ struct CellRange {
 
 class HashGrid {
  public:
-  /// For boxes (axes 0 to 2 of the bounds) of `elements` rows. Elements that would enter more than `most_cells` cells are
-  /// large() instead: at most one in 200.
+  /// For boxes (axes 0 to 2 of the bounds) of `elements` rows. Elements that would enter more than `most_cells` cells
+  /// are large() instead: at most one in 200.
   void build(const BoundsTable& bounds, std::size_t elements, double cell_size, std::int64_t most_cells,
              Executor& executor);
 

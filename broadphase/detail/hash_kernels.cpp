@@ -52,8 +52,8 @@ class BucketKernel {
  private:
   using Lanes = hn::CappedTag<float, 8>;
 
-  /// Marks 0: a bit for each axis along which this is the element's lowest cell; 1: a number that entries of the same cell
-  /// share; 2: the position.
+  /// Marks 0: a bit for each axis along which this is the element's lowest cell; 1: a number that entries of the same
+  /// cell share; 2: the position.
   void load(std::size_t begin, std::size_t end) {
     const std::size_t count = end - begin;
     for (std::size_t i = 0; i < count; ++i) {
@@ -89,8 +89,8 @@ class BucketKernel {
     return true;
   }
 
-  /// Entries j > i of i's cell whose bounds overlap i's, where this cell holds the lower corner of the boxes' intersection:
-  /// along each axis it is the lowest of one of the two. Returns their number.
+  /// Entries j > i of i's cell whose bounds overlap i's, where this cell holds the lower corner of the boxes'
+  /// intersection: along each axis it is the lowest of one of the two. Returns their number.
   HWY_INLINE std::size_t survivors(std::size_t i, std::size_t count) {
     const Lanes d;
     const hn::Rebind<std::int32_t, Lanes> di;

@@ -304,8 +304,8 @@ void KdopTree::note_costs(Index node) {
   for (Index i = node; i < end; ++i) built_ratios_[i] = static_cast<float>(ratio(costs_[i]));
 }
 
-/// Appends to degraded_ the roots of the subtrees to rebuild below `node`: the node itself if its cost has grown too much,
-/// unless one child alone is to blame.
+/// Appends to degraded_ the roots of the subtrees to rebuild below `node`: the node itself if its cost has grown too
+/// much, unless one child alone is to blame.
 void KdopTree::collect_degraded(Index node, double degradation) {
   const TreeNode& n = nodes_[node];
   if (n.right == 0 || n.end - n.begin < kLeastRestructured) return;
@@ -318,7 +318,8 @@ void KdopTree::collect_degraded(Index node, double degradation) {
   if (degraded(node)) {
     const Index culprit = excess(node + 1) > excess(n.right) ? node + 1 : n.right;
     const bool large = nodes_[culprit].end - nodes_[culprit].begin >= kLeastRestructured;
-    if (large && degraded(culprit) && excess(culprit) >= 0.75 * excess(node)) return collect_degraded(culprit, degradation);
+    if (large && degraded(culprit) && excess(culprit) >= 0.75 * excess(node))
+      return collect_degraded(culprit, degradation);
     degraded_.push_back(node);
     return;
   }
@@ -369,7 +370,8 @@ void KdopTree::set_keys(const FilterKeys& keys) {
 std::size_t KdopTree::bytes() const {
   return list_.bytes() + nodes_.capacity() * sizeof(TreeNode) + costs_.capacity() * sizeof(TreeCost) +
          built_ratios_.capacity() * sizeof(float) + node_bounds_.bytes() + element_bounds_.bytes() +
-         (positions_.capacity() + lanes_.capacity() + blocks_.capacity() + upper_.capacity() + order_.capacity()) * sizeof(Index) +
+         (positions_.capacity() + lanes_.capacity() + blocks_.capacity() + upper_.capacity() + order_.capacity()) *
+             sizeof(Index) +
          items_.capacity() * sizeof(BuildItem);
 }
 

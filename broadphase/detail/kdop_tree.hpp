@@ -1,8 +1,9 @@
 // Binary tree of k-DOPs over an element list.
 //
-// Nodes lie in preorder: the left child of node i is i + 1. Splits fall on multiples of the leaf size, so that a subtree of m
-// elements has exactly 2 ceil(m / leaf_size) - 1 nodes, whatever its shape: a subtree is restructured in its place. Leaves
-// own consecutive positions of the list, which is kept in leaf order; what a traversal reads lies together.
+// Nodes lie in preorder: the left child of node i is i + 1. Splits fall on multiples of the leaf size, so that a
+// subtree of m elements has exactly 2 ceil(m / leaf_size) - 1 nodes, whatever its shape: a subtree is restructured in
+// its place. Leaves own consecutive positions of the list, which is kept in leaf order; what a traversal reads lies
+// together.
 //
 // Elements that were added later stand behind the others, in a second tree in the same arrays.
 #pragma once
@@ -49,14 +50,15 @@ class KdopTree {
   void build(const Step& step, int leaf_size, const BoundsTable& vertices, Executor& executor);
 
   /// Takes elements out and puts others in. False if a build is due instead: too many of either have gathered since the
-  /// last one. `touched`: slots whose taking part may have changed since the last call. Bounds are those of the next refit.
+  /// last one. `touched`: slots whose taking part may have changed since the last call. Bounds are those of the next
+  /// refit.
   bool edit(const Step& step, const std::vector<Index>& touched, const BoundsTable& vertices, Executor& executor);
 
   /// Bounds for another step. Time linear in the elements.
   void refit(const BoundsTable& vertices, Executor& executor);
 
-  /// Rebuilds, in their place, the subtrees whose cost ratio exceeds `degradation` times that when they were built, with
-  /// their bounds. Returns the number of elements in them. To be called after refit.
+  /// Rebuilds, in their place, the subtrees whose cost ratio exceeds `degradation` times that when they were built,
+  /// with their bounds. Returns the number of elements in them. To be called after refit.
   std::size_t restructure(double degradation, const BoundsTable& vertices, Executor& executor);
 
   /// Fills in the nodes' keys.

@@ -95,7 +95,8 @@ class PairWriters {
 };
 
 /// Writes the pairs (o, o) that the rules want, of a list without gaps, by all workers.
-inline void write_self_pairs(const ElementList& list, const PairRules& rules, Executor& executor, PairWriters& writers) {
+inline void write_self_pairs(const ElementList& list, const PairRules& rules, Executor& executor,
+                             PairWriters& writers) {
   constexpr std::size_t kGrain = 4096;
   if (!rules.self_pairs) return;
   const Index* const slots = list.slots();

@@ -1,12 +1,12 @@
 // Swept k-DOPs of vertices and elements in floats, as all broad phases here use them.
 //
 // The bound of a vertex holds its control points, that of an element the bounds of its vertices (convex-hull property).
-// Rounding: coordinates and sums of two of them are mapped by fl() in double and then outward to float. fl() is monotone,
-// so that intervals which meet in exact arithmetic still meet after it, though an end may lie inside the exact one by
-// half an ulp. Sums of three terms, and any bound that is widened, are not monotone in one rounding and get a margin of
-// 2^-51 (|x| + |y| + |z|), twice what two additions can lose. Each side is widened by half of separation times the
-// axis's length. At last everything is clamped to finite floats, which is monotone too: an empty bound (+inf, -inf) then
-// overlaps nothing, however far a live one reaches.
+// Rounding: coordinates and sums of two of them are mapped by fl() in double and then outward to float. fl() is
+// monotone, so that intervals which meet in exact arithmetic still meet after it, though an end may lie inside the
+// exact one by half an ulp. Sums of three terms, and any bound that is widened, are not monotone in one rounding and
+// get a margin of 2^-51 (|x| + |y| + |z|), twice what two additions can lose. Each side is widened by half of
+// separation times the axis's length. At last everything is clamped to finite floats, which is monotone too: an empty
+// bound (+inf, -inf) then overlaps nothing, however far a live one reaches.
 #pragma once
 
 #include <cstddef>

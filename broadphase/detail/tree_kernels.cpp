@@ -127,8 +127,8 @@ class Traversal {
     if (overlap<kWidth>(node_row(a), node_row(b)) && wanted(a, b)) push(a, b);
   }
 
-  /// Each element of the first leaf against four at a time of the second: as much as possible without branches, since most
-  /// of these pairs overlap, but not predictably. kFour: elements have four vertices at most.
+  /// Each element of the first leaf against four at a time of the second: as much as possible without branches, since
+  /// most of these pairs overlap, but not predictably. kFour: elements have four vertices at most.
   template <bool kFour>
   HWY_INLINE void leaves(NodePair pair, PairWriter& out) {
     const TreeNode &a = nodes_[pair.a], &b = nodes_[pair.b];
@@ -212,8 +212,8 @@ class Traversal {
     return bits;
   }
 
-  /// Writes the pairs whose bits are set, without a branch: each is written where the next one belongs, and stays if its bit
-  /// moves that place on.
+  /// Writes the pairs whose bits are set, without a branch: each is written where the next one belongs, and stays if
+  /// its bit moves that place on.
   HWY_INLINE ElementPair* emit(unsigned hits, Index i, Index j, ElementPair* next) const {
 #if HWY_TARGET == HWY_SCALAR
     for (Index l = 0; l < kLanes; ++l) {

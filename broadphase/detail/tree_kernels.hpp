@@ -29,8 +29,8 @@ void refit_range(const RefitArrays& arrays, Index begin, Index end);
 /// Pairs of nodes that a traversal of the whole tree starts from: the roots with themselves and with each other.
 std::uint64_t start_pairs(const KdopTree& tree, const PairRules& rules, std::vector<NodePair>& out);
 
-/// Appends to `out` what follows from each pair: overlapping pairs of children, or the pair itself if it is small. Returns
-/// the number of node tests.
+/// Appends to `out` what follows from each pair: overlapping pairs of children, or the pair itself if it is small.
+/// Returns the number of node tests.
 std::uint64_t expand_pairs(const KdopTree& tree, const PairRules& rules, const std::vector<NodePair>& pairs,
                            std::vector<NodePair>& out);
 

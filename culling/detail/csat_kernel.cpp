@@ -115,7 +115,8 @@ class Separator {
     return a_.count == 32 ? bits : bits & ((std::uint32_t{1} << a_.count) - 1);
   }
 
-  /// Bits of the edges of a that a separating axis keeps off b: for each the cross product of its direction with `other`.
+  /// Bits of the edges of a that a separating axis keeps off b: for each the cross product of its direction with
+  /// `other`.
   std::uint64_t separate_edges(const CsatEdges& edges, const Vec3& other) const {
     const CsatTag tag;
     std::uint64_t bits = 0;
@@ -232,7 +233,8 @@ class Separator {
   double extent_[3];
 };
 
-/// One batch. Keeps the points of the last first element; runs of pairs with the same one are 1.0 to 1.6 pairs on average.
+/// One batch. Keeps the points of the last first element; runs of pairs with the same one are 1.0 to 1.6 pairs on
+/// average.
 class Culler {
  public:
   Culler(const Csat::Config& config, const Step& step)
@@ -321,8 +323,8 @@ class Culler {
     mask.edges_b |= separate_edges(b_, edges_b_, a_, pair.b, pair.a, mask.edges_b);
   }
 
-  /// Corollary 2: bits of the vertices of element o that touch nothing of `other`. Axis `face`: one picked face of the other
-  /// element for all vertices, so that each point is projected once; the others: an axis for each vertex.
+  /// Corollary 2: bits of the vertices of element o that touch nothing of `other`. Axis `face`: one picked face of the
+  /// other element for all vertices, so that each point is projected once; the others: an axis for each vertex.
   std::uint32_t separate_vertices(const CsatPoints& own, const CsatPoints& others, Index o, Index other,
                                   std::uint32_t known) {
     if (config_.axis == CsatAxis::face)

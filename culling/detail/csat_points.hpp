@@ -17,7 +17,8 @@ namespace volccd::detail {
 inline constexpr int kCsatVertices = 32;
 inline constexpr int kCsatControlPoints = 3;
 
-/// The part of the step that is tested, and where differences are taken from: one reference point for each control point.
+/// The part of the step that is tested, and where differences are taken from: one reference point for each control
+/// point.
 struct CsatFrame {
   int control_points;
   StepPart part;
@@ -78,8 +79,8 @@ void CsatPoints::gather(const CsatFrame& frame, const Motion& motion, std::span<
   }
 }
 
-/// Edges of an element, for tests of all of them at once: local vertex numbers of their ends, and directions at t = 0. Padded
-/// with copies of the last to a multiple of 4.
+/// Edges of an element, for tests of all of them at once: local vertex numbers of their ends, and directions at t = 0.
+/// Padded with copies of the last to a multiple of 4.
 struct CsatEdges {
   static constexpr int kMost = 64;  ///< edges beyond are not tested (FeatureMask)
 

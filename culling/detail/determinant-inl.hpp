@@ -1,5 +1,5 @@
-// The determinant of three moving vectors as a polynomial in t, with bounds of its rounding error. Included once for each
-// instruction set, inside foreach_target sources.
+// The determinant of three moving vectors as a polynomial in t, with bounds of its rounding error. Included once for
+// each instruction set, inside foreach_target sources.
 #include <limits>
 
 #include <volccd/culling/detail/filter_lanes-inl.hpp>

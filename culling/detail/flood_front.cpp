@@ -1,7 +1,6 @@
 #include <volccd/culling/detail/flood_front.hpp>
 
 #include <algorithm>
-#include <numeric>
 
 #include <volccd/culling/detail/certified_sign.hpp>
 
@@ -118,27 +117,25 @@ void FloodFront::from_start(std::span<const Index> vertices, std::vector<std::pa
   }
 }
 
-std::vector<Index> FloodFront::one_of_each_part(const Step& step) {
-  std::vector<Index> parents(step.mesh().vertex_count());
-  std::iota(parents.begin(), parents.end(), Index{0});
+void FloodFront::one_of_each_part(const Step& step, std::vector<Index>& parts, std::vector<Index>& scratch) {
+  std::vector<Index>& parents = scratch;  // kNone: of no outer element
+  parents.assign(step.mesh().vertex_count(), kNone);
   const auto root = [&](Index v) {
     while (parents[v] != v) v = parents[v] = parents[parents[v]];
     return v;
   };
-  std::vector<std::uint8_t> used(parents.size(), 0);
   for (Index o = 0; o < step.mesh().element_slots(); ++o) {
     if (!step.takes_part(o)) continue;
     const std::span<const Index> vertices = step.mesh().vertices(o);
     for (const Index v : vertices) {
-      used[v] = 1;
+      if (parents[v] == kNone) parents[v] = v;
       const Index x = root(v), y = root(vertices[0]);
       parents[std::max(x, y)] = std::min(x, y);
     }
   }
-  std::vector<Index> first;
+  parts.clear();
   for (Index v = 0; v < parents.size(); ++v)
-    if (used[v] != 0 && parents[v] == v) first.push_back(v);
-  return first;
+    if (parents[v] == v) parts.push_back(v);
 }
 
 }  // namespace volccd::detail

@@ -33,8 +33,9 @@ class FloodFront {
   /// over faces to inner ones.
   void around_at_start(ElementPair pair);
 
-  /// A vertex, the smallest, of each part of the outer elements that is connected over common vertices.
-  static std::vector<Index> one_of_each_part(const Step& step);
+  /// A vertex, the smallest, of each part of the outer elements that is connected over common vertices. `scratch` keeps
+  /// its memory.
+  static void one_of_each_part(const Step& step, std::vector<Index>& parts, std::vector<Index>& scratch);
 
  private:
   bool outer(Index o) const { return step_.subset->contains(o); }

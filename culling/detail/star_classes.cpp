@@ -127,7 +127,7 @@ void StarClasses::forget_around(const Step& step, Index element) {
   for (const Index v : step.mesh().vertices(element)) embedded_[v] = Known::no;
 }
 
-void StarClasses::classify(const Step& step, const StarTable& stars, Index v) {
+void StarClasses::classify(const Step& step, const StarTable& stars, Index v, StarTable::Ring& scratch) {
   if (stars.kind(v) == StarKind::unused || suspect_[v] != 0) return;
   const bool ring = stars.kind(v) == StarKind::ring;
   if (ring && folds_[v] != 0) {
@@ -139,7 +139,7 @@ void StarClasses::classify(const Step& step, const StarTable& stars, Index v) {
   const bool volumes = step.mesh().type(step.features().vertex_elements(v)[0]) == ElementType::tetrahedron;
   const bool around = !volumes || goes_once_around(step, v, signs_);
   wound_[v] = !around && !ring ? 1 : 0;
-  if (around && (!ring || winds_once(step, v, stars.ring(step.topology, v), rings_.up(v))))
+  if (around && (!ring || winds_once(step, v, stars.ring(step.topology, v, scratch), rings_.up(v))))
     embedded_[v] = Known::yes;
   else
     suspect_[v] = 1;
@@ -161,8 +161,9 @@ void StarClasses::update(const Step& step, const StarTable& stars, TopologyDelta
     forget_around(step, o);
     for (const Index v : step.mesh().vertices(o)) suspect_[v] = 1;
   }
-  executor.parallel_for(vertices, kVertexGrain, [&](std::size_t begin, std::size_t end, unsigned) {
-    for (std::size_t v = begin; v < end; ++v) classify(step, stars, static_cast<Index>(v));
+  scratch_.resize(executor.workers());
+  executor.parallel_for(vertices, kVertexGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
+    for (std::size_t v = begin; v < end; ++v) classify(step, stars, static_cast<Index>(v), scratch_[w]);
   });
   suspects_.clear();
   for (Index v = 0; v < vertices; ++v)
@@ -177,9 +178,13 @@ void StarClasses::update(const Step& step, const StarTable& stars, TopologyDelta
 }
 
 std::size_t StarClasses::bytes() const {
-  return signs_.capacity() + gap_signs_.capacity() + degenerate_.capacity() + sound_.capacity() + suspect_.capacity() +
-         suspect_places_.capacity() + wound_.capacity() + embedded_.capacity() + folds_.capacity() + rings_.bytes() +
-         (last_.capacity() + start_.capacity()) * sizeof(Vec3) + gap_.bytes() + suspects_.capacity() * sizeof(Index);
+  std::size_t scratch = 0;
+  for (const StarTable::Ring& ring : scratch_)
+    scratch += ring.open.capacity() * sizeof(ring.open[0]) + ring.vertices.capacity() * sizeof(Index);
+  return scratch + signs_.capacity() + gap_signs_.capacity() + degenerate_.capacity() + sound_.capacity() +
+         suspect_.capacity() + suspect_places_.capacity() + wound_.capacity() + embedded_.capacity() +
+         folds_.capacity() + rings_.bytes() + (last_.capacity() + start_.capacity()) * sizeof(Vec3) + gap_.bytes() +
+         suspects_.capacity() * sizeof(Index);
 }
 
 }  // namespace volccd::detail

@@ -55,7 +55,7 @@ class StarClasses {
   void find_degenerate(const Step& step, const StarTable& stars, Executor& executor);
   void keep_known(const Step& step, const StarTable& stars, TopologyDelta::Extent changed, Executor& executor);
   void forget_around(const Step& step, Index element);
-  void classify(const Step& step, const StarTable& stars, Index v);
+  void classify(const Step& step, const StarTable& stars, Index v, StarTable::Ring& scratch);
 
   std::vector<std::int8_t> signs_;  ///< of volumes, by element slot
   /// By element slot. Sound: a tetrahedron out of D, each of whose faces has one other tetrahedron or nothing.
@@ -71,6 +71,7 @@ class StarClasses {
   Motion gap_;  ///< from there to here
   std::vector<std::int8_t> gap_signs_;
   std::vector<Index> suspects_;
+  std::vector<StarTable::Ring> scratch_;  ///< by worker
   std::size_t degenerate_count_ = 0;
 };
 

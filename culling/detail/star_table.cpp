@@ -118,13 +118,11 @@ bool StarTable::order_ring(std::vector<std::array<Index, 2>>& open, std::vector<
   return ring.size() == open.size();
 }
 
-std::vector<Index> StarTable::ring(const Topology& topology, Index v) const {
-  std::vector<std::array<Index, 2>> open;
-  std::vector<Index> ring;
-  if (kinds_[v] != StarKind::ring) return ring;
-  find_open(topology, v, open);
-  order_ring(open, ring);
-  return ring;
+std::span<const Index> StarTable::ring(const Topology& topology, Index v, Ring& scratch) const {
+  if (kinds_[v] != StarKind::ring) return {};
+  find_open(topology, v, scratch.open);
+  order_ring(scratch.open, scratch.vertices);
+  return scratch.vertices;
 }
 
 StarKind StarTable::kind_of(const Topology& topology, Index v, Scratch& scratch) const {

@@ -41,9 +41,14 @@ class StarTable {
   const std::vector<Index>& changed_vertices() const { return changed_vertices_; }
 
   StarKind kind(Index v) const { return kinds_[v]; }
+  /// Room for one ring, reused.
+  struct Ring {
+    std::vector<std::array<Index, 2>> open;
+    std::vector<Index> vertices;
+  };
   /// StarKind::ring: the other vertices of the boundary faces at v, in cyclic order, oriented alike in all rings of an
   /// orientable part; consecutive ones and the last with the first span a face with v. Empty for other kinds.
-  std::vector<Index> ring(const Topology& topology, Index v) const;
+  std::span<const Index> ring(const Topology& topology, Index v, Ring& scratch) const;
   const std::array<Neighbour, 4>& neighbours(Index tetrahedron) const { return neighbours_[tetrahedron]; }
   /// A tetrahedron one of whose faces has other elements, but not just one tetrahedron.
   bool shares_a_face_with_several(Index tetrahedron) const {

@@ -28,9 +28,9 @@ json columns_of(const Statistics& statistics) {
   json row = to_json(statistics);
   for (const char* other : {"stages", "steps", "adjacent_pairs", "initial_overlaps", "duplicates"}) row.erase(other);
   row["seconds"] = rounded(statistics.seconds);
-  std::map<std::string, std::pair<double, double>> roles = {{BroadPhase::kRole, {}},    {ElementCulling::kRole, {}},
-                                                            {Assignment::kRole, {}},    {OrphanSource::kRole, {}}, {Flood::kRole, {}},
-                                                            {FeatureFilter::kRole, {}}, {NarrowPhase::kRole, {}}};
+  std::map<std::string, std::pair<double, double>> roles = {
+      {BroadPhase::kRole, {}}, {ElementCulling::kRole, {}}, {Assignment::kRole, {}}, {OrphanSource::kRole, {}},
+      {Flood::kRole, {}},      {FeatureFilter::kRole, {}},  {NarrowPhase::kRole, {}}};
   double bounds = 0;
   for (const StageStatistics& stage : statistics.stages) {
     const auto role = roles.find(stage.role);

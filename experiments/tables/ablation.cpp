@@ -13,8 +13,8 @@ using nlohmann::json;
 
 namespace {
 
-/// VolCCD+ with some of its stages on another broad phase. Without assignment, the O-Set goes as well, and the flood needs
-/// both, and CSAT: without it, the flood goes on over all that the broad phase gives.
+/// VolCCD+ with some of its stages on another broad phase. Without assignment, the O-Set goes as well, and the flood
+/// needs both, and CSAT: without it, the flood goes on over all that the broad phase gives.
 void add_subsets(const Registry& registry, std::vector<Entrant>& entrants) {
   for (const char* broad_phase : {"kdop-bvh", "spatial-hash", "brute-force"})
     for (int subset = 0; subset < 16; ++subset) {
@@ -69,7 +69,8 @@ void add_options(const Registry& registry, std::vector<Entrant>& entrants) {
        {"none", "feature-csat", "coplanarity", "feature-kdop", "feature-kdop,coplanarity,feature-csat"})
     entrants.push_back(entrant(registry, "options", "VolCCD", {std::string("feature-filter=") + filters}));
   // Static assignment covers everything by itself (docs/pipelines.md).
-  entrants.push_back(entrant(registry, "options", "VolCCD+", {"flood=none", "orphans=none", "assignment=static-assignment"}));
+  entrants.push_back(
+      entrant(registry, "options", "VolCCD+", {"flood=none", "orphans=none", "assignment=static-assignment"}));
   entrants.push_back(entrant(registry, "options", "VolCCD+"));
 }
 

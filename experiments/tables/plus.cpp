@@ -192,7 +192,10 @@ ExperimentPlan plus_plan(const PlanContext& context) {
         SceneRun run{scene.name,
                      scene.file,
                      table_config(scene.file, model),
-                     sampled_windows(motion_count(scene.file), context.full ? 2 : 1, context.full ? 4 : shortened ? 2 : 3),
+                     sampled_windows(motion_count(scene.file), context.full ? 2 : 1,
+                                     context.full ? 4
+                                     : shortened  ? 2
+                                                  : 3),
                      {}};
         run.threads = threads;
         if (shortened) run.rounds = 1;

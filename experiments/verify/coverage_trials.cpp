@@ -246,6 +246,21 @@ void expect_orphans(const Step& step, const TestBatch& found, StageTrials& trial
       kComplete, true, [] { return std::string(); }, trials.conservative());
 }
 
+/// `list(step, state, out)` after prepare(), on one mesh again and again.
+template <class StageType, class List>
+void expect_no_allocation(const StageType& stage, StageTrials& trials, const List& list) {
+  Choices choices(trials.config.seed);
+  ChangingMesh mesh(choices);
+  const Step step = mesh.step();
+  const auto state = stage.make_state();
+  TestBatch out;
+  trials.expect_no_allocation([&](int) {
+    stage.prepare(step, *state, trials.serial);
+    out.clear();
+    list(step, *state, out);
+  });
+}
+
 }  // namespace
 
 void try_stage(const OrphanSource& stage, StageTrials& trials) {
@@ -268,31 +283,17 @@ void try_stage(const OrphanSource& stage, StageTrials& trials) {
                     [&] { return when + "other tests in the reverse order of blocks, or by another worker"; });
     }
   });
-  Choices choices(trials.config.seed);
-  ChangingMesh mesh(choices);
-  const Step step = mesh.step();
-  const auto state = stage.make_state();
-  TestBatch out;
-  trials.expect_no_allocation([&](int) {
-    stage.prepare(step, *state, trials.serial);
-    out.clear();
-    for (std::size_t i = 0; i < stage.blocks(*state); ++i) stage.run(step, *state, 0, i, out);
+  expect_no_allocation(stage, trials, [&](const Step& step, StageState& state, TestBatch& out) {
+    for (std::size_t i = 0; i < stage.blocks(state); ++i) stage.run(step, state, 0, i, out);
   });
 }
 
 /// What a flood reaches depends on broad phase and culling: pipelines judge it. Here each front is empty.
 void try_stage(const Flood& stage, StageTrials& trials) {
-  Choices choices(trials.config.seed);
-  ChangingMesh mesh(choices);
-  const Step step = mesh.step();
-  const auto state = stage.make_state();
-  TestBatch out;
-  trials.expect_no_allocation([&](int) {
-    stage.prepare(step, *state, trials.serial);
-    out.clear();
-    if (!stage.takes(*state, false)) return;
-    for (std::size_t i = 0; i < stage.orphan_blocks(*state); ++i) stage.orphans(*state, i, out);
-    while (!stage.next(*state, trials.serial).pairs.empty()) {
+  expect_no_allocation(stage, trials, [&](const Step&, StageState& state, TestBatch& out) {
+    if (!stage.takes(state, false)) return;
+    for (std::size_t i = 0; i < stage.orphan_blocks(state); ++i) stage.orphans(state, i, out);
+    while (!stage.next(state, trials.serial).pairs.empty()) {
     }
   });
 }

@@ -299,6 +299,47 @@ TEST(BoundaryFlood, AStarThatGoesAroundTwiceIsSuspect) {
   }
 }
 
+BoundaryFlood::Counters counters_of(const Topology& topology, const Motion& motion) {
+  const BoundaryFlood flood({1, 1, 1e9});
+  const auto state = flood.make_state();
+  SerialExecutor serial;
+  flood.prepare({topology, motion, kNoFilter}, *state, serial);
+  EXPECT_TRUE(flood.takes(*state, false));
+  // 140 a simplex on octopi and octopus2-105k, more where a mesh is small.
+  EXPECT_LT(state->bytes(), 400 * BoundaryFlood::counters(*state).simplices + 100000);
+  return BoundaryFlood::counters(*state);
+}
+
+/// The broad phase gets a layer of elements, not the volume; one vertex pulled through its star adds that star.
+TEST(BoundaryFlood, PairsTheBoundaryAndWhatIsDegenerate) {
+  const Shape shape = block(ElementType::tetrahedron, 7, 7, 7);
+  const Topology topology(shape.mesh());
+  const std::vector<Vec3> end = jittered(shape.positions, 0.01, 1);
+  const BoundaryFlood::Counters calm = counters_of(topology, Motion::linear(shape.positions, end));
+  EXPECT_EQ(calm.simplices, topology.mesh().element_count());
+  EXPECT_EQ(calm.degenerate, 0u);
+  EXPECT_EQ(calm.suspect_vertices, 0u);
+  std::size_t boundary = 0;
+  for (Index o = 0; o < topology.mesh().element_slots(); ++o) {
+    const std::span<const Index> triangles = topology.features().element_triangles(o);
+    boundary += std::any_of(triangles.begin(), triangles.end(),
+                            [&](Index f) { return topology.features().triangle_elements(f).size() == 1; });
+  }
+  EXPECT_EQ(calm.paired, boundary);
+
+  Index inner = 0;  // the vertex next to the middle
+  for (Index v = 0; v < shape.positions.size(); ++v)
+    if ((shape.positions[v] - Vec3(3.5, 3.5, 3.5)).norm() < (shape.positions[inner] - Vec3(3.5, 3.5, 3.5)).norm())
+      inner = v;
+  std::vector<Vec3> pulled = end;
+  pulled[inner] += Vec3(1.6, 0, 0);
+  const BoundaryFlood::Counters torn = counters_of(topology, Motion::linear(shape.positions, pulled));
+  EXPECT_GT(torn.degenerate, 0u);
+  EXPECT_LE(torn.degenerate, topology.features().vertex_elements(inner).size());
+  EXPECT_EQ(torn.paired, boundary + torn.degenerate);
+  EXPECT_GT(torn.suspect_vertices, 4u);
+}
+
 /// One that gives every step up in which it goes anywhere has what the other stages find, overlaps included.
 TEST(BoundaryFlood, GivesUpWithoutLosingAnything) {
   PipelineSpec spec = spec_of("boundary-flood");
