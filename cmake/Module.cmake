@@ -42,7 +42,14 @@ function(volccd_module name)
     endif()
   endforeach()
   set(target "volccd_${name}")
-  add_library(${target} STATIC ${ARG_SOURCES})
+  if(ARG_INTERNAL OR ARG_COMPONENT)
+    add_library(${target} STATIC ${ARG_SOURCES})
+  else()
+    add_library(${target} ${ARG_SOURCES})  # static, or shared with BUILD_SHARED_LIBS
+    set_target_properties(${target} PROPERTIES VERSION ${PROJECT_VERSION}
+      SOVERSION ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR}  # before 1.0 a minor version may break the interface
+      DEFINE_SYMBOL "")
+  endif()
   add_library(volccd::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
   target_compile_features(${target} PUBLIC cxx_std_20)
@@ -59,12 +66,14 @@ function(volccd_module name)
     # Experiments and oracle: the address sanitizer alone, which halves the time to compile them under sanitizers.
     target_compile_options(${target} PRIVATE -fno-sanitize=undefined)
     if(VOLCCD_BUILD_PROGRAM)
-      install(TARGETS ${target} EXPORT volccdProgramTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+      install(TARGETS ${target} EXPORT volccdProgramTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)
     endif()
     list(TRANSFORM ARG_HEADERS PREPEND "${folder}/")
     set_property(GLOBAL APPEND PROPERTY VOLCCD_HEADERS ${ARG_HEADERS})
   else()
-    install(TARGETS ${target} EXPORT volccdTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+    install(TARGETS ${target} EXPORT volccdTargets
+      ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
+      LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT program NAMELINK_COMPONENT dev)
     set_property(GLOBAL APPEND PROPERTY VOLCCD_HEADER_FOLDERS ${folder})
   endif()
 endfunction()

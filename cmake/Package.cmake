@@ -4,11 +4,23 @@ include(CMakePackageConfigHelpers)
 
 set(VOLCCD_PACKAGE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/volccd")
 
-install(EXPORT volccdTargets NAMESPACE volccd:: DESTINATION "${VOLCCD_PACKAGE_DIR}")
+install(EXPORT volccdTargets NAMESPACE volccd:: DESTINATION "${VOLCCD_PACKAGE_DIR}" COMPONENT dev)
 if(VOLCCD_BUILD_PROGRAM)
   # A package without this file refuses the component (volccdConfig.cmake).
-  install(EXPORT volccdProgramTargets NAMESPACE volccd:: DESTINATION "${VOLCCD_PACKAGE_DIR}")
-  install(TARGETS volccd_executable RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}")
+  install(EXPORT volccdProgramTargets NAMESPACE volccd:: DESTINATION "${VOLCCD_PACKAGE_DIR}" COMPONENT dev)
+  install(TARGETS volccd_executable RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT program)
+  # Python tools beside the program: importer and figures.
+  install(DIRECTORY "${PROJECT_SOURCE_DIR}/tools/" DESTINATION "${CMAKE_INSTALL_DATADIR}/volccd/tools" COMPONENT program
+          USE_SOURCE_PERMISSIONS FILES_MATCHING PATTERN "*.py" PATTERN "__pycache__" EXCLUDE)
+  foreach(tool IN ITEMS import:import_sequence plot:plot_results)
+    string(REPLACE ":" ";" tool "${tool}")
+    list(GET tool 0 name)
+    list(GET tool 1 script)
+    file(CONFIGURE OUTPUT "${CMAKE_BINARY_DIR}/tools/volccd-${name}" @ONLY CONTENT "#!/bin/sh
+exec /usr/bin/python3 \"\$(dirname \"\$(readlink -f \"\$0\")\")/../${CMAKE_INSTALL_DATADIR}/volccd/tools/${script}.py\" \"\$@\"
+")
+    install(PROGRAMS "${CMAKE_BINARY_DIR}/tools/volccd-${name}" DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT program)
+  endforeach()
 endif()
 
 get_property(headers GLOBAL PROPERTY VOLCCD_HEADERS)
@@ -18,7 +30,7 @@ install(CODE "
   set(VOLCCD_HEADER_FOLDERS \"${folders}\")
   set(VOLCCD_SOURCE_DIR \"${PROJECT_SOURCE_DIR}\")
   set(VOLCCD_HEADER_DESTINATION \"${CMAKE_INSTALL_INCLUDEDIR}/volccd\")
-  include(\"${CMAKE_CURRENT_LIST_DIR}/InstallHeaders.cmake\")")
+  include(\"${CMAKE_CURRENT_LIST_DIR}/InstallHeaders.cmake\")" COMPONENT dev)
 
 configure_package_config_file(
   "${CMAKE_CURRENT_LIST_DIR}/volccdConfig.cmake.in" "${CMAKE_BINARY_DIR}/cmake/volccdConfig.cmake"
@@ -29,5 +41,21 @@ write_basic_package_version_file("${CMAKE_BINARY_DIR}/cmake/volccdConfigVersion.
 
 install(FILES "${CMAKE_BINARY_DIR}/cmake/volccdConfig.cmake" "${CMAKE_BINARY_DIR}/cmake/volccdConfigVersion.cmake"
               "${CMAKE_CURRENT_LIST_DIR}/FindGMP.cmake"
-        DESTINATION "${VOLCCD_PACKAGE_DIR}")
-install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}")
+        DESTINATION "${VOLCCD_PACKAGE_DIR}" COMPONENT dev)
+install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)
+
+# pkg-config: volccd.pc, for builds without CMake. A static library's users link what it needs themselves (--static).
+set(modules volccd_pipelines volccd_narrowphase volccd_culling volccd_broadphase volccd_query volccd_mesh volccd_core)
+set(VOLCCD_PC_PRIVATE_LIBS "")
+if(VOLCCD_WITH_HDF5)
+  list(PREPEND modules volccd_sequence)
+  list(GET HDF5_C_LIBRARIES 0 hdf5)  # what it needs itself, it has linked
+  string(APPEND VOLCCD_PC_PRIVATE_LIBS " ${hdf5}")
+endif()
+if(VOLCCD_WITH_GMP)
+  string(APPEND VOLCCD_PC_PRIVATE_LIBS " -lgmp")
+endif()
+list(TRANSFORM modules PREPEND "-l")
+list(JOIN modules " " VOLCCD_PC_LIBS)
+configure_file("${CMAKE_CURRENT_LIST_DIR}/volccd.pc.in" "${CMAKE_BINARY_DIR}/cmake/volccd.pc" @ONLY)
+install(FILES "${CMAKE_BINARY_DIR}/cmake/volccd.pc" DESTINATION "${CMAKE_INSTALL_LIBDIR}/pkgconfig" COMPONENT dev)

@@ -8,7 +8,6 @@ namespace volccd {
 namespace {
 
 using namespace detail;
-using Rational = boost::multiprecision::mpq_rational;
 using IntegerPoint = Vector3<Integer>;
 
 Rational ratio(const Integer& a, const Integer& b) { return Rational(a, b); }

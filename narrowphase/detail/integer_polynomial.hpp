@@ -3,11 +3,21 @@
 
 #include <vector>
 
+#ifdef VOLCCD_WITHOUT_GMP
+#include <boost/multiprecision/cpp_int.hpp>
+#else
 #include <boost/multiprecision/gmp.hpp>
+#endif
 
 namespace volccd::detail {
 
+#ifdef VOLCCD_WITHOUT_GMP
+using Integer = boost::multiprecision::cpp_int;
+using Rational = boost::multiprecision::cpp_rational;
+#else
 using Integer = boost::multiprecision::mpz_int;
+using Rational = boost::multiprecision::mpq_rational;
+#endif
 
 inline int sign_of(const Integer& x) { return x.sign(); }
 

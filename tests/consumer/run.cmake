@@ -1,4 +1,4 @@
-# cmake -DPART=... -DBUILD_DIR=... -DPROJECT_DIR=... -DWORK_DIR=... -DGENERATOR=... -DCXX=... -DCXX_FLAGS=...
+# cmake -DPART=... -DBUILD_DIR=... -DPROJECT_DIR=... -DWORK_DIR=... -DGENERATOR=... -DCXX=... -DCXX_FLAGS=... -DCPACK=...
 #       -DBUILD_TYPE=... -P run.cmake
 # The tests of the installed package. PART is one of:
 #   install    installs the build into WORK_DIR/prefix, which the other parts use; looks through what lies there
@@ -6,6 +6,8 @@
 #   example    builds examples/custom_culling/, which asks for the component `program`
 #   refusals   components that cannot be had are refused, and the message says why
 #   headers    each installed header compiles alone
+#   debian     makes the Debian packages, unpacks them into an empty root, and uses what lies there: the program, the
+#              importer, tests/consumer/ by CMake and by pkg-config
 cmake_policy(VERSION 3.22)
 set(PREFIX "${WORK_DIR}/prefix")
 
@@ -113,6 +115,28 @@ endif()\n")
   build("${WORK_DIR}/headers" headers-build)
   list(LENGTH headers count)
   message(STATUS "${count} headers")
+elseif(PART STREQUAL "debian")
+  set(root "${WORK_DIR}/root")
+  file(REMOVE_RECURSE "${root}" "${WORK_DIR}/packages")
+  run("make packages" "${CPACK}" -G DEB --config "${BUILD_DIR}/CPackConfig.cmake" -B "${WORK_DIR}/packages")
+  foreach(name IN ITEMS volccd libvolccd-dev)
+    file(GLOB package "${WORK_DIR}/packages/${name}_*.deb")
+    run("unpack ${name}" dpkg-deb -x "${package}" "${root}")
+  endforeach()
+  run("program" "${root}/usr/bin/volccd" stages)
+  run("importer" "${root}/usr/bin/volccd-import" --help)
+  run("plots" "${root}/usr/bin/volccd-plot" --help)
+  set(PREFIX "${root}/usr")
+  build("${PROJECT_DIR}/tests/consumer" consumer-of-packages)
+  run("run" "${WORK_DIR}/consumer-of-packages/consumer")
+  set(ENV{PKG_CONFIG_PATH} "${root}/usr/lib/pkgconfig")
+  execute_process(COMMAND pkg-config --static --cflags --libs volccd OUTPUT_VARIABLE flags RESULT_VARIABLE code)
+  if(NOT code EQUAL 0)
+    message(FATAL_ERROR "pkg-config does not find volccd")
+  endif()
+  separate_arguments(flags UNIX_COMMAND "${flags}")
+  run("compile by pkg-config" "${CXX}" "${PROJECT_DIR}/tests/consumer/main.cpp" -o "${WORK_DIR}/by_pkg_config" ${flags})
+  run("run" "${WORK_DIR}/by_pkg_config")
 else()
   message(FATAL_ERROR "no part '${PART}'")
 endif()

@@ -1,0 +1,43 @@
+# Debian packages by CPack, one a component: `cpack -G DEB --config build/release/CPackConfig.cmake -B build/packages`.
+#   volccd           the program, importer and plots
+#   libvolccd-dev    headers, libraries, CMake and pkg-config files, the component `program` included
+#   python3-volccd   the Python module, where it is built
+set(CPACK_PACKAGE_NAME volccd)
+set(CPACK_PACKAGE_CONTACT "The VolCCD authors <volccd@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_RESOURCE_FILE_LICENSE "${PROJECT_SOURCE_DIR}/LICENSE")
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME volccd)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "python3-meshio, python3-h5py, python3-matplotlib")
+set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "The program volccd, the importer of meshes and sequences, and figures of records.")
+
+set(CPACK_DEBIAN_DEV_PACKAGE_NAME libvolccd-dev)
+set(CPACK_DEBIAN_DEV_PACKAGE_SECTION libdevel)
+set(depends libeigen3-dev libfmt-dev libtbb-dev libhwy-dev)
+if(VOLCCD_WITH_HDF5)
+  list(APPEND depends libhdf5-dev)
+endif()
+if(VOLCCD_WITH_GMP)
+  list(APPEND depends libgmp-dev)
+endif()
+if(BUILD_SHARED_LIBS)
+  list(APPEND depends "volccd (= ${PROJECT_VERSION})")
+endif()
+list(JOIN depends ", " CPACK_DEBIAN_DEV_PACKAGE_DEPENDS)
+set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "libfcl-dev, libccd-dev, libpng-dev")
+set(CPACK_COMPONENT_DEV_DESCRIPTION
+  "Headers and libraries: for solvers, and for projects with stages of their own (CMake component program).")
+
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-volccd)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "The Python module volccd.")
+
+include(CPack)

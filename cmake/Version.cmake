@@ -1,0 +1,11 @@
+# VOLCCD_PROJECT_VERSION from core/version.hpp, where numbers and text must agree.
+file(READ "${CMAKE_CURRENT_LIST_DIR}/../core/version.hpp" header)
+foreach(part MAJOR MINOR PATCH)
+  string(REGEX MATCH "#define VOLCCD_VERSION_${part} ([0-9]+)" found "${header}")
+  list(APPEND VOLCCD_PROJECT_VERSION "${CMAKE_MATCH_1}")
+endforeach()
+list(JOIN VOLCCD_PROJECT_VERSION "." VOLCCD_PROJECT_VERSION)
+string(FIND "${header}" "VOLCCD_VERSION_STRING \"${VOLCCD_PROJECT_VERSION}\"" found)
+if(found EQUAL -1)
+  message(FATAL_ERROR "core/version.hpp: VOLCCD_VERSION_STRING is not \"${VOLCCD_PROJECT_VERSION}\", which its numbers say")
+endif()
