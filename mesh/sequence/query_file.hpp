@@ -22,7 +22,7 @@ struct QueryGroup {
   std::size_t size() const { return collides.size(); }
 };
 
-/// All queries of an HDF5 file with groups /<scene>/VertexFace and /<scene>/EdgeEdge, either of which may be absent:
+/// All queries of an HDF5 file with groups /SCENE/VertexFace and /SCENE/EdgeEdge, either of which may be absent:
 /// Points [q, 8, 3] of reals, Collides [q] 0 or 1, File [q] index into the names in the attribute Files, which blanks
 /// separate. Scenes by name, VF before EE; groups without queries are left out.
 ///
