@@ -78,7 +78,7 @@ void choose_outer(const Step& step, BoundaryFloodState& state) {
   if (state.outer.version() != version) state.parts_valid = false;
 }
 
-/// Lists the orphans whose first elements have common vertices in suspect stars only, each at the smallest of these
+/// Lists the orphans whose first elements have common vertices in suspect stars only, each at the first of these
 /// vertices.
 class Orphans {
  public:
@@ -93,19 +93,10 @@ class Orphans {
     const std::span<const Index> star = features_.vertex_elements(v);
     for (std::size_t i = 0; i < star.size(); ++i)
       for (std::size_t j = i; j < star.size(); ++j)
-        if (first_common_suspect(star[i], star[j]) == v) of_elements(star[i], star[j]);
+        if (classes_.first_common_suspect(topology_, star[i], star[j]) == v) of_elements(star[i], star[j]);
   }
 
  private:
-  /// The smallest common vertex, or kNone if there is none or one of them has a clear star.
-  Index first_common_suspect(Index a, Index b) const {
-    Index first = kNone;
-    const std::span<const Index> of_a = topology_.adjacency().vertices(a);
-    for (std::uint32_t bits = classes_.common_suspects(topology_, a, b), i = 0; bits >> i != 0; ++i)
-      if (bits >> i & 1) first = std::min(first, of_a[i]);
-    return first;
-  }
-
   /// Features that belong to a, or b, first.
   void of_elements(Index a, Index b) {
     vertices_and_triangles(a, b);

@@ -42,7 +42,7 @@ void FloodFront::around_suspect_stars() {
     for (const Index a : star) {
       if (!has_inner_neighbour(a)) continue;
       for (const Index b : star)
-        if (classes_.common_suspects(step_.topology, a, b) != 0) inner_neighbours(a, b);
+        if (classes_.first_common_suspect(step_.topology, a, b) == v) inner_neighbours(a, b);
     }
   }
 }
@@ -110,7 +110,7 @@ void FloodFront::from_start(std::span<const Index> vertices, std::vector<std::pa
     for (const Index inner : star) {
       if (outer(inner)) continue;
       for (const Index other : star)
-        if (outer(other) && classes_.common_suspects(step_.topology, inner, other) != 0 &&
+        if (outer(other) && classes_.first_common_suspect(step_.topology, inner, other) == v &&
             may_overlap_at_start(inner, other))
           around_at_start({other, inner});
     }

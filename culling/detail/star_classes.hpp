@@ -44,7 +44,15 @@ class StarClasses {
   std::uint32_t common_suspects(const Topology& topology, Index a, Index b) const {
     const std::uint32_t common = common_vertices(topology, a, b);
     if ((common & ~std::uint32_t{suspect_places_[a]}) != 0) return 0;
-    return sound_[a] != 0 && sound_[b] != 0 && std::popcount(common) >= 3 ? 0 : common;
+    const std::uint32_t but_one = common & (common - 1);
+    const bool three = (but_one & (but_one - 1)) != 0;
+    return sound_[a] != 0 && sound_[b] != 0 && three ? 0 : common;
+  }
+  /// The first of them in the order of a's vertices, kNone if there is none: pairs in a suspect star are visited once,
+  /// at this vertex.
+  Index first_common_suspect(const Topology& topology, Index a, Index b) const {
+    const std::uint32_t bits = common_suspects(topology, a, b);
+    return bits == 0 ? kNone : topology.adjacency().vertices(a)[static_cast<std::size_t>(std::countr_zero(bits))];
   }
 
   std::size_t bytes() const;
