@@ -24,7 +24,7 @@ std::vector<PictureContact> find_contacts(SequenceReader& reader, int motion, Sh
                Request(Query::all, false, shells == ShellModel::solid));
   std::vector<PictureContact> contacts;
   contacts.reserve(result.contacts.size());
-  for (const Contact& contact : result.contacts) contacts.push_back({contact.kind, contact.vertices});
+  for (const Contact& contact : result.contacts) contacts.push_back({contact.kind, contact.vertices, contact.point});
   return contacts;
 }
 
@@ -34,7 +34,7 @@ std::vector<PictureContact> contacts_from_csv(const std::string& file, int motio
   for (const ContactRow& row : read_contacts_csv(file)) {
     ++line;
     if (row.step != motion) continue;
-    PictureContact contact{row.kind, {}};
+    PictureContact contact{row.kind, {}, row.point};
     for (int k = 0; k < 4; ++k) {
       const auto found = std::lower_bound(ids.begin(), ids.end(), row.ids[k]);
       if (found == ids.end() || *found != row.ids[k])
@@ -82,11 +82,6 @@ void classify(std::vector<PictureContact>& contacts, const SequenceCells& cells,
     std::set_intersection(first.begin(), first.end(), second.begin(), second.end(), std::back_inserter(both));
     contact.inter = both.empty();
   }
-}
-
-Vec3 mark_place(const PictureContact& contact, std::span<const Vec3> points) {
-  const Vec3& first = points[contact.vertices[0]];
-  return contact.kind == FeatureKind::vf ? first : Vec3(0.5 * (first + points[contact.vertices[1]]));
 }
 
 }  // namespace volccd

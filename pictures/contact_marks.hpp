@@ -17,6 +17,7 @@ namespace volccd {
 struct PictureContact {
   FeatureKind kind;
   std::array<Index, 4> vertices;  ///< slots, as in Contact
+  Vec3 point;                     ///< where the features meet, at the time of contact
   bool inter = false;             ///< no part has elements at both features
 };
 
@@ -30,8 +31,5 @@ std::vector<PictureContact> contacts_from_csv(const std::string& file, int motio
 
 /// Sets `inter`. A feature belongs to the parts that have an element at each of its vertices. O(cells + c log c).
 void classify(std::vector<PictureContact>& contacts, const SequenceCells& cells, Index vertex_count);
-
-/// Where a contact is marked: at the vertex (VF); in the middle of the first edge (EE).
-Vec3 mark_place(const PictureContact& contact, std::span<const Vec3> points);
 
 }  // namespace volccd

@@ -253,7 +253,7 @@ class Composer {
     gap_ = columns > 1 ? std::max(4, config_.width / 200) : 0;
     panel_width_ = (config_.width - (columns - 1) * gap_) / columns;
     text_height_ = std::clamp(std::min(panel_width_ / 62.0, config_.width / 90.0), 7.0, 40.0);
-    caption_height_ = config_.text ? static_cast<int>(std::lround(text_height_ * (has_subtitle() ? 4.6 : 2.6))) : 0;
+    caption_height_ = config_.text ? caption_height() : 0;
     legend_height_ = config_.text ? legend_height() : 0;
     if (config_.height > 0) {
       height_ = config_.height;
@@ -266,10 +266,6 @@ class Composer {
     if (panel_width_ < 8 || view_height_ < 8)
       throw ConfigError(fmt::format("--size: {} x {} leaves no room for {} panel(s) and their captions", config_.width,
                                     config_.height, panels_.size()));
-  }
-
-  bool has_subtitle() const {
-    return std::any_of(panels_.begin(), panels_.end(), [](const PanelData& p) { return !p.subtitle.empty(); });
   }
 
   bool taken_away(const Vec3& place) const {
@@ -317,22 +313,39 @@ class Composer {
     for (const Index v : panel.drawn.connectivity) left_out[v] = 0;
     std::vector<Mark> marks;
     for (const PictureContact& contact : panel.contacts) {
-      const Vec3 place = mark_place(contact, panel.points);
       const bool shown =
           std::none_of(contact.vertices.begin(), contact.vertices.end(), [&](Index v) { return left_out[v] != 0; }) &&
-          !taken_away(place);
+          !taken_away(contact.point);
       if (shown)
         marks.push_back(
-            {place, contact.inter ? kInterColour : kIntraColour, contact.inter ? MarkShape::disc : MarkShape::diamond});
+            {contact.point, contact.inter ? kInterColour : kIntraColour, contact.inter ? MarkShape::disc : MarkShape::diamond});
     }
     return marks;
   }
 
   void draw_caption(Image& image, const PanelData& panel, int x, int y) const {
+    const double h = text_height_;
+    double base = y - 0.1 * h;
+    for (const auto& [line, height] : caption_lines(panel)) {
+      base += 1.8 * h;
+      draw_text(image, line, x + (panel_width_ - text_width(line, height)) / 2, base, height, kTextColour);
+    }
+  }
+
+  /// Caption and subtitle in lines that fit the panel, with their heights.
+  std::vector<std::pair<std::string, double>> caption_lines(const PanelData& panel) const {
     const double h = text_height_, room = panel_width_ - h;
-    const std::string first = fit_text(panel.caption, h, room), second = fit_text(panel.subtitle, 0.86 * h, room);
-    draw_text(image, first, x + (panel_width_ - text_width(first, h)) / 2, y + 1.7 * h, h, kTextColour);
-    draw_text(image, second, x + (panel_width_ - text_width(second, 0.86 * h)) / 2, y + 3.5 * h, 0.86 * h, kTextColour);
+    std::vector<std::pair<std::string, double>> lines;
+    for (const auto& [text, height] : {std::pair(&panel.caption, h), std::pair(&panel.subtitle, 0.86 * h)})
+      if (!text->empty())
+        for (std::string& line : wrap_text(*text, height, room)) lines.emplace_back(std::move(line), height);
+    return lines;
+  }
+
+  int caption_height() const {
+    std::size_t lines = 0;
+    for (const PanelData& panel : panels_) lines = std::max(lines, caption_lines(panel).size());
+    return static_cast<int>(std::lround(text_height_ * (0.9 + 1.8 * static_cast<double>(lines))));
   }
 
   /// An entry of the legend: a swatch, or a mark.

@@ -1,207 +1,139 @@
 #include <volccd/pictures/text.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <string>
-#include <vector>
+#include <memory>
+
+#include <cairo.h>
+
+#include <volccd/core/error.hpp>
 
 namespace volccd {
 
 namespace {
 
-/// Strokes are pairs of digits "xy"; x from 0 to `width`, y from 0 with the base line at 2, capitals to 8, small
-/// letters to 6. A stroke that begins with ~ is the round curve with these control points.
-struct Glyph {
-  char character;
-  int width;
-  const char* strokes;
-};
+using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
+using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
 
-constexpr Glyph kGlyphs[] = {
-    {'A', 4, "022842 1434"},
-    {'B', 4, "0802 ~082848452505 ~052545422202"},
-    {'C', 4, "~474808024243"},
-    {'D', 4, "0802 ~082848422202"},
-    {'E', 4, "48080242 0535"},
-    {'F', 4, "480802 0535"},
-    {'G', 4, "~474808024245 2545"},
-    {'H', 4, "0802 4842 0545"},
-    {'I', 0, "0802"},
-    {'J', 3, "~3834320204"},
-    {'K', 4, "0802 4804 1542"},
-    {'L', 3, "080232"},
-    {'M', 4, "0208244842"},
-    {'N', 4, "02084248"},
-    {'O', 4, "~0208484202"},
-    {'P', 4, "0802 ~082848442404"},
-    {'Q', 4, "~0208484202 2442"},
-    {'R', 4, "0802 ~082848442404 2442"},
-    {'S', 4, "~4748080545420203"},
-    {'T', 4, "0848 2822"},
-    {'U', 4, "~080502424548"},
-    {'V', 4, "082248"},
-    {'W', 6, "0822375268"},
-    {'X', 4, "0842 4802"},
-    {'Y', 4, "082548 2522"},
-    {'Z', 4, "08480242"},
-    {'a', 3, "~0206363202 3632"},
-    {'b', 3, "0802 ~0206363202"},
-    {'c', 3, "~353606023233"},
-    {'d', 3, "3832 ~0206363202"},
-    {'e', 3, "~343606023233 0434"},
-    {'f', 2, "~28181512 0626"},
-    {'g', 3, "~0206363202 ~3633300001"},
-    {'h', 3, "0802 ~0406363432"},
-    {'i', 0, "0602 0808"},
-    {'j', 1, "~16121000 1818"},
-    {'k', 3, "0802 3603 1432"},
-    {'l', 0, "0802"},
-    {'m', 4, "0602 ~0406262422 ~2426464442"},
-    {'n', 3, "0602 ~0406363432"},
-    {'o', 3, "~0206363202"},
-    {'p', 3, "0600 ~0206363202"},
-    {'q', 3, "3630 ~0206363202"},
-    {'r', 2, "0602 ~040626"},
-    {'s', 3, "~3536060434320203"},
-    {'t', 2, "~18131222 0626"},
-    {'u', 3, "~060402323436 3632"},
-    {'v', 4, "062246"},
-    {'w', 4, "0612253246"},
-    {'x', 3, "0632 3602"},
-    {'y', 4, "0622 4610"},
-    {'z', 3, "06360232"},
-    {'0', 3, "~0205083835320205"},
-    {'1', 3, "072822"},
-    {'2', 3, "~0708383502 0232"},
-    {'3', 3, "~0708383515 ~1535320203"},
-    {'4', 3, "22280434"},
-    {'5', 3, "380805 ~0536320203"},
-    {'6', 3, "~3738080504 ~0205353202"},
-    {'7', 3, "083812"},
-    {'8', 3, "~0508383505 ~0205353202"},
-    {'9', 3, "~3635320203 ~0508383505"},
-    {'.', 0, "0202"},
-    {',', 1, "1201"},
-    {':', 0, "0202 0505"},
-    {';', 1, "1201 1515"},
-    {'-', 3, "0434"},
-    {'+', 4, "0545 2327"},
-    {'=', 3, "0434 0636"},
-    {'(', 1, "~19070311"},
-    {')', 1, "~09171301"},
-    {'[', 1, "19090111"},
-    {']', 1, "09191101"},
-    {'/', 3, "0139"},
-    {'_', 4, "0141"},
-    {'%', 4, "0248 ~0608282606 ~2224444222"},
-    {'!', 0, "0804 0202"},
-    {'?', 3, "~070838351514 1212"},
-    {'\'', 0, "0807"},
-    {'"', 1, "0807 1817"},
-    {'<', 3, "360432"},
-    {'>', 3, "063402"},
-    {'*', 4, "2723 0644 4604"},
-    {'|', 0, "0901"},
-    {'#', 4, "1218 3238 0646 0444"},
-    {'&', 4, "~42071828160504022244"},
-    {' ', 2, ""},
-};
-constexpr Glyph kUnknown = {'\0', 3, "0208383202"};
-constexpr double kCapital = 6, kBaseLine = 2, kGap = 1.6;
-
-const Glyph& glyph_of(char character) {
-  const auto* found =
-      std::find_if(std::begin(kGlyphs), std::end(kGlyphs), [&](const Glyph& g) { return g.character == character; });
-  return found == std::end(kGlyphs) ? kUnknown : *found;
+/// Bytes of the character that begins at `at`; 0 if none does.
+std::size_t character_size(std::string_view text, std::size_t at) {
+  const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  const unsigned first = byte(at);
+  const std::size_t size = first < 0x80                    ? 1
+                           : first >= 0xC2 && first < 0xE0 ? 2
+                           : first >= 0xE0 && first < 0xF0 ? 3
+                           : first >= 0xF0 && first < 0xF5 ? 4
+                                                           : 0;
+  for (std::size_t i = 1; i < size; ++i)
+    if ((byte(at + i) & 0xC0) != 0x80) return 0;
+  // Overlong forms, surrogates and what lies beyond Unicode are not UTF-8.
+  const unsigned second = byte(at + 1);
+  if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second >= 0xA0) || (first == 0xF0 && second < 0x90) ||
+      (first == 0xF4 && second >= 0x90))
+    return 0;
+  return size;
 }
 
-/// Whether a byte begins a character: the other bytes of UTF-8 have no width.
-bool begins(char byte) { return (static_cast<unsigned char>(byte) & 0xC0) != 0x80; }
-
-using Point = std::array<double, 2>;
-using Stroke = std::vector<Point>;
-
-/// Cuts the corners: in the limit the quadratic B-spline. The ends of an open stroke stay.
-Stroke rounded(const Stroke& stroke) {
-  const bool closed = stroke.front() == stroke.back();
-  Stroke result;
-  if (!closed) result.push_back(stroke.front());
-  for (std::size_t i = 0; i + 1 < stroke.size(); ++i)
-    for (const double share : {0.25, 0.75}) {
-      if (!closed && ((i == 0 && share < 0.5) || (i + 2 == stroke.size() && share > 0.5))) continue;
-      result.push_back({stroke[i][0] + share * (stroke[i + 1][0] - stroke[i][0]),
-                        stroke[i][1] + share * (stroke[i + 1][1] - stroke[i][1])});
-    }
-  result.push_back(closed ? result.front() : stroke.back());
+/// Cairo refuses a text that is not UTF-8, and ends it at a zero byte.
+std::string printable(std::string_view text) {
+  std::string result;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t size = character_size(text, at);
+    if (size == 0 || text[at] == '\0')
+      result += '?';
+    else
+      result.append(text, at, size);
+    at += std::max<std::size_t>(size, 1);
+  }
   return result;
 }
 
-std::vector<Stroke> strokes_of(const Glyph& glyph) {
-  std::vector<Stroke> strokes;
-  for (const char* at = glyph.strokes; *at != '\0';) {
-    const bool round = *at == '~';
-    if (round) ++at;
-    Stroke stroke;
-    for (; *at != '\0' && *at != ' '; at += 2)
-      stroke.push_back({static_cast<double>(at[0] - '0'), static_cast<double>(at[1] - '0')});
-    if (round)
-      for (int i = 0; i < 3; ++i) stroke = rounded(stroke);
-    strokes.push_back(std::move(stroke));
-    if (*at == ' ') ++at;
+/// A surface of 8-bit coverage with a context whose font has capitals `height` pixels high.
+class Canvas {
+ public:
+  Canvas(int width, int height, double capitals)
+      : surface_(cairo_image_surface_create(CAIRO_FORMAT_A8, width, height), &cairo_surface_destroy),
+        context_(cairo_create(surface_.get()), &cairo_destroy) {
+    // Without hinting, so that widths are proportional to the size.
+    cairo_font_options_t* options = cairo_font_options_create();
+    cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
+    cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
+    cairo_font_options_set_antialias(options, CAIRO_ANTIALIAS_GRAY);
+    cairo_set_font_options(context_.get(), options);
+    cairo_font_options_destroy(options);
+    cairo_select_font_face(context_.get(), "DejaVu Sans", CAIRO_FONT_SLANT_NORMAL, CAIRO_FONT_WEIGHT_NORMAL);
+    cairo_set_font_size(context_.get(), 100);
+    cairo_text_extents_t capital;
+    cairo_text_extents(context_.get(), "H", &capital);
+    if (!(capital.height > 0)) throw ConfigError("no font for pictures: install one (Debian: fonts-dejavu-core)");
+    cairo_set_font_size(context_.get(), 100 * capitals / capital.height);
   }
-  return strokes;
-}
 
-double distance(const Point& p, const Point& a, const Point& b) {
-  const double dx = b[0] - a[0], dy = b[1] - a[1], square = dx * dx + dy * dy;
-  const double s = square > 0 ? std::clamp(((p[0] - a[0]) * dx + (p[1] - a[1]) * dy) / square, 0.0, 1.0) : 0.0;
-  return std::hypot(p[0] - a[0] - s * dx, p[1] - a[1] - s * dy);
-}
+  cairo_text_extents_t extents(const std::string& text) const {
+    cairo_text_extents_t extents;
+    cairo_text_extents(context_.get(), text.c_str(), &extents);
+    return extents;
+  }
 
-void draw_glyph(Image& image, const Glyph& glyph, double x, double y, double unit, Colour colour) {
-  const std::vector<Stroke> strokes = strokes_of(glyph);
-  const double radius = std::max(0.55, 0.36 * unit);
-  const int left = static_cast<int>(std::floor(x - radius - 1));
-  const int right = static_cast<int>(std::ceil(x + glyph.width * unit + radius + 1));
-  const int top = static_cast<int>(std::floor(y - 7 * unit - radius - 1));
-  const int bottom = static_cast<int>(std::ceil(y + kBaseLine * unit + radius + 1));
-  for (int row = top; row < bottom; ++row)
-    for (int column = left; column < right; ++column) {
-      const Point p{(column + 0.5 - x) / unit, (y - row - 0.5) / unit + kBaseLine};
-      double nearest = 1e9;
-      for (const Stroke& stroke : strokes)
-        for (std::size_t i = 0; i + 1 < stroke.size(); ++i)
-          nearest = std::min(nearest, distance(p, stroke[i], stroke[i + 1]));
-      image.blend(column, row, colour, std::clamp(radius + 0.5 - nearest * unit, 0.0, 1.0));
-    }
-}
+  /// Draws the text and hands each pixel's coverage, 0 to 1, to visit(column, row, coverage).
+  template <class Visit>
+  void draw(const std::string& text, double x, double y, const Visit& visit) {
+    cairo_move_to(context_.get(), x, y);
+    cairo_show_text(context_.get(), text.c_str());
+    cairo_surface_flush(surface_.get());
+    const unsigned char* const data = cairo_image_surface_get_data(surface_.get());
+    const int stride = cairo_image_surface_get_stride(surface_.get());
+    for (int row = 0; row < cairo_image_surface_get_height(surface_.get()); ++row)
+      for (int column = 0; column < cairo_image_surface_get_width(surface_.get()); ++column)
+        if (const unsigned char cover = data[row * stride + column]; cover != 0) visit(column, row, cover / 255.0);
+  }
+
+ private:
+  Surface surface_;
+  Context context_;
+};
 
 }  // namespace
 
 double text_width(std::string_view text, double height) {
-  double width = 0;
-  for (const char character : text)
-    if (begins(character)) width += glyph_of(character).width + kGap;
-  return std::max(0.0, width - kGap) * height / kCapital;
+  return Canvas(1, 1, height).extents(printable(text)).x_advance;
 }
 
 void draw_text(Image& image, std::string_view text, double x, double y, double height, Colour colour) {
-  const double unit = height / kCapital;
-  for (const char character : text) {
-    if (!begins(character)) continue;
-    const Glyph& glyph = glyph_of(character);
-    draw_glyph(image, glyph, x, y, unit, colour);
-    x += (glyph.width + kGap) * unit;
-  }
+  const std::string line = printable(text);
+  const cairo_text_extents_t extents = Canvas(1, 1, height).extents(line);
+  const int left = static_cast<int>(std::floor(x + extents.x_bearing)) - 2;
+  const int top = static_cast<int>(std::floor(y + extents.y_bearing)) - 2;
+  const int width = std::min(static_cast<int>(std::ceil(extents.width)) + 5, image.width() - left);
+  const int rows = static_cast<int>(std::ceil(extents.height)) + 5;
+  if (width <= 0) return;
+  Canvas(width, rows, height).draw(line, x - left, y - top, [&](int column, int row, double cover) {
+    image.blend(left + column, top + row, colour, cover);
+  });
 }
 
-std::string fit_text(std::string_view text, double height, double width) {
-  if (text_width(text, height) <= width) return std::string(text);
-  for (std::size_t n = text.size(); n > 0; --n)
-    if (const std::string shorter = std::string(text.substr(0, n)) + "..."; text_width(shorter, height) <= width)
-      return shorter;
-  return {};
+std::vector<std::string> wrap_text(std::string_view text, double height, double width) {
+  const Canvas canvas(1, 1, height);
+  const auto fits = [&](const std::string& line) { return canvas.extents(line).x_advance <= width; };
+  std::vector<std::string> lines(1);
+  const std::string all = printable(text);
+  for (std::size_t at = 0; at < all.size();) {
+    const std::size_t end = std::min(all.find(' ', at), all.size());
+    std::string word = all.substr(at, end - at);
+    at = end + 1;
+    if (const std::string longer = lines.back().empty() ? word : lines.back() + ' ' + word; fits(longer)) {
+      lines.back() = longer;
+      continue;
+    }
+    if (!lines.back().empty()) lines.emplace_back();
+    for (std::size_t c = 0; c < word.size();) {
+      const std::string character = word.substr(c, character_size(word, c));
+      if (!lines.back().empty() && !fits(lines.back() + character)) lines.emplace_back();
+      lines.back() += character;
+      c += character.size();
+    }
+  }
+  return lines;
 }
 
 }  // namespace volccd
