@@ -123,17 +123,9 @@ class PieceSearch {
       : points_(x), test_(kind, x, separation), tolerance_(tolerance), most_pieces_(most_pieces) {}
 
   InclusionAnswer run(double t_max) {
+    if (share_a_point_at_start(test_.kind(), points_)) return {.outcome = Outcome::touch, .at_start = true};
     InclusionAnswer open{Outcome::apart};  // the first piece that stays open, if any
-    if (test_.separation() == 0 && !test_.rigid() && share_a_point_at_start(test_.kind(), points_)) {
-      // No piece that begins with a contact can be proven free: the first that stays open is the shortest of them.
-      open.outcome = Outcome::undecided;
-      open.at_start = true;
-      if (const auto answer = look_ahead(open, kShortestPiece)) return *answer;
-      split_down_to({0, 1, 0}, 0);
-      ++pieces_;
-    } else {
-      stack_.push({0, 1, 0});
-    }
+    stack_.push({0, 1, 0});
     for (; !stack_.empty(); ++pieces_) {
       const Part part = stack_.pop();
       const bool is_open = open.outcome == Outcome::undecided;

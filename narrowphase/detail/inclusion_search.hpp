@@ -47,10 +47,11 @@ struct Split {
 };
 
 /// Looks through [0,1] from left to right in pieces: each is proven free of contact, proven to begin with one, or
-/// split. Undecided: a piece stays open that is shorter than kShortestPiece, the first of which gives the time. Without
-/// a separation the search goes on from there, to see whether a first touch may be later. The answer does not depend on
-/// t_max, but that contacts after it are `apart`. `tolerance` > 0. After `most_pieces` the rest is given up. Pre:
-/// finite coordinates, separation >= 0.
+/// split. Features with a point in common at t = 0, the same doubles, touch then, without a search. Undecided: a piece
+/// stays open that is shorter than kShortestPiece, the first of which gives the time. Without a separation the search
+/// goes on from there, to see whether a first touch may be later. The answer does not depend on t_max, but that
+/// contacts after it are `apart`. `tolerance` > 0. After `most_pieces` the rest is given up. Pre: finite coordinates,
+/// separation >= 0.
 InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
                                  double tolerance, int most_pieces, double t_max);
 
