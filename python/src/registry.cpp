@@ -3,6 +3,7 @@
 #include <pybind11/stl.h>
 
 #include <volccd/broadphase/peers/peers.hpp>
+#include <volccd/pipelines/pipeline.hpp>
 
 #include "stages.hpp"
 
@@ -32,6 +33,7 @@ void set_registry(const py::list& stages, const py::list& pipelines) {
     PipelineSpec spec = make_spec(made, parts[1].cast<std::string>(), parts[2].cast<std::vector<std::string>>());
     spec.name = parts[0].cast<std::string>();
     spec.description = parts[3].cast<std::string>();
+    Pipeline(made, spec);  // what is wrong with it is said now
     made.add_pipeline(std::move(spec));
   }
   *current() = std::move(made);

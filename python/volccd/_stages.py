@@ -193,6 +193,7 @@ _pipelines = {}
 
 
 def _apply(stages, added):
+    stages, added = dict(stages), dict(added)
     _core.set_registry(list(stages.values()), list(added.values()))
     _registered.clear(), _pipelines.clear()
     _registered.update(stages), _pipelines.update(added)
