@@ -40,14 +40,17 @@ class Sequence:
 
     @property
     def path(self):
+        """str: the file."""
         return self._core.file
 
     @property
     def step_count(self):
+        """Steps of the file; one more than motions."""
         return self._core.step_count
 
     @property
     def point_count(self):
+        """Points of every step."""
         return self._core.point_count
 
     @property
@@ -136,6 +139,7 @@ class Verification:
 
     @property
     def clean(self):
+        """Whether nothing differs."""
         return all(step["clean"] for step in self.steps)
 
     @property
