@@ -292,5 +292,8 @@ def test_ctrl_c():
     time.sleep(0.3)
     child.send_signal(signal.SIGINT)
     start = time.monotonic()
-    assert child.communicate(timeout=60)[0].split() == ["interrupted", "True"]
+    try:
+        assert child.communicate(timeout=60)[0].split() == ["interrupted", "True"]
+    finally:
+        child.kill()
     assert time.monotonic() - start < 10

@@ -108,7 +108,10 @@ def test_ctrl_c_ends_a_simulation(tmp_path):
         child.wait(1)
     except subprocess.TimeoutExpired:
         child.send_signal(signal.SIGINT)
-    assert child.communicate(timeout=60)[0] == "interrupted\n"
+    try:
+        assert child.communicate(timeout=60)[0] == "interrupted\n"
+    finally:
+        child.kill()
 
 
 @pytest.mark.parametrize("name", ["ls-dyna-projectile", "rod-twist"])
@@ -118,6 +121,28 @@ def test_real_sequences(name):
     sequence = volccd.Sequence(DATA / f"{name}.vtkhdf")
     (_, found), = sequence.detect([0])
     assert len(found) > 0 and found.statistics["contacts"] == len(found)
+
+
+def test_motions_and_parts(builtin):
+    path = builtin.path
+    (_, straight), = builtin.detect([2])
+    (_, curved), = volccd.Sequence(path, motion="quadratic").detect([2])
+    assert len(curved) > 0 and not np.array_equal(curved.contacts["toi"], straight.contacts["toi"])
+    with pytest.raises(volccd.InputError, match="velocit"):
+        volccd.Sequence(path, motion="tentative")
+    (_, between), = volccd.Sequence(path, parts="components").detect([2], pairs="inter")
+    assert 0 < len(between) <= len(straight)
+
+
+def test_thickened_shells_of_a_file():
+    if not (DATA / "openradioss-airbag.vtkhdf").exists():
+        pytest.skip("openradioss-airbag is not there: put the shared data beside the project, or set VOLCCD_DATA")
+    sequence = volccd.Sequence(DATA / "openradioss-airbag.vtkhdf", shells="solid")
+    assert sequence.thickness(0).shape == sequence.cells(0)["types"].shape
+    (_, result), = sequence.detect([60])
+    (_, kept), = sequence.detect([60], shell_neighbours=True)
+    assert len(result.left_out) > 0 and len(kept.left_out) == 0
+    assert len(kept) == len(result) + len(result.left_out)
 
 
 def test_verify(builtin):

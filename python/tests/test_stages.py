@@ -141,7 +141,9 @@ def test_narrow_phase(builtin, falling):
 
 def test_verify_finds_a_stage_that_loses_contacts(builtin):
     volccd.register(Boxes)
-    assert volccd.verify(builtin, range(2), fcl=False, settings="element-culling=python-boxes", threads=2)
+    good = volccd.verify(builtin, range(2), fcl=False, settings="element-culling=python-boxes", threads=2)
+    ran, = [one for one in good.steps[0]["pipelines"] if one["pipeline"] == "VolCCD+ element-culling=python-boxes"]
+    assert good and "python-boxes" in ran["statistics"]["stages"]["name"]
 
     @volccd.register
     class Careless(volccd.ElementCulling):
