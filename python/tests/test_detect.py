@@ -272,7 +272,7 @@ import sys, time
 sys.path.insert(0, {tests!r})
 import volccd
 from test_detect import colliding_grids
-points, moved, cells = colliding_grids(14)
+points, moved, cells = colliding_grids(22)  # ten seconds and more
 detector = volccd.Detector({{"hexahedron": cells}}, pipeline="BruteForce", threads=2)
 print("ready", flush=True)
 try:
@@ -289,11 +289,11 @@ def test_ctrl_c():
     code = LONG_STEP.format(tests=os.path.dirname(__file__))
     child = subprocess.Popen([sys.executable, "-B", "-c", code], stdout=subprocess.PIPE, text=True)
     assert child.stdout.readline() == "ready\n"
-    time.sleep(0.3)
+    time.sleep(1)  # it is within the step now
     child.send_signal(signal.SIGINT)
     start = time.monotonic()
     try:
         assert child.communicate(timeout=60)[0].split() == ["interrupted", "True"]
     finally:
         child.kill()
-    assert time.monotonic() - start < 10
+    assert time.monotonic() - start < 5
