@@ -98,7 +98,7 @@ def test_settings(falling):
 
 FORMS = {
     "array": TETRAHEDRA, "list": TETRAHEDRA.tolist(), "int32": TETRAHEDRA.astype(np.int32),
-    "pairs": [("tetra", TETRAHEDRA)], "blocks": [("tetra", TETRAHEDRA[:1]), ("tetrahedron", TETRAHEDRA[1:])],
+    "pairs": [("tetra", TETRAHEDRA)], "numbers": [(10, TETRAHEDRA)], "blocks": [("tetra", TETRAHEDRA[:1]), ("tetrahedron", TETRAHEDRA[1:])],
     "dict": {"tetra": TETRAHEDRA}, "vtk": volccd.vtk_cells(TETRAHEDRA.ravel(), [0, 4, 8], [10, 10]),
     "faces": [("polyhedron", [[cell[[0, 1, 2]], cell[[0, 1, 3]], cell[[0, 2, 3]], cell[[1, 2, 3]]] for cell in TETRAHEDRA])],
 }
@@ -197,7 +197,8 @@ def test_errors_have_their_categories(falling):
             volccd.detect(points0, wrong, cells)
     with pytest.raises(volccd.ConfigError, match="VolCCD"):
         volccd.detect(points0, points0, cells, "NoSuchPipeline")
-    for wrong in (dict(separation=-1), dict(separation=np.inf), dict(t_max=2), dict(edges="some")):
+    for wrong in (dict(separation=-1), dict(separation=np.inf), dict(t_max=2), dict(edges="some"), dict(threads=-1),
+                  dict(threads=10**6)):
         with pytest.raises(volccd.ConfigError):
             volccd.detect(points0, points0, cells, **wrong)
 

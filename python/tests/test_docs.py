@@ -36,8 +36,8 @@ def test_everything_public_is_documented():
                     assert value.__doc__, f"{name}.{attribute}"
 
 
-def blocks(language):
-    return re.findall(rf"```{language}\n(.*?)```", (ROOT / "docs/python.md").read_text(), re.DOTALL)
+def blocks(language, page="docs/python.md"):
+    return re.findall(rf"```{language}\n(.*?)```", (ROOT / page).read_text(), re.DOTALL)
 
 
 def test_page():
@@ -51,6 +51,13 @@ def test_page():
             exec(compile(page, "docs/python.md", "exec"), names)
     finally:
         os.chdir(folder)
+
+
+def test_readme():
+    block, = blocks("python", "README.md")
+    names = {}
+    exec(compile(block, "README.md", "exec"), names)
+    assert len(names["again"]) >= 104
 
 
 def test_stages_of_the_page_keep_their_promises():

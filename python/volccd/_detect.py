@@ -10,6 +10,8 @@ from . import _core, _meshes
 def _options(pipeline, settings, threads, separation, pairs, exclude):
     if isinstance(settings, str):
         settings = [settings]
+    if not 0 <= threads < 2**32:
+        raise _core.ConfigError(f"threads: {threads} is not a number of threads; 0: as many as the machine has")
     return {"pipeline": pipeline, "settings": list(settings), "threads": int(threads), "separation": float(separation),
             "pairs": pairs, "exclude": [(int(a), int(b)) for a, b in exclude]}
 

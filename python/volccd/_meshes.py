@@ -101,6 +101,12 @@ def _is_blocks_of_meshio(cells):
     return isinstance(cells, (list, tuple)) and bool(cells) and hasattr(cells[0], "type") and hasattr(cells[0], "data")
 
 
+def _is_pairs(cells):
+    """[(type, array), ...]; no element has two vertices only."""
+    return isinstance(cells, (list, tuple)) and bool(cells) and isinstance(cells[0], (list, tuple)) and \
+        len(cells[0]) == 2 and (isinstance(cells[0][0], str) or hasattr(cells[0][1], "__len__"))
+
+
 def _arrays_of(cells):
     if isinstance(cells, dict) and {"connectivity", "offsets", "types"} <= cells.keys():
         arrays = {"face_offsets": None, "faces": None, **cells}
@@ -110,8 +116,7 @@ def _arrays_of(cells):
         pairs = cells.items()
     elif _is_blocks_of_meshio(cells):
         pairs = [(block.type, block.data) for block in cells]
-    elif isinstance(cells, (list, tuple)) and cells and isinstance(cells[0], (list, tuple)) and \
-            len(cells[0]) == 2 and isinstance(cells[0][0], str):
+    elif _is_pairs(cells):
         pairs = cells
     else:
         data = np.asarray(cells)
