@@ -25,7 +25,7 @@ std::vector<std::int64_t> numbers(Index n) {
   return ids;
 }
 
-EdgeSet edge_set(const std::string& edges) {
+EdgeSet edges_from(const std::string& edges) {
   if (edges == "triangulated") return EdgeSet::triangulated;
   if (edges == "polytope") return EdgeSet::polytope;
   throw ConfigError(fmt::format("edges: '{}' is not triangulated or polytope", edges));
@@ -73,13 +73,17 @@ class Detector {
   Detector(const py::dict& cells, Index vertices, const std::optional<DoubleArray>& thickness,
            const std::string& edges, const py::dict& options)
       : runner_(RunnerConfig(options)) {
-    Mesh mesh = mesh_of(numbers(vertices), cells_from(cells));
+    const SequenceCells given = cells_from(cells);
+    const EdgeSet edge_set = edges_from(edges);
+    std::span<const double> values;
+    if (thickness) values = values_of(*thickness, "thickness");
+    const py::gil_scoped_release without_gil;
+    Mesh mesh = mesh_of(numbers(vertices), given);
     if (thickness) {
-      const std::span<const double> values = values_of(*thickness, "thickness");
       shells_.emplace(std::move(mesh), std::vector<double>(values.begin(), values.end()));
       mesh = shells_->solids();
     }
-    topology_.emplace(std::move(mesh), edge_set(edges));
+    topology_.emplace(std::move(mesh), edge_set);
   }
 
   std::shared_ptr<Result> step(const DoubleArray& points0, const DoubleArray& points1,

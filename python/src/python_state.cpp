@@ -55,22 +55,29 @@ void PythonState::set_elements(const Mesh& mesh) {
   view.attr("objects") = new_array({slots}, objects.data());
 }
 
+namespace {
+
+[[noreturn]] void wrong_verdicts(const py::object& returned, std::size_t n, const char* method,
+                                 const py::object& stage) {
+  throw ConfigError(fmt::format("stage '{}': {}() must return an array of the shape ({},) of bool, or of integers in 0 .. 2, "
+                                "not {}",
+                                stage.attr("name").cast<std::string>(), method, n,
+                                py::repr(returned).cast<std::string>().substr(0, 200)));
+}
+
+}  // namespace
+
 py::array verdicts_of(const py::object& returned, std::size_t n, const char* method, const py::object& stage) {
-  const auto& numpy = py::detail::npy_api::get();
-  const auto good = [&] {
-    if (!py::isinstance<py::array>(returned)) return false;
-    const py::array array = py::reinterpret_borrow<py::array>(returned);
-    const char kind = array.dtype().kind();
-    return array.ndim() == 1 && static_cast<std::size_t>(array.shape(0)) == n &&
-           (kind == 'b' || kind == 'i' || kind == 'u');
-  };
-  if (!good())
-    throw ConfigError(fmt::format("stage '{}': {}() must return an array of bool of the shape ({},), not {}",
-                                  stage.attr("name").cast<std::string>(), method, n,
-                                  py::repr(returned).cast<std::string>().substr(0, 200)));
-  // As bytes, whatever the type.
-  return py::reinterpret_steal<py::array>(numpy.PyArray_FromAny_(
-      returned.ptr(), py::dtype::of<std::uint8_t>().release().ptr(), 1, 1,
+  if (!py::isinstance<py::array>(returned)) wrong_verdicts(returned, n, method, stage);
+  py::array array = py::reinterpret_borrow<py::array>(returned);
+  const char kind = array.dtype().kind();
+  if (array.ndim() != 1 || static_cast<std::size_t>(array.shape(0)) != n || (kind != 'b' && kind != 'i' && kind != 'u'))
+    wrong_verdicts(returned, n, method, stage);
+  // As doubles, so that no integer is too large to be looked at.
+  if (kind != 'b' && (array.attr("min")().cast<double>() < 0 || array.attr("max")().cast<double>() > 2))
+    wrong_verdicts(returned, n, method, stage);
+  return py::reinterpret_steal<py::array>(py::detail::npy_api::get().PyArray_FromAny_(
+      array.ptr(), py::dtype::of<std::uint8_t>().release().ptr(), 1, 1,
       py::detail::npy_api::NPY_ARRAY_C_CONTIGUOUS_ | py::detail::npy_api::NPY_ARRAY_FORCECAST_, nullptr));
 }
 

@@ -75,21 +75,29 @@ std::shared_ptr<Result> SequenceRunner::run(Sequence& sequence, int motion, cons
 
 namespace {
 
-void check_step(Sequence& sequence, int step) {
-  const int steps = sequence.reader().step_count();
-  if (step < 0 || step >= steps)
-    throw InputError(sequence.reader().file(), "VTKHDF/Steps", fmt::format("step {} is not within 0:{}", step, steps));
-}
+/// While one lives, the reader is this thread's.
+class StepReading {
+ public:
+  StepReading(Sequence& sequence, int step) : guard_(sequence.busy, "Sequence") {
+    const int steps = sequence.reader().step_count();
+    if (step < 0 || step >= steps)
+      throw InputError(sequence.reader().file(), "VTKHDF/Steps",
+                       fmt::format("step {} is not within 0:{}", step, steps));
+  }
+
+ private:
+  BusyGuard guard_;
+};
 
 py::array read_points(Sequence& sequence, int step) {
-  check_step(sequence, step);
+  const StepReading reading(sequence, step);
   std::vector<Vec3> points;
   sequence.reader().read_points(step, points);
   return points_array(points);
 }
 
 py::object read_velocity(Sequence& sequence, int step) {
-  check_step(sequence, step);
+  const StepReading reading(sequence, step);
   if (!sequence.reader().has_velocity()) return py::none();
   std::vector<Vec3> velocity;
   sequence.reader().read_velocity(step, velocity);
@@ -97,7 +105,7 @@ py::object read_velocity(Sequence& sequence, int step) {
 }
 
 py::object read_thickness(Sequence& sequence, int step) {
-  check_step(sequence, step);
+  const StepReading reading(sequence, step);
   if (!sequence.reader().has_thickness()) return py::none();
   std::vector<double> thickness;
   sequence.reader().read_thickness(step, thickness);
@@ -105,7 +113,7 @@ py::object read_thickness(Sequence& sequence, int step) {
 }
 
 py::dict read_cells(Sequence& sequence, int step) {
-  check_step(sequence, step);
+  const StepReading reading(sequence, step);
   SequenceCells cells;
   sequence.reader().read_cells(step, cells);
   return cells_to(cells);
@@ -119,6 +127,9 @@ py::array times(const Sequence& sequence) {
 
 /// Element ids by slot of the topology that the sequence has gone to; -1 where a slot is empty.
 py::array element_ids(Sequence& sequence) {
+  const BusyGuard guard(sequence.busy, "Sequence");
+  if (sequence.motion() < 0)
+    throw InputError(sequence.reader().file(), "", "detect() has not run on a motion yet: there are no elements");
   const Mesh& mesh = sequence.stepper().topology().mesh();
   std::vector<std::int64_t> ids(mesh.element_slots());
   for (Index o = 0; o < mesh.element_slots(); ++o) ids[o] = mesh.is_live(o) ? mesh.element_id(o) : -1;

@@ -21,6 +21,8 @@ class Sequence {
   /// Pre: more than one step.
   SequenceStepper& stepper() { return *stepper_; }
   const SequenceStepper::Config& config() const { return config_; }
+  /// The motion gone to last, or -1.
+  int motion() const { return stepper_ ? stepper_->current() : -1; }
   /// Throws InputError: no such motion.
   void go_to(int motion);
 

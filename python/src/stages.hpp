@@ -49,8 +49,8 @@ class PythonState final : public StageState {
   std::size_t bytes_ = 0;
 };
 
-/// Python's True or 1: kept; False or 0: dropped. As it is returned for `n` pairs or tests: an array of bool or integers
-/// [n]; throws ConfigError that names the stage and the method for anything else.
+/// What a stage returned for `n` pairs or tests, an array [n] of bool or of integers in 0 .. 2, as uint8. Throws
+/// ConfigError that names the stage and the method for anything else.
 py::array verdicts_of(const py::object& returned, std::size_t n, const char* method, const py::object& stage);
 
 }  // namespace volccd::python

@@ -35,7 +35,8 @@ py::dict verdict_of(const StepVerdict& step) {
   py::list pipelines;
   for (const PipelineVerdict& one : step.pipelines) pipelines.append(verdict_of(one));
   return py::dict(py::arg("clean") = step.clean(), py::arg("reference") = step.reference,
-                  py::arg("contacts") = step.contacts, py::arg("earliest_toi") = step.earliest_toi,
+                  py::arg("contacts") = step.contacts, py::arg("left_out") = step.left_out,
+                  py::arg("earliest_toi") = step.earliest_toi,
                   py::arg("initial_overlaps") = step.initial_overlaps, py::arg("pipelines") = pipelines,
                   py::arg("fcl_hits") = step.fcl.hits, py::arg("fcl_violations") = step.fcl.violations.size());
 }
@@ -43,9 +44,10 @@ py::dict verdict_of(const StepVerdict& step) {
 /// Keeps pipelines and workspaces from step to step.
 class Verification {
  public:
+  /// `shells`: they are thickened, and contacts between features that stem from one vertex are left out.
   Verification(const std::vector<std::string>& settings, unsigned threads, double separation, bool fcl,
-               bool approximate, Index brute_force_limit)
-      : verifier_(with_settings(settings), config_of(fcl, approximate, brute_force_limit)),
+               bool approximate, Index brute_force_limit, bool shells)
+      : verifier_(with_settings(settings), config_of(fcl, approximate, brute_force_limit, shells)),
         executor_(make_signal_executor(threads)),
         separation_(separation) {}
 
@@ -72,8 +74,9 @@ class Verification {
     made.add_pipeline(std::move(spec));
     return made;
   }
-  static VerifyConfig config_of(bool fcl, bool approximate, Index brute_force_limit) {
+  static VerifyConfig config_of(bool fcl, bool approximate, Index brute_force_limit, bool shells) {
     VerifyConfig config;
+    config.leave_out_shell_neighbours = shells;
     if (!fcl) config.fcl_times.clear();
     config.approximate = approximate;
     config.brute_force_limit = brute_force_limit;
@@ -91,7 +94,7 @@ class Verification {
 
 void bind_verify(py::module_& module) {
   py::class_<Verification>(module, "Verification")
-      .def(py::init<const std::vector<std::string>&, unsigned, double, bool, bool, Index>())
+      .def(py::init<const std::vector<std::string>&, unsigned, double, bool, bool, Index, bool>())
       .def("check", &Verification::check)
       .def_property_readonly("skipped", &Verification::skipped);
 }

@@ -28,6 +28,8 @@ def test_contents(builtin):
     cells = builtin.cells(0)
     assert cells["offsets"][-1] == len(cells["connectivity"]) and len(cells["types"]) == len(cells["objects"])
     assert builtin.metadata["title"] and builtin.velocity(0) is None
+    with pytest.raises(volccd.InputError, match="motion"):
+        volccd.Sequence(builtin.path).element_ids
     for step in (builtin.step_count, -builtin.step_count - 1):
         with pytest.raises(volccd.InputError, match="step"):
             builtin.points(step)
@@ -143,6 +145,7 @@ def test_thickened_shells_of_a_file():
     (_, kept), = sequence.detect([60], shell_neighbours=True)
     assert len(result.left_out) > 0 and len(kept.left_out) == 0
     assert len(kept) == len(result) + len(result.left_out)
+    assert volccd.verify(sequence, [0], fcl=False, threads=2).steps[0]["left_out"] == len(next(sequence.detect([0]))[1].left_out)
 
 
 def test_verify(builtin):

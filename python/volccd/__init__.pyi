@@ -74,6 +74,7 @@ class Detector:
     def facts(self) -> Dict[str, Any]: ...
 
 class Sequence:
+    shells: str
     def __init__(self, path: _Path, *, shells: Literal["surface", "solid"] = ...,
                  motion: Literal["linear", "quadratic", "tentative"] = ..., edges: _Edges = ...,
                  parts: Literal["stored", "components"] = ...) -> None: ...

@@ -31,6 +31,7 @@ class Sequence:
     def __init__(self, path, *, shells="surface", motion="linear", edges="triangulated", parts="stored"):
         self._core = _core.Sequence(os.fspath(path),
                                     {"shells": shells, "motion": motion, "edges": edges, "parts": parts})
+        self.shells = shells
 
     def __len__(self):
         return self._core.step_count - 1
@@ -130,7 +131,7 @@ def scene(name, *, simulate=False, threads=0, **options):
 
 
 class Verification:
-    """What `volccd.verify` found. True if clean. `steps` has a dict for each motion: motion, clean, reference, contacts,
+    """What `volccd.verify` found. True if clean. `steps` has a dict for each motion: motion, clean, reference, contacts, left_out,
     earliest_toi, fcl_hits, fcl_violations, and pipelines, a list of dicts with pipeline, same, held, refused and the
     structured arrays missing, extra and changed (contacts, with the fields of Result.contacts)."""
 
@@ -177,7 +178,8 @@ def verify(sequence, steps=None, *, settings=(), threads=0, separation=0.0, fcl=
         sequence = Sequence(sequence)
     if isinstance(settings, str):
         settings = [settings]
-    checker = _core.Verification(list(settings), threads, separation, fcl, approximate, brute_force_limit)
+    checker = _core.Verification(list(settings), threads, separation, fcl, approximate, brute_force_limit,
+                                 sequence.shells == "solid")
     verdicts = []
     for motion in range(len(sequence)) if steps is None else steps:
         verdicts.append({"motion": motion, **checker.check(sequence._core, motion)})
