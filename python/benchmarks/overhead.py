@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What Python costs: seconds of the same work by the program and by the module, in turns; medians of the ratios.
+"""What Python costs: seconds of the same work by the program and by the module, in turns. Printed are the ratio of the
+smallest seconds of all rounds, which other load disturbs least, and the median and the range of the ratios of the rounds.
 
 usage: PYTHONPATH=build/release/python python3 python/benchmarks/overhead.py PROGRAM SEQUENCE [CUSTOM_CULLING]
 
@@ -29,7 +30,7 @@ import numpy as np
 
 import volccd
 
-ROUNDS = 7
+ROUNDS = 15
 ROOT = Path(__file__).resolve().parents[2]
 
 
@@ -64,14 +65,14 @@ def stage_seconds(rows):
 
 
 def culling(command, path):
-    """(run, run and prepare) of Python against C++; the pairs of both are the same."""
+    """Seconds of run(), and of prepare() and run(): each in Python and in C++. The pairs of both are the same."""
     steps = program(command, path, "element-culling=spheres")
     cpp = stage_seconds(row for step in steps for row in step["stages"] if row["name"] == "spheres")
     results = volccd.Sequence(path).detect(threads=1, initial_overlaps=True, settings="element-culling=python-spheres")
     tables = [result.statistics["stages"] for _, result in results]
     python = stage_seconds(table[table["name"] == "python-spheres"][0] for table in tables)
     assert cpp[2] == python[2]
-    return python[0] / cpp[0], (python[0] + python[1]) / (cpp[0] + cpp[1])
+    return (python[0], cpp[0]), (python[0] + python[1], cpp[0] + cpp[1])
 
 
 def register_spheres():
@@ -80,8 +81,11 @@ def register_spheres():
          {"np": np, "volccd": volccd})
 
 
-def show(name, ratios):
-    print(f"{name:8} {statistics.median(ratios):7.3f}   {min(ratios):.3f} .. {max(ratios):.3f}")
+def show(name, rounds):
+    """rounds: pairs of seconds, with Python and without."""
+    ratios = [python / without for python, without in rounds]
+    smallest = min(python for python, _ in rounds) / min(without for _, without in rounds)
+    print(f"{name:8} {smallest:7.3f}   median {statistics.median(ratios):.3f}, {min(ratios):.3f} .. {max(ratios):.3f}")
 
 
 def main():
@@ -92,9 +96,8 @@ def main():
     points = [sequence.points(step) for step in range(sequence.step_count)]
     steps, arrays, stage = [], [], []
     for _ in range(ROUNDS):
-        steps.append(from_file(path) / sum(step["seconds"] for step in program(command, path)))
-        wall, within = from_arrays(points, sequence.cells(1))
-        arrays.append(wall / within)
+        steps.append((from_file(path), sum(step["seconds"] for step in program(command, path))))
+        arrays.append(from_arrays(points, sequence.cells(1)))
     show("steps", steps), show("arrays", arrays)
     if len(sys.argv) > 3:
         register_spheres()
