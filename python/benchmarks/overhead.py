@@ -1,18 +1,20 @@
 #!/usr/bin/env python3
 """What Python costs: seconds of the same work by the program and by the module, in turns. Printed are the ratio of the
-smallest seconds of all rounds, which other load disturbs least, and the median and the range of the ratios of the rounds.
+smallest seconds of all rounds, which other load disturbs least, and the median and the range of the ratios of the
+rounds.
 
 usage: PYTHONPATH=build/release/python python3 python/benchmarks/overhead.py PROGRAM SEQUENCE [CUSTOM_CULLING]
 
 PROGRAM         build/release/volccd
-SEQUENCE        e.g. volccd scene generate deform --mesh octopus2-14k.vtkhdf --motion twist:40,collide:2 --copies 2 --steps 25
-CUSTOM_CULLING  the program of examples/custom_culling; then the stage `spheres` in C++ is compared with `python-spheres` of
+SEQUENCE        e.g. volccd scene generate deform --mesh octopus2-14k.vtkhdf --motion twist:40,collide:2 --copies 2 \\
+                --steps 25 -o SEQUENCE
+CUSTOM_CULLING  the program of examples/custom_culling; then its stage `spheres` is compared with `python-spheres` of
                 docs/python.md, on the same pairs in the same batches
 
 All on one thread. Compared are
   steps    seconds in Pipeline::run, summed over the steps: Sequence.detect against the program
-  arrays   wall clock of Detector.step from arrays, against the seconds in Pipeline::run of the same steps: all that the module
-           adds, and building the motion from the arrays, which every caller does
+  arrays   wall clock of Detector.step from arrays, against the seconds in Pipeline::run of the same steps: all that
+           the module adds, and building the motion from the arrays, which every caller does
   run      seconds of the culling stage's run(), Python against C++
   stage    the same with prepare()
 """
@@ -39,13 +41,14 @@ def program(command, sequence, *settings):
     with tempfile.TemporaryDirectory() as folder:
         stats = Path(folder) / "stats.json"
         more = [word for setting in settings for word in ("--set", setting)]
-        subprocess.run([command, "detect", sequence, "--pipeline", "VolCCD+", "--threads", "1", "--stats", stats, *more],
-                       check=True, stdout=subprocess.DEVNULL)
+        words = [command, "detect", sequence, "--pipeline", "VolCCD+", "--threads", "1", "--stats", stats, *more]
+        subprocess.run(words, check=True, stdout=subprocess.DEVNULL)
         return json.loads(stats.read_text())["steps"]
 
 
 def from_file(path):
-    return sum(result.statistics["seconds"] for _, result in volccd.Sequence(path).detect(threads=1, initial_overlaps=True))
+    steps = volccd.Sequence(path).detect(threads=1, initial_overlaps=True)
+    return sum(result.statistics["seconds"] for _, result in steps)
 
 
 def from_arrays(points, cells):

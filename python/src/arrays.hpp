@@ -28,8 +28,8 @@ std::span<const Vec3> points_of(const DoubleArray& array, const char* name);
 template <class T, int Flags>
 std::span<const T> values_of(const py::array_t<T, Flags>& array, const char* name);
 
-/// A new array that holds a copy of `data`; dtype of C++ type T. Allocates through Python only, so that stages in Python
-/// keep the promise not to allocate (docs/python.md). The GIL is held.
+/// A new array that holds a copy of `data`; dtype of C++ type T. Allocates through Python only, so that stages in
+/// Python keep the promise not to allocate (docs/python.md). The GIL is held.
 template <class T>
 py::array new_array(std::initializer_list<std::size_t> shape, const T* data);
 

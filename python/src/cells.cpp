@@ -72,8 +72,7 @@ SequenceCells cells_from(const py::dict& arrays) {
   cells.types = types_from(take<std::uint8_t>(arrays, "types", keep));
   const std::size_t n = cells.types.size();
   cells.connectivity = indices_from(take<std::int64_t>(arrays, "connectivity", keep), "connectivity");
-  cells.offsets =
-      offsets_from(take<std::int64_t>(arrays, "offsets", keep), n, cells.connectivity.size(), "offsets");
+  cells.offsets = offsets_from(take<std::int64_t>(arrays, "offsets", keep), n, cells.connectivity.size(), "offsets");
   cells.parts = copied<std::int32_t>(take<std::int32_t>(arrays, "objects", keep), n, "objects");
   cells.ids = copied<std::int64_t>(take<std::int64_t>(arrays, "ids", keep), n, "ids");
   if (arrays["face_offsets"].is_none()) return cells;

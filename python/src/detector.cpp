@@ -70,8 +70,8 @@ class Shells {
 
 class Detector {
  public:
-  Detector(const py::dict& cells, Index vertices, const std::optional<DoubleArray>& thickness,
-           const std::string& edges, const py::dict& options)
+  Detector(const py::dict& cells, Index vertices, const std::optional<DoubleArray>& thickness, const std::string& edges,
+           const py::dict& options)
       : runner_(RunnerConfig(options)) {
     const SequenceCells given = cells_from(cells);
     const EdgeSet edge_set = edges_from(edges);

@@ -12,8 +12,7 @@ namespace {
 PyObject *error_type = nullptr, *input_error_type = nullptr, *config_error_type = nullptr;
 
 PyObject* make_type(py::module_& module, const char* name, const char* doc, const py::tuple& bases) {
-  PyObject* const type =
-      PyErr_NewExceptionWithDoc((std::string("volccd.") + name).c_str(), doc, bases.ptr(), nullptr);
+  PyObject* const type = PyErr_NewExceptionWithDoc((std::string("volccd.") + name).c_str(), doc, bases.ptr(), nullptr);
   if (!type) throw py::error_already_set();
   module.attr(name) = py::handle(type);
   return type;
@@ -51,21 +50,22 @@ void translate(std::exception_ptr thrown) {
 
 void bind_errors(py::module_& module) {
   const py::handle runtime_error(PyExc_RuntimeError), value_error(PyExc_ValueError);
-  error_type = make_type(module, "Error", "Base of everything that volccd raises on purpose.",
-                         py::make_tuple(runtime_error));
-  input_error_type = make_type(
-      module, "InputError",
-      "Bad input data. `source` is the file, or a word such as 'mesh' for arrays; `dataset` names the array in it and may\n"
-      "be empty; `index` is the row, or None.",
-      py::make_tuple(py::handle(error_type), value_error));
+  error_type =
+      make_type(module, "Error", "Base of everything that volccd raises on purpose.", py::make_tuple(runtime_error));
+  input_error_type = make_type(module, "InputError",
+                               "Bad input data. `source` is the file, or a word such as 'mesh' for arrays; `dataset` "
+                               "names the array in it and may\n"
+                               "be empty; `index` is the row, or None.",
+                               py::make_tuple(py::handle(error_type), value_error));
   const py::handle input_error(input_error_type);
   input_error.attr("source") = "";
   input_error.attr("dataset") = "";
   input_error.attr("index") = py::none();
-  config_error_type = make_type(module, "ConfigError",
-                                "A stage, option or combination that does not exist, or whose completeness argument does\n"
-                                "not hold.",
-                                py::make_tuple(py::handle(error_type), value_error));
+  config_error_type =
+      make_type(module, "ConfigError",
+                "A stage, option or combination that does not exist, or whose completeness argument does\n"
+                "not hold.",
+                py::make_tuple(py::handle(error_type), value_error));
   py::register_exception_translator(&translate);
 }
 

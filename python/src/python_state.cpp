@@ -59,10 +59,10 @@ namespace {
 
 [[noreturn]] void wrong_verdicts(const py::object& returned, std::size_t n, const char* method,
                                  const py::object& stage) {
-  throw ConfigError(fmt::format("stage '{}': {}() must return an array of the shape ({},) of bool, or of integers in 0 .. 2, "
-                                "not {}",
-                                stage.attr("name").cast<std::string>(), method, n,
-                                py::repr(returned).cast<std::string>().substr(0, 200)));
+  throw ConfigError(fmt::format(
+      "stage '{}': {}() must return an array of the shape ({},) of bool, or of integers in 0 .. 2, "
+      "not {}",
+      stage.attr("name").cast<std::string>(), method, n, py::repr(returned).cast<std::string>().substr(0, 200)));
 }
 
 }  // namespace

@@ -44,12 +44,12 @@ void list_role(py::list& rows) {
   for (const StageDescriptor<Stage>& stage : registry().stages<Stage>()) {
     py::dict options;
     for (const OptionInfo& option : stage.options)
-      options[py::str(option.name)] = py::dict(py::arg("default") = option.default_value,
-                                               py::arg("allowed") = option.allowed,
-                                               py::arg("description") = option.description);
+      options[py::str(option.name)] =
+          py::dict(py::arg("default") = option.default_value, py::arg("allowed") = option.allowed,
+                   py::arg("description") = option.description);
     rows.append(py::dict(py::arg("name") = stage.name, py::arg("role") = Stage::kRole,
-                         py::arg("guarantee") = to_string(stage.guarantee),
-                         py::arg("description") = stage.description, py::arg("options") = options));
+                         py::arg("guarantee") = to_string(stage.guarantee), py::arg("description") = stage.description,
+                         py::arg("options") = options));
   }
 }
 

@@ -58,8 +58,9 @@ py::array stage_table(const std::vector<StageStatistics>& stages) {
   py::list rows, fields;
   for (const StageStatistics& s : stages)
     rows.append(py::make_tuple(s.role, s.name, s.in, s.out, s.prepare_seconds, s.bounds_seconds, s.seconds));
-  const char* const table[][2] = {{"role", "U24"},           {"name", "U32"},           {"in", "<u8"},     {"out", "<u8"},
-                                  {"prepare_seconds", "<f8"}, {"bounds_seconds", "<f8"}, {"seconds", "<f8"}};
+  const char* const table[][2] = {
+      {"role", "U24"},           {"name", "U32"},   {"in", "<u8"}, {"out", "<u8"}, {"prepare_seconds", "<f8"},
+      {"bounds_seconds", "<f8"}, {"seconds", "<f8"}};
   for (const auto& field : table) fields.append(py::make_tuple(field[0], field[1]));
   return py::module_::import("numpy").attr("array")(rows, fields);
 }
@@ -118,13 +119,13 @@ void bind_results(py::module_& module) {
   py::class_<Result, std::shared_ptr<Result>>(
       module, "Result", "What a step gave. Its arrays are views of the library's memory, which they keep alive.")
       .def_property_readonly(
-          "contacts",
-          [](const py::object& self) { return contacts_view(self.cast<const Result&>().contacts, self); },
+          "contacts", [](const py::object& self) { return contacts_view(self.cast<const Result&>().contacts, self); },
           "Structured array (n,) of volccd.contact_dtype, in canonical order: by kind, then vertices.\n\n"
           "kind      uint8        volccd.VF: vertex and triangle; volccd.EE: two edges\n"
           "vertices  uint32 (4,)  {vertex, triangle} or {edge 1, edge 2}, rows of the points\n"
           "toi       float64      first time of contact, 0 .. 1 of the step; never late\n"
-          "normal    float64 (3,) unit normal at toi, from the second feature towards the first; 0 where there is none\n"
+          "normal    float64 (3,) unit normal at toi, from the second feature towards the first; 0 where there is "
+          "none\n"
           "point     float64 (3,) on the second feature at toi, in the unit of the points\n"
           "weights   float64 (4,) of the vertices; vertex-triangle {1, w0, w1, w2}, edge-edge {1-s, s, 1-u, u}\n"
           "at_start  bool         they touch, or are closer than the separation, at t = 0 already")
@@ -137,12 +138,14 @@ void bind_results(py::module_& module) {
             const auto& pairs = self.cast<const Result&>().initial_overlaps;
             return view(pair_dtype(), pairs.size(), pairs.data(), self);
           },
-          "Structured array (n,) of volccd.pair_dtype (a < b, uint32): slots of elements that overlap at t = 0, if they\n"
+          "Structured array (n,) of volccd.pair_dtype (a < b, uint32): slots of elements that overlap at t = 0, if "
+          "they\n"
           "were asked for. Slots are the rows of the cells until the mesh is edited; `element_ids` has their ids.")
-      .def_property_readonly("statistics", &statistics_of,
-                             "dict: counts (element_pairs, surviving_pairs, vf_tests, ee_tests, contacts, ...), seconds,\n"
-                             "workspace_bytes, earliest_toi (inf without contacts), and stages: a structured array of role,\n"
-                             "name, in, out, prepare_seconds, bounds_seconds, seconds (summed over workers).")
+      .def_property_readonly(
+          "statistics", &statistics_of,
+          "dict: counts (element_pairs, surviving_pairs, vf_tests, ee_tests, contacts, ...), seconds,\n"
+          "workspace_bytes, earliest_toi (inf without contacts), and stages: a structured array of role,\n"
+          "name, in, out, prepare_seconds, bounds_seconds, seconds (summed over workers).")
       .def_property_readonly(
           "earliest", [](const Result& result) { return result.statistics.earliest_toi; },
           "The earliest time of contact, in 0 .. 1 of the step: the largest safe step. inf without contacts.")

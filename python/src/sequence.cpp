@@ -37,8 +37,7 @@ SequenceStepper::Config stepper_config(const py::dict& options) {
          std::pair("polytope", EdgeSet::polytope));
   choose("motion", config.motion, std::pair("linear", MotionModel::linear),
          std::pair("quadratic", MotionModel::quadratic), std::pair("tentative", MotionModel::tentative));
-  choose("parts", config.parts, std::pair("stored", PartModel::stored),
-         std::pair("components", PartModel::components));
+  choose("parts", config.parts, std::pair("stored", PartModel::stored), std::pair("components", PartModel::components));
   return config;
 }
 
@@ -64,7 +63,8 @@ void Sequence::go_to(int motion) {
   stepper_->go_to(motion);
 }
 
-std::shared_ptr<Result> SequenceRunner::run(Sequence& sequence, int motion, const StepRequest& request, bool neighbours) {
+std::shared_ptr<Result> SequenceRunner::run(Sequence& sequence, int motion, const StepRequest& request,
+                                            bool neighbours) {
   const BusyGuard guard(busy_, "run of a sequence");
   const BusyGuard sequence_guard(sequence.busy, "Sequence");
   const py::gil_scoped_release without_gil;
@@ -162,7 +162,9 @@ void bind_sequence(py::module_& module) {
       .def(
           "run",
           [](SequenceRunner& runner, Sequence& sequence, int motion, bool first, bool overlaps, double t_max,
-             bool neighbours) { return runner.run(sequence, motion, {first, overlaps, t_max}, neighbours); },
+             bool neighbours) {
+            return runner.run(sequence, motion, {first, overlaps, t_max}, neighbours);
+          },
           "sequence"_a, "motion"_a, "first"_a, "initial_overlaps"_a, "t_max"_a, "shell_neighbours"_a)
       .def_property_readonly("facts", [](SequenceRunner& r) { return runner_facts(r.runner()); });
 }

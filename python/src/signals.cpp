@@ -71,9 +71,7 @@ void check_signals() {
 }
 
 BusyGuard::BusyGuard(bool& busy, const char* what) : busy_(busy) {
-  if (busy)
-    throw Error(std::string("this ") + what +
-                " is in use by another thread: each thread needs one of its own");
+  if (busy) throw Error(std::string("this ") + what + " is in use by another thread: each thread needs one of its own");
   busy = true;
 }
 

@@ -51,9 +51,7 @@ class PythonElementCulling final : public PythonStage<ElementCulling> {
     const std::uint8_t* verdict = static_cast<const std::uint8_t*>(kept.data());
     batch.cull([&](ElementPair, FeatureMask&) {
       const std::uint8_t value = *verdict++;
-      return value == 0   ? PairVerdict::disjoint
-             : value == 2 ? PairVerdict::contact_free
-                          : PairVerdict::keep;
+      return value == 0 ? PairVerdict::disjoint : value == 2 ? PairVerdict::contact_free : PairVerdict::keep;
     });
   }
 };
@@ -71,8 +69,7 @@ struct BlockArrays {
     double* to = static_cast<double*>(points.mutable_data());
     for (int c = 0; c < block.control_points(); ++c)
       for (int p = 0; p < 4; ++p)
-        for (int axis = 0; axis < 3; ++axis, to += block.size())
-          std::copy_n(block.row(c, p, axis), block.size(), to);
+        for (int axis = 0; axis < 3; ++axis, to += block.size()) std::copy_n(block.row(c, p, axis), block.size(), to);
   }
 };
 
@@ -155,8 +152,13 @@ class PythonNarrowPhase final : public PythonStage<NarrowPhase> {
   }
 
   static Contact contact(const TestBlock& block, const Answer& answer, std::size_t i) {
-    Contact made{block.kind(), block.vertices(i),          answer.toi->at(i), row(answer.normal, i),
-                 {},           row(answer.point, i), answer.at_start && answer.at_start->at(i) != 0};
+    Contact made{block.kind(),
+                 block.vertices(i),
+                 answer.toi->at(i),
+                 row(answer.normal, i),
+                 {},
+                 row(answer.point, i),
+                 answer.at_start && answer.at_start->at(i) != 0};
     if (answer.weights)
       for (std::size_t k = 0; k < 4; ++k) made.weights[k] = answer.weights->at(i, k);
     return made;
@@ -170,8 +172,7 @@ class PythonNarrowPhase final : public PythonStage<NarrowPhase> {
 Guarantee guarantee_of(const std::string& text, const std::string& stage) {
   for (const Guarantee guarantee : {Guarantee::exact, Guarantee::conservative, Guarantee::approximate})
     if (text == to_string(guarantee)) return guarantee;
-  throw ConfigError(
-      fmt::format("stage '{}': guarantee '{}' is not exact, conservative or approximate", stage, text));
+  throw ConfigError(fmt::format("stage '{}': guarantee '{}' is not exact, conservative or approximate", stage, text));
 }
 
 std::vector<OptionInfo> options_of(const py::object& stage) {
@@ -220,7 +221,8 @@ void add_stage(Registry& registry, const py::object& stage) {
   else if (role == NarrowPhase::kRole)
     add<NarrowPhase, PythonNarrowPhase>(registry, stage);
   else
-    throw ConfigError(fmt::format("a stage in Python is an ElementCulling, FeatureFilter or NarrowPhase, not '{}'", role));
+    throw ConfigError(
+        fmt::format("a stage in Python is an ElementCulling, FeatureFilter or NarrowPhase, not '{}'", role));
 }
 
 }  // namespace volccd::python

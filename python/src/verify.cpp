@@ -36,9 +36,9 @@ py::dict verdict_of(const StepVerdict& step) {
   for (const PipelineVerdict& one : step.pipelines) pipelines.append(verdict_of(one));
   return py::dict(py::arg("clean") = step.clean(), py::arg("reference") = step.reference,
                   py::arg("contacts") = step.contacts, py::arg("left_out") = step.left_out,
-                  py::arg("earliest_toi") = step.earliest_toi,
-                  py::arg("initial_overlaps") = step.initial_overlaps, py::arg("pipelines") = pipelines,
-                  py::arg("fcl_hits") = step.fcl.hits, py::arg("fcl_violations") = step.fcl.violations.size());
+                  py::arg("earliest_toi") = step.earliest_toi, py::arg("initial_overlaps") = step.initial_overlaps,
+                  py::arg("pipelines") = pipelines, py::arg("fcl_hits") = step.fcl.hits,
+                  py::arg("fcl_violations") = step.fcl.violations.size());
 }
 
 /// Keeps pipelines and workspaces from step to step.

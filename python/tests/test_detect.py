@@ -98,9 +98,11 @@ def test_settings(falling):
 
 FORMS = {
     "array": TETRAHEDRA, "list": TETRAHEDRA.tolist(), "int32": TETRAHEDRA.astype(np.int32),
-    "pairs": [("tetra", TETRAHEDRA)], "numbers": [(10, TETRAHEDRA)], "blocks": [("tetra", TETRAHEDRA[:1]), ("tetrahedron", TETRAHEDRA[1:])],
+    "pairs": [("tetra", TETRAHEDRA)], "numbers": [(10, TETRAHEDRA)],
+    "blocks": [("tetra", TETRAHEDRA[:1]), ("tetrahedron", TETRAHEDRA[1:])],
     "dict": {"tetra": TETRAHEDRA}, "vtk": volccd.vtk_cells(TETRAHEDRA.ravel(), [0, 4, 8], [10, 10]),
-    "faces": [("polyhedron", [[cell[[0, 1, 2]], cell[[0, 1, 3]], cell[[0, 2, 3]], cell[[1, 2, 3]]] for cell in TETRAHEDRA])],
+    "faces": [("polyhedron", [[cell[[0, 1, 2]], cell[[0, 1, 3]], cell[[0, 2, 3]], cell[[1, 2, 3]]]
+                              for cell in TETRAHEDRA])],
 }
 
 
@@ -109,7 +111,8 @@ def test_forms_of_cells(falling, form):
     assert equal(volccd.detect(*falling[:2], FORMS[form]).contacts, volccd.detect(*falling).contacts)
 
 
-@pytest.mark.parametrize("name, count", [("hexahedron", 8), ("wedge", 6), ("pyramid", 5), ("tetra", 4), ("quad", 4), ("triangle", 3)])
+@pytest.mark.parametrize("name, count", [("hexahedron", 8), ("wedge", 6), ("pyramid", 5), ("tetra", 4), ("quad", 4),
+                                         ("triangle", 3)])
 def test_types_of_elements(name, count):
     shapes = {"hexahedron": CUBE, "wedge": CUBE[[0, 1, 3, 4, 5, 7]], "pyramid": CUBE[[0, 1, 2, 3, 4]],
               "tetra": CUBE[[0, 1, 3, 4]], "quad": CUBE[:4], "triangle": CUBE[:3]}
@@ -204,7 +207,8 @@ def test_errors_have_their_categories(falling):
 
 
 @pytest.mark.parametrize("cells", [
-    [[0, 1, 2, 99]], [[0, 1, 2, -1]], [[0, 1, 2, 2]], [[0, 1]], [[0.5, 1, 2, 3]], [("octahedron", [[0]])], {"tetra": [[0, 1, 2]]},
+    [[0, 1, 2, 99]], [[0, 1, 2, -1]], [[0, 1, 2, 2]], [[0, 1]], [[0.5, 1, 2, 3]],
+    [("octahedron", [[0]])], {"tetra": [[0, 1, 2]]},
     volccd.vtk_cells([0, 1, 2, 3], [0, 5], [10]), volccd.vtk_cells([0, 1, 2, 3], [0, 4, 4], [10]),
     volccd.vtk_cells([0, 1, 2, 3], [0, 4], [7]), [("polyhedron", [[[0, 1, 2], [0, 1, 3]]])],
 ])

@@ -48,7 +48,8 @@ def test_contacts_are_those_of_the_program(builtin, tmp_path):
     found = []
     for motion, result in builtin.detect(range(3)):
         for contact in result.contacts:
-            found.append((motion, int(contact["kind"]), builtin.point_ids[contact["vertices"]].tolist(), float(contact["toi"])))
+            ids = builtin.point_ids[contact["vertices"]].tolist()
+            found.append((motion, int(contact["kind"]), ids, float(contact["toi"])))
     assert len(found) == len(expected) > 500
     names = list(expected[0])
     for row, (motion, kind, ids, toi) in zip(expected, found):
@@ -145,7 +146,8 @@ def test_thickened_shells_of_a_file():
     (_, kept), = sequence.detect([60], shell_neighbours=True)
     assert len(result.left_out) > 0 and len(kept.left_out) == 0
     assert len(kept) == len(result) + len(result.left_out)
-    assert volccd.verify(sequence, [0], fcl=False, threads=2).steps[0]["left_out"] == len(next(sequence.detect([0]))[1].left_out)
+    (_, first), = sequence.detect([0])
+    assert volccd.verify(sequence, [0], fcl=False, threads=2).steps[0]["left_out"] == len(first.left_out) > 0
 
 
 def test_verify(builtin):
@@ -164,8 +166,8 @@ def test_meshio(falling):
     for after in (meshio.Mesh(points1, [("tetra", cells)]), points1):
         assert np.array_equal(volccd.detect(before, after).contacts["toi"], expected.contacts["toi"])
     assert len(volccd.Detector(before).step(points0, points1)) == len(expected)
-    two = meshio.Mesh(points0, [("tetra", cells[:1]), ("polyhedron4", [[c[[0, 1, 2]], c[[0, 1, 3]], c[[0, 2, 3]], c[[1, 2, 3]]]
-                                                                     for c in cells[1:]])])
+    faces = [[c[[0, 1, 2]], c[[0, 1, 3]], c[[0, 2, 3]], c[[1, 2, 3]]] for c in cells[1:]]
+    two = meshio.Mesh(points0, [("tetra", cells[:1]), ("polyhedron4", faces)])
     assert len(volccd.detect(two, points1)) == len(expected)
 
 

@@ -173,7 +173,8 @@ def test_exceptions_come_through(builtin, threads):
         contacts(builtin, settings="element-culling=python-broken", threads=threads)
 
 
-@pytest.mark.parametrize("returned", [None, 1, [True], np.ones(3, bool), np.ones((4, 1), bool), np.ones(1) * 0.5, "keep", np.array([256]), np.array([-1])])
+@pytest.mark.parametrize("returned", [None, 1, [True], np.ones(3, bool), np.ones((4, 1), bool), np.ones(1) * 0.5,
+                                      "keep", np.array([256]), np.array([-1])])
 def test_wrong_verdicts_are_refused(falling, returned):
     @volccd.register
     class Wrong(volccd.ElementCulling):

@@ -53,8 +53,8 @@ from ._detect import Detector, detect
 from ._meshes import CELL_TYPES, vtk_cells
 from ._records import read_record, records
 from ._sequences import Sequence, Verification, scene, scenes, verify
-from ._stages import (CONTACT_FREE, DISJOINT, KEEP, ElementCulling, FeatureFilter, NarrowPhase, Stage, Step, add_pipeline,
-                      main, pipelines, register, stages, unregister)
+from ._stages import (CONTACT_FREE, DISJOINT, KEEP, ElementCulling, FeatureFilter, NarrowPhase, Stage, Step,
+                      add_pipeline, main, pipelines, register, stages, unregister)
 
 VF, EE = 0, 1  # kinds of contacts: vertex-face, edge-edge
 

@@ -1,7 +1,8 @@
 # Types of the package; `help(volccd)` and docs/python.md explain it. python/tests/test_docs.py holds it to the code.
 from os import PathLike
 from types import SimpleNamespace
-from typing import Any, ClassVar, Dict, Iterable, Iterator, List, Literal, Mapping, Optional, Sequence as _Sequence, Tuple, Type, TypeVar, Union
+from typing import Any, ClassVar, Dict, Iterable, Iterator, List, Literal, Mapping, Optional
+from typing import Sequence as _Sequence, Tuple, Type, TypeVar, Union
 
 import numpy as np
 import numpy.typing as npt

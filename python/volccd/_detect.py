@@ -92,8 +92,8 @@ class Detector:
         """Changes the mesh between two steps; stages follow the change instead of starting anew.
 
         First the elements with the ids `remove` go, then `new_vertices` points are appended, then the cells `add` come,
-        with `objects`, `ids` (default: numbers not used before) and, where the Detector has shells, `thickness`. An edit
-        that the mesh does not allow raises InputError and changes nothing. Returns the ids of the added elements.
+        with `objects`, `ids` (default: numbers not used before) and, where the Detector has shells, `thickness`. An
+        edit that the mesh does not allow raises InputError and changes nothing. Returns the ids of the added elements.
         """
         arrays = _meshes.cell_arrays(add, objects, ids, self._next_id)
         n = len(arrays["types"])
@@ -131,8 +131,8 @@ class Detector:
 
     @property
     def facts(self):
-        """dict: pipeline, guarantee ("exact", "conservative", "approximate"), threads, and stages: (role, name, options)
-        with defaults."""
+        """dict: pipeline, guarantee ("exact", "conservative", "approximate"), threads, and stages: (role, name,
+        options) with defaults."""
         return self._core.facts
 
     def __repr__(self):
@@ -147,8 +147,8 @@ def detect(points0, points1, cells=None, pipeline="VolCCD+", separation=0.0, *, 
     Parameters
     ----------
     points0, points1 : float array (n, 3)
-        The points at t = 0 and t = 1, any unit of length. Or a meshio.Mesh, or a pyvista.UnstructuredGrid; `cells` may then
-        be left out.
+        The points at t = 0 and t = 1, any unit of length. Or a meshio.Mesh, or a pyvista.UnstructuredGrid; `cells` may
+        then be left out.
     cells :
         The elements, as one of
           - an int array: (m, 4) tetrahedra, (m, 8) hexahedra, (m, 6) wedges, (m, 5) pyramids, (m, 3) triangles;
@@ -188,8 +188,8 @@ def detect(points0, points1, cells=None, pipeline="VolCCD+", separation=0.0, *, 
     Returns
     -------
     Result
-        `.contacts`, a structured array with fields kind (0: vertex-face, 1: edge-edge), vertices (4), toi (0 .. 1 of the
-        step), normal (3), point (3), weights (4), at_start; `.statistics`, a dict; `.initial_overlaps`.
+        `.contacts`, a structured array with fields kind (0: vertex-face, 1: edge-edge), vertices (4), toi (0 .. 1 of
+        the step), normal (3), point (3), weights (4), at_start; `.statistics`, a dict; `.initial_overlaps`.
 
     Examples
     --------

@@ -86,8 +86,8 @@ def _offsets(lengths):
 
 
 def vtk_cells(connectivity, offsets, types):
-    """Cells as VTK stores them: all vertex numbers one after another, where each cell begins (n + 1 offsets, the last one
-    the end), and VTK's cell types. For polyhedra use the form ("polyhedron", [[face, ...], ...]) instead.
+    """Cells as VTK stores them: all vertex numbers one after another, where each cell begins (n + 1 offsets, the last
+    one the end), and VTK's cell types. For polyhedra use the form ("polyhedron", [[face, ...], ...]) instead.
 
     Returns what every `cells` argument of this package accepts.
 
@@ -167,7 +167,8 @@ def cells_of(mesh):
     if hasattr(mesh, "cells"):
         return list(mesh.cells)
     from ._core import InputError
-    raise InputError(f"cells: {type(mesh).__name__} has none: pass a meshio.Mesh, a pyvista.UnstructuredGrid, or cells=...")
+    raise InputError(f"cells: {type(mesh).__name__} has none: pass a meshio.Mesh, a "
+                     "pyvista.UnstructuredGrid, or cells=...")
 
 
 def _cells_of_pyvista(grid):

@@ -9,8 +9,8 @@ from . import _core
 
 
 def read_record(path):
-    """The record of an experiment (results/table1.json, ...) as it is: dict of experiment, schema, complete, provenance,
-    summary and rows (list of dict). docs/reproducing.md has the schema. InputError if it is none."""
+    """The record of an experiment (results/table1.json, ...) as it is: dict of experiment, schema, complete,
+    provenance, summary and rows (list of dict). docs/reproducing.md has the schema. InputError if it is none."""
     path = os.fspath(path)
     try:
         with open(path, encoding="utf-8") as file:
@@ -29,8 +29,8 @@ def _input_error(path, dataset, problem):
 
 
 def records(path):
-    """The rows of a record as a pandas.DataFrame; nested values become columns with dots ("seconds.median"). What else the
-    record holds is in `.attrs` (experiment, provenance, summary). Needs pandas (Debian: python3-pandas).
+    """The rows of a record as a pandas.DataFrame; nested values become columns with dots ("seconds.median"). What else
+    the record holds is in `.attrs` (experiment, provenance, summary). Needs pandas (Debian: python3-pandas).
 
     >>> import volccd
     >>> table = volccd.records("results/table1.json")           # doctest: +SKIP
@@ -39,8 +39,8 @@ def records(path):
     try:
         import pandas
     except ImportError:
-        raise ImportError("volccd.records needs pandas (Debian: python3-pandas); volccd.read_record returns the same as "
-                          "dict and list") from None
+        raise ImportError("volccd.records needs pandas (Debian: python3-pandas); volccd.read_record returns the same "
+                          "as dict and list") from None
     record = read_record(path)
     frame = pandas.json_normalize(record["rows"])
     frame.attrs.update({key: value for key, value in record.items() if key != "rows"})

@@ -87,8 +87,8 @@ class Sequence:
         return self._core.thickness(self._step(step))
 
     def cells(self, step):
-        """The cells of a step: dict of connectivity, offsets, types, objects, ids, face_offsets, faces, which `detect` and
-        `Detector` accept as `cells`."""
+        """The cells of a step: dict of connectivity, offsets, types, objects, ids, face_offsets, faces, which `detect`
+        and `Detector` accept as `cells`."""
         return self._core.cells(self._step(step))
 
     def _step(self, step):
@@ -97,7 +97,8 @@ class Sequence:
 
     def detect(self, steps=None, *, pipeline="VolCCD+", separation=0.0, threads=0, first=False, initial_overlaps=False,
                t_max=1.0, pairs="all", exclude=(), settings=(), shell_neighbours=False):
-        """Goes through motions and yields (motion, Result) for each. The pipeline keeps its memory from one to the next.
+        """Goes through motions and yields (motion, Result) for each. The pipeline keeps its memory from one to the
+        next.
 
         steps : iterable of int, optional
             Default: all, range(len(sequence)).
@@ -120,8 +121,8 @@ def scene(name, *, simulate=False, threads=0, **options):
     """The sequence of a scene by its name, as in `volccd scene list`.
 
     Scenes that are simulated take minutes the first time; they are simulated only with simulate=True, else
-    InputError is raised. Afterwards, and where the program has simulated them before, they come from its cache. `options`:
-    those of `Sequence`.
+    InputError is raised. Afterwards, and where the program has simulated them before, they come from its cache.
+    `options`: those of `Sequence`.
 
     >>> import volccd
     >>> len(volccd.scene("builtin"))
@@ -131,9 +132,10 @@ def scene(name, *, simulate=False, threads=0, **options):
 
 
 class Verification:
-    """What `volccd.verify` found. True if clean. `steps` has a dict for each motion: motion, clean, reference, contacts, left_out,
-    earliest_toi, fcl_hits, fcl_violations, and pipelines, a list of dicts with pipeline, same, held, refused and the
-    structured arrays missing, extra and changed (contacts, with the fields of Result.contacts)."""
+    """What `volccd.verify` found. True if clean. `steps` has a dict for each motion: motion, clean, reference,
+    contacts, left_out, earliest_toi, fcl_hits, fcl_violations, and pipelines, a list of dicts with pipeline, same,
+    held, refused and the structured arrays missing, extra and changed (contacts, with the fields of
+    Result.contacts)."""
 
     def __init__(self, steps, skipped):
         self.steps, self.skipped = steps, skipped

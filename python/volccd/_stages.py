@@ -15,8 +15,8 @@ class Step:
     """One step, as a stage sees it. Arrays are copies: a stage may keep them.
 
     control_points : float64 (vertices, c, 3)
-        Bezier control points of each vertex: c = 2 for straight lines (both ends), 3 for constant acceleration. A vertex
-        stays within the convex hull of its control points.
+        Bezier control points of each vertex: c = 2 for straight lines (both ends), 3 for constant acceleration. A
+        vertex stays within the convex hull of its control points.
     corners : uint32 (elements, k)
         Vertices of each element, by slot, its last vertex repeated up to the largest number k.
     types, objects : uint8, int32 (elements,)
@@ -65,8 +65,8 @@ class Stage:
     guarantee : "exact", "conservative", "approximate"
         What it promises. "conservative": never loses a contact, whatever the coordinates are.
     options : dict
-        Name -> default (bool, int, float or str), or (default, description). An instance has them as attributes; they are
-        set as "name.option=value".
+        Name -> default (bool, int, float or str), or (default, description). An instance has them as attributes; they
+        are set as "name.option=value".
 
     The first line of the docstring describes it in `volccd stages`. One instance may serve several threads, each with a
     `step` of its own; what changes belongs into `step.state`. Methods are called with the GIL held, from any thread.
@@ -90,7 +90,8 @@ class Stage:
         for name, value in cls.options.items():
             default, description = value if isinstance(value, tuple) else (value, "")
             if not isinstance(default, (bool, int, float, str)):
-                raise _core.ConfigError(f"stage '{cls.name}': the default of option '{name}' is no bool, int, float or str")
+                raise _core.ConfigError(f"stage '{cls.name}': the default of option '{name}' is no bool, int, float "
+                                        "or str")
             yield name, default, description
 
     @classmethod
@@ -163,9 +164,10 @@ class FeatureFilter(Stage):
     role = "feature-filter"
 
     def filter(self, step, kind, vertices, points):
-        """kind: volccd.VF or volccd.EE; vertices: uint32 (n, 4), {vertex, triangle} or {edge 1, edge 2}; points: float64
-        (c, 4, 3, n), coordinate `axis` of control point c of vertex p of test i in points[c, p, axis, i]. Returns a bool
-        array (n,): False drops a test that does not touch (come within step.separation) during [0, step.t_max]."""
+        """kind: volccd.VF or volccd.EE; vertices: uint32 (n, 4), {vertex, triangle} or {edge 1, edge 2}; points:
+        float64 (c, 4, 3, n), coordinate `axis` of control point c of vertex p of test i in points[c, p, axis, i].
+        Returns a bool array (n,): False drops a test that does not touch (come within step.separation) during [0,
+        step.t_max]."""
         raise NotImplementedError(f"{type(self).__name__}.filter(step, kind, vertices, points)")
 
 
@@ -182,9 +184,9 @@ class NarrowPhase(Stage):
     time_tolerance = 0.0
 
     def test(self, step, kind, vertices, points):
-        """Arguments as in FeatureFilter.filter. Returns the time of contact of each test, float64 (n,), NaN for none; or
-        a dict with "toi" and, where known, "normal" (n, 3), "point" (n, 3), "weights" (n, 4) and "at_start" (n,). The
-        answer to a test must depend on its points alone."""
+        """Arguments as in FeatureFilter.filter. Returns the time of contact of each test, float64 (n,), NaN for none;
+        or a dict with "toi" and, where known, "normal" (n, 3), "point" (n, 3), "weights" (n, 4) and "at_start" (n,).
+        The answer to a test must depend on its points alone."""
         raise NotImplementedError(f"{type(self).__name__}.test(step, kind, vertices, points)")
 
 
@@ -200,9 +202,9 @@ def _apply(stages, added):
 
 
 def register(stage):
-    """Class decorator: makes a stage known under its name, in every pipeline, in `verify` and in `main`. A class of a name
-    that was registered before replaces the earlier one (cells of a notebook run again). ConfigError if the name belongs
-    to a stage of the library, or the class is not as `Stage` says."""
+    """Class decorator: makes a stage known under its name, in every pipeline, in `verify` and in `main`. A class of a
+    name that was registered before replaces the earlier one (cells of a notebook run again). ConfigError if the name
+    belongs to a stage of the library, or the class is not as `Stage` says."""
     if not (isinstance(stage, type) and issubclass(stage, Stage) and stage.role and isinstance(stage.name, str)):
         raise _core.ConfigError("register: a class derived from volccd.ElementCulling, FeatureFilter or NarrowPhase, "
                                 "with a name, is expected")
@@ -217,7 +219,8 @@ def add_pipeline(name, base="VolCCD+", settings=(), description=""):
     >>> volccd.add_pipeline("Boxes", settings=["element-culling=python-boxes,csat"])  # doctest: +SKIP
     """
     settings = [settings] if isinstance(settings, str) else list(settings)
-    _apply(_registered, {**_pipelines, name: (name, base, settings, description or f"{base} with {' '.join(settings)}")})
+    row = (name, base, settings, description or f"{base} with {' '.join(settings)}")
+    _apply(_registered, {**_pipelines, name: row})
 
 
 def unregister(name):
@@ -239,8 +242,8 @@ def pipelines():
 
 
 def main(argv=None):
-    """Runs the program `volccd` with these arguments (default: those of the process), with all stages and pipelines that
-    are registered. Returns the exit code: 0 done, 1 a difference, 2 bad input, 130 interrupted.
+    """Runs the program `volccd` with these arguments (default: those of the process), with all stages and pipelines
+    that are registered. Returns the exit code: 0 done, 1 a difference, 2 bad input, 130 interrupted.
 
     A script of a few lines is a `volccd` that knows a stage in Python:
 
