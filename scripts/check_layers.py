@@ -42,7 +42,8 @@ LAYERS = {
 PROGRAM = ["broadphase/peers", "oracle", "oracle/cases", "simulation", "experiments", "pictures", "program"]
 LIBRARY = [module for module in LAYERS if module not in PROGRAM]
 # Users of the modules: not modules themselves.
-USERS = {"tests": list(LAYERS), "examples": LIBRARY + ["program"]}
+USERS = {"tests": list(LAYERS), "examples": LIBRARY + ["program"],
+         "python": LIBRARY + ["broadphase/peers", "experiments", "program"]}
 
 # Files of experiments/ that may ask the judges: `volccd verify` only.
 ORACLE_USERS = re.compile(r"^experiments/((.*/)?verify[^/]*|verify/.*)$")
@@ -60,6 +61,8 @@ THIRD_PARTY = {
     "ccd/": (["oracle", "culling", "broadphase"], False),
     "png.h": (["pictures"], False),
     "gtest/": ([], False),
+    "pybind11/": ([], False),  # python/ alone
+    "Python.h": ([], False),
 }
 
 MAX_HEADER_LINES = 200

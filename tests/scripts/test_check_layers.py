@@ -92,6 +92,12 @@ class CheckLayers(unittest.TestCase):
         self.assert_found({"culling/x.hpp": "#pragma once\n#include <hwy/highway.h>\n"}, "culling/x.hpp:2",
                           "public header")
 
+    def test_python_is_above_the_library(self):
+        self.assertEqual(self.findings({"python/src/x.cpp": "#include <pybind11/numpy.h>\n#include <volccd/mesh/mesh.hpp>\n"}), [])
+        self.assert_found({"mesh/x.cpp": "#include <pybind11/numpy.h>\n"}, "mesh/x.cpp:1", "mesh may not")
+        self.assert_found({"oracle/fcl.hpp": "#pragma once\n", "python/src/x.cpp": "#include <volccd/oracle/fcl.hpp>\n"},
+                          "python/src/x.cpp:1", "python may not include oracle")
+
     def test_kernel_headers(self):
         lanes = {"mesh/lanes-inl.hpp": "#include <hwy/highway.h>\n"}
         self.assertEqual(self.findings({**lanes, "culling/x.cpp": "#include <volccd/mesh/lanes-inl.hpp>\n",

@@ -1,0 +1,156 @@
+#include "result.hpp"
+
+#include <cstddef>
+
+#include "arrays.hpp"
+
+namespace volccd::python {
+
+namespace {
+
+/// Fields of a structured dtype, at their places in a C++ struct.
+class Fields {
+ public:
+  template <class Struct, class Member>
+  Fields& add(const char* name, const py::object& format, const Struct& sample, const Member& member) {
+    names_.append(name);
+    formats_.append(format);
+    offsets_.append(reinterpret_cast<const char*>(&member) - reinterpret_cast<const char*>(&sample));
+    return *this;
+  }
+  template <class Struct, class Member>
+  Fields& add(const char* name, const char* format, const Struct& sample, const Member& member) {
+    return add(name, py::str(format), sample, member);
+  }
+  py::dtype dtype(std::size_t size) { return py::dtype(names_, formats_, offsets_, static_cast<py::ssize_t>(size)); }
+
+ private:
+  py::list names_, formats_, offsets_;
+};
+
+py::object vector_of(const char* format, int n) { return py::make_tuple(format, py::make_tuple(n)); }
+
+py::dtype contact_dtype() {
+  const Contact c{};
+  static_assert(sizeof(c.kind) == 1 && sizeof(c.at_start) == 1);
+  return Fields()
+      .add("kind", "u1", c, c.kind)
+      .add("vertices", vector_of("<u4", 4), c, c.vertices)
+      .add("toi", "<f8", c, c.toi)
+      .add("normal", vector_of("<f8", 3), c, c.normal)
+      .add("point", vector_of("<f8", 3), c, c.point)
+      .add("weights", vector_of("<f8", 4), c, c.weights)
+      .add("at_start", "?", c, c.at_start)
+      .dtype(sizeof(Contact));
+}
+
+const py::object& kept_dtype(py::object (*make)(), py::object*& kept) {
+  if (!kept) kept = new py::object(make());  // for as long as the process lives
+  return *kept;
+}
+
+py::dtype contacts_dtype() {
+  static py::object* kept = nullptr;
+  return kept_dtype([]() -> py::object { return contact_dtype(); }, kept);
+}
+
+py::array stage_table(const std::vector<StageStatistics>& stages) {
+  py::list rows, fields;
+  for (const StageStatistics& s : stages)
+    rows.append(py::make_tuple(s.role, s.name, s.in, s.out, s.prepare_seconds, s.bounds_seconds, s.seconds));
+  const char* const table[][2] = {
+      {"role", "U24"},           {"name", "U32"},   {"in", "<u8"}, {"out", "<u8"}, {"prepare_seconds", "<f8"},
+      {"bounds_seconds", "<f8"}, {"seconds", "<f8"}};
+  for (const auto& field : table) fields.append(py::make_tuple(field[0], field[1]));
+  return py::module_::import("numpy").attr("array")(rows, fields);
+}
+
+py::dict statistics_of(Result& result) {
+  if (!result.statistics_dict) result.statistics_dict = statistics_dict(result.statistics);
+  return result.statistics_dict;
+}
+
+std::string text_of(const Result& result) {
+  return "<volccd.Result: " + std::to_string(result.contacts.size()) + " contacts" +
+         (result.contacts.empty() ? "" : ", the earliest at " + std::to_string(result.statistics.earliest_toi)) + ">";
+}
+
+}  // namespace
+
+py::array contacts_view(const std::vector<Contact>& contacts, const py::handle& owner) {
+  return view(contacts_dtype(), contacts.size(), contacts.data(), owner);
+}
+
+py::array contacts_copy(const std::vector<Contact>& contacts) {
+  return new_array(contacts_dtype(), {contacts.size()}, contacts.data(), contacts.size() * sizeof(Contact));
+}
+
+py::array pairs_copy(const std::vector<ElementPair>& pairs) {
+  return new_array(pair_dtype(), {pairs.size()}, pairs.data(), pairs.size() * sizeof(ElementPair));
+}
+
+py::dict statistics_dict(const Statistics& s) {
+  py::dict d;
+  d["steps"] = s.steps;
+  d["element_pairs"] = s.element_pairs;
+  d["adjacent_pairs"] = s.adjacent_pairs;
+  d["surviving_pairs"] = s.surviving_pairs;
+  d["owned_tests"] = s.owned_tests;
+  d["orphan_tests"] = s.orphan_tests;
+  d["vf_tests"] = s.vf_tests;
+  d["ee_tests"] = s.ee_tests;
+  d["contacts"] = s.contacts;
+  d["contacts_at_start"] = s.contacts_at_start;
+  d["left_out"] = s.left_out;
+  d["initial_overlaps"] = s.initial_overlaps;
+  d["duplicates"] = s.duplicates;
+  d["degenerate"] = s.degenerate;
+  d["undecided"] = s.undecided;
+  d["earliest_toi"] = s.earliest_toi;
+  d["seconds"] = s.seconds;
+  d["workspace_bytes"] = s.workspace_bytes;
+  d["stages"] = stage_table(s.stages);
+  return d;
+}
+
+void bind_results(py::module_& module) {
+  module.attr("contact_dtype") = contacts_dtype();
+  module.attr("pair_dtype") = pair_dtype();
+  py::class_<Result, std::shared_ptr<Result>>(
+      module, "Result", "What a step gave. Its arrays are views of the library's memory, which they keep alive.")
+      .def_property_readonly(
+          "contacts", [](const py::object& self) { return contacts_view(self.cast<const Result&>().contacts, self); },
+          "Structured array (n,) of volccd.contact_dtype, in canonical order: by kind, then vertices.\n\n"
+          "kind      uint8        volccd.VF: vertex and triangle; volccd.EE: two edges\n"
+          "vertices  uint32 (4,)  {vertex, triangle} or {edge 1, edge 2}, rows of the points\n"
+          "toi       float64      first time of contact, 0 .. 1 of the step; never late\n"
+          "normal    float64 (3,) unit normal at toi, from the second feature towards the first; 0 where there is "
+          "none\n"
+          "point     float64 (3,) on the second feature at toi, in the unit of the points\n"
+          "weights   float64 (4,) of the vertices; vertex-triangle {1, w0, w1, w2}, edge-edge {1-s, s, 1-u, u}\n"
+          "at_start  bool         they touch, or are closer than the separation, at t = 0 already")
+      .def_property_readonly(
+          "left_out", [](const py::object& self) { return contacts_view(self.cast<const Result&>().left_out, self); },
+          "As `contacts`: those of thickened shells between features that stem from one point.")
+      .def_property_readonly(
+          "initial_overlaps",
+          [](const py::object& self) {
+            const auto& pairs = self.cast<const Result&>().initial_overlaps;
+            return view(pair_dtype(), pairs.size(), pairs.data(), self);
+          },
+          "Structured array (n,) of volccd.pair_dtype (a < b, uint32): slots of elements that overlap at t = 0, if "
+          "they\n"
+          "were asked for. Slots are the rows of the cells until the mesh is edited; `element_ids` has their ids.")
+      .def_property_readonly(
+          "statistics", &statistics_of,
+          "dict: counts (element_pairs, surviving_pairs, vf_tests, ee_tests, contacts, ...), seconds,\n"
+          "workspace_bytes, earliest_toi (inf without contacts), and stages: a structured array of role,\n"
+          "name, in, out, prepare_seconds, bounds_seconds, seconds (summed over workers).")
+      .def_property_readonly(
+          "earliest", [](const Result& result) { return result.statistics.earliest_toi; },
+          "The earliest time of contact, in 0 .. 1 of the step: the largest safe step. inf without contacts.")
+      .def("__len__", [](const Result& result) { return result.contacts.size(); })
+      .def("__repr__", &text_of);
+}
+
+}  // namespace volccd::python

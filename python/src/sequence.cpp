@@ -1,0 +1,172 @@
+// Sequence files: what is in them, and their motions one after another.
+#include <optional>
+
+#include <pybind11/stl.h>
+
+#include <fmt/format.h>
+
+#include <volccd/core/error.hpp>
+#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/mesh/sequence/stepper.hpp>
+
+#include "arrays.hpp"
+#include "cells.hpp"
+#include "runner.hpp"
+#include "sequence.hpp"
+#include "signals.hpp"
+
+namespace volccd::python {
+
+namespace {
+
+SequenceStepper::Config stepper_config(const py::dict& options) {
+  SequenceStepper::Config config;
+  const auto choose = [&](const char* name, auto& value, auto... choices) {
+    const std::string text = options[name].template cast<std::string>();
+    std::string known;
+    bool found = false;
+    const auto look = [&](const auto& choice) {
+      known += (known.empty() ? "" : ", ") + std::string(choice.first);
+      if (text == choice.first) value = choice.second, found = true;
+    };
+    (look(choices), ...);
+    if (!found) throw ConfigError(fmt::format("{}: '{}' is none of {}", name, text, known));
+  };
+  choose("shells", config.shells, std::pair("surface", ShellModel::surface), std::pair("solid", ShellModel::solid));
+  choose("edges", config.edge_set, std::pair("triangulated", EdgeSet::triangulated),
+         std::pair("polytope", EdgeSet::polytope));
+  choose("motion", config.motion, std::pair("linear", MotionModel::linear),
+         std::pair("quadratic", MotionModel::quadratic), std::pair("tentative", MotionModel::tentative));
+  choose("parts", config.parts, std::pair("stored", PartModel::stored), std::pair("components", PartModel::components));
+  return config;
+}
+
+py::dict metadata_of(const SequenceMetadata& m) {
+  return py::dict(py::arg("title") = m.title, py::arg("source") = m.source, py::arg("license") = m.license,
+                  py::arg("units") = m.units, py::arg("time_unit") = m.time_unit,
+                  py::arg("part_names") = py::cast(m.part_names), py::arg("incomplete") = m.incomplete);
+}
+
+py::array points_array(const std::vector<Vec3>& points) {
+  return new_array({points.size(), 3}, reinterpret_cast<const double*>(points.data()));
+}
+
+}  // namespace
+
+Sequence::Sequence(const std::string& file, const py::dict& options)
+    : reader_(file),
+      config_(stepper_config(options)),
+      stepper_(reader_.step_count() > 1 ? std::make_unique<SequenceStepper>(reader_, config_) : nullptr) {}
+
+void Sequence::go_to(int motion) {
+  if (!stepper_) throw InputError(reader_.file(), "VTKHDF/Steps", "has one step only: no motion to look at");
+  stepper_->go_to(motion);
+}
+
+std::shared_ptr<Result> SequenceRunner::run(Sequence& sequence, int motion, const StepRequest& request,
+                                            bool neighbours) {
+  const BusyGuard guard(busy_, "run of a sequence");
+  const BusyGuard sequence_guard(sequence.busy, "Sequence");
+  const py::gil_scoped_release without_gil;
+  sequence.go_to(motion);
+  return runner_.run(sequence.stepper().topology(), sequence.stepper().motion(), request,
+                     sequence.config().shells == ShellModel::solid && !neighbours);
+}
+
+namespace {
+
+/// While one lives, the reader is this thread's.
+class StepReading {
+ public:
+  StepReading(Sequence& sequence, int step) : guard_(sequence.busy, "Sequence") {
+    const int steps = sequence.reader().step_count();
+    if (step < 0 || step >= steps)
+      throw InputError(sequence.reader().file(), "VTKHDF/Steps",
+                       fmt::format("step {} is not within 0:{}", step, steps));
+  }
+
+ private:
+  BusyGuard guard_;
+};
+
+py::array read_points(Sequence& sequence, int step) {
+  const StepReading reading(sequence, step);
+  std::vector<Vec3> points;
+  sequence.reader().read_points(step, points);
+  return points_array(points);
+}
+
+py::object read_velocity(Sequence& sequence, int step) {
+  const StepReading reading(sequence, step);
+  if (!sequence.reader().has_velocity()) return py::none();
+  std::vector<Vec3> velocity;
+  sequence.reader().read_velocity(step, velocity);
+  return points_array(velocity);
+}
+
+py::object read_thickness(Sequence& sequence, int step) {
+  const StepReading reading(sequence, step);
+  if (!sequence.reader().has_thickness()) return py::none();
+  std::vector<double> thickness;
+  sequence.reader().read_thickness(step, thickness);
+  return new_array({thickness.size()}, thickness.data());
+}
+
+py::dict read_cells(Sequence& sequence, int step) {
+  const StepReading reading(sequence, step);
+  SequenceCells cells;
+  sequence.reader().read_cells(step, cells);
+  return cells_to(cells);
+}
+
+py::array times(const Sequence& sequence) {
+  std::vector<double> values;
+  for (int step = 0; step < sequence.reader().step_count(); ++step) values.push_back(sequence.reader().time(step));
+  return new_array({values.size()}, values.data());
+}
+
+/// Element ids by slot of the topology that the sequence has gone to; -1 where a slot is empty.
+py::array element_ids(Sequence& sequence) {
+  const BusyGuard guard(sequence.busy, "Sequence");
+  if (sequence.motion() < 0)
+    throw InputError(sequence.reader().file(), "", "detect() has not run on a motion yet: there are no elements");
+  const Mesh& mesh = sequence.stepper().topology().mesh();
+  std::vector<std::int64_t> ids(mesh.element_slots());
+  for (Index o = 0; o < mesh.element_slots(); ++o) ids[o] = mesh.is_live(o) ? mesh.element_id(o) : -1;
+  return new_array({ids.size()}, ids.data());
+}
+
+}  // namespace
+
+void bind_sequence(py::module_& module) {
+  using namespace pybind11::literals;
+  py::class_<Sequence>(module, "Sequence")
+      .def(py::init<const std::string&, const py::dict&>())
+      .def_property_readonly("file", [](const Sequence& s) { return s.reader().file(); })
+      .def_property_readonly("metadata", [](const Sequence& s) { return metadata_of(s.reader().metadata()); })
+      .def_property_readonly("step_count", [](const Sequence& s) { return s.reader().step_count(); })
+      .def_property_readonly("point_count", [](const Sequence& s) { return s.reader().point_count(); })
+      .def_property_readonly("point_ids",
+                             [](const Sequence& s) {
+                               const auto ids = s.reader().point_ids();
+                               return new_array({ids.size()}, ids.data());
+                             })
+      .def_property_readonly("times", &times)
+      .def_property_readonly("element_ids", &element_ids)
+      .def("points", &read_points, "step"_a)
+      .def("velocity", &read_velocity, "step"_a)
+      .def("thickness", &read_thickness, "step"_a)
+      .def("cells", &read_cells, "step"_a);
+  py::class_<SequenceRunner>(module, "SequenceRunner")
+      .def(py::init([](const py::dict& options) { return std::make_unique<SequenceRunner>(RunnerConfig(options)); }))
+      .def(
+          "run",
+          [](SequenceRunner& runner, Sequence& sequence, int motion, bool first, bool overlaps, double t_max,
+             bool neighbours) {
+            return runner.run(sequence, motion, {first, overlaps, t_max}, neighbours);
+          },
+          "sequence"_a, "motion"_a, "first"_a, "initial_overlaps"_a, "t_max"_a, "shell_neighbours"_a)
+      .def_property_readonly("facts", [](SequenceRunner& r) { return runner_facts(r.runner()); });
+}
+
+}  // namespace volccd::python

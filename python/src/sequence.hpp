@@ -1,0 +1,52 @@
+// A sequence file with its stepper, for Python.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/mesh/sequence/stepper.hpp>
+
+#include "runner.hpp"
+
+namespace volccd::python {
+
+class Sequence {
+ public:
+  /// Throws InputError, and ConfigError for options (shells, edges, motion, parts) that do not exist.
+  Sequence(const std::string& file, const py::dict& options);
+
+  SequenceReader& reader() { return reader_; }
+  const SequenceReader& reader() const { return reader_; }
+  /// Pre: more than one step.
+  SequenceStepper& stepper() { return *stepper_; }
+  const SequenceStepper::Config& config() const { return config_; }
+  /// The motion gone to last, or -1.
+  int motion() const { return stepper_ ? stepper_->current() : -1; }
+  /// Throws InputError: no such motion.
+  void go_to(int motion);
+
+  bool busy = false;  ///< BusyGuard
+
+ private:
+  SequenceReader reader_;
+  SequenceStepper::Config config_;
+  std::unique_ptr<SequenceStepper> stepper_;
+};
+
+/// Runs a pipeline on the motions of sequences.
+class SequenceRunner {
+ public:
+  explicit SequenceRunner(const RunnerConfig& config) : runner_(config) {}
+
+  /// Called with the GIL, which it releases. `neighbours`: contacts of thickened shells between features that stem from
+  /// one vertex are kept.
+  std::shared_ptr<Result> run(Sequence& sequence, int motion, const StepRequest& request, bool neighbours);
+  Runner& runner() { return runner_; }
+
+ private:
+  Runner runner_;
+  bool busy_ = false;
+};
+
+}  // namespace volccd::python

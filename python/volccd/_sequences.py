@@ -1,0 +1,188 @@
+"""Sequence files and scenes."""
+
+from __future__ import annotations
+
+import operator
+import os
+
+from . import _core
+from ._detect import _options
+
+
+class Sequence:
+    """A sequence file (VTKHDF), opened: steps of points and cells, and the motions between them.
+
+    Motion k goes from step k to step k + 1 on the cells of step k + 1; len(sequence) motions.
+
+    Parameters
+    ----------
+    path : str or path
+    shells : "surface", "solid"
+        Triangles and quads as they are, or thickened by the file's thickness.
+    motion : "linear", "quadratic", "tentative"
+        To the next step on straight lines, or with constant acceleration; or from each step with its velocities.
+    edges : "triangulated", "polytope"
+    parts : "stored", "components"
+        Objects are the parts that the file stores, or what hangs together.
+
+    Points are by ascending id, as `point_ids` has them; contacts name points by their row there.
+    """
+
+    def __init__(self, path, *, shells="surface", motion="linear", edges="triangulated", parts="stored"):
+        self._core = _core.Sequence(os.fspath(path),
+                                    {"shells": shells, "motion": motion, "edges": edges, "parts": parts})
+        self.shells = shells
+
+    def __len__(self):
+        return self._core.step_count - 1
+
+    def __repr__(self):
+        return f"<volccd.Sequence {self.path}: {self.step_count} steps, {self.point_count} points>"
+
+    @property
+    def path(self):
+        """str: the file."""
+        return self._core.file
+
+    @property
+    def step_count(self):
+        """Steps of the file; one more than motions."""
+        return self._core.step_count
+
+    @property
+    def point_count(self):
+        """Points of every step."""
+        return self._core.point_count
+
+    @property
+    def point_ids(self):
+        """int64 (point_count,), ascending."""
+        return self._core.point_ids
+
+    @property
+    def times(self):
+        """float64 (step_count,), in the file's unit of time."""
+        return self._core.times
+
+    @property
+    def metadata(self):
+        """dict: title, source, license, units, time_unit, part_names, incomplete."""
+        return self._core.metadata
+
+    @property
+    def element_ids(self):
+        """Ids by slot of the elements of the motion that `detect` ran last; -1 where a slot is empty."""
+        return self._core.element_ids
+
+    def points(self, step):
+        """float64 (point_count, 3), in the file's unit of length."""
+        return self._core.points(self._step(step))
+
+    def velocity(self, step):
+        """float64 (point_count, 3), or None if the file has none."""
+        return self._core.velocity(self._step(step))
+
+    def thickness(self, step):
+        """float64, one a cell of the step, or None if the file has none."""
+        return self._core.thickness(self._step(step))
+
+    def cells(self, step):
+        """The cells of a step: dict of connectivity, offsets, types, objects, ids, face_offsets, faces, which `detect`
+        and `Detector` accept as `cells`."""
+        return self._core.cells(self._step(step))
+
+    def _step(self, step):
+        step = operator.index(step)
+        return step + self.step_count if step < 0 else step
+
+    def detect(self, steps=None, *, pipeline="VolCCD+", separation=0.0, threads=0, first=False, initial_overlaps=False,
+               t_max=1.0, pairs="all", exclude=(), settings=(), shell_neighbours=False):
+        """Goes through motions and yields (motion, Result) for each. The pipeline keeps its memory from one to the
+        next.
+
+        steps : iterable of int, optional
+            Default: all, range(len(sequence)).
+        shell_neighbours : bool
+            With shells="solid": keep contacts between features that stem from one point.
+        Other parameters: as in `volccd.detect`.
+        """
+        runner = _core.SequenceRunner(_options(pipeline, settings, threads, separation, pairs, exclude))
+        for motion in range(len(self)) if steps is None else steps:
+            motion = operator.index(motion)
+            yield motion, runner.run(self._core, motion, first, initial_overlaps, t_max, shell_neighbours)
+
+
+def scenes():
+    """dict name -> description of the scenes that `scene` knows."""
+    return _core.scene_names()
+
+
+def scene(name, *, simulate=False, threads=0, **options):
+    """The sequence of a scene by its name, as in `volccd scene list`.
+
+    Scenes that are simulated take minutes the first time; they are simulated only with simulate=True, else
+    InputError is raised. Afterwards, and where the program has simulated them before, they come from its cache.
+    `options`: those of `Sequence`.
+
+    >>> import volccd
+    >>> len(volccd.scene("builtin"))
+    8
+    """
+    return Sequence(_core.scene_file(name, simulate, threads), **options)
+
+
+class Verification:
+    """What `volccd.verify` found. True if clean. `steps` has a dict for each motion: motion, clean, reference,
+    contacts, left_out, earliest_toi, fcl_hits, fcl_violations, and pipelines, a list of dicts with pipeline, same,
+    held, refused and the structured arrays missing, extra and changed (contacts, with the fields of
+    Result.contacts)."""
+
+    def __init__(self, steps, skipped):
+        self.steps, self.skipped = steps, skipped
+
+    @property
+    def clean(self):
+        """Whether nothing differs."""
+        return all(step["clean"] for step in self.steps)
+
+    @property
+    def differing(self):
+        """Names of the pipelines that differ from the reference at some step."""
+        return sorted({one["pipeline"] for step in self.steps for one in step["pipelines"] if not one["same"]})
+
+    def __bool__(self):
+        return self.clean
+
+    def __repr__(self):
+        what = "clean: no difference" if self.clean else "DIFFERENCES: " + (", ".join(self.differing) or "FCL")
+        return f"<volccd.Verification of {len(self.steps)} steps: {what}>"
+
+
+def verify(sequence, steps=None, *, settings=(), threads=0, separation=0.0, fcl=True, approximate=False,
+           brute_force_limit=100000):
+    """Runs every registered pipeline on a sequence, those with stages in Python included, and compares the contacts bit
+    for bit with those of brute force (beyond `brute_force_limit` elements with NavCCD) and with FCL's overlaps: the
+    comparison of `volccd verify`.
+
+    sequence : Sequence, or the path of one
+    steps : iterable of int, optional
+        Motions; default: all.
+    settings : list of str
+        One more pipeline: VolCCD+ with these settings ("element-culling=my-stage").
+    fcl : bool
+        Ask FCL at t = 1/4, 1/2, 3/4 and 1 of each step.
+    approximate : bool
+        Also run pipelines with an approximate narrow phase: shows what they miss, and does not count it.
+
+    Returns a `Verification`, which is true if nothing differs.
+    """
+    if not isinstance(sequence, Sequence):
+        sequence = Sequence(sequence)
+    if isinstance(settings, str):
+        settings = [settings]
+    checker = _core.Verification(list(settings), threads, separation, fcl, approximate, brute_force_limit,
+                                 sequence.shells == "solid")
+    verdicts = []
+    for motion in range(len(sequence)) if steps is None else steps:
+        verdicts.append({"motion": motion, **checker.check(sequence._core, motion)})
+    return Verification(verdicts, checker.skipped)
