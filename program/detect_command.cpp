@@ -57,11 +57,12 @@ std::vector<std::string> row_of(const std::string& title, const Statistics& s, b
   return row;
 }
 
-void print_stages(const Statistics& total, const Report& report) {
+void print_stages(const Statistics& total, bool overlaps, const Report& report) {
   TextTable table({"stage", "name", "in", "out", "prepare [ms]", "run [ms]", "share [%]"});
   const auto share = [&](double seconds) { return fmt::format("{:.1f}", 100 * seconds / std::max(total.seconds, 1e-300)); };
   double attributed = 0;
   for (const StageStatistics& stage : total.stages) {
+    if (stage.role == "initial-overlaps" && !overlaps) continue;
     attributed += stage.all_seconds();
     table.add({stage.role, stage.name, grouped(stage.in), grouped(stage.out), milliseconds(stage.prepare_seconds),
                milliseconds(stage.seconds), share(stage.all_seconds())});
@@ -182,7 +183,7 @@ class Detection {
     print_summary();
     if (request_.leave_out_shell_neighbours) print_left_out();
     print_part_pairs();
-    print_stages(total_, *report_);
+    print_stages(total_, request_.initial_overlaps, *report_);
   }
 
   /// Index into `steps_` of the earliest contact, in the first step that has one; nothing without contacts.
@@ -209,7 +210,7 @@ class Detection {
 
   std::string time_unit() const {
     const std::string& unit = reader_.metadata().time_unit;
-    return unit.empty() ? unit : " " + unit;
+    return unit.empty() ? unit : " [" + unit + "]";
   }
 
   std::string part_name(std::int64_t part) const {

@@ -11,6 +11,7 @@
 #include <volccd/core/suggest.hpp>
 #include <volccd/experiments/harness/run.hpp>
 #include <volccd/experiments/records/record_file.hpp>
+#include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/scenes/sequences.hpp>
 #include <volccd/experiments/scenes/shared_data.hpp>
@@ -243,12 +244,15 @@ int run_feature_sets(const ExperimentOptions& options, Finished& finished) {
 struct OtherExperiment {
   const char *name, *description;
   int (*run)(const ExperimentOptions& options, Finished& finished);
+  const char* record;  ///< its file, without ".json"
+  std::string (*table)(const std::vector<nlohmann::json>& records);
 };
 
 constexpr OtherExperiment kOthers[] = {
-    {"scenes", "the simulated scenes: sizes, motion, contacts, edits, energy (--quick: the small sizes)", run_scenes},
+    {"scenes", "the simulated scenes: sizes, motion, contacts, edits, energy (--quick: the small sizes)", run_scenes,
+     "scenes", scene_table},
     {"feature-sets", "Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's",
-     run_feature_sets}};
+     run_feature_sets, "feature_sets", feature_set_table}};
 
 std::vector<std::string> known_experiments() {
   std::vector<std::string> known;
@@ -333,7 +337,24 @@ nlohmann::json tables_json(const std::string& name, const std::vector<TitledTabl
   return {{"experiment", name}, {"tables", list}};
 }
 
+/// Text is all that these have.
+int print_other_table(const OtherExperiment& other, const TableOptions& options) {
+  if (options.format != "text")
+    throw ConfigError(fmt::format("--format: the table of {} is text only", options.name));
+  const std::string file = (std::filesystem::path(options.results) / (std::string(other.record) + ".json")).string();
+  const nlohmann::json records = read_json_file(file);
+  if (!records.is_array()) throw InputError(file, "", "is not the record of a complete run");
+  const std::string text = other.table(records.get<std::vector<nlohmann::json>>());
+  Report(options.report)
+      .write("experiment table",
+             {{"experiment", options.name}, {"tables", nlohmann::json::array()}, {"text", text}});
+  if (!is_standard_output(options.output) || !(options.report.json || options.report.quiet))
+    write_text_file(options.output, text);
+  return kDone;
+}
+
 int print_table(const TableOptions& options) {
+  if (const OtherExperiment* other = find_other(options.name)) return print_other_table(*other, options);
   const ExperimentKind* kind = find_kind(options.name);
   if (!kind) unknown_experiment("tables of", options.name);
   const std::string file = (std::filesystem::path(options.results) / (options.name + ".json")).string();
