@@ -71,7 +71,7 @@ int list_scenes(const ReportOptions& options) {
 }  // namespace
 
 void add_scene_command(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("scene", "made-up sequences: list them, generate one, draw pictures");
+  CLI::App* command = app.add_subcommand("scene", "made-up sequences: list them, generate one; pictures and single steps of any");
   command->require_subcommand(1);
   CLI::App* list_command = command->add_subcommand("list", "the scenes and their options");
   const auto options = std::make_shared<ReportOptions>();
@@ -79,6 +79,7 @@ void add_scene_command(CLI::App& app, Action& action) {
   list_command->callback([options, &action] { action = [options] { return list_scenes(*options); }; });
   add_generate_command(*command, action);
   add_picture_command(*command, action);
+  add_export_command(*command, action);
 }
 
 }  // namespace volccd
