@@ -126,12 +126,14 @@ TEST(SequenceWriter, TheSingleFormHasOneStep) {
   SequenceWriter writer(file, ids, {}, SequenceForm::single);
   writer.write_step(0.25, shape.positions, cells);
   writer.finish();
-  SequenceReader reader(file);
-  EXPECT_EQ(reader.step_count(), 1);
-  EXPECT_TRUE(std::equal(ids.begin(), ids.end(), reader.point_ids().begin(), reader.point_ids().end()));
-  SequenceCells read;
-  reader.read_cells(0, read);
-  EXPECT_EQ(read, cells);
+  {
+    SequenceReader reader(file);
+    EXPECT_EQ(reader.step_count(), 1);
+    EXPECT_TRUE(std::equal(ids.begin(), ids.end(), reader.point_ids().begin(), reader.point_ids().end()));
+    SequenceCells read;
+    reader.read_cells(0, read);
+    EXPECT_EQ(read, cells);
+  }
   const RawFile raw(file);
   EXPECT_EQ(H5Lexists(raw.id(), "VTKHDF/Steps", H5P_DEFAULT), 0);
   EXPECT_EQ(raw.reals("VTKHDF/FieldData/TimeValue"), std::vector<double>{0.25});
