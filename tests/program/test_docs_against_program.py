@@ -152,6 +152,9 @@ def problem_in_command(words):
              ("experiment", "table"): EXPERIMENTS}.get(path)
     if path == ("experiment", "compare"):
         return None  # folders
+    if path == ("help",):
+        return None if not positionals or positionals == ["COMMAND"] or tuple(positionals) in COMMANDS else \
+            f"no command {positionals}"
     if path == ("check",):
         names = {name for name in [*STAGES.options, *positionals[1:]] if name in STAGES.options or known_sequence(name)}
     known = names.__contains__ if names else known_sequence
