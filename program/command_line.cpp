@@ -9,7 +9,12 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/core/suggest.hpp>
+#include <volccd/experiments/records/build_facts.hpp>
+#include <volccd/experiments/scenes/scene.hpp>
+#include <volccd/experiments/scenes/sequences.hpp>
+#include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/program/shell_documents.hpp>
 
 namespace volccd {
 
@@ -103,6 +108,30 @@ int print_help(const CLI::App& app, const std::vector<std::string>& names) {
   return kDone;
 }
 
+struct HelpOptions {
+  std::vector<std::string> names;
+  std::string completion;
+  bool manual_page = false;
+};
+
+KnownWords known_words(const CLI::App& app, const Registry& registry) {
+  KnownWords words;
+  words["help"] = command_names(app);
+  for (const PipelineSpec& spec : registry.pipelines()) words["detect --pipeline"].push_back(spec.name);
+  std::vector<std::string>& stages = words["check"];
+  const auto add = [&](const auto& list) {
+    for (const auto& stage : list) stages.push_back(stage.name);
+  };
+  add(registry.stages<BroadPhase>()), add(registry.stages<ElementCulling>()), add(registry.stages<Assignment>());
+  add(registry.stages<OrphanSource>()), add(registry.stages<Flood>()), add(registry.stages<FeatureFilter>());
+  add(registry.stages<NarrowPhase>());
+  for (const SimulatedScene& scene : simulated_scenes()) words["scene generate"].push_back(scene.name);
+  for (const SceneDescriptor& scene : scenes()) words["scene generate"].push_back(scene.name);
+  for (const ExperimentKind& kind : experiment_kinds())
+    for (const char* command : {"experiment run", "experiment table"}) words[command].emplace_back(kind.name);
+  return words;
+}
+
 }  // namespace
 
 void use_help_formatter(CLI::App& app) { use(std::make_shared<HelpFormatter>(), app); }
@@ -118,12 +147,27 @@ CLI::Validator one_of(std::vector<std::string> choices) {
       "{" + list + "}");
 }
 
-void add_help_command(CLI::App& app, Action& action) {
+void add_help_command(CLI::App& app, const Registry& registry, Action& action) {
   CLI::App* command = app.add_subcommand("help", "the help of a command, as its --help");
-  const auto names = std::make_shared<std::vector<std::string>>();
-  command->add_option("COMMAND", *names, "of which command; without one: what commands there are")->type_name("");
-  command->footer("Examples:\n  volccd help\n  volccd help scene generate");
-  command->callback([names, &app, &action] { action = [names, &app] { return print_help(app, *names); }; });
+  const auto options = std::make_shared<HelpOptions>();
+  command->add_option("COMMAND", options->names, "of which command; without one: what commands there are")->type_name("");
+  command->add_flag("--manual-page", options->manual_page, "print the manual page of all commands, for `man`");
+  command->add_option("--completion", options->completion, "print a script that completes commands and options")
+      ->check(one_of({"bash"}));
+  command->footer(
+      "Examples:\n  volccd help\n  volccd help scene generate\n  volccd help --manual-page\n"
+      "  volccd help --completion bash");
+  command->callback([options, &app, &registry, &action] {
+    action = [options, &app, &registry] {
+      if (options->manual_page)
+        fmt::print("{}", manual_page(app, build_facts().version));
+      else if (!options->completion.empty())
+        fmt::print("{}", bash_completion(app, known_words(app, registry)));
+      else
+        return print_help(app, options->names);
+      return kDone;
+    };
+  });
 }
 
 void check_command_names(const CLI::App& app, int argc, const char* const* argv) {

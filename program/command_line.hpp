@@ -16,8 +16,8 @@ void use_help_formatter(CLI::App& app);
 /// One of `choices`, else a ConfigError's text with the near ones.
 CLI::Validator one_of(std::vector<std::string> choices);
 
-/// `volccd help [COMMAND...]`.
-void add_help_command(CLI::App& app, Action& action);
+/// `volccd help [COMMAND...]`; --manual-page and --completion print what CMake installs.
+void add_help_command(CLI::App& app, const Registry& registry, Action& action);
 
 /// Throws ConfigError for a word in the place of a command that is none: the parser would only say that a command is
 /// missing.

@@ -58,7 +58,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_stages_command(app, registry, action);
   add_scene_command(app, action);
   add_experiment_command(app, registry, action);
-  add_help_command(app, action);
+  add_help_command(app, registry, action);
   use_help_formatter(app);
   try {
     check_command_names(app, argc, argv);

@@ -255,7 +255,8 @@ class DocsAgainstProgram(unittest.TestCase):
     def test_commands_are_understood(self):
         seen = 0
         sources = {document.name: document.read_text(encoding="utf-8") for document in DOCUMENTS}
-        sources |= {" ".join(path) + " --help": "\n".join("  " + line for line in command.text.splitlines())
+        sources |= {" ".join(path) + " --help": "\n".join("  " + line for line in
+                                                       re.sub(r" \\\n +", " ", command.text).splitlines())
                     for path, command in COMMANDS.items()}
         for name, text in sources.items():
             for code in code_in(text):

@@ -3,6 +3,7 @@
 import os
 import pty
 import re
+import shutil
 import subprocess
 import unittest
 
@@ -96,6 +97,48 @@ class Manners(ProgramTest):
             self.bad(*arguments, says=f"did you mean {near}", env=data)
         done = run("detect", self.sequence, "--nothing-like-it")
         self.assertEqual((done.returncode, "did you mean" in done.stderr), (2, False), done.stderr)
+
+    def test_the_manual_page_has_every_option(self):
+        page = self.path("volccd.1")
+        with open(page, "w", encoding="utf-8") as file:
+            file.write(self.good("help", "--manual-page"))
+        done = subprocess.run(["groff", "-man", "-Tutf8", "-ww", "-P-cbou", page], capture_output=True, text=True,
+                              check=False) if shutil.which("groff") else self.skipTest("groff is not there")
+        self.assertEqual((done.returncode, done.stderr), (0, ""))
+        every = list(commands())
+        for path in every:
+            if any(other[:len(path)] == path and other != path for other in every):
+                continue
+            section = re.search(rf"^ +volccd {' '.join(path)}\b.*?\[options\]\n(.*?)(?=^ +volccd .*\[options\]$|\Z)",
+                                done.stdout, re.MULTILINE | re.DOTALL)
+            self.assertIsNotNone(section, path)
+            for option in re.findall(r"^  (?:-\w,)?(--[a-z-]+)", self.good(*path, "--help"), re.MULTILINE):
+                self.assertTrue(option in section[1] or option == "--help", f"{path}: {option}")
+
+    def test_completion_in_bash(self):
+        script = self.path("volccd.bash")
+        with open(script, "w", encoding="utf-8") as file:
+            file.write(self.good("help", "--completion", "bash"))
+
+        def completed(*words):
+            listed = " ".join(f"'{word}'" for word in ("volccd", *words))
+            done = subprocess.run(["bash", "--norc", "-c", f"source '{script}'; COMP_WORDS=({listed}); "
+                                   f"COMP_CWORD={len(words)}; _volccd; printf '%s\\n' \"${{COMPREPLY[@]}}\""],
+                                  capture_output=True, text=True, check=False, cwd=self.folder.name)
+            self.assertEqual((done.returncode, done.stderr), (0, ""), words)
+            return done.stdout.split()
+
+        self.assertEqual(completed("det"), ["detect"])
+        self.assertEqual(completed("scene", ""), ["list", "generate", "picture", "export", "--help"])
+        self.assertEqual(completed("detect", "--thr"), ["--threads"])
+        self.assertEqual(completed("detect", "x.vtkhdf", "--pairs", "in"), ["inter", "intra"])
+        self.assertEqual(completed("detect", "--pipeline", "VolCCD"), ["VolCCD", "VolCCD+", "VolCCD-2011"])
+        self.assertEqual(completed("scene", "generate", "oct"), ["octopi"])
+        self.assertEqual(completed("check", "csat-"), ["csat-2011"])
+        self.assertEqual(completed("experiment", "run", "cul"), ["culling"])
+        self.assertEqual(completed("info", "run"), ["run.vtkhdf"])
+        self.assertEqual(completed("detect", "--json", "run"), ["run.vtkhdf"])
+        self.assertEqual(completed("help", "ver"), ["verify"])
 
     def test_quiet(self):
         for arguments in (["info", self.sequence], ["detect", self.sequence, "--contacts", self.path("quiet.csv")],
