@@ -42,6 +42,8 @@ class HelpFormatter : public CLI::Formatter {
     return out.str();
   }
   std::string make_footer(const CLI::App* app) const override {
+    // A command without one has inherited its parent's.
+    if (app->get_parent() && app->get_parent()->get_footer() == app->get_footer()) return "";
     return wrapped_footer(CLI::Formatter::make_footer(app));
   }
 

@@ -69,6 +69,7 @@ std::string option_entry(const CLI::Option& option) {
 }
 
 std::string footer_of(const CLI::App& app) {
+  if (app.get_parent() && app.get_parent()->get_footer() == app.get_footer()) return "";  // inherited
   return app.get_footer().empty() ? "" : fmt::format(".PP\n.nf\n{}\n.fi\n", troff(app.get_footer()));
 }
 
