@@ -118,7 +118,8 @@ void add_check_command(CLI::App& app, const Registry& registry, Action& action) 
   command->footer(
       "Tries the stage on generated tests and elements that touch or nearly do, judged in exact arithmetic: alone and "
       "in batches, with several workers, with a new state and with one that has seen other steps. Then in pipelines, "
-      "against those without it, on small colliding bodies and on FILE. What is not promised (approximate) is counted.\n"
+      "against those without it, on small colliding bodies and on FILE. What is not promised (approximate) is "
+      "counted.\n"
       "Exit code 1 if a promise is broken; what is printed then repeats it: --seed N --trials 1.\n"
       "Examples:\n"
       "  volccd check csat\n"

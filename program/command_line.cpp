@@ -91,8 +91,8 @@ const CLI::App& command_of(const CLI::App& app, const std::string& name, const s
   const CLI::App* command = find_command(app, name);
   if (command) return *command;
   const std::vector<std::string> known = command_names(app);
-  throw ConfigError(fmt::format("no command '{}{}'; there are {}{}", path, name, fmt::join(known, ", "),
-                                did_you_mean(name, known)));
+  throw ConfigError(
+      fmt::format("no command '{}{}'; there are {}{}", path, name, fmt::join(known, ", "), did_you_mean(name, known)));
 }
 
 int print_help(const CLI::App& app, const std::vector<std::string>& names) {
@@ -152,7 +152,8 @@ CLI::Validator one_of(std::vector<std::string> choices) {
 void add_help_command(CLI::App& app, const Registry& registry, Action& action) {
   CLI::App* command = app.add_subcommand("help", "the help of a command, as its --help");
   const auto options = std::make_shared<HelpOptions>();
-  command->add_option("COMMAND", options->names, "of which command; without one: what commands there are")->type_name("");
+  command->add_option("COMMAND", options->names, "of which command; without one: what commands there are")
+      ->type_name("");
   command->add_flag("--manual-page", options->manual_page, "print the manual page of all commands, for `man`");
   command->add_option("--completion", options->completion, "print a script that completes commands and options")
       ->check(one_of({"bash"}));
@@ -190,7 +191,8 @@ std::string unexpected_arguments(const CLI::App& app) {
     path += " " + command->get_name();
   }
   const std::vector<std::string> extras = app.remaining(true);
-  const auto option = std::find_if(extras.begin(), extras.end(), [](const std::string& o) { return o.starts_with("-"); });
+  const auto option =
+      std::find_if(extras.begin(), extras.end(), [](const std::string& o) { return o.starts_with("-"); });
   if (option == extras.end())
     return fmt::format("{}: '{}' is not expected; `{} --help` says what is", path, fmt::join(extras, " "), path);
   const std::string name = option->substr(0, option->find('='));

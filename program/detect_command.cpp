@@ -59,7 +59,9 @@ std::vector<std::string> row_of(const std::string& title, const Statistics& s, b
 
 void print_stages(const Statistics& total, bool overlaps, const Report& report) {
   TextTable table({"stage", "name", "in", "out", "prepare [ms]", "run [ms]", "share [%]"});
-  const auto share = [&](double seconds) { return fmt::format("{:.1f}", 100 * seconds / std::max(total.seconds, 1e-300)); };
+  const auto share = [&](double seconds) {
+    return fmt::format("{:.1f}", 100 * seconds / std::max(total.seconds, 1e-300));
+  };
   double attributed = 0;
   for (const StageStatistics& stage : total.stages) {
     if (stage.role == "initial-overlaps" && !overlaps) continue;

@@ -133,11 +133,14 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
   make_folder(options.output);
   const auto executor = make_interruptible_executor(options.timed_threads());
   std::unique_ptr<Progress> of_rows;
-  const PlanContext context{registry, options.full, options.pipelines, options.settings,
-                            [&](const std::string& name) { return scene_file(options, name); }, executor.get(),
+  const PlanContext context{registry,
+                            options.full,
+                            options.pipelines,
+                            options.settings,
+                            [&](const std::string& name) { return scene_file(options, name); },
+                            executor.get(),
                             [&](std::size_t done, std::size_t total) {
-                              if (!of_rows)
-                                of_rows = std::make_unique<Progress>(kind.name, total, "scenes");
+                              if (!of_rows) of_rows = std::make_unique<Progress>(kind.name, total, "scenes");
                               of_rows->advance(done);
                               InterruptGuard::check();
                             }};
@@ -209,7 +212,8 @@ int run_on_scenes(const ExperimentOptions& options, const std::string& name, boo
     for (const SimulatedScene& scene : simulated_scenes()) {
       if (!wanted(scene)) continue;
       const Baked baked = bake_for(options, scene, *executor);
-      records.push_back(record_with_progress(scene.name, baked.file, baked.record, options.simulation_threads(), measure));
+      records.push_back(
+          record_with_progress(scene.name, baked.file, baked.record, options.simulation_threads(), measure));
     }
   } catch (const Interrupted& error) {
     stop(error, kInterrupted);
@@ -264,8 +268,8 @@ std::vector<std::string> known_experiments() {
 
 [[noreturn]] void unknown_experiment(const char* what, const std::string& name) {
   const std::vector<std::string> known = known_experiments();
-  throw ConfigError(fmt::format("no {} '{}'; there are {}{}", what, name, fmt::join(known, ", "),
-                                did_you_mean(name, known)));
+  throw ConfigError(
+      fmt::format("no {} '{}'; there are {}{}", what, name, fmt::join(known, ", "), did_you_mean(name, known)));
 }
 
 const ExperimentKind* find_kind(const std::string& name) {
@@ -339,15 +343,13 @@ nlohmann::json tables_json(const std::string& name, const std::vector<TitledTabl
 
 /// Text is all that these have.
 int print_other_table(const OtherExperiment& other, const TableOptions& options) {
-  if (options.format != "text")
-    throw ConfigError(fmt::format("--format: the table of {} is text only", options.name));
+  if (options.format != "text") throw ConfigError(fmt::format("--format: the table of {} is text only", options.name));
   const std::string file = (std::filesystem::path(options.results) / (std::string(other.record) + ".json")).string();
   const nlohmann::json records = read_json_file(file);
   if (!records.is_array()) throw InputError(file, "", "is not the record of a complete run");
   const std::string text = other.table(records.get<std::vector<nlohmann::json>>());
   Report(options.report)
-      .write("experiment table",
-             {{"experiment", options.name}, {"tables", nlohmann::json::array()}, {"text", text}});
+      .write("experiment table", {{"experiment", options.name}, {"tables", nlohmann::json::array()}, {"text", text}});
   if (!is_standard_output(options.output) || !(options.report.json || options.report.quiet))
     write_text_file(options.output, text);
   return kDone;
@@ -386,7 +388,7 @@ int compare(const CompareOptions& options) {
                                       {"differences", to_json(result.table)}});
   if (result.slower + result.faster + result.other_counts > 0) report.print("{}\n", result.table.text());
   report.print("{} compared: {} slower, {} faster beyond the spread, {} with other counts\n", result.compared,
-             result.slower, result.faster, result.other_counts);
+               result.slower, result.faster, result.other_counts);
   if (result.single > 0)
     report.print("{} with a single round: their spread is unknown, and their times are not judged\n", result.single);
   return result.slower + result.other_counts > 0 ? kDifferent : kDone;
@@ -466,8 +468,9 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
   run_command->add_flag("--full", options->full, "hours: scenes at their own sizes, more motions, several rounds")
       ->excludes("--quick");
   run_command
-      ->add_option("--threads", options->threads,
-                   "0: as many as the machine has; default: 1 for what is timed, as in the paper, and 0 for simulations")
+      ->add_option(
+          "--threads", options->threads,
+          "0: as many as the machine has; default: 1 for what is timed, as in the paper, and 0 for simulations")
       ->check(CLI::Range(0u, kMaxThreads))
       ->type_name("N");
   options->report.add_to(*run_command);

@@ -26,7 +26,8 @@ struct ExportOptions {
 /// run.vtkhdf, 7 -> run_0007.vtkhdf: ParaView takes files with such names as one series.
 std::string file_of_step(const std::string& output, int step) {
   const std::filesystem::path path(output);
-  return (path.parent_path() / fmt::format("{}_{:04}{}", path.stem().string(), step, path.extension().string())).string();
+  return (path.parent_path() / fmt::format("{}_{:04}{}", path.stem().string(), step, path.extension().string()))
+      .string();
 }
 
 void write_step(SequenceReader& reader, int step, const std::string& file) {
@@ -63,7 +64,8 @@ int export_steps(const ExportOptions& options) {
 }  // namespace
 
 void add_export_command(CLI::App& scene, Action& action) {
-  CLI::App* command = scene.add_subcommand("export", "a file for each step, for VTK before 9.3 and ParaView before 5.12");
+  CLI::App* command =
+      scene.add_subcommand("export", "a file for each step, for VTK before 9.3 and ParaView before 5.12");
   const auto options = std::make_shared<ExportOptions>();
   command->add_option("FILE", options->file, "sequence (VTKHDF), or the name of a scene")->required()->type_name("");
   command->add_option("--steps", options->steps, "steps k with A <= k < B; K alone: one")->type_name("A:B");

@@ -121,8 +121,8 @@ std::string named_count(ElementType type, std::uint64_t count) {
 std::string collapsed_text(const SequenceReader& reader) {
   std::string text;
   for (const auto& [types, count] : reader.collapsed_cells())
-    text += fmt::format("{}{} {} as {}", text.empty() ? "" : ", ", grouped(count),
-                        named_count(types.first, count), named_count(types.second, count));
+    text += fmt::format("{}{} {} as {}", text.empty() ? "" : ", ", grouped(count), named_count(types.first, count),
+                        named_count(types.second, count));
   return text;
 }
 
@@ -147,9 +147,8 @@ void print_mesh(const Report& report, const SequenceReader& reader, const Topolo
                  part_name(reader, object, named));
   }
   if (shown > kPartsShown) report.print("  and {} more\n", grouped(shown - kPartsShown));
-  report.print("  {:<12} {:>10}\n  {:<12} {:>10}\n  {:<12} {:>10}\n", "vertices used",
-               grouped(features.vertex_count()), "edges", grouped(features.edge_count()), "triangles",
-               grouped(features.triangle_count()));
+  report.print("  {:<12} {:>10}\n  {:<12} {:>10}\n  {:<12} {:>10}\n", "vertices used", grouped(features.vertex_count()),
+               "edges", grouped(features.edge_count()), "triangles", grouped(features.triangle_count()));
 }
 
 nlohmann::json mesh_json(const SequenceReader& reader, const Topology& topology, bool named) {

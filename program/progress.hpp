@@ -11,8 +11,8 @@
 
 namespace volccd {
 
-/// One line on stderr, rewritten in place: "detecting: 3 of 8 steps, 40 % of the next, 12.0 s left"; nothing where stderr
-/// is not a terminal. Every command that can take more than a second has one.
+/// One line on stderr, rewritten in place: "detecting: 3 of 8 steps, 40 % of the next, 12.0 s left"; nothing where
+/// stderr is not a terminal. Every command that can take more than a second has one.
 class Progress {
  public:
   /// `units`: what is counted, in the plural.

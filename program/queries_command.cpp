@@ -84,8 +84,7 @@ int compare_on_motions(const QueriesOptions& options, const Registry& registry, 
     for (int k = range.begin; k < range.end; ++k)
       compare_on_motion(
           options, registry, k,
-          [&](double share) { progress.advance(static_cast<std::size_t>(k - range.begin), share); },
-          record);
+          [&](double share) { progress.advance(static_cast<std::size_t>(k - range.begin), share); }, record);
   } catch (const Interrupted&) {
     if (record.groups.empty())
       throw Interrupted("interrupted before the first group of queries was complete: no result");

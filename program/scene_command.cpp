@@ -23,8 +23,9 @@ void add_simulated(const Report& report, nlohmann::json& list) {
   report.print("simulated\n");
   for (const SimulatedScene& scene : simulated_scenes()) {
     report.print("{}", labelled("  " + scene.name, scene.description, kIndentation));
-    report.print("{}", labelled("", fmt::format("--elements {} (about; --quick: {}) --steps {} --seed 1",
-                                                scene.default_elements, scene.quick_elements, scene.frames),
+    report.print("{}", labelled("",
+                                fmt::format("--elements {} (about; --quick: {}) --steps {} --seed 1",
+                                            scene.default_elements, scene.quick_elements, scene.frames),
                                 kIndentation + 2));
     nlohmann::json entry = scene_json(scene.name, "simulated", scene.description);
     entry["elements"] = scene.default_elements;
@@ -71,7 +72,8 @@ int list_scenes(const ReportOptions& options) {
 }  // namespace
 
 void add_scene_command(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("scene", "made-up sequences: list them, generate one; pictures and single steps of any");
+  CLI::App* command =
+      app.add_subcommand("scene", "made-up sequences: list them, generate one; pictures and single steps of any");
   command->require_subcommand(1);
   CLI::App* list_command = command->add_subcommand("list", "the scenes and their options");
   const auto options = std::make_shared<ReportOptions>();

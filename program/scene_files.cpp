@@ -19,8 +19,7 @@ BakeHooks BakeProgress::hooks() {
     if (!progress_) {
       // Frames of an earlier run took no time in this one.
       first_ = done;
-      progress_ =
-          std::make_unique<Progress>("simulating " + scene_, static_cast<std::size_t>(frames - done), "frames");
+      progress_ = std::make_unique<Progress>("simulating " + scene_, static_cast<std::size_t>(frames - done), "frames");
     }
     progress_->advance(static_cast<std::size_t>(done - first_));
   };
@@ -50,8 +49,9 @@ void check_name(const std::string& name_or_file) {
   if (name_or_file.find_first_of("/.") != std::string::npos || std::filesystem::exists(name_or_file)) return;
   const std::vector<std::string> names = scene_names();
   if (std::find(names.begin(), names.end(), name_or_file) != names.end()) return;
-  throw InputError(name_or_file, "", "is neither a file nor a scene; `volccd scene list` has the scenes" +
-                                         did_you_mean(name_or_file, names));
+  throw InputError(
+      name_or_file, "",
+      "is neither a file nor a scene; `volccd scene list` has the scenes" + did_you_mean(name_or_file, names));
 }
 
 }  // namespace
@@ -66,14 +66,13 @@ std::string sequence_file(const std::string& name_or_file, unsigned threads) {
 }
 
 std::string present_sequence_file(const std::string& name_or_file) {
-  if (const std::optional<std::string> file = file_to_simulate(name_or_file);
-      file && !std::filesystem::exists(*file)) {
+  if (const std::optional<std::string> file = file_to_simulate(name_or_file); file && !std::filesystem::exists(*file)) {
     const bool quick = name_or_file.ends_with("-quick");
     const std::string name = quick ? name_or_file.substr(0, name_or_file.size() - 6) : name_or_file;
-    throw ConfigError(
-        fmt::format("{} has not been simulated yet, which takes minutes: `volccd scene generate {}{} -o {}.vtkhdf` does "
-                    "it",
-                    name_or_file, name, quick ? " --quick" : "", name_or_file));
+    throw ConfigError(fmt::format(
+        "{} has not been simulated yet, which takes minutes: `volccd scene generate {}{} -o {}.vtkhdf` does "
+        "it",
+        name_or_file, name, quick ? " --quick" : "", name_or_file));
   }
   return sequence_file(name_or_file);
 }

@@ -17,13 +17,13 @@ template <class Stage>
 void add_stages(const Registry& registry, const char* purpose, const Report& report, nlohmann::json& list) {
   report.print("{}: {}\n", Stage::kRole, purpose);
   for (const StageDescriptor<Stage>& stage : registry.stages<Stage>()) {
-    report.print("{}", labelled("  " + stage.name, fmt::format("{} [{}]", stage.description, to_string(stage.guarantee)),
-                                23));
+    report.print(
+        "{}", labelled("  " + stage.name, fmt::format("{} [{}]", stage.description, to_string(stage.guarantee)), 23));
     for (const OptionInfo& option : stage.options)
-      report.print("{}", labelled("    " + stage.name + "." + option.name,
-                                  fmt::format("{} ({}; default {})", option.description, option.allowed,
-                                              option.default_value),
-                                  31));
+      report.print(
+          "{}",
+          labelled("    " + stage.name + "." + option.name,
+                   fmt::format("{} ({}; default {})", option.description, option.allowed, option.default_value), 31));
     list.push_back({{"name", stage.name},
                     {"role", Stage::kRole},
                     {"guarantee", to_string(stage.guarantee)},
@@ -46,15 +46,17 @@ std::string text_of(const std::vector<StageChoice>& choices) {
 }
 
 void add_pipelines(const Registry& registry, const Report& report, nlohmann::json& list) {
-  report.print("pipelines (--pipeline): broad phase | element culling | assignment | orphans | flood |\n"
-               "feature filters | narrow phase\n");
+  report.print(
+      "pipelines (--pipeline): broad phase | element culling | assignment | orphans | flood |\n"
+      "feature filters | narrow phase\n");
   for (const PipelineSpec& spec : registry.pipelines()) {
     report.print("{}", labelled("  " + spec.name, spec.description, 23));
-    report.print("{}", labelled("", fmt::format("{} | {} | {} | {} | {} | {} | {}", text_of(spec.broad_phase),
-                                                text_of(spec.element_culling), text_of(spec.assignment),
-                                                spec.orphans ? text_of(*spec.orphans) : "none",
-                                                spec.flood ? text_of(*spec.flood) : "none",
-                                                text_of(spec.feature_filters), text_of(spec.narrow_phase)),
+    report.print("{}", labelled("",
+                                fmt::format("{} | {} | {} | {} | {} | {} | {}", text_of(spec.broad_phase),
+                                            text_of(spec.element_culling), text_of(spec.assignment),
+                                            spec.orphans ? text_of(*spec.orphans) : "none",
+                                            spec.flood ? text_of(*spec.flood) : "none", text_of(spec.feature_filters),
+                                            text_of(spec.narrow_phase)),
                                 4));
     nlohmann::json entry = to_json(spec);
     entry["description"] = spec.description;

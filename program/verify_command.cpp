@@ -39,7 +39,7 @@ Registry with_settings(Registry registry, const std::vector<std::string>& settin
 }
 
 constexpr std::size_t kShownNames = 32;  ///< characters of the names of pipelines in a row of the table
-constexpr std::size_t kShown = 5;  ///< differences of a kind shown in full; all are counted
+constexpr std::size_t kShown = 5;        ///< differences of a kind shown in full; all are counted
 
 std::string text_of(const ContactRow& row) {
   const auto& v = row.ids;
@@ -58,10 +58,11 @@ std::vector<ContactRow> rows_of(int k, const std::vector<Contact>& contacts, con
   return rows;
 }
 
-void show(const Report& report, int k, const std::string& what, const std::vector<ElementPair>& pairs, const Mesh& mesh) {
+void show(const Report& report, int k, const std::string& what, const std::vector<ElementPair>& pairs,
+          const Mesh& mesh) {
   if (pairs.empty()) return;
   report.print("  step {}: {}: {} pairs of elements, first {} and {}\n", k, what, pairs.size(),
-             mesh.element_id(pairs.front().a), mesh.element_id(pairs.front().b));
+               mesh.element_id(pairs.front().a), mesh.element_id(pairs.front().b));
 }
 
 void show_overlaps(const Report& report, int k, const StepVerdict& verdict, const Mesh& mesh) {
@@ -79,8 +80,8 @@ void show_differences(const Report& report, int k, const StepVerdict& verdict, c
   for (const PipelineVerdict& one : verdict.pipelines) {
     if (one.difference.empty()) continue;
     report.print("  step {}: {} differs from {}: {} missing, {} extra, {} changed{}\n", k, one.pipeline,
-               verdict.reference, one.difference.missing.size(), one.difference.extra.size(),
-               one.difference.changed.size(), one.held ? "" : "; not counted, its narrow phase being approximate");
+                 verdict.reference, one.difference.missing.size(), one.difference.extra.size(),
+                 one.difference.changed.size(), one.held ? "" : "; not counted, its narrow phase being approximate");
     if (!one.held) continue;
     show(report, "missing", rows_of(k, one.difference.missing, mesh));
     show(report, "extra", rows_of(k, one.difference.extra, mesh));
@@ -97,8 +98,8 @@ void show_differences(const Report& report, int k, const StepVerdict& verdict, c
   for (std::size_t i = 0; i < std::min(verdict.fcl.violations.size(), kShown); ++i) {
     const OverlapViolation& v = verdict.fcl.violations[i];
     report.print("  step {}: FCL finds elements {} and {} overlapping by {:.3g} at t = {:g}, first contact {}\n", k,
-               mesh.element_id(v.pair.a), mesh.element_id(v.pair.b), v.depth, v.time,
-               std::isfinite(v.first_contact) ? fmt::format("{:.6f}", v.first_contact) : "none");
+                 mesh.element_id(v.pair.a), mesh.element_id(v.pair.b), v.depth, v.time,
+                 std::isfinite(v.first_contact) ? fmt::format("{:.6f}", v.first_contact) : "none");
   }
 }
 
@@ -196,8 +197,9 @@ class Verification {
     if (config_.leave_out_shell_neighbours)
       report_.print("left out of the contacts: {} of features that stem from one shell vertex\n", grouped(left_out_));
     if (!verifier_.skipped_pipelines().empty())
-      report_.print("{}", wrapped(fmt::format("left out, their narrow phase being approximate (--approximate runs them): {}\n",
-                                              fmt::join(verifier_.skipped_pipelines(), ", "))));
+      report_.print(
+          "{}", wrapped(fmt::format("left out, their narrow phase being approximate (--approximate runs them): {}\n",
+                                    fmt::join(verifier_.skipped_pipelines(), ", "))));
     const char* const in = steps.complete() ? "" : " in these steps";
     report_.print("{}\n", clean_ ? (steps.complete() ? "clean: no difference" : "no difference in these steps")
                                  : fmt::format("DIFFERENCES FOUND{}", in));
@@ -281,8 +283,9 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
   options->query.add_to(*command);
   options->sequence.add_parts_to(*command);
   options->report.add_to(*command);
-  command->add_option("--brute-force-limit", options->config.brute_force_limit,
-                      "elements up to which brute force is the reference; beyond, NavCCD")
+  command
+      ->add_option("--brute-force-limit", options->config.brute_force_limit,
+                   "elements up to which brute force is the reference; beyond, NavCCD")
       ->capture_default_str();
   command->add_flag(
       "--approximate", options->config.approximate,

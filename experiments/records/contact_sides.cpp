@@ -30,7 +30,8 @@ std::array<ContactSide, 2> contact_sides(const Contact& contact, const Topology&
   const Mesh& mesh = topology.mesh();
   const auto& v = contact.vertices;
   if (contact.kind == FeatureKind::vf)
-    return {side_of(features.vertex_elements(v[0]), mesh), side_of(triangle_elements(features, v[1], v[2], v[3]), mesh)};
+    return {side_of(features.vertex_elements(v[0]), mesh),
+            side_of(triangle_elements(features, v[1], v[2], v[3]), mesh)};
   return {side_of(edge_elements(features, v[0], v[1]), mesh), side_of(edge_elements(features, v[2], v[3]), mesh)};
 }
 

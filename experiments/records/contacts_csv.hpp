@@ -2,11 +2,11 @@
 //
 //     step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start,part_1,part_2,element_1,element_2
 //
-// step is the index k of the motion k -> k+1. Kind VF: a = vertex, b < c < d = triangle; kind EE: a < b, c < d, (a,b) <
-// (c,d); all are vertex ids. toi, normal and point have 17 significant digits, which give back the same double.
-// at_start is 1 or 0, as Contact::at_start. part_1 and element_1 are the ContactSide of the first feature (vertex, edge
-// a b), part_2 and element_2 that of the second. A file that ends before the last step asked for has a last line that begins
-// with kIncompleteMark and says which steps are complete, and why no more are.
+// step is the index k of the motion k -> k+1. Kind VF: a = vertex, b < c < d = triangle; kind EE: a < b, c < d, (a,b)
+// < (c,d); all are vertex ids. toi, normal and point have 17 significant digits, which give back the same double.
+// at_start is 1 or 0, as Contact::at_start. part_1 and element_1 are the ContactSide of the first feature (vertex,
+// edge a b), part_2 and element_2 that of the second. A file that ends before the last step asked for has a last line
+// that begins with kIncompleteMark and says which steps are complete, and why no more are.
 #pragma once
 
 #include <array>
@@ -23,8 +23,8 @@
 
 namespace volccd {
 
-/// A row. `normal` and `point` are zero, `at_start` is false, and `sides` are those of no element, where the file does not
-/// have them.
+/// A row. `normal` and `point` are zero, `at_start` is false, and `sides` are those of no element, where the file
+/// does not have them.
 struct ContactRow {
   std::int64_t step = 0;
   FeatureKind kind = FeatureKind::vf;
@@ -62,11 +62,11 @@ class ContactsCsvWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Rows in the order of the file, which is also read without its last columns: without those behind at_start, pz or toi.
-/// A file marked as incomplete is an error, unless `incomplete` is given: it receives the mark, or is empty. Throws InputError
-/// (file, "line", number of the line from 1): another header, wrong number of fields, not a number, an unknown kind,
-/// ids not in the order above or a common vertex, toi outside [0, 1], a number that is not finite, at_start neither 0
-/// nor 1, an element below -1, a last line without its end.
+/// Rows in the order of the file, which is also read without its last columns: without those behind at_start, pz or
+/// toi. A file marked as incomplete is an error, unless `incomplete` is given: it receives the mark, or is empty.
+/// Throws InputError (file, "line", number of the line from 1): another header, wrong number of fields, not a number,
+/// an unknown kind, ids not in the order above or a common vertex, toi outside [0, 1], a number that is not finite,
+/// at_start neither 0 nor 1, an element below -1, a last line without its end.
 std::vector<ContactRow> read_contacts_csv(const std::string& file, std::string* incomplete = nullptr);
 
 }  // namespace volccd

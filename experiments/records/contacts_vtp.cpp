@@ -16,9 +16,9 @@ class AppendedArrays {
   /// `values(row, component)` of each of `rows`.
   template <class T, class Values>
   std::string add(const char* type, const char* name, std::size_t rows, std::size_t components, Values&& values) {
-    const std::string tag =
-        fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n",
-                    type, name, components, bytes_.size());
+    const std::string tag = fmt::format(
+        "<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n", type,
+        name, components, bytes_.size());
     append(static_cast<std::uint64_t>(rows * components * sizeof(T)));
     for (std::size_t row = 0; row < rows; ++row)
       for (std::size_t c = 0; c < components; ++c) append(static_cast<T>(values(row, c)));
@@ -82,13 +82,13 @@ void ContactsVtpWriter::write(const std::string& comment) {
   std::string text = "<?xml version=\"1.0\"?>\n" + comment;
   text += fmt::format(
       "<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"{}\" header_type=\"UInt64\">\n<PolyData>\n"
-      "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"0\">\n",
+      "<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"0\" NumberOfStrips=\"0\" "
+      "NumberOfPolys=\"0\">\n",
       std::endian::native == std::endian::little ? "LittleEndian" : "BigEndian", n, n);
   text += point_data(rows_, times_, arrays);
-  text += "<Points>\n" +
-          arrays.add<double>("Float64", "Points", n, 3,
-                             [&](std::size_t i, std::size_t c) { return rows_[i].point[static_cast<int>(c)]; }) +
-          "</Points>\n<Verts>\n";
+  text += "<Points>\n" + arrays.add<double>("Float64", "Points", n, 3, [&](std::size_t i, std::size_t c) {
+    return rows_[i].point[static_cast<int>(c)];
+  }) + "</Points>\n<Verts>\n";
   text += arrays.add<std::int64_t>("Int64", "connectivity", n, 1, [](std::size_t i, std::size_t) { return i; });
   text += arrays.add<std::int64_t>("Int64", "offsets", n, 1, [](std::size_t i, std::size_t) { return i + 1; });
   text += "</Verts>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
@@ -102,11 +102,13 @@ void ContactsVtpWriter::finish() { write(""); }
 
 StepsDone ContactsVtpWriter::finish_incomplete(const StepsDone& steps) {
   // A step that was begun is none.
-  const auto begun = std::find_if(rows_.begin(), rows_.end(), [&](const ContactRow& row) { return row.step >= steps.done; });
+  const auto begun =
+      std::find_if(rows_.begin(), rows_.end(), [&](const ContactRow& row) { return row.step >= steps.done; });
   rows_.erase(begun, rows_.end());
   times_.resize(rows_.size());
   std::string text = steps.text();
-  for (std::size_t at = 0; (at = text.find("--", at)) != std::string::npos;) text.replace(at, 2, "- ");  // ends comments
+  for (std::size_t at = 0; (at = text.find("--", at)) != std::string::npos;)
+    text.replace(at, 2, "- ");  // ends comments
   write("<!-- incomplete: " + text + " -->\n");
   return steps;
 }

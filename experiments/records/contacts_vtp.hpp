@@ -14,10 +14,10 @@
 
 namespace volccd {
 
-/// A point per contact of all steps, at Contact::point, in the order of contacts.csv. Point data: Normal (3), Step (k of
-/// the motion k -> k+1), TimeOfImpact (in [0, 1] of the step), Time (of the sequence), Kind (0: VF, 1: EE), AtStart,
-/// Part1, Part2, Element1, Element2 (ContactSide), VertexIds (4). Written at the end: the contacts are kept in memory
-/// until then, about 200 bytes each.
+/// A point per contact of all steps, at Contact::point, in the order of contacts.csv. Point data: Normal (3), Step (k
+/// of the motion k -> k+1), TimeOfImpact (in [0, 1] of the step), Time (of the sequence), Kind (0: VF, 1: EE),
+/// AtStart, Part1, Part2, Element1, Element2 (ContactSide), VertexIds (4). Written at the end: the contacts are kept
+/// in memory until then, about 200 bytes each.
 class ContactsVtpWriter {
  public:
   /// Throws InputError if the file cannot be written.

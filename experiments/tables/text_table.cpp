@@ -133,8 +133,8 @@ std::string wrapped(const std::string& text, std::size_t width) {
 std::string labelled(const std::string& label, const std::string& text, std::size_t indentation) {
   // A label that is too long has a line of its own.
   const bool fits = label.size() < indentation;
-  std::string result = fits ? label + std::string(indentation - label.size(), ' ')
-                            : label + "\n" + std::string(indentation, ' ');
+  std::string result =
+      fits ? label + std::string(indentation - label.size(), ' ') : label + "\n" + std::string(indentation, ' ');
   const std::string lines = wrapped(text, kTextWidth - indentation);
   for (const char c : lines) {
     result += c;

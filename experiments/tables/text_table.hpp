@@ -52,8 +52,8 @@ struct TitledTable {
 /// indentation of a line, on those that go on with it.
 std::string wrapped(const std::string& text, std::size_t width = kTextWidth);
 
-/// `text` behind `label`, in lines of kTextWidth of which the others are indented to column `indentation`, which the label
-/// is filled up to. With a line break at the end.
+/// `text` behind `label`, in lines of kTextWidth of which the others are indented to column `indentation`, which the
+/// label is filled up to. With a line break at the end.
 std::string labelled(const std::string& label, const std::string& text, std::size_t indentation);
 
 /// Titles, tables and notes, one after the other; as text, in lines of kTextWidth.

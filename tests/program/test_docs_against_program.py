@@ -27,8 +27,8 @@ def text_of(name):
 
 
 class Stages:
-    """`stages --json`: stages by role, their guarantees, options (what is allowed, default); of each pipeline the cells of
-    docs/pipelines.md's table."""
+    """`stages --json`: stages by role, their guarantees, options (what is allowed, default); of each pipeline the
+    cells of docs/pipelines.md's table."""
 
     def __init__(self, program):
         shown = json.loads(run("stages", "--json", program=program).stdout)
@@ -268,7 +268,8 @@ class DocsAgainstProgram(unittest.TestCase):
                 else:
                     continue
                 seen += 1
-                self.assertIsNone(problem_in_command(words), f"{name}: {code}")
+                if name != "troubleshooting.md":  # its commands fail on purpose (test_how_to.py)
+                    self.assertIsNone(problem_in_command(words), f"{name}: {code}")
         self.assertGreater(seen, 60)
 
     def test_single_options_exist(self):

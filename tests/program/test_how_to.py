@@ -1,4 +1,5 @@
-"""docs/how_to.md: its commands work, in order, in one folder. docs/troubleshooting.md: its commands give the messages."""
+"""docs/how_to.md: its commands work, in order, in one folder. docs/troubleshooting.md: its commands give the messages
+above them."""
 
 import os
 import re
@@ -20,7 +21,8 @@ class HowTo(ProgramTest):
         words = shlex.split(command)
         self.assertEqual(words[0], "volccd", command)
         env = {**os.environ, "VOLCCD_CACHE": self.path("empty-cache"), "VOLCCD_DATA": self.path("absent")}
-        return subprocess.run([VOLCCD, *words[1:]], cwd=folder, env=env, capture_output=True, text=True, check=False)
+        return subprocess.run([os.path.abspath(VOLCCD), *words[1:]], cwd=folder, env=env, capture_output=True,
+                              text=True, check=False)
 
     def test_commands_work_in_order(self):
         folder = self.path("how-to")

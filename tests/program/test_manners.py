@@ -160,7 +160,8 @@ class Manners(ProgramTest):
                                 (["check", "csat", "--trials", "20"], "checking csat: 1 of 20 trials"),
                                 (["queries", self.sequence, "--candidates", "--steps", ":3", "--sample", "10"],
                                  "testing queries: 1 of 3 motions"),
-                                (["scene", "picture", self.sequence, "--step", "0,1,2", "--size", "300", "-o", os.devnull],
+                                (["scene", "picture", self.sequence, "--step", "0,1,2", "--size", "300", "-o",
+                                  os.devnull],
                                  "drawing: 1 of 3 panels"),
                                 (["scene", "generate", "builtin", "--elements", "200", "--steps", "5", "-o",
                                   self.path("x.vtkhdf")], "computing builtin: 1 of 5 frames")):

@@ -79,8 +79,9 @@ class Vtk(ProgramTest):
         self.assertEqual(read["messages"], [])
         self.assertEqual((len(read["points"]), read["cells"], set(read["types"])), (len(rows), len(rows), {1}))
         data = read["point_data"]
-        times = json.loads(self.good("info", self.sequence, "--json"))
-        time = {motion["motion"]: motion["time"] for motion in times["motions"]} | {times["steps"] - 1: times["end_time"]}
+        info = json.loads(self.good("info", self.sequence, "--json"))
+        time = {motion["motion"]: motion["time"] for motion in info["motions"]}
+        time[info["steps"] - 1] = info["end_time"]
         for i, row in enumerate(rows):
             row = dict(zip(header, row))
             number = lambda *names: [float(row[name]) for name in names]

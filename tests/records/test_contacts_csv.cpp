@@ -88,10 +88,12 @@ TEST(ContactsCsv, PairsOfParts) {
   };
   PartPairs pairs;
   add_part_pairs(2, {}, mesh, pairs);
-  add_part_pairs(3, std::vector{contact(FeatureKind::vf, {5, 0, 1, 2}, 0.75), contact(FeatureKind::ee, {0, 1, 5, 6}, 0.5)},
+  add_part_pairs(3,
+                 std::vector{contact(FeatureKind::vf, {5, 0, 1, 2}, 0.75), contact(FeatureKind::ee, {0, 1, 5, 6}, 0.5)},
                  mesh, pairs);
-  add_part_pairs(4, std::vector{contact(FeatureKind::vf, {0, 6, 7, 8}, 0.25), contact(FeatureKind::ee, {1, 2, 3, 4}, 0.125)},
-                 mesh, pairs);
+  add_part_pairs(
+      4, std::vector{contact(FeatureKind::vf, {0, 6, 7, 8}, 0.25), contact(FeatureKind::ee, {1, 2, 3, 4}, 0.125)}, mesh,
+      pairs);
   ASSERT_EQ(pairs.size(), 2u);
   const PartPairCount& between = pairs.at({3, 7});
   EXPECT_EQ(between.vf, 2u);

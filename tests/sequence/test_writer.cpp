@@ -17,7 +17,6 @@
 namespace volccd::test {
 namespace {
 
-
 void write_text(const std::string& file, const std::string& text) { std::ofstream(file) << text; }
 
 TEST(SequenceWriter, NothingIsThereBeforeFinish) {
