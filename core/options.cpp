@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <volccd/core/suggest.hpp>
+
 namespace volccd::detail {
 
 std::string to_text(bool value) { return value ? "true" : "false"; }
@@ -40,13 +42,14 @@ std::string range_text(double low, double high) {
 }
 
 void unknown_choice(const std::string& name, const std::string& text, const std::string& allowed) {
-  throw ConfigError(fmt::format("option {}: '{}' is none of {}", name, text, allowed));
+  throw ConfigError(fmt::format("option {}: '{}' is none of {}{}", name, text, allowed, did_you_mean(text, allowed)));
 }
 
 void unknown_option(const std::string& name, const std::vector<OptionInfo>& known) {
   std::string names;
   for (const OptionInfo& info : known) names += (names.empty() ? "" : ", ") + info.name;
-  throw ConfigError(fmt::format("no option '{}'; {}", name, names.empty() ? "there are none" : "there are " + names));
+  throw ConfigError(fmt::format("no option '{}'; {}{}", name, names.empty() ? "there are none" : "there are " + names,
+                                did_you_mean(name, names)));
 }
 
 }  // namespace volccd::detail

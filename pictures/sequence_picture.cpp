@@ -12,6 +12,7 @@
 #include <Eigen/Geometry>
 
 #include <volccd/core/error.hpp>
+#include <volccd/core/suggest.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
 #include <volccd/mesh/shells.hpp>
 #include <volccd/pictures/contact_marks.hpp>
@@ -133,7 +134,10 @@ class Composer {
  public:
   Composer(std::span<const PicturePanel> panels, const PictureConfig& config) : config_(config) {
     if (panels.empty()) throw ConfigError("a picture needs a file");
-    for (const PicturePanel& panel : panels) panels_.push_back(PanelReader(panel, config).read());
+    for (const PicturePanel& panel : panels) {
+      tell(0.5 * static_cast<double>(panels_.size()));
+      panels_.push_back(PanelReader(panel, config).read());
+    }
     for (const PanelData& panel : panels_) {
       parts_.insert(panel.parts.begin(), panel.parts.end());
       names_.insert(panel.part_names.begin(), panel.part_names.end());
@@ -154,6 +158,7 @@ class Composer {
     const Camera camera = Camera::fit(fit_, config_.view, panel_width_, view_height_);
     const int columns = this->columns();
     for (std::size_t i = 0; i < panels_.size(); ++i) {
+      tell(0.5 * static_cast<double>(panels_.size() + i));
       const int x = static_cast<int>(i) % columns * (panel_width_ + gap_);
       const int y = static_cast<int>(i) / columns * (view_height_ + caption_height_);
       image.paste(draw_panel(panels_[i], camera), x, y);
@@ -164,6 +169,11 @@ class Composer {
   }
 
  private:
+  /// Reading a panel, its contacts included, counts as much as drawing it.
+  void tell(double panels) const {
+    if (config_.progress) config_.progress(panels);
+  }
+
   std::string name_of(std::int32_t part) const {
     const auto found = names_.find(part);
     return found == names_.end() || found->second.empty() ? fmt::format("part {}", part) : found->second;
@@ -181,9 +191,16 @@ class Composer {
       for (const std::int32_t part : parts_)
         if (is_id ? part == id : lower(name_of(part)) == lower(word)) chosen.insert(part);
       if (chosen.size() == before && !(is_id && chosen.contains(id)))
-        throw ConfigError(fmt::format("{}: there is no part '{}'; there are {}", option, word, known_parts()));
+        throw ConfigError(fmt::format("{}: there is no part '{}'; there are {}{}", option, word, known_parts(),
+                                      did_you_mean(word, part_names())));
     }
     return chosen;
+  }
+
+  std::vector<std::string> part_names() const {
+    std::vector<std::string> names;
+    for (const std::int32_t part : parts_) names.push_back(name_of(part));
+    return names;
   }
 
   std::string known_parts() const {

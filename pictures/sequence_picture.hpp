@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -43,7 +44,9 @@ struct PictureConfig {
   bool text = true;        ///< captions and legend
   double mark_radius = 0;  ///< pixels; 0: by the size of the picture and the number of contacts
   double crease = 50;      ///< degrees: sharper edges are not shaded as round
-  unsigned threads = 1;
+  unsigned threads = 0;  ///< for the contacts; 0: as many as the machine has
+  /// Called from time to time with the number of panels that are done; may throw to stop.
+  std::function<void(double panels)> progress = {};
   RenderOptions render = {};
 };
 

@@ -8,6 +8,7 @@
 #include <volccd/broadphase/brute_force.hpp>
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/broadphase/spatial_hash.hpp>
+#include <volccd/core/suggest.hpp>
 #include <volccd/culling/all_pairs.hpp>
 #include <volccd/culling/boundary_flood.hpp>
 #include <volccd/culling/coplanarity_filter.hpp>
@@ -103,7 +104,16 @@ void set_option(PipelineSpec& spec, const std::string& stage, const std::string&
     choice->options[option] = value;
     found = true;
   }
-  if (!found) throw ConfigError(fmt::format("pipeline {} has no stage '{}'; it has {}", spec.name, stage, known));
+  if (!found) throw ConfigError(fmt::format("pipeline {} has no stage '{}'; it has {}{}", spec.name, stage, known,
+                                       did_you_mean(stage, known)));
+}
+
+[[noreturn]] void unknown_role(const std::string& role) {
+  const std::vector<std::string> known = {BroadPhase::kRole,    ElementCulling::kRole, Assignment::kRole,
+                                          OrphanSource::kRole,  Flood::kRole,          FeatureFilter::kRole,
+                                          NarrowPhase::kRole};
+  throw ConfigError(fmt::format("no role '{}'; there are {}, or stage.option=value{}", role, fmt::join(known, ", "),
+                                did_you_mean(role, known)));
 }
 
 void set_role(PipelineSpec& spec, const std::string& role, const std::string& value) {
@@ -119,9 +129,7 @@ void set_role(PipelineSpec& spec, const std::string& role, const std::string& va
   if (role == FeatureFilter::kRole) return spec.feature_filters.swap(stages);
   if (role == NarrowPhase::kRole) return one(spec.narrow_phase);
   if (role != OrphanSource::kRole && role != Flood::kRole)
-    throw ConfigError(fmt::format("no role '{}'; there are {}, {}, {}, {}, {}, {}, {}, or stage.option=value", role,
-                                  BroadPhase::kRole, ElementCulling::kRole, Assignment::kRole, OrphanSource::kRole,
-                                  Flood::kRole, FeatureFilter::kRole, NarrowPhase::kRole));
+    unknown_role(role);
   std::optional<StageChoice>& choice = role == Flood::kRole ? spec.flood : spec.orphans;
   choice.reset();
   if (!stages.empty()) one(choice.emplace());
@@ -186,7 +194,7 @@ void Registry::check_new(const std::string& name) const {
 }
 
 void Registry::unknown(const char* what, const std::string& name, const std::string& known) {
-  throw ConfigError(fmt::format("no {} '{}'; there are {}", what, name, known));
+  throw ConfigError(fmt::format("no {} '{}'; there are {}{}", what, name, known, did_you_mean(name, known)));
 }
 
 void Registry::add_pipeline(PipelineSpec spec) {

@@ -1,13 +1,18 @@
+#include <algorithm>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/experiments/verify/stage_check.hpp>
 #include <volccd/program/allocation_count.hpp>
 #include <volccd/program/commands.hpp>
+#include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>
+#include <volccd/program/report.hpp>
 #include <volccd/program/scene_files.hpp>
 
 namespace volccd {
@@ -18,6 +23,8 @@ struct CheckOptions {
   std::string stage, file, steps;
   std::vector<std::string> settings;
   StageCheckConfig config;
+  ReportOptions report;
+  unsigned threads = 0;
 };
 
 /// "name=value" or "stage.name=value".
@@ -30,18 +37,36 @@ void set_option(const CheckOptions& options, const std::string& setting, OptionV
   values[name] = setting.substr(equals + 1);
 }
 
-int print(const StageReport& report) {
-  fmt::print("{} ({}), declared {}\n\n", report.stage, report.role, to_string(report.guarantee));
+void print(const StageReport& report, const Report& out) {
+  out.print("{} ({}), declared {}\n\n", report.stage, report.role, to_string(report.guarantee));
   TextTable table({"promise", "answers", "broken", ""});
   for (const PromiseReport& one : report.promises)
     table.add({one.promise, grouped(one.checked), grouped(one.broken),
                one.kept() ? (one.required ? "kept" : "not promised") : "BROKEN"});
-  fmt::print("{}", table.text());
+  out.print("{}", table.text());
   for (const PromiseReport& one : report.promises)
-    if (!one.kept()) fmt::print("\n{}\n  {}\n", one.promise, one.example);
-  fmt::print("\n{}\n", report.kept() ? "all promises kept" : "PROMISES BROKEN");
-  return report.kept() ? kDone : kDifferent;
+    if (!one.kept()) out.print("\n{}\n  {}\n", one.promise, one.example);
+  out.print("\n{}\n", report.kept() ? "all promises kept" : "PROMISES BROKEN");
 }
+
+nlohmann::json to_json(const StageReport& report) {
+  nlohmann::json promises = nlohmann::json::array();
+  for (const PromiseReport& one : report.promises)
+    promises.push_back({{"promise", one.promise},
+                        {"required", one.required},
+                        {"checked", one.checked},
+                        {"broken", one.broken},
+                        {"kept", one.kept()},
+                        {"example", one.example}});
+  return {{"stage", report.stage},
+          {"role", report.role},
+          {"guarantee", to_string(report.guarantee)},
+          {"kept", report.kept()},
+          {"promises", promises}};
+}
+
+/// Several workers at least: that is what is tried.
+unsigned workers(unsigned threads) { return std::max(2u, threads > 0 ? threads : make_executor(0)->workers()); }
 
 int run(CheckOptions options, const Registry& registry) {
   for (const std::string& setting : options.settings) set_option(options, setting, options.config.options);
@@ -53,7 +78,20 @@ int run(CheckOptions options, const Registry& registry) {
     options.config.end_step = range.end;
   }
   options.config.allocation_count = allocation_count;
-  return print(check_stage(registry, options.stage, options.config));
+  options.config.threads = workers(options.threads);
+  const InterruptGuard guard;
+  std::optional<Progress> progress;
+  options.config.progress = [&](int done, int total) {
+    InterruptGuard::check();
+    if (done == 0) progress.emplace("checking " + options.stage, static_cast<std::size_t>(total), "trials");
+    progress->advance(static_cast<std::size_t>(done));
+  };
+  const StageReport report = check_stage(registry, options.stage, options.config);
+  progress.reset();
+  const Report out(options.report);
+  print(report, out);
+  out.write("check", to_json(report));
+  return report.kept() ? kDone : kDifferent;
 }
 
 }  // namespace
@@ -70,13 +108,16 @@ void add_check_command(CLI::App& app, const Registry& registry, Action& action) 
       ->capture_default_str();
   command->add_option("--seed", options->config.seed, "of the first trial; the next has the next seed")
       ->capture_default_str();
-  command->add_option("--threads", options->config.threads, "where several are tried")
-      ->check(CLI::Range(2u, kMaxThreads))
+  command
+      ->add_option("--threads", options->threads,
+                   "where several are tried; 0: as many as the machine has, two at least")
+      ->check(CLI::Range(0u, kMaxThreads))
+      ->type_name("N")
       ->capture_default_str();
+  options->report.add_to(*command);
   command->footer(
       "Tries the stage on generated tests and elements that touch or nearly do, judged in exact arithmetic: alone and "
-      "in\n"
-      "batches, with several workers, with a new state and with one that has seen other steps. Then in pipelines,\n"
+      "in batches, with several workers, with a new state and with one that has seen other steps. Then in pipelines, "
       "against those without it, on small colliding bodies and on FILE. What is not promised (approximate) is "
       "counted.\n"
       "Exit code 1 if a promise is broken; what is printed then repeats it: --seed N --trials 1.\n"

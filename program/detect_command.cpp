@@ -9,13 +9,15 @@
 #include <nlohmann/json.hpp>
 
 #include <volccd/core/output_file.hpp>
+#include <volccd/experiments/records/contacts_csv.hpp>
+#include <volccd/experiments/records/contacts_vtp.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
-#include <volccd/experiments/records/contacts_csv.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/output_plan.hpp>
 #include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>
+#include <volccd/program/report.hpp>
 #include <volccd/program/scene_files.hpp>
 #include <volccd/program/step_loop.hpp>
 
@@ -26,39 +28,50 @@ namespace {
 struct DetectOptions {
   SequenceOptions sequence;
   QueryOptions query;
-  std::string pipeline = "VolCCD", contacts, overlaps, stats;
+  ReportOptions report;
+  std::string pipeline = "VolCCD+", contacts, vtk, overlaps, stats;
   std::vector<std::string> settings;
   bool first = false;
 };
 
+constexpr std::size_t kPartPairsShown = 20;
+
 std::string time_text(double toi) { return std::isfinite(toi) ? fmt::format("{:.6f}", toi) : "-"; }
 
-std::vector<std::string> row_of(const std::string& title, const Statistics& s) {
-  return {title,
-          grouped(s.element_pairs),
-          grouped(s.surviving_pairs),
-          grouped(s.orphan_tests),
-          grouped(s.vf_tests),
-          grouped(s.ee_tests),
-          grouped(s.contacts),
-          grouped(s.initial_overlaps),
-          time_text(s.earliest_toi),
-          duration(s.seconds)};
+/// Milliseconds with three significant digits, or all that stand before the point.
+std::string milliseconds(double seconds) {
+  const double value = 1e3 * seconds;
+  return fmt::format("{:.{}f}", value, value >= 100 ? 0 : value >= 10 ? 1 : value >= 1 ? 2 : 3);
 }
 
-void print_stages(const Statistics& total, std::FILE* report) {
-  TextTable table({"stage", "name", "in", "out", "prepare", "run", "share"});
+std::vector<std::string> row_of(const std::string& title, const Statistics& s, bool overlaps) {
+  std::vector<std::string> row = {title,
+                                  grouped(s.element_pairs),
+                                  grouped(s.surviving_pairs),
+                                  grouped(s.vf_tests),
+                                  grouped(s.ee_tests),
+                                  grouped(s.contacts),
+                                  time_text(s.earliest_toi),
+                                  milliseconds(s.seconds)};
+  if (overlaps) row.insert(row.begin() + 6, grouped(s.initial_overlaps));
+  return row;
+}
+
+void print_stages(const Statistics& total, bool overlaps, const Report& report) {
+  TextTable table({"stage", "name", "in", "out", "prepare [ms]", "run [ms]", "share [%]"});
+  const auto share = [&](double seconds) {
+    return fmt::format("{:.1f}", 100 * seconds / std::max(total.seconds, 1e-300));
+  };
   double attributed = 0;
   for (const StageStatistics& stage : total.stages) {
+    if (stage.role == "initial-overlaps" && !overlaps) continue;
     attributed += stage.all_seconds();
-    table.add({stage.role, stage.name, grouped(stage.in), grouped(stage.out), duration(stage.prepare_seconds),
-               duration(stage.seconds),
-               fmt::format("{:.1f} %", 100 * stage.all_seconds() / std::max(total.seconds, 1e-300))});
+    table.add({stage.role, stage.name, grouped(stage.in), grouped(stage.out), milliseconds(stage.prepare_seconds),
+               milliseconds(stage.seconds), share(stage.all_seconds())});
   }
   const double rest = std::max(0.0, total.seconds - attributed);
-  table.add({"remainder", "", "", "", "", duration(rest),
-             fmt::format("{:.1f} %", 100 * rest / std::max(total.seconds, 1e-300))});
-  fmt::print(report, "\n{}", table.text());
+  table.add({"remainder", "", "", "", "", milliseconds(rest), share(rest)});
+  report.print("\n{}", table.text());
 }
 
 /// Runs the steps and keeps what the reports need.
@@ -74,30 +87,36 @@ class Detection {
         range_(parse_steps(options.sequence.steps, stepper_.motion_count(), options.sequence.file)),
         executor_(make_interruptible_executor(options.query.threads)),
         filter_(options.query.filter()),
-        request_(options.first ? Query::first : Query::all, true,
+        request_(options.first ? Query::first : Query::all, !options.overlaps.empty(),
                  options.query.leaves_out_shell_neighbours(options.sequence)) {
     warn_of_incomplete(reader_);
     plan_.input("FILE", options.sequence.file);
     plan_.output("--contacts", options.contacts);
+    plan_.output("--vtk", options.vtk);
     plan_.output("--overlaps", options.overlaps);
     plan_.output("--stats", options.stats);
+    if (options.report.json) plan_.output("--json", "-");
     plan_.check();
     if (!options.contacts.empty()) contacts_.emplace(options.contacts);
+    if (!options.vtk.empty()) vtk_.emplace(options.vtk);
     if (!options.overlaps.empty()) overlaps_.emplace(options.overlaps, "step,a,b");
     if (!options.stats.empty()) stats_.emplace(options.stats);
+    report_.emplace(options.report, plan_.report());
   }
 
   int run() {
-    const StepsDone steps = run_steps("detecting, step", range_, [this](int k) { run_step(k); });
+    const StepsDone steps = run_steps("detecting", range_, [this](int k) { run_step(k); });
     print_tables();
     if (contacts_) note(options_.contacts, "contacts", kept(*contacts_, steps), steps);
+    if (vtk_) note(options_.vtk, "contacts", kept(*vtk_, steps), steps);
     if (overlaps_) note(options_.overlaps, "initial overlaps", kept(*overlaps_, steps), steps);
     if (stats_) {
       stats_->write(stats(steps).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) + "\n");
       stats_->commit();
       note(options_.stats, "statistics", steps, steps);
     }
-    print_incomplete(steps, plan_.report());
+    if (report_->wants_json()) report_->write("detect", stats(steps));
+    print_incomplete(steps, report_->people());
     return exit_code(steps);
   }
 
@@ -114,11 +133,11 @@ class Detection {
   void note(const std::string& file, const char* what, const StepsDone& in_file, const StepsDone& done) {
     const char* const first = std::exchange(noted_, true) ? "" : "\n";
     if (in_file.done == in_file.begin)
-      fmt::print(plan_.report(), "{}{} could not be written to {}\n", first, what, file);
+      report_->print("{}{} could not be written to {}\n", first, what, file);
     else if (in_file.done < done.done)
-      fmt::print(plan_.report(), "{}{} written to {} up to step {}\n", first, what, file, in_file.done - 1);
+      report_->print("{}{} written to {} up to step {}\n", first, what, file, in_file.done - 1);
     else
-      fmt::print(plan_.report(), "{}{} written to {}\n", first, what, file);
+      report_->print("{}{} written to {}\n", first, what, file);
   }
 
   static PipelineSpec make_spec(const DetectOptions& options, const Registry& registry) {
@@ -132,8 +151,10 @@ class Detection {
     if (k == range_.begin) options_.query.check(stepper_);
     const Step step{stepper_.topology(), stepper_.motion(), filter_, options_.query.separation};
     pipeline_.run(step, workspace_, *executor_, result_, request_);
-    if (contacts_) contacts_->write_step(k, result_.contacts, stepper_.topology().mesh());
+    if (contacts_) contacts_->write_step(k, result_.contacts, stepper_.topology());
+    if (vtk_) vtk_->write_step(k, reader_.time(k), reader_.time(k + 1), result_.contacts, stepper_.topology());
     if (overlaps_) overlaps_->write_step(k, overlap_rows(k));
+    add_part_pairs(k, result_.contacts, stepper_.topology(), part_pairs_);
     steps_.push_back(result_.statistics);
     total_ += result_.statistics;
   }
@@ -151,27 +172,94 @@ class Detection {
   }
 
   void print_tables() {
-    TextTable table({"step", "element pairs", "after culling", "O-Set tests", "VF tests", "EE tests", "contacts",
-                     "overlaps at 0", "earliest t", "time"});
+    std::vector<std::string> header = {"step",     "element pairs", "after culling", "VF tests",
+                                       "EE tests", "contacts",      "earliest t",    "time [ms]"};
+    if (request_.initial_overlaps) header.insert(header.begin() + 6, "initial overlaps");
+    TextTable table(header);
     for (std::size_t i = 0; i < steps_.size(); ++i)
-      table.add(row_of(fmt::format("{}", range_.begin + static_cast<int>(i)), steps_[i]));
+      table.add(row_of(fmt::format("{}", range_.begin + static_cast<int>(i)), steps_[i], request_.initial_overlaps));
     table.rule();
-    table.add(row_of("all", total_));
-    fmt::print(plan_.report(), "{}: {}, {}, {} thread(s)\n\n{}", options_.sequence.file, spec_.name,
-               to_string(pipeline_.guarantee()), executor_->workers(), table.text());
-    fmt::print(plan_.report(), "\ncontacts at t = 0: {} of {}\n", grouped(total_.contacts_at_start),
-               grouped(total_.contacts));
+    table.add(row_of("all", total_, request_.initial_overlaps));
+    report_->print("{}: {}, {}, {} thread(s)\n\n{}", options_.sequence.file, spec_.name,
+                   to_string(pipeline_.guarantee()), executor_->workers(), table.text());
+    print_summary();
     if (request_.leave_out_shell_neighbours) print_left_out();
-    print_stages(total_, plan_.report());
+    print_part_pairs();
+    print_stages(total_, request_.initial_overlaps, *report_);
+  }
+
+  /// Index into `steps_` of the earliest contact, in the first step that has one; nothing without contacts.
+  std::optional<std::size_t> earliest_step() const {
+    for (std::size_t i = 0; i < steps_.size(); ++i)
+      if (std::isfinite(steps_[i].earliest_toi)) return i;
+    return std::nullopt;
+  }
+
+  void print_summary() {
+    if (total_.adjacent_pairs > 0)
+      report_->print("\nelement pairs: with {} adjacent ones, elements with themselves included\n",
+                     grouped(total_.adjacent_pairs));
+    else
+      report_->print("\nelement pairs: without adjacent ones\n");
+    if (const std::optional<std::size_t> i = earliest_step()) {
+      const int k = range_.begin + static_cast<int>(*i);
+      const double toi = steps_[*i].earliest_toi;
+      report_->print("earliest contact: step {}, t = {:.6f} of the step, time {:.6g}{}\n", k, toi,
+                     reader_.time(k) + toi * (reader_.time(k + 1) - reader_.time(k)), time_unit());
+    }
+    report_->print("contacts at t = 0: {} of {}\n", grouped(total_.contacts_at_start), grouped(total_.contacts));
+  }
+
+  std::string time_unit() const {
+    const std::string& unit = reader_.metadata().time_unit;
+    return unit.empty() ? unit : " [" + unit + "]";
+  }
+
+  std::string part_name(std::int64_t part) const {
+    const auto& names = reader_.metadata().part_names;
+    const auto found = names.find(static_cast<std::int32_t>(part));
+    if (options_.sequence.parts != "stored" || found == names.end() || found->second.empty())
+      return std::to_string(part);
+    return fmt::format("{} {}", part, found->second.substr(0, 24));
+  }
+
+  /// The pairs with the most contacts.
+  void print_part_pairs() const {
+    if (part_pairs_.empty() || !report_->for_people()) return;
+    std::vector<PartPairs::const_pointer> pairs;
+    for (const PartPairs::value_type& pair : part_pairs_) pairs.push_back(&pair);
+    const auto contacts = [](const auto* pair) { return pair->second.vf + pair->second.ee; };
+    std::stable_sort(pairs.begin(), pairs.end(),
+                     [&](const auto* a, const auto* b) { return contacts(a) > contacts(b); });
+    TextTable table({"part", "and part", "VF contacts", "EE contacts", "first in step", "at t"}, 2);
+    for (std::size_t i = 0; i < std::min(pairs.size(), kPartPairsShown); ++i) {
+      const auto& [parts, count] = *pairs[i];
+      table.add({part_name(parts.first), parts.first == parts.second ? "(itself)" : part_name(parts.second),
+                 grouped(count.vf), grouped(count.ee), std::to_string(count.first_step), time_text(count.first_toi)});
+    }
+    report_->print("\n{}", table.text());
+    if (pairs.size() > kPartPairsShown)
+      report_->print("and {} more pairs of parts: --json has them all\n", grouped(pairs.size() - kPartPairsShown));
+  }
+
+  nlohmann::json part_pairs_json() const {
+    nlohmann::json pairs = nlohmann::json::array();
+    for (const auto& [parts, count] : part_pairs_)
+      pairs.push_back({{"parts", {parts.first, parts.second}},
+                       {"vf_contacts", count.vf},
+                       {"ee_contacts", count.ee},
+                       {"first_step", count.first_step},
+                       {"first_toi", count.first_toi}});
+    return pairs;
   }
 
   void print_left_out() const {
     const char* const count =
         "contacts of features that stem from one shell vertex; --shell-neighbours keep takes them in";
     if (options_.first)
-      fmt::print(plan_.report(), "left out, not counted with --first: {}\n", count);
+      report_->print("left out, not counted with --first: {}\n", count);
     else
-      fmt::print(plan_.report(), "left out: {} {}\n", grouped(total_.left_out), count);
+      report_->print("left out: {} {}\n", grouped(total_.left_out), count);
   }
 
   nlohmann::json stats(const StepsDone& done) const {
@@ -187,6 +275,7 @@ class Detection {
             {"steps_done", done.done - done.begin},
             {"stopped_by", done.complete() ? nlohmann::json(nullptr) : nlohmann::json(done.stopped_by)},
             {"query", options_.first ? "first" : "all"},
+            {"initial_overlaps", request_.initial_overlaps},
             {"pairs", options_.query.pairs},
             {"parts", options_.sequence.parts},
             {"separation", options_.query.separation},
@@ -198,6 +287,9 @@ class Detection {
             {"pipeline", to_json(pipeline_)},
             {"machine", machine_facts()},
             {"steps", steps},
+            {"earliest_step", earliest_step() ? nlohmann::json(range_.begin + static_cast<int>(*earliest_step()))
+                                              : nlohmann::json(nullptr)},
+            {"part_pairs", part_pairs_json()},
             {"total", to_json(total_)}};
   }
 
@@ -213,13 +305,16 @@ class Detection {
   ObjectFilter filter_;
   Request request_;
   OutputPlan plan_;
+  std::optional<Report> report_;
   std::optional<ContactsCsvWriter> contacts_;
+  std::optional<ContactsVtpWriter> vtk_;
   std::optional<StepTextWriter> overlaps_;
   std::optional<OutputFile> stats_;
   bool noted_ = false;
   StepResult result_;
   std::vector<Statistics> steps_;
   Statistics total_;
+  PartPairs part_pairs_;
 };
 
 }  // namespace
@@ -233,19 +328,26 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
       ->type_name("X=Y")
       ->allow_extra_args(false);
   command->add_option("--contacts", options->contacts, "write the contacts as CSV")->type_name("FILE");
-  command->add_option("--overlaps", options->overlaps, "write the elements that overlap at the start of a step as CSV")
+  command
+      ->add_option("--vtk", options->vtk,
+                   "write the contacts as points for ParaView (.vtp): normals, times, kinds, parts")
+      ->type_name("FILE");
+  command
+      ->add_option("--overlaps", options->overlaps,
+                   "find the elements that overlap at the start of a step, too, and write them as CSV")
       ->type_name("FILE");
   command->add_option("--stats", options->stats, "write counts and times as JSON")->type_name("FILE");
   command->add_flag("--first", options->first, "the earliest contact of each step alone, found faster");
   options->query.add_to(*command);
   options->sequence.add_parts_to(*command);
+  options->report.add_to(*command);
   command->footer(
       "FILE of an output: `-` and /dev/stdout stream, and the tables then go to stderr; devices and FIFOs are written "
-      "to,\n"
-      "links are followed. Ctrl-C or an error keeps the steps that were complete: the last line of a CSV file is then\n"
-      "`# incomplete: ...`, in the JSON file \"complete\" is false, and the exit code is 130 or 2.\n"
+      "to, links are followed. Ctrl-C or an error keeps the steps that were complete: the last line of a CSV file is "
+      "then `# incomplete: ...`, in the JSON file \"complete\" is false, and the exit code is 130 or 2.\n"
       "Examples:\n"
       "  volccd detect run.vtkhdf --contacts contacts.csv --stats stats.json\n"
+      "  volccd detect run.vtkhdf --vtk contacts.vtp --quiet\n"
       "  volccd detect run.vtkhdf --steps 4:8 --pipeline NavCCD --threads 2\n"
       "  volccd detect run.vtkhdf --pipeline VolCCD --set csat.axis=optimal --set broad-phase=spatial-hash\n"
       "  volccd detect crash.vtkhdf --shells solid --pairs inter --first\n"

@@ -2,12 +2,16 @@
 #include <cstdio>
 #include <filesystem>
 #include <map>
+#include <optional>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <volccd/core/output_file.hpp>
+#include <volccd/core/suggest.hpp>
 #include <volccd/experiments/harness/run.hpp>
 #include <volccd/experiments/records/record_file.hpp>
+#include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/scenes/sequences.hpp>
 #include <volccd/experiments/scenes/shared_data.hpp>
@@ -16,10 +20,12 @@
 #include <volccd/experiments/tables/compare_records.hpp>
 #include <volccd/experiments/tables/feature_sets.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
+#include <volccd/program/command_line.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/output_plan.hpp>
 #include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>
+#include <volccd/program/report.hpp>
 #include <volccd/program/scene_files.hpp>
 #include <volccd/program/step_loop.hpp>
 
@@ -31,8 +37,21 @@ struct ExperimentOptions {
   std::vector<std::string> names, pipelines, settings;
   std::string output = "results";
   bool quick = false, full = false;
-  unsigned threads = 1;
+  std::optional<unsigned> threads;
+  ReportOptions report;
+
+  /// What is timed runs on one thread, as in the paper, unless asked otherwise; simulations on all.
+  unsigned timed_threads() const { return threads.value_or(1); }
+  unsigned simulation_threads() const { return threads.value_or(0); }
 };
+
+/// What one experiment leaves, for --json.
+using Finished = std::vector<nlohmann::json>;
+
+void add_finished(const std::string& name, const std::string& record, bool complete, const std::string& text,
+                  Finished& finished) {
+  finished.push_back({{"experiment", name}, {"record", record}, {"complete", complete}, {"text", text}});
+}
 
 void make_folder(const std::string& folder) {
   std::error_code error;
@@ -57,21 +76,24 @@ void check_outputs(const ExperimentOptions& options, const std::string& name, co
 /// Prints the tables and writes them and the record: an incomplete one never in the place of a whole one of another
 /// run.
 void keep(const ExperimentOptions& options, const std::string& name, const nlohmann::json& record,
-          const std::string& tables, bool complete) {
+          const std::string& tables, bool complete, Finished& finished) {
+  const Report report(options.report);
   const std::string file = record_file(options, name, complete ? ".json" : ".incomplete.json");
-  fmt::print("{}\n", tables);  // first: a disk that is full does not take them
+  report.print("{}\n", tables);  // first: a disk that is full does not take them
   write_text_file(file, record.dump(complete && record.is_array() ? 1 : 2) + "\n");
   write_text_file(record_file(options, name, complete ? ".txt" : ".incomplete.txt"), tables);
-  fmt::print("record: {}\n", file);
+  report.print("record: {}\n", file);
+  add_finished(name, file, complete, tables, finished);
 }
 
 /// Sequence of a scene for a table: a run of another program if it is there, or a made-up motion of a mesh that is; a
 /// simulated scene, or the built-in one, from the cache, after making it if need be.
 std::optional<std::string> scene_file(const ExperimentOptions& options, const std::string& name) {
+  const Report report(options.report);
   if (is_deformed_scene(name)) {
     const std::optional<std::string> file = deformed_scene_file(name);
     if (!file)
-      fmt::print("the mesh of {} is not there (VOLCCD_DATA names its folder): the tables do without it\n", name);
+      report.print("the mesh of {} is not there (VOLCCD_DATA names its folder): the tables do without it\n", name);
     return file;
   }
   constexpr const char* kShared[] = {"ls-dyna-projectile", "octopus2-105k", "cloth-ball", "rod-twist"};
@@ -79,11 +101,11 @@ std::optional<std::string> scene_file(const ExperimentOptions& options, const st
                         std::any_of(std::begin(kShared), std::end(kShared), [&](const char* o) { return name == o; });
   const std::string file = external ? shared_data_path(name + ".vtkhdf") : "";
   if (external && !std::filesystem::exists(file)) {
-    fmt::print("{} is not there (VOLCCD_DATA names another folder): the tables do without it\n", file);
+    report.print("{} is not there (VOLCCD_DATA names another folder): the tables do without it\n", file);
     return std::nullopt;
   }
-  if (name == "builtin") fmt::print("taking the built-in sequence\n");
-  return external ? file : sequence_file(name, options.threads);
+  if (name == "builtin") report.print("taking the built-in sequence\n");
+  return external ? file : sequence_file(name, options.simulation_threads());
 }
 
 /// Options that the experiment would ignore are refused.
@@ -104,16 +126,21 @@ int same_contacts(const ExperimentKind& kind, const Registry& registry, const Ex
 }
 
 /// Runs what the record of an earlier, interrupted run does not have, and writes record and tables.
-int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const Registry& registry) {
+int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const Registry& registry,
+             Finished& finished) {
+  const Report report(options.report);
   const InterruptGuard guard;
   make_folder(options.output);
-  const auto executor = make_interruptible_executor(options.threads);
+  const auto executor = make_interruptible_executor(options.timed_threads());
   std::unique_ptr<Progress> of_rows;
-  const PlanContext context{registry, options.full, options.pipelines, options.settings,
-                            [&](const std::string& name) { return scene_file(options, name); }, executor.get(),
+  const PlanContext context{registry,
+                            options.full,
+                            options.pipelines,
+                            options.settings,
+                            [&](const std::string& name) { return scene_file(options, name); },
+                            executor.get(),
                             [&](std::size_t done, std::size_t total) {
-                              if (!of_rows)
-                                of_rows = std::make_unique<Progress>(fmt::format("{}, scene", kind.name), total);
+                              if (!of_rows) of_rows = std::make_unique<Progress>(kind.name, total, "scenes");
                               of_rows->advance(done);
                               InterruptGuard::check();
                             }};
@@ -127,13 +154,13 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
     identity[fact] = facts.at(fact);
   RecordFile record(options.output, kind.name, identity);
   if (record.set_aside())
-    fmt::print("{}: rows of another build or plan, kept as {}\n", record.incomplete_file(), record.old_file());
+    report.print("{}: rows of another build or plan, kept as {}\n", record.incomplete_file(), record.old_file());
   if (record.resumed() > 0)
-    fmt::print("{}: going on, {} window(s) are there\n", record.incomplete_file(), record.resumed());
+    report.print("{}: going on, {} window(s) are there\n", record.incomplete_file(), record.resumed());
   try {
     if (kind.rows && !record.has("rows")) record.add("rows", kind.rows(context));
     of_rows.reset();
-    Progress progress(fmt::format("{}, run", kind.name), measured_runs(plan));
+    Progress progress(kind.name, measured_runs(plan), "runs");
     run_experiment(registry, plan, *executor, record, [&](std::size_t done, std::size_t) {
       progress.advance(done);
       InterruptGuard::check();
@@ -145,9 +172,10 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
   nlohmann::json whole = {{"rows", record.rows()}, {"provenance", facts}};
   record.finish(facts, kind.summary ? kind.summary(whole) : nlohmann::json::array());
   const std::string tables = render(kind.tables(whole), TableFormat::text);
-  fmt::print("{}\n", tables);
+  report.print("{}\n", tables);
   write_text_file(record_file(options, kind.name, ".txt"), tables);
-  fmt::print("record: {}\n", record.file());
+  report.print("record: {}\n", record.file());
+  add_finished(kind.name, record.file(), true, tables, finished);
   return same_contacts(kind, registry, plan, record.rows());
 }
 
@@ -167,11 +195,11 @@ Baked bake_for(const ExperimentOptions& options, const SimulatedScene& scene, Ex
 
 /// A record for each scene that is `wanted`. Those that are complete are kept when one fails or is interrupted.
 int run_on_scenes(const ExperimentOptions& options, const std::string& name, bool (*wanted)(const SimulatedScene&),
-                  RecordOfScene measure, std::string (*table)(const std::vector<nlohmann::json>&)) {
+                  RecordOfScene measure, std::string (*table)(const std::vector<nlohmann::json>&), Finished& finished) {
   const InterruptGuard guard;
   make_folder(options.output);
   check_outputs(options, name);
-  const auto executor = make_executor(options.threads);
+  const auto executor = make_executor(options.simulation_threads());
   std::vector<nlohmann::json> records;
   std::string stopped_by;
   int code = kDone;
@@ -184,7 +212,8 @@ int run_on_scenes(const ExperimentOptions& options, const std::string& name, boo
     for (const SimulatedScene& scene : simulated_scenes()) {
       if (!wanted(scene)) continue;
       const Baked baked = bake_for(options, scene, *executor);
-      records.push_back(record_with_progress(scene.name, baked.file, baked.record, options.threads, measure));
+      records.push_back(
+          record_with_progress(scene.name, baked.file, baked.record, options.simulation_threads(), measure));
     }
   } catch (const Interrupted& error) {
     stop(error, kInterrupted);
@@ -192,45 +221,55 @@ int run_on_scenes(const ExperimentOptions& options, const std::string& name, boo
     stop(error, kBadInput);
   }
   if (code == kDone) {
-    keep(options, name, records, table(records), true);
+    keep(options, name, records, table(records), true, finished);
     return kDone;
   }
   const std::string text = fmt::format("{} scene(s) are complete; {}", records.size(), stopped_by);
   keep(options, name, {{"complete", false}, {"stopped_by", stopped_by}, {"records", records}},
-       fmt::format("incomplete: {}\n\n{}", text, table(records)), false);
+       fmt::format("incomplete: {}\n\n{}", text, table(records)), false, finished);
   fmt::print(stderr, "volccd: incomplete: {}\n", text);
   return code;
 }
 
-int run_scenes(const ExperimentOptions& options, const Registry&) {
+int run_scenes(const ExperimentOptions& options, Finished& finished) {
   return run_on_scenes(
       options, "scenes", [](const SimulatedScene& scene) { return scene.variant_of.empty(); }, scene_record,
-      scene_table);
+      scene_table, finished);
 }
 
-int run_feature_sets(const ExperimentOptions& options, const Registry&) {
+int run_feature_sets(const ExperimentOptions& options, Finished& finished) {
   return run_on_scenes(
       options, "feature_sets",
       [](const SimulatedScene& scene) { return scene.name == "bullet" || scene.variant_of == "bullet"; },
-      feature_set_record, feature_set_table);
+      feature_set_record, feature_set_table, finished);
 }
 
 /// Experiments whose records have a form of their own.
 struct OtherExperiment {
   const char *name, *description;
-  int (*run)(const ExperimentOptions& options, const Registry& registry);
+  int (*run)(const ExperimentOptions& options, Finished& finished);
+  const char* record;  ///< its file, without ".json"
+  std::string (*table)(const std::vector<nlohmann::json>& records);
 };
 
 constexpr OtherExperiment kOthers[] = {
-    {"scenes", "the simulated scenes: sizes, motion, contacts, edits, energy (--quick: the small sizes)", run_scenes},
+    {"scenes", "the simulated scenes: sizes, motion, contacts, edits, energy (--quick: the small sizes)", run_scenes,
+     "scenes", scene_table},
     {"feature-sets", "Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's",
-     run_feature_sets}};
+     run_feature_sets, "feature_sets", feature_set_table}};
 
-std::string known_experiments() {
-  std::string known;
-  for (const ExperimentKind& kind : experiment_kinds()) known += std::string(kind.name) + ", ";
-  for (const OtherExperiment& other : kOthers) known += std::string(other.name) + ", ";
-  return known + "all";
+std::vector<std::string> known_experiments() {
+  std::vector<std::string> known;
+  for (const ExperimentKind& kind : experiment_kinds()) known.emplace_back(kind.name);
+  for (const OtherExperiment& other : kOthers) known.emplace_back(other.name);
+  known.emplace_back("all");
+  return known;
+}
+
+[[noreturn]] void unknown_experiment(const char* what, const std::string& name) {
+  const std::vector<std::string> known = known_experiments();
+  throw ConfigError(
+      fmt::format("no {} '{}'; there are {}{}", what, name, fmt::join(known, ", "), did_you_mean(name, known)));
 }
 
 const ExperimentKind* find_kind(const std::string& name) {
@@ -245,9 +284,9 @@ const OtherExperiment* find_other(const std::string& name) {
   return nullptr;
 }
 
-int run_one(const std::string& name, const ExperimentOptions& options, const Registry& registry) {
-  if (const ExperimentKind* kind = find_kind(name)) return run_kind(*kind, options, registry);
-  return find_other(name)->run(options, registry);
+int run_one(const std::string& name, const ExperimentOptions& options, const Registry& registry, Finished& finished) {
+  if (const ExperimentKind* kind = find_kind(name)) return run_kind(*kind, options, registry, finished);
+  return find_other(name)->run(options, finished);
 }
 
 /// All of them: further pipelines and settings go to those that take them. Small scenes, unless --full.
@@ -271,43 +310,87 @@ int run(const ExperimentOptions& options, const Registry& registry) {
       jobs.insert(jobs.end(), all.begin(), all.end());
       continue;
     }
-    if (!find_kind(name) && !find_other(name))
-      throw ConfigError(fmt::format("no experiment '{}'; there are {}", name, known_experiments()));
+    if (!find_kind(name) && !find_other(name)) unknown_experiment("experiment", name);
     check_options(find_kind(name), name, options);
     jobs.emplace_back(name, options);
   }
+  Finished finished;
   int code = kDone;  // other contacts in one experiment are no reason to leave out the next
   for (const auto& [name, own] : jobs) {
-    const int one = run_one(name, own, registry);
+    const int one = run_one(name, own, registry, finished);
     if (one != kDone) code = one;
     if (one != kDone && one != kDifferent) break;
   }
+  Report(options.report).write("experiment run", {{"experiments", finished}});
   return code;
 }
 
 struct TableOptions {
   std::string name, results = "results", format = "text", output = "-";
+  ReportOptions report;
 };
 
+nlohmann::json tables_json(const std::string& name, const std::vector<TitledTable>& tables) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const TitledTable& table : tables) {
+    nlohmann::json entry = to_json(table.table);
+    entry["title"] = table.title;
+    entry["note"] = table.note;
+    list.push_back(std::move(entry));
+  }
+  return {{"experiment", name}, {"tables", list}};
+}
+
+/// Text is all that these have.
+int print_other_table(const OtherExperiment& other, const TableOptions& options) {
+  if (options.format != "text") throw ConfigError(fmt::format("--format: the table of {} is text only", options.name));
+  const std::string file = (std::filesystem::path(options.results) / (std::string(other.record) + ".json")).string();
+  const nlohmann::json records = read_json_file(file);
+  if (!records.is_array()) throw InputError(file, "", "is not the record of a complete run");
+  const std::string text = other.table(records.get<std::vector<nlohmann::json>>());
+  Report(options.report)
+      .write("experiment table", {{"experiment", options.name}, {"tables", nlohmann::json::array()}, {"text", text}});
+  if (!is_standard_output(options.output) || !(options.report.json || options.report.quiet))
+    write_text_file(options.output, text);
+  return kDone;
+}
+
 int print_table(const TableOptions& options) {
+  if (const OtherExperiment* other = find_other(options.name)) return print_other_table(*other, options);
   const ExperimentKind* kind = find_kind(options.name);
-  if (!kind) throw ConfigError(fmt::format("no tables of '{}'; there are {}", options.name, known_experiments()));
+  if (!kind) unknown_experiment("tables of", options.name);
   const std::string file = (std::filesystem::path(options.results) / (options.name + ".json")).string();
   const std::map<std::string, TableFormat> formats = {{"text", TableFormat::text},
                                                       {"markdown", TableFormat::markdown},
                                                       {"csv", TableFormat::csv},
                                                       {"latex", TableFormat::latex}};
-  write_text_file(options.output, render(kind->tables(read_record(file)), formats.at(options.format)));
+  const std::vector<TitledTable> tables = kind->tables(read_record(file));
+  Report(options.report).write("experiment table", tables_json(options.name, tables));
+  const bool to_screen = is_standard_output(options.output);
+  if (!to_screen || !(options.report.json || options.report.quiet))
+    write_text_file(options.output, render(tables, formats.at(options.format)));
   return kDone;
 }
 
-int compare(const std::string& a, const std::string& b) {
-  const RecordComparison result = compare_records(a, b);
-  if (result.slower + result.faster + result.other_counts > 0) fmt::print("{}\n", result.table.text());
-  fmt::print("{} compared: {} slower, {} faster beyond the spread, {} with other counts\n", result.compared,
-             result.slower, result.faster, result.other_counts);
+struct CompareOptions {
+  std::string a, b;
+  ReportOptions report;
+};
+
+int compare(const CompareOptions& options) {
+  const Report report(options.report);
+  const RecordComparison result = compare_records(options.a, options.b);
+  report.write("experiment compare", {{"compared", result.compared},
+                                      {"slower", result.slower},
+                                      {"faster", result.faster},
+                                      {"other_counts", result.other_counts},
+                                      {"single", result.single},
+                                      {"differences", to_json(result.table)}});
+  if (result.slower + result.faster + result.other_counts > 0) report.print("{}\n", result.table.text());
+  report.print("{} compared: {} slower, {} faster beyond the spread, {} with other counts\n", result.compared,
+               result.slower, result.faster, result.other_counts);
   if (result.single > 0)
-    fmt::print("{} with a single round: their spread is unknown, and their times are not judged\n", result.single);
+    report.print("{} with a single round: their spread is unknown, and their times are not judged\n", result.single);
   return result.slower + result.other_counts > 0 ? kDifferent : kDone;
 }
 
@@ -317,24 +400,46 @@ void add_table_command(CLI::App& command, Action& action) {
   table->add_option("NAME", options->name, "the experiment")->required();
   table->add_option("--results", options->results, "folder with its record")->capture_default_str();
   table->add_option("--format", options->format, "text, markdown, csv or latex (booktabs)")
-      ->check(CLI::IsMember({"text", "markdown", "csv", "latex"}))
+      ->check(one_of({"text", "markdown", "csv", "latex"}))
       ->capture_default_str();
   table->add_option("-o,--output", options->output, "file; - is the standard output")->capture_default_str();
+  options->report.add_to(*table);
   table->footer("Example:\n  volccd experiment table table1 --results results/ --format latex -o table1.tex");
   table->callback([options, &action] { action = [options] { return print_table(*options); }; });
 }
 
 void add_compare_command(CLI::App& command, Action& action) {
-  const auto folders = std::make_shared<std::pair<std::string, std::string>>();
+  const auto options = std::make_shared<CompareOptions>();
   CLI::App* compare_command =
       command.add_subcommand("compare", "what changed between two folders of records, beyond the spread");
-  compare_command->add_option("A", folders->first, "folder of the records before")->required();
-  compare_command->add_option("B", folders->second, "folder of the records after")->required();
+  compare_command->add_option("A", options->a, "folder of the records before")->required();
+  compare_command->add_option("B", options->b, "folder of the records after")->required();
   compare_command->footer(
       "Exit code 1 where something became slower beyond the spread of its rounds and 3 %, or counts differ.\n"
       "Example:\n  volccd experiment compare results/ build/results/");
-  compare_command->callback(
-      [folders, &action] { action = [folders] { return compare(folders->first, folders->second); }; });
+  options->report.add_to(*compare_command);
+  compare_command->callback([options, &action] { action = [options] { return compare(*options); }; });
+}
+
+int list_experiments(const ReportOptions& options) {
+  const Report report(options);
+  nlohmann::json list = nlohmann::json::array();
+  const auto add = [&](const char* name, const char* description) {
+    report.print("{}", labelled(name, description, 13));
+    list.push_back({{"name", name}, {"description", description}});
+  };
+  for (const ExperimentKind& kind : experiment_kinds()) add(kind.name, kind.description);
+  for (const OtherExperiment& other : kOthers) add(other.name, other.description);
+  add("all", "all of these");
+  report.write("experiment list", {{"experiments", list}});
+  return kDone;
+}
+
+void add_list_command(CLI::App& command, Action& action) {
+  CLI::App* list = command.add_subcommand("list", "what there is");
+  const auto options = std::make_shared<ReportOptions>();
+  options->add_to(*list);
+  list->callback([options, &action] { action = [options] { return list_experiments(*options); }; });
 }
 
 }  // namespace
@@ -342,15 +447,7 @@ void add_compare_command(CLI::App& command, Action& action) {
 void add_experiment_command(CLI::App& app, const Registry& registry, Action& action) {
   CLI::App* command = app.add_subcommand("experiment", "measurements that give the tables");
   command->require_subcommand(1);
-  CLI::App* list = command->add_subcommand("list", "what there is");
-  list->callback([&action] {
-    action = [] {
-      for (const ExperimentKind& kind : experiment_kinds()) fmt::print("{:<12} {}\n", kind.name, kind.description);
-      for (const OtherExperiment& other : kOthers) fmt::print("{:<12} {}\n", other.name, other.description);
-      fmt::print("{:<12} {}\n", "all", "all of these");
-      return kDone;
-    };
-  });
+  add_list_command(*command, action);
   CLI::App* run_command = command->add_subcommand("run", "measure, print the tables, keep the records");
   const auto options = std::make_shared<ExperimentOptions>();
   run_command->add_option("NAME", options->names, "see `volccd experiment list`")->required()->type_name("");
@@ -370,13 +467,17 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
                         "minutes: small scenes, few motions, one round (the default of those with rounds)");
   run_command->add_flag("--full", options->full, "hours: scenes at their own sizes, more motions, several rounds")
       ->excludes("--quick");
-  add_threads_option(*run_command, options->threads);
+  run_command
+      ->add_option(
+          "--threads", options->threads,
+          "0: as many as the machine has; default: 1 for what is timed, as in the paper, and 0 for simulations")
+      ->check(CLI::Range(0u, kMaxThreads))
+      ->type_name("N");
+  options->report.add_to(*run_command);
   run_command->footer(
       "Motions are sampled evenly where all would take too long; the record lists them. After Ctrl-C or an error the "
-      "same\n"
-      "command goes on with what NAME.incomplete.jsonl has (scenes, feature-sets: NAME.incomplete.json and .txt keep "
-      "the\n"
-      "scenes that were complete); a whole record stays as it was until then.\n"
+      "same command goes on with what NAME.incomplete.jsonl has (scenes, feature-sets: NAME.incomplete.json and .txt "
+      "keep the scenes that were complete); a whole record stays as it was until then.\n"
       "Exit code 1 if pipelines that should find the same contacts found others.\n"
       "Examples:\n"
       "  volccd experiment run projectile --quick -o results/\n"

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <volccd/core/output_file.hpp>
+#include <volccd/core/suggest.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/scenes/sequences.hpp>
@@ -15,6 +16,7 @@
 #include <volccd/program/commands.hpp>
 #include <volccd/program/output_plan.hpp>
 #include <volccd/program/query_options.hpp>
+#include <volccd/program/report.hpp>
 #include <volccd/program/scene_files.hpp>
 #include <volccd/program/step_loop.hpp>
 
@@ -27,6 +29,7 @@ struct GenerateOptions {
   int mesh_step = 0;
   bool quick = false;
   unsigned threads = 0;
+  ReportOptions report;
   std::map<std::string, std::string> values;  ///< by option; empty: not given
 
   /// Those that were given.
@@ -54,7 +57,8 @@ void refuse_other_options(const GenerateOptions& options, const OptionValues& va
                           std::initializer_list<const char*> known) {
   for (const auto& [option, value] : values)
     if (std::find(known.begin(), known.end(), option) == known.end())
-      throw ConfigError(fmt::format("scene {} has no option --{}", options.name, option));
+      throw ConfigError(fmt::format("scene {} has no option --{}{}", options.name, option,
+                                    did_you_mean(option, std::vector<std::string>(known.begin(), known.end()))));
   if (!options.mesh.empty()) throw ConfigError(fmt::format("scene {} takes no mesh", options.name));
 }
 
@@ -69,7 +73,9 @@ void check_outputs(const GenerateOptions& options, const std::string& source) {
   plan.check();
 }
 
-std::FILE* report_of(const GenerateOptions& options) { return is_standard_output(options.stats) ? stderr : stdout; }
+Report report_of(const GenerateOptions& options) {
+  return Report(options.report, is_standard_output(options.stats) ? stderr : stdout);
+}
 
 void write_stats(const GenerateOptions& options, const std::string& bake_record) {
   if (options.stats.empty()) return;
@@ -82,9 +88,9 @@ void write_stats(const GenerateOptions& options, const std::string& bake_record)
 
 void print_generated(const GenerateOptions& options) {
   SequenceReader reader(options.output);
-  fmt::print(report_of(options), "{}: {} frames, {} elements at first, {} at last, {} vertices, written to {}\n",
-             options.name, reader.step_count(), reader.cell_count(0), reader.cell_count(reader.step_count() - 1),
-             reader.point_count(), options.output);
+  report_of(options).print("{}: {} frames, {} elements at first, {} at last, {} vertices, written to {}\n",
+                           options.name, reader.step_count(), reader.cell_count(0),
+                           reader.cell_count(reader.step_count() - 1), reader.point_count(), options.output);
 }
 
 int generate_simulated(const GenerateOptions& options, const SimulatedScene& scene) {
@@ -133,7 +139,7 @@ int generate_computed(const GenerateOptions& options) {
   const InterruptGuard guard;
   StepsDone steps;
   {
-    Progress progress("computing " + options.name + ", frame", static_cast<std::size_t>(scene->frames()));
+    Progress progress("computing " + options.name, static_cast<std::size_t>(scene->frames()), "frames");
     steps = write_scene(*scene, options.output, [&](int done) {
       progress.advance(static_cast<std::size_t>(done));
       return !InterruptGuard::interrupted();
@@ -142,7 +148,7 @@ int generate_computed(const GenerateOptions& options) {
   if (steps.done == 0) throw Interrupted("interrupted before the first frame was complete: nothing has been written");
   print_generated(options);
   if (!steps.complete()) {
-    print_incomplete(steps, report_of(options));
+    print_incomplete(steps, report_of(options).people());
     return exit_code(steps);
   }
   write_stats(options, "");
@@ -161,8 +167,8 @@ int generate_scene(const GenerateOptions& options) {
     if (scene.name == options.name) return generate_computed(options);
     known += scene.name + ", ";
   }
-  throw ConfigError(
-      fmt::format("no scene is called \"{}\"; there are: {}", options.name, known.substr(0, known.size() - 2)));
+  throw ConfigError(fmt::format("no scene is called \"{}\"; there are: {}{}", options.name,
+                                known.substr(0, known.size() - 2), did_you_mean(options.name, known)));
 }
 
 /// Options of all scenes, each once.
@@ -195,10 +201,10 @@ void add_generate_command(CLI::App& scene, Action& action) {
   command->add_option("--mesh-step", options->mesh_step, "step of that file")->capture_default_str();
   for (const auto& [name, text] : option_texts())
     command->add_option("--" + name, options->values[name], text)->type_name("VALUE");
+  options->report.add_quiet_to(*command);
   command->footer(
       "Simulated scenes are kept in a cache, the folder VOLCCD_CACHE, $XDG_CACHE_HOME/volccd or ~/.cache/volccd: the "
-      "second\n"
-      "time they are copied. Ctrl-C stops; the same command goes on from the last whole frame.\n"
+      "second time they are copied. Ctrl-C stops; the same command goes on from the last whole frame.\n"
       "Examples:\n"
       "  volccd scene generate octopi -o octopi.vtkhdf --stats octopi.json\n"
       "  volccd scene generate crash --quick -o crash.vtkhdf\n"

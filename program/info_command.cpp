@@ -5,18 +5,25 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>
+#include <volccd/program/report.hpp>
 #include <volccd/program/scene_files.hpp>
 #include <volccd/program/step_loop.hpp>
 
 namespace volccd {
 
 namespace {
+
+struct InfoOptions {
+  SequenceOptions sequence;
+  ReportOptions report;
+};
 
 /// Counts of live elements by type and by object.
 struct Census {
@@ -65,11 +72,11 @@ MotionFacts motion_facts(const Topology& topology, const Motion& motion) {
   return facts;
 }
 
-void print_header(SequenceReader& reader) {
+void print_header(const Report& report, SequenceReader& reader) {
   const SequenceMetadata& about = reader.metadata();
-  fmt::print("{}\n", reader.file());
-  const auto line = [](const char* name, const std::string& value) {
-    if (!value.empty()) fmt::print("  {:<9} {}\n", name, value);
+  report.print("{}\n", reader.file());
+  const auto line = [&](const char* name, const std::string& value) {
+    if (!value.empty()) report.print("{}\n", wrapped(fmt::format("  {:<10} {}", name, value)));
   };
   line("title", about.title);
   line("source", about.source);
@@ -81,6 +88,24 @@ void print_header(SequenceReader& reader) {
                             reader.time(reader.step_count() - 1)));
   line("points", grouped(reader.point_count()));
   line("arrays", std::string(reader.has_velocity() ? "velocity " : "") + (reader.has_thickness() ? "thickness" : ""));
+}
+
+nlohmann::json header_json(SequenceReader& reader) {
+  const SequenceMetadata& about = reader.metadata();
+  return {{"sequence", reader.file()},
+          {"title", about.title},
+          {"source", about.source},
+          {"license", about.license},
+          {"units", about.units},
+          {"time_unit", about.time_unit},
+          {"incomplete", about.incomplete.empty() ? nlohmann::json(nullptr) : nlohmann::json(about.incomplete)},
+          {"steps", reader.step_count()},
+          {"begin_time", reader.time(0)},
+          {"end_time", reader.time(reader.step_count() - 1)},
+          {"points", reader.point_count()},
+          {"has_velocity", reader.has_velocity()},
+          {"has_thickness", reader.has_thickness()},
+          {"motions", nlohmann::json::array()}};
 }
 
 constexpr std::size_t kPartsShown = 40;
@@ -96,59 +121,108 @@ std::string named_count(ElementType type, std::uint64_t count) {
 std::string collapsed_text(const SequenceReader& reader) {
   std::string text;
   for (const auto& [types, count] : reader.collapsed_cells())
-    text += fmt::format("{}{} {} as {}", text.empty() ? "" : ", ", grouped(count),
-                        named_count(types.first, count), named_count(types.second, count));
+    text += fmt::format("{}{} {} as {}", text.empty() ? "" : ", ", grouped(count), named_count(types.first, count),
+                        named_count(types.second, count));
   return text;
 }
 
+std::string part_name(const SequenceReader& reader, std::int32_t part, bool named) {
+  const auto& names = reader.metadata().part_names;
+  const auto name = names.find(part);
+  return name == names.end() || !named ? std::string() : name->second;
+}
+
 /// `named`: whether the objects are the parts that the file names.
-void print_mesh(const SequenceReader& reader, const Topology& topology, bool named) {
+void print_mesh(const Report& report, const SequenceReader& reader, const Topology& topology, bool named) {
   const Census counts = census(topology.mesh());
   const Features& features = topology.features();
-  fmt::print("\nstep 0\n");
-  for (const auto& [type, count] : counts.types) fmt::print("  {:<12} {:>10}\n", to_string(type), grouped(count));
+  report.print("\nstep 0\n");
+  for (const auto& [type, count] : counts.types) report.print("  {:<12} {:>10}\n", to_string(type), grouped(count));
   if (const std::string text = collapsed_text(reader); !text.empty())
-    fmt::print("  nodes repeat, read as: {}\n", text);
+    report.print("{}\n", wrapped("  nodes repeat, read as: " + text));
   std::size_t shown = 0;
   for (const auto& [object, count] : counts.objects) {
     if (++shown > kPartsShown) continue;
-    const auto& names = reader.metadata().part_names;
-    const auto name = names.find(object);
-    fmt::print("  {:<12} {:>10}  {}\n", fmt::format("{} {}", named ? "part" : "component", object), grouped(count),
-               name == names.end() || !named ? "" : name->second);
+    report.print("  {:<12} {:>10}  {}\n", fmt::format("{} {}", named ? "part" : "component", object), grouped(count),
+                 part_name(reader, object, named));
   }
-  if (shown > kPartsShown) fmt::print("  and {} more\n", grouped(shown - kPartsShown));
-  fmt::print("  {:<12} {:>10}\n  {:<12} {:>10}\n  {:<12} {:>10}\n", "vertices used", grouped(features.vertex_count()),
-             "edges", grouped(features.edge_count()), "triangles", grouped(features.triangle_count()));
+  if (shown > kPartsShown) report.print("  and {} more\n", grouped(shown - kPartsShown));
+  report.print("  {:<12} {:>10}\n  {:<12} {:>10}\n  {:<12} {:>10}\n", "vertices used", grouped(features.vertex_count()),
+               "edges", grouped(features.edge_count()), "triangles", grouped(features.triangle_count()));
 }
 
-int info(const SequenceOptions& options) {
-  SequenceReader reader(options.file);
-  print_header(reader);
-  SequenceCells cells;
-  const SequenceStepper::Config config = options.stepper();
-  const bool components = config.parts == PartModel::components;
-  std::optional<ConnectedParts> connected;
-  if (components) connected.emplace(reader);
-  reader.read_cells(0, cells);
-  if (connected) connected->assign(cells);
-  print_mesh(reader, Topology(mesh_of(reader.point_ids(), cells), config.edge_set), !components);
-  if (reader.step_count() < 2) return kDone;
+nlohmann::json mesh_json(const SequenceReader& reader, const Topology& topology, bool named) {
+  const Census counts = census(topology.mesh());
+  nlohmann::json elements = nlohmann::json::object(), parts = nlohmann::json::array();
+  for (const auto& [type, count] : counts.types) elements[to_string(type)] = count;
+  for (const auto& [object, count] : counts.objects)
+    parts.push_back({{"part", object}, {"name", part_name(reader, object, named)}, {"elements", count}});
+  return {{"elements", elements},
+          {"parts", parts},
+          {"vertices", topology.features().vertex_count()},
+          {"edges", topology.features().edge_count()},
+          {"triangles", topology.features().triangle_count()}};
+}
 
-  SequenceStepper stepper(reader, config);
-  const StepRange range = parse_steps(options.steps, stepper.motion_count(), options.file);
-  TextTable table({"motion", "time", "elements", "mean edge", "moved: median", "99 %", "largest"});
-  const InterruptGuard guard;
-  const StepsDone steps = run_steps("reading, step", range, [&](int k) {
+/// The mesh of step 0, its objects as asked for. `named`: they are the parts that the file names.
+struct FirstStep {
+  FirstStep(SequenceReader& reader, const SequenceStepper::Config& config) {
+    SequenceCells cells;
+    reader.read_cells(0, cells);
+    if (config.parts == PartModel::components) ConnectedParts(reader).assign(cells);
+    topology.emplace(mesh_of(reader.point_ids(), cells), config.edge_set);
+    named = config.parts == PartModel::stored;
+  }
+
+  std::optional<Topology> topology;
+  bool named = true;
+};
+
+/// Goes through the motions: a row for people and an entry of `motions` each.
+StepsDone read_motions(const InfoOptions& options, SequenceReader& reader, TextTable& table, nlohmann::json& motions) {
+  SequenceStepper stepper(reader, options.sequence.stepper());
+  const StepRange range = parse_steps(options.sequence.steps, stepper.motion_count(), options.sequence.file);
+  return run_steps("reading", range, [&](int k) {
     stepper.go_to(k);
     const MotionFacts facts = motion_facts(stepper.topology(), stepper.motion());
-    table.add({std::to_string(k), fmt::format("{:g}", reader.time(k)),
-               grouped(stepper.topology().mesh().element_count()), fmt::format("{:.4g}", facts.mean_edge),
-               fmt::format("{:.3f}", facts.median), fmt::format("{:.3f}", facts.p99),
-               fmt::format("{:.3f}", facts.largest)});
+    const Index elements = stepper.topology().mesh().element_count();
+    table.add({std::to_string(k), fmt::format("{:g}", reader.time(k)), grouped(elements),
+               fmt::format("{:.4g}", facts.mean_edge), fmt::format("{:.3f}", facts.median),
+               fmt::format("{:.3f}", facts.p99), fmt::format("{:.3f}", facts.largest)});
+    motions.push_back({{"motion", k},
+                       {"time", reader.time(k)},
+                       {"elements", elements},
+                       {"mean_edge", facts.mean_edge},
+                       {"moved_median", facts.median},
+                       {"moved_p99", facts.p99},
+                       {"moved_largest", facts.largest}});
   });
-  fmt::print("\nmotions (distances moved in mean edges)\n{}", table.text());
-  print_incomplete(steps, stdout);
+}
+
+int info(const InfoOptions& options) {
+  const InterruptGuard guard;
+  const Report report(options.report);
+  SequenceReader reader(options.sequence.file);
+  nlohmann::json document = header_json(reader);
+  print_header(report, reader);
+  {
+    const FirstStep first(reader, options.sequence.stepper());
+    print_mesh(report, reader, *first.topology, first.named);
+    document["step_0"] = mesh_json(reader, *first.topology, first.named);
+  }
+  StepsDone steps;
+  if (reader.step_count() >= 2) {
+    const auto with_unit = [](const char* name, const std::string& unit) {
+      return unit.empty() ? std::string(name) : fmt::format("{} [{}]", name, unit);
+    };
+    TextTable table({"motion", with_unit("time", reader.metadata().time_unit), "elements", "mean edge",
+                     "moved: median [edges]", "99 % [edges]", "largest [edges]"});
+    steps = read_motions(options, reader, table, document["motions"]);
+    report.print("\nmotions: distances that vertices move, in mean edges\n{}", table.text());
+  }
+  document["complete"] = steps.complete();
+  report.write("info", document);
+  print_incomplete(steps, report.people());
   return exit_code(steps);
 }
 
@@ -156,13 +230,17 @@ int info(const SequenceOptions& options) {
 
 void add_info_command(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("info", "what is in a sequence: counts, parts, steps, motion per step");
-  const auto options = std::make_shared<SequenceOptions>();
-  options->add_to(*command);
-  options->add_parts_to(*command);
-  command->footer("Examples:\n  volccd info run.vtkhdf --steps 0:10\n  volccd info run.vtkhdf --motion tentative");
+  const auto options = std::make_shared<InfoOptions>();
+  options->sequence.add_to(*command);
+  options->sequence.add_parts_to(*command);
+  options->report.add_to(*command);
+  command->footer(
+      "The name of a scene that has to be simulated first is refused, with the command that does so.\n"
+      "Examples:\n  volccd info run.vtkhdf --steps 0:10\n  volccd info run.vtkhdf --motion tentative\n"
+      "  volccd info run.vtkhdf --json");
   command->callback([options, &action] {
     action = [options] {
-      options->file = sequence_file(options->file);
+      options->sequence.file = present_sequence_file(options->sequence.file);
       return info(*options);
     };
   });

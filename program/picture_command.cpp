@@ -1,13 +1,17 @@
 #include <algorithm>
 #include <charconv>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 
 #include <volccd/pictures/sequence_picture.hpp>
+#include <volccd/program/command_line.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/output_plan.hpp>
+#include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>
+#include <volccd/program/report.hpp>
 #include <volccd/program/scene_files.hpp>
 
 namespace volccd {
@@ -19,6 +23,7 @@ struct PictureOptions {
   std::string steps = "0", output, size = "1600", view = "iso", up = "z", shells = "surface", box;
   bool no_lines = false;
   PictureConfig config;
+  ReportOptions report;
 };
 
 /// Numbers separated by `separator`. Throws ConfigError.
@@ -83,9 +88,18 @@ int draw_picture(const PictureOptions& options) {
   for (const std::string& file : options.contact_files) plan.input("--contacts-from", file);
   plan.output("-o", options.output);
   plan.check();
+  const InterruptGuard guard;
+  std::optional<Progress> progress(std::in_place, "drawing", panels.size(), "panels");
+  config.progress = [&](double done) {
+    InterruptGuard::check();
+    const auto whole = static_cast<std::size_t>(done);
+    progress->advance(whole, done - static_cast<double>(whole));
+  };
   const Image image = draw_sequences(panels, config);
+  progress.reset();
   write_png(image, options.output);
-  fmt::print(plan.report(), "{} x {} pixels written to {}\n", image.width(), image.height(), options.output);
+  Report(options.report, plan.report())
+      .print("{} x {} pixels written to {}\n", image.width(), image.height(), options.output);
   return kDone;
 }
 
@@ -100,7 +114,7 @@ void add_picture_view(CLI::App& command, PictureOptions& options) {
       ->type_name("VIEW")
       ->capture_default_str();
   command.add_option("--up", options.up, "axis that points upwards")
-      ->check(CLI::IsMember({"x", "y", "z"}))
+      ->check(one_of({"x", "y", "z"}))
       ->capture_default_str();
   command.add_flag("--orthographic", config.view.orthographic, "without perspective");
   command.add_option("--zoom", config.view.zoom, "enlarge about the middle")
@@ -128,7 +142,7 @@ void add_picture_content(CLI::App& command, PictureOptions& options) {
       ->type_name("AXIS=VALUE")
       ->allow_extra_args(false);
   command.add_option("--shells", options.shells, "triangles and quads as surfaces, or thickened by their thickness")
-      ->check(CLI::IsMember({"surface", "solid"}))
+      ->check(one_of({"surface", "solid"}))
       ->capture_default_str();
   command.add_flag("--contacts,!--no-contacts", config.contacts, "mark the contacts of motion K -> K+1 (the default)");
   command
@@ -154,6 +168,7 @@ void add_picture_content(CLI::App& command, PictureOptions& options) {
       ->check(CLI::Range(1, 8))
       ->capture_default_str();
   add_threads_option(command, config.threads, "for the contacts; ");
+  options.report.add_quiet_to(command);
 }
 
 }  // namespace

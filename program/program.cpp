@@ -11,23 +11,13 @@
 
 #include <volccd/experiments/records/build_facts.hpp>
 #include <volccd/mesh/sequence/hdf5_messages.hpp>
+#include <volccd/program/command_line.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/scene_files.hpp>
 
 namespace volccd {
 
 namespace {
-
-/// A word in the place of a command that is none: the parser would only say that a command is missing.
-void check_command(const CLI::App& app, int argc, const char* const* argv) {
-  if (argc < 2 || argv[1][0] == '-') return;
-  std::string known;
-  for (const CLI::App* command : app.get_subcommands({})) {
-    if (command->get_name() == argv[1]) return;
-    known += (known.empty() ? "" : ", ") + command->get_name();
-  }
-  throw ConfigError(fmt::format("no command '{}'; there are {}", argv[1], known));
-}
 
 /// False, with a message, if the standard output could not be written: the report would be lost unnoticed.
 bool flush_output() {
@@ -55,7 +45,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
       "  volccd verify run.vtkhdf                       all pipelines against each other and against FCL\n"
       "  volccd check csat                              one stage against what it declares\n"
       "  volccd queries ccd-queries.h5                  elementary tests on queries with known answers\n"
-      "  volccd COMMAND --help                          options and examples of a command\n\n"
+      "  volccd help COMMAND                            options and examples of a command\n\n"
       "Exit codes: 0 done, 1 verify found a difference, check a broken promise, queries a missed contact,\n"
       "or experiment other contacts or a slower pipeline, 2 bad input or output, 130 interrupted.\n"
       "What was complete before an error or Ctrl-C is kept, and marked as incomplete.");
@@ -68,11 +58,15 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_stages_command(app, registry, action);
   add_scene_command(app, action);
   add_experiment_command(app, registry, action);
+  add_help_command(app, registry, action);
+  use_help_formatter(app);
   try {
-    check_command(app, argc, argv);
+    check_command_names(app, argc, argv);
     app.parse(argc, argv);
     const int code = action();
     return flush_output() ? code : kBadInput;
+  } catch (const CLI::ExtrasError&) {
+    fmt::print(stderr, "volccd: {}\n", unexpected_arguments(app));
   } catch (const CLI::ParseError& error) {
     const int code = app.exit(error);
     return code == 0 ? kDone : kBadInput;

@@ -15,6 +15,10 @@ namespace {
 /// Between two lines within one piece of work.
 constexpr std::chrono::milliseconds kShortest(100);
 
+bool silent = false;
+/// Of more than these, not each is shown.
+constexpr std::size_t kMany = 200;
+
 volatile std::sig_atomic_t interrupt_flag = 0;
 int guards = 0;  ///< that live; made and destroyed on the main thread
 
@@ -46,10 +50,13 @@ class InterruptibleExecutor final : public Executor {
 };
 }  // namespace
 
-Progress::Progress(std::string what, std::size_t total)
+void Progress::silence() { silent = true; }
+
+Progress::Progress(std::string what, std::size_t total, std::string units)
     : what_(std::move(what)),
+      units_(std::move(units)),
       total_(total),
-      terminal_(isatty(STDERR_FILENO) == 1),
+      terminal_(!silent && isatty(STDERR_FILENO) == 1),
       start_(std::chrono::steady_clock::now()) {
   advance(0);
 }
@@ -61,7 +68,7 @@ Progress::~Progress() {
 void Progress::advance(std::size_t done, double share) {
   if (!terminal_) return;
   const auto now = std::chrono::steady_clock::now();
-  if (share > 0 && now - shown_ < kShortest) return;
+  if ((share > 0 || total_ > kMany) && now - shown_ < kShortest) return;
   shown_ = now;
   const double elapsed = std::chrono::duration<double>(now - start_).count();
   const double all_done = static_cast<double>(done) + share;
@@ -70,7 +77,7 @@ void Progress::advance(std::size_t done, double share) {
   // A first estimate from less than a whole one would be rough.
   if (done > 0 && done < total_)
     more += ", " + duration(elapsed / all_done * (static_cast<double>(total_) - all_done)) + " left";
-  fmt::print(stderr, "\r\033[K{} {}/{}{}", what_, done, total_, more);
+  fmt::print(stderr, "\r\033[K{}: {} of {} {}{}", what_, done, total_, units_, more);
   std::fflush(stderr);
 }
 

@@ -11,19 +11,25 @@
 
 namespace volccd {
 
-/// One line on stderr, rewritten in place with an estimate of the time left; nothing where stderr is not a terminal.
+/// One line on stderr, rewritten in place: "detecting: 3 of 8 steps, 40 % of the next, 12.0 s left"; nothing where
+/// stderr is not a terminal. Every command that can take more than a second has one.
 class Progress {
  public:
-  Progress(std::string what, std::size_t total);
+  /// `units`: what is counted, in the plural.
+  Progress(std::string what, std::size_t total, std::string units = "steps");
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// `share`: of the next one, in [0, 1). A share above 0 is shown ten times a second at most.
+  /// `share`: of the next one, in [0, 1). A share above 0, and those of many, are shown ten times a
+  /// second at most.
   void advance(std::size_t done, double share = 0);
 
+  /// No progress of this process from now on (--quiet). To be called before there are other threads.
+  static void silence();
+
  private:
-  std::string what_;
+  std::string what_, units_;
   std::size_t total_;
   bool terminal_;
   std::chrono::steady_clock::time_point start_, shown_;

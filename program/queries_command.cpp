@@ -1,12 +1,14 @@
 #include <cstdio>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <volccd/experiments/tables/query_comparison.hpp>
 #include <volccd/mesh/sequence/query_file.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>
+#include <volccd/program/report.hpp>
 #include <volccd/program/scene_files.hpp>
 
 namespace volccd {
@@ -17,8 +19,9 @@ struct QueriesOptions {
   SequenceOptions sequence;
   QuerySourceConfig source;
   QueryComparisonConfig comparison;
+  ReportOptions report;
   std::string judge;
-  bool json = false, list = false;
+  bool list = false;
 };
 
 void print_queries(const char* what, const std::string& narrow_phase, const KnownQueries& queries,
@@ -49,7 +52,7 @@ StepRange motions_of(const QueriesOptions& options) {
   return parse_steps(steps, reader.step_count() - 1, file);
 }
 
-/// One motion, or a query file: adds its groups to `record`. `advance` is told a percentage.
+/// One motion, or a query file: adds its groups to `record`. `advance` is told the share that is done.
 template <class Advance>
 void compare_on_motion(const QueriesOptions& options, const Registry& registry, int motion, Advance&& advance,
                        QueryRecord& record) {
@@ -61,7 +64,9 @@ void compare_on_motion(const QueriesOptions& options, const Registry& registry, 
   if (!options.judge.empty())
     for (KnownQueries& queries : groups) judge(registry, options.judge, queries, InterruptGuard::check);
   QueryComparisonConfig config = options.comparison;
-  config.progress = [&](std::size_t done, std::size_t total) { advance(100 * done / total); };
+  config.progress = [&](std::size_t done, std::size_t total) {
+    advance(static_cast<double>(done) / static_cast<double>(total));
+  };
   config.check = InterruptGuard::check;
   const std::size_t before = record.groups.size();
   compare_on_queries(registry, groups, config, record);
@@ -74,13 +79,12 @@ void compare_on_motion(const QueriesOptions& options, const Registry& registry, 
 /// All motions; the exit code. Groups that are complete are kept.
 int compare_on_motions(const QueriesOptions& options, const Registry& registry, QueryRecord& record) {
   const StepRange range = motions_of(options);
-  Progress progress("testing queries, %", 100 * static_cast<std::size_t>(range.end - range.begin));
+  Progress progress("testing queries", static_cast<std::size_t>(range.end - range.begin), "motions");
   try {
     for (int k = range.begin; k < range.end; ++k)
       compare_on_motion(
           options, registry, k,
-          [&](std::size_t percent) { progress.advance(100 * static_cast<std::size_t>(k - range.begin) + percent); },
-          record);
+          [&](double share) { progress.advance(static_cast<std::size_t>(k - range.begin), share); }, record);
   } catch (const Interrupted&) {
     if (record.groups.empty())
       throw Interrupted("interrupted before the first group of queries was complete: no result");
@@ -101,12 +105,10 @@ int run(const QueriesOptions& options, const Registry& registry) {
   record.file = options.sequence.file;
   const std::string incomplete =
       fmt::format("incomplete: {} group(s) of queries are complete; {}\n", record.groups.size(), record.stopped_by);
-  if (options.json) {
-    fmt::print("{}\n", record.to_json().dump(2));
-  } else {
-    fmt::print("{}\n\n{}", record.file, query_table(record));
-    if (code != kDone) fmt::print("\n{}", incomplete);
-  }
+  const Report report(options.report);
+  report.print("{}\n\n{}", record.file, query_table(record));
+  if (code != kDone) report.print("\n{}", incomplete);
+  report.write("queries", record.to_json());
   if (code != kDone) {
     fmt::print(stderr, "volccd: {}", incomplete);
     return code;
@@ -150,8 +152,8 @@ void add_queries_command(CLI::App& app, const Registry& registry, Action& action
       ->check(CLI::Range(0, 1000))
       ->type_name("N")
       ->capture_default_str();
-  command->add_flag("--list", options->list, "print every query that is missed or extra");
-  command->add_flag("--json", options->json, "all of it as JSON")->excludes("--list");
+  options->report.add_to(*command);
+  command->add_flag("--list", options->list, "print every query that is missed or extra")->excludes("--json");
   command->footer(
       "Exit code 1 if a narrow phase whose guarantee is not `approximate` misses a query.\n"
       "Examples:\n"

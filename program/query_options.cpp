@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
+#include <volccd/program/command_line.hpp>
+
 namespace volccd {
 
 namespace {
@@ -73,16 +75,16 @@ void SequenceOptions::add_to(CLI::App& command) {
   command.add_option("FILE", file, "sequence (VTKHDF), or the name of a scene")->required()->type_name("");
   command.add_option("--steps", steps, "motions k -> k+1 with A <= k < B; K alone: one motion")->type_name("A:B");
   command.add_option("--shells", shells, "triangles and quads as surfaces, or thickened by their thickness")
-      ->check(CLI::IsMember({"surface", "solid"}))
+      ->check(one_of({"surface", "solid"}))
       ->capture_default_str();
   command.add_option("--edges", edges, "with the diagonals of faces (complete), or without (the paper's counts)")
-      ->check(CLI::IsMember({"triangulated", "polytope"}))
+      ->check(one_of({"triangulated", "polytope"}))
       ->capture_default_str();
   command
       .add_option("--motion", motion,
                   "to the next step on straight lines, or with constant acceleration (by stored velocities, else by "
                   "three steps); tentative: to x + h v, by the velocities and on the cells of the step at the start")
-      ->check(CLI::IsMember({"linear", "quadratic", "tentative"}))
+      ->check(one_of({"linear", "quadratic", "tentative"}))
       ->capture_default_str();
 }
 
@@ -91,7 +93,7 @@ void SequenceOptions::add_parts_to(CLI::App& command) {
       .add_option("--parts", parts,
                   "objects are the parts that the file stores, or what hangs together: cells that share a vertex at "
                   "any step are of one object")
-      ->check(CLI::IsMember({"stored", "components"}))
+      ->check(one_of({"stored", "components"}))
       ->capture_default_str();
 }
 
@@ -108,7 +110,7 @@ SequenceStepper::Config SequenceOptions::stepper() const {
 
 void QueryOptions::add_to(CLI::App& command) {
   command.add_option("--pairs", pairs, "contacts of all pairs, between objects, or within objects")
-      ->check(CLI::IsMember({"all", "inter", "intra"}))
+      ->check(one_of({"all", "inter", "intra"}))
       ->capture_default_str();
   command
       .add_option("--separation", separation,
@@ -119,7 +121,7 @@ void QueryOptions::add_to(CLI::App& command) {
       .add_option("--shell-neighbours", shell_neighbours,
                   "contacts of thickened shells between features that stem from one vertex of the shells: leave them "
                   "out, and count them, or keep them; default: leave-out with --shells solid")
-      ->check(CLI::IsMember({"leave-out", "keep"}));
+      ->check(one_of({"leave-out", "keep"}));
   add_threads_option(command, threads);
 }
 

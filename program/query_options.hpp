@@ -39,7 +39,7 @@ struct SequenceOptions {
 struct QueryOptions {
   std::string pairs = "all", shell_neighbours;
   double separation = 0;
-  unsigned threads = 1;
+  unsigned threads = 0;
 
   void add_to(CLI::App& command);
   ObjectFilter filter() const;

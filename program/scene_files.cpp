@@ -1,9 +1,13 @@
 #include <volccd/program/scene_files.hpp>
 
+#include <algorithm>
 #include <cstdio>
+#include <filesystem>
 
 #include <fmt/format.h>
 
+#include <volccd/core/suggest.hpp>
+#include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/scenes/sequences.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
 
@@ -15,8 +19,7 @@ BakeHooks BakeProgress::hooks() {
     if (!progress_) {
       // Frames of an earlier run took no time in this one.
       first_ = done;
-      progress_ =
-          std::make_unique<Progress>("simulating " + scene_ + ", frame", static_cast<std::size_t>(frames - done));
+      progress_ = std::make_unique<Progress>("simulating " + scene_, static_cast<std::size_t>(frames - done), "frames");
     }
     progress_->advance(static_cast<std::size_t>(done - first_));
   };
@@ -27,12 +30,51 @@ BakeHooks BakeProgress::hooks() {
   return hooks;
 }
 
+namespace {
+
+std::vector<std::string> scene_names() {
+  std::vector<std::string> names;
+  for (const SimulatedScene& scene : simulated_scenes()) {
+    names.push_back(scene.name);
+    names.push_back(scene.name + "-quick");
+  }
+  for (const SceneDescriptor& scene : scenes())
+    if (!scene.needs_mesh) names.push_back(scene.name);
+  for (const ExternalScene& scene : external_scenes()) names.push_back(scene.name);
+  return names;
+}
+
+/// What looks like the name of a scene and is near one, but is none and no file.
+void check_name(const std::string& name_or_file) {
+  if (name_or_file.find_first_of("/.") != std::string::npos || std::filesystem::exists(name_or_file)) return;
+  const std::vector<std::string> names = scene_names();
+  if (std::find(names.begin(), names.end(), name_or_file) != names.end()) return;
+  throw InputError(
+      name_or_file, "",
+      "is neither a file nor a scene; `volccd scene list` has the scenes" + did_you_mean(name_or_file, names));
+}
+
+}  // namespace
+
 std::string sequence_file(const std::string& name_or_file, unsigned threads) {
+  check_name(name_or_file);
   const auto executor = make_executor(threads);
   BakeProgress progress(name_or_file);
   const std::optional<std::string> file = resolve_scene(name_or_file, *executor, progress.hooks());
   if (!file) throw Interrupted(name_or_file + ": stopped; the same command goes on from the last whole frame");
   return *file;
+}
+
+std::string present_sequence_file(const std::string& name_or_file) {
+  if (const std::optional<std::string> file = file_to_simulate(name_or_file); file && !std::filesystem::exists(*file)) {
+    const bool quick = name_or_file.ends_with("-quick");
+    const std::string name = quick ? name_or_file.substr(0, name_or_file.size() - 6) : name_or_file;
+    throw ConfigError(fmt::format(
+        "{} has not been simulated yet, which takes minutes: `volccd scene generate {}{} -o {}.vtkhdf` does "
+        "it",
+        name_or_file, name, quick ? " --quick" : "", name_or_file));
+  }
+  return sequence_file(name_or_file);
 }
 
 void warn_of_incomplete(const SequenceReader& reader) {
@@ -47,7 +89,7 @@ nlohmann::json record_with_progress(const std::string& name, const std::string& 
   std::unique_ptr<Progress> progress;
   try {
     const auto record = measure(name, sequence, bake_record, *executor, [&](std::size_t done, std::size_t motions) {
-      if (!progress) progress = std::make_unique<Progress>(name + ": contacts and motion, step", motions);
+      if (!progress) progress = std::make_unique<Progress>(name + ": contacts and motion", motions, "steps");
       progress->advance(done);
       return !InterruptGuard::interrupted();
     });

@@ -30,8 +30,13 @@ class BakeProgress {
   int first_ = 0;
 };
 
-/// resolve_scene() with progress. `threads`: for baking; 0: as many as the machine has. Throws Interrupted as well.
+/// resolve_scene() with progress. Throws InputError, with near names of scenes, for what is neither a file nor a scene.
+/// `threads`: for baking; 0: as many as the machine has. Throws Interrupted as well.
 std::string sequence_file(const std::string& name_or_file, unsigned threads = 0);
+
+/// The same for commands that only look: what would have to be simulated first is a ConfigError that names the command
+/// for it. (A scene that is computed from nothing takes less than a second, and is.)
+std::string present_sequence_file(const std::string& name_or_file);
 
 /// Says on stderr that a sequence ends before the last step that was meant for it, if it does.
 void warn_of_incomplete(const SequenceReader& reader);

@@ -26,7 +26,7 @@ void keep_complete_steps(StepsDone& steps, FunctionRef<void()> work) {
 
 StepsDone run_steps(const std::string& title, StepRange range, FunctionRef<void(int)> work) {
   StepsDone steps{range.begin, range.begin, range.end};
-  Progress progress(title, static_cast<std::size_t>(range.end - range.begin));
+  Progress progress(title, static_cast<std::size_t>(range.end - range.begin), "steps");
   keep_complete_steps(steps, [&] {
     while (steps.done < range.end) {
       InterruptGuard::check();
@@ -45,7 +45,7 @@ int exit_code(const StepsDone& steps) {
 
 void print_incomplete(const StepsDone& steps, std::FILE* report) {
   if (steps.complete()) return;
-  fmt::print(report, "\nincomplete: {}\n", steps.text());
+  if (report) fmt::print(report, "\nincomplete: {}\n", steps.text());
   if (report != stderr) fmt::print(stderr, "volccd: incomplete: {}\n", steps.text());
 }
 

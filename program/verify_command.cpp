@@ -2,12 +2,14 @@
 #include <cstdio>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/experiments/verify/verify.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>
+#include <volccd/program/report.hpp>
 #include <volccd/program/scene_files.hpp>
 #include <volccd/program/step_loop.hpp>
 
@@ -19,6 +21,7 @@ struct VerifyOptions {
   SequenceOptions sequence;
   QueryOptions query;
   VerifyConfig config;
+  ReportOptions report;
   std::vector<std::string> settings;
   bool no_fcl = false, no_truth = false;
 };
@@ -35,7 +38,8 @@ Registry with_settings(Registry registry, const std::vector<std::string>& settin
   return registry;
 }
 
-constexpr std::size_t kShown = 5;  ///< differences of a kind shown in full; all are counted
+constexpr std::size_t kShownNames = 32;  ///< characters of the names of pipelines in a row of the table
+constexpr std::size_t kShown = 5;        ///< differences of a kind shown in full; all are counted
 
 std::string text_of(const ContactRow& row) {
   const auto& v = row.ids;
@@ -43,9 +47,9 @@ std::string text_of(const ContactRow& row) {
                                      : fmt::format("EE {} {} | {} {} at {:.17g}", v[0], v[1], v[2], v[3], row.toi);
 }
 
-void show(const char* what, const std::vector<ContactRow>& rows) {
-  for (std::size_t i = 0; i < std::min(rows.size(), kShown); ++i) fmt::print("    {}: {}\n", what, text_of(rows[i]));
-  if (rows.size() > kShown) fmt::print("    {}: {} more\n", what, rows.size() - kShown);
+void show(const Report& report, const char* what, const std::vector<ContactRow>& rows) {
+  for (std::size_t i = 0; i < std::min(rows.size(), kShown); ++i) report.print("    {}: {}\n", what, text_of(rows[i]));
+  if (rows.size() > kShown) report.print("    {}: {} more\n", what, rows.size() - kShown);
 }
 
 std::vector<ContactRow> rows_of(int k, const std::vector<Contact>& contacts, const Mesh& mesh) {
@@ -54,63 +58,107 @@ std::vector<ContactRow> rows_of(int k, const std::vector<Contact>& contacts, con
   return rows;
 }
 
-void show(int k, const std::string& what, const std::vector<ElementPair>& pairs, const Mesh& mesh) {
+void show(const Report& report, int k, const std::string& what, const std::vector<ElementPair>& pairs,
+          const Mesh& mesh) {
   if (pairs.empty()) return;
-  fmt::print("  step {}: {}: {} pairs of elements, first {} and {}\n", k, what, pairs.size(),
-             mesh.element_id(pairs.front().a), mesh.element_id(pairs.front().b));
+  report.print("  step {}: {}: {} pairs of elements, first {} and {}\n", k, what, pairs.size(),
+               mesh.element_id(pairs.front().a), mesh.element_id(pairs.front().b));
 }
 
-void show_overlaps(int k, const StepVerdict& verdict, const Mesh& mesh) {
+void show_overlaps(const Report& report, int k, const StepVerdict& verdict, const Mesh& mesh) {
   for (const PipelineVerdict& one : verdict.pipelines) {
-    show(k, "initial overlaps that " + one.pipeline + " misses", one.missing_overlaps, mesh);
-    show(k, "initial overlaps that only " + one.pipeline + " lists", one.extra_overlaps, mesh);
+    show(report, k, "initial overlaps that " + one.pipeline + " misses", one.missing_overlaps, mesh);
+    show(report, k, "initial overlaps that only " + one.pipeline + " lists", one.extra_overlaps, mesh);
   }
   std::vector<ElementPair> missing;
   for (const Overlap& overlap : verdict.initial.missing) missing.push_back(overlap.pair);
-  show(k, "initial overlaps that only FCL finds", missing, mesh);
-  show(k, "initial overlaps that are none", verdict.initial.extra, mesh);
+  show(report, k, "initial overlaps that only FCL finds", missing, mesh);
+  show(report, k, "initial overlaps that are none", verdict.initial.extra, mesh);
 }
 
-void show_differences(int k, const StepVerdict& verdict, const Mesh& mesh) {
+void show_differences(const Report& report, int k, const StepVerdict& verdict, const Mesh& mesh) {
   for (const PipelineVerdict& one : verdict.pipelines) {
     if (one.difference.empty()) continue;
-    fmt::print("  step {}: {} differs from {}: {} missing, {} extra, {} changed{}\n", k, one.pipeline,
-               verdict.reference, one.difference.missing.size(), one.difference.extra.size(),
-               one.difference.changed.size(), one.held ? "" : "; not counted, its narrow phase being approximate");
+    report.print("  step {}: {} differs from {}: {} missing, {} extra, {} changed{}\n", k, one.pipeline,
+                 verdict.reference, one.difference.missing.size(), one.difference.extra.size(),
+                 one.difference.changed.size(), one.held ? "" : "; not counted, its narrow phase being approximate");
     if (!one.held) continue;
-    show("missing", rows_of(k, one.difference.missing, mesh));
-    show("extra", rows_of(k, one.difference.extra, mesh));
+    show(report, "missing", rows_of(k, one.difference.missing, mesh));
+    show(report, "extra", rows_of(k, one.difference.extra, mesh));
     std::vector<Contact> changed;
     for (const auto& [expected, found] : one.difference.changed) changed.push_back(found);
-    show("changed", rows_of(k, changed, mesh));
+    show(report, "changed", rows_of(k, changed, mesh));
   }
   for (const PipelineVerdict& one : verdict.pipelines)
     if (!one.left_out.empty())
-      fmt::print(
+      report.print(
           "  step {}: {} leaves out other contacts of shell neighbours than {}: {} missing, {} extra, {} changed\n", k,
           one.pipeline, verdict.reference, one.left_out.missing.size(), one.left_out.extra.size(),
           one.left_out.changed.size());
   for (std::size_t i = 0; i < std::min(verdict.fcl.violations.size(), kShown); ++i) {
     const OverlapViolation& v = verdict.fcl.violations[i];
-    fmt::print("  step {}: FCL finds elements {} and {} overlapping by {:.3g} at t = {:g}, first contact {}\n", k,
-               mesh.element_id(v.pair.a), mesh.element_id(v.pair.b), v.depth, v.time,
-               std::isfinite(v.first_contact) ? fmt::format("{:.6f}", v.first_contact) : "none");
+    report.print("  step {}: FCL finds elements {} and {} overlapping by {:.3g} at t = {:g}, first contact {}\n", k,
+                 mesh.element_id(v.pair.a), mesh.element_id(v.pair.b), v.depth, v.time,
+                 std::isfinite(v.first_contact) ? fmt::format("{:.6f}", v.first_contact) : "none");
   }
 }
 
-bool check_truth(SequenceReader& reader, const Mesh& mesh, const std::vector<Contact>& contacts,
-                 const VerifyConfig& config) {
+/// Nothing where the file has no truth.
+std::optional<TruthVerdict> check_truth(const Report& report, SequenceReader& reader, const Mesh& mesh,
+                                        const std::vector<Contact>& contacts, const VerifyConfig& config) {
   const auto truth = read_ground_truth(reader);
-  if (!truth) return true;
-  const TruthVerdict verdict = check_against_truth(mesh, contacts, *truth, config.truth_time_tolerance);
-  fmt::print(
-      "ground truth of motion 0: {} pairs touch; {} missing, {} extra, {} with a wrong time (largest error {:.2g})\n",
-      grouped(verdict.colliding), verdict.missing.size(), verdict.extra.size(), verdict.wrong_time.size(),
-      verdict.largest_time_error);
-  show("missing", verdict.missing);
-  show("extra", verdict.extra);
-  show("wrong time", verdict.wrong_time);
-  return verdict.clean();
+  if (!truth) return std::nullopt;
+  TruthVerdict verdict = check_against_truth(mesh, contacts, *truth, config.truth_time_tolerance);
+  report.print("{}", wrapped(fmt::format("ground truth of motion 0: {} pairs touch; {} missing, {} extra, {} with a "
+                                         "wrong time (largest error {:.2g})\n",
+                                         grouped(verdict.colliding), verdict.missing.size(), verdict.extra.size(),
+                                         verdict.wrong_time.size(), verdict.largest_time_error)));
+  show(report, "missing", verdict.missing);
+  show(report, "extra", verdict.extra);
+  show(report, "wrong time", verdict.wrong_time);
+  return verdict;
+}
+
+nlohmann::json to_json(const TruthVerdict& verdict) {
+  return {{"colliding", verdict.colliding},
+          {"missing", verdict.missing.size()},
+          {"extra", verdict.extra.size()},
+          {"wrong_time", verdict.wrong_time.size()},
+          {"largest_time_error", verdict.largest_time_error}};
+}
+
+nlohmann::json to_json(const PipelineVerdict& one) {
+  return {{"pipeline", one.pipeline},
+          {"same", one.same()},
+          {"held", one.held},
+          {"refused", one.refused},
+          {"missing", one.difference.missing.size()},
+          {"extra", one.difference.extra.size()},
+          {"changed", one.difference.changed.size()},
+          {"missing_overlaps", one.missing_overlaps.size()},
+          {"extra_overlaps", one.extra_overlaps.size()}};
+}
+
+nlohmann::json to_json(int k, const StepVerdict& verdict) {
+  nlohmann::json pipelines = nlohmann::json::array();
+  for (const PipelineVerdict& one : verdict.pipelines) pipelines.push_back(to_json(one));
+  nlohmann::json entry = {
+      {"step", k},
+      {"clean", verdict.clean()},
+      {"reference", verdict.reference},
+      {"contacts", verdict.contacts},
+      {"left_out", verdict.left_out},
+      {"earliest_toi", std::isfinite(verdict.earliest_toi) ? nlohmann::json(verdict.earliest_toi) : nlohmann::json()},
+      {"initial_overlaps", verdict.initial_overlaps},
+      {"pipelines", pipelines},
+      {"fcl", nullptr}};
+  if (verdict.fcl.times > 0)
+    entry["fcl"] = {{"hits", verdict.fcl.hits},
+                    {"violations", verdict.fcl.violations.size()},
+                    {"initial_hits", verdict.initial.hits},
+                    {"initial_missing", verdict.initial.missing.size()},
+                    {"initial_extra", verdict.initial.extra.size()}};
+  return entry;
 }
 
 std::string fcl_text(const StepVerdict& verdict) {
@@ -144,20 +192,21 @@ class Verification {
   }
 
   int run() {
-    const StepsDone steps = run_steps("verifying, step", range_, [this](int k) { run_step(k); });
-    fmt::print("{}", table_.text());
+    const StepsDone steps = run_steps("verifying", range_, [this](int k) { run_step(k); });
+    report_.print("{}", table_.text());
     if (config_.leave_out_shell_neighbours)
-      fmt::print("left out of the contacts: {} of features that stem from one shell vertex\n", grouped(left_out_));
+      report_.print("left out of the contacts: {} of features that stem from one shell vertex\n", grouped(left_out_));
     if (!verifier_.skipped_pipelines().empty())
-      fmt::print("left out, their narrow phase being approximate (--approximate runs them): {}\n",
-                 fmt::join(verifier_.skipped_pipelines(), ", "));
-    if (steps.complete()) {
-      fmt::print("{}\n", clean_ ? "clean: no difference" : "DIFFERENCES FOUND");
-      return clean_ ? kDone : kDifferent;
-    }
-    fmt::print("{} in these steps\n", clean_ ? "no difference" : "DIFFERENCES FOUND");
-    print_incomplete(steps, stdout);
-    return exit_code(steps);
+      report_.print(
+          "{}", wrapped(fmt::format("left out, their narrow phase being approximate (--approximate runs them): {}\n",
+                                    fmt::join(verifier_.skipped_pipelines(), ", "))));
+    const char* const in = steps.complete() ? "" : " in these steps";
+    report_.print("{}\n", clean_ ? (steps.complete() ? "clean: no difference" : "no difference in these steps")
+                                 : fmt::format("DIFFERENCES FOUND{}", in));
+    report_.write("verify", document(steps));
+    print_incomplete(steps, report_.people());
+    if (!steps.complete()) return exit_code(steps);
+    return clean_ ? kDone : kDifferent;
   }
 
  private:
@@ -166,6 +215,17 @@ class Verification {
     if (options.no_fcl) config.fcl_times.clear();
     config.leave_out_shell_neighbours = options.query.leaves_out_shell_neighbours(options.sequence);
     return config;
+  }
+
+  nlohmann::json document(const StepsDone& done) const {
+    return {{"sequence", options_.sequence.file},
+            {"complete", done.complete()},
+            {"stopped_by", done.complete() ? nlohmann::json(nullptr) : nlohmann::json(done.stopped_by)},
+            {"clean", clean_},
+            {"threads", executor_->workers()},
+            {"skipped_pipelines", verifier_.skipped_pipelines()},
+            {"truth", truth_},
+            {"steps", steps_}};
   }
 
   void run_step(int k) {
@@ -178,19 +238,26 @@ class Verification {
     std::string differ;
     for (const PipelineVerdict& one : verdict.pipelines)
       if (!one.same()) differ += (differ.empty() ? "" : ", ") + one.pipeline;
+    if (differ.size() > kShownNames) differ = differ.substr(0, kShownNames - 3) + "...";
     table_.add({std::to_string(k), verdict.reference, grouped(verdict.contacts),
                 std::isfinite(verdict.earliest_toi) ? fmt::format("{:.6f}", verdict.earliest_toi) : "-",
                 overlap_text(verdict), differ.empty() ? fmt::format("none of {}", verdict.pipelines.size()) : differ,
                 fcl_text(verdict)});
     left_out_ += verdict.left_out;
-    show_differences(k, verdict, mesh);
-    show_overlaps(k, verdict, mesh);
+    show_differences(report_, k, verdict, mesh);
+    show_overlaps(report_, k, verdict, mesh);
     clean_ = clean_ && verdict.clean();
-    if (k == 0 && truth_fits_) clean_ = check_truth(reader_, mesh, contacts, config_) && clean_;
+    steps_.push_back(to_json(k, verdict));
+    if (k > 0 || !truth_fits_) return;
+    if (const std::optional<TruthVerdict> truth = check_truth(report_, reader_, mesh, contacts, config_)) {
+      clean_ = clean_ && truth->clean();
+      truth_ = to_json(*truth);
+    }
   }
 
   const InterruptGuard guard_;
   const VerifyOptions& options_;
+  const Report report_{options_.report};
   VerifyConfig config_;
   SequenceReader reader_;
   SequenceStepper stepper_;
@@ -201,6 +268,7 @@ class Verification {
   bool truth_fits_;
   bool clean_ = true;
   std::uint64_t left_out_ = 0;
+  nlohmann::json steps_ = nlohmann::json::array(), truth_ = nullptr;
   TextTable table_{{"step", "reference", "contacts", "earliest t", "overlaps at 0", "pipelines that differ",
                     "FCL violations of hits"}};
 };
@@ -214,8 +282,10 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
   options->sequence.add_to(*command);
   options->query.add_to(*command);
   options->sequence.add_parts_to(*command);
-  command->add_option("--brute-force-limit", options->config.brute_force_limit,
-                      "elements up to which brute force is the reference; beyond, NavCCD")
+  options->report.add_to(*command);
+  command
+      ->add_option("--brute-force-limit", options->config.brute_force_limit,
+                   "elements up to which brute force is the reference; beyond, NavCCD")
       ->capture_default_str();
   command->add_flag(
       "--approximate", options->config.approximate,

@@ -17,17 +17,19 @@ namespace volccd {
 
 namespace {
 
-constexpr std::string_view kHeader = "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start";
+constexpr std::string_view kHeader =
+    "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start,part_1,part_2,element_1,element_2";
 
 /// A header that is read, and the columns behind toi that it stands for.
 struct HeaderInfo {
   std::string_view text;
-  bool geometry, at_start;
+  bool geometry, at_start, sides;
 };
 
-constexpr HeaderInfo kHeaders[] = {{kHeader, true, true},
-                                   {"step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz", true, false},
-                                   {"step,kind,a,b,c,d,toi", false, false}};
+constexpr HeaderInfo kHeaders[] = {{kHeader, true, true, true},
+                                   {"step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start", true, true, false},
+                                   {"step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz", true, false, false},
+                                   {"step,kind,a,b,c,d,toi", false, false, false}};
 
 const HeaderInfo* find_header(std::string_view text) {
   for (const HeaderInfo& header : kHeaders)
@@ -42,8 +44,14 @@ bool canonical_less(const ContactRow& x, const ContactRow& y) {
 }
 
 ContactRow contact_row(int step, const Contact& contact, const Mesh& mesh) {
-  ContactRow row{step, contact.kind, {}, contact.toi, contact.normal, contact.point, contact.at_start};
+  ContactRow row{step, contact.kind, {}, contact.toi, contact.normal, contact.point, contact.at_start, {}};
   for (std::size_t i = 0; i < 4; ++i) row.ids[i] = mesh.vertex_id(contact.vertices[i]);
+  return row;
+}
+
+ContactRow contact_row(int step, const Contact& contact, const Topology& topology) {
+  ContactRow row = contact_row(step, contact, topology.mesh());
+  row.sides = contact_sides(contact, topology);
   return row;
 }
 
@@ -69,17 +77,20 @@ void ContactsCsvWriter::Impl::append(const ContactRow& row) {
     const auto end = std::to_chars(digits, digits + sizeof digits, value, std::chars_format::general, 17).ptr;
     text.append(",").append(digits, end);
   }
-  text += row.at_start ? ",1\n" : ",0\n";
+  text += row.at_start ? ",1" : ",0";
+  for (const ContactSide& side : row.sides) text += "," + std::to_string(side.part);
+  for (const ContactSide& side : row.sides) text += "," + std::to_string(side.element);
+  text += "\n";
 }
 
 ContactsCsvWriter::ContactsCsvWriter(const std::string& file) : impl_(std::make_unique<Impl>(file)) {}
 ContactsCsvWriter::ContactsCsvWriter(ContactsCsvWriter&&) noexcept = default;
 ContactsCsvWriter::~ContactsCsvWriter() = default;
 
-void ContactsCsvWriter::write_step(int step, std::span<const Contact> contacts, const Mesh& mesh) {
+void ContactsCsvWriter::write_step(int step, std::span<const Contact> contacts, const Topology& topology) {
   Impl& o = *impl_;
   o.rows.clear();
-  for (const Contact& contact : contacts) o.rows.push_back(contact_row(step, contact, mesh));
+  for (const Contact& contact : contacts) o.rows.push_back(contact_row(step, contact, topology));
   std::sort(o.rows.begin(), o.rows.end(),
             [](const ContactRow& x, const ContactRow& y) { return canonical_less(x, y); });
   o.text.clear();
@@ -119,6 +130,10 @@ class RowParser {
       if (flag != "0" && flag != "1") fail("at_start is neither 0 nor 1");
       row.at_start = flag == "1";
     }
+    if (header.sides) {
+      for (ContactSide& side : row.sides) side.part = integer("part");
+      for (ContactSide& side : row.sides) side.element = element();
+    }
     if (!at_end_) fail("has too many fields");
     return row;
   }
@@ -145,6 +160,11 @@ class RowParser {
     return result;
   }
   std::int64_t integer(const char* what) { return value<std::int64_t>(what); }
+  std::int64_t element() {
+    const std::int64_t id = integer("element");
+    if (id < -1) fail("the element is below -1");
+    return id;
+  }
   double number(const char* what) {
     const double result = value<double>(what);
     if (!std::isfinite(result)) fail(std::string("the ") + what + " is not finite");

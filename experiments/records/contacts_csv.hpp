@@ -1,11 +1,12 @@
 // Contacts as text: a header, then a row per contact.
 //
-//     step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start
+//     step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start,part_1,part_2,element_1,element_2
 //
-// step is the index k of the motion k -> k+1. Kind VF: a = vertex, b < c < d = triangle; kind EE: a < b, c < d, (a,b) <
-// (c,d); all are vertex ids. toi, normal and point have 17 significant digits, which give back the same double.
-// at_start is 1 or 0, as Contact::at_start. A file that ends before the last step asked for has a last line that begins
-// with kIncompleteMark and says which steps are complete, and why no more are.
+// step is the index k of the motion k -> k+1. Kind VF: a = vertex, b < c < d = triangle; kind EE: a < b, c < d, (a,b)
+// < (c,d); all are vertex ids. toi, normal and point have 17 significant digits, which give back the same double.
+// at_start is 1 or 0, as Contact::at_start. part_1 and element_1 are the ContactSide of the first feature (vertex,
+// edge a b), part_2 and element_2 that of the second. A file that ends before the last step asked for has a last line
+// that begins with kIncompleteMark and says which steps are complete, and why no more are.
 #pragma once
 
 #include <array>
@@ -15,13 +16,15 @@
 #include <string>
 #include <vector>
 
-#include <volccd/mesh/mesh.hpp>
 #include <volccd/core/step_text.hpp>
+#include <volccd/experiments/records/contact_sides.hpp>
+#include <volccd/mesh/mesh.hpp>
 #include <volccd/query/contact.hpp>
 
 namespace volccd {
 
-/// A row. `normal` and `point` are zero, and `at_start` is false, where the file does not have them.
+/// A row. `normal` and `point` are zero, `at_start` is false, and `sides` are those of no element, where the file
+/// does not have them.
 struct ContactRow {
   std::int64_t step = 0;
   FeatureKind kind = FeatureKind::vf;
@@ -29,6 +32,7 @@ struct ContactRow {
   double toi = 0;
   Vec3 normal = Vec3::Zero(), point = Vec3::Zero();
   bool at_start = false;
+  std::array<ContactSide, 2> sides{};
 
   friend bool operator==(const ContactRow&, const ContactRow&) = default;
 };
@@ -36,8 +40,9 @@ struct ContactRow {
 /// Canonical order: step, kind (VF first), ids.
 bool canonical_less(const ContactRow& x, const ContactRow& y);
 
-/// Row of a contact on `mesh`.
+/// Row of a contact on `mesh`, without `sides`; on `topology`, with them.
 ContactRow contact_row(int step, const Contact& contact, const Mesh& mesh);
+ContactRow contact_row(int step, const Contact& contact, const Topology& topology);
 
 /// Writes step by step, each step's rows in canonical order, by the rules of StepTextWriter. A number that is not
 /// finite is an InputError too.
@@ -47,8 +52,8 @@ class ContactsCsvWriter {
   ContactsCsvWriter(ContactsCsvWriter&&) noexcept;
   ~ContactsCsvWriter();
 
-  /// Contacts of motion `step` on `mesh`, in any order. `step` is greater than before.
-  void write_step(int step, std::span<const Contact> contacts, const Mesh& mesh);
+  /// Contacts of motion `step` on `topology`, in any order. `step` is greater than before.
+  void write_step(int step, std::span<const Contact> contacts, const Topology& topology);
   void finish();
   StepsDone finish_incomplete(const StepsDone& steps);
 
@@ -57,11 +62,11 @@ class ContactsCsvWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Rows in the order of the file, which is also read without the columns nx .. at_start, and without at_start. A file
-/// marked as incomplete is an error, unless `incomplete` is given: it receives the mark, or is empty. Throws InputError
-/// (file, "line", number of the line from 1): another header, wrong number of fields, not a number, an unknown kind,
-/// ids not in the order above or a common vertex, toi outside [0, 1], a number that is not finite, at_start neither 0
-/// nor 1, a last line without its end.
+/// Rows in the order of the file, which is also read without its last columns: without those behind at_start, pz or
+/// toi. A file marked as incomplete is an error, unless `incomplete` is given: it receives the mark, or is empty.
+/// Throws InputError (file, "line", number of the line from 1): another header, wrong number of fields, not a number,
+/// an unknown kind, ids not in the order above or a common vertex, toi outside [0, 1], a number that is not finite,
+/// at_start neither 0 nor 1, an element below -1, a last line without its end.
 std::vector<ContactRow> read_contacts_csv(const std::string& file, std::string* incomplete = nullptr);
 
 }  // namespace volccd

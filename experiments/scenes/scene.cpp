@@ -3,6 +3,7 @@
 #include <numeric>
 
 #include <volccd/core/error.hpp>
+#include <volccd/core/suggest.hpp>
 #include <volccd/experiments/scenes/builtin.hpp>
 #include <volccd/experiments/scenes/deform.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
@@ -86,7 +87,7 @@ std::unique_ptr<Scene> make_scene(const std::string& name, const OptionValues& v
       throw ConfigError("scene " + name + (mesh ? " takes no mesh" : " needs a mesh to work on"));
     return scene.make(values, mesh);
   }
-  throw ConfigError("no scene is called \"" + name + "\"; there are: " + known);
+  throw ConfigError("no scene is called \"" + name + "\"; there are: " + known + did_you_mean(name, known));
 }
 
 }  // namespace volccd

@@ -67,6 +67,16 @@ std::optional<std::string> deformed_scene_file(const std::string& name) {
   return write_to_cache(*make_scene("deform", {{"motion", scene->motion}, {"steps", scene->steps}}, &shape), name);
 }
 
+std::optional<std::string> file_to_simulate(const std::string& name_or_file) {
+  if (std::filesystem::exists(name_or_file)) return std::nullopt;
+  for (const ExternalScene& scene : external_scenes())
+    if (scene.name == name_or_file) return std::nullopt;
+  BakeSettings settings;
+  const SimulatedScene* scene = simulated_by_name(name_or_file, settings);
+  if (!scene) return std::nullopt;
+  return baked_file(*scene, settings);
+}
+
 std::optional<std::string> resolve_scene(const std::string& name_or_file, Executor& executor, const BakeHooks& hooks) {
   if (std::filesystem::exists(name_or_file)) return name_or_file;
   for (const ExternalScene& scene : external_scenes())

@@ -28,6 +28,10 @@ bool is_deformed_scene(const std::string& name);
 /// Its file in the cache, computed anew. Nothing if the mesh is not there. Throws what write_scene() throws.
 std::optional<std::string> deformed_scene_file(const std::string& name);
 
+/// Where the cache has, or would have, the simulated scene that `name_or_file` means to resolve_scene(); nothing if it
+/// means something else.
+std::optional<std::string> file_to_simulate(const std::string& name_or_file);
+
 /// What `name_or_file` means where a sequence file is asked for:
 ///   a file that is there, whatever its name;
 ///   the name of an external scene;

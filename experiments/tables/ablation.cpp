@@ -93,7 +93,7 @@ void add_own(const PlanContext& context, std::vector<Entrant>& entrants) {
 }
 
 TitledTable table_of(const Rows& rows, const std::string& title) {
-  TextTable table({"pipeline", "settings", "ms a step", "relative", "pairs", "survive", "tests", "contacts"});
+  TextTable table({"pipeline", "settings", "ms a step", "relative", "pairs", "survive", "tests", "contacts"}, 2);
   double best = 0;
   for (const json& pipeline : rows.values("pipeline"))
     for (const json& variant : rows.with("pipeline", pipeline).values("variant")) {

@@ -238,11 +238,11 @@ std::string feature_set_table(const std::vector<json>& records) {
   TextTable table({"scene", "splits", "pieces, bullet", "pieces, plate", "velocity, m/s", "travel, mm",
                    "overlaps, inter", "overlaps, intra", "inverted", "contacts", "interior contacts", "computed in"});
   for (const json& record : records) table.add(feature_set_row(record));
-  return table.text() +
-         "\npieces, velocity and travel of the bullet's centre, pairs of elements that overlap (exact; not adjacent "
-         "ones): at the end;\ninverted elements, contacts among all features, and those with a feature inside: sums "
-         "over "
-         "the motions\n";
+  return table.text() + "\n" +
+         wrapped(
+             "pieces, velocity and travel of the bullet's centre, pairs of elements that overlap (exact; not adjacent "
+             "ones): at the end; inverted elements, contacts among all features, and those with a feature inside: sums "
+             "over the motions\n");
 }
 
 }  // namespace volccd

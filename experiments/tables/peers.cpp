@@ -305,8 +305,9 @@ std::vector<json> peers_rows(const PlanContext& context) {
 
 std::vector<TitledTable> peers_tables(const json& record) {
   const Rows rows(record);
-  TextTable table({"scene", "elements", "broad phase", "update, ms", "query, ms", "both, ms", "pairs",
-                   "million pairs/s", "memory", "fastest peer / this"});
+  TextTable table({"scene", "broad phase", "elements", "update, ms", "query, ms", "both, ms", "pairs",
+                   "million pairs/s", "memory", "fastest peer / this"},
+                  2);
   for (const json& scene : rows.values("scene")) {
     const Rows of = rows.with("scene", scene);
     const std::vector<Times> times = times_of(of);
@@ -316,7 +317,7 @@ std::vector<TitledTable> peers_tables(const json& record) {
     for (const Times& one : times) {
       const double pairs = static_cast<double>(one.pairs) / motions;
       table.add({scene.get<std::string>() + (of.front().at("volume").get<bool>() ? "" : " (surface)"),
-                 grouped(static_cast<std::uint64_t>(of.median("elements"))), one.name, fmt::format("{:.3g}", one.build),
+                 one.name, grouped(static_cast<std::uint64_t>(of.median("elements"))), fmt::format("{:.3g}", one.build),
                  fmt::format("{:.3g}", one.query), fmt::format("{:.3g}", one.both),
                  grouped(static_cast<std::uint64_t>(pairs)), fmt::format("{:.3g}", pairs / one.both / 1e3),
                  memory(static_cast<std::size_t>(one.bytes)), peer ? ratio_text(*peer / one.both) : "-"});

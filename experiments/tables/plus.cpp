@@ -104,7 +104,7 @@ std::string whole_number(double value) { return grouped(static_cast<std::uint64_
 TitledTable times(const std::vector<Group>& groups) {
   std::vector<std::string> header = {"scene", "motion", "threads", "elements", "on boundary", "motions"};
   for (const Name& name : kEntrants) header.push_back(name.title);
-  TextTable table(header);
+  TextTable table(header, 3);
   for (const Group& group : groups) {
     std::vector<std::string> row = {group.scene, group.motion, std::to_string(group.threads()),
                                     whole_number(group.of(kPlus).median("elements")),
@@ -121,7 +121,7 @@ TitledTable times(const std::vector<Group>& groups) {
 
 TitledTable ratios(const std::vector<Group>& groups) {
   TextTable table({"scene", "motion", "threads", "VolCCD cubic / VolCCD+", "both cubic", "both inclusion",
-                   "flood gains", "volume / surface"});
+                   "flood gains", "volume / surface"}, 3);
   for (const Group& group : groups)
     table.add({group.scene, group.motion, std::to_string(group.threads()), text_ratio(group.ratio(kVolCCDCubic, kPlus)),
                text_ratio(group.ratio(kVolCCDCubic, kPlusCubic)), text_ratio(group.ratio(kVolCCD, kPlus)),
@@ -133,7 +133,7 @@ TitledTable ratios(const std::vector<Group>& groups) {
 
 TitledTable counts(const std::vector<Group>& groups) {
   TextTable table({"scene", "motion", "pipeline", "pairs", "survive", "owned tests", "orphans", "VF + EE tests",
-                   "contacts"});
+                   "contacts"}, 3);
   for (const Group& group : groups) {
     if (group.threads() != groups.front().threads()) continue;  // the same for any number of threads
     for (const Name& name : kEntrants) {
@@ -165,7 +165,7 @@ double speedup_of_threads(const std::vector<Group>& groups, const Group& group, 
 void add_threads_table(const std::vector<Group>& groups, std::vector<TitledTable>& tables) {
   std::vector<std::string> header = {"scene", "motion", "threads"};
   for (const Name& name : kEntrants) header.push_back(name.title);
-  TextTable table(header);
+  TextTable table(header, 3);
   bool any = false;
   for (const Group& group : groups) {
     if (speedup_of_threads(groups, group, kPlus) <= 0) continue;

@@ -1,3 +1,4 @@
+#include <volccd/core/suggest.hpp>
 #include <volccd/experiments/tables/query_comparison.hpp>
 
 #include <algorithm>
@@ -69,7 +70,7 @@ struct Choices {
         choice.options[setting.substr(dot + 1, equals - dot - 1)] = setting.substr(equals + 1);
         found = true;
       }
-    if (!found) throw ConfigError(fmt::format("no stage '{}' is run; there are {}", stage, known));
+    if (!found) throw ConfigError(fmt::format("no stage '{}' is run; there are {}{}", stage, known, did_you_mean(stage, known)));
   }
 };
 

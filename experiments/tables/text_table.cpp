@@ -7,24 +7,140 @@
 
 namespace volccd {
 
-std::string TextTable::text() const {
-  std::vector<std::size_t> widths;
-  for (const auto& row : rows_) {
-    widths.resize(std::max(widths.size(), row.size()));
-    for (std::size_t c = 0; c < row.size(); ++c) widths[c] = std::max(widths[c], row[c].size());
+namespace {
+
+constexpr std::size_t kGap = 2;  ///< blanks between columns
+
+std::size_t longest_word(const std::string& text) {
+  std::size_t longest = 0, begin = 0;
+  while (begin < text.size()) {
+    const std::size_t end = std::min(text.find(' ', begin), text.size());
+    longest = std::max(longest, end - begin);
+    begin = end + 1;
   }
+  return longest;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    lines.push_back(text.substr(begin, end - begin));
+    begin = end + 1;
+  }
+  return lines;
+}
+
+std::size_t width_of(const std::vector<std::size_t>& widths) {
+  std::size_t width = 0;
+  for (const std::size_t one : widths) width += one + kGap;
+  return width - std::min(width, kGap);
+}
+
+/// Widths of columns, those of headers with blanks made less until a row fits, or no more can be made less.
+std::vector<std::size_t> column_widths(const std::vector<std::vector<std::string>>& rows) {
+  std::vector<std::size_t> widths, least;
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    widths.resize(std::max(widths.size(), rows[r].size()));
+    least.resize(widths.size());
+    for (std::size_t c = 0; c < rows[r].size(); ++c) {
+      widths[c] = std::max(widths[c], rows[r][c].size());
+      least[c] = std::max(least[c], r == 0 ? longest_word(rows[r][c]) : rows[r][c].size());
+    }
+  }
+  while (width_of(widths) > kTextWidth) {
+    std::size_t widest = 0;
+    for (std::size_t c = 1; c < widths.size(); ++c)
+      if (widths[c] - least[c] > widths[widest] - least[widest]) widest = c;
+    if (widths.empty() || widths[widest] == least[widest]) break;
+    --widths[widest];
+  }
+  return widths;
+}
+
+}  // namespace
+
+std::string TextTable::text() const {
+  const std::vector<std::size_t> widths = column_widths(rows_);
+  std::string text;
+  for (std::size_t c = 0; c < widths.size();) {
+    std::vector<std::size_t> columns;
+    std::size_t line = 0;
+    for (std::size_t label = 0; label < labels_ && c >= labels_; ++label) {
+      line += widths[label] + (label > 0 ? kGap : 0);
+      columns.push_back(label);
+    }
+    // One more at least, so that there is an end.
+    do {
+      line += widths[c] + (columns.empty() ? 0 : kGap);
+      columns.push_back(c++);
+    } while (c < widths.size() && line + kGap + widths[c] <= kTextWidth);
+    text += (text.empty() ? "" : "\n") + block(columns, widths);
+  }
+  return text;
+}
+
+std::string TextTable::block(const std::vector<std::size_t>& columns, const std::vector<std::size_t>& widths) const {
   std::size_t line = 0;
-  for (const std::size_t width : widths) line += width + 2;
-  const std::string rule = std::string(line > 2 ? line - 2 : 0, '-') + "\n";
+  for (const std::size_t c : columns) line += widths[c] + kGap;
+  const std::string rule = std::string(line - kGap, '-') + "\n";
   std::string text;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     if (r == 1 || std::find(rules_.begin(), rules_.end(), r) != rules_.end()) text += rule;
-    std::string row;
-    for (std::size_t c = 0; c < rows_[r].size(); ++c)
-      row += c == 0 ? fmt::format("{:<{}}", rows_[r][c], widths[c]) : fmt::format("  {:>{}}", rows_[r][c], widths[c]);
-    text += row.substr(0, row.find_last_not_of(' ') + 1) + "\n";
+    std::vector<std::vector<std::string>> cells;  // of columns, in lines
+    std::size_t height = 1;
+    for (const std::size_t c : columns) {
+      const std::string& cell = c < rows_[r].size() ? rows_[r][c] : std::string();
+      cells.push_back(r == 0 ? lines_of(wrapped(cell, widths[c])) : std::vector<std::string>{cell});
+      height = std::max(height, cells.back().size());
+    }
+    for (std::size_t i = 0; i < height; ++i) {
+      std::string row;
+      for (std::size_t k = 0; k < columns.size(); ++k) {
+        // The last lines of the header's cells stand side by side.
+        const std::size_t above = height - cells[k].size();
+        const std::string cell = i < above ? std::string() : cells[k][i - above];
+        const std::size_t width = widths[columns[k]];
+        row += k == 0 && columns[k] == 0 ? fmt::format("{:<{}}", cell, width)
+                                         : fmt::format("{}{:>{}}", k == 0 ? "" : "  ", cell, width);
+      }
+      text += row.substr(0, row.find_last_not_of(' ') + 1) + "\n";
+    }
   }
   return text;
+}
+
+std::string wrapped(const std::string& text, std::size_t width) {
+  std::string result;
+  for (std::size_t begin = 0; begin < text.size();) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    std::string line = text.substr(begin, end - begin);
+    const std::string indentation(std::min(line.find_first_not_of(' '), line.size()), ' ');
+    while (line.size() > width) {
+      std::size_t blank = line.rfind(' ', width);
+      if (blank == std::string::npos || blank < indentation.size()) blank = line.find(' ', indentation.size());
+      if (blank == std::string::npos) break;
+      result += line.substr(0, line.find_last_not_of(' ', blank) + 1) + "\n";
+      line = indentation + line.substr(std::min(line.find_first_not_of(' ', blank), line.size()));
+    }
+    result += line;
+    if (end < text.size()) result += "\n";
+    begin = end + 1;
+  }
+  return result;
+}
+
+std::string labelled(const std::string& label, const std::string& text, std::size_t indentation) {
+  // A label that is too long has a line of its own.
+  const bool fits = label.size() < indentation;
+  std::string result =
+      fits ? label + std::string(indentation - label.size(), ' ') : label + "\n" + std::string(indentation, ' ');
+  const std::string lines = wrapped(text, kTextWidth - indentation);
+  for (const char c : lines) {
+    result += c;
+    if (c == '\n') result += std::string(indentation, ' ');
+  }
+  return result + "\n";
 }
 
 namespace {
@@ -93,7 +209,7 @@ std::string render(const std::vector<TitledTable>& tables, TableFormat format) {
   for (const TitledTable& table : tables) {
     if (!text.empty()) text += "\n";
     switch (format) {
-      case TableFormat::text: text += table.title + "\n\n" + table.table.text() + table.note; break;
+      case TableFormat::text: text += wrapped(table.title) + "\n\n" + table.table.text() + wrapped(table.note); break;
       case TableFormat::markdown:
         text += "### " + table.title + "\n\n" + table.table.markdown() + "\n" + table.note;
         break;

@@ -7,23 +7,35 @@
 
 namespace volccd {
 
+/// Columns that text for a terminal takes at most.
+inline constexpr std::size_t kTextWidth = 100;
+
 /// Column 0 is flush left, the others flush right; widths follow the content.
 class TextTable {
  public:
-  explicit TextTable(std::vector<std::string> header) : rows_{std::move(header)} {}
+  /// `labels`: columns at the beginning that say what a row is about, at least 1.
+  explicit TextTable(std::vector<std::string> header, std::size_t labels = 1)
+      : rows_{std::move(header)}, labels_(labels) {}
 
   void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
   /// A rule before the next row.
   void rule() { rules_.push_back(rows_.size()); }
-  /// With a line break at the end; a rule under the header.
+  /// With a line break at the end; a rule under the header. Where a row is wider than kTextWidth, words of the header
+  /// go to several lines; where that does not suffice, the columns that are left follow in a table of their own, with
+  /// the labels repeated. (A cell that is wider by itself stays as it is.)
   std::string text() const;
+  /// The header, then the rows.
+  const std::vector<std::vector<std::string>>& rows() const { return rows_; }
   std::string markdown() const;
   std::string csv() const;
   /// A tabular environment for booktabs.
   std::string latex() const;
 
  private:
+  std::string block(const std::vector<std::size_t>& columns, const std::vector<std::size_t>& widths) const;
+
   std::vector<std::vector<std::string>> rows_;
+  std::size_t labels_;
   std::vector<std::size_t> rules_;
 };
 
@@ -36,7 +48,15 @@ struct TitledTable {
   std::string note;
 };
 
-/// Titles, tables and notes, one after the other.
+/// `text` in lines of at most `width` characters, broken at blanks; line breaks that it has stay, and so does the
+/// indentation of a line, on those that go on with it.
+std::string wrapped(const std::string& text, std::size_t width = kTextWidth);
+
+/// `text` behind `label`, in lines of kTextWidth of which the others are indented to column `indentation`, which the
+/// label is filled up to. With a line break at the end.
+std::string labelled(const std::string& label, const std::string& text, std::size_t indentation);
+
+/// Titles, tables and notes, one after the other; as text, in lines of kTextWidth.
 std::string render(const std::vector<TitledTable>& tables, TableFormat format);
 
 /// 1234567 -> "1,234,567".

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <volccd/core/suggest.hpp>
 #include <volccd/experiments/verify/detail/stage_trials.hpp>
 
 namespace volccd {
@@ -20,6 +21,7 @@ PromiseReport& StageTrials::find(const char* promise, bool required) {
 void StageTrials::each_trial(int count,
                              const std::function<void(cases::Choices&, const std::string& where)>& body) const {
   for (int i = 0; i < count; ++i) {
+    if (config.progress) config.progress(i, count);
     const std::uint64_t seed = config.seed + static_cast<std::uint64_t>(i);
     cases::Choices choices(seed);
     body(choices, fmt::format("seed {}: ", seed));
@@ -115,6 +117,10 @@ std::string names(const Registry& registry) {
   return all;
 }
 
+[[noreturn]] void unknown_stage(const std::string& stage, const std::string& known) {
+  throw ConfigError(fmt::format("no stage '{}'; there are {}{}", stage, known, did_you_mean(stage, known)));
+}
+
 }  // namespace
 
 StageReport check_stage(const Registry& registry, const std::string& stage, const StageCheckConfig& config) {
@@ -122,9 +128,8 @@ StageReport check_stage(const Registry& registry, const std::string& stage, cons
   report.stage = stage;
   if (!try_kinds<BroadPhase, ElementCulling, Assignment, OrphanSource, Flood, FeatureFilter, NarrowPhase>(
           registry, stage, config, report))
-    throw ConfigError(fmt::format(
-        "no stage '{}'; there are {}", stage,
-        names<BroadPhase, ElementCulling, Assignment, OrphanSource, Flood, FeatureFilter, NarrowPhase>(registry)));
+    unknown_stage(stage, names<BroadPhase, ElementCulling, Assignment, OrphanSource, Flood, FeatureFilter, NarrowPhase>(
+                             registry));
   return report;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,8 @@ struct StageCheckConfig {
   OptionValues options;    ///< of the stage, where they differ from their defaults
   std::uint64_t seed = 1;  ///< trial i has the seed `seed` + i, so that a trial that failed can be repeated by itself
   int trials = 1000;       ///< generated trials; each has up to 64 tests or 8 pairs of elements
+  /// Called before each trial of a series, of which there are several; may throw to stop.
+  std::function<void(int done, int total)> progress = {};
   unsigned threads = 3;    ///< of the executor that several workers are tried with
   bool pipelines = true;   ///< false: the stage is looked at by itself only
   std::string file;        ///< a sequence whose steps are looked at as well, or empty

@@ -41,13 +41,15 @@ struct SequenceWriter::Impl {
     Integers face_first, face_connectivity_first, to_face_first;  ///< per step
   };
 
-  Impl(const std::string& file, std::span<const std::int64_t> ids, SequenceMetadata given)
+  Impl(const std::string& file, std::span<const std::int64_t> ids, SequenceMetadata given, SequenceForm wanted)
       : target(file, kSequenceIsNoStream),
         output(target.temporary(), file),
         metadata(std::move(given)),
+        form(wanted),
         point_ids(wide(ids)) {}
 
   void check(double time, std::span<const Vec3> points, const SequenceCells& cells, const StepFields& fields) const;
+  void check_single(const SequenceCells& cells) const;
   void make_datasets(const SequenceCells& cells, const StepFields& fields);
   void append_topology(const SequenceCells& cells);
   void make_polyhedra();
@@ -55,6 +57,7 @@ struct SequenceWriter::Impl {
   void append_vectors(GrowingDataset& dataset, std::span<const Vec3> vectors);
   void append_tables(double time, const StepFields& fields);
   void write_header();
+  void write_counts();
   void write_tables();
   void close();
 
@@ -62,6 +65,7 @@ struct SequenceWriter::Impl {
   OutputFile target;
   detail::Hdf5Output output;
   SequenceMetadata metadata;
+  SequenceForm form;
   Integers point_ids;
   bool usable = true;
 
@@ -74,10 +78,10 @@ struct SequenceWriter::Impl {
 };
 
 SequenceWriter::SequenceWriter(const std::string& file, std::span<const std::int64_t> point_ids,
-                               SequenceMetadata metadata) {
+                               SequenceMetadata metadata, SequenceForm form) {
   detail::check_ids(file, "VTKHDF/PointData/GlobalPointIds", point_ids);
   if (point_ids.empty()) throw InputError(file, "VTKHDF/PointData/GlobalPointIds", "no points");
-  impl_ = std::make_unique<Impl>(file, point_ids, std::move(metadata));
+  impl_ = std::make_unique<Impl>(file, point_ids, std::move(metadata), form);
   impl_->write_header();
 }
 
@@ -105,7 +109,11 @@ void SequenceWriter::finish(const std::string& incomplete) {
     throw InputError(o.target.name(), "", "the writer has failed or finished before");
   if (o.times.empty()) throw InputError(o.target.name(), "VTKHDF/Steps/Values", "no step has been written");
   if (!incomplete.empty()) o.output.string_attribute("/", "Incomplete", incomplete);
-  o.write_tables();
+  o.write_counts();
+  if (o.form == SequenceForm::temporal)
+    o.write_tables();
+  else
+    o.output.reals("VTKHDF/FieldData/TimeValue", o.times);
   o.close();
   o.target.commit();
 }
@@ -118,6 +126,7 @@ void SequenceWriter::Impl::check(double time, std::span<const Vec3> points, cons
     throw InputError(file, "VTKHDF/Steps/Values", step, "the time is not finite or not after that of the step before");
   const detail::StepPlace place{step, point_ids};
   detail::check_vectors(file, "VTKHDF/Points", points, place);
+  if (form == SequenceForm::single) check_single(cells);
   const bool first = times.empty();
   if (!first && velocity.has_value() == fields.velocity.empty())
     throw InputError(file, "VTKHDF/PointData/Velocity", step, "is given at some steps and not at others");
@@ -127,6 +136,13 @@ void SequenceWriter::Impl::check(double time, std::span<const Vec3> points, cons
   if (!fields.thickness.empty())
     detail::check_thickness(file, "VTKHDF/CellData/Thickness", fields.thickness, cells, place);
   if (first || !(cells == last)) detail::check_cells(file, cells, place);
+}
+
+void SequenceWriter::Impl::check_single(const SequenceCells& cells) const {
+  if (!times.empty()) throw InputError(target.name(), "VTKHDF/Steps", 1, "is a second step: this form has one");
+  if (!cells.face_offsets.empty())
+    throw InputError(target.name(), "VTKHDF/Types",
+                     "there are polyhedra, which VTKHDF 1.0 does not have: the temporal form keeps them");
 }
 
 void SequenceWriter::Impl::write_header() {
@@ -139,9 +155,12 @@ void SequenceWriter::Impl::write_header() {
   text("Units", metadata.units);
   text("TimeUnit", metadata.time_unit);
   text("Parts", format_part_names(metadata.part_names));
-  for (const char* path : {"VTKHDF", "VTKHDF/PointData", "VTKHDF/CellData", "VTKHDF/Steps",
-                           "VTKHDF/Steps/PointDataOffsets", "VTKHDF/Steps/CellDataOffsets"})
-    output.group(path);
+  for (const char* path : {"VTKHDF", "VTKHDF/PointData", "VTKHDF/CellData"}) output.group(path);
+  if (form == SequenceForm::temporal)
+    for (const char* path : {"VTKHDF/Steps", "VTKHDF/Steps/PointDataOffsets", "VTKHDF/Steps/CellDataOffsets"})
+      output.group(path);
+  else
+    output.group("VTKHDF/FieldData");
   output.string_attribute("VTKHDF", "Type", "UnstructuredGrid");
   output.integers("VTKHDF/PointData/GlobalPointIds", point_ids);
 }
@@ -234,12 +253,15 @@ void SequenceWriter::Impl::append_tables(double time, const StepFields& fields) 
   polyhedra->to_face_first.push_back(polyhedra->to_faces.rows() - polyhedra->to_face_ids.back());
 }
 
-void SequenceWriter::Impl::write_tables() {
-  output.integer_attribute("VTKHDF", "Version", Integers{2, polyhedra ? 5 : 2});
+void SequenceWriter::Impl::write_counts() {
+  const bool temporal = form == SequenceForm::temporal;
+  output.integer_attribute("VTKHDF", "Version", temporal ? Integers{2, polyhedra ? 5 : 2} : Integers{1, 0});
   output.integers("VTKHDF/NumberOfPoints", Integers(cell_counts.size(), static_cast<std::int64_t>(point_ids.size())));
   output.integers("VTKHDF/NumberOfCells", cell_counts);
   output.integers("VTKHDF/NumberOfConnectivityIds", connectivity_counts);
+}
 
+void SequenceWriter::Impl::write_tables() {
   const Integers zeros(times.size(), 0);
   output.integer_attribute("VTKHDF/Steps", "NSteps", static_cast<std::int64_t>(times.size()));
   output.reals("VTKHDF/Steps/Values", times);

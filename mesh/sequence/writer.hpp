@@ -21,6 +21,11 @@ struct StepFields {
   std::span<const double> thickness = {};  ///< [cells of the step]; 0 for volume cells
 };
 
+/// `temporal`: any number of steps, VTKHDF 2.x; VTK opens it from 9.3 on. `single`: one step without the group "Steps",
+/// VTKHDF 1.0, its time in FieldData/TimeValue, which SequenceReader leaves aside; VTK opens it from 9.1 on. It has no
+/// polytopes.
+enum class SequenceForm { temporal, single };
+
 /// Writes the layout that SequenceReader reads and ParaView opens: version 2.2, one piece a step, 64-bit ids, arrays
 /// chunked, shuffled and gzipped, attributes of fixed-length ASCII (UTF-8 where a text is not ASCII). A topology is
 /// stored once for a run of steps with equal cells. A sequence with polytopes gets the face arrays of VTKHDF 2.5 and
@@ -31,12 +36,13 @@ struct StepFields {
 /// step, and the cells of the last.
 ///
 /// Errors: InputError with `file` and the dataset, for what SequenceReader would refuse (a number that is not finite, a
-/// vertex out of range or twice in a cell, an id twice, a time that does not ascend, arrays of the wrong length) and
-/// for what the system refuses. After an error the writer is no longer usable. One thread at a time.
+/// vertex out of range or twice in a cell, an id twice, a time that does not ascend, arrays of the wrong length; a
+/// second step or a polytope in the single form) and for what the system refuses. After an error the writer is no longer usable. One thread at a time.
 class SequenceWriter {
  public:
   /// `point_ids`: distinct, none negative, in any order; vertex slots of the cells are indices into it.
-  SequenceWriter(const std::string& file, std::span<const std::int64_t> point_ids, SequenceMetadata metadata = {});
+  SequenceWriter(const std::string& file, std::span<const std::int64_t> point_ids, SequenceMetadata metadata = {},
+                 SequenceForm form = SequenceForm::temporal);
   SequenceWriter(SequenceWriter&&) noexcept;
   ~SequenceWriter();
 

@@ -87,7 +87,8 @@ TEST(Options, RefusalNamesTheOptionTheTextAndWhatIsAllowed) {
 }
 
 TEST(Options, UnknownNameListsTheKnownOnes) {
-  EXPECT_EQ(refusal({{"leafsize", "4"}}), "no option 'leafsize'; there are refit, leaf_size, cell, gap, axis");
+  EXPECT_EQ(refusal({{"leafsize", "4"}}), "no option 'leafsize'; there are refit, leaf_size, cell, gap, axis; did you mean 'leaf_size'?");
+  EXPECT_EQ(refusal({{"other", "4"}}), "no option 'other'; there are refit, leaf_size, cell, gap, axis");
   EXPECT_THROW(Options<Config>().parse({{"any", "1"}}), ConfigError);
 }
 

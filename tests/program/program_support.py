@@ -65,7 +65,7 @@ class Interruption:
                 if not data:
                     break
                 self.screen += data
-                shown = re.findall(rb" (\d+)/\d+", self.screen)
+                shown = re.findall(rb" (\d+) of \d+ ", self.screen)
                 if sent is None and shown and int(shown[-1]) >= done:
                     time.sleep(delay)
                     sent = time.monotonic()

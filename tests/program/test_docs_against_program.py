@@ -27,27 +27,25 @@ def text_of(name):
 
 
 class Stages:
-    """`stages`, taken apart: stages by role, their guarantees, options (what is allowed, default), pipelines."""
+    """`stages --json`: stages by role, their guarantees, options (what is allowed, default); of each pipeline the
+    cells of docs/pipelines.md's table."""
 
     def __init__(self, program):
-        self.roles, self.options, self.guarantees, self.pipelines = {}, {}, {}, {}
-        role = pipeline = None
-        for line in run("stages", program=program).stdout.splitlines():
-            if match := re.match(r"([a-z-]+): ", line):
-                role = match[1]
-                self.roles[role] = []
-            elif line.startswith("pipelines"):
-                role = None
-            elif match := re.match(r"    ([a-z-]+)\.(\w+) .*\((.*); default (.*)\)$", line):
-                self.options[match[1]][match[2]] = (match[3], match[4])
-            elif role and (match := re.match(r"  ([\w-]+) .*\[(\w+)\]$", line)):
-                self.roles[role].append(match[1])
-                self.guarantees[match[1]] = match[2]
-                self.options[match[1]] = {}
-            elif role is None and (match := re.match(r"  ([\w+-]+) ", line)):
-                pipeline = match[1]
-            elif role is None and line.startswith("    "):
-                self.pipelines[pipeline] = [cell.strip() for cell in line.split("|")]
+        shown = json.loads(run("stages", "--json", program=program).stdout)
+        self.roles, self.options, self.guarantees = {}, {}, {}
+        for stage in shown["stages"]:
+            self.roles.setdefault(stage["role"], []).append(stage["name"])
+            self.guarantees[stage["name"]] = stage["guarantee"]
+            self.options[stage["name"]] = {option["name"]: (option["allowed"], option["default"])
+                                           for option in stage["options"]}
+        roles = ("broad_phase", "element_culling", "assignment", "orphans", "flood", "feature_filters", "narrow_phase")
+        self.pipelines = {spec["name"]: [self.cell(spec[role]) for role in roles] for spec in shown["pipelines"]}
+
+    @staticmethod
+    def cell(choices):
+        choices = choices if isinstance(choices, list) else [choices] if choices else []
+        return ", ".join(choice["name"] + (f"({', '.join('='.join(o) for o in choice['options'].items())})"
+                                           if choice["options"] else "") for choice in choices) or "none"
 
     def check_option(self, stage, option, value=None):
         """The problem, or nothing."""
@@ -103,10 +101,10 @@ PROGRAM = Command()
 COMMANDS = {(name,): Command(name) for name in PROGRAM.subcommands}
 COMMANDS |= {(*path, name): Command(*path, name)
              for path, command in list(COMMANDS.items()) for name in command.subcommands}
-SCENES = set(re.findall(r"^  ([a-z][\w-]+) ", run("scene", "list").stdout, re.MULTILINE))
+SCENES = {scene["name"] for scene in json.loads(run("scene", "list", "--json").stdout)["scenes"]}
 # Listed only where the data is.
 SCENES |= {"ls-dyna-projectile", "openradioss-bullet", "openradioss-airbag", "openradioss-crash"}
-EXPERIMENTS = set(re.findall(r"^([a-z0-9-]+) ", run("experiment", "list").stdout, re.MULTILINE))
+EXPERIMENTS = {one["name"] for one in json.loads(run("experiment", "list", "--json").stdout)["experiments"]}
 
 
 def known_sequence(name):
@@ -154,6 +152,9 @@ def problem_in_command(words):
              ("experiment", "table"): EXPERIMENTS}.get(path)
     if path == ("experiment", "compare"):
         return None  # folders
+    if path == ("help",):
+        return None if not positionals or positionals == ["COMMAND"] or tuple(positionals) in COMMANDS else \
+            f"no command {positionals}"
     if path == ("check",):
         names = {name for name in [*STAGES.options, *positionals[1:]] if name in STAGES.options or known_sequence(name)}
     known = names.__contains__ if names else known_sequence
@@ -254,7 +255,8 @@ class DocsAgainstProgram(unittest.TestCase):
     def test_commands_are_understood(self):
         seen = 0
         sources = {document.name: document.read_text(encoding="utf-8") for document in DOCUMENTS}
-        sources |= {" ".join(path) + " --help": "\n".join("  " + line for line in command.text.splitlines())
+        sources |= {" ".join(path) + " --help": "\n".join("  " + line for line in
+                                                       re.sub(r" \\\n +", " ", command.text).splitlines())
                     for path, command in COMMANDS.items()}
         for name, text in sources.items():
             for code in code_in(text):
@@ -266,7 +268,8 @@ class DocsAgainstProgram(unittest.TestCase):
                 else:
                     continue
                 seen += 1
-                self.assertIsNone(problem_in_command(words), f"{name}: {code}")
+                if name != "troubleshooting.md":  # its commands fail on purpose (test_how_to.py)
+                    self.assertIsNone(problem_in_command(words), f"{name}: {code}")
         self.assertGreater(seen, 60)
 
     def test_single_options_exist(self):

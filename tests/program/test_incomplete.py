@@ -128,7 +128,7 @@ class Incomplete(ProgramTest):
         self.assertIn("incomplete: steps 0 to ", cut.screen)
         for json_wanted in (False, True):
             cut = Interruption("queries", self.long, "--candidates", "--steps", ":50", "--sample", "5000",
-                               *(["--json"] if json_wanted else []), done=700)
+                               *(["--json"] if json_wanted else []), done=7)
             self.assertEqual(cut.code, 130, cut.screen)
             self.assertIn("group(s) of queries are complete; interrupted", cut.screen)
             if json_wanted:

@@ -21,15 +21,26 @@
 namespace volccd::test {
 namespace {
 
-Mesh mesh_of_ids(std::vector<std::int64_t> ids) {
+Topology vertices_of_ids(std::vector<std::int64_t> ids) {
   Mesh mesh;
   mesh.add_vertices(ids);
-  return mesh;
+  return Topology(std::move(mesh));
+}
+
+/// Two tetrahedra with a common triangle (slots 1 2 3), of parts 7 and -2, and one by itself. Vertex ids: 10 times the
+/// slot.
+Topology three_tetrahedra() {
+  Mesh mesh;
+  mesh.add_vertices(std::vector<std::int64_t>{0, 10, 20, 30, 40, 50, 60, 70, 80});
+  mesh.add_element({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 7, 500});
+  mesh.add_element({ElementType::tetrahedron, {1, 2, 3, 4}, {}, -2, 400});
+  mesh.add_element({ElementType::tetrahedron, {5, 6, 7, 8}, {}, 3, 900});
+  return Topology(std::move(mesh));
 }
 
 TEST(ContactsCsv, ExactText) {
   const ScratchFolder folder;
-  const Mesh mesh = mesh_of_ids({10, 20, 30, 40, 50});
+  const Topology mesh = vertices_of_ids({10, 20, 30, 40, 50});
   const std::vector<Contact> contacts = {
       {FeatureKind::ee, {0, 2, 1, 3}, 0.5, Vec3(0, 0, 1), {}, Vec3(1, 2, 3)},
       {FeatureKind::vf, {4, 0, 1, 2}, 0.1, Vec3(-1, 0, 0), {}, Vec3(1e-300, 1e20, -0.0)},
@@ -40,11 +51,59 @@ TEST(ContactsCsv, ExactText) {
   EXPECT_FALSE(std::filesystem::exists(folder / "c.csv"));
   writer.finish();
   EXPECT_EQ(text_of(folder / "c.csv"),
-            "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start\n"
-            "3,VF,50,10,20,30,0.10000000000000001,-1,0,0,1e-300,1e+20,-0,0\n"
-            "3,EE,10,20,30,40,0,0,0,0,0.25,0,0,1\n"
-            "3,EE,10,30,20,40,0.5,0,0,1,1,2,3,0\n");
+            "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start,part_1,part_2,element_1,element_2\n"
+            "3,VF,50,10,20,30,0.10000000000000001,-1,0,0,1e-300,1e+20,-0,0,-1,-1,-1,-1\n"
+            "3,EE,10,20,30,40,0,0,0,0,0.25,0,0,1,-1,-1,-1,-1\n"
+            "3,EE,10,30,20,40,0.5,0,0,1,1,2,3,0,-1,-1,-1,-1\n");
   EXPECT_EQ(folder.entries(), 1u);
+}
+
+/// A feature of several elements is that of the one with the smallest id.
+TEST(ContactsCsv, PartsAndElementsOfBothFeatures) {
+  const Topology mesh = three_tetrahedra();
+  const auto sides = [&](FeatureKind kind, std::array<Index, 4> vertices) {
+    return contact_sides({kind, vertices, 0, Vec3::Zero(), {}, Vec3::Zero()}, mesh);
+  };
+  using Sides = std::array<ContactSide, 2>;
+  EXPECT_EQ(sides(FeatureKind::vf, {5, 0, 1, 2}), (Sides{{{3, 900}, {7, 500}}}));
+  EXPECT_EQ(sides(FeatureKind::vf, {1, 6, 7, 8}), (Sides{{{-2, 400}, {3, 900}}}));
+  EXPECT_EQ(sides(FeatureKind::vf, {8, 1, 2, 3}), (Sides{{{3, 900}, {-2, 400}}})) << "the common triangle";
+  EXPECT_EQ(sides(FeatureKind::ee, {0, 1, 5, 6}), (Sides{{{7, 500}, {3, 900}}}));
+  EXPECT_EQ(sides(FeatureKind::ee, {1, 2, 3, 4}), (Sides{{{-2, 400}, {-2, 400}}}));
+  EXPECT_EQ(sides(FeatureKind::ee, {0, 4, 5, 6})[0], ContactSide{}) << "no edge";
+
+  const ScratchFolder folder;
+  ContactsCsvWriter writer(folder / "c.csv");
+  const std::vector<Contact> contacts = {{FeatureKind::vf, {5, 1, 2, 3}, 0.5, Vec3::Zero(), {}, Vec3::Zero()}};
+  writer.write_step(0, contacts, mesh);
+  writer.finish();
+  EXPECT_NE(text_of(folder / "c.csv").find(",0,3,-2,900,400\n"), std::string::npos);
+  EXPECT_EQ(read_contacts_csv(folder / "c.csv").at(0).sides, (Sides{{{3, 900}, {-2, 400}}}));
+}
+
+TEST(ContactsCsv, PairsOfParts) {
+  const Topology mesh = three_tetrahedra();
+  const auto contact = [](FeatureKind kind, std::array<Index, 4> vertices, double toi) {
+    return Contact{kind, vertices, toi, Vec3::Zero(), {}, Vec3::Zero()};
+  };
+  PartPairs pairs;
+  add_part_pairs(2, {}, mesh, pairs);
+  add_part_pairs(3,
+                 std::vector{contact(FeatureKind::vf, {5, 0, 1, 2}, 0.75), contact(FeatureKind::ee, {0, 1, 5, 6}, 0.5)},
+                 mesh, pairs);
+  add_part_pairs(
+      4, std::vector{contact(FeatureKind::vf, {0, 6, 7, 8}, 0.25), contact(FeatureKind::ee, {1, 2, 3, 4}, 0.125)}, mesh,
+      pairs);
+  ASSERT_EQ(pairs.size(), 2u);
+  const PartPairCount& between = pairs.at({3, 7});
+  EXPECT_EQ(between.vf, 2u);
+  EXPECT_EQ(between.ee, 1u);
+  EXPECT_EQ(between.first_step, 3);
+  EXPECT_EQ(between.first_toi, 0.5);
+  const PartPairCount& within = pairs.at({-2, -2});
+  EXPECT_EQ(within.vf + within.ee, 1u);
+  EXPECT_EQ(within.first_step, 4);
+  EXPECT_EQ(within.first_toi, 0.125);
 }
 
 /// Random bits of doubles, ids up to the largest.
@@ -54,7 +113,7 @@ TEST(ContactsCsv, ThereAndBackToTheLastBit) {
   std::vector<std::int64_t> ids;
   for (std::int64_t i = 0; i < 40; ++i) ids.push_back(i * i * i);
   ids.push_back(std::numeric_limits<std::int64_t>::max());
-  const Mesh mesh = mesh_of_ids(ids);
+  const Topology mesh = vertices_of_ids(ids);
   const auto real = [&] {
     for (;;) {
       const std::uint64_t bits = random();
@@ -131,7 +190,7 @@ TEST(ContactsCsv, PointsNotCommasInEveryLocale) {
   const ScratchFolder folder;
   ContactsCsvWriter writer(folder / "c.csv");
   const std::vector<Contact> contacts = {{FeatureKind::vf, {0, 1, 2, 3}, 0.5, Vec3::Zero(), {}, Vec3::Zero()}};
-  writer.write_step(0, contacts, mesh_of_ids({0, 1, 2, 3}));
+  writer.write_step(0, contacts, vertices_of_ids({0, 1, 2, 3}));
   writer.finish();
   EXPECT_EQ(text_of(folder / "c.csv").find("0,5"), std::string::npos);
   EXPECT_EQ(read_contacts_csv(folder / "c.csv").at(0).toi, 0.5);
@@ -141,7 +200,7 @@ TEST(ContactsCsv, WriterRefuses) {
   const ScratchFolder folder;
   for (const std::string& file : {folder / "no/such/folder/c.csv", folder / "", std::string("/proc/c.csv")})
     EXPECT_THROW(ContactsCsvWriter{file}, InputError);
-  const Mesh mesh = mesh_of_ids({0, 1, 2, 3});
+  const Topology mesh = vertices_of_ids({0, 1, 2, 3});
   {
     ContactsCsvWriter writer(folder / "c.csv");
     const std::vector<Contact> bad = {
@@ -179,6 +238,11 @@ TEST(ContactsCsv, BadLinesByNumber) {
   EXPECT_EQ(line_of(""), 1);
   const std::string flagged = full.substr(0, full.size() - 1) + ",at_start\n";
   EXPECT_EQ(line_of(flagged + "0,VF,1,2,3,4,0.5,0,0,1,1e3,-2,3,0\n0,VF,1,2,3,5,0,0,0,1,1e3,-2,3,1\n"), 0);
+  const std::string sided = flagged.substr(0, flagged.size() - 1) + ",part_1,part_2,element_1,element_2\n";
+  for (const char* some : {",0,1,-2,3,0", ",1,-1,-1,-1,-1"})
+    EXPECT_EQ(line_of(sided + "0,VF,1,2,3,4,0,0,0,1,1e3,-2,3" + some + "\n"), 0) << some;
+  for (const char* bad : {",0", ",0,1,2,3", ",0,1,2,3,-2", ",0,1,2,3,", ",0,1,2,3,4,5", ",0,1,x,3,4"})
+    EXPECT_EQ(line_of(sided + "0,VF,1,2,3,4,0,0,0,1,1e3,-2,3" + bad + "\n"), 2) << bad;
   for (const char* bad : {"", ",", ",2", ",01", ",true", ",1,0"})
     EXPECT_EQ(line_of(flagged + "0,VF,1,2,3,4,0,0,0,1,1e3,-2,3" + bad + "\n"), 2) << bad;
   EXPECT_EQ(line_of("a,b\n"), 1);

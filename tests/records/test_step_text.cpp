@@ -92,8 +92,9 @@ TEST(StepText, ContactsReaderToldOfTheMark) {
   mesh.add_vertices(std::vector<std::int64_t>{0, 1, 2, 3});
   const std::vector<Contact> contacts = {{FeatureKind::vf, {0, 1, 2, 3}, 0, Vec3::Zero(), {}, Vec3::Zero(), true}};
   ContactsCsvWriter writer(folder / "c.csv");
-  writer.write_step(0, contacts, mesh);
-  writer.write_step(1, contacts, mesh);
+  const Topology topology(std::move(mesh));
+  writer.write_step(0, contacts, topology);
+  writer.write_step(1, contacts, topology);
   writer.finish_incomplete({0, 2, 5, "interrupted"});
   try {
     read_contacts_csv(folder / "c.csv");
@@ -107,7 +108,7 @@ TEST(StepText, ContactsReaderToldOfTheMark) {
   EXPECT_EQ(incomplete, "steps 0 to 1 of 0 to 4 are complete; interrupted");
   ASSERT_EQ(rows.size(), 2u);
   EXPECT_TRUE(rows[1].at_start);
-  std::ofstream(folder / "c.csv", std::ios::app) << "2,VF,0,1,2,3,0,0,0,0,0,0,0,1\n";
+  std::ofstream(folder / "c.csv", std::ios::app) << "2,VF,0,1,2,3,0,0,0,0,0,0,0,1,0,0,0,0\n";
   EXPECT_THROW(read_contacts_csv(folder / "c.csv", &incomplete), InputError) << "a row after the mark";
 }
 

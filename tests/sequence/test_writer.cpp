@@ -10,12 +10,12 @@
 #include <volccd/core/step_text.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
 
+#include "raw_hdf5.hpp"
 #include "sequences.hpp"
 #include "support/full_disk.hpp"
 
 namespace volccd::test {
 namespace {
-
 
 void write_text(const std::string& file, const std::string& text) { std::ofstream(file) << text; }
 
@@ -106,6 +106,41 @@ TEST(SequenceWriter, AnIncompleteSequenceSaysSo) {
     writer.finish(incomplete);
     EXPECT_EQ(SequenceReader(folder / "s.vtkhdf").metadata().incomplete, incomplete);
   }
+}
+
+/// VTKHDF 1.0, which has neither steps nor polyhedra.
+TEST(SequenceWriter, TheSingleFormHasOneStep) {
+  const ScratchFolder folder;
+  const std::string file = folder / "s.vtkhdf";
+  const Shape shape = block(ElementType::hexahedron, 2, 1, 1);
+  SequenceCells cells;
+  for (const ElementSpec& spec : shape.elements) cells.add(spec);
+  std::vector<std::int64_t> ids(shape.positions.size());
+  std::iota(ids.begin(), ids.end(), 5);
+  {
+    SequenceWriter writer(file, ids, {}, SequenceForm::single);
+    writer.write_step(0.25, shape.positions, cells);
+    EXPECT_THROW(writer.write_step(0.5, shape.positions, cells), InputError);
+  }
+  SequenceWriter writer(file, ids, {}, SequenceForm::single);
+  writer.write_step(0.25, shape.positions, cells);
+  writer.finish();
+  {
+    SequenceReader reader(file);
+    EXPECT_EQ(reader.step_count(), 1);
+    EXPECT_TRUE(std::equal(ids.begin(), ids.end(), reader.point_ids().begin(), reader.point_ids().end()));
+    SequenceCells read;
+    reader.read_cells(0, read);
+    EXPECT_EQ(read, cells);
+  }
+  const RawFile raw(file);
+  EXPECT_EQ(H5Lexists(raw.id(), "VTKHDF/Steps", H5P_DEFAULT), 0);
+  EXPECT_EQ(raw.reals("VTKHDF/FieldData/TimeValue"), std::vector<double>{0.25});
+
+  SequenceCells polytope;
+  polytope.add({ElementType::polytope, {0, 1, 2, 3}, {3, 0, 1, 2, 3, 0, 3, 1, 3, 1, 3, 2, 3, 2, 3, 0}, 0, 0});
+  SequenceWriter other(folder / "p.vtkhdf", ids, {}, SequenceForm::single);
+  EXPECT_THROW(other.write_step(0, shape.positions, polytope), InputError);
 }
 
 TEST(SequenceWriter, TwoWritersOfOneTargetDoNotMeet) {

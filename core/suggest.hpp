@@ -1,0 +1,24 @@
+// Names that are not known: which of the known ones are near.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace volccd {
+
+/// The least number of insertions, deletions, replacements and exchanges of neighbours that turn `a` into `b`, with no
+/// part of `a` edited twice (optimal string alignment). Letters of either case are equal. O(|a| |b|).
+std::size_t edit_distance(std::string_view a, std::string_view b);
+
+/// Those of `known` that are nearest to `text`, at most three, in the order of `known`: with an edit distance of a
+/// third of the longer name at most; where there are none, those that `text` is the beginning of.
+std::vector<std::string> near_names(std::string_view text, const std::vector<std::string>& known);
+
+/// "; did you mean 'VolCCD'?", to be put at the end of a message; empty if no name is near.
+std::string did_you_mean(std::string_view text, const std::vector<std::string>& known);
+/// The same with names separated by ", " or "|".
+std::string did_you_mean(std::string_view text, std::string_view known);
+
+}  // namespace volccd

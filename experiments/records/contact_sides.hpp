@@ -1,0 +1,40 @@
+// Which elements and parts a contact is between.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include <volccd/mesh/topology.hpp>
+#include <volccd/query/contact.hpp>
+
+namespace volccd {
+
+/// Of one feature of a contact: the element of smallest id that has the feature, and the part (object) of that element.
+/// Both are -1 where no element has it; an element's id is not negative otherwise, a part may be.
+struct ContactSide {
+  std::int64_t part = -1, element = -1;
+
+  friend bool operator==(const ContactSide&, const ContactSide&) = default;
+};
+
+/// Of the first feature (vertex, edge 1) and the second (triangle, edge 2). O(elements at the features) expected.
+std::array<ContactSide, 2> contact_sides(const Contact& contact, const Topology& topology);
+
+/// Contacts between two parts, or within one.
+struct PartPairCount {
+  std::uint64_t vf = 0, ee = 0;
+  int first_step = 0;     ///< motion of the earliest contact
+  double first_toi = 2;  ///< its time in that motion
+};
+
+/// By the parts of ContactSide, the smaller one first.
+using PartPairs = std::map<std::pair<std::int64_t, std::int64_t>, PartPairCount>;
+
+/// Adds the contacts of motion `step`. Motions come in ascending order.
+void add_part_pairs(int step, std::span<const Contact> contacts, const Topology& topology, PartPairs& pairs);
+
+}  // namespace volccd

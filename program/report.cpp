@@ -1,0 +1,55 @@
+#include <volccd/program/report.hpp>
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include <volccd/program/progress.hpp>
+
+namespace volccd {
+
+void ReportOptions::add_to(CLI::App& command) {
+  command.add_flag("--json", json, "print one JSON document in place of tables (docs/json_output.md)");
+  add_quiet_to(command);
+}
+
+void ReportOptions::add_quiet_to(CLI::App& command) {
+  command.add_flag_callback(
+      "--quiet",
+      [this] {
+        quiet = true;
+        Progress::silence();
+      },
+      "no tables and no progress: errors, warnings, and what is asked for by name, alone");
+}
+
+void Report::write(const char* command, nlohmann::json document) const {
+  if (!options_.json) return;
+  document["command"] = command;
+  fmt::print("{}\n", document.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+nlohmann::json options_json(const std::vector<OptionInfo>& options) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const OptionInfo& option : options)
+    list.push_back({{"name", option.name},
+                    {"default", option.default_value},
+                    {"allowed", option.allowed},
+                    {"description", option.description}});
+  return list;
+}
+
+nlohmann::json to_json(const TextTable& table) {
+  nlohmann::json rows = nlohmann::json::array();
+  for (std::vector<std::string> row : table.rows()) {
+    for (std::string& cell : row)
+      if (!cell.empty() && cell.find_first_not_of("0123456789,") == std::string::npos)
+        cell.erase(std::remove(cell.begin(), cell.end(), ','), cell.end());
+    rows.push_back(std::move(row));
+  }
+  const nlohmann::json columns = rows.front();
+  rows.erase(0);
+  return {{"columns", columns}, {"rows", rows}};
+}
+
+}  // namespace volccd

@@ -1,0 +1,56 @@
+// What a command prints: tables for people, or with --json one document for programs; nothing of it with --quiet.
+#pragma once
+
+#include <cstdio>
+#include <utility>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <nlohmann/json_fwd.hpp>
+
+#include <volccd/core/options.hpp>
+#include <volccd/experiments/tables/text_table.hpp>
+
+namespace volccd {
+
+/// --json and --quiet. It must outlive the parsing.
+struct ReportOptions {
+  bool json = false, quiet = false;
+
+  void add_to(CLI::App& command);
+  void add_quiet_to(CLI::App& command);  ///< for commands without a table
+};
+
+class Report {
+ public:
+  /// `people`: where text goes if it goes anywhere.
+  explicit Report(const ReportOptions& options, std::FILE* people = stdout)
+      : options_(options), people_(options.json || options.quiet ? nullptr : people) {}
+
+  /// Text for people: nothing with --json or --quiet.
+  template <class... T>
+  void print(fmt::format_string<T...> format, T&&... arguments) const {
+    if (people_) fmt::print(people_, format, std::forward<T>(arguments)...);
+  }
+  bool for_people() const { return people_ != nullptr; }
+  bool wants_json() const { return options_.json; }
+  /// The stream of print(); null if there is none.
+  std::FILE* people() const { return people_; }
+
+  /// With --json: prints `document`, an object, with "command" added, to the standard output. Bytes that are not UTF-8
+  /// are replaced. The schemas are in docs/json_output.md.
+  void write(const char* command, nlohmann::json document) const;
+
+ private:
+  const ReportOptions& options_;
+  std::FILE* people_;
+};
+
+/// [{"name", "default", "allowed", "description"}].
+nlohmann::json options_json(const std::vector<OptionInfo>& options);
+
+/// {"columns": [...], "rows": [[...], ...]}, cells as text; numbers without separators of groups.
+nlohmann::json to_json(const TextTable& table);
+
+}  // namespace volccd
