@@ -55,6 +55,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
       "  volccd verify run.vtkhdf                       all pipelines against each other and against FCL\n"
       "  volccd check csat                              one stage against what it declares\n"
       "  volccd queries ccd-queries.h5                  elementary tests on queries with known answers\n"
+      "  volccd report results/ -o report/              tables, figures and scenes in the browser\n"
       "  volccd COMMAND --help                          options and examples of a command\n\n"
       "Exit codes: 0 done, 1 verify found a difference, check a broken promise, queries a missed contact,\n"
       "or experiment other contacts or a slower pipeline, 2 bad input or output, 130 interrupted.\n"
@@ -68,6 +69,8 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_stages_command(app, registry, action);
   add_scene_command(app, action);
   add_experiment_command(app, registry, action);
+  add_report_command(app, registry, action);
+  add_view_command(app, registry, action);
   try {
     check_command(app, argc, argv);
     app.parse(argc, argv);

@@ -15,6 +15,8 @@ class TextTable {
   void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
   /// A rule before the next row.
   void rule() { rules_.push_back(rows_.size()); }
+  /// The header, then the rows as they were added; rows may be shorter or longer than the header.
+  const std::vector<std::vector<std::string>>& rows() const { return rows_; }
   /// With a line break at the end; a rule under the header.
   std::string text() const;
   std::string markdown() const;
