@@ -40,19 +40,18 @@ constexpr std::array<Coarseness, 11> kLadder = {
 class Exporter {
  public:
   Exporter(const std::string& name, const std::string& file, const SceneExportConfig& config)
-      : name_(name), file_(file), config_(config), reader_(file) {}
+      : name_(name), file_(file), config_(config), reader_(file), hash_(file_hash(file)) {
+    if (const std::string& incomplete = reader_.metadata().incomplete; !incomplete.empty())
+      notes_.push_back("The sequence is incomplete: " + incomplete + ".");
+  }
 
   ExportedScene run(const Registry& registry, Executor& executor,
                     const std::function<void(std::size_t, std::size_t)>& progress) {
     read_surface();
     read_positions();
-    // Contacts take their share before positions are made to fit, by a guess from their number that is on the safe side.
-    const std::size_t motions = static_cast<std::size_t>(reader_.step_count()) - 1;
-    const std::size_t reserve = config_.pipeline ? motions * (config_.max_contacts * 4 + 400) : 0;
-    encode_positions(config_.max_bytes > 2 * reserve ? config_.max_bytes - reserve : config_.max_bytes / 2);
+    if (config_.pipeline && reader_.step_count() > 1) run_pipeline(registry, executor, progress);
     encode_triangles();
-    encode_topology();
-    if (config_.pipeline && motions > 0) run_pipeline(registry, executor, progress);
+    fit_positions();
     return finish();
   }
 
@@ -132,17 +131,26 @@ class Exporter {
     return static_cast<std::uint16_t>(std::lround(share * ((1 << bits) - 1)));
   }
 
-  std::string coded(const Coarseness& coarse, std::vector<int>& orders) const {
+  /// All that the script has at this coarseness.
+  std::string encoded(const Coarseness& coarse) {
+    coarse_ = coarse;
+    steps_ = kept(coarse.stride);
+    encode_topology();
+    positions_ = coded_positions();
+    return packed();
+  }
+
+  std::string coded_positions() {
     std::vector<std::vector<std::uint16_t>> frames;
-    for (const int k : kept(coarse.stride)) {
+    for (const int k : steps_) {
       std::vector<std::uint16_t>& frame = frames.emplace_back();
       frame.reserve(3 * vertices_.size());
       for (int axis = 0; axis < 3; ++axis)
         for (const Eigen::Vector3f& p : frames_[static_cast<std::size_t>(k)])
-          frame.push_back(quantized(p[axis], axis, coarse.bits));
+          frame.push_back(quantized(p[axis], axis, coarse_.bits));
     }
     std::string bytes;
-    append_frames(bytes, frames, orders);
+    append_frames(bytes, frames, orders_);
     return bytes;
   }
 
@@ -154,15 +162,18 @@ class Exporter {
     return steps;
   }
 
-  void encode_positions(std::size_t max_bytes) {
+  /// Chooses the first coarseness with which the script fits.
+  void fit_positions() {
     for (const Coarseness& coarse : kLadder) {
       if (coarse.stride > 1 && kept(coarse.stride).size() < 3) break;
-      coarse_ = coarse;
-      positions_ = coded(coarse, orders_);
-      if (deflated(positions_).size() * 4 / 3 <= max_bytes) break;
+      script_ = encoded(coarse);
+      if (script_.size() <= config_.max_bytes) break;
     }
-    steps_ = kept(coarse_.stride);
-    frames_.clear();
+    note_coarseness();
+    script_ = packed();
+  }
+
+  void note_coarseness() {
     if (coarse_.bits < 16)
       notes_.push_back(fmt::format("Positions are rounded to 1/{} of the greatest side of the box around all frames.",
                                    grouped((1u << coarse_.bits) - 1)));
@@ -194,6 +205,7 @@ class Exporter {
   /// For each frame shown: which triangles appear and which disappear since the one before.
   void encode_topology() {
     std::vector<std::uint32_t> before, added, removed, deltas;
+    topology_.clear(), changes_.clear();
     for (const int k : steps_) {
       const auto now = track_.frame(static_cast<std::size_t>(k));
       added.clear(), removed.clear();
@@ -221,12 +233,13 @@ class Exporter {
     SequenceStepper stepper(reader_, elements);
     const ObjectFilter filter;
     StepResult result;
-    for (std::size_t i = 0; i + 1 < steps_.size(); ++i) {
-      stepper.go_to(steps_[i]);
+    const int motions = reader_.step_count() - 1;
+    for (int k = 0; k < motions; ++k) {
+      stepper.go_to(k);
       pipeline.run({stepper.topology(), stepper.motion(), filter}, workspace, executor, result,
                    Request(Query::all, false, elements.shells == ShellModel::solid));
       add_motion(result, stepper);
-      if (progress) progress(i + 1, steps_.size() - 1);
+      if (progress) progress(static_cast<std::size_t>(k) + 1, static_cast<std::size_t>(motions));
     }
     detection_ = {{"pipeline", to_json(pipeline)}, {"shells", name_of(elements.shells)},
                   {"edges", name_of(elements.edge_set)}, {"threads", executor.workers()}};
@@ -243,18 +256,26 @@ class Exporter {
     classify(contacts, cells_of(mesh), mesh.vertex_count());
     const std::size_t all = contacts.size(), shown = std::min(all, config_.max_contacts);
     thinned_contacts_ = thinned_contacts_ || shown < all;
+    Marks& marks = marks_.emplace_back();
     for (std::size_t j = 0; j < shown; ++j) {
       const std::size_t i = j * all / shown;
       const Contact& contact = result.contacts[i];
-      for (int axis = 0; axis < 3; ++axis) marks_[axis].push_back(quantized(contact.point[axis], axis));
-      marks_[3].push_back(static_cast<std::uint32_t>(std::lround(contact.toi * 65535)));
-      flags_.push_back((contact.kind == FeatureKind::ee ? 1u : 0u) | (contacts[i].inter ? 2u : 0u) |
+      for (int axis = 0; axis < 3; ++axis) marks.columns[axis].push_back(quantized(contact.point[axis], axis));
+      marks.columns[3].push_back(static_cast<std::uint32_t>(std::lround(contact.toi * 65535)));
+      marks.flags.push_back((contact.kind == FeatureKind::ee ? 1u : 0u) | (contacts[i].inter ? 2u : 0u) |
                        (contact.at_start ? 4u : 0u));
     }
     const auto inter = std::count_if(contacts.begin(), contacts.end(), [](const auto& c) { return c.inter; });
     json stats = to_json(result.statistics);
     stats.erase("workspace_bytes"), stats.erase("steps");
     motions_.push_back({{"shown", shown}, {"inter", inter}, {"stats", std::move(stats)}});
+  }
+
+  /// Of the motions that begin at a frame shown.
+  template <class Visitor>
+  void for_each_motion_shown(Visitor&& visit) const {
+    for (std::size_t i = 0; i + 1 < steps_.size(); ++i)
+      if (static_cast<std::size_t>(steps_[i]) < marks_.size()) visit(static_cast<std::size_t>(steps_[i]));
   }
 
   json parts() const {
@@ -275,9 +296,14 @@ class Exporter {
     return list;
   }
 
-  json header() {
+  json header() const {
     const SequenceMetadata& metadata = reader_.metadata();
-    if (!metadata.incomplete.empty()) notes_.push_back("The sequence is incomplete: " + metadata.incomplete + ".");
+    json motions = json::array();
+    std::size_t mark_count = 0;
+    for_each_motion_shown([&](std::size_t k) {
+      motions.push_back(motions_[k]);
+      mark_count += marks_[k].flags.size();
+    });
     json frames = json::array();
     for (std::size_t i = 0; i < steps_.size(); ++i)
       frames.push_back({{"step", steps_[i]},
@@ -290,7 +316,7 @@ class Exporter {
     return {{"schema", kSceneSchema},
             {"name", name_},
             {"file", std::filesystem::path(file_).filename().string()},
-            {"fnv1a", file_hash(file_)},
+            {"fnv1a", hash_},
             {"title", metadata.title},
             {"source", metadata.source},
             {"license", metadata.license},
@@ -303,26 +329,35 @@ class Exporter {
             {"vertices", vertices_.size()},
             {"triangles", track_.triangles().size()},
             {"changes", change_count_},
-            {"marks", flags_.size()},
+            {"marks", mark_count},
             {"parts", parts()},
             {"frames", std::move(frames)},
-            {"motions", motions_},
+            {"motions", std::move(motions)},
             {"detection", detection_},
-            {"made", machine_facts()},
+            {"made", made_},
             {"notes", notes_}};
   }
 
-  ExportedScene finish() {
-    const json head = header();
-    const std::string text = head.dump(-1, ' ', false, json::error_handler_t::replace);
+  std::string packed() const {
+    const std::string text = header().dump(-1, ' ', false, json::error_handler_t::replace);
     std::string bytes;
     const std::uint32_t length = static_cast<std::uint32_t>(text.size());
     append_planes(bytes, std::span(&length, 1), 4);
     bytes += text + triangles_ + topology_ + positions_;
-    for (const auto& column : marks_) append_planes(bytes, column, 2);
-    append_planes(bytes, flags_, 1);
+    for (int column = 0; column < 4; ++column)
+      for (const int plane : {0, 1})
+        for_each_motion_shown([&](std::size_t k) {
+          for (const std::uint32_t value : marks_[k].columns[column])
+            bytes += static_cast<char>(value >> (8 * plane) & 0xff);
+        });
+    for_each_motion_shown([&](std::size_t k) { append_planes(bytes, marks_[k].flags, 1); });
+    return fmt::format("volccd_scene({}, \"{}\");\n", json(name_).dump(), base64(deflated(bytes)));
+  }
+
+  ExportedScene finish() {
+    const json head = header();
     ExportedScene scene;
-    scene.script = fmt::format("volccd_scene({}, \"{}\");\n", json(name_).dump(), base64(deflated(bytes)));
+    scene.script = std::move(script_);
     for (const char* key : {"name", "file", "fnv1a", "title", "source", "license", "steps", "stride", "vertices", "notes"})
       scene.summary[key] = head.at(key);
     scene.summary["frames"] = steps_.size();
@@ -331,6 +366,11 @@ class Exporter {
     scene.summary["bytes"] = scene.script.size();
     return scene;
   }
+
+  /// The contacts of a motion that are shown: place and time in 16 bits each, and flags.
+  struct Marks {
+    std::vector<std::uint32_t> columns[4], flags;
+  };
 
   const std::string name_, file_;
   const SceneExportConfig& config_;
@@ -345,9 +385,12 @@ class Exporter {
   std::string positions_, triangles_, topology_;
   std::vector<std::array<std::size_t, 2>> changes_;
   std::size_t change_count_ = 0;
-  std::vector<std::uint32_t> marks_[4], flags_;
+  std::vector<Marks> marks_;  ///< by motion of the file; empty without detection
   bool thinned_contacts_ = false;
   json motions_ = json::array(), detection_ = nullptr;
+  const json made_ = machine_facts();
+  const std::string hash_;
+  std::string script_;
   std::vector<std::string> notes_;
 };
 

@@ -160,7 +160,7 @@ export function chart(series: Series[], options: ChartOptions): HTMLElement {
 
   series.forEach((s, place) => {
     const index = s.index ?? place, colour = kSeries[index % kSeries.length];
-    const offset = categories ? ((place + 0.5) / series.length - 0.5) * Math.min(0.7 * (width - left - right) / categories.length, 22 * series.length) : 0;
+    const offset = categories && !s.line ? ((place + 0.5) / series.length - 0.5) * Math.min(0.7 * (width - left - right) / categories.length, 22 * series.length) : 0;
     const good = s.marks.filter((m) => isFinite(m.y) && (!options.logY || m.y > 0) && (categories || !options.logX || m.x > 0));
     if (s.line && good.length > 1)
       plot.append(svg("polyline", { points: good.map((m) => `${x(m.x).toFixed(1)},${y(m.y).toFixed(1)}`).join(" "), fill: "none",

@@ -41,17 +41,17 @@ export function short(value: number): string {
 }
 
 export function duration(seconds: number): string {
-  if (seconds >= 1) return `${short(seconds)} s`;
-  if (seconds >= 1e-3) return `${short(seconds * 1e3)} ms`;
-  return `${short(seconds * 1e6)} µs`;
+  if (seconds >= 1) return `${short(seconds)}\u00a0s`;
+  if (seconds >= 1e-3) return `${short(seconds * 1e3)}\u00a0ms`;
+  return `${short(seconds * 1e6)}\u00a0µs`;
 }
 
 export function percent(share: number): string {
-  return `${Number((100 * share).toPrecision(3))} %`;
+  return `${Number((100 * share).toPrecision(3))}\u00a0%`;
 }
 
 export function megabytes(bytes: number): string {
-  return `${(bytes / 1e6).toFixed(1)} MB`;
+  return `${(bytes / 1e6).toFixed(1)}\u00a0MB`;
 }
 
 let tip: HTMLElement | null = null;

@@ -223,7 +223,7 @@ export class Figures {
     const records = this.report.records.filter((r) => r.curves.length);
     if (!records.length) return null;
     const place = h("div"), top = h("div", { class: "controls" }), boxes = h("div", { class: "choice-row" });
-    let record = records[0], name = "", logY = false, chosen = new Set<string>();
+    let record = records[0], name = "", logY = true, chosen = new Set<string>();
     const draw = () => {
       const series = record.curves.filter((c) => chosen.has(c.scene) && c.values[name]).map((c) => {
         const time = c.values.time ?? c.values[name].map((_, i) => i), end = time[time.length - 1] || 1;
@@ -235,7 +235,7 @@ export class Figures {
     };
     const enter = () => {
       const names = unique(record.curves.flatMap((c) => Object.keys(c.values))).filter((n) => n !== "time" && n !== "motion").sort();
-      name = names.includes(name) ? name : names.find((n) => n.startsWith("contacts")) ?? names[0];
+      name = names.includes(name) ? name : names.find((n) => n === "contacts, inter") ?? names.find((n) => n.startsWith("contacts")) ?? names[0];
       chosen = new Set(record.curves.map((c) => c.scene));
       top.replaceChildren(select("record", records.map((r) => [r.name, r.name]), record.name, (v) => { record = this.record(v); enter(); }),
         select("show", names.map((n) => [n, n]), name, (v) => { name = v; draw(); }),

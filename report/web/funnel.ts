@@ -50,7 +50,7 @@ export function funnel(stats: MotionStats, most: number): HTMLElement {
     const dropped = row.from !== null && row.unit !== "contacts" && row.from > 0 ? `−${percent((row.from - row.to) / row.from)}` : "";
     const line = h("tr", { tabindex: 0 },
       h("th", { scope: "row" }, row.label, h("small", {}, row.detail)), h("td", {}, bar),
-      h("td", { class: "number" }, grouped(row.to), h("small", {}, row.unit)), h("td", { class: "number" }, dropped),
+      h("td", { class: "number" }, grouped(row.to), h("small", {}, row.unit.replace("element ", ""))), h("td", { class: "number" }, dropped),
       h("td", { class: "number" }, duration(row.seconds)));
     line.addEventListener("mousemove", (e) => tooltip(sentence(row), e.clientX, e.clientY));
     line.addEventListener("mouseleave", () => tooltip(null));

@@ -78,12 +78,12 @@ export function tableChart(report: Report, record: DataRecord, table: DataTable,
   const place = h("div");
   const draw = () => {
     const series: Series[] = columns.filter((i) => on.has(i)).map((i) => ({
-      name: names[i], index: columns.indexOf(i),
+      name: names[i], index: [...on].indexOf(i),
       marks: rows.map((row, r) => ({ x: r, y: numberOf(row[i] ?? ""), pick: () => pick(record, table, row, i),
         text: `${label(row)}: ${names[i]} ${row[i]}\n${provenanceLine(record, sceneOf(report, record, table.title, row).name)}` })),
     }));
     place.replaceChildren(chart(series, { categories: rows.map(label), xLabel: texts.length ? table.header[texts[0]] : "row",
-      yLabel: [...on].map((i) => names[i]).slice(0, 4).join(" | "), logY: log, zero: !log }));
+      yLabel: on.size === 1 ? names[[...on][0]] : "value", logY: log, zero: !log }));
   };
   const boxes = columns.map((i) => h("label", {}, h("input", { type: "checkbox", checked: on.has(i), onchange: (e: Event) => {
     if ((e.target as HTMLInputElement).checked) on.add(i);
@@ -112,6 +112,6 @@ export function recordSection(report: Report, record: DataRecord, pick: PickRow)
         button.setAttribute("aria-expanded", String(!open));
       } }, "Plot columns");
       return h("article", { class: "table-block" }, h("div", { class: "title" }, h("h3", {}, table.title), button),
-        sortable(report, record, table, pick), h("p", { class: "note" }, table.note.replace(/\n(?!$)/g, " ").trim()), plot);
+        sortable(report, record, table, pick), h("p", { class: "note" }, table.note.replace(/\n(?=setting )/g, "; ").replace(/\n(?!$)/g, " ").trim()), plot);
     }));
 }
