@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -7,6 +8,7 @@
 
 #include <volccd/experiments/harness/motion_measures.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/experiments/scenes/sequences.hpp>
 #include <volccd/experiments/scenes/shared_data.hpp>
 #include <volccd/experiments/scenes/simulated/bake.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
@@ -74,6 +76,8 @@ std::string how_to_get(const RecordedInput& input) {
       if (fs::path(baked_file(scene, settings)).filename() == input.file)
         return fmt::format("volccd info {}{}", scene.name, quick ? "-quick" : "");
     }
+  if (is_deformed_scene(input.scene))
+    return fmt::format("volccd experiment run {}", input.records.empty() ? "plus" : input.records.front());
   if (find_simulated_scene(input.scene))
     return fmt::format("volccd experiment run {} (the record is of another version of the scene)",
                        input.records.empty() ? "all" : input.records.front());
@@ -87,7 +91,7 @@ bool is_wanted(const ReportOptions& options, const RecordedInput& input) {
 }
 
 /// Exports the scenes of the records, smallest file first, so that what small ones leave of their share of the size
-/// goes to large ones.
+/// goes to large ones. Shares are as the square roots of the files' sizes.
 class SceneList {
  public:
   SceneList(const ReportOptions& options, const Registry& registry, ReportFolder& folder)
@@ -104,7 +108,13 @@ class SceneList {
         add_missing(input);
     }
     std::sort(present.begin(), present.end());
-    for (std::size_t i = 0; i < present.size(); ++i) bytes -= std::min(bytes, add(*present[i].second, bytes / (present.size() - i)));
+    double weights = 0;
+    for (const auto& [size, input] : present) weights += std::sqrt(static_cast<double>(size));
+    for (const auto& [size, input] : present) {
+      const double weight = std::sqrt(static_cast<double>(size));
+      bytes -= std::min(bytes, add(*input, static_cast<std::size_t>(static_cast<double>(bytes) * weight / weights)));
+      weights -= weight;
+    }
     return std::move(list_);
   }
 
