@@ -17,7 +17,8 @@ class Report(ProgramTest):
         cls.page = cls.path("page")
         os.mkdir(cls.page)
         for name in ("index.html", "volccd.css", "volccd.js"):
-            cls.write(os.path.join("page", name), name)
+            with open(os.path.join(cls.page, name), "w", encoding="ascii") as file:
+                file.write(name)
         cls.results = cls.path("results")
         os.mkdir(cls.results)
         for name in ("plus", "scenes"):
