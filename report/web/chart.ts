@@ -128,7 +128,7 @@ function interactive(element: SVGElement, mark: Mark): void {
 export function chart(series: Series[], options: ChartOptions): HTMLElement {
   const categories = options.categories;
   const slanted = categories !== undefined && categories.some((c) => c.length > 12) && categories.length > 5;
-  const width = options.width ?? 880, height = options.height ?? 380;
+  const width = options.width ?? 740, height = options.height ?? 360;
   const left = 74, right = 16, top = 12, bottom = slanted ? 118 : 52;
   const plot = svg("svg", { viewBox: `0 0 ${width} ${height}`, class: "chart", role: "group",
     "aria-label": `${options.yLabel} against ${options.xLabel}` });
@@ -162,9 +162,16 @@ export function chart(series: Series[], options: ChartOptions): HTMLElement {
     const index = s.index ?? place, colour = kSeries[index % kSeries.length];
     const offset = categories && !s.line ? ((place + 0.5) / series.length - 0.5) * Math.min(0.7 * (width - left - right) / categories.length, 22 * series.length) : 0;
     const good = s.marks.filter((m) => isFinite(m.y) && (!options.logY || m.y > 0) && (categories || !options.logX || m.x > 0));
-    if (s.line && good.length > 1)
-      plot.append(svg("polyline", { points: good.map((m) => `${x(m.x).toFixed(1)},${y(m.y).toFixed(1)}`).join(" "), fill: "none",
-        stroke: colour, "stroke-width": 1.8, "stroke-dasharray": kDashes[index % kDashes.length] }));
+    // A line ends where a value cannot be shown (0 on a logarithmic axis), and begins again after it.
+    let path = "", joined = false;
+    for (const m of s.line ? s.marks : []) {
+      const shown = good.includes(m);
+      if (shown) path += `${joined ? "L" : "M"}${x(m.x).toFixed(1)},${y(m.y).toFixed(1)}`;
+      joined = shown;
+    }
+    if (path)
+      plot.append(svg("path", { d: path, fill: "none", stroke: colour, "stroke-width": 1.8,
+        "stroke-dasharray": kDashes[index % kDashes.length] }));
     const crowded = s.line && good.length > 40;
     for (const mark of good) {
       const px = x(mark.x) + offset, py = y(mark.y);
@@ -191,8 +198,8 @@ export interface Bar {
 }
 
 /// Horizontal bars of stacked parts. All bars name their parts in the same order.
-export function bars(list: Bar[], label: string, width = 880): HTMLElement {
-  const left = 250, right = 90, row = 30, height = list.length * row + 44;
+export function bars(list: Bar[], label: string, width = 740): HTMLElement {
+  const left = 190, right = 80, row = 30, height = list.length * row + 44;
   const most = Math.max(...list.map((b) => b.parts.reduce((sum, p) => sum + p.value, 0)), 1e-300);
   const x = makeScale([0, most], left, width - right, false, true, 6);
   const plot = svg("svg", { viewBox: `0 0 ${width} ${height}`, class: "chart", role: "group", "aria-label": label });

@@ -43,7 +43,7 @@ export function funnel(stats: MotionStats, most: number): HTMLElement {
     .filter((r) => r.to > 0 || (r.from ?? 0) > 0 || r.label === "Elementary tests");
   const width = 190, scale = (n: number) => (n <= 0 ? 0 : (width * Math.log10(1 + n)) / Math.log10(1 + most));
   const body = rows.map((row) => {
-    const bar = svg("svg", { width, height: 18, "aria-hidden": "true" },
+    const bar = svg("svg", { viewBox: `0 0 ${width} 18`, preserveAspectRatio: "none", height: 18, "aria-hidden": "true" },
       row.from !== null ? svg("rect", { x: 0, y: 2, width: scale(row.from), height: 14, fill: "#d5dae1" }) : null,
       svg("rect", { x: 0, y: 2, width: Math.max(scale(row.to), row.to > 0 ? 2 : 0), height: 14,
         fill: row.unit === "contacts" ? "#c8102e" : row.unit === "tests" ? "#0072b2" : "#5b6b7f" }));

@@ -38,9 +38,9 @@ export class SceneView {
       this.playButton,
       h("button", { onclick: () => this.step(1), title: "the next motion (→)", "aria-label": "next motion" }, "▶"),
       this.slider, this.clock,
-      h("label", {}, "speed ", h("select", { class: "speed", "aria-label": "motions a second",
+      h("select", { class: "speed", "aria-label": "motions a second", title: "motions a second",
         onchange: (e: Event) => (this.speed = Number((e.target as HTMLSelectElement).value)) },
-        ...[2, 6, 12, 24, 60].map((n) => h("option", { value: n, selected: n === 12 }, `${n} motions/s`)))));
+        ...[2, 6, 12, 24, 60].map((n) => h("option", { value: n, selected: n === 12 }, `${n} / s`))));
     this.element.append(this.status, h("div", { class: "scene-grid" },
       h("div", { class: "main" }, this.stage, this.strip, buttons), this.side), this.notes);
     this.element.addEventListener("keydown", (e) => this.onKey(e));
@@ -93,7 +93,7 @@ export class SceneView {
       ...(header.notes.concat(this.entry?.notes?.filter((n) => !header.notes.includes(n)) ?? [])
         .map((note) => h("p", { class: "note" }, note))),
       header.detection ? h("p", {}, `Contacts and counts: pipeline ${header.detection.pipeline.name} (${header.detection.pipeline.guarantee}), ` +
-        `shells as ${header.detection.shells}, ${header.detection.edges} edges, ${header.detection.threads} threads; ` +
+        `shells as ${header.detection.shells}, ${header.detection.edges} edges, ${header.detection.threads} ${header.detection.threads === 1 ? "thread" : "threads"}; ` +
         `computed when this page was made, ${made.date}, commit ${made.commit}, ${made.cpu}, load ${made.load}. ` +
         `Sequence: ${header.file}, hash ${header.fnv1a}.`)
         : h("p", {}, "Contacts were not computed for this page (--no-contacts)."));
@@ -227,9 +227,13 @@ export class SceneView {
   }
 
   private funnelOf = -1;
+  private funnelAt = 0;
   private updateFunnel(): void {
     const { header } = this.data!, motion = header.motions[this.motion];
-    const key = this.motion;
+    const key = this.motion, now = performance.now();
+    // While it plays, a few times a second: nobody reads more, and drawing the table takes longer than the view.
+    if (this.playing && now - this.funnelAt < 250) return;
+    this.funnelAt = now;
     if (this.funnelOf === key && this.funnelBox.dataset.scene === header.name) return;
     this.funnelOf = key;
     this.funnelBox.dataset.scene = header.name;
@@ -251,7 +255,11 @@ export class SceneView {
     if (this.playing === on) return;
     this.playing = on;
     this.playButton.textContent = on ? "❚❚ Stop" : "▶ Play";
-    if (!on) return;
+    if (!on) {
+      this.viewer?.setDetail(1);
+      if (this.data) this.updateFunnel();
+      return;
+    }
     let last = performance.now();
     const began = last;
     this.frames = 0;
@@ -262,6 +270,7 @@ export class SceneView {
       }
       ++this.frames;
       this.rate = (1000 * this.frames) / Math.max(now - began, 1);
+      if (this.frames === 8 && this.rate < 15) this.viewer!.setDetail(0.5);
       const at = this.motion + this.t + ((now - last) / 1000) * this.speed;
       last = now;
       const wrapped = at >= this.data.motions ? 0 : at;

@@ -62,6 +62,8 @@ declare module "three" {
   }
   export class ShaderMaterial {
     uniforms: { [name: string]: Uniform };
+    defines: { [name: string]: boolean };
+    needsUpdate: boolean;
     constructor(options: { [name: string]: unknown });
     dispose(): void;
   }

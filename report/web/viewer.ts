@@ -24,6 +24,8 @@ void main() {
   float e0 = mod(mask, 2.0), e1 = mod(floor(mask / 2.0), 2.0), e2 = mod(floor(mask / 4.0), 2.0);
   distance3 = bary + vec3(1.0 - e1, 1.0 - e2, 1.0 - e0) * 2.0;
   colour = texture2D(parts, vec2((part + 0.5) / partCount, 0.5));
+  // Linear light, nearly: shading is done in it, and the fragment's square root takes it back.
+  colour.rgb *= colour.rgb;
   vec4 view = modelViewMatrix * vec4(place, 1.0);
   eye = view.xyz;
   gl_Position = projectionMatrix * view;
@@ -32,41 +34,42 @@ void main() {
 }`;
 
 const kSurfaceFragment = `
+#ifdef CUT
 uniform vec4 planes[3];
-uniform float lines;
-uniform float opacity;
+#endif
 varying vec3 place;
 varying vec3 eye;
 varying vec3 distance3;
 varying vec4 colour;
 void main() {
-  float cut = 0.0;
-  for (int i = 0; i < 3; ++i) {
-    if (dot(planes[i].xyz, planes[i].xyz) > 0.0) cut = 1.0;
-    if (dot(planes[i].xyz, place) > planes[i].w) discard;
-  }
+#ifdef CUT
+  for (int i = 0; i < 3; ++i) if (dot(planes[i].xyz, place) > planes[i].w) discard;
+#endif
   vec3 normal = normalize(cross(dFdx(eye), dFdy(eye)));
   if (normal.z < 0.0) normal = -normal;
-  vec3 base = colour.rgb;
-  // Linear light, then back.
-  vec3 linear = pow(base, vec3(2.2));
   float key = max(dot(normal, normalize(vec3(0.35, 0.6, 0.75))), 0.0);
   float fill = max(dot(normal, normalize(vec3(-0.7, -0.1, 0.5))), 0.0);
-  vec3 lit = linear * (0.22 + 0.72 * key + 0.24 * fill);
-  vec3 shade = pow(min(lit, vec3(1.0)), vec3(1.0 / 2.2));
-  bool inside = !gl_FrontFacing && colour.a > 0.75 && cut > 0.5;
-  if (inside) {
+  vec3 shade = sqrt(min(colour.rgb * (0.22 + 0.72 * key + 0.24 * fill), vec3(1.0)));
+#ifdef CUT
+  if (!gl_FrontFacing && colour.a > 0.75) {
+    vec3 base = sqrt(colour.rgb);
     // The back of a closed surface, seen through a section: hatched, without shading.
     float stripe = step(0.72, fract((gl_FragCoord.x + gl_FragCoord.y) / 9.0));
     shade = mix(mix(base, vec3(1.0), 0.45), base * 0.72, stripe * 0.6);
-  } else if (lines > 0.5) {
+    gl_FragColor = vec4(shade, 1.0);
+    return;
+  }
+#endif
+#ifdef LINES
+  {
     vec3 width = fwidth(distance3);
     vec3 near = smoothstep(vec3(0.0), width * 1.2, distance3);
     float line = 1.0 - min(min(near.x, near.y), near.z);
-    float small = clamp(0.35 / max(max(width.x, width.y), width.z), 0.0, 1.0);
-    shade = mix(shade, shade * 0.45, line * small * 0.75);
+    float small = smoothstep(0.28, 0.07, max(max(width.x, width.y), width.z));
+    shade *= 1.0 - 0.41 * line * small;
   }
-  gl_FragColor = vec4(shade, opacity);
+#endif
+  gl_FragColor = vec4(shade, 1.0);
 }`;
 
 const kMarkVertex = `
@@ -100,6 +103,15 @@ void main() {
   gl_FragColor = vec4(d > 0.66 ? vec3(1.0) : body, opacity);
 }`;
 
+/// Whether a program draws and no graphics card: smooth edges would take half of its time.
+function drawnBySoftware(): boolean {
+  const context = document.createElement("canvas").getContext("webgl2");
+  const info = context?.getExtension("WEBGL_debug_renderer_info");
+  const name = context && info ? String(context.getParameter(info.UNMASKED_RENDERER_WEBGL)) : "";
+  context?.getExtension("WEBGL_lose_context")?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
 export interface Plane {
   on: boolean;
   share: number; ///< of the box along the axis, 0 to 1
@@ -129,6 +141,7 @@ export class Viewer {
   private motion = 0;
   private t = 0;
   private wanted = false;
+  private detail = 1;
   private azimuth = 0.9;
   private elevation = 0.45;
   private distance = 2.5;
@@ -139,7 +152,7 @@ export class Viewer {
     this.canvas = document.createElement("canvas");
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
-    const context = this.canvas.getContext("webgl2", { antialias: true, preserveDrawingBuffer: true });
+    const context = this.canvas.getContext("webgl2", { antialias: !drawnBySoftware(), preserveDrawingBuffer: true });
     if (!context) throw new Error("This browser gives no WebGL 2, which the 3-D view needs; tables and figures work without.");
     this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, context });
     this.renderer.setClearColor(0xf6f7f9, 1);
@@ -163,9 +176,9 @@ export class Viewer {
     this.texture.magFilter = this.texture.minFilter = THREE.NearestFilter;
     this.material = new THREE.ShaderMaterial({
       vertexShader: kSurfaceVertex, fragmentShader: kSurfaceFragment, side: THREE.DoubleSide,
-      extensions: { derivatives: true },
+      extensions: { derivatives: true }, defines: {},
       uniforms: { t: { value: 0 }, factor: { value: 65535 / (2 ** header.bits - 1) }, parts: { value: this.texture },
-        partCount: { value: header.parts.length }, planes: { value: this.clip }, lines: { value: 1 }, opacity: { value: 1 } },
+        partCount: { value: header.parts.length }, planes: { value: this.clip } },
     });
     const mesh = new THREE.Mesh(this.geometry, this.material);
     mesh.frustumCulled = false;
@@ -238,8 +251,8 @@ export class Viewer {
     this.gather();
     this.placePlanes();
     this.material.uniforms.t.value = this.t;
-    this.material.uniforms.lines.value = this.lines ? 1 : 0;
-    const ratio = Math.min(devicePixelRatio, 2);
+    this.compile();
+    const ratio = Math.min(devicePixelRatio, 2) * this.detail;
     const count = this.data.header.motions[this.motion]?.shown ?? 0;
     this.markMaterials.forEach((material, i) => {
       this.points[i].visible = this.marks && count > 0;
@@ -249,6 +262,14 @@ export class Viewer {
     this.placeCamera();
     this.renderer.render(this.scene, this.camera);
     this.onDraw();
+  }
+
+  /// Takes a program without what is not shown: `discard` alone keeps hidden fragments from being skipped.
+  private compile(): void {
+    const cut = this.planes.some((p) => p.on), { defines } = this.material!;
+    if (!!defines.CUT === cut && !!defines.LINES === this.lines) return;
+    this.material!.defines = { ...(cut && { CUT: true }), ...(this.lines && { LINES: true }) };
+    this.material!.needsUpdate = true;
   }
 
   /// Copies positions and contacts of the motion, if another one was drawn last.
@@ -364,10 +385,17 @@ export class Viewer {
     this.camera.updateMatrixWorld(true);
   }
 
+  /// Pixels along a side for each pixel of the page: less while it plays on a slow machine.
+  setDetail(detail: number): void {
+    if (detail === this.detail) return;
+    this.detail = detail;
+    this.resize();
+  }
+
   private resize(): void {
     const width = this.canvas.clientWidth, height = this.canvas.clientHeight;
     if (!width || !height) return;
-    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2));
+    this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2) * this.detail);
     this.renderer.setSize(width, height, false);
     this.drawNow();
   }
