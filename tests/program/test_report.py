@@ -69,7 +69,7 @@ class Report(ProgramTest):
         data = self.data("v")
         self.assertEqual((data["records"], len(data["scenes"])), ([], 1))
         whole = os.path.getsize(self.path("v/data/scene-run.js"))
-        out = self.good("view", self.sequence, "--size", "0.1", "--no-contacts", "-o", self.path("v"), env=self.environment())
+        out = self.good("view", self.sequence, "--no-contacts", "-o", self.path("v"), env=self.environment())
         self.assertLess(os.path.getsize(self.path("v/data/scene-run.js")), whole)
         self.assertRegex(out, r"index\.html \(\S+ KB\) written")
 
