@@ -144,8 +144,12 @@ export function chart(series: Series[], options: ChartOptions): HTMLElement {
     plot.append(svg("line", { x1: left, x2: width - right, y1: y(t), y2: y(t), class: "grid" }),
       svg("text", { x: left - 8, y: y(t) + 4, class: "tick end" }, tickText(t)));
   }
+  // As many names as there is room for; marks show theirs.
+  const every = categories ? Math.ceil(categories.length / 30) : 1;
   for (const t of x.ticks) {
-    const label = categories ? categories[t] : tickText(t);
+    const name = categories ? categories[t] : tickText(t);
+    if (categories && t % every !== 0) continue;
+    const label = name.length > 26 ? `${name.slice(0, 25)}…` : name;
     if (!categories) plot.append(svg("line", { x1: x(t), x2: x(t), y1: top, y2: height - bottom, class: "grid" }));
     plot.append(slanted
       ? svg("text", { x: x(t), y: height - bottom + 14, class: "tick end",

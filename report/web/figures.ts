@@ -85,14 +85,14 @@ export class Figures {
   }
 
   /// Table I with the paper's figures beside the measured ones.
-  private speedups(): HTMLElement | null {
+  speedups(): HTMLElement | null {
     const record = this.record("table1");
     if (!record) return null;
     const tables = record.tables.filter((t) => t.header.includes("/Nav"));
     if (!tables.length) return null;
     const place = h("div");
     const draw = (i: string) => place.replaceChildren(tableChart(this.report, record, tables[Number(i)], this.pickRow,
-      ["/Nav", "paper, /Nav", "/Hash", "paper, /Hash", "+/Nav"]));
+      ["/Nav", "paper, /Nav", "/Hash", "paper, /Hash", "+/Nav"], "speed-up"));
     draw("0");
     return h("section", { class: "figure", id: "figure-speedup" }, h("h3", {}, "Speed-ups beside the paper's"),
       h("div", { class: "controls" }, select("table", tables.map((t, i) => [String(i), t.title]), "0", draw)), place);

@@ -54,6 +54,7 @@ class Page {
     return h("div", { class: "overview" }, h("h2", {}, "Continuous collision detection between volume meshes: measured results"),
       h("p", {}, "This page shows the records of ", h("code", {}, "volccd experiment run"), ": tables, figures, and the scenes that were measured. " +
         "Hover over a number to see where it comes from; click a row to see its scene and the details of its measurement."),
+      this.makeFigures().speedups(),
       h("h3", {}, "Records"),
       h("div", { class: "scroll" }, h("table", { class: "data records" }, h("thead", {}, h("tr", {}, ...["record", "what it has", "tables", "setting", "commit", "CPU", "load", "date (UTC)"].map((n) => h("th", {}, n)))),
         h("tbody", {}, ...records.map((r) => h("tr", {}, h("td", {}, h("a", { href: `#tables/${r.name}` }, r.name)), h("td", { class: "wrap" }, r.description),
@@ -84,8 +85,12 @@ class Page {
   }
 
   private figures(): HTMLElement {
+    return this.makeFigures().element();
+  }
+
+  private makeFigures(): Figures {
     return new Figures(this.report, (record, scene, motion) => this.openScene(record, scene, motion),
-      (rec, table, row, column) => this.openRow(rec, table, row, column)).element();
+      (rec, table, row, column) => this.openRow(rec, table, row, column));
   }
 
   private scenes(name: string): HTMLElement {

@@ -72,6 +72,7 @@ export class SceneView {
     viewer.marks = true;
     viewer.markKinds = 2;
     viewer.show(this.data);
+    viewer.setUp(2);
     this.build();
     this.update();
     this.status.textContent = "";
@@ -87,7 +88,7 @@ export class SceneView {
     this.strip.replaceChildren(this.timeline());
     const made = header.made;
     this.notes.replaceChildren(
-      h("p", {}, `${header.title || header.name}. ${grouped(header.frames[0].cells)} elements in the first frame, ${header.frames.length} frames, ` +
+      h("p", {}, `${header.title || header.name}. ${grouped(header.frames[0].cells)} elements in the first frame, ${header.frames.length} ${header.frames.length === 1 ? "frame" : "frames"}, ` +
         `${grouped(this.data!.largestFrame())} triangles of the surface at most.` +
         (header.source ? ` Source: ${header.source}.` : "") + (header.license ? ` Licence: ${header.license}.` : "")),
       ...(header.notes.concat(this.entry?.notes?.filter((n) => !header.notes.includes(n)) ?? [])
@@ -96,7 +97,7 @@ export class SceneView {
         `shells as ${header.detection.shells}, ${header.detection.edges} edges, ${header.detection.threads} ${header.detection.threads === 1 ? "thread" : "threads"}; ` +
         `computed when this page was made, ${made.date}, commit ${made.commit}, ${made.cpu}, load ${made.load}. ` +
         `Sequence: ${header.file}, hash ${header.fnv1a}.`)
-        : h("p", {}, "Contacts were not computed for this page (--no-contacts)."));
+        : this.data!.motions ? h("p", {}, "Contacts were not computed for this page (--no-contacts).") : "");
   }
 
   private display(): HTMLElement {
@@ -116,7 +117,10 @@ export class SceneView {
       h("p", { class: "legend" }, h("span", { class: "key" }, h("i", { class: "disc" }), "between parts"),
         h("span", { class: "key" }, h("i", { class: "diamond" }), "within a part")),
       h("div", { class: "views" }, "View: ", ...["default", "x", "y", "z"].map((v) =>
-        h("button", { name: `view-${v}`, onclick: () => viewer.look(v) }, v === "default" ? "default" : `along ${v}`))));
+        h("button", { name: `view-${v}`, onclick: () => viewer.look(v) }, v === "default" ? "default" : `along ${v}`)),
+        h("select", { name: "up", "aria-label": "axis that points upwards", onchange: (e: Event) =>
+          viewer.setUp(Number((e.target as HTMLSelectElement).value)) },
+        ...["x", "y", "z"].map((axis, i) => h("option", { value: i, selected: i === 2 }, `${axis} upwards`)))));
   }
 
   private sections(): HTMLElement {
@@ -238,7 +242,7 @@ export class SceneView {
     this.funnelOf = key;
     this.funnelBox.dataset.scene = header.name;
     if (!motion) {
-      this.funnelBox.replaceChildren(h("p", {}, "No contacts were computed for this sequence."));
+      this.funnelBox.replaceChildren(h("p", {}, this.data!.motions ? "No contacts were computed for this sequence." : "A single frame has no motion, and no contacts."));
       return;
     }
     const s = motion.stats, step = header.frames[this.motion].step;

@@ -67,12 +67,14 @@ export function sortable(report: Report, record: DataRecord, table: DataTable, p
 }
 
 /// A chart of columns of a table against its rows, with a box for each column.
-export function tableChart(report: Report, record: DataRecord, table: DataTable, pick: PickRow, chosen?: string[]): HTMLElement {
+export function tableChart(report: Report, record: DataRecord, table: DataTable, pick: PickRow, chosen?: string[],
+  label = "value"): HTMLElement {
   const names = columnNames(table.header);
   const columns = names.map((_, i) => i).filter((i) => numeric(table, i));
   const texts = names.map((_, i) => i).filter((i) => !columns.includes(i));
-  const label = (row: string[]) => (texts.length ? texts.slice(0, 3).map((i) => row[i]) : [row[0]]).filter((c) => c).join(" ");
-  const on = new Set(columns.filter((i) => (chosen ? chosen.includes(names[i]) : i === columns[0])));
+  const nameOf = (row: string[]) => (texts.length ? texts.slice(0, 3).map((i) => row[i]) : [row[0]]).filter((c) => c).join(" ");
+  const first = columns.find((i) => !/^(elements|motions|threads|first|frames)/.test(names[i])) ?? columns[0];
+  const on = new Set(columns.filter((i) => (chosen ? chosen.includes(names[i]) : i === first)));
   let log = true;
   const rows = table.rows.slice(0, 60);
   const place = h("div");
@@ -80,10 +82,10 @@ export function tableChart(report: Report, record: DataRecord, table: DataTable,
     const series: Series[] = columns.filter((i) => on.has(i)).map((i) => ({
       name: names[i], index: [...on].indexOf(i),
       marks: rows.map((row, r) => ({ x: r, y: numberOf(row[i] ?? ""), pick: () => pick(record, table, row, i),
-        text: `${label(row)}: ${names[i]} ${row[i]}\n${provenanceLine(record, sceneOf(report, record, table.title, row).name)}` })),
+        text: `${nameOf(row)}: ${names[i]} ${row[i]}\n${provenanceLine(record, sceneOf(report, record, table.title, row).name)}` })),
     }));
-    place.replaceChildren(chart(series, { categories: rows.map(label), xLabel: texts.length ? table.header[texts[0]] : "row",
-      yLabel: on.size === 1 ? names[[...on][0]] : "value", logY: log, zero: !log }));
+    place.replaceChildren(chart(series, { categories: rows.map(nameOf), xLabel: texts.length ? table.header[texts[0]] : "row",
+      yLabel: on.size === 1 ? names[[...on][0]] : label, logY: log, zero: !log }));
   };
   const boxes = columns.map((i) => h("label", {}, h("input", { type: "checkbox", checked: on.has(i), onchange: (e: Event) => {
     if ((e.target as HTMLInputElement).checked) on.add(i);

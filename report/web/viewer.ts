@@ -142,6 +142,7 @@ export class Viewer {
   private t = 0;
   private wanted = false;
   private detail = 1;
+  private axes = [0, 1, 2]; ///< two level ones, and the one that points upwards
   private azimuth = 0.9;
   private elevation = 0.45;
   private distance = 2.5;
@@ -346,11 +347,25 @@ export class Viewer {
 
   /// Looks along an axis, or from the corner that a scene begins with.
   look(view: string): void {
-    const [azimuth, elevation] = ({ x: [0, 0], y: [-Math.PI / 2, 0], z: [-Math.PI / 2, Math.PI / 2 - 0.001] } as
-      { [view: string]: number[] })[view] ?? [0.9, 0.45];
+    const place = this.axes.indexOf("xyz".indexOf(view));
+    const [azimuth, elevation] = [[0, 0], [-Math.PI / 2, 0], [-Math.PI / 2, Math.PI / 2 - 0.001]][place] ?? [0.9, 0.45];
     this.azimuth = azimuth;
     this.elevation = elevation;
     this.fit();
+  }
+
+  /// The axis that points upwards: 0 to 2.
+  setUp(axis: number): void {
+    this.axes = [(axis + 1) % 3, (axis + 2) % 3, axis];
+    this.camera.up = this.turned(0, 0, 1);
+    this.fit();
+  }
+
+  /// A vector given along the two level axes and upwards.
+  private turned(a: number, b: number, up: number): THREE.Vector3 {
+    const v = [0, 0, 0];
+    [a, b, up].forEach((value, i) => (v[this.axes[i]] = value));
+    return new THREE.Vector3(v[0], v[1], v[2]);
   }
 
   orbit(azimuth: number, elevation: number): void {
@@ -366,17 +381,17 @@ export class Viewer {
 
   private pan(x: number, y: number): void {
     const size = (2 * this.distance * Math.tan(0.28)) / this.canvas.clientHeight;
-    const right = new THREE.Vector3(-Math.sin(this.azimuth), Math.cos(this.azimuth), 0);
+    const right = this.turned(-Math.sin(this.azimuth), Math.cos(this.azimuth), 0);
     const s = Math.sin(this.elevation), c = Math.cos(this.elevation);
-    const up = new THREE.Vector3(-s * Math.cos(this.azimuth), -s * Math.sin(this.azimuth), c);
+    const up = this.turned(-s * Math.cos(this.azimuth), -s * Math.sin(this.azimuth), c);
     this.target.addScaledVector(right, -x * size).addScaledVector(up, y * size);
     this.draw();
   }
 
   private placeCamera(): void {
     const c = Math.cos(this.elevation);
-    this.camera.position.set(this.target.x + this.distance * c * Math.cos(this.azimuth),
-      this.target.y + this.distance * c * Math.sin(this.azimuth), this.target.z + this.distance * Math.sin(this.elevation));
+    const direction = this.turned(c * Math.cos(this.azimuth), c * Math.sin(this.azimuth), Math.sin(this.elevation));
+    this.camera.position.copy(this.target).addScaledVector(direction, this.distance);
     this.camera.lookAt(this.target);
     this.camera.near = Math.max(this.distance - 4, this.distance * 0.01);
     this.camera.far = this.distance + 4;

@@ -242,6 +242,8 @@ class View(Page):
         self.redraws(lambda: BROWSER.drag("canvas", 60, 30), "dragging")
         self.redraws(lambda: BROWSER.drag("canvas", 60, 30, modifiers=8), "dragging with shift")
         self.redraws(lambda: BROWSER.mouse("mouseWheel", *BROWSER.place("canvas"), deltaX=0, deltaY=200), "the wheel")
+        for axis in "102":
+            self.redraws(lambda a=axis: BROWSER.set("select[name=up]", a), f"{axis} upwards")
         for view in ("x", "y", "z", "default"):
             self.redraws(lambda v=view: BROWSER.click(f"button[name=view-{v}]"), view)
 
