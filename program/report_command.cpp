@@ -95,7 +95,9 @@ bool is_wanted(const ReportOptions& options, const RecordedInput& input) {
 class SceneList {
  public:
   SceneList(const ReportOptions& options, const Registry& registry, ReportFolder& folder)
-      : options_(options), registry_(registry), folder_(folder),
+      : options_(options),
+        registry_(registry),
+        folder_(folder),
         executor_(make_interruptible_executor(options.threads)) {}
 
   json add_all(const std::vector<RecordedInput>& inputs, std::size_t bytes) {
@@ -136,8 +138,11 @@ class SceneList {
   void add_missing(const RecordedInput& input) {
     const std::string command = how_to_get(input);
     fmt::print("{}: not shown, because {} is not there; {}\n", input.scene, input.file, command);
-    list_.push_back({{"scene", input.scene}, {"name", fs::path(input.file).stem().string()}, {"file", input.file},
-                     {"records", input.records}, {"missing", command}});
+    list_.push_back({{"scene", input.scene},
+                     {"name", fs::path(input.file).stem().string()},
+                     {"file", input.file},
+                     {"records", input.records},
+                     {"missing", command}});
   }
 
   const ReportOptions& options_;
@@ -179,8 +184,8 @@ int write_view(const ReportOptions& options, const Registry& registry) {
   ReportFolder folder(options.output);
   const std::string name = fs::path(file).stem().string();
   const auto executor = make_interruptible_executor(options.threads);
-  ExportedScene scene = export_with_progress(name, file, registry, options,
-                                             static_cast<std::size_t>(options.megabytes * 1e6), *executor);
+  ExportedScene scene =
+      export_with_progress(name, file, registry, options, static_cast<std::size_t>(options.megabytes * 1e6), *executor);
   json entry = std::move(scene.summary);
   entry["scene"] = name;
   entry["records"] = json::array();

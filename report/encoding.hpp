@@ -9,7 +9,8 @@
 
 namespace volccd {
 
-/// A signed difference as an unsigned number that is small where the difference is: 0, -1, 1, -2, ... to 0, 1, 2, 3, ...
+/// A signed difference as an unsigned number that is small where the difference is: 0, -1, 1, -2, ... to 0, 1, 2, 3,
+/// ...
 constexpr std::uint32_t zigzag(std::int32_t value) {
   return (static_cast<std::uint32_t>(value) << 1) ^ static_cast<std::uint32_t>(value >> 31);
 }
@@ -17,8 +18,8 @@ constexpr std::int32_t unzigzag(std::uint32_t code) {
   return static_cast<std::int32_t>(code >> 1) ^ -static_cast<std::int32_t>(code & 1);
 }
 
-/// Appends the lowest `bytes` bytes (1 to 4) of all values: first the lowest byte of each, then the next one of each, ..
-/// Deflate finds more in such planes than in whole numbers.
+/// Appends the lowest `bytes` bytes (1 to 4) of all values: first the lowest byte of each, then the next one of each,
+/// .. Deflate finds more in such planes than in whole numbers.
 void append_planes(std::string& out, std::span<const std::uint32_t> values, int bytes);
 
 /// The coding of a sequence of frames: [frame][value]. Each value is predicted by the value before it in its frame

@@ -27,9 +27,10 @@ bool has_page(const fs::path& folder) {
 std::string find_page() {
   if (const char* given = std::getenv("VOLCCD_PAGE")) {
     if (has_page(given)) return given;
-    throw ConfigError(fmt::format("VOLCCD_PAGE: {} has no index.html, volccd.css and volccd.js; scripts/build-report -o "
-                                  "FOLDER writes them",
-                                  given));
+    throw ConfigError(
+        fmt::format("VOLCCD_PAGE: {} has no index.html, volccd.css and volccd.js; scripts/build-report -o "
+                    "FOLDER writes them",
+                    given));
   }
   for (const char* folder : {VOLCCD_PAGE_BUILD, VOLCCD_PAGE_INSTALLED})
     if (has_page(folder)) return folder;

@@ -82,8 +82,9 @@ json scene_list_record(const SceneRecordKind& kind, const std::string& folder) {
   const std::string file = file_in(folder, kind.name);
   const json record = read_json_file(file);
   if (!record.is_array() || record.empty() || !record[0].is_object() || !record[0].contains("motions"))
-    throw InputError(file, "", "is not a list of scenes: make it again by `volccd experiment run " +
-                                   std::string(kind.command) + "`");
+    throw InputError(
+        file, "",
+        "is not a list of scenes: make it again by `volccd experiment run " + std::string(kind.command) + "`");
   json provenance = record[0].value("machine", json::object());
   json scenes = json::object(), curves = json::array();
   for (const json& scene : record) {
@@ -105,13 +106,13 @@ json scene_list_record(const SceneRecordKind& kind, const std::string& folder) {
           {"curves", std::move(curves)}};
 }
 
-constexpr const char* kTextColumns[] = {"table",        "scene", "pipeline", "variant", "motion_model",
-                                        "edges",        "shells", "mesh"};
-constexpr const char* kRoles[] = {"broad_phase", "element_culling", "assignment", "orphans",
+constexpr const char* kTextColumns[] = {"table",        "scene", "pipeline", "variant",
+                                        "motion_model", "edges", "shells",   "mesh"};
+constexpr const char* kRoles[] = {"broad_phase", "element_culling", "assignment",  "orphans",
                                   "flood",       "feature_filter",  "narrow_phase"};
-constexpr const char* kCounts[] = {"elements",     "element_pairs", "adjacent_pairs", "surviving_pairs",
-                                   "owned_tests",  "orphan_tests",  "vf_tests",       "ee_tests",
-                                   "contacts",     "contacts_at_start", "touching_pairs", "topology_seconds"};
+constexpr const char* kCounts[] = {"elements",    "element_pairs",     "adjacent_pairs", "surviving_pairs",
+                                   "owned_tests", "orphan_tests",      "vf_tests",       "ee_tests",
+                                   "contacts",    "contacts_at_start", "touching_pairs", "topology_seconds"};
 
 double number(const json& row, const std::string& column) {
   const auto at = row.find(column);
@@ -156,7 +157,8 @@ class Points {
     columns_["record"].push_back(text(key[0]));
     for (std::size_t i = 0; i < std::size(kTextColumns); ++i) columns_[kTextColumns[i]].push_back(text(key[i + 1]));
     const json& first = *rows.front();
-    for (const char* column : {"threads", "motion", "motion_scale"}) columns_[column].push_back(first.value(column, 1.0));
+    for (const char* column : {"threads", "motion", "motion_scale"})
+      columns_[column].push_back(first.value(column, 1.0));
     columns_["rounds"].push_back(rows.size());
     const auto all = [&](auto&& value) {
       std::vector<double> values;
@@ -168,9 +170,8 @@ class Points {
     columns_["seconds_least"].push_back(rounded(*std::min_element(seconds.begin(), seconds.end())));
     columns_["seconds_most"].push_back(rounded(*std::max_element(seconds.begin(), seconds.end())));
     for (const std::string role : kRoles)
-      columns_[role + "_s"].push_back(rounded(median(all([&](const json& row) {
-        return number(row, role + "_prepare_s") + number(row, role + "_run_s");
-      }))));
+      columns_[role + "_s"].push_back(rounded(median(
+          all([&](const json& row) { return number(row, role + "_prepare_s") + number(row, role + "_run_s"); }))));
     for (const char* column : kCounts)
       columns_[column].push_back(rounded(median(all([&](const json& row) { return number(row, column); }))));
   }

@@ -178,10 +178,11 @@ class Exporter {
       notes_.push_back(fmt::format("Positions are rounded to 1/{} of the greatest side of the box around all frames.",
                                    grouped((1u << coarse_.bits) - 1)));
     if (coarse_.stride > 1)
-      notes_.push_back(fmt::format(
-          "{} of the {} frames are shown, one of {}; between them vertices move on straight lines, and the contacts are "
-          "those of the first of the {} motions between two frames.",
-          steps_.size(), reader_.step_count(), coarse_.stride, coarse_.stride));
+      notes_.push_back(
+          fmt::format("{} of the {} frames are shown, one of {}; between them vertices move on straight lines, and the "
+                      "contacts are "
+                      "those of the first of the {} motions between two frames.",
+                      steps_.size(), reader_.step_count(), coarse_.stride, coarse_.stride));
   }
 
   void encode_triangles() {
@@ -241,12 +242,15 @@ class Exporter {
       add_motion(result, stepper);
       if (progress) progress(static_cast<std::size_t>(k) + 1, static_cast<std::size_t>(motions));
     }
-    detection_ = {{"pipeline", to_json(pipeline)}, {"shells", name_of(elements.shells)},
-                  {"edges", name_of(elements.edge_set)}, {"threads", executor.workers()}};
+    detection_ = {{"pipeline", to_json(pipeline)},
+                  {"shells", name_of(elements.shells)},
+                  {"edges", name_of(elements.edge_set)},
+                  {"threads", executor.workers()}};
     if (thinned_contacts_)
-      notes_.push_back(fmt::format("Motions with more than {} contacts show {} of them, spread evenly over the list; "
-                                   "all are counted.",
-                                   grouped(config_.max_contacts), grouped(config_.max_contacts)));
+      notes_.push_back(
+          fmt::format("Motions with more than {} contacts show {} of them, spread evenly over the list; "
+                      "all are counted.",
+                      grouped(config_.max_contacts), grouped(config_.max_contacts)));
   }
 
   void add_motion(const StepResult& result, const SequenceStepper& stepper) {
@@ -263,7 +267,7 @@ class Exporter {
       for (int axis = 0; axis < 3; ++axis) marks.columns[axis].push_back(quantized(contact.point[axis], axis));
       marks.columns[3].push_back(static_cast<std::uint32_t>(std::lround(contact.toi * 65535)));
       marks.flags.push_back((contact.kind == FeatureKind::ee ? 1u : 0u) | (contacts[i].inter ? 2u : 0u) |
-                       (contact.at_start ? 4u : 0u));
+                            (contact.at_start ? 4u : 0u));
     }
     const auto inter = std::count_if(contacts.begin(), contacts.end(), [](const auto& c) { return c.inter; });
     json stats = to_json(result.statistics);
@@ -284,8 +288,8 @@ class Exporter {
     std::sort(ids.begin(), ids.end());
     json list = json::array();
     for (const TrackedPart& part : track_.parts()) {
-      const Colour c = part_colour(static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), part.id) -
-                                                            ids.begin()));
+      const Colour c =
+          part_colour(static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), part.id) - ids.begin()));
       const auto& names = reader_.metadata().part_names;
       const auto name = names.find(part.id);
       list.push_back({{"id", part.id},
@@ -313,29 +317,30 @@ class Exporter {
                         {"added", changes_[i][0]},
                         {"removed", changes_[i][1]}});
     const Vec3 low = box_.min(), size = box_.sizes();
-    return {{"schema", kSceneSchema},
-            {"name", name_},
-            {"file", std::filesystem::path(file_).filename().string()},
-            {"fnv1a", hash_},
-            {"title", metadata.title},
-            {"source", metadata.source},
-            {"license", metadata.license},
-            {"units", metadata.units},
-            {"time_unit", metadata.time_unit},
-            {"steps", reader_.step_count()},
-            {"box", {{"low", {low.x(), low.y(), low.z()}}, {"size", {size.x(), size.y(), size.z()}}, {"scale", scale_}}},
-            {"bits", coarse_.bits},
-            {"stride", coarse_.stride},
-            {"vertices", vertices_.size()},
-            {"triangles", track_.triangles().size()},
-            {"changes", change_count_},
-            {"marks", mark_count},
-            {"parts", parts()},
-            {"frames", std::move(frames)},
-            {"motions", std::move(motions)},
-            {"detection", detection_},
-            {"made", made_},
-            {"notes", notes_}};
+    return {
+        {"schema", kSceneSchema},
+        {"name", name_},
+        {"file", std::filesystem::path(file_).filename().string()},
+        {"fnv1a", hash_},
+        {"title", metadata.title},
+        {"source", metadata.source},
+        {"license", metadata.license},
+        {"units", metadata.units},
+        {"time_unit", metadata.time_unit},
+        {"steps", reader_.step_count()},
+        {"box", {{"low", {low.x(), low.y(), low.z()}}, {"size", {size.x(), size.y(), size.z()}}, {"scale", scale_}}},
+        {"bits", coarse_.bits},
+        {"stride", coarse_.stride},
+        {"vertices", vertices_.size()},
+        {"triangles", track_.triangles().size()},
+        {"changes", change_count_},
+        {"marks", mark_count},
+        {"parts", parts()},
+        {"frames", std::move(frames)},
+        {"motions", std::move(motions)},
+        {"detection", detection_},
+        {"made", made_},
+        {"notes", notes_}};
   }
 
   std::string packed() const {
@@ -358,7 +363,8 @@ class Exporter {
     const json head = header();
     ExportedScene scene;
     scene.script = std::move(script_);
-    for (const char* key : {"name", "file", "fnv1a", "title", "source", "license", "steps", "stride", "vertices", "notes"})
+    for (const char* key :
+         {"name", "file", "fnv1a", "title", "source", "license", "steps", "stride", "vertices", "notes"})
       scene.summary[key] = head.at(key);
     scene.summary["frames"] = steps_.size();
     scene.summary["triangles"] = track_.largest_frame();

@@ -16,9 +16,9 @@ namespace volccd {
 struct SceneExportConfig {
   /// The pipeline whose contacts and counts are shown; nothing: neither, which takes no detection.
   std::optional<PipelineSpec> pipeline;
-  std::size_t max_bytes = 16'000'000;    ///< of the script, about; coarser positions and fewer frames where it is more
-  std::size_t max_triangles = 250'000;   ///< of a frame; clustered vertices where it has more
-  std::size_t max_contacts = 2'000;      ///< of a motion that are shown; all are counted
+  std::size_t max_bytes = 16'000'000;   ///< of the script, about; coarser positions and fewer frames where it is more
+  std::size_t max_triangles = 250'000;  ///< of a frame; clustered vertices where it has more
+  std::size_t max_contacts = 2'000;     ///< of a motion that are shown; all are counted
 };
 
 struct ExportedScene {

@@ -4,7 +4,7 @@ interface DecompressionStream {
   readonly readable: ReadableStream<Uint8Array>;
   readonly writable: WritableStream<Uint8Array>;
 }
-declare const DecompressionStream: { new (format: "deflate"): DecompressionStream };
+declare const DecompressionStream: {new (format: "deflate"): DecompressionStream};
 
 interface Window {
   volccd_report?: unknown;

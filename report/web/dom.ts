@@ -1,20 +1,25 @@
 // Elements, and texts of numbers.
 
-type Child = Node | string | null | undefined | false;
-type Attributes = { [name: string]: string | number | boolean | ((event: any) => void) | undefined };
+type Child = Node|string|null|undefined|false;
+type Attributes = {
+  [name: string]: string|number|boolean|((event: any) => void)|undefined
+};
 
 function fill(element: Element, attributes: Attributes, children: Child[]): void {
   for (const [name, value] of Object.entries(attributes)) {
     if (value === undefined || value === false) continue;
-    if (typeof value === "function") element.addEventListener(name.slice(2), value);
-    else element.setAttribute(name, value === true ? "" : String(value));
+    if (typeof value === "function")
+      element.addEventListener(name.slice(2), value);
+    else
+      element.setAttribute(name, value === true ? "" : String(value));
   }
-  for (const child of children) if (child) element.append(child);
+  for (const child of children)
+    if (child) element.append(child);
 }
 
 /// An HTML element; attributes that begin with "on" are listeners.
 export function h<K extends keyof HTMLElementTagNameMap>(
-  tag: K, attributes: Attributes = {}, ...children: Child[]): HTMLElementTagNameMap[K] {
+    tag: K, attributes: Attributes = {}, ...children: Child[]): HTMLElementTagNameMap[K] {
   const element = document.createElement(tag);
   fill(element, attributes, children);
   return element;
@@ -54,12 +59,12 @@ export function megabytes(bytes: number): string {
   return `${(bytes / 1e6).toFixed(1)}\u00a0MB`;
 }
 
-let tip: HTMLElement | null = null;
+let tip: HTMLElement|null = null;
 
 /// Shows text beside the pointer; null hides it.
-export function tooltip(text: string | null, x = 0, y = 0): void {
+export function tooltip(text: string|null, x = 0, y = 0): void {
   if (!tip) {
-    tip = h("div", { class: "tip", role: "tooltip" });
+    tip = h("div", {class: "tip", role: "tooltip"});
     document.body.append(tip);
   }
   tip.hidden = text === null;

@@ -1,19 +1,19 @@
 // Loads a scene's script and takes its numbers apart (docs/report.md has the layout).
-import type { SceneEntry, SceneHeader } from "./types";
+import type {SceneEntry, SceneHeader} from "./types";
 
 export class SceneData {
-  readonly corners: Uint32Array[] = []; ///< three columns: vertices of each triangle
+  readonly corners: Uint32Array[] = [];  ///< three columns: vertices of each triangle
   part!: Uint32Array;
   edges!: Uint32Array;
   /// By frame: the triangles that it shows, and positions: all x, all y, all z.
   readonly shown: Uint32Array[] = [];
   readonly frames: Uint16Array[] = [];
-  readonly marks: Uint32Array[] = []; ///< x, y, z, time of contact: numbers of 16 bits
-  flags!: Uint32Array; ///< 1: edge-edge, 2: between parts, 4: touches at the start
-  readonly firstMark: number[] = [0]; ///< by motion
+  readonly marks: Uint32Array[] = [];  ///< x, y, z, time of contact: numbers of 16 bits
+  flags!: Uint32Array;                 ///< 1: edge-edge, 2: between parts, 4: touches at the start
+  readonly firstMark: number[] = [0];  ///< by motion
 
   constructor(readonly header: SceneHeader, bytes: Uint8Array) {
-    const at = { offset: 0 };
+    const at = {offset: 0};
     const planes = (count: number, width: number): Uint32Array => {
       const values = new Uint32Array(count);
       for (let plane = 0; plane < width; ++plane)
@@ -55,19 +55,23 @@ export class SceneData {
       for (const i of list(frame.added)) visible[i] = 1;
       for (const i of list(frame.removed)) visible[i] = 0;
       const same = this.shown.length > 0 && frame.added + frame.removed === 0;
-      this.shown.push(same ? this.shown[this.shown.length - 1]
-        : Uint32Array.from(function* () { for (let i = 0; i < visible.length; ++i) if (visible[i]) yield i; }()));
+      this.shown.push(same ? this.shown[this.shown.length - 1] : Uint32Array.from(function*() {
+        for (let i = 0; i < visible.length; ++i)
+          if (visible[i]) yield i;
+      }()));
     }
   }
 
-  private readFrames(bytes: Uint8Array, at: { offset: number }): void {
+  private readFrames(bytes: Uint8Array, at: {offset: number}): void {
     const n = 3 * this.header.vertices;
     this.header.frames.forEach((frame, f) => {
       const low = at.offset, high = low + n, values = new Uint16Array(n);
       const one = this.frames[f - 1], two = this.frames[f - 2];
       for (let i = 0; i < n; ++i) {
         const difference = unzigzag(bytes[low + i] | (bytes[high + i] << 8));
-        const prediction = frame.order === 0 ? (i > 0 ? values[i - 1] : 0) : frame.order === 1 ? one[i] : 2 * one[i] - two[i];
+        const prediction = frame.order === 0 ? (i > 0 ? values[i - 1] : 0) :
+            frame.order === 1                ? one[i] :
+                                               2 * one[i] - two[i];
         values[i] = prediction + difference;
       }
       at.offset += 2 * n;
@@ -105,7 +109,8 @@ async function parse(data: string): Promise<SceneData> {
   const bytes = await inflate(data);
   const length = bytes[0] | (bytes[1] << 8) | (bytes[2] << 16) | (bytes[3] << 24);
   const header = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length))) as SceneHeader;
-  if (header.schema !== 1) throw new Error(`The scene has schema ${header.schema}, and this page reads 1: make the report again.`);
+  if (header.schema !== 1)
+    throw new Error(`The scene has schema ${header.schema}, and this page reads 1: make the report again.`);
   return new SceneData(header, bytes.subarray(4 + length));
 }
 
@@ -114,12 +119,12 @@ export function loadScene(entry: SceneEntry): Promise<SceneData> {
   const known = loaded.get(entry.name);
   if (known) return known;
   const promise = new Promise<string>((resolve, reject) => {
-    waiting.set(entry.name, resolve);
-    const script = document.createElement("script");
-    script.src = entry.data!;
-    script.onerror = () => reject(new Error(`${entry.data} cannot be read: is it beside index.html?`));
-    document.head.append(script);
-  }).then(parse);
+                    waiting.set(entry.name, resolve);
+                    const script = document.createElement("script");
+                    script.src = entry.data!;
+                    script.onerror = () => reject(new Error(`${entry.data} cannot be read: is it beside index.html?`));
+                    document.head.append(script);
+                  }).then(parse);
   loaded.set(entry.name, promise);
   return promise;
 }

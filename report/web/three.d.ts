@@ -42,7 +42,7 @@ declare module "three" {
   export class BufferAttribute {
     array: ArrayBufferView;
     needsUpdate: boolean;
-    constructor(array: Uint16Array | Float32Array, itemSize: number, normalized?: boolean);
+    constructor(array: Uint16Array|Float32Array, itemSize: number, normalized?: boolean);
   }
   export class BufferGeometry {
     setAttribute(name: string, attribute: BufferAttribute): this;
@@ -50,7 +50,7 @@ declare module "three" {
     dispose(): void;
   }
   export class DataTexture {
-    image: { data: Uint8Array };
+    image: {data: Uint8Array};
     needsUpdate: boolean;
     magFilter: number;
     minFilter: number;
@@ -61,10 +61,10 @@ declare module "three" {
     value: unknown;
   }
   export class ShaderMaterial {
-    uniforms: { [name: string]: Uniform };
-    defines: { [name: string]: boolean };
+    uniforms: {[name: string]: Uniform};
+    defines: {[name: string]: boolean};
     needsUpdate: boolean;
-    constructor(options: { [name: string]: unknown });
+    constructor(options: {[name: string]: unknown});
     dispose(): void;
   }
   export class Mesh extends Object3D {
@@ -75,7 +75,7 @@ declare module "three" {
   }
   export class WebGLRenderer {
     domElement: HTMLCanvasElement;
-    constructor(options: { [name: string]: unknown });
+    constructor(options: {[name: string]: unknown});
     setPixelRatio(ratio: number): void;
     setSize(width: number, height: number, style?: boolean): void;
     setClearColor(colour: number, alpha: number): void;

@@ -8,7 +8,7 @@ export interface Machine {
   flags?: string;
   cpu?: string;
   cores?: number;
-  load?: number | null;
+  load?: number|null;
   date?: string;
 }
 
@@ -16,8 +16,8 @@ export interface Provenance extends Machine {
   setting?: string;
   rounds?: number;
   threads?: number;
-  inputs?: { scene: string; file: string; fnv1a: string }[];
-  scenes?: { [scene: string]: Machine };
+  inputs?: {scene: string; file: string; fnv1a: string}[];
+  scenes?: {[scene: string]: Machine};
 }
 
 export interface DataTable {
@@ -35,7 +35,7 @@ export interface DataRecord {
   row_count: number;
   provenance: Provenance;
   tables: DataTable[];
-  curves: { scene: string; values: { [name: string]: number[] } }[];
+  curves: {scene: string; values: {[name: string]: number[]}}[];
 }
 
 export interface SceneEntry {
@@ -63,14 +63,14 @@ export interface Report {
   folder: string;
   made: Machine;
   records: DataRecord[];
-  points: { texts: string[]; columns: { [name: string]: (number | null)[] } } | null;
+  points: {texts: string[]; columns: {[name: string]: (number | null)[]}}|null;
   scenes: SceneEntry[];
 }
 
 export interface StageCount {
   role: string;
   name: string;
-  in: number;
+  in : number;
   out: number;
   prepare_seconds: number;
   seconds: number;
@@ -88,7 +88,7 @@ export interface MotionStats {
   contacts_at_start: number;
   left_out: number;
   undecided: number;
-  earliest_toi: number | null;
+  earliest_toi: number|null;
   seconds: number;
   stages: StageCount[];
 }
@@ -110,17 +110,17 @@ export interface SceneHeader {
   units: string;
   time_unit: string;
   steps: number;
-  box: { low: number[]; size: number[]; scale: number };
+  box: {low: number[]; size: number[]; scale: number};
   bits: number;
   stride: number;
   vertices: number;
   triangles: number;
   changes: number;
   marks: number;
-  parts: { id: number; name: string; colour: string; solid: boolean }[];
-  frames: { step: number; time: number; cells: number; order: number; added: number; removed: number }[];
+  parts: {id: number; name: string; colour: string; solid: boolean}[];
+  frames: {step: number; time: number; cells: number; order: number; added: number; removed: number}[];
   motions: Motion[];
-  detection: { pipeline: { name: string; guarantee: string }; shells: string; edges: string; threads: number } | null;
+  detection: {pipeline: {name: string; guarantee: string}; shells: string; edges: string; threads: number}|null;
   made: Machine;
   notes: string[];
 }

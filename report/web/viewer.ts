@@ -1,6 +1,6 @@
 // The 3-D view of one motion of a scene: surface, section planes, contacts. three.js draws, on WebGL 2.
 import * as THREE from "three";
-import type { SceneData } from "./scene_data";
+import type {SceneData} from "./scene_data";
 
 const kSurfaceVertex = `
 attribute vec4 p0;
@@ -114,27 +114,27 @@ function drawnBySoftware(): boolean {
 
 export interface Plane {
   on: boolean;
-  share: number; ///< of the box along the axis, 0 to 1
+  share: number;  ///< of the box along the axis, 0 to 1
   flip: boolean;
 }
 
 export class Viewer {
   readonly canvas: HTMLCanvasElement;
-  readonly planes: Plane[] = [0, 1, 2].map(() => ({ on: false, share: 0.5, flip: false }));
+  readonly planes: Plane[] = [0, 1, 2].map(() => ({on: false, share: 0.5, flip: false}));
   lines = true;
   marks = true;
-  markKinds = 2; ///< 0: within a part, 1: between parts, 2: both
+  markKinds = 2;  ///< 0: within a part, 1: between parts, 2: both
   onDraw: () => void = () => {};
   private renderer: THREE.WebGLRenderer;
   private scene = new THREE.Scene();
   private camera = new THREE.PerspectiveCamera(32, 1, 0.01, 100);
-  private data: SceneData | null = null;
-  private geometry: THREE.BufferGeometry | null = null;
-  private markGeometry: THREE.BufferGeometry | null = null;
-  private material: THREE.ShaderMaterial | null = null;
+  private data: SceneData|null = null;
+  private geometry: THREE.BufferGeometry|null = null;
+  private markGeometry: THREE.BufferGeometry|null = null;
+  private material: THREE.ShaderMaterial|null = null;
   private markMaterials: THREE.ShaderMaterial[] = [];
   private points: THREE.Points[] = [];
-  private texture: THREE.DataTexture | null = null;
+  private texture: THREE.DataTexture|null = null;
   private attribute: THREE.BufferAttribute[] = [];
   private clip = [0, 1, 2].map(() => new THREE.Vector4());
   private key = "";
@@ -142,7 +142,7 @@ export class Viewer {
   private t = 0;
   private wanted = false;
   private detail = 1;
-  private axes = [0, 1, 2]; ///< two level ones, and the one that points upwards
+  private axes = [0, 1, 2];  ///< two level ones, and the one that points upwards
   private azimuth = 0.9;
   private elevation = 0.45;
   private distance = 2.5;
@@ -153,9 +153,10 @@ export class Viewer {
     this.canvas = document.createElement("canvas");
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
-    const context = this.canvas.getContext("webgl2", { antialias: !drawnBySoftware(), preserveDrawingBuffer: true });
-    if (!context) throw new Error("This browser gives no WebGL 2, which the 3-D view needs; tables and figures work without.");
-    this.renderer = new THREE.WebGLRenderer({ canvas: this.canvas, context });
+    const context = this.canvas.getContext("webgl2", {antialias: !drawnBySoftware(), preserveDrawingBuffer: true});
+    if (!context)
+      throw new Error("This browser gives no WebGL 2, which the 3-D view needs; tables and figures work without.");
+    this.renderer = new THREE.WebGLRenderer({canvas: this.canvas, context});
     this.renderer.setClearColor(0xf6f7f9, 1);
     this.camera.up.set(0, 0, 1);
     this.listen();
@@ -166,20 +167,28 @@ export class Viewer {
     this.clear();
     this.data = data;
     this.key = "";
-    const { header } = data, capacity = 3 * data.largestFrame();
+    const {header} = data, capacity = 3 * data.largestFrame();
     this.attribute = [0, 1].map(() => new THREE.BufferAttribute(new Uint16Array(4 * capacity), 4, true));
     this.geometry = new THREE.BufferGeometry();
     this.geometry.setAttribute("p0", this.attribute[0]).setAttribute("p1", this.attribute[1]);
     // three.js counts vertices by this one.
     this.geometry.setAttribute("position", this.attribute[0]);
-    this.texture = new THREE.DataTexture(new Uint8Array(4 * header.parts.length), header.parts.length, 1,
-      THREE.RGBAFormat, THREE.UnsignedByteType);
+    this.texture = new THREE.DataTexture(
+        new Uint8Array(4 * header.parts.length), header.parts.length, 1, THREE.RGBAFormat, THREE.UnsignedByteType);
     this.texture.magFilter = this.texture.minFilter = THREE.NearestFilter;
     this.material = new THREE.ShaderMaterial({
-      vertexShader: kSurfaceVertex, fragmentShader: kSurfaceFragment, side: THREE.DoubleSide,
-      extensions: { derivatives: true }, defines: {},
-      uniforms: { t: { value: 0 }, factor: { value: 65535 / (2 ** header.bits - 1) }, parts: { value: this.texture },
-        partCount: { value: header.parts.length }, planes: { value: this.clip } },
+      vertexShader: kSurfaceVertex,
+      fragmentShader: kSurfaceFragment,
+      side: THREE.DoubleSide,
+      extensions: {derivatives: true},
+      defines: {},
+      uniforms: {
+        t: {value: 0},
+        factor: {value: 65535 / (2 ** header.bits - 1)},
+        parts: {value: this.texture},
+        partCount: {value: header.parts.length},
+        planes: {value: this.clip}
+      },
     });
     const mesh = new THREE.Mesh(this.geometry, this.material);
     mesh.frustumCulled = false;
@@ -198,8 +207,12 @@ export class Viewer {
     // Twice: pale where a surface is in front, and as they are.
     for (const behind of [true, false]) {
       const material = new THREE.ShaderMaterial({
-        vertexShader: kMarkVertex, fragmentShader: kMarkFragment, transparent: true, depthTest: !behind, depthWrite: false,
-        uniforms: { size: { value: 9 }, opacity: { value: behind ? 0.28 : 1 }, planes: { value: this.clip }, show: { value: 2 } },
+        vertexShader: kMarkVertex,
+        fragmentShader: kMarkFragment,
+        transparent: true,
+        depthTest: !behind,
+        depthWrite: false,
+        uniforms: {size: {value: 9}, opacity: {value: behind ? 0.28 : 1}, planes: {value: this.clip}, show: {value: 2}},
       });
       const points = new THREE.Points(this.markGeometry, material);
       points.frustumCulled = false;
@@ -267,9 +280,9 @@ export class Viewer {
 
   /// Takes a program without what is not shown: `discard` alone keeps hidden fragments from being skipped.
   private compile(): void {
-    const cut = this.planes.some((p) => p.on), { defines } = this.material!;
+    const cut = this.planes.some((p) => p.on), {defines} = this.material!;
     if (!!defines.CUT === cut && !!defines.LINES === this.lines) return;
-    this.material!.defines = { ...(cut && { CUT: true }), ...(this.lines && { LINES: true }) };
+    this.material!.defines = {...(cut && {CUT: true}), ...(this.lines && {LINES: true})};
     this.material!.needsUpdate = true;
   }
 
@@ -312,7 +325,7 @@ export class Viewer {
   }
 
   private placePlanes(): void {
-    const { box } = this.data!.header;
+    const {box} = this.data!.header;
     this.planes.forEach((plane, axis) => {
       if (!plane.on) {
         this.clip[axis].set(0, 0, 0, 1);
@@ -341,7 +354,7 @@ export class Viewer {
     this.target.set((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2);
     this.radius = 0.5 * Math.hypot(high[0] - low[0], high[1] - low[1], high[2] - low[2]);
     const aspect = this.canvas.clientWidth / Math.max(this.canvas.clientHeight, 1) || 1.5;
-    this.distance = (this.radius / Math.sin(0.28)) * Math.max(0.8, 1 / aspect) * 0.92;
+    this.distance = (this.radius / Math.sin(0.28)) * Math.max(1, 1 / aspect) * 0.88;
     this.draw();
   }
 
@@ -416,14 +429,16 @@ export class Viewer {
   }
 
   /// The contact nearest to a place of the canvas, within some pixels: its index among the shown ones of the motion.
-  contactAt(x: number, y: number): number | null {
+  contactAt(x: number, y: number): number|null {
     const data = this.data;
     if (!data || !this.marks) return null;
     const first = data.firstMark[this.motion] ?? 0, count = data.header.motions[this.motion]?.shown ?? 0;
-    let best: number | null = null, least = 9 * 9;
+    let best: number|null = null, least = 9 * 9;
     for (let i = 0; i < count; ++i) {
       const p = [0, 1, 2].map((axis) => data.marks[axis][first + i] / 65535);
-      if (this.planes.some((q, axis) => q.on && (q.flip ? -1 : 1) * (p[axis] - (q.share * data.header.box.size[axis]) / data.header.box.scale) > 0))
+      if (this.planes.some(
+              (q, axis) => q.on &&
+                  (q.flip ? -1 : 1) * (p[axis] - (q.share * data.header.box.size[axis]) / data.header.box.scale) > 0))
         continue;
       const inter = (data.flags[first + i] & 2) >> 1;
       if (this.markKinds < 2 && inter !== this.markKinds) continue;
@@ -435,17 +450,19 @@ export class Viewer {
   }
 
   private listen(): void {
-    let from: { x: number; y: number; pan: boolean } | null = null;
+    let from: {x: number; y: number; pan: boolean}|null = null;
     this.canvas.addEventListener("pointerdown", (e) => {
-      from = { x: e.clientX, y: e.clientY, pan: e.button !== 0 || e.shiftKey };
+      from = {x: e.clientX, y: e.clientY, pan: e.button !== 0 || e.shiftKey};
       this.canvas.setPointerCapture(e.pointerId);
     });
     this.canvas.addEventListener("pointermove", (e) => {
       if (!from) return;
       const dx = e.clientX - from.x, dy = e.clientY - from.y;
-      if (from.pan) this.pan(dx, dy);
-      else this.orbit(-dx * 0.008, dy * 0.008);
-      from = { ...from, x: e.clientX, y: e.clientY };
+      if (from.pan)
+        this.pan(dx, dy);
+      else
+        this.orbit(-dx * 0.008, dy * 0.008);
+      from = {...from, x: e.clientX, y: e.clientY};
     });
     const end = () => (from = null);
     this.canvas.addEventListener("pointerup", end);
@@ -454,6 +471,6 @@ export class Viewer {
     this.canvas.addEventListener("wheel", (e) => {
       e.preventDefault();
       this.zoom(Math.exp(Math.max(-1, Math.min(1, e.deltaY * 0.0015))));
-    }, { passive: false });
+    }, {passive: false});
   }
 }

@@ -1,5 +1,5 @@
-"""`report` and `view`: what they write, what they refuse, and what they say of scenes that are not there. The page itself
-is tested in a browser by tests/report/test_page.py."""
+"""`report` and `view`: what they write, what they refuse, and what they say of scenes that are not there. The page
+itself is tested in a browser by tests/report/test_page.py."""
 
 import json
 import os
@@ -76,10 +76,13 @@ class Report(ProgramTest):
     def test_refusals(self):
         empty = self.path("empty")
         os.makedirs(empty, exist_ok=True)
-        self.bad("view", self.sequence, "-o", self.path("x"), says="scripts/build-report", env=self.environment(VOLCCD_PAGE=empty))
-        self.bad("view", self.sequence, "-o", os.path.dirname(self.sequence), says="no report of volccd", env=self.environment())
+        self.bad("view", self.sequence, "-o", self.path("x"), says="scripts/build-report",
+                env=self.environment(VOLCCD_PAGE=empty))
+        self.bad("view", self.sequence, "-o", os.path.dirname(self.sequence), says="no report of volccd",
+                env=self.environment())
         self.bad("view", self.path("no.vtkhdf"), "-o", self.path("x"), says="no.vtkhdf", env=self.environment())
-        self.bad("view", self.sequence, "--pipeline", "Vol", "-o", self.path("x"), says="VolCCD+", env=self.environment())
+        self.bad("view", self.sequence, "--pipeline", "Vol", "-o", self.path("x"), says="VolCCD+",
+                env=self.environment())
         self.bad("report", empty, "-o", self.path("x"), says="volccd experiment run", env=self.environment())
         self.bad("report", self.results, says="--output", env=self.environment())
         self.write("results/culling.json", "{")

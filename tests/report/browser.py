@@ -1,4 +1,4 @@
-"""A headless Chromium, driven through the DevTools protocol on two pipes: no network, no packages beside Python's own."""
+"""A headless Chromium, driven through the DevTools protocol on two pipes: no network, no further packages."""
 
 import base64
 import json

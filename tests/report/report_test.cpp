@@ -77,7 +77,8 @@ class Planes {
   std::vector<std::uint32_t> take(std::size_t count, int width) {
     std::vector<std::uint32_t> values(count);
     for (int plane = 0; plane < width; ++plane)
-      for (std::uint32_t& value : values) value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes_.at(at_++))) << (8 * plane);
+      for (std::uint32_t& value : values)
+        value |= static_cast<std::uint32_t>(static_cast<unsigned char>(bytes_.at(at_++))) << (8 * plane);
     return values;
   }
   std::string text(std::size_t size) {
@@ -246,7 +247,9 @@ TEST(SurfaceTrackTest, ClusteringKeepsTheFormAndFewerTriangles) {
 
 class SceneExport : public ::testing::Test {
  protected:
-  SceneExport() : folder_("scene"), file_(folder_.file("run.vtkhdf")) { write_scene(*make_scene("builtin", {}), file_); }
+  SceneExport() : folder_("scene"), file_(folder_.file("run.vtkhdf")) {
+    write_scene(*make_scene("builtin", {}), file_);
+  }
 
   ExportedScene run(const SceneExportConfig& config) {
     return export_scene("run", file_, registry_, config, executor_);
@@ -275,8 +278,11 @@ TEST_F(SceneExport, ShowsSurfacePositionsAndContactsOfTheFile) {
     SequenceCells cells;
     reader.read_cells(std::min(k + 1, steps - 1), cells);
     const std::vector<std::uint16_t> colours(cells.size(), 0);
-    for (const SurfaceTriangle& t : boundary_triangles(cells, reader.point_count(), colours)) used.insert(t.corners.begin(), t.corners.end());
-    ASSERT_EQ(boundary_triangles(cells, reader.point_count(), colours).size(), d.shown[static_cast<std::size_t>(k)].size()) << k;
+    for (const SurfaceTriangle& t : boundary_triangles(cells, reader.point_count(), colours))
+      used.insert(t.corners.begin(), t.corners.end());
+    ASSERT_EQ(boundary_triangles(cells, reader.point_count(), colours).size(),
+              d.shown[static_cast<std::size_t>(k)].size())
+        << k;
   }
   const std::vector<Index> slots(used.begin(), used.end());
   ASSERT_EQ(slots.size(), d.header.at("vertices").get<std::size_t>());
@@ -359,9 +365,11 @@ TEST(ReportRecords, TablesAndProvenanceOfTheKeptResults) {
       EXPECT_FALSE(table.at("header").empty());
       for (const json& row : table.at("rows")) EXPECT_LE(row.size(), table.at("header").size()) << table.at("title");
     }
-    for (const char* key : {"commit", "cpu", "date"}) EXPECT_TRUE(record.at("provenance").contains(key)) << record.at("name");
+    for (const char* key : {"commit", "cpu", "date"})
+      EXPECT_TRUE(record.at("provenance").contains(key)) << record.at("name");
   }
-  for (const char* name : {"table1", "culling", "plus", "scenes", "feature_sets"}) EXPECT_EQ(1u, names.count(name)) << name;
+  for (const char* name : {"table1", "culling", "plus", "scenes", "feature_sets"})
+    EXPECT_EQ(1u, names.count(name)) << name;
   bool octopi = false;
   for (const RecordedInput& input : inputs_of(records))
     octopi = octopi || (input.scene == "octopi" && input.fnv1a.size() == 16 && !input.records.empty());
@@ -373,8 +381,15 @@ TEST(ReportRecords, PointsAreMediansOverRounds) {
   json rows = json::array();
   for (const double seconds : {0.5, 0.1, 0.3})
     for (const int motion : {4, 5})
-      rows.push_back({{"pipeline", "P"}, {"scene", "s"}, {"motion", motion}, {"seconds", seconds * motion}, {"vf_tests", 7},
-                      {"narrow_phase_prepare_s", 0.25}, {"narrow_phase_run_s", 0.5}, {"threads", 1}, {"elements", 10}});
+      rows.push_back({{"pipeline", "P"},
+                      {"scene", "s"},
+                      {"motion", motion},
+                      {"seconds", seconds * motion},
+                      {"vf_tests", 7},
+                      {"narrow_phase_prepare_s", 0.25},
+                      {"narrow_phase_run_s", 0.5},
+                      {"threads", 1},
+                      {"elements", 10}});
   rows.push_back({{"operation", "of another form"}});
   std::ofstream(folder.file("plus.json")) << json{{"experiment", "plus"}, {"schema", 1}, {"rows", rows}};
   const json points = points_of(folder.file(""));

@@ -111,7 +111,8 @@ class Report(Page):
         self.assertEqual(self.count("a.card"), 1)
         self.assertGreater(self.count(".card.missing"), 10)
         for name in ("tables", "figures", "scenes", "overview"):
-            self.changes("document.querySelector('main').innerHTML.length", lambda n=name: BROWSER.click(f"header a[data-key={n}]"),
+            self.changes("document.querySelector('main').innerHTML.length",
+                    lambda n=name: BROWSER.click(f"header a[data-key={n}]"),
                          name)
         BROWSER.click(".records a")
         BROWSER.until("document.querySelector('.table-block')")
@@ -122,14 +123,16 @@ class Report(Page):
         cells = f"[...document.querySelectorAll('{first} tbody td:nth-child(2)')].map(c => c.textContent).join(' ')"
         numbers = [int(n.replace(",", "")) for n in BROWSER.js(cells).split()]
         column = f"{first} th:nth-child(2) button"
-        for expected, state in ((sorted(numbers, reverse=True), "descending"), (sorted(numbers), "ascending"), (numbers, "none")):
+        for expected, state in ((sorted(numbers, reverse=True), "descending"), (sorted(numbers), "ascending"),
+                (numbers, "none")):
             BROWSER.click(column)
             self.assertEqual([int(n.replace(",", "")) for n in BROWSER.js(cells).split()], expected)
             self.assertEqual(BROWSER.js(f"document.querySelector('{first} th:nth-child(2)').ariaSort"), state)
         BROWSER.hover(f"{first} tbody tr:nth-child(2) td:nth-child(4)")
         BROWSER.until("document.querySelector('.tip') && !document.querySelector('.tip').hidden")
         tip = self.text(".tip")
-        for part in ("table1.json", "commit 42b10b693006", "AMD EPYC", "load 1.4", "volccd experiment run table1 --full"):
+        for part in ("table1.json", "commit 42b10b693006", "AMD EPYC", "load 1.4",
+                "volccd experiment run table1 --full"):
             self.assertIn(part, tip)
         BROWSER.click(f"{first} tbody tr:nth-child(2) td:nth-child(4)")
         BROWSER.until("!document.querySelector('.drawer').hidden")
@@ -145,11 +148,13 @@ class Report(Page):
         BROWSER.until("document.querySelector('.table-chart svg.chart')")
         picture = "document.querySelector('.table-chart svg.chart').outerHTML"
         for box in range(1, self.count(".table-block:first-of-type .controls input") + 1):
-            self.changes(picture, lambda b=box: BROWSER.click(f".table-chart .controls label:nth-child({b}) input"), f"box {box}")
+            self.changes(picture, lambda b=box: BROWSER.click(f".table-chart .controls label:nth-child({b}) input"),
+                    f"box {box}")
         BROWSER.click(".table-block .plot")
         BROWSER.until("!document.querySelector('.table-chart')")
         for name in ("projectile", "plus", "scenes"):
-            self.changes("document.querySelector('main h2').textContent", lambda n=name: BROWSER.click(f".list a[href='#tables/{n}']"), name)
+            self.changes("document.querySelector('main h2').textContent",
+                    lambda n=name: BROWSER.click(f".list a[href='#tables/{n}']"), name)
 
     def test_a_click_on_a_row_shows_its_scene(self):
         self.go("tables/projectile")
@@ -184,7 +189,8 @@ class Report(Page):
             for i in range(boxes):
                 # A box for x alone means nothing against categories: motion is chosen above.
                 self.changes(chart, lambda f=figure, i=i: BROWSER.js(
-                    f"document.querySelectorAll('#figure-{f} input[type=checkbox]')[{i}].click()"), f"{figure}: box {i}")
+                    f"document.querySelectorAll('#figure-{f} input[type=checkbox]')[{i}].click()"),
+                            f"{figure}: box {i}")
                 BROWSER.js(f"document.querySelectorAll('#figure-{figure} input[type=checkbox]')[{i}].click()")
         BROWSER.hover("#figure-speedup g[role=img]")
         BROWSER.until("!document.querySelector('.tip').hidden")
@@ -196,7 +202,8 @@ class Report(Page):
         self.go("tables/table1")
         BROWSER.call("Emulation.setEmulatedMedia", media="print")
         shown = "getComputedStyle(document.querySelector('{}')).display"
-        self.assertEqual([BROWSER.js(shown.format(s)) for s in (".plot", ".list", "table.data")], ["none", "none", "table"])
+        self.assertEqual([BROWSER.js(shown.format(s)) for s in (".plot", ".list", "table.data")], ["none", "none",
+                "table"])
         BROWSER.call("Emulation.setEmulatedMedia", media="")
 
 
@@ -230,7 +237,8 @@ class View(Page):
 
     def test_keys(self):
         BROWSER.js("document.querySelector('canvas').focus()")
-        for key, text in (("ArrowRight", None), ("End", None), ("ArrowLeft", None), ("Home", None), ("w", "w"), ("a", "a"), ("s", "s"),
+        for key, text in (("ArrowRight", None), ("End", None), ("ArrowLeft", None), ("Home", None), ("w", "w"), ("a",
+                "a"), ("s", "s"),
                           ("d", "d"), ("+", "+"), ("-", "-")):
             self.redraws(lambda k=key, t=text: BROWSER.key(k, text=t), key)
         BROWSER.key("+", text="+")

@@ -9,7 +9,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 
 with tempfile.TemporaryDirectory() as folder:
-    done = subprocess.run([ROOT / "scripts/build-report", "--check", "-o", folder], capture_output=True, text=True, check=False)
+    done = subprocess.run([ROOT / "scripts/build-report", "--check", "-o", folder], capture_output=True, text=True,
+            check=False)
     print(done.stdout + done.stderr, end="")
     if done.returncode == 2:
         print("skipped: a tool is missing")
