@@ -77,35 +77,6 @@ ByVertex by_vertex(std::size_t vertices, std::size_t items, F&& vertices_of) {
   return result;
 }
 
-/// Shells, and triangles of volumes that occur once.
-std::vector<SurfaceTriangle> boundary(const SequenceCells& cells, std::size_t vertices,
-                                      std::span<const std::uint16_t> colours) {
-  std::vector<SurfaceTriangle> result, solid;
-  std::vector<Index> face;
-  for (std::size_t cell = 0; cell < cells.size(); ++cell) {
-    std::vector<SurfaceTriangle>& target = is_shell(cells.types[cell]) ? result : solid;
-    for_each_face(cells, cell, face, [&](std::vector<Index>& f) {
-      for_each_triangle(f, [&](SurfaceTriangle triangle) {
-        triangle.colour = colours[cell];
-        target.push_back(triangle);
-      });
-    });
-  }
-  const ByVertex buckets =
-      by_vertex(vertices, solid.size(), [&](std::size_t i) { return std::array{sorted(solid[i].corners)[0]}; });
-  std::vector<std::pair<std::array<Index, 3>, Index>> bucket;
-  for (std::size_t v = 0; v < vertices; ++v) {
-    bucket.clear();
-    for (const Index i : buckets.at(static_cast<Index>(v))) bucket.emplace_back(sorted(solid[i].corners), i);
-    std::sort(bucket.begin(), bucket.end());
-    for (std::size_t i = 0; i < bucket.size(); ++i)
-      if ((i == 0 || bucket[i - 1].first != bucket[i].first) &&
-          (i + 1 == bucket.size() || bucket[i + 1].first != bucket[i].first))
-        result.push_back(solid[bucket[i].second]);
-  }
-  return result;
-}
-
 Eigen::Vector3f unit_or_zero(const Vec3& v) {
   const double length = v.norm();
   return length > 0 && std::isfinite(length) ? Eigen::Vector3f((v / length).cast<float>()) : Eigen::Vector3f::Zero();
@@ -291,11 +262,39 @@ class Section {
 
 }  // namespace
 
+std::vector<SurfaceTriangle> boundary_triangles(const SequenceCells& cells, std::size_t vertices,
+                                                std::span<const std::uint16_t> colours) {
+  std::vector<SurfaceTriangle> result, solid;
+  std::vector<Index> face;
+  for (std::size_t cell = 0; cell < cells.size(); ++cell) {
+    std::vector<SurfaceTriangle>& target = is_shell(cells.types[cell]) ? result : solid;
+    for_each_face(cells, cell, face, [&](std::vector<Index>& f) {
+      for_each_triangle(f, [&](SurfaceTriangle triangle) {
+        triangle.colour = colours[cell];
+        target.push_back(triangle);
+      });
+    });
+  }
+  const ByVertex buckets =
+      by_vertex(vertices, solid.size(), [&](std::size_t i) { return std::array{sorted(solid[i].corners)[0]}; });
+  std::vector<std::pair<std::array<Index, 3>, Index>> bucket;
+  for (std::size_t v = 0; v < vertices; ++v) {
+    bucket.clear();
+    for (const Index i : buckets.at(static_cast<Index>(v))) bucket.emplace_back(sorted(solid[i].corners), i);
+    std::sort(bucket.begin(), bucket.end());
+    for (std::size_t i = 0; i < bucket.size(); ++i)
+      if ((i == 0 || bucket[i - 1].first != bucket[i].first) &&
+          (i + 1 == bucket.size() || bucket[i + 1].first != bucket[i].first))
+        result.push_back(solid[bucket[i].second]);
+  }
+  return result;
+}
+
 Surface surface_of(const SequenceCells& cells, std::span<const Vec3> points, std::span<const std::uint16_t> colours,
                    double crease) {
   Surface surface;
   surface.points.assign(points.begin(), points.end());
-  surface.triangles = boundary(cells, points.size(), colours);
+  surface.triangles = boundary_triangles(cells, points.size(), colours);
   const ByVertex incident =
       by_vertex(points.size(), surface.triangles.size(), [&](std::size_t i) { return surface.triangles[i].corners; });
   add_normals(surface, incident, crease);

@@ -40,6 +40,13 @@ struct CuttingPlane {
   double offset;
 };
 
+/// The triangles of shells, and of the volumes those that belong to one element only, in the order of the cells for
+/// shells and by their smallest vertex for volumes. Faces are split as Features splits them; the smallest corner comes
+/// first, and the direction of rotation is the element's. feature_edges and section are not set. `vertices`: slots.
+/// O(cells) expected.
+std::vector<SurfaceTriangle> boundary_triangles(const SequenceCells& cells, std::size_t vertices,
+                                                std::span<const std::uint16_t> colours);
+
 /// Shells as they are, and of the volumes the triangles that belong to one element only (faces split as Features has
 /// it). Corners of neighbouring triangles whose normals differ by less than `crease` degrees share a mean normal;
 /// a crease that counts as a feature is 15 degrees sharper. `colours`: one a cell. `points` is one a vertex slot.

@@ -45,6 +45,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
       "  volccd verify run.vtkhdf                       all pipelines against each other and against FCL\n"
       "  volccd check csat                              one stage against what it declares\n"
       "  volccd queries ccd-queries.h5                  elementary tests on queries with known answers\n"
+      "  volccd report results/ -o report/              tables, figures and scenes in the browser\n"
       "  volccd help COMMAND                            options and examples of a command\n\n"
       "Exit codes: 0 done, 1 verify found a difference, check a broken promise, queries a missed contact,\n"
       "or experiment other contacts or a slower pipeline, 2 bad input or output, 130 interrupted.\n"
@@ -58,6 +59,8 @@ int program(int argc, const char* const* argv, const Registry& registry) {
   add_stages_command(app, registry, action);
   add_scene_command(app, action);
   add_experiment_command(app, registry, action);
+  add_report_command(app, registry, action);
+  add_view_command(app, registry, action);
   add_help_command(app, registry, action);
   use_help_formatter(app);
   try {

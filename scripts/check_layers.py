@@ -36,10 +36,12 @@ LAYERS = {
                     "simulation", "oracle/cases"],
     "pictures": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
                  "experiments"],
+    "report": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
+               "experiments", "pictures"],
     "program": ["core", "mesh", "query", "mesh/sequence", "broadphase", "broadphase/peers", "culling", "narrowphase", "pipelines",
-                "experiments", "pictures"],
+                "experiments", "pictures", "report"],
 }
-PROGRAM = ["broadphase/peers", "oracle", "oracle/cases", "simulation", "experiments", "pictures", "program"]
+PROGRAM = ["broadphase/peers", "oracle", "oracle/cases", "simulation", "experiments", "pictures", "report", "program"]
 LIBRARY = [module for module in LAYERS if module not in PROGRAM]
 # Users of the modules: not modules themselves.
 USERS = {"tests": list(LAYERS), "examples": LIBRARY + ["program"],
@@ -60,6 +62,7 @@ THIRD_PARTY = {
     "CGAL/": (["broadphase/peers"], False),
     "ccd/": (["oracle", "culling", "broadphase"], False),
     "png.h": (["pictures"], False),
+    "zlib.h": (["report"], False),
     "gtest/": ([], False),
     "pybind11/": ([], False),  # python/ alone
     "Python.h": ([], False),

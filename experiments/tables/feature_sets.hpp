@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/experiments/tables/text_table.hpp>
 
 namespace volccd {
 
@@ -26,6 +27,8 @@ std::optional<nlohmann::json> feature_set_record(
     const std::function<bool(std::size_t done, std::size_t motions)>& go_on);
 
 /// A row for each record.
+TitledTable titled_feature_set_table(const std::vector<nlohmann::json>& records);
+/// The same as text, without a title.
 std::string feature_set_table(const std::vector<nlohmann::json>& records);
 
 }  // namespace volccd

@@ -149,20 +149,24 @@ std::optional<json> scene_record(const std::string& name, const std::string& seq
               {"motions", to_json(statistics)}};
 }
 
-std::string scene_table(const std::vector<json>& records) {
+TitledTable titled_scene_table(const std::vector<json>& records) {
   TextTable table({"scene", "elements", "first", "last", "paper", "frames", "inter", "intra", "adjacent", "at t = 0",
                    "moved, edges", "new elements", "resisted", "computed in", "energy error", "numerical / contacts",
                    "angular drift"});
   for (const json& record : records) table.add(row_of(record));
-  return table.text() + "\n" +
-         wrapped(
-             "contacts: median over the motions, between objects, within one, of adjacent elements; at t = 0: of those, "
-             "touching at the start already; moved: 99th percentile of the vertices, median (greatest) over the "
-             "motions; new elements: a motion; resisted: contacts that met an impulse in a substep of the simulation "
-             "(inter / intra / adjacent), median over the frames: what it keeps apart does not touch in the file; "
-             "numerical / contacts: energy that the time stepping took out and that contacts put in, to the end, as "
-             "shares of what there was and came from outside; angular drift: change of the angular momentum that no "
-             "impulse from outside explains, of the greatest that there was\n");
+  return {"", table,
+          "contacts: median over the motions, between objects, within one, of adjacent elements; at t = 0: of those, "
+          "touching at the start already; moved: 99th percentile of the vertices, median (greatest) over the "
+          "motions; new elements: a motion; resisted: contacts that met an impulse in a substep of the simulation "
+          "(inter / intra / adjacent), median over the frames: what it keeps apart does not touch in the file; "
+          "numerical / contacts: energy that the time stepping took out and that contacts put in, to the end, as "
+          "shares of what there was and came from outside; angular drift: change of the angular momentum that no "
+          "impulse from outside explains, of the greatest that there was\n"};
+}
+
+std::string scene_table(const std::vector<json>& records) {
+  const TitledTable table = titled_scene_table(records);
+  return table.table.text() + "\n" + wrapped(table.note);
 }
 
 }  // namespace volccd

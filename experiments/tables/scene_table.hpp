@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/experiments/tables/text_table.hpp>
 
 namespace volccd {
 
@@ -20,6 +21,8 @@ std::optional<nlohmann::json> scene_record(const std::string& name, const std::s
                                            const std::function<bool(std::size_t done, std::size_t motions)>& go_on);
 
 /// A row for each record; the paper's count of elements beside it where it has the scene.
+TitledTable titled_scene_table(const std::vector<nlohmann::json>& records);
+/// The same as text, without a title.
 std::string scene_table(const std::vector<nlohmann::json>& records);
 
 }  // namespace volccd

@@ -150,7 +150,7 @@ def problem_in_command(words):
                 return problem
     names = {("scene", "generate"): SCENES, ("experiment", "run"): EXPERIMENTS,
              ("experiment", "table"): EXPERIMENTS}.get(path)
-    if path == ("experiment", "compare"):
+    if path in (("experiment", "compare"), ("report",)):
         return None  # folders
     if path == ("help",):
         return None if not positionals or positionals == ["COMMAND"] or tuple(positionals) in COMMANDS else \
@@ -274,7 +274,7 @@ class DocsAgainstProgram(unittest.TestCase):
 
     def test_single_options_exist(self):
         known = {option for command in (PROGRAM, *COMMANDS.values()) for option in command.options}
-        scripts = "".join(text_of(name) for name in ("scripts/test", "scripts/reproduce", "scripts/benchmark-guard",
+        scripts = "".join(text_of(name) for name in ("scripts/test", "scripts/reproduce", "scripts/benchmark-guard", "scripts/build-report",
                                                      "tools/import_sequence.py", "tools/plot_results.py"))
         for document in DOCUMENTS:
             for code in code_in(document.read_text(encoding="utf-8")):

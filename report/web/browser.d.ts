@@ -1,0 +1,13 @@
+// What browsers have and TypeScript 4.8 does not know, and what the data scripts set.
+
+interface DecompressionStream {
+  readonly readable: ReadableStream<Uint8Array>;
+  readonly writable: WritableStream<Uint8Array>;
+}
+declare const DecompressionStream: {new (format: "deflate"): DecompressionStream};
+
+interface Window {
+  volccd_report?: unknown;
+  volccd_scene?: (name: string, data: string) => void;
+  volccd_test?: unknown;
+}

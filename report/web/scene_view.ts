@@ -1,0 +1,425 @@
+// A scene with its controls: the 3-D view, the time slider, the funnel, parts and section planes.
+import {h, grouped, duration, megabytes, short, svg, tooltip} from "./dom";
+import {funnel, largestCount} from "./funnel";
+import {loadScene, SceneData} from "./scene_data";
+import type {SceneEntry} from "./types";
+import {Viewer} from "./viewer";
+
+const kFine = 20;  ///< positions of the slider in a motion
+
+export class SceneView {
+  readonly element = h("section", {class: "scene-view"});
+  readonly status = h("p", {class: "status", role: "status"});
+  private viewer: Viewer|null = null;
+  private data: SceneData|null = null;
+  private entry: SceneEntry|null = null;
+  private motion = 0;
+  private t = 0;
+  private playing = false;
+  private speed = 12;
+  private hidden = new Set<number>();
+  private most = 1;
+  private slider =
+      h("input",
+        {type: "range", min: 0, value: 0, class: "time", "aria-label": "time", oninput: () => this.fromSlider()});
+  private playButton =
+      h("button", {class: "play", onclick: () => this.play(!this.playing), title: "play or stop (space)"}, "▶ Play");
+  private clock = h("output", {class: "clock"});
+  private funnelBox = h("div", {class: "funnel-box"});
+  private strip = h("div", {class: "strip"});
+  private side = h("div", {class: "side"});
+  private stage = h("div", {class: "stage"});
+  private notes = h("div", {class: "notes"});
+  private frames = 0;  ///< drawn since playing began
+  rate = 0;            ///< frames a second while it plays
+
+  constructor(readonly compact: boolean) {
+    this.element.tabIndex = -1;
+    const buttons =
+        h("div", {class: "transport"},
+          h("button", {onclick: () => this.step(-1), title: "the motion before (←)", "aria-label": "previous motion"},
+            "◀"),
+          this.playButton,
+          h("button", {onclick: () => this.step(1), title: "the next motion (→)", "aria-label": "next motion"}, "▶"),
+          this.slider, this.clock,
+          h("select", {
+            class: "speed",
+            "aria-label": "motions a second",
+            title: "motions a second",
+            onchange: (e: Event) => (this.speed = Number((e.target as HTMLSelectElement).value))
+          },
+            ...[2, 6, 12, 24, 60].map((n) => h("option", {value: n, selected: n === 12}, `${n} / s`))));
+    this.element.append(
+        this.status,
+        h("div", {class: "scene-grid"}, h("div", {class: "main"}, this.stage, this.strip, buttons), this.side),
+        this.notes);
+    this.element.addEventListener("keydown", (e) => this.onKey(e));
+  }
+
+  /// Takes over the canvas, of which the page has one.
+  async show(entry: SceneEntry, viewer: Viewer): Promise<void> {
+    this.viewer = viewer;
+    this.entry = entry;
+    this.play(false);
+    this.data = null;
+    this.status.textContent = `Loading ${entry.name} (${megabytes(entry.bytes ?? 0)}) ...`;
+    try {
+      const data = await loadScene(entry);
+      if (this.entry !== entry) return;
+      this.data = data;
+    } catch (error) {
+      this.status.textContent = (error as Error).message;
+      return;
+    }
+    this.stage.replaceChildren(
+        viewer.canvas,
+        h("p", {class: "hint"}, "Drag: turn · shift or right drag: move · wheel: zoom · space: play · ← →: motions"));
+    viewer.canvas.onmousemove = (e) => this.hover(e);
+    viewer.canvas.onmouseleave = () => tooltip(null);
+    this.motion = 0;
+    this.t = 0;
+    this.hidden.clear();
+    viewer.planes.forEach((p) => {
+      p.on = false;
+      p.flip = false;
+      p.share = 0.5;
+    });
+    viewer.marks = true;
+    viewer.markKinds = 2;
+    viewer.show(this.data);
+    viewer.setUp(2);
+    this.build();
+    this.update();
+    this.status.textContent = "";
+  }
+
+  private build(): void {
+    const {header} = this.data!;
+    this.most = largestCount(header.motions.map((m) => m.stats));
+    this.slider.max = String(Math.max(this.data!.motions, 0) * kFine);
+    this.slider.value = "0";
+    this.viewer!.canvas.setAttribute("aria-label", `3-D view of ${header.title || header.name}`);
+    this.side.replaceChildren(this.funnelBox, this.display(), this.sections(), this.parts());
+    this.strip.replaceChildren(this.timeline());
+    const made = header.made;
+    this.notes.replaceChildren(
+        h("p", {},
+          `${header.title || header.name}. ${grouped(header.frames[0].cells)} elements in the first frame, ${
+              header.frames.length} ${header.frames.length === 1 ? "frame" : "frames"}, ` +
+              `${grouped(this.data!.largestFrame())} triangles of the surface at most.` +
+              (header.source ? ` Source: ${header.source}.` : "") +
+              (header.license ? ` Licence: ${header.license}.` : "")),
+        ...(header.notes.concat(this.entry?.notes?.filter((n) => !header.notes.includes(n)) ?? [])
+                .map((note) => h("p", {class: "note"}, note))),
+        header.detection ?
+            h("p", {},
+              `Contacts and counts: pipeline ${header.detection.pipeline.name} (${
+                  header.detection.pipeline.guarantee}), ` +
+                  `shells as ${header.detection.shells}, ${header.detection.edges} edges, ${header.detection.threads} ${
+                      header.detection.threads === 1 ? "thread" : "threads"}; ` +
+                  `computed when this page was made, ${made.date}, commit ${made.commit}, ${made.cpu}, load ${
+                      made.load}. ` +
+                  `Sequence: ${header.file}, hash ${header.fnv1a}.`) :
+            this.data!.motions ? h("p", {}, "Contacts were not computed for this page (--no-contacts).") :
+                                 "");
+  }
+
+  private display(): HTMLElement {
+    const viewer = this.viewer!;
+    const check = (name: string, label: string, on: boolean, change: (on: boolean) => void) =>
+        h("label", {}, h("input", {
+            type: "checkbox",
+            name,
+            checked: on,
+            onchange: (e: Event) => {
+              change((e.target as HTMLInputElement).checked);
+              viewer.draw();
+            }
+          }),
+          " " + label);
+    return h(
+        "fieldset", {class: "display"}, h("legend", {}, "Display"),
+        check("lines", "edges of elements", viewer.lines, (on) => (viewer.lines = on)),
+        check("marks", "contacts", viewer.marks, (on) => (viewer.marks = on)),
+        h("select", {
+          name: "kinds",
+          "aria-label": "which contacts",
+          onchange: (e: Event) => {
+            viewer.markKinds = Number((e.target as HTMLSelectElement).value);
+            viewer.draw();
+          }
+        },
+          h("option", {value: 2}, "all contacts"), h("option", {value: 1}, "between parts"),
+          h("option", {value: 0}, "within a part")),
+        h("p", {class: "legend"}, h("span", {class: "key"}, h("i", {class: "disc"}), "between parts"),
+          h("span", {class: "key"}, h("i", {class: "diamond"}), "within a part")),
+        h("div", {class: "views"}, "View: ",
+          ...["default", "x", "y", "z"].map(
+              (v) =>
+                  h("button", {name: `view-${v}`, onclick: () => viewer.look(v)},
+                    v === "default" ? "default" : `along ${v}`)),
+          h("select", {
+            name: "up",
+            "aria-label": "axis that points upwards",
+            onchange: (e: Event) => viewer.setUp(Number((e.target as HTMLSelectElement).value))
+          },
+            ...["x", "y", "z"].map((axis, i) => h("option", {value: i, selected: i === 2}, `${axis} upwards`)))));
+  }
+
+  private sections(): HTMLElement {
+    const viewer = this.viewer!, {box} = this.data!.header;
+    return h("fieldset", {class: "sections"}, h("legend", {}, "Section planes"), ...["x", "y", "z"].map((axis, i) => {
+      const plane = viewer.planes[i];
+      const value = h("output");
+      const tell = () => (value.textContent = plane.on ? short(box.low[i] + plane.share * box.size[i]) : "");
+      const slider = h("input", {
+        type: "range",
+        name: `at-${axis}`,
+        min: 0,
+        max: 1000,
+        value: 500,
+        disabled: true,
+        "aria-label": `place of the plane along ${axis}`,
+        oninput: () => {
+          plane.share = Number(slider.value) / 1000;
+          tell();
+          viewer.draw();
+        }
+      });
+      const flip =
+          h("button", {
+            name: `flip-${axis}`,
+            disabled: true,
+            title: "show the other side",
+            onclick: () => {
+              plane.flip = !plane.flip;
+              viewer.draw();
+            }
+          },
+            "⇄");
+      const on = h("input", {
+        type: "checkbox",
+        name: `cut-${axis}`,
+        onchange: () => {
+          plane.on = on.checked;
+          slider.disabled = flip.disabled = !on.checked;
+          tell();
+          viewer.draw();
+        }
+      });
+      return h("div", {class: "plane"}, h("label", {}, on, ` ${axis}`), slider, flip, value);
+    }));
+  }
+
+  private parts(): HTMLElement {
+    const {parts} = this.data!.header;
+    const boxes: HTMLInputElement[] = [];
+    const all = (on: boolean) => {
+      boxes.forEach((box, i) => {
+        box.checked = on;
+        if (on)
+          this.hidden.delete(i);
+        else
+          this.hidden.add(i);
+      });
+      this.viewer!.setHiddenParts(this.hidden);
+    };
+    return h(
+        "fieldset", {class: "parts"}, h("legend", {}, `Parts (${parts.length})`),
+        h("div", {class: "views"}, h("button", {name: "all-parts", onclick: () => all(true)}, "all"),
+          h("button", {name: "no-parts", onclick: () => all(false)}, "none")),
+        h("div", {class: "part-list"}, ...parts.map((part, i) => {
+          const box = h("input", {
+            type: "checkbox",
+            name: `part-${i}`,
+            checked: true,
+            onchange: () => {
+              if (box.checked)
+                this.hidden.delete(i);
+              else
+                this.hidden.add(i);
+              this.viewer!.setHiddenParts(this.hidden);
+            }
+          });
+          boxes.push(box);
+          return h("label", {}, box, h("i", {class: "swatch", style: `background:${part.colour}`}), part.name);
+        })));
+  }
+
+  /// Contacts of all motions, as bars above the slider.
+  private timeline(): Element|string {
+    const {motions} = this.data!.header;
+    if (!motions.length) return "";
+    const most = Math.max(1, ...motions.map((m) => m.stats.contacts)), w = 1000 / motions.length;
+    const plot = svg("svg", {
+      viewBox: "0 0 1000 46",
+      preserveAspectRatio: "none",
+      class: "timeline",
+      role: "img",
+      "aria-label": "contacts of each motion"
+    });
+    const cursor = svg("rect", {x: 0, y: 0, width: Math.max(w, 2), height: 46, class: "cursor"});
+    plot.append(cursor);
+    motions.forEach((m, i) => {
+      const inter = (44 * Math.log10(1 + m.inter)) / Math.log10(1 + most),
+            all = (44 * Math.log10(1 + m.stats.contacts)) / Math.log10(1 + most);
+      plot.append(
+          svg("rect", {x: i * w, y: 46 - all, width: w * 0.86, height: all, fill: "#182c78"}),
+          svg("rect", {x: i * w, y: 46 - inter, width: w * 0.86, height: inter, fill: "#c8102e"}));
+    });
+    const at = (e: MouseEvent) => {
+      const box = plot.getBoundingClientRect();
+      return Math.max(
+          0, Math.min(motions.length - 1, Math.floor(((e.clientX - box.left) / box.width) * motions.length)));
+    };
+    plot.addEventListener("click", (e) => this.go(at(e as MouseEvent), 0));
+    plot.addEventListener("mousemove", (e) => {
+      const m = motions[at(e as MouseEvent)], step = this.data!.header.frames[at(e as MouseEvent)].step;
+      tooltip(
+          `Motion ${step} → ${step + 1}: ${grouped(m.stats.contacts)} contacts, ${
+              grouped(m.inter)} of them between parts, ` +
+              `${grouped(m.stats.vf_tests + m.stats.ee_tests)} elementary tests, ${
+                  duration(m.stats.seconds)}. Click to go there.`,
+          (e as MouseEvent).clientX, (e as MouseEvent).clientY);
+    });
+    plot.addEventListener("mouseleave", () => tooltip(null));
+    return h(
+        "div", {},
+        h("small", {},
+          `Contacts of each motion, logarithmic, at most ${grouped(most)}; red: between parts, blue: within a part`),
+        plot);
+  }
+
+  go(motion: number, t: number): void {
+    if (!this.data) return;
+    const last = Math.max(this.data.motions - 1, 0);
+    this.motion = Math.max(0, Math.min(last, motion));
+    this.t = motion > last ? 1 : t;
+    this.slider.value = String(Math.round((this.motion + this.t) * kFine));
+    this.update();
+  }
+
+  step(by: number): void {
+    this.play(false);
+    this.go(this.motion + by, 0);
+  }
+
+  private fromSlider(): void {
+    this.play(false);
+    const value = Number(this.slider.value), motion = Math.floor(value / kFine);
+    this.go(motion, value / kFine - motion);
+  }
+
+  private update(): void {
+    const {header} = this.data!, frame = header.frames[this.motion], next = header.frames[this.motion + 1];
+    this.viewer!.setTime(this.motion, this.t);
+    const time = next ? frame.time + this.t * (next.time - frame.time) : frame.time;
+    this.clock.textContent = next ? `motion ${frame.step} → ${next.step} of ${header.steps - 1}, at ${
+                                        this.t.toFixed(2)} · t = ${Number(time.toPrecision(4))} ${header.time_unit}` :
+                                    "one frame";
+    const cursor = this.strip.querySelector(".cursor");
+    cursor?.setAttribute("x", String((1000 / Math.max(header.motions.length, 1)) * this.motion));
+    this.updateFunnel();
+  }
+
+  private funnelOf = -1;
+  private funnelAt = 0;
+  private updateFunnel(): void {
+    const {header} = this.data!, motion = header.motions[this.motion];
+    const key = this.motion, now = performance.now();
+    // While it plays, a few times a second: nobody reads more, and drawing the table takes longer than the view.
+    if (this.playing && now - this.funnelAt < 250) return;
+    this.funnelAt = now;
+    if (this.funnelOf === key && this.funnelBox.dataset.scene === header.name) return;
+    this.funnelOf = key;
+    this.funnelBox.dataset.scene = header.name;
+    if (!motion) {
+      this.funnelBox.replaceChildren(
+          h("p", {},
+            this.data!.motions ? "No contacts were computed for this sequence." :
+                                 "A single frame has no motion, and no contacts."));
+      return;
+    }
+    const s = motion.stats, step = header.frames[this.motion].step;
+    this.funnelBox.replaceChildren(
+        h("h3", {}, `Motion ${step} → ${step + 1}: ${grouped(s.contacts)} contacts`),
+        h("p", {},
+          `${grouped(motion.inter)} between parts, ${grouped(s.contacts - motion.inter)} within; ${
+              grouped(s.contacts_at_start)} touch at the start. ` +
+              (s.earliest_toi === null ? "" : `The earliest is at ${short(s.earliest_toi)} of the motion. `) +
+              (motion.shown < s.contacts ? `${grouped(motion.shown)} are drawn. ` : "") +
+              (s.left_out ? `${grouped(s.left_out)} of shell neighbours are left out. ` : "") +
+              `${duration(s.seconds)} in all.`),
+        funnel(s, this.most));
+  }
+
+  play(on: boolean): void {
+    if (this.playing === on) return;
+    this.playing = on;
+    this.playButton.textContent = on ? "❚❚ Stop" : "▶ Play";
+    if (!on) {
+      this.viewer?.setDetail(1);
+      if (this.data) this.updateFunnel();
+      return;
+    }
+    let last = performance.now();
+    const began = last;
+    this.frames = 0;
+    const tick = (now: number) => {
+      if (!this.playing || !this.data || !this.element.isConnected) {
+        this.play(false);
+        return;
+      }
+      ++this.frames;
+      this.rate = (1000 * this.frames) / Math.max(now - began, 1);
+      if (this.frames === 8 && this.rate < 15) this.viewer!.setDetail(0.5);
+      const at = this.motion + this.t + ((now - last) / 1000) * this.speed;
+      last = now;
+      const wrapped = at >= this.data.motions ? 0 : at;
+      this.go(Math.floor(wrapped), wrapped - Math.floor(wrapped));
+      requestAnimationFrame(tick);
+    };
+    requestAnimationFrame(tick);
+  }
+
+  private hover(e: MouseEvent): void {
+    if (e.buttons || !this.data || !this.viewer) return;
+    const box = this.viewer.canvas.getBoundingClientRect();
+    const i = this.viewer.contactAt(e.clientX - box.left, e.clientY - box.top);
+    if (i === null) {
+      tooltip(null);
+      return;
+    }
+    const at = this.data.firstMark[this.motion] + i, flags = this.data.flags[at];
+    tooltip(
+        `${flags & 1 ? "Edge-edge" : "Vertex-face"} contact ${flags & 2 ? "between parts" : "within a part"}, ` +
+            (flags & 4 ? "touching at the start." : `at ${(this.data.marks[3][at] / 65535).toFixed(4)} of the motion.`),
+        e.clientX, e.clientY);
+  }
+
+  private onKey(e: KeyboardEvent): void {
+    const target = e.target as HTMLElement;
+    if (!this.data || (target instanceof HTMLInputElement && target.type !== "checkbox") ||
+        target instanceof HTMLSelectElement)
+      return;
+    const turn: {[key: string]: () => void} = {
+      " ": () => this.play(!this.playing),
+      ArrowLeft: () => this.step(-1),
+      ArrowRight: () => this.step(1),
+      Home: () => this.go(0, 0),
+      End: () => this.go(this.data!.motions, 0),
+      "+": () => this.viewer!.zoom(0.85),
+      "-": () => this.viewer!.zoom(1 / 0.85),
+      f: () => this.viewer!.fit(),
+      a: () => this.viewer!.orbit(-0.15, 0),
+      d: () => this.viewer!.orbit(0.15, 0),
+      w: () => this.viewer!.orbit(0, 0.15),
+      s: () => this.viewer!.orbit(0, -0.15),
+    };
+    if (e.key === " " && (target instanceof HTMLButtonElement || target instanceof HTMLInputElement)) return;
+    const act = turn[e.key];
+    if (!act || e.ctrlKey || e.metaKey || e.altKey) return;
+    e.preventDefault();
+    act();
+  }
+}

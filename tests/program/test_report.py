@@ -1,0 +1,100 @@
+"""`report` and `view`: what they write, what they refuse, and what they say of scenes that are not there. The page
+itself is tested in a browser by tests/report/test_page.py."""
+
+import json
+import os
+import re
+import shutil
+import unittest
+
+from program_support import SOURCE, run, ProgramTest
+
+
+class Report(ProgramTest):
+    @classmethod
+    def setUpClass(cls):
+        super().setUpClass()
+        cls.page = cls.path("page")
+        os.mkdir(cls.page)
+        for name in ("index.html", "volccd.css", "volccd.js"):
+            with open(os.path.join(cls.page, name), "w", encoding="ascii") as file:
+                file.write(name)
+        cls.results = cls.path("results")
+        os.mkdir(cls.results)
+        for name in ("plus", "scenes"):
+            shutil.copy(os.path.join(SOURCE, "results", name + ".json"), cls.results)
+
+    def environment(self, **more):
+        return {"VOLCCD_PAGE": self.page, "VOLCCD_CACHE": self.path("cache"), "VOLCCD_DATA": self.path("none"), **more}
+
+    def data(self, folder):
+        text = self.read(os.path.join(folder, "data", "report.js")).decode()
+        self.assertTrue(text.startswith("volccd_report = ") and text.endswith(";\n"))
+        return json.loads(text[len("volccd_report = "):-2])
+
+    def test_report_lists_records_and_how_to_get_missing_scenes(self):
+        out = self.good("report", self.results, "-o", self.path("a"), env=self.environment())
+        self.assertIn("a/index.html", out)
+        data = self.data("a")
+        self.assertEqual([r["name"] for r in data["records"]], ["plus", "scenes"])
+        missing = {s["name"]: s["missing"] for s in data["scenes"]}
+        self.assertEqual(missing["octopi-3000-elements-97-steps-seed-1-version-3.1"], "volccd info octopi-quick")
+        self.assertIn("VOLCCD_DATA", missing["cloth-ball"])
+        self.assertEqual(missing["octopus2-105k-deformed"], "volccd experiment run plus")
+        self.assertIn("octopi: not shown", out)
+        self.assertFalse(os.path.exists(self.path("cache")))  # nothing was simulated
+        self.assertEqual(self.read("a/index.html"), b"index.html")
+
+    def test_report_without_scenes(self):
+        self.good("report", self.results, "--scenes", "none", "-o", self.path("b"), env=self.environment())
+        self.assertEqual(self.data("b")["scenes"], [])
+        self.assertLess(os.path.getsize(self.path("b/data/report.js")), 1_000_000)
+
+    def test_report_shows_scenes_that_are_there_and_says_when_they_differ(self):
+        os.makedirs(self.path("data"), exist_ok=True)
+        shutil.copy(self.sequence, self.path("data/cloth-ball.vtkhdf"))
+        self.good("report", self.results, "--scenes", "cloth-ball", "-o", self.path("c"),
+                  env=self.environment(VOLCCD_DATA=self.path("data")))
+        (scene,) = self.data("c")["scenes"]
+        self.assertEqual(scene["data"], "data/scene-cloth-ball.js")
+        self.assertIn("differs", " ".join(scene["notes"]))
+        self.assertTrue(self.read("c/data/scene-cloth-ball.js").startswith(b'volccd_scene("cloth-ball", "'))
+        # Another report in the same folder leaves no scene of the old one.
+        self.good("report", self.results, "--scenes", "none", "-o", self.path("c"), env=self.environment())
+        self.assertEqual(os.listdir(self.path("c/data")), ["report.js"])
+        self.no_leftovers()
+
+    def test_view(self):
+        self.good("view", self.sequence, "-o", self.path("v"), env=self.environment())
+        data = self.data("v")
+        self.assertEqual((data["records"], len(data["scenes"])), ([], 1))
+        whole = os.path.getsize(self.path("v/data/scene-run.js"))
+        out = self.good("view", self.sequence, "--no-contacts", "-o", self.path("v"), env=self.environment())
+        self.assertLess(os.path.getsize(self.path("v/data/scene-run.js")), whole)
+        self.assertRegex(out, r"index\.html \(\S+ KB\) written")
+
+    def test_refusals(self):
+        empty = self.path("empty")
+        os.makedirs(empty, exist_ok=True)
+        self.bad("view", self.sequence, "-o", self.path("x"), says="scripts/build-report",
+                env=self.environment(VOLCCD_PAGE=empty))
+        self.bad("view", self.sequence, "-o", os.path.dirname(self.sequence), says="no report of volccd",
+                env=self.environment())
+        self.bad("view", self.path("no.vtkhdf"), "-o", self.path("x"), says="no.vtkhdf", env=self.environment())
+        self.bad("view", self.sequence, "--pipeline", "Vol", "-o", self.path("x"), says="VolCCD+",
+                env=self.environment())
+        self.bad("report", empty, "-o", self.path("x"), says="volccd experiment run", env=self.environment())
+        self.bad("report", self.results, says="--output", env=self.environment())
+        self.write("results/culling.json", "{")
+        self.bad("report", self.results, "-o", self.path("x"), says="culling.json", env=self.environment())
+        os.remove(self.path("results/culling.json"))
+        self.assertFalse(os.path.exists(self.path("x")))
+
+    def test_help_has_examples(self):
+        for command in ("report", "view"):
+            text = run(command, "--help").stdout
+            self.assertGreaterEqual(len(re.findall(rf"^  volccd {command} ", text, re.MULTILINE)), 3)
+
+
+if __name__ == "__main__":
+    unittest.main()

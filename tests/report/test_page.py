@@ -1,0 +1,304 @@
+#!/usr/bin/env python3
+"""The report and the view in a headless Chromium, opened from disk: no error, no request to a network, and each control
+does something. Skipped (77) where there is no Chromium, or the page is not built.
+
+Usage: test_page.py VOLCCD
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+from browser import CHROMIUM, Browser
+
+VOLCCD = os.path.abspath(sys.argv.pop(1))
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def run(folder, *arguments):
+    environment = {**os.environ, "VOLCCD_CACHE": str(folder / "cache"), "VOLCCD_DATA": str(folder / "no-data")}
+    done = subprocess.run([VOLCCD, *map(str, arguments)], capture_output=True, text=True, env=environment, check=False)
+    if "the page of the report is not built" in done.stderr:
+        print(f"skipped: {done.stderr.strip()}")
+        sys.exit(77)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def setUpModule():
+    """A report of a measurement of the built-in scene and of kept records whose scenes are missing here; a view."""
+    global FOLDER, BROWSER, TEMPORARY
+    TEMPORARY = tempfile.TemporaryDirectory()
+    FOLDER = Path(TEMPORARY.name)
+    run(FOLDER, "scene", "generate", "builtin", "--elements", "600", "--steps", "7", "-o", FOLDER / "run.vtkhdf")
+    run(FOLDER, "view", FOLDER / "run.vtkhdf", "-o", FOLDER / "view")
+    run(FOLDER, "experiment", "run", "projectile", "--quick", "-o", FOLDER / "results")
+    for name in ("table1", "scenes", "plus"):
+        shutil.copy(ROOT / "results" / f"{name}.json", FOLDER / "results")
+    output = run(FOLDER, "report", FOLDER / "results", "-o", FOLDER / "report")
+    assert "octopi: not shown" in output and "volccd info octopi" in output, output
+    BROWSER = Browser(1000, 760)
+
+
+def tearDownModule():
+    BROWSER.close()
+    TEMPORARY.cleanup()
+
+
+# A hash of a text; of the 3-D view, drawn small.
+HASH = "(text => { let h = 0; for (let i = 0; i < text.length; ++i) h = (31 * h + text.charCodeAt(i)) | 0; return h; })"
+PICTURE = """(() => { volccd_test.viewer.drawNow(); const small = document.createElement('canvas');
+  small.width = 320; small.height = 200; const c = small.getContext('2d');
+  c.drawImage(document.querySelector('canvas'), 0, 0, 320, 200);
+  return Array.from(c.getImageData(0, 0, 320, 200).data, v => String.fromCharCode(v)).join(''); })()"""
+
+
+class Page(unittest.TestCase):
+    report = "report"
+
+    def setUp(self):
+        BROWSER.problems.clear()
+        BROWSER.requests.clear()
+        BROWSER.js("window.volccd_test = undefined")
+
+    def tearDown(self):
+        self.assertEqual(BROWSER.problems, [])
+        outside = [url for url in BROWSER.requests if not url.startswith(("file://", "data:", "blob:"))]
+        self.assertEqual(outside, [])
+
+    def go(self, place):
+        BROWSER.open("about:blank")
+        BROWSER.open(f"file://{FOLDER}/{self.report}/index.html#{place}")
+
+    def changes(self, expression, act, what):
+        """`act` changes the value of an expression."""
+        before = BROWSER.js(f"{HASH}({expression} + '')")
+        act()
+        try:
+            BROWSER.until(f"{HASH}({expression} + '') !== {before}", 5)
+        except AssertionError:
+            raise AssertionError(f"{what} changed nothing") from None
+
+    def redraws(self, act, what):
+        self.changes(PICTURE, act, what)
+
+    def make_small(self):
+        """Software draws the 3-D view here: a small one takes less time."""
+        BROWSER.js("document.head.insertAdjacentHTML('beforeend', '<style>.stage { width: 320px !important }</style>')")
+
+    def count(self, selector):
+        return BROWSER.js(f"document.querySelectorAll({json.dumps(selector)}).length")
+
+    def text(self, selector):
+        return BROWSER.js(f"document.querySelector({json.dumps(selector)}).textContent")
+
+
+class Report(Page):
+    def test_first_paint_and_overview(self):
+        paints = []
+        for _ in range(3):
+            self.go("overview")
+            BROWSER.until("performance.getEntriesByType('paint').length > 0")
+            paints.append(BROWSER.js("performance.getEntriesByType('paint').pop().startTime"))
+        self.assertLess(min(paints), 2000 * max(1, os.getloadavg()[0] / os.cpu_count()))
+        self.assertEqual(self.count(".records tbody tr"), 4)
+        self.assertIn("volccd info octopi", BROWSER.js("document.body.textContent"))
+        self.assertEqual(self.count("a.card"), 1)
+        self.assertGreater(self.count(".card.missing"), 10)
+        for name in ("tables", "figures", "scenes", "overview"):
+            self.changes("document.querySelector('main').innerHTML.length",
+                    lambda n=name: BROWSER.click(f"header a[data-key={n}]"),
+                         name)
+        BROWSER.click(".records a")
+        BROWSER.until("document.querySelector('.table-block')")
+
+    def test_tables_sort_and_show_where_numbers_come_from(self):
+        self.go("tables/table1")
+        first = ".table-block:first-of-type"
+        cells = f"[...document.querySelectorAll('{first} tbody td:nth-child(2)')].map(c => c.textContent).join(' ')"
+        numbers = [int(n.replace(",", "")) for n in BROWSER.js(cells).split()]
+        column = f"{first} th:nth-child(2) button"
+        for expected, state in ((sorted(numbers, reverse=True), "descending"), (sorted(numbers), "ascending"),
+                (numbers, "none")):
+            BROWSER.click(column)
+            self.assertEqual([int(n.replace(",", "")) for n in BROWSER.js(cells).split()], expected)
+            self.assertEqual(BROWSER.js(f"document.querySelector('{first} th:nth-child(2)').ariaSort"), state)
+        BROWSER.hover(f"{first} tbody tr:nth-child(2) td:nth-child(4)")
+        BROWSER.until("document.querySelector('.tip') && !document.querySelector('.tip').hidden")
+        tip = self.text(".tip")
+        for part in ("table1.json", "commit 42b10b693006", "AMD EPYC", "load 1.4",
+                "volccd experiment run table1 --full"):
+            self.assertIn(part, tip)
+        BROWSER.click(f"{first} tbody tr:nth-child(2) td:nth-child(4)")
+        BROWSER.until("!document.querySelector('.drawer').hidden")
+        details = self.text(".drawer")
+        for part in ("bullet", "volccd info bullet", "-O3", "Medians over rounds", "hash"):
+            self.assertIn(part, details)
+        BROWSER.key("Escape")
+        BROWSER.until("document.querySelector('.drawer').hidden")
+
+    def test_columns_of_tables_are_plotted(self):
+        self.go("tables/table1")
+        BROWSER.click(".table-block .plot")
+        BROWSER.until("document.querySelector('.table-chart svg.chart')")
+        picture = "document.querySelector('.table-chart svg.chart').outerHTML"
+        for box in range(1, self.count(".table-block:first-of-type .controls input") + 1):
+            self.changes(picture, lambda b=box: BROWSER.click(f".table-chart .controls label:nth-child({b}) input"),
+                    f"box {box}")
+        BROWSER.click(".table-block .plot")
+        BROWSER.until("!document.querySelector('.table-chart')")
+        for name in ("projectile", "plus", "scenes"):
+            self.changes("document.querySelector('main h2').textContent",
+                    lambda n=name: BROWSER.click(f".list a[href='#tables/{n}']"), name)
+
+    def test_a_click_on_a_row_shows_its_scene(self):
+        self.go("tables/projectile")
+        self.make_small()
+        BROWSER.click("tr.has-scene td")
+        BROWSER.until("window.volccd_test && document.querySelector('.drawer canvas')")
+        self.assertIn("builtin", self.text(".drawer"))
+        self.assertGreater(BROWSER.js(f"new Set({PICTURE}).size"), 30)
+        self.redraws(lambda: BROWSER.set(".drawer .time", "60"), "the slider")
+        BROWSER.click(".drawer button[name=close]")
+        BROWSER.until("document.querySelector('.drawer').hidden")
+        BROWSER.js("document.querySelector('tr.has-scene').focus()")
+        BROWSER.key("Enter", text="\r")
+        BROWSER.until("!document.querySelector('.drawer').hidden")
+        BROWSER.click(".drawer .scene-name a")
+        BROWSER.until("document.querySelector('.scenes canvas')")
+
+    def test_controls_of_figures(self):
+        self.go("figures")
+        for figure in ("speedup", "explorer", "stages", "culling", "curves"):
+            chart = f"document.querySelector('#figure-{figure} figure').outerHTML"
+            controls = BROWSER.js(f"[...document.querySelectorAll('#figure-{figure} select')].map(s => s.name)")
+            for name in controls:
+                values = BROWSER.js(f"[...document.querySelector('#figure-{figure} select[name=\"{name}\"]').options].map(o => o.value)")
+                if len(values) > 1:
+                    selector = f"#figure-{figure} select[name=\"{name}\"]"
+                    now = BROWSER.js(f"document.querySelector({json.dumps(selector)}).value")
+                    other = next(v for v in reversed(values) if v != now)
+                    self.changes(chart, lambda s=selector, o=other: BROWSER.set(s, o), f"{figure}: {name}")
+            boxes = self.count(f"#figure-{figure} input[type=checkbox]")
+            self.assertGreater(boxes, 0, figure)
+            for i in range(boxes):
+                # A box for x alone means nothing against categories: motion is chosen above.
+                self.changes(chart, lambda f=figure, i=i: BROWSER.js(
+                    f"document.querySelectorAll('#figure-{f} input[type=checkbox]')[{i}].click()"),
+                            f"{figure}: box {i}")
+                BROWSER.js(f"document.querySelectorAll('#figure-{figure} input[type=checkbox]')[{i}].click()")
+        BROWSER.hover("#figure-speedup g[role=img]")
+        BROWSER.until("!document.querySelector('.tip').hidden")
+        self.assertIn("commit", self.text(".tip"))
+        BROWSER.click("#figure-speedup g[role=img]")
+        BROWSER.until("!document.querySelector('.drawer').hidden")
+
+    def test_print_style_leaves_the_controls_out(self):
+        self.go("tables/table1")
+        BROWSER.call("Emulation.setEmulatedMedia", media="print")
+        shown = "getComputedStyle(document.querySelector('{}')).display"
+        self.assertEqual([BROWSER.js(shown.format(s)) for s in (".plot", ".list", "table.data")], ["none", "none",
+                "table"])
+        BROWSER.call("Emulation.setEmulatedMedia", media="")
+
+
+class View(Page):
+    report = "view"
+
+    def setUp(self):
+        super().setUp()
+        self.go("")
+        self.make_small()
+        BROWSER.until("window.volccd_test")
+
+    def clock(self):
+        return self.text(".clock")
+
+    def test_time(self):
+        self.assertIn("motion 0 → 1 of 6", self.clock())
+        self.redraws(lambda: BROWSER.set(".time", "70"), "the slider")
+        self.assertIn("motion 3 → 4 of 6, at 0.50", self.clock())
+        self.redraws(lambda: BROWSER.click("button[aria-label='next motion']"), "next")
+        self.assertIn("motion 4 → 5", self.clock())
+        self.redraws(lambda: BROWSER.click("button[aria-label='previous motion']"), "previous")
+        BROWSER.set(".time", "0")
+        self.redraws(lambda: BROWSER.click(".timeline"), "the strip of contacts")
+        self.changes("document.querySelector('.funnel-box').textContent", lambda: BROWSER.set(".time", "0"), "funnel")
+        BROWSER.set(".speed", "60")
+        self.redraws(lambda: BROWSER.click(".play"), "play")
+        self.assertIn("Stop", self.text(".play"))
+        BROWSER.click(".play")
+        self.assertIn("Play", self.text(".play"))
+
+    def test_keys(self):
+        BROWSER.js("document.querySelector('canvas').focus()")
+        for key, text in (("ArrowRight", None), ("End", None), ("ArrowLeft", None), ("Home", None), ("w", "w"), ("a",
+                "a"), ("s", "s"),
+                          ("d", "d"), ("+", "+"), ("-", "-")):
+            self.redraws(lambda k=key, t=text: BROWSER.key(k, text=t), key)
+        BROWSER.key("+", text="+")
+        self.redraws(lambda: BROWSER.key("f", text="f"), "f")
+        self.redraws(lambda: BROWSER.key(" ", "Space", " "), "space")
+        BROWSER.key(" ", "Space", " ")
+
+    def test_camera(self):
+        self.redraws(lambda: BROWSER.drag("canvas", 60, 30), "dragging")
+        self.redraws(lambda: BROWSER.drag("canvas", 60, 30, modifiers=8), "dragging with shift")
+        self.redraws(lambda: BROWSER.mouse("mouseWheel", *BROWSER.place("canvas"), deltaX=0, deltaY=200), "the wheel")
+        for axis in "102":
+            self.redraws(lambda a=axis: BROWSER.set("select[name=up]", a), f"{axis} upwards")
+        for view in ("x", "y", "z", "default"):
+            self.redraws(lambda v=view: BROWSER.click(f"button[name=view-{v}]"), view)
+
+    def test_display_and_parts(self):
+        marked = BROWSER.js("volccd_test.view.data.header.motions.findIndex(m => m.inter > 0 && m.inter < m.stats.contacts)")
+        if marked < 0:
+            marked = BROWSER.js("volccd_test.view.data.header.motions.findIndex(m => m.inter > 0)")
+        self.assertGreaterEqual(marked, 0)
+        BROWSER.set(".time", str(20 * marked))
+        self.redraws(lambda: BROWSER.click("input[name=lines]"), "edges")
+        self.redraws(lambda: BROWSER.click("input[name=marks]"), "contacts")
+        BROWSER.click("input[name=marks]")
+        self.redraws(lambda: BROWSER.set("select[name=kinds]", "0"), "contacts within a part")
+        self.redraws(lambda: BROWSER.set("select[name=kinds]", "1"), "contacts between parts")
+        for name in ("input[name=part-0]", "button[name=no-parts]", "button[name=all-parts]"):
+            self.redraws(lambda n=name: BROWSER.click(n), name)
+
+    def test_section_planes(self):
+        for axis in "xyz":
+            self.redraws(lambda a=axis: BROWSER.click(f"input[name=cut-{a}]"), f"section {axis}")
+            self.redraws(lambda a=axis: BROWSER.set(f"input[name=at-{a}]", "400"), f"place {axis}")
+            self.redraws(lambda a=axis: BROWSER.click(f"button[name=flip-{a}]"), f"flip {axis}")
+            BROWSER.click(f"input[name=cut-{axis}]")
+
+    def test_the_funnel_has_the_counts_of_the_stages(self):
+        stats = FOLDER / "stats.json"
+        run(FOLDER, "detect", FOLDER / "run.vtkhdf", "--pipeline", "VolCCD+", "--stats", stats)
+        # Not the stages of `detect`: it lists initial overlaps as well, for which the flood has to do without.
+        contacts = [step["contacts"] for step in json.loads(stats.read_text())["steps"]]
+        motions = BROWSER.js("volccd_test.view.data.header.motions")
+        self.assertEqual([m["stats"]["contacts"] for m in motions], contacts)
+        self.assertGreater(sum(contacts), 0)
+        for k, motion in enumerate(motions):
+            BROWSER.set(".time", str(20 * k))
+            text = self.text(".funnel-box").replace(",", "")
+            self.assertIn(f": {contacts[k]} contacts", text)
+            for stage in motion["stats"]["stages"]:
+                if stage["out"]:
+                    self.assertIn(f"{stage['name']}", text)
+                    self.assertIn(str(stage["out"]), text)
+        BROWSER.hover(".funnel tbody tr:nth-child(2)")
+        BROWSER.until("document.querySelector('.tip') && !document.querySelector('.tip').hidden")
+        self.assertRegex(self.text(".tip"), "took|gave")
+
+
+if __name__ == "__main__":
+    if not CHROMIUM:
+        print("skipped: there is no Chromium here (Debian: chromium)")
+        sys.exit(77)
+    unittest.main()
