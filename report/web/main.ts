@@ -227,10 +227,10 @@ class Page {
 
 const report = window.volccd_report as Report | undefined;
 if (!report)
-  document.body.append(
+  document.body.replaceChildren(
       h("p", {class: "error"}, "data/report.js cannot be read: is the folder data beside index.html?"));
 else if (report.schema !== 1)
-  document.body.append(h(
+  document.body.replaceChildren(h(
       "p", {class: "error"}, `The report has schema ${report.schema}, and this page reads 1: make the report again.`));
 else
   new Page(report);
