@@ -39,8 +39,7 @@ class KdopBvh final : public BroadPhase {
   struct Counters {
     std::uint64_t builds = 0;                 ///< builds of the whole tree
     std::uint64_t restructured_elements = 0;  ///< elements in rebuilt subtrees
-    std::uint64_t node_tests = 0;             ///< overlap tests of two nodes, except tests of single elements within
-                                              ///< leaves
+    std::uint64_t node_tests = 0;             ///< overlap tests of two tree nodes; not those of single elements
   };
 
   explicit KdopBvh(const Config& config);
