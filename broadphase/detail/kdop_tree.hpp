@@ -59,8 +59,8 @@ class KdopTree {
   /// Updates the bounds for another step. Linear time in the number of elements.
   void refit(const BoundsTable& vertices, Executor& executor);
 
-  /// Rebuilds, in their place, the subtrees whose cost ratio exceeds `degradation` times that when they were built,
-  /// with their bounds. Returns the number of elements in them. To be called after refit.
+  /// Rebuilds in place, with bounds, the subtrees whose cost ratio exceeds `degradation` times their ratio after their
+  /// last build. Returns the number of elements in them. To be called after refit().
   std::size_t restructure(double degradation, const BoundsTable& vertices, Executor& executor);
 
   /// Sets the keys of all nodes.
