@@ -31,8 +31,8 @@ struct TopologyChange {
 };
 
 /// Owns a Mesh, its Features and its Adjacency, all tables that depend on the elements alone, so that no stage needs
-/// its own copy. Every edit increases the version. The state of a stage stores the version for which it was last updated,
-/// and determines the changes since then with a TopologyDelta.
+/// its own copy. Every edit increases the version. The state of a stage stores the version for which it was last
+/// updated, and determines the changes since then with a TopologyDelta.
 class Topology {
  public:
   explicit Topology(Mesh mesh, EdgeSet edge_set = EdgeSet::triangulated);

@@ -29,7 +29,8 @@ std::size_t TestChain::bytes() const {
 
 void TestChain::add(FeatureKind kind, std::span<FeaturePair> tests) {
   const ObjectFilter& rule = step_->filter;
-  // Where only some pairs of objects are excluded, most tests are asked for: less is looked up after the filters.
+  // If only some pairs of objects are excluded, most tests are included; fewer tests need to be looked up after the
+  // filters.
   if (!rule.trivial() && (rule.scope() != PairScope::all || stages_->filters.empty()))
     tests = tests.first(asked_for(kind, tests));
   StageTimer timer(clock_, statistics_[0].seconds);

@@ -65,7 +65,7 @@ void OSetBlocks::append(std::size_t block, TestBatch& out) const {
   std::vector<FeaturePair>& list = source.kind == Rows::edge ? out.ee : out.vf;
   const std::size_t before = list.size();
   list.resize(before + source.pairs);
-  FeaturePair* next = list.data() + before;  // a push_back for each costs more than all the rest
+  FeaturePair* next = list.data() + before;  // direct writes, because push_back would take most of the time
   switch (source.kind) {
     case Rows::vertex: visit(source, [&](Index v, Index f) { *next++ = {v, f}; }); break;
     case Rows::triangle: visit(source, [&](Index f, Index v) { *next++ = {v, f}; }); break;
