@@ -47,8 +47,8 @@ void FloodFront::around_suspect_stars() {
   }
 }
 
-/// Whether at t = 0 all vertices of b, except those of a face of a, are beyond that face. Then a and b touch in common
-/// vertices only.
+/// Whether at t = 0 all vertices of b, except those of a face of a, are beyond that face. Then a and b have no common
+/// points except the convex hull of their common vertices.
 bool FloodFront::beyond_a_face_at_start(Index a, Index b) const {
   if (!is_volume(step_.mesh(), a)) return false;
   const std::span<const Index> of_a = step_.mesh().vertices(a), of_b = step_.mesh().vertices(b);

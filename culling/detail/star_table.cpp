@@ -41,9 +41,9 @@ void StarTable::set_neighbours(const Topology& topology, Index triangle) {
   for (std::size_t k = 0; k < 2; ++k) neighbours_[elements[k]][side[k]] = {elements[1 - k], even[0] != even[1]};
 }
 
-/// Pre: the link of v is a surface whose triangles correspond to the tetrahedra at v. Returns whether the link is
-/// connected, also around each of its vertices. A corner is a pair of a tetrahedron and another vertex of it; a face at
-/// v connects two tetrahedra, and their corners at the other vertices of the face.
+/// Whether the link of v, whose triangles correspond to the tetrahedra at v, is a connected surface that is also
+/// connected around each of its vertices. A corner is a pair of a tetrahedron and another vertex of it; a face at v
+/// connects two tetrahedra, and their corners at the other vertices of the face.
 bool StarTable::joins_up(const Topology& topology, Index v, Scratch& scratch) const {
   const std::span<const Index> star = topology.features().vertex_elements(v);
   const Mesh& mesh = topology.mesh();

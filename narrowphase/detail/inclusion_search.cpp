@@ -24,11 +24,11 @@ constexpr int kLevelsOfThree = 8;
 /// Distance below which features seem to touch, in units of the rounding error of the size, per axis.
 constexpr double kTouchUnits = 2;
 
-/// How far the search looks ahead of the first open part: this many of the shortest parts, which it could also examine
-/// one by one...
+/// Distance, in shortest parts, by which the search first looks ahead of the first open part: a number of parts that it
+/// could also examine one by one.
 constexpr double kFewParts = 256;
-/// ... and a number that it could not examine, as a fraction of the allowed number of parts; a shortest part costs
-/// about two.
+/// The greatest such distance, as a fraction of the allowed number of parts: more than it could examine one by one,
+/// because a shortest part costs about two.
 constexpr double kManyParts = 0.6;
 
 struct Part {
