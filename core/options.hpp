@@ -38,7 +38,7 @@ std::string range_text(double low, double high);
 /// The option table of a Config struct.
 ///
 ///     Options<Config> options;
-///     options.add("leaf_size", &Config::leaf_size, 1, 8, "elements a leaf");
+///     options.add("leaf_size", &Config::leaf_size, 1, 8, "elements per leaf");
 ///     options.add("axis", &Config::axis, {{"face", Axis::face}, {"optimal", Axis::optimal}}, "separating axis");
 ///     Config config = options.parse({{"axis", "optimal"}});
 ///

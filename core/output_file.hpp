@@ -30,8 +30,9 @@ bool is_standard_output(const std::string& name);
 /// same directory; commit() writes them to disk and renames the file. The permissions of a replaced file are kept; a
 /// file without write permission is refused. A symbolic link is kept, and its target is replaced. Without commit(), the
 /// destructor removes the temporary file and the previous file is unchanged. Devices, FIFOs and descriptors are written
-/// to immediately. Every error is an InputError that names the output and the reason that the system gives. Use by one
-/// thread at a time.
+/// to immediately. Every error is an InputError that names the output and the reason that the system gives. Not
+/// thread-safe.
+///
 class OutputFile {
  public:
   /// Opens the output; blocks on a FIFO that has no reader. If `only_files` is not null, devices, FIFOs and descriptors

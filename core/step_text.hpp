@@ -26,8 +26,8 @@ inline constexpr std::string_view kIncompleteMark = "# incomplete: ";
 
 /// Writes a header line, then the rows of each step. The file is atomic, or written immediately to a device, FIFO or
 /// descriptor (OutputFile). The header is written together with the first step, so that output which ends before the
-/// first step is not mistaken for a complete file without rows. Throws InputError that names the file. Use by one
-/// thread at a time.
+/// first step is not mistaken for a complete file without rows. Throws InputError that names the file. Not thread-safe.
+///
 class StepTextWriter {
  public:
   StepTextWriter(const std::string& file, std::string_view header);

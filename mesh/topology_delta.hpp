@@ -9,7 +9,7 @@
 namespace volccd {
 
 /// Member of the state of a stage that depends on a topology. An update of the state begins with sync() and ends with
-/// confirm(). Use by one thread at a time.
+/// confirm(). Not thread-safe.
 class TopologyDelta {
  public:
   enum class Extent {

@@ -80,7 +80,7 @@ class Registry {
   /// stage or option.
   PipelineSpec resolved(PipelineSpec spec) const;
 
-  /// Changes a spec by one setting, as `--set` has it. Throws ConfigError.
+  /// Changes a spec by one setting in the syntax of `--set`. Throws ConfigError.
   ///     stage.option=value      an option of a stage that the pipeline has:  csat.axis=optimal
   ///     role=name[,name...]     another stage in a role, or none:            feature-filter=feature-kdop,coplanarity
   /// Roles: broad-phase, element-culling, assignment, orphans, flood, feature-filter, narrow-phase. A stage that is

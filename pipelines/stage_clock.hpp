@@ -5,7 +5,7 @@
 
 namespace volccd {
 
-/// A stopwatch that adds elapsed time to one account (a number of seconds) at a time. Use by one thread at a time.
+/// A stopwatch that adds elapsed time to one account (a number of seconds) at a time. Not thread-safe.
 class StageClock {
  public:
   /// Whether time is currently added to an account.

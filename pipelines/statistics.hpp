@@ -18,7 +18,7 @@ struct StageStatistics {
   std::uint64_t in = 0, out = 0;
   double prepare_seconds = 0;  ///< wall-clock time of prepare()
   double bounds_seconds =
-      0;  ///< of these, what a broad phase spent on the bounds of vertices (BroadPhase::bounds_seconds)
+      0;  ///< part of prepare_seconds: the bounds of vertices (BroadPhase::bounds_seconds)
   /// Time of run(), summed over workers, without the time of other stages, idle time and bookkeeping. The time to
   /// gather a block of tests is included in the first stage that processes the block.
   double seconds = 0;
@@ -28,9 +28,9 @@ struct StageStatistics {
 
 struct Statistics {
   std::uint64_t steps = 0;
-  std::uint64_t element_pairs = 0;   ///< emitted by the broad phase
+  std::uint64_t element_pairs = 0;   ///< element pairs that the broad phase emitted
   std::uint64_t adjacent_pairs = 0;  ///< adjacent pairs and self pairs among them; 0 if not requested
-  std::uint64_t surviving_pairs = 0; ///< after element culling
+  std::uint64_t surviving_pairs = 0; ///< element pairs after element culling
   std::uint64_t owned_tests = 0;     ///< tests from the assignment
   std::uint64_t orphan_tests = 0;    ///< tests from the O-Set
   std::uint64_t vf_tests = 0, ee_tests = 0;  ///< elementary tests performed by the narrow phase
@@ -39,7 +39,7 @@ struct Statistics {
   std::uint64_t left_out = 0;  ///< contacts that are not in `contacts` because the request excludes them
   std::uint64_t initial_overlaps = 0;  ///< element pairs listed; 0 if not requested
   std::uint64_t duplicates = 0;      ///< contacts that were found repeatedly; not included in `contacts` and `left_out`
-  std::uint64_t degenerate = 0, undecided = 0;  ///< NarrowCounters
+  std::uint64_t degenerate = 0, undecided = 0;  ///< sums of NarrowCounters
   double earliest_toi = std::numeric_limits<double>::infinity();  ///< of all contacts; infinity if there are none
   double seconds = 0;                ///< wall-clock time of run(); with one worker, the sum of the stages and a
                                      ///< remainder

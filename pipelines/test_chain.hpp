@@ -30,7 +30,7 @@ struct TestStages {
 ///
 /// Tests that step.filter excludes are dropped: before the feature filters if the filter restricts the scope of pairs
 /// (inter or intra), otherwise after them. Reused from step to step; in steady state, it allocates memory for contacts
-/// only. Use by one thread at a time.
+/// only. Not thread-safe.
 class TestChain {
  public:
   /// Begins a step and removes all tests and contacts. Results are added to `statistics`, which has as many entries as
@@ -59,11 +59,11 @@ class TestChain {
   using Blocks = std::deque<TestBlock>;  ///< block i: input of filter i; the last one: input of the narrow phase
 
   Blocks& blocks(FeatureKind kind) { return blocks_[static_cast<std::size_t>(kind)]; }
-  std::size_t asked_for(FeatureKind kind, std::span<FeaturePair> tests) const;
+  std::size_t partition_included(FeatureKind kind, std::span<FeaturePair> tests) const;
   void run(FeatureKind kind, std::size_t stage);
   void run_filter(FeatureKind kind, std::size_t stage);
   void run_narrow_phase(const TestBlock& block);
-  void keep_asked_for(const TestBlock& block, std::span<std::uint8_t> keep) const;
+  void keep_included(const TestBlock& block, std::span<std::uint8_t> keep) const;
 
   const Step* step_ = nullptr;
   const TestStages* stages_ = nullptr;

@@ -11,9 +11,9 @@ namespace volccd::detail {
 
 namespace {
 
-/// A rebuild is due when more than 1/kMostGaps of the elements were removed, or more than 1/kMostAdded (plus kFewAdded)
-/// were added.
-constexpr std::size_t kMostGaps = 4, kMostAdded = 32, kFewAdded = 64;
+/// A rebuild is due when more than 1/kGapDenominator of the elements were removed, or more than 1/kAddedDenominator of
+/// them plus kAddedAllowance were added.
+constexpr std::size_t kGapDenominator = 4, kAddedDenominator = 32, kAddedAllowance = 64;
 /// Subtrees with fewer elements than kLeastRestructured are not restructured separately; ranges with fewer than
 /// kLeastBinned are split at the median.
 constexpr Index kLeastRestructured = 64, kLeastBinned = 32;
@@ -97,7 +97,9 @@ bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const B
     positions_[slot] = kNone;
     if (step.takes_part(slot)) order_.push_back(slot);
   }
-  if (gaps_ > built_elements_ / kMostGaps || order_.size() > built_elements_ / kMostAdded + kFewAdded) return false;
+  if (gaps_ > built_elements_ / kGapDenominator ||
+      order_.size() > built_elements_ / kAddedDenominator + kAddedAllowance)
+    return false;
 
   list_.truncate(built_elements_);
   for (const Index slot : order_) list_.append(step.mesh(), slot);

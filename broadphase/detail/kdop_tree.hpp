@@ -120,7 +120,7 @@ class KdopTree {
   std::vector<Index> positions_;  ///< position of each slot
   std::vector<Index> blocks_;     ///< roots of disjoint subtrees that are refitted in parallel
   std::vector<Index> upper_;      ///< the nodes above `blocks_`, in preorder
-  // Scratch.
+  // Scratch memory.
   std::vector<BuildItem> items_;
   std::vector<Index> order_, degraded_;
   std::vector<Range> tasks_;

@@ -77,8 +77,8 @@ class Traversal {
     const TreeNode &a = nodes_[pair.a], &b = nodes_[pair.b];
     const Index al = pair.a + 1, bl = pair.b + 1;
     if (pair.a == pair.b) {
-      if (wanted(al, al)) push(al, al);
-      if (wanted(a.right, a.right)) push(a.right, a.right);
+      if (may_include(al, al)) push(al, al);
+      if (may_include(a.right, a.right)) push(a.right, a.right);
       test(al, a.right, push);
     } else if (a.right == 0) {
       test(pair.a, bl, push);
@@ -112,7 +112,7 @@ class Traversal {
   }
 
   /// Whether the filter may include a pair of elements below these nodes.
-  HWY_INLINE bool wanted(Index a, Index b) const {
+  HWY_INLINE bool may_include(Index a, Index b) const {
     return !rules_.keys || rules_.keys->allowed(nodes_[a].key, nodes_[b].key);
   }
 
@@ -125,7 +125,7 @@ class Traversal {
   template <class Push>
   HWY_INLINE void test(Index a, Index b, Push&& push) {
     ++tests_;
-    if (overlap<kWidth>(node_row(a), node_row(b)) && wanted(a, b)) push(a, b);
+    if (overlap<kWidth>(node_row(a), node_row(b)) && may_include(a, b)) push(a, b);
   }
 
   /// Tests each element of the first leaf against four elements of the second at a time, mostly without branches, since
@@ -142,7 +142,7 @@ class Traversal {
         if (itself) hits = after(hits, i, j);
         // Comparing eight vertices with eight costs more than a mispredicted branch; comparing four with four costs
         // less.
-        if (kFour || hits != 0) hits &= ~unwanted(i, j, mixed);
+        if (kFour || hits != 0) hits &= ~excluded(i, j, mixed);
         next = emit(hits, i, j, next);
       }
     out.written(next);
@@ -165,7 +165,7 @@ class Traversal {
   }
 
   /// Bits of adjacent pairs, unless they are requested, and of pairs that the filter drops.
-  HWY_INLINE unsigned unwanted(Index i, Index j, bool mixed) const {
+  HWY_INLINE unsigned excluded(Index i, Index j, bool mixed) const {
     unsigned bits = 0;
     if (rules_.adjacency) {
       if (lanes_.vertices == 4)
@@ -264,7 +264,7 @@ std::uint64_t start_kernel(const KdopTree& tree, const PairRules& rules, std::ve
   return with_traversal(tree, rules, [&](auto& traversal) {
     for (Index i = 0; i < tree.roots().size(); ++i)
       for (Index j = i; j < tree.roots().size(); ++j)
-        if (traversal.wanted(tree.roots()[i], tree.roots()[j])) out.push_back({tree.roots()[i], tree.roots()[j]});
+        if (traversal.may_include(tree.roots()[i], tree.roots()[j])) out.push_back({tree.roots()[i], tree.roots()[j]});
   });
 }
 

@@ -34,7 +34,7 @@ struct FaceNormals {
 void face_normals(const Step& step, std::span<const std::array<Index, 3>> faces, std::size_t begin, std::size_t end,
                   FaceNormals& out);
 
-/// The boundary faces of a complex. Use by one thread at a time; uses the executor.
+/// The boundary faces of a complex. Not thread-safe; uses the executor.
 class BoundaryRings {
  public:
   /// Collects the faces that have a vertex with a ring. To be called when the star table has changed.

@@ -28,7 +28,7 @@ HWY_INLINE PairLanes3 select(PairMask mask, const PairLanes3& yes, const PairLan
 }
 
 #if HWY_TARGET == HWY_SCALAR
-/// See below.
+/// The same as load_differences() for vectors below, for targets without vectors.
 template <int kControlPoints>
 HWY_INLINE PairLanes3 load_differences(const double* const* p, const double* const* r, int c) {
   const auto difference = [&](int k) { return in_lanes(static_cast<float>(p[0][3 * c + k] - r[0][3 * c + k])); };

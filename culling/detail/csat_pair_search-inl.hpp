@@ -153,10 +153,10 @@ class PairSearch {
     const PairLanes scale = hn::Div(in_lanes(1), size);
     PairLanes3 axis = scaled(group_.centroid_difference(lane), scale), support;
     PairSimplex simplex(axis);
-    const PairMask sound = hn::And(hn::Gt(size, in_lanes(kLeastSize)), hn::Lt(size, in_lanes(kGreatestSize)));
+    const PairMask in_range = hn::And(hn::Gt(size, in_lanes(kLeastSize)), hn::Lt(size, in_lanes(kGreatestSize)));
     const PairLanes near = hn::Sub(hn::Mul(scale, in_lanes(0.999f * group_.separation())), in_lanes(1e-5f));
     std::uint32_t open = bits;
-    bits &= lane_bits(sound);
+    bits &= lane_bits(in_range);
     for (int round = 0; bits != 0; ++round) {
       const PairLanes gap = group_.support(axis, lane, support);
       const std::uint32_t apart = bits & lane_bits(group_.threshold(axis, extent).exceeded(gap));

@@ -66,10 +66,10 @@ class OSetBlocks {
   std::vector<Block> blocks_;
   std::vector<Epoch> vertices_, triangles_, edges_;  ///< by slot: the epoch in which the feature was last renewed
   Epoch epoch_ = 0;
-  std::size_t written_ = 0;       ///< pairs written since the last compaction
-  std::size_t renewals_ = 0;      ///< renewals since the last compaction
-  std::size_t sound_pairs_ = 0;   ///< pairs after the last compaction
-  std::size_t sound_blocks_ = 0;  ///< blocks after the last compaction
+  std::size_t written_ = 0;          ///< pairs written since the last compaction
+  std::size_t renewals_ = 0;         ///< renewals since the last compaction
+  std::size_t baseline_pairs_ = 0;   ///< pairs after the last compaction
+  std::size_t baseline_blocks_ = 0;  ///< blocks after the last compaction
 };
 
 /// Writes blocks of one kind. Empty rows are dropped; a row that exceeds a block continues in the next block. Rows must

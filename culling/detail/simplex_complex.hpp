@@ -18,7 +18,7 @@ namespace volccd::detail {
 /// simplex of the complex; a triangle of a degenerate polytope that is not in a tetrahedron of the fan is added as a
 /// triangle.
 ///
-/// A mesh of tetrahedra and triangles is its own complex and is not copied. Use by one thread at a time.
+/// A mesh of tetrahedra and triangles is its own complex and is not copied. Not thread-safe.
 class SimplexComplex {
  public:
   /// Updates the complex for the topology. The time is proportional to the size of the change.

@@ -66,22 +66,21 @@ void StarClasses::find_degenerate(const Step& step, const StarTable& stars, Exec
   const Index slots = mesh.element_slots();
   signs_.resize(slots);
   degenerate_.resize(slots);
-  sound_.resize(slots);
+  regular_.resize(slots);
   executor.parallel_for(slots, kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
     volume_signs(step, static_cast<Index>(begin), static_cast<Index>(end), signs_.data());
   });
   executor.parallel_for(slots, kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t o = begin; o < end; ++o) {
-      bool unsound = signs_[o] == 0;
-      if (!unsound && mesh.type(static_cast<Index>(o)) == ElementType::tetrahedron)
+      bool in_d = signs_[o] == 0;
+      if (!in_d && mesh.type(static_cast<Index>(o)) == ElementType::tetrahedron)
         for (const StarTable::Neighbour& across : stars.neighbours(static_cast<Index>(o)))
-          unsound =
-              unsound || (across.element != kNone && signs_[o] * signs_[across.element] == (across.opposite ? -1 : 1));
-      degenerate_[o] = unsound ? 1 : 0;
-      sound_[o] = !unsound && mesh.type(static_cast<Index>(o)) == ElementType::tetrahedron &&
-                          !stars.shares_a_face_with_several(static_cast<Index>(o))
-                      ? 1
-                      : 0;
+          in_d = in_d || (across.element != kNone && signs_[o] * signs_[across.element] == (across.opposite ? -1 : 1));
+      degenerate_[o] = in_d ? 1 : 0;
+      regular_[o] = !in_d && mesh.type(static_cast<Index>(o)) == ElementType::tetrahedron &&
+                            !stars.shares_a_face_with_several(static_cast<Index>(o))
+                        ? 1
+                        : 0;
     }
   });
 }
@@ -181,7 +180,7 @@ std::size_t StarClasses::bytes() const {
   std::size_t scratch = 0;
   for (const StarTable::Ring& ring : scratch_)
     scratch += ring.open.capacity() * sizeof(ring.open[0]) + ring.vertices.capacity() * sizeof(Index);
-  return scratch + signs_.capacity() + gap_signs_.capacity() + degenerate_.capacity() + sound_.capacity() +
+  return scratch + signs_.capacity() + gap_signs_.capacity() + degenerate_.capacity() + regular_.capacity() +
          suspect_.capacity() + suspect_places_.capacity() + wound_.capacity() + embedded_.capacity() +
          folds_.capacity() + rings_.bytes() + (last_.capacity() + start_.capacity()) * sizeof(Vec3) + gap_.bytes() +
          suspects_.capacity() * sizeof(Index);

@@ -14,7 +14,7 @@
 namespace volccd::detail {
 
 /// Classifies the elements and vertices of the complex for one step (docs/boundary_flood.md). All predicates are
-/// certified: a rounding error can only add an element to D, or make a star suspect. Use by one thread at a time; uses
+/// certified: a rounding error can only add an element to D, or make a star suspect. Not thread-safe; uses
 /// the executor.
 class StarClasses {
  public:
@@ -48,7 +48,7 @@ class StarClasses {
     if ((common & ~std::uint32_t{suspect_places_[a]}) != 0) return 0;
     const std::uint32_t but_one = common & (common - 1);
     const bool three = (but_one & (but_one - 1)) != 0;
-    return sound_[a] != 0 && sound_[b] != 0 && three ? 0 : common;
+    return regular_[a] != 0 && regular_[b] != 0 && three ? 0 : common;
   }
   /// The first of these vertices in the order of a's vertices, or kNone. A pair that is in several suspect stars is
   /// visited once, at this vertex.
@@ -68,9 +68,9 @@ class StarClasses {
   void classify(const Step& step, const StarTable& stars, Index v, StarTable::Ring& scratch);
 
   std::vector<std::int8_t> signs_;  ///< signs of volumes, by element slot
-  /// By element slot. Sound: a tetrahedron outside of D of which each face has at most one other element, a
+  /// By element slot. Regular: a tetrahedron outside of D of which each face has at most one other element, a
   /// tetrahedron.
-  std::vector<std::uint8_t> degenerate_, sound_;
+  std::vector<std::uint8_t> degenerate_, regular_;
   std::vector<std::uint8_t> suspect_, wound_;  ///< by vertex
   std::vector<std::uint8_t> suspect_places_;   ///< by element slot: bits of the element's suspect vertices
   /// By vertex: whether its star and its ring surround it exactly once. Valid as long as neither folds.

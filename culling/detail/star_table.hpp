@@ -20,7 +20,7 @@ enum class StarKind : std::uint8_t {
   irregular  ///< anything else
 };
 
-/// The table for the elements of a topology of tetrahedra and triangles. Use by one thread at a time; uses the
+/// The table for the elements of a topology of tetrahedra and triangles. Not thread-safe; uses the
 /// executor.
 class StarTable {
  public:

@@ -41,7 +41,7 @@ namespace volccd {
 /// range, ids distinct and not negative. Memory is never allocated for a declared size that exceeds what the stored
 /// bytes can contain.
 ///
-/// Use by one thread at a time.
+/// Not thread-safe.
 class SequenceReader {
  public:
   explicit SequenceReader(const std::string& file);

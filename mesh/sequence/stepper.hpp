@@ -72,7 +72,7 @@ enum class MotionModel {
 /// ends, and the normals are computed from the positions at each end.
 ///
 /// Memory: the points of two steps, or of three for quadratic motion, and the velocities of one step if they are used.
-/// Use by one thread at a time.
+/// Not thread-safe.
 class SequenceStepper {
  public:
   struct Config {

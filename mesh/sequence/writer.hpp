@@ -17,8 +17,8 @@ inline constexpr const char* kSequenceIsNoStream = "a sequence (HDF5) is not wri
 
 /// Optional data of a step beside points and cells. Each array is given for every step or for none.
 struct StepFields {
-  std::span<const Vec3> velocity = {};     ///< [points], in length units per time unit
-  std::span<const double> thickness = {};  ///< [cells of the step]; 0 for volume cells
+  std::span<const Vec3> velocity = {};     ///< one per point, in length units per time unit
+  std::span<const double> thickness = {};  ///< one per cell of the step; 0 for volumes
 };
 
 /// Writes the layout that SequenceReader reads and ParaView opens: version 2.2, one piece per step, 64-bit ids, arrays
@@ -32,8 +32,8 @@ struct StepFields {
 ///
 /// Errors: InputError with `file` and the dataset for data that SequenceReader would refuse (a number that is not
 /// finite, a vertex out of range or twice in a cell, a repeated id, times that are not ascending, arrays of wrong
-/// length), and for errors of the operating system. After an error the writer cannot be used any more. Use by one
-/// thread at a time.
+/// length), and for errors of the operating system. After an error the writer cannot be used any more. Not thread-safe.
+///
 class SequenceWriter {
  public:
   /// `point_ids` are distinct and not negative, in any order; vertex slots of the cells are indices into `point_ids`.

@@ -45,12 +45,12 @@ class OverlapSearch {
     if (!(greatest < kGreatestMagnitude)) return;
     // A power of two, so that scaling is exact.
     scale_ = std::ldexp(1.0, -std::max(std::ilogb(greatest) + 1, -1000));
-    sound_ = true;
+    in_range_ = true;
   }
 
   HullVerdict run(HullStart& start) {
     start.size = 0;
-    if (!sound_) return HullVerdict::close_call;
+    if (!in_range_) return HullVerdict::close_call;
     HullVerdict verdict = step({b_.mean[0] - a_.mean[0], b_.mean[1] - a_.mean[1], b_.mean[2] - a_.mean[2]});
     for (int i = 1; i < kMostSteps && verdict == HullVerdict::close_call && progress_; ++i)
       verdict = step(simplex_.direction);
@@ -137,7 +137,7 @@ class OverlapSearch {
   const double distance_;
   const Vec3 extent_;
   double scale_ = 0;
-  bool sound_ = false, progress_ = true;
+  bool in_range_ = false, progress_ = true;
   Simplex simplex_;
 };
 

@@ -11,8 +11,8 @@ namespace volccd::detail {
 
 struct InclusionAnswer {
   enum class Outcome {
-    apart,     ///< proven
-    touch,     ///< proven
+    apart,     ///< proven not to touch
+    touch,     ///< proven to touch
     undecided  ///< the distance is too small for rounded arithmetic to decide, or the search ended early
   } outcome;
   /// First time of contact. It is never late; it is early by at most the tolerance if the features do touch then.

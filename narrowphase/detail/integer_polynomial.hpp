@@ -67,7 +67,7 @@ Polynomial primitive_part(Polynomial p);
 /// A primitive polynomial, which is constant if a and b have no common complex root. Zero only if both are zero.
 Polynomial greatest_common_divisor(const Polynomial& a, const Polynomial& b);
 
-/// p / divisor. Pre: divisor is primitive and divides p.
+/// The quotient p / divisor. Pre: divisor is primitive and divides p.
 Polynomial quotient(const Polynomial& p, const Polynomial& divisor);
 
 /// A polynomial with the same roots, all of them simple. Pre: p is not zero.

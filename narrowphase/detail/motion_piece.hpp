@@ -20,7 +20,7 @@ class BoundedTest {
   BoundedTest(FeatureKind kind, const TestPoints& x, double separation);
 
   FeatureKind kind() const { return kind_; }
-  double separation() const { return separation_; }  ///< scaled
+  double separation() const { return separation_; }  ///< scaled like the differences
   const std::array<Curve, 3>& differences() const { return differences_; }
   /// Greatest magnitudes over all control points of the points 1, 2, 3; at least kLeastExtent.
   const std::array<Vec3, 3>& extents() const { return extents_; }

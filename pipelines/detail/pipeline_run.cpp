@@ -32,8 +32,8 @@ Pipeline::Run::Run(const Pipeline& pipeline, const Step& step, Workspace::Data& 
       data_(data),
       executor_(executor),
       query_(request.query),
-      overlaps_asked_(request.initial_overlaps),
-      adjacent_asked_(request.count_adjacent && pipeline.range_ == PairRange::every),
+      overlaps_requested_(request.initial_overlaps),
+      adjacent_requested_(request.count_adjacent && pipeline.range_ == PairRange::every),
       shell_neighbours_left_out_(request.leave_out_shell_neighbours),
       test_stages_{pipeline.feature_filters_, *pipeline.narrow_phase_, std::span(data.states).subspan(first_filter())},
       best_(std::min(step.t_max, 1.0)) {}
@@ -94,13 +94,14 @@ void Pipeline::Run::prepare_stage(std::size_t stage, const Step& step) {
 void Pipeline::Run::prepare_stages() {
   if (pipeline_.flood_) {
     prepare_stage(flood(), step_);
-    flooded_ = pipeline_.flood_->takes(state(flood()), overlaps_asked_);
+    flooded_ = pipeline_.flood_->takes(state(flood()), overlaps_requested_);
     if (flooded_) flood_step_.emplace(pipeline_.flood_->step(state(flood())));
   }
   for (std::size_t i = 0; i < pipeline_.stages_.size(); ++i) {
     if (pipeline_.flood_ && i == flood()) continue;
-    if (flooded_ && i == orphans()) continue;  // its O-Set is not needed in this step; it is updated for the next step
-                                               // without a flood
+    if (flooded_ && i == orphans())
+      continue;  // its O-Set is not needed in this step; it is updated for the next step
+                 // without a flood
     prepare_stage(i, i <= assignment() ? pair_step() : step_);
   }
 }
@@ -117,7 +118,7 @@ double Pipeline::Run::charged_seconds() const {
 void Pipeline::Run::run_broad_phase() {
   detail::ChargedExecutor executor(executor_, data_.workers, kBroadPhase);
   StageClock clock;
-  double all = 0, handed_on = 0;
+  double all = 0, in_later_stages = 0;
   {
     const StageTimer timer(clock, all);
     pipeline_.broad_phase_->run(pair_step(), state(kBroadPhase), pipeline_.range_, executor,
@@ -126,10 +127,10 @@ void Pipeline::Run::run_broad_phase() {
                                   const bool in_chunk = data_.workers[w]->chain.clock().running();
                                   const double before = in_chunk ? 0 : charged_seconds();
                                   take_pairs(pairs, w);
-                                  if (!in_chunk) handed_on += charged_seconds() - before;
+                                  if (!in_chunk) in_later_stages += charged_seconds() - before;
                                 });
   }
-  data_.workers[0]->sums.stages[kBroadPhase].seconds += std::max(0.0, all - executor.in_parallel() - handed_on);
+  data_.workers[0]->sums.stages[kBroadPhase].seconds += std::max(0.0, all - executor.in_parallel() - in_later_stages);
 }
 
 void Pipeline::Run::run_flood() {
@@ -195,7 +196,7 @@ double Pipeline::Run::latest_time() const {
 
 void Pipeline::Run::count_adjacent(std::span<const ElementPair> pairs, Statistics& sums) const {
   sums.element_pairs += pairs.size();
-  if (!adjacent_asked_) return;
+  if (!adjacent_requested_) return;
   for (const ElementPair pair : pairs) sums.adjacent_pairs += pair_step().topology.adjacency().adjacent(pair.a, pair.b);
 }
 
@@ -211,7 +212,7 @@ void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w, b
   for (std::size_t begin = 0; begin < pairs.size(); begin += kPairs) {
     worker.batch.assign(pairs.subspan(begin, std::min(kPairs, pairs.size() - begin)));
     cull_pairs(step, w);
-    if (overlaps_asked_ && !at_start) {
+    if (overlaps_requested_ && !at_start) {
       take_overlaps(worker.batch.pairs, worker);
       take_overlaps(worker.batch.contact_free, worker);
     }

@@ -68,7 +68,7 @@ class Pipeline::Run {
   Workspace::Data& data_;
   Executor& executor_;
   const Query query_;
-  const bool overlaps_asked_, adjacent_asked_, shell_neighbours_left_out_;
+  const bool overlaps_requested_, adjacent_requested_, shell_neighbours_left_out_;
   const TestStages test_stages_;
   std::atomic<double> best_;  ///< time of the earliest contact so far (Query::first)
 };
