@@ -13,7 +13,7 @@ namespace volccd {
 ///
 /// prepare(): the first tree of a state is built top-down with the surface-area heuristic in O(n log n); later steps
 /// refit it in O(n). Removed elements leave empty places, and added elements form a second tree, until there are too
-/// many of either (more than a quarter removed, or more than 1/32 + 64 added); then the whole tree is rebuilt. A
+/// many of either (more than 1/4 of n removed, or more than n/32 + 64 added); then the whole tree is rebuilt. A
 /// subtree is rebuilt in place when its measured cost (node sizes relative to element sizes) exceeds `degradation`
 /// times its cost after its last build, so that only degraded parts are rebuilt.
 ///

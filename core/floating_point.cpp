@@ -21,8 +21,7 @@ std::string probed_floating_point_problem() {
   const volatile double half = 0.5, large = 0x1p1000, one = 1, tiny = 0x1p-60;
   const volatile double subnormal_result = least_normal * half, of_subnormal = least * large;
   const volatile double above = one + tiny, below = one - tiny;
-  if (of_subnormal == 0) return "subnormal operands are taken as zero";  // first, because comparisons then take them as
-                                                                         // zero, too
+  if (of_subnormal == 0) return "subnormal operands are taken as zero";  // first: then comparisons are affected, too
   if (subnormal_result == 0) return "subnormal results are flushed to zero";
   if (above != 1 || below != 1) return "results are not rounded to nearest";
   return {};

@@ -37,7 +37,7 @@ std::vector<std::int64_t> solid_vertex_ids(std::span<const std::int64_t> ids);
 /// A shell and a volume that share vertices have no vertex in common in the solid mesh: they touch at t = 0.
 class ShellThickener {
   struct Sheet {
-    Vec3 normal;  ///< weighted by area
+    Vec3 normal;  ///< unit normal times area
     double area;
   };
 

@@ -19,7 +19,7 @@ enum class Undecided {
 /// - The reported time is never late, and early by at most `time_tolerance`.
 /// - An undecided test is one that remains open in a part of the step shorter than 2^-44. It is counted in
 ///   NarrowCounters::undecided, and either reported with the start of that part as its time or, with `undecided=exact`,
-///   decided by `exact`, so that there are no false contacts. The features of a reported test come closer than
+///   decided by `exact`, so that there are no false contacts. The features of such a test come closer than
 ///   kUndecidedDistance times its size (the greatest coordinate difference between its points at the control points).
 ///   If the features stay near each other for longer than the tolerance, or the search ends after `most_parts`, `exact`
 ///   decides with either option. Exception: if the coordinates span more than `exact_bits` bits (for example 1 and

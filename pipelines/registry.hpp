@@ -33,8 +33,7 @@ struct PipelineSpec {
   std::optional<StageChoice> orphans;
   std::vector<StageChoice> feature_filters;  ///< may be empty
   StageChoice narrow_phase;
-  std::optional<StageChoice> flood = std::nullopt;  ///< replaces assignment and orphan source for the steps that it
-                                                    ///< accepts
+  std::optional<StageChoice> flood = std::nullopt;  ///< replaces the orphan source in the steps that it accepts
 
   /// All stages in the order in which they run, each with its role as used by `--set`.
   std::vector<std::pair<const char*, StageChoice*>> stages();

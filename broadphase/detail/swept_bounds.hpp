@@ -6,7 +6,7 @@
 // end may be inside the exact interval by half an ulp. Sums of three terms and widened bounds have more than one
 // rounding, which is not monotone; they are widened by a margin of 2^-51 (|x| + |y| + |z|), twice the greatest error of
 // two additions. Each side is widened by half of the separation times the length of the axis. Finally all values are
-// clamped to finite floats, which is monotone as well: an empty bound (+inf, -inf) overlaps no live bound.
+// clamped to finite floats, which is monotone as well: an empty bound (+inf, -inf) overlaps nothing.
 #pragma once
 
 #include <cstddef>
