@@ -17,17 +17,17 @@ enum class Undecided {
 /// Guarantees, for the given doubles regarded as exact:
 /// - No contact is missed: a test is dropped only if all times of the step are proven free of contact.
 /// - The reported time is never late, and early by at most `time_tolerance`.
-/// - An undecided test is one that remains open in a part of the step shorter than 2^-44. It is counted in
-///   NarrowCounters::undecided, and either reported with the start of that part as its time or, with `undecided=exact`,
-///   decided by `exact`, so that there are no false contacts. The features of such a test come closer than
-///   kUndecidedDistance times its size (the greatest coordinate difference between its points at the control points).
-///   If the features stay near each other for longer than the tolerance, or the search ends after `most_parts`, `exact`
-///   decides with either option. Exception: if the coordinates span more than `exact_bits` bits (for example 1 and
-///   1e-300), such a test remains undecided and is reported, possibly earlier than by the tolerance and although the
-///   features are further apart.
-/// - With a separation, which `exact` does not support, all undecided tests are reported: a pair that only reaches the
-///   separation without coming closer may be reported earlier than by the tolerance, and a pair whose search ended
-///   after `most_parts` may be further apart.
+/// - A test is undecided if it remains open in a part of the step that is shorter than 2^-44. It is counted in
+///   NarrowCounters::undecided. By default it is reported, and its time is the start of that part; with
+///   `undecided=exact`, `exact` decides it, so that there are no false contacts. The features of a reported test come
+///   closer than kUndecidedDistance times its size (the greatest coordinate difference between its points at the
+///   control points). If the features stay near each other for longer than the tolerance, or the search ends after
+///   `most_parts`, `exact` decides with either option. Exception: if the coordinates span more than `exact_bits` bits
+///   (for example 1 and 1e-300), such a test remains undecided and is reported; its time may be earlier than the
+///   tolerance allows, and its features may be further apart.
+/// - With a separation, which `exact` does not support, all undecided tests are reported. If the features only reach
+///   the separation without coming closer, the time may be earlier than the tolerance allows; if the search ended after
+///   `most_parts`, the features may be further apart.
 ///
 /// Method: the step is divided into parts, which are processed in ascending order. A part is free of contact if the
 /// Bernstein coefficients of the coplanarity polynomial have the same sign, or if an axis separates the control points
