@@ -24,9 +24,10 @@ struct StepsDone {
 /// Start of the last line of a file that ends before the last requested step.
 inline constexpr std::string_view kIncompleteMark = "# incomplete: ";
 
-/// Writes a header line, then the rows of each step. The file is atomic, or written immediately to a device, FIFO or
-/// descriptor (OutputFile). The header is written together with the first step, so that output which ends before the
-/// first step is not mistaken for a complete file without rows. Throws InputError that names the file. Not thread-safe.
+/// Writes a header line, then the rows of each step. A regular file appears under its name only when it is finished; a
+/// device, FIFO or descriptor is written to immediately (OutputFile). The header is written together with the first
+/// step, so that output which ends before the first step is not mistaken for a complete file without rows. Throws
+/// InputError that names the file. Not thread-safe.
 ///
 class StepTextWriter {
  public:

@@ -64,8 +64,8 @@ class ElementDelta {
   Extent sync(const Step& step);
   void confirm();
 
-  /// Slots whose element takes part now and did not before, or the reverse, or may have been replaced; ascending, each
-  /// once.
+  /// Slots of elements that may have begun or ceased to take part, or may have been replaced, since the last confirm().
+  /// Ascending, each once.
   const std::vector<Index>& changed_slots() const { return changed_slots_; }
   std::size_t bytes() const { return topology_.bytes() + changed_slots_.capacity() * sizeof(Index); }
 

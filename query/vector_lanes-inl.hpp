@@ -1,5 +1,6 @@
 // Three-dimensional vectors as structures of arrays, for the vector kernels of all modules: each lane holds the
-// coordinates of another test, element or vertex. Included once for each instruction set, in foreach_target sources.
+// coordinates of another test, element or vertex. Included once for each instruction set by foreach_target.h of
+// Highway.
 #include <limits>
 
 #include <volccd/query/rounding.hpp>

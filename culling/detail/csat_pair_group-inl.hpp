@@ -1,5 +1,5 @@
 // The points and projections of CSAT in single precision; each vector lane holds one element pair. Included once for
-// each instruction set, in foreach_target sources.
+// each instruction set by foreach_target.h of Highway.
 #include <cstddef>
 #include <cstdint>
 #include <limits>

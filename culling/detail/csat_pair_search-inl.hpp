@@ -1,5 +1,5 @@
-// CSAT tests of whole element pairs; each vector lane processes one pair. Included once for each instruction set, in
-// foreach_target sources.
+// CSAT tests of whole element pairs; each vector lane processes one pair. Included once for each instruction set by
+// foreach_target.h of Highway.
 #include <algorithm>
 #include <bit>
 #include <cstddef>

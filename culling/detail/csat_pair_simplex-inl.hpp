@@ -1,5 +1,5 @@
-// A simplex of the Gilbert-Johnson-Keerthi algorithm for each vector lane. Included once for each instruction set, in
-// foreach_target sources.
+// A simplex of the Gilbert-Johnson-Keerthi algorithm for each vector lane. Included once for each instruction set by
+// foreach_target.h of Highway.
 #include <volccd/culling/detail/csat_pair_group-inl.hpp>
 
 #if defined(VOLCCD_CSAT_PAIR_SIMPLEX_INL) == defined(HWY_TARGET_TOGGLE)

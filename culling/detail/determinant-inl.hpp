@@ -1,5 +1,5 @@
 // The determinant of three moving vectors as a polynomial in t, with bounds on its rounding error. Included once for
-// each instruction set, in foreach_target sources.
+// each instruction set by foreach_target.h of Highway.
 #include <limits>
 
 #include <volccd/culling/detail/filter_lanes-inl.hpp>

@@ -1,5 +1,5 @@
-// Common functions of the feature filters; each vector lane processes one test. Included once for each instruction set,
-// in foreach_target sources.
+// Common functions of the feature filters; each vector lane processes one test. Included once for each instruction set
+// by foreach_target.h of Highway.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
