@@ -32,7 +32,6 @@ bool is_standard_output(const std::string& name);
 /// destructor removes the temporary file and the previous file is unchanged. Devices, FIFOs and descriptors are written
 /// to immediately. Every error is an InputError that names the output and the reason that the system gives. Not
 /// thread-safe.
-///
 class OutputFile {
  public:
   /// Opens the output; blocks on a FIFO that has no reader. If `only_files` is not null, devices, FIFOs and descriptors

@@ -28,7 +28,6 @@ inline constexpr std::string_view kIncompleteMark = "# incomplete: ";
 /// device, FIFO or descriptor is written to immediately (OutputFile). The header is written together with the first
 /// step, so that output which ends before the first step is not mistaken for a complete file without rows. Throws
 /// InputError that names the file. Not thread-safe.
-///
 class StepTextWriter {
  public:
   StepTextWriter(const std::string& file, std::string_view header);

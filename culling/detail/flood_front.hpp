@@ -12,7 +12,6 @@ namespace volccd::detail {
 
 /// Pairs of non-adjacent simplices, each proposed once. Outer elements are those that the broad phase pairs
 /// (Step::subset); all others are inner elements. Every proposed pair has an inner element. Not thread-safe.
-///
 class FloodFront {
  public:
   /// `seen`: the pairs proposed so far. New proposals are appended to `out`.

@@ -33,7 +33,6 @@ struct StepFields {
 /// Errors: InputError with `file` and the dataset for data that SequenceReader would refuse (a number that is not
 /// finite, a vertex out of range or twice in a cell, a repeated id, times that are not ascending, arrays of wrong
 /// length), and for errors of the operating system. After an error the writer cannot be used any more. Not thread-safe.
-///
 class SequenceWriter {
  public:
   /// `point_ids` are distinct and not negative, in any order; vertex slots of the cells are indices into `point_ids`.
