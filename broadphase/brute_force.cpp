@@ -18,7 +18,7 @@ struct BruteForceState final : StageState {
   detail::ElementList list;
   detail::BoxRows boxes;
   detail::PairWriters writers;
-  std::vector<std::vector<Index>> hits;  ///< one for each worker
+  std::vector<std::vector<Index>> hits;  ///< one list for each worker
 
   std::size_t bytes() const override {
     std::size_t sum = delta.bytes() + keys.bytes() + list.bytes() + boxes.bytes() + writers.bytes();

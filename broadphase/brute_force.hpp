@@ -1,17 +1,17 @@
-// The broad phase `brute-force`: every pair of elements, the reference that the others are compared with.
+// The broad phase `brute-force`: tests every pair of elements. The other broad phases are compared with it.
 #pragma once
 
 #include <volccd/broadphase/broad_phase.hpp>
 
 namespace volccd {
 
-/// No tree and no grid: swept boxes in doubles, exact but for the separation, which is rounded upward; or no bounds at
-/// all. Emits the pairs whose boxes come within the separation along each axis: a superset of what k-DOPs leave. O(n^2)
-/// time, about 100 bytes an element and 4 more for each worker.
+/// Uses neither a tree nor a grid: either swept boxes in doubles, which are exact except that the separation is rounded
+/// upward, or no bounds at all. Emits the pairs whose boxes come within the separation along each axis, a superset of
+/// the pairs whose k-DOPs overlap. O(n^2) time; about 100 bytes per element, and 4 more for each worker.
 class BruteForce final : public BroadPhase {
  public:
   enum class Bounds {
-    none,  ///< really every pair
+    none,  ///< every pair
     aabb   ///< pairs whose swept boxes overlap
   };
 

@@ -13,7 +13,8 @@ namespace {
 
 using detail::NodePair;
 
-/// Pairs of nodes that are shared out to the workers. Expansion stops once there are this many, and at most quadruples.
+/// Number of node pairs at which expansion stops; the workers share these pairs. The last expansion at most quadruples
+/// the number.
 constexpr std::size_t kTasks = 1024;
 
 struct alignas(64) Worker {
@@ -40,7 +41,8 @@ struct KdopBvhState final : StageState {
   }
 };
 
-/// The deterministic front of node pairs that a query starts from, in state.tasks. Returns the number of node tests.
+/// Computes the list of node pairs at which a query starts, which is deterministic, into state.tasks. Returns the
+/// number of node tests.
 std::uint64_t make_tasks(KdopBvhState& state, const detail::PairRules& rules) {
   state.tasks.clear();
   state.tasks.reserve(4 * kTasks);

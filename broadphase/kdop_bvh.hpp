@@ -7,39 +7,39 @@
 
 namespace volccd {
 
-/// Binary tree over the elements, bounds of float k-DOPs rounded outward (axes in query/kdop.hpp). Emits the pairs of
-/// elements whose swept k-DOPs, widened by half of the separation on each side, overlap; `spatial-hash` with the same k
-/// emits the same pairs.
+/// A binary tree over n elements with k-DOPs in single precision, rounded outward (axes in query/kdop.hpp). Emits the
+/// pairs of elements whose swept k-DOPs overlap after each is widened by half of the separation on each side.
+/// `spatial-hash` with the same k emits the same pairs.
 ///
-/// prepare: built top-down by the surface-area heuristic for a fresh state, O(n log n); then refitted, O(n). Removed
-/// elements leave gaps, added ones form a second tree, until so many of either have gathered that the whole is built
-/// anew (more than a quarter gone, or 1/32 and 64 added). A subtree is rebuilt in its place when its measured cost, the
-/// node sizes in relation to the element sizes, exceeds `degradation` times what it was after its last build: only the
-/// parts that degraded.
+/// prepare(): the first tree of a state is built top-down with the surface-area heuristic in O(n log n); later steps
+/// refit it in O(n). Removed elements leave empty places, and added elements form a second tree, until there are too
+/// many of either (more than 1/4 of n removed, or more than n/32 + 64 added); then the whole tree is rebuilt. A
+/// subtree is rebuilt in place when its measured cost (node sizes relative to element sizes) exceeds `degradation`
+/// times its cost after its last build, so that only degraded parts are rebuilt.
 ///
-/// run: the tree against itself, from a list of node pairs that does not depend on the number of workers. Memory: about
-/// 270 bytes an element for k = 16 and tetrahedra. Bounds are those over [0, 1] whatever t_max is.
+/// run(): tests the tree against itself, starting from a list of node pairs that does not depend on the number of
+/// workers. Memory: about 270 bytes per element for k = 16 and tetrahedra. Bounds cover [0, 1] for every t_max.
 class KdopBvh final : public BroadPhase {
  public:
   enum class Restructure {
     none,      ///< refit only
-    subtrees,  ///< rebuild the subtrees that degraded
-    always     ///< build anew at every step
+    subtrees,  ///< rebuild degraded subtrees
+    always     ///< rebuild the whole tree at every step
   };
 
   struct Config {
     int k = 16;           ///< 6, 14, 16, 18, 24 or 26; the constructor throws ConfigError for others
-    int leaf_size = 4;    ///< elements a leaf, 1 .. 8
+    int leaf_size = 4;    ///< maximum number of elements per leaf, 1 .. 8
     Restructure restructure = Restructure::subtrees;
-    double degradation = 1.3;  ///< tolerated growth of a subtree's cost
+    double degradation = 1.3;  ///< a subtree is rebuilt when its cost has grown by more than this factor
   };
   static const Options<Config>& options();
 
-  /// Summed over the life of a state.
+  /// Totals over all steps of a state.
   struct Counters {
-    std::uint64_t builds = 0;                 ///< of the whole tree
-    std::uint64_t restructured_elements = 0;  ///< in subtrees that were rebuilt
-    std::uint64_t node_tests = 0;             ///< overlap tests that involve an inner node or two leaves as wholes
+    std::uint64_t builds = 0;                 ///< builds of the whole tree
+    std::uint64_t restructured_elements = 0;  ///< elements in rebuilt subtrees
+    std::uint64_t node_tests = 0;             ///< overlap tests of two tree nodes; not those of single elements
   };
 
   explicit KdopBvh(const Config& config);
@@ -49,7 +49,7 @@ class KdopBvh final : public BroadPhase {
   void run(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const override;
   double bounds_seconds(const StageState& state) const override;
 
-  /// Of a state that a KdopBvh made.
+  /// The counters of a state that a KdopBvh created.
   static const Counters& counters(const StageState& state);
 
  private:

@@ -35,7 +35,7 @@ struct SpatialHashState final : StageState {
   }
 };
 
-/// Spreads the low 21 bits to every third bit.
+/// Moves the low 21 bits to every third bit.
 std::uint64_t spread(std::uint64_t x) {
   x &= 0x1fffff;
   x = (x | x << 32) & 0x1f00000000ffff;
@@ -45,8 +45,8 @@ std::uint64_t spread(std::uint64_t x) {
   return (x | x << 2) & 0x1249249249249249;
 }
 
-/// Lists the elements along a Morton curve through their first vertices: elements that share cells lie together in
-/// memory. Only speed depends on it, so that it is left as it is afterwards.
+/// Lists the elements in the order of a Morton curve through their first vertices, so that elements that share cells
+/// are close in memory. The order affects only speed; therefore it is not updated afterwards.
 void list_in_space(const Step& step, SpatialHashState& state) {
   state.list.assign(step);
   const std::size_t count = state.list.size();
@@ -60,7 +60,7 @@ void list_in_space(const Step& step, SpatialHashState& state) {
     const Vec3 at = step.motion.point(state.list.vertices(p)[0], 0);
     std::uint64_t code = 0;
     for (int c = 0; c < 3; ++c) {
-      const double part = (at[c] / 2 - low[c] / 2) / (high[c] / 2 - low[c] / 2);  // halves: no overflow
+      const double part = (at[c] / 2 - low[c] / 2) / (high[c] / 2 - low[c] / 2);  // halved to avoid overflow
       code |= spread(part >= 0 ? static_cast<std::uint64_t>(std::min(part, 1.0) * 0x1fffff) : 0) << c;
     }
     codes[p] = {code, static_cast<Index>(p)};

@@ -1,30 +1,33 @@
 // The broad phase `spatial-hash`: Teschner et al. 2003, "Optimized Spatial Hashing for Collision Detection of
-// Deformable Objects", made continuous: the paper's HashCCD.
+// Deformable Objects", extended to continuous collision detection; the paper's HashCCD.
 #pragma once
 
 #include <volccd/broadphase/broad_phase.hpp>
 
 namespace volccd {
 
-/// A uniform grid, hashed by the three large primes of that article into a table of about as many buckets as elements.
-/// Each element enters the cells that its swept box overlaps; elements that meet in a cell are tested by their k-DOPs.
-/// Emits exactly the pairs that `kdop-bvh` with the same k emits.
+/// A uniform grid, hashed with the three large primes of that article into a table with about as many buckets as there
+/// are elements. Each element is entered in all cells that its swept box overlaps; elements that share a cell are
+/// tested by their k-DOPs. Emits exactly the same pairs as `kdop-bvh` with the same k.
 ///
-/// - Each pair once, without marks: in the cell that holds the lower corner of the boxes' intersection. Cells that the
-///   hash throws into one bucket are told apart by their coordinates.
-/// - Cells: `cell_size` times the median extent (longest side) of the swept boxes, or a fifth of the 99.5th percentile
-///   if that is more; at rest and for elements of one size about the average edge length. A few outliers do not ruin
-///   the grid.
-/// - No element enters more than kMostCells cells: larger ones, at most one in 200, are compared with all others. Cell
-///   coordinates are clamped, so that elements very far out share cells; that costs time and loses nothing.
+/// - Each pair is emitted once, without marking pairs: in the cell that contains the lower corner of the intersection
+///   of the boxes. Cells that are hashed into the same bucket are distinguished by their coordinates.
+/// - Cell size: `cell_size` times the median extent (longest side) of the swept boxes, or a fifth of the 99.5th
+///   percentile of the extents if that is larger. For elements of similar size at rest this is about the average edge
+///   length. A few very large elements do not affect the grid.
+/// - No element is entered in more than kMostCells cells. Larger elements, at most one in 200, are compared with all
+///   others. Cell coordinates are clamped, so that elements very far from the origin share cells; this costs time but
+///   loses no pair.
 ///
-/// prepare: O(n + cells entered). Memory 8 bytes for each cell entered, about 100 to 200 bytes an element at the
-/// default size, and the bounds. The table is made anew at every step (the article's time stamps serve the same end).
+/// prepare(): O(n + number of entered cells). Memory: 8 bytes for each entered cell, about 100 to 200 bytes per element
+/// at the default size, and the bounds. The table is rebuilt at every step (the article uses time stamps for this
+/// purpose).
 class SpatialHash final : public BroadPhase {
  public:
   struct Config {
-    int k = 16;              ///< of the final test; 6 for boxes only. ConfigError for others than query/kdop.hpp has
-    double cell_size = 1.0;  ///< in median extents of swept boxes, 0.05 .. 100
+    int k = 16;              ///< k of the final test; 6 for boxes only. ConfigError for values that query/kdop.hpp does
+                             ///< not list
+    double cell_size = 1.0;  ///< in units of the median extent of the swept boxes, 0.05 .. 100
   };
   static const Options<Config>& options();
 

@@ -36,7 +36,7 @@ unsigned thread_count(unsigned threads) {
                   made + 2, wanted + 1, error.code().message()));
 }
 
-/// Makes `count` threads that live at the same time, and ends them. Throws ConfigError if the system refuses one.
+/// Creates `count` threads that exist at the same time, and ends them. Throws ConfigError if the system refuses one.
 void try_threads(std::size_t count) {
   std::latch done(1);
   std::vector<std::jthread> threads;
@@ -53,7 +53,7 @@ void try_threads(std::size_t count) {
   done.count_down();
 }
 
-/// At most n, so that sums of indices and grains do not overflow.
+/// The grain, limited to n, so that sums of indices and grains do not overflow.
 std::size_t fitting_grain(std::size_t grain, std::size_t n) {
   return std::clamp<std::size_t>(grain, 1, std::max<std::size_t>(n, 1));
 }
@@ -83,7 +83,7 @@ class TbbExecutor final : public Executor {
   tbb::task_arena arena_;
 };
 
-/// One generation of work at a time; idle threads wait on a condition variable.
+/// Runs one parallel_for() at a time; idle threads wait on a condition variable.
 class ThreadExecutor final : public Executor {
  public:
   explicit ThreadExecutor(unsigned threads) : workers_(threads) {
@@ -181,7 +181,7 @@ void SerialExecutor::parallel_for(std::size_t n, std::size_t grain, Body body) {
 
 std::unique_ptr<Executor> make_executor(unsigned threads) {
   threads = thread_count(threads);
-  // More slots than threads would only bring a warning of oneTBB's.
+  // More slots than allowed threads would cause a warning of oneTBB.
   const std::size_t allowed = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
   threads = static_cast<unsigned>(std::min<std::size_t>(threads, allowed));
   if (threads <= 1) return std::make_unique<SerialExecutor>();

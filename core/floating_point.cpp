@@ -15,13 +15,13 @@ namespace volccd {
 namespace detail {
 
 std::string probed_floating_point_problem() {
-  // Volatile: computed when this runs, not when it is compiled.
+  // Volatile, so that the values are computed at run time, not by the compiler.
   const volatile double least_normal = std::numeric_limits<double>::min();
   const volatile double least = std::numeric_limits<double>::denorm_min();
   const volatile double half = 0.5, large = 0x1p1000, one = 1, tiny = 0x1p-60;
   const volatile double subnormal_result = least_normal * half, of_subnormal = least * large;
   const volatile double above = one + tiny, below = one - tiny;
-  if (of_subnormal == 0) return "subnormal operands are taken as zero";  // first: then comparisons take them so, too
+  if (of_subnormal == 0) return "subnormal operands are taken as zero";  // first: then comparisons are affected, too
   if (subnormal_result == 0) return "subnormal results are flushed to zero";
   if (above != 1 || below != 1) return "results are not rounded to nearest";
   return {};
@@ -31,7 +31,8 @@ std::string probed_floating_point_problem() {
 
 std::string floating_point_problem() {
 #if defined(__SSE2__)
-  // All arithmetic obeys this register; probing would take much longer, as subnormal numbers are slow.
+  // All arithmetic depends on this register; a probe would take much longer, because operations with subnormals are
+  // slow.
   constexpr unsigned kFlushToZero = 0x8000, kDenormalsAreZero = 0x0040, kRounding = 0x6000;
   if ((_mm_getcsr() & (kFlushToZero | kDenormalsAreZero | kRounding)) == 0) return {};
 #endif

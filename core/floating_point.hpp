@@ -5,16 +5,17 @@
 
 namespace volccd {
 
-/// What is wrong with the calling thread's floating-point environment, empty if nothing is: subnormal results or
-/// operands are replaced by zero, or rounding is not to nearest. A few nanoseconds where nothing is wrong.
+/// Describes what is wrong with the floating-point environment of the calling thread: subnormal results or operands are
+/// replaced by zero, or rounding is not to nearest. Returns an empty string if nothing is wrong, within a few
+/// nanoseconds.
 std::string floating_point_problem();
 
-/// Throws ConfigError with that problem and what to do about it.
+/// Throws ConfigError if floating_point_problem() reports a problem. The message contains the problem and its remedy.
 void require_standard_floating_point();
 
 namespace detail {
 
-/// The same, found by arithmetic on any processor.
+/// The same as floating_point_problem(), determined by arithmetic operations, so that it works on every processor.
 std::string probed_floating_point_problem();
 
 }  // namespace detail

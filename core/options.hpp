@@ -1,4 +1,5 @@
-// Options of a stage are data: a Config struct with named defaults, and one table that parses, checks and lists them.
+// Options of a stage are data: a Config struct with named defaults, and one table that parses, checks and lists the
+// options.
 #pragma once
 
 #include <functional>
@@ -11,10 +12,10 @@
 
 namespace volccd {
 
-/// What a caller gives: option name -> text, e.g. {"leaf_size", "4"}.
+/// Options as the caller gives them: from option name to text, e.g. {"leaf_size", "4"}.
 using OptionValues = std::map<std::string, std::string>;
 
-/// What `volccd stages` shows of one option.
+/// What `volccd stages` prints about one option.
 struct OptionInfo {
   std::string name;
   std::string default_value;
@@ -37,11 +38,12 @@ std::string range_text(double low, double high);
 /// The option table of a Config struct.
 ///
 ///     Options<Config> options;
-///     options.add("leaf_size", &Config::leaf_size, 1, 8, "elements a leaf");
+///     options.add("leaf_size", &Config::leaf_size, 1, 8, "elements per leaf");
 ///     options.add("axis", &Config::axis, {{"face", Axis::face}, {"optimal", Axis::optimal}}, "separating axis");
 ///     Config config = options.parse({{"axis", "optimal"}});
 ///
-/// parse throws ConfigError for an unknown name (naming the known ones) or a value out of range.
+/// parse() throws ConfigError for an unknown option name (the message lists the known names) and for a value out of
+/// range.
 template <class Config>
 class Options {
  public:
@@ -58,14 +60,14 @@ class Options {
     return *this;
   }
 
-  /// A finite number in [low, high].
+  /// Adds an option whose value is a finite number in [low, high].
   Options& add(std::string name, double Config::*member, double low, double high, std::string description) {
     push({name, detail::to_text(Config{}.*member), detail::range_text(low, high), std::move(description)},
          [=](Config& c, const std::string& text) { c.*member = detail::parse_number(name, text, low, high); });
     return *this;
   }
 
-  /// A choice of named values.
+  /// Adds an option whose value is one of several named choices.
   template <class T>
   Options& add(std::string name, T Config::*member, std::vector<std::pair<std::string, T>> choices,
                std::string description) {

@@ -21,13 +21,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostLinks = 40;  ///< as many as Linux follows
+constexpr int kMostLinks = 40;  ///< the limit of Linux
 
 [[noreturn]] void fail_at(const std::string& name, const std::string& problem) {
   throw InputError(name, "", problem + ": " + std::strerror(errno));
 }
 
-/// N of "/dev/fd/N" and the like.
+/// The N of "/dev/fd/N" and similar names.
 std::optional<int> descriptor_of(const std::string& name) {
   if (name == "-" || name == "/dev/stdout") return STDOUT_FILENO;
   if (name == "/dev/stderr") return STDERR_FILENO;
@@ -42,7 +42,7 @@ std::optional<int> descriptor_of(const std::string& name) {
   return std::nullopt;
 }
 
-/// Forces a file, or the entries of a folder, to disk.
+/// Forces the contents of a file, or the entries of a directory, to disk.
 bool sync(const std::string& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) return false;
@@ -116,7 +116,7 @@ void OutputFile::open_temporary() {
     }
     if (errno != EEXIST) fail("cannot be written");
   }
-  // Where the file system has no such permissions, those of a new file will do.
+  // If the file system does not support such permissions, those of a new file are acceptable.
   if (there && ::fchmod(descriptor_, old.st_mode & 07777) != 0) errno = 0;
 }
 
@@ -155,7 +155,7 @@ void OutputFile::commit() {
   if (!sync(temporary_)) fail("cannot be brought to disk");
   if (std::rename(temporary_.c_str(), target_.path.c_str()) != 0) fail("cannot be renamed from its temporary name");
   temporary_.clear();
-  // The rename itself; some file systems cannot sync a folder, and then the file is there all the same.
+  // Syncs the rename itself. Some file systems cannot sync a directory; the file exists nevertheless.
   const fs::path folder = fs::path(target_.path).parent_path();
   sync(folder.empty() ? "." : folder.string());
 }

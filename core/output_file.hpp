@@ -1,4 +1,4 @@
-// Files that a program writes: whole or not at all, and never in the place of a device, a FIFO or a link.
+// Output files of programs. A file is written completely or not at all, and never replaces a device, a FIFO or a link.
 #pragma once
 
 #include <cstdint>
@@ -7,54 +7,55 @@
 
 namespace volccd {
 
-/// Where the bytes for a name given by the user go.
+/// Where the output goes for a file name that the user gave.
 struct OutputTarget {
   enum class Kind {
-    file,        ///< a regular file, or none yet: `path`, with all links at the end of the name followed
-    device,      ///< a device or FIFO that exists: `path`
-    descriptor,  ///< already open in this process: `descriptor`
+    file,        ///< a regular file, or no file yet: `path` is the name after all symbolic links are followed
+    device,      ///< an existing device or FIFO: `path` is its name
+    descriptor,  ///< a descriptor that is already open in this process: `descriptor`
   };
   Kind kind = Kind::file;
   std::string path;
   int descriptor = -1;
 };
 
-/// "-", /dev/stdout, /dev/stderr, /dev/fd/N and /proc/self/fd/N, also behind links, are descriptors. Throws InputError
-/// naming `name` for a folder, a socket and links that lead in a circle.
+/// "-", /dev/stdout, /dev/stderr, /dev/fd/N and /proc/self/fd/N, and symbolic links to them, are descriptors. Throws
+/// InputError that names `name` for a directory, a socket, or a cycle of links.
 OutputTarget output_target(const std::string& name);
 
 /// Whether output to `name` goes to the standard output, so that nothing else may be printed there.
 bool is_standard_output(const std::string& name);
 
-/// An output. A regular file, or a name that does not exist yet, is written to an empty file beside it under a
-/// temporary name, which commit() brings to disk and renames; the permissions of a file that is replaced are kept,
-/// and one that may not be written is refused. A symbolic link stays, and its target is replaced. Without commit(), the
-/// destructor removes the temporary file, and what was there before stays as it was. Devices, FIFOs and descriptors are
-/// written to at once. Every error is an InputError that names the output and the system's reason. One thread at a
-/// time.
+/// An output. If the name is that of a regular file, or does not exist yet, the bytes go to a temporary file in the
+/// same directory; commit() writes them to disk and renames the file. The permissions of a replaced file are kept; a
+/// file without write permission is refused. A symbolic link is kept, and its target is replaced. Without commit(), the
+/// destructor removes the temporary file and the previous file is unchanged. Devices, FIFOs and descriptors are written
+/// to immediately. Every error is an InputError that names the output and the reason that the system gives. Not
+/// thread-safe.
 class OutputFile {
  public:
-  /// Opens. Blocks on a FIFO that nobody reads. `only_files`: why a device, FIFO or descriptor is refused; null: it is
-  /// not.
+  /// Opens the output; blocks on a FIFO that has no reader. If `only_files` is not null, devices, FIFOs and descriptors
+  /// are refused, and `only_files` is the reason in the message.
   explicit OutputFile(std::string name, const char* only_files = nullptr);
   OutputFile(OutputFile&& other) noexcept;
   OutputFile& operator=(OutputFile&&) = delete;
   ~OutputFile();
 
-  /// As it was given.
+  /// The name as the caller gave it.
   const std::string& name() const { return name_; }
-  /// Devices, FIFOs and descriptors: what has been written cannot be taken back.
+  /// True for devices, FIFOs and descriptors: bytes once written cannot be removed.
   bool streams() const { return target_.kind != OutputTarget::Kind::file; }
-  /// The temporary file, for a library that opens files by name; empty where the output streams, and after commit().
+  /// Name of the temporary file, for a library that opens files by name. Empty for devices, FIFOs and descriptors, and
+  /// after commit().
   const std::string& temporary() const { return temporary_; }
 
   void write(std::string_view bytes);
-  /// Bytes written.
+  /// Number of bytes written.
   std::int64_t size() const { return size_; }
-  /// Takes back what was written after the first `size` bytes. For files only.
+  /// Removes all bytes after the first `size` bytes. Only for regular files.
   void truncate(std::int64_t size);
 
-  /// All has been written.
+  /// Completes the output. Must follow the last write().
   void commit();
 
  private:
@@ -67,11 +68,11 @@ class OutputFile {
   std::int64_t size_ = 0;
 };
 
-/// Throws what OutputFile(name, only_files) would, before long work; leaves nothing behind, and opens nothing that
-/// streams.
+/// Throws the errors that OutputFile(name, only_files) would throw, so that they are found before a long computation.
+/// Leaves no file behind, and does not open devices, FIFOs or descriptors.
 void check_output(const std::string& name, const char* only_files = nullptr);
 
-/// Writes a whole file, or streams the text to a device, FIFO or descriptor. Throws InputError.
+/// Writes a whole file, or writes the text to a device, FIFO or descriptor. Throws InputError.
 void write_text_file(const std::string& name, std::string_view text);
 
 }  // namespace volccd

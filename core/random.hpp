@@ -7,8 +7,8 @@
 
 namespace volccd {
 
-/// Mixes a 64-bit value (the finaliser of SplitMix64, Steele et al. 2014). For "randomly picked" that depends on ids
-/// alone: hash_ids(a, b) (invariant 5).
+/// Mixes a 64-bit value (the finaliser of SplitMix64, Steele et al. 2014). hash_ids(a, b) replaces a random choice
+/// where the result must depend on ids alone (invariant 5).
 constexpr std::uint64_t mix(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15u;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
@@ -17,7 +17,7 @@ constexpr std::uint64_t mix(std::uint64_t x) {
 }
 constexpr std::uint64_t hash_ids(std::uint64_t a, std::uint64_t b) { return mix(mix(a) ^ b); }
 
-/// SplitMix64 as a sequence.
+/// The random number sequence SplitMix64.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}
@@ -27,9 +27,9 @@ class Random {
     state_ += 0x9e3779b97f4a7c15u;
     return value;
   }
-  /// In [0, n), n > 0; the bias is below n / 2^64.
+  /// Uniform in [0, n), for n > 0; the bias is below n / 2^64.
   std::uint64_t below(std::uint64_t n) { return next() % n; }
-  /// In [0, 1), a multiple of 2^-53.
+  /// Uniform in [0, 1), a multiple of 2^-53.
   double uniform() { return static_cast<double>(next() >> 11) * 0x1p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }
 

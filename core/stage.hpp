@@ -1,5 +1,5 @@
-// What every interchangeable stage has in common: a declared guarantee, state that the caller owns, and a descriptor
-// under which the registry lists and makes it.
+// What all interchangeable stages have in common: a declared guarantee, a state that the caller owns, and a descriptor
+// under which the registry lists and creates the stage.
 #pragma once
 
 #include <cstddef>
@@ -12,33 +12,33 @@
 
 namespace volccd {
 
-/// What a stage promises about the pairs that it keeps or reports. A pipeline's guarantee is the weakest of its
-/// stages'.
+/// What a stage guarantees about the pairs that it keeps or reports. The guarantee of a pipeline is the weakest
+/// guarantee among its stages.
 enum class Guarantee {
-  exact,         ///< decides exactly, on the given doubles
-  conservative,  ///< never loses a contact; may keep what does not touch
+  exact,         ///< exact decision for the given doubles
+  conservative,  ///< never loses a contact; may keep pairs that do not touch
   approximate    ///< rounding or a tolerance may lose or invent a contact
 };
 
 const char* to_string(Guarantee guarantee);
 
-/// The weaker of the two.
+/// The weaker of two guarantees.
 constexpr Guarantee weakest(Guarantee a, Guarantee b) { return a < b ? b : a; }
 
-/// What a stage keeps from one step to the next (a tree, an O-Set) and its scratch memory; a stage that keeps nothing
-/// has a state of this type. Owned by the Workspace, made by Stage::make_state(), given back to the stage at every
-/// call.
+/// What a stage keeps from one step to the next (for example a tree or an O-Set), and its scratch memory. The state of
+/// a stage that keeps nothing has this base type. Stage::make_state() creates the state, the Workspace owns it, and
+/// each call of the stage receives it.
 class StageState {
  public:
   virtual ~StageState() = default;
-  /// Heap bytes held, for `stats.json`.
+  /// Bytes of heap memory, for `stats.json`.
   virtual std::size_t bytes() const { return 0; }
 };
 
-/// How the registry knows a stage of interface `Stage`.
+/// What the registry stores about a stage of interface `Stage`.
 template <class Stage>
 struct StageDescriptor {
-  std::string name;         ///< as typed by a user: lower case, hyphens
+  std::string name;         ///< as users type it: lower case, with hyphens
   std::string description;  ///< one line
   Guarantee guarantee;
   std::vector<OptionInfo> options;
@@ -46,7 +46,7 @@ struct StageDescriptor {
 };
 
 /// Descriptor of a stage `T : Stage` that has `struct T::Config`, `static Options<Config> T::options()` and a
-/// constructor from Config.
+/// constructor with a Config parameter.
 template <class Stage, class T>
 StageDescriptor<Stage> describe_stage(std::string name, std::string description, Guarantee guarantee) {
   return {std::move(name), std::move(description), guarantee, T::options().describe(),

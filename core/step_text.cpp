@@ -13,9 +13,9 @@ std::string StepsDone::text() const {
     if (c == '"') c = '\'';
     if (static_cast<unsigned char>(c) < ' ') c = ' ';
   }
-  const std::string asked = fmt::format("{} to {}", begin, end - 1);
-  const std::string kept = done > begin ? fmt::format("steps {} to {} of {} are complete", begin, done - 1, asked)
-                                        : fmt::format("no step of {} is complete", asked);
+  const std::string requested = fmt::format("{} to {}", begin, end - 1);
+  const std::string kept = done > begin ? fmt::format("steps {} to {} of {} are complete", begin, done - 1, requested)
+                                        : fmt::format("no step of {} is complete", requested);
   return reason.empty() ? kept : kept + "; " + reason;
 }
 

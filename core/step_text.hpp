@@ -1,4 +1,4 @@
-// Text files with rows for one step after another, of which the steps that were complete are kept.
+// Text files with rows for consecutive steps. If the program stops early, the rows of the completed steps are kept.
 #pragma once
 
 #include <string>
@@ -9,48 +9,51 @@
 
 namespace volccd {
 
-/// Which steps of those asked for, [begin, end), are complete: [begin, done).
+/// Which of the requested steps [begin, end) are complete: [begin, done).
 struct StepsDone {
   int begin = 0, done = 0, end = 0;
-  std::string stopped_by = {};  ///< why it ended before `end`: "interrupted", or an error; empty: it did not
+  std::string stopped_by = {};  ///< why the run ended before `end`: "interrupted" or an error message; empty if it did
+                                ///< not
 
   bool complete() const { return stopped_by.empty(); }
-  /// "steps 0 to 6 of 0 to 20 are complete; interrupted", of one line and without commas and quotation marks, so that
-  /// it is one field of a CSV file.
+  /// For example "steps 0 to 6 of 0 to 20 are complete; interrupted". One line without commas and quotation marks, so
+  /// that it can be one field of a CSV file.
   std::string text() const;
 };
 
-/// What the last line of a file starts with that ends before the last step asked for.
+/// Start of the last line of a file that ends before the last requested step.
 inline constexpr std::string_view kIncompleteMark = "# incomplete: ";
 
-/// A header line, then the rows of each step. Atomic, or streamed (OutputFile); the header goes out with the first
-/// step, so that a stream that ends before is not taken for a whole file without rows. Throws InputError naming the
-/// file. One thread at a time.
+/// Writes a header line, then the rows of each step. A regular file appears under its name only when it is finished; a
+/// device, FIFO or descriptor is written to immediately (OutputFile). The header is written together with the first
+/// step, so that output which ends before the first step is not mistaken for a complete file without rows. Throws
+/// InputError that names the file. Not thread-safe.
 class StepTextWriter {
  public:
   StepTextWriter(const std::string& file, std::string_view header);
 
   const std::string& file() const { return output_.name(); }
 
-  /// `rows`: whole lines. `step` is greater than before. After an error the steps before are kept.
+  /// `rows` consists of whole lines; `step` must be greater than in the previous call. After an error, the rows of the
+  /// previous steps are kept.
   void write_step(int step, std::string_view rows);
   void finish();
-  /// Keeps the complete steps and a last line with kIncompleteMark and steps.text(). On a full disk, steps at the end
-  /// are dropped until that line fits. Returns the steps that the file has; where there are none, nothing is written
-  /// under its name.
+  /// Keeps the rows of the complete steps and appends a last line of kIncompleteMark and steps.text(). On a full disk,
+  /// the last steps are dropped until that line fits. Returns the steps that the file contains; if there are none, no
+  /// file is written.
   StepsDone finish_incomplete(StepsDone steps);
 
  private:
   struct StepEnd {
     int step;
-    std::int64_t size;  ///< bytes up to the end of its rows
+    std::int64_t size;  ///< size of the file up to the end of the rows of this step
   };
 
   void check_open() const;
   void write_header();
 
   OutputFile output_;
-  std::string header_;  ///< with its end of line
+  std::string header_;  ///< includes the end of line
   std::vector<StepEnd> ends_;
   bool finished_ = false;
 };

@@ -13,7 +13,7 @@ bool contains(std::span<const Index> list, Index value) {
   return std::find(list.begin(), list.end(), value) != list.end();
 }
 
-/// All tests of elements without a common vertex: no feature is in both, no pair shares a vertex.
+/// Appends all tests of two elements without a common vertex. They have no common feature, and no test shares a vertex.
 void apart_pair(const Step& step, ElementPair pair, const FeatureMask& mask, TestBatch& out) {
   const Features& features = step.features();
   detail::for_each_unmasked(step.mesh().vertices(pair.a), mask.vertices_a, [&](Index v) {
@@ -30,8 +30,8 @@ void apart_pair(const Step& step, ElementPair pair, const FeatureMask& mask, Tes
   });
 }
 
-/// All tests of adjacent elements, or of an element with itself: a pair of features that both elements have is taken
-/// once.
+/// Appends all tests of two adjacent elements, or of an element with itself. A pair of features that both elements have
+/// is appended once.
 void adjacent_pair(const Step& step, ElementPair pair, const FeatureMask& mask, TestBatch& out) {
   const Features& features = step.features();
   const auto add = [&](FeatureKind kind, FeaturePair test, std::vector<FeaturePair>& list) {

@@ -1,4 +1,4 @@
-// No assignment: every element pair performs all of its tests (NavCCD and HashCCD, Sections 3.4 and 6.1).
+// Assignment `all-pairs`: every element pair performs all of its tests (NavCCD and HashCCD, Sections 3.4 and 6.1).
 #pragma once
 
 #include <volccd/culling/assignment.hpp>
@@ -6,12 +6,12 @@
 namespace volccd {
 
 /// Tests of an element pair (a,b): each vertex of a against each triangle of b, each vertex of b against each triangle
-/// of a, each edge of a against each edge of b; of a pair (o,o): each vertex against each triangle, each pair of edges.
-/// Without those that share a vertex, and each distinct feature pair once per element pair: adjacent elements share
-/// features, and what both have would otherwise come out twice.
+/// of a, and each edge of a against each edge of b. Tests of a self pair (o,o): each vertex against each triangle, and
+/// each pair of edges. Tests whose features share a vertex are omitted. Each feature pair is tested once per element
+/// pair, although adjacent elements have common features, whose pairs would otherwise be generated twice.
 ///
-/// The same feature pair comes out of many element pairs. Complete without an O-Set; with one, an ablation: what O-Sets
-/// do without assignment.
+/// The same feature pair is tested for many element pairs. Complete without an O-Set. Together with an O-Set it shows
+/// the effect of O-Sets without assignment.
 class AllPairs final : public Assignment {
  public:
   struct Config {};

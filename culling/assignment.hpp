@@ -1,4 +1,4 @@
-// The assignment strategy: which VF and EE tests an element pair performs (Section 5.2).
+// The assignment strategy: determines which VF and EE tests an element pair performs (Section 5.2).
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace volccd {
 
-/// Tests to run. No pair with a common vertex is ever in it.
+/// Tests to perform. It never contains a pair of features with a common vertex.
 struct TestBatch {
   std::vector<FeaturePair> vf, ee;
 
@@ -19,21 +19,22 @@ struct TestBatch {
   }
 };
 
-/// Completeness of a pipeline (docs/pipelines.md) rests on what the tests of all pairs of a range contain:
-///  - of all pairs of non-adjacent elements: every feature pair that some pair of non-adjacent elements covers.
-///    The rest comes from an OrphanSource.
-///  - of all pairs, adjacent ones and (o, o) included: every feature pair.
-/// An element pair covers a feature pair {a,b} when a is a feature of one element and b of the other.
+/// The completeness of a pipeline (docs/pipelines.md) relies on the following. The tests of all element pairs of a
+/// range must contain:
+///  - for all pairs of non-adjacent elements: every feature pair that some pair of non-adjacent elements covers. An
+///    OrphanSource adds the others.
+///  - for all pairs, including adjacent ones and self pairs (o, o): every feature pair.
+/// An element pair covers a feature pair {a,b} if a is a feature of one element and b of the other.
 class Assignment : public Stage {
  public:
   static constexpr const char* kRole = "assignment";
 
-  /// Whether that holds for the non-adjacent pairs, or for all pairs: empty, or the reason why it does not. A pipeline
-  /// that would need it is refused with this text.
+  /// Whether this holds for the non-adjacent pairs, and for all pairs: an empty string, or the reason why it does not
+  /// hold. A pipeline that requires the property is then refused with this reason.
   virtual std::string incomplete_on_nonadjacent() const { return {}; }
   virtual std::string incomplete_on_every() const { return {}; }
 
-  /// Appends the tests of these element pairs that no mask excludes.
+  /// Appends the tests of these element pairs, except tests with a masked feature.
   virtual void run(const Step& step, StageState& state, unsigned worker, const PairBatch& batch,
                    TestBatch& out) const = 0;
 };

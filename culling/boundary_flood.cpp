@@ -10,7 +10,7 @@ namespace volccd {
 
 namespace {
 
-/// Suspect vertices whose orphans are listed at once.
+/// Number of suspect vertices whose orphans form one block.
 constexpr std::size_t kBlockVertices = 4;
 enum class Phase { idle, start, flood };
 
@@ -22,11 +22,11 @@ struct BoundaryFloodState final : StageState {
   detail::SimplexComplex complex;
   detail::StarTable stars;
   detail::StarClasses classes;
-  TopologyDelta counted;  ///< for boundary_share
+  TopologyDelta counted;  ///< the topology for which boundary_share was computed
   double boundary_share = 0;
   ElementSubset outer;
   ObjectFilter filter;
-  std::optional<Step> step;  ///< of the complex
+  std::optional<Step> step;  ///< the step of the complex
   bool taken = false, parts_valid = false;
   std::vector<Index> parts, parents;
   std::vector<std::pair<double, Index>> along_x;
@@ -49,7 +49,7 @@ struct BoundaryFloodState final : StageState {
 BoundaryFloodState& own(StageState& state) { return static_cast<BoundaryFloodState&>(state); }
 const BoundaryFloodState& own(const StageState& state) { return static_cast<const BoundaryFloodState&>(state); }
 
-/// The share of elements that are shells or have a face of no other element.
+/// The share of elements that are shells or have a face without another element.
 double boundary_share(const Topology& topology) {
   const Mesh& mesh = topology.mesh();
   const Features& features = topology.features();
@@ -64,8 +64,8 @@ double boundary_share(const Topology& topology) {
   return mesh.element_count() == 0 ? 1 : static_cast<double>(boundary) / static_cast<double>(mesh.element_count());
 }
 
-/// Elements that the broad phase pairs: those on the boundary, in D, and at a vertex that the complex winds around more
-/// than once.
+/// Selects the elements that the broad phase pairs: those on the boundary, those in D, and those at a vertex that the
+/// complex surrounds more than once.
 void choose_outer(const Step& step, BoundaryFloodState& state) {
   const Mesh& mesh = step.mesh();
   const std::uint64_t version = state.outer.version();
@@ -78,8 +78,8 @@ void choose_outer(const Step& step, BoundaryFloodState& state) {
   if (state.outer.version() != version) state.parts_valid = false;
 }
 
-/// Lists the orphans whose first elements have common vertices in suspect stars only, each at the first of these
-/// vertices.
+/// Lists the orphans whose first incident elements have common vertices with suspect stars only. Each is listed at the
+/// first of these vertices.
 class Orphans {
  public:
   Orphans(const BoundaryFloodState& state, TestBatch& out)
@@ -97,7 +97,7 @@ class Orphans {
   }
 
  private:
-  /// Features that belong to a, or b, first.
+  /// Appends the orphans of which one feature has a, and the other b, as its first incident element.
   void of_elements(Index a, Index b) {
     vertices_and_triangles(a, b);
     if (a != b) vertices_and_triangles(b, a);
@@ -119,8 +119,8 @@ class Orphans {
     }
   }
 
-  /// Two features without a pair of non-adjacent elements touch only if no pair of elements around them has a common
-  /// vertex of a clear star.
+  /// Two features without a pair of non-adjacent incident elements can touch only if no pair of incident elements is
+  /// proven to have no double points.
   bool is_orphan(std::span<const Index> inc_a, std::span<const Index> inc_b) const {
     return std::all_of(inc_a.begin(), inc_a.end(), [&](Index a) {
       return std::all_of(inc_b.begin(), inc_b.end(),
@@ -135,7 +135,7 @@ class Orphans {
   TestBatch& out_;
 };
 
-/// Pairs to look at next.
+/// The pairs to process next.
 Flood::Front propose(BoundaryFloodState& state) {
   const Step& step = *state.step;
   state.front.clear();
@@ -165,7 +165,7 @@ Flood::Front propose(BoundaryFloodState& state) {
   detail::FloodFront front(step, state.stars, state.classes, state.seen, state.front);
   if (state.phase == Phase::start) {
     front.around_suspect_stars();
-    // Seeds go on; what touches at the start is looked at once more, for all of the step.
+    // Proceeds from the seeds. Pairs that touch at the start are processed again for the whole step.
     for (const ElementPair pair : state.reached)
       if (step.takes_part(pair.a) && step.takes_part(pair.b))
         front.around(pair);
@@ -207,7 +207,8 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   if (state.boundary_share > config_.most_boundary) return;
   state.complex.update(step.topology);
   const Topology& topology = state.complex.topology();
-  // Object ids change along a chain of pairs only where objects share vertices; there the tests alone are filtered.
+  // Object ids change along a chain of pairs only where objects share vertices. In that case only the tests are
+  // filtered.
   state.filter = topology.objects_share_vertices() ? ObjectFilter() : step.filter;
   state.step.emplace(Step{topology, step.motion, state.filter, 0, step.t_max, &state.outer});
   const TopologyDelta::Extent changed = state.stars.update(topology, executor);

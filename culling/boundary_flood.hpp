@@ -1,45 +1,46 @@
-// The flood `boundary-flood`: all contacts of a volume from its boundary (docs/boundary_flood.md).
+// The flood `boundary-flood`: finds all contacts of a volume from its boundary (docs/boundary_flood.md).
 #pragma once
 
 #include <volccd/culling/flood.hpp>
 
 namespace volccd {
 
-/// Classifies the simplices of a step: those with a boundary face, and those whose volume is not proven to keep its
-/// sign (D), are what the broad phase pairs. From the pairs of these that element culling keeps, and from stars that
-/// may fold, it goes on over face neighbours to pairs with simplices inside the volume. Of the O-Set it lists the pairs
-/// all of whose common vertices have suspect stars.
+/// Classifies the simplices of a step. The broad phase pairs only simplices with a boundary face and simplices whose
+/// volume is not proven to keep its sign (set D). From the pairs that element culling keeps, and from suspect stars,
+/// the flood proceeds across faces to pairs with simplices inside the volume. Of the O-Set, it omits every feature pair
+/// that is covered by two adjacent simplices which are proven to have no double points.
 ///
-/// Takes a step unless
-///  - more than `most_boundary` of the elements have a boundary face, or are shells: the boundary is all there is;
-///  - more than `most_suspect` of the vertices have stars that may fold, as in rubble: the flood would look at more
-///    than a broad phase over everything (docs/boundary_flood.md has the measurements behind both);
-///  - the separation is above 0: the theorem's conditions on stars are for contact only;
-///  - initial overlaps are asked for and the mesh is not its own complex: hulls of other elements may overlap where
+/// Accepts a step unless
+///  - the share of elements that have a boundary face or are shells exceeds `most_boundary`: almost everything is
+///    boundary;
+///  - the share of vertices with suspect stars exceeds `most_suspect`, as in rubble: the flood would test more pairs
+///    than a broad phase over all elements (docs/boundary_flood.md has the measurements for both limits);
+///  - the separation is greater than 0: the theorem's conditions on stars are about contact only;
+///  - initial overlaps are requested and the mesh is not simplicial: the hulls of other elements may overlap where
 ///    their simplices do not.
 ///
-/// It gives a step up, to be begun anew without it, when it has proposed more than `most_pairs` pairs for each simplex:
-/// where element culling separates few pairs, it would go on through all of the volume.
+/// Gives up a step, which the pipeline then restarts without the flood, when it has proposed more than `most_pairs`
+/// pairs per simplex: if element culling separates few pairs, the flood would proceed through the whole volume.
 ///
-/// prepare: linear in the simplices. Memory: about 140 bytes a simplex; some 550 for meshes of other elements than
-/// tetrahedra and triangles, which need a second topology.
+/// prepare(): linear time in the number of simplices. Memory: about 140 bytes per simplex, or about 550 for meshes with
+/// elements other than tetrahedra and triangles, which require a second topology.
 class BoundaryFlood final : public Flood {
  public:
   struct Config {
-    double most_boundary = 0.8;  ///< share of the elements
-    double most_suspect = 0.03;  ///< share of the vertices
-    double most_pairs = 4;       ///< looked at, for each simplex
+    double most_boundary = 0.8;  ///< largest share of elements
+    double most_suspect = 0.03;  ///< largest share of vertices
+    double most_pairs = 4;       ///< largest number of proposed pairs per simplex
   };
   static const Options<Config>& options();
 
-  /// Of the last step.
+  /// Counters of the last step.
   struct Counters {
-    std::size_t simplices = 0;   ///< all of them
-    std::size_t degenerate = 0;  ///< in D
-    std::size_t paired = 0;      ///< in the broad phase
+    std::size_t simplices = 0;   ///< all simplices
+    std::size_t degenerate = 0;  ///< simplices in D
+    std::size_t paired = 0;      ///< simplices that the broad phase pairs
     std::size_t suspect_vertices = 0;
     std::size_t looked_at = 0;        ///< pairs that next() proposed
-    std::size_t looked_at_start = 0;  ///< those of them for t = 0
+    std::size_t looked_at_start = 0;  ///< those proposed for t = 0
   };
 
   explicit BoundaryFlood(const Config& config) : config_(config) {}
@@ -55,7 +56,7 @@ class BoundaryFlood final : public Flood {
   std::size_t orphan_blocks(const StageState& state) const override;
   void orphans(const StageState& state, std::size_t block, TestBatch& out) const override;
 
-  /// Of a state that a BoundaryFlood made.
+  /// The counters of a state that a BoundaryFlood created.
   static const Counters& counters(const StageState& state);
 
  private:

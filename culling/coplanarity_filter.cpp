@@ -10,8 +10,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-/// Bound, over the whole step, of the area that turns a distance into a determinant: the product of the lengths of two
-/// sides of the triangle (VF), of both edges (EE).
+/// Upper bound, over the whole step, on the area that relates a distance to the determinant: the product of the lengths
+/// of two sides of the triangle (VF) or of both edges (EE).
 template <int kControlPoints>
 HWY_INLINE Lanes greatest_area(bool vf, BlockColumns tests) {
   Lanes first = hn::Zero(Tag()), second = first;
@@ -19,7 +19,7 @@ HWY_INLINE Lanes greatest_area(bool vf, BlockColumns tests) {
     first = hn::Max(first, length(sub(load(tests, c, vf ? 2 : 1), load(tests, c, vf ? 1 : 0))));
     second = hn::Max(second, length(sub(load(tests, c, 3), load(tests, c, vf ? 1 : 2))));
   }
-  // An infinite length times one of zero would be NaN, which a maximum may lose.
+  // The product of an infinite and a zero length would be NaN, which a maximum may discard.
   const Lanes least = broadcast(kLeastExtent);
   return hn::Max(hn::Mul(hn::Max(first, least), hn::Max(second, least)), broadcast(kLeastSquare));
 }

@@ -1,21 +1,23 @@
-// Feature filter: four points that are never coplanar are no contact (Tang, Manocha, Tong 2010, the non-penetration
-// filter).
+// Feature filter: drops a test if its four points are never coplanar (the non-penetration filter of Tang, Manocha and
+// Tong 2010).
 #pragma once
 
 #include <volccd/culling/feature_filter.hpp>
 
 namespace volccd {
 
-/// Features that touch have coplanar vertices: det(p1 - p0, p2 - p0, p3 - p0)(t) = 0. Drops a test when the Bernstein
-/// coefficients of this polynomial (degree 3 for two control points, 6 for three) have one sign.
+/// If two features touch, their four vertices are coplanar: det(p1 - p0, p2 - p0, p3 - p0)(t) = 0. The filter drops a
+/// test if all Bernstein coefficients of this polynomial (degree 3 for two control points, 6 for three) have the same
+/// sign.
 ///
-/// With step.separation = d > 0: the determinant is a distance times an area. VF: |det| = |distance of the vertex from
-/// the triangle's plane| |n|; EE: |det| = |distance of the edges' lines| |ea x eb|. Features within d of each other
-/// have |det| <= d M, with M a bound of that area over the step, so coefficients of one sign beyond d M still drop the
-/// test.
+/// With step.separation = d > 0, the determinant is a distance times an area. VF: |det| = |distance of the vertex from
+/// the plane of the triangle| |n|. EE: |det| = |distance of the lines of the edges| |ea x eb|. Features within distance
+/// d of each other have |det| <= d M, where M is an upper bound of that area over the step. The filter therefore drops
+/// a test if all coefficients have the same sign and magnitudes greater than d M.
 ///
-/// Guarantee: conservative in floating point for any finite coordinates: a coefficient's sign counts beyond its
-/// rounding bound only (query/rounding.hpp). For step.t_max < 1 the polynomial over [0, t_max] is taken.
+/// Guarantee: conservative in floating point for any finite coordinates: the sign of a coefficient is used only if its
+/// magnitude exceeds its rounding bound (query/rounding.hpp). For step.t_max < 1 the polynomial is restricted to [0,
+/// t_max].
 class CoplanarityFilter final : public FeatureFilter {
  public:
   struct Config {};

@@ -11,9 +11,9 @@ using Point = reference::MovingPoint<double>;
 using Edge = std::array<Point, 2>;
 using Triangle = std::array<Point, 3>;
 
-constexpr std::size_t kMostVertices = 32, kMostEdges = 64;  // bits of FeatureMask
+constexpr std::size_t kMostVertices = 32, kMostEdges = 64;  // number of bits in FeatureMask
 
-/// What these stages were made for.
+/// Whether the step is of the kind that the 2011 implementation supported.
 bool handled(const Step& step) { return step.motion.control_points() == 2 && step.separation == 0; }
 
 Point point_of(const Motion& motion, Index v) {
@@ -28,7 +28,7 @@ std::array<Point, N> points_of(const Motion& motion, const std::array<Index, N>&
   return points;
 }
 
-/// An element, gathered once for all tests of it with another one.
+/// The vertices and features of an element, gathered once for all of its tests with another element.
 struct Element {
   Index slot = kNone;
   std::size_t count = 0;
@@ -47,7 +47,8 @@ constexpr std::uint64_t bits(std::size_t count) {
   return count == 64 ? ~std::uint64_t{0} : (std::uint64_t{1} << count) - 1;
 }
 
-/// Corollary 2: adds the bits of the vertices of `own` that touch nothing of `other`. Returns whether all are set then.
+/// Corollary 2: adds the bits of the vertices of `own` that are separated from `other`. Returns whether all bits are
+/// set afterwards.
 bool mask_vertices(const Step& step, const Element& own, const Element& other, std::uint32_t& mask) {
   const auto faces = step.features().element_triangles(other.slot);
   const Index face = faces[detail::csat_pick(step, own.slot, other.slot, 0) % faces.size()];
@@ -58,7 +59,8 @@ bool mask_vertices(const Step& step, const Element& own, const Element& other, s
   return mask == bits(own.count);
 }
 
-/// Corollary 4: adds the bits of the edges of `own` that touch nothing of `other`. Returns whether all are set then.
+/// Corollary 4: adds the bits of the edges of `own` that are separated from `other`. Returns whether all bits are set
+/// afterwards.
 bool mask_edges(const Step& step, const Element& own, const Element& other, std::uint64_t& mask) {
   const auto edges = step.features().element_edges(own.slot), others = step.features().element_edges(other.slot);
   const Index picked = others[detail::csat_pick(step, own.slot, other.slot, 1) % others.size()];

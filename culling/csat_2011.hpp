@@ -1,4 +1,4 @@
-// CSAT of 2011, for the paper's Table I as it was measured then: scalar, plainly written, as printed (Section 4).
+// The CSAT implementation of 2011, for Table I as the paper measured it: scalar code, as printed in Section 4.
 #pragma once
 
 #include <volccd/culling/element_culling.hpp>
@@ -6,16 +6,17 @@
 
 namespace volccd {
 
-/// Algorithm 2: each vertex of a against b and each vertex of b against a (Corollary 2) along the normal at t = 0 of a
-/// picked face of the other element; each edge of a against b (Corollary 4) along its cross product with a picked edge
-/// of b. Face and edge are picked once for each pair of elements, as `csat.axis=face` picks them. What is apart is
-/// masked; a pair of which no test is left is dropped as contact_free.
+/// Algorithm 2: each vertex of a against b and each vertex of b against a (Corollary 2), along the normal at t = 0 of a
+/// picked face of the other element; each edge of a against b (Corollary 4), along its cross product with a picked edge
+/// of b. Face and edge are picked once for each element pair, in the same way as for `csat.axis=face`. Separated
+/// features are masked; a pair without remaining tests is dropped as contact_free.
 ///
-/// Guarantee: approximate. Signs are those of rounded dot products, without a bound: a zero counts as not separated,
-/// but where the exact value is zero or nearly so, rounding may give all values one sign, and a contact is lost.
+/// Guarantee: approximate. Signs are those of rounded dot products, without a rounding bound. A zero is regarded as not
+/// separated, but if the exact value is zero or nearly zero, rounding may give all values the same sign, and a contact
+/// is lost.
 ///
-/// Separations, three control points, and elements of more than 32 vertices or 64 edges: nothing is culled. t_max is
-/// ignored: what is apart all along is apart until then.
+/// Nothing is culled for separations, for three control points, and for elements with more than 32 vertices or 64
+/// edges. t_max is ignored: features that are separated throughout the step are separated until t_max.
 class Csat2011 final : public ElementCulling {
  public:
   struct Config {};
@@ -26,8 +27,8 @@ class Csat2011 final : public ElementCulling {
   void run(const Step& step, StageState& state, unsigned worker, PairBatch& batch) const override;
 };
 
-/// Corollaries 1 and 3 on single tests: the triangle's normal at t = 0, and the cross product of the edges at t = 0,
-/// with the paper's 4 and 5 dot products. Guarantee and limits as above.
+/// Corollaries 1 and 3 for single tests, along the normal of the triangle at t = 0 or the cross product of the edges at
+/// t = 0, with 4 and 5 dot products as in the paper. Guarantee and limits are those of Csat2011.
 class CsatFilter2011 final : public FeatureFilter {
  public:
   struct Config {};

@@ -10,7 +10,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-/// The tests of one vector register.
+/// The tests in one vector register.
 template <FeatureKind kKind, int kControlPoints>
 class SeparatingAxes {
  public:
@@ -35,7 +35,7 @@ class SeparatingAxes {
   }
 
  private:
-  /// Triangle normal or cross product of the edges, at a control point.
+  /// Normal of the triangle, or cross product of the edges, at a control point.
   HWY_INLINE Lanes3 normal(int c) const { return cross(first_side(c), second_side(c)); }
   /// Two sides of the triangle, or both edges.
   HWY_INLINE Lanes3 first_side(int c) const {

@@ -1,4 +1,4 @@
-// Feature filter: continuous separating axis test on one VF or EE pair (Section 4, Corollaries 1 and 3).
+// Feature filter: continuous separating axis test of one VF or EE pair (Section 4, Corollaries 1 and 3).
 #pragma once
 
 #include <volccd/culling/feature_filter.hpp>
@@ -6,19 +6,20 @@
 namespace volccd {
 
 enum class CsatFilterAxes {
-  first,  ///< the paper's: VF: the triangle's normal at t = 0; EE: the cross product of the edges at t = 0
-  ends,   ///< those, and the same at the last control point
-  wide    ///< those of `ends`, and at t = 0 the lines across each edge in the plane of the triangle (of both edges)
+  first,  ///< as in the paper: VF: normal of the triangle at t = 0; EE: cross product of the edges at t = 0
+  ends,   ///< also the normal or cross product at the last control point
+  wide    ///< also, at t = 0, the normals of each edge within the plane of the triangle (or of both edges)
 };
 
-/// Drops a test when the projections of the two features along an axis stay disjoint, on the same side, at each control
-/// point, by more than step.separation.
+/// Drops a test if the projections of the two features onto an axis are disjoint at each control point, in the same
+/// order, by more than step.separation.
 ///
-/// The paper's 4 and 5 dot products count those at t = 0 once, as they are equal along n0. They are not in floating
-/// point, n0 being rounded: all are computed here, relative to the first vertex (6 a test for two control points).
+/// The paper needs 4 and 5 dot products because those at t = 0 are equal along n0. In floating point they are not
+/// equal, since n0 is rounded; therefore all are computed here, relative to the first vertex (6 per test for two
+/// control points).
 ///
-/// Guarantee: conservative in floating point for any finite coordinates: a gap counts beyond its rounding bound only
-/// (query/rounding.hpp). For step.t_max < 1 the motion over [0, t_max] is tested.
+/// Guarantee: conservative in floating point for any finite coordinates: a gap is used only if it exceeds its rounding
+/// bound (query/rounding.hpp). For step.t_max < 1 the motion over [0, t_max] is tested.
 class CsatFilter final : public FeatureFilter {
  public:
   struct Config {

@@ -1,6 +1,6 @@
-// CSAT as the paper prints it: Theorem 1, Corollaries 1 to 4, signs of dot products (Section 4). Scalar, over any
-// number type. Signs are those that rounding gives: nothing here is conservative in floating point (culling/csat.hpp
-// is). The stages are in culling/csat_2011.hpp.
+// CSAT as the paper prints it: Theorem 1, Corollaries 1 to 4, with the signs of dot products (Section 4). Scalar
+// templates over any number type. The signs are those of rounded values, so that nothing here is conservative in
+// floating point (in contrast to culling/csat.hpp). The stages that use this code are in culling/csat_2011.hpp.
 #pragma once
 
 #include <array>
@@ -10,10 +10,10 @@
 
 namespace volccd::reference {
 
-/// The sign that values seen so far have in common. A zero, and what is not a number, counts as "not separated".
+/// The common sign of a sequence of values. A zero or NaN among them means "not separated".
 class CommonSign {
  public:
-  /// Whether all values up to this one have one sign.
+  /// Whether all values up to and including this one have the same sign.
   template <class Scalar>
   bool take(const Scalar& value) {
     const int sign = value > Scalar(0) ? 1 : value < Scalar(0) ? -1 : 0;
@@ -26,8 +26,8 @@ class CommonSign {
   int sign_ = 0;
 };
 
-/// Corollaries 2 and 4: (q - p) . L has one sign for every p of `feature` (a vertex, or the ends of an edge) and q of
-/// `element`, at both ends of the step. Two dot products for each p and q, up to the first that decides.
+/// Corollaries 2 and 4: whether (q - p) . L has the same sign for every p of `feature` (a vertex, or the ends of an
+/// edge) and q of `element`, at both ends of the step. Two dot products for each p and q, until one decides.
 template <class Scalar>
 bool apart_along(const Vector3<Scalar>& axis, std::span<const MovingPoint<Scalar>> feature,
                  std::span<const MovingPoint<Scalar>> element) {
@@ -44,7 +44,8 @@ Vector3<Scalar> start_normal(const std::array<MovingPoint<Scalar>, 3>& f) {
   return cross(f[1].x0 - f[0].x0, f[2].x0 - f[0].x0);
 }
 
-/// Corollary 1 along the normal n0 of the triangle at t = 0: 4 dot products, those at t = 0 being taken for equal.
+/// Corollary 1 along the normal n0 of the triangle at t = 0: 4 dot products, since those at t = 0 are assumed to be
+/// equal.
 template <class Scalar>
 bool vertex_apart(const MovingPoint<Scalar>& p, const std::array<MovingPoint<Scalar>, 3>& f,
                   const Vector3<Scalar>& n0) {
@@ -59,7 +60,7 @@ Vector3<Scalar> start_cross(const std::array<MovingPoint<Scalar>, 2>& e, const s
   return cross(e[0].x0 - e[1].x0, g[0].x0 - g[1].x0);
 }
 
-/// Corollary 3 along n0 = start_cross(e, g): 5 dot products, those at t = 0 being taken for equal.
+/// Corollary 3 along n0 = start_cross(e, g): 5 dot products, since those at t = 0 are assumed to be equal.
 template <class Scalar>
 bool edges_apart(const std::array<MovingPoint<Scalar>, 2>& e, const std::array<MovingPoint<Scalar>, 2>& g,
                  const Vector3<Scalar>& n0) {

@@ -7,17 +7,18 @@ namespace volccd {
 
 namespace {
 
-/// Features of one element of a pair that can be in a test that the pair owns.
+/// Features of one element of a pair that can occur in a test that the pair owns.
 struct Candidates {
-  std::vector<Index> own;    ///< no other element comes before it
-  std::vector<Index> later;  ///< other elements come before it, all of them adjacent to the pair's other element
+  std::vector<Index> own;    ///< features whose first incident element is this one
+  std::vector<Index> later;  ///< features with earlier incident elements, all of which are adjacent to the pair's other
+                             ///< element
 
   void clear() { own.clear(), later.clear(); }
   bool empty() const { return own.empty() && later.empty(); }
   std::size_t bytes() const { return (own.capacity() + later.capacity()) * sizeof(Index); }
 };
 
-/// Of one worker.
+/// Scratch memory of one worker.
 struct alignas(64) Scratch {
   Candidates vertices, triangles, edges_a, edges_b;
 };
@@ -35,10 +36,11 @@ struct DynamicAssignmentState final : StageState {
 
 enum class Kind { vertex, triangle, edge };
 
-/// Writes the tests that element pairs own. In a pair (o1, o2) let a be a feature of o1 and b one of o2. If (o1, o2) is
-/// the first non-adjacent pair in inc(a) x inc(b), or (o2, o1) in inc(b) x inc(a), then all elements of inc(a) before
-/// o1 are adjacent to o2, and all of inc(b) before o2 to o1: two conditions that each concern one feature alone
-/// (Candidates). They suffice for inc(a) x inc(b) if o1 is the first element of a.
+/// Appends the tests that element pairs own. For a pair (o1, o2), let a be a feature of o1 and b a feature of o2. If
+/// (o1, o2) is the first non-adjacent pair in inc(a) x inc(b), or (o2, o1) is the first in inc(b) x inc(a), then all
+/// elements of inc(a) before o1 are adjacent to o2, and all elements of inc(b) before o2 are adjacent to o1. Each of
+/// these two conditions concerns one feature only (Candidates). They are sufficient for inc(a) x inc(b) if o1 is the
+/// first element of inc(a).
 class OwnedTests {
  public:
   OwnedTests(const Topology& topology, Scratch& scratch, TestBatch& out)
@@ -86,7 +88,7 @@ class OwnedTests {
     append_later_ee(pair, edges_a.later, false, edges_b.later, false);
   }
 
-  /// Edges of which not all are `own`. An EE pair is read in the order of its slots.
+  /// Appends tests of edges not all of which are `own`. An EE pair is considered in the order of its edge slots.
   void append_later_ee(ElementPair pair, std::span<const Index> edges_a, bool own_a, std::span<const Index> edges_b,
                        bool own_b) {
     for (const Index e : edges_a)
@@ -99,7 +101,7 @@ class OwnedTests {
         }
   }
 
-  /// Sorts out the features of element o, of its pair with `other`.
+  /// Classifies the features of element o for its pair with `other`.
   template <Kind K, class Mask>
   void find(Index o, Index other, Mask mask, Candidates& found) const {
     found.clear();
@@ -117,14 +119,14 @@ class OwnedTests {
     });
   }
 
-  /// Whether all elements of inc between the first one and o are adjacent to `other`.
+  /// Whether all elements of inc after the first one and before o are adjacent to `other`.
   bool others_adjacent(std::span<const Index> inc, Index o, Index other) const {
     for (std::size_t k = 1; inc[k] != o; ++k)
       if (!adjacency_.adjacent(inc[k], other)) return false;
     return true;
   }
 
-  /// Whether all elements of inc_a before o_a are adjacent to all of inc_b. That they are to o_b is known.
+  /// Whether all elements of inc_a before o_a are adjacent to all elements of inc_b. Pre: they are adjacent to o_b.
   bool covers(Index o_a, std::span<const Index> inc_a, Index o_b, std::span<const Index> inc_b) const {
     for (std::size_t i = 0; inc_a[i] != o_a; ++i)
       for (const Index q : inc_b)
@@ -153,8 +155,8 @@ class OwnedTests {
   const Mesh& mesh_;
   const Features& features_;
   const Adjacency& adjacency_;
-  const bool objects_apart_;  ///< elements of different objects are never adjacent
-  bool connected_ = true;     ///< elements of the objects of the present pair may be adjacent
+  const bool objects_apart_;  ///< whether elements of different objects are never adjacent
+  bool connected_ = true;     ///< whether elements of the objects of the current pair may be adjacent
   Scratch& scratch_;
   TestBatch& out_;
 };

@@ -1,4 +1,5 @@
-// The element-culling strategy: drops element pairs, or masks features of a pair, that cannot touch during the step.
+// The element-culling strategy: drops element pairs that cannot touch during the step, or masks features that cannot
+// touch the other element of a pair.
 #pragma once
 
 #include <cstdint>
@@ -10,34 +11,35 @@
 
 namespace volccd {
 
-/// Features of an element pair (a,b) that were shown not to touch the other element. Bit i of `vertices_a`: vertex i of
-/// a (node order) touches no triangle of b; bit i of `edges_a`: edge i of a (Features::element_edges) touches no edge
-/// of b; likewise for b. Features beyond the bits are never masked: large polytopes are merely culled less.
+/// Features of an element pair (a,b) that are proven not to touch the other element. Bit i of `vertices_a`: vertex i of
+/// a (in node order) touches no triangle of b. Bit i of `edges_a`: edge i of a (Features::element_edges) touches no
+/// edge of b. The other two members are the same for b. Features without a bit are never masked, so that large
+/// polytopes are only culled less.
 struct FeatureMask {
   std::uint32_t vertices_a = 0, vertices_b = 0;
   std::uint64_t edges_a = 0, edges_b = 0;
 };
 
-/// What a stage has found out about a pair.
+/// The result of a stage for one pair.
 enum class PairVerdict {
   keep,
-  disjoint,      ///< the convex hulls of the elements stay further apart than step.separation during [0, step.t_max]
-  contact_free   ///< no feature of one touches the other; still, one element may lie inside the other, or pierce it
+  disjoint,      ///< the convex hulls of the elements are more than step.separation apart during [0, step.t_max]
+  contact_free   ///< no feature of one element touches the other; but one element may contain or intersect the other
 };
 
-/// Element pairs on their way through element culling. Reused from batch to batch: no allocation in steady state.
+/// A batch of element pairs in element culling. Reused for all batches: no allocation in steady state.
 class PairBatch {
  public:
-  /// These pairs, no feature masked.
+  /// Replaces the contents by these pairs, without masked features.
   void assign(std::span<const ElementPair> list) {
     pairs.assign(list.begin(), list.end());
     masks.assign(list.size(), FeatureMask{});
     contact_free.clear();
   }
 
-  /// Asks for the verdict on each pair, PairVerdict(ElementPair, FeatureMask&), which may add bits to the mask, and
-  /// takes out those that are not kept. The order of the rest stays. Always inline: kernels for one instruction set
-  /// could not be inlined into a function for another.
+  /// Calls `verdict` for each pair, PairVerdict(ElementPair, FeatureMask&), which may add bits to the mask, and removes
+  /// the pairs that are not kept. The others keep their order. Always inline, because a kernel for one instruction set
+  /// cannot be inlined into a function for another one.
   template <class Verdict>
   [[gnu::always_inline]] void cull(Verdict&& verdict) {
     std::size_t kept = 0;
@@ -60,7 +62,7 @@ class PairBatch {
 
   std::vector<ElementPair> pairs;
   std::vector<FeatureMask> masks;  ///< masks.size() == pairs.size()
-  /// Pairs that were taken out although they may overlap at t = 0 (PairVerdict::contact_free).
+  /// Removed pairs that may overlap at t = 0 (PairVerdict::contact_free).
   std::vector<ElementPair> contact_free;
 };
 
@@ -68,8 +70,8 @@ class ElementCulling : public Stage {
  public:
   static constexpr const char* kRole = "element-culling";
 
-  /// Takes pairs that do not touch during [0, step.t_max] out of the batch (PairBatch::cull), and adds bits to masks.
-  /// Pairs of adjacent elements and of an element with itself may occur; their shared features must stay.
+  /// Removes pairs that do not touch during [0, step.t_max] from the batch (PairBatch::cull), and adds bits to masks.
+  /// The batch may contain pairs of adjacent elements and self pairs; their shared features must not be masked.
   virtual void run(const Step& step, StageState& state, unsigned worker, PairBatch& batch) const = 0;
 };
 

@@ -13,9 +13,9 @@ class FeatureFilter : public Stage {
  public:
   static constexpr const char* kRole = "feature-filter";
 
-  /// Sets keep[i] to 0 for tests of the block that do not touch (come within step.separation) during [0, step.t_max];
-  /// leaves it alone otherwise. keep.size() == block.padded_size(), multiples of 8, so that kernels need no tail;
-  /// entries from block.size() on are of no account. Pre: the block is not empty.
+  /// Sets keep[i] to 0 for tests of the block whose features do not touch (do not come within step.separation) during
+  /// [0, step.t_max]; does not change the other entries. keep.size() == block.padded_size() is a multiple of 8, so that
+  /// kernels need no remainder loop; the entries from block.size() on are ignored. Pre: the block is not empty.
   virtual void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,
                    std::span<std::uint8_t> keep) const = 0;
 };

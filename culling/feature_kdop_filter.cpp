@@ -14,7 +14,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-/// x + y + z of the signed coordinates that the axis takes, in that order: the rounding bounds count on it.
+/// Sum x + y + z of the signed coordinates of the axis, in this order, which the rounding bounds assume.
 template <int kX, int kY, int kZ>
 HWY_INLINE Lanes along(const Lanes3& p) {
   static_assert(kX == 1 || (kX == 0 && (kY == 1 || (kY == 0 && kZ == 1))), "first term positive");
@@ -28,13 +28,14 @@ struct Job {
   double separation;
   StepPart part;
   bool swept;
-  unsigned axes;  ///< bit i: axis i of the 26-DOP; those of any k are a subset
+  unsigned axes;  ///< bit i: axis i of the 26-DOP; the axes of every k are a subset of these
 };
 constexpr auto kAxes = kdop_axes<26>();
-constexpr unsigned kCoordinateAxes = 0x7, kExactAxes = 0x1ff;  ///< those of one term, of one or two
+constexpr unsigned kCoordinateAxes = 0x7, kExactAxes = 0x1ff;  ///< axes of one term; axes of one or two terms
 
-/// For the whole step without a separation, axes of one or two terms: where rounded sums of two coordinates differ, the
-/// exact sums differ in the same sense. They are not subtracted: where they overflowed, that could give NaN.
+/// For the whole step without a separation, and axes of one or two terms: if rounded sums of two coordinates differ,
+/// the exact sums differ in the same order. The sums are compared, not subtracted, because subtraction could give NaN
+/// after an overflow.
 template <FeatureKind kKind, int kControlPoints>
 struct ExactBounds {
   template <std::size_t kAxis, std::size_t kDistance>
@@ -53,7 +54,7 @@ struct ExactBounds {
     return hn::Or(ahead, behind);
   }
 
-  /// Axes kFirst + 0, 1, .. among `axes`.
+  /// The axes kFirst + 0, 1, .. that are in `axes`.
   template <std::size_t kFirst, std::size_t kDistance, std::size_t... kAxis>
   static HWY_INLINE LaneMask apart(Columns<kDistance> tests, unsigned axes, std::index_sequence<kAxis...>) {
     LaneMask mask = hn::FirstN(Tag(), 0);
@@ -63,7 +64,7 @@ struct ExactBounds {
   }
 };
 
-/// For all cases: with a separation, for a part of the step, over all control points, axes of three terms.
+/// For all cases: with a separation, for a part of the step, over all control points, and for axes of three terms.
 template <FeatureKind kKind, int kControlPoints>
 class Bounds {
  public:
@@ -86,9 +87,9 @@ class Bounds {
   template <int kX, int kY, int kZ>
   HWY_INLINE LaneMask apart() const {
     constexpr int terms = kX * kX + kY * kY + kZ * kZ;
-    constexpr double lengths[4] = {0, 1, 0x1.6a09e667f3bcdp+0, 0x1.bb67ae8584cabp+0};  // square roots, rounded up
+    constexpr double lengths[4] = {0, 1, 0x1.6a09e667f3bcdp+0, 0x1.bb67ae8584cabp+0};  // square roots, rounded upward
     const Lanes gap = this->template gap<kX, kY, kZ>();
-    // Times 0: no bound is needed, but an infinite one stays an obstacle (as NaN).
+    // Multiplied by 0: no bound is needed, but an infinite bound must prevent a separation, which NaN does.
     const Lanes bound = exact_ && terms < 3 ? hn::Mul(rounding_, hn::Zero(Tag()))
                                             : hn::Add(rounding_, broadcast(separation_ * lengths[terms]));
     return hn::Gt(gap, bound);

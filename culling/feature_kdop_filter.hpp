@@ -6,15 +6,16 @@
 namespace volccd {
 
 enum class KdopBounds {
-  swept,    ///< k-DOPs that enclose each feature's control points: bounds that do not overlap
-  relative  ///< bounds apart, on the same side, at each control point: drops all that `swept` drops, and common motion
+  swept,    ///< k-DOPs that enclose all control points of each feature: tests their bounds for overlap
+  relative  ///< compares bounds at each control point, which must be disjoint in the same order: drops all that `swept`
+            ///< drops, and is not affected by common motion
 };
 
-/// Drops a test when some axis keeps the features apart by more than step.separation.
+/// Drops a test if the bounds along some axis keep the features apart by more than step.separation.
 ///
-/// Guarantee: conservative in floating point for any finite coordinates. Along axes of one or two terms comparisons are
-/// as good as exact (rounding is monotone); elsewhere a gap counts beyond its rounding bound only (query/rounding.hpp).
-/// For step.t_max < 1 the motion over [0, t_max] is bounded.
+/// Guarantee: conservative in floating point for any finite coordinates. Along axes of one or two terms, rounding does
+/// not change the result of comparisons (rounding is monotone); along other axes a gap is used only if it exceeds its
+/// rounding bound (query/rounding.hpp). For step.t_max < 1 the motion over [0, t_max] is bounded.
 class FeatureKdopFilter final : public FeatureFilter {
  public:
   enum class Axes { k6, k14, k16, k18, k24, k26 };

@@ -1,4 +1,4 @@
-// The flood strategy: reaches the element pairs that matter from pairs of boundary elements (docs/boundary_flood.md).
+// The flood strategy: finds the relevant element pairs from pairs of boundary elements (docs/boundary_flood.md).
 #pragma once
 
 #include <cstddef>
@@ -8,50 +8,51 @@
 
 namespace volccd {
 
-/// A pipeline with a flood looks for pairs on a simplicial complex of the mesh: broad phase, element culling and
-/// assignment see the step that the flood gives them (Flood::step), whose topology is that of the complex and whose
-/// subset are the elements that the broad phase pairs. What survives culling is handed to reach(); next() proposes
-/// further pairs, which go through culling and assignment in their turn, until there are none. The O-Set source is not
-/// asked: orphans come from here.
+/// A pipeline with a flood searches for pairs in a simplicial complex of the mesh. Broad phase, element culling and
+/// assignment receive the step that the flood provides (Flood::step): its topology is that of the complex, and its
+/// subset contains the elements that the broad phase pairs. The survivors of culling are given to reach(); next()
+/// proposes further pairs, which then pass through culling and assignment, until it proposes none. The flood lists the
+/// orphans itself; the OrphanSource is not used.
 ///
-/// Guarantee (conservative): the pairs that survive contain, for each feature pair {a,b} that touches, every pair of
-/// non-adjacent simplices that covers it; and the orphans contain {a,b} if no such pair does. That holds for any
-/// element culling and any broad phase that are conservative themselves.
+/// Guarantee (conservative): for each feature pair {a,b} that touches, the survivors contain every pair of non-adjacent
+/// simplices that covers it, and the orphans contain {a,b} if there is no such pair of simplices. This holds for all
+/// element culling and broad-phase stages that are conservative.
 ///
-/// A flood may leave a step to the pipeline's other stages (takes()), where it would not pay or is not proven.
+/// A flood may decline a step (takes()) for which it would be slow or is not proven; then the other stages process it.
 class Flood : public Stage {
  public:
   static constexpr const char* kRole = "flood";
 
-  /// Whether the step of the last prepare() is to be flooded. If not, nothing below is called, and the pipeline runs as
-  /// if it had no flood. `overlaps`: initial overlaps of elements are asked for.
+  /// Whether the flood processes the step of the last prepare(). If not, no member below is called, and the pipeline
+  /// runs as if it had no flood. `overlaps`: whether initial overlaps of elements are requested.
   virtual bool takes(const StageState& state, bool overlaps) const = 0;
 
-  /// What broad phase, culling and assignment see. Refers to `state`, which keeps it until the next prepare().
+  /// The step for broad phase, culling and assignment. It refers to `state` and is valid until the next prepare().
   virtual Step step(const StageState& state) const = 0;
 
-  /// Takes note of pairs that survived culling, on the worker that culled them: also those that were taken out as
+  /// Records pairs that survived culling, on the worker that culled them. Also called for pairs that were removed as
   /// PairVerdict::contact_free, which may have points in common.
   virtual void reach(StageState& state, unsigned worker, const std::vector<ElementPair>& pairs) const = 0;
 
-  /// Pairs to look at next; none: the flood is over.
+  /// The pairs to process next; if there are none, the flood has ended.
   struct Front {
     std::span<const ElementPair> pairs;
-    /// Only what touches at t = 0 is to be handed to reach(): culling sees t_max = 0, and no tests are assigned. Other
-    /// fronts together hold no pair twice, and none that the broad phase gives.
+    /// Only pairs that touch at t = 0 are to be given to reach(): culling uses t_max = 0, and no tests are assigned.
+    /// All other fronts together contain no pair twice, and no pair that the broad phase emits.
     bool at_start = false;
-    /// The flood leaves the step to the other stages after all: it would look at too many pairs. Nothing else is called
-    /// then.
+    /// The flood gives up the step because it would process too many pairs. The step is then left to the other stages,
+    /// and no other member is called.
     bool given_up = false;
   };
-  /// Called on one thread, first when the broad phase is done, then when all pairs of the last front are.
+  /// Called on one thread: first when the broad phase has finished, then each time all pairs of the last front are
+  /// processed.
   virtual Front next(StageState& state, Executor& executor) const = 0;
 
-  /// Puts the features of the mesh in the place of those of the complex, in tests behind these places.
+  /// Replaces features of the complex by features of the mesh, in all tests from these positions on.
   virtual void to_mesh_features(const StageState& state, TestBatch& tests, std::size_t vf_begin,
                                 std::size_t ee_begin) const = 0;
 
-  /// The orphans, as OrphanSource::blocks() and run() give them, in features of the mesh.
+  /// The orphans, in blocks as for OrphanSource::blocks() and run(), as features of the mesh.
   virtual std::size_t orphan_blocks(const StageState& state) const = 0;
   virtual void orphans(const StageState& state, std::size_t block, TestBatch& out) const = 0;
 };

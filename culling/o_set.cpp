@@ -15,8 +15,8 @@ using detail::OSetBlocks;
 using detail::OSetPartners;
 using Rows = OSetBlocks::Rows;
 
-/// Visits each vertex in use and each element once, neighbours soon after each other (breadth first): around features
-/// that are near, the same elements are looked at, which numbering may have scattered over all of memory.
+/// Visits each used vertex and each element once, in breadth-first order, so that neighbours follow each other closely.
+/// The same elements are examined for nearby features, and the numbering may have scattered them over memory.
 template <class VisitVertex, class VisitElement>
 void for_each_near(const Mesh& mesh, const Features& features, VisitVertex&& visit_vertex,
                    VisitElement&& visit_element) {
@@ -51,7 +51,7 @@ void sort_unique(std::vector<Index>& values) {
 }  // namespace
 
 struct OSet::Impl {
-  /// Features whose incident elements changed: all their pairs are found again.
+  /// Features whose incident elements changed; all of their pairs are recomputed.
   struct Renewed {
     std::vector<Index> vertices, triangles, edges;
   };
@@ -122,8 +122,8 @@ OSet::Impl::Renewed OSet::Impl::renew(const Features& features) {
   return renewed;
 }
 
-/// Writes all pairs of the renewed features. A pair of two of them is written once: VF by its vertex, EE by its smaller
-/// edge.
+/// Writes all pairs of the renewed features. A pair of two renewed features is written once: VF for its vertex, EE for
+/// its smaller edge.
 void OSet::Impl::find_pairs(const Topology& topology, const Renewed& renewed) {
   OSetPartners partners(topology, touch, covering);
   OSetBlocks::Writer vertex_rows(blocks, Rows::vertex), triangle_rows(blocks, Rows::triangle),
@@ -153,7 +153,7 @@ void OSet::Impl::find_pairs(const Topology& topology, const Renewed& renewed) {
 
 void OSet::Impl::update(const Topology& topology) {
   const TopologyDelta::Extent changed = delta.sync(topology);
-  // A build takes less time for each feature.
+  // A build takes less time per feature.
   const bool many = delta.changed_slots().size() > topology.mesh().element_count() / 4;
   if (changed == TopologyDelta::Extent::everything || many) {
     build(topology);

@@ -11,12 +11,12 @@
 namespace volccd {
 
 enum class OSetKind {
-  /// VF pairs {v,f}, v not in f, and EE pairs without a common vertex, for which every (oi, oj) in inc(a) x inc(b) is
-  /// adjacent (an element is adjacent to itself). With dynamic assignment each test comes out exactly once.
+  /// VF pairs {v,f} with v not in f, and EE pairs without a common vertex, for which every (oi, oj) in inc(a) x inc(b)
+  /// is adjacent (an element is adjacent to itself). With dynamic assignment, each test is generated exactly once.
   minimal,
-  /// Algorithm 3 as printed, but for its `return`, which has to go on with the next feature pair: a pair is in if some
-  /// adjacent (oi, oj) has every element of inc(a) adjacent to oj and every element of inc(b) adjacent to oi. It
-  /// contains the minimal set, and pairs that non-adjacent elements cover too.
+  /// Algorithm 3 as printed, except that its `return` must continue with the next feature pair: a pair is in the set
+  /// if, for some adjacent (oi, oj), every element of inc(a) is adjacent to oj and every element of inc(b) is adjacent
+  /// to oi. It contains the minimal set, and also pairs that non-adjacent elements cover.
   literal
 };
 
@@ -25,9 +25,9 @@ struct OSetCounts {
   friend bool operator==(const OSetCounts&, const OSetCounts&) = default;
 };
 
-/// The pairs of one topology, each once, in blocks of at most kBlockPairs; four bytes a pair, eight for each run of
-/// pairs with a feature in common, and tables for updates (40 bytes a triangle of rod-twist). Read-only use is
-/// thread-safe.
+/// The orphans of one topology, each once, in blocks of at most kBlockPairs pairs. Memory: four bytes per pair, eight
+/// for each sequence of pairs with a common feature, and tables for updates (40 bytes per triangle for rod-twist).
+/// Read-only use is thread-safe.
 class OSet {
  public:
   static constexpr std::size_t kBlockPairs = 1024;
@@ -39,17 +39,17 @@ class OSet {
 
   OSetKind kind() const;
 
-  /// Everything from scratch. Expected time proportional to the sum, over edges and vertices, of the elements around
-  /// them.
+  /// Computes the whole set. The expected time is proportional to the number of incident elements, summed over all
+  /// edges and vertices.
   void build(const Topology& topology);
 
-  /// Updates the set after topology edits: the same set as build() gives. Builds at first, and if the topology's
-  /// history does not reach back. Otherwise the amortised cost is proportional to the number of pairs that contain a
-  /// feature of a changed element.
+  /// Updates the set after topology edits; the result is the same set as that of build(). Calls build() at first, and
+  /// if the topology's history does not contain the last update. Otherwise the amortised cost is proportional to the
+  /// number of pairs that contain a feature of a changed element.
   void update(const Topology& topology);
 
   std::size_t blocks() const;
-  /// Appends a block's pairs: its VF pairs to out.vf, its EE pairs to out.ee.
+  /// Appends the pairs of a block: its VF pairs to out.vf, its EE pairs to out.ee.
   void append(std::size_t block, TestBatch& out) const;
 
   /// O(blocks) after a build, O(pairs) after an update.

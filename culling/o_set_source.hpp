@@ -1,4 +1,4 @@
-// The O-Set (Section 5.1, Algorithm 3) as a stage.
+// The O-Set (Section 5.1, Algorithm 3) as an orphan source.
 #pragma once
 
 #include <volccd/culling/o_set.hpp>
@@ -6,8 +6,8 @@
 
 namespace volccd {
 
-/// Holds an OSet in its state, built for the first topology that it sees and updated after edits (OSet::update). With
-/// the minimal set and dynamic assignment each test comes out exactly once; the literal set repeats some.
+/// The state contains an OSet, which is built for the first topology and updated after edits (OSet::update). With the
+/// minimal set and dynamic assignment each test is generated exactly once; the literal set repeats some tests.
 class OSetSource final : public OrphanSource {
  public:
   struct Config {

@@ -7,7 +7,7 @@ namespace volccd {
 
 namespace {
 
-/// Vertices of o1 that belong to it against triangles of o2 that belong to it.
+/// Appends the tests of vertices that belong to o1 and triangles that belong to o2.
 void vertex_tests(const Step& step, Index o1, Index o2, bool adjacent, std::uint32_t mask, TestBatch& out) {
   const Features& features = step.features();
   detail::for_each_unmasked(step.mesh().vertices(o1), mask, [&](Index v) {

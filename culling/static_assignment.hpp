@@ -5,12 +5,13 @@
 
 namespace volccd {
 
-/// Each feature belongs to the first element that has it, in the order of slots (Algorithm 4's greedy choice). A
-/// feature pair {a,b} is tested by the pair of elements that they belong to, which may be adjacent, or one element:
-/// complete, and each test exactly once, on all pairs, adjacent ones and self pairs included.
+/// Each feature belongs to its first incident element in ascending order of slots (the greedy choice of Algorithm 4). A
+/// feature pair {a,b} is tested by the pair of the two elements to which a and b belong, which may be adjacent or
+/// identical. On all element pairs, including adjacent ones and self pairs, this is complete, and each test is
+/// performed exactly once.
 ///
-/// Incomplete with an O-Set, as Section 5.2 says: then adjacent pairs are skipped, and pairs that belong to them but
-/// are covered by other, non-adjacent elements are in no O-Set.
+/// Incomplete with an O-Set, as Section 5.2 explains: adjacent element pairs are then skipped, and a feature pair that
+/// belongs to one of them, but is covered by other, non-adjacent elements, is not in the O-Set.
 class StaticAssignment final : public Assignment {
  public:
   struct Config {};

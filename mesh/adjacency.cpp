@@ -57,8 +57,8 @@ void Adjacency::store(Index o, std::span<const Index> vertices) {
   if (large_.size() != 0) large_.assign(o, vertices.size() > kMaxBlock ? vertices : std::span<const Index>());
 }
 
-/// From blocks of four to blocks of eight, in the memory that prepare() has reserved. From the back: no block is
-/// overwritten before it has been read.
+/// Changes blocks of four to blocks of eight, in the memory that prepare() has reserved. Proceeds from the last block
+/// to the first, so that no block is overwritten before it is read.
 void Adjacency::widen() noexcept {
   const std::size_t slots = ids_.size() / 4;
   ids_.resize(slots * kMaxBlock);
@@ -71,7 +71,7 @@ void Adjacency::widen() noexcept {
   block_ = kMaxBlock;
 }
 
-/// In blocks of eight; the last one of a list overlaps the one before.
+/// Compares blocks of eight; the last block of a list overlaps the one before.
 bool Adjacency::adjacent_large(Index a, Index b) const {
   const std::span<const Index> x = vertices(a), y = vertices(b);
   for (std::size_t i = 0; i < x.size(); i += kMaxBlock)

@@ -13,17 +13,18 @@
 
 namespace volccd {
 
-/// The vertices of all elements, in blocks of four ids, or of eight if some element has more than four vertices;
-/// polytopes of more than eight vertices have lists of their own. Two elements are compared block by block in
-/// registers, which takes about a nanosecond for tetrahedra. Read-only use is thread-safe.
+/// Stores the vertices of all elements in blocks of four ids, or of eight ids if some element has more than four
+/// vertices. Polytopes with more than eight vertices have separate lists. Two elements are compared block by block in
+/// vector registers, in about a nanosecond for tetrahedra. Read-only use is thread-safe.
 class Adjacency {
  public:
-  /// For the live elements of `mesh`. O(elements).
+  /// Replaces the contents by the live elements of `mesh`. O(elements).
   void build(const Mesh& mesh);
 
-  /// An edit in two parts, as in Mesh. The added elements take `slots`; the mesh will have `element_slots` slots.
-  /// prepare() allocates the memory and changes nothing that can be seen; commit() of the same edit cannot fail.
-  /// Amortised time proportional to the edit, except where its elements are the first that are larger than a block.
+  /// An edit in two phases, as in Mesh. The added elements take `slots`; afterwards the mesh has `element_slots` slots.
+  /// prepare() allocates the memory without an observable change; commit() of the same edit cannot fail. The amortised
+  /// time is proportional to the size of the edit, except if the edit adds the first elements that are larger than a
+  /// block.
   void prepare(std::span<const ElementSpec> added, std::span<const Index> slots, Index element_slots);
   void commit(std::span<const Index> removed, std::span<const ElementSpec> added, std::span<const Index> slots,
               Index element_slots) noexcept;
@@ -35,8 +36,8 @@ class Adjacency {
     return adjacent_large(a, b);
   }
 
-  /// The vertices of a live element in node order, for random access. An element that is smaller than its block repeats
-  /// its first vertex at the end.
+  /// The vertices of a live element in node order, for fast random access. For an element that is smaller than its
+  /// block, the first vertex is repeated at the end.
   std::span<const Index> vertices(Index o) const {
     if (large_.size() != 0 && !large_[o].empty()) return large_[o];
     return {block(o), block_};
@@ -52,9 +53,10 @@ class Adjacency {
   void store(Index o, std::span<const Index> vertices);
   void widen() noexcept;
 
-  std::uint32_t block_ = 4;      ///< ids of a slot in ids_: 4 or 8
-  std::vector<Index> ids_;       ///< padded with the first vertex; kNone in empty slots
-  detail::IncidencePool large_;  ///< vertices of the slots with more than 8; no lists if there never was one
+  std::uint32_t block_ = 4;      ///< number of ids per slot in ids_: 4 or 8
+  std::vector<Index> ids_;       ///< blocks padded with the first vertex of the element; kNone in empty slots
+  detail::IncidencePool large_;  ///< vertices of the elements with more than 8; without lists if there never was such
+                                 ///< an element
 };
 
 }  // namespace volccd

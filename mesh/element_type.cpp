@@ -6,7 +6,7 @@ namespace volccd {
 
 namespace {
 
-constexpr int kMaxStream = 30;  // a hexahedron's: 6 * (1 + 4)
+constexpr int kMaxStream = 30;  // length of a hexahedron's stream: 6 * (1 + 4)
 
 struct FaceStream {
   std::array<std::uint8_t, kMaxStream> data{};

@@ -1,4 +1,4 @@
-// Element types and their faces. Node order is VTK's.
+// Element types and their faces. The node order is that of VTK.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace volccd {
 
-/// Values are VTK's cell types.
+/// The values are the cell types of VTK.
 enum class ElementType : std::uint8_t {
   none = 0,  ///< an empty slot
   triangle = 5,
@@ -23,17 +23,17 @@ enum class ElementType : std::uint8_t {
 
 const char* to_string(ElementType type);
 
-/// Whether VTK's number names a type that a mesh can hold; `none` does not count.
+/// Whether a VTK cell type can be stored in a mesh; false for `none`.
 bool is_element_type(int vtk_type);
 
-/// Vertices of a type; 0 for a polytope, whose number varies.
+/// Number of vertices of a type; 0 for a polytope, whose number of vertices varies.
 int vertex_count(ElementType type);
 
 /// Whether the element is a surface (triangle, quad) rather than a volume.
 bool is_shell(ElementType type);
 
-/// Faces of a fixed type as a stream {n, i0 .. i(n-1), n, ...} of local vertex numbers, each face in cyclic order. A
-/// polytope has its own stream in the mesh.
+/// Faces of a type with a fixed number of vertices, as a stream {n, i0 .. i(n-1), n, ...} of local vertex numbers, each
+/// face in cyclic order. The face stream of a polytope is stored in the mesh.
 std::span<const std::uint8_t> face_stream(ElementType type);
 
 }  // namespace volccd

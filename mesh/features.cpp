@@ -45,7 +45,7 @@ namespace {
 
 using detail::ascending;
 
-/// Upper estimate of the features of all elements, with repetition.
+/// Upper bounds on the numbers of features of all elements, with repetition.
 struct BoundarySize {
   std::size_t edges = 0, triangles = 0;
 };
@@ -71,7 +71,7 @@ void fill_first(detail::Incidence& incidence) {
     incidence.first.push_back(incidence.elements[i].empty() ? kNone : incidence.elements[i].front());
 }
 
-/// Tables of the edges or the triangles from their occurrences.
+/// Builds the tables of the edges or the triangles from their occurrences.
 template <std::size_t N>
 void build_kind(const detail::Occurrences<N>& occurrences, const Mesh& mesh, std::vector<std::array<Index, N>>& tuples,
                 detail::TupleTable<N>& table, detail::Incidence& incidence, detail::IncidencePool& of_element) {
@@ -113,7 +113,7 @@ void Features::build(const Mesh& mesh) {
   fill_first(vertex_incidence_);
 
   build_kind(edges, mesh, edges_, edge_table_, edge_incidence_, element_edges_);
-  edges = {};  // both at once would be the peak of memory
+  edges = {};  // releases memory, because both at once would determine the peak of memory use
   build_kind(triangles, mesh, triangles_, triangle_table_, triangle_incidence_, element_triangles_);
 }
 

@@ -15,8 +15,8 @@ void check_size(std::size_t entries) {
   if (entries >= kNone) throw Error("mesh too large: more than 2^32 incidences of features and elements");
 }
 
-constexpr std::size_t kSmall = 1024;  // arrays below this are not worth compacting
-constexpr std::size_t kLong = 32;     // from here on a binary search beats a scan
+constexpr std::size_t kSmall = 1024;  // arrays smaller than this are not compacted
+constexpr std::size_t kLong = 32;     // from this length on a binary search is faster than a linear search
 
 }  // namespace
 
@@ -50,7 +50,7 @@ void IncidencePool::insert(std::size_t i, std::span<const Index> values) {
   const std::size_t size = lists_[i].size + values.size();
   if (size > lists_[i].capacity) relocate(i, size + size / 2);
   Index* const first = data_.data() + lists_[i].begin;
-  // Merges from the back: what lies before the smallest new value stays where it is.
+  // Merges from the end; the values before the smallest new value are not moved.
   Index* from = first + lists_[i].size;
   Index* to = first + size;
   for (std::size_t k = values.size(); k != 0;) {

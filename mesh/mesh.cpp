@@ -73,7 +73,7 @@ void Mesh::remove_element(Index slot) {
 
 std::vector<Index> Mesh::prepare(std::span<const Index> removed, std::size_t new_vertices,
                                  std::span<const ElementSpec> added) {
-  std::map<std::size_t, std::size_t> freed, taken;  // blocks of each length
+  std::map<std::size_t, std::size_t> freed, taken;  // numbers of blocks, by length
   for (const Index o : removed) ++freed[std::size_t{blocks_[o].vertices} + blocks_[o].faces];
   for (const ElementSpec& element : added) ++taken[element.vertices.size() + element.faces.size()];
   for (const auto& [length, n] : freed) detail::reserve_more(free_blocks_[length], n);
@@ -105,7 +105,7 @@ void Mesh::commit(std::span<const Index> removed, std::span<const std::int64_t> 
   for (const ElementSpec& element : added) place(element);
 }
 
-/// Room for more slots, ids and entries of connectivity_.
+/// Reserves memory for more slots, ids and entries of connectivity_.
 void Mesh::reserve_slots(std::size_t slots, std::size_t ids, std::size_t connectivity) {
   detail::reserve_more(types_, slots);
   detail::reserve_more(objects_, slots);
@@ -115,7 +115,7 @@ void Mesh::reserve_slots(std::size_t slots, std::size_t ids, std::size_t connect
   id_table_.reserve_more(ids, [&](Index other) { return id_hash(element_ids_[other]); });
 }
 
-/// Puts in an element that is valid and that there is room for.
+/// Stores a valid element, for which memory has been reserved.
 Index Mesh::place(const ElementSpec& element) noexcept {
   const Index slot = free_slots_.empty() ? element_slots() : free_slots_.back();
   if (free_slots_.empty()) {

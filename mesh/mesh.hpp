@@ -1,4 +1,4 @@
-// Elements of mixed type in CSR form, with stable ids. Positions are not here but in Motion.
+// Elements of mixed type in CSR form, with stable ids. Positions are not stored here but in Motion.
 #pragma once
 
 #include <cstdint>
@@ -12,7 +12,7 @@
 
 namespace volccd {
 
-/// One element as a caller describes it.
+/// One element as the caller describes it.
 struct ElementSpec {
   ElementType type = ElementType::none;
   std::vector<Index> vertices;  ///< vertex slots in VTK node order; a polytope's distinct vertices
@@ -22,32 +22,32 @@ struct ElementSpec {
   std::int64_t id = 0;
 };
 
-/// Invariants, kept by every member: vertex ids ascend strictly with the slot (the vertex of smallest id is that of
-/// smallest slot); element ids are distinct; the vertices of one element are distinct and in range.
+/// Invariants of all members: vertex ids are strictly ascending in the slot (the vertex of smallest id has the smallest
+/// slot); element ids are distinct; the vertices of one element are distinct and in range.
 ///
-/// Removing an element empties its slot, which a later element may take. Vertices are never removed; one that no
-/// element uses may be used again. Not thread-safe during changes. A member that throws, std::bad_alloc included,
-/// leaves the mesh as it was.
+/// Removing an element empties its slot, which a later element may take. Vertices are never removed; a later element
+/// may use a vertex that no element uses now. Not thread-safe during changes. A member that throws, including
+/// std::bad_alloc, leaves the mesh unchanged.
 class Mesh {
  public:
   Mesh() = default;
 
-  /// Appends vertices. Throws InputError if the ids do not ascend, or do not exceed those that are there.
+  /// Appends vertices. Throws InputError if the ids are not ascending, or not greater than all present ids.
   void add_vertices(std::span<const std::int64_t> ids);
-  /// Appends n vertices with the next ids.
+  /// Appends n vertices with consecutive ids that follow the greatest present id.
   void add_vertices(Index n);
 
-  /// Returns the element's slot. Throws InputError: wrong number of vertices, a vertex out of range or twice in the
-  /// element, an id that is taken, a polytope whose faces do not use exactly its vertices or do not close up (each edge
-  /// in exactly two faces). Amortised O(vertices of the element).
+  /// Adds an element and returns its slot. Throws InputError if the number of vertices is wrong, a vertex is out of
+  /// range or occurs twice in the element, the id is taken, or the faces of a polytope do not use exactly its vertices
+  /// or are not closed (each edge in exactly two faces). Amortised O(vertices of the element).
   Index add_element(const ElementSpec& element);
 
-  /// O(1). The element must be live.
+  /// Removes a live element. O(1).
   void remove_element(Index slot);
 
-  /// An edit in two parts: elements are removed, then vertices and elements are added. prepare() allocates the memory
-  /// and changes nothing that can be seen; it returns the slots of the added elements. commit() of the same edit cannot
-  /// fail. Neither checks what the members above check. Amortised O(vertices of the elements).
+  /// An edit in two phases: elements are removed, then vertices and elements are added. prepare() allocates the memory
+  /// without an observable change and returns the slots of the added elements. commit() of the same edit cannot fail.
+  /// Neither member performs the checks of the members above. Amortised O(vertices of the elements).
   std::vector<Index> prepare(std::span<const Index> removed, std::size_t new_vertices,
                              std::span<const ElementSpec> added);
   void commit(std::span<const Index> removed, std::span<const std::int64_t> new_vertex_ids,
@@ -57,7 +57,7 @@ class Mesh {
   std::int64_t vertex_id(Index v) const { return vertex_ids_[v]; }
   std::span<const std::int64_t> vertex_ids() const { return vertex_ids_; }
 
-  /// Element slots are 0 .. element_slots() - 1, empty ones included.
+  /// Element slots are 0 .. element_slots() - 1, including empty ones.
   Index element_slots() const { return static_cast<Index>(types_.size()); }
   Index element_count() const { return live_; }
   bool is_live(Index o) const { return types_[o] != ElementType::none; }
@@ -69,18 +69,18 @@ class Mesh {
   std::span<const Index> vertices(Index o) const {
     return {connectivity_.data() + blocks_[o].begin, types_[o] == ElementType::none ? 0u : blocks_[o].vertices};
   }
-  /// A polytope's face stream of vertex slots; empty for other types.
+  /// The face stream of a polytope, with vertex slots; empty for other types.
   std::span<const Index> polytope_faces(Index o) const {
     return {connectivity_.data() + blocks_[o].begin + blocks_[o].vertices,
             types_[o] == ElementType::none ? 0u : blocks_[o].faces};
   }
-  /// Slot of the element with this id, or kNone. O(1) expected.
+  /// Slot of the element with this id, or kNone. Expected time O(1).
   Index find_element(std::int64_t id) const;
 
   std::size_t bytes() const;
 
  private:
-  /// Where an element's vertices and face stream lie in connectivity_.
+  /// Position of the vertices and the face stream of an element in connectivity_.
   struct Block {
     std::size_t begin;
     Index vertices, faces;
@@ -96,9 +96,9 @@ class Mesh {
   std::vector<Block> blocks_;
   std::vector<Index> connectivity_;
   std::vector<Index> free_slots_;
-  /// Starts of unused runs in connectivity_, by their length.
+  /// Start positions of unused ranges of connectivity_, grouped by length.
   std::map<std::size_t, std::vector<std::size_t>> free_blocks_;
-  detail::SlotTable id_table_;  ///< by element id
+  detail::SlotTable id_table_;  ///< from element id to slot
   Index live_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// The triangulated boundary of an element with its orientation.
+// The oriented, triangulated boundary of an element.
 #pragma once
 
 #include <array>
@@ -8,10 +8,10 @@
 
 namespace volccd {
 
-/// The triangles of the boundary of live element o (visit_boundary in mesh/features.hpp), each as three vertex slots in
-/// the cyclic order of its face. Those of a volume point outward where the element has a positive volume in VTK's node
-/// order; of a polytope, where its faces are so stored. A triangle that two faces of a degenerate polytope have comes
-/// twice.
+/// The boundary triangles of live element o (visit_boundary in mesh/features.hpp), each as three vertex slots in the
+/// cyclic order of its face. For a volume element of positive volume in VTK's node order they are oriented outward; for
+/// a polytope they have the orientation of its stored faces. If two faces of a degenerate polytope have the same
+/// triangle, it is returned twice.
 std::vector<std::array<Index, 3>> oriented_boundary(const Mesh& mesh, Index o);
 
 }  // namespace volccd

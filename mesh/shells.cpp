@@ -15,12 +15,12 @@ namespace volccd {
 
 namespace {
 
-/// Below this share of the shells' area a mean normal is rounding noise.
+/// If a mean normal is shorter than this fraction of the area of the shells, it consists of rounding errors.
 constexpr double kCancelled = 1e-9;
-/// Shells or vertices in a chunk of parallel work.
+/// Number of shells or vertices in a chunk of parallel work.
 constexpr std::size_t kGrain = 4096;
 
-/// Sets of shells joined by edges, each with its orientation relative to the set's representative.
+/// Sets of shells that are connected by edges, each with its orientation relative to the representative of its set.
 class Sheets {
  public:
   explicit Sheets(std::size_t n) : parent_(n), flip_(n) {
@@ -45,7 +45,8 @@ class Sheets {
     return place;
   }
 
-  /// Joins the sheets of i and j, which are oriented alike or opposite; what is joined already stays as it is.
+  /// Joins the sheets of i and j, which have the same or the opposite orientation. Does nothing if they are already
+  /// joined.
   void join(Index i, Index j, bool opposite) {
     const Place a = find(i), b = find(j);
     if (a.root == b.root) return;
@@ -58,7 +59,7 @@ class Sheets {
   std::vector<char> flip_;
 };
 
-/// Normal times area.
+/// Normal multiplied by the area.
 Vec3 area_vector(std::span<const Vec3> x, const std::array<Index, 4>& v) {
   return (x[v[2]] - x[v[0]]).cross(x[v[3]] - x[v[1]]) / 2;
 }
@@ -110,7 +111,7 @@ void ShellThickener::orient() {
   struct Side {
     std::array<Index, 2> edge;
     Index shell;
-    bool upward;  // runs from the smaller slot to the larger
+    bool upward;  // whether the side leads from the smaller slot to the larger
   };
   std::vector<Side> sides;
   for (Index s = 0; s < shells_.size(); ++s) {
@@ -125,10 +126,10 @@ void ShellThickener::orient() {
   Sheets sheets(shells_.size());
   for (std::size_t i = 0, first = 0; i < sides.size(); ++i) {
     if (sides[i].edge != sides[first].edge) first = i;
-    // Neighbours of one orientation run along their common edge in opposite directions.
+    // Neighbours with the same orientation traverse their common edge in opposite directions.
     if (i != first) sheets.join(sides[first].shell, sides[i].shell, sides[first].upward == sides[i].upward);
   }
-  std::vector<char> reference(shells_.size(), -1);  // flip of a sheet's shell of smallest id
+  std::vector<char> reference(shells_.size(), -1);  // flip of the shell of smallest id of each sheet
   for (Index s = 0; s < shells_.size(); ++s) {
     const Sheets::Place place = sheets.find(s);
     if (reference[place.root] < 0) reference[place.root] = place.flip;
@@ -151,8 +152,8 @@ ElementSpec ShellThickener::solid_element(const Mesh& mesh, Index o) const {
       for (std::size_t j = i + 1; j <= i + faces[i]; ++j) solid.faces[j] = solid_middle(faces[j]);
     return solid;
   }
-  // VTK's wedge begins with the triangle whose normal points out of it, its hexahedron with the quad whose normal
-  // points into it.
+  // In VTK's node order, a wedge begins with the triangle whose normal points outward, a hexahedron with the quad whose
+  // normal points inward.
   const bool triangle = solid.type == ElementType::triangle;
   const bool above_first = triangle != std::binary_search(flipped_.begin(), flipped_.end(), o);
   solid.type = triangle ? ElementType::wedge : ElementType::hexahedron;
@@ -179,7 +180,7 @@ void ShellThickener::check(std::span<const Vec3> x, std::span<const double> thic
       throw InputError("shells", "thickness", shell.slot, "not a finite number >= 0");
 }
 
-/// The last of `runs` is the end of the one before it. Returns how many vertices have no normal.
+/// The last entry of `runs` is the end of the last run. Returns the number of vertices without a mean normal.
 Index ShellThickener::split_vertices(std::span<const Vec3> x, std::span<const double> thickness,
                                      std::span<const Sheet> sheets, std::span<const Index> runs,
                                      std::span<Vec3> out) const {
@@ -197,7 +198,7 @@ Index ShellThickener::split_vertices(std::span<const Vec3> x, std::span<const do
       if (fallback.isZero(0) && size > 0 && std::isfinite(size)) fallback = normal / size;
     }
     double length = sum.norm();
-    // Negated, so that a NaN of overflowing areas counts as no normal.
+    // Negated, so that NaN from overflowing areas counts as no normal.
     if (!(length > kCancelled * area) || !std::isfinite(length)) {
       ++without_normal;
       sum = fallback.isZero(0) ? Vec3::UnitZ() : fallback;

@@ -1,4 +1,4 @@
-// Shells as solids: triangles become wedges and quads hexahedra, by their thickness along vertex normals.
+// Conversion of shells to solids: triangles become wedges and quads become hexahedra, thickened along vertex normals.
 #pragma once
 
 #include <array>
@@ -11,56 +11,59 @@
 
 namespace volccd {
 
-/// Vertices of the solid mesh that vertex v of the shell mesh stands for: v itself, for volumes, and the two that a
-/// shell's vertex splits into. All vertices get all three, used or not, so that slots do not depend on which elements
-/// there are and edits of the shell mesh carry over. Ids go the same way (solid_vertex_ids).
+/// Vertices of the solid mesh that correspond to vertex v of the shell mesh: v itself, which volumes use, and the two
+/// vertices into which a vertex of a shell is split. Every vertex gets all three, used or not, so that slots do not
+/// depend on the elements, and an edit of the shell mesh applies to the solid mesh. Ids are mapped in the same way
+/// (solid_vertex_ids).
 constexpr Index solid_middle(Index v) { return 3 * v; }
 constexpr Index solid_below(Index v) { return 3 * v + 1; }
 constexpr Index solid_above(Index v) { return 3 * v + 2; }
-/// The vertex of the shell mesh that a vertex of the solid mesh stems from.
+/// The vertex of the shell mesh to which a vertex of the solid mesh corresponds.
 constexpr Index shell_vertex(Index solid) { return solid / 3; }
 
-/// 3 id, 3 id + 1, 3 id + 2 for each id. Throws InputError for ids beyond a third of the range of 64 bits.
+/// The ids 3 id, 3 id + 1, 3 id + 2 for each id. Throws InputError for ids beyond a third of the 64-bit range.
 std::vector<std::int64_t> solid_vertex_ids(std::span<const std::int64_t> ids);
 
-/// Made once for a topology; then maps positions at any time to positions of the solid mesh, for both ends of a motion
-/// alike. Immutable: thread-safe.
+/// Constructed once for a topology; then maps positions at any time to positions of the solid mesh, in the same way at
+/// both ends of a motion. Immutable, hence thread-safe.
 ///
-/// Below and above lie h/2 off a vertex along its normal. Normal and h are means over all shells at the vertex,
-/// weighted by area, of whatever object: objects joined at a vertex stay joined. Shells that share an edge are brought
-/// to one orientation first, in which the shell of smallest id counts as it is, so that normals of a sheet whose
-/// elements are numbered in both directions do not cancel and no solid is twisted. That is a matter of topology alone,
-/// and the same at both ends. (A Moebius strip, or sheets that meet in a vertex only, may have a twisted solid:
-/// degenerate, but legal.) No allowance is made for creases: a solid is thinner there than h.
+/// The two vertices `below` and `above` are at distance h/2 from a vertex along its normal. The normal and h are means
+/// over all shells at the vertex, weighted by area, regardless of objects: objects that share a vertex stay connected.
+/// First, shells that share an edge are given a consistent orientation, that of the shell of smallest id, so that the
+/// normals of a sheet with inconsistent node orders do not cancel and no solid is twisted. This orientation depends on
+/// the topology alone and is the same at both ends. (A Moebius strip, or sheets that share only a vertex, may have a
+/// twisted solid, which is degenerate but valid.) There is no correction at creases: a solid is thinner than h there.
 ///
-/// A shell and a volume that it is glued to have no vertex in common afterwards: they count as touching from the start.
+/// A shell and a volume that share vertices have no vertex in common in the solid mesh: they touch at t = 0.
 class ShellThickener {
   struct Sheet {
-    Vec3 normal;  ///< times area
+    Vec3 normal;  ///< unit normal times area
     double area;
   };
 
  public:
-  /// Memory that positions() uses again, for any thickener: by one call at a time.
+  /// Memory for positions() that can be reused, with any thickener, by one call at a time.
   class Scratch {
     friend class ShellThickener;
-    std::vector<Sheet> sheets_;  ///< each shell's, which several vertices ask for
+    std::vector<Sheet> sheets_;  ///< normal and area of each shell, which several vertices use
   };
 
   explicit ShellThickener(const Mesh& mesh);
 
-  /// Solid of live element o of the mesh this was made for; a volume comes back as it is, on the middle vertices.
-  /// Object and id are kept. Solids have positive volume in VTK's sense where the sheet is flat.
+  /// The solid of live element o of the mesh that was passed to the constructor. A volume is returned unchanged, on the
+  /// middle vertices. Object and id are kept. Where the sheet is flat, the solid has positive volume in VTK's node
+  /// order.
   ElementSpec solid_element(const Mesh& mesh, Index o) const;
-  /// All elements, in the order of their slots, which are the same if the mesh has no empty ones.
+  /// All elements in ascending order of slots; they have the same slots as in `mesh` if that has no empty slot.
   Mesh solid_mesh(const Mesh& mesh) const;
 
-  /// Replaces `out` by the positions of the solid mesh, 3 for each of `x` (one a vertex). `thickness`: one an element
-  /// slot; entries of other elements are not read. Returns the number of vertices without a normal, because their
-  /// shells have no area or are folded back onto each other: there the first shell with an area, by id, gives it, else
-  /// the z axis. Throws InputError (source "shells", dataset "positions" or "thickness", index) for arrays of the wrong
-  /// length and for a thickness that is negative or not finite. Allocates only while `out` and the scratch grow. Same
-  /// bits for any number of workers; without an executor, on the calling thread, with scratch of its own.
+  /// Replaces `out` by the positions of the solid mesh, three for each vertex in `x`. `thickness` has one entry for
+  /// each element slot; the entries of volumes and empty slots are not read. Returns the number of vertices without a
+  /// mean normal, because their shells have no area or are folded onto each other: such a vertex takes the normal of
+  /// its first shell with an area, by id, otherwise the z axis. Throws InputError (source "shells", dataset "positions"
+  /// or "thickness", index) for arrays of wrong length and for a thickness that is negative or not finite. Allocates
+  /// only while `out` and the scratch memory grow. The result has the same bits for any number of workers. The overload
+  /// without an executor runs on the calling thread with its own scratch memory.
   Index positions(std::span<const Vec3> x, std::span<const double> thickness, std::vector<Vec3>& out, Scratch& scratch,
                   Executor& executor) const;
   Index positions(std::span<const Vec3> x, std::span<const double> thickness, std::vector<Vec3>& out) const;
@@ -69,7 +72,7 @@ class ShellThickener {
   struct Shell {
     Index slot;
     std::array<Index, 4> vertices;  ///< a triangle repeats its last vertex
-    bool flipped;                   ///< against the orientation of its sheet
+    bool flipped;                   ///< whether its node order is opposite to the orientation of its sheet
   };
   struct Corner {
     Index vertex, shell;
@@ -80,10 +83,10 @@ class ShellThickener {
                        std::span<const Index> runs, std::span<Vec3> out) const;
 
   Index vertices_ = 0, slots_ = 0;
-  std::vector<Shell> shells_;    ///< by element id
-  std::vector<Corner> corners_;  ///< by vertex, then shell
-  std::vector<Index> runs_;      ///< where in corners_ each vertex of a shell begins, and the end
-  std::vector<Index> flipped_;   ///< slots, ascending
+  std::vector<Shell> shells_;    ///< in the order of element ids
+  std::vector<Corner> corners_;  ///< in the order of vertices, then shells
+  std::vector<Index> runs_;      ///< start in corners_ of each vertex of a shell, and the end
+  std::vector<Index> flipped_;   ///< slots of flipped shells, ascending
 };
 
 }  // namespace volccd

@@ -33,7 +33,7 @@ std::vector<std::size_t> ascending_order(std::size_t n, Value&& value) {
   return order;
 }
 
-/// Vertices whose elements an edit changes, each once.
+/// Vertices of the elements that an edit removes or adds, each once.
 std::vector<Index> vertices_of(const Mesh& mesh, const TopologyEdit& edit) {
   std::vector<Index> vertices;
   for (Index o : edit.removed) vertices.insert(vertices.end(), mesh.vertices(o).begin(), mesh.vertices(o).end());

@@ -1,4 +1,5 @@
-// Mesh, Features and Adjacency that change together: the only way to edit a mesh whose features are in use.
+// A Mesh with its Features and Adjacency, which change together. This is the only way to edit a mesh whose features are
+// in use.
 #pragma once
 
 #include <cstdint>
@@ -22,16 +23,16 @@ struct TopologyEdit {
   bool empty() const { return removed.empty() && added.empty() && new_vertex_ids.empty(); }
 };
 
-/// The result of an edit. `version` is the topology's version after it.
+/// The result of an edit. `version` is the version of the topology after the edit.
 struct TopologyChange {
   std::uint64_t version = 0;
-  std::vector<Index> removed_elements, added_elements;  ///< ascending slots; one slot may be in both
+  std::vector<Index> removed_elements, added_elements;  ///< slots, ascending; a slot may be in both lists
   FeatureChange features;
 };
 
-/// Owns a Mesh, its Features and its Adjacency: all tables that depend on the elements alone, so that no stage needs a
-/// copy. Every edit raises the version. The state of a stage remembers the version that it was updated for, and finds
-/// out what has changed since with a TopologyDelta.
+/// Owns a Mesh, its Features and its Adjacency, all tables that depend on the elements alone, so that no stage needs
+/// its own copy. Every edit increases the version. The state of a stage stores the version for which it was last
+/// updated, and determines the changes since then with a TopologyDelta.
 class Topology {
  public:
   explicit Topology(Mesh mesh, EdgeSet edge_set = EdgeSet::triangulated);
@@ -40,16 +41,16 @@ class Topology {
   const Features& features() const { return features_; }
   const Adjacency& adjacency() const { return adjacency_; }
 
-  /// Never 0, and different for every Topology object and after every edit, so that a state can tell that it was made
-  /// for another topology.
+  /// Never 0, and different for every Topology object and after every edit. A state can therefore detect that it
+  /// belongs to another topology.
   std::uint64_t version() const { return version_; }
 
-  /// Throws InputError for an edit that the mesh does not allow, and std::bad_alloc; the topology is then as before.
-  /// Amortised time proportional to the edit, not to the mesh.
+  /// Applies an edit. Throws InputError if the mesh does not allow the edit, and std::bad_alloc; in both cases the
+  /// topology is unchanged. The amortised time is proportional to the size of the edit, not of the mesh.
   const TopologyChange& apply(const TopologyEdit& edit);
 
-  /// Replaces `changes` by those since `version`, oldest first. Returns false, with `changes` empty, if the history
-  /// does not contain that version (another topology, or more than kHistory edits ago).
+  /// Replaces `changes` by the changes since `version`, oldest first. Returns false, with `changes` empty, if the
+  /// history does not contain that version (it belongs to another topology, or is more than kHistory edits old).
   bool changes_since(std::uint64_t version, std::vector<const TopologyChange*>& changes) const;
 
   static constexpr std::size_t kHistory = 8;
@@ -73,10 +74,10 @@ class Topology {
   Features features_;
   Adjacency adjacency_;
   std::uint64_t version_;
-  std::uint64_t base_version_;  ///< version before the oldest change kept
+  std::uint64_t base_version_;  ///< version before the oldest change in history_
   std::vector<std::unique_ptr<TopologyChange>> history_;
   std::optional<std::int32_t> first_object_;
-  bool several_objects_ = false;  ///< false: there never were elements of two objects, and no vertex can be shared
+  bool several_objects_ = false;  ///< if false, all elements have had the same object, and no vertex can be shared
   Index shared_vertices_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// What has changed in a topology since a stage's state was last updated.
+// The changes of a topology since the state of a stage was last updated.
 #pragma once
 
 #include <cstdint>
@@ -8,26 +8,26 @@
 
 namespace volccd {
 
-/// Kept in the state of a stage that must follow a topology. An update of the state begins with sync() and ends with
-/// confirm(). One thread at a time.
+/// Member of the state of a stage that depends on a topology. An update of the state begins with sync() and ends with
+/// confirm(). Not thread-safe.
 class TopologyDelta {
  public:
   enum class Extent {
     none,
     edits,
-    everything  ///< the state must be made anew
+    everything  ///< the state must be rebuilt
   };
 
-  /// Compares the topology with the one that confirm() was last called for. `everything` for a fresh state, another
-  /// topology, more than Topology::kHistory edits, and after an update that was not confirmed, because an exception was
-  /// thrown for example. No allocation if nothing has changed.
+  /// Compares the topology with the one of the last confirm(). The result is `everything` for a new state, for another
+  /// topology, after more than Topology::kHistory edits, and if the previous update was not confirmed (for example
+  /// because of an exception). No allocation if nothing has changed.
   Extent sync(const Topology& topology);
-  /// The state agrees with the topology of the last sync().
+  /// States that the state now agrees with the topology of the last sync().
   void confirm() { confirmed_ = synced_; }
 
-  /// The changes, oldest first, unless everything changed; valid until the topology's next edit.
+  /// The changes, oldest first; empty if everything changed. Valid until the next edit of the topology.
   const std::vector<const TopologyChange*>& changes() const { return changes_; }
-  /// The element slots that they emptied or filled, ascending, each once.
+  /// The element slots that these changes emptied or filled, ascending, each once.
   const std::vector<Index>& changed_slots() const { return changed_slots_; }
   std::size_t bytes() const {
     return changed_slots_.capacity() * sizeof(Index) + changes_.capacity() * sizeof(changes_[0]);

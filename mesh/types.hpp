@@ -1,5 +1,5 @@
-// Value types that every module shares. "Slot" = index of a vertex, element, edge or triangle in its table; slots are
-// stable while they are live, and those of removed elements, edges and triangles are used again.
+// Value types of all modules. A "slot" is the index of a vertex, element, edge or triangle in its table. It is stable
+// while the vertex, element, edge or triangle is live; the slots of removed elements, edges and triangles are reused.
 #pragma once
 
 #include <cstdint>

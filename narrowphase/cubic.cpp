@@ -18,36 +18,36 @@ enum class Verdict {
   unclear  ///< some root is not proven with these coefficients
 };
 
-/// Contacts whose time is not proven to be this accurate are computed again with refined coefficients.
+/// Contacts whose time is not proven to have this accuracy are recomputed with refined coefficients.
 constexpr double kTimeAccuracy = 0x1p-42;
 
-/// A part of the step, and a cubic's parameter in it: 0 at lo, 1 at hi.
+/// A part of the step. The parameter of a cubic in it is 0 at lo and 1 at hi.
 struct Window {
   double lo = 0, hi = 1;
   double at(double s) const { return s < 1 ? lo + s * (hi - lo) : hi; }
 };
 
-/// One test that the first pass left open.
+/// A test that the first pass left open.
 class ElementaryTest {
  public:
-  /// `points` is kept by reference.
+  /// Keeps a reference to `points`.
   ElementaryTest(FeatureKind kind, const MovingPoints& points, double tolerance, double t_max)
       : kind_(kind), points_(points), tolerance_(tolerance), t_max_(t_max) {
     measure();
   }
 
-  /// Where coefficients can be refined again, over a shorter part of the step. `x` is kept by reference.
+  /// Allows coefficients to be refined again over a shorter part of the step. Keeps a reference to `x`.
   void refine_from(const TestPoints& x, double scale) { x_ = &x, scale_ = scale; }
 
-  /// To be called when the points have been rescaled.
+  /// To be called after the points were rescaled.
   void measure() {
     distance_ = tolerance_ * points_.size;
-    // While a root is off by this, the features move by less than half the distance.
+    // An error of this size in a root moves the features by less than half the distance.
     slack_ = points_.travel > 0 ? std::min(1.0, distance_ / (8 * points_.travel)) : 1.0;
   }
 
-  /// Looks for the first root in [0, t_max] at which the features touch. `refined`: coefficients as good as exact; then
-  /// stretches of time where the sign is not proven are taken for coplanar, and nothing is unclear.
+  /// Searches for the first root in [0, t_max] at which the features touch. `refined`: the coefficients are almost
+  /// exact; then intervals in which the sign is not proven are treated as coplanar, and no result is unclear.
   Verdict solve(const CoplanarityCubic& cubic, bool refined, const Window& window = {}) {
     const MonotonePieces pieces = monotone_pieces(cubic);
     for (std::size_t k = 0; k < static_cast<std::size_t>(pieces.count); ++k) {
@@ -69,7 +69,7 @@ class ElementaryTest {
   double distance() const { return distance_; }
 
  private:
-  /// A piece whose ends have opposite signs: one root.
+  /// Processes a piece whose ends have opposite signs and which therefore has one root.
   Verdict crossing(const CoplanarityCubic& cubic, double a, double b, int before, bool refined, const Window& window) {
     if (window.lo == 0 && window.hi == 1 && b > t_max_ && cubic.sign(t_max_) == before) return Verdict::apart;
     const double root = bracketed_root(cubic, a, b);
@@ -83,12 +83,12 @@ class ElementaryTest {
     return refined ? open_stretch(zero_stretch(cubic, a, b), before, {root, root}, window) : Verdict::unclear;
   }
 
-  /// A piece with an end that may be a root.
+  /// Processes a piece with an end that may be a root.
   Verdict unproven(const CoplanarityCubic& cubic, double a, double b, int before, int after, bool refined,
                    const Window& window) {
     if (!refined) return Verdict::unclear;
     const double slack = slack_ / (window.hi - window.lo);
-    // At the start there is no before: the motion is continued backwards.
+    // There is no motion before the start; the motion is extrapolated backwards.
     const bool at_start = a == 0 && window.lo == 0;
     if (before == 0 && after != 0 && cubic.sign(std::min(b, a + slack)) == after)
       return touches_at(window.at(a), at_start ? -after : after);
@@ -98,8 +98,8 @@ class ElementaryTest {
     return open_stretch(zero_stretch(cubic, a, b), side, {before == 0 ? a : b, after == 0 ? b : a}, window);
   }
 
-  /// A stretch of the window in which the sign is not proven: looked at again with coefficients of its own if it is
-  /// short, else taken for coplanar.
+  /// Processes an interval of the window in which the sign is not proven: a short one is examined again with its own
+  /// coefficients; otherwise it is treated as coplanar.
   Verdict open_stretch(const std::array<double, 2>& stretch, int side, std::array<double, 2> roots,
                        const Window& window) {
     constexpr double kShort = 0.125;
@@ -120,9 +120,9 @@ class ElementaryTest {
     return touch_.closest.squared_distance <= distance_ * distance_ ? Verdict::touch : Verdict::apart;
   }
 
-  /// A stretch of time in which the sign is not proven. `roots`, ascending: the times within it at which the features
-  /// seem to change sides. Features that overlap as seen along their normal touch then, and nothing begins within their
-  /// plane.
+  /// Processes an interval in which the sign is not proven. `roots`, ascending: the times in it at which the features
+  /// seem to change sides. If the features overlap in the projection along their normal at such a time, they touch
+  /// then, and no contact begins within their plane.
   Verdict coplanar(const std::array<double, 2>& stretch, int side, const std::array<double, 2>& roots) {
     const std::optional<Touch> event = first_coplanar_touch(kind_, points_, stretch[0], stretch[1], distance_, slack_);
     for (const double root : roots) {
@@ -158,7 +158,7 @@ Contact make_contact(FeatureKind kind, const CoplanarityBlock& block, std::size_
   return contact;
 }
 
-/// Second pass: one test that may touch.
+/// Second pass: processes one test that may touch.
 void test_open(FeatureKind kind, const CoplanarityBlock& block, std::size_t i, double tolerance, double t_max,
                std::vector<Contact>& contacts, NarrowCounters& counters) {
   const TestPoints& x = block.coordinates(i);

@@ -1,5 +1,5 @@
-// The elementary test that the paper used (Provot 1997; Bridson et al. 2002): roots of the coplanarity cubic, then an
-// inside test at each, in doubles.
+// The elementary test that the paper used (Provot 1997; Bridson et al. 2002): finds the roots of the coplanarity cubic,
+// and tests at each root whether the features touch, in doubles.
 #pragma once
 
 #include <volccd/narrowphase/narrow_phase.hpp>
@@ -7,34 +7,35 @@
 
 namespace volccd {
 
-/// Contact is defined by distance: at a time when the four points are coplanar, the features are at most `tolerance`
-/// times the size of the test apart. The size is the largest coordinate difference between the first point and another,
-/// at t = 0 or 1. Reported is the first such time; it is 0 for a pair that touches at the start.
+/// Contact is defined by a distance: at a time when the four points are coplanar, the features are at most `tolerance`
+/// times the size of the test apart. The size is the largest coordinate difference between the first point and another
+/// point, at t = 0 or 1. The first such time is reported; it is 0 for a pair that touches at t = 0.
 ///
-/// Missed contacts: none are known of tests whose coordinates span at most 300 bits (coordinate_bits()). The cubic's
-/// coefficients have a rounding bound; a root that its sign changes do not prove is looked at again with coefficients
-/// of twice the precision, and then with those of the short part of the step in which the sign stays open. Extra
-/// contacts: only pairs that come within the tolerance. Time: within 1e-12 of the root, of a few degenerate tests
-/// within 1e-6; where the points are coplanar for longer, as far as doubles can tell, the first time in that stretch at
-/// which the features are within the tolerance.
+/// Missed contacts: none are known for tests whose coordinates span at most 300 bits (coordinate_bits()). The
+/// coefficients of the cubic have rounding bounds. A root that no certain change of sign proves is examined again with
+/// coefficients of twice the precision, and then with the coefficients of the short time interval in which the sign
+/// remains uncertain. Extra contacts: only pairs that come within the tolerance. Time: within 1e-12 of the root, or
+/// within 1e-6 for a few degenerate tests. If the points are coplanar for longer, as far as doubles can determine, the
+/// time is the first time in that interval at which the features are within the tolerance.
 ///
-/// Degenerate geometry (coplanar over a stretch of time, parallel edges, triangles and edges without extent, no
-/// relative motion) is decided by the events at which coplanar features can begin to touch, and counted. The normal of
-/// such a contact is the direction in which the features were apart just before; at t = 0, with the motion continued
-/// backwards.
+/// Degenerate geometry (points coplanar over a time interval, parallel edges, triangles and edges without extent, no
+/// relative motion) is counted, and is decided by the events at which coplanar features can begin to touch. The normal
+/// of such a contact is the direction in which the features were separated just before it; at t = 0, the motion is
+/// extrapolated backwards.
 ///
-/// Two control points; no separation. Does not allocate but for the contacts. O(1) a test; with `coplanarity`, most
-/// tests end in a vector kernel that proves the cubic free of roots.
+/// Two control points; no separation. Allocates memory for contacts only. O(1) per test; with `coplanarity`, a vector
+/// kernel decides most tests by proving that the cubic has no root.
 class Cubic final : public NarrowPhase {
  public:
   struct Config {
-    /// Inside test, relative to the size of the test.
+    /// Largest distance of touching features, relative to the size of the test.
     double tolerance = 1e-10;
-    /// Before the cubic, drop tests whose features the x, y or z axis separates at both ends (Corollaries 1 and 3).
+    /// Before the cubic is computed, drop tests whose features the x, y or z axis separates at both ends of the step
+    /// (Corollaries 1 and 3).
     bool axis_test = true;
-    /// Drop tests whose cubic is proven free of roots by the signs of its Bernstein coefficients (Tang et al. 2010),
-    /// one test a lane. The contacts are the same without; then every test goes on to the search for roots, one at a
-    /// time.
+    /// Drop tests whose cubic has no root, as the signs of its Bernstein coefficients prove (Tang et al. 2010); a
+    /// vector lane processes one test. Without this option the contacts are the same, but the search for roots
+    /// processes every test, one at a time.
     bool coplanarity = true;
   };
   static const Options<Config>& options();
@@ -42,7 +43,8 @@ class Cubic final : public NarrowPhase {
   Cubic() : Cubic(Config{}) {}
   explicit Cubic(Config config) : config_(config) {}
 
-  /// A contact found with t_max = 1 is found with the same bits for every t_max >= its time, and not for a smaller one.
+  /// A contact that is found with t_max = 1 is found with the same bits for every t_max >= its time, and is not found
+  /// for a smaller t_max.
   /// Pre: two control points, separation 0 (asserted; a pipeline refuses other combinations).
   void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block, std::vector<Contact>& contacts,
            NarrowCounters& counters) const override;

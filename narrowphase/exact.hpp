@@ -6,11 +6,11 @@
 
 namespace volccd {
 
-/// Reports exactly the tests whose features touch on the given doubles, as exact_first_touch() decides them
-/// (exact_predicates.hpp); toi is the largest double that is not later than the exact first time. Normal, weights and
-/// point are computed in doubles at toi. Degenerate tests (ExactAnswer::degenerate) are counted, nothing is undecided.
+/// Reports exactly the tests whose features touch for the given doubles, as exact_first_touch() decides
+/// (exact_predicates.hpp). toi is the largest double that is not later than the exact first time. Normal, weights and
+/// point are computed in doubles at toi. Degenerate tests (ExactAnswer::degenerate) are counted; no test is undecided.
 ///
-/// Two or three control points; no separation. Slow: microseconds to a millisecond a test, and it allocates.
+/// Two or three control points; no separation. A test takes microseconds to a millisecond and allocates memory.
 class Exact final : public NarrowPhase {
  public:
   struct Config {};

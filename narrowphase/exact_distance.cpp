@@ -1,4 +1,4 @@
-// Distances of features at one time, and overlap of convex hulls, in rationals.
+// Distances of features at one time, and overlap of convex hulls, in rational arithmetic.
 #include <algorithm>
 #include <cassert>
 
@@ -46,11 +46,11 @@ Rational edge_edge(const std::array<IntegerPoint, 4>& x) {
   return std::min(least, ratio(height * height, square));
 }
 
-/// Phase one of the simplex method: is there a non-negative x with A x = b? Columns of A, then b >= 0, are those of
-/// `tableau`. Bland's rule: no cycles.
+/// Phase one of the simplex method: whether there is a non-negative x with A x = b. The columns of `tableau` are those
+/// of A, followed by b >= 0. Bland's rule prevents cycles.
 bool feasible(std::vector<std::vector<Rational>> tableau) {
   const std::size_t rows = tableau.size(), columns = tableau.front().size() - 1;
-  // The artificial variables, one a row, begin as the basis; once out they do not return.
+  // The artificial variables, one per row, are the initial basis; after they have left it they do not return.
   std::vector<std::size_t> basis(rows);
   std::vector<Rational> price(columns + 1);
   for (std::size_t i = 0; i < rows; ++i) {
@@ -87,7 +87,7 @@ bool feasible(std::vector<std::vector<Rational>> tableau) {
   return true;
 }
 
-/// Whether all of one set is beyond all of the other along an axis.
+/// Whether all points of one set are beyond all points of the other along an axis.
 bool axis_separates(std::span<const Vec3> a, std::span<const Vec3> b) {
   for (int k = 0; k < 3; ++k) {
     const auto less = [k](const Vec3& p, const Vec3& q) { return p[k] < q[k]; };
@@ -107,7 +107,7 @@ int compare_distance(const TestMotion& motion, double t, double d) {
   for (const double* x : motion.points) numbers.add({x, stride});
   numbers.add(d);
   std::vector<Integer> x = numbers.integers();
-  // Numerators of positions over 2^(degree bits), by de Casteljau's scheme; those of d likewise.
+  // Numerators of positions over 2^(degree bits), by de Casteljau's algorithm; the same for d.
   const Dyadic time = dyadic(t);
   const Integer rest = (Integer(1) << time.bits) - time.numerator;
   std::array<IntegerPoint, 4> points;
@@ -129,7 +129,8 @@ bool exact_hulls_overlap(std::span<const Vec3> a, std::span<const Vec3> b) {
   for (const auto& set : {a, b})
     for (const Vec3& p : set) numbers.add({p.data(), 3});
   std::vector<Integer> x = numbers.integers();
-  // Weights of the points: the same point as a mean of either set. Relative to the first point, to keep numbers short.
+  // Weights of the points: the same point must be a mean of both sets. Coordinates are relative to the first point,
+  // which keeps numbers short.
   const std::vector<Integer> origin(x.begin(), x.begin() + 3);
   std::vector<std::vector<Rational>> rows(5, std::vector<Rational>(a.size() + b.size() + 1));
   for (std::size_t i = 0; i < a.size() + b.size(); ++i) {

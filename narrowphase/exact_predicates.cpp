@@ -15,8 +15,8 @@ namespace {
 
 using namespace detail;
 
-/// Along the x, y or z axis one feature is beyond the other at each control point, hence all the time. Comparisons of
-/// doubles are exact.
+/// Whether, along the x, y or z axis, one feature is beyond the other at each control point, and therefore at all
+/// times. Comparisons of doubles are exact.
 bool axis_separates(const TestMotion& motion) {
   const int split = motion.kind == FeatureKind::vf ? 1 : 2;
   for (int k = 0; k < 3; ++k) {
@@ -75,10 +75,10 @@ class FirstTouch {
     return touches;
   }
 
-  /// Of the times after this none is earlier, as a double, than the touch that is known.
+  /// Later times need not be examined: as doubles, none of them is earlier than the contact that is already known.
   double latest() const { return answer_.touches ? std::min(t_max_, std::nextafter(answer_.toi, 1.0)) : t_max_; }
 
-  /// Of the roots in (0, latest].
+  /// The first of the roots in (0, latest] at which the features touch.
   std::optional<AlgebraicTime> first_touching_root(const Polynomial& p, double latest) {
     for (AlgebraicTime& t : roots_in_step(p)) {
       if (t.compare(dyadic(latest)) > 0) break;
@@ -93,7 +93,7 @@ class FirstTouch {
     answer_.toi_exact = t.exact();
   }
 
-  /// Of times with the same largest double below, one that is this double itself is the earliest.
+  /// Among times with the same largest double below, a time that is equal to this double is the earliest.
   void keep_earlier(AlgebraicTime& t) {
     const ExactAnswer last = answer_;
     answer_.reason = TouchCase::coplanar;
@@ -104,7 +104,7 @@ class FirstTouch {
   FeatureKind kind_;
   double t_max_;
   std::array<Curve, 4> x_;
-  Polynomial volume_;  ///< six times that of the tetrahedron of the points
+  Polynomial volume_;  ///< six times the volume of the tetrahedron of the points
   ExactAnswer answer_;
 };
 

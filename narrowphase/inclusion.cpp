@@ -39,7 +39,7 @@ void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<In
     const bool decide =
         config_.undecided == Undecided::exact || (answer.unsettled && coordinate_bits(motion) <= config_.exact_bits);
     if (decide && step.separation == 0) {
-      // The whole step, so that the answer does not depend on t_max.
+      // For the whole step, so that the answer does not depend on t_max.
       const ExactAnswer exact = exact_first_touch(motion);
       if (!exact.touches || exact.toi > step.t_max) return;
       counters.degenerate += exact.degenerate ? 1 : 0;

@@ -1,4 +1,4 @@
-// The certified elementary test: never misses a contact, and reports hardly one too many.
+// The certified elementary test: never misses a contact, and reports almost no false contacts.
 #pragma once
 
 #include <volccd/narrowphase/narrow_phase.hpp>
@@ -6,45 +6,49 @@
 
 namespace volccd {
 
-/// How near an undecided test comes at least, in sizes of the test.
+/// Features of an undecided test come closer to each other than this value, relative to the size of the test.
 inline constexpr double kUndecidedDistance = 0x1p-40;
 
 enum class Undecided {
-  report,  ///< as a contact, and count it
+  report,  ///< report as a contact, and count
   exact    ///< decide in rational arithmetic
 };
 
-/// Guarantees, for the given doubles taken as exact:
-/// - No contact is missed: a test is dropped only if every moment of the step is proven free of contact.
-/// - Time: never late; early by at most `time_tolerance`.
-/// - Undecided tests, counted in NarrowCounters::undecided, stay open in a part of the step shorter than 2^-44. They
-///   are reported (time: the start of that part) or, with `undecided=exact`, decided by `exact`: no contact too many.
-///   What is reported comes closer than kUndecidedDistance times its size (the greatest coordinate difference between
-///   its points at the control points). Where the features stay near each other for longer than the tolerance, or the
-///   search is cut short after `most_parts`, `exact` decides in either case. The exception are coordinates that span
-///   more than `exact_bits` bits (1 beside 1e-300, say): such a test stays undecided and is reported, perhaps earlier
-///   than the tolerance says and although the features stay further apart.
-/// - With a separation, which `exact` does not know, all undecided tests are reported: a pair that only grazes it may
-///   be reported earlier than the tolerance says, and one whose search was cut short may stay further off.
+/// Guarantees, for the given doubles regarded as exact:
+/// - No contact is missed: a test is dropped only if all times of the step are proven free of contact.
+/// - The reported time is never late, and early by at most `time_tolerance`.
+/// - A test is undecided if it remains open in a part of the step that is shorter than 2^-44. It is counted in
+///   NarrowCounters::undecided. By default it is reported, and its time is the start of that part; with
+///   `undecided=exact`, `exact` decides it, so that there are no false contacts. The features of a reported test come
+///   closer than kUndecidedDistance times its size (the greatest coordinate difference between its points at the
+///   control points). If the features stay near each other for longer than the tolerance, or the search ends after
+///   `most_parts`, `exact` decides with either option. Exception: if the coordinates span more than `exact_bits` bits
+///   (for example 1 and 1e-300), such a test remains undecided and is reported; its time may be earlier than the
+///   tolerance allows, and its features may be further apart.
+/// - With a separation, which `exact` does not support, all undecided tests are reported. If the features only reach
+///   the separation without coming closer, the time may be earlier than the tolerance allows; if the search ended after
+///   `most_parts`, the features may be further apart.
 ///
-/// Way: pieces of the step, from the left. A piece is free of contact if the Bernstein coefficients of the coplanarity
-/// polynomial have one sign, or if an axis separates the features' control points; the axes tried are the directions
-/// between the closest points at the likely time of contact, and the one that worked last. It begins with a contact for
-/// certain if the polynomial changes sign while the features overlap as seen along a fixed direction. Else it is split.
-/// Every sign is trusted beyond its rounding bound only (docs/numerics.md). Most tests end in a vector kernel before.
+/// Method: the step is divided into parts, which are processed in ascending order. A part is free of contact if the
+/// Bernstein coefficients of the coplanarity polynomial have the same sign, or if an axis separates the control points
+/// of the features; the axes are the directions between the closest points at the likely time of contact, and the last
+/// successful axis. A part certainly begins with a contact if the polynomial changes its sign while the features
+/// overlap in the projection along a fixed direction. Otherwise the part is split. A sign is used only if the magnitude
+/// exceeds its rounding bound (docs/numerics.md). A vector kernel decides most tests before this search.
 ///
-/// Two or three control points, any separation. Does not allocate but for the contacts (and in `exact`). See also
-/// Snyder et al. 1993 and Wang et al. 2021 for inclusion-based tests, Tang et al. 2010 and 2014 for Bernstein signs.
+/// Two or three control points, any separation. Allocates memory for contacts only (and in `exact`). See also Snyder et
+/// al. 1993 and Wang et al. 2021 for inclusion-based tests, Tang et al. 2010 and 2014 for Bernstein signs.
 class Inclusion final : public NarrowPhase {
  public:
   struct Config {
-    /// How early a contact may be reported, in steps.
+    /// How early a contact may be reported, as a fraction of the step.
     double time_tolerance = 1e-9;
     Undecided undecided = Undecided::report;
-    int most_parts = 1000;  ///< of a test that the search looks at
-    /// Bits that the coordinates of a test may span (coordinate_bits()) for `exact` to decide what the search leaves
-    /// open for too long. Costs: docs/narrowphase_exact.md; a third of a second was the longest seen up to 1024 bits,
-    /// seconds over the range of all doubles. Ordinary data: 53 to 150. `undecided=exact` knows no such limit.
+    int most_parts = 1000;  ///< maximum number of parts that the search examines per test
+    /// Largest number of bits that the coordinates of a test may span (coordinate_bits()) if `exact` is to decide a
+    /// test that the search leaves open for too long. Costs: docs/narrowphase_exact.md; the longest time observed is a
+    /// third of a second up to 1024 bits, and seconds for the full range of doubles. Ordinary data span 53 to 150 bits.
+    /// `undecided=exact` ignores this limit.
     int exact_bits = 1024;
   };
   static const Options<Config>& options();
@@ -56,7 +60,8 @@ class Inclusion final : public NarrowPhase {
   bool handles_separation() const override { return true; }
   double time_tolerance() const override { return config_.time_tolerance; }
 
-  /// A contact found with t_max = 1 is found with the same bits for every t_max >= its time, and not for a smaller one.
+  /// A contact that is found with t_max = 1 is found with the same bits for every t_max >= its time, and is not found
+  /// for a smaller t_max.
   void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block, std::vector<Contact>& contacts,
            NarrowCounters& counters) const override;
 

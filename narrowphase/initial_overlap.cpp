@@ -14,14 +14,15 @@ struct InitialOverlapTest::Data {
     out.measure();
   }
 
-  /// Boxes first: fl(low - high) > separation implies it exactly, rounding being monotone.
+  /// Bounding boxes are tested first: fl(low - high) > separation implies the exact inequality, because rounding is
+  /// monotone.
   bool boxes_apart(double separation) const {
     for (int k = 0; k < 3; ++k)
       if (b.low[k] - a.high[k] > separation || a.low[k] - b.high[k] > separation) return true;
     return false;
   }
 
-  /// Pre: a refers to its first point.
+  /// Pre: the rows of a refer to its first point.
   bool decide(double separation) {
     b.refer_to(a.points.front());
     detail::HullStart start;

@@ -10,9 +10,9 @@
 
 namespace volccd {
 
-/// Summed over batches by the pipeline.
+/// Counters that the pipeline sums over batches.
 struct NarrowCounters {
-  /// Tests whose answer came from a rule for degenerate geometry (coplanar all along, zero-area triangle, ...).
+  /// Tests that a rule for degenerate geometry decided (coplanar at all times, triangle without area, ...).
   std::uint64_t degenerate = 0;
   /// Tests that could not be decided within the stated bounds and were answered conservatively.
   std::uint64_t undecided = 0;
@@ -22,18 +22,18 @@ class NarrowPhase : public Stage {
  public:
   static constexpr const char* kRole = "narrow-phase";
 
-  /// Degrees of motion that it handles: 2 for two control points only, 3 for up to three.
+  /// Largest number of control points that it supports: 2 (constant velocity) or 3 (constant acceleration).
   virtual int max_control_points() const { return 2; }
-  /// Whether it handles step.separation > 0.
+  /// Whether it supports step.separation > 0.
   virtual bool handles_separation() const { return false; }
-  /// By how much of the step the time of a contact may be too early.
+  /// By how much the reported time of a contact may be early, as a fraction of the step.
   virtual double time_tolerance() const { return 0; }
 
-  /// Appends a Contact for each test of the block that touches during [0, step.t_max], in the order of the block;
-  /// perhaps also for one that touches later than t_max by at most time_tolerance(), and whose time is reported as
-  /// t_max or less. The answer to a test depends on the coordinates of its vertices in the order of test_vertices()
-  /// alone, not on the block: contacts are the same bit for bit whatever pipeline asks. A test that touches at t = 0
-  /// has toi 0. Pre: the block is not empty.
+  /// Appends a Contact for each test of the block whose features touch during [0, step.t_max], in the order of the
+  /// block. It may also append a contact that occurs after t_max, by at most time_tolerance(), if its reported time is
+  /// at most t_max. The result of a test depends only on the coordinates of its vertices in the order of
+  /// test_vertices(), not on the block; therefore contacts are the same bit for bit in every pipeline. A test whose
+  /// features touch at t = 0 has toi 0. Pre: the block is not empty.
   virtual void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,
                    std::vector<Contact>& contacts, NarrowCounters& counters) const = 0;
 };

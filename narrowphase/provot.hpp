@@ -1,27 +1,28 @@
-// The elementary test of 2011, for the paper's Table I as it was measured then: scalar, plainly written.
+// The elementary test of 2011, for Table I as the paper measured it: plain scalar code.
 #pragma once
 
 #include <volccd/narrowphase/narrow_phase.hpp>
 
 namespace volccd {
 
-/// Provot 1997 and Bridson et al. 2002 as published (narrowphase/provot_test.hpp): real roots of the coplanarity cubic
-/// in [0,1], in ascending order, and at each the inside test of a vertex in a triangle or of two edges. One test at a
-/// time, in doubles; no filter before the roots, no rounding bounds, no vector registers. What it leaves out of `cubic`
-/// is what has been learnt since.
+/// Provot 1997 and Bridson et al. 2002 as published (narrowphase/provot_test.hpp): finds the real roots of the
+/// coplanarity cubic in [0,1] in ascending order, and tests at each root whether the vertex is inside the triangle or
+/// the edges intersect. Tests are performed one at a time in doubles, without filters before the root search, rounding
+/// bounds or vector instructions. Compared with `cubic`, it lacks later improvements.
 ///
-/// May miss: contacts at which the cubic touches zero without a change of sign (grazing), contacts at t = 0 that
-/// rounding moves out of the step, features that stay in one plane (looked at at t = 0 and t = 1 only), triangles
-/// without area at the time of contact (counted as degenerate). May invent: what the tolerance lets through. Times:
-/// within about 1e-13 of a single root of a well-conditioned cubic. Of near-degenerate tests that touch
-/// (tests/narrowphase/provot_test.cpp) it misses 28 per cent, of random ones none: docs/narrowphase_provot.md.
+/// It may miss contacts at which the cubic touches zero without a change of sign (grazing), contacts at t = 0 that
+/// rounding moves out of the step, contacts of features that stay in one plane (tested at t = 0 and t = 1 only), and
+/// contacts of triangles without area at the time of contact (counted as degenerate). It may report false contacts
+/// within the tolerance. Times are within about 1e-13 of a single root of a well-conditioned cubic. It misses 28 per
+/// cent of the near-degenerate tests that touch (tests/narrowphase/provot_test.cpp), and none of the random ones:
+/// docs/narrowphase_provot.md.
 ///
-/// Two control points; no separation. Does not allocate but for the contacts. O(1) a test.
+/// Two control points; no separation. Allocates memory for contacts only. O(1) per test.
 class Provot final : public NarrowPhase {
  public:
   struct Config {
-    /// By how much weights (barycentric coordinates, parameters of edges) may lie outside [0,1]; of parallel edges, the
-    /// distance relative to the longer one. Bridson et al. have a rounding tolerance of 1e-6 in lengths; the default is
+    /// By how much weights (barycentric coordinates, edge parameters) may be outside [0,1]; for parallel edges, the
+    /// distance relative to the longer edge. Bridson et al. use a rounding tolerance of 1e-6 in lengths; the default is
     /// that of `cubic`.
     double tolerance = 1e-10;
   };
@@ -30,7 +31,8 @@ class Provot final : public NarrowPhase {
   Provot() : Provot(Config{}) {}
   explicit Provot(Config config) : config_(config) {}
 
-  /// A contact found with t_max = 1 is found with the same bits for every t_max >= its time, and not for a smaller one.
+  /// A contact that is found with t_max = 1 is found with the same bits for every t_max >= its time, and is not found
+  /// for a smaller t_max.
   /// Pre: two control points, separation 0 (asserted; a pipeline refuses other combinations).
   void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block, std::vector<Contact>& contacts,
            NarrowCounters& counters) const override;

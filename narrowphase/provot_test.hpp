@@ -1,6 +1,6 @@
-// The elementary test as Provot 1997 and Bridson et al. 2002 published it: times at which four moving points are
-// coplanar, and at each whether the two features touch. Scalar, over any number type; the stage is
-// narrowphase/provot.hpp.
+// The elementary test as Provot 1997 and Bridson et al. 2002 published it: finds the times at which four moving points
+// are coplanar, and tests at each whether the two features touch. Scalar template over any number type. The stage that
+// uses it is in narrowphase/provot.hpp.
 #pragma once
 
 #include <array>
@@ -15,14 +15,15 @@ namespace volccd::reference {
 template <class Scalar>
 struct ProvotAnswer {
   bool touches = false;
-  bool degenerate = false;  ///< at some root that was looked at, the triangle had no area or the edges were parallel
-  Scalar t = 0;             ///< of the contact
-  /// Sign of the coplanarity cubic before the contact (at t = 0: of the motion continued backwards); 0 if it vanished.
+  bool degenerate = false;  ///< the triangle had no area, or the edges were parallel, at a root that was examined
+  Scalar t = 0;             ///< time of the contact
+  /// Sign of the coplanarity cubic before the contact (at t = 0, with the motion extrapolated backwards); 0 if it
+  /// vanished.
   int side = 0;
 };
 
-/// Points 1, 2, 3 relative to point 0: position at t = 0, and velocity. In the order of test_vertices(), as all of this
-/// file.
+/// Positions at t = 0 and velocities of points 1, 2, 3 relative to point 0. In this file, points are in the order of
+/// test_vertices().
 template <class Scalar>
 struct RelativeMotion {
   std::array<Vector3<Scalar>, 3> x, v;
@@ -38,7 +39,7 @@ struct RelativeMotion {
   }
 };
 
-/// a t^3 + b t^2 + c t + d = det of the three relative positions at t: six times the volume of the tetrahedron.
+/// a t^3 + b t^2 + c t + d = determinant of the three relative positions at t: six times the volume of the tetrahedron.
 template <class Scalar>
 struct ProvotCubic {
   Scalar a, b, c, d;
@@ -55,8 +56,8 @@ struct ProvotCubic {
   Scalar value(const Scalar& t) const { return ((a * t + b) * t + c) * t + d; }
   Scalar derivative(const Scalar& t) const { return (Scalar(3) * a * t + Scalar(2) * b) * t + c; }
 
-  /// Writes 0, the critical points within ]0,1[ in ascending order, and 1: the cubic is monotone in between. Returns
-  /// how many pieces that makes.
+  /// Writes 0, the critical points in ]0,1[ in ascending order, and 1, between which the cubic is monotone. Returns the
+  /// number of these intervals.
   std::size_t monotone_pieces(std::array<Scalar, 4>& cuts) const {
     using std::sqrt;
     std::size_t count = 0;
@@ -74,14 +75,14 @@ struct ProvotCubic {
   }
 };
 
-/// -1, 0 or 1; 0 for a value that is not a number.
+/// Sign of a value: -1, 0 or 1; 0 for NaN.
 template <class Scalar>
 int sign_of(const Scalar& value) {
   return value > Scalar(0) ? 1 : value < Scalar(0) ? -1 : 0;
 }
 
-/// The root of f in [low, high], a piece on which f is monotone and has values of opposite signs at the ends: Newton's
-/// method, with bisection where it would leave the bracket. Within about 1e-13 for a single root.
+/// The root of f in [low, high], an interval in which f is monotone and has opposite signs at the ends: Newton's
+/// method, replaced by bisection where it would leave the bracket. Accurate to about 1e-13 for a single root.
 template <class Scalar>
 Scalar bracketed_root(const ProvotCubic<Scalar>& f, Scalar low, Scalar high, const Scalar& f_low,
                       const Scalar& f_high) {
@@ -103,18 +104,18 @@ Scalar bracketed_root(const ProvotCubic<Scalar>& f, Scalar low, Scalar high, con
   return t;
 }
 
-/// Weights at or beyond the boundary by at most `tolerance`.
+/// Whether a weight is in [0,1], or outside by at most `tolerance`.
 template <class Scalar>
 bool within(const Scalar& weight, const Scalar& tolerance) {
   return weight >= -tolerance && weight <= Scalar(1) + tolerance;
 }
 
-/// Below this share of the product of its squared sides, a squared area (for edges: sine of their angle) counts as
-/// none.
+/// A squared area relative to the product of the squared sides (for edges: squared sine of their angle) is regarded as
+/// zero below this value.
 inline constexpr double kLeastSquaredSine = 1e-14;
 
-/// Whether the origin, at a time when it is in the plane of the triangle d, is inside it: barycentric coordinates by
-/// normal equations (Bridson et al., Section 6).
+/// Whether the origin is inside the triangle d, at a time when it is in the plane of the triangle: barycentric
+/// coordinates by normal equations (Bridson et al., Section 6).
 template <class Scalar>
 bool inside_triangle(const std::array<Vector3<Scalar>, 3>& d, const Scalar& tolerance, bool& degenerate) {
   const Vector3<Scalar> e1 = d[0] - d[2], e2 = d[1] - d[2];
@@ -128,7 +129,8 @@ bool inside_triangle(const std::array<Vector3<Scalar>, 3>& d, const Scalar& tole
   return within(w0, tolerance) && within(w1, tolerance) && within(Scalar(1) - w0 - w1, tolerance);
 }
 
-/// Whether the point p is at most sqrt(most) away from the segment from `from` along e, e . e = ee.
+/// Whether the distance from p to the segment that starts at `from` with direction e is at most sqrt(most). Pre: e . e
+/// = ee.
 template <class Scalar>
 bool near_segment(const Vector3<Scalar>& p, const Vector3<Scalar>& from, const Vector3<Scalar>& e, const Scalar& ee,
                   const Scalar& most) {
@@ -140,8 +142,8 @@ bool near_segment(const Vector3<Scalar>& p, const Vector3<Scalar>& from, const V
   return dot(gap, gap) <= most;
 }
 
-/// Whether the edges from the origin to d[0], and from d[1] to d[2], meet at a time when they are in one plane. Of
-/// parallel edges, an end of one has to be within `tolerance` times the longer edge of the other one.
+/// Whether the edge from the origin to d[0] and the edge from d[1] to d[2] intersect, at a time when they are coplanar.
+/// For parallel edges: whether an end of one edge is within `tolerance` times the longer edge of the other edge.
 template <class Scalar>
 bool edges_meet(const std::array<Vector3<Scalar>, 3>& d, const Scalar& tolerance, bool& degenerate) {
   const Vector3<Scalar>&e1 = d[0], e2 = d[2] - d[1];
@@ -157,8 +159,8 @@ bool edges_meet(const std::array<Vector3<Scalar>, 3>& d, const Scalar& tolerance
          near_segment(d[1], origin, e1, aa, most) || near_segment(d[2], origin, e1, aa, most);
 }
 
-/// One elementary test on [0, t_max]: the first root of the cubic at which the features touch. Where the cubic is 0 at
-/// both ends of the step (coplanar all along, say), these are looked at and nothing in between.
+/// One elementary test on [0, t_max]: finds the first root of the cubic at which the features touch. If the cubic is 0
+/// at both ends of the step (for example because the points are always coplanar), only these two times are examined.
 template <class Scalar>
 ProvotAnswer<Scalar> provot_test(FeatureKind kind, const std::array<MovingPoint<Scalar>, 4>& points,
                                  const Scalar& tolerance, const Scalar& t_max) {

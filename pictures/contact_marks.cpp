@@ -34,7 +34,7 @@ std::vector<PictureContact> contacts_from_csv(const std::string& file, int motio
   for (const ContactRow& row : read_contacts_csv(file)) {
     ++line;
     if (row.step != motion) continue;
-    PictureContact contact{row.kind, {}, row.point};
+    PictureContact contact{row.kind, {}, row.has_geometry ? std::optional(row.point) : std::nullopt};
     for (int k = 0; k < 4; ++k) {
       const auto found = std::lower_bound(ids.begin(), ids.end(), row.ids[k]);
       if (found == ids.end() || *found != row.ids[k])
@@ -82,6 +82,12 @@ void classify(std::vector<PictureContact>& contacts, const SequenceCells& cells,
     std::set_intersection(first.begin(), first.end(), second.begin(), second.end(), std::back_inserter(both));
     contact.inter = both.empty();
   }
+}
+
+Vec3 mark_place(const PictureContact& contact, std::span<const Vec3> points) {
+  if (contact.point) return *contact.point;
+  const Vec3& first = points[contact.vertices[0]];
+  return contact.kind == FeatureKind::vf ? first : Vec3(0.5 * (first + points[contact.vertices[1]]));
 }
 
 }  // namespace volccd

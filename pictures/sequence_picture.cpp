@@ -330,12 +330,13 @@ class Composer {
     for (const Index v : panel.drawn.connectivity) left_out[v] = 0;
     std::vector<Mark> marks;
     for (const PictureContact& contact : panel.contacts) {
+      const Vec3 place = mark_place(contact, panel.points);
       const bool shown =
           std::none_of(contact.vertices.begin(), contact.vertices.end(), [&](Index v) { return left_out[v] != 0; }) &&
-          !taken_away(contact.point);
+          !taken_away(place);
       if (shown)
         marks.push_back(
-            {contact.point, contact.inter ? kInterColour : kIntraColour, contact.inter ? MarkShape::disc : MarkShape::diamond});
+            {place, contact.inter ? kInterColour : kIntraColour, contact.inter ? MarkShape::disc : MarkShape::diamond});
     }
     return marks;
   }

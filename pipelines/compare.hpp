@@ -1,4 +1,4 @@
-// Whether two pipelines found the same contacts.
+// Comparison of the contacts that two pipelines found.
 #pragma once
 
 #include <span>
@@ -8,16 +8,18 @@
 
 namespace volccd {
 
-/// How `found` differs from `expected`, both in canonical order without duplicates (StepResult::contacts).
+/// The differences between `found` and `expected`. Both are in canonical order without duplicates, as
+/// StepResult::contacts.
 struct ContactDifference {
-  std::vector<Contact> missing;  ///< expected, not found
-  std::vector<Contact> extra;    ///< found, not expected
-  std::vector<std::pair<Contact, Contact>> changed;  ///< expected, found: another time, normal, weight or point
+  std::vector<Contact> missing;  ///< expected, but not found
+  std::vector<Contact> extra;    ///< found, but not expected
+  std::vector<std::pair<Contact, Contact>> changed;  ///< expected and found contact with different time, normal,
+                                                     ///< weights or point
 
   bool empty() const { return missing.empty() && extra.empty() && changed.empty(); }
 };
 
-/// Bit for bit. O(n).
+/// Compares contacts bit for bit. O(n).
 ContactDifference compare_contacts(std::span<const Contact> expected, std::span<const Contact> found);
 
 }  // namespace volccd

@@ -29,7 +29,7 @@ std::size_t Workspace::bytes() const {
 
 namespace {
 
-/// Names of the registered narrow phases, made with their defaults, that `handles` is true of.
+/// Names of the registered narrow phases for which `handles` is true, with default options.
 template <class Predicate>
 std::string narrow_phases_that(const Registry& registry, Predicate handles) {
   std::string names;
@@ -38,7 +38,7 @@ std::string narrow_phases_that(const Registry& registry, Predicate handles) {
   return names.empty() ? "none does" : "these do: " + names;
 }
 
-/// Makes the stage and folds its guarantee into the pipeline's.
+/// Creates the stage and combines its guarantee with the pipeline's.
 template <class Stage>
 std::unique_ptr<Stage> make_stage(const Registry& registry, const StageChoice& choice, Guarantee& guarantee) {
   const StageDescriptor<Stage>& descriptor = registry.stage<Stage>(choice.name);

@@ -1,4 +1,4 @@
-// A pipeline: broad phase, element culling, assignment, orphans, flood, feature filters, narrow phase.
+// A pipeline: broad phase, element culling, assignment, orphan source, flood, feature filters, narrow phase.
 #pragma once
 
 #include <cstdint>
@@ -12,8 +12,9 @@
 
 namespace volccd {
 
-/// All memory that a pipeline needs from step to step. One workspace serves one run at a time, and only the pipeline
-/// that made it (Pipeline::make_workspace); one made by default serves none until another is moved into it.
+/// All memory that a pipeline keeps from step to step. A workspace is used by one run at a time, and only with the
+/// pipeline that created it (Pipeline::make_workspace). A default-constructed workspace cannot be used until another
+/// one is moved into it.
 class Workspace {
  public:
   Workspace();
@@ -31,59 +32,60 @@ class Workspace {
 
 enum class Query {
   all,   ///< every contact of the step
-  first  ///< the earliest contact alone (the canonically smallest of equal times); what comes later is pruned
+  first  ///< only the earliest contact (for equal times, the first in canonical order); later contacts are pruned
 };
 
-/// What a run is asked for.
+/// Options of a run.
 struct Request {
   Query query = Query::all;
-  bool initial_overlaps = false;  ///< list them (StepResult); a query for the first contact lists all of them, too
-  /// Fill Statistics::adjacent_pairs where the broad phase emits adjacent pairs. It costs a comparison a pair, which
-  /// belongs to no stage: measurements leave it out.
+  bool initial_overlaps = false;  ///< fill StepResult::initial_overlaps with all of them; also with Query::first
+  /// Fill Statistics::adjacent_pairs if the broad phase emits adjacent pairs. This costs one comparison per pair, which
+  /// belongs to no stage; measurements should disable it.
   bool count_adjacent = true;
-  /// The mesh is the solid mesh of a ShellThickener: contacts of features that stem from one vertex of the shell mesh
-  /// (share_shell_vertex) are no contacts. All stages see their tests as any others.
+  /// The mesh is the solid mesh of a ShellThickener: contacts of features that correspond to the same vertex of the
+  /// shell mesh (share_shell_vertex) are not reported as contacts. All stages process their tests like all others.
   bool leave_out_shell_neighbours = false;
 
   Request() = default;
-  Request(Query q, bool overlaps = false, bool without_shell_neighbours = false)  // NOLINT: a Query is a request
+  Request(Query q, bool overlaps = false, bool without_shell_neighbours = false)  // NOLINT: a Query converts to a
+                                                                                  // Request
       : query(q), initial_overlaps(overlaps), leave_out_shell_neighbours(without_shell_neighbours) {}
 };
 
 struct StepResult {
   /// In canonical order, each feature pair once. The same bit for bit for any number of workers.
   std::vector<Contact> contacts;
-  /// Those that Request::leave_out_shell_neighbours keeps from being in `contacts`, in the same order. Empty for a
-  /// query for the first contact, which does not find them all.
+  /// The contacts that Request::leave_out_shell_neighbours excludes from `contacts`, in the same order. Empty for
+  /// Query::first, which does not find all of them.
   std::vector<Contact> left_out;
-  /// If asked for: all pairs of non-adjacent elements, a < b, ascending, that step.filter allows and whose convex hulls
-  /// have a point in common at t = 0, one inside the other included (with a separation: come as close as that). Exact,
-  /// and the same for every pipeline whose broad phase is conservative (docs/initial_overlaps.md).
+  /// If requested: all pairs of non-adjacent elements, a < b, ascending, that step.filter allows and whose convex hulls
+  /// have a common point at t = 0, including one element inside the other (with a separation d > 0: whose distance is
+  /// at most d). Exact, and the same for every pipeline with a conservative broad phase (docs/initial_overlaps.md).
   std::vector<ElementPair> initial_overlaps;
   Statistics statistics;
 };
 
-/// Immutable once made; run() may be called from several threads with different workspaces.
+/// Immutable after construction. Several threads may call run() concurrently with different workspaces.
 class Pipeline {
  public:
-  /// Throws ConfigError: unknown stage or option, or a combination whose completeness argument does not hold, with the
-  /// reason.
+  /// Throws ConfigError, with the reason, for an unknown stage or option, and for a combination whose completeness
+  /// argument does not hold.
   Pipeline(const Registry& registry, const PipelineSpec& spec);
 
-  /// With every option of its stages, defaults included.
+  /// The specification with every option of its stages, including defaults.
   const PipelineSpec& spec() const { return spec_; }
-  /// The weakest of the stages'.
+  /// The weakest guarantee among the stages.
   Guarantee guarantee() const { return guarantee_; }
 
   Workspace make_workspace() const;
 
-  /// Runs one step. Throws ConfigError if a stage does not handle the step's degree of motion or separation, if shell
-  /// neighbours are to be left out of a mesh that has not three vertices for each of a shell mesh, if the workspace was
-  /// not made by this pipeline, or if a thread's floating-point environment is not the standard one
-  /// (core/floating_point.hpp); InputError if motion and mesh differ in their number of vertices. After any exception
-  /// the workspace is as good as a new one, and the result is unspecified. Once the workspace has grown to the scene, a
-  /// step on an unchanged topology allocates nothing but what the result's vectors need, and what tests need that exact
-  /// arithmetic decides.
+  /// Runs one step. Throws ConfigError if a stage does not support the step's degree of motion or its separation, if
+  /// shell neighbours are to be left out but the mesh does not have three vertices for each vertex of a shell mesh, if
+  /// the workspace was not created by this pipeline, or if the floating-point environment of a thread is not the
+  /// standard one (core/floating_point.hpp). Throws InputError if motion and mesh have different numbers of vertices.
+  /// After any exception the workspace is equivalent to a new one, and the result is unspecified. Once the workspace
+  /// has grown to the size of the scene, a step on an unchanged topology allocates memory only for the vectors of the
+  /// result and for tests that exact arithmetic decides.
   void run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result,
            const Request& request = {}) const;
 
@@ -94,7 +96,7 @@ class Pipeline {
   void make_states(Workspace::Data& data) const;
 
   PipelineSpec spec_;
-  std::uint64_t id_;  ///< by which workspaces are known
+  std::uint64_t id_;  ///< identifies the pipeline in its workspaces
   Guarantee guarantee_ = Guarantee::exact;
   std::unique_ptr<BroadPhase> broad_phase_;
   std::vector<std::unique_ptr<ElementCulling>> element_culling_;
@@ -103,9 +105,9 @@ class Pipeline {
   std::unique_ptr<Flood> flood_;           ///< may be null
   std::vector<std::unique_ptr<FeatureFilter>> feature_filters_;
   std::unique_ptr<NarrowPhase> narrow_phase_;
-  std::vector<const Stage*> stages_;  ///< all of them, in the order of spec_.stages()
+  std::vector<const Stage*> stages_;  ///< all stages, in the order of spec_.stages()
   PairRange range_ = PairRange::every;
-  /// For messages: which narrow phases handle three control points, and a separation.
+  /// For messages: the narrow phases that support three control points, and those that support a separation.
   std::string curved_narrow_phases_, separating_narrow_phases_;
 };
 

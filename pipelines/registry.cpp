@@ -63,8 +63,8 @@ void add_presets(Registry& registry) {
                          inclusion});
 }
 
-/// The paper's Table I as measured in 2011: what it describes, and nothing that it has not. Boxes for HashCCD, as in
-/// Teschner et al. 2003.
+/// The pipelines of the paper's Table I as measured in 2011, without later improvements. HashCCD uses boxes, as
+/// Teschner et al. 2003 do.
 void add_presets_of_2011(Registry& registry) {
   const StageChoice bvh{"kdop-bvh", {{"k", "16"}, {"leaf_size", "1"}}}, boxes{"spatial-hash", {{"k", "6"}}};
   const StageChoice all_pairs{"all-pairs", {}}, provot{"provot", {}};
@@ -77,7 +77,7 @@ void add_presets_of_2011(Registry& registry) {
                          bvh, {{"csat-2011", {}}}, dynamic, o_set, {{"feature-csat-2011", {}}}, provot});
 }
 
-/// Splits "a,b,c"; "" and "none" give nothing.
+/// Splits "a,b,c"; the result is empty for "" and "none".
 std::vector<std::string> names_in(std::string_view list) {
   std::vector<std::string> names;
   if (list == "none") return names;
@@ -135,7 +135,7 @@ void set_role(PipelineSpec& spec, const std::string& role, const std::string& va
   if (!stages.empty()) one(choice.emplace());
 }
 
-/// The stages of a spec that is const or not.
+/// The stages of a spec, which may be const.
 template <class Choice, class Spec>
 std::vector<std::pair<const char*, Choice*>> stages_of(Spec& spec) {
   std::vector<std::pair<const char*, Choice*>> all = {{BroadPhase::kRole, &spec.broad_phase}};

@@ -1,4 +1,5 @@
-// Stages and pipelines by name. Explicit: a registry is a value, filled by calls; nothing registers itself at start-up.
+// Stages and pipelines by name. A registry is a value that is filled by explicit calls; nothing registers itself at
+// start-up.
 #pragma once
 
 #include <optional>
@@ -16,15 +17,15 @@
 
 namespace volccd {
 
-/// A stage by name, with the options that differ from its defaults.
+/// A stage by name, with the options that differ from their defaults.
 struct StageChoice {
   std::string name;
   OptionValues options;
 };
 
-/// A pipeline as data: what runs, in which order.
+/// A pipeline as data: its stages, by role.
 struct PipelineSpec {
-  std::string name;         ///< as typed by a user, e.g. "VolCCD"
+  std::string name;         ///< as users type it, e.g. "VolCCD"
   std::string description;  ///< one line
   StageChoice broad_phase;
   std::vector<StageChoice> element_culling;  ///< may be empty
@@ -32,34 +33,36 @@ struct PipelineSpec {
   std::optional<StageChoice> orphans;
   std::vector<StageChoice> feature_filters;  ///< may be empty
   StageChoice narrow_phase;
-  std::optional<StageChoice> flood = std::nullopt;  ///< beside assignment and orphans, for the steps that it takes
+  std::optional<StageChoice> flood = std::nullopt;  ///< replaces the orphan source in the steps that it accepts
 
-  /// All stages in the order in which they run, each with its role as in `--set`.
+  /// All stages in the order in which they run, each with its role as used by `--set`.
   std::vector<std::pair<const char*, StageChoice*>> stages();
   std::vector<std::pair<const char*, const StageChoice*>> stages() const;
 };
 
 class Registry {
  public:
-  /// Everything that the library has: all stages; the presets NavCCD, HashCCD, VolCCD, VolCCD+ and BruteForce;
-  /// NavCCD-2011, HashCCD-2011 and VolCCD-2011.
+  /// All stages of the library, and the presets NavCCD, HashCCD, VolCCD, VolCCD+ and BruteForce, and NavCCD-2011,
+  /// HashCCD-2011 and VolCCD-2011.
   static Registry standard();
 
-  /// Adds a stage. Throws ConfigError if the name is taken by any stage: `--set name.option=value` must be unambiguous.
+  /// Adds a stage. Throws ConfigError if any other stage has this name, since `--set name.option=value` must be
+  /// unambiguous.
   template <class Stage>
   void add(StageDescriptor<Stage> descriptor) {
     check_new(descriptor.name);
     std::get<Stages<Stage>>(stages_).push_back(std::move(descriptor));
   }
-  /// Adds a pipeline. Throws ConfigError if the name is taken.
+  /// Adds a pipeline. Throws ConfigError if another pipeline has this name.
   void add_pipeline(PipelineSpec spec);
 
-  /// Stage is BroadPhase, ElementCulling, Assignment, OrphanSource, Flood, FeatureFilter or NarrowPhase.
+  /// The registered stages of one role. Stage is BroadPhase, ElementCulling, Assignment, OrphanSource, Flood,
+  /// FeatureFilter or NarrowPhase.
   template <class Stage>
   const std::vector<StageDescriptor<Stage>>& stages() const {
     return std::get<Stages<Stage>>(stages_);
   }
-  /// Throws ConfigError that names the known ones.
+  /// The stage with this name. Throws ConfigError, listing the known names, if there is none.
   template <class Stage>
   const StageDescriptor<Stage>& stage(const std::string& name) const {
     std::string known;
@@ -72,14 +75,15 @@ class Registry {
 
   const std::vector<PipelineSpec>& pipelines() const { return pipelines_; }
   const PipelineSpec& pipeline(const std::string& name) const;
-  /// The same with every option of its stages, defaults included. Throws ConfigError: unknown stage or option.
+  /// The same specification with every option of its stages, including defaults. Throws ConfigError for an unknown
+  /// stage or option.
   PipelineSpec resolved(PipelineSpec spec) const;
 
-  /// Changes a spec by one setting, as `--set` has it. Throws ConfigError.
+  /// Changes a spec by one setting in the syntax of `--set`. Throws ConfigError.
   ///     stage.option=value      an option of a stage that the pipeline has:  csat.axis=optimal
   ///     role=name[,name...]     another stage in a role, or none:            feature-filter=feature-kdop,coplanarity
-  /// Roles: broad-phase, element-culling, assignment, orphans, flood, feature-filter, narrow-phase. Options that a
-  /// stage has stay when it is named again.
+  /// Roles: broad-phase, element-culling, assignment, orphans, flood, feature-filter, narrow-phase. A stage that is
+  /// named again keeps its options.
   void apply_setting(PipelineSpec& spec, const std::string& setting) const;
 
  private:

@@ -1,21 +1,21 @@
-// Whom a worker's time is charged to.
+// Measures the time that a worker spends in each stage.
 #pragma once
 
 #include <chrono>
 
 namespace volccd {
 
-/// A stop watch that charges time to one account at a time. One thread at a time.
+/// A stopwatch that adds elapsed time to one account (a number of seconds) at a time. Not thread-safe.
 class StageClock {
  public:
-  /// Whether some account is being charged.
+  /// Whether time is currently added to an account.
   bool running() const { return account_ != nullptr; }
 
  private:
   friend class StageTimer;
 
   void switch_to(double* account) {
-    if (account == account_) return;  // saves reading the clock
+    if (account == account_) return;  // avoids reading the clock
     const auto now = std::chrono::steady_clock::now();
     if (account_) *account_ += std::chrono::duration<double>(now - since_).count();
     account_ = account;
@@ -26,8 +26,8 @@ class StageClock {
   std::chrono::steady_clock::time_point since_;
 };
 
-/// While it lives, time is added to `seconds` and not to what was charged before; afterwards that goes on. Without an
-/// account, time is charged to nobody.
+/// During its lifetime, elapsed time is added to `seconds` instead of the previous account; its destructor switches
+/// back to that account. If constructed without `seconds`, the time is added to no account.
 class StageTimer {
  public:
   StageTimer(StageClock& clock, double& seconds) : StageTimer(clock, &seconds) {}

@@ -29,9 +29,10 @@ std::size_t TestChain::bytes() const {
 
 void TestChain::add(FeatureKind kind, std::span<FeaturePair> tests) {
   const ObjectFilter& rule = step_->filter;
-  // Where only some pairs of objects are excluded, most tests are asked for: less is looked up after the filters.
+  // If only some pairs of objects are excluded, most tests are included; fewer tests need to be looked up after the
+  // filters.
   if (!rule.trivial() && (rule.scope() != PairScope::all || stages_->filters.empty()))
-    tests = tests.first(asked_for(kind, tests));
+    tests = tests.first(partition_included(kind, tests));
   StageTimer timer(clock_, statistics_[0].seconds);
   while (!tests.empty()) {
     const std::size_t taken = std::min(tests.size(), TestBlock::kCapacity);
@@ -41,9 +42,9 @@ void TestChain::add(FeatureKind kind, std::span<FeaturePair> tests) {
   }
 }
 
-std::size_t TestChain::asked_for(FeatureKind kind, std::span<FeaturePair> tests) const {
-  const auto unwanted = [&](FeaturePair pair) { return !step_->filter.asks_for(step_->topology, kind, pair); };
-  return static_cast<std::size_t>(std::remove_if(tests.begin(), tests.end(), unwanted) - tests.begin());
+std::size_t TestChain::partition_included(FeatureKind kind, std::span<FeaturePair> tests) const {
+  const auto excluded = [&](FeaturePair pair) { return !step_->filter.asks_for(step_->topology, kind, pair); };
+  return static_cast<std::size_t>(std::remove_if(tests.begin(), tests.end(), excluded) - tests.begin());
 }
 
 void TestChain::finish() {
@@ -74,7 +75,7 @@ void TestChain::run_filter(FeatureKind kind, std::size_t stage) {
   const auto dropped = std::count(keep.begin(), keep.begin() + static_cast<std::ptrdiff_t>(block.size()), 0);
   statistics_[stage].out += block.size() - static_cast<std::size_t>(dropped);
   const bool last = stage + 1 == stages_->filters.size();
-  if (last && !step_->filter.trivial() && step_->filter.scope() == PairScope::all) keep_asked_for(block, keep);
+  if (last && !step_->filter.trivial() && step_->filter.scope() == PairScope::all) keep_included(block, keep);
   TestBlock& next = blocks(kind)[stage + 1];
   for (std::size_t begin = 0; begin < block.size();) {
     begin = next.append_kept(block, keep, begin);
@@ -82,7 +83,7 @@ void TestChain::run_filter(FeatureKind kind, std::size_t stage) {
   }
 }
 
-void TestChain::keep_asked_for(const TestBlock& block, std::span<std::uint8_t> keep) const {
+void TestChain::keep_included(const TestBlock& block, std::span<std::uint8_t> keep) const {
   for (std::size_t i = 0; i < block.size(); ++i)
     if (keep[i] != 0 && !step_->filter.asks_for(step_->topology, block.kind(), block.pair(i))) keep[i] = 0;
 }

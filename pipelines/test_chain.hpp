@@ -1,4 +1,5 @@
-// What a worker does with tests: feature filters in order, then the narrow phase, on blocks.
+// How a worker processes tests: blocks of tests pass through the feature filters in order, then through the narrow
+// phase.
 #pragma once
 
 #include <array>
@@ -15,49 +16,54 @@
 
 namespace volccd {
 
-/// The stages of a chain, and what belongs to them: states and statistics, those of the filters in order, then that of
-/// the narrow phase. What is referred to outlives the run.
+/// The stages of a chain with their states: those of the filters in order, then that of the narrow phase. The
+/// referenced objects must outlive the run.
 struct TestStages {
   std::span<const std::unique_ptr<FeatureFilter>> filters;
   const NarrowPhase& narrow_phase;
   std::span<const std::unique_ptr<StageState>> states;
 };
 
-/// The tests of a worker are gathered once into blocks. What a filter keeps is collected, by kind, in a block before
-/// the next stage, which runs when that block is full: blocks are full although filters keep few tests.
+/// The tests of a worker are gathered once into blocks. The tests that a filter keeps are collected, separately for
+/// each kind, in a block for the next stage, which runs when that block is full. Therefore blocks are full although
+/// filters keep few tests.
 ///
-/// Tests that step.filter does not ask for are dropped: before the filters where whole scopes are excluded, else after
-/// them. Reused from step to step; no allocation in steady state but for the contacts. One thread at a time.
+/// Tests that step.filter excludes are dropped: before the feature filters if the filter restricts the scope of pairs
+/// (inter or intra), otherwise after them. Reused from step to step; in steady state, it allocates memory for contacts
+/// only. Not thread-safe.
 class TestChain {
  public:
-  /// Begins a step: forgets tests and contacts. `statistics`, as many as stages.states, are added to.
+  /// Begins a step and removes all tests and contacts. Results are added to `statistics`, which has as many entries as
+  /// stages.states.
   void start(const Step& step, const TestStages& stages, std::span<StageStatistics> statistics, unsigned worker);
 
-  /// Filters may from now on drop what touches only after t_max <= step.t_max. The narrow phase sees the step as it is.
+  /// From now on, filters may drop tests that touch only after t_max <= step.t_max. The narrow phase still receives the
+  /// step unchanged.
   void prune(double t_max) { t_max_ = t_max; }
 
-  /// Takes in tests and runs the first stage on them, best on multiples of TestBlock::kCapacity. Overwrites `tests`.
+  /// Adds tests and runs the first stage on them; most efficient for multiples of TestBlock::kCapacity. Overwrites
+  /// `tests`.
   void add(FeatureKind kind, std::span<FeaturePair> tests);
-  /// Runs the later stages on what is left in their blocks.
+  /// Runs the later stages on the tests that remain in their blocks.
   void finish();
 
   std::vector<Contact>& contacts() { return contacts_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
   const NarrowCounters& counters() const { return counters_; }
-  /// Tests of a kind that the narrow phase performed.
+  /// Number of tests of a kind that the narrow phase performed.
   std::uint64_t tests(FeatureKind kind) const { return tests_[static_cast<std::size_t>(kind)]; }
   StageClock& clock() { return clock_; }
   std::size_t bytes() const;
 
  private:
-  using Blocks = std::deque<TestBlock>;  ///< before filter i; the last: before the narrow phase
+  using Blocks = std::deque<TestBlock>;  ///< block i: input of filter i; the last one: input of the narrow phase
 
   Blocks& blocks(FeatureKind kind) { return blocks_[static_cast<std::size_t>(kind)]; }
-  std::size_t asked_for(FeatureKind kind, std::span<FeaturePair> tests) const;
+  std::size_t partition_included(FeatureKind kind, std::span<FeaturePair> tests) const;
   void run(FeatureKind kind, std::size_t stage);
   void run_filter(FeatureKind kind, std::size_t stage);
   void run_narrow_phase(const TestBlock& block);
-  void keep_asked_for(const TestBlock& block, std::span<std::uint8_t> keep) const;
+  void keep_included(const TestBlock& block, std::span<std::uint8_t> keep) const;
 
   const Step* step_ = nullptr;
   const TestStages* stages_ = nullptr;

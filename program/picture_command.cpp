@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <cctype>
 #include <charconv>
+#include <filesystem>
 #include <memory>
 #include <optional>
 
@@ -64,7 +66,17 @@ std::vector<PicturePanel> panels_of(const PictureOptions& options) {
   return panels;
 }
 
+/// A suffix promises a format.
+void check_suffix(const std::string& output) {
+  std::string suffix = std::filesystem::path(output).extension().string();
+  std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return std::tolower(c); });
+  if (!suffix.empty() && suffix != ".png")
+    throw ConfigError(fmt::format("-o: pictures are PNG files; name it {} in place of {}",
+                                  std::filesystem::path(output).replace_extension(".png").string(), output));
+}
+
 int draw_picture(const PictureOptions& options) {
+  check_suffix(options.output);
   PictureConfig config = options.config;
   const std::vector<int> size = parse_list<int>("--size", options.size, 'x', "WIDTH or WIDTHxHEIGHT");
   if (size.size() > 2 || size[0] < 1 || size.back() < 1)

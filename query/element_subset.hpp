@@ -1,4 +1,4 @@
-// Some of the elements of a topology, and what has changed in the elements that a stage looks at.
+// A subset of the elements of a topology, and the changes in the elements that a stage processes.
 #pragma once
 
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace volccd {
 
-/// A set of element slots that changes from step to step. Read-only use is thread-safe.
+/// A set of element slots that may change from step to step. Read-only use is thread-safe.
 class ElementSubset {
  public:
   ElementSubset();
@@ -19,7 +19,7 @@ class ElementSubset {
   bool contains(Index o) const { return o < flags_.size() && flags_[o] != 0; }
   Index size() const { return size_; }
 
-  /// Makes the set the slots o < slots with wanted(o). O(slots).
+  /// Replaces the set by all slots o < slots for which wanted(o) is true. O(slots).
   template <class Wanted>
   void assign(Index slots, Wanted&& wanted) {
     begin_change();
@@ -31,8 +31,8 @@ class ElementSubset {
 
   /// Never 0, and different for every object and after every change.
   std::uint64_t version() const { return version_; }
-  /// The slots that the change from this version to the present one concerned, ascending; false, with `slots` empty, if
-  /// it is neither the present version nor the one before.
+  /// Sets `slots` to the slots, ascending, that were added or removed by the change from `version` to the present
+  /// version. Returns false, with `slots` empty, if `version` is neither the present version nor the previous one.
   bool changes_since(std::uint64_t version, std::span<const Index>& slots) const;
 
   std::size_t bytes() const { return flags_.capacity() + changed_.capacity() * sizeof(Index); }
@@ -46,7 +46,7 @@ class ElementSubset {
   }
   void end_change();
 
-  std::vector<std::uint8_t> flags_;  ///< by slot
+  std::vector<std::uint8_t> flags_;  ///< whether each slot is in the set
   std::vector<Index> changed_, next_;
   Index size_ = 0;
   std::uint64_t version_, before_ = 0;
@@ -54,8 +54,9 @@ class ElementSubset {
 
 struct Step;
 
-/// A TopologyDelta for the elements that take part in a step (Step::takes_part): what left or entered Step::subset
-/// counts as emptied or filled. Kept in the state of a broad phase; used in the same way.
+/// A TopologyDelta for the elements that take part in a step (Step::takes_part): an element that left or entered
+/// Step::subset is treated as removed or added. Member of the state of a broad phase, with the same protocol as
+/// TopologyDelta.
 class ElementDelta {
  public:
   using Extent = TopologyDelta::Extent;
@@ -63,7 +64,8 @@ class ElementDelta {
   Extent sync(const Step& step);
   void confirm();
 
-  /// Slots of elements that may take part now and did not before, or the reverse, ascending, each once.
+  /// Slots of elements that may have begun or ceased to take part, or may have been replaced, since the last confirm().
+  /// Ascending, each once.
   const std::vector<Index>& changed_slots() const { return changed_slots_; }
   std::size_t bytes() const { return topology_.bytes() + changed_slots_.capacity() * sizeof(Index); }
 

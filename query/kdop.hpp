@@ -1,14 +1,14 @@
-// k-DOPs: bounds along k/2 fixed axes, in floats rounded outward.
+// k-DOPs: bounds along k/2 fixed axes, in single precision, rounded outward.
 //
-// Axes, in this order (Klosowski et al. 1998; the paper's Section 3.3 takes 16):
+// Axes, in this order (Klosowski et al. 1998; Section 3.3 of the paper uses k = 16):
 //   k =  6   x y z
 //   k = 14   x y z, x+y+z, x+y-z, x-y+z, x-y-z
 //   k = 16   x y z, x+y, x+z, y+z, x-y, x-z
-//   k = 18   those of 16 and y-z
+//   k = 18   those of 16, and y-z
 //   k = 24   x y z, the six face diagonals of 18, x+y-z, x-y+z, x-y-z
 //   k = 26   x y z, the six face diagonals of 18, the four space diagonals of 14
-// Axes are not normalised: a bound along x+y is a bound on the sum of coordinates. Widening by a distance d therefore
-// takes d times the axis's Euclidean length.
+// Axes are not normalised: a bound along x+y is a bound on the sum of the coordinates. Widening the bounds by a
+// distance d therefore adds d times the Euclidean length of the axis.
 #pragma once
 
 #include <array>
@@ -18,8 +18,8 @@
 
 namespace volccd {
 
-/// Largest float <= x, smallest float >= x; values beyond the range of floats go to -inf / +inf or to the largest
-/// finite float, whichever lies outward. Never changes the rounding mode.
+/// Largest float <= x, smallest float >= x. Values beyond the range of floats are rounded outward to -inf / +inf or
+/// inward to the largest finite float, whichever is a valid bound. The rounding mode is not changed.
 inline float float_below(double x) {
   const float f = static_cast<float>(x);
   return static_cast<double>(f) > x ? std::nextafterf(f, -std::numeric_limits<float>::infinity()) : f;
@@ -44,7 +44,7 @@ constexpr std::array<std::array<int, 3>, K / 2> kdop_axes() {
   return axes;
 }
 
-/// Number of non-zero components: 1, 2 or 3; the axis's length is its square root.
+/// Number of non-zero components: 1, 2 or 3. Its square root is the length of the axis.
 constexpr int axis_terms(const std::array<int, 3>& axis) {
   return axis[0] * axis[0] + axis[1] * axis[1] + axis[2] * axis[2];
 }

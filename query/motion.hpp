@@ -1,4 +1,4 @@
-// Where the vertices are during a step: Bezier control points over t in [0,1].
+// Positions of the vertices during a step: Bezier control points over t in [0,1].
 #pragma once
 
 #include <span>
@@ -8,23 +8,24 @@
 
 namespace volccd {
 
-/// Two control points a vertex: constant velocity (the paper's Section 3.1). Three: constant acceleration
-/// (Section 7.1). Layout: the control points of a vertex lie together, [vertex][control point][axis], so that a gather
-/// touches one or two cache lines. Positions are doubles and taken as exact. Vertices that no element uses may hold
-/// anything finite.
+/// Two control points per vertex: constant velocity (Section 3.1). Three control points: constant acceleration (Section
+/// 7.1). Layout: [vertex][control point][axis]; the control points of a vertex are contiguous, so that reading them
+/// touches one or two cache lines. Positions are doubles and are regarded as exact. Vertices that no element uses may
+/// have any finite positions.
 class Motion {
  public:
   Motion() = default;
   Motion(Index vertices, int control_points);
 
-  /// Straight lines from x0 to x1, both [vertices]. Throws InputError (source "motion", dataset "x0" or "x1", index)
-  /// for a coordinate that is not finite, or arrays of different lengths.
+  /// Straight lines from x0 to x1, both of size [vertices]. Throws InputError (source "motion", dataset "x0" or "x1",
+  /// index) if a coordinate is not finite, or if the arrays have different lengths.
   static Motion linear(std::span<const Vec3> x0, std::span<const Vec3> x1);
-  /// The same in place: no allocation where the number of vertices stays.
+  /// The same as linear() for this object. No allocation if the number of vertices is unchanged.
   void set_linear(std::span<const Vec3> x0, std::span<const Vec3> x1);
-  /// Quadratic Bezier curves with middle control points xm (not a point of the curve).
+  /// Quadratic Bezier curves with middle control points xm (which are not points of the curves).
   static Motion quadratic(std::span<const Vec3> x0, std::span<const Vec3> xm, std::span<const Vec3> x1);
-  /// Section 6.3: a vertex that the old step does not have starts from p' = p - s v. `is_new` flags vertices.
+  /// Section 6.3: a vertex that does not exist in the previous step starts from p' = p - s v. `is_new` marks these
+  /// vertices.
   static Motion linear_with_new(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const char> is_new,
                                 std::span<const Vec3> velocity, double step_length);
 
@@ -32,14 +33,14 @@ class Motion {
   int control_points() const { return control_points_; }
   int degree() const { return control_points_ - 1; }
 
-  /// 3 * control_points() doubles: x, y, z of the first control point, then of the next.
+  /// 3 * control_points() doubles: x, y, z of the first control point, then of the next one.
   const double* at(Index v) const { return data_.data() + std::size_t{v} * stride(); }
   Vec3 point(Index v, int control_point) const { return Eigen::Map<const Vec3>(at(v) + 3 * control_point); }
   void set(Index v, int control_point, const Vec3& p) {
     Eigen::Map<Vec3>(data_.data() + std::size_t{v} * stride() + 3 * static_cast<std::size_t>(control_point)) = p;
   }
 
-  /// Position at t, de Casteljau; exact at t = 0 and t = 1, rounded in between.
+  /// Position at t by de Casteljau's algorithm; exact at t = 0 and t = 1, rounded in between.
   Vec3 position(Index v, double t) const;
 
   std::size_t bytes() const { return data_.capacity() * sizeof(double); }

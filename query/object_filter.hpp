@@ -1,4 +1,4 @@
-// Which pairs of objects a query looks at.
+// Which pairs of objects a query includes.
 #pragma once
 
 #include <cstdint>
@@ -16,18 +16,18 @@ enum class PairScope {
   intra   ///< within one object
 };
 
-/// A rule on pairs of object ids, symmetric. A feature belongs to every object that has an element incident to it. A
-/// feature pair {a,b} is asked for when some (oi, oj) in inc(a) x inc(b) has an allowed pair of objects.
+/// A symmetric rule on pairs of object ids. A feature belongs to every object that has an element incident to it. A
+/// feature pair {a,b} is included if some (oi, oj) in inc(a) x inc(b) has an allowed pair of objects.
 ///
-/// Culling on element pairs is exact only if objects share no vertices: otherwise an element pair may own (assignment)
-/// a feature pair that is asked for because of other elements. Therefore element pairs are only dropped when both
-/// elements are pure: no vertex of them belongs to an element of another object.
+/// Element pairs may be dropped by their objects only if objects share no vertices; otherwise an element pair may own
+/// (by assignment) a feature pair that is included because of other elements. Therefore an element pair is dropped only
+/// if neither element has a vertex that belongs to an element of another object.
 class ObjectFilter {
  public:
   ObjectFilter() = default;
   explicit ObjectFilter(PairScope scope) : scope_(scope) {}
 
-  /// Never look at contacts between objects a and b (a == b: within it).
+  /// Excludes contacts between the objects a and b (if a == b: within the object).
   void exclude(std::int32_t a, std::int32_t b) { excluded_.insert(std::minmax(a, b)); }
 
   bool allows(std::int32_t a, std::int32_t b) const {
@@ -35,14 +35,14 @@ class ObjectFilter {
     if (scope_ == PairScope::intra && a != b) return false;
     return excluded_.empty() || !excluded_.contains(std::minmax(a, b));
   }
-  /// True if everything is allowed: nothing to ask.
+  /// True if every pair is allowed.
   bool trivial() const { return scope_ == PairScope::all && excluded_.empty(); }
 
   PairScope scope() const { return scope_; }
 
-  /// Whether the element pair may be dropped by a broad phase, under the rule above.
+  /// Whether a broad phase may drop the element pair, by the rule above.
   bool drops(const Topology& topology, ElementPair pair) const;
-  /// Whether the feature pair is asked for.
+  /// Whether the feature pair is included.
   bool asks_for(const Topology& topology, FeatureKind kind, FeaturePair pair) const;
 
   friend bool operator==(const ObjectFilter&, const ObjectFilter&) = default;

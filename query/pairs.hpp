@@ -1,4 +1,4 @@
-// Pairs of elements, and pairs of features: what the stages of a pipeline hand on.
+// Pairs of elements and pairs of features, which the stages of a pipeline exchange.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace volccd {
 
-/// Two element slots. From a broad phase: a < b, or a == b for the pair of an element with itself.
+/// Two element slots. A broad phase emits pairs with a < b, or a == b for the self pair of an element.
 struct ElementPair {
   Index a, b;
   auto operator<=>(const ElementPair&) const = default;
@@ -28,9 +28,9 @@ struct FeaturePair {
   auto operator<=>(const FeaturePair&) const = default;
 };
 
-/// Vertex slots of a test. VF: {vertex, triangle ascending}. EE: {edge a ascending, edge b ascending}, the edges
-/// swapped if need be so that the first is lexicographically smaller: kernels see each test in one canonical order,
-/// whichever stage it came through, and so their results agree bit for bit.
+/// Vertex slots of a test. VF: {vertex, triangle ascending}. EE: {edge ascending, edge ascending}, the
+/// lexicographically smaller edge first. Every kernel receives a test in this canonical order, whichever stage produced
+/// it, so that results are the same bit for bit.
 inline std::array<Index, 4> test_vertices(const Features& features, FeatureKind kind, FeaturePair pair) {
   if (kind == FeatureKind::vf) {
     const std::array<Index, 3>& f = features.triangle(pair.b);
@@ -44,7 +44,7 @@ inline std::array<Index, 4> test_vertices(const Features& features, FeatureKind 
           static_cast<Index>(second)};
 }
 
-/// Whether the two features have no vertex in common (only then is there a test).
+/// Whether the two features have no vertex in common; pairs with a common vertex are not tested.
 bool is_test(const Features& features, FeatureKind kind, FeaturePair pair);
 
 }  // namespace volccd

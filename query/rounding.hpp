@@ -1,39 +1,42 @@
-// Rounding bounds that culling and elementary tests share. Derivations: docs/numerics.md. All hold for IEEE doubles,
-// round to nearest, gradual underflow (no flush to zero), no contraction into fused multiply-add.
+// Bounds on rounding errors for culling and elementary tests. Derivations: docs/numerics.md. All of them assume IEEE
+// doubles, rounding to nearest, gradual underflow (no flush to zero), and no contraction to fused multiply-add.
 //
-// Pattern: a kernel computes a quantity q and, from magnitudes alone, a threshold T. `q > T` is true only if the exact
-// quantity on the given doubles is positive (or beyond the separation). Overflow makes T infinite or NaN, and the
-// comparison false.
+// Usage: a kernel computes a quantity q and, from magnitudes alone, a threshold T. If `q > T` is true, the exact
+// quantity for the given doubles is positive (or greater than the separation). Overflow makes T infinite or NaN, and
+// then the comparison is false.
 #pragma once
 
 #include <cmath>
 
 namespace volccd {
 
-/// Half the distance from 1 to the next double: fl(x op y) = (x op y)(1 + e), |e| <= kUnitRoundoff, but for underflow.
+/// Half the distance from 1 to the next double. Without underflow, fl(x op y) = (x op y)(1 + e) with |e| <=
+/// kUnitRoundoff.
 inline constexpr double kUnitRoundoff = 0x1p-53;
 
-/// Kernels trust nothing whose magnitudes (extents, S, permanents, sums of coordinates below) exceed this: intermediate
-/// values could overflow, and the minimum or maximum of a set with a NaN in it is not reliable.
+/// Kernels treat a test as undecided if a magnitude (the extents, S, permanents and sums of coordinates below) exceeds
+/// this value: intermediate values might overflow, and the minimum or maximum of a set that contains NaN is not
+/// reliable.
 inline constexpr double kGreatestMagnitude = 0x1p1000;
 
 /// Gap along an axis L: q = min over one point set - max over another of fl(L . fl(x - r)), for any reference point r.
 ///     T = gap_error_factor(n) * S + kGapUnderflow [+ separation_gap(d, |L|)],   S = |Lx| Dx + |Ly| Dy + |Lz| Dz
-/// where Dk = max(kLeastExtent, max |fl(xk - rk)|) over all control points, and n levels of de Casteljau's scheme
-/// (weights fl(1 - s) and s) were applied to the differences to restrict them to [0, s]. Section "Dot products along an
-/// axis".
+/// where Dk = max(kLeastExtent, max |fl(xk - rk)|) over all control points, and n is the number of levels of de
+/// Casteljau's algorithm (weights fl(1 - s) and s) that were applied to the differences to restrict them to [0, s].
+/// Derivation: section "Dot products along an axis".
 constexpr double gap_error_factor(int levels) { return (10 + 6 * levels) * kUnitRoundoff; }
 inline constexpr double kGapUnderflow = 0x1p-1070;
 inline constexpr double kLeastExtent = 0x1p-1000;
 
-/// Make up for the rounding of a length (of a product of two lengths), times a separation, in a sum. Section "Lengths".
+/// Factors that compensate for rounding when a length, or a product of two lengths, is multiplied by a separation and
+/// added to a sum. Derivation: section "Lengths".
 inline constexpr double kLengthSlack = 1 + 16 * kUnitRoundoff;
 inline constexpr double kAreaSlack = 1 + 32 * kUnitRoundoff;
-/// Sums of squares below this may have lost digits to underflow: take the sum of absolute values for the length
-/// instead.
+/// A sum of squares below this value may have lost digits by underflow; use the sum of absolute values instead of the
+/// length.
 inline constexpr double kLeastSquare = 0x1p-900;
 
-/// At least separation * |L|, also after being added to a few other terms; 0 for separation 0.
+/// An upper bound on separation * |L| that remains valid after a few other terms are added; 0 for separation 0.
 inline double separation_gap(double separation, double lx, double ly, double lz) {
   if (separation == 0) return 0;
   const double square = lx * lx + ly * ly + lz * lz;
@@ -41,17 +44,18 @@ inline double separation_gap(double separation, double lx, double ly, double lz)
   return separation * (length * kLengthSlack);
 }
 
-/// Bernstein coefficients, times binomial(degree, k), of det(e1, e2, e3)(t), ei = differences of points of `points`
-/// control points each (2: degree 3; 3: degree 6). The error of coefficient k is below
+/// Bernstein coefficients, multiplied by binomial(degree, k), of det(e1, e2, e3)(t), where the ei are differences of
+/// points with `points` control points each (2: degree 3; 3: degree 6). The error of coefficient k is less than
 ///     binomial(degree, k) * (determinant_error_factor(points, n) * permanent(E) + separation term)
 ///       + kDeterminantUnderflow * (1 + E1x + E1y + E1z)
-/// where Eik = max(kLeastExtent, |eik|) over all control points, and n as above. Section "Coplanarity".
+/// where Eik = max(kLeastExtent, |eik|) over all control points, and n is as above. Derivation: section "Coplanarity".
 constexpr double determinant_error_factor(int points, int levels) {
   return (4 * points + 6 + 9 * levels) * kUnitRoundoff;
 }
 inline constexpr double kDeterminantUnderflow = 0x1p-1060;
-/// Sum of three coordinates of magnitude at most Mx, My, Mz, two such sums subtracted (or lerped coordinates, n
-/// levels): error below sum_error_factor(n) * (Mx + My + Mz). Section "Bounds along fixed axes".
+/// Difference of two sums of three coordinates with magnitudes of at most Mx, My, Mz, interpolated by n levels of de
+/// Casteljau's algorithm: the error is less than sum_error_factor(n) * (Mx + My + Mz). Derivation: section "Bounds
+/// along fixed axes".
 constexpr double sum_error_factor(int levels) { return (8 + 6 * levels) * kUnitRoundoff; }
 
 }  // namespace volccd

@@ -1,4 +1,4 @@
-// Which tests of thickened shells are none: both features stem from one vertex of the shell mesh.
+// Tests of thickened shells that are ignored because both features correspond to the same vertex of the shell mesh.
 #pragma once
 
 #include <array>
@@ -9,10 +9,10 @@
 
 namespace volccd {
 
-/// Whether the two features of a test, in the solid mesh of a ShellThickener, have vertices that stem from one vertex
-/// of the shell mesh. Such features never come apart, whatever the shells do: those of a prism and of its neighbours
-/// are as far apart at that vertex as the shell is thick, those of a shell and a volume that it is glued to by half of
-/// that. `vertices`: slots in the order of test_vertices().
+/// Whether the two features of a test in the solid mesh of a ShellThickener have vertices that correspond to the same
+/// vertex of the shell mesh. Such features always remain close to each other, however the shells move: at that vertex,
+/// features of a shell's prism and its neighbours are one thickness apart, and those of a shell and a volume that
+/// shares the vertex are half a thickness apart. `vertices`: slots in the order of test_vertices().
 inline bool share_shell_vertex(FeatureKind kind, const std::array<Index, 4>& vertices) {
   const std::size_t second = kind == FeatureKind::vf ? 1 : 2;
   for (std::size_t i = 0; i < second; ++i)

@@ -1,4 +1,5 @@
-// What all stages of a pipeline have in common: make_state() once, prepare() once a step, then run() on batches.
+// What all stages of a pipeline have in common: make_state() is called once, prepare() once per step, then run() on
+// batches.
 #pragma once
 
 #include <memory>
@@ -9,26 +10,27 @@
 
 namespace volccd {
 
-/// Base of the stage interfaces: BroadPhase, ElementCulling, Assignment, OrphanSource, Flood, FeatureFilter,
-/// NarrowPhase. Each adds its run(step, state, ...), and kRole, the name of its role in a pipeline.
+/// Base of the stage interfaces BroadPhase, ElementCulling, Assignment, OrphanSource, Flood, FeatureFilter and
+/// NarrowPhase. Each interface adds its own run(step, state, ...) and kRole, the name of its role in a pipeline.
 ///
-/// Stages are immutable: one stage object may serve several workspaces in several threads at once. All that changes is
-/// in the state. A state serves one step at a time:
-///  - prepare() runs alone;
-///  - run() is called concurrently by the workers of the executor that prepare() saw, each call with its worker's
-///    number in [0, executor.workers()). It may read all of the state and may write what belongs to its worker alone.
-///  - The step given to run() is that of the last prepare(); its t_max may be smaller.
-/// prepare() and run() throw std::bad_alloc if memory runs out, and what their own header says. After an exception a
-/// state is not used again.
+/// Stages are immutable: several threads may use one stage object at once, with different workspaces. All changes are
+/// made to the state. A state is used for one step at a time:
+///  - prepare() runs alone.
+///  - run() is called concurrently by the workers of the executor that was given to prepare(); each call gets the
+///    number of its worker in [0, executor.workers()). It may read the whole state and may write only the part of its
+///    worker.
+///  - The step given to run() is that of the last prepare(), except that t_max may be smaller.
+/// prepare() and run() throw std::bad_alloc if memory is exhausted, and the errors that their own headers list. After
+/// an exception the state must not be used again.
 class Stage {
  public:
   virtual ~Stage() = default;
 
   virtual std::unique_ptr<StageState> make_state() const { return std::make_unique<StageState>(); }
 
-  /// Brings `state`, made by make_state() of this stage, up to the step: builds what it lacks, and updates what it
-  /// holds from earlier steps, which may have had another motion or another topology (TopologyDelta tells what
-  /// changed). May use the executor. No allocation in steady state (same topology).
+  /// Updates `state`, which make_state() of this stage created, for the step: builds missing data, and updates data
+  /// from earlier steps, which may have had another motion or another topology (TopologyDelta determines the changes).
+  /// May use the executor. Does not allocate in steady state (same topology).
   virtual void prepare(const Step& step, StageState& state, Executor& executor) const {
     (void)step, (void)state, (void)executor;
   }

@@ -1,4 +1,4 @@
-// One query, as every stage sees it.
+// One query, as all stages see it.
 #pragma once
 
 #include <volccd/mesh/topology.hpp>
@@ -8,18 +8,19 @@
 
 namespace volccd {
 
-/// Motion of one step on one topology, and what the caller asks for. A value of references: cheap to copy; what it
-/// refers to outlives the call and does not change during it.
+/// The motion of one step on one topology, and the options of the query. Contains references and is cheap to copy; the
+/// referenced objects must outlive the call and must not change during it.
 struct Step {
   const Topology& topology;
   const Motion& motion;       ///< motion.vertex_count() == topology.mesh().vertex_count()
   const ObjectFilter& filter;
-  /// Contact when the distance reaches this, in the unit of the coordinates (finite, >= 0). 0: when they touch.
+  /// Distance, in the unit of the coordinates, at which features are in contact (finite, >= 0). For 0 they are in
+  /// contact when they touch.
   double separation = 0;
-  /// Contacts later than this need not be found: a stage may drop what touches only after t_max. 1: all of the step. A
-  /// stage may ignore it.
+  /// Contacts later than t_max need not be found: a stage may drop pairs that touch only after t_max, or may ignore
+  /// this value. 1: the whole step.
   double t_max = 1;
-  /// The elements that a broad phase pairs; null: all live ones.
+  /// The elements that the broad phase pairs; null: all live elements.
   const ElementSubset* subset = nullptr;
 
   const Mesh& mesh() const { return topology.mesh(); }

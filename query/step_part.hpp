@@ -1,14 +1,14 @@
-// The part of a step that a query asks for.
+// The time interval of a step to which a query is restricted.
 #pragma once
 
 #include <algorithm>
 
 namespace volccd {
 
-/// [0, s] of a step, s = t_max in [0, 1], as weights of de Casteljau's scheme: control point c of the motion over the
-/// part is the first value of level c.
+/// The interval [0, s] of a step, s = t_max in [0, 1], as weights of de Casteljau's algorithm: control point c of the
+/// motion over the interval is the first value of level c.
 struct StepPart {
-  int levels;      ///< of the scheme: 0 for all of the step, else the degree of the motion
+  int levels;      ///< levels of the algorithm: 0 for the whole step, otherwise the degree of the motion
   double s, rest;  ///< rest = 1 - s
 
   StepPart(double t_max, int control_points)

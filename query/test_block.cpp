@@ -17,10 +17,10 @@ namespace hn = hwy::HWY_NAMESPACE;
 using RecordTag = hn::CappedTag<double, 4>;
 constexpr int kLanes = static_cast<int>(hn::MaxLanes(RecordTag()));
 
-/// Where double k of a vertex's record in Motion goes, from the first row of that vertex of the tests.
+/// Offset of double k of a vertex's record in Motion, relative to the first row of that vertex in the tests.
 constexpr std::size_t row_offset(int k) { return static_cast<std::size_t>(k / 3 * 12 + k % 3) * TestBlock::kCapacity; }
 
-/// Transposes doubles kFirst .. kFirst + kLanes - 1 of kLanes records, and stores those from number kFrom on.
+/// Transposes the doubles kFirst .. kFirst + kLanes - 1 of kLanes records, and stores those with numbers from kFrom on.
 template <int kFirst, int kFrom>
 HWY_INLINE void transpose(const double* const (&records)[4], double* rows) {
   const RecordTag d;
@@ -46,7 +46,7 @@ HWY_INLINE void transpose(const double* const (&records)[4], double* rows) {
 #endif
 }
 
-/// Records of kDoubles from double kFirst on.
+/// Transposes records of kDoubles doubles, beginning with double kFirst.
 template <int kDoubles, int kFirst = 0>
 HWY_INLINE void transpose_records(const double* const (&records)[4], double* rows) {
   if constexpr (kFirst + kLanes <= kDoubles) {
@@ -68,7 +68,7 @@ void gather_records(const Motion& motion, std::span<const std::array<Index, 4>> 
     }
 }
 
-/// `tests`: a multiple of 4 of them.
+/// Pre: the number of tests is a multiple of 4.
 void gather_rows(const Motion& motion, std::span<const std::array<Index, 4>> tests, double* rows) {
   (motion.control_points() == 2 ? gather_records<6> : gather_records<9>)(motion, tests, rows);
 }
@@ -123,7 +123,7 @@ std::size_t TestBlock::take(const TestBlock& from, std::span<const std::uint8_t>
   std::array<std::uint8_t, kCapacity> kept;
   std::size_t count = 0;
   for (const std::size_t room = kCapacity - size_; begin < end && count < room; ++begin) {
-    kept[count] = static_cast<std::uint8_t>(begin);  // without a branch: verdicts are hard to predict
+    kept[count] = static_cast<std::uint8_t>(begin);  // without a branch, because the flags are hard to predict
     count += keep[begin] != 0 ? 1 : 0;
   }
   for (std::size_t k = 0; k < count; ++k) {

@@ -1,4 +1,4 @@
-// A block of VF or EE tests: features, vertices, and coordinates in structure of arrays, for vector kernels.
+// A block of VF or EE tests: features, vertices and coordinates as a structure of arrays, for vector kernels.
 #pragma once
 
 #include <array>
@@ -11,9 +11,9 @@
 
 namespace volccd {
 
-/// Up to kCapacity tests of one kind. row(c, p, axis)[i] = coordinate `axis` of control point c of vertex p of test i,
-/// p = 0..3 in the order of test_vertices(). Rows are 64-byte aligned. From size() to padded_size() they hold other
-/// tests' coordinates or zeros, so that kernels need no tail. No allocation.
+/// Up to kCapacity tests of one kind. row(c, p, axis)[i] is coordinate `axis` of control point c of vertex p of test i,
+/// where p = 0..3 is in the order of test_vertices(). Rows are aligned to 64 bytes. The entries from size() to
+/// padded_size() contain coordinates of other tests or zeros, so that kernels need no remainder loop. No allocation.
 class TestBlock {
  public:
   static constexpr std::size_t kCapacity = 64;
@@ -23,13 +23,13 @@ class TestBlock {
   TestBlock(const TestBlock&) = delete;
   TestBlock& operator=(const TestBlock&) = delete;
 
-  /// Replaces the contents by these tests, at most kCapacity of them. Pre: the motion has two or three control points.
+  /// Replaces the contents by at most kCapacity tests. Pre: the motion has two or three control points.
   void gather(const Step& step, FeatureKind kind, std::span<const FeaturePair> pairs);
-  /// Removes the tests i with keep[i] == 0; the others keep their order. keep.size() >= size().
+  /// Removes the tests i with keep[i] == 0; the other tests keep their order. Pre: keep.size() >= size().
   void compact(std::span<const std::uint8_t> keep);
   /// Appends the tests i of `from` with i >= begin and keep[i] != 0, in their order, until this block is full. An empty
-  /// block takes the kind and the number of control points of `from`; another one must have the same already. Returns
-  /// where to go on: from.size() when no test is left.
+  /// block takes the kind and the number of control points from `from`; otherwise they must agree. Returns the index at
+  /// which to continue: from.size() if no test is left.
   std::size_t append_kept(const TestBlock& from, std::span<const std::uint8_t> keep, std::size_t begin = 0);
   void clear() { size_ = 0; }
 
@@ -49,7 +49,7 @@ class TestBlock {
   }
 
  private:
-  /// Appends what is kept of [begin, end), as append_kept(); `from` may be this block where size_ <= begin.
+  /// Appends the kept tests in [begin, end) like append_kept(). `from` may be this block if size_ <= begin.
   std::size_t take(const TestBlock& from, std::span<const std::uint8_t> keep, std::size_t begin, std::size_t end);
 
   FeatureKind kind_ = FeatureKind::vf;

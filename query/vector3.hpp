@@ -1,4 +1,4 @@
-// Vectors over any ring: polynomials, integers, doubles.
+// Vectors of three components over any ring, for example polynomials, integers or doubles.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ T dot(const Vector3<T>& a, const Vector3<T>& b) {
   return T(a[0] * b[0] + a[1] * b[1] + a[2] * b[2]);
 }
 
-/// Component k of a x b.
+/// Component k of the cross product a x b.
 template <class T>
 T cross(const Vector3<T>& a, const Vector3<T>& b, std::size_t k) {
   const std::size_t i = (k + 1) % 3, j = (k + 2) % 3;

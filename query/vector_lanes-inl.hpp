@@ -1,5 +1,6 @@
-// Vectors in space in structure of arrays, for the vector kernels of all modules: each lane holds the coordinates of
-// another test, element or vertex. Included once for each instruction set, inside foreach_target sources.
+// Three-dimensional vectors as structures of arrays, for the vector kernels of all modules: each lane holds the
+// coordinates of another test, element or vertex. Included once for each instruction set by foreach_target.h of
+// Highway.
 #include <limits>
 
 #include <volccd/query/rounding.hpp>
@@ -19,7 +20,7 @@ namespace volccd::detail::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Of kernels on rows that are padded to a multiple of 8.
+// For kernels on rows that are padded to a multiple of 8.
 using Tag = hn::CappedTag<double, 8>;
 using Lanes = hn::Vec<Tag>;
 using LaneMask = hn::Mask<Tag>;
@@ -35,14 +36,14 @@ struct LaneVector {
 };
 using Lanes3 = LaneVector<Lanes>;
 
-/// Coordinates from three rows, the given distance apart; 64-byte alignment not needed beyond that of V.
+/// Loads coordinates from three rows at the given distance from each other. The rows need only the alignment of V.
 template <class D>
 HWY_INLINE LaneVector<hn::Vec<D>> load3(D d, const double* x, std::size_t distance) {
   return {hn::Load(d, x), hn::Load(d, x + distance), hn::Load(d, x + 2 * distance)};
 }
 
-// Products and sums are written out, and rounding bounds rely on their order: a fused multiply-add would
-// change bits from one processor to the next.
+// Products and sums are written out in a fixed order, on which the rounding bounds rely. Fused multiply-add would make
+// results depend on the processor.
 template <class V>
 HWY_INLINE V add3(V x, V y, V z) {
   return hn::Add(hn::Add(x, y), z);
@@ -80,13 +81,13 @@ template <class V>
 HWY_INLINE V greatest_coordinate(const LaneVector<V>& a) {
   return hn::Max(hn::Max(a.x, a.y), a.z);
 }
-/// Greatest magnitudes at both ends, not below kLeastExtent.
+/// Greatest magnitudes of the coordinates at both ends, at least kLeastExtent.
 template <class V>
 HWY_INLINE LaneVector<V> extent(const LaneVector<V>& start, const LaneVector<V>& end) {
   const V least = broadcast<V>(kLeastExtent);
   return max(max(abs(start), abs(end)), LaneVector<V>{least, least, least});
 }
-/// x, or infinity where x is not below kGreatestMagnitude.
+/// x if x < kGreatestMagnitude, otherwise infinity.
 template <class V>
 HWY_INLINE V trusted(V x) {
   return hn::IfThenElse(hn::Lt(x, broadcast<V>(kGreatestMagnitude)), x,
@@ -96,7 +97,7 @@ template <class V>
 HWY_INLINE LaneVector<V> trusted(const LaneVector<V>& a) {
   return {trusted(a.x), trusted(a.y), trusted(a.z)};
 }
-/// At least the length, up to a factor that kLengthSlack makes up for.
+/// An upper bound on the length, except for a rounding error for which kLengthSlack compensates.
 template <class V>
 HWY_INLINE V length(const LaneVector<V>& a) {
   const V square = dot(a, a);
@@ -104,7 +105,7 @@ HWY_INLINE V length(const LaneVector<V>& a) {
   return hn::IfThenElse(hn::Gt(square, broadcast<V>(kLeastSquare)), hn::Sqrt(square), add3(m.x, m.y, m.z));
 }
 
-/// Replaces control points by those of the motion over the part.
+/// Replaces the control points by those of the motion over the part of the step.
 template <int kControlPoints, class V>
 HWY_INLINE void restrict_to(const StepPart& part, LaneVector<V> (&points)[kControlPoints]) {
   for (int level = 1; level <= part.levels; ++level)

@@ -1,4 +1,4 @@
-// Vector operations on rows of a BoundsTable, compiled once for each instruction set (Highway). Include after
+// Vector operations on rows of a BoundsTable, compiled once for each instruction set (Highway). To be included after
 // foreach_target.h.
 #if defined(VOLCCD_BROADPHASE_BOUNDS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef VOLCCD_BROADPHASE_BOUNDS_INL
@@ -19,7 +19,7 @@ namespace hn = hwy::HWY_NAMESPACE;
 template <int kWidth>
 using RowTag = hn::CappedTag<float, kWidth>;
 
-/// Whether two bounds overlap, touching included.
+/// Whether two bounds overlap or touch.
 template <int kWidth>
 HWY_INLINE bool overlap(const float* a, const float* b) {
   const RowTag<kWidth> d;
@@ -33,7 +33,7 @@ HWY_INLINE bool overlap(const float* a, const float* b) {
   return hn::AllTrue(d, inside);
 }
 
-/// out = the bound of a and b.
+/// Sets out to the bound of a and b.
 template <int kWidth>
 HWY_INLINE void unite(const float* a, const float* b, float* out) {
   const RowTag<kWidth> d;
@@ -52,7 +52,7 @@ HWY_INLINE void make_empty(float* out) {
   }
 }
 
-/// out = the bound of rows[indices[0 .. count)], count > 0.
+/// Sets out to the bound of rows[indices[0 .. count)], count > 0.
 template <int kWidth>
 HWY_INLINE void unite_rows(const float* rows, const std::uint32_t* indices, std::size_t count, float* out) {
   const RowTag<kWidth> d;
@@ -69,7 +69,7 @@ HWY_INLINE void unite_rows(const float* rows, const std::uint32_t* indices, std:
   }
 }
 
-/// out = the bound of count > 0 rows that lie one after the other.
+/// Sets out to the bound of count > 0 consecutive rows.
 template <int kWidth>
 HWY_INLINE void unite_range(const float* rows, std::size_t count, float* out) {
   const RowTag<kWidth> d;

@@ -1,4 +1,4 @@
-// Elements in an order of one's own, with their vertices: what is gathered from every step, laid out as it is read.
+// A list of elements in arbitrary order, with their vertices, laid out for sequential reading at every step.
 #pragma once
 
 #include <cstddef>
@@ -9,28 +9,29 @@
 
 namespace volccd::detail {
 
-/// Positions 0 .. size()-1 hold element slots, or kNone: a gap, left by an element that was removed.
+/// Positions 0 .. size()-1 contain element slots, or kNone for the gap that a removed element left.
 class ElementList {
  public:
   void clear() { truncate(0); }
   void truncate(std::size_t size);
   void append(const Mesh& mesh, Index slot);
-  /// All elements that take part in the step, by slot.
+  /// Sets the list to all elements that take part in the step, in ascending order of slots.
   void assign(const Step& step);
-  /// Takes out the touched slots and appends those that take part. `touched` ascends.
+  /// Removes the slots `touched` (ascending) and appends those whose element takes part in the step.
   void update(const Step& step, std::span<const Index> touched);
 
   std::size_t size() const { return slots_.size(); }
   Index slot(std::size_t position) const { return slots_[position]; }
   const Index* slots() const { return slots_.data(); }
-  /// Vertices of the element; of a gap, those that it had.
+  /// Vertices of the element at this position; for a gap, those of the removed element.
   std::span<const Index> vertices(std::size_t position) const {
     return {vertices_.data() + begins_[position], begins_[position + 1] - begins_[position]};
   }
 
   void make_gap(std::size_t position) { slots_[position] = kNone; }
 
-  /// Reorders positions [begin, begin + order.size()): the i-th of them takes what was at position order[i].
+  /// Reorders the positions [begin, begin + order.size()): position begin + i gets the former contents of position
+  /// order[i].
   void permute(std::size_t begin, std::span<const Index> order);
 
   std::size_t bytes() const;

@@ -1,4 +1,5 @@
-// ObjectFilter::drops for element pairs, prepared: a small number for each element, and a table of allowed numbers.
+// A precomputed form of ObjectFilter::drops for element pairs: a small integer key for each element, and a table of
+// allowed pairs of keys.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +9,18 @@
 
 namespace volccd::detail {
 
-/// Key of a pure element: the rank of its object's id. kMixed: an element with a vertex of another object, which is
-/// never dropped. allowed(key(a), key(b)) == !filter.drops(topology, {a, b}).
+/// The key of an element is the rank of its object's id among all objects. It is kMixed for an element with a vertex
+/// that belongs to another object; pairs with such an element are never dropped. allowed(key(a), key(b)) ==
+/// !filter.drops(topology, {a, b}).
 class FilterKeys {
  public:
   static constexpr std::int32_t kMixed = -1;
 
-  /// O(1) if neither filter nor topology changed since the last call. Returns whether keys or the table changed.
+  /// Updates the keys for a step; O(1) if neither filter nor topology changed since the last call. Returns whether the
+  /// keys or the table changed.
   bool update(const Step& step, bool topology_changed);
 
-  /// Nothing is dropped; there are no keys.
+  /// True if the filter drops nothing; then there are no keys.
   bool trivial() const { return filter_.trivial(); }
   std::int32_t key(Index slot) const { return keys_[slot]; }
 
@@ -36,7 +39,7 @@ class FilterKeys {
   ObjectFilter filter_;
   bool keys_valid_ = false;
   std::vector<std::int32_t> keys_, objects_;
-  std::vector<std::uint8_t> table_;  ///< objects_ squared; empty if that would be large
+  std::vector<std::uint8_t> table_;  ///< square table over objects_; empty if it would be too large
 };
 
 }  // namespace volccd::detail

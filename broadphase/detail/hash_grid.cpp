@@ -12,14 +12,15 @@ namespace volccd::detail {
 namespace {
 
 constexpr std::size_t kGrain = 2048;
-/// Elements beyond this quantile may be large; the cell is so big that those below it never are.
+/// Only elements beyond this quantile of extents may be large; the cell size is such that the others never are.
 constexpr double kLargeQuantile = 0.995;
-/// A box of this many cells' extent overlaps at most six cells an axis: 216, below SpatialHash::kMostCells.
+/// A box with an extent of this many cells overlaps at most six cells per axis, 216 in total, which is less than
+/// SpatialHash::kMostCells.
 constexpr double kMostExtent = 5;
-/// Cell coordinates are clamped to +- this: they fit 32 bits, and so do their differences.
+/// Cell coordinates are clamped to this magnitude, so that they and their differences fit in 32 bits.
 constexpr double kFarthest = 1 << 30;
 
-/// The three primes of Teschner et al., applied to one coordinate.
+/// Multiplies a coordinate of a cell by one of the three primes of Teschner et al.
 std::uint32_t hash_part(std::size_t axis, std::int32_t cell) {
   constexpr std::uint32_t primes[3] = {73856093u, 19349663u, 83492791u};
   return static_cast<std::uint32_t>(cell) * primes[axis];
@@ -27,7 +28,7 @@ std::uint32_t hash_part(std::size_t axis, std::int32_t cell) {
 
 }  // namespace
 
-/// visit(bucket, offset) for each cell of the element.
+/// Calls visit(bucket, offset) for each cell of the element.
 template <class Visit>
 void HashGrid::visit_cells(std::size_t position, Visit&& visit) const {
   const CellRange& range = cells_[position];
@@ -44,8 +45,8 @@ void HashGrid::build(const BoundsTable& bounds, std::size_t elements, double cel
   choose_cell(bounds, elements, cell_size, executor);
   find_cells(bounds, elements, most_cells, executor);
 
-  // Counting sort by bucket. Counts end up as the buckets' ends, and are moved down to their begins by filling from
-  // there.
+  // Counting sort by bucket. The prefix sums are first the ends of the buckets; filling each bucket from its end turns
+  // them into the beginnings.
   mask_ = std::bit_ceil(std::max<std::size_t>(elements, 16)) - 1;
   begins_.assign(buckets() + 1, 0);
   const auto for_all = [&](auto&& visit) {
@@ -94,7 +95,7 @@ void HashGrid::choose_cell(const BoundsTable& bounds, std::size_t elements, doub
   const auto large = std::max(median, extents_.begin() + last);
   std::nth_element(median, large, extents_.end());
   double cell = std::max(*median * cell_size, *large / kMostExtent);
-  if (!(cell > 0)) cell = 1;  // points only: any grid does
+  if (!(cell > 0)) cell = 1;  // all boxes are points, for which any grid is suitable
   inverse_cell_ = 1 / cell;
 }
 
@@ -102,7 +103,8 @@ void HashGrid::find_cells(const BoundsTable& bounds, std::size_t elements, std::
                           Executor& executor) {
   const auto width = static_cast<std::size_t>(bounds.width());
   cells_.resize(elements);
-  // floor, product and clamp are monotone: of two overlapping intervals the higher low end lies in a cell of both.
+  // floor, multiplication and clamping are monotone; therefore the cell of the greater lower end of two overlapping
+  // intervals is a cell of both.
   const auto cell_of = [&](float x) {
     const double at = std::floor(static_cast<double>(x) * inverse_cell_);
     return static_cast<std::int32_t>(std::clamp(at, -kFarthest, kFarthest));

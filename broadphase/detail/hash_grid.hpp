@@ -1,4 +1,4 @@
-// The hashed grid of `spatial-hash`: which elements enter which cells, in buckets.
+// The hashed grid of `spatial-hash`: assigns elements to cells, and cells to buckets.
 #pragma once
 
 #include <array>
@@ -11,31 +11,32 @@
 
 namespace volccd::detail {
 
-/// An element in one of its cells. `offset` counts cells from the element's lowest one: 10 bits an axis.
+/// An element in one of its cells. `offset` is the position of the cell relative to the element's lowest cell, with 10
+/// bits per axis.
 struct HashEntry {
   Index position, offset;
 };
 
-/// Cells that an element's box overlaps: from `low`, `count` along each axis.
+/// The cells that the box of an element overlaps: `count` cells along each axis, beginning at `low`.
 struct CellRange {
   std::array<std::int32_t, 3> low, count;
 };
 
 class HashGrid {
  public:
-  /// For boxes (axes 0 to 2 of the bounds) of `elements` rows. Elements that would enter more than `most_cells` cells
-  /// are large() instead: at most one in 200.
+  /// Builds the grid for `elements` boxes (axes 0 to 2 of the bounds). Elements that would be entered in more than
+  /// `most_cells` cells are listed in large() instead, at most one in 200.
   void build(const BoundsTable& bounds, std::size_t elements, double cell_size, std::int64_t most_cells,
              Executor& executor);
 
-  /// Bucket b holds entries [begins()[b], begins()[b + 1]). Their order within it is arbitrary.
+  /// Bucket b contains the entries [begins()[b], begins()[b + 1]) in arbitrary order.
   std::size_t buckets() const { return mask_ + 1; }
   const std::vector<Index>& begins() const { return begins_; }
   const std::vector<HashEntry>& entries() const { return entries_; }
   const std::vector<CellRange>& cells() const { return cells_; }
   std::size_t largest_bucket() const { return largest_bucket_; }
 
-  /// Positions, ascending, and a flag for each element.
+  /// Positions of large elements, ascending, and whether an element is large.
   const std::vector<Index>& large() const { return large_; }
   bool is_large(std::size_t position) const { return cells_[position].count[0] == 0; }
 

@@ -16,7 +16,7 @@
 #define VOLCCD_HASH_KERNELS_ONCE
 namespace volccd::detail {
 
-/// The numbers of the bits that are set in a byte, ascending, and how many they are.
+/// The indices of the set bits of a byte in ascending order, and their number.
 struct SetBits {
   std::uint8_t lanes[8], count;
 };
@@ -43,7 +43,7 @@ class BucketKernel {
                BucketScratch& scratch, PairWriter& out)
       : grid_(grid), bounds_(bounds), slots_(slots), rules_(rules), scratch_(scratch), out_(out) {}
 
-  /// Entries [first, last) of the bucket [begin, end) against all behind them in it.
+  /// Tests the entries [first, last) of the bucket [begin, end) against all entries that follow them in it.
   void run(std::size_t begin, std::size_t end, std::size_t first, std::size_t last) {
     load(begin, end);
     for (std::size_t i = first - begin; i < last - begin; ++i) offer(i, survivors(i, end - begin));
@@ -52,8 +52,8 @@ class BucketKernel {
  private:
   using Lanes = hn::CappedTag<float, 8>;
 
-  /// Marks 0: a bit for each axis along which this is the element's lowest cell; 1: a number that entries of the same
-  /// cell share; 2: the position.
+  /// Marks 0: a bit for each axis along which this is the lowest cell of the element; 1: a number that is the same for
+  /// entries of the same cell; 2: the position.
   void load(std::size_t begin, std::size_t end) {
     const std::size_t count = end - begin;
     for (std::size_t i = 0; i < count; ++i) {
@@ -71,7 +71,7 @@ class BucketKernel {
     }
   }
 
-  /// The first entry of the bucket in the same cell as its i-th.
+  /// The first entry of the bucket in the same cell as entry i.
   std::int32_t cell_number(std::size_t begin, std::size_t i) {
     const std::int32_t* const cell = scratch_.marks(1);
     for (std::size_t j = 0; j < i; ++j)
@@ -89,8 +89,9 @@ class BucketKernel {
     return true;
   }
 
-  /// Entries j > i of i's cell whose bounds overlap i's, where this cell holds the lower corner of the boxes'
-  /// intersection: along each axis it is the lowest of one of the two. Returns their number.
+  /// Finds the entries j > i of the cell of entry i whose bounds overlap those of i, if this cell contains the lower
+  /// corner of the intersection of the boxes: along each axis it is the lowest cell of one of the two. Returns their
+  /// number.
   HWY_INLINE std::size_t survivors(std::size_t i, std::size_t count) {
     const Lanes d;
     const hn::Rebind<std::int32_t, Lanes> di;
@@ -148,7 +149,7 @@ void entries_kernel(const HashGrid& grid, const BoundsTable& bounds, const Index
   with_width(bounds.width(), [&](auto width) {
     BucketKernel<width> kernel(grid, bounds, slots, rules, scratch, out);
     const std::vector<Index>& begins = grid.begins();
-    // The bucket that holds entry `begin`: the last one that begins at or before it.
+    // The bucket that contains entry `begin`: the last one that begins at or before it.
     std::size_t bucket =
         static_cast<std::size_t>(std::upper_bound(begins.begin(), begins.end(), begin) - begins.begin()) - 1;
     for (; bucket < grid.buckets() && begins[bucket] < end; ++bucket) {

@@ -1,4 +1,4 @@
-// The inner loops of `spatial-hash`, dispatched to the instruction set of the machine.
+// The inner loops of `spatial-hash`, selected at run time for the instruction set of the processor.
 #pragma once
 
 #include <algorithm>
@@ -9,19 +9,19 @@
 
 namespace volccd::detail {
 
-/// A bucket laid out for vectors: rows of bounds and marks. One for each worker.
+/// A bucket in a layout for vector instructions: rows of bounds and marks. Each worker has one.
 class BucketScratch {
  public:
   static constexpr std::size_t kPadding = 8;
 
-  /// For buckets of up to `entries` entries.
+  /// Reserves memory for buckets of up to `entries` entries.
   void reserve(std::size_t entries) {
     stride_ = std::max(stride_, entries + kPadding);
     values_.resize(BoundsTable::kMostFloats * stride_);
     marks_.resize(3 * stride_);
     survivors_.resize(stride_);
   }
-  /// Minima, then maxima, as in a row of a BoundsTable, for all entries.
+  /// Row i for all entries: minima, then maxima, in the order of a row of a BoundsTable.
   float* row(std::size_t i) { return values_.data() + i * stride_; }
   std::int32_t* marks(std::size_t i) { return marks_.data() + i * stride_; }
   Index* survivors() { return survivors_.data(); }
@@ -34,11 +34,11 @@ class BucketScratch {
   std::vector<Index> survivors_;
 };
 
-/// Writes the wanted pairs (i, j), i < j, of entries of one bucket with i in [begin, end).
+/// Writes the requested pairs (i, j), i < j, of entries in the same bucket, with i in [begin, end).
 void hash_entries(const HashGrid& grid, const BoundsTable& bounds, const Index* slots, const PairRules& rules,
                   std::size_t begin, std::size_t end, BucketScratch& scratch, PairWriter& out);
 
-/// Writes the wanted pairs of the grid's large elements with the elements at [begin, end).
+/// Writes the requested pairs of large elements of the grid with the elements at positions [begin, end).
 void hash_large(const HashGrid& grid, const BoundsTable& bounds, const Index* slots, const PairRules& rules,
                 std::size_t begin, std::size_t end, PairWriter& out);
 

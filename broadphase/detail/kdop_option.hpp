@@ -1,4 +1,4 @@
-// The option `k`, common to the broad phases with k-DOPs.
+// The option `k` of the broad phases with k-DOPs.
 #pragma once
 
 #include <string>

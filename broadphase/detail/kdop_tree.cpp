@@ -11,9 +11,11 @@ namespace volccd::detail {
 
 namespace {
 
-/// A rebuild is due when more than one in kMostGaps elements is gone, or one in kMostAdded was added.
-constexpr std::size_t kMostGaps = 4, kMostAdded = 32, kFewAdded = 64;
-/// Below this many elements a subtree is not restructured by itself, and ranges are split at the median.
+/// A rebuild is due when more than 1/kGapDenominator of the elements were removed, or more than 1/kAddedDenominator of
+/// them plus kAddedAllowance were added.
+constexpr std::size_t kGapDenominator = 4, kAddedDenominator = 32, kAddedAllowance = 64;
+/// Subtrees with fewer elements than kLeastRestructured are not restructured separately; ranges with fewer than
+/// kLeastBinned are split at the median.
 constexpr Index kLeastRestructured = 64, kLeastBinned = 32;
 constexpr int kBins = 16;
 constexpr int kMixedKey = FilterKeys::kMixed;
@@ -22,7 +24,7 @@ double ratio(const TreeCost& cost) { return cost.elements > 0 ? cost.nodes / cos
 
 }  // namespace
 
-/// In doubles: differences of floats never overflow.
+/// A box in doubles, because their differences of floats cannot overflow.
 struct KdopTree::Box {
   std::array<double, 3> lo, hi;
 
@@ -95,7 +97,9 @@ bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const B
     positions_[slot] = kNone;
     if (step.takes_part(slot)) order_.push_back(slot);
   }
-  if (gaps_ > built_elements_ / kMostGaps || order_.size() > built_elements_ / kMostAdded + kFewAdded) return false;
+  if (gaps_ > built_elements_ / kGapDenominator ||
+      order_.size() > built_elements_ / kAddedDenominator + kAddedAllowance)
+    return false;
 
   list_.truncate(built_elements_);
   for (const Index slot : order_) list_.append(step.mesh(), slot);
@@ -121,7 +125,7 @@ bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const B
 void KdopTree::gather_items(Index begin, Index end) {
   items_.resize(end - begin);
   const std::size_t width = static_cast<std::size_t>(element_bounds_.width());
-  // Gaps take the box of some element that lives: they shall not disturb the splits, nor bring infinities into them.
+  // Gaps take the box of a live element, so that they do not affect the splits or introduce infinities.
   const float zero[BoundsTable::kMostFloats] = {};
   const float* stand_in = zero;
   for (Index p = begin; p < end && stand_in == zero; ++p)
@@ -135,11 +139,11 @@ void KdopTree::gather_items(Index begin, Index end) {
   }
 }
 
-/// Builds the subtree of a range whose elements are in items_, and brings the list in its order.
+/// Builds the subtree of a range whose elements are in items_, and reorders the list accordingly.
 void KdopTree::build_range(Range range, Executor& executor) {
   const Index begin = range.begin, count = range.end - range.begin;
   const Index grain = std::max<Index>(2048, count / 64);
-  range.begin = 0, range.end = count;  // within items_
+  range.begin = 0, range.end = count;  // positions within items_
   tasks_.assign(1, range);
   for (std::size_t i = 0; i < tasks_.size();) {
     if (tasks_[i].end - tasks_[i].begin <= grain) {
@@ -174,7 +178,7 @@ int KdopTree::build_subtree(Range range, Index offset) {
   return std::max(depth, build_subtree(right, offset));
 }
 
-/// Makes an inner node of the range, turns `range` into its left half and returns the right one.
+/// Makes an inner node of the range, sets `range` to its left half and returns the right half.
 KdopTree::Range KdopTree::split(Range& range, Index offset) {
   int axis = 0;
   const Index middle = split_position(range, axis);
@@ -187,8 +191,8 @@ KdopTree::Range KdopTree::split(Range& range, Index offset) {
   return right;
 }
 
-/// Surface-area heuristic over bins of the centres on each axis; the median of the widest axis for small ranges. Never
-/// more one-sided than 1 : 7, which bounds the depth.
+/// Surface-area heuristic with bins of the box centres on each axis; small ranges are split at the median of the widest
+/// axis. The ratio of the halves is limited to 1 : 7, which bounds the depth.
 Index KdopTree::split_position(Range range, int& axis) const {
   const Index count = range.end - range.begin, leaves = (count + leaf_size_ - 1) / leaf_size_;
   Box centres;
@@ -207,7 +211,7 @@ Index KdopTree::split_position(Range range, int& axis) const {
   return range.begin + std::clamp(best.left_leaves, least, leaves - least) * leaf_size_;
 }
 
-/// Takes the best boundary between bins on this axis if it is cheaper than the best so far.
+/// Selects the best boundary between bins on this axis, if it is cheaper than the best so far.
 void KdopTree::sweep_bins(Range range, int axis, const Box& centres, Split& best) const {
   struct Bin {
     Box box;
@@ -244,14 +248,14 @@ LeafLanes KdopTree::lanes() const {
   return {lanes_.data() + lane_stride_, lanes_.data(), lane_stride_, lane_vertices_};
 }
 
-/// Lays out the rows for the whole list.
+/// Allocates and fills the rows for the whole list.
 void KdopTree::make_lanes() {
   std::size_t most = 0;
   for (std::size_t p = 0; p < list_.size(); ++p) most = std::max(most, list_.vertices(p).size());
   lane_vertices_ = most <= 4 ? 4 : most <= 8 ? 8 : 0;
   lane_stride_ = list_.size() + LeafLanes::kPadding;
   lanes_.assign(lane_stride_ * static_cast<std::size_t>(1 + lane_vertices_), kNone);
-  for (std::size_t p = list_.size(); p < lane_stride_; ++p)  // read with the last leaf, and of no account
+  for (std::size_t p = list_.size(); p < lane_stride_; ++p)  // read together with the last leaf, and ignored
     std::fill_n(element_bounds_.row(p), 2 * element_bounds_.width(), 0.0f);
   fill_lanes(0, list_.size());
 }
@@ -275,7 +279,7 @@ void KdopTree::find_blocks() {
     const TreeNode& node = nodes_[root];
     if (node.end - node.begin <= most) {
       blocks_.push_back(root);
-      root += nodes_of(node.end - node.begin);  // preorder: the next node outside of the subtree
+      root += nodes_of(node.end - node.begin);  // in preorder, the next node outside of the subtree
     } else {
       upper_.push_back(root++);
     }
@@ -304,8 +308,8 @@ void KdopTree::note_costs(Index node) {
   for (Index i = node; i < end; ++i) built_ratios_[i] = static_cast<float>(ratio(costs_[i]));
 }
 
-/// Appends to degraded_ the roots of the subtrees to rebuild below `node`: the node itself if its cost has grown too
-/// much, unless one child alone is to blame.
+/// Appends the roots of the subtrees below `node` that must be rebuilt to degraded_: the node itself if its cost has
+/// grown too much, unless only one child is the cause.
 void KdopTree::collect_degraded(Index node, double degradation) {
   const TreeNode& n = nodes_[node];
   if (n.right == 0 || n.end - n.begin < kLeastRestructured) return;

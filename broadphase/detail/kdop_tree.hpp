@@ -1,11 +1,11 @@
 // Binary tree of k-DOPs over an element list.
 //
-// Nodes lie in preorder: the left child of node i is i + 1. Splits fall on multiples of the leaf size, so that a
-// subtree of m elements has exactly 2 ceil(m / leaf_size) - 1 nodes, whatever its shape: a subtree is restructured in
-// its place. Leaves own consecutive positions of the list, which is kept in leaf order; what a traversal reads lies
-// together.
+// Nodes are stored in preorder: the left child of node i is i + 1. Elements are split at multiples of the leaf size, so
+// that a subtree of m elements has exactly 2 ceil(m / leaf_size) - 1 nodes, whatever its shape; therefore a subtree can
+// be rebuilt in place. Leaves have consecutive positions of the list, which is kept in leaf order, so that a traversal
+// reads contiguous memory.
 //
-// Elements that were added later stand behind the others, in a second tree in the same arrays.
+// Elements that were added later follow the others, in a second tree in the same arrays.
 #pragma once
 
 #include <array>
@@ -19,49 +19,51 @@
 
 namespace volccd::detail {
 
-/// Elements at positions [begin, end) of the list. right == 0: a leaf; else the right child.
+/// A node with the elements at positions [begin, end) of the list. `right` is the right child, or 0 for a leaf.
 struct TreeNode {
   Index begin, end, right;
   std::int32_t key;  ///< common filter key of its elements, or FilterKeys::kMixed
 };
 
-/// Sizes summed over a subtree, a size being the squared half perimeter of a bound: over its nodes, and over the live
-/// elements in it. Their ratio does not change with scale; it grows when elements drift apart.
+/// The cost of a subtree: the squared half perimeters of the bounds, summed over its nodes and over its live elements.
+/// The ratio of the two sums is independent of scale, and grows when elements move apart.
 struct TreeCost {
   double nodes, elements;
 };
 
-/// The list once more, as the leaf kernels read it: vertex v of the element at position p is ids[v * stride + p]. Short
-/// elements repeat a vertex; gaps have kNone, as their slot too. All rows may be read kPadding positions past the end.
+/// Vertices and slots of the list in the layout of the leaf kernels: vertex v of the element at position p is ids[v *
+/// stride + p]. Elements with fewer vertices repeat a vertex; gaps have kNone as vertices and as slot. All rows may be
+/// read up to kPadding positions beyond the end.
 struct LeafLanes {
   static constexpr std::size_t kPadding = 4;
 
   const Index* ids;
   const Index* slots;
   std::size_t stride;
-  int vertices;  ///< 4 or 8; 0: there are larger elements, and no ids
+  int vertices;  ///< 4 or 8; 0 if there are larger elements, and then no ids
 };
 
 class KdopTree {
  public:
   static constexpr int kMostLeafSize = 8;
 
-  /// A tree over all elements that take part, with bounds. `vertices` are the vertices' bounds of this step.
+  /// Builds a tree with bounds over all elements that take part in the step. `vertices` are the bounds of the vertices
+  /// for this step.
   void build(const Step& step, int leaf_size, const BoundsTable& vertices, Executor& executor);
 
-  /// Takes elements out and puts others in. False if a build is due instead: too many of either have gathered since the
-  /// last one. `touched`: slots whose taking part may have changed since the last call. Bounds are those of the next
-  /// refit.
+  /// Removes and adds elements. `touched`: slots whose participation may have changed since the last call. Returns
+  /// false if too many elements were removed or added since the last build; then build() must be called instead. Bounds
+  /// become valid with the next refit().
   bool edit(const Step& step, const std::vector<Index>& touched, const BoundsTable& vertices, Executor& executor);
 
-  /// Bounds for another step. Time linear in the elements.
+  /// Updates the bounds for another step. Linear time in the number of elements.
   void refit(const BoundsTable& vertices, Executor& executor);
 
-  /// Rebuilds, in their place, the subtrees whose cost ratio exceeds `degradation` times that when they were built,
-  /// with their bounds. Returns the number of elements in them. To be called after refit.
+  /// Rebuilds in place, with bounds, the subtrees whose cost ratio exceeds `degradation` times their ratio after their
+  /// last build. Returns the number of elements in them. To be called after refit().
   std::size_t restructure(double degradation, const BoundsTable& vertices, Executor& executor);
 
-  /// Fills in the nodes' keys.
+  /// Sets the keys of all nodes.
   void set_keys(const FilterKeys& keys);
 
   int leaf_size() const { return static_cast<int>(leaf_size_); }
@@ -106,19 +108,19 @@ class KdopTree {
   ElementList list_;
   std::vector<TreeNode> nodes_;
   std::vector<TreeCost> costs_;
-  std::vector<float> built_ratios_;  ///< costs_ as a ratio when the node was built
+  std::vector<float> built_ratios_;  ///< ratio of costs_ when the node was built
   std::vector<Index> roots_;
-  Index built_elements_ = 0;  ///< of the first tree
+  Index built_elements_ = 0;  ///< number of elements of the first tree
   Index gaps_ = 0;
   int depth_ = 0;
   BoundsTable node_bounds_, element_bounds_;
-  std::vector<Index> lanes_;      ///< rows of LeafLanes, slots first
+  std::vector<Index> lanes_;      ///< rows of LeafLanes, the row of slots first
   std::size_t lane_stride_ = 0;
   int lane_vertices_ = 4;
-  std::vector<Index> positions_;  ///< slot -> position
-  std::vector<Index> blocks_;     ///< roots of disjoint subtrees, refitted in parallel
-  std::vector<Index> upper_;      ///< the nodes above them, in preorder
-  // Scratch.
+  std::vector<Index> positions_;  ///< position of each slot
+  std::vector<Index> blocks_;     ///< roots of disjoint subtrees that are refitted in parallel
+  std::vector<Index> upper_;      ///< the nodes above `blocks_`, in preorder
+  // Scratch memory.
   std::vector<BuildItem> items_;
   std::vector<Index> order_, degraded_;
   std::vector<Range> tasks_;

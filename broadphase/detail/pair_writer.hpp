@@ -1,4 +1,4 @@
-// Which pairs a query wants, and their way to the sink.
+// The pairs that a query requests, and their output to the sink.
 #pragma once
 
 #include <array>
@@ -12,11 +12,11 @@
 
 namespace volccd::detail {
 
-/// Which pairs a query wants.
+/// Which pairs a query requests.
 struct PairRules {
-  const Adjacency* adjacency;  ///< null: adjacent pairs are wanted
+  const Adjacency* adjacency;  ///< null: adjacent pairs are included
   const FilterKeys* keys;      ///< null: the filter drops nothing
-  bool self_pairs;             ///< (o, o) is wanted
+  bool self_pairs;             ///< whether self pairs (o, o) are included
 
   PairRules(PairRange range, const Topology& topology, const FilterKeys& filter)
       : adjacency(range == PairRange::nonadjacent ? &topology.adjacency() : nullptr),
@@ -29,16 +29,16 @@ struct PairRules {
   }
 };
 
-/// The pair with a <= b; in arithmetic, because a branch here would be mispredicted every second time.
+/// The pair with a <= b, computed without a branch, because it would be mispredicted half of the time.
 inline ElementPair ordered(Index a, Index b) {
   const Index swapped = (a ^ b) & (Index{0} - Index{b < a});
   return {a ^ swapped, b ^ swapped};
 }
 
-/// A worker's way to the sink: batches of pairs.
+/// Collects the pairs of one worker in batches for the sink.
 class PairWriter {
  public:
-  /// What a kernel may write in one go.
+  /// Maximum number of pairs that a kernel may write before it calls written().
   static constexpr std::size_t kRoom = 64;
 
   void start(PairSink sink, unsigned worker) {
@@ -47,12 +47,12 @@ class PairWriter {
     size_ = 0;
   }
 
-  /// Where the next kRoom pairs can be written, and two more that do not count.
+  /// Address at which the next kRoom pairs can be written. Two more entries may be overwritten.
   ElementPair* room() {
     if (size_ + kRoom > BroadPhase::kMaxBatch) flush();
     return pairs_.data() + size_;
   }
-  /// Takes in what lies between room() and `end`: pairs a <= b.
+  /// Accepts the pairs between room() and `end`, each with a <= b.
   void written(const ElementPair* end) { size_ = static_cast<std::size_t>(end - pairs_.data()); }
 
   void push(Index a, Index b) {
@@ -73,7 +73,7 @@ class PairWriter {
   std::array<ElementPair, BroadPhase::kMaxBatch + 2> pairs_;
 };
 
-/// One writer for each worker. Reused from query to query.
+/// One writer for each worker. Reused for all queries.
 class PairWriters {
  public:
   void start(unsigned workers, PairSink sink) {
@@ -83,7 +83,7 @@ class PairWriters {
 
   PairWriter& operator[](unsigned worker) { return writers_[worker]; }
 
-  /// Hands on what is left, on the calling thread.
+  /// Flushes the remaining pairs, on the calling thread.
   void finish() {
     for (PairWriter& writer : writers_) writer.flush();
   }
@@ -94,7 +94,7 @@ class PairWriters {
   std::vector<PairWriter> writers_;
 };
 
-/// Writes the pairs (o, o) that the rules want, of a list without gaps, by all workers.
+/// Writes the requested self pairs (o, o) of a list without gaps, in parallel.
 inline void write_self_pairs(const ElementList& list, const PairRules& rules, Executor& executor,
                              PairWriters& writers) {
   constexpr std::size_t kGrain = 4096;

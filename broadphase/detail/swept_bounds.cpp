@@ -21,7 +21,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-/// float_below (`down`) or float_above of finite values within the range of floats, lane by lane.
+/// float_below (`down`) or float_above for each lane, for finite values in the range of floats.
 template <bool kDown, class DD, class VD>
 HWY_INLINE auto round_outward(DD dd, VD x) {
   const hn::Rebind<float, DD> df;
@@ -30,7 +30,8 @@ HWY_INLINE auto round_outward(DD dd, VD x) {
   const auto back = hn::PromoteTo(dd, nearest);
   const auto wrong = kDown ? hn::Gt(back, x) : hn::Lt(back, x);
   const auto wrong_f = hn::Gt(hn::DemoteTo(df, hn::IfThenElseZero(wrong, hn::Set(dd, 1.0))), hn::Zero(df));
-  // The neighbour in bits: away from zero one more, towards zero one less, and from zero to the smallest denormal.
+  // The neighbouring float by its bits: plus one away from zero, minus one towards zero; zero becomes the smallest
+  // subnormal.
   const auto bits = hn::BitCast(di, nearest);
   const auto one = hn::Set(di, 1);
   const auto away = kDown ? hn::Lt(nearest, hn::Zero(df)) : hn::Gt(nearest, hn::Zero(df));
@@ -60,7 +61,7 @@ HWY_INLINE double project(double x, double y, double z) {
   return axis[2] == 0 ? xy : axis[2] > 0 ? xy + z : xy - z;
 }
 
-/// What each bound is widened by, for axes of one, two and three terms, and the rounding margin's factor for each.
+/// The widening of bounds along axes of one, two and three terms, and the factor of the rounding margin for each.
 struct Widening {
   double length[4], margin[4];
 };
@@ -85,7 +86,8 @@ HWY_INLINE void bound_vertex(const double* points, int control_points, const Wid
   for (int t = 1; t <= 3; ++t) by[t] = widening.length[t] + (widening.margin[t] > 0 ? widening.margin[t] * reach : 0);
   [&]<int... kAxis>(std::integer_sequence<int, kAxis...>) {
     constexpr auto terms = [](int axis) { return axis_terms(kdop_axes<kK>()[static_cast<std::size_t>(axis)]); };
-    // Sums that overflowed are finite again, by the start values of the minimum and maximum and here: no inf - inf.
+    // Sums that overflowed become finite by the initial values of minimum and maximum and by this operation, so that
+    // inf - inf does not occur.
     ((lo[kAxis] = std::max(lo[kAxis], -finite) - by[terms(kAxis)],
       hi[kAxis] = std::min(hi[kAxis], finite) + by[terms(kAxis)]),
      ...);

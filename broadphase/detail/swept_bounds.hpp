@@ -1,12 +1,12 @@
-// Swept k-DOPs of vertices and elements in floats, as all broad phases here use them.
+// Swept k-DOPs of vertices and elements in single precision, which all broad phases of this module use.
 //
-// The bound of a vertex holds its control points, that of an element the bounds of its vertices (convex-hull property).
-// Rounding: coordinates and sums of two of them are mapped by fl() in double and then outward to float. fl() is
-// monotone, so that intervals which meet in exact arithmetic still meet after it, though an end may lie inside the
-// exact one by half an ulp. Sums of three terms, and any bound that is widened, are not monotone in one rounding and
-// get a margin of 2^-51 (|x| + |y| + |z|), twice what two additions can lose. Each side is widened by half of
-// separation times the axis's length. At last everything is clamped to finite floats, which is monotone too: an empty
-// bound (+inf, -inf) then overlaps nothing, however far a live one reaches.
+// The bound of a vertex contains its control points, and the bound of an element contains the bounds of its vertices
+// (convex-hull property). Rounding: coordinates and sums of two coordinates are rounded by fl() to doubles, and then
+// outward to floats. fl() is monotone; therefore intervals that overlap in exact arithmetic still overlap, although an
+// end may be inside the exact interval by half an ulp. Sums of three terms and widened bounds have more than one
+// rounding, which is not monotone; they are widened by a margin of 2^-51 (|x| + |y| + |z|), twice the greatest error of
+// two additions. Each side is widened by half of the separation times the length of the axis. Finally all values are
+// clamped to finite floats, which is monotone as well: an empty bound (+inf, -inf) overlaps nothing.
 #pragma once
 
 #include <cstddef>
@@ -19,17 +19,17 @@
 
 namespace volccd::detail {
 
-/// Axes of a k-DOP padded to whole vector registers: 4, 8 or 16. Padding is [0, 0] in live bounds.
+/// Number of axes of a k-DOP, padded to whole vector registers: 4, 8 or 16. The padding of live bounds is [0, 0].
 constexpr int padded_axes(int k) { return k <= 8 ? 4 : k <= 16 ? 8 : 16; }
 
-/// A row for each bound: width() minima, then width() maxima; rows are aligned to their size, or 64 bytes.
+/// One row for each bound: width() minima, then width() maxima. Rows are aligned to their size, at most to 64 bytes.
 class BoundsTable {
  public:
-  static constexpr std::size_t kMostFloats = 32;  ///< in a row
+  static constexpr std::size_t kMostFloats = 32;  ///< maximum number of floats in a row
 
-  /// Contents are undefined afterwards. Allocates only to grow beyond any size before.
+  /// The contents are undefined afterwards. Allocates memory only to grow beyond the largest size so far.
   void resize(std::size_t rows, int width);
-  /// The same, keeping the first `kept` rows.
+  /// The same, but keeps the first `kept` rows.
   void grow(std::size_t rows, std::size_t kept);
 
   int width() const { return width_; }
@@ -48,13 +48,14 @@ class BoundsTable {
   int width_ = 8;
 };
 
-/// Bounds of all vertices over the step. k as in query/kdop.hpp. Returns the seconds that it took.
+/// Computes the bounds of all vertices over the step. k as in query/kdop.hpp. Returns the elapsed seconds.
 double bound_vertices(const Step& step, int k, Executor& executor, BoundsTable& vertices);
 
-/// Bounds of the listed elements [begin, end) into the same rows of `elements`; gaps of the list get empty bounds.
+/// Computes the bounds of the listed elements [begin, end) into the same rows of `elements`; gaps of the list get empty
+/// bounds.
 void bound_elements(const BoundsTable& vertices, const ElementList& list, std::size_t begin, std::size_t end,
                     BoundsTable& elements);
-/// The same for the whole list, in parallel; makes `elements` large enough.
+/// The same for the whole list, in parallel; enlarges `elements` if necessary.
 void bound_elements(const BoundsTable& vertices, const ElementList& list, Executor& executor, BoundsTable& elements);
 
 }  // namespace volccd::detail

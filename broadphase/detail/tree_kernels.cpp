@@ -13,7 +13,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-/// Squared half perimeter along x, y, z; 0 for an empty bound.
+/// Squared half perimeter of a bound along x, y, z; 0 for an empty bound.
 template <int kWidth>
 HWY_INLINE double size_of(const float* row) {
   double sum = 0;
@@ -23,7 +23,7 @@ HWY_INLINE double size_of(const float* row) {
 
 template <int kWidth>
 void refit_leaf(const RefitArrays& t, Index node) {
-  constexpr Index ahead = 12;  // leaves come in descending order: the rows of those to come are fetched early
+  constexpr Index ahead = 12;  // leaves are processed in descending order; their rows are prefetched this far ahead
   const Index begin = t.nodes[node].begin, end = t.nodes[node].end;
   double elements = 0;
   for (Index p = begin; p < end; ++p) {
@@ -70,14 +70,15 @@ class Traversal {
 
   std::uint64_t tests() const { return tests_; }
 
-  /// Calls push(a, b) for the pairs that follow from one, which is not of two leaves nor of a leaf with itself.
+  /// Calls push(a, b) for the pairs of children of a pair. Pre: the pair does not consist of two leaves, or of a leaf
+  /// and itself.
   template <class Push>
   HWY_INLINE void descend(NodePair pair, Push&& push) {
     const TreeNode &a = nodes_[pair.a], &b = nodes_[pair.b];
     const Index al = pair.a + 1, bl = pair.b + 1;
     if (pair.a == pair.b) {
-      if (wanted(al, al)) push(al, al);
-      if (wanted(a.right, a.right)) push(a.right, a.right);
+      if (may_include(al, al)) push(al, al);
+      if (may_include(a.right, a.right)) push(a.right, a.right);
       test(al, a.right, push);
     } else if (a.right == 0) {
       test(pair.a, bl, push);
@@ -110,8 +111,8 @@ class Traversal {
     }
   }
 
-  /// Whether the filter may want a pair below these nodes.
-  HWY_INLINE bool wanted(Index a, Index b) const {
+  /// Whether the filter may include a pair of elements below these nodes.
+  HWY_INLINE bool may_include(Index a, Index b) const {
     return !rules_.keys || rules_.keys->allowed(nodes_[a].key, nodes_[b].key);
   }
 
@@ -124,11 +125,11 @@ class Traversal {
   template <class Push>
   HWY_INLINE void test(Index a, Index b, Push&& push) {
     ++tests_;
-    if (overlap<kWidth>(node_row(a), node_row(b)) && wanted(a, b)) push(a, b);
+    if (overlap<kWidth>(node_row(a), node_row(b)) && may_include(a, b)) push(a, b);
   }
 
-  /// Each element of the first leaf against four at a time of the second: as much as possible without branches, since
-  /// most of these pairs overlap, but not predictably. kFour: elements have four vertices at most.
+  /// Tests each element of the first leaf against four elements of the second at a time, mostly without branches, since
+  /// most of these pairs overlap, but not predictably. kFour: elements have at most four vertices.
   template <bool kFour>
   HWY_INLINE void leaves(NodePair pair, PairWriter& out) {
     const TreeNode &a = nodes_[pair.a], &b = nodes_[pair.b];
@@ -139,14 +140,15 @@ class Traversal {
       for (Index j = b.begin; j < b.end; j += kLanes) {
         unsigned hits = overlaps(i, j) & ((1u << std::min(b.end - j, kLanes)) - 1);
         if (itself) hits = after(hits, i, j);
-        // Comparing eight vertices with eight costs more than a mispredicted branch, four with four less.
-        if (kFour || hits != 0) hits &= ~unwanted(i, j, mixed);
+        // Comparing eight vertices with eight costs more than a mispredicted branch; comparing four with four costs
+        // less.
+        if (kFour || hits != 0) hits &= ~excluded(i, j, mixed);
         next = emit(hits, i, j, next);
       }
     out.written(next);
   }
 
-  /// Bit l: element i overlaps element j + l.
+  /// Bit l is set if element i overlaps element j + l.
   HWY_INLINE unsigned overlaps(Index i, Index j) const {
     const float* const row = element_row(i);
     unsigned hits = 0;
@@ -154,15 +156,16 @@ class Traversal {
     return hits;
   }
 
-  /// Within one leaf: the bits of elements behind i, and that of i itself if it lives and such pairs are wanted.
+  /// Within one leaf: keeps the bits of elements after i, and that of i itself if it is live and self pairs are
+  /// requested.
   HWY_INLINE unsigned after(unsigned hits, Index i, Index j) const {
     const Index first = rules_.self_pairs && lanes_.slots[i] != kNone ? i : i + 1;
     if (first <= j) return hits;
     return first - j >= kLanes ? 0 : hits & (~0u << (first - j));
   }
 
-  /// Bits of adjacent pairs if only others are wanted, and of pairs that the filter drops.
-  HWY_INLINE unsigned unwanted(Index i, Index j, bool mixed) const {
+  /// Bits of adjacent pairs, unless they are requested, and of pairs that the filter drops.
+  HWY_INLINE unsigned excluded(Index i, Index j, bool mixed) const {
     unsigned bits = 0;
     if (rules_.adjacency) {
       if (lanes_.vertices == 4)
@@ -212,8 +215,8 @@ class Traversal {
     return bits;
   }
 
-  /// Writes the pairs whose bits are set, without a branch: each is written where the next one belongs, and stays if
-  /// its bit moves that place on.
+  /// Writes the pairs whose bits are set, without a branch: every pair is written to the next position, which advances
+  /// only if the bit is set.
   HWY_INLINE ElementPair* emit(unsigned hits, Index i, Index j, ElementPair* next) const {
 #if HWY_TARGET == HWY_SCALAR
     for (Index l = 0; l < kLanes; ++l) {
@@ -247,7 +250,7 @@ class Traversal {
   std::uint64_t tests_ = 0;
 };
 
-/// Calls f with a Traversal fit for the tree, returns the number of its node tests.
+/// Calls f with a Traversal for the width of the tree, and returns the number of its node tests.
 template <class F>
 std::uint64_t with_traversal(const KdopTree& tree, const PairRules& rules, F&& f) {
   return with_width(tree.node_bounds().width(), [&](auto width) {
@@ -261,13 +264,13 @@ std::uint64_t start_kernel(const KdopTree& tree, const PairRules& rules, std::ve
   return with_traversal(tree, rules, [&](auto& traversal) {
     for (Index i = 0; i < tree.roots().size(); ++i)
       for (Index j = i; j < tree.roots().size(); ++j)
-        if (traversal.wanted(tree.roots()[i], tree.roots()[j])) out.push_back({tree.roots()[i], tree.roots()[j]});
+        if (traversal.may_include(tree.roots()[i], tree.roots()[j])) out.push_back({tree.roots()[i], tree.roots()[j]});
   });
 }
 
 std::uint64_t expand_kernel(const KdopTree& tree, const PairRules& rules, const std::vector<NodePair>& pairs,
                             std::vector<NodePair>& out) {
-  constexpr Index small = 64;  // elements of both nodes together
+  constexpr Index small = 64;  // limit for the number of elements of both nodes together
   const auto count = [&](Index node) { return tree.nodes()[node].end - tree.nodes()[node].begin; };
   return with_traversal(tree, rules, [&](auto& traversal) {
     for (const NodePair pair : pairs)

@@ -1,6 +1,6 @@
-// `bullet-dbvt`: btDbvt of Bullet, in floats, without margins. The tree calls back for pairs of leaves whose boxes
-// overlap, closed, each unordered pair once. Its builder fails where the volume of a box overflows: boxes that reach
-// that far are scaled, and pairs compared by the adaptor.
+// `bullet-dbvt`: btDbvt of Bullet, in floats, without margins. The tree calls back for pairs of leaves whose closed
+// boxes overlap, each unordered pair once. Its builder fails if the volume of a box overflows; therefore boxes that are
+// too large are scaled, and the adaptor compares the pairs itself.
 #include <algorithm>
 #include <vector>
 
@@ -14,7 +14,7 @@ namespace {
 
 struct BulletState final : PeerState {
   btDbvt tree;
-  std::vector<btDbvtNode*> leaves;  ///< by position
+  std::vector<btDbvtNode*> leaves;  ///< indexed by position
   std::vector<btDbvtNode*> inner;   ///< children before parents
   float scale = 1;
 
@@ -33,7 +33,7 @@ void set_leaves(BulletState& state) {
   for (std::size_t p = 0; p < state.leaves.size(); ++p) state.leaves[p]->volume = state.volume(p);
 }
 
-/// The inner nodes in an order in which they can be refitted.
+/// Lists the inner nodes in an order in which they can be refitted.
 void order_nodes(BulletState& state) {
   state.inner.clear();
   if (state.tree.m_root && state.tree.m_root->isinternal()) state.inner.push_back(state.tree.m_root);
@@ -43,7 +43,7 @@ void order_nodes(BulletState& state) {
   std::reverse(state.inner.begin(), state.inner.end());
 }
 
-/// As btSoftBody::updateNode() does it, without recursion.
+/// The same operation as btSoftBody::updateNode(), without recursion.
 void refit(BulletState& state) {
   set_leaves(state);
   for (btDbvtNode* node : state.inner) Merge(node->childs[0]->volume, node->childs[1]->volume, node->volume);

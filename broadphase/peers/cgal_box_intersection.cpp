@@ -1,7 +1,7 @@
-// `cgal-box-intersection`: box_self_intersection_d of CGAL (Zomorodian and Edelsbrunner 2002), in floats, closed. It
-// keeps nothing from step to step: all of its work is in run(). It takes the greatest floats for bounds that no box
-// reaches: boxes that come near are scaled, and pairs compared by the adaptor. GPL: a program with this file in it is
-// under the GPL.
+// `cgal-box-intersection`: box_self_intersection_d of CGAL (Zomorodian and Edelsbrunner 2002), in floats, with closed
+// boxes. It keeps nothing from step to step; all of its work is in run(). It assumes that no box reaches the greatest
+// floats; therefore boxes that come near them are scaled, and the adaptor compares the pairs itself. Licence: a program
+// that contains this file is under the GPL.
 #include <vector>
 
 #include <CGAL/box_intersection_d.h>
@@ -27,7 +27,7 @@ struct CgalBox {
 };
 
 struct CgalState final : PeerState {
-  std::vector<CgalBox> intervals, points;  ///< the same boxes twice: CGAL reorders them
+  std::vector<CgalBox> intervals, points;  ///< the same boxes twice, because CGAL reorders them
   float scale = 1;
 
   std::size_t peer_bytes() const override { return (intervals.capacity() + points.capacity()) * sizeof(CgalBox); }
@@ -70,7 +70,7 @@ class CgalBoxIntersection final : public PeerPhase {
   void collide(PeerState& peer, const PairRules& rules, Executor&) const override {
     CgalState& state = static_cast<CgalState&>(peer);
     const PeerOutput output(rules, state.list.slots(), state.writers[0]);
-    // box_self_intersection_d, but for the copy that it makes at each call.
+    // The same as box_self_intersection_d, without the copy that it makes in each call.
     CGAL::box_intersection_d(
         state.intervals.begin(), state.intervals.end(), state.points.begin(), state.points.end(),
         [&](const CgalBox& a, const CgalBox& b) {

@@ -1,9 +1,9 @@
 // `embree-collide`: rtcCollide of Embree 3 on a scene of user geometries, one primitive for each element.
 //
-// Embree names both orders of a pair, and pairs of primitives in leaves that overlap; the adaptor keeps one order and
-// compares the two boxes. Embree ignores primitives whose coordinates reach about 2e18, and treats subnormal numbers as
-// zero in some places: boxes are scaled by a power of two where they would reach that far, and subnormal numbers are
-// replaced by zero. Both are monotone, so that overlapping boxes still overlap.
+// Embree reports a pair in both orders, and also pairs of primitives whose leaves overlap; the adaptor keeps one order
+// and compares the two boxes. Embree ignores primitives whose coordinates exceed about 2e18, and treats subnormal
+// numbers as zero in some places. Therefore boxes with such coordinates are scaled by a power of two, and subnormal
+// numbers are replaced by zero. Both operations are monotone, so that overlapping boxes still overlap.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -50,7 +50,7 @@ struct EmbreeState final : PeerState {
     geometry = nullptr;
   }
 
-  /// Throws std::bad_alloc or Error if a call since the last check failed.
+  /// Throws std::bad_alloc or Error if an Embree call has failed since the last check.
   void check() const {
     const RTCError error = rtcGetDeviceError(device);
     if (error == RTC_ERROR_OUT_OF_MEMORY) throw std::bad_alloc();
@@ -70,7 +70,8 @@ struct EmbreeState final : PeerState {
   unsigned arena_workers = 0;
 };
 
-/// Embree's loops run in the arena of the calling thread: of as many threads as there are workers, or oneTBB allows.
+/// Embree's loops run in the arena of the calling thread. This arena has as many threads as there are workers, or as
+/// oneTBB allows.
 tbb::task_arena& arena_of(EmbreeState& state, unsigned workers) {
   if (state.arena_workers != workers) {
     const auto most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
@@ -91,12 +92,12 @@ void bound_primitive(const RTCBoundsFunctionArguments* arguments) {
   bounds.lower_z = without_subnormal(low[2] * scale), bounds.upper_z = without_subnormal(high[2] * scale);
 }
 
-/// What the threads of a query share.
+/// Data that the threads of a query share.
 struct Query {
   EmbreeState* state;
   const PairRules* rules;
   std::mutex mutex;
-  std::exception_ptr failure;  ///< of the sink: Embree would not hand it on
+  std::exception_ptr failure;  ///< exception of the sink, which Embree would not propagate
   std::atomic<bool> failed{false};
 };
 
@@ -172,14 +173,14 @@ class EmbreeCollide final : public PeerPhase {
     }
   }
 
-  /// A scene of as many primitives as there are elements; none for no elements.
+  /// Creates a scene with as many primitives as there are elements; no scene if there are none.
   void make_scene(EmbreeState& state) const {
     state.release();
     if (state.list.size() == 0) return;
     state.scene = rtcNewScene(state.device);
     state.geometry = rtcNewGeometry(state.device, RTC_GEOMETRY_TYPE_USER);
     const bool refit = config_.update == Update::refit;
-    // Embree refits geometries of scenes of low quality alone: a tree of trees, of which there is one.
+    // Embree refits only geometries in scenes of low quality, which are trees of trees; here there is one geometry.
     rtcSetSceneBuildQuality(state.scene, refit ? RTC_BUILD_QUALITY_LOW : quality());
     if (refit) rtcSetSceneFlags(state.scene, RTC_SCENE_FLAG_DYNAMIC);
     rtcSetGeometryBuildQuality(state.geometry, refit ? RTC_BUILD_QUALITY_REFIT : quality());

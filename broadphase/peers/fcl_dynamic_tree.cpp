@@ -1,5 +1,6 @@
-// `fcl-dynamic-tree`: DynamicAABBTreeCollisionManager of the Flexible Collision Library, in doubles, which hold the
-// boxes' floats exactly. One object for each element; FCL calls back for pairs of objects whose boxes overlap, closed.
+// `fcl-dynamic-tree`: DynamicAABBTreeCollisionManager of the Flexible Collision Library, in doubles, which represent
+// the floats of the boxes exactly. There is one object for each element; FCL calls back for pairs of objects whose
+// closed boxes overlap.
 #include <limits>
 #include <memory>
 #include <vector>
@@ -17,7 +18,7 @@ namespace {
 using Manager = fcl::DynamicAABBTreeCollisionManager<double>;
 using Object = fcl::CollisionObject<double>;
 
-/// A geometry whose box is set from outside; nothing but the box is ever asked for.
+/// A geometry whose box is set by the adaptor. FCL uses only its box.
 class SweptBox final : public fcl::CollisionGeometry<double> {
  public:
   void computeLocalAABB() override {}
@@ -26,10 +27,10 @@ class SweptBox final : public fcl::CollisionGeometry<double> {
 struct FclState final : PeerState {
   Manager manager;
   std::vector<std::shared_ptr<SweptBox>> geometries;
-  std::vector<Object> objects;  ///< by position; the manager has their addresses
+  std::vector<Object> objects;  ///< indexed by position; the manager stores their addresses
   std::vector<Object*> addresses;
 
-  /// Objects, geometries, two nodes and an entry of a hash table for each element.
+  /// Objects, geometries, two nodes and one entry of a hash table for each element.
   std::size_t peer_bytes() const override {
     constexpr std::size_t node = sizeof(Manager::DynamicAABBNode), entry = 4 * sizeof(void*);
     return objects.capacity() * (sizeof(Object) + sizeof(Object*) + sizeof(SweptBox) + 2 * sizeof(void*)) +
@@ -66,7 +67,7 @@ bool take_pair(Object* a, Object* b, void* output) {
     return static_cast<Index>(reinterpret_cast<std::uintptr_t>(object->getUserData()));
   };
   static_cast<const PeerOutput*>(output)->push(position(a), position(b));
-  return false;  // go on
+  return false;  // continue
 }
 
 class FclDynamicTree final : public PeerPhase {

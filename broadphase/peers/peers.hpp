@@ -1,4 +1,5 @@
-// Broad phases of other libraries behind the project's interface: verified, ablated and timed like its own.
+// Broad phases of other libraries with the interface of this project, so that they can be verified, combined and timed
+// in the same way.
 #pragma once
 
 #include <vector>
@@ -9,23 +10,25 @@ namespace volccd {
 
 class Registry;
 
-/// Adaptors of the libraries that this build has (CMake: VOLCCD_PEERS, VOLCCD_WITH_CGAL); may be empty.
+/// Adaptors for the libraries that this build includes (CMake: VOLCCD_PEERS, VOLCCD_WITH_CGAL); may be empty.
 ///
 ///   fcl-dynamic-tree        FCL, DynamicAABBTreeCollisionManager
 ///   bullet-dbvt             Bullet, btDbvt
 ///   embree-collide          Embree 3, rtcCollide
 ///   cgal-box-intersection   CGAL, box_self_intersection_d
 ///
-/// Guarantee (conservative): each emits exactly the pairs that `kdop-bvh` with k = 6 emits. All take the same swept
-/// boxes, in floats rounded outward and widened by half of the separation on each side; adjacent pairs, pairs that the
-/// object filter drops, and pairs of an element with itself are dealt with by the adaptor. A topology edit builds anew.
+/// Guarantee (conservative): each adaptor emits exactly the same pairs as `kdop-bvh` with k = 6. All use the same swept
+/// boxes, in floats rounded outward and widened by half of the separation on each side. The adaptor itself removes
+/// adjacent pairs and pairs that the object filter drops, and emits self pairs. A topology edit rebuilds the data
+/// structure.
 ///
-/// Bounds and self pairs use the executor. The peers themselves run on one thread, but for `embree-collide`, which
-/// takes as many threads as the executor has workers. Embree allocates in steady state: that promise of
+/// Bounds and self pairs use the executor. The other libraries run on one thread, except `embree-collide`, which uses
+/// as many threads as the executor has workers. Embree allocates memory in steady state; Stage::prepare()'s guarantee
+/// of no allocation does not hold for `embree-collide`.
 /// Stage::prepare() does not hold for `embree-collide`.
 std::vector<StageDescriptor<BroadPhase>> describe_peers();
 
-/// Adds them all. Throws ConfigError if a name is taken.
+/// Adds all adaptors to the registry. Throws ConfigError if a name is taken.
 void add_peers(Registry& registry);
 
 }  // namespace volccd

@@ -1,4 +1,4 @@
-// Tests of every feature of one list against every feature of another, appended at once.
+// Appends the tests of all features of one list against all features of another list.
 #pragma once
 
 #include <algorithm>
@@ -9,7 +9,7 @@
 
 namespace volccd::detail {
 
-/// Appends the VF tests vertices x triangles.
+/// Appends the VF tests of all pairs in vertices x triangles.
 inline void append_vf(std::span<const Index> vertices, std::span<const Index> triangles,
                       std::vector<FeaturePair>& tests) {
   const std::size_t begin = tests.size();
@@ -19,7 +19,7 @@ inline void append_vf(std::span<const Index> vertices, std::span<const Index> tr
     for (const Index f : triangles) *to++ = {v, f};
 }
 
-/// Appends the EE tests edges_a x edges_b; no edge is in both lists.
+/// Appends the EE tests of all pairs in edges_a x edges_b. No edge may be in both lists.
 inline void append_ee(std::span<const Index> edges_a, std::span<const Index> edges_b, std::vector<FeaturePair>& tests) {
   const std::size_t begin = tests.size();
   tests.resize(begin + edges_a.size() * edges_b.size());

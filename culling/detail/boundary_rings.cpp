@@ -29,7 +29,7 @@ HWY_INLINE Lanes3 unit(const Lanes3& a) {
   return scaled(a, factor);
 }
 
-/// Of 8 faces at once.
+/// Processes 8 faces.
 template <int kControlPoints>
 class Normals {
  public:
@@ -69,7 +69,7 @@ class Normals {
       }
     for (int k = 0; k <= 2 * kDegree; ++k)
       store3(normal[k], out.rows.data() + static_cast<std::size_t>(3 * k) * out.stride + at, out.stride);
-    // The weights of a coefficient sum to 6 at most; a term has fewer than 16 roundings (docs/boundary_flood.md).
+    // The weights of a coefficient sum to at most 6; a term has fewer than 16 rounding errors (docs/boundary_flood.md).
     const Lanes bound = hn::Mul(broadcast(6 * 32 * kUnitRoundoff), trusted(hn::Mul(trusted(of_a), trusted(of_b))));
     hn::StoreU(hn::Add(bound, broadcast(kDeterminantUnderflow)), Tag(),
                out.rows.data() + static_cast<std::size_t>(3 * out.coefficients) * out.stride + at);

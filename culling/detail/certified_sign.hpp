@@ -1,4 +1,4 @@
-// Signs of determinants that rounding cannot have changed.
+// Signs of determinants that are certain in spite of rounding.
 #pragma once
 
 #include <cmath>
@@ -11,12 +11,13 @@
 
 namespace volccd::detail {
 
-/// det(a, b, c) of vectors each of which is given exactly, or is a rounded difference of points.
+/// det(a, b, c) of vectors that are exact or are rounded differences of points.
 struct CertifiedDeterminant {
-  double value, bound;  ///< |value - exact| < bound, infinite where something could overflow
+  double value, bound;  ///< |value - exact value| < bound; infinite if an overflow is possible
 
   CertifiedDeterminant(const Vec3& a, const Vec3& b, const Vec3& c) : value(a.dot(b.cross(c))) {
-    // At most 9 roundings in each of the 6 products, whose magnitudes sum to less than the product of the 1-norms.
+    // At most 9 roundings in each of the 6 products; the sum of their magnitudes is less than the product of the
+    // 1-norms.
     const double product = norm1(a) * norm1(b) * norm1(c);
     bound = product < kGreatestMagnitude && norm1(b) * norm1(c) < kGreatestMagnitude
                 ? 32 * kUnitRoundoff * product + kDeterminantUnderflow * (1 + norm1(a))

@@ -1,4 +1,4 @@
-// Axes L for CSAT tests. Any vector is a valid axis, so nothing here needs an error bound.
+// Axes L for CSAT tests. Any vector is a valid axis; therefore no error bounds are needed here.
 #pragma once
 
 #include <cstdint>
@@ -11,19 +11,19 @@
 
 namespace volccd::detail {
 
-/// The hash that picks a feature of element `other` for the tests of element o with it; `feature`: 0 for a face, 1 for
-/// an edge.
+/// The hash that picks a feature of element o for its tests with element `other`. `feature`: 0 for a face, 1 for an
+/// edge.
 inline std::uint64_t csat_pick(const Step& step, Index o, Index other, int feature) {
   const std::uint64_t ids = hash_ids(static_cast<std::uint64_t>(step.mesh().element_id(o)),
                                      static_cast<std::uint64_t>(step.mesh().element_id(other)));
   return mix(ids ^ static_cast<std::uint64_t>(feature));
 }
 
-/// Largest component scaled to 1, so that products with lengths do not leave the range of doubles early. Not finite for
-/// 0.
+/// Scales the vector so that its largest component is 1, and products with lengths are unlikely to overflow or
+/// underflow. The result is not finite for the zero vector.
 inline Vec3 csat_scaled(const Vec3& axis) { return axis * (1 / axis.lpNorm<Eigen::Infinity>()); }
 
-/// Normal at t = 0 of the face of element o that `hash` picks.
+/// Normal at t = 0 of the face of element o that `hash` selects.
 inline Vec3 csat_face_normal(const Step& step, Index o, std::uint64_t hash) {
   const auto faces = step.features().element_triangles(o);
   const auto& f = step.features().triangle(faces[hash % faces.size()]);
@@ -37,13 +37,13 @@ inline Vec3 csat_edge_direction(const Step& step, Index e) {
   return step.motion.point(edge[1], 0) - step.motion.point(edge[0], 0);
 }
 
-/// Direction at t = 0 of the edge of element o that `hash` picks.
+/// Direction at t = 0 of the edge of element o that `hash` selects.
 inline Vec3 csat_picked_edge(const Step& step, Index o, std::uint64_t hash) {
   const auto edges = step.features().element_edges(o);
   return csat_edge_direction(step, edges[hash % edges.size()]);
 }
 
-/// Mean of the vertices of one control point.
+/// Mean of the vertices at one control point.
 inline Vec3 csat_mean(const CsatPoints& points, int control_point) {
   Vec3 sum = Vec3::Zero();
   for (int i = 0; i < points.count; ++i)
@@ -51,7 +51,8 @@ inline Vec3 csat_mean(const CsatPoints& points, int control_point) {
   return sum / points.count;
 }
 
-/// From the mean of all control points of `a` to that of `b`, as a point of the hull of differences.
+/// The vector from the mean of all control points of `a` to that of `b`. It is a point of the convex hull of the
+/// differences.
 inline Vec3 csat_centroid_difference(const CsatPoints& a, const CsatPoints& b, int control_points) {
   const double of_a = 1.0 / (control_points * a.count), of_b = 1.0 / (control_points * b.count);
   return {b.total[0] * of_b - a.total[0] * of_a, b.total[1] * of_b - a.total[1] * of_a,

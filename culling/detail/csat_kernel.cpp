@@ -20,7 +20,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-using CsatTag = hn::CappedTag<double, 4>;  // CsatPoints are padded to 4
+using CsatTag = hn::CappedTag<double, 4>;  // CsatPoints are padded to multiples of 4
 using CsatLanes = hn::Vec<CsatTag>;
 using CsatLanes3 = LaneVector<CsatLanes>;
 
@@ -33,7 +33,7 @@ HWY_INLINE CsatLanes project(const CsatPoints& points, int c, int i, const CsatL
   return dot(axis, load3(CsatTag(), points.row(c, 0) + i, static_cast<std::size_t>(points.stride)));
 }
 
-/// Least and greatest projection of one control point's vertices.
+/// Smallest and greatest projection of the vertices at one control point.
 HWY_INLINE std::pair<CsatLanes, CsatLanes> range(const CsatPoints& points, int c, const CsatLanes3& axis) {
   const CsatTag tag;
   CsatLanes low = project(points, c, 0, axis), high = low;
@@ -45,7 +45,7 @@ HWY_INLINE std::pair<CsatLanes, CsatLanes> range(const CsatPoints& points, int c
   return {hn::MinOfLanes(tag, low), hn::MaxOfLanes(tag, high)};
 }
 
-/// Control points of the motion over the part, in place.
+/// Replaces the control points by those of the motion over the part of the step.
 template <int kControlPoints>
 void restrict_points(const StepPart& part, CsatPoints& points) {
   const CsatTag tag;
@@ -64,10 +64,10 @@ void restrict_points(const StepPart& part, CsatPoints& points) {
   points.sum_up(kControlPoints);
 }
 
-/// Two point sets and the tests on them.
+/// Two point sets, and the tests for axes that separate them.
 class Separator {
  public:
-  static constexpr int kMost = 4;  ///< lanes
+  static constexpr int kMost = 4;  ///< maximum number of lanes
 
   Separator(const CsatPoints& a, const CsatPoints& b, const CsatFrame& frame, double separation)
       : a_(a), b_(b), control_points_(frame.control_points), levels_(frame.part.levels), separation_(separation) {
@@ -81,7 +81,7 @@ class Separator {
   const CsatPoints& a() const { return a_; }
   const CsatPoints& b() const { return b_; }
 
-  /// Whether b lies beyond a along `axis`, or a beyond b, at every control point.
+  /// Whether at every control point b is beyond a along `axis`, or at every control point a is beyond b.
   bool separates(const Vec3& axis) const {
     const CsatLanes3 l = broadcast(axis);
     CsatLanes ahead = infinite(), behind = ahead;
@@ -95,7 +95,8 @@ class Separator {
     return hn::GetLane(ahead) > bound || hn::GetLane(behind) > bound;
   }
 
-  /// Bits of the vertices of a that lie beyond b along `axis`, or before it, at every control point.
+  /// Bits of the vertices of a that are beyond b along `axis` at every control point, or before b at every control
+  /// point.
   std::uint32_t separate_vertices(const Vec3& axis) const {
     const CsatTag tag;
     const CsatLanes3 l = broadcast(axis);
@@ -115,8 +116,8 @@ class Separator {
     return a_.count == 32 ? bits : bits & ((std::uint32_t{1} << a_.count) - 1);
   }
 
-  /// Bits of the edges of a that a separating axis keeps off b: for each the cross product of its direction with
-  /// `other`.
+  /// Bits of the edges of a that are separated from b along an axis, which is the cross product of the direction of the
+  /// edge and `other`.
   std::uint64_t separate_edges(const CsatEdges& edges, const Vec3& other) const {
     const CsatTag tag;
     std::uint64_t bits = 0;
@@ -134,7 +135,8 @@ class Separator {
     return edges.count == 64 ? bits : bits & ((std::uint64_t{1} << edges.count) - 1);
   }
 
-  /// Searches an axis by Gilbert-Johnson-Keerthi steps, the first of them along the difference of centroids.
+  /// Searches for a separating axis with the Gilbert-Johnson-Keerthi algorithm, starting with the difference of the
+  /// centroids.
   bool search(int iterations) const {
     const double scale = 1 / std::max({extent_[0], extent_[1], extent_[2]});
     Vec3 axis = scale * csat_centroid_difference(a_, b_, control_points_), support;
@@ -143,7 +145,7 @@ class Separator {
     simplex.add(axis);
     for (int i = 1; i < iterations; ++i) {
       support *= scale;
-      if (simplex.contains(support)) return false;  // no axis does better
+      if (simplex.contains(support)) return false;  // no axis has a larger gap
       simplex.add(support);
       if (!simplex.nearest(axis)) return false;
       axis = csat_scaled(axis);
@@ -153,7 +155,7 @@ class Separator {
   }
 
  private:
-  /// Bit l: lane l of `ahead` or of `behind` is beyond its bound. NaN never is.
+  /// Bit l is set if lane l of `ahead` or of `behind` exceeds its bound; never for NaN.
   static std::uint32_t lane_bits(CsatLanes ahead, CsatLanes behind, CsatLanes bound) {
     const CsatTag tag;
     std::uint8_t mask[8];
@@ -161,7 +163,7 @@ class Separator {
     return mask[0];
   }
 
-  /// Edges i, i + 1, .. in lanes, each with its own axis.
+  /// Tests the edges i, i + 1, .. in lanes, each with its own axis.
   std::uint32_t edges_apart(const CsatEdges& edges, int i, const CsatLanes3& l, CsatLanes bound) const {
     const CsatTag tag;
     CsatLanes ahead = infinite(), behind = ahead;
@@ -195,7 +197,8 @@ class Separator {
     return gap_error_factor(levels_) * sum + kGapUnderflow + separation_gap(separation_, x, y, z);
   }
 
-  /// Whether b lies beyond a along `axis`; if not, the point of conv{b - a} that is least far along it.
+  /// Whether b is beyond a along `axis`. If not, `support` is the point of conv{b - a} with the smallest component
+  /// along it.
   bool ahead(const Vec3& axis, Vec3& support) const {
     const CsatLanes3 l = broadcast(axis);
     double least = std::numeric_limits<double>::infinity();
@@ -213,7 +216,7 @@ class Separator {
     return false;
   }
 
-  /// Vertex of least projection; the first of them.
+  /// The first vertex with the smallest projection.
   static int extreme(const CsatPoints& points, int c, const Vec3& axis) {
     int best = 0;
     double least = std::numeric_limits<double>::infinity();
@@ -233,8 +236,8 @@ class Separator {
   double extent_[3];
 };
 
-/// One batch. Keeps the points of the last first element; runs of pairs with the same one are 1.0 to 1.6 pairs on
-/// average.
+/// Processes one batch. Keeps the points of the last first element, because consecutive pairs often have the same one
+/// (1.0 to 1.6 pairs on average).
 class Culler {
  public:
   Culler(const Csat::Config& config, const Step& step)
@@ -248,7 +251,7 @@ class Culler {
   }
 
  private:
-  /// Many pairs at once in single precision; the rest one after the other in double precision.
+  /// Many pairs are first processed together in single precision, the remaining ones one by one in double precision.
   template <int kControlPoints>
   void cull_in_lanes(PairBatch& batch) {
     PairSearch<kControlPoints> search(config_, frame_, step_);
@@ -286,7 +289,7 @@ class Culler {
     (frame_.control_points == 2 ? restrict_points<2> : restrict_points<3>)(frame_.part, points);
   }
 
-  /// The whole elements.
+  /// Tests the two elements as a whole.
   bool separated(ElementPair pair) const {
     const Separator separator(a_, b_, frame_, step_.separation);
     if (config_.axis != CsatAxis::face) return separated(separator);
@@ -295,7 +298,7 @@ class Culler {
            separator.separates(csat_face_normal(step_, pair.b, hash >> 32));
   }
 
-  /// The axes that depend on the points alone.
+  /// Tests the axes that depend on the points alone.
   bool separated(const Separator& s) const {
     switch (config_.axis) {
       case CsatAxis::velocity: return s.separates(csat_velocity_axis(s.a(), s.b(), s.control_points()));
@@ -323,8 +326,9 @@ class Culler {
     mask.edges_b |= separate_edges(b_, edges_b_, a_, pair.b, pair.a, mask.edges_b);
   }
 
-  /// Corollary 2: bits of the vertices of element o that touch nothing of `other`. Axis `face`: one picked face of the
-  /// other element for all vertices, so that each point is projected once; the others: an axis for each vertex.
+  /// Corollary 2: bits of the vertices of element o that are separated from `other`. Axis `face`: one picked face of
+  /// the other element for all vertices, so that each point is projected once. Other axes: a separate axis for each
+  /// vertex.
   std::uint32_t separate_vertices(const CsatPoints& own, const CsatPoints& others, Index o, Index other,
                                   std::uint32_t known) {
     if (config_.axis == CsatAxis::face)
@@ -339,7 +343,7 @@ class Culler {
     return bits;
   }
 
-  /// Corollary 4. Axis `face`: the cross products of all edges with one picked edge of the other element.
+  /// Corollary 4. Axis `face`: the cross products of all edges and one picked edge of the other element.
   std::uint64_t separate_edges(const CsatPoints& own, const CsatEdges& own_edges, const CsatPoints& others, Index o,
                                Index other, std::uint64_t known) {
     if (config_.axis == CsatAxis::face)

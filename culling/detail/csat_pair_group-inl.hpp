@@ -1,5 +1,5 @@
-// Element pairs in lanes: the points and the projections of CSAT in single precision, a pair a lane. Included once for
-// each instruction set, inside foreach_target sources.
+// The points and projections of CSAT in single precision; each vector lane holds one element pair. Included once for
+// each instruction set by foreach_target.h of Highway.
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -18,8 +18,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-/// The control points of a list of pairs, relative to the first vertex of a pair's first element, and projections of
-/// them. `lane` is the first of the lanes of a register.
+/// The control points of the pairs of a list, relative to the first vertex of the first element of each pair, and their
+/// projections. The argument `lane` is the first lane of a register.
 template <int kControlPoints>
 class PairGroup {
  public:
@@ -28,7 +28,8 @@ class PairGroup {
     std::fill_n(first_, kPairs, kNone);
   }
 
-  /// Unused lanes get copies of the first pair. Points of first elements stay in the registers that hold them already.
+  /// Reads the points of all pairs. Unused lanes get copies of the first pair. A register that already holds the points
+  /// of its first elements is not read again.
   void gather(PairList& list) {
     for (std::size_t lane = list.size; lane < kPairs; ++lane) {
       list.first[lane] = list.first[0];
@@ -44,13 +45,13 @@ class PairGroup {
 
   float separation() const { return separation_; }
 
-  /// Vertices of each element, 0 where the two differ.
+  /// Number of vertices of each element, or 0 if the two elements have different numbers.
   std::size_t count() const { return count_[0] == count_[1] ? count_[0] : 0; }
 
   /// Greatest magnitude on each axis over the whole step.
   HWY_INLINE PairLanes3 extent(std::size_t lane) const { return max(load(0, kExtent, lane), load(1, kExtent, lane)); }
 
-  /// From the mean of the first elements' control points to that of the second.
+  /// The vector from the mean of the control points of the first elements to that of the second elements.
   HWY_INLINE PairLanes3 centroid_difference(std::size_t lane) const {
     const auto mean = [&](std::size_t side) HWY_ATTR {
       return scaled(load(side, kTotal, lane), in_lanes(1 / static_cast<float>(count_[side] * kControlPoints)));
@@ -62,8 +63,8 @@ class PairGroup {
     return {axis, extent, part_.levels, separation_};
   }
 
-  /// How far b lies beyond a along the axis, at the control point where that is least. kCount: vertices of each
-  /// element, or 0 for any number.
+  /// The smallest gap over all control points, where the gap is the distance by which b is beyond a along the axis.
+  /// kCount: number of vertices of each element, or 0 for any number.
   template <std::size_t kCount>
   HWY_INLINE PairLanes gap(const PairLanes3& axis, std::size_t lane) const {
     const std::size_t counts[2] = {kCount != 0 ? kCount : count_[0], kCount != 0 ? kCount : count_[1]};
@@ -77,7 +78,7 @@ class PairGroup {
     return least;
   }
 
-  /// The same, and the difference b - a of the points where it is.
+  /// The same; also returns the difference b - a of the points at which the gap is smallest.
   HWY_INLINE PairLanes support(const PairLanes3& axis, std::size_t lane, PairLanes3& difference) const {
     PairLanes least = in_lanes(std::numeric_limits<float>::infinity());
     difference = {least, least, least};
@@ -95,7 +96,7 @@ class PairGroup {
 
  private:
   static constexpr std::size_t kPairs = PairList::kPairs;
-  static constexpr std::size_t kExtent = 0, kTotal = 1, kPoints = 2;  ///< triples of rows
+  static constexpr std::size_t kExtent = 0, kTotal = 1, kPoints = 2;  ///< indices of triples of rows
 
   HWY_INLINE const double* at(Index v) const { return points_ + std::size_t{v} * (3 * kControlPoints); }
   HWY_INLINE PairLanes3 load(std::size_t side, std::size_t triple, std::size_t lane) const {
@@ -124,7 +125,7 @@ class PairGroup {
     one ? spread(0, vertices[0], lane) : gather(0, vertices, lane);
   }
 
-  /// The points of elements, whose vertices are given, in the lanes of one register.
+  /// Reads the points of one element per lane of a register, given their vertices.
   void gather(std::size_t side, const Index* const* vertices, std::size_t lane) {
     gather(side, lane, [&](std::size_t v, PairLanes3(&x)[kControlPoints]) HWY_ATTR {
       const double* p[kPairs];
@@ -133,7 +134,8 @@ class PairGroup {
     });
   }
 
-  /// The same for one element in all lanes of the register, as part of the same pair or with the same first element.
+  /// Reads the points of one element into all lanes of the register, if there is only one pair, or all pairs have the
+  /// same first element.
   void spread(std::size_t side, const Index* vertices, std::size_t lane) {
     gather(side, lane, [&](std::size_t v, PairLanes3(&x)[kControlPoints]) HWY_ATTR {
       const double *p = at(vertices[v]), *r = reference_[lane];
@@ -166,7 +168,7 @@ class PairGroup {
       for (int c = kControlPoints - 1; c >= level; --c) x[c] = add(scaled(x[c - 1], rest), scaled(x[c], s));
   }
 
-  /// Least projection of one control point's vertices, and the vertex.
+  /// Smallest projection of the vertices at one control point, and the position of that vertex.
   HWY_INLINE PairLanes lowest(const PairLanes3& axis, std::size_t side, int c, std::size_t lane, PairLanes3& at) const {
     at = point(side, 0, c, lane);
     PairLanes low = dot(axis, at);
@@ -186,7 +188,7 @@ class PairGroup {
   const double* points_;
   float separation_;
   std::size_t count_[2] = {};
-  Index first_[kPairs];  ///< whose points the lanes hold
+  Index first_[kPairs];  ///< first elements whose points the lanes hold
   const double* reference_[kPairs];
   alignas(64) float rows_[2 * kTriples * 3 * kPairs];
 };

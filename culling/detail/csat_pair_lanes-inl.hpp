@@ -1,5 +1,5 @@
-// Lanes of CSAT in single precision, a pair of elements a lane: points, rounding bounds. Included once for each
-// instruction set, inside foreach_target sources.
+// Points and rounding bounds of CSAT in single precision; each vector lane holds one element pair. Included once for
+// each instruction set by foreach_target.h of Highway.
 #include <cstddef>
 #include <cstdint>
 
@@ -28,7 +28,7 @@ HWY_INLINE PairLanes3 select(PairMask mask, const PairLanes3& yes, const PairLan
 }
 
 #if HWY_TARGET == HWY_SCALAR
-/// As below.
+/// The same as load_differences() for vectors below, for targets without vectors.
 template <int kControlPoints>
 HWY_INLINE PairLanes3 load_differences(const double* const* p, const double* const* r, int c) {
   const auto difference = [&](int k) { return in_lanes(static_cast<float>(p[0][3 * c + k] - r[0][3 * c + k])); };
@@ -37,7 +37,7 @@ HWY_INLINE PairLanes3 load_differences(const double* const* p, const double* con
 #else
 using PointTag = hn::FixedTag<float, 4>;
 
-/// Four doubles less four others, rounded to floats.
+/// Differences of four doubles and four others, rounded to floats.
 template <class D>
 HWY_INLINE hn::Vec<PointTag> float_difference(D d, const double* a, const double* b) {
   const PointTag four;
@@ -50,7 +50,8 @@ HWY_INLINE hn::Vec<PointTag> float_difference(D d, const double* a, const double
   }
 }
 
-/// float_difference() of points `lane` and, in the upper half of 8 lanes, `lane + 4`, from `offset` on.
+/// float_difference() of the points with index `lane` and, in the upper half of 8 lanes, `lane + 4`, beginning at
+/// `offset`.
 template <class D>
 HWY_INLINE hn::Vec<D> float_differences(D d, const double* const* p, const double* const* r, std::size_t lane,
                                         std::size_t offset) {
@@ -63,8 +64,8 @@ HWY_INLINE hn::Vec<D> float_differences(D d, const double* const* p, const doubl
   }
 }
 
-/// Control point c of a vertex for a register of pairs: p - r in doubles, rounded to floats. Four doubles are loaded at
-/// once: the coordinate too many is that of another control point.
+/// The differences p - r of control point c of one vertex for a register of pairs, computed in doubles and rounded to
+/// floats. Four doubles are loaded at once; the superfluous coordinate belongs to another control point.
 template <int kControlPoints>
 HWY_INLINE PairLanes3 load_differences(const double* const* p, const double* const* r, int c) {
   const PairTag tag;
@@ -80,15 +81,15 @@ HWY_INLINE PairLanes3 load_differences(const double* const* p, const double* con
 }
 #endif
 
-/// Pairs (a, b) of elements of one shape: equally many vertices of each a, and of each b.
+/// Pairs (a, b) of elements with equal numbers of vertices: the same number for each a, and the same number for each b.
 struct PairList {
   static constexpr std::size_t kPairs = 8, kVertices = 8;
 
   std::size_t size = 0;
-  std::size_t counts[2] = {};  ///< vertices
-  Index first[kPairs];         ///< a
+  std::size_t counts[2] = {};  ///< numbers of vertices
+  Index first[kPairs];         ///< elements a
   const Index* vertices[2][kPairs];
-  std::uint8_t index[kPairs];  ///< of the pair, where it came from
+  std::uint8_t index[kPairs];  ///< index of each pair in the input
 
   /// Whether the elements of pair i have a common vertex.
   bool adjacent(std::size_t i) const {
@@ -99,7 +100,7 @@ struct PairList {
   }
 };
 
-/// What a gap along an axis must exceed; Dk of csat_float_bounds.hpp are the extent's coordinates.
+/// The threshold that a gap along an axis must exceed. Dk in csat_float_bounds.hpp are the coordinates of `extent`.
 struct PairThreshold {
   PairLanes error, separation;
   PairMask trusted;  ///< lanes without overflow
@@ -117,13 +118,13 @@ struct PairThreshold {
     return hn::And(trusted, hn::Gt(gap, hn::Add(error, separation)));
   }
 
-  /// Lanes whose exact gap is below the separation by far more than all rounding.
+  /// Lanes in which the exact gap is certainly less than the separation, by much more than all rounding errors.
   HWY_INLINE PairMask missed(PairLanes gap) const {
     return hn::And(trusted, hn::Lt(hn::Add(gap, hn::Mul(in_lanes(32), error)), separation));
   }
 
  private:
-  /// At least the length, up to a factor that kFloatLengthSlack makes up for.
+  /// An upper bound on the length, except for a rounding error for which kFloatLengthSlack compensates.
   static HWY_INLINE PairLanes length_bound(const PairLanes3& axis) {
     const PairLanes square = dot(axis, axis);
     const PairLanes3 m = abs(axis);

@@ -1,5 +1,5 @@
-// What CSAT finds out about whole element pairs in lanes. Included once for each instruction set, inside foreach_target
-// sources.
+// CSAT tests of whole element pairs; each vector lane processes one pair. Included once for each instruction set by
+// foreach_target.h of Highway.
 #include <algorithm>
 #include <bit>
 #include <cstddef>
@@ -24,10 +24,11 @@ namespace volccd::detail::HWY_NAMESPACE {
 enum class PairFinding : std::uint8_t {
   open,
   disjoint,
-  kept  ///< none of the axes that the configuration allows separates the pair, by more than rounding
+  kept  ///< none of the axes that the configuration allows separates the pair, by more than rounding errors
 };
 
-/// Axes `centroid` and `optimal` in single precision. A pair's finding does not depend on the other pairs of its block.
+/// The axes `centroid` and `optimal` in single precision. The finding for a pair does not depend on the other pairs of
+/// its block.
 template <int kControlPoints>
 class PairSearch {
  public:
@@ -41,8 +42,7 @@ class PairSearch {
 
   PairFinding finding(std::size_t i) const { return findings_[i]; }
 
-  /// Findings on at most kBlock pairs. Elements of more than 8 vertices, and pairs of an element with itself, stay
-  /// open.
+  /// Computes the findings for at most kBlock pairs. Elements with more than 8 vertices and self pairs remain open.
   void judge(std::span<const ElementPair> pairs) {
     std::fill_n(findings_, pairs.size(), PairFinding::open);
     open_count_ = 0;
@@ -58,14 +58,14 @@ class PairSearch {
 
  private:
   static constexpr int kMostRounds = 8;
-  static constexpr int kEnough = 4;  ///< pairs that are worth a search in their group
+  static constexpr int kEnough = 4;  ///< minimum number of pairs for a search in their group
 
   struct Vertices {
     const Index* data;
     std::size_t count;
   };
 
-  /// Looks up the vertices of all pairs before any is tested: memory answers many requests at a time.
+  /// Looks up the vertices of all pairs before any pair is tested, so that memory accesses overlap.
   void look_up(std::span<const ElementPair> pairs) {
     const auto of = [this](Index o) {
       const auto vertices = mesh_.vertices(o);
@@ -97,8 +97,7 @@ class PairSearch {
     list_.index[list_.size++] = static_cast<std::uint8_t>(i);
   }
 
-  /// Tests the pairs of the list, and empties it: in the first pass along the first axis; the rest where `search` says
-  /// so, or where enough of a register are left.
+  /// Tests the pairs of the list and empties it. Unless `search`, tests the first axis; if few remain, defers them.
   void test(bool search) {
     if (list_.size == 0) return;
     group_.gather(list_);
@@ -118,7 +117,7 @@ class PairSearch {
     for (; lanes != 0; lanes &= lanes - 1) findings_[list_.index[std::countr_zero(lanes)]] = finding;
   }
 
-  /// Tests the line between the centroids; returns the bits of the lanes that it separates.
+  /// Tests the line between the centroids. Returns the bits of the lanes that it separates.
   std::uint32_t first_axis() { return group_.count() == 4 ? first_axis<4>() : first_axis<0>(); }
 
   template <std::size_t kCount>
@@ -137,7 +136,8 @@ class PairSearch {
     return apart;
   }
 
-  /// What the search leaves open is often a pair of adjacent elements: nothing separates them at the common vertex.
+  /// A pair that the search leaves open is often a pair of adjacent elements, which no axis separates at the common
+  /// vertex.
   void search(std::uint32_t bits, std::size_t lane) {
     for (std::uint32_t open = search_axis(bits, lane); open != 0; open &= open - 1) {
       const std::size_t i = lane + static_cast<std::size_t>(std::countr_zero(open));
@@ -145,18 +145,18 @@ class PairSearch {
     }
   }
 
-  /// Gilbert-Johnson-Keerthi steps from the line between the centroids on, as Separator::search(). Returns the bits of
-  /// the lanes, of those asked for, that stay open.
+  /// Gilbert-Johnson-Keerthi iterations that start with the line between the centroids, as in Separator::search().
+  /// Returns the bits of those requested lanes that remain open.
   std::uint32_t search_axis(std::uint32_t bits, std::size_t lane) {
     const PairLanes3 extent = group_.extent(lane);
     const PairLanes size = greatest_coordinate(extent);
     const PairLanes scale = hn::Div(in_lanes(1), size);
     PairLanes3 axis = scaled(group_.centroid_difference(lane), scale), support;
     PairSimplex simplex(axis);
-    const PairMask sound = hn::And(hn::Gt(size, in_lanes(kLeastSize)), hn::Lt(size, in_lanes(kGreatestSize)));
+    const PairMask in_range = hn::And(hn::Gt(size, in_lanes(kLeastSize)), hn::Lt(size, in_lanes(kGreatestSize)));
     const PairLanes near = hn::Sub(hn::Mul(scale, in_lanes(0.999f * group_.separation())), in_lanes(1e-5f));
     std::uint32_t open = bits;
-    bits &= lane_bits(sound);
+    bits &= lane_bits(in_range);
     for (int round = 0; bits != 0; ++round) {
       const PairLanes gap = group_.support(axis, lane, support);
       const std::uint32_t apart = bits & lane_bits(group_.threshold(axis, extent).exceeded(gap));
@@ -164,7 +164,7 @@ class PairSearch {
       bits &= open &= ~apart;
       if (bits == 0 || round + 1 == rounds_) break;
       support = scaled(support, scale);
-      bits &= ~lane_bits(simplex.contains(support));  // no axis does better
+      bits &= ~lane_bits(simplex.contains(support));  // no axis has a larger gap
       const PairMask inside = simplex.extend(support, axis);
       const std::uint32_t kept = bits & lane_bits(hn::Or(inside, simplex.nearer_than(near)));
       set(kept << lane, PairFinding::kept);
@@ -179,7 +179,8 @@ class PairSearch {
     return bytes[0];
   }
 
-  /// The search is left to doubles where its products could underflow or overflow.
+  /// Outside of this range of sizes, products of the search could underflow or overflow; these pairs are tested in
+  /// doubles.
   static constexpr float kLeastSize = 0x1p-60f, kGreatestSize = 0x1p60f;
 
   int rounds_;

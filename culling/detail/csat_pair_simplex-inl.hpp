@@ -1,5 +1,5 @@
-// A Gilbert-Johnson-Keerthi simplex for each lane. Included once for each instruction set, inside foreach_target
-// sources.
+// A simplex of the Gilbert-Johnson-Keerthi algorithm for each vector lane. Included once for each instruction set by
+// foreach_target.h of Highway.
 #include <volccd/culling/detail/csat_pair_group-inl.hpp>
 
 #if defined(VOLCCD_CSAT_PAIR_SIMPLEX_INL) == defined(HWY_TARGET_TOGGLE)
@@ -12,22 +12,22 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-/// Three points of a convex set, not necessarily distinct. Rounding can only spoil the direction's quality, as in
-/// CsatSimplex; there are no branches, and no NaN for finite points of magnitudes between 2^-20 and 2^10.
+/// Three points of a convex set, not necessarily distinct. As for CsatSimplex, rounding errors affect only the quality
+/// of the direction. There are no branches, and there is no NaN for finite points of magnitudes between 2^-20 and 2^10.
 class PairSimplex {
  public:
   HWY_INLINE explicit PairSimplex(const PairLanes3& point) : corners_{point, point, point} {}
 
-  /// Lanes that have the point already.
+  /// Lanes in which the point is already a corner.
   HWY_INLINE PairMask contains(const PairLanes3& p) const {
     const auto equal = [&](const PairLanes3& q)
                            HWY_ATTR { return hn::And(hn::And(hn::Eq(p.x, q.x), hn::Eq(p.y, q.y)), hn::Eq(p.z, q.z)); };
     return hn::Or(hn::Or(equal(corners_[0]), equal(corners_[1])), equal(corners_[2]));
   }
 
-  /// Adds w and cuts the simplex down to the face at w that is nearest to the origin. `axis` becomes a positive
-  /// multiple of that face's nearest point. Returns the lanes in which the origin is inside the simplex by a margin
-  /// that exceeds all rounding; their axis is undefined.
+  /// Adds w and reduces the simplex to the face at w that is nearest to the origin. `axis` becomes a positive multiple
+  /// of the nearest point of that face. Returns the lanes in which the origin is inside the simplex by a margin greater
+  /// than all rounding errors; the axis of these lanes is undefined.
   HWY_INLINE PairMask extend(const PairLanes3& w, PairLanes3& axis) {
     for (int i = 0; i < 3; ++i) {
       side_[i] = sub(corners_[i], w);
@@ -50,13 +50,14 @@ class PairSimplex {
     return inside;
   }
 
-  /// Lanes in which some point of the simplex is nearer to the origin. Rounding: some 1e-6 of the simplex's size.
+  /// Lanes in which a point of the simplex is nearer to the origin than `distance`. The rounding error is about 1e-6
+  /// times the size of the simplex.
   HWY_INLINE PairMask nearer_than(PairLanes distance) const {
     return hn::And(hn::Gt(distance, in_lanes(0)), hn::Lt(nearest_, hn::Mul(distance, distance)));
   }
 
  private:
-  /// The origin's coordinates in the sides' basis times the simplex's volume are the heights.
+  /// The heights are the coordinates of the origin in the basis of the sides, multiplied by the volume of the simplex.
   HWY_INLINE PairMask origin_inside(const PairLanes3& w) const {
     const PairLanes volume = dot(normal_[0], side_[2]);
     const PairLanes size = hn::Max(hn::Max(square_[0], square_[1]), hn::Max(square_[2], dot(w, w)));
@@ -79,7 +80,7 @@ class PairSimplex {
     third = second;
   }
 
-  /// Only where the point nearest to the origin is in the triangle's interior.
+  /// Applies only if the point nearest to the origin is in the interior of the triangle.
   HWY_INLINE void try_triangle(int i, PairLanes3& axis, PairLanes3& second, PairLanes3& third) {
     const int j = (i + 1) % 3;
     const PairLanes both = dot(side_[i], side_[j]), area = dot(normal_[i], normal_[i]);
@@ -97,7 +98,7 @@ class PairSimplex {
     third = select(nearer, corners_[j], third);
   }
 
-  static constexpr float kInsideMargin = 4e-6f;  ///< of the simplex's size, cubed; 64 roundings
+  static constexpr float kInsideMargin = 4e-6f;  ///< relative to the cubed size of the simplex; 64 rounding errors
 
   PairLanes3 corners_[3], side_[3], normal_[3];
   PairLanes square_[3], along_[3], height_[3], nearest_;

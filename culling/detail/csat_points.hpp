@@ -1,4 +1,4 @@
-// The control points of an element, gathered for the projection kernels of CSAT.
+// The control points of an element in the layout of the projection kernels of CSAT.
 #pragma once
 
 #include <algorithm>
@@ -17,8 +17,8 @@ namespace volccd::detail {
 inline constexpr int kCsatVertices = 32;
 inline constexpr int kCsatControlPoints = 3;
 
-/// The part of the step that is tested, and where differences are taken from: one reference point for each control
-/// point.
+/// The part of the step that is tested, and the reference points from which differences are computed, one for each
+/// control point.
 struct CsatFrame {
   int control_points;
   StepPart part;
@@ -28,12 +28,12 @@ struct CsatFrame {
       : control_points(motion.control_points()), part(t_max, control_points) {}
 };
 
-/// Differences of vertices and reference points, row (control point, axis) by vertex, padded to a multiple of 4 with
-/// copies of the first vertex.
+/// Differences of the vertices and the reference points: rows by (control point, axis), columns by vertex, padded to a
+/// multiple of 4 with copies of the first vertex.
 struct CsatPoints {
   int count = 0, stride = 4;
   double extent[3] = {};  ///< greatest magnitude on each axis over the whole step
-  double total[3] = {};   ///< sum over vertices and control points
+  double total[3] = {};   ///< sum over all vertices and control points
   alignas(64) double rows[3 * kCsatControlPoints * kCsatVertices];
 
   const double* row(int control_point, int axis) const { return rows + (3 * control_point + axis) * stride; }
@@ -41,14 +41,14 @@ struct CsatPoints {
 
   template <int kControlPoints>
   void gather(const CsatFrame& frame, const Motion& motion, std::span<const Index> vertices);
-  /// Over the whole step.
+  /// The same, with the number of control points determined at run time.
   void gather(const CsatFrame& frame, const Motion& motion, std::span<const Index> vertices) {
     if (frame.control_points == 2) return gather<2>(frame, motion, vertices);
     gather<3>(frame, motion, vertices);
   }
-  /// Only vertices i0 and i1 of `from` (the extents stay those of the whole).
+  /// Copies the vertices i0 and i1 of `from`; the extents are those of all vertices.
   void take(const CsatPoints& from, int control_points, int i0, int i1);
-  /// Computes `total` anew, after rows changed.
+  /// Recomputes `total` after a change of the rows.
   void sum_up(int control_points);
 };
 
@@ -79,10 +79,10 @@ void CsatPoints::gather(const CsatFrame& frame, const Motion& motion, std::span<
   }
 }
 
-/// Edges of an element, for tests of all of them at once: local vertex numbers of their ends, and directions at t = 0.
-/// Padded with copies of the last to a multiple of 4.
+/// The edges of an element, in a layout for testing all of them together: the local vertex numbers of their ends, and
+/// their directions at t = 0. Padded to a multiple of 4 with copies of the last edge.
 struct CsatEdges {
-  static constexpr int kMost = 64;  ///< edges beyond are not tested (FeatureMask)
+  static constexpr int kMost = 64;  ///< further edges are not tested (FeatureMask)
 
   int count = 0;
   std::uint8_t ends[2][kMost];

@@ -40,14 +40,14 @@ bool CsatSimplex::segment(Vec3& direction) {
   } else if (!(b.dot(ab) > 0)) {
     keep(1);
   } else {
-    direction = ab.cross(a.cross(ab));  // |ab|^2 times the part of a across ab
+    direction = ab.cross(a.cross(ab));  // |ab|^2 times the component of a perpendicular to ab
     return direction.squaredNorm() > 0;
   }
   direction = points_[0];
   return direction.squaredNorm() > 0;
 }
 
-// Voronoi regions of a triangle (Ericson, Real-Time Collision Detection, 5.1.5) with the origin as the query point.
+// Voronoi regions of a triangle (Ericson, Real-Time Collision Detection, 5.1.5), with the origin as the query point.
 bool CsatSimplex::triangle(Vec3& direction) {
   const Vec3 a = points_[0], b = points_[1], c = points_[2];
   const Vec3 ab = b - a, ac = c - a, n = ab.cross(ac);
@@ -77,8 +77,9 @@ bool CsatSimplex::triangle(Vec3& direction) {
   return direction.squaredNorm() > 0;
 }
 
-// The nearest of the faces that have the origin on their outer side; none: the origin is inside. Of a flat tetrahedron
-// (two control points that differ by a common translation give many) every face counts: its inner side is noise.
+// Finds the nearest of the faces that have the origin on their outer side; if there is none, the origin is inside. Flat
+// tetrahedra are common when two control points differ by a common translation; for these every face is tested, because
+// rounding errors determine their inner side.
 bool CsatSimplex::tetrahedron(Vec3& direction) {
   constexpr int faces[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
   CsatSimplex best;
@@ -88,7 +89,7 @@ bool CsatSimplex::tetrahedron(Vec3& direction) {
                &r = points_[static_cast<std::size_t>(f[2])], &opposite = points_[static_cast<std::size_t>(f[3])];
     const Vec3 n = (q - p).cross(r - p);
     const double origin_side = -n.dot(p), opposite_side = n.dot(opposite - p);
-    constexpr double flat = 1e-10;  // of the size of the set, which is about 1
+    constexpr double flat = 1e-10;  // relative to the size of the set, which is about 1
     if (origin_side * opposite_side > 0 && opposite_side * opposite_side > flat * flat * n.squaredNorm()) continue;
     CsatSimplex face;
     face.size_ = 3;

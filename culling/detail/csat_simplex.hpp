@@ -1,5 +1,5 @@
-// The simplex of a Gilbert-Johnson-Keerthi iteration: at most four points of a convex set, and the direction from the
-// origin to the nearest point of their hull.
+// The simplex of the Gilbert-Johnson-Keerthi algorithm: at most four points of a convex set, and the direction from the
+// origin to the nearest point of their convex hull.
 #pragma once
 
 #include <array>
@@ -8,16 +8,17 @@
 
 namespace volccd::detail {
 
-/// Rounding can only spoil the direction's quality: who uses it as an axis checks the axis by itself.
+/// Rounding errors affect only the quality of the direction; a caller that uses it as an axis must test the axis
+/// itself.
 class CsatSimplex {
  public:
   void clear() { size_ = 0; }
   bool contains(const Vec3& p) const;
   void add(const Vec3& p) { points_[static_cast<std::size_t>(size_++)] = p; }
 
-  /// Cuts the simplex down to the face nearest to the origin and sets `direction` to a positive multiple of that face's
-  /// nearest point, computed so that a short distance keeps its digits. Returns false, with `direction` undefined, if
-  /// the origin is inside (or on it, within rounding).
+  /// Reduces the simplex to the face nearest to the origin, and sets `direction` to a positive multiple of the nearest
+  /// point of that face, computed so that small distances are accurate. Returns false, with `direction` undefined, if
+  /// the origin is inside the simplex (or on its boundary, within rounding errors).
   bool nearest(Vec3& direction);
 
  private:

@@ -1,5 +1,5 @@
-// The determinant of three moving vectors as a polynomial in t, with bounds of its rounding error. Included once for
-// each instruction set, inside foreach_target sources.
+// The determinant of three moving vectors as a polynomial in t, with bounds on its rounding error. Included once for
+// each instruction set by foreach_target.h of Highway.
 #include <limits>
 
 #include <volccd/culling/detail/filter_lanes-inl.hpp>
@@ -16,7 +16,7 @@ namespace volccd::detail::HWY_NAMESPACE {
 
 constexpr double binomial(int n, int k) { return k == 0 ? 1 : binomial(n - 1, k - 1) * n / k; }
 
-/// Bernstein coefficients of det(e0, e1, e2)(t), each times binomial(degree, k).
+/// Bernstein coefficients of det(e0, e1, e2)(t), each multiplied by binomial(degree, k).
 template <int kControlPoints>
 struct Determinant {
   static constexpr int kDegree = 3 * (kControlPoints - 1);
@@ -45,7 +45,8 @@ struct Determinant {
   }
 };
 
-/// Bound of the determinant's error, or infinity where it could overflow; the parts without and with a binomial factor.
+/// Bound on the error of the determinant, or infinity if an overflow is possible. It consists of a part without and a
+/// part with a binomial factor.
 struct DeterminantError {
   Lanes fixed, scaled;
 
@@ -54,7 +55,7 @@ struct DeterminantError {
     const Lanes x = hn::Add(hn::Mul(b.y, c.z), hn::Mul(b.z, c.y)), y = hn::Add(hn::Mul(b.z, c.x), hn::Mul(b.x, c.z)),
                 z = hn::Add(hn::Mul(b.x, c.y), hn::Mul(b.y, c.x));
     const Lanes permanent = add3(hn::Mul(a.x, x), hn::Mul(a.y, y), hn::Mul(a.z, z));
-    // The areas count, too: their sums may overflow where a small `a` keeps the permanent in range.
+    // The areas are tested as well: their sums may overflow although a small `a` keeps the permanent in range.
     const auto in_range = hn::Lt(add3(x, y, z), broadcast(kGreatestMagnitude));
     const Lanes infinite = broadcast(std::numeric_limits<double>::infinity());
     scaled = hn::Mul(hn::IfThenElse(in_range, trusted(permanent), infinite), broadcast(factor));
@@ -62,7 +63,7 @@ struct DeterminantError {
   }
 };
 
-/// Whether all coefficients, and so the polynomial all through [0, 1], are proven to be of one sign.
+/// Whether all coefficients, and therefore the polynomial throughout [0, 1], are proven to have the same sign.
 struct DeterminantSigns {
   LaneMask positive, negative;
 

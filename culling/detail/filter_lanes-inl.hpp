@@ -1,4 +1,5 @@
-// What the feature filters share: a test a lane. Included once for each instruction set, inside foreach_target sources.
+// Common functions of the feature filters; each vector lane processes one test. Included once for each instruction set
+// by foreach_target.h of Highway.
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -18,7 +19,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-/// Coordinates of consecutive tests in the row order of TestBlock, rows kDistance doubles apart.
+/// Coordinates of consecutive tests in the row order of TestBlock; the distance between rows is kDistance doubles.
 template <std::size_t kDistance>
 struct Columns {
   const double* rows;
@@ -30,7 +31,7 @@ HWY_INLINE Lanes3 load(Columns<kDistance> tests, int control_point, int vertex) 
   return load3(Tag(), tests.rows + static_cast<std::size_t>((control_point * 4 + vertex) * 3) * kDistance, kDistance);
 }
 
-/// Vertices 1..3 relative to vertex 0.
+/// Positions of the vertices 1..3 relative to vertex 0.
 template <int kControlPoints>
 struct Differences {
   Lanes3 at[3][kControlPoints];
@@ -51,7 +52,7 @@ struct Differences {
   }
 };
 
-/// Bit k: dropped(tests from k on), which answers for a register of tests, drops test k of 8.
+/// Bit k: whether test k of 8 is dropped. dropped(tests from k on) returns a mask for one register of tests.
 template <std::size_t kDistance, class Dropped>
 HWY_INLINE std::uint32_t dropped_bits(Columns<kDistance> tests, Dropped&& dropped) {
   const Tag tag;
@@ -64,14 +65,14 @@ HWY_INLINE std::uint32_t dropped_bits(Columns<kDistance> tests, Dropped&& droppe
   return bits;
 }
 
-/// Sets keep[i] to 0 for the tests of the block that are dropped. Groups with nothing left are not asked about.
+/// Sets keep[i] to 0 for those tests of the block that `dropped` selects. Groups without remaining tests are skipped.
 template <class Dropped>
 HWY_INLINE void drop_tests(const TestBlock& block, std::span<std::uint8_t> keep, Dropped&& dropped) {
   for (std::size_t i = 0; i < block.size(); i += 8) {
     std::uint64_t flags;
     std::memcpy(&flags, keep.data() + i, 8);
     if (flags == 0) continue;
-    // Without a branch, verdicts being hard to predict: byte k holds bit k, then 1 or 0.
+    // No branches, because the results are hard to predict: byte k is reduced to bit k, then to 1 or 0.
     constexpr std::uint64_t ones = 0x0101010101010101u;
     std::uint64_t spread = (dropped_bits(BlockColumns{block.row(0, 0, 0) + i}, dropped) * ones) & 0x8040201008040201u;
     spread = (((spread + 127 * ones) | spread) >> 7) & ones;
@@ -80,7 +81,7 @@ HWY_INLINE void drop_tests(const TestBlock& block, std::span<std::uint8_t> keep,
   }
 }
 
-/// The same for tests with keep[i] != 0, which are brought together first: for what is asked where few tests are left.
+/// The same, but first packs the tests with keep[i] != 0 together. For filters that run when few tests remain.
 template <class Dropped>
 HWY_INLINE void drop_kept_tests(const TestBlock& block, std::span<std::uint8_t> keep, Dropped&& dropped) {
   std::uint8_t kept[TestBlock::kCapacity + 8];

@@ -47,8 +47,8 @@ void FloodFront::around_suspect_stars() {
   }
 }
 
-/// Whether all of b but vertices of a face of a lies beyond that face, at t = 0: then they have no more than common
-/// vertices in common.
+/// Whether at t = 0 all vertices of b, except those of a face of a, are beyond that face. Then a and b have no common
+/// points except the convex hull of their common vertices.
 bool FloodFront::beyond_a_face_at_start(Index a, Index b) const {
   if (!is_volume(step_.mesh(), a)) return false;
   const std::span<const Index> of_a = step_.mesh().vertices(a), of_b = step_.mesh().vertices(b);
@@ -71,7 +71,8 @@ bool FloodFront::may_overlap_at_start(Index a, Index b) const {
   return !beyond_a_face_at_start(a, b) && !beyond_a_face_at_start(b, a);
 }
 
-/// Inner elements whose boxes contain one of the vertices, which are put in order of their first coordinates.
+/// Proposes pairs with the inner elements whose boxes contain one of the vertices. `along_x` sorts the vertices by
+/// their first coordinates.
 void FloodFront::from_contained(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& along_x) {
   along_x.clear();
   for (const Index v : vertices) along_x.emplace_back(step_.motion.point(v, 0)[0], v);
@@ -118,7 +119,7 @@ void FloodFront::from_start(std::span<const Index> vertices, std::vector<std::pa
 }
 
 void FloodFront::one_of_each_part(const Step& step, std::vector<Index>& parts, std::vector<Index>& scratch) {
-  std::vector<Index>& parents = scratch;  // kNone: of no outer element
+  std::vector<Index>& parents = scratch;  // kNone: a vertex of no outer element
   parents.assign(step.mesh().vertex_count(), kNone);
   const auto root = [&](Index v) {
     while (parents[v] != v) v = parents[v] = parents[parents[v]];

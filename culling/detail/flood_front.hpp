@@ -1,4 +1,4 @@
-// The pairs that a flood goes on to.
+// The pairs that a flood proposes next.
 #pragma once
 
 #include <span>
@@ -11,30 +11,30 @@
 namespace volccd::detail {
 
 /// Pairs of non-adjacent simplices, each proposed once. Outer elements are those that the broad phase pairs
-/// (Step::subset), the others inner ones; every proposed pair has an inner element. One thread at a time.
+/// (Step::subset); all others are inner elements. Every proposed pair has an inner element. Not thread-safe.
 class FloodFront {
  public:
-  /// `seen`: what was proposed before. Proposals are appended to `out`.
+  /// `seen`: the pairs proposed so far. New proposals are appended to `out`.
   FloodFront(const Step& step, const StarTable& stars, const StarClasses& classes, PairSet& seen,
              std::vector<ElementPair>& out)
       : step_(step), stars_(stars), classes_(classes), seen_(seen), out_(out) {}
 
-  /// Over faces of either element to an inner one.
+  /// Proposes the pairs in which one element of `pair` is replaced by an inner neighbour across a face.
   void around(ElementPair pair);
-  /// The pair itself.
+  /// Proposes the pair itself.
   void again(ElementPair pair) { propose(pair.a, pair.b); }
-  /// The same for all adjacent pairs that have common vertices in suspect stars only.
+  /// Does the same as around() for all adjacent pairs whose common vertices all have suspect stars.
   void around_suspect_stars();
 
-  /// For t = 0: inner elements that may contain one of the vertices, paired with an outer element at that vertex; and
-  /// what lies around adjacent pairs that overlap, as around_at_start() goes on.
+  /// For t = 0: pairs each inner element that may contain one of the vertices with an outer element at that vertex, and
+  /// proceeds from adjacent pairs that may overlap as around_at_start() does.
   void from_start(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& scratch);
-  /// Of an outer and an inner element: from the outer to all outer ones that share a vertex with it, from the inner
-  /// over faces to inner ones.
+  /// For a pair of an outer and an inner element: proposes pairs with the outer element replaced by outer elements that
+  /// share a vertex with it, and pairs with the inner element replaced by inner neighbours across faces.
   void around_at_start(ElementPair pair);
 
-  /// A vertex, the smallest, of each part of the outer elements that is connected over common vertices. `scratch` keeps
-  /// its memory.
+  /// One vertex, the smallest, of each part of the outer elements that is connected by common vertices. The memory of
+  /// `scratch` is reused.
   static void one_of_each_part(const Step& step, std::vector<Index>& parts, std::vector<Index>& scratch);
 
  private:

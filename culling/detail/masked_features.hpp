@@ -1,4 +1,4 @@
-// Features of an element that no mask excludes.
+// The features of an element that a mask does not exclude.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +8,8 @@
 
 namespace volccd::detail {
 
-/// Calls visit(feature) for each whose bit in `mask` is not set; those beyond the bits have none (FeatureMask).
+/// Calls visit(feature) for each feature whose bit in `mask` is not set. Features beyond the number of bits are always
+/// visited (FeatureMask).
 template <class Mask, class Visit>
 void for_each_unmasked(std::span<const Index> features, Mask mask, Visit&& visit) {
   constexpr std::size_t bits = 8 * sizeof(Mask);

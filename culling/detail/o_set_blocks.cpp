@@ -27,8 +27,8 @@ void OSetBlocks::start_over(const Features& features) {
 
 void OSetBlocks::settle() {
   blocks_.shrink_to_fit();
-  sound_pairs_ = written_;
-  sound_blocks_ = blocks_.size();
+  baseline_pairs_ = written_;
+  baseline_blocks_ = blocks_.size();
   written_ = renewals_ = 0;
 }
 
@@ -65,7 +65,7 @@ void OSetBlocks::append(std::size_t block, TestBatch& out) const {
   std::vector<FeaturePair>& list = source.kind == Rows::edge ? out.ee : out.vf;
   const std::size_t before = list.size();
   list.resize(before + source.pairs);
-  FeaturePair* next = list.data() + before;  // a push_back for each costs more than all the rest
+  FeaturePair* next = list.data() + before;  // direct writes, because push_back would take most of the time
   switch (source.kind) {
     case Rows::vertex: visit(source, [&](Index v, Index f) { *next++ = {v, f}; }); break;
     case Rows::triangle: visit(source, [&](Index f, Index v) { *next++ = {v, f}; }); break;
@@ -96,8 +96,8 @@ std::size_t OSetBlocks::bytes() const {
 void OSetBlocks::compact_if_stale(const Features& features) {
   const std::size_t live = std::size_t{features.vertex_count()} + features.triangle_count() + features.edge_count();
   const bool stale = renewals_ > live / 4 + 1024;
-  const bool grown = written_ > sound_pairs_ / 4 + kBlockPairs;
-  const bool scattered = blocks_.size() > 2 * sound_blocks_ + 64;
+  const bool grown = written_ > baseline_pairs_ / 4 + kBlockPairs;
+  const bool scattered = blocks_.size() > 2 * baseline_blocks_ + 64;
   if (stale || grown || scattered) compact();
 }
 

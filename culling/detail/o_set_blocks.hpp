@@ -1,4 +1,4 @@
-// Where an O-Set keeps its pairs: an append-only list of blocks; there is no random access.
+// The storage of the pairs of an O-Set: an append-only list of blocks; there is no random access.
 #pragma once
 
 #include <cstddef>
@@ -10,36 +10,37 @@
 
 namespace volccd::detail {
 
-/// Pairs lie in rows {owner, n, partner 1 .. n}, rows in blocks, and each block has the epoch (number of the update) in
-/// which it was written. When a feature is renewed in an epoch, its pairs in blocks of earlier epochs become void
-/// without being looked up. When too much is void, everything is written again: amortised over the renewals.
+/// Pairs are stored in rows {owner, n, partner 1 .. n}, and rows in blocks. Each block has the epoch (the number of the
+/// update) in which it was written. When a feature is renewed in an epoch, its pairs in blocks of earlier epochs become
+/// invalid without being searched for. When too many pairs are invalid, all valid pairs are rewritten; this cost is
+/// amortised over the renewals.
 class OSetBlocks {
  public:
   static constexpr std::size_t kBlockPairs = 1024;
 
-  /// Which kind of feature a row belongs to: vertex and triangle rows hold VF pairs, edge rows EE pairs.
+  /// The kind of feature to which a row belongs: vertex and triangle rows contain VF pairs, edge rows contain EE pairs.
   enum class Rows : std::uint8_t { vertex, triangle, edge };
   class Writer;
 
-  /// Empty, epoch 0.
+  /// Removes all pairs and begins epoch 0.
   void start_over(const Features& features);
-  /// Takes what is there as a new beginning: drops spare memory.
+  /// Ends a build: the present pairs become the baseline for later compactions, and unused memory is released.
   void settle();
-  /// All that follows belongs to a new update.
+  /// Begins the epoch of a new update.
   void next_epoch(const Features& features);
   void compact_if_stale(const Features& features);
 
-  /// All pairs of the feature that earlier epochs wrote become void.
+  /// Invalidates all pairs of the feature that were written in earlier epochs.
   void renew_vertex(Index v) { renew(vertices_, v); }
   void renew_triangle(Index f) { renew(triangles_, f); }
   void renew_edge(Index e) { renew(edges_, e); }
-  /// In this epoch.
+  /// Whether the feature was renewed in this epoch.
   bool vertex_is_new(Index v) const { return vertices_[v] == epoch_; }
   bool edge_is_new(Index e) const { return edges_[e] == epoch_; }
 
   std::size_t size() const { return blocks_.size(); }
   void append(std::size_t block, TestBatch& out) const;
-  /// Pairs that are not void.
+  /// Numbers of valid pairs.
   void count(std::size_t& vf, std::size_t& ee) const;
   std::size_t bytes() const;
 
@@ -63,16 +64,16 @@ class OSetBlocks {
   void compact();
 
   std::vector<Block> blocks_;
-  std::vector<Epoch> vertices_, triangles_, edges_;  ///< by slot: when the feature was renewed last
+  std::vector<Epoch> vertices_, triangles_, edges_;  ///< by slot: the epoch in which the feature was last renewed
   Epoch epoch_ = 0;
-  std::size_t written_ = 0;       ///< pairs, since the last compaction
-  std::size_t renewals_ = 0;      ///< likewise
-  std::size_t sound_pairs_ = 0;   ///< after the last compaction
-  std::size_t sound_blocks_ = 0;  ///< likewise
+  std::size_t written_ = 0;          ///< pairs written since the last compaction
+  std::size_t renewals_ = 0;         ///< renewals since the last compaction
+  std::size_t baseline_pairs_ = 0;   ///< pairs after the last compaction
+  std::size_t baseline_blocks_ = 0;  ///< blocks after the last compaction
 };
 
-/// Fills blocks of one kind. Rows that turn out empty are dropped; a row that does not fit goes on in the next block.
-/// What is not flushed is lost.
+/// Writes blocks of one kind. Empty rows are dropped; a row that exceeds a block continues in the next block. Rows must
+/// be flushed, otherwise they are lost.
 class OSetBlocks::Writer {
  public:
   Writer(OSetBlocks& blocks, Rows kind) : blocks_(blocks), kind_(kind) {}

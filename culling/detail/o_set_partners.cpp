@@ -20,7 +20,7 @@ bool share_vertex(std::span<const Index> a, std::span<const Index> b) {
 
 }  // namespace
 
-/// The element of inc(a) whose vertices outside a have the fewest elements around them.
+/// The element of inc(a) whose vertices outside of a have the smallest number of incident elements.
 Index OSetPartners::pivot(std::span<const Index> vertices, std::span<const Index> inc) const {
   Index best = inc[0];
   std::size_t least = std::numeric_limits<std::size_t>::max();
@@ -47,7 +47,8 @@ void OSetPartners::find_covering(std::span<const Index> vertices, std::span<cons
   find_far(vertices, inc);
 }
 
-/// Those without a vertex of a, by the first kBits elements of inc(a); the rest can only take some of them out again.
+/// Finds the elements without a vertex of a, by their common vertices with the first kBits elements of inc(a). The
+/// remaining elements of inc(a) can only remove some of them.
 void OSetPartners::find_far(std::span<const Index> vertices, std::span<const Index> inc) {
   const auto near = static_cast<std::ptrdiff_t>(covering_.size());
   const std::span<const Index> first = inc.first(std::min(inc.size(), kBits));

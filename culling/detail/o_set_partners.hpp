@@ -1,4 +1,4 @@
-// Finds the features that make an O-Set pair with a given one.
+// Finds the features that form an O-Set pair with a given feature.
 #pragma once
 
 #include <algorithm>
@@ -11,15 +11,16 @@
 
 namespace volccd::detail {
 
-/// For a feature a, let I(a) be the elements adjacent to every element of inc(a). {a,b} is in the minimal O-Set iff
-/// inc(b) is within I(a). {a,b} is in the literal set (Algorithm 3) iff inc(b) meets I(a) and inc(a) meets I(b): an
-/// adjacent pair (oi, oj) passes both of its loops iff oi is in I(b) and oj in I(a), which makes them adjacent.
+/// For a feature a, let I(a) be the set of elements adjacent to every element of inc(a). {a,b} is in the minimal O-Set
+/// iff inc(b) is a subset of I(a). {a,b} is in the literal set (Algorithm 3) iff inc(b) intersects I(a) and inc(a)
+/// intersects I(b): a pair (oi, oj) passes both loops of the algorithm iff oi is in I(b) and oj is in I(a), which
+/// implies that they are adjacent.
 ///
-/// I(a) holds the elements with a vertex of a, and some others, which must touch each element of inc(a) elsewhere: they
-/// are looked for around the element of inc(a) that has the fewest elements around it.
+/// I(a) consists of the elements with a vertex of a, and of further elements, which must have another common vertex
+/// with each element of inc(a). These are searched for around the element of inc(a) that has the fewest neighbours.
 ///
-/// A partner b is examined once, with its first incident element; in the literal case, where that need not be in I(a),
-/// with the first of those that are.
+/// A partner b is examined once, for its first incident element; in the literal case, where that element need not be in
+/// I(a), for its first incident element in I(a).
 class OSetPartners {
  public:
   OSetPartners(const Topology& topology, ElementTouch& touch, std::vector<Index>& covering)
@@ -29,7 +30,7 @@ class OSetPartners {
         touch_(touch),
         covering_(covering) {}
 
-  /// Calls take(f) for each triangle that makes an O-Set pair with vertex v, once.
+  /// Calls take(f) once for each triangle f that forms an O-Set pair with vertex v.
   template <class Take>
   void triangles_of_vertex(bool literal, Index v, Take&& take) {
     const std::span<const Index> inc = features_.vertex_elements(v);
@@ -45,7 +46,7 @@ class OSetPartners {
     visit([&](Index o) { return features_.own_triangles(o); }, incident, wanted, take);
   }
 
-  /// Calls take(v) for each vertex that makes an O-Set pair with triangle f and for which wanted(v), once.
+  /// Calls take(v) once for each vertex v that forms an O-Set pair with triangle f and for which wanted(v) is true.
   template <class Wanted, class Take>
   void vertices_of_triangle(bool literal, Index f, Wanted&& wanted, Take&& take) {
     const std::array<Index, 3> t = features_.triangle(f);
@@ -60,7 +61,7 @@ class OSetPartners {
         if (features_.first_element_of_vertex(v) == o && apart(v) && others_cover(incident(v))) take(v);
   }
 
-  /// Calls take(e2) for each edge that makes an O-Set pair with edge e and for which wanted(e2), once.
+  /// Calls take(e2) once for each edge e2 that forms an O-Set pair with edge e and for which wanted(e2) is true.
   template <class Wanted, class Take>
   void edges_of_edge(bool literal, Index e, Wanted&& wanted, Take&& take) {
     const std::array<Index, 2> a = features_.edge(e);
@@ -79,7 +80,8 @@ class OSetPartners {
   }
 
  private:
-  /// covering_ = I(a) for a feature with these vertices and incident elements, each accepted in touch_.
+  /// Sets covering_ to I(a) for a feature with these vertices and incident elements, and accepts each of its elements
+  /// in touch_.
   void find_covering(std::span<const Index> vertices, std::span<const Index> inc);
   void find_far(std::span<const Index> vertices, std::span<const Index> inc);
   Index pivot(std::span<const Index> vertices, std::span<const Index> inc) const;

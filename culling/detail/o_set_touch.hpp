@@ -1,4 +1,5 @@
-// Which of some elements another element touches: the question that all O-Set work comes down to.
+// Determines with which of several elements another element has a common vertex. All O-Set algorithms use this
+// operation.
 #pragma once
 
 #include <algorithm>
@@ -12,9 +13,9 @@
 
 namespace volccd::detail {
 
-/// Up to 64 elements are given a bit each; of(vertices of o) has those set that element o has a vertex in common with.
-/// Also marks elements as accepted or rejected. Costs time for the elements looked at only; memory for all vertices and
-/// elements.
+/// Assigns a bit to each of up to 64 elements; of(vertices of o) returns the bits of those elements that have a common
+/// vertex with element o. Also marks elements as accepted or rejected. The time is proportional to the examined
+/// elements only; the memory is proportional to all vertices and elements.
 class ElementTouch {
  public:
   static constexpr std::size_t kBits = 64;
@@ -25,7 +26,7 @@ class ElementTouch {
     marks_.resize(elements, 0);
   }
 
-  /// Bit k for the k-th of these elements.
+  /// Assigns bit k to the k-th of these elements.
   void set_elements(const Adjacency& adjacency, std::span<const Index> elements) {
     for (std::size_t k = 0; k < elements.size(); ++k)
       for (Index v : adjacency.vertices(elements[k])) {
@@ -43,7 +44,7 @@ class ElementTouch {
     return bits;
   }
 
-  /// Forgets which elements were accepted or rejected.
+  /// Resets the marks of all elements.
   void next_mark() {
     if (mark_ == kLastMark) {
       std::fill(marks_.begin(), marks_.end(), 0u);
@@ -64,10 +65,11 @@ class ElementTouch {
  private:
   static constexpr std::uint32_t kLastMark = std::numeric_limits<std::uint32_t>::max() - 1;
 
-  std::vector<std::uint64_t> bits_;   ///< by vertex
-  std::vector<Index> touched_;        ///< vertices whose bits may not be 0
-  std::vector<std::uint32_t> marks_;  ///< by element: mark_ or mark_ + 1 where it was seen
-  std::uint32_t mark_ = 0;            ///< even
+  std::vector<std::uint64_t> bits_;   ///< indexed by vertex
+  std::vector<Index> touched_;        ///< vertices whose bits may be non-zero
+  std::vector<std::uint32_t> marks_;  ///< indexed by element: mark_ (rejected) or mark_ + 1 (accepted) for elements
+                                      ///< seen
+  std::uint32_t mark_ = 0;            ///< always even
 };
 
 }  // namespace volccd::detail

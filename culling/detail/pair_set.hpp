@@ -10,7 +10,7 @@
 
 namespace volccd::detail {
 
-/// Open addressing, at most half full. Keeps its memory when cleared.
+/// Hash set with open addressing, at most half full. clear() keeps the memory.
 class PairSet {
  public:
   void clear() {
@@ -20,7 +20,7 @@ class PairSet {
   std::size_t size() const { return size_; }
   std::size_t bytes() const { return places_.capacity() * sizeof(std::uint64_t); }
 
-  /// False if the pair, in any order, is there already.
+  /// Inserts a pair, in any order of its elements. Returns false if it is already in the set.
   bool insert(ElementPair pair) {
     if (2 * (size_ + 1) > places_.size()) grow();
     const std::uint64_t key = key_of(pair);

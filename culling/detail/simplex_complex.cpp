@@ -15,8 +15,8 @@ bool is_simplex(ElementType type) { return type == ElementType::tetrahedron || t
 
 bool has(const Triangle& triangle, Index v) { return triangle[0] == v || triangle[1] == v || triangle[2] == v; }
 
-/// Triangles of a polytope that are no face of the fan from `apex`: those with the apex whose far edge lies in no
-/// triangle without it.
+/// Triangles of a polytope that are not a face of the fan from `apex`: those that contain the apex and whose opposite
+/// edge is in no triangle without the apex.
 std::vector<Triangle> left_over(const std::vector<Triangle>& boundary, Index apex) {
   std::vector<Triangle> rest;
   for (const Triangle& t : boundary) {

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::size_t kElementGrain = 1024, kVertexGrain = 256;
 
-/// The other vertices of a tetrahedron as seen from v, at t = 0, in an order of positive determinant for a positive
-/// volume.
+/// Positions of the other vertices of a tetrahedron relative to v at t = 0, in an order in which a positive volume
+/// gives a positive determinant.
 struct Corner {
   Vec3 a, b, c;
 
@@ -35,8 +35,8 @@ struct Corner {
   }
 };
 
-/// Whether the tetrahedra around v, all of nonzero volume at t = 0, go once around it: a direction in the first of them
-/// is in no other.
+/// Whether the tetrahedra around v, all of non-zero volume at t = 0, surround it exactly once. This holds if a
+/// direction in the first tetrahedron is in no other.
 bool goes_once_around(const Step& step, Index v, const std::vector<std::int8_t>& signs) {
   const std::span<const Index> star = step.features().vertex_elements(v);
   const Corner first(step, star[0], v, signs[star[0]] < 0);
@@ -46,9 +46,9 @@ bool goes_once_around(const Step& step, Index v, const std::vector<std::int8_t>&
                      [&](Index o) { return Corner(step, o, v, signs[o] < 0).excludes(direction); });
 }
 
-/// At t = 0, for a ring whose faces all have a positive product of their normals with `up`: whether it goes once around
-/// `up`. The sectors of the faces in the plane across `up` are narrower than half a turn: a direction in the first of
-/// them is in no other.
+/// Whether, at t = 0, a ring surrounds `up` exactly once. Pre: the normals of all its faces have positive dot products
+/// with `up`. Projected onto the plane perpendicular to `up`, the sectors of the faces are narrower than half a turn;
+/// the ring surrounds `up` once if a direction in the first sector is in no other.
 bool winds_once(const Step& step, Index v, std::span<const Index> ring, const Vec3& up) {
   const Vec3 at = step.motion.point(v, 0);
   const auto side = [&](std::size_t i) -> Vec3 { return step.motion.point(ring[i < ring.size() ? i : 0], 0) - at; };
@@ -66,29 +66,28 @@ void StarClasses::find_degenerate(const Step& step, const StarTable& stars, Exec
   const Index slots = mesh.element_slots();
   signs_.resize(slots);
   degenerate_.resize(slots);
-  sound_.resize(slots);
+  regular_.resize(slots);
   executor.parallel_for(slots, kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
     volume_signs(step, static_cast<Index>(begin), static_cast<Index>(end), signs_.data());
   });
   executor.parallel_for(slots, kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t o = begin; o < end; ++o) {
-      bool unsound = signs_[o] == 0;
-      if (!unsound && mesh.type(static_cast<Index>(o)) == ElementType::tetrahedron)
+      bool in_d = signs_[o] == 0;
+      if (!in_d && mesh.type(static_cast<Index>(o)) == ElementType::tetrahedron)
         for (const StarTable::Neighbour& across : stars.neighbours(static_cast<Index>(o)))
-          unsound =
-              unsound || (across.element != kNone && signs_[o] * signs_[across.element] == (across.opposite ? -1 : 1));
-      degenerate_[o] = unsound ? 1 : 0;
-      sound_[o] = !unsound && mesh.type(static_cast<Index>(o)) == ElementType::tetrahedron &&
-                          !stars.shares_a_face_with_several(static_cast<Index>(o))
-                      ? 1
-                      : 0;
+          in_d = in_d || (across.element != kNone && signs_[o] * signs_[across.element] == (across.opposite ? -1 : 1));
+      degenerate_[o] = in_d ? 1 : 0;
+      regular_[o] = !in_d && mesh.type(static_cast<Index>(o)) == ElementType::tetrahedron &&
+                            !stars.shares_a_face_with_several(static_cast<Index>(o))
+                        ? 1
+                        : 0;
     }
   });
 }
 
-/// What is known of a star, the degree and that its ring goes once around, can change only while a volume in it is 0 or
-/// the ring folds, or with the topology. If this step does not begin where the last one ended, it stays true where
-/// neither happens on the straight way in between.
+/// The known property of a star (that the star and its ring surround the vertex once) can change only at times when one
+/// of its volumes is 0 or its ring folds, or by a change of the topology. If this step does not begin with the end
+/// positions of the last one, the property is kept if neither occurs on the straight motion between them.
 void StarClasses::keep_known(const Step& step, const StarTable& stars, TopologyDelta::Extent changed,
                              Executor& executor) {
   const Index vertices = step.motion.vertex_count();
@@ -181,7 +180,7 @@ std::size_t StarClasses::bytes() const {
   std::size_t scratch = 0;
   for (const StarTable::Ring& ring : scratch_)
     scratch += ring.open.capacity() * sizeof(ring.open[0]) + ring.vertices.capacity() * sizeof(Index);
-  return scratch + signs_.capacity() + gap_signs_.capacity() + degenerate_.capacity() + sound_.capacity() +
+  return scratch + signs_.capacity() + gap_signs_.capacity() + degenerate_.capacity() + regular_.capacity() +
          suspect_.capacity() + suspect_places_.capacity() + wound_.capacity() + embedded_.capacity() +
          folds_.capacity() + rings_.bytes() + (last_.capacity() + start_.capacity()) * sizeof(Vec3) + gap_.bytes() +
          suspects_.capacity() * sizeof(Index);

@@ -1,4 +1,5 @@
-// Which parts of a simplicial complex stay embedded all through a step, and which may fold: D, clear and suspect stars.
+// Classifies the parts of a simplicial complex that remain embedded throughout a step and those that may fold: the set
+// D, clear stars and suspect stars.
 #pragma once
 
 #include <bit>
@@ -13,25 +14,26 @@
 namespace volccd::detail {
 
 /// Classifies the elements and vertices of the complex for one step (docs/boundary_flood.md). All predicates are
-/// certified: rounding may only move an element into D, or make a star suspect. One thread at a time; uses the
-/// executor.
+/// certified: a rounding error can only add an element to D, or make a star suspect. Not thread-safe; uses
+/// the executor.
 class StarClasses {
  public:
-  /// `changed`: what StarTable::update() returned for this topology.
+  /// `changed`: the return value of StarTable::update() for this topology.
   void update(const Step& step, const StarTable& stars, TopologyDelta::Extent changed, Executor& executor);
 
-  /// In D: a tetrahedron whose volume is not proven to keep one sign, or that has a face whose two tetrahedra are not
-  /// proven to lie on different sides of it.
+  /// Whether the element is in D: a tetrahedron whose volume is not proven to keep its sign, or that has a face whose
+  /// two tetrahedra are not proven to be on different sides of it.
   bool degenerate(Index o) const { return degenerate_[o] != 0; }
   std::size_t degenerate_count() const { return degenerate_count_; }
-  /// Not clear: the map of the star to space is not proven injective at all times of the step.
+  /// Whether the star is not clear: it is not proven to map injectively to space at all times of the step.
   bool suspect(Index v) const { return suspect_[v] != 0; }
-  const std::vector<Index>& suspects() const { return suspects_; }  ///< ascending
-  /// An interior vertex whose star is in one piece, not in D, and not proven to go once around the vertex.
+  const std::vector<Index>& suspects() const { return suspects_; }  ///< suspect vertices, ascending
+  /// Whether v is an interior vertex with a connected star outside of D that is not proven to surround the vertex
+  /// exactly once.
   bool wound(Index v) const { return wound_[v] != 0; }
 
-  /// Bits of the places at which the vertices of simplex a are vertices of b (Adjacency::vertices, a triangle repeats
-  /// its first one).
+  /// Bit i is set if the i-th vertex of simplex a is a vertex of b (Adjacency::vertices; a triangle repeats its first
+  /// vertex).
   static std::uint32_t common_vertices(const Topology& topology, Index a, Index b) {
     const Index *x = topology.adjacency().vertices(a).data(), *y = topology.adjacency().vertices(b).data();
     std::uint32_t bits = 0;
@@ -39,17 +41,17 @@ class StarClasses {
       bits |= std::uint32_t{x[i] == y[0] || x[i] == y[1] || x[i] == y[2] || x[i] == y[3]} << i;
     return bits;
   }
-  /// The same, 0 if a and b are proven to have no two points of the complex in one place at any time: one of the common
-  /// vertices has a clear star, or they are tetrahedra out of D, the same or on both sides of a face that no other has.
+  /// The same bits, or 0 if a and b are proven to have no double points: one of the common vertices has a clear star,
+  /// or a and b are tetrahedra outside of D that are identical or the only two tetrahedra at a common face.
   std::uint32_t common_suspects(const Topology& topology, Index a, Index b) const {
     const std::uint32_t common = common_vertices(topology, a, b);
     if ((common & ~std::uint32_t{suspect_places_[a]}) != 0) return 0;
     const std::uint32_t but_one = common & (common - 1);
     const bool three = (but_one & (but_one - 1)) != 0;
-    return sound_[a] != 0 && sound_[b] != 0 && three ? 0 : common;
+    return regular_[a] != 0 && regular_[b] != 0 && three ? 0 : common;
   }
-  /// The first of them in the order of a's vertices, kNone if there is none: pairs in a suspect star are visited once,
-  /// at this vertex.
+  /// The first of these vertices in the order of a's vertices, or kNone. A pair that is in several suspect stars is
+  /// visited once, at this vertex.
   Index first_common_suspect(const Topology& topology, Index a, Index b) const {
     const std::uint32_t bits = common_suspects(topology, a, b);
     return bits == 0 ? kNone : topology.adjacency().vertices(a)[static_cast<std::size_t>(std::countr_zero(bits))];
@@ -65,18 +67,19 @@ class StarClasses {
   void forget_around(const Step& step, Index element);
   void classify(const Step& step, const StarTable& stars, Index v, StarTable::Ring& scratch);
 
-  std::vector<std::int8_t> signs_;  ///< of volumes, by element slot
-  /// By element slot. Sound: a tetrahedron out of D, each of whose faces has one other tetrahedron or nothing.
-  std::vector<std::uint8_t> degenerate_, sound_;
+  std::vector<std::int8_t> signs_;  ///< signs of volumes, by element slot
+  /// By element slot. Regular: a tetrahedron outside of D of which each face has at most one other element, a
+  /// tetrahedron.
+  std::vector<std::uint8_t> degenerate_, regular_;
   std::vector<std::uint8_t> suspect_, wound_;  ///< by vertex
-  std::vector<std::uint8_t> suspect_places_;   ///< by element slot: bits of its vertices
-  /// By vertex: its star goes once around it, and its ring once around; as long as neither folds.
+  std::vector<std::uint8_t> suspect_places_;   ///< by element slot: bits of the element's suspect vertices
+  /// By vertex: whether its star and its ring surround it exactly once. Valid as long as neither folds.
   std::vector<Known> embedded_;
   BoundaryRings rings_;
   std::vector<std::uint8_t> folds_;
   std::vector<Vec3> last_,
-      start_;   ///< where the vertices are at the end of the last step, and at the start of this one
-  Motion gap_;  ///< from there to here
+      start_;   ///< positions of the vertices at the end of the last step, and at the start of this step
+  Motion gap_;  ///< motion from last_ to start_
   std::vector<std::int8_t> gap_signs_;
   std::vector<Index> suspects_;
   std::vector<StarTable::Ring> scratch_;  ///< by worker

@@ -13,7 +13,7 @@ std::size_t opposite_vertex(std::span<const Index> vertices, const std::array<In
   return i;
 }
 
-/// Whether an even number of swaps brings the triangle in ascending order.
+/// Whether an even number of swaps sorts the vertices of the triangle.
 bool is_even(const std::array<Index, 3>& t) { return ((t[0] > t[1]) ^ (t[0] > t[2]) ^ (t[1] > t[2])) == 0; }
 
 Index root(std::vector<Index>& parents, Index i) {
@@ -41,9 +41,9 @@ void StarTable::set_neighbours(const Topology& topology, Index triangle) {
   for (std::size_t k = 0; k < 2; ++k) neighbours_[elements[k]][side[k]] = {elements[1 - k], even[0] != even[1]};
 }
 
-/// The link of v is a surface, its triangles v's tetrahedra. Whether it is in one piece, and around each of its
-/// vertices, too: corners are pairs of a tetrahedron and another vertex of it; faces at v join tetrahedra, and corners
-/// at their ends.
+/// Whether the link of v, whose triangles correspond to the tetrahedra at v, is a connected surface that is also
+/// connected around each of its vertices. A corner is a pair of a tetrahedron and another vertex of it; a face at v
+/// connects two tetrahedra, and their corners at the other vertices of the face.
 bool StarTable::joins_up(const Topology& topology, Index v, Scratch& scratch) const {
   const std::span<const Index> star = topology.features().vertex_elements(v);
   const Mesh& mesh = topology.mesh();
@@ -55,9 +55,9 @@ bool StarTable::joins_up(const Topology& topology, Index v, Scratch& scratch) co
   const auto join = [&](Index i, Index j) {
     i = root(parents, i), j = root(parents, j);
     parents[i] = j;
-    return i == j ? Index{0} : Index{1};  // how many parts there are less
+    return i == j ? Index{0} : Index{1};  // by how much the number of parts decreases
   };
-  bool shared = false;  // by more than two
+  bool shared = false;  // whether more than two elements share a face
   Index parts = count, fans = 0, others = 0;
   for (Index k = 0; k < count; ++k) {
     const std::span<const Index> vertices = mesh.vertices(star[k]);
@@ -85,7 +85,7 @@ bool StarTable::joins_up(const Topology& topology, Index v, Scratch& scratch) co
   return !shared && parts == 1 && fans == others;
 }
 
-/// The sides of the boundary faces at v that are opposite to it, oriented as the faces.
+/// The sides opposite to v of the boundary faces at v, with the orientation of the faces.
 void StarTable::find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const {
   open.clear();
   for (const Index o : topology.features().vertex_elements(v)) {
@@ -103,7 +103,8 @@ void StarTable::find_open(const Topology& topology, Index v, std::vector<std::ar
   }
 }
 
-/// Puts the sides one after the other; false if they are not one closed ring, oriented alike. Pre: there are some.
+/// Sorts the sides into a sequence. Returns false if they are not one closed ring with consistent orientation. Pre:
+/// there is at least one side.
 bool StarTable::order_ring(std::vector<std::array<Index, 2>>& open, std::vector<Index>& ring) {
   std::sort(open.begin(), open.end());
   ring.clear();
@@ -137,7 +138,7 @@ StarKind StarTable::kind_of(const Topology& topology, Index v, Scratch& scratch)
   return order_ring(scratch.open, scratch.parents) ? StarKind::ring : StarKind::irregular;
 }
 
-/// Of `count` vertices, or of all slots below if `vertices` is null.
+/// Computes the kinds of `count` vertices, or of all slots less than `count` if `vertices` is null.
 void StarTable::set_kinds(const Topology& topology, std::size_t count, const Index* vertices, Executor& executor) {
   scratch_.resize(executor.workers());
   executor.parallel_for(count, 256, [&](std::size_t begin, std::size_t end, unsigned w) {

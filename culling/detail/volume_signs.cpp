@@ -8,7 +8,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-/// Of 8 elements: rows as in TestBlock, 8 doubles apart.
+/// Processes 8 elements; the rows are as in TestBlock, 8 doubles apart.
 template <int kControlPoints>
 struct Volumes {
   alignas(64) double rows[12 * kControlPoints * 8] = {};

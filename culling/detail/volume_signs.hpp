@@ -1,4 +1,4 @@
-// Signs of the volumes of tetrahedra all through a step.
+// Signs of the volumes of tetrahedra throughout a step.
 #pragma once
 
 #include <cstdint>
@@ -7,9 +7,9 @@
 
 namespace volccd::detail {
 
-/// signs[o], for element slots o in [begin, end): 1 or -1 if the volume det(v1 - v0, v2 - v0, v3 - v0) of the
-/// tetrahedron is proven positive, or negative, at all t in [0, 1]; else 0. 1 for triangles and empty slots. The mesh
-/// has no other elements. Compiled for each instruction set; the same results on all of them.
+/// Sets signs[o], for element slots o in [begin, end), to 1 or -1 if the volume det(v1 - v0, v2 - v0, v3 - v0) of the
+/// tetrahedron is proven to be positive or negative at all t in [0, 1], otherwise to 0. Triangles and empty slots get
+/// 1. The mesh has no other elements. Compiled for each instruction set, with the same results on all of them.
 void volume_signs(const Step& step, Index begin, Index end, std::int8_t* signs);
 
 }  // namespace volccd::detail

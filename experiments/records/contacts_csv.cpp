@@ -44,7 +44,7 @@ bool canonical_less(const ContactRow& x, const ContactRow& y) {
 }
 
 ContactRow contact_row(int step, const Contact& contact, const Mesh& mesh) {
-  ContactRow row{step, contact.kind, {}, contact.toi, contact.normal, contact.point, contact.at_start, {}};
+  ContactRow row{step, contact.kind, {}, contact.toi, contact.normal, contact.point, true, contact.at_start, {}};
   for (std::size_t i = 0; i < 4; ++i) row.ids[i] = mesh.vertex_id(contact.vertices[i]);
   return row;
 }
@@ -121,6 +121,7 @@ class RowParser {
     check_ids(row);
     row.toi = number("toi");
     if (row.toi < 0 || row.toi > 1) fail("the toi is outside [0, 1]");
+    row.has_geometry = header.geometry;
     if (header.geometry) {
       for (int i = 0; i < 3; ++i) row.normal[i] = number("normal");
       for (int i = 0; i < 3; ++i) row.point[i] = number("point");

@@ -31,6 +31,7 @@ struct ContactRow {
   std::array<std::int64_t, 4> ids{};
   double toi = 0;
   Vec3 normal = Vec3::Zero(), point = Vec3::Zero();
+  bool has_geometry = false;  ///< `normal` and `point` are given
   bool at_start = false;
   std::array<ContactSide, 2> sides{};
 

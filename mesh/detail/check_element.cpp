@@ -9,9 +9,9 @@ namespace volccd::detail {
 
 namespace {
 
-constexpr std::size_t kFewVertices = 16;  // up to here all pairs are compared
+constexpr std::size_t kFewVertices = 16;  // up to this number all pairs are compared
 
-/// How messages name a vertex: by its id, or by its slot where that has none.
+/// The name of a vertex in messages: its id, or its slot if there are no ids.
 struct VertexNames {
   std::span<const std::int64_t> ids;
 
@@ -37,7 +37,7 @@ std::string vertices_problem(const std::vector<Index>& vertices, Index vertex_co
   return twice == sorted.end() ? std::string() : repeated(names.of(*twice));
 }
 
-/// Splits the stream into faces: collects the edges of all faces and the vertices used.
+/// Splits the stream into faces, and collects the edges of all faces and the used vertices.
 std::string read_faces(const std::vector<Index>& faces, const VertexNames& names,
                        std::vector<std::array<Index, 2>>& edges, std::vector<Index>& used) {
   std::vector<Index> face;

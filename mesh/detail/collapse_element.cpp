@@ -21,7 +21,7 @@ std::vector<Index> distinct(std::span<const Index> nodes) {
   return result;
 }
 
-/// The cyclic sequence without repeated neighbours, from its smallest node on.
+/// The cyclic sequence without repeated neighbours, beginning with its smallest node.
 Face reduced(Face face) {
   face.erase(std::unique(face.begin(), face.end()), face.end());
   while (face.size() > 1 && face.front() == face.back()) face.pop_back();
@@ -29,7 +29,7 @@ Face reduced(Face face) {
   return face;
 }
 
-/// The faces of an element, reduced, those with fewer than three nodes dropped; ascending.
+/// The reduced faces of an element, without those with fewer than three nodes, in ascending order.
 Faces faces_of(ElementType type, std::span<const Index> nodes) {
   Faces faces;
   const std::span<const std::uint8_t> stream = face_stream(type);
@@ -57,8 +57,8 @@ void cancel_coincident(Faces& faces) {
   }
 }
 
-/// The problem with a surface that is to be the boundary of a polyhedron with these vertices, or nothing. It is a
-/// sphere if each edge is in two faces, once in each direction, all faces hang together by edges, and Euler's formula
+/// Describes why a surface is not the boundary of a polyhedron with these vertices; empty if it is. The surface is a
+/// sphere if each edge is in two faces, once in each direction, all faces are connected by edges, and Euler's formula
 /// holds.
 std::string surface_problem(const Faces& faces, const std::vector<Index>& vertices) {
   std::set<std::array<Index, 2>> edges;
@@ -74,7 +74,7 @@ std::string surface_problem(const Faces& faces, const std::vector<Index>& vertic
   if (distinct(used) != vertices) return "some nodes are in no face";
   for (const Index v : vertices)
     if (std::count(used.begin(), used.end(), v) < 3) return "fewer than three faces meet at a node";
-  // Faces reached from the first one over common edges.
+  // Faces that are connected with the first face by common edges.
   std::vector<std::size_t> reached{0};
   std::vector<char> seen(faces.size(), 0);
   seen[0] = 1;
@@ -92,7 +92,7 @@ std::string surface_problem(const Faces& faces, const std::vector<Index>& vertic
   return {};
 }
 
-/// The node after `v` in the face.
+/// The node that follows `v` in the face.
 Index next(const Face& face, Index v) {
   const auto at = std::find(face.begin(), face.end(), v);
   return at + 1 == face.end() ? face.front() : *(at + 1);
@@ -106,25 +106,26 @@ std::vector<Index> without(const std::vector<Index>& vertices, const Face& face)
   return rest;
 }
 
-/// A fixed type and a node order that may have the faces in question.
+/// A fixed type and a node order that may have these faces.
 struct Guess {
   ElementType type = ElementType::none;
   std::vector<Index> nodes;
 };
 
-/// The base and the apex. VTK's tetrahedron and pyramid begin with their base, as seen from inside.
+/// The base and the apex. VTK's tetrahedron and pyramid begin with their base, in the order seen from inside.
 Guess on_base(ElementType type, const Face& base, const std::vector<Index>& vertices) {
   Guess guess{type, opposite(base)};
   guess.nodes.push_back(without(vertices, base).front());
   return guess;
 }
 
-/// VTK's wedge begins with a triangle, as seen from outside; over each of its corners is the end of the third edge.
+/// VTK's wedge begins with a triangle, in the order seen from outside. Each of its corners corresponds to the other end
+/// of the third edge at that corner.
 Guess wedge_on(const Face& triangle, const Faces& faces) {
   Guess guess{ElementType::wedge, triangle};
   for (const Index corner : triangle)
     for (const Face& face : faces)
-      // Of the two quads at the corner, the one in which the edge goes up from it.
+      // Of the two quads at the corner, selects the one in which the edge leads away from the triangle.
       if (face.size() == 4 && has(face, corner) && !has(triangle, next(face, corner)))
         guess.nodes.push_back(next(face, corner));
   return guess;

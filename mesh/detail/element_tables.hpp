@@ -1,4 +1,5 @@
-// Boundary of the fixed element types, in VTK node order; faces are oriented outward for an element of positive volume.
+// Boundaries of the element types with fixed node numbers, in VTK node order. Faces are oriented outward for an element
+// of positive volume.
 #pragma once
 
 #include <array>
@@ -8,7 +9,8 @@
 
 namespace volccd::detail {
 
-/// Edges of the polytope (no face diagonals) and its faces, as local vertex numbers. Zero vertices: not a fixed type.
+/// Edges of the polytope (without face diagonals) and its faces, as local vertex numbers. `vertices` is 0 for types
+/// without a table.
 struct ElementTable {
   std::uint8_t vertices = 0, edges = 0, triangles = 0, quads = 0;
   std::array<std::array<std::uint8_t, 2>, 12> edge{};

@@ -72,7 +72,7 @@ void TupleEdit<N>::erase(std::vector<Index> slots) {
 
 template <std::size_t N>
 Index TupleEdit<N>::insert(const Tuple& key) {
-  // All that may fail comes first.
+  // All operations that may fail come first.
   reserve_more(inserted_slots_, 1);
   reserve_more(replaced_, 1);
   if (free_.empty()) reserve_more(tuples_, 1);
@@ -90,7 +90,7 @@ Index TupleEdit<N>::insert(const Tuple& key) {
   return slot;
 }
 
-/// Needs no memory: the table and the free list have been as large before.
+/// Allocates no memory: the table and the free list have been as large before.
 template <std::size_t N>
 void TupleEdit<N>::undo() noexcept {
   for (std::size_t i = inserted_slots_.size(); i-- > 0;) {

@@ -1,4 +1,4 @@
-// An edit of Features in two parts: one that may throw, and one that cannot fail.
+// An edit of Features in two phases: the first may throw, the second cannot fail.
 #pragma once
 
 #include <array>
@@ -11,11 +11,11 @@
 
 namespace volccd::detail {
 
-/// Lists of a pool in an edit: (list, value) pairs that leave and that enter.
+/// The changes of a pool's lists in an edit: (list, value) pairs to remove and to add.
 struct ListEdit {
   explicit ListEdit(IncidencePool& pool) : lists(pool) {}
 
-  /// Once both are sorted: room for the edit and for `size` lists.
+  /// Reserves memory for the edit and for `size` lists. Both members must have been sorted.
   void make_room(std::size_t size);
   void commit(std::size_t size) noexcept;
 
@@ -23,7 +23,7 @@ struct ListEdit {
   Incidences removed, added;
 };
 
-/// The incident elements of one kind of feature in an edit.
+/// The changes of the incident elements of one kind of feature in an edit.
 class IncidenceEdit {
  public:
   struct First {
@@ -32,16 +32,17 @@ class IncidenceEdit {
 
   explicit IncidenceEdit(Incidence& incidence) : first_(incidence.first), elements_(incidence.elements) {}
 
-  /// Element by element, elements ascending.
+  /// These are called for one element after another, in ascending order.
   void remove(Index feature, Index element) { elements_.removed.add(feature, element); }
   void add(Index feature, Index element) { elements_.added.add(feature, element); }
 
-  /// After all remove(): the features that lose all of their elements, ascending.
+  /// After all calls of remove(): the features that lose all of their elements, ascending.
   std::vector<Index> emptied();
-  /// After all add(): makes room for `features` features. Lists `added` and `touched` as FeatureChange has them.
+  /// After all calls of add(): reserves memory for `features` features, and fills `added` and `touched` as in
+  /// FeatureChange.
   void make_room(std::size_t features, std::vector<Index>& added, std::vector<Index>& touched);
 
-  /// First element before the edit, or kNone.
+  /// The first element before the edit, or kNone.
   Index old_first(Index feature) const { return feature < first_.size() ? first_[feature] : kNone; }
   /// After make_room(): the features whose elements change, ascending, each with its new first element or kNone.
   const std::vector<First>& new_firsts() const { return new_firsts_; }
@@ -54,7 +55,8 @@ class IncidenceEdit {
   std::vector<First> new_firsts_;
 };
 
-/// The slots of edges or triangles in an edit. The destructor undoes all changes unless keep() has been called.
+/// The changes of the slots of edges or triangles in an edit. The destructor undoes all changes unless keep() was
+/// called.
 template <std::size_t N>
 class TupleEdit {
  public:
@@ -68,9 +70,9 @@ class TupleEdit {
   TupleEdit(const TupleEdit&) = delete;
   TupleEdit& operator=(const TupleEdit&) = delete;
 
-  /// Once, before all insert(). The slots of these features become free.
+  /// Frees the slots of these features. To be called once, before all calls of insert().
   void erase(std::vector<Index> slots);
-  /// Slot of the feature with these vertices; a new one if there is none.
+  /// Slot of the feature with these vertices, which is created if it does not exist.
   Index insert(const Tuple& key);
 
   std::size_t slots() const { return tuples_.size(); }
@@ -84,27 +86,28 @@ class TupleEdit {
   TupleTable<N>& table_;
   std::vector<Index>& free_;
   std::vector<Index> erased_slots_;
-  std::vector<Index> inserted_slots_;  ///< in the order in which they were inserted
-  std::vector<Tuple> replaced_;        ///< former contents of the first of inserted_slots_: of those that were free
+  std::vector<Index> inserted_slots_;  ///< in the order of insertion
+  std::vector<Tuple> replaced_;        ///< former contents of those of inserted_slots_ that were free before (the first
+                                       ///< ones)
   std::size_t erased_count_ = 0;
   bool kept_ = false;
 };
 
-/// The constructor allocates all memory. Until commit(), which cannot fail, the features must not be used; if the edit
-/// is destroyed without commit(), they are as before.
+/// The constructor allocates all memory. The features must not be used until commit(), which cannot fail. If the edit
+/// is destroyed without commit(), the features are unchanged.
 class FeatureEdit {
  public:
-  /// Removes the elements in the slots `removed`, which ascend, of `mesh`, which has not been edited yet. The elements
-  /// `added` take `slots`, which are distinct, and empty after the removals. The mesh will have `vertices` vertices and
-  /// `elements` slots. `removed` outlives the edit. `change` must be empty; the constructor fills it. Expected time
-  /// proportional to the features of those elements and the length of their incidence lists, independent of the size of
-  /// the mesh.
+  /// Removes the elements in the slots `removed` (ascending) of `mesh`, which has not been edited yet. The elements
+  /// `added` take the slots `slots`, which are distinct and empty after the removals. Afterwards the mesh has
+  /// `vertices` vertices and `elements` element slots. `removed` must outlive the edit. `change` must be empty; the
+  /// constructor fills it. The expected time is proportional to the number of features of those elements and the
+  /// lengths of their incidence lists, independent of the size of the mesh.
   FeatureEdit(Features& features, const Mesh& mesh, std::span<const Index> removed, std::span<const ElementSpec> added,
               std::span<const Index> slots, Index vertices, Index elements, FeatureChange& change);
   ~FeatureEdit();
 
-  /// The features are then those that Features::build() gives for the edited mesh, but for the numbering of edge and
-  /// triangle slots.
+  /// Afterwards the features are the same as after Features::build() for the edited mesh, except for the numbering of
+  /// edge and triangle slots.
   void commit() noexcept;
 
  private:
@@ -124,13 +127,13 @@ class FeatureEdit {
     IncidenceEdit incident;
     ListEdit own;
     IncidencePool& of_element;
-    std::vector<Index> of_added;    ///< features of one added element after the other
-    std::vector<std::size_t> ends;  ///< of each
+    std::vector<Index> of_added;    ///< features of the added elements, one element after another
+    std::vector<std::size_t> ends;  ///< end of the features of each added element in of_added
   };
 
   Features& features_;
   std::span<const Index> removed_;
-  std::vector<Index> slots_;  ///< of added elements, ascending
+  std::vector<Index> slots_;  ///< slots of the added elements, ascending
   Index vertices_, elements_, live_vertices_;
   IncidenceEdit vertex_incident_;
   Kind<2> edges_;

@@ -12,7 +12,7 @@ void Incidences::sort() {
 }
 
 void Incidences::sort_pairs() {
-  constexpr std::size_t kFew = 256;  // below this comparing is faster than counting
+  constexpr std::size_t kFew = 256;  // below this number sorting by comparisons is faster than counting
   constexpr unsigned kBits = 11, kDigits = 1u << kBits;
   if (pairs_.size() < kFew) {
     std::sort(pairs_.begin(), pairs_.end(), [](const Pair& x, const Pair& y) {
@@ -20,7 +20,7 @@ void Incidences::sort_pairs() {
     });
     return;
   }
-  // Radix sort by feature; it is stable, and elements ascend already.
+  // Radix sort by feature. It is stable, and elements are already ascending.
   Index most = 0;
   for (const Pair& pair : pairs_) most = std::max(most, pair.feature);
   std::vector<Pair> scratch(pairs_.size());

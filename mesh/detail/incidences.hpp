@@ -1,4 +1,4 @@
-// (feature, element) pairs of an edit, grouped by feature.
+// The (feature, element) pairs of an edit, grouped by feature.
 #pragma once
 
 #include <cstddef>
@@ -9,16 +9,17 @@
 
 namespace volccd::detail {
 
-/// Collects pairs whose elements ascend; sort() then groups them by feature, so that the list of each feature is
-/// changed once, and lists are changed in the order of memory.
+/// Collects pairs in ascending order of elements; sort() groups them by feature, so that the list of each feature is
+/// changed once, and lists are changed in the order of their addresses.
 class Incidences {
  public:
   void add(Index feature, Index element) { pairs_.push_back({feature, element}); }
 
-  /// Once, after all add(). Linear time for large changes.
+  /// To be called once, after all calls of add(). Linear time for large changes.
   void sort();
 
-  /// After sort(): calls visit(feature, elements) for each feature, features and elements ascending. Needs no memory.
+  /// After sort(): calls visit(feature, elements) for each feature; features and elements are ascending. Allocates no
+  /// memory.
   template <class Visit>
   void group(Visit&& visit) const {
     for (std::size_t i = 0; i < pairs_.size();) {
@@ -35,7 +36,7 @@ class Incidences {
   void sort_pairs();
 
   std::vector<Pair> pairs_;
-  std::vector<Index> elements_;  ///< of pairs_, once sorted
+  std::vector<Index> elements_;  ///< elements of pairs_, after sort()
 };
 
 }  // namespace volccd::detail

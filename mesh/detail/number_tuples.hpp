@@ -1,4 +1,4 @@
-// Numbers the distinct tuples among many: how features are built all at once.
+// Numbers the distinct tuples among many, to build all features of a mesh at once.
 #pragma once
 
 #include <algorithm>
@@ -10,11 +10,12 @@
 
 namespace volccd::detail {
 
-/// The boundary edges (N = 2) or triangles (N = 3) of all elements, one element after the other, tuples ascending.
+/// The boundary edges (N = 2) or triangles (N = 3) of all elements, one element after another. The vertices of each
+/// tuple are ascending.
 template <std::size_t N>
 struct Occurrences {
   std::vector<std::array<Index, N>> tuples;
-  std::vector<Index> elements;  ///< the element of each
+  std::vector<Index> elements;  ///< element of each tuple
 
   void reserve(std::size_t n) {
     tuples.reserve(n);
@@ -26,10 +27,12 @@ struct Occurrences {
   }
 };
 
-/// `tuples` becomes the distinct tuples in ascending order, `incidence[i]` the elements of tuples[i] as they occur, and
-/// `numbers[k]` the number of the k-th occurrence. At most 2^32 - 2 occurrences of vertices below `vertices`.
+/// Sets `tuples` to the distinct tuples in ascending order, `incidence[i]` to the elements of tuples[i] in the order of
+/// their occurrences, and `numbers[k]` to the number of the k-th occurrence. There are at most 2^32 - 2 occurrences,
+/// and vertices are less than `vertices`.
 ///
-/// Buckets by smallest vertex and sorts each: O(n log n) at worst, in effect linear, and kinder to caches than hashing.
+/// Distributes the tuples to buckets by their smallest vertex and sorts each bucket: O(n log n) in the worst case,
+/// linear in practice, with fewer cache misses than hashing.
 template <std::size_t N>
 void number_tuples(const Occurrences<N>& all, Index vertices, std::vector<std::array<Index, N>>& tuples,
                    IncidencePool& incidence, std::vector<Index>& numbers) {
@@ -43,7 +46,7 @@ void number_tuples(const Occurrences<N>& all, Index vertices, std::vector<std::a
       return occurrence < other.occurrence;
     }
   };
-  std::vector<Index> end(std::size_t{vertices} + 1);  // of the bucket of vertex v, once filled: end[v]
+  std::vector<Index> end(std::size_t{vertices} + 1);  // end[v]: end of the bucket of vertex v, after filling
   for (const auto& tuple : all.tuples) ++end[tuple[0] + 1];
   for (std::size_t v = 0; v < vertices; ++v) end[v + 1] += end[v];
   std::vector<Record> records(all.tuples.size());

@@ -1,4 +1,4 @@
-// Room in vectors, so that what follows cannot fail.
+// Reserves capacity of vectors, so that later insertions cannot fail.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,8 @@
 
 namespace volccd::detail {
 
-/// Room for n more elements; grows as push_back does, so that it may be called at every change.
+/// Reserves capacity for n more elements. The capacity grows geometrically as with push_back, so that the function may
+/// be called before every change.
 template <class T>
 void reserve_more(std::vector<T>& vector, std::size_t n) {
   const std::size_t size = vector.size() + n;

@@ -1,5 +1,5 @@
-// Whether two short blocks of ids have one in common: the inner loop of adjacency, inline because it is called per
-// pair.
+// Tests whether two short blocks of ids have a common id. This is the inner loop of Adjacency, which runs once per
+// element pair; therefore it is inline.
 #pragma once
 
 #include <volccd/mesh/types.hpp>
@@ -12,7 +12,7 @@ namespace volccd::detail {
 
 #if defined(__SSE2__)
 
-/// All ones in some lane where one of the four ids of x equals one of y: x against the four rotations of y.
+/// A lane is all ones if one of the four ids of x is equal to an id of y: compares x with the four rotations of y.
 inline __m128i match4(__m128i x, __m128i y) {
   const __m128i same0 = _mm_cmpeq_epi32(x, y);
   const __m128i same1 = _mm_cmpeq_epi32(x, _mm_shuffle_epi32(y, 0x39));
@@ -23,7 +23,7 @@ inline __m128i match4(__m128i x, __m128i y) {
 
 inline __m128i load4(const Index* ids) { return _mm_loadu_si128(reinterpret_cast<const __m128i*>(ids)); }
 
-/// Blocks of N ids, N = 4 or 8.
+/// Whether the blocks a and b of N ids have a common id, N = 4 or 8.
 template <int N>
 bool share_id(const Index* a, const Index* b) {
   static_assert(N == 4 || N == 8);

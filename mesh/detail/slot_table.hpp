@@ -1,4 +1,5 @@
-// Open-addressing hash table of slots whose keys lie elsewhere (in the mesh, in the features): 4 bytes an entry.
+// Hash table with open addressing. It stores slots only (4 bytes per entry); their keys are stored elsewhere (in the
+// mesh or the features).
 #pragma once
 
 #include <algorithm>
@@ -10,9 +11,10 @@
 
 namespace volccd::detail {
 
-/// Linear probing, at most half full. Deletion shifts later entries back, so that there are no tombstones and the table
-/// never degrades. Hashes are 32 bits wide; `hash_of(slot)` gives that of a slot in the table again. The number of
-/// places is arbitrary (the hash is scaled, not masked), so that a table of known size wastes nothing.
+/// Uses linear probing; the table is at most half full. Deletion moves later entries back, so that there are no
+/// tombstones and lookups do not become slower. Hashes have 32 bits; `hash_of(slot)` recomputes the hash of a stored
+/// slot. The number of places is arbitrary, since the hash is scaled rather than masked; a table of known size wastes
+/// no memory.
 class SlotTable {
  public:
   std::size_t size() const { return size_; }
@@ -20,7 +22,7 @@ class SlotTable {
 
   void clear() { *this = SlotTable(); }
 
-  /// Slot with this hash for which `same(slot)` holds, or kNone.
+  /// The stored slot with this hash for which `same(slot)` is true, or kNone.
   template <class Same>
   Index find(std::uint32_t hash, Same&& same) const {
     if (places_.empty()) return kNone;
@@ -29,8 +31,8 @@ class SlotTable {
     return kNone;
   }
 
-  /// Slot for which `same` holds; if there is none, `slot` is put in and returned. If there is no memory to grow,
-  /// nothing changes. It never grows below the greatest size that it has had.
+  /// The stored slot for which `same` is true. If there is none, inserts `slot` and returns it. If memory for growth is
+  /// not available, nothing changes. The table never shrinks.
   template <class Same, class HashOf>
   Index find_or_insert(std::uint32_t hash, Index slot, Same&& same, HashOf&& hash_of) {
     reserve_more(1, hash_of);
@@ -42,13 +44,13 @@ class SlotTable {
     return slot;
   }
 
-  /// The slot must be in the table.
+  /// Removes a slot, which must be in the table.
   template <class HashOf>
   void erase(Index slot, HashOf&& hash_of) {
     std::size_t hole = home(hash_of(slot));
     while (places_[hole] != slot) hole = next(hole);
     for (std::size_t i = next(hole); places_[i] != kNone; i = next(i)) {
-      // An entry may move back into the hole unless its home lies (cyclically) after the hole.
+      // The entry can move into the hole unless its home position is (cyclically) after the hole.
       const std::size_t h = home(hash_of(places_[i]));
       const bool home_after_hole = hole <= i ? (hole < h && h <= i) : (hole < h || h <= i);
       if (home_after_hole) continue;
@@ -59,13 +61,13 @@ class SlotTable {
     --size_;
   }
 
-  /// Room for n slots beyond those that are there; may be called at every change.
+  /// Reserves places for n more slots. It may be called before every change.
   template <class HashOf>
   void reserve_more(std::size_t n, HashOf&& hash_of) {
     if (!fits(size_ + n)) resize(places_for(std::max(size_ + n, size_ + size_ / 2 + 16)), hash_of);
   }
 
-  /// Room for n slots without growing.
+  /// Reserves places for n slots in total.
   template <class HashOf>
   void reserve(std::size_t n, HashOf&& hash_of) {
     if (!fits(n)) resize(places_for(n), hash_of);

@@ -8,8 +8,8 @@
 
 namespace volccd::detail {
 
-/// The tuples themselves lie in the caller's array, which is handed to every call: tuples[slot] must hold the tuple of
-/// each slot in the table. Expected O(1) a call.
+/// The tuples themselves are stored in the caller's array, which is an argument of every call: tuples[slot] must be the
+/// tuple of each slot in the table. Expected time O(1) per call.
 template <std::size_t N>
 requires(N == 2 || N == 3) class TupleTable {
  public:
@@ -20,19 +20,20 @@ requires(N == 2 || N == 3) class TupleTable {
     return table_.find(hash(tuple), [&](Index slot) { return same(tuples[slot], tuple); });
   }
 
-  /// Slot of the tuple; if it has none, it becomes `slot`, and the caller stores the tuple there before the next call.
+  /// Slot of the tuple. If the tuple is not in the table, it gets `slot`, and the caller must store it at tuples[slot]
+  /// before the next call.
   Index find_or_insert(const Tuple& tuple, Index slot, const Tuples& tuples) {
     return table_.find_or_insert(
         hash(tuple), slot, [&](Index other) { return same(tuples[other], tuple); },
         [&](Index other) { return hash(tuples[other]); });
   }
 
-  /// The slot must be in the table.
+  /// Removes a slot, which must be in the table.
   void erase(Index slot, const Tuples& tuples) {
     table_.erase(slot, [&](Index other) { return hash(tuples[other]); });
   }
 
-  /// Starts over with all of `tuples`, which are distinct.
+  /// Replaces the contents by all of `tuples`, which are distinct.
   void fill(const Tuples& tuples) {
     table_.clear();
     const auto hash_of = [&](Index slot) { return hash(tuples[slot]); };
@@ -52,7 +53,7 @@ requires(N == 2 || N == 3) class TupleTable {
     return static_cast<std::uint32_t>(mix(h) >> 32);
   }
 
-  /// Spelled out: for std::array's own operator== g++ calls memcmp.
+  /// Compares the components explicitly, because g++ calls memcmp for the operator== of std::array.
   static bool same(const Tuple& x, const Tuple& y) {
     bool equal = x[0] == y[0] && x[1] == y[1];
     if constexpr (N == 3) equal = equal && x[2] == y[2];

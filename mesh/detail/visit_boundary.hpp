@@ -1,4 +1,4 @@
-// The triangulated boundary of an element; see features.hpp.
+// The triangulated boundary of an element; see mesh/features.hpp.
 #pragma once
 
 #include <algorithm>
@@ -13,8 +13,9 @@ namespace volccd {
 
 namespace detail {
 
-/// Edges and triangles of a polytope, tuples ascending, each list ascending and without duplicates: in a degenerate
-/// polytope the diagonal of one face may be an edge or a diagonal of another, and two triangles may coincide.
+/// Edges and triangles of a polytope. Each tuple is ascending, each list is ascending and without duplicates: in a
+/// degenerate polytope the diagonal of one face may be an edge or a diagonal of another face, and two triangles may
+/// coincide.
 struct PolytopeBoundary {
   PolytopeBoundary(std::span<const Index> faces, EdgeSet edge_set);
 
@@ -22,7 +23,8 @@ struct PolytopeBoundary {
   std::vector<std::array<Index, 3>> triangles;
 };
 
-/// The quad's vertices in cyclic order from the smallest slot on: its diagonal is 0-2, its triangles 0-1-2 and 0-2-3.
+/// The vertices of a quad in cyclic order, beginning with the smallest slot: the diagonal is 0-2, the triangles are
+/// 0-1-2 and 0-2-3.
 inline std::array<Index, 4> rotate_to_smallest(const Index* v, const std::array<std::uint8_t, 4>& quad) {
   std::array<Index, 4> q{v[quad[0]], v[quad[1]], v[quad[2]], v[quad[3]]};
   std::rotate(q.begin(), std::min_element(q.begin(), q.end()), q.end());
@@ -42,7 +44,7 @@ inline std::array<Index, 3> ascending(Index a, Index b, Index c) {
   return {a, b, c};
 }
 
-/// Of an element with vertices v and, if it is a polytope, the stream of faces.
+/// The same for an element with vertices v; `faces` is the face stream if it is a polytope.
 template <class EdgeVisitor, class TriangleVisitor>
 void visit_boundary(ElementType type, const Index* v, std::span<const Index> faces, EdgeSet edge_set,
                     EdgeVisitor&& edge, TriangleVisitor&& triangle) {
@@ -52,7 +54,7 @@ void visit_boundary(ElementType type, const Index* v, std::span<const Index> fac
     for (const auto& f : boundary.triangles) triangle(f[0], f[1], f[2]);
     return;
   }
-  // The vertices are distinct, so in a fixed type no diagonal coincides with an edge or another diagonal.
+  // The vertices are distinct, so that no diagonal of a fixed type coincides with an edge or another diagonal.
   const ElementTable& table = element_table(type);
   for (std::size_t i = 0; i < table.edges; ++i) edge(v[table.edge[i][0]], v[table.edge[i][1]]);
   for (std::size_t i = 0; i < table.triangles; ++i)

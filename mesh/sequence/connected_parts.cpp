@@ -40,7 +40,7 @@ ConnectedParts::ConnectedParts(SequenceReader& reader) : component_(reader.point
         sets.join(cells.vertices(i).front(), v);
       }
   }
-  // A representative comes before the other members of its set.
+  // The representative of a set precedes its other members.
   for (Index v = 0; v < reader.point_count(); ++v) {
     if (!used[v]) continue;
     const Index first = sets.representative(v);

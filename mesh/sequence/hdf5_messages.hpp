@@ -1,12 +1,12 @@
-// What HDF5 prints by itself.
+// Control of the messages that HDF5 prints itself.
 #pragma once
 
 namespace volccd {
 
-/// For programs, before they open a file: from now on HDF5 prints nothing on stderr, neither errors of the calling
-/// thread nor, at the end of the process, "infinite loop closing library". It prints the latter where a damaged file
-/// has been opened: HDF5 1.10 loses blocks of its own when it fails to load an object, and cannot release them. The
-/// functions of this library print nothing in any case, and leave the setting as it is.
+/// For programs, to be called before they open a file: HDF5 prints nothing on stderr from then on, neither errors of
+/// the calling thread nor "infinite loop closing library" at the end of the process. HDF5 prints the latter after a
+/// damaged file was opened, because HDF5 1.10 cannot release its internal blocks after it fails to load an object. The
+/// functions of this library never print, and do not change the setting.
 void turn_off_hdf5_messages();
 
 }  // namespace volccd

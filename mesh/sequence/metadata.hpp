@@ -1,4 +1,4 @@
-// What a sequence file says about itself, beside its numbers.
+// Descriptive metadata of a sequence file.
 #pragma once
 
 #include <cstdint>
@@ -7,25 +7,25 @@
 
 namespace volccd {
 
-/// Attributes at the root of the file, all of them optional; an empty text is not written.
+/// Attributes at the root of the file. All of them are optional; an empty text is not written.
 struct SequenceMetadata {
   std::string title, source, license;
-  std::string units;      ///< of length, as text: "mm (mass in g)"
-  std::string time_unit;  ///< "microsecond"
+  std::string units;      ///< unit of length, as text: "mm (mass in g)"
+  std::string time_unit;  ///< unit of time, as text: "microsecond"
   /// Names of the part ids, attribute `Parts`: "1 Projectile; 2 Plate".
   std::map<std::int32_t, std::string> part_names;
-  /// Attribute `Incomplete`: which steps there are of those that were meant to be, and why no more. SequenceWriter
-  /// takes it at finish() alone.
+  /// Attribute `Incomplete`: which of the intended steps the file contains, and why the others are missing. For output,
+  /// it is set by SequenceWriter::finish() only.
   std::string incomplete = {};
 
   friend bool operator==(const SequenceMetadata&, const SequenceMetadata&) = default;
 };
 
-/// The text of the attribute `Parts`. A ';' in a name becomes ','.
+/// The text of the attribute `Parts`. A ';' in a name is replaced by ','.
 std::string format_part_names(const std::map<std::int32_t, std::string>& names);
 
-/// The reverse. Throws InputError (`source`, "@Parts", number of the entry) for an entry that is not "<id> <name>", or
-/// an id given twice.
+/// The inverse of format_part_names(). Throws InputError (`source`, "@Parts", number of the entry) for an entry that is
+/// not of the form "<id> <name>", and for a repeated id.
 std::map<std::int32_t, std::string> parse_part_names(const std::string& source, const std::string& text);
 
 }  // namespace volccd

@@ -34,7 +34,7 @@ void read_points(const Hdf5Dataset& data, std::vector<Vec3>& points) {
   }
 }
 
-/// One integer a query, each in [0, end).
+/// Reads one integer per query, each in [0, end).
 template <class T>
 void read_numbers(const Hdf5File& file, const std::string& path, std::int64_t queries, std::int64_t end,
                   std::vector<T>& out) {

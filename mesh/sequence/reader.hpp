@@ -15,31 +15,33 @@
 
 namespace volccd {
 
-/// A sequence of S steps on one set of n points, whose cells come and go. Streams: holds the tables of the steps and a
-/// buffer for one step, never more, so that a file larger than memory can be read.
+/// A sequence of S steps on a fixed set of n points, whose cells may change from step to step. The reader holds only
+/// the tables of the steps and a buffer for one step, so that it can read a file larger than memory.
 ///
-/// Layout: VTKHDF 1.x and 2.x as VTK and ParaView write it, one piece a step ("Steps/NumberOfParts" = 1,
-/// "Steps/PartOffsets" = the step's topology), the same number of points in every topology. A file without the group
-/// "Steps" is one step at time 0. Optional arrays: PointData/GlobalPointIds (else 0, 1, 2, ..), CellData/GlobalCellIds
-/// (else 0, 1, 2, .. in each step), CellData/PartId (else 0), PointData/Velocity, CellData/Thickness. Cells: triangle,
-/// quad, tetrahedron, hexahedron, wedge, pyramid, and polyhedron as VTKHDF 2.5 stores it (FaceConnectivity,
-/// FaceOffsets, PolyhedronToFaces, PolyhedronOffsets).
+/// Layout: VTKHDF 1.x and 2.x as VTK and ParaView write it, with one piece per step ("Steps/NumberOfParts" = 1,
+/// "Steps/PartOffsets" = the topology of the step) and the same number of points in every topology. A file without the
+/// group "Steps" is one step at time 0. Optional arrays and their defaults: PointData/GlobalPointIds (0, 1, 2, ..),
+/// CellData/GlobalCellIds (0, 1, 2, .. in each step), CellData/PartId (0), PointData/Velocity (none),
+/// CellData/Thickness (none). Cells: triangle, quad, tetrahedron, hexahedron, wedge, pyramid, and polyhedron as VTKHDF
+/// 2.5 stores it (FaceConnectivity, FaceOffsets, PolyhedronToFaces, PolyhedronOffsets).
 ///
-/// Vertices are presented by ascending GlobalPointIds, whatever their order in the file, because slot order is id order
-/// in a Mesh: vertex slot v has id point_ids()[v], and points, velocities and connectivity are renumbered to fit. Cells
-/// stay in the order of the file.
+/// Vertices are sorted by GlobalPointIds, because slots in a Mesh are in the order of ids: vertex slot v has id
+/// point_ids()[v], and points, velocities and connectivity are renumbered accordingly. Cells keep the order of the
+/// file.
 ///
-/// A cell whose nodes repeat, as programs for finite elements write a wedge as a hexahedron or a triangle as a quad, is
-/// read as the element that it is: a triangle, tetrahedron, pyramid or wedge, or a polytope where only some edges of a
-/// solid have no length (mesh/detail/collapse_element.hpp). A cell of which no element is left is refused.
+/// Finite element programs may write a wedge as a hexahedron, or a triangle as a quad, with repeated nodes. A cell with
+/// repeated nodes is read as the element that it represents: a triangle, tetrahedron, pyramid or wedge, or a polytope
+/// if only some edges of a solid have zero length (mesh/detail/collapse_element.hpp). A cell that represents no element
+/// is refused.
 ///
-/// Errors: InputError with the file, the dataset, and the row of that dataset (of a table in Steps: the step); where a
-/// point or a cell is wrong, the text names its id and the step. The constructor checks structure: all shapes, types,
-/// offsets and slices of every step, times, point ids. The contents of a step are checked when it is read: finite
-/// numbers, thickness >= 0, known types with the right number of vertices, connectivity in range, ids distinct and not
-/// negative. Nothing is allocated on the strength of a declared size that the stored bytes do not bear out.
+/// Errors: InputError with the file, the dataset, and the row in that dataset (for a table in Steps: the step). If a
+/// point or a cell is wrong, the message contains its id and the step. The constructor checks the structure: all
+/// shapes, types, offsets and ranges of every step, the times, and the point ids. The contents of a step are checked
+/// when it is read: finite numbers, thickness >= 0, known types with the right number of vertices, connectivity in
+/// range, ids distinct and not negative. Memory is never allocated for a declared size that exceeds what the stored
+/// bytes can contain.
 ///
-/// One thread at a time.
+/// Not thread-safe.
 class SequenceReader {
  public:
   explicit SequenceReader(const std::string& file);
@@ -50,35 +52,36 @@ class SequenceReader {
   const std::string& file() const;
   const SequenceMetadata& metadata() const;
 
-  /// At least 1.
+  /// Number of steps, at least 1.
   int step_count() const;
-  /// Strictly ascending, finite.
+  /// Time of a step. Times are finite and strictly ascending.
   double time(int step) const;
 
   Index point_count() const;
-  /// [point_count()], strictly ascending.
+  /// Ids of the vertices, [point_count()], strictly ascending.
   std::span<const std::int64_t> point_ids() const;
   /// Vertex slot of each point of the file, in the file's order.
   std::span<const Index> slot_of_point() const;
 
   Index cell_count(int step) const;
-  /// Which of the stored topologies the step uses.
+  /// Index of the stored topology that the step uses.
   int topology_index(int step) const;
-  /// Whether both steps take all their cells, with parts and ids, from the same rows of the file.
+  /// Whether both steps read all their cells, including parts and ids, from the same rows of the file.
   bool same_cells(int step, int other) const;
   bool has_velocity() const;
   bool has_thickness() const;
 
-  /// Replaces the contents of the vector or the cells, whose memory is used again.
+  /// These members replace the contents of their argument and reuse its memory.
   void read_points(int step, std::vector<Vec3>& points);
-  void read_velocity(int step, std::vector<Vec3>& velocity);      ///< has_velocity()
-  void read_thickness(int step, std::vector<double>& thickness);  ///< has_thickness(); per cell of the step
+  void read_velocity(int step, std::vector<Vec3>& velocity);      ///< requires has_velocity()
+  void read_thickness(int step, std::vector<double>& thickness);  ///< requires has_thickness(); one value per cell of
+                                                                  ///< the step
   void read_cells(int step, SequenceCells& cells);
 
-  /// Cells of the last read_cells() whose nodes repeat in the file: how many, by type in the file and type read.
+  /// Numbers of cells with repeated nodes in the last read_cells(), by type in the file and type of the element read.
   const std::map<std::pair<ElementType, ElementType>, std::uint64_t>& collapsed_cells() const;
 
-  /// Reads everything once, a step at a time: throws what reading would throw.
+  /// Reads the contents of all steps, one step at a time, and throws every error that reading them would throw.
   void check_contents();
 
  private:

@@ -12,11 +12,11 @@ namespace volccd {
 
 namespace {
 
-/// Middle control point of the parabola through x0 at time t0, x1 at t1 and x2 at t2, over [t0, t1]: half way, less
-/// h^2/2 times the second divided difference.
+/// Middle control point, over [t0, t1], of the parabola through x0 at time t0, x1 at t1 and x2 at t2: the midpoint of
+/// x0 and x1 minus h^2/2 times the second divided difference.
 struct ParabolaMiddle {
   ParabolaMiddle(double t0, double t1, double t2) : to_start((t1 - t0) / (t2 - t0)), to_end((t1 - t0) / (t2 - t1)) {}
-  double to_start, to_end;  ///< h over the distances in time
+  double to_start, to_end;  ///< h divided by the time differences of the third step
 
   Vec3 operator()(const Vec3& x0, const Vec3& x1, const Vec3& x2) const {
     return 0.5 * x0 + 0.5 * x1 - 0.5 * to_start * (to_end * (x2 - x1) - (x1 - x0));
@@ -43,7 +43,7 @@ void SequenceStepper::go_to(int motion) {
   if (motion < 0 || motion >= motion_count())
     throw InputError(reader_.file(), "VTKHDF/Steps", motion,
                      "there is no such motion, the file has " + std::to_string(motion_count()));
-  // All that can fail comes before the first change.
+  // All operations that can fail come before the first change.
   const bool tentative = config_.motion == MotionModel::tentative;
   read_points(motion);
   read_cells(cells_step(motion));
@@ -78,7 +78,7 @@ void SequenceStepper::read_points(int motion) {
   for (const int step : wanted) {
     if (step < 0 || std::any_of(points_.begin(), points_.end(), [&](const Points& p) { return p.step == step; }))
       continue;
-    // Memory that is no longer needed, before memory that has never been used.
+    // Prefers memory that is no longer needed to memory that was never used.
     auto place = std::find_if(points_.begin(), points_.end(),
                               [&](const Points& p) { return p.step >= 0 && !is_wanted(p.step); });
     if (place == points_.end())

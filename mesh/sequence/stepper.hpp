@@ -1,4 +1,4 @@
-// From a sequence file to queries: a topology and a motion for each pair of neighbouring steps.
+// From a sequence file to queries: a topology and a motion for each pair of consecutive steps.
 #pragma once
 
 #include <array>
@@ -19,57 +19,60 @@ namespace detail {
 class ShellSolids;
 }
 
-/// How triangles and quads are taken.
+/// How triangles and quads are represented.
 enum class ShellModel {
-  surface,  ///< as they are
+  surface,  ///< as surface elements
   solid     ///< thickened into wedges and hexahedra (mesh/shells.hpp)
 };
 
-/// Which object an element belongs to.
+/// How the object of an element is determined.
 enum class PartModel {
-  stored,     ///< PartId of the file
-  components  ///< its connected component (ConnectedParts)
+  stored,     ///< PartId in the file
+  components  ///< connected component of the element (ConnectedParts)
 };
 
-/// How vertices get from step k to step k+1.
+/// Trajectories of the vertices from step k to step k+1.
 enum class MotionModel {
-  linear,     ///< on straight lines: two control points
-  quadratic,  ///< with constant acceleration: three (Section 7.1)
-  tentative   ///< from step k with its velocities, whatever step k+1 is: two, on straight lines
+  linear,     ///< straight lines, two control points
+  quadratic,  ///< constant acceleration, three control points (Section 7.1)
+  tentative   ///< straight lines from step k along its velocities, independent of the positions of step k+1; two
+              ///< control points
 };
 
-/// Motion k goes from the points of step k to those of step k+1, on the topology of step k+1: a query runs on the new
-/// topology. Element ids are GlobalCellIds, objects are PartId or connected components, vertices are all points of the
-/// file.
+/// Motion k leads from the points of step k to those of step k+1 and uses the topology of step k+1. Element ids are
+/// GlobalCellIds, objects are PartIds or connected components, and vertices are all points of the file.
 ///
-/// Tentative motion k is the one that a solver asks about before it resolves contacts: from the points x of step k to
-/// x + h v, on the topology of step k, where v are the stored velocities of step k and h is the length of the step. A
-/// vertex that no cell of step k uses stands still. What follows for step k+1 does not apply to it.
+/// Tentative motion k is the motion that a solver tests before it resolves contacts: from the points x of step k to x +
+/// h v, on the topology of step k, where v are the stored velocities of step k and h is the length of the step. A
+/// vertex that no cell of step k uses does not move. The statements below about step k+1 do not apply to tentative
+/// motion.
 ///
-/// Quadratic motion over a step of length h starts with the stored velocity v of step k, if the file has velocities:
-/// control points x0, x0 + v h/2, x1. Else it is the parabola through the steps k-1, k and k+1, in their own times;
-/// motion 0 takes the steps 0, 1 and 2. (Looking back: a cell of step k+1 may be gone at k+2, and its points anywhere.)
-/// A vertex that no cell uses where the velocity (at step k) or the third position (at step k-1, or 2) is taken has
-/// none that means anything, and moves on a straight line.
+/// If the file has velocities, quadratic motion over a step of length h starts with the stored velocity v of step k:
+/// its control points are x0, x0 + v h/2, x1. Otherwise it is the parabola through the steps k-1, k and k+1 at their
+/// times; motion 0 uses the steps 0, 1 and 2. (The third step is k-1 rather than k+2, since a cell of step k+1 may be
+/// removed at step k+2, and its points may then be anywhere.) If no cell uses a vertex at the step from which the
+/// velocity (step k) or the third position (step k-1, or 2) is taken, that value has no meaning, and the vertex moves
+/// on a straight line.
 ///
-/// Velocities are lengths of the file in its units of time.
+/// Velocities are in length units per time unit of the file.
 ///
-/// Going from one motion to another edits one Topology by the cells that came, went or changed, so that stages can
-/// follow its changes; jumping works as well as going on. Element slots therefore depend on the way taken, vertex slots
+/// go_to() edits a single Topology by the cells that were added, removed or changed, so that stages can update their
+/// states. Motions may be visited in any order. Element slots depend on the order of the visited motions; vertex slots
 /// and contacts do not.
 ///
-/// A file holds all its points at all steps, also those that no cell uses. So a vertex that the cells of step k do not
-/// use and those of step k+1 do starts from its stored place at step k, and is not a new vertex in the sense of
+/// A file stores all points at all steps, including those that no cell uses. Therefore a vertex that cells of step k+1
+/// use, but no cell of step k, starts from its stored position at step k. It is not a new vertex in the sense of
 /// Section 6.3.
 ///
-/// Solid shells: every point has three vertices, whose ids are 3 id, 3 id + 1, 3 id + 2 (solid_middle, solid_below,
-/// solid_above); element ids stay. The thickness is that of step k at the start and of step k+1 at the end; a shell
-/// that step k does not have is as thick as at step k+1. A file that has shells but no thickness is refused. In
-/// quadratic motion the offset from a shell's vertex still goes straight from that at the start to that at the end. In
-/// tentative motion the thickness is that of step k at both ends, the normals are those of the points at each end.
+/// Solid shells: every point has three vertices with ids 3 id, 3 id + 1, 3 id + 2 (solid_middle, solid_below,
+/// solid_above); element ids are unchanged. The thickness is that of step k at the start of the motion and that of step
+/// k+1 at its end; a shell that does not exist at step k has its thickness of step k+1 at both ends. A file with shells
+/// but without thickness is refused. In quadratic motion, the offset from a shell vertex to its solid vertices is
+/// linear between its values at the start and at the end. In tentative motion, the thickness is that of step k at both
+/// ends, and the normals are computed from the positions at each end.
 ///
-/// Holds two steps of points, three for quadratic motion, and one step of velocities where they are used. One thread at
-/// a time.
+/// Memory: the points of two steps, or of three for quadratic motion, and the velocities of one step if they are used.
+/// Not thread-safe.
 class SequenceStepper {
  public:
   struct Config {
@@ -79,34 +82,36 @@ class SequenceStepper {
     PartModel parts = PartModel::stored;
   };
 
-  /// The reader outlives the stepper. Throws InputError if the file has motions, but for quadratic motion neither
-  /// velocities nor a third step, or for tentative motion no velocities. Connected components: reads the cells of all
-  /// steps, and throws what that throws.
+  /// The reader must outlive the stepper. Throws InputError for a file with several steps if quadratic motion is
+  /// requested and there are neither velocities nor a third step, or if tentative motion is requested and there are no
+  /// velocities. For connected components, the constructor reads the cells of all steps and throws the errors of
+  /// reading.
   explicit SequenceStepper(SequenceReader& reader) : SequenceStepper(reader, Config()) {}
   SequenceStepper(SequenceReader& reader, Config config);
   ~SequenceStepper();
 
-  /// Steps less one; 0 for a file of one step.
+  /// Number of steps minus one; 0 for a file with one step.
   int motion_count() const { return reader_.step_count() - 1; }
 
-  /// The step whose cells a motion runs on: the one after it, or its own for tentative motion.
+  /// The step whose cells a motion uses: the step at its end, or that at its start for tentative motion.
   int cells_step(int motion) const { return config_.motion == MotionModel::tentative ? motion : motion + 1; }
 
-  /// Throws InputError if there is no such motion or its data are bad (a control point computed from velocities or
-  /// three steps that overflows, where a cell uses it, included); then topology() and motion() are as before. Time
-  /// without reading: proportional to the points, the cells, and the features of the cells that change.
+  /// Makes a motion the current one. Throws InputError if there is no such motion or its data are invalid, for example
+  /// if a control point that is computed from velocities or three steps overflows for a vertex in use; then topology()
+  /// and motion() are unchanged. Without reading, the time is proportional to the number of points and cells and to the
+  /// number of features of the changed cells.
   void go_to(int motion);
 
-  /// The motion gone to last, or -1. What follows needs one.
+  /// The motion of the last successful go_to(), or -1. The members below require one.
   int current() const { return current_; }
   const Topology& topology() const { return *topology_; }
   const Motion& motion() const { return motion_; }
-  /// Time of step k+1 less that of step k.
+  /// Time of step k+1 minus time of step k.
   double step_length() const { return reader_.time(current_ + 1) - reader_.time(current_); }
-  /// Wall clock that the last successful go_to() spent in Topology::apply: the edits of mesh, features and adjacency,
-  /// without reading. 0 where no element changed, and for the first, which builds the topology.
+  /// Wall-clock time that the last successful go_to() spent in Topology::apply, which edits mesh, features and
+  /// adjacency; without reading. 0 if no element changed, and for the first motion, which builds the topology.
   double edit_seconds() const { return edit_seconds_; }
-  /// Solid shells: vertices whose normal had to be made up, at the start and at the end together (ShellThickener).
+  /// Solid shells: number of vertices for which ShellThickener found no mean normal, summed over start and end.
   Index vertices_without_normal() const { return without_normal_; }
 
  private:
@@ -116,7 +121,7 @@ class SequenceStepper {
     std::vector<Vec3> positions;
   };
 
-  /// The step whose points decide the curvature of a motion, or -1 if none does.
+  /// The step whose points determine the curvature of a motion, or -1 if there is none.
   int third_step(int motion) const;
   void read_points(int motion);
   const std::vector<Vec3>& points(int step) const;
@@ -139,10 +144,10 @@ class SequenceStepper {
   std::array<Points, 3> points_;
   SequenceCells cells_;
   std::optional<ConnectedParts> components_;
-  std::unique_ptr<detail::ShellSolids> solids_;  ///< null for surfaces
+  std::unique_ptr<detail::ShellSolids> solids_;  ///< null for ShellModel::surface
   std::vector<Vec3> solid0_, solid1_;
-  /// Quadratic motion: middle control points. Tentative motion: ends. Both: velocities; cells of the step that
-  /// mark_used() was last called for, and which vertices they use.
+  /// middle_: middle control points of quadratic motion. tentative_: end positions of tentative motion. velocity_: for
+  /// both. used_cells_: cells of the step that mark_used() was last called for; used_: whether they use each vertex.
   std::vector<Vec3> middle_, solid_middle_, tentative_, velocity_;
   SequenceCells used_cells_;
   std::vector<char> used_;

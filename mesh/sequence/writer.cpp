@@ -19,7 +19,7 @@ using detail::GrowingDataset;
 using detail::StoredType;
 using Integers = std::vector<std::int64_t>;
 
-/// Rows a chunk: near 16384, and such that a run of `rows` rows fills whole chunks but for a few entries.
+/// Number of rows per chunk: about 16384, and such that `rows` rows fill whole chunks except for a few entries.
 std::int64_t chunk_rows(std::size_t rows) {
   constexpr std::size_t kRows = 16384;
   const std::size_t chunks = std::max<std::size_t>((rows + kRows - 1) / kRows, 1);
@@ -61,7 +61,7 @@ struct SequenceWriter::Impl {
   void write_tables();
   void close();
 
-  /// Declared first, destroyed last: the file is closed before it is removed.
+  /// Declared first and therefore destroyed last: the file is closed before it is removed.
   OutputFile target;
   detail::Hdf5Output output;
   SequenceMetadata metadata;
@@ -200,7 +200,7 @@ void SequenceWriter::Impl::make_polyhedra() {
   p.face_offsets = output.growing("VTKHDF/FaceOffsets", StoredType::int64, 1, 16384);
   p.to_faces = output.growing("VTKHDF/PolyhedronToFaces", StoredType::int64, 1, 16384);
   p.offsets = output.growing("VTKHDF/PolyhedronOffsets", StoredType::int64, 1, 16384);
-  // What was written before had none.
+  // The steps written before had no polytopes.
   for (const std::int64_t cells : cell_counts) {
     p.face_offsets.append(Integers{0});
     p.offsets.append(Integers(static_cast<std::size_t>(cells) + 1, 0));
@@ -241,7 +241,7 @@ void SequenceWriter::Impl::append_tables(double time, const StepFields& fields) 
   times.push_back(time);
   topology.push_back(b);
   point_first.push_back(positions->rows());
-  // The topology has been appended already, so its start is what was there less itself.
+  // The topology has already been appended; it starts at the number of rows minus its own.
   cell_first.push_back(types->rows() - cell_counts.back());
   connectivity_first.push_back(connectivity->rows() - connectivity_counts.back());
   if (!fields.velocity.empty()) velocity_first.push_back(velocity->rows());

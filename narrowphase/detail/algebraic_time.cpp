@@ -10,20 +10,20 @@
 namespace volccd::detail {
 namespace {
 
-/// Interval bounds settle most signs after a few bisections. What is left then is probably zero.
+/// After this many bisections, interval bounds have decided most signs, and the value is probably zero.
 constexpr int kBisectionsBeforeDivisor = 16;
 
-/// Roots that are distinct are mostly apart after this many bisections, and a square-free part costs more than they do.
+/// After this many bisections, distinct roots are mostly separated; computing the square-free part costs more.
 constexpr unsigned kBisectionsBeforeSquareFree = 6;
 
-/// p(x + 1), in place.
+/// Replaces p(x) by p(x + 1).
 void shift_by_one(std::vector<Integer>& c) {
   for (std::size_t i = 0; i + 1 < c.size(); ++i)
     for (std::size_t j = c.size() - 1; j-- > i;) c[j] += c[j + 1];
 }
 
-/// Sign changes in the coefficients of (1 + x)^n p(1 / (1 + x)): as many as roots of p in (0,1), or more by an even
-/// number.
+/// Number of sign changes in the coefficients of (1 + x)^n p(1 / (1 + x)): the number of roots of p in (0,1), or
+/// greater by an even number.
 int sign_changes(const std::vector<Integer>& p) {
   std::vector<Integer> c(p.rbegin(), p.rend());
   shift_by_one(c);
@@ -37,7 +37,7 @@ int sign_changes(const std::vector<Integer>& p) {
   return changes;
 }
 
-/// One is a multiple of the other. Pre: neither is zero.
+/// Whether one polynomial is a multiple of the other. Pre: neither is zero.
 bool proportional(const Polynomial& p, const Polynomial& q) {
   const std::vector<Integer>&a = p.coefficients(), &b = q.coefficients();
   if (a.size() != b.size()) return false;
@@ -50,8 +50,8 @@ class Isolation {
  public:
   Isolation(std::shared_ptr<const Polynomial> p, unsigned max_bits) : p_(std::move(p)), max_bits_(max_bits) {}
 
-  /// Adds the roots in the open interval (index, index + 1) / 2^bits, onto which `c` is the polynomial, from (0,1).
-  /// Ascending. False if max_bits is not enough.
+  /// Adds the roots in the open interval (index, index + 1) / 2^bits in ascending order; `c` is the polynomial with
+  /// this interval mapped to (0,1). Returns false if max_bits is not sufficient.
   bool search(const std::vector<Integer>& c, const Integer& index, unsigned bits) {
     const int changes = sign_changes(c);
     if (changes == 0) return true;
@@ -60,7 +60,7 @@ class Isolation {
       return true;
     }
     if (bits == max_bits_) return false;
-    // 2^n p(x / 2) has the left half on (0,1).
+    // 2^n p(x / 2) is the polynomial with the left half mapped to (0,1).
     std::vector<Integer> half = c;
     for (std::size_t i = 0; i < half.size(); ++i) half[i] <<= half.size() - 1 - i;
     if (!search(half, 2 * index, bits + 1)) return false;
@@ -81,7 +81,7 @@ std::vector<AlgebraicTime> roots_inside(const Polynomial& p) {
   const auto shared = std::make_shared<const Polynomial>(p);
   Isolation quick(shared, kBisectionsBeforeSquareFree);
   if (quick.search(p.coefficients(), 0, 0)) return std::move(quick.roots());
-  // With each root once, bisection ends.
+  // Bisection terminates if each root is simple.
   const auto square_free = std::make_shared<const Polynomial>(square_free_part(p));
   Isolation thorough(square_free, std::numeric_limits<unsigned>::max());
   thorough.search(square_free->coefficients(), 0, 0);
@@ -122,7 +122,7 @@ void AlgebraicTime::bisect() {
 
 bool AlgebraicTime::is_root_of(const Polynomial& g) const {
   const Polynomial common = greatest_common_divisor(*p_, g);
-  // It has no other root in the interval, and this one is simple.
+  // The polynomial has no other root in the interval, and this root is simple.
   return common.degree() > 0 && common.sign_after({lo_, bits_}) != common.sign_before({hi_, bits_});
 }
 
@@ -158,13 +158,14 @@ double AlgebraicTime::guess() const {
 
 double AlgebraicTime::floor() {
   if (compare({1, 0}) == 0) return 1;
-  // Non-negative doubles are ordered as their bits are. Each but zero is compared before it becomes the lower bound.
+  // Non-negative doubles have the same order as their bits. Each candidate except zero is compared with the time before
+  // it becomes the lower bound.
   std::uint64_t below = 0, above = std::bit_cast<std::uint64_t>(1.0);
   const auto bound = [&](std::uint64_t bits) {
     (compare(dyadic(std::bit_cast<double>(bits))) < 0 ? above : below) = bits;
     return above == bits;
   };
-  // In growing steps from the guess, until the time is passed.
+  // Tests at increasing distances from the guess, until the time is between two of them.
   const std::uint64_t start = std::bit_cast<std::uint64_t>(guess());
   if (start > below && start < above) {
     const bool down = bound(start);

@@ -7,7 +7,7 @@
 namespace volccd::detail {
 namespace {
 
-/// Keeps the nearer of `best` and the points with these weights. Ties: `best`.
+/// Keeps the nearer one of `best` and the points with these weights; `best` if they are equal.
 void offer(FeatureKind kind, const Differences& d, const std::array<double, 4>& weights, ClosestPoints& best) {
   ClosestPoints c;
   c.weights = weights;
@@ -16,7 +16,7 @@ void offer(FeatureKind kind, const Differences& d, const std::array<double, 4>& 
   if (c.squared_distance < best.squared_distance) best = c;
 }
 
-/// Parameter of the point of the segment a + s (b - a) closest to p.
+/// Parameter s of the point of the segment a + s (b - a) that is closest to p.
 double closest_parameter(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 e = b - a;
   const double length = e.squaredNorm();
@@ -27,7 +27,7 @@ void offer_triangle_inside(const Differences& d, ClosestPoints& best) {
   const Vec3 e1 = d[1] - d[0], e2 = d[2] - d[0], n = e1.cross(e2);
   const double area = n.squaredNorm();
   if (!(area > 0)) return;
-  // The second round corrects the first by what it left over: slivers lose digits in n.
+  // The second iteration corrects the error of the first: for slivers, n loses digits.
   double w1 = 0, w2 = 0;
   for (int round = 0; round < 2; ++round) {
     const Vec3 q = -(d[0] + w1 * e1 + w2 * e2);
@@ -85,9 +85,10 @@ bool clearly_apart(FeatureKind kind, const Differences& d, double distance, doub
   const Vec3 q = vf ? Vec3(-d[0]) : d[1];
   const Vec3 n = e1.cross(e2), m1 = q.cross(e2), m2 = vf ? e1.cross(q) : q.cross(e1);
   const double area = n.squaredNorm(), c1 = n.dot(m1), c2 = n.dot(m2);
-  // Each of these over |n| |edge| is a signed distance, in projection along n, by which one feature is on the inner
-  // side of a line that the other lies on or behind. |edge| < 4 size; the sum of magnitudes exceeds |n|; and rounding
-  // of a cross product of vectors below 2 size is less than 32 units of size^2.
+  // Each of these values divided by |n| |edge| is a signed distance in the projection along n: by how much one feature
+  // is on the inner side of a line that has the other feature on it or behind it. |edge| < 4 size; the sum of the
+  // magnitudes exceeds |n|; and the rounding error of a cross product of vectors shorter than 2 size is less than 32
+  // units of roundoff times size^2.
   const double least = vf ? std::min({c1, c2, area - c1 - c2}) : std::min({c1, area - c1, c2, area - c2});
   const double n1 = n.lpNorm<1>(), m = m1.lpNorm<1>() + m2.lpNorm<1>();
   const double rounding = 64 * kUnitRoundoff * (n1 + m) * size * size;

@@ -5,7 +5,8 @@
 namespace volccd::detail {
 namespace {
 
-/// Below what share of the size a separation, and of its square an area, says nothing.
+/// A separation is not significant below kLeastSeparation times the size, and an area below kLeastArea times the
+/// squared size.
 constexpr double kLeastSeparation = 0x1p-40, kLeastArea = 0x1p-48;
 
 Vec3 position(const double* x, double t, int control_points) {

@@ -10,7 +10,7 @@
 namespace volccd::detail {
 namespace {
 
-/// Times to look at: lo, 4 triples x 3 axes x (2 roots, extremum), 6 pairs x 3 axes.
+/// Maximum number of times to examine: lo, 4 triples x 3 axes x (2 roots, extremum), 6 pairs x 3 axes.
 constexpr std::size_t kMaxEvents = 1 + 4 * 3 * 3 + 6 * 3;
 
 class Events {
@@ -23,7 +23,8 @@ class Events {
     times_[count_++] = std::clamp(t, lo_, hi_);
   }
 
-  /// Roots of q0 s^2 + q1 s t + q2 t^2 and, for a double root that rounding made complex or wide, the extremum.
+  /// Adds the roots of q0 s^2 + q1 s t + q2 t^2, and the extremum, in case rounding made a double root complex or
+  /// inaccurate.
   void add_quadratic(double q0, double q1, double q2) {
     std::array<double, 2> roots;
     const int count = quadratic_roots(q0, 0.5 * q1, q2, roots);
@@ -31,7 +32,7 @@ class Events {
     add((q0 - 0.5 * q1) / (q0 - q1 + q2));
   }
 
-  /// Ascending.
+  /// The times in ascending order.
   const double* begin() const { return times_.data(); }
   const double* end() const { return times_.data() + count_; }
   void sort() { std::sort(times_.begin(), times_.begin() + static_cast<std::ptrdiff_t>(count_)); }
@@ -59,7 +60,7 @@ void add_events(FeatureKind kind, const MovingPoints& points, Events& events) {
     add_meeting(x0[i], x1[i], events);
     add_meeting(x0[j] - x0[i], x1[j] - x1[i], events);
   }
-  // That the triangle's own corners become collinear starts no contact.
+  // No contact begins when the corners of the triangle itself become collinear.
   if (kind == FeatureKind::ee) add_collinear(x0[1] - x0[0], x0[2] - x0[0], x1[1] - x1[0], x1[2] - x1[0], events);
 }
 

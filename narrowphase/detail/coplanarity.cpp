@@ -12,7 +12,7 @@ Vector sum(const Vector& a, const Vector& b) { return {a[0] + b[0], a[1] + b[1],
 
 using Extents = double[3][3];
 
-/// Permanent of rows a[0], b[1], c[2].
+/// Permanent of the matrix with rows a[0], b[1], c[2].
 double permanent(const Extents& a, const Extents& b, const Extents& c) {
   return a[0][0] * (b[1][1] * c[2][2] + b[1][2] * c[2][1]) + a[0][1] * (b[1][2] * c[2][0] + b[1][0] * c[2][2]) +
          a[0][2] * (b[1][0] * c[2][1] + b[1][1] * c[2][0]);
@@ -23,7 +23,7 @@ double permanent(const Extents& a, const Extents& b, const Extents& c) {
 CoplanarityCubic refined_coplanarity(const TestPoints& x, double scale, double lo, double hi) {
   std::array<Vector, 3> start, end;
   Extents e, off;
-  // As detail::scaled_difference.
+  // The same as detail::scaled_difference.
   const auto scaled_difference = [scale](double a, double b) {
     if (scale <= 1) return exact_difference(scale * a, scale * b);
     const DoubleDouble d = exact_difference(a, b);
@@ -38,7 +38,7 @@ CoplanarityCubic refined_coplanarity(const TestPoints& x, double scale, double l
                          b = scaled_difference(x[i + 1][k + 3], x[0][k + 3]);
       start[i][k] = at(lo, a, b);
       end[i][k] = at(hi, a, b);
-      // Positions within the step are off by a few 2^-102 of the whole motion.
+      // Positions within the step have errors of a few 2^-102 of the whole motion.
       off[i][k] = lo == 0 && hi == 1 ? 0 : 0x1p-98 * std::max(std::abs(a.high), std::abs(b.high));
       e[i][k] = std::max(std::abs(start[i][k].high), std::abs(end[i][k].high)) + off[i][k];
     }
@@ -48,7 +48,7 @@ CoplanarityCubic refined_coplanarity(const TestPoints& x, double scale, double l
   cubic.b = {dot(start[0], n0).high, (dot(start[0], n1) + dot(end[0], n0)).high,
              (dot(start[0], n2) + dot(end[0], n1)).high, dot(end[0], n2).high};
   // A dozen operations with errors of at most 2^-101 each. Underflow costs at most a few 2^-1074 for each product,
-  // times two further factors below kGreatestSize.
+  // multiplied by two further factors that are less than kGreatestSize.
   cubic.error =
       0x1p-90 * permanent(e, e, e) + permanent(off, e, e) + permanent(e, off, e) + permanent(e, e, off) + 0x1p-800;
   return cubic;

@@ -7,9 +7,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-/// Along one axis: whether the second feature is beyond the first on the same side at both ends. `start`, `end`:
-/// coordinates of the differences 1, 2, 3; point 0 is the origin. Coordinates are compared, not subtracted: where
-/// differences have overflowed to infinity, their difference would be NaN, and a minimum may lose a NaN.
+/// Whether, along one axis, the second feature is beyond the first in the same order at both ends. `start`, `end`:
+/// coordinates of the differences 1, 2, 3; point 0 is the origin. Coordinates are compared, not subtracted: if
+/// differences have overflowed to infinity, subtraction would give NaN, which a minimum may discard.
 HWY_ATTR HWY_INLINE LaneMask apart(bool edges, const Lanes (&start)[3], const Lanes (&end)[3]) {
   const Lanes zero = hn::Zero(Tag());
   const auto gaps = [&](const Lanes(&d)[3], LaneMask* above, LaneMask* below) HWY_ATTR {
@@ -35,7 +35,8 @@ HWY_ATTR HWY_INLINE LaneMask axis_apart(bool edges, const Lanes3 (&start)[3], co
   return hn::Or(hn::Or(apart(edges, sx, ex), apart(edges, sy, ey)), apart(edges, sz, ez));
 }
 
-/// Bound of each Bernstein coefficient (binomial divided out); infinite where overflow or underflow is possible.
+/// Bound on the error of each Bernstein coefficient (without its binomial); infinite if an overflow or underflow is
+/// possible.
 HWY_ATTR HWY_INLINE Lanes error_bound(const Lanes3 (&start)[3], const Lanes3 (&end)[3]) {
   const Tag d;
   const Lanes3 e1 = extent(start[0], end[0]), e2 = extent(start[1], end[1]), e3 = extent(start[2], end[2]);

@@ -16,11 +16,11 @@ HWY_ATTR HWY_INLINE Lanes3 between(const Lanes3& a, const Lanes3& b, Lanes t) {
   return {between(a.x, b.x, t), between(a.y, b.y, t), between(a.z, b.z, t)};
 }
 
-/// The coplanarity cubic, times the sign that makes it positive at t = 0.
+/// The coplanarity cubic, multiplied by the sign that makes it positive at t = 0.
 struct Cubic {
   Lanes b[4];      ///< Bernstein coefficients with binomials
-  Lanes c[4];      ///< and without
-  Lanes error;     ///< of a value, and of a coefficient over a part
+  Lanes c[4];      ///< Bernstein coefficients without binomials
+  Lanes error;     ///< error bound of a value, and of a coefficient over a part
 
   HWY_ATTR HWY_INLINE Lanes value(Lanes s) const {
     const Lanes r = hn::Sub(broadcast(1), s), ss = hn::Mul(s, s);
@@ -46,10 +46,10 @@ HWY_ATTR HWY_INLINE Cubic load_cubic(const CrossingBlock::Rows& rows, std::size_
   return cubic;
 }
 
-/// Whether the cubic is positive up to s, and of which sign from s on, for certain.
+/// Whether the cubic is certainly positive up to s, and which sign it certainly has from s on.
 struct Halves {
   LaneMask positive_before, negative_after, positive_after;
-  Lanes rest[4];  ///< coefficients from s on
+  Lanes rest[4];  ///< coefficients over the part from s on
 
   HWY_ATTR HWY_INLINE Halves(const Cubic& cubic, Lanes s) : Halves(cubic.c, cubic.error, s) {}
   HWY_ATTR HWY_INLINE Halves(const Lanes (&c)[4], Lanes error, Lanes s) {
@@ -65,11 +65,12 @@ struct Halves {
   }
 };
 
-/// The cubic's derivative over 3, as a s^2 + 2 h s + c0, and what it tells. No certainty: the root is checked later.
+/// The derivative of the cubic divided by 3, as a s^2 + 2 h s + c0, and its properties. They are approximate; the roots
+/// are verified later.
 struct Shape {
   Lanes a, h, c0;
-  Lanes least;         ///< local minimum in [0,1], or 1/2
-  Lanes root, second;  ///< the first in [0,1], if `found`, and the next, if `again`
+  Lanes least;         ///< position of the local minimum in [0,1], or 1/2
+  Lanes root, second;  ///< the first root in [0,1], if `found`, and the next, if `again`
   LaneMask found, again;
 
   HWY_ATTR HWY_INLINE explicit Shape(const Cubic& cubic) {
@@ -86,8 +87,8 @@ struct Shape {
     least = hn::IfThenElse(inside, minimum, broadcast(0.5));
     const LaneMask dips = hn::And(inside, hn::Lt(cubic.value(least), hn::Neg(cubic.error)));
     found = hn::And(hn::Gt(cubic.b[0], cubic.error), hn::Or(dips, hn::Lt(cubic.b[3], hn::Neg(cubic.error))));
-    // Where Newton's method converges from one side: the inflection point between a maximum and a minimum; for a
-    // minimum that comes first, 0; beyond the maximum after it, 1.
+    // Starting point from which Newton's method converges from one side: the inflection point between a maximum and a
+    // minimum; 0 if a minimum comes first; 1 beyond a maximum that comes second.
     const Lanes inflection = clamp01(hn::Neg(hn::Div(h, a)));
     root = hn::IfThenElse(hn::Gt(a, zero), inflection, hn::IfThenElse(dips, zero, one));
     root = newton(cubic, root);
@@ -106,13 +107,13 @@ struct Shape {
   }
 };
 
-/// Points 1, 2, 3 around the root: at both ends of a short piece.
+/// Differences of the points 1, 2, 3 at both ends of a short part around the root.
 struct ShortPiece {
   Lanes3 start[3], end[3];
-  Lanes3 extents[3], extent;  ///< of the whole step
+  Lanes3 extents[3], extent;  ///< over the whole step
 };
 
-/// As MotionPiece::overlap_along.
+/// The same as MotionPiece::overlap_along.
 class Overlap {
  public:
   HWY_ATTR HWY_INLINE Overlap(const ShortPiece& piece, const Lanes3& direction) : piece_(piece), l_(direction) {
@@ -169,7 +170,7 @@ class Overlap {
   Lanes underflow_;
 };
 
-/// As MotionPiece::separated_along, no separation.
+/// The same as MotionPiece::separated_along, without a separation.
 HWY_ATTR HWY_INLINE LaneMask separated(const ShortPiece& piece, const Lanes3& axis, bool edges) {
   const Lanes zero = hn::Zero(Tag());
   Lanes ahead = broadcast(0), behind = ahead;
@@ -219,7 +220,7 @@ struct Look {
   }
 };
 
-/// A root between two times that are close enough together.
+/// Two times that bracket a root and are sufficiently close to each other.
 struct Bracket {
   Lanes before, after;
   LaneMask sharp;
@@ -233,15 +234,15 @@ struct Bracket {
   }
 };
 
-/// At most two roots are looked at: with a third, which needs the features to change sides back and forth, others
-/// decide.
+/// Examines at most two roots. A third root, for which the features must change sides back and forth, is left to the
+/// search.
 HWY_ATTR void decide_crossings(const CrossingBlock::Rows& rows, double tolerance) {
   const Tag d;
   const Lanes zero = hn::Zero(d), one = broadcast(1), backwards = broadcast(1 - 4 * kUnitRoundoff);
   for (std::size_t i = 0; i < rows.padded_size; i += hn::Lanes(d)) {
     const Cubic cubic = load_cubic(rows, i);
     const Shape shape(cubic);
-    // No root at all: positive on both sides of the minimum.
+    // There is no root if the cubic is positive on both sides of its minimum.
     const Halves around_least(cubic, shape.least);
     LaneMask apart = hn::And(around_least.positive_before, around_least.positive_after), touch = hn::MaskFromVec(zero);
     Lanes toi = zero, second = zero;
@@ -257,7 +258,7 @@ HWY_ATTR void decide_crossings(const CrossingBlock::Rows& rows, double tolerance
       const LaneMask again = hn::AndNot(apart, hn::And(passed, shape.again));
       if (!hn::AllFalse(d, again)) {
         const Bracket next(cubic, shape, shape.second, tolerance);
-        // A little further than `before`: more than the parameter is rounded by, less than the margin.
+        // Slightly later than `before`: by more than the rounding error of the parameter, and less than the margin.
         const Lanes until = hn::Add(next.before, broadcast(0x1p-44));
         const Lanes along = hn::Div(hn::Sub(until, root.after), hn::Sub(one, root.after));
         Lanes turned[4];

@@ -1,5 +1,6 @@
-// Second pass of the `inclusion` narrow phase: tests whose four points change sides at most twice, by far the most that
-// the first pass leaves. A vector kernel decides those that are clear when they do.
+// The second pass of the `inclusion` narrow phase, for tests whose coplanarity polynomial changes its sign at most
+// twice. These are by far most of the tests that the first pass leaves open. A vector kernel decides the clear cases
+// among them.
 #pragma once
 
 #include <array>
@@ -9,24 +10,25 @@
 
 namespace volccd::detail {
 
-/// The open tests of a CoplanarityBlock. On the stack: no allocation.
+/// The open tests of a CoplanarityBlock. Stored on the stack, without allocation.
 class CrossingBlock {
  public:
   static constexpr std::size_t kCapacity = CoplanarityBlock::kCapacity;
 
   void gather(const CoplanarityBlock& block);
 
-  /// Decides what it can; the rest is open still. Bernstein coefficients prove the coplanarity cubic free of roots but
-  /// for short pieces around one or two of them, in which the features are looked at as MotionPiece does
-  /// (overlap_along, separated_along). `tolerance` as for inclusion_search(). The same bits for every vector length.
+  /// Decides as many tests as possible; the others remain open. Bernstein coefficients prove that the coplanarity cubic
+  /// has no root outside of short parts around one or two roots, in which the features are examined as by MotionPiece
+  /// (overlap_along, separated_along). `tolerance` as for inclusion_search(). Results have the same bits for every
+  /// vector length.
   void decide(double tolerance);
 
   std::size_t size() const { return size_; }
-  /// Which test of the CoplanarityBlock test i is.
+  /// Index of test i in the CoplanarityBlock.
   std::size_t source(std::size_t i) const { return source_[i]; }
   bool apart(std::size_t i) const { return apart_[i] != 0; }
   bool touches(std::size_t i) const { return touch_[i] != 0; }
-  /// Of tests that touch: as in InclusionAnswer.
+  /// For tests that touch, as in InclusionAnswer.
   double toi(std::size_t i) const { return toi_[i]; }
   int side(std::size_t i) const { return (b_[0][i] < 0) != (second_[i] != 0) ? -1 : 1; }
 

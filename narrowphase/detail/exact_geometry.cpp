@@ -13,7 +13,7 @@ bool is_zero(const Curve& v) {
   return std::all_of(v.begin(), v.end(), [](const Polynomial& p) { return p.is_zero(); });
 }
 
-/// For two of the other feature's points: an edge that a point of the first may arrive at.
+/// For each of two points of the other feature: an edge that a point of the first feature may reach.
 struct PointAndEdge {
   std::size_t point, g, h;
 };
@@ -26,7 +26,7 @@ std::span<const PointAndEdge> points_and_edges(FeatureKind kind) {
   return kEndsAndEdges;
 }
 
-/// A motion at one time: signs of polynomials there, found once.
+/// The motion at one time. The signs of polynomials at this time are computed once.
 class Instant {
  public:
   Instant(const std::array<Curve, 4>& x, AlgebraicTime& t) : x_(x), t_(t) {}
@@ -38,7 +38,7 @@ class Instant {
     return -1;
   }
 
-  /// Sign of the area of the triangle of three points, seen along an axis.
+  /// Sign of the area of the triangle of three points in the projection along an axis.
   int side(std::size_t i, std::size_t j, std::size_t k, int axis) {
     return t_.sign(cross(x_[j] - x_[i], x_[k] - x_[i], static_cast<std::size_t>(axis)));
   }
@@ -58,7 +58,7 @@ class Instant {
   AlgebraicTime& t_;
 };
 
-/// Has exactly the roots that all components share. Zero if all are zero.
+/// A polynomial that has exactly the common roots of all components. Zero if all components are zero.
 Polynomial common_roots(const Curve& v) { return greatest_common_divisor(greatest_common_divisor(v[0], v[1]), v[2]); }
 
 }  // namespace
@@ -109,7 +109,7 @@ bool coplanar_features_touch(FeatureKind kind, const std::array<Curve, 4>& x, Al
     degenerate = true;
     return now.any_point_on_edge(kind);
   }
-  // Seen along this axis, the plane of the points is not a line.
+  // In the projection along this axis, the plane of the points is not a line.
   if (vf) {
     const int a = now.side(0, 1, 2, axis), b = now.side(0, 2, 3, axis);
     if (a * b < 0) return false;

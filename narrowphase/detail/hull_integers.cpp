@@ -11,7 +11,8 @@ namespace volccd::detail {
 
 namespace {
 
-/// Of any size; up to 768 bits (coordinates of some 60 bits over their common unit) it allocates nothing.
+/// Integers of any size. Up to 768 bits (coordinates of about 60 bits relative to their common unit) they need no
+/// allocation.
 using WideInteger =
     boost::multiprecision::number<boost::multiprecision::cpp_int_backend<768, 0>, boost::multiprecision::et_off>;
 using WideSimplex = HullSimplex<WideInteger>;
@@ -44,7 +45,7 @@ class Lattice {
   int unit_ = std::numeric_limits<int>::max();
 };
 
-/// The vertex of least projection, and the projection.
+/// The vertex with the smallest projection, and the projection.
 std::pair<int, WideInteger> least(const std::vector<WidePoint>& points, const WidePoint& axis) {
   std::pair<int, WideInteger> best{0, dot(axis, points[0])};
   for (std::size_t i = 1; i < points.size(); ++i)
@@ -54,9 +55,9 @@ std::pair<int, WideInteger> least(const std::vector<WidePoint>& points, const Wi
 
 }  // namespace
 
-// Each turn either decides or brings the simplex nearer to the origin; there are finitely many simplices. It does
-// decide when no point of the hull of differences is nearer: then the least projection is that of the nearest point
-// itself, which is the origin, close enough, or further away than `distance`.
+// Each iteration either decides, or replaces the simplex by one that is nearer to the origin; there are finitely many
+// simplices. An iteration decides if no point of the hull of differences is nearer: then the smallest projection is
+// that of the nearest point itself, which is the origin, within `distance`, or further away.
 bool hulls_in_integers(std::span<const Vec3> a, std::span<const Vec3> b, double distance, const HullStart& start) {
   Lattice lattice;
   lattice.cover(a);

@@ -43,14 +43,14 @@ class OverlapSearch {
       : a_(a), b_(b), distance_(distance), extent_(a.extent.cwiseMax(b.extent)) {
     const double greatest = extent_.maxCoeff();
     if (!(greatest < kGreatestMagnitude)) return;
-    // A power of two: what is scaled keeps its digits.
+    // A power of two, so that scaling is exact.
     scale_ = std::ldexp(1.0, -std::max(std::ilogb(greatest) + 1, -1000));
-    sound_ = true;
+    in_range_ = true;
   }
 
   HullVerdict run(HullStart& start) {
     start.size = 0;
-    if (!sound_) return HullVerdict::close_call;
+    if (!in_range_) return HullVerdict::close_call;
     HullVerdict verdict = step({b_.mean[0] - a_.mean[0], b_.mean[1] - a_.mean[1], b_.mean[2] - a_.mean[2]});
     for (int i = 1; i < kMostSteps && verdict == HullVerdict::close_call && progress_; ++i)
       verdict = step(simplex_.direction);
@@ -62,10 +62,10 @@ class OverlapSearch {
  private:
   static constexpr int kMostSteps = 24;
 
-  /// One support point along `direction`, and what can be concluded from it.
+  /// Computes one support point along `direction`, and its consequences.
   HullVerdict step(const Point& direction) {
     const double greatest = std::max({std::abs(direction[0]), std::abs(direction[1]), std::abs(direction[2])});
-    // Any axis will do: without a direction the first.
+    // Any axis is suitable; if there is no direction, the first axis is used.
     const double inverse = 1 / greatest;
     const Point axis = greatest > 0 && std::isfinite(inverse)
                            ? Point{direction[0] * inverse, direction[1] * inverse, direction[2] * inverse}
@@ -75,7 +75,7 @@ class OverlapSearch {
     if (low_b - high_a > threshold(axis)) return HullVerdict::apart;
     const Vec3 difference = b_.points[static_cast<std::size_t>(j)] - a_.points[static_cast<std::size_t>(i)];
     const Point w{scale_ * difference[0], scale_ * difference[1], scale_ * difference[2]};
-    if (difference == Vec3::Zero()) return HullVerdict::overlap;  // x - y rounds to 0 only for x = y
+    if (difference == Vec3::Zero()) return HullVerdict::overlap;  // x - y is rounded to 0 only if x = y
     progress_ = simplex_.add(w, {i, j}) && simplex_.square > 0;
     return encloses_origin() || comes_close() ? HullVerdict::overlap : HullVerdict::close_call;
   }
@@ -85,7 +85,7 @@ class OverlapSearch {
     return gap_error_factor(0) * sum + kGapUnderflow + separation_gap(distance_, axis[0], axis[1], axis[2]);
   }
 
-  /// The vertex of greatest (kSign = 1) or least (-1) projection, and the projection.
+  /// The vertex of greatest (kSign = 1) or smallest (-1) projection, and the projection.
   template <int kSign>
   static std::pair<int, double> extreme(const HullPoints& set, const Point& axis) {
     int best = 0;
@@ -100,7 +100,8 @@ class OverlapSearch {
     return {best, kSign * most};
   }
 
-  /// Four points with the origin inside: each of the four determinants has the sign of the others, beyond its bound.
+  /// Whether four points certainly enclose the origin: all four determinants have the same sign, and their magnitudes
+  /// exceed their bounds.
   bool encloses_origin() const {
     if (simplex_.size != 4) return false;
     for (std::size_t k = 0; k < 4; ++k) {
@@ -115,8 +116,8 @@ class OverlapSearch {
     return true;
   }
 
-  /// The weighted mean is, for the weights as they are, a point of the hull of differences: is it close enough? Its
-  /// coordinates below 2 in magnitude err by less than 20 u.
+  /// For the given weights, the weighted mean is a point of the hull of differences; tests whether it is within the
+  /// distance. Coordinates with magnitudes less than 2 have errors of less than 20 u.
   bool comes_close() const {
     if (distance_ == 0 || simplex_.size == 4) return false;
     Point sum{0, 0, 0};
@@ -136,7 +137,7 @@ class OverlapSearch {
   const double distance_;
   const Vec3 extent_;
   double scale_ = 0;
-  bool sound_ = false, progress_ = true;
+  bool in_range_ = false, progress_ = true;
   Simplex simplex_;
 };
 

@@ -1,4 +1,4 @@
-// The simplex of a Gilbert-Johnson-Keerthi iteration towards the origin, in any ordered ring: doubles or integers.
+// The simplex of the Gilbert-Johnson-Keerthi algorithm in any ordered ring, for example doubles or integers.
 #pragma once
 
 #include <array>
@@ -9,11 +9,11 @@
 
 namespace volccd::detail {
 
-/// At most four points, each known by a pair of vertices, and the point of their hull that is nearest to the origin.
-/// Holds the smallest face that has it: add() drops the other points.
+/// At most four points, each identified by a pair of vertices, and the point of their convex hull that is nearest to
+/// the origin. Stores the smallest face that contains this point; add() removes all other points.
 ///
-/// In integers everything is exact. In doubles the face may be the wrong one and the weights are rounded: whoever uses
-/// them proves what he concludes from `points`, `weights` and `direction` by himself.
+/// With integers everything is exact. With doubles the face may be wrong and the weights are rounded; a caller must
+/// prove its conclusions from `points`, `weights` and `direction` itself.
 template <class Number>
 struct HullSimplex {
   using Point = Vector3<Number>;
@@ -21,12 +21,12 @@ struct HullSimplex {
   int size = 0;
   std::array<Point, 4> points;
   std::array<std::pair<int, int>, 4> names;
-  std::array<Number, 4> weights;  ///< positive; the nearest point is the mean of `points` so weighted
+  std::array<Number, 4> weights;  ///< positive; the nearest point is the mean of `points` with these weights
   Point direction;  ///< a positive multiple of the nearest point, or, if that is the origin, 0 or a normal of the face
   Number square{}, divisor{};  ///< squared distance from the origin = square / divisor, divisor > 0
 
-  /// Adds a point. Returns false, with nothing changed, if the hull of all has no point nearer to the origin than
-  /// before.
+  /// Adds a point. Returns false, without a change, if the convex hull of all points contains no point nearer to the
+  /// origin than before.
   bool add(const Point& point, std::pair<int, int> name) {
     HullSimplex best;
     const auto offer = [&](const std::array<int, 3>& with, int count) {
@@ -56,7 +56,8 @@ struct HullSimplex {
 
   bool nearer_than(const HullSimplex& other) const { return square * other.divisor < other.square * divisor; }
 
-  /// Projects the origin onto the affine hull. False: dependent points, or the projection is not inside.
+  /// Projects the origin onto the affine hull. Returns false if the points are dependent, or the projection is not
+  /// inside.
   bool project() {
     switch (size) {
       case 1: return project_point();
@@ -79,7 +80,7 @@ struct HullSimplex {
     weights[0] = dot(q, e);
     weights[1] = -dot(p, e);
     if (!(weights[0] > 0 && weights[1] > 0)) return false;
-    // |e|^2 times the part of p across e: a short distance keeps its digits.
+    // |e|^2 times the component of p perpendicular to e; this form is accurate for small distances.
     const Point moment = cross(p, e);
     direction = cross(e, moment);
     square = dot(moment, moment);

@@ -17,16 +17,18 @@ namespace {
 
 using Outcome = InclusionAnswer::Outcome;
 
-/// A contact shrinks its piece to a quarter a level for so many levels, then to half: both ends soon suffice for a
-/// proof, where there is one.
+/// For this many levels, the part with a contact is reduced to a quarter per level, then to a half. The short outer
+/// parts are soon sufficient for a proof, if there is one.
 constexpr int kLevelsOfThree = 8;
 
-/// Distance in units of the rounding of the size, by axis, below which features seem to touch.
+/// Distance below which features seem to touch, in units of the rounding error of the size, per axis.
 constexpr double kTouchUnits = 2;
 
-/// How far the search looks ahead of the first open part: in shortest parts, as many as it could look at one by one...
+/// Distance, in shortest parts, by which the search first looks ahead of the first open part: a number of parts that it
+/// could also examine one by one.
 constexpr double kFewParts = 256;
-/// ... and as many as it could not, in shares of the parts that it may look at: a shortest part costs about two.
+/// The greatest such distance, as a fraction of the allowed number of parts: more than it could examine one by one,
+/// because a shortest part costs about two.
 constexpr double kManyParts = 0.6;
 
 struct Part {
@@ -34,8 +36,8 @@ struct Part {
   int level;
 };
 
-/// Parts still to be looked at, the earliest on top. A level leaves at most two behind; from kLevelsOfThree on, parts
-/// are halved at each level, down to kShortestPiece.
+/// The parts that remain to be examined, the earliest on top. Each level leaves at most two. From kLevelsOfThree on,
+/// parts are halved at each level, down to kShortestPiece.
 class PartStack {
  public:
   bool empty() const { return size_ == 0; }
@@ -51,7 +53,8 @@ class PartStack {
   std::size_t size_ = 0;
 };
 
-/// v without its part along e. Twice is enough: the second round corrects what cancellation left in the first.
+/// v without its component along e. Two iterations are sufficient: the second corrects the cancellation error of the
+/// first.
 Vec3 across(Vec3 v, const Vec3& e) {
   const double length = e.squaredNorm();
   if (!(length > 0)) return v;
@@ -59,9 +62,10 @@ Vec3 across(Vec3 v, const Vec3& e) {
   return v;
 }
 
-/// Direction between the closest points. Their difference is good to a unit of the size, no better, and where it is
-/// small, its direction is not: then a plane across it cuts the long features that it should only keep apart. So it is
-/// turned to be at right angles to the edges and triangles that the closest points lie within.
+/// The direction between the closest points. The difference of these points has an error of about a unit of roundoff of
+/// the size. If the difference is small, its direction is inaccurate, and a plane perpendicular to it may intersect
+/// long features that it should separate. Therefore the direction is made perpendicular to the edges and triangles in
+/// whose interiors the closest points are.
 Vec3 separating_axis(FeatureKind kind, const Differences& d, const ClosestPoints& closest) {
   const std::array<double, 4>& w = closest.weights;
   if (kind == FeatureKind::vf) {
@@ -76,7 +80,7 @@ Vec3 separating_axis(FeatureKind kind, const Differences& d, const ClosestPoints
   const bool in_first = w[0] > 0 && w[1] > 0, in_second = w[2] > 0 && w[3] > 0;
   if (in_first && in_second) {
     const Vec3 n = first.cross(second);
-    // Parallel edges: any direction across them both.
+    // Parallel edges: any direction perpendicular to both is suitable.
     return n.squaredNorm() > 0x1p-60 * first.squaredNorm() * second.squaredNorm() ? across(across(n, first), second)
                                                                                   : across(closest.separation, first);
   }
@@ -85,9 +89,10 @@ Vec3 separating_axis(FeatureKind kind, const Differences& d, const ClosestPoints
   return closest.separation;
 }
 
-/// Candidates for the direction between the closest points of features that are nearer than about 2^-26 of their size.
-/// Rounding then decides which edges the closest points seem to lie within: the nearest point of a sliver may be a
-/// corner while an edge is nearly as close. So each choice of edges that the axis is made perpendicular to is tried.
+/// Candidates for the direction between the closest points of features that are nearer than about 2^-26 times their
+/// size. For these, rounding determines in which edges the closest points seem to be: the nearest point of a sliver may
+/// be a corner although an edge is almost as close. Therefore every choice of edges to which the axis is perpendicular
+/// is tried.
 std::array<Vec3, 5> close_axes(FeatureKind kind, const Differences& d, const Vec3& separation) {
   const bool vf = kind == FeatureKind::vf;
   const Vec3 first = vf ? Vec3(d[1] - d[0]) : d[0], second = d[2] - (vf ? d[0] : d[1]);
@@ -96,7 +101,7 @@ std::array<Vec3, 5> close_axes(FeatureKind kind, const Differences& d, const Vec
           across(across(first.cross(second), first), second)};
 }
 
-/// The points keep all their differences: not only as these are rounded.
+/// Whether all differences of the points are exactly constant, not only after rounding.
 template <int kPoints>
 bool moves_as_one(const TestPoints& x) {
   for (std::size_t i = 1; i < 4; ++i)
@@ -107,7 +112,7 @@ bool moves_as_one(const TestPoints& x) {
   return true;
 }
 
-/// A point of the first feature and one of the second have the same coordinates at t = 0. Exact.
+/// Whether a point of the first feature and a point of the second have the same coordinates at t = 0. Exact.
 bool share_a_point_at_start(FeatureKind kind, const TestPoints& x) {
   const std::size_t second = kind == FeatureKind::vf ? 1 : 2;
   for (std::size_t i = 0; i < second; ++i)
@@ -124,7 +129,7 @@ class PieceSearch {
 
   InclusionAnswer run(double t_max) {
     if (share_a_point_at_start(test_.kind(), points_)) return {.outcome = Outcome::touch, .at_start = true};
-    InclusionAnswer open{Outcome::apart};  // the first piece that stays open, if any
+    InclusionAnswer open{Outcome::apart};  // the first part that remains open, if any
     stack_.push({0, 1, 0});
     for (; !stack_.empty(); ++pieces_) {
       const Part part = stack_.pop();
@@ -135,13 +140,14 @@ class PieceSearch {
       if (free_at_once(piece)) continue;
       look(piece);
       if (test_.separation() > 0) {
-        if (certainly_within(part.lo)) return touch(part.lo);  // all before is free
+        if (certainly_within(part.lo)) return touch(part.lo);  // all earlier parts are free
         if (certainly_within(part.hi)) {
           if (part.hi - part.lo <= tolerance_) return touch(part.lo);
           if (part.level < kLevelsOfThree && split_at_approach(part)) continue;
         }
       }
-      // What matters is decided at the root, and the polynomial tells where that is: a short part at first.
+      // The root decides, and the polynomial determines its position; therefore a short part around it is examined
+      // first.
       if (part.level == 0 && crossing(piece)) {
         split_at_root(piece, part, kRootMargin);
         continue;
@@ -169,8 +175,8 @@ class PieceSearch {
   }
 
  private:
-  /// Two proofs and a guess about the step after the first open part, which take the place of hundreds of parts. `open`
-  /// is the part that ends at hi. None: the search has to go on.
+  /// Two proofs and one estimate for the step after the first open part, which replace hundreds of parts. `open` is the
+  /// answer for that part, which ends at hi. No value: the search must continue.
   std::optional<InclusionAnswer> look_ahead(const InclusionAnswer& open, double hi) {
     const bool moved_apart = moved_apart_;
     const Vec3 axis = axis_;
@@ -181,19 +187,19 @@ class PieceSearch {
     return std::nullopt;
   }
 
-  /// All but the tolerance after t is free, and the beginning of it is easily proven so: else the search might come to
-  /// no answer.
+  /// Whether everything after t, except for the tolerance, is proven free, and the first part of it easily; otherwise
+  /// the search might end without an answer.
   bool rest_is_free(double t, double hi) {
     const double from = std::max(hi, std::min(t + tolerance_, t + kFewParts * kShortestPiece));
     return from >= 1 || (is_free(from, std::min(1.0, 2 * from - t)) && is_free(from, 1));
   }
 
-  /// Parts after t stay open for longer than the tolerance, or are more than the search looks at. Not certain: where
-  /// it is wrong, `exact` decides what the search could have decided.
+  /// Whether parts after t seem to remain open for longer than the tolerance, or to be more than the search may
+  /// examine. This is not certain: if it is wrong, `exact` decides a test that the search could have decided.
   bool stays_open_for_long(double t) {
     const double many = std::min(1.5 * tolerance_, kManyParts * most_pieces_ * kShortestPiece);
     for (const double after : {many, many / 2, many / 4, many / 8}) {
-      // Where features move apart slowly, longer parts are easier to prove free; where they touch again, shorter ones.
+      // If the features separate slowly, longer parts are easier to prove free; if they touch again, shorter parts are.
       for (double length = kShortestPiece; length <= after; length *= 2) {
         const double later = t + std::floor(after / length) * length;
         if (later + length > 1 || !stays_open(later, later + length)) return false;
@@ -215,7 +221,7 @@ class PieceSearch {
     return separated(piece, kLevelsOfThree, false);
   }
 
-  /// No proof of any kind.
+  /// Whether no proof succeeds for the part.
   bool stays_open(double lo, double hi) {
     MotionPiece<kPoints> piece(test_, lo, hi);
     if (free_at_once(piece)) return false;
@@ -228,14 +234,14 @@ class PieceSearch {
     return piece.never_coplanar() || (moved_apart_ && piece.separated_along(axis_));
   }
 
-  /// At the likely time of contact.
+  /// Computes the closest points at the likely time of contact.
   void look(const MotionPiece<kPoints>& piece) {
     root_ = test_.separation() > 0 ? 0.5 : piece.likely_root();
     likely_ = test_.at(piece.lo() + root_ * (piece.hi() - piece.lo()));
   }
 
-  /// Features that stay near each other for long need the best axis there is; but where they seem to touch, there is
-  /// none, and a piece that can be split need not show it.
+  /// Features that remain close to each other for long require the best possible axis. If they seem to touch, there is
+  /// none, and a part that can be split does not require it.
   bool separated(const MotionPiece<kPoints>& piece, int level, bool can_split) {
     closest_ = closest_points(test_.kind(), likely_);
     const Vec3 axis = separating_axis(test_.kind(), likely_, closest_);
@@ -244,13 +250,13 @@ class PieceSearch {
     return level >= kLevelsOfThree && !(can_split && seem_to_touch(closest_)) && separated_by_search(axis, piece);
   }
 
-  /// As near as rounding makes points of features that touch.
+  /// Whether the points are as near as rounding errors make the points of touching features.
   bool seem_to_touch(const ClosestPoints& closest) const {
     return (closest.separation.cwiseAbs().array() <= kTouchUnits * kUnitRoundoff * test_.extent().array()).all();
   }
 
-  /// Along the direction to the nearest point of the hull of all differences of the features' control points, which
-  /// separates if anything does (Gilbert, Johnson, Keerthi).
+  /// Tests the direction to the nearest point of the hull of all differences of the features' control points, which
+  /// separates if any axis does (Gilbert, Johnson, Keerthi).
   bool separated_by_search(Vec3 axis, const MotionPiece<kPoints>& piece) {
     constexpr int kMostRounds = 8;
     HullSimplex<double> simplex;
@@ -263,7 +269,7 @@ class PieceSearch {
     return false;
   }
 
-  /// Before a part is given up: for features that are further apart than an undecided test may be.
+  /// Last test before a part remains open, for features that are further apart than those of an undecided test may be.
   bool separated_closely(const MotionPiece<kPoints>& piece) {
     const Vec3& between = closest_.separation;
     if (between.norm() - test_.separation() < kUndecidedDistance / 2 * test_.extent().maxCoeff()) return false;
@@ -279,7 +285,7 @@ class PieceSearch {
     return true;
   }
 
-  /// A contact that is certain, without a separation.
+  /// The answer for a certain contact, without a separation.
   InclusionAnswer contact(const MotionPiece<kPoints>& piece) const {
     InclusionAnswer answer{Outcome::apart};
     if (!crossing(piece)) return answer;
@@ -315,8 +321,9 @@ class PieceSearch {
 
   bool certainly_within(double t) const { return test_.gap(t) < -test_.gap_error(); }
 
-  /// Around the time at which the separation is reached, by false position (an end that stays put counts for half):
-  /// closer to it than the tolerance on both sides. Pre: within the separation at the part's end.
+  /// Splits the part around the time at which the distance reaches the separation, found by false position (Illinois
+  /// method). The inner part extends from that time by less than the tolerance to both sides. Pre: the features are
+  /// within the separation at the end of the part.
   bool split_at_approach(const Part& part) {
     double a = part.lo, b = part.hi, fa = test_.gap(a), fb = test_.gap(b), c = a;
     if (!(fa > 0)) return false;
@@ -338,8 +345,8 @@ class PieceSearch {
     return true;
   }
 
-  /// Splits a part around a likely time of contact down to the shortest one: no part that contains a contact can be
-  /// proven free. False, with nothing done: there seems to be no such time.
+  /// Splits a part around a likely time of contact down to the shortest part, because no part that contains a contact
+  /// can be proven free. Returns false, without a change, if there seems to be no such time.
   bool split_around_touch(const MotionPiece<kPoints>& piece, const Part& part) {
     if (test_.separation() > 0 || (part.level < kLevelsOfThree && crossing(piece))) return false;
     double t = part.lo + root_ * (part.hi - part.lo);
@@ -348,9 +355,9 @@ class PieceSearch {
     return true;
   }
 
-  /// Halves the part until the one that contains t is short enough, and returns it; the parts before it are free then.
-  /// If a part before it is not free at once, that part is returned, and the one that contains t is pushed. Pushes all
-  /// later parts. Counts the parts that a search which tries them would look at.
+  /// Halves the part until the half that contains t is sufficiently short, and returns it; then all earlier halves are
+  /// proven free. If an earlier half is not proven free at once, it is returned instead, and the half that contains t
+  /// is pushed. Pushes all later halves. Counts the parts that a search by splitting would examine.
   Part split_down_to(Part part, double t) {
     Part shortest = part;
     while (shortest.hi - shortest.lo > kShortestPiece) {
@@ -378,8 +385,8 @@ class PieceSearch {
     return part;
   }
 
-  /// The first time in the part at which the features seem to touch, by Newton's method on their distance and halving.
-  /// No certainty. False: none was found.
+  /// The first time in the part at which the features seem to touch, found by Newton's method on their distance, and by
+  /// halving. Not certain. Returns false if none is found.
   bool find_touch(const Part& part, double& t) const {
     constexpr int kMostRounds = 16;
     double before = part.lo;
@@ -393,7 +400,7 @@ class PieceSearch {
         }
         return true;
       }
-      // The same two points at the part's end: for two control points they move along a line.
+      // The same two points at the end of the part; for two control points their difference is linear in time.
       const Vec3 end = separation_of(test_.kind(), test_.at(part.hi), closest.weights);
       const double approach = closest.separation.dot(closest.separation - end);
       before = t;
@@ -410,7 +417,8 @@ class PieceSearch {
     stack_.push({part.lo, middle, part.level + 1});
   }
 
-  /// The polynomial as it is may settle the outer parts but for a little, which goes with the inner one.
+  /// Splits the part around the root; the polynomial itself may prove the outer parts free, except for a margin that
+  /// belongs to the inner part.
   void split_at_root(const MotionPiece<kPoints>& piece, const Part& part, double margin) {
     const Split split(part.lo, part.hi, std::max(0.0, root_ - margin), std::min(1.0, root_ + margin));
     if (split.to < part.hi && !piece.never_coplanar_after(split.after))
@@ -420,7 +428,7 @@ class PieceSearch {
       stack_.push({part.lo, split.from, part.level + 1});
   }
 
-  /// The features change sides for certain.
+  /// Whether the features certainly change sides.
   bool crossing(const MotionPiece<kPoints>& piece) const {
     return test_.separation() == 0 && piece.sign_at_start() * piece.sign_at_end() < 0;
   }
@@ -429,13 +437,13 @@ class PieceSearch {
   BoundedTest<kPoints> test_;
   double tolerance_;
   int most_pieces_;
-  int pieces_ = 0;  ///< looked at
+  int pieces_ = 0;  ///< number of parts examined
   PartStack stack_;
-  bool moved_apart_ = false;  ///< an axis has separated a piece
-  Vec3 axis_ = Vec3::Zero();  ///< the last that did
-  double root_ = 0;           ///< local parameter at which the piece was looked at
-  Differences likely_;        ///< then
-  ClosestPoints closest_;     ///< then
+  bool moved_apart_ = false;  ///< whether an axis has separated a part
+  Vec3 axis_ = Vec3::Zero();  ///< the last axis that separated a part
+  double root_ = 0;           ///< local parameter at which the part was examined
+  Differences likely_;        ///< differences at that time
+  ClosestPoints closest_;     ///< closest points at that time
 };
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace volccd::detail {
 namespace {
 
-/// p(x / 2^bits) 2^(bits degree) by Horner's scheme, without the coefficients for which `skip` is true.
+/// Computes p(x / 2^bits) 2^(bits degree) by Horner's scheme, without the coefficients for which `skip` is true.
 template <class Skip>
 Integer scaled_value(const std::vector<Integer>& c, const Integer& x, unsigned bits, Skip skip) {
   Integer value = 0, term;
@@ -22,7 +22,7 @@ Integer scaled_value(const std::vector<Integer>& c, const Integer& x, unsigned b
   return value;
 }
 
-/// Remainder of a divided by b, up to a positive or negative factor.
+/// Remainder of a divided by b, multiplied by a positive or negative factor.
 Polynomial pseudo_remainder(const Polynomial& a, const Polynomial& b) {
   std::vector<Integer> r = a.coefficients();
   const std::vector<Integer>& d = b.coefficients();
@@ -84,7 +84,7 @@ int Polynomial::sign_before(const Dyadic& t) const {
 }
 
 int Polynomial::sign_on(const Integer& lo, const Integer& hi, unsigned bits) const {
-  // Terms with positive coefficients grow with t, the others fall.
+  // Terms with positive coefficients increase with t, the others decrease.
   const auto negative = [](const Integer& c) { return c.sign() < 0; };
   const auto positive = [](const Integer& c) { return c.sign() > 0; };
   const Integer least = scaled_value(c_, lo, bits, negative) + scaled_value(c_, hi, bits, positive);

@@ -1,4 +1,4 @@
-// Definitions of motion_piece.hpp, which includes it: they are worth inlining.
+// Inline definitions for motion_piece.hpp, which includes this file.
 #pragma once
 
 #include <algorithm>
@@ -65,7 +65,7 @@ void BoundedTest<kPoints>::measure() {
     first = std::max(first, length_bound(kind_ == FeatureKind::vf ? Vec3(d2 - d1) : d1));
     second = std::max(second, length_bound(kind_ == FeatureKind::vf ? Vec3(d3 - d1) : Vec3(d3 - d2)));
   }
-  // The sides were computed from rounded differences: their error is a few units of the extent.
+  // The sides were computed from rounded differences, with errors of a few units of roundoff relative to the extent.
   const double slack = 16 * kUnitRoundoff * extent_.sum();
   coplanarity_within_separation_ =
       separation_ * kAreaSlack * std::max((first + slack) * (second + slack), kLeastSquare);
@@ -156,7 +156,7 @@ double MotionPiece<kPoints>::coefficient(int k) const {
   return b_[static_cast<std::size_t>(k)] * (1 / binomial(kDegree, k));
 }
 
-/// Horner's scheme on Bernstein coefficients that hold their binomials.
+/// Horner's scheme for Bernstein coefficients that include their binomials.
 template <int kPoints>
 double MotionPiece<kPoints>::value(double s) const {
   const double r = 1 - s;
@@ -176,7 +176,7 @@ double MotionPiece<kPoints>::value_error() const {
          value_error_factor(kDegree) * greatest;
 }
 
-/// De Casteljau's scheme: the coefficients on either side of s are those that it passes through.
+/// De Casteljau's algorithm: its intermediate values are the coefficients on both sides of s.
 template <int kPoints>
 template <bool kBefore>
 bool MotionPiece<kPoints>::one_sign(double s) const {
@@ -204,7 +204,7 @@ bool MotionPiece<kPoints>::never_coplanar_after(double s) const {
   return one_sign<false>(s);
 }
 
-/// Of value(), as rounded.
+/// Derivative of value(), rounded.
 template <int kPoints>
 double MotionPiece<kPoints>::slope(double s) const {
   const double r = 1 - s;
@@ -220,7 +220,7 @@ double MotionPiece<kPoints>::slope(double s) const {
 template <int kPoints>
 double MotionPiece<kPoints>::likely_root() const {
   if (b_[0] * b_[kDegree] < 0) {
-    // Illinois: false position, an end that stays put counts for half.
+    // Illinois method: false position, where the value at an end that is kept is halved.
     double a = 0, b = 1, fa = b_[0], fb = b_[kDegree], c = 0.5;
     const double enough = 0x1p-10 * std::max(std::abs(fa), std::abs(fb));
     for (int round = 0; round < 8; ++round) {
@@ -315,10 +315,10 @@ bool MotionPiece<kPoints>::overlap_along(const Vec3& direction) const {
     const double s12 = sign * q12[at] - weight * e12 - underflow, s13 = -sign * q13[at] - weight * e13 - underflow;
     if (!(s12 > 0 && s13 > 0)) return false;
     if (test_.kind() == FeatureKind::vf) {
-      // Seen from the vertex, the corners turn one way: (1,2), (2,3), (3,1).
+      // In the projection, the corners as seen from the vertex are in cyclic order: (1,2), (2,3), (3,1).
       if (!(sign * q23[at] > weight * e23 + underflow)) return false;
     } else {
-      // The ends of edge 2 lie on either side of edge 1; and those of edge 1 on either side of edge 2.
+      // The ends of edge 2 are on different sides of edge 1, and those of edge 1 on different sides of edge 2.
       if (!(-sign * q23[at] > weight * e23 + underflow)) return false;
       if (!(sign * (q23[at] + q12[at] - q13[at]) > weight * (e12 + e13 + e23) + 3 * underflow)) return false;
     }
@@ -329,7 +329,7 @@ bool MotionPiece<kPoints>::overlap_along(const Vec3& direction) const {
 template <int kPoints>
 double MotionPiece<kPoints>::before_first_root(double guess, double tolerance) const {
   const double rise = b_[kDegree] > b_[0] ? 1 : -1;
-  // One root only, if the polynomial is monotone for certain.
+  // There is only one root if the polynomial is certainly monotone.
   double least = kInfinity;
   for (int k = 1; k <= kDegree; ++k) least = std::min(least, rise * (coefficient(k) - coefficient(k - 1)));
   if (!(least > 0)) return -1;
@@ -337,12 +337,12 @@ double MotionPiece<kPoints>::before_first_root(double guess, double tolerance) c
   least = kDegree * (least - 2 * error);
   if (!(least > 0)) return -1;
   const double root = guess - value(guess) / slope(guess);
-  // Beyond the piece neither the polynomial nor its signs say anything of the motion. NaN ends here as well.
+  // Outside of [0, 1] the polynomial and its signs are not valid for the motion. This test also excludes NaN.
   if (!(root >= 0 && root <= 1)) return -1;
   const double width = hi_ - lo_;
   for (double margin = std::max(4 * error / least, 0x1p-44); 2 * margin * width < tolerance; margin *= 8) {
     const double before = root - margin, after = root + margin;
-    // The ends' signs are certain, as the caller says.
+    // The caller guarantees that the signs at the ends are certain.
     if (after < 1 && !(rise * value(after) > error)) continue;
     if (before <= 0) return lo_;
     if (-rise * value(before) > error) return std::max(lo_, (lo_ + before * width) * (1 - 4 * kUnitRoundoff));

@@ -1,5 +1,5 @@
-// One elementary test over a part of the step, with proven bounds on what rounding does: the steps that the `inclusion`
-// narrow phase is made of. Derivations: docs/numerics.md, "Parts of the step".
+// One elementary test over a part of the step, with proven bounds on rounding errors: the operations of the `inclusion`
+// narrow phase. Derivations: docs/numerics.md, "Parts of the step".
 #pragma once
 
 #include <array>
@@ -9,8 +9,8 @@
 
 namespace volccd::detail {
 
-/// Rounded differences of a test's points to the first of them, scaled by a power of two into range, and the magnitudes
-/// that error bounds are made of. kPoints control points: 2 or 3.
+/// Rounded differences of the points of a test to its first point, scaled by a power of two into a safe range, and the
+/// magnitudes from which error bounds are computed. kPoints: number of control points, 2 or 3.
 template <int kPoints>
 class BoundedTest {
  public:
@@ -20,24 +20,25 @@ class BoundedTest {
   BoundedTest(FeatureKind kind, const TestPoints& x, double separation);
 
   FeatureKind kind() const { return kind_; }
-  double separation() const { return separation_; }  ///< scaled
+  double separation() const { return separation_; }  ///< scaled like the differences
   const std::array<Curve, 3>& differences() const { return differences_; }
-  /// Over all control points of points 1, 2, 3; at least kLeastExtent.
+  /// Greatest magnitudes over all control points of the points 1, 2, 3; at least kLeastExtent.
   const std::array<Vec3, 3>& extents() const { return extents_; }
   const Vec3& extent() const { return extent_; }
-  /// No point moves relative to another, as far as rounded differences tell.
+  /// Whether no point moves relative to another, according to the rounded differences.
   bool rigid() const { return rigid_; }
-  /// Bernstein coefficient k of the coplanarity polynomial over any part of the step, times binomial(degree, k), is off
-  /// by less than binomial * coplanarity_error + kDeterminantUnderflow-sized `coplanarity_underflow`.
+  /// The error of Bernstein coefficient k of the coplanarity polynomial over any part of the step, times
+  /// binomial(degree, k), is less than binomial * coplanarity_error() + coplanarity_underflow(). The latter is of the
+  /// order of kDeterminantUnderflow.
   double coplanarity_error() const { return coplanarity_error_; }
   double coplanarity_underflow() const { return coplanarity_underflow_; }
-  /// Of the polynomial, at any time when the features are within the separation.
+  /// Upper bound on the magnitude of the polynomial at any time when the features are within the separation.
   double coplanarity_within_separation() const { return coplanarity_within_separation_; }
 
-  /// At time t, rounded.
+  /// Differences at time t, rounded.
   Differences at(double t) const;
 
-  /// Distance of the features at time t less the separation, off by less than gap_error().
+  /// Distance of the features at time t minus the separation, with an error of less than gap_error().
   double gap(double t) const;
   double gap_error() const { return gap_error_; }
 
@@ -54,7 +55,7 @@ class BoundedTest {
   double coplanarity_error_ = 0, coplanarity_underflow_ = 0, coplanarity_within_separation_ = 0, gap_error_ = 0;
 };
 
-/// The test over [lo, hi]: control points there, and the coplanarity polynomial. Refers to the test.
+/// The test over the part [lo, hi]: its control points, and the coplanarity polynomial. Holds a reference to the test.
 template <int kPoints>
 class MotionPiece {
  public:
@@ -67,39 +68,38 @@ class MotionPiece {
   double hi() const { return hi_; }
 
   /// Computes the Bernstein coefficients of the coplanarity polynomial. True only if they prove that the features are
-  /// further apart than the separation all through the piece. Call before what follows.
+  /// further apart than the separation throughout the part. Must be called before the members below.
   bool never_coplanar();
   /// Bernstein coefficients, each times binomial(degree, k), and bounds on their errors.
   const std::array<double, kDegree + 1>& coefficients() const { return b_; }
   double error(int k) const;
-  /// No coefficient is beyond its bound: neither here nor in a part does the polynomial tell anything.
+  /// Whether no coefficient exceeds its bound; then the polynomial gives no information on this part or any part of it.
   bool vanishes() const;
-  /// Sign of the polynomial at the piece's start and end; 0 where rounding leaves it open.
+  /// Sign of the polynomial at the start and end of the part; 0 if rounding leaves it open.
   int sign_at_start() const;
   int sign_at_end() const;
-  /// Local parameter in [0,1] (0: lo, 1: hi), not certain, at which contact is most likely: the first root if the signs
-  /// at the ends differ, else where the polynomial comes nearest to zero.
+  /// Local parameter in [0,1] (0: lo, 1: hi) at which contact is most likely, without a proof: the first root if the
+  /// signs at the ends differ, otherwise the position where the polynomial is nearest to zero.
   double likely_root() const;
 
-  /// True only if the polynomial proves that the features do not touch in the part of the piece up to (from) the local
-  /// parameter s. Pre: no separation.
+  /// True only if the polynomial proves that the features do not touch before (after) the local parameter s of the
+  /// part. Pre: no separation.
   bool never_coplanar_before(double s) const;
   bool never_coplanar_after(double s) const;
 
-  /// True only if the projections onto `axis` (any vector) stay further apart than the separation all through the
-  /// piece.
+  /// True only if the projections onto `axis` (any vector) are further apart than the separation throughout the part.
   bool separated_along(const Vec3& axis) const;
 
-  /// Of the differences of the second feature's control points to those of the first, at equal times, the least along
-  /// `axis`. Rounded.
+  /// Among the differences of control points of the second feature and control points of the first at equal times, the
+  /// one with the smallest component along `axis`. Rounded.
   Vec3 support(const Vec3& axis) const;
 
-  /// True only if, seen along `direction`, the features overlap all through the piece (vertex inside the triangle,
-  /// edges crossing): then each root of the polynomial in it is a contact.
+  /// True only if the projections of the features along `direction` overlap throughout the part (the vertex is inside
+  /// the triangle, or the edges cross). Then each root of the polynomial in this part is a contact.
   bool overlap_along(const Vec3& direction) const;
 
-  /// Given that the signs at the ends are certain and opposite: a time before the first root by less than `tolerance`,
-  /// or that root; negative if that cannot be told. `guess`: likely_root().
+  /// A time that is before the first root by less than `tolerance`, or the root itself; negative if no such time can be
+  /// proven. `guess`: likely_root(). Pre: the signs at the ends are certain and opposite.
   double before_first_root(double guess, double tolerance) const;
 
  private:

@@ -1,4 +1,4 @@
-// The four points of one elementary test in motion, relative to the first of them.
+// The four moving points of one elementary test, relative to the first point.
 #pragma once
 
 #include <algorithm>
@@ -9,31 +9,31 @@
 
 namespace volccd::detail {
 
-/// Where a test's coordinates are: for each point, in the order of test_vertices(), {x, y, z} of each control point; of
-/// two, t = 0 and t = 1.
+/// Pointers to the coordinates of a test: for each point, in the order of test_vertices(), {x, y, z} of each control
+/// point. Two control points are the positions at t = 0 and t = 1.
 using TestPoints = std::array<const double*, 4>;
 
-/// Differences to the first point at one time: point 1, 2, 3. VF: the triangle seen from the vertex. EE: the far end of
-/// edge 1, and edge 2, seen from the near end of edge 1.
+/// Differences of the points 1, 2, 3 and point 0 at one time. VF: the triangle relative to the vertex. EE: the other
+/// end of edge 1, and edge 2, relative to the first end of edge 1.
 using Differences = std::array<Vec3, 3>;
 
-/// On straight lines.
+/// Motion on straight lines.
 struct MovingPoints {
   Differences start, end;
-  /// Largest coordinate difference, at t = 0 or 1.
+  /// Largest magnitude of a coordinate difference, at t = 0 or 1.
   double size;
   /// Largest change of a coordinate difference.
   double travel;
 
-  /// Exact at t = 0 and t = 1.
+  /// Differences at time t; exact at t = 0 and t = 1.
   Differences at(double t) const {
     const double s = 1 - t;
     return {s * start[0] + t * end[0], s * start[1] + t * end[1], s * start[2] + t * end[2]};
   }
 };
 
-/// (a - b) times `scale`, a power of two, rounded: large coordinates are scaled down first, small differences of large
-/// coordinates up last, so that neither step overflows where the result does not.
+/// (a - b) times `scale`, a power of two, rounded. For scale <= 1 the coordinates are scaled before the subtraction,
+/// for scale > 1 the difference is scaled, so that no intermediate value overflows unless the result does.
 inline double scaled_difference(double a, double b, double scale) {
   return scale > 1 ? scale * (a - b) : scale * a - scale * b;
 }
@@ -54,7 +54,7 @@ inline MovingPoints moving_points(const TestPoints& x, double scale) {
   return points;
 }
 
-/// On quadratic Bezier curves.
+/// Motion on quadratic Bezier curves.
 struct CurvedPoints {
   Differences start, middle, end;
   /// Largest coordinate difference of control points.
@@ -68,14 +68,14 @@ struct CurvedPoints {
   }
 };
 
-/// As moving_points(), for three control points.
+/// The same as moving_points() for three control points.
 CurvedPoints curved_points(const TestPoints& x, double scale);
 
-/// Sizes for which products of six lengths neither overflow nor lose digits to underflow.
+/// Range of sizes for which products of six lengths neither overflow nor lose digits by underflow.
 inline constexpr double kLeastSize = 0x1p-100, kGreatestSize = 0x1p100;
 
-/// 1 for points of ordinary size; else the power of two that brings the largest coordinate difference near 1.
-/// Coordinates so far apart that their difference overflows are included.
+/// 1 for points of ordinary size; otherwise the power of two that scales the largest coordinate difference to about 1.
+/// Valid also for coordinates whose difference overflows.
 double range_scale(const TestPoints& x, int control_points = 2);
 
 }  // namespace volccd::detail

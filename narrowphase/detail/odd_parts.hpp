@@ -1,4 +1,4 @@
-// A double as an odd integer times a power of two.
+// Decomposition of a double into an odd integer and a power of two.
 #pragma once
 
 #include <bit>
@@ -8,7 +8,7 @@
 
 namespace volccd::detail {
 
-/// x = mantissa * 2^exponent, the mantissa odd.
+/// x = mantissa * 2^exponent with an odd mantissa.
 struct OddParts {
   std::int64_t mantissa;
   int exponent;

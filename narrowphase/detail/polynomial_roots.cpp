@@ -5,8 +5,8 @@
 namespace volccd::detail {
 
 int quadratic_roots(double q0, double q1, double q2, std::array<double, 2>& roots) {
-  // With x = t / (1 - t): q2 x^2 + 2 q1 x + q0 = 0. Vieta's form avoids cancellation: x = r / q2 and x = q0 / r. As t
-  // is x / (1 + x), neither is ever formed: t = p / (p + d) for x = p / d >= 0.
+  // With x = t / (1 - t): q2 x^2 + 2 q1 x + q0 = 0. Vieta's form avoids cancellation: x = r / q2 and x = q0 / r. Since
+  // t = x / (1 + x), x itself is never computed: t = p / (p + d) for x = p / d >= 0.
   if ((q0 > 0 && q1 >= 0 && q2 > 0) || (q0 < 0 && q1 <= 0 && q2 < 0)) return 0;
   const double discriminant = q1 * q1 - q0 * q2;
   if (!(discriminant >= 0)) return 0;
@@ -39,7 +39,7 @@ double bracketed_root(const CoplanarityCubic& f, double a, double b) {
   const double fa = f.value(a), fb = f.value(b);
   const bool rising = fa < 0;
   double t = a + (b - a) * (fa / (fa - fb)), last_step = b - a;
-  // Each turn at least halves the step or the bracket.
+  // Each iteration at least halves the step or the bracket.
   for (int turn = 0; turn < 200; ++turn) {
     const double value = f.value(t);
     if (value == 0) return t;
@@ -52,7 +52,7 @@ double bracketed_root(const CoplanarityCubic& f, double a, double b) {
     if (next == t) return t;
     last_step = std::abs(step);
     t = next;
-    // A Newton step this small was taken where convergence is quadratic: nothing would follow.
+    // A Newton step this small is in the region of quadratic convergence; another step would not change t.
     if (last_step <= kUnitRoundoff * t) return t;
   }
   return t;
@@ -61,7 +61,7 @@ double bracketed_root(const CoplanarityCubic& f, double a, double b) {
 std::array<double, 2> zero_stretch(const CoplanarityCubic& f, double a, double b) {
   const int sign_a = f.sign(a), sign_b = f.sign(b);
   std::array<double, 2> stretch = {a, b};
-  // `outside` has the proven sign of that end; the other end of the bracket has not.
+  // `outside` has the proven sign of that end; the other end of the bracket does not.
   const auto shrink = [&](double outside, double inside, int sign) {
     for (int turn = 0; turn < 60; ++turn) {
       const double middle = outside + 0.5 * (inside - outside);

@@ -1,4 +1,4 @@
-// Charges the chunks of a stage to it.
+// An executor that adds the time of its chunks to a stage.
 #pragma once
 
 #include <volccd/core/executor.hpp>
@@ -6,7 +6,8 @@
 
 namespace volccd::detail {
 
-/// Another executor whose chunks are charged to the statistics of one stage, by worker: idle time is charged to nobody.
+/// Wraps another executor and adds the time of its chunks to the statistics of one stage, separately for each worker.
+/// Idle time is not included.
 class ChargedExecutor final : public Executor {
  public:
   ChargedExecutor(Executor& executor, std::span<const std::unique_ptr<WorkerScratch>> workers, std::size_t stage)
@@ -26,7 +27,7 @@ class ChargedExecutor final : public Executor {
     });
   }
 
-  /// Wall clock spent in parallel_for().
+  /// Wall-clock time spent in parallel_for().
   double in_parallel() const { return in_parallel_; }
 
  private:

@@ -1,4 +1,4 @@
-// Looks at the floating-point environment of the threads that work.
+// An executor that checks the floating-point environment of its threads.
 #pragma once
 
 #include <volccd/core/executor.hpp>
@@ -6,8 +6,8 @@
 
 namespace volccd::detail {
 
-/// Another executor whose threads must have the standard floating-point environment: checked once a chunk, because a
-/// thread's environment is its own. parallel_for() throws ConfigError if one has another.
+/// Wraps another executor whose threads must have the standard floating-point environment. The environment belongs to a
+/// thread, hence it is checked once per chunk. parallel_for() throws ConfigError if a thread has a different one.
 class CheckedExecutor final : public Executor {
  public:
   explicit CheckedExecutor(Executor& executor) : executor_(executor) {}

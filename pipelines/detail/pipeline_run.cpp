@@ -12,7 +12,7 @@ using detail::WorkerScratch;
 
 namespace {
 
-/// Puts contacts in canonical order, each feature pair once. Returns how many were there again.
+/// Sorts contacts into canonical order and keeps each feature pair once. Returns the number of removed duplicates.
 std::size_t make_canonical(std::vector<Contact>& contacts) {
   const std::size_t found = contacts.size();
   std::sort(contacts.begin(), contacts.end(), canonical_less);
@@ -32,8 +32,8 @@ Pipeline::Run::Run(const Pipeline& pipeline, const Step& step, Workspace::Data& 
       data_(data),
       executor_(executor),
       query_(request.query),
-      overlaps_asked_(request.initial_overlaps),
-      adjacent_asked_(request.count_adjacent && pipeline.range_ == PairRange::every),
+      overlaps_requested_(request.initial_overlaps),
+      adjacent_requested_(request.count_adjacent && pipeline.range_ == PairRange::every),
       shell_neighbours_left_out_(request.leave_out_shell_neighbours),
       test_stages_{pipeline.feature_filters_, *pipeline.narrow_phase_, std::span(data.states).subspan(first_filter())},
       best_(std::min(step.t_max, 1.0)) {}
@@ -94,12 +94,14 @@ void Pipeline::Run::prepare_stage(std::size_t stage, const Step& step) {
 void Pipeline::Run::prepare_stages() {
   if (pipeline_.flood_) {
     prepare_stage(flood(), step_);
-    flooded_ = pipeline_.flood_->takes(state(flood()), overlaps_asked_);
+    flooded_ = pipeline_.flood_->takes(state(flood()), overlaps_requested_);
     if (flooded_) flood_step_.emplace(pipeline_.flood_->step(state(flood())));
   }
   for (std::size_t i = 0; i < pipeline_.stages_.size(); ++i) {
     if (pipeline_.flood_ && i == flood()) continue;
-    if (flooded_ && i == orphans()) continue;  // its O-Set is not needed: it waits for the next step without a flood
+    if (flooded_ && i == orphans())
+      continue;  // its O-Set is not needed in this step; it is updated for the next step
+                 // without a flood
     prepare_stage(i, i <= assignment() ? pair_step() : step_);
   }
 }
@@ -111,12 +113,12 @@ double Pipeline::Run::charged_seconds() const {
   return sum;
 }
 
-/// Later stages run inside the broad phase, which is charged for its own part of each chunk, and for what it does
-/// outside of chunks. Of the latter, what it hands on there is taken off again.
+/// Later stages run inside the broad phase. The broad phase is charged for its own part of each chunk and for its time
+/// outside of chunks; from the latter, the time that later stages spend there is subtracted.
 void Pipeline::Run::run_broad_phase() {
   detail::ChargedExecutor executor(executor_, data_.workers, kBroadPhase);
   StageClock clock;
-  double all = 0, handed_on = 0;
+  double all = 0, in_later_stages = 0;
   {
     const StageTimer timer(clock, all);
     pipeline_.broad_phase_->run(pair_step(), state(kBroadPhase), pipeline_.range_, executor,
@@ -125,10 +127,10 @@ void Pipeline::Run::run_broad_phase() {
                                   const bool in_chunk = data_.workers[w]->chain.clock().running();
                                   const double before = in_chunk ? 0 : charged_seconds();
                                   take_pairs(pairs, w);
-                                  if (!in_chunk) handed_on += charged_seconds() - before;
+                                  if (!in_chunk) in_later_stages += charged_seconds() - before;
                                 });
   }
-  data_.workers[0]->sums.stages[kBroadPhase].seconds += std::max(0.0, all - executor.in_parallel() - handed_on);
+  data_.workers[0]->sums.stages[kBroadPhase].seconds += std::max(0.0, all - executor.in_parallel() - in_later_stages);
 }
 
 void Pipeline::Run::run_flood() {
@@ -150,7 +152,7 @@ void Pipeline::Run::run_flood() {
   }
 }
 
-/// What the flood has found stays; contacts that are found again are merged.
+/// Contacts that the flood has found are kept; contacts that are found again are merged with them.
 void Pipeline::Run::begin_without_flood() {
   flooded_ = false;
   for (const auto& worker : data_.workers) worker->overlaps.clear();
@@ -183,9 +185,9 @@ void Pipeline::Run::run_orphans() {
   });
 }
 
-/// With Query::first, what touches only after the best contact so far does not matter. The slack keeps the answer
-/// independent of the order in which workers find contacts although the narrow phase rounds its times; the narrow phase
-/// itself always sees the step as it was given.
+/// With Query::first, pairs that touch only after the best contact so far are irrelevant. Since the narrow phase rounds
+/// its times, a slack is added, so that the answer does not depend on the order in which workers find contacts. The
+/// narrow phase itself always receives the original step.
 double Pipeline::Run::latest_time() const {
   if (query_ != Query::first) return step_.t_max;
   const double slack = 1e-12 + pipeline_.narrow_phase_->time_tolerance();
@@ -194,12 +196,13 @@ double Pipeline::Run::latest_time() const {
 
 void Pipeline::Run::count_adjacent(std::span<const ElementPair> pairs, Statistics& sums) const {
   sums.element_pairs += pairs.size();
-  if (!adjacent_asked_) return;
+  if (!adjacent_requested_) return;
   for (const ElementPair pair : pairs) sums.adjacent_pairs += pair_step().topology.adjacency().adjacent(pair.a, pair.b);
 }
 
-/// From the broad phase or a flood. `at_start`: the flood asks only which of them touch at t = 0. Those come again in a
-/// later front, for the whole step: tests assigned at t = 0 would lack the features that touch later.
+/// Processes pairs from the broad phase or a flood. `at_start`: the flood only needs to know which pairs touch at t =
+/// 0. It proposes them again in a later front for the whole step, because tests assigned for t = 0 would not include
+/// features that touch later.
 void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w, bool at_start) {
   WorkerScratch& worker = *data_.workers[w];
   const StageTimer nobody(worker.chain.clock());
@@ -209,7 +212,7 @@ void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w, b
   for (std::size_t begin = 0; begin < pairs.size(); begin += kPairs) {
     worker.batch.assign(pairs.subspan(begin, std::min(kPairs, pairs.size() - begin)));
     cull_pairs(step, w);
-    if (overlaps_asked_ && !at_start) {
+    if (overlaps_requested_ && !at_start) {
       take_overlaps(worker.batch.pairs, worker);
       take_overlaps(worker.batch.contact_free, worker);
     }
@@ -270,7 +273,7 @@ void Pipeline::Run::take_overlaps(std::span<const ElementPair> pairs, WorkerScra
   statistics.out += worker.overlaps.size() - before;
 }
 
-/// As many tests of each kind as make a multiple; the rest waits for more.
+/// Runs the largest number of tests of each kind that is a multiple of `multiple`; the others remain for the next call.
 void Pipeline::Run::run_tests(WorkerScratch& worker, std::size_t multiple) {
   const std::size_t old_contacts = worker.chain.contacts().size();
   worker.chain.prune(latest_time());
@@ -291,7 +294,7 @@ void Pipeline::Run::finish_tests(WorkerScratch& worker) {
   take_contacts(worker, old_contacts);
 }
 
-/// Contacts from `old_contacts` on are new. What is left out must not count as the first one.
+/// Contacts from `old_contacts` on are new. A contact that is left out must not count as the first one.
 void Pipeline::Run::take_contacts(WorkerScratch& worker, std::size_t old_contacts) {
   if (shell_neighbours_left_out_) leave_out(worker, old_contacts);
   note_first(worker, old_contacts);

@@ -1,4 +1,4 @@
-// One run of a pipeline on one step.
+// A run of a pipeline on one step.
 #pragma once
 
 #include <atomic>
@@ -10,11 +10,11 @@
 
 namespace volccd {
 
-/// Two sources of tests: element pairs of the broad phase, through element culling and assignment; and blocks of
-/// orphans. Where a flood takes the step, it proposes further pairs, and has the orphans. Both flow through filters and
-/// narrow phase on the worker that received them, so that no list of all pairs or all tests exists at any time. Sums
-/// are kept by worker and added in the end; contacts are put in canonical order: both are independent of the number of
-/// workers.
+/// Tests have two sources: element pairs of the broad phase, after element culling and assignment, and blocks of
+/// orphans. If a flood accepts the step, it proposes further pairs and provides the orphans. Each worker passes its
+/// tests through the filters and the narrow phase itself, so that no list of all pairs or all tests is ever stored.
+/// Counts are kept per worker and added at the end, and contacts are sorted into canonical order; both are independent
+/// of the number of workers.
 class Pipeline::Run {
  public:
   Run(const Pipeline& pipeline, const Step& step, Workspace::Data& data, Executor& executor, const Request& request);
@@ -22,8 +22,8 @@ class Pipeline::Run {
   void execute(StepResult& result, const Workspace& workspace);
 
  private:
-  /// Element pairs that go through culling at once, tests that go through the chain at once: small enough for the
-  /// caches, large enough that clocks and virtual calls do not count.
+  /// Number of element pairs that are culled together, and number of tests that are given to the chain together: small
+  /// enough for the caches, and large enough that the cost of clocks and virtual calls is negligible.
   static constexpr std::size_t kPairs = 256, kTests = 1024;
 
   void prepare_workers();
@@ -49,7 +49,7 @@ class Pipeline::Run {
   void collect(StepResult& result);
   void collect_overlaps(StepResult& result) const;
 
-  // Places of the stages in Statistics::stages, in Workspace::Data::states and in Pipeline::stages_.
+  // Indices of the stages in Statistics::stages, in Workspace::Data::states and in Pipeline::stages_.
   static constexpr std::size_t kBroadPhase = 0, kFirstCulling = 1;
   std::size_t assignment() const { return kFirstCulling + pipeline_.element_culling_.size(); }
   std::size_t orphans() const { return assignment() + 1; }
@@ -63,14 +63,14 @@ class Pipeline::Run {
 
   const Pipeline& pipeline_;
   const Step& step_;
-  std::optional<Step> flood_step_;  ///< what broad phase, culling and assignment see if a flood takes the step
+  std::optional<Step> flood_step_;  ///< step for broad phase, culling and assignment if a flood accepts the step
   bool flooded_ = false;
   Workspace::Data& data_;
   Executor& executor_;
   const Query query_;
-  const bool overlaps_asked_, adjacent_asked_, shell_neighbours_left_out_;
+  const bool overlaps_requested_, adjacent_requested_, shell_neighbours_left_out_;
   const TestStages test_stages_;
-  std::atomic<double> best_;  ///< earliest contact so far (Query::first)
+  std::atomic<double> best_;  ///< time of the earliest contact so far (Query::first)
 };
 
 }  // namespace volccd

@@ -1,4 +1,4 @@
-// What a Workspace holds.
+// The contents of a Workspace.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@ namespace volccd {
 
 namespace detail {
 
-/// Scratch and sums of one worker.
+/// Scratch memory, counts and times of one worker.
 struct alignas(64) WorkerScratch {
   PairBatch batch;
   TestBatch tests;
@@ -32,10 +32,10 @@ struct alignas(64) WorkerScratch {
 }  // namespace detail
 
 struct Workspace::Data {
-  std::uint64_t pipeline = 0;  ///< id of the one that made it
-  bool intact = false;         ///< false during a run, and for good if that throws: then the states are made anew
+  std::uint64_t pipeline = 0;  ///< id of the pipeline that created the workspace
+  bool intact = false;         ///< false during a run, and after a run that threw; then the states are recreated
   std::vector<std::unique_ptr<StageState>> states;  ///< in the order of the stages
-  std::unique_ptr<StageState> flood_broad_phase;    ///< of the broad phase, for steps that a flood takes
+  std::unique_ptr<StageState> flood_broad_phase;    ///< state of the broad phase for steps that a flood accepts
   std::vector<std::unique_ptr<detail::WorkerScratch>> workers;
 };
 

@@ -1,4 +1,5 @@
-// What all adaptors share: swept boxes go in, positions of overlapping boxes come out.
+// Common base of all adaptors: the input of the other library is the swept boxes, its output the positions of
+// overlapping boxes.
 #pragma once
 
 #include <cstddef>
@@ -11,11 +12,11 @@
 
 namespace volccd::detail {
 
-/// An adaptor's state derives from it, and holds the peer's structure besides.
+/// Base of the state of an adaptor, which adds the data structure of the other library.
 struct PeerState : StageState {
   ElementDelta delta;
   FilterKeys keys;
-  ElementList list;  ///< live elements by slot, no gaps
+  ElementList list;  ///< live elements by slot, without gaps
   BoundsTable vertices, boxes;  ///< k = 6; row p of `boxes` is the swept box of the element at position p of the list
   PairWriters writers;
   double bounds_seconds = 0;
@@ -23,22 +24,23 @@ struct PeerState : StageState {
   const float* low(std::size_t position) const { return boxes.row(position); }
   const float* high(std::size_t position) const { return boxes.row(position) + boxes.width(); }
 
-  /// Closed boxes, touching included.
+  /// Whether two closed boxes overlap or touch.
   bool overlap(Index p, Index q) const {
     const float *a = low(p), *b = low(q), *c = high(p), *d = high(q);
     return a[0] <= d[0] && b[0] <= c[0] && a[1] <= d[1] && b[1] <= c[1] && a[2] <= d[2] && b[2] <= c[2];
   }
 
-  /// For peers that compute volumes in floats: 1, or where some coordinate exceeds 1e12, a power of two that brings all
-  /// floats below it. Scaled boxes of overlapping boxes overlap, but others may, too: small coordinates are lost.
+  /// A scale factor for libraries that compute volumes in floats: 1, or if some coordinate exceeds 1e12, a power of two
+  /// that makes all floats smaller. Scaled boxes of overlapping boxes overlap; other boxes may overlap too, because
+  /// small coordinates lose digits.
   float safe_scale() const;
 
-  /// Of the peer's structure, as far as it can be told.
+  /// Bytes of the other library's data structure, as far as they can be determined.
   virtual std::size_t peer_bytes() const = 0;
   std::size_t bytes() const final;
 };
 
-/// Where an adaptor puts the pairs that its peer finds: those that the query wants go on. One for each worker.
+/// Receives the pairs that the other library finds, and passes on those that the query requests. Each worker has one.
 class PeerOutput {
  public:
   PeerOutput(const PairRules& rules, const Index* slots, PairWriter& writer)
@@ -56,7 +58,7 @@ class PeerOutput {
   PairWriter* writer_;
 };
 
-/// Base of the adaptors. State objects are PeerState.
+/// Base of the adaptors. Their state objects are of type PeerState.
 class PeerPhase : public BroadPhase {
  public:
   void prepare(const Step& step, StageState& state, Executor& executor) const final;
@@ -64,16 +66,16 @@ class PeerPhase : public BroadPhase {
   double bounds_seconds(const StageState& state) const final;
 
  protected:
-  /// Brings the peer's structure up to the boxes of the state. `changed`: they belong to other elements than at the
-  /// last call, or there was none. The list may be empty.
+  /// Updates the other library's data structure for the boxes of the state. `changed`: the boxes belong to other
+  /// elements than in the last call, or this is the first call. The list may be empty.
   virtual void update(PeerState& state, bool changed, Executor& executor) const = 0;
 
-  /// Hands each unordered pair of different positions whose boxes overlap, touching included, to the output of
-  /// the worker that finds it (state.writers), once. The list has two elements or more.
+  /// Passes each unordered pair of different positions whose boxes overlap or touch to the output of the worker that
+  /// finds it (state.writers), exactly once. The list has at least two elements.
   virtual void collide(PeerState& state, const PairRules& rules, Executor& executor) const = 0;
 };
 
-/// Each is there if its library is.
+/// Each function is defined only if its library is available.
 StageDescriptor<BroadPhase> describe_fcl_dynamic_tree();
 StageDescriptor<BroadPhase> describe_bullet_dbvt();
 StageDescriptor<BroadPhase> describe_embree_collide();

@@ -39,7 +39,7 @@ bool CellReader::same(std::size_t step, std::size_t other) const {
 
 void CellReader::read(std::size_t step, SequenceCells& cells) {
   cells.clear();
-  read_ids(step, cells);  // first, so that the errors of the others can name the cell
+  read_ids(step, cells);  // first, so that the errors of the other arrays can name the cell
   read_types(step, cells);
   read_offsets(step, cells);
   read_connectivity(step, cells);
@@ -108,7 +108,7 @@ void CellReader::read_connectivity(std::size_t step, SequenceCells& cells) {
   array.data.read(first, static_cast<std::int64_t>(cells.offsets.back()), numbers_);
   cells.connectivity.resize(numbers_.size());
   repeated_.clear();
-  // used_[v] == i + 1: vertex v has been seen in cell i.
+  // used_[v] == i + 1 means that vertex v occurs in cell i.
   used_.assign(order_.slots().size(), 0);
   for (std::size_t i = 0; i < cells.size(); ++i)
     for (std::size_t j = cells.offsets[i]; j < cells.offsets[i + 1]; ++j) {
@@ -199,7 +199,7 @@ void CellReader::read_polyhedra(std::size_t step, SequenceCells& cells) {
   const std::size_t b = static_cast<std::size_t>(layout_.topology[step]);
   const auto first_polytope = std::find(cells.types.begin(), cells.types.end(), ElementType::polytope);
   const bool any = first_polytope != cells.types.end();
-  // Faces that no cell should have are looked at too.
+  // Faces are also checked if there should be none.
   if (!any && (!layout_.polyhedra || layout_.polyhedra->to_face_ids[b] == 0)) return;
   if (!layout_.polyhedra)
     layout_.types.data.fail(layout_.types.first[step] + (first_polytope - cells.types.begin()),
@@ -238,7 +238,7 @@ void CellReader::append_polyhedron(std::size_t step, std::size_t cell, SequenceC
       polyhedra.to_faces.data.fail(polyhedra.to_faces.first[step] + j,
                                    "the face " + to_string(face) + " is out of range, there are " +
                                        to_string(face_count) + place(step, cell, cells));
-    // This also bounds the memory: faces by reference could expand without end.
+    // This check also limits the memory: faces that are referenced many times could expand without bound.
     if (++face_uses_[static_cast<std::size_t>(face)] > 2)
       polyhedra.to_faces.data.fail(
           polyhedra.to_faces.first[step] + j,

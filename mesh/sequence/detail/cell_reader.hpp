@@ -1,4 +1,4 @@
-// The cells of a step, read and checked.
+// Reads and checks the cells of a step.
 #pragma once
 
 #include <cstdint>
@@ -16,24 +16,25 @@ namespace volccd::detail {
 
 class CellReader {
  public:
-  /// Both outlive it.
+  /// Both arguments must outlive the reader.
   CellReader(const SequenceLayout& layout, const PointOrder& order) : layout_(layout), order_(order) {}
 
-  /// Whether both steps read all their cell arrays (but for the thickness) from the same rows.
+  /// Whether both steps read all their cell arrays (except thickness) from the same rows.
   bool same(std::size_t step, std::size_t other) const;
 
-  /// Replaces `cells`. Throws InputError with dataset and row; the text names the cell's id and the step.
+  /// Replaces `cells` by the cells of a step. Throws InputError with dataset and row; the text contains the cell's id
+  /// and the step.
   void read(std::size_t step, SequenceCells& cells);
 
-  /// Cells of the last read() whose nodes repeat in the file: how many, by type in the file and type read.
+  /// Numbers of cells with repeated nodes in the last read(), by type in the file and type of the element read.
   using CollapsedCounts = std::map<std::pair<ElementType, ElementType>, std::uint64_t>;
   const CollapsedCounts& collapsed() const { return collapsed_counts_; }
 
-  /// " (cell id 7, step 2)" for cell i of a step; reads one id.
+  /// Text such as " (cell id 7, step 2)" for cell i of a step. Reads one id from the file.
   std::string place(std::size_t step, std::size_t i) const;
 
  private:
-  /// A cell in which a node occurs twice, and the row of its second occurrence.
+  /// A cell in which a node occurs twice, and the row of the second occurrence.
   struct Repeated {
     std::size_t cell;
     std::int64_t row;
@@ -46,16 +47,17 @@ class CellReader {
   void read_ids(std::size_t step, SequenceCells& cells);
   void read_polyhedra(std::size_t step, SequenceCells& cells);
   void append_polyhedron(std::size_t step, std::size_t cell, SequenceCells& cells);
-  /// Replaces the cells of repeated_ by the elements that they are.
+  /// Replaces the cells listed in repeated_ by the elements that they represent.
   void collapse(std::size_t step, SequenceCells& cells);
   CollapsedElement collapsed_element(std::size_t step, const Repeated& repeated, const SequenceCells& cells) const;
-  /// place(), with the ids at hand.
+  /// The same as place() above, with the ids from `cells`.
   static std::string place(std::size_t step, std::size_t i, const SequenceCells& cells);
 
-  /// Reads `count` + 1 offsets into [0, length] that start at 0, never fall and end at `length`.
+  /// Reads `count` + 1 non-descending offsets that begin with 0 and end with `length`.
   void read_monotone(const StepArray& array, std::size_t step, std::int64_t count, std::int64_t length,
                      std::vector<std::int64_t>& out);
-  /// The vertex slot of point `value` of the file, which stands in row `row`; `place()` names the cell in an error.
+  /// The vertex slot of point `value` of the file, which was read from row `row`. `place()` describes the cell in error
+  /// messages.
   template <class Place>
   Index slot(const StepArray& array, std::int64_t row, std::int64_t value, const Place& place) const;
 
@@ -65,7 +67,7 @@ class CellReader {
   std::vector<std::int64_t> sorted_ids_;
   std::vector<std::int64_t> face_connectivity_, face_offsets_, to_faces_, cell_faces_;
   std::vector<Index> used_;
-  std::vector<Repeated> repeated_;  ///< by ascending cell
+  std::vector<Repeated> repeated_;  ///< in ascending order of cells
   CollapsedCounts collapsed_counts_;
   std::vector<std::uint8_t> face_uses_;
 };

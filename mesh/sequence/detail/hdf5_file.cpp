@@ -12,11 +12,11 @@ namespace volccd::detail {
 namespace {
 
 constexpr std::int64_t kMebi = std::int64_t{1} << 20;
-/// Below this a dataset may declare what it likes.
+/// Declared size of a dataset up to which the stored bytes are not checked.
 constexpr std::int64_t kFreeBytes = 64 * kMebi;
-/// Deflate shrinks by at most 1032; the rest is margin for other filters.
+/// Deflate compresses by a factor of at most 1032; the rest is a margin for other filters.
 constexpr std::int64_t kGreatestRatio = 4096;
-/// A chunk is decoded whole.
+/// Largest size of a chunk, since a chunk is always decoded as a whole.
 constexpr std::int64_t kGreatestChunk = 1024 * kMebi;
 constexpr std::size_t kLongestString = std::size_t{1} << 20;
 
@@ -107,7 +107,7 @@ void Hdf5Dataset::read(std::int64_t first, std::int64_t count, std::vector<std::
   resize(out, first, count);
   read_raw(first, count, H5T_NATIVE_INT64, out.data());
   if (!unsigned64_) return;
-  // HDF5 clamps what does not fit.
+  // HDF5 replaces values out of range by the limits of the range.
   const auto clamped = std::find(out.begin(), out.end(), std::numeric_limits<std::int64_t>::max());
   if (clamped != out.end()) fail(first + (clamped - out.begin()) / width(), "exceeds the range of a 64-bit integer");
 }
@@ -123,7 +123,7 @@ Hdf5File::Hdf5File(const std::string& name) : name_(name) {
   if (status.type() == std::filesystem::file_type::none)
     throw InputError(name, "", "cannot be opened: " + error.message());
   if (!std::filesystem::exists(status)) throw InputError(name, "", "cannot be opened: No such file or directory");
-  // A pipe or a device would block or never end.
+  // Opening a pipe or a device could block, or reading could never end.
   if (!std::filesystem::is_regular_file(status)) throw InputError(name, "", "is not a regular file");
   bytes_ = static_cast<std::int64_t>(std::filesystem::file_size(name, error));
   if (error) throw InputError(name, "", "cannot be opened: " + error.message());
@@ -207,7 +207,7 @@ Hdf5Id Hdf5File::open_attribute(const std::string& group, const std::string& nam
 
 namespace {
 
-/// What a fixed-length string of HDF5 means, without its padding.
+/// The text of a fixed-length string of HDF5, without its padding.
 std::string unpadded(std::string text, H5T_str_t padding) {
   text.resize(std::min(text.size(), text.find('\0')));
   if (padding == H5T_STR_SPACEPAD) text.resize(text.find_last_not_of(' ') + 1);

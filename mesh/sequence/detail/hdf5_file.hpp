@@ -1,5 +1,5 @@
-// Reading HDF5: files, datasets and attributes, each call checked. Whatever goes wrong is an InputError that names the
-// file, the dataset (or attribute, "group@name") and, where there is one, the row.
+// Reading HDF5 files, datasets and attributes. Every HDF5 call is checked. Every error is an InputError that names the
+// file, the dataset (or the attribute, as "group@name") and, if there is one, the row.
 #pragma once
 
 #include <cstdint>
@@ -12,22 +12,22 @@ namespace volccd::detail {
 
 enum class NumberKind { integer, real };
 
-/// A dataset of numbers, rank 1 to 3. What it declares is checked on opening: type, rank, columns, and that its size is
-/// in proportion to the bytes that are stored, so that a few bytes cannot make a reader allocate without end.
+/// A dataset of numbers of rank 1 to 3. When it is opened, its type, its rank, its number of columns, and the ratio of
+/// its declared size to the stored bytes are checked, so that a small file cannot cause a huge allocation.
 class Hdf5Dataset {
  public:
   const std::string& path() const { return path_; }
   std::int64_t rows() const { return rows_; }
   std::int64_t columns() const { return columns_; }
-  /// Numbers in a row.
+  /// Number of values per row.
   std::int64_t width() const { return columns_ * depth_; }
 
-  /// Replaces `out` by rows [first, first + count), row by row. Integers of up to 8 bytes, converted; reals of up to 8
-  /// bytes, widened. Throws if the range is not within [0, rows()].
+  /// Replaces `out` by the rows [first, first + count), one row after another. Integers of up to 8 bytes are converted,
+  /// real numbers of up to 8 bytes are widened. Throws if the range is not within [0, rows()].
   void read(std::int64_t first, std::int64_t count, std::vector<std::int64_t>& out) const;
   void read(std::int64_t first, std::int64_t count, std::vector<double>& out) const;
 
-  /// An error at one of its rows.
+  /// Throws an InputError, for one of the rows if `row` is given.
   [[noreturn]] void fail(std::int64_t row, const std::string& problem) const;
   [[noreturn]] void fail(const std::string& problem) const;
 
@@ -51,25 +51,26 @@ class Hdf5Dataset {
 /// An HDF5 file open for reading.
 class Hdf5File {
  public:
-  /// Throws InputError: not there, not a regular file, not HDF5, damaged.
+  /// Throws InputError if the file does not exist, is not a regular file, is not an HDF5 file, or is damaged.
   explicit Hdf5File(const std::string& name);
 
   const std::string& name() const { return name_; }
 
-  /// Whether the path leads to an object. Soft links that dangle do not.
+  /// Whether there is an object at the path; false for a dangling soft link.
   bool has(const std::string& path) const;
   bool has_attribute(const std::string& group, const std::string& name) const;
-  /// Names of all links at the root, ascending.
+  /// Names of all links in the root group, ascending.
   std::vector<std::string> root_names() const;
 
-  /// `columns` is the extent of the second axis; 1 stands for [n] and [n, 1] alike. With `depth` > 1 there is a third.
+  /// Opens a dataset. `columns` is the size of the second dimension; for 1, the shapes [n] and [n, 1] are accepted.
+  /// `depth` > 1 is the size of a third dimension.
   Hdf5Dataset dataset(const std::string& path, NumberKind kind, std::int64_t columns = 1, std::int64_t depth = 1) const;
-  /// All of a dataset with exactly `rows` rows.
+  /// All values of a dataset with exactly `rows` rows.
   std::vector<std::int64_t> integers(const std::string& path, std::int64_t rows) const;
 
-  /// A string of fixed or variable length.
+  /// The text of an attribute, a string of fixed or variable length.
   std::string string_attribute(const std::string& group, const std::string& name) const;
-  /// Exactly `count` integers.
+  /// The values of an attribute that must have exactly `count` integers.
   std::vector<std::int64_t> integer_attribute(const std::string& group, const std::string& name,
                                               std::size_t count) const;
 

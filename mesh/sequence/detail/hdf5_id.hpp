@@ -1,4 +1,4 @@
-// Ownership of HDF5 identifiers, and silence of HDF5's own error printing.
+// Ownership of HDF5 identifiers, and suppression of the messages that HDF5 prints.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace volccd::detail {
 
-/// An identifier with the function that closes its kind. Negative: none.
+/// An identifier with the function that closes it. A negative identifier is empty.
 class Hdf5Id {
  public:
   using Close = herr_t (*)(hid_t);
@@ -23,7 +23,7 @@ class Hdf5Id {
   }
   ~Hdf5Id() { reset(); }
 
-  /// Returns false if HDF5 reports a failure (a file that cannot be flushed).
+  /// Closes the identifier. Returns false if HDF5 reports a failure (for example if a file cannot be flushed).
   bool reset();
 
   hid_t get() const { return id_; }
@@ -34,8 +34,8 @@ class Hdf5Id {
   Close close_ = nullptr;
 };
 
-/// While it lives, HDF5 prints no errors from the calling thread; the caller's own handler is put back afterwards.
-/// Every function of this layer holds one.
+/// During its lifetime, HDF5 prints no errors of the calling thread. The destructor restores the caller's error
+/// handler. Every function of this layer has such an object.
 class QuietHdf5 {
  public:
   QuietHdf5();
@@ -48,8 +48,8 @@ class QuietHdf5 {
   void* data_ = nullptr;
 };
 
-/// The innermost entry of the thread's error stack, " (HDF5: ...)", or nothing. To be asked under the QuietHdf5 under
-/// which the call failed.
+/// The innermost entry of the thread's error stack, as " (HDF5: ...)", or an empty string. To be called while the
+/// QuietHdf5 object of the failed call exists.
 std::string hdf5_reason();
 
 }  // namespace volccd::detail

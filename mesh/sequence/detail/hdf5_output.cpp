@@ -24,7 +24,7 @@ hid_t stored(StoredType type) {
   return H5T_IEEE_F64LE;
 }
 
-/// The system's reason, if it refused to write, else HDF5's.
+/// The reason that the system gave if it refused to write, otherwise that of HDF5.
 std::string reason(int write_error) {
   return write_error != 0 ? std::string(": ") + std::strerror(write_error) : hdf5_reason();
 }

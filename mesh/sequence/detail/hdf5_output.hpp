@@ -1,4 +1,4 @@
-// Writing HDF5: groups, attributes and datasets that grow, each call checked.
+// Writing HDF5: groups, attributes and datasets that grow. Every HDF5 call is checked.
 #pragma once
 
 #include <cstdint>
@@ -10,10 +10,10 @@
 
 namespace volccd::detail {
 
-/// How numbers lie in the file, little-endian.
+/// Number types in the file, little-endian.
 enum class StoredType { int32, int64, uint8, float64 };
 
-/// A dataset of rank 1, or 2 if it has more than one column, to which rows are appended.
+/// A dataset to which rows are appended. Its rank is 1, or 2 if it has more than one column.
 class GrowingDataset {
  public:
   std::int64_t rows() const { return rows_; }
@@ -31,17 +31,18 @@ class GrowingDataset {
   hsize_t columns_ = 1;
 };
 
-/// A file open for writing. Errors are InputError with `shown_as` as the file, whatever the name on disk, and with the
-/// system's reason (disk full). After an error the file on disk is worthless; it can be closed and removed.
+/// A file open for writing. Errors are InputErrors that name the file `shown_as`, whatever its name on disk is, and the
+/// reason that the system gives (for example disk full). After an error the file on disk is invalid; it can be closed
+/// and removed.
 class Hdf5Output {
  public:
   Hdf5Output(const std::string& name, std::string shown_as);
 
   void group(const std::string& path);
-  /// Chunked, shuffled, gzipped, without bound; `chunk_rows` >= 1.
+  /// Creates a dataset of unlimited size, with chunks, shuffle filter and gzip compression. Pre: `chunk_rows` >= 1.
   GrowingDataset growing(const std::string& path, StoredType type, std::int64_t columns, std::int64_t chunk_rows);
-  /// All at once: [values.size()], or [values.size(), 1] with `as_column`. More than 64 entries are shuffled and
-  /// gzipped.
+  /// Writes a whole dataset of shape [values.size()], or [values.size(), 1] with `as_column`. Datasets with more than
+  /// 64 values are shuffled and gzip-compressed.
   void integers(const std::string& path, std::span<const std::int64_t> values, bool as_column = false);
   void reals(const std::string& path, std::span<const double> values);
 
@@ -49,7 +50,7 @@ class Hdf5Output {
   void integer_attribute(const std::string& group, const std::string& name, std::span<const std::int64_t> values);
   void integer_attribute(const std::string& group, const std::string& name, std::int64_t value);
 
-  /// Writes out what is buffered, and closes. All datasets must have been closed before.
+  /// Writes all buffers and closes the file. All datasets must have been closed before.
   void close();
 
  private:
@@ -58,11 +59,11 @@ class Hdf5Output {
              bool as_column);
   void attribute(const std::string& group, const std::string& name, hid_t file_type, hid_t memory_type, hid_t space,
                  const void* value);
-  /// Throws unless `done` and everything written so far has reached the file.
+  /// Throws unless `done` is true and everything written so far has reached the file.
   void check(bool done, const std::string& path, const std::string& problem) const;
 
   std::string shown_as_;
-  std::unique_ptr<int> write_error_;  ///< the first errno of a write that failed, or 0; outlives id_
+  std::unique_ptr<int> write_error_;  ///< errno of the first failed write, or 0; outlives id_
   Hdf5Id id_;
 };
 

@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-// Since HDF5 1.14 the interface of drivers has a header of its own.
+// HDF5 1.14 and later have a separate header for the interface of drivers.
 #if __has_include(<H5FDdevelop.h>)
 #include <H5FDdevelop.h>
 #endif
@@ -19,12 +19,12 @@ namespace volccd::detail {
 
 namespace {
 
-/// What HDF5 hands on to open_file.
+/// The data that HDF5 passes to open_file.
 struct DriverInfo {
   int* error;
 };
 
-/// `base` comes first: HDF5 sees nothing else.
+/// `base` must be the first member, because HDF5 accesses only that.
 struct DriverFile {
   H5FD_t base;
   int descriptor;
@@ -81,7 +81,7 @@ herr_t set_eoa(H5FD_t* base, H5FD_mem_t, haddr_t address) {
 
 haddr_t get_eof(const H5FD_t* base, H5FD_mem_t) { return file_of(base).eof; }
 
-/// Zeros where nothing has been written.
+/// Returns zeros for bytes that have not been written.
 herr_t read_bytes(H5FD_t* base, H5FD_mem_t, hid_t, haddr_t address, std::size_t size, void* buffer) {
   const DriverFile& file = file_of(base);
   char* to = static_cast<char*>(buffer);
@@ -148,7 +148,7 @@ H5FD_class_t driver_class() {
   return driver;
 }
 
-/// Registered once, and again if the application has closed the HDF5 library in between.
+/// Registered once, and again if the application has closed the HDF5 library since.
 hid_t registered_driver() {
   static const H5FD_class_t driver = driver_class();
   static std::mutex mutex;

@@ -16,12 +16,12 @@ namespace {
 using std::to_string;
 
 constexpr char kGrid[] = "VTKHDF";
-/// Leaves room to add one.
+/// Largest count for which one can be added without overflow.
 constexpr std::int64_t kGreatestCount = std::int64_t{1} << 62;
 
 std::string at(const std::string& name) { return std::string(kGrid) + "/" + name; }
 
-/// Reads the tables one after the other; `steps_` and `topologies_` are known first.
+/// Reads the tables one after another; `steps_` and `topologies_` are determined first.
 class LayoutReader {
  public:
   explicit LayoutReader(const Hdf5File& file) : file_(file) {}
@@ -49,18 +49,18 @@ class LayoutReader {
   void read_geometry();
   void read_polyhedra();
 
-  /// Counts of every topology, none negative.
+  /// Counts of all topologies; not negative.
   std::vector<std::int64_t> counts(const std::string& name);
-  /// A table of Steps; zero in a file without steps.
+  /// A table of the group Steps; zeros for a file without steps.
   std::vector<std::int64_t> table(const std::string& name);
   StepArray array(const std::string& name, NumberKind kind, std::int64_t columns, const std::string& table_name);
-  /// Moves the first rows on for an array that has one entry more than `count` says in every topology stored before.
+  /// Adjusts the first rows of an array that has one entry more than `count` for every topology stored before.
   void add_topology_index(StepArray& array) const;
   std::optional<StepArray> point_array(const std::string& name, NumberKind kind, std::int64_t columns);
   std::optional<StepArray> cell_array(const std::string& name, NumberKind kind);
   StepArray data_array(const std::string& group, const std::string& name, NumberKind kind, std::int64_t columns);
 
-  /// Every step's slice [first, first + count(topology) + extra) is within the dataset.
+  /// Checks for every step that its range [first, first + count(topology) + extra) is within the dataset.
   void check_slices(const StepArray& array, const std::vector<std::int64_t>& count, std::int64_t extra) const;
   void check_slices(const StepArray& array, std::int64_t count) const;
 
@@ -162,7 +162,7 @@ StepArray LayoutReader::array(const std::string& name, NumberKind kind, std::int
 
 void LayoutReader::add_topology_index(StepArray& array) const {
   for (std::size_t k = 0; k < array.first.size(); ++k) {
-    // Out of range here, out of range after; and the sum cannot overflow.
+    // A value out of range remains out of range, and the sum cannot overflow.
     if (array.first[k] >= 0 && array.first[k] <= array.data.rows()) array.first[k] += layout_.topology[k];
   }
 }
@@ -218,7 +218,7 @@ void LayoutReader::read_polyhedra() {
 StepArray LayoutReader::data_array(const std::string& group, const std::string& name, NumberKind kind,
                                    std::int64_t columns) {
   const std::string table_name = group + "Offsets/" + name;
-  // With one step there is nothing to choose from.
+  // A file with one step needs no table.
   if (temporal_ && steps_ == 1 && !file_.has(at("Steps/" + table_name)))
     return {file_.dataset(at(group + "/" + name), kind, columns), {0}, ""};
   return array(group + "/" + name, kind, columns, table_name);

@@ -1,4 +1,4 @@
-// Where the arrays of each step lie in a sequence file: the tables of the group Steps, checked.
+// Positions of the arrays of each step in a sequence file, from the tables of the group Steps, which are checked.
 #pragma once
 
 #include <cstdint>
@@ -10,22 +10,24 @@
 
 namespace volccd::detail {
 
-/// A dataset and the first row of each step there, as the table says that is named (empty in a file without steps).
+/// A dataset and its first row for each step. The rows are from the table named `table` (empty in a file without
+/// steps).
 struct StepArray {
   Hdf5Dataset data;
   std::vector<std::int64_t> first;
   std::string table;
 };
 
-/// Polyhedra as in VTKHDF 2.5. A topology has `faces` faces, numbered from 0 in PolyhedronToFaces; FaceOffsets has one
-/// entry more and, like Offsets, starts again at 0; PolyhedronOffsets has an entry for every cell, of whatever type,
-/// and one more.
+/// Polyhedra as in VTKHDF 2.5. A topology has `faces` faces, which PolyhedronToFaces numbers from 0. FaceOffsets has
+/// one more entry and, like Offsets, starts at 0 for each topology. PolyhedronOffsets has one entry for every cell of
+/// any type, and one more.
 struct PolyhedronLayout {
-  std::vector<std::int64_t> faces, face_connectivity_ids, to_face_ids;  ///< per topology
+  std::vector<std::int64_t> faces, face_connectivity_ids, to_face_ids;  ///< one entry per topology
   StepArray face_connectivity, face_offsets, to_faces, offsets;
 };
 
-/// Tables are per step, counts per topology. After read_layout every slice of every step lies within its dataset.
+/// Tables have one entry per step, counts one per topology. After read_layout() every range of every step is within its
+/// dataset.
 struct SequenceLayout {
   std::vector<double> times;
   std::int64_t points = 0;
@@ -40,7 +42,7 @@ struct SequenceLayout {
   std::size_t topology_of(int step) const { return static_cast<std::size_t>(topology[static_cast<std::size_t>(step)]); }
 };
 
-/// Throws InputError for whatever does not fit. O(steps + topologies).
+/// Reads and checks the layout. Throws InputError if anything is inconsistent. O(steps + topologies).
 SequenceLayout read_layout(const Hdf5File& file);
 
 }  // namespace volccd::detail

@@ -19,7 +19,7 @@ PointOrder::PointOrder(const SequenceLayout& layout) {
   std::vector<std::int64_t> given;
   array.data.read(array.first[0], layout.points, given);
   std::vector<Index> points = slots_;
-  // By place among equals, so that the error names the later one.
+  // Equal ids are sorted by position, so that the error names the later one.
   std::sort(points.begin(), points.end(),
             [&](Index a, Index b) { return given[a] != given[b] ? given[a] < given[b] : a < b; });
   ids_.resize(n);

@@ -1,4 +1,4 @@
-// The points of a file in the order of their ids.
+// The order of the points of a file by their ids.
 #pragma once
 
 #include <cstdint>
@@ -10,16 +10,16 @@
 
 namespace volccd::detail {
 
-/// Ids ascending, and the place of each point of the file among them.
+/// The ids in ascending order, and the position of each point of the file in this order.
 class PointOrder {
  public:
-  /// From the ids of the first step. Throws InputError for an id that is negative or given twice.
+  /// Reads the ids of the first step. Throws InputError for a negative or repeated id.
   explicit PointOrder(const SequenceLayout& layout);
 
   std::span<const std::int64_t> ids() const { return ids_; }
   std::span<const Index> slots() const { return slots_; }
 
-  /// Throws InputError if the ids stored for the step are not those of the first.
+  /// Throws InputError if the ids stored for the step differ from those of the first step.
   void check(const SequenceLayout& layout, std::size_t step);
 
  private:

@@ -1,4 +1,4 @@
-// The cells of a step with its shells thickened, and the points that belong to them.
+// The cells of a step with thickened shells, and the positions of their vertices.
 #pragma once
 
 #include <cstdint>
@@ -14,22 +14,23 @@ namespace volccd::detail {
 
 class ShellSolids {
  public:
-  /// Throws InputError if the point ids cannot be tripled.
+  /// Throws InputError if the point ids are too large to be multiplied by three.
   explicit ShellSolids(SequenceReader& reader);
 
-  /// Ids of the solid mesh's vertices, three for each point.
+  /// Ids of the vertices of the solid mesh, three for each point.
   const std::vector<std::int64_t>& vertex_ids() const { return vertex_ids_; }
 
-  /// Takes these cells as those to thicken.
+  /// Sets the cells to be thickened.
   void set_cells(const SequenceCells& cells);
-  /// The steps whose thickness counts at the start and at the end of a motion; the latter has those cells.
+  /// Sets the steps whose thickness applies at the start and at the end of a motion. The cells are those of step `end`.
   void set_steps(int start, int end) { start_ = start, end_ = end; }
   /// The solids, in the order of the cells.
   const SequenceCells& cells() const { return solids_; }
 
-  /// Positions of the solid mesh at both ends of a motion. Each end has the thickness of its step of set_steps; a shell
-  /// that is not there at the first has that of the second. Returns the number of
-  /// vertices without a normal, of both ends. Throws InputError if there are shells and the file has no thickness.
+  /// Computes the positions of the solid mesh at both ends of a motion. Each end uses the thickness of its step of
+  /// set_steps(); a shell that does not exist at the first step has its thickness of the second step. Returns the
+  /// number of vertices without a mean normal, summed over both ends. Throws InputError if there are shells but the
+  /// file has no thickness.
   Index positions(std::span<const Vec3> x0, std::span<const Vec3> x1, std::vector<Vec3>& solid0,
                   std::vector<Vec3>& solid1);
 

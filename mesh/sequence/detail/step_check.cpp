@@ -18,7 +18,7 @@ void check_length(const std::string& file, const std::string& dataset, std::size
     throw InputError(file, dataset, "has " + std::to_string(length) + " entries, wanted are " + std::to_string(wanted));
 }
 
-/// CSR offsets: one more than cells, from 0 to `length`, never falling.
+/// Checks CSR offsets: one more than there are cells, non-descending, from 0 to `length`.
 void check_offsets(const std::string& file, const std::string& dataset, const std::vector<std::size_t>& offsets,
                    std::size_t cells, std::size_t length) {
   check_length(file, dataset, offsets.size(), cells + 1);

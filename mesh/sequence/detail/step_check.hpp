@@ -1,4 +1,4 @@
-// Checks of what is handed to a writer.
+// Checks of the data that are given to a writer.
 #pragma once
 
 #include <cstdint>
@@ -10,23 +10,24 @@
 
 namespace volccd::detail {
 
-/// All throw InputError with `file`, the dataset, and the index of what is wrong.
+/// All functions throw InputError with `file`, the dataset, and the index of the invalid entry.
 
-/// Distinct, none negative.
+/// Checks that the ids are distinct and not negative.
 void check_ids(const std::string& file, const std::string& dataset, std::span<const std::int64_t> ids);
-/// What messages name a step and its points by.
+/// The step and the ids of its points, for messages.
 struct StepPlace {
   std::int64_t step;
   std::span<const std::int64_t> point_ids;
 };
 
-/// As many as points, finite.
+/// Checks that there is one vector per point, and that all are finite.
 void check_vectors(const std::string& file, const std::string& dataset, std::span<const Vec3> vectors,
                    const StepPlace& place);
-/// As many as cells, finite and not negative.
+/// Checks that there is one value per cell, and that all are finite and not negative.
 void check_thickness(const std::string& file, const std::string& dataset, std::span<const double> values,
                      const SequenceCells& cells, const StepPlace& place);
-/// Arrays of fitting lengths, and cells that a Mesh of these points takes. The index is the cell's.
+/// Checks that the arrays have consistent lengths, and that a Mesh with these points accepts the cells. The index is
+/// that of the cell.
 void check_cells(const std::string& file, const SequenceCells& cells, const StepPlace& place);
 
 }  // namespace volccd::detail
