@@ -16,6 +16,7 @@
 #include <volccd/program/commands.hpp>
 #include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>
+#include <volccd/program/report.hpp>
 #include <volccd/program/scene_files.hpp>
 #include <volccd/report/page_files.hpp>
 #include <volccd/report/record_data.hpp>
@@ -30,15 +31,16 @@ namespace fs = std::filesystem;
 
 constexpr int kReportSchema = 1;
 
-struct ReportOptions {
+struct PageOptions {
   std::string input, output, pipeline = "VolCCD+", scenes;
   std::vector<std::string> settings;
   double megabytes = 18;
   bool no_contacts = false;
   unsigned threads = 0;
+  ReportOptions report;
 };
 
-std::optional<PipelineSpec> pipeline_of(const ReportOptions& options, const Registry& registry) {
+std::optional<PipelineSpec> pipeline_of(const PageOptions& options, const Registry& registry) {
   if (options.no_contacts) return std::nullopt;
   PipelineSpec spec = registry.pipeline(options.pipeline);
   for (const std::string& setting : options.settings) registry.apply_setting(spec, setting);
@@ -47,14 +49,14 @@ std::optional<PipelineSpec> pipeline_of(const ReportOptions& options, const Regi
 
 /// Exports one sequence, with progress.
 ExportedScene export_with_progress(const std::string& name, const std::string& file, const Registry& registry,
-                                   const ReportOptions& options, std::size_t max_bytes, Executor& executor) {
+                                   const PageOptions& options, std::size_t max_bytes, Executor& executor) {
   SceneExportConfig config;
   config.pipeline = pipeline_of(options, registry);
   config.max_bytes = max_bytes;
   std::unique_ptr<Progress> shown;
   InterruptGuard::check();
   return export_scene(name, file, registry, config, executor, [&](std::size_t done, std::size_t total) {
-    if (!shown) shown = std::make_unique<Progress>(name + ": contacts, motion", total);
+    if (!shown) shown = std::make_unique<Progress>(name + ": finding contacts", total, "motions");
     shown->advance(done);
     InterruptGuard::check();
   });
@@ -84,7 +86,7 @@ std::string how_to_get(const RecordedInput& input) {
   return fmt::format("put {} into the folder that VOLCCD_DATA names ({})", input.file, shared_data_path(""));
 }
 
-bool is_wanted(const ReportOptions& options, const RecordedInput& input) {
+bool is_wanted(const PageOptions& options, const RecordedInput& input) {
   if (options.scenes.empty()) return true;
   const std::string list = "," + options.scenes + ",";
   return list.find("," + input.scene + ",") != std::string::npos;
@@ -94,7 +96,7 @@ bool is_wanted(const ReportOptions& options, const RecordedInput& input) {
 /// goes to large ones. Shares are as the square roots of the files' sizes.
 class SceneList {
  public:
-  SceneList(const ReportOptions& options, const Registry& registry, ReportFolder& folder)
+  SceneList(const PageOptions& options, const Registry& registry, ReportFolder& folder)
       : options_(options),
         registry_(registry),
         folder_(folder),
@@ -130,14 +132,14 @@ class SceneList {
     entry["scene"] = input.scene;
     entry["records"] = input.records;
     entry["data"] = folder_.write_scene(name, scene.script);
-    fmt::print("{}: {} frames, {}\n", name, entry.at("frames").dump(), memory(scene.script.size()));
+    Report(options_.report).print("{}: {} frames, {}\n", name, entry.at("frames").dump(), memory(scene.script.size()));
     list_.push_back(std::move(entry));
     return scene.script.size();
   }
 
   void add_missing(const RecordedInput& input) {
     const std::string command = how_to_get(input);
-    fmt::print("{}: not shown, because {} is not there; {}\n", input.scene, input.file, command);
+    Report(options_.report).print("{}: not shown, because {} is not there; {}\n", input.scene, input.file, command);
     list_.push_back({{"scene", input.scene},
                      {"name", fs::path(input.file).stem().string()},
                      {"file", input.file},
@@ -145,22 +147,23 @@ class SceneList {
                      {"missing", command}});
   }
 
-  const ReportOptions& options_;
+  const PageOptions& options_;
   const Registry& registry_;
   ReportFolder& folder_;
   std::unique_ptr<Executor> executor_;
   json list_ = json::array();
 };
 
-void finish(ReportFolder& folder, const ReportOptions& options, json report) {
+void finish(ReportFolder& folder, const PageOptions& options, json report) {
   report["schema"] = kReportSchema;
   report["made"] = machine_facts();
   const std::size_t bytes = folder.finish(report);
-  fmt::print("{} ({}) written; open it in a browser\n", (fs::path(options.output) / "index.html").string(),
+  Report(options.report)
+      .print("{} ({}) written; open it in a browser\n", (fs::path(options.output) / "index.html").string(),
              memory(bytes));
 }
 
-int write_report(const ReportOptions& options, const Registry& registry) {
+int write_report(const PageOptions& options, const Registry& registry) {
   const InterruptGuard guard;
   pipeline_of(options, registry);  // an unknown pipeline is an error before anything is written
   const json records = records_of(options.input);
@@ -176,7 +179,7 @@ int write_report(const ReportOptions& options, const Registry& registry) {
   return kDone;
 }
 
-int write_view(const ReportOptions& options, const Registry& registry) {
+int write_view(const PageOptions& options, const Registry& registry) {
   const InterruptGuard guard;
   pipeline_of(options, registry);
   const std::string file = sequence_file(options.input, options.threads);
@@ -190,13 +193,13 @@ int write_view(const ReportOptions& options, const Registry& registry) {
   entry["scene"] = name;
   entry["records"] = json::array();
   entry["data"] = folder.write_scene(name, scene.script);
-  for (const json& note : entry.at("notes")) fmt::print("{}\n", note.get<std::string>());
+  for (const json& note : entry.at("notes")) Report(options.report).print("{}\n", note.get<std::string>());
   finish(folder, options,
          {{"folder", ""}, {"records", json::array()}, {"points", nullptr}, {"scenes", json::array({entry})}});
   return kDone;
 }
 
-void add_common(CLI::App& command, ReportOptions& options) {
+void add_common(CLI::App& command, PageOptions& options) {
   command.add_option("-o,--output", options.output, "folder to write: new, empty, or of an earlier report")
       ->required()
       ->type_name("FOLDER");
@@ -214,6 +217,7 @@ void add_common(CLI::App& command, ReportOptions& options) {
       ->type_name("MB")
       ->capture_default_str();
   add_threads_option(command, options.threads, "for detection; ");
+  options.report.add_quiet_to(command);
 }
 
 }  // namespace
@@ -221,7 +225,7 @@ void add_common(CLI::App& command, ReportOptions& options) {
 void add_report_command(CLI::App& app, const Registry& registry, Action& action) {
   CLI::App* command =
       app.add_subcommand("report", "tables, figures and scenes of a folder of records, to be read in a browser");
-  const auto options = std::make_shared<ReportOptions>();
+  const auto options = std::make_shared<PageOptions>();
   command->add_option("RESULTS", options->input, "folder with the records of `volccd experiment run`")
       ->required()
       ->type_name("");
@@ -242,7 +246,7 @@ void add_report_command(CLI::App& app, const Registry& registry, Action& action)
 
 void add_view_command(CLI::App& app, const Registry& registry, Action& action) {
   CLI::App* command = app.add_subcommand("view", "one sequence with its contacts in 3-D, to be looked at in a browser");
-  const auto options = std::make_shared<ReportOptions>();
+  const auto options = std::make_shared<PageOptions>();
   options->megabytes = 40;
   command->add_option("FILE", options->input, "sequence (VTKHDF), or the name of a scene")->required()->type_name("");
   add_common(*command, *options);
