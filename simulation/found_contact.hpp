@@ -9,7 +9,7 @@
 namespace volccd::simulation {
 
 enum class ContactClass : std::uint8_t {
-    inter,    ///< between features of different objects
+  inter,    ///< between features of different objects
   intra,    ///< within one object; not all pairs of elements of the two features are adjacent
   adjacent  ///< all pairs of elements of the two features are adjacent: the O-Set of Section 5.1
 };

@@ -21,7 +21,7 @@ struct Ledger {
   double plastic = 0;    ///< so far: work of plastic deformation
   double numerical = 0;  ///< so far: dissipated by hourglass control and bulk viscosity
   double damping = 0;    ///< so far: dissipated by Material::damping
-  double contact = 0;    ///< so far: lost in contacts and at walls, without friction, less what separating vertices added
+  double contact = 0;    ///< so far: lost in contacts and at walls (no friction), less what separating vertices added
   double friction = 0;   ///< so far: dissipated by friction
   double topology = 0;   ///< so far: energy lost where vertices merged, split or were cut apart
   double external = 0;   ///< so far: work of gravity and pressure

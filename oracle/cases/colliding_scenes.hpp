@@ -17,8 +17,8 @@ struct Scene {
   Motion motion;
 };
 
-/// Two objects, permuted ids: the second comes down on the first, all vertices jittered at both ends so that elements
-/// invert and neighbours collide too.
+/// Two objects with permuted ids. The second moves down onto the first, and all vertices are displaced at random at
+/// both ends, so that elements invert and neighbours collide, too.
 inline Scene colliding(const std::string& name, const Shape& shape, std::uint64_t seed, double jitter) {
   Shape both;
   both.append(shape, 1);
@@ -37,7 +37,7 @@ inline Scene colliding(const std::string& name, const Shape& shape, std::uint64_
                          jittered(end_permuted.positions, jitter, seed + 2))};
 }
 
-/// One scene an element type and one of all types mixed.
+/// One scene for each element type, and one with all types.
 inline std::vector<Scene> small_scenes(std::uint64_t seed, double jitter) {
   std::vector<Scene> scenes;
   for (const ElementType type :
