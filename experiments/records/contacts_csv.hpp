@@ -1,11 +1,11 @@
-// Contacts as text: a header, then a row per contact.
+// Contacts as a CSV file: a header, then one row for each contact.
 //
 //     step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start
 //
 // step is the index k of the motion k -> k+1. Kind VF: a = vertex, b < c < d = triangle; kind EE: a < b, c < d, (a,b) <
-// (c,d); all are vertex ids. toi, normal and point have 17 significant digits, which give back the same double.
-// at_start is 1 or 0, as Contact::at_start. A file that ends before the last step asked for has a last line that begins
-// with kIncompleteMark and says which steps are complete, and why no more are.
+// (c,d); all are vertex ids. toi, normal and point have 17 significant digits, so that reading them gives the same
+// doubles. at_start is 1 or 0, as Contact::at_start. If a file ends before the last requested step, its last line
+// begins with kIncompleteMark and says which steps are complete, and why the others are missing.
 #pragma once
 
 #include <array>
@@ -21,7 +21,7 @@
 
 namespace volccd {
 
-/// A row. `normal` and `point` are zero, and `at_start` is false, where the file does not have them.
+/// One row. `normal` and `point` are zero, and `at_start` is false, if the file does not have these columns.
 struct ContactRow {
   std::int64_t step = 0;
   FeatureKind kind = FeatureKind::vf;
@@ -36,11 +36,11 @@ struct ContactRow {
 /// Canonical order: step, kind (VF first), ids.
 bool canonical_less(const ContactRow& x, const ContactRow& y);
 
-/// Row of a contact on `mesh`.
+/// The row of a contact on `mesh`, in motion `step`.
 ContactRow contact_row(int step, const Contact& contact, const Mesh& mesh);
 
-/// Writes step by step, each step's rows in canonical order, by the rules of StepTextWriter. A number that is not
-/// finite is an InputError too.
+/// Writes the file step by step, with the rows of each step in canonical order. Behaves as StepTextWriter; also throws
+/// InputError for a number that is not finite.
 class ContactsCsvWriter {
  public:
   explicit ContactsCsvWriter(const std::string& file);
@@ -57,11 +57,11 @@ class ContactsCsvWriter {
   std::unique_ptr<Impl> impl_;
 };
 
-/// Rows in the order of the file, which is also read without the columns nx .. at_start, and without at_start. A file
-/// marked as incomplete is an error, unless `incomplete` is given: it receives the mark, or is empty. Throws InputError
-/// (file, "line", number of the line from 1): another header, wrong number of fields, not a number, an unknown kind,
-/// ids not in the order above or a common vertex, toi outside [0, 1], a number that is not finite, at_start neither 0
-/// nor 1, a last line without its end.
+/// The rows in the order of the file. The columns nx .. at_start, or at_start alone, may be missing. A file marked as
+/// incomplete is an error, unless `incomplete` is given, which receives the text of that line, or an empty text. Throws
+/// InputError (file, "line", number of the line from 1) for a different header, a wrong number of fields, a field that
+/// is not a number, an unknown kind, ids not in the order above or with a common vertex, toi outside [0, 1], a number
+/// that is not finite, at_start neither 0 nor 1, and a last line without a line break.
 std::vector<ContactRow> read_contacts_csv(const std::string& file, std::string* incomplete = nullptr);
 
 }  // namespace volccd
