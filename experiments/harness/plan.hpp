@@ -62,7 +62,7 @@ std::vector<MotionWindow> all_windows(int motions, int length);
 
 int rounds_of(const ExperimentPlan& plan, const SceneRun& run);
 
-/// Number of measured motions: the sum over runs, windows, rounds, entrants and motions.
+/// Number of measurements: the sum over runs and windows of rounds x entrants x motions.
 std::size_t measured_runs(const ExperimentPlan& plan);
 
 /// The parts of the plan on which rows depend (file names without folders). A record can be resumed if these are equal.

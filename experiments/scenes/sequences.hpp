@@ -1,4 +1,4 @@
-// Scenes as files: whatever has a name becomes a sequence that any command reads.
+// Scenes as files: turns the name of a scene into a sequence file that any command can read.
 #pragma once
 
 #include <optional>
@@ -16,16 +16,17 @@ struct ExternalScene {
   std::string description;  ///< one line
 };
 
-/// Those that are there: ls-dyna-projectile, openradioss-bullet, openradioss-airbag, openradioss-crash.
+/// Those whose files exist, among ls-dyna-projectile, openradioss-bullet, openradioss-airbag, openradioss-crash.
 std::vector<ExternalScene> external_scenes();
 
 std::string external_scene_file(const ExternalScene& scene);
 
-/// Whether this is the name of a made-up motion of a mesh of the shared data: octopus2-105k-deformed, turned by 10
+/// Whether this is the name of a synthetic motion of a mesh of the shared data: octopus2-105k-deformed, turned by 10
 /// degrees and shortened by 5 % of its length in each of four motions.
 bool is_deformed_scene(const std::string& name);
 
-/// Its file in the cache, computed anew. Nothing if the mesh is not there. Throws what write_scene() throws.
+/// Computes such a scene and returns its file in the cache; nothing if the mesh is not available. Throws the exceptions
+/// of write_scene().
 std::optional<std::string> deformed_scene_file(const std::string& name);
 
 /// What `name_or_file` means where a sequence file is asked for:

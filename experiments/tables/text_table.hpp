@@ -7,15 +7,15 @@
 
 namespace volccd {
 
-/// Column 0 is flush left, the others flush right; widths follow the content.
+/// Column 0 is aligned left, the others right; the widths follow from the content.
 class TextTable {
  public:
   explicit TextTable(std::vector<std::string> header) : rows_{std::move(header)} {}
 
   void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
-  /// A rule before the next row.
+  /// Adds a horizontal rule before the next row.
   void rule() { rules_.push_back(rows_.size()); }
-  /// With a line break at the end; a rule under the header.
+  /// The table as plain text, with a rule under the header and a line break at the end.
   std::string text() const;
   std::string markdown() const;
   std::string csv() const;
@@ -29,7 +29,7 @@ class TextTable {
 
 enum class TableFormat { text, markdown, csv, latex };
 
-/// A table of an experiment, with what to know to read it.
+/// A table of an experiment, with a title and a note.
 struct TitledTable {
   std::string title;
   TextTable table;
