@@ -29,13 +29,11 @@ bool is_deformed_scene(const std::string& name);
 /// of write_scene().
 std::optional<std::string> deformed_scene_file(const std::string& name);
 
-/// What `name_or_file` means where a sequence file is asked for:
-///   a file that is there, whatever its name;
-///   the name of an external scene;
-///   the name of a simulated scene, or that with "-quick" behind it: the baked file, after baking it if need be;
-///   the name of a scene that is computed from nothing (`builtin`): written to the cache now;
-/// else the text itself, so that opening it says what is wrong. Nothing when the hooks interrupted the baking. Throws
-/// what bake() and write_scene() throw.
+/// The sequence file that `name_or_file` stands for: a file that is there, whatever its name; the name of an external
+/// scene; the name of a simulated scene, perhaps with "-quick" appended: its file in the cache, which is computed if missing;
+/// the name of a scene that is computed from nothing (`builtin`): written to the cache now; otherwise the text itself,
+/// so that opening it gives an error message. Returns nothing if the hooks interrupted the computation. Throws the
+/// exceptions of bake() and write_scene().
 std::optional<std::string> resolve_scene(const std::string& name_or_file, Executor& executor,
                                          const BakeHooks& hooks = {});
 
