@@ -29,11 +29,13 @@ bool is_deformed_scene(const std::string& name);
 /// of write_scene().
 std::optional<std::string> deformed_scene_file(const std::string& name);
 
-/// The sequence file that `name_or_file` stands for: a file that is there, whatever its name; the name of an external
-/// scene; the name of a simulated scene, perhaps with "-quick" appended: its file in the cache, which is computed if missing;
-/// the name of a scene that is computed from nothing (`builtin`): written to the cache now; otherwise the text itself,
-/// so that opening it gives an error message. Returns nothing if the hooks interrupted the computation. Throws the
-/// exceptions of bake() and write_scene().
+/// The sequence file for an argument `name_or_file`, which may be
+///   - the path of an existing file;
+///   - the name of an external scene;
+///   - the name of a simulated scene, perhaps with "-quick" appended: its file in the cache, computed if it is missing;
+///   - the name of a scene that needs no input (`builtin`), which is then written to the cache.
+/// Any other text is returned unchanged, so that opening it gives an error message. The first of these that applies
+/// counts. Returns nothing if the hooks interrupted the computation. Throws the exceptions of bake() and write_scene().
 std::optional<std::string> resolve_scene(const std::string& name_or_file, Executor& executor,
                                          const BakeHooks& hooks = {});
 
