@@ -60,9 +60,9 @@ class ContactBuilder {
  private:
   /// What separates the features.
   enum class Between {
-    plane,    ///< z = 0, at every control point; they touch in it at the time of contact
-    nothing,  ///< in general, they pass through each other
-    no_space  ///< they stay in z = 0
+    plane,    ///< the plane z = 0, at every control point; they touch in it
+    nothing,  ///< nothing; in general, they pass through each other
+    no_space  ///< nothing; they stay in the plane z = 0
   };
 
   void vertex_and_triangle(Shape shape);
