@@ -1,15 +1,14 @@
-// Judge of the pipelines: elements that FCL finds overlapping at sampled times (invariant 4).
+// Checks the contacts of pipelines against the elements that FCL finds overlapping at sampled times.
 //
 // An element at time t is its triangulated surface together with every point that the surface winds around. A quad face
-// is split by the diagonal through its smallest vertex, a polytope's face into a fan around its smallest, as
-// everywhere. If two such bodies without a common vertex are disjoint at t = 0 and not at t, their surfaces have met in
-// between, and so a vertex or edge of one has met a triangle or edge of the other: there must be a contact with one
+// is split by the diagonal through its smallest vertex, a polytope's face into a fan around its smallest vertex, as in
+// the library. If two such bodies without a common vertex are disjoint at t = 0 and not at t, their surfaces have met
+// in between, and so a vertex or edge of one has met a triangle or edge of the other: there must be a contact with one
 // feature in each element and a time <= t. This holds for non-planar faces, and for inverted and degenerate elements.
-//
-// FCL sees convex pieces: a tetrahedron, a triangle, and for other elements the tetrahedra between their centroid and
-// each boundary triangle. Where these do not all have the same orientation (badly distorted elements) they may cover
-// more than the body; then only the surface is asked about at t, and all of the pieces at t = 0: no pair is ever
-// skipped, and no pair blamed wrongly. Shares no code with the stages, the feature tables or their visitors.
+// FCL is given convex pieces: a tetrahedron, a triangle, and for other elements the tetrahedra between their centroid
+// and each boundary triangle. If these do not all have the same orientation (badly distorted elements), they may cover
+// more than the body. Then FCL is given only the surface at t, and all pieces at t = 0, so that no pair is skipped and
+// none is reported wrongly. The oracle shares no code with the stages and the feature tables.
 #pragma once
 
 #include <cstdint>
@@ -25,8 +24,8 @@ namespace volccd {
 /// Two live elements without a common vertex, a < b, that FCL finds overlapping.
 struct Overlap {
   ElementPair pair;
-  /// How far, as the largest depth over their convex pieces, in the unit of the positions: a lower estimate for
-  /// elements of several pieces.
+  /// Penetration depth: the largest depth over their convex pieces, in the unit of the positions. It is a lower
+  /// estimate for elements of several pieces.
   double depth;
 };
 
@@ -42,12 +41,12 @@ struct OverlapViolation {
 struct OverlapReport {
   std::uint64_t times = 0;       ///< sampled
   std::uint64_t candidates = 0;  ///< pairs of non-adjacent elements with overlapping boxes, summed over the times
-  std::uint64_t hits = 0;        ///< of which FCL finds overlapping: the sum of the next four and of the violations
+  std::uint64_t hits = 0;        ///< of those, pairs that FCL finds overlapping: the next four plus the violations
   std::uint64_t confirmed = 0;   ///< disjoint at t = 0, and with a contact in time
-  std::uint64_t initial = 0;     ///< not certainly disjoint at t = 0: nothing is owed
+  std::uint64_t initial = 0;     ///< not certainly disjoint at t = 0: no contact is required
   std::uint64_t shallow = 0;     ///< less deep than OverlapCheck::min_depth
-  std::uint64_t filtered = 0;    ///< step.filter does not ask for the two objects
-  /// Elements, summed over the times, of which only the surface could be asked about.
+  std::uint64_t filtered = 0;    ///< step.filter excludes the two objects
+  /// Elements of which only the surface could be tested, summed over the times.
   std::uint64_t surface_only = 0;
   std::vector<OverlapViolation> violations;  ///< by time as given, then by pair
 
@@ -57,30 +56,32 @@ struct OverlapReport {
 struct OverlapCheck {
   /// A contact is in time if its toi is at most this later than the sampled time.
   double time_tolerance = 1e-6;
-  /// Hits less deep than this, in units of the smaller element's box diagonal, are counted only: FCL's hits are to be
-  /// trusted, but the position at a time inside the step is rounded, and an approximate narrow phase is no finer.
+  /// Hits less deep than this, in units of the smaller element's box diagonal, are counted but are no violations. FCL's
+  /// hits are reliable, but positions at times inside the step are rounded, and an approximate narrow phase is not more
+  /// accurate.
   double min_depth = 1e-6;
 };
 
-/// How a list of initial overlaps did. Elements are the convex hulls of their vertices here, which contain the bodies.
+/// Result of checking a list of initial overlaps. Elements are represented by the convex hulls of their vertices, which
+/// contain their bodies.
 struct InitialOverlapReport {
   std::uint64_t hits = 0;        ///< pairs that FCL finds overlapping at t = 0 and step.filter allows
   std::vector<Overlap> missing;  ///< hits that are not listed
-  /// Listed pairs that share a vertex, are not live, not a < b or not allowed, and those that some axis keeps apart by
-  /// more than step.separation and 1e-9 of the pair's size.
+  /// Listed pairs that are invalid (they share a vertex, are not live, not in the order a < b, or not allowed), and
+  /// those that some axis separates by more than step.separation plus 1e-9 of the pair's size.
   std::vector<ElementPair> extra;
 
   bool clean() const { return missing.empty() && extra.empty(); }
 };
 
-/// Holds a list of initial overlaps, ascending, against FCL and against separating axes in plain doubles.
+/// Compares a list of initial overlaps, ascending, with FCL and with separating axes in plain doubles.
 InitialOverlapReport check_initial_overlaps(const Step& step, std::span<const ElementPair> listed, Executor& executor);
 
-/// All overlaps at time t in [0,1], in ascending order of pairs. A hit is to be trusted; overlaps less deep than about
-/// 1e-6 of the elements' size (1e-4 for slivers) may be missing. O(n log n + box overlaps).
+/// All overlaps at time t in [0,1], in ascending order of pairs. Each pair returned overlaps; overlaps less deep than
+/// about 1e-6 of the elements' size (1e-4 for slivers) may be missing. O(n log n + box overlaps).
 std::vector<Overlap> overlapping_elements(const Step& step, double t, Executor& executor);
 
-/// Holds the contacts of a step (any order) against the overlaps at the given times. Throws ConfigError if a time is
+/// Compares the contacts of a step (in any order) with the overlaps at the given times. Throws ConfigError if a time is
 /// not in [0, step.t_max], or if the edge set lacks the face diagonals, without which contacts are not complete.
 OverlapReport check_against_fcl(const Step& step, std::span<const Contact> contacts, std::span<const double> times,
                                 Executor& executor, const OverlapCheck& check = {});

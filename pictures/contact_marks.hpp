@@ -1,4 +1,4 @@
-// Which contacts a picture marks, and where.
+// The contacts that a picture marks, and the positions of the marks.
 #pragma once
 
 #include <array>
@@ -14,7 +14,7 @@
 
 namespace volccd {
 
-/// A contact as far as a picture needs it.
+/// The data of a contact that a picture needs.
 struct PictureContact {
   FeatureKind kind;
   std::array<Index, 4> vertices;  ///< slots, as in Contact
@@ -23,12 +23,12 @@ struct PictureContact {
   bool inter = false;             ///< no part has elements at both features
 };
 
-/// Contacts of the motion motion -> motion + 1 of a sequence, found by the pipeline VolCCD+. Solid shells: slots of the
-/// solid mesh. Throws what reading and the pipeline throw.
+/// Contacts of the motion from step `motion` to step `motion` + 1 of a sequence, found by the pipeline VolCCD+. With
+/// ShellModel::solid, vertices are slots of the solid mesh. Throws the exceptions of the reader and of the pipeline.
 std::vector<PictureContact> find_contacts(SequenceReader& reader, int motion, ShellModel shells, unsigned threads);
 
-/// Those that a file has for this motion. `ids`: of the vertex slots, ascending. Throws InputError for a bad file and
-/// for ids that are not there.
+/// Contacts of this motion from a contacts.csv file. `ids`: the vertex ids, by slot, ascending. Throws InputError for
+/// an invalid file and for unknown ids.
 std::vector<PictureContact> contacts_from_csv(const std::string& file, int motion, std::span<const std::int64_t> ids);
 
 /// The contact's point; without one, where the first feature is: its vertex (VF) or the middle of its edge (EE).

@@ -9,18 +9,18 @@
 
 namespace volccd {
 
-/// sRGB, as it stands in a file.
+/// An sRGB colour, as in an image file.
 struct Colour {
   std::uint8_t r = 255, g = 255, b = 255;
 
   friend bool operator==(const Colour&, const Colour&) = default;
 };
 
-/// a (share 0) to b (share 1).
+/// Linear interpolation from a (share 0) to b (share 1).
 Colour mix(Colour a, Colour b, double share);
 
-/// Rows from the top, three bytes a pixel. Pixel (x, y) covers [x, x+1) x [y, y+1): places between pixels are doubles
-/// in the same frame.
+/// Rows from the top, three bytes for each pixel. Pixel (x, y) covers [x, x+1) x [y, y+1); coordinates inside pixels
+/// are doubles in the same frame.
 class Image {
  public:
   static constexpr int kMaxSide = 20000;
@@ -33,10 +33,10 @@ class Image {
   int height() const { return height_; }
   Colour at(int x, int y) const { return pixels_[offset(x, y)]; }
   void set(int x, int y, Colour colour) { pixels_[offset(x, y)] = colour; }
-  /// Covers the pixel to this extent, 0 to 1; nothing outside the image.
+  /// Blends the colour into the pixel with weight `cover`, 0 to 1. Does nothing outside the image.
   void blend(int x, int y, Colour colour, double cover);
   void fill_rectangle(int x, int y, int width, int height, Colour colour);
-  /// Copies `other` to where its upper left corner is (x, y); what lies outside is left out.
+  /// Copies `other` into this image, with its upper left corner at (x, y); parts outside are left out.
   void paste(const Image& other, int x, int y);
 
   std::span<const Colour> pixels() const { return pixels_; }
@@ -49,10 +49,11 @@ class Image {
   std::vector<Colour> pixels_;
 };
 
-/// The bytes of a PNG file, eight bits a channel. The same image gives the same bytes.
+/// The bytes of a PNG file, with eight bits for each channel. The same image gives the same bytes.
 std::string encode_png(const Image& image);
 
-/// Atomic: the file is there complete, or as it was. Throws InputError naming the file.
+/// Writes a PNG file atomically: an existing file is replaced by a complete one or not changed. Throws InputError
+/// naming the file.
 void write_png(const Image& image, const std::string& file);
 
 }  // namespace volccd

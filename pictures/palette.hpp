@@ -1,4 +1,4 @@
-// Colours that stay apart for colour-blind eyes and in grey print.
+// Colours that colour-blind readers can distinguish, also in grey print.
 #pragma once
 
 #include <cstddef>
@@ -7,11 +7,11 @@
 
 namespace volccd {
 
-/// Muted, of medium to high lightness, so that shading and marks show on them. Neighbours in the sequence differ in
-/// lightness as well as in hue. Twelve, then lighter and darker variants of these.
+/// Muted colours of medium to high lightness, so that shading and marks are visible on them. Neighbours in the sequence
+/// differ in lightness as well as in hue. The first twelve are followed by lighter and darker variants of them.
 Colour part_colour(std::size_t index);
 
-/// Contacts between parts, and within one: dark, and of different shapes as well.
+/// Colours of marks of contacts between parts and within a part: dark; the marks also differ in shape.
 inline constexpr Colour kInterColour{200, 16, 46}, kIntraColour{24, 44, 120};
 
 }  // namespace volccd

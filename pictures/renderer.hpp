@@ -11,7 +11,7 @@ namespace volccd {
 
 enum class MarkShape { disc, diamond };
 
-/// A sign at a place of the scene. Its size does not depend on how far away it is.
+/// A mark at a position in the scene. Its size does not depend on its distance from the camera.
 struct Mark {
   Vec3 place;
   Colour colour;
@@ -19,19 +19,19 @@ struct Mark {
 };
 
 struct RenderOptions {
-  int samples = 2;          ///< a side: samples^2 for each pixel, 1 to 8
+  int samples = 2;          ///< samples^2 samples for each pixel, 1 to 8
   bool edges = false;       ///< thin lines along the elements' edges
   bool lines = true;        ///< outlines, creases, rims
   bool occlusion = true;    ///< corners and gaps are darker
   double line_width = 1.3;  ///< pixels
   double mark_radius = 4;   ///< pixels
-  /// How much of its colour a mark keeps that lies behind a surface; 0 hides it.
+  /// Opacity of a mark that lies behind a surface; 0 hides it.
   double hidden_marks = 0.35;
 };
 
 /// Draws the surface in these colours (by SurfaceTriangle::colour) on white, then the marks: hidden ones first, then
-/// from far to near. Two lights that move with the camera. Triangles that reach behind the camera are left out. Memory:
-/// some 10 bytes a sample and 30 a pixel. Time: O(triangles + samples).
+/// from far to near. There are two lights, which move with the camera. Triangles that are partly behind the camera are
+/// left out. Memory: about 10 bytes for each sample and 30 for each pixel. Time: O(triangles + samples).
 Image render(const Surface& surface, std::span<const Colour> colours, std::span<const Mark> marks, const Camera& camera,
              int width, int height, const RenderOptions& options = {});
 

@@ -20,30 +20,31 @@ struct PicturePanel {
   std::string file;
   int step = 0;
   std::string caption;   ///< empty: the sequence's title
-  std::string contacts;  ///< contacts.csv to take the contacts from; empty: they are computed
+  std::string contacts;  ///< contacts.csv file with the contacts; empty: they are computed
 };
 
 struct PictureConfig {
   int width = 1600;
-  int height = 0;   ///< 0: as high as what is to be seen needs
-  int columns = 0;  ///< of panels; 0: all in a row
+  int height = 0;   ///< 0: chosen to fit what the camera shows
+  int columns = 0;  ///< columns of panels; 0: all panels in a row
   View view = {};
-  /// The camera shows vertices_of_bodies() of all panels together; all vertices in use; or the box (min x, max x,
-  /// min y, ..) if there is one.
+  /// The camera shows the vertices_of_bodies() of all panels together; with `fit_fragments` all vertices in use; or, if
+  /// given, the box (min x, max x, min y, ..).
   bool fit_fragments = false;
   std::optional<std::array<double, 6>> box = {};
   ShellModel shells = ShellModel::surface;
-  /// "axis=value": takes away the side of the viewer. "axis=50%": in the middle of all vertices in use.
+  /// Section planes, as "axis=value" or "axis=50%" (a position within the bounding box of all vertices in use). The
+  /// viewer's side of each plane is removed.
   std::vector<std::string> cuts = {};
-  /// Part ids or names (any case), separated by commas, or by semicolons where a name has a comma. Empty `parts`: all
-  /// of them.
+  /// Ids or names of parts to draw and to leave out (case-insensitive), separated by commas, or by semicolons if a name
+  /// has a comma. Empty `parts`: all of them.
   std::string parts = {}, without = {};
-  /// "part=#rrggbb", part an id or a name: in place of the palette's.
+  /// "part=#rrggbb", with the id or name of a part: replaces the colour of the palette.
   std::vector<std::string> colours = {};
-  bool contacts = true;    ///< of motion step -> step + 1; of the motion before for the last step
+  bool contacts = true;    ///< of the motion from `step` to `step` + 1; at the last step, of the motion before
   bool text = true;        ///< captions and legend
   double mark_radius = 0;  ///< pixels; 0: by the size of the picture and the number of contacts
-  double crease = 50;      ///< degrees: sharper edges are not shaded as round
+  double crease = 50;      ///< degrees: edges with a greater angle are shaded as sharp
   unsigned threads = 0;  ///< for the contacts; 0: as many as the machine has
   /// Called from time to time with the number of panels that are done; may throw to stop.
   std::function<void(double panels)> progress = {};
@@ -51,8 +52,8 @@ struct PictureConfig {
 };
 
 /// Draws the panels side by side with one camera; the colour of a part is the same in all of them. Deterministic.
-/// Throws InputError for bad files, ConfigError for what cannot be drawn: a step or a part that a file does not have, a
-/// size out of range, nothing left to draw.
+/// Throws InputError for invalid files, and ConfigError if a step or a part is not in a file, a size is out of range,
+/// or nothing is left to draw.
 Image draw_sequences(std::span<const PicturePanel> panels, const PictureConfig& config);
 
 }  // namespace volccd

@@ -11,16 +11,16 @@
 
 namespace volccd {
 
-/// Edge i of a triangle goes from corner i to corner i + 1 (mod 3).
+/// A triangle. Edge i goes from corner i to corner i + 1 (mod 3).
 struct SurfaceTriangle {
   std::array<Index, 3> corners{};  ///< into Surface::points
-  std::uint16_t colour = 0;        ///< whatever the caller gave the cell
+  std::uint16_t colour = 0;        ///< the colour that the caller gave to the cell
   std::uint8_t element_edges = 0;  ///< bit i: edge i is an edge of an element, not a diagonal
   std::uint8_t feature_edges = 0;  ///< bit i: edge i is a crease, a rim, a border between colours, or the rim of a cut
   bool section = false;            ///< lies in a cutting plane
 };
 
-/// Seen from both sides.
+/// A set of triangles, which are visible from both sides.
 struct Surface {
   std::vector<Vec3> points;
   std::vector<SurfaceTriangle> triangles;
@@ -29,12 +29,12 @@ struct Surface {
   std::vector<std::array<Eigen::Vector3f, 3>> normals;
 };
 
-/// Vertices in use, ascending, but for those of fragments: pieces that hang together by common vertices, and for every
-/// part in them have less than `least_share` of its cells, and are not its largest piece. They may fly far from
-/// anything that a picture is meant to show. O(cells) expected.
+/// Vertices in use, ascending, except for those of fragments, which may fly far from the rest. A fragment is a set of
+/// cells connected by common vertices that has, for each part in it, less than `least_share` of the part's cells and is
+/// not the part's largest connected piece. O(cells) expected.
 std::vector<Index> vertices_of_bodies(const SequenceCells& cells, std::size_t vertex_count, double least_share = 0.05);
 
-/// Takes away what lies at positive signed distance: normal . x > offset.
+/// Removes everything at positive signed distance: normal . x > offset.
 struct CuttingPlane {
   Vec3 normal;  ///< unit
   double offset;
@@ -47,15 +47,16 @@ struct CuttingPlane {
 std::vector<SurfaceTriangle> boundary_triangles(const SequenceCells& cells, std::size_t vertices,
                                                 std::span<const std::uint16_t> colours);
 
-/// Shells as they are, and of the volumes the triangles that belong to one element only (faces split as Features has
-/// it). Corners of neighbouring triangles whose normals differ by less than `crease` degrees share a mean normal;
-/// a crease that counts as a feature is 15 degrees sharper. `colours`: one a cell. `points` is one a vertex slot.
-/// O(cells) expected.
+/// The surface of a mesh: its shells, and those triangles of volume elements that belong to one element only (faces are
+/// split as in Features). Corners of neighbouring triangles whose normals differ by less than `crease` degrees share a
+/// mean normal; a crease is marked as a feature edge from 15 degrees above that. `colours`: by cell. `points`: by
+/// vertex slot. O(cells) expected.
 Surface surface_of(const SequenceCells& cells, std::span<const Vec3> points, std::span<const std::uint16_t> colours,
                    double crease = 50);
 
-/// Clips the surface and closes it over the volumes: each element that a plane goes through gives a face of the section
-/// (the hull of what the plane has in common with its edges). Several planes: what none of them takes away is left.
+/// Clips the surface by the planes and closes the section through volume elements: each element that a plane intersects
+/// gives a face of the section (the convex hull of the plane's intersections with its edges). With several planes, only
+/// what no plane removes is left.
 void cut(Surface& surface, const SequenceCells& cells, std::span<const Vec3> points,
          std::span<const std::uint16_t> colours, std::span<const CuttingPlane> planes);
 

@@ -1,4 +1,4 @@
-// One function for both ways: what a simulation keeps is written to a checkpoint and read back by the same lines.
+// Serialisation of simulations: the same code writes the state to a checkpoint and reads it back.
 #pragma once
 
 #include <cstdint>
@@ -11,8 +11,8 @@
 
 namespace volccd::simulation {
 
-/// Bytes as they lie in memory: for the machine and the build that wrote them only. Throws InputError when the stream
-/// ends early or fails.
+/// Writes or reads values as they are in memory, so that only the same machine and build can read them. Throws
+/// InputError when the stream ends early or fails.
 class Archive {
  public:
   explicit Archive(std::ostream& out) : out_(&out) {}
@@ -26,7 +26,7 @@ class Archive {
     bytes(&value, sizeof(T));
   }
 
-  /// Elements that hold plain numbers only (Vec3 included).
+  /// Writes or reads a vector of plain values (numbers, Vec3), with its size.
   template <typename T>
   void operator()(std::vector<T>& values) {
     static_assert(std::is_trivially_destructible_v<T>);

@@ -13,11 +13,12 @@ namespace volccd::simulation {
 namespace {
 
 constexpr std::size_t kChunk = TestBlock::kCapacity, kVertexGrain = 4096;
-/// Of the step: by how much a contact may be early.
+/// How early a contact may be reported, as a fraction of the step.
 constexpr double kTimeTolerance = 1e-3;
-/// Of the step. What rests at the separation takes any number of them; it is taken to touch, sooner or later.
+/// Greatest number of parts of the step in a search. Features that rest at the separation can need any number of parts;
+/// the search then ends, and they count as touching.
 constexpr int kMostParts = 40;
-/// Takes every pair that the filters leave: which of them touch is found out by each retest.
+/// Reports every pair that the filters keep; contacts() decides later which of them touch.
 class TakeAll final : public NarrowPhase {
  public:
   int max_control_points() const override { return 3; }
@@ -39,7 +40,7 @@ Pipeline make_pipeline(const std::string& name) {
        [](const OptionValues&) -> std::unique_ptr<NarrowPhase> { return std::make_unique<TakeAll>(); }});
   PipelineSpec spec = registry.pipeline(name);
   spec.narrow_phase = {"take-all", {}};
-  // All that is not filtered out is kept in memory and tested again and again.
+  // All pairs that filters keep are stored and tested many times.
   if (spec.feature_filters.empty())
     spec.feature_filters = {{"feature-kdop", {}}, {"coplanarity", {}}, {"feature-csat", {}}};
   return Pipeline(registry, spec);
@@ -71,7 +72,7 @@ ContactDetection::ContactDetection(const Topology& model, std::span<const double
   if (has_shells(model.mesh())) {
     thickener_.emplace(model.mesh());
     solid_ = std::make_unique<Topology>(thickener_->solid_mesh(model.mesh()));
-    // Else edits would not fall on the same slots.
+    // Otherwise edits would not have the same slots in both meshes.
     if (solid_->mesh().element_slots() != model.mesh().element_slots())
       throw InputError("model", "mesh", "a mesh with shells has empty element slots");
   }
@@ -98,7 +99,7 @@ void ContactDetection::follow(const TopologyEdit& edit, std::span<const double> 
     for (const ElementSpec& added : edit.added)
       solids.added.push_back(thickener_->solid_element(mesh, mesh.find_element(added.id)));
     solid_->apply(solids);
-    // Sheets may have turned over with the edit: their other prisms are put in anew, each into its own slot.
+    // The edit may have changed the orientation of sheets: their other prisms are replaced, each in its own slot.
     for (Index o = 0; o < mesh.element_slots(); ++o) {
       if (!mesh.is_live(o) || !is_shell(mesh.type(o))) continue;
       ElementSpec spec = thickener_->solid_element(mesh, o);
@@ -116,7 +117,7 @@ const std::vector<Vec3>& ContactDetection::place(std::span<const Vec3> x, Placed
   return placed.to;
 }
 
-/// A substep begins where the one before it has ended, and is looked at several times with other ends.
+/// A substep begins at the end of the one before it, and is tested several times with different ends.
 void ContactDetection::set_motion(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor) {
   if (!thickener_) return motion_.set_linear(x0, x1);
   if (std::equal(x0.begin(), x0.end(), placed1_.from.begin(), placed1_.from.end())) std::swap(placed0_, placed1_);
@@ -138,7 +139,7 @@ void ContactDetection::query(std::span<const Vec3> x0, std::span<const Vec3> x1,
   find_slots();
 }
 
-/// How far apart displacements of vertices are: contacts will not change them by more.
+/// Greatest difference between displacements of vertices: contacts should not change displacements by more.
 double ContactDetection::spread() const {
   Eigen::AlignedBox3d box;
   for (Index v = 0; v < motion_.vertex_count(); ++v) box.extend(Vec3(motion_.point(v, 1) - motion_.point(v, 0)));
@@ -184,7 +185,7 @@ void ContactDetection::keep_touching(Executor& executor, std::vector<FoundContac
   std::vector<FeaturePair> vf, ee;
   for (const FoundContact& c : found) {
     if (c.verdict != ContactVerdict::resist) continue;
-    // Features come no nearer than by the motion that is left of any of their vertices relative to any of the other's.
+    // The distance decreases at most by the remaining motion of a vertex of one feature relative to one of the other.
     const std::size_t first = c.kind == FeatureKind::vf ? 1 : 2;
     double most = 0;
     for (std::size_t i = 0; i < first; ++i)
@@ -238,7 +239,7 @@ void ContactDetection::test(const std::vector<FeaturePair>& vf, const std::vecto
     found.insert(found.end(), chunks_[c].begin(), chunks_[c].end());
 }
 
-/// Most of the pairs that a query has left are further apart than the separation in a substep.
+/// Drops tests before the narrow phase: most pairs of a query are further apart than the separation in a substep.
 void ContactDetection::filter(const Step& step, TestBlock& block) const {
   std::array<std::uint8_t, kChunk> keep;
   keep.fill(1);

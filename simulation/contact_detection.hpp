@@ -1,4 +1,4 @@
-// Contacts of a step by a pipeline of this library, in terms of the simulated mesh.
+// Finds the contacts of a step with a pipeline of this library, and describes them in terms of the simulated mesh.
 #pragma once
 
 #include <array>
@@ -25,11 +25,11 @@
 
 namespace volccd::simulation {
 
-/// The collision mesh is the simulated one, with its shells thickened to prisms. Contacts between features that have a
-/// shell's vertex in common (a prism with itself) are never reported: no force on the shell could resist them.
+/// The collision mesh is the simulated mesh with its shells thickened to prisms. Contacts between features that have
+/// copies of the same shell vertex are never reported, because no force on the shell could resist them.
 ///
-/// query() runs the pipeline, without its narrow phase, for all pairs that come within separation and margin;
-/// contacts() tests those pairs again, by the narrow phase alone, for motions near the one that was queried.
+/// query() runs the pipeline, without its narrow phase, to find all pairs that come within the separation plus a
+/// margin; contacts() tests these pairs with the narrow phase alone, for motions near the one that was queried.
 /// Deterministic for any number of workers.
 class ContactDetection {
  public:
@@ -39,38 +39,40 @@ class ContactDetection {
     bool adjacent = true;
     std::vector<std::pair<std::int32_t, std::int32_t>> excluded;
     double separation = 0;
-    /// Between these: by how much pairs may be further apart than the separation to be kept in view by a query.
+    /// Bounds of the margin: a query finds pairs that come within the separation plus the margin.
     double least_margin = 0, most_margin = 0;
   };
 
-  /// `model` outlives this and changes only with follow(). `thickness`: an element slot. Throws ConfigError.
+  /// `model` must outlive this object, and follow() must be called after each change of it. `thickness`: by element
+  /// slot. `reference`: positions at rest, by vertex. Throws ConfigError for an invalid configuration.
   ContactDetection(const Topology& model, std::span<const double> thickness, std::span<const Vec3> reference,
                    Config config);
   ~ContactDetection();
 
-  /// After the edit has been applied to the model's topology. Pairs of the last query are forgotten. `origins`, by
-  /// vertex: the one of the mesh at first of which it is a copy, or itself.
+  /// To be called after the edit has been applied to the model's topology. Removes the pairs of the last query.
+  /// `origins`, by vertex: the vertex of the initial mesh of which it is a copy, or itself.
   void follow(const TopologyEdit& edit, std::span<const double> thickness, std::span<const Vec3> reference,
               std::span<const Index> origins);
 
-  /// `ahead`: where the vertices are thought to be after another step of the same length, so that contacts on the way
-  /// there are in view too; or nothing.
+  /// Finds the pairs for the motion from x0 to x1. `ahead`: estimated positions after another step of the same length,
+  /// so that pairs are also found for the motion up to there; or empty.
   void query(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const Vec3> ahead, Executor& executor);
-  /// Whether no vertex is, at either end, further than half the margin from where it was in the last query: then no
-  /// pair is missing in contacts().
+  /// Whether each vertex is, at both ends, within half the margin of its position in the last query. If so, contacts()
+  /// misses no pair.
   bool covers(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor);
   /// Replaces `found` by the contacts, in canonical order, of the pairs of the last query that come within
   /// `separation`.
   void contacts(std::span<const Vec3> x0, std::span<const Vec3> x1, double separation, Executor& executor,
                 std::vector<FoundContact>& found);
 
-  /// Of what contacts() has just found, keeps what touches in the same motion and was apart at its start.
+  /// Keeps those of the contacts just found by contacts() whose features touch (distance zero) in the same motion and
+  /// were apart at its start.
   void keep_touching(Executor& executor, std::vector<FoundContact>& found);
 
   std::size_t candidates() const { return vf_.size() + ee_.size(); }
   const Topology& collision_topology() const { return solid_ ? *solid_ : model_; }
   double separation() const { return config_.separation; }
-  /// The pairs of the last query.
+  /// Writes or reads the pairs of the last query.
   void archive(Archive& archive);
 
  private:
@@ -78,7 +80,7 @@ class ContactDetection {
     FeatureKind kind;
     std::array<Index, 4> vertices;
   };
-  /// Vertices of the simulated mesh, and those of the collision mesh there.
+  /// Positions of the simulated mesh, and the positions of the collision mesh that follow from them.
   struct Placed {
     std::vector<Vec3> from, to;
   };
@@ -111,13 +113,13 @@ class ContactDetection {
 
   Motion motion_, queried_;
   double reach_ = 0;        ///< margin of the last query
-  double queried_end_ = 1;  ///< of the motion queried: where the step ends
+  double queried_end_ = 1;  ///< end of the step, as a time of the motion queried
   Placed placed0_, placed1_;
   std::vector<Candidate> candidates_;
   std::vector<FeaturePair> vf_, ee_;
-  std::vector<Vec3> middles_;  ///< of objects, at the start of the last query
+  std::vector<Vec3> middles_;  ///< centroids of objects, at the start of the last query
   std::vector<std::vector<FoundContact>> chunks_;
-  std::vector<std::unique_ptr<TestBlock>> blocks_;  ///< a worker
+  std::vector<std::unique_ptr<TestBlock>> blocks_;  ///< by worker
 };
 
 }  // namespace volccd::simulation

@@ -3,11 +3,11 @@
 
 namespace volccd::simulation {
 
-/// Figure 3 of the paper sets the first against one of the others.
+/// Figure 3 of the paper compares `all` with one of the others.
 enum class ContactFeatures {
-  all,       ///< every pair of features, interior ones too
-  boundary,  ///< pairs of features that both lie on the boundary of the mesh as it is at the time: cracks have faces
-  surface    ///< those that lay on the boundary when the simulation began, as a collision code for surfaces has it
+  all,       ///< all features, interior ones included
+  boundary,  ///< features on the boundary of the present mesh, which includes the faces of cracks
+  surface    ///< features that were on the boundary when the simulation began, as in many collision codes
 };
 
 }  // namespace volccd::simulation

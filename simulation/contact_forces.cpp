@@ -9,7 +9,7 @@
 namespace volccd::simulation {
 namespace {
 
-/// What share of the first sweep's changes is not worth another sweep.
+/// Sweeps end when changes are below this fraction of those of the first sweep.
 constexpr double kSettled = 1e-4;
 
 bool same_pair(const ContactConstraint& a, const ContactConstraint& b) {
@@ -47,7 +47,7 @@ Vec3 ContactForces::relative_velocity(const ContactConstraint& c, const MovingVe
   return sum;
 }
 
-/// By what the bodies' displacements, which are not in x1 yet, change the relative position.
+/// Change of the relative position by the displacements of bodies, which are not in x1 yet.
 Vec3 ContactForces::relative_shift(const ContactConstraint& c, const MovingVertices& moving) const {
   const std::span<const Index> body_of = moving.bodies.body_of();
   Vec3 sum = Vec3::Zero();
@@ -123,7 +123,7 @@ void ContactForces::apply(const ContactConstraint& c, const Vec3& impulse, const
         body.angular_velocity += shifts_[body_of[v]].inverse_inertia * torque;
       }
     }
-    // From outside: what a wall gives, and what is held gives back.
+    // External impulses: those of walls, and those that hold fixed vertices.
     const double sign = (c.is_wall() ? 1 : 0) - (held ? 1 : 0);
     work.impulse += sign * part;
     work.angular_impulse += sign * moving.x1[v].cross(part);
@@ -163,7 +163,7 @@ double ContactForces::solve_friction(ContactConstraint& c, const MovingVertices&
   apply(c, change, moving, work);
   const Vec3 after = relative_velocity(c, moving);
   work.total -= change.dot(velocity + after) / 2;
-  // What the substep slides is what it would have up to the contact, and what is left after it.
+  // The sliding distance of the substep is that up to the contact plus that after it.
   work.friction -= change.dot((1 - c.share) / 2 * (velocity + after) + c.share * after);
   return (after - velocity).norm();
 }

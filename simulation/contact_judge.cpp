@@ -8,11 +8,11 @@
 namespace volccd::simulation {
 namespace {
 
-/// Weights below are those of a point on the rim.
+/// A point with a weight below this is on the border of a feature.
 constexpr double kEnd = 1e-9;
-/// Sine of an angle that counts as none.
+/// Sine of an angle below which directions count as perpendicular.
 constexpr double kSlant = 0.1;
-/// Of the separation: how near to twins it is a corner of a crack.
+/// In separations: contacts within this distance of both copies of a split vertex are at a crack corner.
 constexpr double kCorner = 5;
 
 bool share_vertex(const Mesh& mesh, Index a, Index b) {
@@ -46,7 +46,7 @@ std::span<const Index> second_elements(const Features& features, FeatureKind kin
                                  : features.edge_elements(features.find_edge(v[2], v[3]));
 }
 
-/// Normal of the plane that both features are parallel to: of the triangle, or across both edges. Not normalised.
+/// Normal of the triangle, or cross product of the edges. Not normalised.
 Vec3 plane_normal(FeatureKind kind, const std::array<Vec3, 4>& x) {
   return kind == FeatureKind::vf ? Vec3((x[2] - x[1]).cross(x[3] - x[1])) : Vec3((x[1] - x[0]).cross(x[3] - x[2]));
 }
@@ -55,7 +55,8 @@ bool is_inside(const Contact& contact) {
   return std::all_of(contact.weights.begin(), contact.weights.end(), [](double w) { return w > kEnd; });
 }
 
-/// What is on the wrong side at the start is pushed back; what gets there from the wrong side is let out.
+/// A feature on the wrong side at the start is pushed back; one that comes from the wrong side during the step is not
+/// resisted.
 void turn_or_leave(FoundContact& found) {
   if (found.at_start)
     found.normal = -found.normal;
@@ -98,7 +99,7 @@ FoundContact ContactJudge::describe(const Contact& contact) const {
   return found;
 }
 
-/// From the middle of the elements to the point, at the start.
+/// Vector from the centroid of the elements to the point, at the start.
 Vec3 ContactJudge::outward(std::span<const Index> elements, const Vec3& point) const {
   const Mesh& mesh = s_.topology.mesh();
   Vec3 sum = Vec3::Zero();
@@ -111,8 +112,9 @@ Vec3 ContactJudge::outward(std::span<const Index> elements, const Vec3& point) c
   return point - sum / count;
 }
 
-/// Features that touch to the bit show no direction: it comes from where their elements lie. Zero if these do not tell
-/// (around a vertex that has just been split, most pairs touch that will never press against each other).
+/// Features that touch exactly have no direction between them, so that it is taken from the positions of their
+/// elements. Zero if these do not determine it (around a vertex that has just been split, most pairs that touch will
+/// never press against each other).
 Vec3 ContactJudge::made_up_normal(const Contact& contact) const {
   const Features& features = s_.topology.features();
   const std::array<Index, 4>& v = contact.vertices;
@@ -133,8 +135,8 @@ Vec3 ContactJudge::made_up_normal(const Contact& contact) const {
   return (across > 0 ? n : Vec3(-n)) / length;
 }
 
-/// For features of one element: 1 if the normal points to the side on which the first lies in the shape at rest, -1 if
-/// to the other, 0 if that shape does not tell.
+/// For features of one element: 1 if the normal points to the side on which the first feature lies in the shape at
+/// rest, -1 if to the other side, 0 if that shape does not determine the side.
 int ContactJudge::side_in_reference(const FoundContact& found) const {
   std::array<Vec3, 4> rest, now;
   for (std::size_t i = 0; i < 4; ++i) {
@@ -148,8 +150,8 @@ int ContactJudge::side_in_reference(const FoundContact& found) const {
   return (at_rest > 0) == (here > 0) ? 1 : -1;
 }
 
-/// Whether the surface at an edge has its nearest point to what lies off it along `normal` on the edge: no triangle
-/// there goes on towards it.
+/// Whether, for a point off the edge in direction `normal`, the nearest point of the surface around the edge is on the
+/// edge: no triangle there extends towards the point.
 bool ContactJudge::faces(Index v0, Index v1, const Vec3& normal, double toi, bool boundary_only) const {
   const Topology& topology = s_.topology;
   const Features& features = topology.features();
@@ -167,7 +169,7 @@ bool ContactJudge::faces(Index v0, Index v1, const Vec3& normal, double toi, boo
   return true;
 }
 
-/// The same for a vertex and the edges there.
+/// The same for a vertex and the edges at it.
 bool ContactJudge::faces(Index vertex, const Vec3& normal, double toi) const {
   const Features& features = s_.topology.features();
   const Vec3 x = s_.motion.position(vertex, toi);
@@ -181,7 +183,8 @@ bool ContactJudge::faces(Index vertex, const Vec3& normal, double toi) const {
   return true;
 }
 
-/// For a vertex whose nearest point is on the rim of the triangle: else another triangle there is nearer.
+/// The same for the nearest point of a VF contact if it is on the triangle's border. If false, another triangle is
+/// nearer.
 bool ContactJudge::rim_faces(const Contact& contact) const {
   std::array<Index, 3> rim{};
   std::size_t n = 0;
@@ -191,8 +194,8 @@ bool ContactJudge::rim_faces(const Contact& contact) const {
   return n == 3 || faces(rim[0], rim[1], contact.normal, contact.toi, s_.surface.alone());
 }
 
-/// Whether the features meet next to vertices that were one before it split. There a crack has its corner: all features
-/// at the one are near all at the other, in directions that mean nothing, until they have come apart.
+/// Whether the features meet near two copies of a split vertex. At such a crack corner all features at one copy are
+/// near all features at the other, in arbitrary directions, until the copies have moved apart.
 bool ContactJudge::at_twins(const Contact& contact) const {
   const std::size_t first = contact.kind == FeatureKind::vf ? 1 : 2;
   const auto& w = contact.weights;
@@ -221,7 +224,7 @@ void ContactJudge::judge(const Contact& contact, FoundContact& found) const {
   if (s_.surface.alone() && !(boundary1 && boundary2)) return give_up();
   const bool adjacent = found.contact_class == ContactClass::adjacent;
   if (adjacent && !s_.adjacent) return give_up();
-  // An end of an edge near another edge: a vertex near the triangles there, which are tested as well.
+  // At an end of an edge, the vertex is also near the triangles at the other edge, which are tested as well.
   if (!vf && !is_inside(contact)) return give_up();
   if (at_twins(contact)) return give_up();
   if (found.normal.isZero(0)) {
@@ -251,7 +254,7 @@ void ContactJudge::judge_triangle(const Contact& contact, FoundContact& found, s
   Vec3 n = plane_normal(FeatureKind::vf, x);
   if (n.dot(outward(elements, at_start)) < 0) n = -n;
   if (found.normal.dot(n) > -kSlant * n.norm()) return;
-  // Past the rim of the triangle and behind its plane: there the next triangle is nearer.
+  // Beyond the border of the triangle and behind its plane, the next triangle is nearer.
   if (is_inside(contact))
     turn_or_leave(found);
   else
@@ -269,8 +272,8 @@ void ContactJudge::judge_edges(const Contact& contact, FoundContact& found, std:
     found.verdict = ContactVerdict::ignore;
 }
 
-/// Features in the interior have no outside: what has got there is let out, as far as the middles of the elements at
-/// the features tell, or those of their objects, and not let in.
+/// Interior features have no outward side. Whether a feature moves out of a body is decided from the centroids of the
+/// elements at the features, or of their objects; such a motion is not resisted.
 bool ContactJudge::comes_out(const FoundContact& found, std::span<const Index> a, std::span<const Index> b) const {
   const Vec3 elements = outward(b, Vec3::Zero()) - outward(a, Vec3::Zero());
   const double along = found.normal.dot(elements);

@@ -1,4 +1,4 @@
-// Who resists what: the direction of a contact, and whether it is one that presses.
+// Decides the direction of a contact, and whether it is resisted.
 #pragma once
 
 #include <span>
@@ -11,19 +11,20 @@
 
 namespace volccd::simulation {
 
-/// A view of one motion. What the surface has an outside for is told by that, features of one element by their shape at
-/// rest, features inside by where their elements or objects lie. Ignored are contacts that another pair of features has
-/// nearer (past a triangle's rim, at an edge's end), and those next to vertices that were one before they split, until
-/// these have come apart. Thread-safe.
+/// Refers to one motion. The side on which a feature should lie is taken from the outward side for features on the
+/// surface, from the shape at rest for features of one element, and from the centroids of elements or objects for
+/// interior features. A contact is ignored if another pair of features is nearer at that point (beyond a triangle's
+/// border, at an edge's end), and if it is close to two copies of a split vertex that have not yet moved apart.
+/// Thread-safe.
 class ContactJudge {
  public:
   struct Scene {
     const Topology& topology;  ///< of the collision mesh
     const Motion& motion;
     const ContactSurface& surface;
-    std::span<const Vec3> reference;  ///< by vertex of the simulated mesh: at rest
-    std::span<const Vec3> middles;    ///< of objects, at the start
-    Index copies;                     ///< as ContactSurface has it
+    std::span<const Vec3> reference;  ///< positions at rest, by vertex of the simulated mesh
+    std::span<const Vec3> middles;    ///< centroids of objects, at the start
+    Index copies;                     ///< as in ContactSurface
     bool adjacent;                    ///< whether adjacent elements resist each other
     double separation;
   };

@@ -8,15 +8,15 @@
 namespace volccd::simulation {
 namespace {
 
-/// Of the separation: by how much what is closer is pushed apart in a query; and up to which gap.
+/// As fractions of the separation: by how much closer features are pushed apart in a query, and up to which gap.
 constexpr double kPush = 0.02, kPushedTo = 0.5;
-/// Of the separation: the gap of what rests on each other. Below 1, or the elementary tests would have to tell the
-/// distance from the separation to the last bit, all through the step.
+/// Gap of features that rest on each other, as a fraction of the separation. It is below 1, because otherwise the
+/// elementary tests would have to compare the distance with the separation to the last bit throughout the step.
 constexpr double kRest = 0.8;
-/// Of the gap that a contact is to have: what it must have at the end of a pass; of the separation, what a negative one
-/// may lack.
+/// The least gap at the end of a pass, as a fraction of the goal; and how far the gap may be below a negative goal, as
+/// a fraction of the separation.
 constexpr double kEnough = 0.5, kTolerance = 0.05;
-/// Of the separation: the gap that is made where features would touch all the same.
+/// Gap that is made between features that would still touch, as a fraction of the separation.
 constexpr double kClear = 0.1;
 constexpr int kHoldRounds = 10;
 
@@ -112,7 +112,7 @@ void ContactResponse::substep(std::span<const Vec3> x0, std::span<const Index> p
   count_pressed();
 }
 
-/// Walls, and the pairs of the last query.
+/// Resolves contacts with walls and contacts of the pairs of the last query.
 void ContactResponse::resist_known(std::span<const Vec3> x0, std::span<const Index> part_of, double dt,
                                    const MovingVertices& moving, Executor& executor, ContactWork& work) {
   forces_.clear();
@@ -129,7 +129,7 @@ void ContactResponse::query_substep(std::span<const Vec3> x0, std::span<const Ve
                                     std::span<const Index> part_of, double dt, const MovingVertices& moving,
                                     Executor& executor, ContactWork& work) {
   if (!detection_) return substep(x0, part_of, dt, moving, executor, work);
-  // What is known already is not to lead the query astray: one that does not cover what comes of it is made again.
+  // Known contacts are resisted first, because a query that does not cover the motion after the response is repeated.
   resist_known(x0, part_of, dt, moving, executor, work);
   query(since, elapsed, dt, moving, executor);
   for (int pass = 0;; ++pass) {
@@ -139,7 +139,7 @@ void ContactResponse::query_substep(std::span<const Vec3> x0, std::span<const Ve
     solve(x0, part_of, dt, moving, work);
     requery(since, elapsed, dt, moving, executor);
   }
-  // What slides close by meets the other feature elsewhere than where the gap was smallest at first.
+  // Features that slide past each other may touch at other points than those at which the gap was smallest.
   detection_->keep_touching(executor, found_);
   for (int pass = 0; pass < config_.passes && !found_.empty(); ++pass) {
     added_.clear();
@@ -166,8 +166,8 @@ void ContactResponse::find_touching(std::span<const Vec3> since, double elapsed,
 void ContactResponse::query(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
                             Executor& executor) {
   ahead_.clear();
-  // The substeps until the next query look at what this one finds. On as on the mean so far: so the line passes through
-  // x1, and covers() holds.
+  // The substeps until the next query test the pairs that this one finds. The motion is extrapolated with its mean
+  // velocity, so that the line passes through x1, and covers() is true.
   if (elapsed > dt)
     for (std::size_t i = 0; i < moving.x1.size(); ++i) ahead_.push_back(2 * moving.x1[i] - since[i]);
   detection_->query(since, moving.x1, ahead_, executor);
@@ -193,8 +193,8 @@ Index ContactResponse::group_of(Index node) {
   return node;
 }
 
-/// What would still touch moves as one, in groups, without turning: so nothing in a group touches. Positions only: the
-/// velocities are what the impulses made them.
+/// Features that would still touch are moved as groups without rotation, so that no features in a group touch. Only
+/// positions change; the velocities remain those after the impulses.
 void ContactResponse::hold_apart(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
                                  Executor& executor) {
   group_.resize(moving.x1.size() + moving.bodies.bodies().size());

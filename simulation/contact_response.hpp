@@ -1,4 +1,4 @@
-// Detection and response, in turns, until a substep ends without penetration.
+// Alternates contact detection and response until a substep ends without penetration.
 #pragma once
 
 #include <cstdint>
@@ -24,23 +24,24 @@ class ContactResponse {
     double separation = 0;
   };
 
-  /// `detection`: null for walls alone. `parts`, `walls`: outlive this.
+  /// `detection`: null if only walls act. `parts` and `walls` must outlive this object.
   ContactResponse(std::unique_ptr<ContactDetection> detection, std::span<const Part> parts, std::span<const Wall> walls,
                   Config config)
       : config_(config), detection_(std::move(detection)), parts_(parts), walls_(walls) {}
 
   ContactDetection* detection() { return detection_.get(); }
 
-  /// For a substep of length dt, from `x0`. Without a query: pairs of the last one only. With one: over all since
-  /// `since`, where the vertices (RigidBodies::mark() called) were at the last query, `elapsed` ago; then no two
-  /// features touch (but what counts().unresolved says). `part_of`: a vertex, for walls.
+  /// Resolve the contacts of a substep of length dt from the positions `x0`. substep() tests the pairs of the last
+  /// query only. query_substep() makes a query over the motion since the last one, which began at the positions `since`
+  /// (when RigidBodies::mark() was called), `elapsed` ago; afterwards no two features touch, except for the pairs that
+  /// counts().unresolved counts. `part_of`: part by vertex, for walls.
   void substep(std::span<const Vec3> x0, std::span<const Index> part_of, double dt, const MovingVertices& moving,
                Executor& executor, ContactWork& work);
   void query_substep(std::span<const Vec3> x0, std::span<const Vec3> since, double elapsed,
                      std::span<const Index> part_of, double dt, const MovingVertices& moving, Executor& executor,
                      ContactWork& work);
 
-  /// Of the last substep.
+  /// The constraints of the last substep.
   const std::vector<ContactConstraint>& constraints() const { return forces_.constraints(); }
   ContactCounts& counts() { return counts_; }
 
@@ -75,7 +76,8 @@ class ContactResponse {
   std::vector<FoundContact> found_;
   std::vector<Vec3> ahead_;
   std::vector<ContactConstraint> added_;
-  /// hold_apart(): vertices, then bodies, in groups (union-find); which of them are in one.
+  /// Used by hold_apart(): groups of vertices and rigid bodies (union-find; bodies follow the vertices), and the
+  /// members of all groups.
   std::vector<Index> group_, members_;
 };
 

@@ -26,8 +26,8 @@ std::array<Index, 3> ContactSurface::origin_of(const std::array<Index, 3>& trian
   return result;
 }
 
-/// Faces of more than three vertices with all triangles that they could be cut into: a vertex that splits may turn a
-/// diagonal.
+/// Stores the triangles of the initial surface. For faces with more than three vertices it stores all triangles into
+/// which they could be divided, because a vertex split may change the diagonal.
 void ContactSurface::note_first(const Topology& collision) {
   const Mesh& mesh = collision.mesh();
   const Features& features = collision.features();

@@ -15,11 +15,11 @@ namespace volccd::simulation {
 
 namespace {
 
-/// Cosine of the angle between tension and the plane's normal; share of the volume that each piece has.
+/// Least cosine of the angle between tension and the plane's normal; least share of the volume of each piece.
 constexpr double kAcross = 0.7, kLeastShare = 0.3;
 
-/// Opposite faces of a hexahedron in VTK's order, corner i of the one over corner i of the other; around the first
-/// against the clock as seen from the second.
+/// Opposite faces of a hexahedron in VTK's order; corner i of one is over corner i of the other. The first is
+/// counter-clockwise as seen from the second.
 using Faces = std::array<std::array<std::size_t, 4>, 2>;
 constexpr Faces kFaces[3] = {
     {{{0, 1, 2, 3}, {4, 5, 6, 7}}}, {{{0, 4, 5, 1}, {3, 7, 6, 2}}}, {{{0, 3, 7, 4}, {1, 2, 6, 5}}}};
@@ -57,7 +57,7 @@ double volume(const std::array<Index, 6>& w, std::span<const Vec3> x) {
   return six / 6;
 }
 
-/// The plane that breaks the element, or nothing.
+/// The plane along which the element breaks, or nothing.
 std::optional<Pieces> find_plane(const Topology& topology, Index o, const Vec3& tension, std::span<const Vec3> x) {
   const std::span<const Index> vertices = topology.mesh().vertices(o);
   std::optional<Pieces> best;
@@ -79,7 +79,7 @@ std::optional<Pieces> find_plane(const Topology& topology, Index o, const Vec3& 
   return best;
 }
 
-/// Of the elements' stresses: a mean over the element's vertices.
+/// Mean over the element's vertices of the stresses there.
 VertexStress stress_in(std::span<const Index> vertices, std::span<const VertexStress> stress) {
   VertexStress sum;
   for (const Index v : vertices) {

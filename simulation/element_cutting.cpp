@@ -12,15 +12,16 @@ namespace volccd::simulation {
 
 namespace {
 
-/// What counts as zero, relative to the edge or to the length of the cut: positions are good to about 1e-15 of it.
+/// Lengths below this count as zero, relative to the edge or to the length of the cut; positions are accurate to about
+/// 1e-15 of it.
 constexpr double kCutTolerance = 1e-9;
 
 struct DividedEdge {
   std::array<Index, 2> edge;  ///< ascending
-  Index vertex;               ///< the new one, on it
+  Index vertex;               ///< the new vertex on the edge
 };
 
-/// A tetrahedron after subdivision; the whole one, if nothing divides it.
+/// A tetrahedron after subdivision, which is the parent itself if it is not divided.
 struct Piece {
   std::array<Index, 4> vertices;
   Index parent;
@@ -35,7 +36,7 @@ struct PieceFace {
   }
 };
 
-/// In the pieces around a vertex, by their position in the star.
+/// Union-find over the pieces around a vertex, by their position in the star.
 class Groups {
  public:
   void reset(std::size_t n) {
@@ -99,7 +100,7 @@ class Cutter {
   double depth_;
 
   std::vector<std::array<Index, 2>> edges_;                        ///< of the object, ascending
-  std::vector<signed char> side_;                                  ///< a vertex: -1, 0, 1 of the plane
+  std::vector<signed char> side_;                                  ///< by vertex: side of the plane, -1, 0 or 1
   std::vector<DividedEdge> divided_;                               ///< ascending
   std::vector<Piece> pieces_;                                      ///< of all tetrahedra of the object, by parent
   std::vector<std::pair<Index, std::pair<Index, Index>>> copies_;  ///< (piece, (vertex, its copy))
@@ -131,7 +132,7 @@ void Cutter::take_sides(double snap) {
   side_.assign(mesh_.vertex_count(), 0);
   for (const auto& edge : edges_)
     for (Index v : edge) side_[v] = distance(v) > 0 ? 1 : -1;
-  // By the distances, not by the sides as they are changed: the order of the edges must not matter.
+  // Uses the distances, not the sides, which change here: the result must not depend on the order of the edges.
   for (const auto& [v, w] : edges_) {
     const double dv = distance(v), dw = distance(w), noise = kCutTolerance * (x_[w] - x_[v]).norm();
     const bool crosses = (dv > 0) != (dw > 0);
@@ -160,8 +161,8 @@ void Cutter::check_tetrahedra(std::array<Index, 2> edge) const {
                        "shares an edge with what is cut, but is of another part");
 }
 
-/// Bisects each tetrahedron by its divided edges, one after the other in their order. A face then is triangulated
-/// by its own edges and that order alone, so that both elements at it agree.
+/// Bisects each tetrahedron by its divided edges, one after the other in their order. The triangulation of a face then
+/// depends on its own edges and that order only, so that both elements at it agree.
 void Cutter::subdivide() {
   const auto divider = [&](Index v, Index w) -> const DividedEdge* {
     const std::array<Index, 2> edge{std::min(v, w), std::max(v, w)};
@@ -194,7 +195,8 @@ void Cutter::subdivide() {
   }
 }
 
-/// Of a piece that does not cross the plane. One that lies in it, as all its vertices are near, is where most of it is.
+/// Side of a piece that does not cross the plane. If all its vertices count as on the plane, the side on which most of
+/// it lies.
 int Cutter::side(const Piece& piece) const {
   double sum = 0;
   for (Index v : piece.vertices) {
@@ -204,7 +206,8 @@ int Cutter::side(const Piece& piece) const {
   return sum > 0 ? 1 : -1;
 }
 
-/// Faces of the pieces that lie between the sides, behind the blade's edge: two entries each, one a side.
+/// Faces of the pieces that lie between the two sides, behind the blade's edge. Each has two entries, one for each
+/// side.
 std::vector<PieceFace> Cutter::cut_faces() const {
   std::vector<PieceFace> faces;
   for (Index p = 0; p < pieces_.size(); ++p)
@@ -254,7 +257,7 @@ void Cutter::part() {
   }
 }
 
-/// Groups the pieces around v that hang together by faces at v that are not cut.
+/// Groups the pieces around v that are connected by faces at v that are not cut.
 void Cutter::join_star(Index v, std::span<const Index> star, std::span<const PieceFace> faces) {
   star_faces_.clear();
   for (std::size_t i = 0; i < star.size(); ++i) {

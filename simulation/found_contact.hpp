@@ -1,4 +1,4 @@
-// A contact in terms of the simulated mesh: between what, in which direction, and whether it is resisted.
+// A contact in terms of the simulated mesh: its features, its direction, and whether it is resisted.
 #pragma once
 
 #include <array>
@@ -9,29 +9,29 @@
 namespace volccd::simulation {
 
 enum class ContactClass : std::uint8_t {
-  inter,    ///< of different objects
-  intra,    ///< of one object, no two elements at them adjacent but some that are not
-  adjacent  ///< all elements at the one are adjacent to all at the other: in the O-Set of Section 5.1
+  inter,    ///< between features of different objects
+  intra,    ///< within one object; not all pairs of elements of the two features are adjacent
+  adjacent  ///< all pairs of elements of the two features are adjacent: the O-Set of Section 5.1
 };
 
 enum class ContactVerdict : std::uint8_t {
   resist,
-  leaving,  ///< one comes out of the inside of the other, or an inverted element turns back
-  ignore    ///< no direction, or not asked for
+  leaving,  ///< one feature leaves the inside of the other body, or an inverted element turns back
+  ignore    ///< the direction is unknown, another pair is nearer, or options exclude it
 };
 
 /// A contact between features. Their relative displacement along the normal is normal . sum(weights[i] * displacement
-/// of vertices[i]), positive where they part.
+/// of vertices[i]), positive if they move apart.
 struct FoundContact {
   FeatureKind kind;
-  std::array<Index, 4> features;  ///< Contact::vertices: of the collision mesh, which name the pair
+  std::array<Index, 4> features;  ///< Contact::vertices: vertices of the collision mesh
   std::array<Index, 4> vertices;  ///< of the simulated mesh: for a shell's prism, the vertices of the shell
-  std::array<double, 4> weights;  ///< those of the first feature, less those of the second
-  Vec3 normal;                    ///< from the second feature to the first as they should lie
+  std::array<double, 4> weights;  ///< of the first feature; those of the second are negative
+  Vec3 normal;                    ///< from the second feature to the first, as they should lie
   double toi;
-  double gap0, gap1;  ///< along the normal between the points of contact, at the step's start and end
+  double gap0, gap1;  ///< distance of the contact points along the normal, at start and end
   bool at_start;
-  bool solid;  ///< no shell has part in it
+  bool solid;  ///< no shell is involved
   ContactClass contact_class;
   ContactVerdict verdict;
   std::int32_t object_a, object_b;

@@ -1,4 +1,4 @@
-// What a Material means: elastic constants, the yield curve, and the return to it.
+// Functions of a Material: elastic constants, the yield curve, and the return mapping to it.
 #pragma once
 
 #include <string>
@@ -15,16 +15,16 @@ void check_material(const Material& material, const std::string& part);
 double shear_modulus(const Material& material);
 double lame_lambda(const Material& material);
 
-/// Of waves of pressure in the bulk: sqrt((lambda + 2 mu) / density).
+/// Speed of pressure waves in the bulk: sqrt((lambda + 2 mu) / density).
 double sound_speed(const Material& material);
 
-/// At equivalent plastic strain `strain`, which grows at `rate` (1/s): (yield + hardening strain) (1 + rate_factor
-/// ln(rate / reference_rate)), the second factor not below 1.
+/// The yield stress at equivalent plastic strain `strain`, which grows at `rate` (1/s): (yield + hardening strain) (1 +
+/// rate_factor ln(rate / reference_rate)), the second factor not below 1.
 double yield_stress(const Material& material, double strain, double rate);
 
 /// Radial return: the increment d >= 0 of plastic strain for which `trial` - `slope` d = `scale` yield_stress(strain +
 /// d, d / dt), to rounding; 0 if `trial` does not exceed the yield stress at rate 0. Implicit in the rate, so that the
-/// rate never swings from step to step. dt > 0, slope > 0.
+/// rate does not oscillate from step to step. Requires dt > 0 and slope > 0.
 double plastic_increment(const Material& material, double trial, double slope, double scale, double strain, double dt);
 
 }  // namespace volccd::simulation

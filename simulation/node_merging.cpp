@@ -19,7 +19,7 @@ struct Candidate {
   Index a, b;  ///< a < b
 };
 
-/// What all parts at a vertex agree to; never, where one of them is rigid.
+/// Merging limits that satisfy all parts at a vertex; never, if one of them is rigid.
 struct Terms {
   double force = 0, distance = kNever;
 
@@ -44,7 +44,7 @@ class Merger {
 
   std::vector<Candidate> candidates(std::span<const LoadedContact> contacts) const;
 
-  /// Whether a and b may become one vertex at `place`.
+  /// Whether a and b may merge to one vertex at `place`.
   bool allowed(const Candidate& pair, const Vec3& place) const;
 
   void merge(const Candidate& pair, TopologyProposal& proposal);
@@ -114,7 +114,7 @@ bool Merger::allowed(const Candidate& pair, const Vec3& place) const {
          keep(pair.b) && faces_fit(pair, place);
 }
 
-/// Whether moving v to `place` leaves enough of the element, the right way round.
+/// Whether the element keeps enough of its volume, and its orientation, if v moves to `place`.
 bool Merger::keeps_shape(Index o, Index v, const Vec3& place) const {
   const std::span<const Index> vertices = mesh_.vertices(o);
   const auto corner = [&](std::size_t i, std::size_t j, std::size_t k, std::size_t l, bool moved) {
@@ -146,8 +146,8 @@ bool Merger::faces_fit(const Candidate& pair, const Vec3& place) const {
   });
 }
 
-/// Whether element o at a and p at b share no face once merged, or one that they fill from two sides and nobody else
-/// uses.
+/// Whether, after the merge, element o at a and element p at b share no face, or one that has them on its two sides and
+/// no other element.
 bool Merger::face_fits(Index o, Index p, const Candidate& pair, const Vec3& place) const {
   std::vector<Index> common;
   for (Index v : mesh_.vertices(o))

@@ -14,12 +14,12 @@ namespace volccd::simulation {
 namespace {
 
 struct Failure {
-  double excess;  ///< over what the material bears, above 1
+  double excess;  ///< ratio to the limit of the material, above 1
   Index vertex;
   Vec3 direction;
 };
 
-/// What the weakest part at a vertex bears.
+/// Failure limits of the weakest part at a vertex.
 struct Strength {
   double stress = kNever, strain = kNever;
 };
@@ -47,10 +47,10 @@ std::vector<Failure> failures(const Topology& topology, std::span<const Part> pa
       throw Error(fmt::format("the stress at vertex {} is not finite: the simulation has become unstable",
                               topology.mesh().vertex_id(v)));
     const Strength strength = strength_at(topology, parts, v);
-    // The norm bounds every principal stress: few vertices get as far as their principal directions.
+    // The norm bounds every principal stress, so that principal directions are needed for few vertices only.
     if (!(mean.norm() > strength.stress) && !(strain > strength.strain)) continue;
     const PrincipalStress principal = greatest_principal(mean);
-    if (!(principal.value > 0)) continue;  // pressed together from all sides
+    if (!(principal.value > 0)) continue;  // compression from all sides
     const double excess = std::max(principal.value / strength.stress, strain / strength.strain);
     if (excess > 1) failed.push_back({excess, v, principal.direction});
   }

@@ -10,7 +10,7 @@
 namespace volccd::simulation {
 namespace {
 
-/// Triangles or vertices a chunk; the power is summed by chunks of vertices.
+/// Triangles or vertices in a chunk; the power is summed by chunks of vertices.
 constexpr std::size_t kGrain = 2048;
 
 void check_load(const Pressure& load, std::size_t index, std::size_t parts) {

@@ -9,20 +9,22 @@
 
 namespace volccd::simulation {
 
-/// The loads of Model::pressures: on each triangle of the part (rigid parts included), the pressure of the moment times
-/// the triangle's area as it is now, along its normal as it is numbered, a third to each vertex. On a closed surface
-/// they sum to zero, force and moment, whatever its shape. Several loads on one part add up. Not thread-safe.
+/// The loads of Model::pressures. The force on each triangle of the part (rigid parts included) is the pressure at the
+/// time times the triangle's present area, along the normal that follows from its node order; each vertex gets a third.
+/// On a closed surface of any shape, the sums of forces and of moments are zero. Several loads on one part add up. Not
+/// thread-safe.
 class PressureForces {
  public:
-  /// Throws InputError: a curve that is empty, not ascending in time or not finite; a part that does not exist.
+  /// Throws InputError for a curve that is empty, not ascending in time or not finite, and for a part that does not
+  /// exist.
   explicit PressureForces(const Model& model);
 
-  /// Adds the forces at positions `x` and time `time` to `force`; returns the power they have at velocities `v`, W. Bit
-  /// for bit the same for any number of threads. O(loaded triangles), no allocation.
+  /// Adds the forces at positions `x` and time `time` to `force`; returns their power at velocities `v`, in W. Bit for
+  /// bit the same for any number of threads. O(loaded triangles), no allocation.
   double add_forces(std::span<const Vec3> x, std::span<const Vec3> v, double time, Executor& executor,
                     std::span<Vec3> force);
 
-  /// After an edit of the mesh. O(mesh).
+  /// To be called after an edit of the mesh. O(mesh).
   void update(const Mesh& mesh);
 
   bool empty() const { return triangles_.empty(); }
@@ -34,13 +36,13 @@ class PressureForces {
   };
 
   std::vector<Pressure> loads_;
-  std::vector<double> pressure_;  ///< now, a load
+  std::vector<double> pressure_;  ///< present pressure, by load
   std::vector<Triangle> triangles_;
   std::vector<Index> vertices_;  ///< those of loaded triangles
   std::vector<Index> offsets_;   ///< CSR: triangles at each of vertices_
   std::vector<Index> incidence_;
   std::vector<Vec3> shares_;         ///< force on each vertex of a triangle
-  std::vector<double> block_power_;  ///< summed in order, so that threads do not matter
+  std::vector<double> block_power_;  ///< by block; summed in order, so that the sum does not depend on threads
 };
 
 /// Pressure of a load's curve at a time: linear between its points, constant beyond.

@@ -1,4 +1,4 @@
-// The greatest principal stress, across which things part.
+// The greatest principal stress, normal to whose direction cracks open.
 #pragma once
 
 #include <volccd/mesh/types.hpp>

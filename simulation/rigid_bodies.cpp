@@ -10,7 +10,8 @@
 namespace volccd::simulation {
 namespace {
 
-/// Of a symmetric matrix that is not negative; directions without inertia (a line's own axis) do not turn.
+/// Pseudo-inverse of a positive semidefinite matrix: there is no rotation about axes without inertia (the axis of a
+/// line).
 Eigen::Matrix3d pseudo_inverse(const Eigen::Matrix3d& inertia) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(inertia);
   const Vec3 values = solver.eigenvalues();
@@ -81,7 +82,7 @@ void RigidBodies::measure(RigidBody& body, const Model& model, std::span<const d
     body.spin.setZero();
   }
   body.angular_velocity = body.inverse_inertia * body.spin;
-  // What rounding, or a velocity that is not rigid, left over.
+  // Removes what rounding, or a velocity that is not a rigid motion, has left.
   body.spin = body.inertia * body.angular_velocity;
 }
 
@@ -115,7 +116,7 @@ void RigidBodies::write_vertices(std::span<Vec3> x, std::span<Vec3> v) const {
   for (const RigidBody& body : bodies_)
     for (std::size_t i = 0; i < body.vertices.size(); ++i) {
       const Vec3 arm = body.arm(i);
-      // What is held stays where it is to the bit.
+      // The positions of fixed bodies do not change in any bit.
       if (!body.held) x[body.vertices[i]] = body.center + arm;
       v[body.vertices[i]] = body.velocity + body.angular_velocity.cross(arm);
     }

@@ -1,4 +1,4 @@
-// Parts that move as one body.
+// Rigid parts.
 #pragma once
 
 #include <span>
@@ -11,15 +11,15 @@
 
 namespace volccd::simulation {
 
-/// Mass and inertia are those of the lumped masses of its vertices, those included that deformable elements glued to it
-/// put there: so energy and momentum are the sums over vertices that they are elsewhere.
+/// Mass and inertia are those of the lumped masses of its vertices, which include the masses of deformable elements
+/// attached to them. So energy and momentum are sums over vertices, as for deformable parts.
 struct RigidBody {
-  bool held = false;  ///< a vertex of it is fixed: it stands still
+  bool held = false;  ///< one of its vertices is fixed: the body does not move
   double mass = 0;
   Eigen::Matrix3d inertia,
-      inverse_inertia;  ///< about the centre, in the body's frame; a line's or a point's is pseudo-inverted
+      inverse_inertia;  ///< about the centre, in the body's frame; pseudo-inverse for a line or a point
   std::vector<Index> vertices;
-  std::vector<Vec3> local;  ///< from the centre, in the body's frame
+  std::vector<Vec3> local;  ///< position relative to the centre, in the body's frame, by vertex
 
   Vec3 center = Vec3::Zero(), velocity = Vec3::Zero();
   Vec3 spin = Vec3::Zero();  ///< angular momentum about the centre
@@ -29,31 +29,33 @@ struct RigidBody {
   Eigen::Quaterniond marked_orientation = Eigen::Quaterniond::Identity();
 
   Vec3 arm(std::size_t i) const { return orientation * local[i]; }
-  /// Inverse inertia in the frame of the world.
+  /// Inverse inertia in the world frame.
   Eigen::Matrix3d inverse_inertia_now() const;
 };
 
 class RigidBodies {
  public:
-  /// A body for each rigid part that has elements. Initial velocities are the rigid motion with the momentum and
-  /// angular momentum of the model's. Throws InputError for a vertex of two rigid parts, and for a body without mass.
+  /// Makes a body for each rigid part that has elements. Its initial velocity is the rigid motion with the momentum and
+  /// angular momentum of the model's velocities. Throws InputError for a vertex of two rigid parts, and for a body
+  /// without mass.
   RigidBodies(const Model& model, std::span<const double> mass);
 
   std::vector<RigidBody>& bodies() { return bodies_; }
   const std::vector<RigidBody>& bodies() const { return bodies_; }
-  /// A vertex; kNone: of no body.
+  /// By vertex: index of its body, kNone if it belongs to none.
   std::span<const Index> body_of() const { return body_of_; }
 
-  /// Forces on the vertices change momentum and spin over dt; angular velocity is that which the spin has now.
+  /// Changes momentum and spin by the forces on the vertices during dt, and sets the angular velocity that follows from
+  /// the new spin.
   void kick(std::span<const Vec3> force, double dt);
-  /// Moves by dt: the centre straight, the orientation with the angular velocity of the middle of the step (which it
-  /// leaves behind as the body's); spin stays exactly. Second order.
+  /// Moves the bodies for dt: the centre along a straight line, the orientation with the angular velocity at the middle
+  /// of the step, which becomes the body's. The spin does not change. Second order.
   void drift(double dt);
-  /// Positions and velocities of the vertices by the state of the bodies.
+  /// Writes the positions and velocities of the vertices that follow from the state of the bodies.
   void write_vertices(std::span<Vec3> x, std::span<Vec3> v) const;
   void write_velocities(std::span<Vec3> v) const;
 
-  /// Keeps the poses of the moment as marked_center and marked_orientation.
+  /// Stores the present poses in marked_center and marked_orientation.
   void mark();
 
   /// Vertices were added to the mesh; they belong to no body.
@@ -68,7 +70,7 @@ class RigidBodies {
   std::vector<Index> body_of_;
 };
 
-/// q turned by the rotation vector w (world frame).
+/// q rotated by the rotation vector w (world frame).
 Eigen::Quaterniond turned(const Eigen::Quaterniond& q, const Vec3& w);
 
 }  // namespace volccd::simulation

@@ -15,7 +15,7 @@ namespace {
 
 using namespace detail;
 
-/// Vertices a chunk of the sum over blocks.
+/// Vertices in a chunk of the sum over blocks.
 constexpr std::size_t kVertexGrain = 4096;
 
 std::vector<ShellElement> read_elements(const Mesh& mesh, std::span<const Vec3> positions) {
@@ -54,7 +54,7 @@ double area_of(const std::array<Vec3, 3>& corners) {
   return 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]).norm();
 }
 
-/// One block: its own copy of positions and velocities in, forces at its own vertices out.
+/// Computes the forces of one block from its own copy of positions and velocities.
 void run_block(ShellTables& t, std::size_t index, std::span<const Vec3> x, std::span<const Vec3> v, double dt,
                std::vector<double>& scratch) {
   const ShellBlock& block = t.blocks[index];
@@ -90,7 +90,7 @@ void sum_blocks(ShellTables& t, double dt) {
   t.numerical += power * dt;
 }
 
-/// Rest angles of edges that were welded in the course of things: the ones they have now.
+/// Sets the rest angles of edges that merging has created to their present angles.
 void settle_pending(ShellTables& t, std::span<const Vec3> x) {
   ShellHinges& h = t.hinges;
   for (const Index i : t.pending) {
@@ -127,7 +127,7 @@ class Before {
     return i == kNone ? nullptr : &old_.elements[i];
   }
 
-  /// As the parent flowed, turned into the frame of the child.
+  /// The plastic flow of the parent in the frame of the child.
   void pass_on(Index parent, ShellTables& t, std::size_t triangle) const {
     const Index from = get(triangle_, parent);
     if (from == kNone) return;
@@ -144,7 +144,7 @@ class Before {
       const std::array<double, 4> turn = {c(0, 0), c(0, 1), c(1, 0), c(1, 1)},
                                   back = {turn[0], turn[2], turn[1], turn[3]};
       const std::array<double, 4> flow = product2(back, product2(product2(old.edges[from], shape), turn));
-      // Two triangles that stand askew share no plane to flow in.
+      // Two triangles in different planes have no common plane for the flow.
       if (!(std::fabs(turn[0] * turn[3] - turn[1] * turn[2]) > 0.5)) return;
       shape = product2(inverse2(b.edges), flow);
     }

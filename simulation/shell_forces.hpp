@@ -1,4 +1,4 @@
-// Internal forces of thin shells: triangles without rotational degrees of freedom, membrane and bending apart.
+// Internal forces of thin shells: triangles without rotational degrees of freedom, with separate membrane and bending.
 #pragma once
 
 #include <memory>
@@ -12,11 +12,12 @@ namespace detail {
 struct ShellTables;
 }
 
-/// Membrane: constant strain, plane stress, any rotation. Elastic law: Hencky's, quadratic in the logarithmic principal
-/// strains (neo-Hookean to second order; a pull follows sigma = E ln(stretch) times the reference area), made linear
-/// where an elastic stretch leaves [1/5, 5], so that forces stay finite down to zero area. Beyond yield: J2 in plane
-/// stress, finite strain, radial return along the principal axes (backward Euler), linear hardening and rate factor by
-/// the equivalent plastic strain and its rate.
+/// Membrane: constant strain and plane stress, for arbitrary rotations. The elastic law is Hencky's: the energy is
+/// quadratic in the logarithmic principal strains (neo-Hookean to second order; in uniaxial tension the force is E
+/// ln(stretch) times the reference area). It is extrapolated linearly if an elastic stretch leaves [1/5, 5], so that
+/// forces stay finite down to zero area. Beyond yield: J2 plasticity in plane stress at finite strain, with radial
+/// return along the principal axes (backward Euler), linear hardening, and a rate factor from the equivalent plastic
+/// strain and its rate.
 ///
 /// Bending: a hinge at each edge between two triangles (discrete shells), stiffness E h^3 / (12 (1 - nu^2)) times
 /// length^2 / (sum of areas), which gives a cylinder its plate energy on meshes of equilateral triangles (any
@@ -24,35 +25,37 @@ struct ShellTables;
 /// triangles bend as a plate of ratio -1/3, so that a free strip is 2 % too soft for steel; on squares cut in two it is
 /// 19 % too soft, and twist along the sides too stiff. Rest angles are those of the reference positions. Beyond yield
 /// the rest angle flows at the fully plastic moment Y h^2 / 4 a length, Y with hardening by the mean strain over the
-/// thickness and with the rate factor. Bending and membrane yield independently. Where n triangles meet at an edge,
-/// each pair has a hinge, so stiff that the edge acts as a rigid joint; a rigid part's triangle clamps its neighbours'
-/// edge.
+/// thickness and with the rate factor. Bending and membrane yield independently. If n > 2 triangles meet at an edge,
+/// each pair has a hinge, which is so stiff that the edge acts as a rigid joint; a triangle of a rigid part clamps the
+/// edges of its neighbours.
 ///
-/// Damping: viscosity proportional to stiffness, 5 % of critical at each element's highest frequency, less below.
+/// Damping: viscosity proportional to stiffness, 5 % of critical damping at each element's highest frequency, and less
+/// at lower ones.
 ///
-/// A triangle without area at rest has neither mass nor forces. Plastic flow stops in one drawn out or squashed
-/// tenfold. One squashed below a fifth of its height (beyond its flow) no longer bends the more for it nor shortens the
-/// step. Finite input makes no NaN; what is not finite, or overflows, makes add_forces throw Error.
+/// A triangle without area at rest has neither mass nor forces. Plastic flow stops in a triangle that is stretched or
+/// compressed tenfold. If a triangle is elastically compressed below a fifth of its height, its bending forces do not
+/// grow further and the stable step does not decrease further. Finite input does not produce NaN; add_forces throws
+/// Error for values that are not finite or overflow.
 class ShellForces final : public ElementForces {
  public:
-  /// Model::positions are the rest shape. Throws InputError: quads, positions that are not finite, a part with shells
-  /// whose thickness or material is not possible. O(n log n).
+  /// Model::positions are the rest shape. Throws InputError for quads, for positions that are not finite, and for a
+  /// part with shells whose thickness or material is invalid. O(n log n).
   explicit ShellForces(const Model& model);
   ~ShellForces() override;
 
   void add_masses(std::span<double> mass) const override;
-  /// No allocation once it has run with as many workers.
+  /// Does not allocate after the first call with the same number of workers.
   void add_forces(std::span<const Vec3> x, std::span<const Vec3> v, double dt, Executor& executor,
                   std::span<Vec3> force) override;
   double stable_step() const override;
-  /// Of the membrane, at mid-surface: neither bending nor viscosity.
+  /// Stress of the membrane at the mid-surface, without bending and viscosity.
   void add_vertex_stress(std::span<VertexStress> out) const override;
   double elastic_energy() const override;
   double plastic_work() const override;
   double numerical_work() const override;
-  /// Sorts anew, O(shells log shells); stable_step() and the energies stay those of the last add_forces(). An element
-  /// with a parent takes over its plastic strain and the hinges that the parent had; it must be numbered in the
-  /// parent's sense of rotation.
+  /// Sorts all shells again, O(shells log shells); stable_step() and the energies remain those of the last
+  /// add_forces(). An element with a parent inherits the plastic strain and the hinges of the parent; its node order
+  /// must have the same orientation as the parent's.
   void update(const Mesh& mesh, std::span<const Vec3> reference, std::span<const Vec3> present,
               const ElementHeritage& heritage) override;
   void archive(Archive& archive) override;

@@ -21,12 +21,12 @@
 namespace volccd::simulation {
 namespace {
 
-/// Of the shortest edge and of the thinnest shell.
+/// Default separation, as a fraction of the shortest edge, and greatest one, of the thickness of the thinnest shell.
 constexpr double kSeparationOfEdge = 0.01, kSeparationOfThickness = 0.1;
-/// Of the separation that would be chosen: by how much pairs may be further apart to be kept in view; the most, where
-/// there are no prisms with sides near each other.
+/// Bounds of the margin of queries, in units of the default separation. The upper bound applies if there are no prisms,
+/// whose opposite sides are near each other.
 constexpr double kLeastMargin = 4, kMostMargin = 15;
-/// Of the mean edge of the part: what a blade moves between two cuts.
+/// Distance that a blade moves between two cuts, in mean edges of the part.
 constexpr double kCutAdvance = 0.25;
 
 void check(bool good, const char* dataset, std::size_t index, const char* problem) {
@@ -137,7 +137,7 @@ struct Simulation::State {
   std::optional<RigidBodies> bodies;
   std::unique_ptr<ContactResponse> contacts;
 
-  // What changes from step to step.
+    // State that changes from step to step.
   double time = 0, last_dt = 0;
   std::vector<Vec3> x, v, reference, start;
   std::vector<Vec3> outer, force;  ///< external; all
@@ -148,13 +148,13 @@ struct Simulation::State {
   std::uint64_t since_edit = 0;
   std::vector<TopologyProposal> edits;
   std::vector<Vec3> since;  ///< positions at the last query
-  double elapsed = 0;       ///< since then
+  double elapsed = 0;       ///< time since the last query
 
-  // What follows from that.
+    // Data that follow from this state.
   std::vector<double> mass, inverse_mass, damping;
   std::vector<Index> part_of;
   std::vector<double> cut_advance;
-  std::vector<Index> origins;  ///< a vertex: that of the mesh at the start of which it is a copy, or itself
+  std::vector<Index> origins;  ///< by vertex: the vertex of the initial mesh of which it is a copy, or itself
   bool may_split = false, may_merge = false;
   std::vector<Vec3> x1;          ///< positions after a substep; then those before it
   std::vector<Vec3> unhindered;  ///< velocities before contacts
@@ -297,7 +297,7 @@ void Simulation::State::substep(double dt, bool query) {
   ++since_edit;
 }
 
-/// From the middle of the last substep to that of the next: over half of each.
+/// Advances velocities from the middle of the last substep to the middle of the next one, over half of each.
 void Simulation::State::kick(double dt) {
   const double step = (last_dt + dt) / 2;
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -316,7 +316,7 @@ void Simulation::State::kick(double dt) {
         ledger.angular_impulse -= x[i].cross(taken);
       }
     }
-    // What is held gets back from outside what its forces are.
+    // The external force on a fixed vertex balances all forces on it.
     const Vec3 impulse = step * (held ? Vec3(outer[i] - force[i]) : outer[i]);
     ledger.impulse += impulse;
     ledger.angular_impulse += x[i].cross(impulse);
@@ -366,9 +366,10 @@ void Simulation::State::collide(double dt, bool query) {
   ledger.angular_impulse += work.angular_impulse;
 }
 
-/// Forces act along the way that was gone, from x0 to x1, in place of that at the velocity: what is between them has
-/// not been work of the forces, and not been taken by the contacts. (A body at rest gets in each substep what the
-/// contact takes, and neither is work.) Called with the forces of both ends.
+/// The actual displacement, from x0 to `end`, is smaller than that at the velocity if contacts hinder it. The
+/// difference is not work of the forces, and not energy lost in contacts, so that both are corrected here. (For a body
+/// at rest, the contact removes in each substep what the forces add, and neither is work.) Called with the forces at
+/// both ends.
 void Simulation::State::hinder(std::span<const Vec3> velocity, std::span<const Vec3> x0, std::span<const Vec3> end,
                                double dt) {
   for (std::size_t i = 0; i < x.size(); ++i) {
@@ -391,7 +392,7 @@ void Simulation::State::evaluate_forces(double dt) {
   }
 }
 
-/// For the moment, which ends a substep: see Ledger.
+/// Updates the ledger for the present time, which is the end of a substep.
 void Simulation::State::account() {
   ledger.time = time;
   ledger.mass = total(mass);
@@ -489,7 +490,7 @@ bool Simulation::State::break_and_split() {
   for (const ContactConstraint& c : contacts->constraints())
     if (c.normal_impulse + c.earlier > 0)
       for (int i = 0; i < c.size; ++i) pressed[c.vertices[i]] = 1;
-  // Has no new vertices, and does not change the stress at those there are.
+  // This edit adds no vertices, and does not change the stress at the existing ones.
   if (TopologyProposal breaking = propose_breaking(*topology, model.parts, x, stress, pressed); !breaking.empty()) {
     counts.breaks += breaking.edit.removed.size();
     apply(std::move(breaking));
@@ -518,7 +519,7 @@ void Simulation::State::apply(TopologyProposal proposal) {
   edits.push_back(std::move(proposal));
 }
 
-/// All that does not depend on the moment.
+/// Applies an edit to everything that does not depend on positions and velocities.
 void Simulation::State::edit(const TopologyProposal& proposal) {
   inherit(proposal, reference);
   for (const VertexOrigin& origin : proposal.new_vertices) {
@@ -630,7 +631,7 @@ void Simulation::archive(Archive& archive) {
   archive(s.elapsed);
   s.solids->archive(archive);
   s.shells->archive(archive);
-  // The replayed edits knew nothing of how pieces were deformed, from which their shapes at rest follow.
+  // The replayed edits did not have the deformation of pieces, from which their shapes at rest follow.
   if (archive.reading()) s.renew_masses();
   s.bodies->archive(archive);
   if (ContactDetection* detection = s.contacts->detection()) detection->archive(archive);

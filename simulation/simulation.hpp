@@ -1,4 +1,4 @@
-// Explicit finite elements in time, contacts from this library's pipelines: Algorithm 1 of the paper.
+// An explicit finite-element simulation whose contacts are found by this library's pipelines: Algorithm 1 of the paper.
 #pragma once
 
 #include <cstdint>
@@ -20,83 +20,87 @@
 namespace volccd::simulation {
 
 struct SimulationOptions {
-  std::string pipeline = "VolCCD+";  ///< preset: finds the pairs of features; `inclusion` tells which of them touch
+  std::string pipeline = "VolCCD+";  ///< preset that finds pairs of features; `inclusion` decides which touch
   ContactFeatures features = ContactFeatures::all;
   bool adjacent_contacts =
       true;              ///< resist contacts between features of one element or of adjacent elements (inversion)
-  bool contacts = true;  ///< false: no queries at all; walls stay
+  bool contacts = true;  ///< false: no queries; walls still act
 
-  double step_safety = 0.9;  ///< of ElementForces::stable_step()
+  double step_safety = 0.9;  ///< fraction of ElementForces::stable_step() that a substep takes
   double max_step = kNever;
 
-  /// A query spans the positions at the last one and those after this many substeps; what it finds, and what comes near
-  /// next if all goes on as it does, is looked after in each substep until the next. 1: each substep has its own query.
-  /// advance_to() ends with a query. Worth having while nothing moves far (a fifth of an edge) between queries.
+  /// Number of substeps from one query to the next. A query covers the motion since the last query; the pairs that it
+  /// finds, and those that come near if the motion continues, are tested again in each substep until the next query. 1:
+  /// each substep has its own query. advance_to() ends with a query. Values above 1 save time if nothing moves further
+  /// than about a fifth of an edge between queries.
   int substeps_per_query = 1;
-  int contact_passes = 4;       ///< of detection and response a query; then what remains is kept apart as it was
+  int contact_passes = 4;       ///< of detection and response in a query; then touching features are held as they were
   int contact_iterations = 12;  ///< sweeps over the contacts in a pass
-  /// Gap that contacts keep (metres). Negative: 1 % of the shortest edge, and at most a tenth of a shell's thickness.
+  /// Gap at which contacts are resisted (metres). Negative: 1 % of the shortest edge, and at most a tenth of a shell's
+  /// thickness.
   double separation = -1;
-  /// Pairs of objects that do not collide (equal: not with itself).
+  /// Pairs of objects that do not collide. A pair of equal ids: the object does not collide with itself.
   std::vector<std::pair<std::int32_t, std::int32_t>> excluded;
 
-  /// Splitting and merging are looked at when at least this many substeps have passed, and at a query.
+  /// Splitting and merging are tested at a query if at least this many substeps have passed since the last such test.
   int topology_interval = 5;
-  bool splitting = true, merging = true, cutting = true;  ///< as the materials and Model::cuts have it
+  bool splitting = true, merging = true, cutting = true;  ///< according to the materials and Model::cuts
 };
 
-/// Since the last call of Simulation::take_counts().
+/// Numbers of events since the last call of Simulation::take_counts().
 struct SimulationCounts {
   std::uint64_t substeps = 0, queries = 0, retests = 0;
-  /// Contacts that met a response, by kind: of different objects; of one object; of adjacent elements (or one).
+  /// Contacts that got a response, by class (ContactClass): between objects, within one object, between adjacent
+  /// elements or within one element.
   std::uint64_t inter = 0, intra = 0, adjacent = 0;
-  std::uint64_t leaving = 0;  ///< of something that overlaps and comes out: let go
-  std::uint64_t ignored = 0;  ///< not resisted by the options
-  std::uint64_t held = 0;     ///< substeps times vertices that were held as they were, because passes did not suffice
-  std::uint64_t unresolved = 0;  ///< features that touch or cross at the end of a query all the same
+  std::uint64_t leaving = 0;  ///< contacts of overlapping features that move apart: not resisted
+  std::uint64_t ignored = 0;  ///< contacts that are not resisted (ContactVerdict::ignore)
+  std::uint64_t held = 0;     ///< vertices held as they were because the passes did not suffice, summed over substeps
+  std::uint64_t unresolved = 0;  ///< pairs of features that still touch or cross at the end of a query
   std::uint64_t splits = 0, breaks = 0, merges = 0, cuts = 0, edits = 0;
 };
 
-/// Leapfrog: forces, a kick of the velocities, contacts, positions; then cuts, merging, breaking and splitting.
-/// Contacts are impulses at the time t' at which the features come within the separation; nothing passes through
-/// anything, but what SimulationCounts::unresolved counts. What overlaps from the start is let out and not let in.
+/// Leapfrog integration: each substep computes forces, updates velocities, resolves contacts and updates positions;
+/// then come cuts, merging, breaking and splitting. A contact is resisted by an impulse at the time t' at which the
+/// features come within the separation. No feature passes through another, except for the pairs that
+/// SimulationCounts::unresolved counts. Bodies that overlap from the start may separate, but do not penetrate further.
 ///
-/// Shells collide as prisms of their thickness; a contact acts on the vertices of the shell. Walls act on vertices (of
-/// a shell: its middle) with their own friction and the part's restitution. A rigid part of which a vertex is fixed
-/// stands still.
+/// Shells collide as prisms of their thickness; a contact acts on the vertices of the shell. Walls act on vertices (for
+/// a shell, those of its mid-surface) with the wall's friction and the part's restitution. A rigid part with a fixed
+/// vertex does not move.
 ///
-/// Holds the model and all state. Deterministic: the same bits for any number of workers. One thread at a time.
+/// Holds the model and all state. Deterministic: bit for bit the same for any number of workers. Not thread-safe.
 class Simulation {
  public:
-  /// Throws InputError for a model that does not hold together (lengths, indices, objects without a part, a vertex of
-  /// two rigid parts), ConfigError for options.
+  /// Throws InputError for an inconsistent model (lengths, indices, objects without a part, a vertex of two rigid
+  /// parts), ConfigError for invalid options.
   Simulation(Model model, SimulationOptions options, Executor& executor);
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
   ~Simulation();
 
-  /// As many substeps as it takes, of equal length where the stable step allows; ends exactly at `time`. Throws Error
-  /// when a coordinate is no longer finite. `go_on` is asked after each substep but the last, with the time reached;
-  /// where it says no, the simulation stays there, perhaps before a query that is due, and the result is false. To go
-  /// on as if nothing had happened, read back a state that was archived before.
+  /// Runs substeps, of equal length where the stable step allows, and ends exactly at `time`. Throws Error when a
+  /// coordinate is no longer finite. `go_on` is called after each substep but the last, with the time reached. If it
+  /// returns false, the simulation stops there, possibly before a query that is due, and advance_to() returns false. To
+  /// continue as without the interruption, read back a state that was archived before.
   bool advance_to(double time, const std::function<bool(double time)>& go_on = {});
 
   double time() const;
   const Topology& topology() const;
-  std::span<const Vec3> positions() const;   ///< a vertex of the mesh, also of vertices that no element uses any more
-  std::span<const Vec3> velocities() const;  ///< in the middle of the last substep
-  /// A vertex: where it was when the last advance_to() began. For a vertex that is new since then p - s v
-  /// (Section 6.3), s being the time since, v the mean velocity of the matter that it came from.
+  std::span<const Vec3> positions() const;   ///< by vertex, unused vertices included
+  std::span<const Vec3> velocities() const;  ///< by vertex, at the middle of the last substep
+  /// By vertex: its position when the last advance_to() began. For a vertex that is new since then, p - s v (Section
+  /// 6.3), where p is its position, s the time since then, and v the mean velocity of the material that it came from.
   std::span<const Vec3> start_positions() const;
-  /// An element slot; 0 for solids and empty slots.
+  /// By element slot; 0 for solids and empty slots.
   std::vector<double> thickness() const;
   double mass(Index vertex) const;
 
   const Ledger& ledger() const;
   SimulationCounts take_counts();
 
-  /// Writes everything that changes, or reads it back into a simulation made from the same model and options: it goes
-  /// on bit for bit as the one that wrote. Throws InputError for what was written by another.
+  /// Writes all state that changes, or reads it into a simulation made from the same model and options, which then
+  /// continues bit for bit as the one that wrote it. Throws InputError for the state of a different simulation.
   void archive(Archive& archive);
 
  private:

@@ -23,7 +23,7 @@ using detail::SolidMaterial;
 using detail::SolidShape;
 using detail::SolidState;
 
-/// All elements of one type, a row each. Rows of elements that went are used again.
+/// All elements of one type, one row for each. Rows of removed elements are reused.
 template <int N>
 struct Table {
   static constexpr ElementType kType = N == 8 ? ElementType::hexahedron : ElementType::tetrahedron;
@@ -40,14 +40,14 @@ struct Table {
   }
 };
 
-/// Where an element slot's state is.
+/// Position of the state of an element slot.
 struct Place {
-  std::uint8_t corners = 0;  ///< 4, 8; 0: nowhere
+  std::uint8_t corners = 0;  ///< 4 or 8; 0: none
   Index row = 0;
 };
 
-/// The element's vertices, a corner each. A wedge is a hexahedron whose second and third corner are one, as are the
-/// two over them: with half the mass of the one that it was broken from, each vertex keeps its mass.
+/// The element's vertices, one for each corner. A wedge is a hexahedron whose second and third corner are the same, as
+/// are the two over them: with half the mass of its parent, each vertex keeps its mass.
 template <int N>
 std::array<Index, N> corners_of(std::span<const Index> v) {
   if constexpr (N == 8)
@@ -63,7 +63,7 @@ struct Element {
   SolidState<N> state;
 };
 
-/// What a new element takes over, as it was before the edit.
+/// State from before the edit that a new element inherits.
 struct Parent {
   std::variant<std::monostate, Element<4>, Element<8>> element;
   int children = 1;
@@ -141,7 +141,7 @@ class SolidForces final : public ElementForces {
   Table<4> tetrahedra_;
   Table<8> hexahedra_;
   std::vector<Place> places_;                     ///< by element slot
-  double past_plastic_ = 0, past_numerical_ = 0;  ///< of elements that went
+  double past_plastic_ = 0, past_numerical_ = 0;  ///< of removed elements
   double step_ = std::numeric_limits<double>::infinity();
 
   Index vertices_ = 0;
@@ -225,7 +225,7 @@ void SolidForces::add_vertex_stress(const Table<N>& table, std::span<VertexStres
     if (!active(shape)) continue;
     const SolidState<N>& state = table.states[row];
     const Eigen::Matrix3d stress = detail::stress_times_volume(shape, materials_[shape.part], state) / N;
-    // A flat element has stress still, and must weigh something for it.
+    // A flat element still has stress, and needs a weight for it.
     const double volume = shape.volume * std::max(0.05, state.deformation.determinant()) / N;
     for (const Index v : shape.vertices) {
       out[v].stress += stress;
@@ -256,8 +256,9 @@ void inherit(const Element<From>& parent, Element<To>& piece) {
   if (parent.shape.volume > 0) piece.state.energy = parent.state.energy * (piece.shape.volume / parent.shape.volume);
 }
 
-/// The shape at rest of a piece of a hexahedron is what the parent's deformation makes its present shape of: so it has
-/// the parent's stress. (Hourglass modes are left behind.) False if there is no such shape.
+/// The shape at rest of a piece of a hexahedron is the one that the parent's deformation maps to the piece's present
+/// shape, so that it has the parent's stress. (Hourglass modes are not inherited.) Returns false if there is no such
+/// shape.
 bool pull_back(const Element<8>& parent, const std::array<Index, 8>& corners, std::span<const Vec3> present,
                SolidShape<8>& shape) {
   const Eigen::Matrix3d back = parent.state.deformation.inverse();
@@ -299,7 +300,7 @@ void SolidForces::add(const Mesh& mesh, Index slot, const Positions& positions, 
   const std::array<Index, N> corners = corners_of<N>(mesh.vertices(slot));
   const Element<N>* same_type = std::get_if<Element<N>>(&parent.element);
   Element<N> element = same_type && parent.children == 1 ? *same_type : piece_of<N>(parent, corners, positions);
-  element.state.plastic_work = element.state.numerical_work = 0;  // what the parent did is in the past
+  element.state.plastic_work = element.state.numerical_work = 0;  // counted for the parent already
   element.shape.vertices = corners;
   element.shape.slot = slot;
   element.shape.part = static_cast<std::uint32_t>(mesh.object(slot));

@@ -36,7 +36,7 @@ void BoundaryShells::update(const Topology& mesh, const Motion& motion) {
     for (int c = 0; c < motion.control_points(); ++c) motion_.set(v, c, motion.point(of_shells_[v], c));
 }
 
-/// Each once, in the order of the elements.
+/// The boundary faces, each once, in the order of the elements.
 std::vector<BoundaryShells::Face> BoundaryShells::faces_of(const Topology& mesh) const {
   const Features& features = mesh.features();
   std::vector<char> wanted(features.triangle_slots(), 0);
@@ -56,7 +56,7 @@ std::vector<BoundaryShells::Face> BoundaryShells::faces_of(const Topology& mesh)
   return faces;
 }
 
-/// Numbers vertices that are on the boundary for the first time, behind all others. Returns their ids.
+/// Appends vertices that are on the boundary for the first time. Returns their ids.
 std::vector<std::int64_t> BoundaryShells::add_vertices(const std::vector<Face>& faces, Index mesh_vertices) {
   std::vector<char> used(mesh_vertices, 0);
   for (const Face& face : faces)

@@ -1,4 +1,4 @@
-// The boundary of a mesh as triangle shells: what a method that looks at surfaces alone works on.
+// The boundary of a mesh as triangle shells: the input of a method for surfaces.
 #pragma once
 
 #include <array>
@@ -12,23 +12,26 @@
 
 namespace volccd {
 
-/// Triangles that exactly one volume element has, oriented as in that element, and all triangles of shells (a quad has
-/// two). They have the object of their first element. Interior vertices are left out, and the others are numbered anew.
-/// Edits of the mesh become edits of the shells, so that stages can follow them. One thread at a time.
+/// The shells are the triangles that belong to exactly one volume element, oriented as in that element, and all
+/// triangles of shells (a quad has two). They have the object of their first element. Interior vertices are left out,
+/// and the others are renumbered. Edits of the mesh become edits of the shells, so that stages can update their states.
+/// Not thread-safe.
 class BoundaryShells {
  public:
-  /// Vertex slots group * i .. group * i + group - 1 of the mesh stay together, in their order, if one of them is on
-  /// the boundary: 3 for thickened shells (mesh/shells.hpp), so that shell neighbours are still known, else 1.
+  /// If one of the vertex slots group * i .. group * i + group - 1 of the mesh is on the boundary, all of them are
+  /// kept, in their order. `group` is 3 for thickened shells (mesh/shells.hpp), so that shell neighbours can still be
+  /// recognised, else 1.
   explicit BoundaryShells(Index group = 1) : group_(group) {}
 
-  /// Brings the shells up to the mesh and its motion. O(elements) if the mesh changed, then O(vertices).
+  /// Updates the shells to the mesh and its motion. O(elements) if the mesh changed, then O(vertices).
   void update(const Topology& mesh, const Motion& motion);
 
-  /// What follows needs an update. Both stay where they are.
+  /// Valid after the first update(). The references remain valid.
   const Topology& topology() const { return *topology_; }
   const Motion& motion() const { return motion_; }
-  /// Wall clock that the last update spent in Topology::apply: the edit that a method on surfaces is given. 0 where the
-  /// shells did not change, and for the first update. Finding the boundary is not part of it.
+  /// Wall-clock time that the last update spent in Topology::apply, that is, on the edit that a method for surfaces
+  /// would receive. 0 if the shells did not change, and for the first update. The time to find the boundary is not
+  /// included.
   double edit_seconds() const { return edit_seconds_; }
 
  private:
@@ -54,8 +57,8 @@ class BoundaryShells {
   double edit_seconds_ = 0;
   std::int64_t next_id_ = 0;
   Faces faces_;                   ///< live shells
-  std::vector<Index> of_mesh_;    ///< by vertex of the mesh: that of the shells, or kNone
-  std::vector<Index> of_shells_;  ///< by vertex of the shells: that of the mesh
+  std::vector<Index> of_mesh_;    ///< by vertex of the mesh: vertex of the shells, or kNone
+  std::vector<Index> of_shells_;  ///< by vertex of the shells: vertex of the mesh
 };
 
 }  // namespace volccd

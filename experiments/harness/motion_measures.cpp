@@ -27,7 +27,7 @@ class Fnv1a {
   std::uint64_t hash_ = 0xcbf29ce484222325u;
 };
 
-/// Elements at both features of a contact.
+/// The elements of both features of a contact.
 std::pair<std::span<const Index>, std::span<const Index>> elements_of(const Features& features,
                                                                       const Contact& contact) {
   const auto& v = contact.vertices;

@@ -1,4 +1,4 @@
-// What rows say of a motion, whatever the pipeline: sizes, how far it goes, which element pairs touch.
+// Measures of a motion that do not depend on the pipeline: numbers of pairs, displacements, hashes.
 #pragma once
 
 #include <cstdint>
@@ -11,12 +11,12 @@
 
 namespace volccd {
 
-/// Pairs of elements with a common vertex, each once, and each element with itself: what a broad phase over all pairs
-/// emits besides non-adjacent ones, since swept volumes with a common vertex overlap. O(elements x neighbours).
+/// Number of pairs of elements with a common vertex, each element with itself included. A broad phase over all pairs
+/// emits all of them, since swept volumes with a common vertex overlap. O(elements x neighbours).
 std::uint64_t adjacent_pair_count(const Topology& topology);
 
-/// Non-adjacent element pairs that share out at least one of the contacts: one element has the one feature, the other
-/// the other. O(contacts x elements at a feature).
+/// Number of non-adjacent element pairs that contain at least one of the contacts: one element has the first feature,
+/// the other the second. O(contacts x elements at a feature).
 std::uint64_t touching_pair_count(const Topology& topology, std::span<const Contact> contacts);
 
 /// Mean displacement of the vertices in use, in mean edge lengths at t = 0.

@@ -1,4 +1,4 @@
-// An experiment as data: which pipelines run on which motions of which sequences, how often, and what rows say of it.
+// An experiment as data: which pipelines run on which motions of which sequences, how often, and how rows name them.
 #pragma once
 
 #include <string>
@@ -11,21 +11,21 @@
 
 namespace volccd {
 
-/// A pipeline that takes part, and what its rows are known by.
+/// A pipeline of an experiment, with its names in the rows.
 struct Entrant {
-  std::string table;     ///< "a", "b", "c" where an experiment has several tables; may be empty
+  std::string table;     ///< "a", "b", "c" if the experiment has several tables; may be empty
   std::string pipeline;  ///< as rows name it, e.g. "VolCCD"
   std::string variant;   ///< settings beside the preset's, "csat.axis=face"; may be empty
   PipelineSpec spec;
   bool on_boundary = false;  ///< runs on the boundary alone, as triangle shells (harness/boundary_shells.hpp)
 };
 
-/// Motions [first, first + count) that follow each other.
+/// The consecutive motions [first, first + count).
 struct MotionWindow {
   int first = 0, count = 1;
 };
 
-/// One sequence under one treatment.
+/// One sequence with its configuration, and the pipelines that run on it.
 struct SceneRun {
   std::string scene;  ///< as rows name it
   std::string file;
@@ -35,8 +35,8 @@ struct SceneRun {
   int rounds = 0;           ///< 0: those of the plan
   unsigned threads = 0;     ///< 0: those of the executor that the experiment runs with
   double motion_scale = 1;  ///< control points are x0 + motion_scale (x - x0)
-  /// Times that each element is divided (harness/subdivide.hpp), solid shells in their plane. For scenes without edits:
-  /// an edit builds the divided mesh anew.
+  /// How many times each element is divided (harness/subdivide.hpp); solid shells are divided in their plane. For
+  /// scenes without edits: after an edit, the divided mesh is built from scratch.
   int subdivisions = 0;
   nlohmann::json columns = nlohmann::json::object();  ///< further columns of all rows
 };
@@ -48,13 +48,13 @@ struct ExperimentPlan {
   std::vector<SceneRun> runs;
 };
 
-/// As the command line has them.
+/// The values as on the command line.
 const char* name_of(MotionModel model);
 const char* name_of(ShellModel model);
 const char* name_of(EdgeSet set);
 
-/// `count` windows of `length` motions each, spread evenly over [1, motions): motion 0 has none before it that could
-/// bring a state up to it. All motions, in one window, where that is no more.
+/// `count` windows of `length` motions each, spread evenly over [1, motions). Motion 0 is left out because no motion
+/// precedes it that could prepare the state. If these would be all motions or more, one window with all motions.
 std::vector<MotionWindow> sampled_windows(int motions, int count, int length);
 
 /// All motions, in windows of `length` (the last may be shorter).
@@ -62,10 +62,10 @@ std::vector<MotionWindow> all_windows(int motions, int length);
 
 int rounds_of(const ExperimentPlan& plan, const SceneRun& run);
 
-/// Motions that are measured: runs x windows x rounds x entrants x motions.
+/// Number of measurements: the sum over runs and windows of rounds x entrants x motions.
 std::size_t measured_runs(const ExperimentPlan& plan);
 
-/// The plan as far as the rows depend on it (file names without folders): what a record is resumed by.
+/// The parts of the plan on which rows depend (file names without folders). A record can be resumed if these are equal.
 nlohmann::json to_json(const ExperimentPlan& plan);
 
 }  // namespace volccd

@@ -21,7 +21,7 @@ using nlohmann::json;
 
 namespace {
 
-/// Nanoseconds are as fine as the clock.
+/// Rounds seconds to nanoseconds, the resolution of the clock.
 double rounded(double seconds) { return std::round(seconds * 1e9) / 1e9; }
 
 json columns_of(const Statistics& statistics) {
@@ -114,7 +114,7 @@ class Runner {
     boundary_->update(*topology_, motion_);
   }
 
-  /// Whether three vertices stem from each vertex of a shell.
+  /// Whether the mesh has three vertices for each vertex of a shell.
   bool thickened() const { return run_.config.shells == ShellModel::solid && run_.subdivisions == 0; }
 
   void divide() {

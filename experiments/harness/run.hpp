@@ -1,4 +1,4 @@
-// The harness: runs an experiment's plan and fills its record.
+// The harness: runs the plan of an experiment and writes its record.
 #pragma once
 
 #include <cstddef>
@@ -12,29 +12,30 @@
 
 namespace volccd {
 
-/// Runs the windows of the plan that the record does not have, and adds their rows, a window at a time.
+/// Runs the windows of the plan that are not in the record yet, and adds their rows, window by window.
 ///
-/// A round of a window goes to the motion before it first, with all entrants and without measuring, so that states are
-/// up to the frame before and a topology edit falls into the measurement, in every round. Then it goes from motion to
-/// motion: all entrants run on each, in an order that shifts by one from round to round. A window that begins with
-/// motion 0 runs that motion unmeasured instead. Where a window of several motions has no edits, later rounds begin at
-/// once: the state of its last motion is as near as that of the motion before. Every entrant keeps its workspace
-/// through the windows of a run.
+/// Each round of a window first runs the motion before the window with all entrants, without measuring, so that their
+/// states are those of the frame before, and a topology edit is measured in every round. Then all entrants run on each
+/// motion of the window, in an order that shifts by one from round to round. For a window that begins with motion 0,
+/// that motion itself is run unmeasured first. If a window of several motions has no edits, later rounds do not go
+/// back, because the state after its last motion is as suitable as that after the motion before. Every entrant keeps
+/// its workspace through the windows of a run.
 ///
 /// A row is one (scene, motion, entrant, round); its columns are in docs/reproducing.md. `progress(done, total)` counts
-/// measured runs, and may throw to stop: what is in the record stays. Throws what reading and the pipelines throw.
+/// measured runs, and may throw to stop; rows already in the record are kept. Throws the exceptions of the reader and
+/// of the pipelines.
 void run_experiment(const Registry& registry, const ExperimentPlan& plan, Executor& executor, RecordFile& record,
                     const std::function<void(std::size_t done, std::size_t total)>& progress = {});
 
-/// Entrants of a run that have the same narrow phase must find the same contacts, bit for bit, if none of their other
-/// stages is approximate; those on the boundary alone are not compared. Returns a line for each that differs from the
-/// first such entrant, with the first motion that shows it; `undecided` tests, which the narrow phase reports unless a
-/// filter proves them apart, are the usual cause. Rows are all of a record of this plan.
+/// Compares the contacts of the entrants of each run. Entrants with the same narrow phase must find the same contacts,
+/// bit for bit, if none of their other stages is approximate; those on the boundary alone are not compared. Returns a
+/// line for each entrant that differs from the first one, with the first such motion. The usual cause are undecided
+/// tests, which the narrow phase reports unless a filter proves them apart. `rows`: all rows of a record of this plan.
 std::vector<std::string> contact_differences(const Registry& registry, const ExperimentPlan& plan,
                                              const std::vector<nlohmann::json>& rows);
 
-/// What a reader of the rows must know: build (with a hash of the program), machine, load, plan with all options, and
-/// hashes of the input files. Throws InputError for a file that cannot be read.
+/// The provenance of the rows: build (with a hash of the program), machine, load, the plan with all options, and hashes
+/// of the input files. Throws InputError for a file that cannot be read.
 nlohmann::json provenance(const ExperimentPlan& plan, const Executor& executor);
 
 }  // namespace volccd

@@ -11,7 +11,7 @@ namespace volccd {
 
 namespace {
 
-/// A mesh under way: control points of each vertex, and elements.
+/// An intermediate mesh: control points of each vertex, and elements.
 struct Draft {
   int control_points;
   std::vector<std::vector<Vec3>> at;  ///< [control point][vertex]
@@ -85,7 +85,7 @@ class Divider {
     }
   }
 
-  /// Quads and hexahedra: a grid of three points an axis. VTK goes round each layer.
+  /// Divides quads and hexahedra by a grid of three points along each axis. VTK's order goes around each layer.
   void divide_boxes(const ElementSpec& element, int axes) {
     constexpr int kRound[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     const int layers = axes == 3 ? 2 : 1;
@@ -114,7 +114,7 @@ class Divider {
       }
   }
 
-  /// Triangles, and wedges as two layers of them.
+  /// Divides triangles, and wedges as two layers of triangles.
   void divide_prisms(const ElementSpec& element, int layers) {
     constexpr int kParts[4][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};       // of the points below
     constexpr int kPoints[6][2] = {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 2}, {2, 0}};  // corners between which they lie
@@ -137,7 +137,8 @@ class Divider {
       }
   }
 
-  /// Four at the corners; the octahedron between them in four around a diagonal (Bey 1995).
+  /// Divides a tetrahedron into four at its corners, and the octahedron between them into four around a diagonal (Bey
+  /// 1995).
   void divide_tetrahedron(const ElementSpec& element) {
     const std::vector<Index>& v = element.vertices;
     const Index a = middle({v[0], v[1]}), b = middle({v[0], v[2]}), c = middle({v[0], v[3]});
@@ -157,7 +158,7 @@ class Divider {
   std::unordered_map<std::array<Index, 4>, Index, CornersHash> middles_;
 };
 
-/// Elements of a mesh, on the vertices that they use.
+/// The elements of a mesh with only the vertices that they use.
 Draft draft_of(const Mesh& mesh, const Motion& motion) {
   Draft draft{motion.control_points(), {}, {}};
   draft.at.resize(static_cast<std::size_t>(motion.control_points()));

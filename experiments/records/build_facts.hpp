@@ -1,13 +1,13 @@
-// What this build was made from.
+// Facts about the build: version, commit, compiler options.
 #pragma once
 
 namespace volccd {
 
 struct BuildFacts {
   const char* version;
-  const char* commit;      ///< what was built, "-dirty" behind it where files differed; "unknown" outside a checkout
+  const char* commit;      ///< with "-dirty" appended if files differed from it; "unknown" outside a checkout
   const char* build_type;
-  const char* flags;       ///< of the compiler, for all of the library
+  const char* flags;       ///< compiler flags of the library
 };
 
 BuildFacts build_facts();

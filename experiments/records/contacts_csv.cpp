@@ -20,7 +20,7 @@ namespace {
 constexpr std::string_view kHeader =
     "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz,at_start,part_1,part_2,element_1,element_2";
 
-/// A header that is read, and the columns behind toi that it stands for.
+/// A header that can be read, and which columns after toi it has.
 struct HeaderInfo {
   std::string_view text;
   bool geometry, at_start, sides;
@@ -104,7 +104,7 @@ StepsDone ContactsCsvWriter::finish_incomplete(const StepsDone& steps) { return 
 
 namespace {
 
-/// Takes a line apart and checks it.
+/// Parses and checks a line.
 class RowParser {
  public:
   RowParser(const std::string& file, std::int64_t line, std::string_view text)

@@ -1,4 +1,5 @@
-// Records of experiments on disk: rows are kept as they come, and a whole record replaces an old one at the end.
+// Records of experiments on disk: each row is stored when it is measured, and the complete record replaces an old one
+// at the end.
 #pragma once
 
 #include <cstddef>
@@ -13,34 +14,35 @@ namespace volccd {
 
 inline constexpr int kRecordSchema = 1;
 
-/// Rows of an experiment that runs. They go to FOLDER/NAME.incomplete.jsonl as they come: its first line says what they
-/// are rows of, each further line is {"key": ..., "rows": [...]}. A later run of the same experiment takes up what is
-/// there; finish() writes FOLDER/NAME.json in the place of the old record, and removes the other file. A line that the
-/// last run did not finish is dropped. One thread, and one process, at a time.
+/// The rows of a running experiment. They are appended to FOLDER/NAME.incomplete.jsonl: its first line is the identity
+/// of the experiment, each further line is {"key": ..., "rows": [...]}. A later run of the same experiment reads the
+/// rows of this file and continues; a last line that is not complete is dropped. finish() writes FOLDER/NAME.json,
+/// which replaces the old record, and removes the other file. For one thread and one process at a time.
 class RecordFile {
  public:
-  /// `identity`: plan, build, machine. A file that is there with another identity is renamed to
-  /// NAME.incomplete.old.jsonl, in the place of one that was renamed before, and set_aside() says so. Throws InputError
-  /// naming the file that cannot be read or written.
+  /// `identity`: plan, build, machine. An existing file with a different identity is renamed to
+  /// NAME.incomplete.old.jsonl, which replaces a file that was renamed before; set_aside() is then true. Throws
+  /// InputError naming the file that cannot be read or written.
   RecordFile(const std::string& folder, const std::string& name, const nlohmann::json& identity);
 
-  /// Whether the rows of this key are there already.
+  /// Whether the rows of this key have already been added.
   bool has(const std::string& key) const { return keys_.contains(key); }
-  std::size_t resumed() const { return resumed_; }  ///< keys that were there at first
+  std::size_t resumed() const { return resumed_; }  ///< number of keys in the file of an earlier run
   bool set_aside() const { return set_aside_; }
 
   void add(const std::string& key, const std::vector<nlohmann::json>& rows);
   const std::vector<nlohmann::json>& rows() const { return rows_; }
 
-  /// Writes {"experiment", "schema", "complete", "provenance", "summary", "rows"}, a row a line. Throws InputError.
+  /// Writes {"experiment", "schema", "complete", "provenance", "summary", "rows"}, with one line for each row. Throws
+  /// InputError.
   void finish(const nlohmann::json& provenance, const nlohmann::json& summary);
 
   const std::string& file() const { return file_; }
   const std::string& incomplete_file() const { return incomplete_; }
-  std::string old_file() const;  ///< where another's rows were set aside
+  std::string old_file() const;  ///< name of the file of a different experiment after it was renamed
 
  private:
-  /// Takes up the rows that are there; returns their lines.
+  /// Reads the rows of an earlier run; returns their lines.
   std::string read_back(const nlohmann::json& identity);
 
   std::string name_, file_, incomplete_;
@@ -51,7 +53,8 @@ class RecordFile {
   std::ofstream out_;
 };
 
-/// A record that finish() wrote. Throws InputError: no such file, no JSON, another schema, no rows.
+/// Reads a record written by finish(). Throws InputError if there is no such file, it is not JSON, it has a different
+/// schema, or it has no rows.
 nlohmann::json read_record(const std::string& file);
 
 }  // namespace volccd

@@ -25,7 +25,7 @@ std::string cpu_name() {
   return "unknown";
 }
 
-/// Processes that were running or waiting, mean over the last minute; null where the system does not tell.
+/// Mean number of running or waiting processes over the last minute; null if the system does not report it.
 json load_average() {
   double load = 0;
   std::ifstream file("/proc/loadavg");

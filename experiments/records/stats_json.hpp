@@ -1,4 +1,4 @@
-// stats.json: the record of a run.
+// stats.json, the statistics of a run.
 #pragma once
 
 #include <string>
@@ -9,18 +9,18 @@
 
 namespace volccd {
 
-/// What the figures depend on: version, commit, compiler, build type, CPU, cores, date (UTC).
+/// Build and machine, on which the times depend: version, commit, compiler, build type, CPU, cores, date (UTC).
 nlohmann::json machine_facts();
 
-/// Stages with their options, and the guarantee.
+/// The stages of a pipeline with their options, and its guarantee.
 nlohmann::json to_json(const Pipeline& pipeline);
 /// The stages of a pipeline by role, with the options that the spec has.
 nlohmann::json to_json(const PipelineSpec& spec);
 
-/// Counts, earliest_toi (null without contacts), seconds, and per stage: role, name, in, out, seconds.
+/// Counts, earliest_toi (null without contacts), seconds, and for each stage: role, name, in, out, seconds.
 nlohmann::json to_json(const Statistics& statistics);
 
-/// Null if `path` is empty. Throws InputError.
+/// Reads a JSON file; null if `path` is empty. Throws InputError.
 nlohmann::json read_json_file(const std::string& path);
 
 }  // namespace volccd

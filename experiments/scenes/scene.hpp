@@ -1,5 +1,5 @@
-// Scenes: made-up sequences, frame by frame, and the list of them that the program, the tests and the experiments
-// share.
+// Scenes: synthetic sequences that are computed frame by frame, and the list of them that the program, the tests and
+// the experiments share.
 #pragma once
 
 #include <functional>
@@ -15,17 +15,17 @@
 
 namespace volccd {
 
-/// A sequence that is computed when asked for. Vertices have ids 0, 1, 2, ..; all frames have all of them, whether
-/// elements use them or not, while elements come and go. The same scene gives the same frames, bit for bit, in any
-/// order of asking. Immutable; concurrent calls allowed.
+/// A sequence that is computed on demand. Vertices have ids 0, 1, 2, ..; every frame has all of them, whether elements
+/// use them or not, while elements may differ from frame to frame. The frames do not depend on the order of calls.
+/// Immutable and thread-safe.
 class Scene {
  public:
   virtual ~Scene() = default;
 
   virtual const SequenceMetadata& metadata() const = 0;
-  /// At least 2: the ends of the first motion.
+  /// Number of frames, at least 2 (the ends of the first motion).
   virtual int frames() const = 0;
-  /// Ascends with the frame.
+  /// Time of a frame; ascending.
   virtual double time(int frame) const = 0;
   virtual Index vertex_count() const = 0;
   /// Replaces the contents of `out` by [vertex_count()] positions.
@@ -34,33 +34,34 @@ class Scene {
   virtual void cells(int frame, SequenceCells& out) const = 0;
 };
 
-/// Writes all frames as a sequence file, a frame at a time. `go_on` is asked before each frame; where it says false,
-/// the frames so far are kept, marked as incomplete, or nothing if there is none. Throws what SequenceWriter throws.
+/// Writes all frames to a sequence file, one at a time. `go_on` is called before each frame; if it returns false, the
+/// file has the frames so far and is marked as incomplete (no file is written if there are none). Throws the exceptions
+/// of SequenceWriter.
 StepsDone write_scene(const Scene& scene, const std::string& file, const std::function<bool(int done)>& go_on = {});
 
 /// The elements of a frame as a mesh: element i of cells() in slot i.
 Mesh scene_mesh(const Scene& scene, int frame);
 
-/// Step `step` of a sequence file as a shape that scenes can be made from: vertices that no element uses are left out,
-/// the rest renumbered in ascending order; elements keep their ids and parts. Throws what SequenceReader throws, and
-/// ConfigError if the file has no such step.
+/// Step `step` of a sequence file as a shape from which scenes can be made. Vertices that no element uses are left out,
+/// and the others are renumbered in ascending order; elements keep their ids and parts. Throws the exceptions of
+/// SequenceReader, and ConfigError if the file has no such step.
 Shape shape_from_file(const std::string& file, int step = 0);
 
-/// How the list knows a scene.
+/// Entry of the list of scenes.
 struct SceneDescriptor {
   std::string name;
   std::string description;  ///< one line
-  bool needs_mesh;          ///< whether `make` wants a mesh to work on
+  bool needs_mesh;          ///< whether `make` requires a mesh
   std::vector<OptionInfo> options;
-  /// `mesh` is looked at during the call only, and may be null if the scene needs none. Throws ConfigError.
+  /// Makes the scene. `mesh` is used during the call only, and may be null if the scene needs none. Throws ConfigError.
   std::function<std::unique_ptr<Scene>(const OptionValues& values, const Shape* mesh)> make;
 };
 
 /// All scenes, in the order of `volccd scene list`.
 const std::vector<SceneDescriptor>& scenes();
 
-/// Makes the scene of this name. Throws ConfigError: unknown name (naming the known ones), bad option, mesh missing or
-/// not wanted.
+/// Makes the scene of this name. Throws ConfigError for an unknown name (with a list of the known ones), an invalid
+/// option, and a mesh that is missing or not used by the scene.
 std::unique_ptr<Scene> make_scene(const std::string& name, const OptionValues& values, const Shape* mesh = nullptr);
 
 }  // namespace volccd

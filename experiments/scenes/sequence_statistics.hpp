@@ -1,4 +1,4 @@
-// What a table of scenes needs to know about a sequence: sizes, motion, contacts and edits, motion by motion.
+// Statistics of a sequence for tables of scenes: sizes, motion, contacts and edits, motion by motion.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,13 @@
 
 namespace volccd {
 
-/// Contacts of a motion. adjacent: every element at the one feature is adjacent to every element at the other (Section
-/// 5.1). inter and intra: the others, between objects and within one.
+/// Numbers of contacts of a motion. adjacent: every element of the one feature is adjacent to every element of the
+/// other (Section 5.1). inter and intra: other contacts, between objects and within an object.
 struct ContactCounts {
   std::uint64_t inter = 0, intra = 0, adjacent = 0;
 };
 
-/// Motion k -> k+1, on the elements of step k+1.
+/// Statistics of motion k, from step k to k+1, on the elements of step k+1.
 struct MotionStatistics {
   double time = 0;                                ///< of step k
   std::map<ElementType, std::uint64_t> elements;  ///< at step k+1
@@ -29,11 +29,12 @@ struct MotionStatistics {
   double median_motion = 0, p99_motion = 0, largest_motion = 0;  ///< of vertices in use, in mean edges
   ContactCounts contacts;
   std::uint64_t contacts_at_start = 0;  ///< of them, at t = 0
-  std::uint64_t left_out = 0;  ///< not among them: contacts of shell neighbours (Request), if shells are solids
+  std::uint64_t left_out = 0;  ///< not included in `contacts`: those of shell neighbours (Request)
 };
 
-/// All motions of a file; contacts by the pipeline VolCCD+, shells as solids where the file has their thickness.
-/// `go_on(done)` is called after each motion; false ends the work early. Throws what reading and detecting throw.
+/// Statistics of all motions of a file, with contacts of the pipeline VolCCD+; shells are solid if the file has their
+/// thickness. `go_on(done)` is called after each motion; if it returns false, the work ends early. Throws the
+/// exceptions of the reader and of the pipeline.
 std::vector<MotionStatistics> sequence_statistics(SequenceReader& reader, Executor& executor,
                                                   const std::function<bool(int done)>& go_on = {});
 

@@ -1,4 +1,4 @@
-// Scenes as files: whatever has a name becomes a sequence that any command reads.
+// Scenes as files: turns the name of a scene into a sequence file that any command can read.
 #pragma once
 
 #include <optional>
@@ -16,29 +16,30 @@ struct ExternalScene {
   std::string description;  ///< one line
 };
 
-/// Those that are there: ls-dyna-projectile, openradioss-bullet, openradioss-airbag, openradioss-crash.
+/// Those whose files exist, among ls-dyna-projectile, openradioss-bullet, openradioss-airbag, openradioss-crash.
 std::vector<ExternalScene> external_scenes();
 
 std::string external_scene_file(const ExternalScene& scene);
 
-/// Whether this is the name of a made-up motion of a mesh of the shared data: octopus2-105k-deformed, turned by 10
+/// Whether this is the name of a synthetic motion of a mesh of the shared data: octopus2-105k-deformed, turned by 10
 /// degrees and shortened by 5 % of its length in each of four motions.
 bool is_deformed_scene(const std::string& name);
 
-/// Its file in the cache, computed anew. Nothing if the mesh is not there. Throws what write_scene() throws.
+/// Computes such a scene and returns its file in the cache; nothing if the mesh is not available. Throws the exceptions
+/// of write_scene().
 std::optional<std::string> deformed_scene_file(const std::string& name);
 
-/// Where the cache has, or would have, the simulated scene that `name_or_file` means to resolve_scene(); nothing if it
-/// means something else.
+/// The file in the cache, whether or not it exists, of the simulated scene that resolve_scene() takes `name_or_file`
+/// for; nothing if it is something else.
 std::optional<std::string> file_to_simulate(const std::string& name_or_file);
 
-/// What `name_or_file` means where a sequence file is asked for:
-///   a file that is there, whatever its name;
-///   the name of an external scene;
-///   the name of a simulated scene, or that with "-quick" behind it: the baked file, after baking it if need be;
-///   the name of a scene that is computed from nothing (`builtin`): written to the cache now;
-/// else the text itself, so that opening it says what is wrong. Nothing when the hooks interrupted the baking. Throws
-/// what bake() and write_scene() throw.
+/// The sequence file for an argument `name_or_file`, which may be
+///   - the path of an existing file;
+///   - the name of an external scene;
+///   - the name of a simulated scene, perhaps with "-quick" appended: its file in the cache, computed if it is missing;
+///   - the name of a scene that needs no input (`builtin`), which is then written to the cache.
+/// Any other text is returned unchanged, so that opening it gives an error message. The first of these that applies
+/// counts. Returns nothing if the hooks interrupted the computation. Throws the exceptions of bake() and write_scene().
 std::optional<std::string> resolve_scene(const std::string& name_or_file, Executor& executor,
                                          const BakeHooks& hooks = {});
 

@@ -1,4 +1,4 @@
-// Which stage gains what: combinations of culling stages on each broad phase, and options of stages.
+// The gain of each stage: combinations of culling stages with each broad phase, and options of stages.
 #pragma once
 
 #include <volccd/experiments/tables/catalog.hpp>
@@ -7,8 +7,9 @@ namespace volccd {
 
 /// Table "stages": each subset of element culling, assignment with O-Set, and feature filters on each broad phase, from
 /// VolCCD+. Table "options": one option of a stage at a time (axes of CSAT, k, leaf size, refit or rebuild, cell size,
-/// assignment, O-Set, filters). With context.pipelines or context.settings, the table "sweep" instead: those pipelines
-/// (VolCCD+ if none is named), as they are and with each value of each setting ("csat.axis=face,centroid").
+/// assignment, O-Set, filters). If context.pipelines or context.settings is given, there is only the table "sweep":
+/// those pipelines (VolCCD+ if none is named), unchanged and with each value of each setting
+/// ("csat.axis=face,centroid").
 ExperimentPlan ablation_plan(const PlanContext& context);
 std::vector<TitledTable> ablation_tables(const nlohmann::json& record);
 

@@ -1,4 +1,4 @@
-// The experiments that the harness runs: each a plan, tables and a summary from its record.
+// The experiments that the harness runs. Each has a plan, and makes tables and a summary from its record.
 #pragma once
 
 #include <functional>
@@ -14,40 +14,41 @@
 
 namespace volccd {
 
-/// What a plan is made for.
+/// Input of the functions that make plans.
 struct PlanContext {
   const Registry& registry;
   bool full = false;
-  std::vector<std::string> pipelines;  ///< further ones, or those of an ablation
+  std::vector<std::string> pipelines;  ///< further pipelines, or those of an ablation
   std::vector<std::string> settings;   ///< "stage.option=value[,value...]" or "role=stage[,stage...]"
-  /// The sequence file of a scene's name, or nothing if it is not there. May take long (a bake), and may throw.
+  /// Returns the sequence file of a scene, or nothing if it is not available. May take long (it may run a simulation),
+  /// and may throw.
   std::function<std::optional<std::string>(const std::string& name)> file_of;
-  /// For `rows`: what they are measured with (null: one thread), and who is told how far it is; may throw to stop.
+  /// For `rows`: the executor (null: one thread), and a function that is told the progress; it may throw to stop.
   Executor* executor = nullptr;
   std::function<void(std::size_t done, std::size_t total)> progress = {};
 };
 
 struct ExperimentKind {
   const char *name, *description;
-  ExperimentPlan (*plan)(const PlanContext& context);  ///< null where `rows` makes them
+  ExperimentPlan (*plan)(const PlanContext& context);  ///< null if `rows` makes the rows
   std::vector<TitledTable> (*tables)(const nlohmann::json& record);
-  /// Rows for scripts and other documents; may be null: none.
+  /// Makes the summary for scripts and other documents; null: there is none.
   nlohmann::json (*summary)(const nlohmann::json& record);
-  /// Rows that the harness does not make; may be null.
+  /// Makes the rows, if the harness does not make them from a plan; may be null.
   std::vector<nlohmann::json> (*rows)(const PlanContext& context) = nullptr;
-  bool takes_pipelines = false, takes_settings = false;  ///< of the context
+  bool takes_pipelines = false, takes_settings = false;  ///< whether it uses those of the context
 };
 
 const std::vector<ExperimentKind>& experiment_kinds();
 
-/// The five simulated scenes and, behind them, the runs of other programs that are there.
+/// The five simulated scenes, followed by those runs of other programs that are available.
 struct TableScene {
-  std::string name;  ///< as rows have it
+  std::string name;  ///< as in rows
   std::string file;
 };
 std::vector<TableScene> table_scenes(const PlanContext& context);
 
-/// How a scene's elements are taken in the tables: shells as solids where the file has their thickness.
+/// Configuration of a scene in the tables: shells are solid if the file has their thickness.
 SequenceStepper::Config table_config(const std::string& file, MotionModel motion = MotionModel::linear);
 int motion_count(const std::string& file);
 

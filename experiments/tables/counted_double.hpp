@@ -1,4 +1,4 @@
-// A double that counts what is done with it.
+// A double that counts the operations made with it.
 #pragma once
 
 #include <cmath>
@@ -13,15 +13,15 @@ struct OperationCounts {
   friend bool operator==(const OperationCounts&, const OperationCounts&) = default;
 };
 
-/// Calculates as double does, bit for bit, and counts into counts(). A change of sign is not counted. Thread rule: all
-/// values of this type share one count, so that only one thread may calculate with them at a time.
+/// Computes bit for bit as double, and counts the operations in counts(). A change of sign is not counted. All values
+/// of this type share one count, so that only one thread may compute with them at a time.
 class CountedDouble {
  public:
   CountedDouble(double value = 0) : value_(value) {}  // NOLINT(google-explicit-constructor): takes the place of double
 
   double value() const { return value_; }
 
-  /// Since the caller last set it.
+  /// The operations since the caller last set this value.
   static OperationCounts& counts() {
     static OperationCounts counts;
     return counts;

@@ -6,8 +6,8 @@
 
 namespace volccd {
 
-/// Octopi, and the crash with its shells as prisms: A nothing is culled, B features (assignment and O-Set), C elements,
-/// too; with the stages of VolCCD-2011.
+/// Octopi, and the crash with its shells as prisms, with the stages of VolCCD-2011: A without culling, B with feature
+/// culling (assignment and O-Set), C with element culling as well.
 ExperimentPlan culling_plan(const PlanContext& context);
 std::vector<TitledTable> culling_tables(const nlohmann::json& record);
 

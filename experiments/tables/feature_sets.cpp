@@ -127,7 +127,7 @@ class Observer {
     return {{"inter", inter}, {"intra", result_.initial_overlaps.size() - inter}};
   }
 
-  /// Elements that hang together by vertices.
+  /// Connected pieces: elements connected by vertices.
   json pieces(const Mesh& mesh) const {
     std::vector<Index> root(mesh.vertex_count());
     std::iota(root.begin(), root.end(), Index{0});

@@ -1,4 +1,4 @@
-// The middle of some values.
+// Median.
 #pragma once
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 namespace volccd {
 
-/// 0 if there are none; of an even number the mean of the two in the middle.
+/// Median of the values; the mean of the two middle values if their number is even, 0 if there are none.
 inline double median(std::vector<double> values) {
   if (values.empty()) return 0;
   std::sort(values.begin(), values.end());

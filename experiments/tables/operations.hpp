@@ -1,4 +1,4 @@
-// What a CSAT sign test and an elementary test cost: floating-point operations and nanoseconds (Section 7.1).
+// Cost of a CSAT sign test and of an elementary test: floating-point operations and nanoseconds (Section 7.1).
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 namespace volccd {
 
 struct OperationConfig {
-  std::size_t tests = 2048;   ///< most of each kind, evenly spread over the queries: few enough to stay in the cache
+  std::size_t tests = 2048;   ///< greatest number of each kind, evenly spread over the queries; fits into the cache
   int repetitions = 15;       ///< timed passes of each operation, interleaved; the median is reported
   double tolerance = 1e-10;   ///< of the elementary test (`provot.tolerance`)
 };
@@ -34,8 +34,7 @@ struct OperationConfig {
 ///                    other feature
 ///   elementary-test  roots of the cubic and inside test
 ///   elementary-test-left   the same on those of the tests alone that `csat` does not find apart, if there are any
-///
-/// One thread. Loading positions is part of the time and not of the counts.
+/// Runs on one thread. Times include loading positions; counts do not.
 nlohmann::json operation_counts(const std::vector<KnownQueries>& queries, const OperationConfig& config = {});
 
 }  // namespace volccd

@@ -26,7 +26,7 @@ struct Contender {
   bool boxes = true, peer = false;
 };
 
-/// Peers with each way from step to step that may be their fastest.
+/// Broad phases of other libraries, with each update method that may be their fastest.
 std::vector<Contender> contenders(const Registry& registry) {
   std::vector<Contender> all = {{"kdop-bvh", {{"k", "6"}}},
                                 {"kdop-bvh", {{"k", "6"}, {"restructure", "always"}}},
@@ -61,14 +61,14 @@ class SceneMotions {
  public:
   virtual ~SceneMotions() = default;
   virtual std::vector<int> motions(bool full) const = 0;
-  /// Begins a round of a motion: what is gone to is the motion before it.
+  /// Begins a round of a motion by going to the motion before it.
   virtual void go_before(int motion) = 0;
   virtual void go_to(int motion) = 0;
 
   Step step() const { return {*topology_, motion_, everything_}; }
 
  protected:
-  /// The motion before the present one, if velocities were the same.
+  /// A motion that leads to the start of the present one with the same velocities.
   void go_back() {
     for (Index v = 0; v < motion_.vertex_count(); ++v) {
       const Vec3 x0 = motion_.point(v, 0), x1 = motion_.point(v, 1);
@@ -171,7 +171,7 @@ class Racer {
 
   const Contender& contender() const { return *contender_; }
 
-  /// The whole of a broad phase's work on a step; pairs are written and counted.
+  /// Runs a broad phase on a step, and counts the pairs that it writes.
   json run(const Step& step, Executor& executor) {
     using Clock = std::chrono::steady_clock;
     struct alignas(64) Count {
@@ -204,7 +204,7 @@ class Racer {
   std::unique_ptr<StageState> state_;
 };
 
-/// Throws Error unless all that take the same boxes emit as many pairs as the first.
+/// Throws Error unless all broad phases with the same boxes emit the same number of pairs.
 void expect_same_pairs(const std::vector<json>& rows) {
   const json* first = nullptr;
   for (const json& row : rows) {
@@ -221,7 +221,7 @@ void expect_same_pairs(const std::vector<json>& rows) {
   }
 }
 
-/// All racers on a motion, in an order that shifts by one from round to round.
+/// Runs all broad phases on a motion, in an order that shifts by one from round to round.
 std::vector<json> run_round(SceneMotions& scene, const std::string& name, int motion, int round,
                             std::vector<Racer>& racers, Executor& executor) {
   scene.go_before(motion);

@@ -6,7 +6,7 @@
 namespace volccd {
 
 /// Times and counts of broad phases on single motions, interleaved: docs/reproducing.md. Throws ConfigError if no scene
-/// is there, and Error if two broad phases with the same boxes emit different numbers of pairs.
+/// is available, and Error if two broad phases with the same boxes emit different numbers of pairs.
 std::vector<nlohmann::json> peers_rows(const PlanContext& context);
 std::vector<TitledTable> peers_tables(const nlohmann::json& record);
 nlohmann::json peers_summary(const nlohmann::json& record);

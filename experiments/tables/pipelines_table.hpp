@@ -1,4 +1,4 @@
-// Pipelines side by side on one sequence, and where their time goes.
+// Comparison of pipelines on one sequence, with the time of each stage.
 #pragma once
 
 #include <volccd/experiments/tables/catalog.hpp>
@@ -6,10 +6,11 @@
 namespace volccd {
 
 /// NavCCD, HashCCD, VolCCD and VolCCD+ with the paper's elementary test, and the context's pipelines, on all motions of
-/// the LS-DYNA run, or of the built-in scene where that is not there.
+/// the LS-DYNA run, or of the built-in scene if that run is not available.
 ExperimentPlan projectile_plan(const PlanContext& context);
 
-/// Time a step, speed-up, pairs, tests, contacts; and shares of the time by stage. One pair of tables for each scene.
+/// For each scene two tables: time for each step, speed-up, pairs, tests and contacts; and the share of each stage in
+/// the time.
 std::vector<TitledTable> pipeline_tables(const nlohmann::json& record);
 
 }  // namespace volccd

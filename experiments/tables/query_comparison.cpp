@@ -107,7 +107,7 @@ class QueryContestant {
     stages_.states = states_;
   }
 
-  /// In batches, as a pipeline runs them.
+  /// Runs the queries in batches, as a pipeline does.
   void run(const KnownQueries& queries) {
     SerialExecutor executor;
     for (std::size_t i = 0; i < stages_.filters.size(); ++i)
@@ -132,7 +132,7 @@ class QueryContestant {
     }
   }
 
-  /// Of the last run.
+  /// The contacts of the last run.
   const std::vector<Contact>& contacts() const { return chain_.contacts(); }
   const NarrowCounters& counters() const { return chain_.counters(); }
   std::uint64_t tests() const { return chain_.tests(FeatureKind::vf) + chain_.tests(FeatureKind::ee); }
@@ -161,7 +161,7 @@ std::vector<const Contact*> contacts_by_query(const std::string& name, const Kno
   return found;
 }
 
-/// What the contacts of the last run say of each query.
+/// Compares the contacts of the last run with the known answer of each query.
 QueryScore score(const std::string& name, const KnownQueries& queries, const QueryContestant& contestant) {
   QueryScore result;
   result.narrow_phase = name;

@@ -1,5 +1,5 @@
-// Narrow phases side by side on tests with known answers: what each misses, what it has too many, and how long it
-// takes.
+// Comparison of narrow phases on tests with known answers: the contacts that each misses or reports in excess, and its
+// time.
 #pragma once
 
 #include <functional>
@@ -17,10 +17,10 @@ namespace volccd {
 /// One narrow phase on one group of queries.
 struct QueryScore {
   std::string narrow_phase;                  ///< as configured: "inclusion", "inclusion:undecided=exact"
-  std::vector<std::uint64_t> missed, extra;  ///< queries, by KnownQueries::index; empty where nothing is known
+  std::vector<std::uint64_t> missed, extra;  ///< queries, by KnownQueries::index; empty if no answers are known
   std::uint64_t contacts = 0, degenerate = 0, undecided = 0;
-  std::uint64_t tests = 0;          ///< queries that the filters left
-  double earliest = 0, latest = 0;  ///< reported less true time, over queries with a known one: least (<= 0), greatest
+  std::uint64_t tests = 0;          ///< queries that the filters kept
+  double earliest = 0, latest = 0;  ///< least (<= 0) and greatest reported minus true time, where known
   double nanoseconds = 0;           ///< for each query, filters included: median over the rounds
 };
 
@@ -42,11 +42,11 @@ struct QueryRecord {
   std::vector<std::string> filters;
   std::vector<Contestant> narrow_phases;
   std::vector<QueryGroupRecord> groups;
-  std::string stopped_by;  ///< why there are no more groups; empty: these are all
+  std::string stopped_by;  ///< why further groups are missing; empty: there are none
 
-  /// Sums over the groups of a kind, one score for each narrow phase (times by weight), no lists.
+  /// Sums over the groups of a kind: one score for each narrow phase, with weighted mean times and without lists.
   QueryGroupRecord total(FeatureKind kind) const;
-  /// A line for each contestant whose guarantee is not `approximate` and that misses queries.
+  /// One line for each narrow phase that misses queries although its guarantee is not `approximate`.
   std::vector<std::string> broken_promises() const;
   nlohmann::json to_json() const;  ///< with machine_facts()
 };
@@ -54,8 +54,8 @@ struct QueryRecord {
 struct QueryComparisonConfig {
   /// "name" or "name:option=value[:option=value...]"; empty: the narrow phase of VolCCD+.
   std::vector<std::string> narrow_phases;
-  std::vector<std::string> filters;   ///< feature filters before each; likewise
-  std::vector<std::string> settings;  ///< "stage.option=value", of whichever of these stages
+  std::vector<std::string> filters;   ///< feature filters before each narrow phase, in the same form
+  std::vector<std::string> settings;  ///< "stage.option=value", for any of these stages
   int rounds = 5;
   /// Called before each run.
   std::function<void(std::size_t done, std::size_t total)> progress;
@@ -63,18 +63,18 @@ struct QueryComparisonConfig {
   std::function<void()> check;
 };
 
-/// Puts the answers of a narrow phase ("name[:option=value...]"), times included, in place of what is known of the
-/// queries. `check`: as QueryComparisonConfig's. Throws ConfigError.
+/// Replaces the known answers of the queries by those of a narrow phase ("name[:option=value...]"), times included.
+/// `check`: as in QueryComparisonConfig. Throws ConfigError.
 void judge(const Registry& registry, const std::string& narrow_phase, KnownQueries& queries,
            const std::function<void()>& check = {});
 
-/// In each group, each narrow phase is run once for its answers; then all in turn, `rounds` times, each run repeated
-/// for a millisecond at least. One thread. Groups are added to `record`, each when it is complete: those stay there
-/// when this throws, which it does for a ConfigError, or what config.check throws.
+/// In each group, each narrow phase runs once for its answers; then all run alternately, `rounds` times, where each run
+/// is repeated for at least a millisecond. Runs on one thread. Each group is added to `record` when it is complete, and
+/// remains there if this function throws. Throws ConfigError, and what config.check throws.
 void compare_on_queries(const Registry& registry, const std::vector<KnownQueries>& groups,
                         const QueryComparisonConfig& config, QueryRecord& record);
 
-/// A row for each group and narrow phase; totals by kind where there are several groups.
+/// A table with one row for each group and narrow phase, and totals by kind if there are several groups.
 std::string query_table(const QueryRecord& record);
 
 }  // namespace volccd

@@ -149,7 +149,7 @@ void take_listed(const MotionOfFile& motion, const std::vector<KnownAnswer>& ans
   }
 }
 
-/// Puts `pairs` in the place of those listed, and keeps what is known of them.
+/// Replaces the listed pairs by `pairs`, and keeps the known answers.
 void spread(const std::vector<FeaturePair>& pairs, KnownQueries& queries, const std::string& file) {
   std::vector<std::uint8_t> collides(pairs.size(), 0);
   std::vector<double> toi(pairs.size(), std::numeric_limits<double>::quiet_NaN());

@@ -8,7 +8,7 @@
 
 namespace volccd {
 
-/// Rows that have something in common. A value of pointers into a record, which outlives it.
+/// A selection of rows. It holds pointers into a record, which must outlive it.
 class Rows {
  public:
   Rows() = default;
@@ -19,17 +19,17 @@ class Rows {
   std::size_t size() const { return rows_.size(); }
   const nlohmann::json& front() const { return *rows_.front(); }
 
-  /// Those whose column is this text or number.
+  /// The rows in which the column has this value (text or number).
   Rows with(const std::string& column, const nlohmann::json& value) const;
-  /// The values of a column, each once, in the order of the rows.
+  /// The distinct values of a column, in the order of the rows.
   std::vector<nlohmann::json> values(const std::string& column) const;
 
   /// For each motion, the median over rounds of the sum of the columns.
   std::vector<double> by_motion(const std::vector<std::string>& columns) const;
-  /// Mean (the paper's average) and median over motions of that, in milliseconds for columns of seconds.
+  /// Mean (the paper's average) and median of by_motion() over motions, in milliseconds for columns in seconds.
   double mean_ms(const std::vector<std::string>& columns) const;
   double median_ms(const std::vector<std::string>& columns) const;
-  /// Sum over motions, of the median over rounds (counts are the same in every round).
+  /// Sum, or median, over motions of the median over rounds (counts are the same in every round).
   double sum(const std::string& column) const;
   double median(const std::string& column) const;
   /// VF and EE tests, summed over motions.
@@ -40,7 +40,7 @@ class Rows {
   std::vector<const nlohmann::json*> rows_;
 };
 
-/// Columns of a step's time: without and with what editing the topology took.
+/// Columns of the time of a step, without and with the time to edit the topology.
 extern const std::vector<std::string> kStepTime, kStepAndEditTime;
 
 }  // namespace volccd

@@ -42,7 +42,7 @@ double median_over(const json& motions, Value&& value) {
   return median(std::move(values));
 }
 
-/// Balance error in per cent of the energy that there was at first and that came from outside.
+/// Error of the energy balance, in per cent of the initial energy plus the external work.
 std::string energy_text(const json& frames) {
   double worst = 0, scale = 0;
   for (const json& frame : frames) {
@@ -65,7 +65,7 @@ std::string energy_shares(const json& frames) {
                      100 * energy.at("contact").get<double>() / scale);
 }
 
-/// Change of the angular momentum that no impulse from outside explains, in per cent of the greatest that there was.
+/// Change of the angular momentum without the external impulses, in per cent of its greatest value.
 std::string angular_drift(const json& frames) {
   const auto vector = [](const json& frame, const char* name) {
     const json& v = frame.at(name);
@@ -81,7 +81,7 @@ std::string angular_drift(const json& frames) {
   return scale > 0 ? fmt::format("{:.2g} %", 100 * worst / scale) : "-";
 }
 
-/// Contacts that met a response in a substep: between objects, within one, of adjacent elements.
+/// Contacts that got a response in a substep: between objects, within one object, between adjacent elements.
 std::string resisted_text(const json& frames) {
   std::string text;
   for (const char* kind : {"inter", "intra", "adjacent"}) {

@@ -1,4 +1,4 @@
-// Scenes side by side: size, motion, contacts, edits, and what their simulation took and kept.
+// Comparison of scenes: size, motion, contacts, edits, and time and energy balance of their simulation.
 #pragma once
 
 #include <functional>
@@ -13,14 +13,14 @@
 
 namespace volccd {
 
-/// What is known of a scene: {"scene", "machine", "simulation": record of its baking or null, "motions": statistics of
-/// the file}. `bake_record`: file that bake() wrote, or empty. Nothing when `go_on(done, motions)` said stop. Throws
-/// InputError.
+/// The record of a scene: {"scene", "machine", "simulation": record of its baking or null, "motions": statistics of the
+/// file}. `bake_record`: file that bake() wrote, or empty. Returns nothing if `go_on(done, motions)` returned false.
+/// Throws InputError.
 std::optional<nlohmann::json> scene_record(const std::string& name, const std::string& sequence,
                                            const std::string& bake_record, Executor& executor,
                                            const std::function<bool(std::size_t done, std::size_t motions)>& go_on);
 
-/// A row for each record; the paper's count of elements beside it where it has the scene.
+/// A table with one row for each record, with the paper's number of elements if the paper has the scene.
 TitledTable titled_scene_table(const std::vector<nlohmann::json>& records);
 /// The same as text, without a title.
 std::string scene_table(const std::vector<nlohmann::json>& records);

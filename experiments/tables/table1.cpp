@@ -54,7 +54,7 @@ bool has_hexahedra(const std::string& file) {
   return std::find(cells.types.begin(), cells.types.end(), ElementType::hexahedron) != cells.types.end();
 }
 
-/// What one table says of one scene.
+/// The results of one table for one scene.
 struct Comparison {
   Comparison(const Rows& rows, const std::string& table) {
     const auto of = [&](const std::string& name) {
@@ -106,7 +106,7 @@ void for_each_line(const Rows& all, const std::string& model, const std::string&
             Comparison(rows.with("table", table).with("scene", scene), table));
 }
 
-/// "yes" if all entrants found the contacts of NavCCD in all motions, else who did not, as columns name them.
+/// "yes" if all entrants found the contacts of NavCCD in all motions, else the names of those that did not.
 std::string same_contacts(const Comparison& c) {
   const std::vector<json> motions = c.nav.values("motion");
   const auto differs = [&](const Rows& rows) {
@@ -161,7 +161,7 @@ TitledTable times(const Rows& rows, const std::string& table, const std::string&
               "\n"};
 }
 
-/// What explains the speed-up: tests left out, a cheaper test, and what the other stages cost.
+/// Shares in the speed-up: tests left out, a cheaper test, and the cost of the other stages.
 TitledTable explanation(const Rows& rows, const std::string& table, const std::string& model,
                         const std::string& edges) {
   TextTable text({"scene", "tests, NavCCD", "VolCCD", "ratio", "paper", "ns/test Nav", "Vol", "by culling", "by cost",

@@ -7,10 +7,10 @@
 
 namespace volccd {
 
-/// Columns that text for a terminal takes at most.
+/// Greatest width of text for a terminal, in columns.
 inline constexpr std::size_t kTextWidth = 100;
 
-/// Column 0 is flush left, the others flush right; widths follow the content.
+/// Column 0 is aligned left, the others right; the widths follow from the content.
 class TextTable {
  public:
   /// `labels`: columns at the beginning that say what a row is about, at least 1.
@@ -18,11 +18,11 @@ class TextTable {
       : rows_{std::move(header)}, labels_(labels) {}
 
   void add(std::vector<std::string> row) { rows_.push_back(std::move(row)); }
-  /// A rule before the next row.
+  /// Adds a horizontal rule before the next row.
   void rule() { rules_.push_back(rows_.size()); }
-  /// With a line break at the end; a rule under the header. Where a row is wider than kTextWidth, words of the header
-  /// go to several lines; where that does not suffice, the columns that are left follow in a table of their own, with
-  /// the labels repeated. (A cell that is wider by itself stays as it is.)
+  /// The table as plain text, with a rule under the header and a line break at the end. If a row is wider than
+  /// kTextWidth, words of the header go to several lines; if that does not suffice, the remaining columns follow in a
+  /// separate table, with the labels repeated. (A single cell that is wider is not changed.)
   std::string text() const;
   /// The header, then the rows.
   const std::vector<std::vector<std::string>>& rows() const { return rows_; }
@@ -41,7 +41,7 @@ class TextTable {
 
 enum class TableFormat { text, markdown, csv, latex };
 
-/// A table of an experiment, with what to know to read it.
+/// A table of an experiment, with a title and a note.
 struct TitledTable {
   std::string title;
   TextTable table;

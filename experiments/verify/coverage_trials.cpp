@@ -20,7 +20,7 @@ void sort_and_unite(Tests& tests) {
   tests.erase(std::unique(tests.begin(), tests.end()), tests.end());
 }
 
-/// Sorted, each once.
+/// Lists of tests, sorted and without duplicates.
 struct Coverage {
   Tests vf, ee;
 
@@ -87,7 +87,7 @@ class ChangingMesh {
 
   Step step() const { return {topology_, motion_, everything_}; }
 
-  /// Takes elements away; the next time it puts them back, with new ids.
+  /// Removes elements; the next call adds them again, with new ids.
   void edit() {
     TopologyEdit edit;
     const Mesh& mesh = topology_.mesh();
@@ -119,7 +119,7 @@ class ChangingMesh {
     return which < 6 ? block(types[which], 1 + choices.below(2), 1 + choices.below(2), 1) : mixed_block(1, 1);
   }
 
-  /// So far that elements turn inside out.
+  /// Moves vertices so far that elements invert.
   void move() {
     motion_ = Motion::linear(jittered(shape_.positions, 0.6, seed()), jittered(shape_.positions, 0.6, seed()));
   }
@@ -229,7 +229,7 @@ TestBatch orphans_of(const OrphanSource& stage, const Step& step, StageState& st
   return out;
 }
 
-/// Those that no pair of non-adjacent elements covers, and that touch.
+/// Checks that the feature pairs which touch, and which no pair of non-adjacent elements covers, are found.
 void expect_orphans(const Step& step, const TestBatch& found, StageTrials& trials, const std::string& where) {
   const Coverage all = covered_by(step.topology, element_pairs(step.topology, PairRange::every));
   const Coverage other = covered_by(step.topology, element_pairs(step.topology, PairRange::nonadjacent));
@@ -288,7 +288,8 @@ void try_stage(const OrphanSource& stage, StageTrials& trials) {
   });
 }
 
-/// What a flood reaches depends on broad phase and culling: pipelines judge it. Here each front is empty.
+/// The pairs that a flood reaches depend on broad phase and culling, so that they are checked in pipelines. Here each
+/// front is empty.
 void try_stage(const Flood& stage, StageTrials& trials) {
   expect_no_allocation(stage, trials, [&](const Step&, StageState& state, TestBatch& out) {
     if (!stage.takes(state, false)) return;

@@ -61,7 +61,7 @@ std::string text_of(const Step& step, const Case& c) {
   return "with t_max " + std::to_string(step.t_max) + "; the features, and the vertices around them:\n" + to_text(c);
 }
 
-/// The scenes that trials take turns with: states see more than one topology.
+/// Scenes that the trials use in turn, so that a state is used with more than one topology.
 std::vector<std::unique_ptr<ElementPairs>> all_elements() {
   std::vector<std::unique_ptr<ElementPairs>> all;
   for (const ElementType type : {ElementType::tetrahedron, ElementType::hexahedron, ElementType::tetrahedron,
@@ -70,7 +70,7 @@ std::vector<std::unique_ptr<ElementPairs>> all_elements() {
   return all;
 }
 
-/// What element culling says of a pair.
+/// The verdict of element culling on a pair.
 struct Verdict {
   bool dropped = true, contact_free = false;
   FeatureMask mask{};
@@ -184,7 +184,7 @@ class BroadTrials {
   }
 
  private:
-  /// Each pair, and how often it came.
+  /// Each pair, and how often it was emitted.
   std::map<ElementPair, int> emitted(const Step& step, StageState& state, Executor& executor,
                                      const std::string& where) {
     std::map<ElementPair, int> pairs;

@@ -1,5 +1,5 @@
-// Holds one stage to what it declares: its guarantee and the rules of its interface. For stages of one's own, before
-// they are measured: `volccd check`, or check_stage() in a test.
+// Checks that one stage satisfies its declared guarantee and the rules of its interface. For new stages, before they
+// are measured: `volccd check`, or check_stage() in a test.
 #pragma once
 
 #include <cstdint>
@@ -13,26 +13,26 @@ namespace volccd {
 
 struct StageCheckConfig {
   OptionValues options;    ///< of the stage, where they differ from their defaults
-  std::uint64_t seed = 1;  ///< trial i has the seed `seed` + i, so that a trial that failed can be repeated by itself
+  std::uint64_t seed = 1;  ///< trial i has the seed `seed` + i, so that a failed trial can be repeated alone
   int trials = 1000;       ///< generated trials; each has up to 64 tests or 8 pairs of elements
   /// Called before each trial of a series, of which there are several; may throw to stop.
   std::function<void(int done, int total)> progress = {};
-  unsigned threads = 3;    ///< of the executor that several workers are tried with
-  bool pipelines = true;   ///< false: the stage is looked at by itself only
-  std::string file;        ///< a sequence whose steps are looked at as well, or empty
+  unsigned threads = 3;    ///< of the executor used to check runs with several workers
+  bool pipelines = true;   ///< false: the stage is not checked in pipelines
+  std::string file;        ///< a sequence whose steps are used as well, or empty
   int first_step = 0, end_step = 1 << 30;  ///< motions of the file: first_step <= k < end_step
-  /// Number of allocations since some time, of all threads. Null: allocations are not looked at. The program counts
-  /// them by itself; a test can hand over a counter of its own operator new.
+  /// Number of allocations so far, of all threads. Null: allocations are not checked. The program counts them itself; a
+  /// test can pass a counter of its own operator new.
   std::size_t (*allocation_count)() = nullptr;
 };
 
-/// How one promise was kept.
+/// The result for one promise (a property that is checked).
 struct PromiseReport {
   std::string promise;        ///< "loses no contact"
-  bool required = true;       ///< false: the stage does not give this promise (`approximate`); counted all the same
-  std::uint64_t checked = 0;  ///< answers looked at
-  std::uint64_t broken = 0;   ///< of those
-  std::string example;        ///< the first that broke it: the seed or the step, and the coordinates as literals
+  bool required = true;       ///< false: the stage does not promise this (`approximate`); it is counted only
+  std::uint64_t checked = 0;  ///< number of answers checked
+  std::uint64_t broken = 0;   ///< number of those that broke the promise
+  std::string example;        ///< the first such answer: seed or step, and coordinates as literals
 
   bool kept() const { return !required || broken == 0; }
 };
@@ -46,13 +46,13 @@ struct StageReport {
   bool kept() const;
 };
 
-/// Tries the stage on generated steps: small features with near-degenerate motion, pairs of elements that touch or
-/// nearly do, meshes that change, linear and quadratic motion, separations, t_max < 1; then, in pipelines, on colliding
-/// bodies and on the steps of the file. What touches is decided in exact arithmetic. A stage is looked at alone and in
-/// batches, with several workers, with a new state and with one that has seen other steps. Takes seconds with the
-/// default number of trials, half a minute for narrow phases.
+/// Runs the stage on generated steps: small features with near-degenerate motion, pairs of elements that touch or
+/// nearly touch, meshes that change, linear and quadratic motion, separations, and t_max < 1; then, in pipelines, on
+/// colliding bodies and on the steps of the file. Exact arithmetic decides which features touch. A stage is checked on
+/// single items and on batches, with several workers, with a new state and with one that was used for other steps.
+/// Takes seconds with the default number of trials, half a minute for narrow phases.
 ///
-/// Throws ConfigError for an unknown stage or option, and what SequenceReader throws for the file.
+/// Throws ConfigError for an unknown stage or option, and the exceptions of SequenceReader for the file.
 StageReport check_stage(const Registry& registry, const std::string& stage, const StageCheckConfig& config = {});
 
 }  // namespace volccd

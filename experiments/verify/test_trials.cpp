@@ -16,7 +16,7 @@ using cases::Choices;
 
 namespace {
 
-/// What a stage says of a test. A filter: whether it is kept.
+/// The answer of a stage to a test; for a filter, whether the test is kept.
 struct Answer {
   bool found = false;
   Contact contact{};
@@ -32,7 +32,7 @@ struct Group {
   std::vector<Case> tests;
 };
 
-/// Some attacks make tests that take exact arithmetic long: those are few.
+/// Some generators make tests that are slow in exact arithmetic; these are used for few tests.
 const cases::Attack& any_attack(Choices& choices, std::span<const cases::Attack> attacks) {
   int sum = 0;
   for (const cases::Attack& attack : attacks) sum += std::min(attack.cases, 1000);
@@ -76,7 +76,7 @@ Group make_group(Choices& choices, int max_control_points, bool separation, bool
   return group;
 }
 
-/// A kind of stage that looks at blocks of tests.
+/// A kind of stage that processes blocks of tests.
 class BlockStage {
  public:
   explicit BlockStage(const Stage& stage) : stage_(stage) {}
@@ -87,7 +87,7 @@ class BlockStage {
   virtual std::vector<Answer> run(const Step& step, StageState& state, unsigned worker, const TestBlock& block) = 0;
   /// The same without answers and without memory of its own.
   virtual void run_quietly(const Step& step, StageState& state, const TestBlock& block) = 0;
-  /// Holds an answer to what is true of the test.
+  /// Compares an answer with the exact answer to the test.
   virtual void judge(const Case& c, double t_max, const Answer& answer, const std::string& where) = 0;
 
  private:

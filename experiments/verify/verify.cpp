@@ -10,7 +10,7 @@ namespace volccd {
 
 namespace {
 
-/// Of two ascending lists.
+/// The pairs of `these` that are not in `those`; both are ascending.
 std::vector<ElementPair> only_in(const std::vector<ElementPair>& these, const std::vector<ElementPair>& those) {
   std::vector<ElementPair> result;
   std::set_difference(these.begin(), these.end(), those.begin(), those.end(), std::back_inserter(result));
@@ -19,7 +19,7 @@ std::vector<ElementPair> only_in(const std::vector<ElementPair>& these, const st
 
 bool same_stage(const StageChoice& a, const StageChoice& b) { return a.name == b.name && a.options == b.options; }
 
-/// Without contacts of both whose times differ by no more than the tolerance.
+/// Removes contacts of both whose times differ by at most the tolerance.
 ContactDifference within_tolerance(ContactDifference difference, double tolerance) {
   std::erase_if(difference.changed, [tolerance](const std::pair<Contact, Contact>& both) {
     return std::abs(both.first.toi - both.second.toi) <= tolerance;

@@ -1,4 +1,4 @@
-// Cross-check of everything that is registered: `volccd verify`.
+// Compares all registered pipelines with each other and with FCL: `volccd verify`.
 #pragma once
 
 #include <memory>
@@ -16,27 +16,27 @@
 namespace volccd {
 
 struct VerifyConfig {
-  /// Elements up to which the reference is brute force (every pair of elements compared); beyond, it is the k-DOP BVH
-  /// without any culling.
+  /// Up to this number of elements the reference is brute force (every pair of elements is compared); above, it is
+  /// `NavCCD`, the k-DOP tree without culling.
   Index brute_force_limit = 100000;
-  /// Times at which FCL looks; none: no oracle.
+  /// Times at which FCL searches overlaps; empty: FCL is not used.
   std::vector<double> fcl_times = {0.25, 0.5, 0.75, 1.0};
-  /// Tolerance on times where the file has ground truth with times, and on those of approximate narrow phases.
+  /// Tolerance for comparing times with a ground truth that has times, and for those of approximate narrow phases.
   double truth_time_tolerance = 1e-6;
-  /// Request::leave_out_shell_neighbours, for all pipelines. What is left out is compared, too. FCL does not miss it:
-  /// the elements have a common vertex, or touch at t = 0.
+  /// Request::leave_out_shell_neighbours, for all pipelines. Contacts left out are compared, too. The check against FCL
+  /// does not require them, because their elements have a common vertex or touch at t = 0.
   bool leave_out_shell_neighbours = false;
-  /// Whether pipelines run that are not held to the reference's contacts (PipelineVerdict::held), too.
+  /// Whether to run also the pipelines that need not find the reference's contacts (PipelineVerdict::held is false).
   bool approximate = false;
 };
 
-/// How one pipeline did on one step, against the reference.
+/// Result of one pipeline on one step, compared with the reference.
 struct PipelineVerdict {
   std::string pipeline;
-  std::string refused;  ///< why it cannot run this step (no difference), or empty
-  /// Whether it is held to the reference's contacts, bit for bit. Not if its narrow phase is approximate and another
-  /// one than the reference's: then `difference` leaves out contacts of both whose times agree within
-  /// VerifyConfig::truth_time_tolerance, and what is left does not count.
+  std::string refused;  ///< reason why it cannot run this step (not a difference), or empty
+  /// Whether it must find the reference's contacts, bit for bit. False if its narrow phase is approximate and differs
+  /// from the reference's. Then `difference` does not contain contacts of both whose times agree within
+  /// VerifyConfig::truth_time_tolerance, and the others are shown but do not count as a failure.
   bool held = true;
   ContactDifference difference;
   ContactDifference left_out;  ///< of StepResult::left_out
@@ -48,11 +48,11 @@ struct PipelineVerdict {
   }
 };
 
-/// How the reference did against the file's ground truth.
+/// Result of comparing the reference with the file's ground truth.
 struct TruthVerdict {
-  std::uint64_t colliding = 0;     ///< pairs that touch, by the truth
-  std::vector<ContactRow> missing; ///< of those, not among the contacts
-  std::vector<ContactRow> extra;   ///< contacts that the truth does not have
+  std::uint64_t colliding = 0;     ///< pairs that touch according to the truth
+  std::vector<ContactRow> missing; ///< pairs of the truth that are not among the contacts
+  std::vector<ContactRow> extra;   ///< contacts that are not in the truth
   double largest_time_error = 0;   ///< over common pairs with a true time
   std::vector<ContactRow> wrong_time;  ///< contacts whose time is off by more than the tolerance
 
@@ -66,21 +66,21 @@ struct StepVerdict {
   std::vector<PipelineVerdict> pipelines;
   OverlapReport fcl;
   std::uint64_t initial_overlaps = 0;  ///< listed by the reference
-  InitialOverlapReport initial;        ///< how that list did against FCL at t = 0; empty without the oracle
+  InitialOverlapReport initial;        ///< comparison of that list with FCL at t = 0; empty without FCL
   bool clean() const;
 };
 
-/// Keeps pipelines and workspaces from step to step, as a user of a sequence does: their incremental updates are
-/// checked too.
+/// Keeps pipelines and workspaces from step to step, as in normal use, so that their incremental updates are checked,
+/// too.
 class Verifier {
  public:
   Verifier(const Registry& registry, VerifyConfig config);
 
-  /// Names of the registered pipelines that do not run, as VerifyConfig::approximate has it.
+  /// Names of the registered pipelines that do not run because VerifyConfig::approximate is false.
   const std::vector<std::string>& skipped_pipelines() const { return skipped_pipelines_; }
 
-  /// Runs the reference and every other registered pipeline but those left out. `expected`, if given, receives the
-  /// reference's contacts.
+  /// Runs the reference and every other registered pipeline except for the skipped ones. `expected`, if given, receives
+  /// the reference's contacts.
   StepVerdict check(const Step& step, Executor& executor, std::vector<Contact>* expected = nullptr);
 
  private:
@@ -99,7 +99,7 @@ class Verifier {
   std::vector<std::string> skipped_pipelines_;
 };
 
-/// Contacts of motion 0 -> 1 against the file's truth, which lists all pairs that touch.
+/// Compares the contacts of motion 0 with the file's ground truth, which lists all pairs that touch.
 TruthVerdict check_against_truth(const Mesh& mesh, std::span<const Contact> contacts,
                                  std::span<const KnownAnswer> truth, double time_tolerance);
 

@@ -17,8 +17,8 @@ struct Scene {
   Motion motion;
 };
 
-/// Two objects, permuted ids: the second comes down on the first, all vertices jittered at both ends so that elements
-/// invert and neighbours collide too.
+/// Two objects with permuted ids. The second moves down onto the first, and all vertices are displaced at random at
+/// both ends, so that elements invert and neighbours collide, too.
 inline Scene colliding(const std::string& name, const Shape& shape, std::uint64_t seed, double jitter) {
   Shape both;
   both.append(shape, 1);
@@ -28,7 +28,7 @@ inline Scene colliding(const std::string& name, const Shape& shape, std::uint64_
   other.translate(Vec3(0.31, 0.27, height + 0.4));
   both.append(other, 2);
   const Index first_of_second = static_cast<Index>(shape.positions.size());
-  // The permutation mixes the objects' vertices: move the second object before it, as part of a shape of its own.
+  // The permutation mixes the vertices of the objects, so that the second object has to be moved before it.
   Shape end = both;
   for (Index v = first_of_second; v < end.positions.size(); ++v) end.positions[v] += Vec3(0.1, -0.05, -0.9);
   const Shape start_permuted = permuted(both, seed), end_permuted = permuted(end, seed);
@@ -37,7 +37,7 @@ inline Scene colliding(const std::string& name, const Shape& shape, std::uint64_
                          jittered(end_permuted.positions, jitter, seed + 2))};
 }
 
-/// One scene an element type and one of all types mixed.
+/// One scene for each element type, and one with all types.
 inline std::vector<Scene> small_scenes(std::uint64_t seed, double jitter) {
   std::vector<Scene> scenes;
   for (const ElementType type :

@@ -1,4 +1,4 @@
-// Builds tests that touch by construction: what the generators of this folder share.
+// Builds tests whose features touch by construction; used by the generators of this folder.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,8 @@
 
 namespace volccd::cases {
 
-/// Position, velocity and half the acceleration at the time of contact: dyadic numbers of few bits, so that what is
-/// made of them is exact.
+/// Position, velocity and half the acceleration of a point at the time of contact. They are dyadic numbers of few bits,
+/// so that values computed from them are exact.
 struct Path {
   Vec3 x = Vec3::Zero(), v = Vec3::Zero(), a = Vec3::Zero();
 
@@ -20,48 +20,49 @@ struct Path {
   Curve curve(int control_points, double t) const;
 };
 
-/// A pair of features that touch at a dyadic time at dyadic weights. What follows keeps that exact, or sets Case::touch
-/// to "not known". Multiples of 2^-10, below 2^40 until they are scaled or moved.
+/// A pair of features that touch at a dyadic time, at points with dyadic weights. Each further operation preserves this
+/// exactly, or sets Case::touch to "not known". Coordinates are multiples of 2^-10, below 2^40, until they are scaled
+/// or moved.
 class ContactBuilder {
  public:
-  /// `time`: of the contact; chosen where it is not given.
+  /// `time`: time of contact; chosen at random if it is not given.
   ContactBuilder(Choices& choices, FeatureKind kind, int control_points, std::optional<double> time = {});
 
   Case& made() { return case_; }
   Case take() { return std::move(case_); }
 
-  /// The features, to be made first of all.
+  /// Makes the features; must be called first.
   enum class Shape {
-    any,  ///< what follows, and all between: they touch at boundaries, move within a plane, or along with each other
-    general,    ///< within both, all points move freely
+    any,  ///< all kinds: they may touch at boundaries, move within a plane, or move along with each other
+    general,    ///< they touch in the interior of both, and all points move freely
     degenerate  ///< triangles and edges without extent, parallel edges
   };
   void features(Shape shape = Shape::any) {
     if (shape == Shape::general) between_ = Between::nothing, speed_ = std::max(speed_, 1);
     case_.kind == FeatureKind::vf ? vertex_and_triangle(shape) : two_edges(shape);
   }
-  /// Points around them, up to `count` in the set.
+  /// Adds points around the features, up to `count` in the set.
   void fill(std::size_t set, std::size_t count);
-  /// Moves the first set off by a vector of exactly known length, which becomes the separation.
+  /// Moves the first set away by a vector of exactly known length, which becomes the separation.
   void move_apart();
 
-  /// An affine map that is exact.
+  /// Applies an affine map without rounding.
   void transform();
   void scale();
   void scale_by(const Vec3& factors);
-  /// Away from the origin by up to 1e8 in each coordinate, rounded.
+  /// Moves all points away from the origin by up to 1e8 in each coordinate, with rounding.
   void move_far();
-  /// A few coordinates by a few units in the last place.
+  /// Changes a few coordinates by a few units in the last place.
   void nudge();
   void round_and_nudge();
   void reorder();
 
  private:
-  /// What lies between the features.
+  /// What separates the features.
   enum class Between {
-    plane,    ///< z = 0, at every control point; they touch in it at the time of contact
-    nothing,  ///< in general, they pass through each other
-    no_space  ///< they stay in z = 0
+    plane,    ///< the plane z = 0, at every control point; they touch in it
+    nothing,  ///< nothing; in general, they pass through each other
+    no_space  ///< nothing; they stay in the plane z = 0
   };
 
   void vertex_and_triangle(Shape shape);

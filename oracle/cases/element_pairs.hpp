@@ -1,4 +1,4 @@
-// Pairs of elements around features that touch, or nearly do.
+// Pairs of elements that contain features that touch, or nearly touch.
 #pragma once
 
 #include <functional>
@@ -14,12 +14,13 @@ namespace volccd::cases {
 using ElementGenerator = std::function<Case(Choices&, FeatureKind, int control_points, std::size_t count)>;
 
 ElementGenerator nearly_degenerate_elements(Separation separation);
-/// `attacks` outlives the generator.
+/// `attacks` must outlive the generator.
 ElementGenerator attacking_elements(std::span<const Attack> attacks);
-/// One element lies inside the other at the start, and may leave it: their features need not touch.
+/// One element lies inside the other at the start and may leave it; their features need not touch.
 Case nested_elements(Choices& choices, FeatureKind kind, int control_points, std::size_t count);
 
-/// Pair i are the elements 2 i and 2 i + 1, of one type and without a common vertex, on one topology with the others.
+/// Pairs of elements on one topology. Pair i consists of the elements 2 i and 2 i + 1, of the same type and without a
+/// common vertex.
 class ElementPairs {
  public:
   explicit ElementPairs(ElementType type, Index pairs = 1);
@@ -27,7 +28,8 @@ class ElementPairs {
   Index size() const { return static_cast<Index>(features_.size()); }
   ElementPair pair(Index i) const { return {2 * i, 2 * i + 1}; }
 
-  /// A case around features of pair i, which are chosen, too. Cases of one step have the same number of control points.
+  /// Makes a case for features of pair i, which are chosen at random as well. All cases of one step have the same
+  /// number of control points.
   Case choose(Choices& choices, Index i, FeatureKind kind, int control_points, const ElementGenerator& generator);
 
   Step step(int control_points, double separation, double t_max) const {
@@ -35,7 +37,7 @@ class ElementPairs {
   }
   Step step(const Case& c, double t_max) const { return step(c.control_points, c.separation, t_max); }
   const Topology& topology() const { return topology_; }
-  /// Whether the mask of pair i names a feature of its case.
+  /// Whether the mask of pair i contains a feature of its case.
   bool masked(Index i, const FeatureMask& mask) const;
 
  private:

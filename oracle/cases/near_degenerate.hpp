@@ -1,5 +1,5 @@
-// VF and EE tests, and pairs of elements around them, that touch by construction or miss by a few units in the last
-// place.
+// VF and EE tests, and pairs of elements around them, whose features touch by construction or miss each other by a few
+// units in the last place.
 #pragma once
 
 #include <array>
@@ -13,8 +13,8 @@
 
 namespace volccd::cases {
 
-/// What a generator asks for: from a seed, or from a list that rapidcheck makes and shrinks. 0 is the simplest answer
-/// to every question, and what follows the end of a list.
+/// The source of a generator's random choices: a seed, or a list that rapidcheck makes and shrinks. 0 is always the
+/// simplest choice, and is returned after the end of a list.
 class Choices {
  public:
   explicit Choices(std::uint64_t seed) : random_(seed) {}
@@ -46,14 +46,14 @@ class Choices {
 
 using Curve = std::array<Vec3, 3>;
 
-/// Two sets of points. VF: point 0 of the first is the vertex, points 0..2 of the second the triangle; EE: points 0 and
-/// 1 of each. Points beyond belong to elements around the features.
+/// Two sets of points. VF: point 0 of the first set is the vertex, points 0..2 of the second are the triangle. EE:
+/// points 0 and 1 of each set are an edge. Further points belong to elements around the features.
 struct Case {
   FeatureKind kind = FeatureKind::vf;
   int control_points = 2;
   std::array<std::vector<Curve>, 2> sets;
   double separation = 0;
-  /// By then the features have come within the separation, in exact arithmetic. Negative: not known.
+  /// A time by which the features have come within the separation, in exact arithmetic. Negative: not known.
   double touch = -1;
 
   std::size_t own(std::size_t set) const { return kind == FeatureKind::ee ? 2 : set == 0 ? 1 : 3; }
@@ -61,22 +61,22 @@ struct Case {
 
 enum class Separation { none, some };
 
-/// Sets of `first` and `second` points (at least those of the features).
+/// A case with sets of `first` and `second` points (at least those of the features).
 Case near_degenerate(Choices& choices, FeatureKind kind, int control_points, std::size_t first, std::size_t second,
                      Separation separation = Separation::none);
-/// The features alone, of a kind and degree that are chosen as well.
+/// A case without further points, whose kind and number of control points are chosen as well.
 Case near_degenerate_test(Choices& choices, Separation separation = Separation::none);
 
-/// The features of a case, for exact predicates. Refers to nothing.
+/// The features of a case as bare coordinates, for exact predicates. Does not refer to the case.
 class Coordinates {
  public:
   explicit Coordinates(const Case& c);
   TestMotion motion() const;
-  /// Exactly: a coordinate axis keeps the features apart at every control point.
+  /// Whether a coordinate axis separates the features at every control point, decided exactly.
   bool apart_along_an_axis() const;
   /// Greatest difference of coordinates of two points at the same control point.
   double size() const;
-  /// Distance of the features at t, rounded: times worth a closer look.
+  /// Distance of the features at t, rounded; used to choose times that are then tested exactly.
   long double distance(double t) const;
 
  private:
@@ -85,12 +85,12 @@ class Coordinates {
   std::array<std::array<double, 9>, 4> points_;
 };
 
-/// Whether the features come within the separation at one of many times in [from, to]: those at which doubles see them
-/// near are looked at exactly. `at`: which.
+/// Whether the features come within the separation at one of many sampled times in [from, to]. Times at which they are
+/// near according to floating-point arithmetic are tested exactly. `at`: set to that time.
 bool seen_within_separation(const Case& c, double from, double to, double* at);
 
-/// Whether the features come within the separation by t_max: known, or found out exactly (with a separation: as far as
-/// seen_within_separation() sees).
+/// Whether the features come within the separation by t_max, as known or as decided exactly (with a separation: at the
+/// times that seen_within_separation() samples).
 bool touches(const Case& c, double t_max);
 
 /// Coordinates as hexadecimal literals, to be pasted into a test.

@@ -1,4 +1,4 @@
-// Elementary tests from bare coordinates, as a step that any filter and narrow phase takes.
+// Elementary tests from bare coordinates, as a step for any filter and narrow phase.
 #pragma once
 
 #include <array>
@@ -11,12 +11,12 @@
 
 namespace volccd {
 
-/// `count` tetrahedra that share nothing: element i has the vertices 4 i .. 4 i + 3.
+/// `count` tetrahedra without common vertices: element i has the vertices 4 i .. 4 i + 3.
 Mesh separate_tetrahedra(Index count);
 
-/// Queries of one kind that share nothing. The four points of query i, VF: vertex, triangle; EE: edge 1, edge 2; become
-/// the vertices 4 i .. 4 i + 3 in this order, which is also that of test_vertices(), and belong to one tetrahedron,
-/// whatever its volume. Immutable; what step() refers to lives as long as the set, moved or not.
+/// Queries of one kind without common vertices. The four points of query i (VF: vertex, triangle; EE: edge 1, edge 2)
+/// become the vertices 4 i .. 4 i + 3 in this order, which is also that of test_vertices(), and belong to one
+/// tetrahedron of any volume. Immutable; objects to which step() refers live as long as the set, also if it is moved.
 class QuerySet {
  public:
   /// `points`: for each query, the four points at the first control point, then at the next; [queries][control

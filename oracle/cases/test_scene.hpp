@@ -1,4 +1,4 @@
-// Single tests as a step that filters and narrow phases take.
+// Single tests as a step for filters and narrow phases.
 #pragma once
 
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace volccd::cases {
 
-/// Room for `tests` tests, each on a tetrahedron of its own. Setting a test changes the motion and leaves the topology.
+/// Holds `tests` tests, each on a separate tetrahedron. Setting a test changes the motion but not the topology.
 class TestScene {
  public:
   explicit TestScene(Index tests = 1)

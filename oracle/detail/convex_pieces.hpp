@@ -1,5 +1,5 @@
-// Elements as unions of convex pieces. Has its own tables of faces: a wrong face in the mesh module must not go unseen
-// here.
+// Elements as unions of convex pieces. This file has its own tables of faces, so that it detects a wrong face in the
+// mesh module.
 #pragma once
 
 #include <array>
@@ -18,7 +18,7 @@ struct ConvexPiece {
   std::span<const Vec3> span() const { return {points.data(), static_cast<std::size_t>(count)}; }
 };
 
-/// How pieces may deviate from an element's body (surface and all that it winds around).
+/// How pieces may deviate from an element's body (its surface and all points that the surface winds around).
 enum class Cover {
   within,  ///< the pieces lie in the body
   around   ///< the pieces contain the body
@@ -27,8 +27,8 @@ enum class Cover {
 /// The triangles of the element's boundary as vertex slots, oriented alike around a volume element.
 void boundary_triangles(const Mesh& mesh, Index o, std::vector<std::array<Index, 3>>& triangles);
 
-/// Appends the pieces of element o. Returns whether they are the body itself; false: with Cover::within they are its
-/// surface alone.
+/// Appends the pieces of element o. Returns whether their union is exactly the body; if not, with Cover::within they
+/// cover its surface only.
 bool append_pieces(const Mesh& mesh, std::span<const Vec3> positions, Index o, Cover cover,
                    std::vector<ConvexPiece>& pieces);
 

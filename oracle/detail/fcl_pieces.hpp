@@ -1,4 +1,5 @@
-// The two questions put to FCL, in plain doubles: its headers stay in the source.
+// The two queries made with FCL, with an interface in plain doubles, so that FCL's headers are included in the source
+// only.
 #pragma once
 
 #include <memory>
@@ -20,8 +21,8 @@ struct ElementBox {
 std::vector<ElementPair> box_overlaps(std::span<const ElementBox> boxes);
 
 /// FCL's boolean overlap query with the default libccd solver, of the convex hulls of two sets of at least three
-/// points. The pair is scaled to the unit and centred first, as FCL's tolerances are absolute. Holds the shapes of FCL
-/// for use again: checking their topology costs ten times a query. One thread at a time.
+/// points. The pair is first scaled to unit size and centred, because FCL's tolerances are absolute. The FCL shapes are
+/// kept for reuse, because constructing them costs ten times as much as a query. Not thread-safe.
 class FclOverlap {
  public:
   FclOverlap();

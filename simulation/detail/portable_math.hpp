@@ -1,6 +1,6 @@
-// Elementary functions with the same bits on every machine: the C library's choose among code paths by processor, and
-// an explicit simulation makes another crash of the last bit. Errors below 1e-15, relative (absolute where that is
-// larger).
+// Elementary functions with the same bits on every machine. The C library chooses among code paths by processor, and in
+// an explicit simulation a difference in the last bit changes the result visibly. Errors are below 1e-15, relative or
+// absolute, whichever is larger.
 #pragma once
 
 #include <cmath>
@@ -23,7 +23,7 @@ inline double half_log(double x) {
 
 inline double portable_log(double x) { return 2 * half_log(x); }
 
-/// e^x, with |x| cut at 700.
+/// e^x, with x clamped to [-700, 700].
 inline double portable_exp(double x) {
   x = std::fmin(std::fmax(x, -700.0), 700.0);
   const double n = std::nearbyint(x * 1.4426950408889634);

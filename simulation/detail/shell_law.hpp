@@ -1,4 +1,5 @@
-// Material law of shells at one point: what the vector kernels leave to scalar code (yielding, great stretches).
+// Material law of shells at one point, for the cases that vector kernels leave to scalar code (yielding, large
+// stretches).
 #pragma once
 
 #include <array>
@@ -7,14 +8,14 @@
 
 namespace volccd::simulation::detail {
 
-/// Elastic stretches outside [1/5, 5] get the tangent of the logarithm there.
+/// Outside these elastic stretches the logarithm is replaced by its tangent at the limit.
 inline constexpr double kLeastStretch = 0.2, kGreatestStretch = 5;
-/// Plastic flow stops in a triangle squashed or drawn out this many times: it is elastic from there on.
+/// Plastic flow stops in a triangle that is compressed or stretched by this factor; it is elastic beyond that.
 inline constexpr double kGreatestFlow = 10;
-/// Viscosity, as a share of the critical at an element's highest frequency.
+/// Viscosity, as a fraction of critical damping at an element's highest frequency.
 inline constexpr double kShellDamping = 0.05;
 
-/// A part's constants.
+/// Constants of a part.
 struct ShellLaw {
   double thickness = 0, density = 0;
   double youngs_modulus = 0, poisson_ratio = 0;
@@ -35,18 +36,19 @@ struct PrincipalStrain {
   explicit PrincipalStrain(double squared_stretch);
 };
 
-/// One step at one triangle. Principal values are of the trial: the deformation with the plastic flow so far.
+/// One step of one triangle. Principal values are those of the trial state: the present deformation with the plastic
+/// flow so far.
 struct MembraneStep {
   double squared_stretch[2];  ///< in, [0] >= [1]
   double stress[2];           ///< out: second Piola-Kirchhoff, on the trial reference shape
   double kirchhoff[2];        ///< out
   double flow[2];             ///< out: increment of the principal plastic strain
-  double energy;              ///< out: elastic, a volume at rest
-  double plastic_work;        ///< out: of this step, a volume at rest
-  double plastic_strain;      ///< out: increment of the equivalent
+  double energy;              ///< out: elastic energy per volume at rest
+  double plastic_work;        ///< out: of this step, per volume at rest
+  double plastic_strain;      ///< out: increment of the equivalent plastic strain
 };
 
-/// `strain`: equivalent plastic strain before. dt = 0: elastic.
+/// Elastic response, and response with return mapping. `strain`: equivalent plastic strain before. dt = 0: elastic.
 void elastic_membrane(const ShellLaw& law, MembraneStep& step);
 void return_membrane(const ShellLaw& law, double strain, double dt, MembraneStep& step);
 
@@ -57,7 +59,7 @@ struct HingeStep {
 };
 double hinge_flow(const ShellLaw& law, const HingeStep& step);
 
-/// 1 + C ln(rate / reference), at least 1.
+/// The rate factor of the yield stress: 1 + C ln(rate / reference), at least 1.
 double rate_raise(const ShellLaw& law, double plastic_strain, double dt);
 
 }  // namespace volccd::simulation::detail

@@ -1,6 +1,5 @@
-// What ShellForces keeps: triangles and hinges in blocks that lie together in space, each with its own copy of the
-// vertices it touches, so that forces are summed in one order whatever the threads, and most of the work stays in the
-// cache.
+// Data of ShellForces: triangles and hinges in blocks of neighbours, each with its own copy of the vertices that it
+// uses, so that forces are summed in the same order for any number of threads, and a block fits into the cache.
 #pragma once
 
 #include <array>
@@ -13,10 +12,10 @@
 
 namespace volccd::simulation::detail {
 
-/// Triangles and hinges of a block are padded to a multiple of this with copies of no weight.
+/// The numbers of triangles and of hinges of a block are padded to a multiple of this with copies of zero weight.
 inline constexpr std::size_t kShellPadding = 8;
 inline constexpr std::size_t kShellBlock = 256;  ///< triangles
-/// Doubles a vertex in a block's copy (position, velocity, two unused) and in its forces.
+/// Doubles for each vertex in a block's copy (position, velocity, two unused) and in its forces.
 inline constexpr std::size_t kCopyStride = 8, kForceStride = 4;
 
 /// One triangle of the mesh, with the corners of its shape at rest.
@@ -33,14 +32,14 @@ struct ShellBlock {
   std::int32_t object;
 };
 
-/// Of one block, by one call.
+/// Sums and maxima over one block in one call.
 struct ShellSums {
   double elastic = 0, plastic = 0, viscous_power = 0;
   double membrane = 0, hinge = 0;  ///< greatest squared frequency
   double hinge_damping = 0;        ///< the same times the viscosity's time
 };
 
-/// Structure of arrays, padded. Vertices are places in the block's copy, times kCopyStride.
+/// Structure of arrays, padded. Vertices are indices into the block's copy, times kCopyStride.
 struct ShellTriangles {
   std::vector<std::int32_t> vertices[3];
   std::vector<double> shape[4];  ///< inverse of the edges at rest, plastic flow included (state): F = [a b] shape
@@ -51,15 +50,15 @@ struct ShellTriangles {
 };
 
 struct ShellHinges {
-  std::vector<std::int32_t> vertices[4];  ///< edge, opposite one of the first triangle, of the second
+  std::vector<std::int32_t> vertices[4];  ///< those of the edge, then the opposite ones of both triangles
   std::vector<double> stiffness;          ///< moment over angle
   std::vector<double> rest, last;         ///< angles (state)
   std::vector<double> capacity;           ///< moment at which it flows (state)
-  std::vector<double> least[2];           ///< squares of twice the areas below which the moment fades
+  std::vector<double> least[2];           ///< squares of twice the areas below which the moment is reduced
   std::vector<double> viscosity;          ///< time
-  std::vector<double> mobility[3];  ///< stiffness over the share of the mass: at the edge, at the opposite vertices
+  std::vector<double> mobility[3];  ///< stiffness over share of mass: at the edge, at the opposite vertices
   std::vector<double> reference;    ///< angle at rest before any flow
-  std::vector<double> virgin, slope, strain;   ///< capacity before any flow; its increase and plastic strain an angle
+  std::vector<double> virgin, slope, strain;   ///< capacity before any flow; its increase and plastic strain per angle
   std::vector<std::array<Index, 2>> elements;  ///< indices into elements, kNone: padding
   std::vector<std::int32_t> object;            ///< part that yields first
   std::vector<std::uint8_t> opposed;           ///< whether the two triangles run through the edge in opposite senses
@@ -75,20 +74,20 @@ struct ShellTables {
   ShellTriangles triangles;
   ShellHinges hinges;
   std::size_t hinge_count = 0;
-  std::vector<Index> pending;  ///< hinges whose rest angle is the one they are found with
+  std::vector<Index> pending;  ///< hinges whose next angle becomes their rest angle
 
-  std::vector<Index> block_vertices;         ///< mesh vertex of each place
-  std::vector<Index> used, offsets, places;  ///< CSR: places of each used mesh vertex
+  std::vector<Index> block_vertices;         ///< mesh vertex of each entry of a copy
+  std::vector<Index> used, offsets, places;  ///< CSR: entries of each used mesh vertex
   std::vector<Vec3> block_forces;
   std::vector<ShellSums> sums;
   std::size_t greatest_copy = 0;             ///< vertices of a block
-  std::vector<std::vector<double>> scratch;  ///< a worker
+  std::vector<std::vector<double>> scratch;  ///< by worker
   std::vector<Vec3> positions;               ///< of the last call
 
   double elastic = 0, plastic = 0, numerical = 0;
   ShellSums greatest;  ///< frequencies of the last call
 
-  /// All tables for these elements, with no flow so far.
+  /// Builds all tables for these elements, without plastic flow.
   void build(std::vector<ShellElement> all, Index vertex_count);
   void archive(Archive& archive);
 };
@@ -97,7 +96,7 @@ struct ShellTables {
 struct RestFrame {
   Vec3 axes[2];
   std::array<double, 4> edges;  ///< a.x b.x / a.y b.y by rows
-  double area;                  ///< 0: degenerate, nothing else counts
+  double area;                  ///< 0: degenerate, the other members are unused
   explicit RestFrame(const std::array<Vec3, 3>& corners);
 };
 std::array<double, 4> inverse2(const std::array<double, 4>& m);

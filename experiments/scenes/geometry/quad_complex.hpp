@@ -1,4 +1,4 @@
-// Shells of many parts, joined by shared vertices: described by a few large patches, meshed as finely as wanted.
+// Shells of many parts that share vertices, described by a few large patches and meshed with any edge length.
 #pragma once
 
 #include <array>
@@ -12,35 +12,35 @@
 
 namespace volccd {
 
-/// Patches with four corners. Corners at the same place (to 1e-6 in each coordinate) are one, a side between the same
-/// two corners is one side, of as many patches as have it; the mesh conforms there. Opposite sides of a patch are
-/// divided alike.
+/// A set of patches with four corners. Corners at the same position (to 1e-6 in each coordinate) are identical, and
+/// patches share the side between the same two corners, so that the mesh is conforming. Opposite sides of a patch are
+/// divided equally.
 class QuadComplex {
  public:
-  /// Puts a point onto a surface. Must leave points of the surface where they are: it is applied more than once.
+  /// Projects a point onto a surface. It must not move points of the surface, because it is applied more than once.
   using Snap = std::function<Vec3(const Vec3&)>;
 
-  /// All vertices of this part's patches will lie on that surface; of two such parts at one vertex, the one whose patch
-  /// came first. To be set before the part's first patch.
+  /// All vertices of this part's patches will lie on that surface. At a vertex of two such parts, the part whose patch
+  /// was added first counts. Must be called before the part's first patch.
   void snap(std::int32_t part, Snap surface);
-  /// A patch; its triangles are numbered in the sense a, b, c, d.
+  /// Adds a patch, whose triangles have the orientation a, b, c, d.
   void patch(std::int32_t part, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
-  /// The side from a to b of a patch that is there is a curve: its vertices go where `curve` puts those of the straight
-  /// side. Throws ConfigError without such a side.
+  /// Makes the side from a to b of an existing patch a curve: `curve` maps the vertices of the straight side to their
+  /// positions. Throws ConfigError if there is no such side.
   void bend(const Vec3& a, const Vec3& b, Snap curve);
 
-  /// Patches for all sections but the last: each is a closed loop of the same number of corners, joined to the next.
+  /// Adds patches between consecutive sections, which are closed loops with the same number of corners.
   void tube(std::int32_t part, const std::vector<std::vector<Vec3>>& sections);
-  /// Patches of a grid of lines whose crossings are at place(u, v).
+  /// Adds the patches of a grid whose corners are at place(u, v).
   void grid(std::int32_t part, const std::vector<double>& u, const std::vector<double>& v,
             const std::function<Vec3(double, double)>& place);
 
-  /// Triangles of the mesh whose edges are about as long as `spacing`. O(patches).
+  /// Number of triangles of the mesh with edges about as long as `spacing`. O(patches).
   std::int64_t triangle_count(double spacing) const;
-  /// The spacing that comes nearest to this number of triangles. Throws ConfigError: fewer than two a patch.
+  /// The spacing that gives about this number of triangles. Throws ConfigError for fewer than two for each patch.
   double spacing_for(std::int64_t triangles) const;
-  /// Triangles, the part as object, sides divided evenly, places inside a patch interpolated from its sides (Coons).
-  /// All vertices are used. Deterministic.
+  /// The mesh of triangles, with the part as object. Sides are divided evenly, and positions inside a patch are
+  /// interpolated from its sides (Coons). All vertices are used. Deterministic.
   Shape mesh(double spacing) const;
 
  private:

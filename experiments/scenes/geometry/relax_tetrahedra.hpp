@@ -1,4 +1,4 @@
-// Vertices of a tetrahedral mesh moved to where the tetrahedra are less flat.
+// Improves a tetrahedral mesh by moving vertices.
 #pragma once
 
 #include <array>
@@ -8,9 +8,10 @@
 
 namespace volccd {
 
-/// A few rounds over all vertices, in order. A vertex moves towards the middle of its neighbours (one of the surface:
-/// of its neighbours there, and back onto the solid's surface) if, and as far as, that raises the smallest altitude of
-/// the tetrahedra around it: no smallest altitude ever falls, nothing turns over. Deterministic; O(tetrahedra) a round.
+/// Makes a few rounds over all vertices, in order. A vertex moves towards the centroid of its neighbours (a vertex of
+/// the surface: of its neighbours on the surface, and is projected back onto it) as far as this increases the smallest
+/// altitude of the tetrahedra around it. So no tetrahedron inverts, and the smallest altitude around a vertex never
+/// decreases. Deterministic; O(tetrahedra) for each round.
 void relax_tetrahedra(const ImplicitSolid& solid, std::vector<Vec3>& positions,
                       const std::vector<std::array<Index, 4>>& tetrahedra);
 

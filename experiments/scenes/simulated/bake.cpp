@@ -29,7 +29,7 @@ namespace {
 namespace fs = std::filesystem;
 using simulation::Simulation;
 
-/// To be raised when the files that bake() makes of the same frames change.
+/// Must be increased when the files that bake() makes from the same frames change.
 constexpr int kFormat = 1;
 
 BakeSettings complete(const SimulatedScene& scene, BakeSettings settings) {
@@ -48,7 +48,7 @@ std::string stem(const SimulatedScene& scene, const BakeSettings& given) {
       .string();
 }
 
-/// One process at a time; the lock goes with the process.
+/// A lock for one process at a time, which is released when the process ends.
 class FolderLock {
  public:
   explicit FolderLock(const std::string& folder)
@@ -79,8 +79,8 @@ class Workplace {
     return files;
   }
 
-  /// Number of frames done, with `simulation` in the state after the last of them; 0 where nothing usable is there,
-  /// with `simulation` in any state.
+  /// Returns the number of complete frames and reads the state after the last of them into `simulation`. Returns 0 if
+  /// there are no usable files; `simulation` is then in any state.
   int restore(Simulation& simulation) const {
     std::ifstream in(folder_ + "/state", std::ios::binary);
     std::string build;
@@ -126,7 +126,7 @@ class Workplace {
     return folder;
   }
 
-  /// A state is bytes as they lie in memory, and goes on as before in the same code only.
+  /// A state consists of bytes as in memory, so that only the same code can continue from it.
   static std::string signature() { return fmt::format("{} {}", build_facts().commit, build_facts().build_type); }
 
   std::string folder_;
@@ -187,7 +187,7 @@ void write_record(const SimulatedScene& scene, const BakeSettings& settings, con
   write_text_file(bake_record_file(scene, settings), record.dump(1) + "\n");
 }
 
-/// One frame; false when interrupted.
+/// Computes one frame; returns false if interrupted.
 bool advance_frame(Simulation& simulation, double time, int done, const BakeHooks& hooks) {
   const double begin = simulation.time();
   return simulation.advance_to(time, [&](double now) {
@@ -196,7 +196,7 @@ bool advance_frame(Simulation& simulation, double time, int done, const BakeHook
   });
 }
 
-/// Frames [done, settings.frames); false when interrupted.
+/// Computes the frames [done, settings.frames); returns false if interrupted.
 bool run_frames(const SimulatedScene& scene, const BakeSettings& settings, Simulation& simulation, int done,
                 const Workplace& place, const BakeHooks& hooks) {
   if (hooks.progress) hooks.progress(done, settings.frames);

@@ -1,4 +1,4 @@
-// Baking: a simulated scene is computed once, into a sequence file that all see.
+// Baking: computes a simulated scene once and stores it as a sequence file in a cache.
 #pragma once
 
 #include <cstdint>
@@ -12,46 +12,47 @@
 
 namespace volccd {
 
-/// What a file in the cache is known by, together with the scene's name and version.
+/// Settings that, with the scene's name and version, identify a file in the cache.
 struct BakeSettings {
-  int elements = 0;  ///< about; 0: the scene's default
-  int frames = 0;    ///< at least 2; 0: the scene's
+  int elements = 0;  ///< approximate number; 0: the scene's default
+  int frames = 0;    ///< at least 2; 0: the scene's default
   std::uint64_t seed = 1;
 };
 
 struct BakeHooks {
-  /// After each frame, and once before the first that is missing: how many are done.
+  /// Called with the number of complete frames, after each frame and before the first one that is computed.
   std::function<void(int done, int frames)> progress = {};
-  /// Asked before each frame and after each step of the simulation: whether to stop.
+  /// Called before each frame and after each step of the simulation; returns whether to stop.
   std::function<bool()> interrupted = {};
-  /// After each step of the simulation but the last of a frame: how many frames are done, and what share of the next
-  /// one's time, in (0, 1), ascending.
+  /// Called after each step of the simulation except for the last step of a frame, with the number of complete frames
+  /// and the fraction of the next one that is done, in (0, 1), ascending.
   std::function<void(int done, double share)> within_frame = {};
 };
 
 /// Folder of baked scenes: VOLCCD_CACHE, else $XDG_CACHE_HOME/volccd, else ~/.cache/volccd, else ./.volccd-cache.
 std::string bake_cache_folder();
 
-/// Where bake() puts the file, whether or not it is there.
+/// The file that bake() writes, whether or not it exists.
 std::string baked_file(const SimulatedScene& scene, const BakeSettings& settings);
 
-/// The record of the run beside it (JSON): settings, machine, and per frame times, contacts that met a response,
-/// topology edits, energy.
+/// The record of the run, stored beside it (JSON): settings, machine, and for each frame times, contacts that got a
+/// response, topology edits, and energy.
 std::string bake_record_file(const SimulatedScene& scene, const BakeSettings& settings);
 
-/// Returns baked_file() once it is complete: at once if it was there. Else runs the simulation, frame by frame, each
-/// frame and the state after it kept beside the target, so that a bake that stopped goes on after its last whole frame.
-/// (Not if another build made it: then it starts anew.) Nothing when `interrupted` said so. The same bytes in all
-/// arrays for any number of workers, with or without interruption. Throws ConfigError for settings out of range,
-/// InputError for what the system refuses, Error when another process bakes the same, and what Simulation throws.
+/// Returns baked_file(), which it computes if it does not exist. Each frame and the state after it are stored beside
+/// the target, so that an interrupted run continues after its last complete frame (unless a different build made these
+/// files; then it starts from the beginning). Returns nothing if `interrupted` returned true. All arrays have the same
+/// bytes for any number of workers, with or without interruptions. Throws ConfigError for settings out of range,
+/// InputError for errors of the file system, Error if another process bakes the same file, and the exceptions of
+/// Simulation.
 std::optional<std::string> bake(const SimulatedScene& scene, const BakeSettings& settings, Executor& executor,
                                 const BakeHooks& hooks = {});
 
-/// Title, units (SI), names of the parts.
+/// Metadata of the sequence: title, units (SI), names of the parts.
 SequenceMetadata bake_metadata(const SimulatedScene& scene, const BakeSettings& settings,
                                const simulation::Model& model);
 
-/// Copies a sequence file, by the rules of OutputFile. Throws InputError.
+/// Copies a sequence file; writes as OutputFile does. Throws InputError.
 void copy_file_whole(const std::string& from, const std::string& to);
 
 }  // namespace volccd

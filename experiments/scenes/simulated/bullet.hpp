@@ -12,9 +12,9 @@ inline constexpr int kBulletFrames = 65;  ///< 0.8 microseconds apart: 0.6 mm at
 inline constexpr double kBulletDuration = 51.2e-6;
 
 /// Objects: 0 the bullet (copper, 10 mm x 24 mm, round-nosed, 750 m/s along -z), 1 the plate (steel, 100 mm x 100 mm x
-/// 5 mm, held along its rim, finer in the middle). Both yield, harden, and split where they have been drawn too far.
-/// About `elements` hexahedra (within 3 %). The seed decides by how little the bullet yaws and misses the middle, and
-/// moves inner vertices of the plate by up to 4 % of their cells. Throws ConfigError: elements not in 500 .. 10^7.
+/// 5 mm, held along its rim, finer in the middle). Both yield, harden, and split where their strain is too large. About
+/// `elements` hexahedra (within 3 %). The seed determines a small yaw and offset of the bullet, and moves inner
+/// vertices of the plate by up to 4 % of their cells. Throws ConfigError unless 500 <= elements <= 10^7.
 simulation::Model bullet_model(int elements = kBulletElements, std::uint64_t seed = 1);
 
 }  // namespace volccd

@@ -1,4 +1,4 @@
-// Frames of a simulation on their way to a sequence file.
+// Frames of a simulation, stored in files until the sequence file is written.
 #pragma once
 
 #include <cstdint>
@@ -13,37 +13,37 @@
 
 namespace volccd {
 
-/// A moment of a simulation, with what happened since the frame before.
+/// The state of a simulation at one time, with counts since the frame before.
 struct Frame {
   double time = 0;
-  std::vector<std::int64_t> vertex_ids;     ///< of all vertices there are by now
-  std::vector<Vec3> positions, velocities;  ///< a vertex
-  /// A vertex that the frame before does not have: where it was then, p' = p - s v (Section 6.3).
+  std::vector<std::int64_t> vertex_ids;     ///< of all vertices so far
+  std::vector<Vec3> positions, velocities;  ///< by vertex
+  /// By vertex that the frame before does not have: its position at that frame, p' = p - s v (Section 6.3).
   std::vector<Vec3> start_positions;
   SequenceCells cells;            ///< PartId is the object + 1
-  std::vector<double> thickness;  ///< a cell; empty without shells
+  std::vector<double> thickness;  ///< by cell; empty without shells
 
   simulation::SimulationCounts counts;
   simulation::Ledger ledger;
   double seconds = 0;  ///< wall time
 };
 
-/// The simulation as it is now, `vertices_before` being the number of vertices at the frame before. `seconds` is left
-/// 0.
+/// The present state of the simulation. `vertices_before`: number of vertices at the frame before. `seconds` is 0.
 Frame capture_frame(simulation::Simulation& simulation, Index vertices_before);
 
-/// Writes what is read back when a bake goes on: whole or not at all. Throws InputError with the system's reason.
+/// Writes a file from which an interrupted bake continues: completely or not at all. Throws InputError with the
+/// system's reason.
 void write_checkpoint(const std::string& file, FunctionRef<void(std::ostream&)> write);
 
-/// By write_checkpoint().
+/// Writes a frame with write_checkpoint().
 void write_frame(const std::string& file, const Frame& frame);
 
-/// Throws InputError for a file that is missing or ends early.
+/// Reads a frame. Throws InputError for a file that is missing or ends early.
 Frame read_frame(const std::string& file);
 
-/// Writes frames as a sequence, a frame at a time: all vertices of the last frame at all steps. Before a vertex exists,
-/// no cell uses it; its velocity is 0 then, and its place that from which it goes to its first frame. So the motion
-/// towards that frame is the one of Section 6.3. `frame_files`: in order. Throws InputError.
+/// Writes frames as a sequence, one at a time; all steps have all vertices of the last frame. Before a vertex exists,
+/// no cell uses it, its velocity is 0, and its position is start_positions of its first frame, so that the motion to
+/// that frame is the one of Section 6.3. `frame_files`: in order. Throws InputError.
 void write_frames(const std::vector<std::string>& frame_files, const std::string& file, SequenceMetadata metadata);
 
 }  // namespace volccd

@@ -11,11 +11,11 @@ inline constexpr int kOctopiElements = 17'600, kOctopiQuickElements = 3'000;
 inline constexpr int kOctopiFrames = 97;  ///< 6.25 ms apart: 0.5 to 2 edges at the fast places
 inline constexpr double kOctopiDuration = 0.6;
 
-/// Objects 0, 1, 2: octopi of 0.3 m and 1.5 kg, soft, slowed as if in water, each with eight tentacles of its own
-/// curls. They come from three sides, tentacles ahead, turning about their axes, meet in the middle and fall into a
-/// funnel of walls, where they entangle. Nothing touches at first. About `elements` tetrahedra in total (within 3 %).
-/// With few elements tentacles get thicker, else they would break. The seed decides about curls and directions. Throws
-/// ConfigError: elements not in 1,500 .. 10^7.
+/// Objects 0, 1, 2: octopi of 0.3 m and 1.5 kg, soft, with damping as in water, and with eight tentacles of different
+/// shape. They come from three sides with the tentacles ahead, rotate about their axes, meet in the middle and fall
+/// into a funnel of walls, where they entangle. Nothing touches at first. About `elements` tetrahedra in total (within
+/// 3 %). With few elements the tentacles are thicker, so that they do not break. The seed determines their shapes and
+/// the directions of motion. Throws ConfigError unless 1,500 <= elements <= 10^7.
 simulation::Model octopi_model(int elements = kOctopiElements, std::uint64_t seed = 1);
 
 }  // namespace volccd

@@ -1,4 +1,4 @@
-// Scenes that come from a simulation, as the program, the tests and the experiments know them.
+// The list of simulated scenes for the program, the tests and the experiments.
 #pragma once
 
 #include <cstdint>
@@ -15,19 +15,20 @@ struct SimulatedScene {
   /// The scene with about this many elements. The same arguments give the same model. Throws ConfigError.
   simulation::Model (*model)(int elements, std::uint64_t seed) = nullptr;
   int default_elements = 0, quick_elements = 0;
-  int frames = 0;       ///< by default; any number shows the same event, more or less finely
-  double begin = 0;     ///< s: the first frame; what comes before is simulated and not kept
+  int frames = 0;       ///< by default; any number shows the same event, in smaller or larger steps
+  double begin = 0;     ///< s: time of the first frame; the simulation before it is not stored
   double duration = 0;  ///< s, from there on
   simulation::SimulationOptions options;
-  std::string variant_of = {};  ///< the scene that this one is but for the options; empty: none
-  /// To be raised whenever other frames come out for the same arguments: files baked before are not used any more.
+  std::string variant_of = {};  ///< scene from which this one differs in the options only; empty: none
+  /// Must be increased whenever the frames for the same arguments change, so that older files in the cache are not
+  /// used.
   int version = 1;
 };
 
 /// octopi, bullet, airbag, crash, liver; then the variants of them.
 const std::vector<SimulatedScene>& simulated_scenes();
 
-/// Null: none has this name.
+/// The scene of this name, null if there is none.
 const SimulatedScene* find_simulated_scene(const std::string& name);
 
 }  // namespace volccd

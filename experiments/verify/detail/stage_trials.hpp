@@ -11,7 +11,7 @@
 
 namespace volccd::detail {
 
-// Promises, as reports name them.
+// Promises, as named in reports.
 inline constexpr const char* kLosesNoContact = "loses no contact";
 inline constexpr const char* kInventsNoContact = "invents no contact";
 inline constexpr const char* kTimes = "times are never late, and early by no more than the tolerance";
@@ -29,14 +29,14 @@ inline constexpr const char* kPipelinesAgree = "pipelines that contain it find t
 inline constexpr const char* kThreadsAgree = "pipelines that contain it find the same contacts with several threads";
 inline constexpr const char* kOverlapsAgree = "pipelines that contain it list the same initial overlaps";
 
-/// What the parts need, and where they put what they see.
+/// Data and functions shared by the parts; collects their results in the report.
 class StageTrials {
  public:
   StageTrials(const StageCheckConfig& c, StageReport& report)
       : config(c), threads(make_thread_executor(std::max(2u, c.threads))), report_(report) {}
 
-  /// Counts an answer; `text`, a function, tells of it if the promise is broken. A promise `required` of the stage
-  /// breaks the check.
+  /// Counts an answer. If it breaks the promise, text() describes it. A broken promise fails the check only if it is
+  /// `required`.
   template <class Text>
   void expect(const char* promise, bool kept, Text&& text, bool required = true) {
     PromiseReport& one = find(promise, required);
@@ -45,15 +45,15 @@ class StageTrials {
     if (++one.broken == 1) one.example = text();
   }
 
-  /// Whether the stage promises to lose nothing; whether it promises to invent nothing.
+  /// Whether the stage promises to lose no contact; whether it also promises to report none in excess.
   bool conservative() const { return report_.guarantee != Guarantee::approximate; }
   bool exact() const { return report_.guarantee == Guarantee::exact; }
 
   /// Calls body(choices, "seed N: ") for the trials [0, count).
   void each_trial(int count, const std::function<void(cases::Choices&, const std::string& where)>& body) const;
 
-  /// Calls step(k), which prepares and runs the stage on step k of one topology, and expects that the last of them do
-  /// not allocate.
+  /// Calls step(k), which prepares and runs the stage on step k of one topology, several times, and expects that the
+  /// last calls do not allocate.
   void expect_no_allocation(const std::function<void(int k)>& step, bool required = true);
 
   const StageCheckConfig& config;
@@ -74,17 +74,17 @@ void try_stage(const Flood& stage, StageTrials& trials);
 void try_stage(const FeatureFilter& stage, StageTrials& trials);
 void try_stage(const NarrowPhase& stage, StageTrials& trials);
 
-/// Pipelines with the stage in the place of the presets' one.
+/// Runs pipelines in which the stage replaces that of the presets.
 void try_pipelines(const Registry& registry, const StageReport& stage, StageTrials& trials);
 
-/// What a step asks for, apart from its features: chosen for a trial.
+/// Properties of a step, apart from its features, that are chosen for a trial.
 struct StepChoice {
   FeatureKind kind;
   int control_points;
   bool separation;
 };
 StepChoice choose_step(cases::Choices& choices, int max_control_points = 3, bool separation = true);
-/// 1, the time of touch of the case, or any.
+/// Chooses t_max: 1, the time at which the features of the case touch, or any other time.
 double choose_t_max(cases::Choices& choices, const cases::Case& c);
 
 /// The test of a step as a case, for exact predicates.
