@@ -4,6 +4,7 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -273,8 +274,15 @@ class Composer {
     caption_height_ = config_.text ? caption_height() : 0;
     legend_height_ = config_.text ? legend_height() : 0;
     if (config_.height > 0) {
+      // A small picture of a given height shows fewer lines of the captions rather than nothing else.
       height_ = config_.height;
-      view_height_ = (height_ - legend_height_) / rows - caption_height_;
+      const int panel_height = (height_ - legend_height_) / rows;
+      most_caption_lines_ = caption_line_count();
+      while (caption_height_ > panel_height / 2 && most_caption_lines_ > 1) {
+        --most_caption_lines_;
+        caption_height_ = caption_height();
+      }
+      view_height_ = panel_height - caption_height_;
     } else {
       const double aspect = std::clamp(aspect_of(fit_, config_.view), 0.3, 1.0);
       view_height_ = static_cast<int>(std::lround(panel_width_ * (0.94 * aspect + 0.06)));
@@ -357,13 +365,21 @@ class Composer {
     for (const auto& [text, height] : {std::pair(&panel.caption, h), std::pair(&panel.subtitle, 0.86 * h)})
       if (!text->empty())
         for (std::string& line : wrap_text(*text, height, room)) lines.emplace_back(std::move(line), height);
+    if (lines.size() > most_caption_lines_) {
+      lines.resize(most_caption_lines_);
+      lines.back().first += " ...";
+    }
+    return lines;
+  }
+
+  std::size_t caption_line_count() const {
+    std::size_t lines = 0;
+    for (const PanelData& panel : panels_) lines = std::max(lines, caption_lines(panel).size());
     return lines;
   }
 
   int caption_height() const {
-    std::size_t lines = 0;
-    for (const PanelData& panel : panels_) lines = std::max(lines, caption_lines(panel).size());
-    return static_cast<int>(std::lround(text_height_ * (0.9 + 1.8 * static_cast<double>(lines))));
+    return static_cast<int>(std::lround(text_height_ * (0.9 + 1.8 * static_cast<double>(caption_line_count()))));
   }
 
   /// An entry of the legend: a swatch, or a mark.
@@ -453,6 +469,7 @@ class Composer {
   std::vector<Vec3> fit_;
   int gap_ = 0, panel_width_ = 0, view_height_ = 0, caption_height_ = 0, legend_height_ = 0, height_ = 0;
   double text_height_ = 0;
+  std::size_t most_caption_lines_ = SIZE_MAX;  ///< of a panel
 };
 
 void check(const PictureConfig& config) {

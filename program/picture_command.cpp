@@ -76,7 +76,6 @@ void check_suffix(const std::string& output) {
 }
 
 int draw_picture(const PictureOptions& options) {
-  check_suffix(options.output);
   PictureConfig config = options.config;
   const std::vector<int> size = parse_list<int>("--size", options.size, 'x', "WIDTH or WIDTHxHEIGHT");
   if (size.size() > 2 || size[0] < 1 || size.back() < 1)
@@ -100,6 +99,7 @@ int draw_picture(const PictureOptions& options) {
   for (const std::string& file : options.contact_files) plan.input("--contacts-from", file);
   plan.output("-o", options.output);
   plan.check();
+  check_suffix(options.output);
   const InterruptGuard guard;
   std::optional<Progress> progress(std::in_place, "drawing", panels.size(), "panels");
   config.progress = [&](double done) {

@@ -432,8 +432,14 @@ TEST(SequencePicture, TakesContactsFromAFile) {
   PicturePanel panel{scene.path(), 0, "", ""};
   const Image computed = draw_sequences({&panel, 1}, TipOnTriangle::config());
   panel.contacts = csv.path();
-  std::ofstream(csv.path()) << "step,kind,a,b,c,d,toi\n0,VF,13,14,15,16,0.5\n1,VF,10,14,15,16,0.5\n";
+  std::ofstream(csv.path()) << "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz\n0,VF,13,14,15,16,0.5,0,0,1,0,0,0\n"
+                               "1,VF,10,14,15,16,0.5,0,0,1,0,0,0\n";
   EXPECT_EQ(draw_sequences({&panel, 1}, TipOnTriangle::config()), computed);
+  // Without a point, the mark is at the vertex.
+  std::ofstream(csv.path()) << "step,kind,a,b,c,d,toi\n0,VF,13,14,15,16,0.5\n";
+  const auto [count, middle] = find_colour(draw_sequences({&panel, 1}, TipOnTriangle::config()), kInterColour);
+  EXPECT_GT(count, 40);
+  EXPECT_LT((middle - TipOnTriangle::pixel({0, 0, 0.5})).norm(), 1);
   std::ofstream(csv.path()) << "step,kind,a,b,c,d,toi\n0,VF,99,114,115,116,0.5\n";
   EXPECT_THROW(draw_sequences({&panel, 1}, TipOnTriangle::config()), InputError);
 }
