@@ -19,6 +19,10 @@
 #include <volccd/pictures/surface.hpp>
 #include <volccd/pictures/text.hpp>
 
+/// Fontconfig keeps what it has read of the fonts until the process ends, and the leak sanitizer reports a part of it.
+extern "C" const char* __lsan_default_suppressions();
+const char* __lsan_default_suppressions() { return "leak:libfontconfig\n"; }
+
 namespace volccd {
 namespace {
 
