@@ -48,7 +48,14 @@ program with it.
 Errors: `InputError` and `ConfigError`, both `volccd.Error` and ValueError. docs/python.md goes through it all.
 """
 
-from ._core import ConfigError, Error, InputError, Result, __version__, contact_dtype, pair_dtype
+try:
+    from ._core import ConfigError, Error, InputError, Result, __version__, contact_dtype, pair_dtype
+except ImportError as problem:
+    import sys as _sys
+    raise ImportError(
+        f"{problem}. volccd needs its compiled module and NumPy for {_sys.executable}. To build it: cmake --build --preset "
+        "release --target volccd_python; `cmake --preset release` says for which Python (VOLCCD_PYTHON names another)"
+    ) from problem
 from ._detect import Detector, detect
 from ._meshes import CELL_TYPES, vtk_cells
 from ._records import read_record, records
