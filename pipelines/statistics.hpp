@@ -17,8 +17,8 @@ struct StageStatistics {
   std::string name;  ///< name in the registry
   std::uint64_t in = 0, out = 0;
   double prepare_seconds = 0;  ///< wall-clock time of prepare()
-  double bounds_seconds =
-      0;  ///< part of prepare_seconds: the bounds of vertices (BroadPhase::bounds_seconds)
+  /// Part of prepare_seconds: the bounds of vertices (BroadPhase::bounds_seconds).
+  double bounds_seconds = 0;
   /// Time of run(), summed over workers, without the time of other stages, idle time and bookkeeping. The time to
   /// gather a block of tests is included in the first stage that processes the block.
   double seconds = 0;

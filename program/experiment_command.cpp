@@ -195,7 +195,7 @@ Baked bake_for(const ExperimentOptions& options, const SimulatedScene& scene, Ex
 
 /// A record for each scene that is `wanted`. Those that are complete are kept when one fails or is interrupted.
 int run_on_scenes(const ExperimentOptions& options, const std::string& name, bool (*wanted)(const SimulatedScene&),
-                  RecordOfScene measure, std::string (*table)(const std::vector<nlohmann::json>&), Finished& finished) {
+                  RecordOfScene measure, TitledTable (*table)(const std::vector<nlohmann::json>&), Finished& finished) {
   const InterruptGuard guard;
   make_folder(options.output);
   check_outputs(options, name);
@@ -221,12 +221,12 @@ int run_on_scenes(const ExperimentOptions& options, const std::string& name, boo
     stop(error, kBadInput);
   }
   if (code == kDone) {
-    keep(options, name, records, table(records), true, finished);
+    keep(options, name, records, untitled_text(table(records)), true, finished);
     return kDone;
   }
   const std::string text = fmt::format("{} scene(s) are complete; {}", records.size(), stopped_by);
   keep(options, name, {{"complete", false}, {"stopped_by", stopped_by}, {"records", records}},
-       fmt::format("incomplete: {}\n\n{}", text, table(records)), false, finished);
+       fmt::format("incomplete: {}\n\n{}", text, untitled_text(table(records))), false, finished);
   fmt::print(stderr, "volccd: incomplete: {}\n", text);
   return code;
 }
@@ -249,7 +249,7 @@ struct OtherExperiment {
   const char *name, *description;
   int (*run)(const ExperimentOptions& options, Finished& finished);
   const char* record;  ///< its file, without ".json"
-  std::string (*table)(const std::vector<nlohmann::json>& records);
+  TitledTable (*table)(const std::vector<nlohmann::json>& records);
 };
 
 constexpr OtherExperiment kOthers[] = {
@@ -347,7 +347,7 @@ int print_other_table(const OtherExperiment& other, const TableOptions& options)
   const std::string file = (std::filesystem::path(options.results) / (std::string(other.record) + ".json")).string();
   const nlohmann::json records = read_json_file(file);
   if (!records.is_array()) throw InputError(file, "", "is not the record of a complete run");
-  const std::string text = other.table(records.get<std::vector<nlohmann::json>>());
+  const std::string text = untitled_text(other.table(records.get<std::vector<nlohmann::json>>()));
   Report(options.report)
       .write("experiment table", {{"experiment", options.name}, {"tables", nlohmann::json::array()}, {"text", text}});
   if (!is_standard_output(options.output) || !(options.report.json || options.report.quiet))

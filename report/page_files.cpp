@@ -17,7 +17,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kPageFiles[] = {"index.html", "volccd.css", "volccd.js"};
+constexpr const char* kMarker = "volccd.js";  ///< a folder with this file is a report
+constexpr const char* kPageFiles[] = {"index.html", "volccd.css", kMarker};
 
 bool has_page(const fs::path& folder) {
   return std::all_of(std::begin(kPageFiles), std::end(kPageFiles),
@@ -52,10 +53,16 @@ std::string contents(const fs::path& file) {
 ReportFolder::ReportFolder(std::string folder) : folder_(std::move(folder)), page_(find_page()) {
   std::error_code error;
   const bool empty = !fs::exists(folder_, error) || (fs::is_directory(folder_, error) && fs::is_empty(folder_, error));
-  if (!empty && !fs::is_regular_file(fs::path(folder_) / "volccd.js", error))
+  if (!empty && !fs::is_regular_file(fs::path(folder_) / kMarker, error))
     throw InputError(folder_, "", "has files and is no report of volccd: choose a new folder with -o");
   fs::create_directories(fs::path(folder_) / "data", error);
   if (error) throw InputError(folder_, "", "is the folder of the report and cannot be made: " + error.message());
+  // From now on it is a report, so that the same command can go on after Ctrl-C.
+  write_page_file(kMarker);
+}
+
+void ReportFolder::write_page_file(const char* name) const {
+  write_text_file((fs::path(folder_) / name).string(), contents(fs::path(page_) / name));
 }
 
 std::string ReportFolder::write_scene(const std::string& name, const std::string& script) {
@@ -72,8 +79,7 @@ std::size_t ReportFolder::finish(const nlohmann::json& report) {
         std::find(scenes_.begin(), scenes_.end(), "data/" + name) == scenes_.end())
       fs::remove(entry.path());
   }
-  for (const char* name : kPageFiles)
-    write_text_file((fs::path(folder_) / name).string(), contents(fs::path(page_) / name));
+  for (const char* name : kPageFiles) write_page_file(name);
   const std::string text = report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
   write_text_file((fs::path(folder_) / "data/report.js").string(), "volccd_report = " + text + ";\n");
   std::size_t bytes = 0;

@@ -25,6 +25,8 @@ class ReportFolder {
   std::size_t finish(const nlohmann::json& report);
 
  private:
+  void write_page_file(const char* name) const;
+
   std::string folder_, page_;
   std::vector<std::string> scenes_;
 };

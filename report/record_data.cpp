@@ -74,9 +74,9 @@ struct SceneRecordKind {
   TitledTable (*table)(const std::vector<json>& records);
 };
 constexpr SceneRecordKind kSceneRecords[] = {
-    {"scenes", "scenes", "the simulated scenes: sizes, motion, contacts, edits, energy", titled_scene_table},
+    {"scenes", "scenes", "the simulated scenes: sizes, motion, contacts, edits, energy", scene_table},
     {"feature_sets", "feature-sets", "Figure 3: the bullet with contacts among fewer and fewer features",
-     titled_feature_set_table}};
+     feature_set_table}};
 
 json scene_list_record(const SceneRecordKind& kind, const std::string& folder) {
   const std::string file = file_in(folder, kind.name);

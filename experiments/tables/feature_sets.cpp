@@ -234,7 +234,7 @@ std::optional<json> feature_set_record(const std::string& name, const std::strin
               {"motions", std::move(motions)}};
 }
 
-TitledTable titled_feature_set_table(const std::vector<json>& records) {
+TitledTable feature_set_table(const std::vector<json>& records) {
   TextTable table({"scene", "splits", "pieces, bullet", "pieces, plate", "velocity, m/s", "travel, mm",
                    "overlaps, inter", "overlaps, intra", "inverted", "contacts", "interior contacts", "computed in"});
   for (const json& record : records) table.add(feature_set_row(record));
@@ -242,11 +242,6 @@ TitledTable titled_feature_set_table(const std::vector<json>& records) {
           "pieces, velocity and travel of the bullet's centre, pairs of elements that overlap (exact; not adjacent "
           "ones): at the end; inverted elements, contacts among all features, and those with a feature inside: sums "
           "over the motions\n"};
-}
-
-std::string feature_set_table(const std::vector<json>& records) {
-  const TitledTable table = titled_feature_set_table(records);
-  return table.table.text() + "\n" + wrapped(table.note);
 }
 
 }  // namespace volccd

@@ -26,9 +26,7 @@ std::optional<nlohmann::json> feature_set_record(
     const std::string& name, const std::string& sequence, const std::string& bake_record, Executor& executor,
     const std::function<bool(std::size_t done, std::size_t motions)>& go_on);
 
-/// A table with one row for each record.
-TitledTable titled_feature_set_table(const std::vector<nlohmann::json>& records);
-/// The same as text, without a title.
-std::string feature_set_table(const std::vector<nlohmann::json>& records);
+/// A table without a title, with one row for each record.
+TitledTable feature_set_table(const std::vector<nlohmann::json>& records);
 
 }  // namespace volccd

@@ -149,7 +149,7 @@ std::optional<json> scene_record(const std::string& name, const std::string& seq
               {"motions", to_json(statistics)}};
 }
 
-TitledTable titled_scene_table(const std::vector<json>& records) {
+TitledTable scene_table(const std::vector<json>& records) {
   TextTable table({"scene", "elements", "first", "last", "paper", "frames", "inter", "intra", "adjacent", "at t = 0",
                    "moved, edges", "new elements", "resisted", "computed in", "energy error", "numerical / contacts",
                    "angular drift"});
@@ -162,11 +162,6 @@ TitledTable titled_scene_table(const std::vector<json>& records) {
           "numerical / contacts: energy that the time stepping took out and that contacts put in, to the end, as "
           "shares of what there was and came from outside; angular drift: change of the angular momentum that no "
           "impulse from outside explains, of the greatest that there was\n"};
-}
-
-std::string scene_table(const std::vector<json>& records) {
-  const TitledTable table = titled_scene_table(records);
-  return table.table.text() + "\n" + wrapped(table.note);
 }
 
 }  // namespace volccd

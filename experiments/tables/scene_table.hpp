@@ -20,9 +20,7 @@ std::optional<nlohmann::json> scene_record(const std::string& name, const std::s
                                            const std::string& bake_record, Executor& executor,
                                            const std::function<bool(std::size_t done, std::size_t motions)>& go_on);
 
-/// A table with one row for each record, with the paper's number of elements if the paper has the scene.
-TitledTable titled_scene_table(const std::vector<nlohmann::json>& records);
-/// The same as text, without a title.
-std::string scene_table(const std::vector<nlohmann::json>& records);
+/// A table without a title, with one row for each record, with the paper's number of elements if the paper has the scene.
+TitledTable scene_table(const std::vector<nlohmann::json>& records);
 
 }  // namespace volccd

@@ -204,6 +204,8 @@ std::string TextTable::latex() const {
   return text + "\\bottomrule\n\\end{tabular}\n";
 }
 
+std::string untitled_text(const TitledTable& table) { return table.table.text() + "\n" + wrapped(table.note); }
+
 std::string render(const std::vector<TitledTable>& tables, TableFormat format) {
   std::string text;
   for (const TitledTable& table : tables) {

@@ -58,6 +58,8 @@ std::string labelled(const std::string& label, const std::string& text, std::siz
 
 /// Titles, tables and notes, one after the other; as text, in lines of kTextWidth.
 std::string render(const std::vector<TitledTable>& tables, TableFormat format);
+/// Table and note as text for a terminal, without the title.
+std::string untitled_text(const TitledTable& table);
 
 /// 1234567 -> "1,234,567".
 std::string grouped(std::uint64_t n);
