@@ -76,7 +76,7 @@ std::string how_to_get(const RecordedInput& input) {
       BakeSettings settings;
       if (quick) settings.elements = scene.quick_elements;
       if (fs::path(baked_file(scene, settings)).filename() == input.file)
-        return fmt::format("volccd info {}{}", scene.name, quick ? "-quick" : "");
+        return simulating_command(scene.name + (quick ? "-quick" : ""));
     }
   if (is_deformed_scene(input.scene))
     return fmt::format("volccd experiment run {}", input.records.empty() ? "plus" : input.records.front());

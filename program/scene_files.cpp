@@ -65,14 +65,16 @@ std::string sequence_file(const std::string& name_or_file, unsigned threads) {
   return *file;
 }
 
+std::string simulating_command(const std::string& scene) {
+  const bool quick = scene.ends_with("-quick");
+  return fmt::format("volccd scene generate {}{} -o {}.vtkhdf", quick ? scene.substr(0, scene.size() - 6) : scene,
+                     quick ? " --quick" : "", scene);
+}
+
 std::string present_sequence_file(const std::string& name_or_file) {
   if (const std::optional<std::string> file = file_to_simulate(name_or_file); file && !std::filesystem::exists(*file)) {
-    const bool quick = name_or_file.ends_with("-quick");
-    const std::string name = quick ? name_or_file.substr(0, name_or_file.size() - 6) : name_or_file;
-    throw ConfigError(fmt::format(
-        "{} has not been simulated yet, which takes minutes: `volccd scene generate {}{} -o {}.vtkhdf` does "
-        "it",
-        name_or_file, name, quick ? " --quick" : "", name_or_file));
+    throw ConfigError(fmt::format("{} has not been simulated yet, which takes minutes: `{}` does it", name_or_file,
+                                  simulating_command(name_or_file)));
   }
   return sequence_file(name_or_file);
 }

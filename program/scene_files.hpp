@@ -34,6 +34,9 @@ class BakeProgress {
 /// `threads`: for baking; 0: as many as the machine has. Throws Interrupted as well.
 std::string sequence_file(const std::string& name_or_file, unsigned threads = 0);
 
+/// The command that simulates a scene, "NAME" or "NAME-quick", and keeps it in the cache.
+std::string simulating_command(const std::string& scene);
+
 /// The same for commands that only look: what would have to be simulated first is a ConfigError that names the command
 /// for it. (A scene that is computed from nothing takes less than a second, and is.)
 std::string present_sequence_file(const std::string& name_or_file);

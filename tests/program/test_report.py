@@ -38,7 +38,7 @@ class Report(ProgramTest):
         data = self.data("a")
         self.assertEqual([r["name"] for r in data["records"]], ["plus", "scenes"])
         missing = {s["name"]: s["missing"] for s in data["scenes"]}
-        self.assertEqual(missing["octopi-3000-elements-97-steps-seed-1-version-3.1"], "volccd info octopi-quick")
+        self.assertEqual(missing["octopi-3000-elements-97-steps-seed-1-version-3.1"], "volccd scene generate octopi --quick -o octopi-quick.vtkhdf")
         self.assertIn("VOLCCD_DATA", missing["cloth-ball"])
         self.assertEqual(missing["octopus2-105k-deformed"], "volccd experiment run plus")
         self.assertIn("octopi: not shown", out)

@@ -41,7 +41,7 @@ def setUpModule():
     for name in ("table1", "scenes", "plus"):
         shutil.copy(ROOT / "results" / f"{name}.json", FOLDER / "results")
     output = run(FOLDER, "report", FOLDER / "results", "-o", FOLDER / "report")
-    assert "octopi: not shown" in output and "volccd info octopi" in output, output
+    assert "octopi: not shown" in output and "volccd scene generate octopi" in output, output
     BROWSER = Browser(1000, 760)
 
 
@@ -107,7 +107,7 @@ class Report(Page):
             paints.append(BROWSER.js("performance.getEntriesByType('paint').pop().startTime"))
         self.assertLess(min(paints), 2000 * max(1, os.getloadavg()[0] / os.cpu_count()))
         self.assertEqual(self.count(".records tbody tr"), 4)
-        self.assertIn("volccd info octopi", BROWSER.js("document.body.textContent"))
+        self.assertIn("volccd scene generate octopi", BROWSER.js("document.body.textContent"))
         self.assertEqual(self.count("a.card"), 1)
         self.assertGreater(self.count(".card.missing"), 10)
         for name in ("tables", "figures", "scenes", "overview"):
@@ -139,7 +139,7 @@ class Report(Page):
         BROWSER.click(f"{first} tbody tr:nth-child(2) td:nth-child(4)")
         BROWSER.until("!document.querySelector('.drawer').hidden")
         details = self.text(".drawer")
-        for part in ("bullet", "volccd info bullet", "-O3", "Medians over rounds", "hash"):
+        for part in ("bullet", "volccd scene generate bullet", "-O3", "Medians over rounds", "hash"):
             self.assertIn(part, details)
         BROWSER.key("Escape")
         BROWSER.until("document.querySelector('.drawer').hidden")
