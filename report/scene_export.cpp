@@ -20,6 +20,7 @@
 #include <volccd/pictures/palette.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 #include <volccd/report/encoding.hpp>
+#include <volccd/report/pair_samples.hpp>
 #include <volccd/report/surface_track.hpp>
 
 namespace volccd {
@@ -56,6 +57,14 @@ class Exporter {
   }
 
  private:
+  /// What is shown of a motion. Contacts: place and time in 16 bits each, and flags. Pairs: the first centroid, the
+  /// zigzag codes of the differences to the second one, and the kind.
+  struct Marks {
+    std::array<std::vector<std::uint32_t>, 4> columns;
+    std::array<std::vector<std::uint32_t>, 6> pair_columns;
+    std::vector<std::uint32_t> flags, pair_kinds;
+  };
+
   /// The step whose cells the page shows from step k on: a motion runs on the cells of its end.
   int cells_step(int k) const { return std::min(k + 1, reader_.step_count() - 1); }
 
@@ -235,11 +244,16 @@ class Exporter {
     const ObjectFilter filter;
     StepResult result;
     const int motions = reader_.step_count() - 1;
+    const std::size_t stages = pipeline.spec().stages().size();
+    PairSampler sampler(stages, executor.workers(), pair_capacity(stages));
+    Request request(Query::all, false, elements.shells == ShellModel::solid);
+    request.observer = &sampler;
     for (int k = 0; k < motions; ++k) {
       stepper.go_to(k);
-      pipeline.run({stepper.topology(), stepper.motion(), filter}, workspace, executor, result,
-                   Request(Query::all, false, elements.shells == ShellModel::solid));
+      sampler.clear();
+      pipeline.run({stepper.topology(), stepper.motion(), filter}, workspace, executor, result, request);
       add_motion(result, stepper);
+      add_pairs(sampler, stages);
       if (progress) progress(static_cast<std::size_t>(k) + 1, static_cast<std::size_t>(motions));
     }
     detection_ = {{"pipeline", to_json(pipeline)},
@@ -264,7 +278,8 @@ class Exporter {
     for (std::size_t j = 0; j < shown; ++j) {
       const std::size_t i = j * all / shown;
       const Contact& contact = result.contacts[i];
-      for (int axis = 0; axis < 3; ++axis) marks.columns[axis].push_back(quantized(contact.point[axis], axis));
+      for (int axis = 0; axis < 3; ++axis)
+        marks.columns[static_cast<std::size_t>(axis)].push_back(quantized(contact.point[axis], axis));
       marks.columns[3].push_back(static_cast<std::uint32_t>(std::lround(contact.toi * 65535)));
       marks.flags.push_back((contact.kind == FeatureKind::ee ? 1u : 0u) | (contacts[i].inter ? 2u : 0u) |
                             (contact.at_start ? 4u : 0u));
@@ -273,6 +288,38 @@ class Exporter {
     json stats = to_json(result.statistics);
     stats.erase("workspace_bytes"), stats.erase("steps");
     motions_.push_back({{"shown", shown}, {"inter", inter}, {"stats", std::move(stats)}});
+  }
+
+  /// Pairs of a stage and an outcome that fit into an eighth of the script. At most two outcomes of each stage occur,
+  /// and a pair takes about 14 characters.
+  std::size_t pair_capacity(std::size_t stages) const {
+    constexpr std::size_t kCharacters = 14;
+    const std::size_t lists = 2 * stages * static_cast<std::size_t>(reader_.step_count() - 1);
+    return std::min(config_.max_pairs, config_.max_bytes / 8 / (kCharacters * lists) + 1);
+  }
+
+  /// To the last motion: for each stage the pairs that it dropped, then those that it kept.
+  void add_pairs(const PairSampler& sampler, std::size_t stages) {
+    Marks& marks = marks_.back();
+    json shown = json::array();
+    for (std::size_t stage = 0; stage < stages; ++stage) {
+      const std::array samples = {sampler.sample(stage, false), sampler.sample(stage, true)};
+      shown.push_back({samples[0].size(), samples[1].size()});
+      for (const std::vector<SampledPair>& sample : samples)
+        for (const SampledPair& pair : sample) add_pair(marks, pair);
+    }
+    motions_.back()["pairs"] = std::move(shown);
+  }
+
+  void add_pair(Marks& marks, const SampledPair& pair) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::uint16_t from = quantized(pair.centroids[0][axis], axis),
+                          to = quantized(pair.centroids[1][axis], axis);
+      marks.pair_columns[static_cast<std::size_t>(axis)].push_back(from);
+      marks.pair_columns[3 + static_cast<std::size_t>(axis)].push_back(zigzag(static_cast<std::int16_t>(to - from)) &
+                                                                       0xffff);
+    }
+    marks.pair_kinds.push_back(static_cast<std::uint32_t>(pair.kind));
   }
 
   /// Of the motions that begin at a frame shown.
@@ -303,10 +350,11 @@ class Exporter {
   json header() const {
     const SequenceMetadata& metadata = reader_.metadata();
     json motions = json::array();
-    std::size_t mark_count = 0;
+    std::size_t mark_count = 0, pair_count = 0;
     for_each_motion_shown([&](std::size_t k) {
       motions.push_back(motions_[k]);
       mark_count += marks_[k].flags.size();
+      pair_count += marks_[k].pair_kinds.size();
     });
     json frames = json::array();
     for (std::size_t i = 0; i < steps_.size(); ++i)
@@ -335,6 +383,7 @@ class Exporter {
         {"triangles", track_.triangles().size()},
         {"changes", change_count_},
         {"marks", mark_count},
+        {"pairs", pair_count},
         {"parts", parts()},
         {"frames", std::move(frames)},
         {"motions", std::move(motions)},
@@ -343,19 +392,33 @@ class Exporter {
         {"notes", notes_}};
   }
 
+  /// One column of the marks of all motions that are shown.
+  template <class Column>
+  void append_motions(std::string& bytes, int width, Column&& column) const {
+    std::vector<std::uint32_t> values;
+    for_each_motion_shown([&](std::size_t k) {
+      const std::vector<std::uint32_t>& of_motion = column(marks_[k]);
+      values.insert(values.end(), of_motion.begin(), of_motion.end());
+    });
+    append_planes(bytes, values, width);
+  }
+
   std::string packed() const {
     const std::string text = header().dump(-1, ' ', false, json::error_handler_t::replace);
     std::string bytes;
     const std::uint32_t length = static_cast<std::uint32_t>(text.size());
     append_planes(bytes, std::span(&length, 1), 4);
     bytes += text + triangles_ + topology_ + positions_;
-    for (int column = 0; column < 4; ++column)
-      for (const int plane : {0, 1})
-        for_each_motion_shown([&](std::size_t k) {
-          for (const std::uint32_t value : marks_[k].columns[column])
-            bytes += static_cast<char>(value >> (8 * plane) & 0xff);
-        });
-    for_each_motion_shown([&](std::size_t k) { append_planes(bytes, marks_[k].flags, 1); });
+    for (std::size_t column = 0; column < 4; ++column)
+      append_motions(
+          bytes, 2, [&](const Marks& marks) -> const auto& { return marks.columns[column]; });
+    append_motions(
+        bytes, 1, [](const Marks& marks) -> const auto& { return marks.flags; });
+    for (std::size_t column = 0; column < 6; ++column)
+      append_motions(
+          bytes, 2, [&](const Marks& marks) -> const auto& { return marks.pair_columns[column]; });
+    append_motions(
+        bytes, 1, [](const Marks& marks) -> const auto& { return marks.pair_kinds; });
     return fmt::format("volccd_scene({}, \"{}\");\n", json(name_).dump(), base64(deflated(bytes)));
   }
 
@@ -372,11 +435,6 @@ class Exporter {
     scene.summary["bytes"] = scene.script.size();
     return scene;
   }
-
-  /// The contacts of a motion that are shown: place and time in 16 bits each, and flags.
-  struct Marks {
-    std::vector<std::uint32_t> columns[4], flags;
-  };
 
   const std::string name_, file_;
   const SceneExportConfig& config_;
