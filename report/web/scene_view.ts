@@ -394,7 +394,7 @@ export class SceneView {
       return;
     }
     this.frames = 0;
-    this.setSimplicity(this.viewer!.software ? 1 : 0);
+    this.setSimplicity(this.viewer!.software ? 2 : 0);
     let last = performance.now(), since = last, counted = 0;
     const tick = (now: number) => {
       if (!this.playing || !this.data || !this.element.isConnected) {

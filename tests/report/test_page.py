@@ -234,6 +234,7 @@ class View(Page):
         BROWSER.set(".speed", "60")
         self.redraws(lambda: BROWSER.click(".play"), "play")
         self.assertIn("Stop", self.text(".play"))
+        BROWSER.until("document.querySelector('.pace').textContent.includes('pictures a second')")
         BROWSER.click(".play")
         self.assertIn("Play", self.text(".play"))
 
@@ -297,6 +298,53 @@ class View(Page):
         BROWSER.hover(".funnel tbody tr:nth-child(2)")
         BROWSER.until("document.querySelector('.tip') && !document.querySelector('.tip').hidden")
         self.assertRegex(self.text(".tip"), "took|gave")
+
+    def go_to_dropped_pairs(self):
+        """The motion and the stage that dropped the most pairs of elements or features."""
+        motions = BROWSER.js("volccd_test.view.data.header.motions")
+        filters = ("element-culling", "feature-filter")
+        _, k, stage = max((s["in"] - s["out"], k, i) for k, m in enumerate(motions)
+                          for i, s in enumerate(m["stats"]["stages"]) if s["role"] in filters)
+        BROWSER.set(".time", str(20 * k + 10))
+        return k, stage, motions[k]
+
+    def test_the_pairs_of_a_stage(self):
+        _, stage, motion = self.go_to_dropped_pairs()
+        counts, (dropped, kept) = motion["stats"]["stages"][stage], motion["pairs"][stage]
+        self.assertGreater(dropped, 0)
+        self.assertEqual(BROWSER.js("document.querySelectorAll('.pair-legend').length"), 0)
+        choose = f".stage-choice[data-stage='{stage}']"
+        self.redraws(lambda: BROWSER.click(choose), "a click on a stage")
+        self.assertEqual(BROWSER.js(f"document.querySelector(\"{choose}\").ariaPressed"), "true")
+        legend = self.text(".pair-legend").replace(",", "")
+        for name, count, drawn in (("dropped", counts["in"] - counts["out"], dropped), ("kept", counts["out"], kept)):
+            self.assertRegex(legend, f"that it {name}: {count}" + (f" of which {drawn} are drawn" if drawn < count else ""))
+        self.assertIn(str(counts["in"] - counts["out"]), legend)
+        self.redraws(lambda: BROWSER.click(choose), "a second click")
+        self.assertEqual(BROWSER.js("document.querySelectorAll('.pair-legend').length"), 0)
+
+    def test_the_keys_of_stages(self):
+        self.go_to_dropped_pairs()
+        rows = BROWSER.js("[...document.querySelectorAll('.stage-choice')].map(b => b.dataset.stage)")
+        BROWSER.js("document.querySelector('canvas').focus()")
+        for place, stage in enumerate(rows, 1):
+            BROWSER.key(str(place), text=str(place))
+            BROWSER.until("document.querySelector('tr.chosen .stage-choice')")
+            self.assertEqual(BROWSER.js("document.querySelector('tr.chosen .stage-choice').dataset.stage"), stage)
+        self.changes("document.querySelector('.funnel-box').textContent", lambda: BROWSER.key("0", text="0"), "0")
+        self.assertEqual(self.count("tr.chosen"), 0)
+
+    def test_a_pair_tells_what_it_is(self):
+        _, stage, _ = self.go_to_dropped_pairs()
+        BROWSER.click("input[name=marks]")
+        BROWSER.click(f".stage-choice[data-stage='{stage}']")
+        BROWSER.hover("canvas")
+        x, y = BROWSER.js("""(() => { const v = volccd_test.viewer, b = v.canvas.getBoundingClientRect();
+            v.drawNow(); const {first} = v.pairs.range(v.motion, v.stage), [p, q] = v.data.pairAt(first);
+            const c = v.onCanvas(p.map((a, i) => (a + q[i]) / 2)); return [b.x + c.x, b.y + c.y]; })()""")
+        BROWSER.mouse("mouseMoved", x, y)
+        BROWSER.until("document.querySelector('.tip') && !document.querySelector('.tip').hidden")
+        self.assertRegex(self.text(".tip"), r"^(Element pair|Vertex-triangle test|Edge-edge test), dropped by .+\.$")
 
 
 if __name__ == "__main__":
