@@ -232,5 +232,7 @@ if (!report)
 else if (report.schema !== 1)
   document.body.replaceChildren(h(
       "p", {class: "error"}, `The report has schema ${report.schema}, and this page reads 1: make the report again.`));
-else
+else {
   new Page(report);
+  document.body.dataset.ready = "";  // for tests
+}

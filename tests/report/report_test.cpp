@@ -262,8 +262,8 @@ TEST(SurfaceTrackTest, ClusteringKeepsTheFormAndFewerTriangles) {
 
 class SceneExport : public ::testing::Test {
  protected:
-  SceneExport() : folder_("scene"), file_(folder_.file("run.vtkhdf")) {
-    write_scene(*make_scene("builtin", {}), file_);
+  explicit SceneExport(const OptionValues& options = {}) : folder_("scene"), file_(folder_.file("run.vtkhdf")) {
+    write_scene(*make_scene("builtin", options), file_);
   }
 
   ExportedScene run(const SceneExportConfig& config) {
@@ -338,6 +338,12 @@ TEST_F(SceneExport, ShowsSurfacePositionsAndContactsOfTheFile) {
   EXPECT_GT(all, 0u);
 }
 
+/// For tests that export every pair.
+class SmallSceneExport : public SceneExport {
+ protected:
+  SmallSceneExport() : SceneExport({{"elements", "400"}, {"steps", "7"}}) {}
+};
+
 /// Numbers of pairs that a stage dropped and kept in a motion, as the statistics count them.
 std::array<std::uint64_t, 2> counted(const json& stage) {
   const std::string role = stage.at("role");
@@ -346,7 +352,7 @@ std::array<std::uint64_t, 2> counted(const json& stage) {
   return {filters ? in - out : 0, out};
 }
 
-TEST_F(SceneExport, ShowsAllPairsThatTheStagesCount) {
+TEST_F(SmallSceneExport, ShowsAllPairsThatTheStagesCount) {
   SceneExportConfig config;
   config.pipeline = registry_.pipeline("VolCCD");  // processes each pair once
   config.max_pairs = 1'000'000;
@@ -366,7 +372,7 @@ TEST_F(SceneExport, ShowsAllPairsThatTheStagesCount) {
   EXPECT_GT(dropped, 0u);
 }
 
-TEST_F(SceneExport, PairsOfTheNarrowPhaseAreDrawnAtTheFeaturesOfContacts) {
+TEST_F(SmallSceneExport, PairsOfTheNarrowPhaseAreDrawnAtTheFeaturesOfContacts) {
   SceneExportConfig config;
   config.pipeline = registry_.pipeline("VolCCD");
   config.max_pairs = 1'000'000;
@@ -409,7 +415,7 @@ TEST_F(SceneExport, PairsOfTheNarrowPhaseAreDrawnAtTheFeaturesOfContacts) {
   EXPECT_GT(found, 0u);
 }
 
-TEST_F(SceneExport, ThinnedPairsDependOnNoNumberOfWorkers) {
+TEST_F(SmallSceneExport, ThinnedPairsDependOnNoNumberOfWorkers) {
   SceneExportConfig config;
   config.pipeline = registry_.pipeline("VolCCD+");
   config.max_pairs = 3;

@@ -74,6 +74,7 @@ class Page(unittest.TestCase):
     def go(self, place):
         BROWSER.open("about:blank")
         BROWSER.open(f"file://{FOLDER}/{self.report}/index.html#{place}")
+        BROWSER.until("'ready' in document.body.dataset")
 
     def changes(self, expression, act, what):
         """`act` changes the value of an expression."""
@@ -100,12 +101,15 @@ class Page(unittest.TestCase):
 
 class Report(Page):
     def test_first_paint_and_overview(self):
-        paints = []
-        for _ in range(3):
-            self.go("overview")
-            BROWSER.until("performance.getEntriesByType('paint').length > 0")
-            paints.append(BROWSER.js("performance.getEntriesByType('paint').pop().startTime"))
-        self.assertLess(min(paints), 2000 * max(1, os.getloadavg()[0] / os.cpu_count()))
+        cold = Browser(1000, 760)
+        try:
+            cold.open(f"file://{FOLDER}/report/index.html")
+            cold.until("performance.getEntriesByType('paint').length > 0")
+            paint = cold.js("performance.getEntriesByType('paint').pop().startTime")
+        finally:
+            cold.close()
+        self.assertLess(paint, 2000 * max(1, os.getloadavg()[0] / os.cpu_count()))
+        self.go("overview")
         self.assertEqual(self.count(".records tbody tr"), 4)
         self.assertIn("volccd scene generate octopi", BROWSER.js("document.body.textContent"))
         self.assertEqual(self.count("a.card"), 1)
@@ -117,6 +121,19 @@ class Report(Page):
         BROWSER.until("document.querySelector('.records a')")
         BROWSER.click(".records a")
         BROWSER.until("document.querySelector('.table-block')")
+
+    def test_records_and_scenes_are_listed_before_the_scripts_run(self):
+        BROWSER.call("Emulation.setScriptExecutionDisabled", value=True)
+        try:
+            BROWSER.call("Page.navigate", url="about:blank")
+            BROWSER.call("Page.navigate", url=f"file://{FOLDER}/report/index.html")
+            BROWSER.until("document.querySelector('main')")
+            links = BROWSER.js("[...document.querySelectorAll('a')].map(a => a.getAttribute('href'))")
+        finally:
+            BROWSER.call("Emulation.setScriptExecutionDisabled", value=False)
+        self.assertEqual(links[:4], ["#overview", "#tables", "#figures", "#scenes"])
+        self.assertEqual(sorted(links[4:8]), ["#tables/plus", "#tables/projectile", "#tables/scenes", "#tables/table1"])
+        self.assertTrue(all(link.startswith("#scenes/") for link in links[8:]) and len(links) > 8, links)
 
     def test_tables_sort_and_show_where_numbers_come_from(self):
         self.go("tables/table1")
