@@ -76,9 +76,9 @@ export function funnel(
         `−${percent((row.from - row.to) / row.from)}` :
         "";
     const on = row.stage === chosen, act = () => choose(on ? null : row.stage);
-    const button = h(
-        "button", {class: "stage-choice", "data-stage": row.stage, "aria-pressed": String(on), onclick: act}, row.label,
-        h("small", {}, row.detail));
+    const button =
+        h("button", {class: "stage-choice", "data-stage": row.stage, "aria-pressed": String(on), onclick: act},
+          row.label, h("small", {}, row.detail));
     if (place < 9) button.setAttribute("aria-keyshortcuts", String(place + 1));
     const line =
         h("tr", {class: on ? "chosen" : ""}, h("th", {scope: "row"}, button), h("td", {onclick: act}, bar(row, most)),
@@ -103,9 +103,9 @@ export function funnel(
 export function pairLegend(motion: Motion, stage: number): HTMLElement|null {
   const row = rowOf(motion.stats.stages[stage], stage);
   if (!row) return null;
-  const key = (form: string, text: string, count: number, drawn: number) => h(
-      "p", {class: "key"}, h("i", {class: `line ${form}`}),
-      `${text}: ${grouped(count)}` + (drawn < count ? `, of which ${grouped(drawn)} are drawn` : ""));
+  const key = (form: string, text: string, count: number, drawn: number) =>
+      h("p", {class: "key"}, h("i", {class: `line ${form}`}),
+        `${text}: ${grouped(count)}` + (drawn < count ? `, of which ${grouped(drawn)} are drawn` : ""));
   const [dropped, kept] = motion.pairs[stage], orphans = orphansOfFlood(motion.stats, stage);
   const unit = row.unit === "contacts" ? "tests" : row.unit;
   return h(

@@ -1,5 +1,5 @@
 // A scene with its controls: the 3-D view, the time slider, the funnel, parts and section planes.
-import {h, grouped, duration, megabytes, short, svg, tooltip} from "./dom";
+import {check, h, grouped, duration, megabytes, short, svg, tooltip} from "./dom";
 import {funnel, largestCount, pairLegend, stageAt} from "./funnel";
 import {loadScene, SceneData} from "./scene_data";
 import type {SceneEntry} from "./types";
@@ -8,9 +8,8 @@ import {Viewer} from "./viewer";
 const kFine = 20;  ///< positions of the slider in a motion
 
 /// How a sequence is drawn while it plays, from all details to the fewest.
-const kSimplicities = [
-  {detail: 1, lines: true}, {detail: 0.7, lines: false}, {detail: 0.5, lines: false}, {detail: 0.35, lines: false}
-];
+const kSimplicities =
+    [{detail: 1, lines: true}, {detail: 0.7, lines: false}, {detail: 0.5, lines: false}, {detail: 0.35, lines: false}];
 
 export class SceneView {
   readonly element = h("section", {class: "scene-view"});
@@ -59,7 +58,8 @@ export class SceneView {
             ...[2, 6, 12, 24, 60].map((n) => h("option", {value: n, selected: n === 12}, `${n} / s`))));
     this.element.append(
         this.status,
-        h("div", {class: "scene-grid"}, h("div", {class: "main"}, this.canvasBox, this.strip, buttons, this.pace), this.side),
+        h("div", {class: "scene-grid"}, h("div", {class: "main"}, this.canvasBox, this.strip, buttons, this.pace),
+          this.side),
         this.notes);
     this.element.addEventListener("keydown", (e) => this.onKey(e));
   }
@@ -136,21 +136,15 @@ export class SceneView {
 
   private display(): HTMLElement {
     const viewer = this.viewer!;
-    const check = (name: string, label: string, on: boolean, change: (on: boolean) => void) =>
-        h("label", {}, h("input", {
-            type: "checkbox",
-            name,
-            checked: on,
-            onchange: (e: Event) => {
-              change((e.target as HTMLInputElement).checked);
-              viewer.draw();
-            }
-          }),
-          " " + label);
+    const box = (name: string, label: string, on: boolean, change: (on: boolean) => void) =>
+        check(name, label, on, (chosen) => {
+          change(chosen);
+          viewer.draw();
+        });
     return h(
         "fieldset", {class: "display"}, h("legend", {}, "Display"),
-        check("lines", "edges of elements", viewer.lines, (on) => (viewer.lines = on)),
-        check("marks", "contacts", viewer.marks, (on) => (viewer.marks = on)),
+        box("lines", "edges of elements", viewer.lines, (on) => (viewer.lines = on)),
+        box("marks", "contacts", viewer.marks, (on) => (viewer.marks = on)),
         h("select", {
           name: "kinds",
           "aria-label": "which contacts",

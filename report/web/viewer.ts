@@ -1,6 +1,8 @@
 // The 3-D view of one motion of a scene: surface, section planes, contacts, pairs. three.js draws, on WebGL 2.
 import * as THREE from "three";
+
 import {PairLines} from "./pair_lines";
+
 import type {SceneData} from "./scene_data";
 import {SurfaceMesh} from "./surface_mesh";
 
@@ -137,7 +139,7 @@ export class Viewer {
   private markMaterials: THREE.ShaderMaterial[] = [];
   private points: THREE.Points[] = [];
   private pairs: PairLines|null = null;
-  private stage: number|null = null;  ///< whose pairs are drawn
+  private stage: number|null = null;                ///< whose pairs are drawn
   private positions: THREE.BufferAttribute[] = [];  ///< of an even and an odd frame
   private held = [-1, -1];                          ///< which frames these are
   private colours!: THREE.BufferAttribute;
@@ -544,8 +546,8 @@ export class Viewer {
   private isCut(place: number[]): boolean {
     const {box} = this.data!.header;
     return this.planes.some(
-        (plane, axis) => plane.on &&
-            (plane.flip ? -1 : 1) * (place[axis] - (plane.share * box.size[axis]) / box.scale) > 0);
+        (plane, axis) =>
+            plane.on && (plane.flip ? -1 : 1) * (place[axis] - (plane.share * box.size[axis]) / box.scale) > 0);
   }
 
   /// Where a place is drawn: pixels of the page from the upper left corner of the canvas, and the depth.
