@@ -20,6 +20,10 @@ VOLCCD = os.path.abspath(sys.argv.pop(1))
 ROOT = Path(__file__).resolve().parents[2]
 
 
+TABLE1 = json.loads((ROOT / "results/table1.json").read_text(encoding="utf-8"))
+LIVER = next(i["file"] for i in TABLE1["provenance"]["inputs"] if i["scene"] == "liver")
+
+
 def run(folder, *arguments):
     environment = {**os.environ, "VOLCCD_CACHE": str(folder / "cache"), "VOLCCD_DATA": str(folder / "no-data")}
     done = subprocess.run([VOLCCD, *map(str, arguments)], capture_output=True, text=True, env=environment, check=False)
@@ -40,6 +44,9 @@ def setUpModule():
     run(FOLDER, "experiment", "run", "projectile", "--quick", "-o", FOLDER / "results")
     for name in ("table1", "scenes", "plus"):
         shutil.copy(ROOT / "results" / f"{name}.json", FOLDER / "results")
+    # Another sequence in the place of one that table1 measured: the list of scenes has two, and a note on this one.
+    (FOLDER / "cache").mkdir(exist_ok=True)
+    shutil.copy(FOLDER / "run.vtkhdf", FOLDER / "cache" / LIVER)
     output = run(FOLDER, "report", FOLDER / "results", "-o", FOLDER / "report")
     assert "octopi: not shown" in output and "volccd scene generate octopi" in output, output
     BROWSER = Browser(1000, 760)
@@ -112,7 +119,7 @@ class Report(Page):
         self.go("overview")
         self.assertEqual(self.count(".records tbody tr"), 4)
         self.assertIn("volccd scene generate octopi", BROWSER.js("document.body.textContent"))
-        self.assertEqual(self.count("a.card"), 1)
+        self.assertEqual(self.count("a.card"), 2)
         self.assertGreater(self.count(".card.missing"), 10)
         for name in ("tables", "figures", "scenes", "overview"):
             self.changes("document.querySelector('main').innerHTML.length",
@@ -149,7 +156,7 @@ class Report(Page):
         BROWSER.hover(f"{first} tbody tr:nth-child(2) td:nth-child(4)")
         BROWSER.until("document.querySelector('.tip') && !document.querySelector('.tip').hidden")
         tip = self.text(".tip")
-        made = json.loads((ROOT / "results" / "table1.json").read_text(encoding="utf-8"))["provenance"]
+        made = TABLE1["provenance"]
         for part in ("table1.json", f"commit {made['commit']}", made["cpu"], f"load {made['load']}",
                      "volccd experiment run table1 --full"):
             self.assertIn(part, tip)
@@ -160,6 +167,53 @@ class Report(Page):
             self.assertIn(part, details)
         BROWSER.key("Escape")
         BROWSER.until("document.querySelector('.drawer').hidden")
+
+    def test_the_skip_link_and_the_cards(self):
+        self.go("overview")
+        BROWSER.js("document.querySelector('.skip').focus()")
+        BROWSER.key("Enter", text="\r")
+        BROWSER.until("document.activeElement.id === 'content'")
+        card = BROWSER.js("document.querySelector('a.card').getAttribute('href')")
+        BROWSER.click("a.card")
+        BROWSER.until("window.volccd_test && document.querySelector('.scenes canvas')")
+        self.assertEqual(BROWSER.js("'#scenes/' + volccd_test.view.data.header.name"), card)
+
+    def test_the_list_of_scenes(self):
+        self.go("scenes")
+        self.make_small()
+        BROWSER.until("window.volccd_test")
+        names = BROWSER.js("[...document.querySelector('select[name=scene]').options].map(o => o.value)")
+        self.assertIn(Path(LIVER).stem, names)
+        for name in sorted(names, key=lambda n: n == Path(LIVER).stem):
+            BROWSER.set("select[name=scene]", name)
+            BROWSER.until(f"volccd_test.view.data && volccd_test.view.data.header.name === {json.dumps(name)}")
+        self.assertIn("differs from the one that was measured", self.text(".notes"))
+        self.opens("details:not(.choices)", "Missing scenes")
+
+    def opens(self, selector, text):
+        """A click on the summary opens or closes the details."""
+        self.assertIn(text, self.text(f"{selector} summary"))
+        self.changes(f"document.querySelector({json.dumps(selector)}).open", lambda: BROWSER.click(f"{selector} summary"),
+                     text)
+
+    def test_marks_and_bars_open_their_scene(self):
+        self.go("figures")
+        for figure in ("explorer", "culling", "curves"):
+            self.opens(f"#figure-{figure} .choices", "(")
+        self.make_small()
+        act = {"click": lambda selector: BROWSER.js(
+                   f"document.querySelector('{selector}').dispatchEvent(new MouseEvent('click', {{bubbles: true}}))"),
+               "key": lambda selector: (BROWSER.js(f"document.querySelector('{selector}').focus()"),
+                                        BROWSER.key("Enter", text="\r"))}
+        for figure, mark in (("explorer", "g.pick"), ("stages", "rect.pick"), ("culling", "g.pick"), ("curves", "g.pick")):
+            for way, do in act.items():
+                do(f"#figure-{figure} {mark}")
+                BROWSER.until("!document.querySelector('.drawer').hidden")
+                self.assertIn("Where the numbers come from", self.text(".drawer"), f"{figure}, {way}")
+                if self.count(".drawer details"):
+                    self.opens(".drawer details", "Medians over rounds")
+                BROWSER.key("Escape")
+                BROWSER.until("document.querySelector('.drawer').hidden")
 
     def test_columns_of_tables_are_plotted(self):
         self.go("tables/table1")
@@ -362,6 +416,41 @@ class View(Page):
         BROWSER.mouse("mouseMoved", x, y)
         BROWSER.until("document.querySelector('.tip') && !document.querySelector('.tip').hidden")
         self.assertRegex(self.text(".tip"), r"^(Element pair|Vertex-triangle test|Edge-edge test), dropped by .+\.$")
+
+
+# What the tests above click, drag or type into. A new control needs a test, and then a line here.
+CONTROLS = {
+    "report": ["a.skip", "header a", ".records a", "a.card", ".list a", ".sort", ".plot", "table.data tr[tabindex]",
+               ".controls select", ".controls input", ".choices summary", ".choices input", "svg.chart .pick",
+               "select[name=scene]", ".scenes > details > summary"],
+    "view": ["a.skip", "header a", "canvas", ".timeline", ".time", ".speed", ".play", "button[aria-label='next motion']",
+             "button[aria-label='previous motion']", ".stage-choice", "input[name=lines]", "input[name=marks]",
+             "select[name=kinds]", "select[name=up]", "button[name^=view-]", "input[name^=cut-]", "input[name^=at-]",
+             "button[name^=flip-]", "input[name^=part-]", "button[name=all-parts]", "button[name=no-parts]"],
+    "drawer": ["button[name=close]", ".scene-name a", "details summary"]}
+
+
+class Controls(Page):
+    def test_each_control_is_one_that_a_test_uses(self):
+        found = set()
+        for report, places in (("report", ("overview", "tables/table1", "figures", "scenes")), ("view", ("",))):
+            self.report = report
+            for place in places:
+                self.go(place)
+                if report == "view" or place == "scenes":
+                    BROWSER.until("window.volccd_test")
+                if place == "tables/table1":
+                    BROWSER.click(".plot")
+                    BROWSER.click("tr.has-scene td")
+                    BROWSER.until("!document.querySelector('.drawer').hidden && window.volccd_test")
+                known = CONTROLS["report"] + CONTROLS["view"] + [f".drawer {c}" for c in CONTROLS["drawer"]]
+                unknown, used = BROWSER.js(f"""(() => {{ const known = {json.dumps(known)};
+                    const all = [...document.querySelectorAll('a[href], button, select, input, summary, canvas, .timeline, [tabindex="0"]')];
+                    return [all.filter(e => !known.some(k => e.matches(k))).map(e => e.outerHTML.slice(0, 200)),
+                            known.filter(k => all.some(e => e.matches(k)))]; }})()""")
+                self.assertEqual(unknown, [], f"{report} {place}")
+                found.update(used)
+        self.assertEqual(found, set(known))
 
 
 if __name__ == "__main__":
