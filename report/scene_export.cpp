@@ -30,6 +30,7 @@ namespace {
 using nlohmann::json;
 
 constexpr int kSceneSchema = 1;
+constexpr int kPairBits = 12;  ///< of a coordinate of a pair's centroid
 
 /// How positions are kept: as many of the 16 bits, and one of so many frames.
 struct Coarseness {
@@ -52,6 +53,7 @@ class Exporter {
     read_positions();
     if (config_.pipeline && reader_.step_count() > 1) run_pipeline(registry, executor, progress);
     encode_triangles();
+    fit_pairs();
     fit_positions();
     return finish();
   }
@@ -63,6 +65,7 @@ class Exporter {
     std::array<std::vector<std::uint32_t>, 4> columns;
     std::array<std::vector<std::uint32_t>, 6> pair_columns;
     std::vector<std::uint32_t> flags, pair_kinds;
+    std::vector<std::vector<SampledPair>> samples;  ///< by stage, and dropped before kept
   };
 
   /// The step whose cells the page shows from step k on: a motion runs on the cells of its end.
@@ -245,7 +248,7 @@ class Exporter {
     StepResult result;
     const int motions = reader_.step_count() - 1;
     const std::size_t stages = pipeline.spec().stages().size();
-    PairSampler sampler(stages, executor.workers(), pair_capacity(stages));
+    PairSampler sampler(stages, executor.workers(), config_.max_pairs);
     Request request(Query::all, false, elements.shells == ShellModel::solid);
     request.observer = &sampler;
     for (int k = 0; k < motions; ++k) {
@@ -290,36 +293,54 @@ class Exporter {
     motions_.push_back({{"shown", shown}, {"inter", inter}, {"stats", std::move(stats)}});
   }
 
-  /// Pairs of a stage and an outcome that fit into an eighth of the script. At most two outcomes of each stage occur,
-  /// and a pair takes about 14 characters.
-  std::size_t pair_capacity(std::size_t stages) const {
-    constexpr std::size_t kCharacters = 14;
-    const std::size_t lists = 2 * stages * static_cast<std::size_t>(reader_.step_count() - 1);
-    return std::min(config_.max_pairs, config_.max_bytes / 8 / (kCharacters * lists) + 1);
-  }
-
   /// To the last motion: for each stage the pairs that it dropped, then those that it kept.
   void add_pairs(const PairSampler& sampler, std::size_t stages) {
-    Marks& marks = marks_.back();
-    json shown = json::array();
-    for (std::size_t stage = 0; stage < stages; ++stage) {
-      const std::array samples = {sampler.sample(stage, false), sampler.sample(stage, true)};
-      shown.push_back({samples[0].size(), samples[1].size()});
-      for (const std::vector<SampledPair>& sample : samples)
-        for (const SampledPair& pair : sample) add_pair(marks, pair);
+    for (std::size_t stage = 0; stage < stages; ++stage)
+      for (const bool kept : {false, true}) marks_.back().samples.push_back(sampler.sample(stage, kept));
+  }
+
+  /// Chooses how many pairs of each stage and outcome are shown: at most max_pairs, and fewer where they would take
+  /// more than a sixth of the script.
+  void fit_pairs() {
+    steps_ = kept(1);
+    for (std::size_t capacity = config_.max_pairs;; capacity = capacity * 3 / 4) {
+      std::string bytes;
+      for (std::size_t k = 0; k < marks_.size(); ++k) show_pairs(k, capacity);
+      append_pairs(bytes);
+      if (capacity <= 1 || deflated(bytes).size() * 4 / 3 <= config_.max_bytes / 6) return;
     }
-    motions_.back()["pairs"] = std::move(shown);
+  }
+
+  void show_pairs(std::size_t motion, std::size_t capacity) {
+    Marks& marks = marks_[motion];
+    for (auto& column : marks.pair_columns) column.clear();
+    marks.pair_kinds.clear();
+    json counts = json::array();
+    for (std::size_t i = 0; i < marks.samples.size(); ++i) {
+      const std::size_t shown = std::min(capacity, marks.samples[i].size());
+      for (std::size_t pair = 0; pair < shown; ++pair) add_pair(marks, marks.samples[i][pair]);
+      if (i % 2 == 0) counts.push_back(json::array());
+      counts.back().push_back(shown);
+    }
+    motions_[motion]["pairs"] = std::move(counts);
   }
 
   void add_pair(Marks& marks, const SampledPair& pair) const {
     for (int axis = 0; axis < 3; ++axis) {
-      const std::uint16_t from = quantized(pair.centroids[0][axis], axis),
-                          to = quantized(pair.centroids[1][axis], axis);
-      marks.pair_columns[static_cast<std::size_t>(axis)].push_back(from);
-      marks.pair_columns[3 + static_cast<std::size_t>(axis)].push_back(zigzag(static_cast<std::int16_t>(to - from)) &
-                                                                       0xffff);
+      const std::int32_t from = quantized(pair.centroids[0][axis], axis, kPairBits),
+                         to = quantized(pair.centroids[1][axis], axis, kPairBits);
+      marks.pair_columns[static_cast<std::size_t>(axis)].push_back(static_cast<std::uint32_t>(from));
+      marks.pair_columns[3 + static_cast<std::size_t>(axis)].push_back(zigzag(to - from));
     }
     marks.pair_kinds.push_back(static_cast<std::uint32_t>(pair.kind));
+  }
+
+  void append_pairs(std::string& bytes) const {
+    for (std::size_t column = 0; column < 6; ++column)
+      append_motions(
+          bytes, 2, [&](const Marks& marks) -> const auto& { return marks.pair_columns[column]; });
+    append_motions(
+        bytes, 1, [](const Marks& marks) -> const auto& { return marks.pair_kinds; });
   }
 
   /// Of the motions that begin at a frame shown.
@@ -384,6 +405,7 @@ class Exporter {
         {"changes", change_count_},
         {"marks", mark_count},
         {"pairs", pair_count},
+        {"pair_bits", kPairBits},
         {"parts", parts()},
         {"frames", std::move(frames)},
         {"motions", std::move(motions)},

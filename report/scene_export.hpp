@@ -20,7 +20,7 @@ struct SceneExportConfig {
   std::size_t max_triangles = 250'000;  ///< of a frame; clustered vertices where it has more
   std::size_t max_contacts = 2'000;     ///< of a motion that are shown; all are counted
   /// Pairs of a motion that are shown for each stage, dropped ones and kept ones each; all are counted. Fewer if the
-  /// pairs would take more than an eighth of max_bytes.
+  /// pairs would take more than a sixth of max_bytes.
   std::size_t max_pairs = 200;
 };
 

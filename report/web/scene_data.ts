@@ -11,7 +11,7 @@ export class SceneData {
   readonly marks: Uint32Array[] = [];  ///< x, y, z, time of contact: numbers of 16 bits
   flags!: Uint32Array;                 ///< 1: edge-edge, 2: between parts, 4: touches at the start
   readonly firstMark: number[] = [0];  ///< by motion
-  /// Centroids of pairs, two times x, y, z: numbers of 16 bits. By motion, stage, and dropped before kept.
+  /// Centroids of pairs, two times x, y, z: numbers of header.pair_bits bits. By motion, stage, and dropped before kept.
   readonly pairEnds: Uint32Array[] = [];
   pairKinds!: Uint32Array;             ///< 0: elements, 1: vertex-face test, 2: edge-edge test
   readonly firstPair: number[] = [0];  ///< by motion
@@ -41,7 +41,7 @@ export class SceneData {
     for (let column = 0; column < 6; ++column) this.pairEnds.push(planes(n, 2));
     for (let axis = 0; axis < 3; ++axis) {
       const from = this.pairEnds[axis], to = this.pairEnds[3 + axis];
-      for (let i = 0; i < n; ++i) to[i] = (from[i] + unzigzag(to[i])) & 0xffff;
+      for (let i = 0; i < n; ++i) to[i] = from[i] + unzigzag(to[i]);
     }
     this.pairKinds = planes(n, 1);
   }
@@ -99,7 +99,7 @@ export class SceneData {
 
   /// The centroids of a pair, in shares of the box.
   pairAt(i: number): [number[], number[]] {
-    const end = (columns: Uint32Array[]) => columns.map((column) => column[i] / 65535);
+    const end = (columns: Uint32Array[]) => columns.map((column) => column[i] / (2 ** this.header.pair_bits - 1));
     return [end(this.pairEnds.slice(0, 3)), end(this.pairEnds.slice(3))];
   }
 

@@ -119,6 +119,7 @@ export interface SceneHeader {
   changes: number;
   marks: number;
   pairs: number;
+  pair_bits: number;
   parts: {id: number; name: string; colour: string; solid: boolean}[];
   frames: {step: number; time: number; cells: number; order: number; added: number; removed: number}[];
   motions: Motion[];

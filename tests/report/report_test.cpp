@@ -116,13 +116,16 @@ struct Decoded {
   std::vector<std::uint32_t> marks[4], flags;
   std::vector<std::uint32_t> pair_columns[6], pair_kinds;
 
-  /// A centroid of a pair, from numbers of 16 bits.
+  /// The distance between two neighbouring places of centroids.
+  double pair_unit() const {
+    return header.at("box").at("scale").get<double>() / ((1 << header.at("pair_bits").get<int>()) - 1);
+  }
   Vec3 pair_end(std::size_t i, bool second) const {
-    const double unit = header.at("box").at("scale").get<double>() / 65535;
+    const double unit = pair_unit();
     Vec3 p;
     for (int axis = 0; axis < 3; ++axis) {
-      std::uint32_t value = pair_columns[axis][i];
-      if (second) value = (value + static_cast<std::uint32_t>(unzigzag(pair_columns[3 + axis][i]))) & 0xffff;
+      std::int32_t value = static_cast<std::int32_t>(pair_columns[axis][i]);
+      if (second) value += unzigzag(pair_columns[3 + axis][i]);
       p[axis] = header.at("box").at("low")[axis].get<double>() + unit * value;
     }
     return p;
@@ -341,7 +344,7 @@ TEST_F(SceneExport, ShowsSurfacePositionsAndContactsOfTheFile) {
 /// For tests that export every pair.
 class SmallSceneExport : public SceneExport {
  protected:
-  SmallSceneExport() : SceneExport({{"elements", "400"}, {"steps", "7"}}) {}
+  SmallSceneExport() : SceneExport({{"elements", "200"}, {"steps", "6"}}) {}
 };
 
 /// Numbers of pairs that a stage dropped and kept in a motion, as the statistics count them.
@@ -378,7 +381,7 @@ TEST_F(SmallSceneExport, PairsOfTheNarrowPhaseAreDrawnAtTheFeaturesOfContacts) {
   config.max_pairs = 1'000'000;
   config.max_bytes = 4'000'000'000;
   const Decoded d = decode(run(config).script);
-  const double unit = d.header.at("box").at("scale").get<double>() / 65535;
+  const double unit = d.pair_unit();
   const Pipeline pipeline(registry_, *config.pipeline);
   Workspace workspace = pipeline.make_workspace();
   SequenceReader reader(file_);
@@ -436,6 +439,22 @@ TEST_F(SmallSceneExport, ThinnedPairsDependOnNoNumberOfWorkers) {
         thinned += all > 3 ? 1 : 0;
       }
   EXPECT_GT(thinned, 0u);
+}
+
+TEST_F(SmallSceneExport, PairsTakeASixthOfTheScriptAtMost) {
+  SceneExportConfig config;
+  config.pipeline = registry_.pipeline("VolCCD");
+  const auto most = [&](std::size_t max_bytes) {
+    config.max_bytes = max_bytes;
+    std::size_t shown = 0;
+    for (const json& motion : decode(run(config).script).header.at("motions"))
+      for (const json& counts : motion.at("pairs"))
+        for (const json& count : counts) shown = std::max(shown, count.get<std::size_t>());
+    return shown;
+  };
+  EXPECT_EQ(config.max_pairs, most(10'000'000));
+  EXPECT_GT(config.max_pairs / 2, most(30'000));
+  EXPECT_LT(0u, most(30'000));
 }
 
 TEST_F(SceneExport, BecomesCoarserWhereItWouldBeTooLargeAndSaysSo) {
