@@ -65,7 +65,7 @@ nlohmann::json to_json(const StageReport& report) {
           {"promises", promises}};
 }
 
-/// Several workers at least: that is what is tried.
+/// At least two workers, because the check compares several workers with one.
 unsigned workers(unsigned threads) { return std::max(2u, threads > 0 ? threads : make_executor(0)->workers()); }
 
 int run(CheckOptions options, const Registry& registry) {

@@ -42,13 +42,13 @@ class HelpFormatter : public CLI::Formatter {
     return out.str();
   }
   std::string make_footer(const CLI::App* app) const override {
-    // A command without one has inherited its parent's.
+    // A command without a footer has inherited the footer of its parent.
     if (app->get_parent() && app->get_parent()->get_footer() == app->get_footer()) return "";
     return wrapped_footer(CLI::Formatter::make_footer(app));
   }
 
  private:
-  /// Examples go on after a backslash, so that they can be copied.
+  /// A long example is continued after a backslash, so that it can be copied.
   static std::string wrapped_footer(const std::string& text) {
     std::string result;
     std::istringstream lines(text);

@@ -38,7 +38,7 @@ constexpr std::size_t kPartPairsShown = 20;
 
 std::string time_text(double toi) { return std::isfinite(toi) ? fmt::format("{:.6f}", toi) : "-"; }
 
-/// Milliseconds with three significant digits, or all that stand before the point.
+/// Milliseconds with three significant digits, or with all digits before the decimal point if there are more.
 std::string milliseconds(double seconds) {
   const double value = 1e3 * seconds;
   return fmt::format("{:.{}f}", value, value >= 100 ? 0 : value >= 10 ? 1 : value >= 1 ? 2 : 3);
@@ -74,7 +74,7 @@ void print_stages(const Statistics& total, bool overlaps, const Report& report) 
   report.print("\n{}", table.text());
 }
 
-/// Runs the steps and keeps what the reports need.
+/// Runs the steps and stores the data for the reports.
 class Detection {
  public:
   Detection(const DetectOptions& options, const Registry& registry)
@@ -121,7 +121,8 @@ class Detection {
   }
 
  private:
-  /// Ends a file; the steps that it has, which on a full disk are fewer than were complete.
+  /// Completes a file. Returns the number of steps in it, which is smaller than the number of complete steps if the disk
+  /// is full.
   template <class Writer>
   static StepsDone kept(Writer& writer, const StepsDone& steps) {
     if (!steps.complete()) return writer.finish_incomplete(steps);
@@ -129,7 +130,7 @@ class Detection {
     return steps;
   }
 
-  /// `in_file`: the steps that the file has, of those that are `done`.
+  /// `in_file`: how many of the `done` steps the file contains.
   void note(const std::string& file, const char* what, const StepsDone& in_file, const StepsDone& done) {
     const char* const first = std::exchange(noted_, true) ? "" : "\n";
     if (in_file.done == in_file.begin)
@@ -159,7 +160,7 @@ class Detection {
     total_ += result_.statistics;
   }
 
-  /// Rows ascend by element id, the smaller one first.
+  /// Rows are in ascending order of the pairs of element ids; in each pair, the smaller id is first.
   std::string overlap_rows(int k) const {
     const Mesh& mesh = stepper_.topology().mesh();
     std::vector<std::pair<std::int64_t, std::int64_t>> ids;
@@ -188,7 +189,7 @@ class Detection {
     print_stages(total_, request_.initial_overlaps, *report_);
   }
 
-  /// Index into `steps_` of the earliest contact, in the first step that has one; nothing without contacts.
+  /// Index into `steps_` of the earliest contact, in the first step that has one; empty if there are no contacts.
   std::optional<std::size_t> earliest_step() const {
     for (std::size_t i = 0; i < steps_.size(); ++i)
       if (std::isfinite(steps_[i].earliest_toi)) return i;

@@ -40,12 +40,12 @@ struct ExperimentOptions {
   std::optional<unsigned> threads;
   ReportOptions report;
 
-  /// What is timed runs on one thread, as in the paper, unless asked otherwise; simulations on all.
+  /// Default: one thread for what is timed, as in the paper; all threads for simulations.
   unsigned timed_threads() const { return threads.value_or(1); }
   unsigned simulation_threads() const { return threads.value_or(0); }
 };
 
-/// What one experiment leaves, for --json.
+/// The results of one experiment, for --json.
 using Finished = std::vector<nlohmann::json>;
 
 void add_finished(const std::string& name, const std::string& record, bool complete, const std::string& text,
@@ -73,7 +73,7 @@ void check_outputs(const ExperimentOptions& options, const std::string& name, co
   plan.check();
 }
 
-/// Prints the tables and writes them and the record: an incomplete one never in the place of a whole one of another
+/// Prints the tables, and writes them and the record. An incomplete record never replaces a complete one of another
 /// run.
 void keep(const ExperimentOptions& options, const std::string& name, const nlohmann::json& record,
           const std::string& tables, bool complete, Finished& finished) {
@@ -86,8 +86,8 @@ void keep(const ExperimentOptions& options, const std::string& name, const nlohm
   add_finished(name, file, complete, tables, finished);
 }
 
-/// Sequence of a scene for a table: a run of another program if it is there, or a made-up motion of a mesh that is; a
-/// simulated scene, or the built-in one, from the cache, after making it if need be.
+/// The sequence of a scene for a table: a sequence of another program, or a generated motion of a mesh, if the file is
+/// present; or a simulated or built-in scene from the cache, which is generated first if it is missing.
 std::optional<std::string> scene_file(const ExperimentOptions& options, const std::string& name) {
   const Report report(options.report);
   if (is_deformed_scene(name)) {
@@ -116,7 +116,7 @@ void check_options(const ExperimentKind* kind, const std::string& name, const Ex
     throw ConfigError(fmt::format("{} takes no --set; `volccd experiment run ablation --set ...` does", name));
 }
 
-/// 1, and says so on stderr, if pipelines that should have found the same contacts did not.
+/// Returns exit code 1, with a message on stderr, if pipelines that must find the same contacts found different ones.
 int same_contacts(const ExperimentKind& kind, const Registry& registry, const ExperimentPlan& plan,
                   const std::vector<nlohmann::json>& rows) {
   if (!kind.plan) return kDone;
@@ -125,7 +125,7 @@ int same_contacts(const ExperimentKind& kind, const Registry& registry, const Ex
   return lines.empty() ? kDone : kDifferent;
 }
 
-/// Runs what the record of an earlier, interrupted run does not have, and writes record and tables.
+/// Runs the measurements that are missing in the record of an earlier, interrupted run, and writes record and tables.
 int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const Registry& registry,
              Finished& finished) {
   const Report report(options.report);
@@ -193,7 +193,7 @@ Baked bake_for(const ExperimentOptions& options, const SimulatedScene& scene, Ex
   return {*file, bake_record_file(scene, settings)};
 }
 
-/// A record for each scene that is `wanted`. Those that are complete are kept when one fails or is interrupted.
+/// Makes a record for each scene that is `wanted`. Complete records are kept if a scene fails or is interrupted.
 int run_on_scenes(const ExperimentOptions& options, const std::string& name, bool (*wanted)(const SimulatedScene&),
                   RecordOfScene measure, TitledTable (*table)(const std::vector<nlohmann::json>&), Finished& finished) {
   const InterruptGuard guard;
@@ -244,7 +244,7 @@ int run_feature_sets(const ExperimentOptions& options, Finished& finished) {
       feature_set_record, feature_set_table, finished);
 }
 
-/// Experiments whose records have a form of their own.
+/// Experiments whose records have a different form.
 struct OtherExperiment {
   const char *name, *description;
   int (*run)(const ExperimentOptions& options, Finished& finished);
@@ -289,7 +289,8 @@ int run_one(const std::string& name, const ExperimentOptions& options, const Reg
   return find_other(name)->run(options, finished);
 }
 
-/// All of them: further pipelines and settings go to those that take them. Small scenes, unless --full.
+/// Runs all experiments. Additional pipelines and settings are given to the experiments that support them. The scenes are
+/// small unless --full is given.
 std::vector<std::pair<std::string, ExperimentOptions>> all_experiments(ExperimentOptions options) {
   options.quick = !options.full;
   std::vector<std::pair<std::string, ExperimentOptions>> jobs;

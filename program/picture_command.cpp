@@ -43,7 +43,7 @@ std::vector<Number> parse_list(const std::string& option, const std::string& tex
   }
 }
 
-/// Rows of panels: one file, several steps; or a column for each file.
+/// The layout of the panels: the steps of one file in rows, or one column for each file.
 std::vector<PicturePanel> panels_of(const PictureOptions& options) {
   const std::vector<int> steps = parse_list<int>("--step", options.steps, ',', "a step, or steps such as 0,10,20");
   const std::size_t count = options.files.size() * steps.size();
@@ -66,7 +66,7 @@ std::vector<PicturePanel> panels_of(const PictureOptions& options) {
   return panels;
 }
 
-/// A suffix promises a format.
+/// The suffix of the file must be that of the format.
 void check_suffix(const std::string& output) {
   std::string suffix = std::filesystem::path(output).extension().string();
   std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return std::tolower(c); });

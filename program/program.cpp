@@ -19,7 +19,8 @@ namespace volccd {
 
 namespace {
 
-/// False, with a message, if the standard output could not be written: the report would be lost unnoticed.
+/// Returns false, with a message, if the standard output could not be written. Otherwise the user would not notice that
+/// the report is lost.
 bool flush_output() {
   const bool failed = std::ferror(stdout) != 0;
   if (std::fflush(stdout) == 0 && !failed) return true;

@@ -31,7 +31,7 @@ double scene_diagonal(const Topology& topology, const Motion& motion) {
   return box.isEmpty() ? 0 : box.sizes().stableNorm();
 }
 
-/// The object that all elements belong to, if it is one.
+/// The object of all elements if all have the same one.
 std::optional<std::int32_t> only_object(const Mesh& mesh) {
   std::optional<std::int32_t> object;
   for (Index o = 0; o < mesh.element_slots(); ++o) {

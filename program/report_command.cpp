@@ -62,14 +62,14 @@ ExportedScene export_with_progress(const std::string& name, const std::string& f
   });
 }
 
-/// Where a sequence that a record names lies: the cache of baked scenes, or the shared data. Nothing is computed.
+/// Path of a sequence that a record names, in the cache of baked scenes or in the shared data. Nothing is computed.
 std::optional<std::string> present_file(const std::string& file) {
   for (const std::string& path : {(fs::path(bake_cache_folder()) / file).string(), shared_data_path(file)})
     if (fs::is_regular_file(path)) return path;
   return std::nullopt;
 }
 
-/// What makes the sequence, or where to put it.
+/// The command that generates the sequence, or the folder for it.
 std::string how_to_get(const RecordedInput& input) {
   for (const SimulatedScene& scene : simulated_scenes())
     for (const bool quick : {false, true}) {
@@ -92,8 +92,8 @@ bool is_wanted(const PageOptions& options, const RecordedInput& input) {
   return list.find("," + input.scene + ",") != std::string::npos;
 }
 
-/// Exports the scenes of the records, smallest file first, so that what small ones leave of their share of the size
-/// goes to large ones. Shares are as the square roots of the files' sizes.
+/// Exports the scenes of the records, smallest file first, so that large scenes can use what small ones leave of their
+/// shares of the size. Shares are proportional to the square roots of the files' sizes.
 class SceneList {
  public:
   SceneList(const PageOptions& options, const Registry& registry, ReportFolder& folder)

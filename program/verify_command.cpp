@@ -26,7 +26,7 @@ struct VerifyOptions {
   bool no_fcl = false, no_truth = false;
 };
 
-/// Those of the program, and VolCCD+ with the settings if there are any.
+/// The presets, and VolCCD+ with the given settings if there are any.
 Registry with_settings(Registry registry, const std::vector<std::string>& settings) {
   if (settings.empty()) return registry;
   PipelineSpec spec = registry.pipeline("VolCCD+");
@@ -103,7 +103,7 @@ void show_differences(const Report& report, int k, const StepVerdict& verdict, c
   }
 }
 
-/// Nothing where the file has no truth.
+/// Empty if the file has no known answers.
 std::optional<TruthVerdict> check_truth(const Report& report, SequenceReader& reader, const Mesh& mesh,
                                         const std::vector<Contact>& contacts, const VerifyConfig& config) {
   const auto truth = read_ground_truth(reader);
@@ -166,13 +166,13 @@ std::string fcl_text(const StepVerdict& verdict) {
   return fmt::format("{} of {}", grouped(verdict.fcl.violations.size()), grouped(verdict.fcl.hits));
 }
 
-/// Listed, and how many of them FCL finds.
+/// The number of listed initial overlaps, and how many of them FCL finds.
 std::string overlap_text(const StepVerdict& verdict) {
   if (verdict.fcl.times == 0) return grouped(verdict.initial_overlaps);
   return fmt::format("{} (FCL {})", grouped(verdict.initial_overlaps), grouped(verdict.initial.hits));
 }
 
-/// Goes through the steps, and says of each what it found.
+/// Checks all steps and prints the findings of each.
 class Verification {
  public:
   Verification(const VerifyOptions& options, const Registry& registry)
@@ -184,7 +184,7 @@ class Verification {
         executor_(make_interruptible_executor(options.query.threads)),
         filter_(options.query.filter()),
         verifier_(registry, config_),
-        // The truth is that of surfaces on straight lines and of all pairs.
+        // The known answers are valid for surfaces with linear motion and for all pairs.
         truth_fits_(!options.no_truth && options.sequence.shells == "surface" && filter_.trivial() &&
                     options.query.separation == 0 && options.sequence.edges == "triangulated" &&
                     options.sequence.motion == "linear") {

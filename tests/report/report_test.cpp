@@ -447,7 +447,8 @@ TEST_F(SmallSceneExport, PairsTakeASixthOfTheScriptAtMost) {
   const auto most = [&](std::size_t max_bytes) {
     config.max_bytes = max_bytes;
     std::size_t shown = 0;
-    for (const json& motion : decode(run(config).script).header.at("motions"))
+    const Decoded d = decode(run(config).script);
+    for (const json& motion : d.header.at("motions"))
       for (const json& counts : motion.at("pairs"))
         for (const json& count : counts) shown = std::max(shown, count.get<std::size_t>());
     return shown;
