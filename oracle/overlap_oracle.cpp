@@ -90,8 +90,8 @@ double overlap_depth(const Bodies& bodies, ElementPair pair, detail::FclOverlap&
   return depth;
 }
 
-/// Whether the two bodies are certainly disjoint: for every pair of their pieces there is an axis with a gap larger than
-/// the rounding error.
+/// Whether the two bodies are certainly disjoint: for every pair of their pieces there is an axis with a gap larger
+/// than the rounding error.
 bool certainly_disjoint(const Bodies& bodies, ElementPair pair) {
   const Box box_a = box_of(bodies.hull(pair.a)), box_b = box_of(bodies.hull(pair.b));
   const Box both{box_a.low.cwiseMin(box_b.low), box_a.high.cwiseMax(box_b.high)};

@@ -121,8 +121,7 @@ class Detection {
   }
 
  private:
-  /// Completes a file. Returns the number of steps in it, which is smaller than the number of complete steps if the disk
-  /// is full.
+  /// Completes a file. Returns the steps that are in it: fewer than the complete ones if the disk is full.
   template <class Writer>
   static StepsDone kept(Writer& writer, const StepsDone& steps) {
     if (!steps.complete()) return writer.finish_incomplete(steps);

@@ -289,8 +289,8 @@ int run_one(const std::string& name, const ExperimentOptions& options, const Reg
   return find_other(name)->run(options, finished);
 }
 
-/// Runs all experiments. Additional pipelines and settings are given to the experiments that support them. The scenes are
-/// small unless --full is given.
+/// Runs all experiments. Additional pipelines and settings are given to the experiments that support them. The scenes
+/// are small unless --full is given.
 std::vector<std::pair<std::string, ExperimentOptions>> all_experiments(ExperimentOptions options) {
   options.quick = !options.full;
   std::vector<std::pair<std::string, ExperimentOptions>> jobs;

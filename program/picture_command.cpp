@@ -43,7 +43,7 @@ std::vector<Number> parse_list(const std::string& option, const std::string& tex
   }
 }
 
-/// The layout of the panels: the steps of one file in rows, or one column for each file.
+/// The panels in their order: for each step, one panel for each file.
 std::vector<PicturePanel> panels_of(const PictureOptions& options) {
   const std::vector<int> steps = parse_list<int>("--step", options.steps, ',', "a step, or steps such as 0,10,20");
   const std::size_t count = options.files.size() * steps.size();

@@ -45,8 +45,8 @@ class Interrupted : public Error {
 inline constexpr const char* kStoppedByUser = "interrupted";
 
 /// While a guard exists, Ctrl-C (SIGINT) and SIGTERM set a flag and do not end the process. Long work checks the flag,
-/// discards its present step, writes the complete results, and exits with 130. A second signal ends the process at once. Guards may be
-/// nested.
+/// discards its present step, writes the complete results, and exits with 130. A second signal ends the process at
+/// once. Guards may be nested.
 class InterruptGuard {
  public:
   InterruptGuard();

@@ -44,7 +44,7 @@ std::vector<std::string> scene_names() {
   return names;
 }
 
-/// Whether the text is neither a file nor a scene, but similar to the name of a scene.
+/// Throws InputError, with similar names, for a name without "." and "/" that is neither a file nor a scene.
 void check_name(const std::string& name_or_file) {
   if (name_or_file.find_first_of("/.") != std::string::npos || std::filesystem::exists(name_or_file)) return;
   const std::vector<std::string> names = scene_names();

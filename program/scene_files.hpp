@@ -30,15 +30,15 @@ class BakeProgress {
   int first_ = 0;
 };
 
-/// resolve_scene() with progress. Throws InputError, with similar names of scenes, for a name that is neither a file nor a scene.
-/// `threads`: for baking; 0: as many as the machine has. Throws Interrupted as well.
+/// resolve_scene() with progress. Throws InputError, with similar names of scenes, for a name that is neither a file
+/// nor a scene. `threads`: for baking; 0: as many as the machine has. Throws Interrupted as well.
 std::string sequence_file(const std::string& name_or_file, unsigned threads = 0);
 
 /// The command that simulates a scene, "NAME" or "NAME-quick", and keeps it in the cache.
 std::string simulating_command(const std::string& scene);
 
-/// The same for commands that do not simulate. Throws ConfigError, which names the command to run first, for a scene that
-/// would have to be simulated. (A scene that is given by a formula is generated, which takes less than a second.)
+/// The same for commands that do not simulate. Throws ConfigError, which names the command to run first, for a scene
+/// that would have to be simulated. (A scene that is given by a formula is generated, which takes less than a second.)
 std::string present_sequence_file(const std::string& name_or_file);
 
 /// Prints a warning on stderr if the sequence is incomplete.

@@ -10,9 +10,9 @@
 
 namespace volccd {
 
-/// Calls `work`, which counts complete steps in `steps.done`. If it throws Interrupted, another Error or std::bad_alloc,
-/// the reason is stored in steps.stopped_by. If no step is complete, the exception is thrown again; the message of an
-/// Interrupted then says so.
+/// Calls `work`, which counts complete steps in `steps.done`. If it throws Interrupted, another Error or
+/// std::bad_alloc, the reason is stored in steps.stopped_by. If no step is complete, the exception is thrown again; the
+/// message of an Interrupted then says so.
 void keep_complete_steps(StepsDone& steps, FunctionRef<void()> work);
 
 /// Calls work(k) for each k of `range`, with progress ("detecting: 3 of 8 steps"). Ctrl-C, an error and

@@ -241,8 +241,8 @@ HWY_ATTR HWY_NOINLINE V flow_hinges(ShellTables& t, std::size_t i, double dt, M 
   return hn::Load(d, value);
 }
 
-// The negative gradient of a hinge's angle (Bridson et al. 2003), for the vertices of the edge and then for the opposite
-// vertices. `fade` decreases from 1 to 0 as a triangle loses its area.
+// The negative gradient of a hinge's angle (Bridson et al. 2003), for the vertices of the edge and then for the
+// opposite vertices. `fade` decreases from 1 to 0 as a triangle loses its area.
 struct HingeGradient {
   Vector u[4];
   V fade;

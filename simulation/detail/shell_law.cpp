@@ -13,8 +13,8 @@ struct Slope {
   double value, slope;
 };
 
-/// Root of a function that is strictly decreasing, positive at 0 and negative for large arguments. Newton's method, with
-/// bisection if a step would leave the bracket. `scale` is the initial guess, > 0.
+/// Root of a function that is strictly decreasing, positive at 0 and negative for large arguments. Newton's method,
+/// with bisection if a step would leave the bracket. `scale` is the initial guess, > 0.
 template <typename Function>
 double falling_root(const Function& f, double scale) {
   double lo = 0, hi = scale;
