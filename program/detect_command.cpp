@@ -239,7 +239,7 @@ class Detection {
     }
     report_->print("\n{}", table.text());
     if (pairs.size() > kPartPairsShown)
-      report_->print("and {} more pairs of parts: --json has them all\n", grouped(pairs.size() - kPartPairsShown));
+      report_->print("and {} more pairs of parts: --json lists all\n", grouped(pairs.size() - kPartPairsShown));
   }
 
   nlohmann::json part_pairs_json() const {
@@ -255,7 +255,7 @@ class Detection {
 
   void print_left_out() const {
     const char* const count =
-        "contacts of features that stem from one shell vertex; --shell-neighbours keep takes them in";
+        "contacts of features that stem from one shell vertex; --shell-neighbours keep includes them";
     if (options_.first)
       report_->print("left out, not counted with --first: {}\n", count);
     else
@@ -334,10 +334,10 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
       ->type_name("FILE");
   command
       ->add_option("--overlaps", options->overlaps,
-                   "find the elements that overlap at the start of a step, too, and write them as CSV")
+                   "also find the elements that overlap at the start of a step, and write them as CSV")
       ->type_name("FILE");
   command->add_option("--stats", options->stats, "write counts and times as JSON")->type_name("FILE");
-  command->add_flag("--first", options->first, "the earliest contact of each step alone, found faster");
+  command->add_flag("--first", options->first, "find only the earliest contact of each step, which is faster");
   options->query.add_to(*command);
   options->sequence.add_parts_to(*command);
   options->report.add_to(*command);

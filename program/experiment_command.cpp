@@ -56,7 +56,7 @@ void add_finished(const std::string& name, const std::string& record, bool compl
 void make_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(folder, "", "is the folder for records and cannot be made: " + error.message());
+  if (error) throw InputError(folder, "", "cannot be created as the folder for records: " + error.message());
 }
 
 std::string record_file(const ExperimentOptions& options, const std::string& name, const char* suffix) {
@@ -93,7 +93,7 @@ std::optional<std::string> scene_file(const ExperimentOptions& options, const st
   if (is_deformed_scene(name)) {
     const std::optional<std::string> file = deformed_scene_file(name);
     if (!file)
-      report.print("the mesh of {} is not there (VOLCCD_DATA names its folder): the tables do without it\n", name);
+      report.print("the mesh of {} is not there (VOLCCD_DATA names its folder): it is left out of the tables\n", name);
     return file;
   }
   constexpr const char* kShared[] = {"ls-dyna-projectile", "octopus2-105k", "cloth-ball", "rod-twist"};
@@ -101,7 +101,7 @@ std::optional<std::string> scene_file(const ExperimentOptions& options, const st
                         std::any_of(std::begin(kShared), std::end(kShared), [&](const char* o) { return name == o; });
   const std::string file = external ? shared_data_path(name + ".vtkhdf") : "";
   if (external && !std::filesystem::exists(file)) {
-    report.print("{} is not there (VOLCCD_DATA names another folder): the tables do without it\n", file);
+    report.print("{} is not there (VOLCCD_DATA names another folder): it is left out of the tables\n", file);
     return std::nullopt;
   }
   if (name == "builtin") report.print("taking the built-in sequence\n");
@@ -156,7 +156,7 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
   if (record.set_aside())
     report.print("{}: rows of another build or plan, kept as {}\n", record.incomplete_file(), record.old_file());
   if (record.resumed() > 0)
-    report.print("{}: going on, {} window(s) are there\n", record.incomplete_file(), record.resumed());
+    report.print("{}: continued; {} window(s) are complete\n", record.incomplete_file(), record.resumed());
   try {
     if (kind.rows && !record.has("rows")) record.add("rows", kind.rows(context));
     of_rows.reset();
@@ -167,7 +167,7 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
     });
   } catch (const Interrupted&) {
     throw Interrupted(
-        fmt::format("{}: stopped; the same command goes on with what {} has", kind.name, record.incomplete_file()));
+        fmt::format("{}: stopped; the same command continues the run from {}", kind.name, record.incomplete_file()));
   }
   nlohmann::json whole = {{"rows", record.rows()}, {"provenance", facts}};
   record.finish(facts, kind.summary ? kind.summary(whole) : nlohmann::json::array());
@@ -391,7 +391,7 @@ int compare(const CompareOptions& options) {
   report.print("{} compared: {} slower, {} faster beyond the spread, {} with other counts\n", result.compared,
                result.slower, result.faster, result.other_counts);
   if (result.single > 0)
-    report.print("{} with a single round: their spread is unknown, and their times are not judged\n", result.single);
+    report.print("{} with a single round: their spread is unknown, and their times are not compared\n", result.single);
   return result.slower + result.other_counts > 0 ? kDifferent : kDone;
 }
 
@@ -416,7 +416,7 @@ void add_compare_command(CLI::App& command, Action& action) {
   compare_command->add_option("A", options->a, "folder of the records before")->required();
   compare_command->add_option("B", options->b, "folder of the records after")->required();
   compare_command->footer(
-      "Exit code 1 where something became slower beyond the spread of its rounds and 3 %, or counts differ.\n"
+      "Exit code 1 if anything is slower by more than the spread of its rounds and 3 %, or if counts differ.\n"
       "Example:\n  volccd experiment compare results/ build/results/");
   options->report.add_to(*compare_command);
   compare_command->callback([options, &action] { action = [options] { return compare(*options); }; });
@@ -446,7 +446,7 @@ void add_list_command(CLI::App& command, Action& action) {
 }  // namespace
 
 void add_experiment_command(CLI::App& app, const Registry& registry, Action& action) {
-  CLI::App* command = app.add_subcommand("experiment", "measurements that give the tables");
+  CLI::App* command = app.add_subcommand("experiment", "runs measurements and makes their tables");
   command->require_subcommand(1);
   add_list_command(*command, action);
   CLI::App* run_command = command->add_subcommand("run", "measure, print the tables, keep the records");

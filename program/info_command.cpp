@@ -229,7 +229,7 @@ int info(const InfoOptions& options) {
 }  // namespace
 
 void add_info_command(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("info", "what is in a sequence: counts, parts, steps, motion per step");
+  CLI::App* command = app.add_subcommand("info", "contents of a sequence: counts, parts, steps, motion per step");
   const auto options = std::make_shared<InfoOptions>();
   options->sequence.add_to(*command);
   options->sequence.add_parts_to(*command);

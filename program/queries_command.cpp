@@ -143,7 +143,8 @@ void add_queries_command(CLI::App& app, const Registry& registry, Action& action
   command->add_flag("--candidates", options->source.candidates,
                     "sequences: all pairs with overlapping swept boxes, not only those that the truth lists");
   command
-      ->add_option("--judge", options->judge, "narrow phase whose answers count as the truth, in place of the file's")
+      ->add_option("--judge", options->judge,
+                   "narrow phase whose answers are used instead of the known answers in the file")
       ->type_name("NAME");
   command->add_option("--sample", options->source.sample, "at most N of each scene and kind; 0: all")
       ->type_name("N")

@@ -58,14 +58,14 @@ StepRange parse_steps(const std::string& text, int motions, const std::string& f
            parse_bound(std::string_view(text).substr(colon + 1), motions, range.end);
   }
   if (!good) throw ConfigError(fmt::format("--steps: '{}' is not A:B, A:, :B or K", text));
-  if (motions == 0) throw InputError(file, "VTKHDF/Steps", "has one step only: no motion to look at");
+  if (motions == 0) throw InputError(file, "VTKHDF/Steps", "has only one step, and therefore no motion");
   if (range.begin < 0 || range.begin >= range.end || range.end > motions)
     throw ConfigError(fmt::format("--steps: {} is not within the motions 0:{} of {}", text, motions, file));
   return range;
 }
 
 void add_threads_option(CLI::App& command, unsigned& threads, const std::string& purpose) {
-  command.add_option("--threads", threads, purpose + "0: as many as the machine has; more are never made")
+  command.add_option("--threads", threads, purpose + "0: as many as the machine has; more are not used")
       ->check(CLI::Range(0u, kMaxThreads))
       ->type_name("N")
       ->capture_default_str();
@@ -91,7 +91,7 @@ void SequenceOptions::add_to(CLI::App& command) {
 void SequenceOptions::add_parts_to(CLI::App& command) {
   command
       .add_option("--parts", parts,
-                  "objects are the parts that the file stores, or what hangs together: cells that share a vertex at "
+                  "objects are the parts that the file stores, or connected components: cells that share a vertex at "
                   "any step are of one object")
       ->check(one_of({"stored", "components"}))
       ->capture_default_str();
@@ -146,7 +146,7 @@ void QueryOptions::check(const SequenceStepper& stepper) const {
   if (const std::optional<std::int32_t> object = only_object(stepper.topology().mesh()))
     fmt::print(stderr,
                "volccd: warning: all elements of motion {} belong to part {}, so there are no pairs between parts; "
-               "--parts components takes what hangs together as a part\n",
+               "--parts components makes each connected component a part\n",
                stepper.current(), *object);
 }
 

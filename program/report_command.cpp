@@ -200,10 +200,13 @@ int write_view(const PageOptions& options, const Registry& registry) {
 }
 
 void add_common(CLI::App& command, PageOptions& options) {
-  command.add_option("-o,--output", options.output, "folder to write: new, empty, or of an earlier report")
+  command
+      .add_option("-o,--output", options.output, "folder to write: a new or empty one, or one with an earlier report")
       ->required()
       ->type_name("FOLDER");
-  command.add_option("--pipeline", options.pipeline, "whose contacts and counts the scenes show; see `volccd stages`")
+  command
+      .add_option("--pipeline", options.pipeline,
+                  "pipeline that computes the contacts and counts of the scenes; see `volccd stages`")
       ->type_name("NAME")
       ->capture_default_str();
   command.add_option("--set", options.settings, "stage.option=value, or role=stage[,stage...]; may be repeated")
@@ -224,13 +227,13 @@ void add_common(CLI::App& command, PageOptions& options) {
 
 void add_report_command(CLI::App& app, const Registry& registry, Action& action) {
   CLI::App* command =
-      app.add_subcommand("report", "tables, figures and scenes of a folder of records, to be read in a browser");
+      app.add_subcommand("report", "tables, figures and scenes of a folder of records, as a page for a browser");
   const auto options = std::make_shared<PageOptions>();
   command->add_option("RESULTS", options->input, "folder with the records of `volccd experiment run`")
       ->required()
       ->type_name("");
   add_common(*command, *options);
-  command->add_option("--scenes", options->scenes, "show these scenes alone, NAME[,NAME...], or none; default: all")
+  command->add_option("--scenes", options->scenes, "show only these scenes, NAME[,NAME...], or none; default: all")
       ->type_name("LIST");
   command->footer(
       "FOLDER/index.html opens from disk, without a server or a network. The sequences that the records name are\n"
@@ -245,7 +248,7 @@ void add_report_command(CLI::App& app, const Registry& registry, Action& action)
 }
 
 void add_view_command(CLI::App& app, const Registry& registry, Action& action) {
-  CLI::App* command = app.add_subcommand("view", "one sequence with its contacts in 3-D, to be looked at in a browser");
+  CLI::App* command = app.add_subcommand("view", "one sequence with its contacts in 3-D, as a page for a browser");
   const auto options = std::make_shared<PageOptions>();
   options->megabytes = 40;
   command->add_option("FILE", options->input, "sequence (VTKHDF), or the name of a scene")->required()->type_name("");

@@ -81,7 +81,8 @@ void show_differences(const Report& report, int k, const StepVerdict& verdict, c
     if (one.difference.empty()) continue;
     report.print("  step {}: {} differs from {}: {} missing, {} extra, {} changed{}\n", k, one.pipeline,
                  verdict.reference, one.difference.missing.size(), one.difference.extra.size(),
-                 one.difference.changed.size(), one.held ? "" : "; not counted, its narrow phase being approximate");
+                 one.difference.changed.size(),
+                 one.held ? "" : "; not counted, because its narrow phase is approximate");
     if (!one.held) continue;
     show(report, "missing", rows_of(k, one.difference.missing, mesh));
     show(report, "extra", rows_of(k, one.difference.extra, mesh));
@@ -197,9 +198,9 @@ class Verification {
     if (config_.leave_out_shell_neighbours)
       report_.print("left out of the contacts: {} of features that stem from one shell vertex\n", grouped(left_out_));
     if (!verifier_.skipped_pipelines().empty())
-      report_.print(
-          "{}", wrapped(fmt::format("left out, their narrow phase being approximate (--approximate runs them): {}\n",
-                                    fmt::join(verifier_.skipped_pipelines(), ", "))));
+      report_.print("{}", wrapped(fmt::format(
+                              "left out, because their narrow phase is approximate (--approximate runs them): {}\n",
+                              fmt::join(verifier_.skipped_pipelines(), ", "))));
     const char* const in = steps.complete() ? "" : " in these steps";
     report_.print("{}\n", clean_ ? (steps.complete() ? "clean: no difference" : "no difference in these steps")
                                  : fmt::format("DIFFERENCES FOUND{}", in));
@@ -302,7 +303,7 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
       "phase is approximate and another one than the reference's: these run with --approximate only. Where FCL finds\n"
       "two elements overlapping at t = 1/4, 1/2, 3/4 or 1, they overlapped at t = 0 or must have a contact by then.\n"
       "All pipelines must list the same initial overlaps, all that FCL finds at t = 0 and none that is clearly apart.\n"
-      "Exit code 1 if anything differs. Ctrl-C abandons the step at hand and reports those before:\n"
+      "Exit code 1 if anything differs. Ctrl-C discards the present step and reports the earlier ones:\n"
       "exit code 130.\n"
       "Examples:\n"
       "  volccd verify run.vtkhdf\n"

@@ -1,4 +1,4 @@
-// What each stage of the pipeline took in and gave out in one motion, as bars on a logarithmic scale.
+// The numbers of pairs that each stage of the pipeline took and kept in one motion, as bars on a logarithmic scale.
 import {duration, grouped, h, percent, svg, tooltip} from "./dom";
 import type {Motion, MotionStats, StageCount} from "./types";
 

@@ -1,4 +1,4 @@
-// Loads a scene's script and takes its numbers apart (docs/report.md has the layout).
+// Loads the script of a scene and decodes it (docs/report.md has the layout).
 import type {SceneEntry, SceneHeader} from "./types";
 
 export class SceneData {
