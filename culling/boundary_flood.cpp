@@ -64,16 +64,18 @@ double boundary_share(const Topology& topology) {
   return mesh.element_count() == 0 ? 1 : static_cast<double>(boundary) / static_cast<double>(mesh.element_count());
 }
 
-/// Selects the elements that the broad phase pairs: those on the boundary, those in D, and those at a vertex that the
-/// complex surrounds more than once.
+/// Selects what the broad phase pairs: boundary faces, and whole elements in D or at a vertex that the complex surrounds
+/// more than once.
 void choose_outer(const Step& step, BoundaryFloodState& state) {
   const Mesh& mesh = step.mesh();
   const std::uint64_t version = state.outer.version();
-  state.outer.assign(mesh.element_slots(), [&](Index o) {
-    if (!mesh.is_live(o)) return false;
-    if (state.stars.on_boundary(o) || state.classes.degenerate(o)) return true;
+  state.outer.assign(mesh, [&](Index o) {
+    if (!mesh.is_live(o)) return ElementSubset::kNoPart;
     const std::span<const Index> vertices = mesh.vertices(o);
-    return std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return state.classes.wound(v); });
+    const bool whole = state.classes.degenerate(o) || std::any_of(vertices.begin(), vertices.end(), [&](Index v) {
+                         return state.classes.wound(v);
+                       });
+    return whole ? ElementSubset::kWhole : state.stars.boundary_part(o);
   });
   if (state.outer.version() != version) state.parts_valid = false;
 }
@@ -151,7 +153,7 @@ Flood::Front propose(BoundaryFloodState& state) {
       if (!state.parts_valid) detail::FloodFront::one_of_each_part(step, state.parts, state.parents);
       state.parts_valid = true;
       at_start.from_start(state.parts, state.along_x);
-      for (const ElementPair pair : fresh) at_start.around(pair);
+      for (const ElementPair pair : fresh) at_start.again(pair);
     } else {
       for (const ElementPair pair : fresh) at_start.around_at_start(pair);
     }
@@ -165,12 +167,8 @@ Flood::Front propose(BoundaryFloodState& state) {
   detail::FloodFront front(step, state.stars, state.classes, state.seen, state.front);
   if (state.phase == Phase::start) {
     front.around_suspect_stars();
-    // Proceeds from the seeds. Pairs that touch at the start are processed again for the whole step.
-    for (const ElementPair pair : state.reached)
-      if (step.takes_part(pair.a) && step.takes_part(pair.b))
-        front.around(pair);
-      else
-        front.again(pair);
+    // Only the outer parts of the seeds were culled so far, and other pairs only for t = 0.
+    for (const ElementPair pair : state.reached) front.again(pair);
     state.phase = Phase::flood;
   } else {
     for (const ElementPair pair : fresh) front.around(pair);
