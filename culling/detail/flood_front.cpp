@@ -36,23 +36,9 @@ void FloodFront::around(ElementPair pair) {
   inner_neighbours(pair.b, pair.a);
 }
 
-bool FloodFront::has_inner_neighbour(Index o) const {
-  if (!is_volume(step_.mesh(), o)) return false;
-  const auto& neighbours = stars_.neighbours(o);
-  return std::any_of(neighbours.begin(), neighbours.end(), [&](const StarTable::Neighbour& across) {
-    return across.element != kNone && has_inside(across.element);
-  });
-}
-
-void FloodFront::around_suspect_stars() {
-  for (const Index v : classes_.suspects()) {
-    const std::span<const Index> star = step_.features().vertex_elements(v);
-    for (const Index a : star) {
-      if (!has_inner_neighbour(a)) continue;
-      for (const Index b : star)
-        if (classes_.first_common_suspect(step_.topology, a, b) == v) inner_neighbours(a, b);
-    }
-  }
+void FloodFront::around_suspect_pairs() {
+  for (const ElementPair pair : suspects_.pairs())
+    if (pair.a != pair.b) around(pair);
 }
 
 /// Whether at t = 0 all vertices of b, except those of a face of a, are beyond that face. Then a and b have no common
@@ -123,15 +109,10 @@ void FloodFront::around_at_start(ElementPair pair) {
 
 void FloodFront::from_start(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& scratch) {
   from_contained(vertices, scratch);
-  for (const Index v : classes_.suspects()) {
-    const std::span<const Index> star = step_.features().vertex_elements(v);
-    for (const Index inner : star) {
-      if (!has_inside(inner)) continue;
-      for (const Index other : star)
-        if (inner != other && outer(other) && classes_.first_common_suspect(step_.topology, inner, other) == v &&
-            may_overlap_at_start(inner, other))
-          proceed_at_start(other, inner);
-    }
+  for (const ElementPair pair : suspects_.pairs()) {
+    const auto proceeds = [&](Index a, Index b) { return outer(a) && has_inside(b); };
+    const bool both = proceeds(pair.a, pair.b) || proceeds(pair.b, pair.a);
+    if (pair.a != pair.b && both && may_overlap_at_start(pair.a, pair.b)) around_at_start(pair);
   }
 }
 

@@ -7,6 +7,7 @@
 
 #include <volccd/culling/detail/pair_set.hpp>
 #include <volccd/culling/detail/star_classes.hpp>
+#include <volccd/culling/detail/suspect_pairs.hpp>
 
 namespace volccd::detail {
 
@@ -15,16 +16,16 @@ namespace volccd::detail {
 class FloodFront {
  public:
   /// `seen`: the pairs proposed so far. New proposals are appended to `out`.
-  FloodFront(const Step& step, const StarTable& stars, const StarClasses& classes, PairSet& seen,
+  FloodFront(const Step& step, const StarTable& stars, const SuspectPairs& suspects, PairSet& seen,
              std::vector<ElementPair>& out)
-      : step_(step), stars_(stars), classes_(classes), seen_(seen), out_(out) {}
+      : step_(step), stars_(stars), suspects_(suspects), seen_(seen), out_(out) {}
 
   /// Proposes the pairs in which one element of `pair` is replaced by a neighbour across a face that has an inside.
   void around(ElementPair pair);
   /// Proposes the pair itself.
   void again(ElementPair pair) { propose(pair.a, pair.b); }
-  /// Does the same as around() for all adjacent pairs whose common vertices all have suspect stars.
-  void around_suspect_stars();
+  /// Does the same as around() for all adjacent pairs that may have double points.
+  void around_suspect_pairs();
 
   /// For t = 0: pairs each element with an inside that may contain one of the vertices with an element whose outer part
   /// has that vertex, and proceeds from adjacent pairs that may overlap as around_at_start() does.
@@ -42,7 +43,6 @@ class FloodFront {
   bool outer(Index o) const { return step_.subset->contains(o); }
   bool has_inside(Index o) const { return !step_.subset->contains_whole(o); }
   bool outer_at(Index o, Index v) const;
-  bool has_inner_neighbour(Index o) const;
   void proceed_at_start(Index outer_element, Index other);
   bool may_overlap_at_start(Index a, Index b) const;
   bool beyond_a_face_at_start(Index a, Index b) const;
@@ -52,7 +52,7 @@ class FloodFront {
 
   const Step& step_;
   const StarTable& stars_;
-  const StarClasses& classes_;
+  const SuspectPairs& suspects_;
   PairSet& seen_;
   std::vector<ElementPair>& out_;
 };
