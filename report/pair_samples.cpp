@@ -10,7 +10,9 @@ namespace {
 
 constexpr double kMiddle = 0.5;
 
+/// A part of an element may repeat its first vertex at the end.
 Vec3 centroid(const Motion& motion, std::span<const Index> vertices) {
+  while (vertices.size() > 1 && vertices.back() == vertices.front()) vertices = vertices.first(vertices.size() - 1);
   Vec3 sum = Vec3::Zero();
   for (const Index v : vertices) sum += motion.position(v, kMiddle);
   return sum / static_cast<double>(vertices.size());
@@ -52,8 +54,7 @@ void PairSampler::add(std::size_t stage, unsigned worker, SampledKind kind, std:
 void PairSampler::observe(std::size_t stage, unsigned worker, const Step& step, std::span<const ElementPair> pairs,
                           std::span<const std::uint8_t> keep) {
   add(stage, worker, SampledKind::elements, pairs, keep, [&](ElementPair pair) {
-    return std::array{centroid(step.motion, step.mesh().vertices(pair.a)),
-                      centroid(step.motion, step.mesh().vertices(pair.b))};
+    return std::array{centroid(step.motion, step.part(pair.a)), centroid(step.motion, step.part(pair.b))};
   });
 }
 
