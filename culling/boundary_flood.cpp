@@ -39,10 +39,10 @@ struct BoundaryFloodState final : StageState {
   BoundaryFlood::Counters counters;
 
   std::size_t bytes() const override {
-    std::size_t sum = complex.bytes() + stars.bytes() + classes.bytes() + suspects.bytes() + outer.bytes() + seen.bytes() +
-                      seen_at_start.bytes() + (front.capacity() + reached.capacity()) * sizeof(ElementPair) +
-                      (parts.capacity() + parents.capacity()) * sizeof(Index) + counted.bytes() +
-                      start_scratch.bytes();
+    std::size_t sum = complex.bytes() + stars.bytes() + classes.bytes() + suspects.bytes() + outer.bytes() +
+                      seen.bytes() + seen_at_start.bytes() +
+                      (front.capacity() + reached.capacity()) * sizeof(ElementPair) +
+                      (parts.capacity() + parents.capacity()) * sizeof(Index) + counted.bytes() + start_scratch.bytes();
     for (const Worker& w : workers) sum += sizeof w + w.reached.capacity() * sizeof(ElementPair);
     return sum;
   }
@@ -66,14 +66,14 @@ double boundary_share(const Topology& topology) {
   return mesh.element_count() == 0 ? 1 : static_cast<double>(boundary) / static_cast<double>(mesh.element_count());
 }
 
-/// Selects what the broad phase pairs: boundary faces, and whole elements in D or at a vertex that the complex surrounds
-/// more than once.
+/// Selects what the broad phase pairs: boundary faces, and whole elements in D or at a vertex that the complex
+/// surrounds more than once.
 void choose_outer(const Step& step, BoundaryFloodState& state) {
   const Mesh& mesh = step.mesh();
   const std::uint64_t version = state.outer.version();
   state.outer.assign(mesh, [&](Index o) {
     if (!mesh.is_live(o)) return ElementSubset::kNoPart;
-    return state.classes.degenerate(o) || state.classes.has_wound_vertex(step.topology, o) 
+    return state.classes.degenerate(o) || state.classes.has_wound_vertex(step.topology, o)
                ? ElementSubset::kWhole
                : state.stars.boundary_part(o);
   });

@@ -15,9 +15,8 @@ Index ElementList::put(const Step& step, Index slot, Index* out) {
   const std::span<const Index> vertices = step.mesh().vertices(slot), part = step.part(slot);
   std::copy(vertices.begin(), vertices.end(), out);
   if (part.data() == vertices.data()) return static_cast<Index>(vertices.size());
-  Index* const rest = std::stable_partition(out, out + vertices.size(), [&](Index v) {
-    return std::find(part.begin(), part.end(), v) != part.end();
-  });
+  Index* const rest = std::stable_partition(
+      out, out + vertices.size(), [&](Index v) { return std::find(part.begin(), part.end(), v) != part.end(); });
   return static_cast<Index>(rest - out);
 }
 

@@ -267,8 +267,7 @@ void KdopTree::fill_lanes(std::size_t begin, std::size_t end) {
     lanes_[p] = list_.slot(p);
     const std::span<const Index> vertices = list_.vertices(p);
     for (std::size_t v = 0; v < rows; ++v)
-      lanes_[(1 + v) * lane_stride_ + p] =
-          list_.slot(p) == kNone ? kNone : vertices[v < vertices.size() ? v : 0];
+      lanes_[(1 + v) * lane_stride_ + p] = list_.slot(p) == kNone ? kNone : vertices[v < vertices.size() ? v : 0];
   }
 }
 

@@ -24,9 +24,8 @@ struct LowestVector {
 
 HWY_INLINE CornerLanes products(const CornerVectors& corner, const double* direction, std::size_t lane) {
   const CornerTag tag;
-  const auto term = [&](std::size_t k) HWY_ATTR {
-    return hn::Mul(hn::Set(tag, direction[k]), hn::Load(tag, corner.x[k] + lane));
-  };
+  const auto term = [&](std::size_t k)
+                        HWY_ATTR { return hn::Mul(hn::Set(tag, direction[k]), hn::Load(tag, corner.x[k] + lane)); };
   return hn::Add(hn::Add(term(0), term(1)), term(2));
 }
 

@@ -20,8 +20,8 @@ struct StartScratch {
   std::size_t bytes() const { return along_x.capacity() * sizeof(along_x[0]) + ranks.capacity() * sizeof(ranks[0]); }
 };
 
-/// Pairs of non-adjacent simplices, each proposed once. The subset of the step holds the outer part of each simplex: the
-/// whole simplex, a face, or nothing. A simplex that is not outer as a whole has an inside. Not thread-safe.
+/// Pairs of non-adjacent simplices, each proposed once. The subset of the step holds the outer part of each simplex:
+/// the whole simplex, a face, or nothing. A simplex that is not outer as a whole has an inside. Not thread-safe.
 class FloodFront {
  public:
   /// `seen`: the pairs proposed so far. New proposals are appended to `out`.

@@ -32,8 +32,8 @@ enum EdgeVolume : std::size_t { a0_a1, b0_b1, a0_b0, a0_b1, a1_b0, a1_b1, kEdgeV
 void append_volumes(const Topology& topology, ElementPair pair, std::vector<std::array<Index, 4>>& out) {
   const auto edge = two_of(topology, pair.a, pair.b, true);
   const auto a = two_of(topology, pair.a, pair.b, false), b = two_of(topology, pair.b, pair.a, false);
-  for (const auto& [u, v] : {std::pair{a[0], a[1]}, std::pair{b[0], b[1]}, std::pair{a[0], b[0]},
-                             std::pair{a[0], b[1]}, std::pair{a[1], b[0]}, std::pair{a[1], b[1]}})
+  for (const auto& [u, v] : {std::pair{a[0], a[1]}, std::pair{b[0], b[1]}, std::pair{a[0], b[0]}, std::pair{a[0], b[1]},
+                             std::pair{a[1], b[0]}, std::pair{a[1], b[1]}})
     out.push_back({edge[0], edge[1], u, v});
 }
 
@@ -73,7 +73,8 @@ void SuspectPairs::decide_at_corner(const Step& step, Index v, Worker& worker) {
   worker.apart.resize(worker.corner_pairs.size());
   separate_corners(worker.corners, worker.corner_pairs, worker.apart.data());
   for (std::size_t n = 0; n < worker.corner_pairs.size(); ++n)
-    if (worker.apart[n] == 0) worker.found.push_back({star[worker.corner_pairs[n][0]], star[worker.corner_pairs[n][1]]});
+    if (worker.apart[n] == 0)
+      worker.found.push_back({star[worker.corner_pairs[n][0]], star[worker.corner_pairs[n][1]]});
 }
 
 void SuspectPairs::decide_at_edges(const Step& step, Worker& worker) {

@@ -411,8 +411,12 @@ class View(Page):
         BROWSER.click(f".stage-choice[data-stage='{stage}']")
         BROWSER.hover("canvas")
         x, y = BROWSER.js("""(() => { const v = volccd_test.viewer, b = v.canvas.getBoundingClientRect();
-            v.drawNow(); const {first} = v.pairs.range(v.motion, v.stage), [p, q] = v.data.pairAt(first);
-            const c = v.onCanvas(p.map((a, i) => (a + q[i]) / 2)); return [b.x + c.x, b.y + c.y]; })()""")
+            v.drawNow(); const {first, dropped} = v.pairs.range(v.motion, v.stage);
+            for (let i = 0; i < dropped; ++i) {  // one whose line no other line hides
+              const [p, q] = v.data.pairAt(first + i), c = v.onCanvas(p.map((a, k) => (a + q[k]) / 2));
+              if (v.pairAt(c.x, c.y) === i) return [b.x + c.x, b.y + c.y];
+            }
+            throw new Error("the lines of kept pairs hide all dropped ones"); })()""")
         BROWSER.mouse("mouseMoved", x, y)
         BROWSER.until("document.querySelector('.tip') && !document.querySelector('.tip').hidden")
         self.assertRegex(self.text(".tip"), r"^(Element pair|Vertex-triangle test|Edge-edge test), dropped by .+\.$")
