@@ -414,7 +414,8 @@ class View(Page):
             v.drawNow(); const {first, dropped} = v.pairs.range(v.motion, v.stage);
             for (let i = 0; i < dropped; ++i) {  // one whose line no other line hides
               const [p, q] = v.data.pairAt(first + i), c = v.onCanvas(p.map((a, k) => (a + q[k]) / 2));
-              if (v.pairAt(c.x, c.y) === i) return [b.x + c.x, b.y + c.y];
+              const x = Math.round(b.x + c.x), y = Math.round(b.y + c.y);
+              if (v.pairAt(x - b.x, y - b.y) === i) return [x, y];
             }
             throw new Error("the lines of kept pairs hide all dropped ones"); })()""")
         BROWSER.mouse("mouseMoved", x, y)
