@@ -37,6 +37,7 @@ export class SceneView {
   private canvasBox = h("div", {class: "stage"});
   private notes = h("div", {class: "notes"});
   private frames = 0;      ///< drawn since playing began
+  private runs = 0;        ///< how often playing has begun
   private simplicity = 0;  ///< index into kSimplicities
   rate = 0;                ///< pictures a second while it plays
 
@@ -299,7 +300,6 @@ export class SceneView {
     const last = Math.max(this.data.motions - 1, 0);
     this.motion = Math.max(0, Math.min(last, motion));
     this.t = motion > last ? 1 : t;
-    this.slider.value = String(Math.round((this.motion + this.t) * kFine));
     this.update();
   }
 
@@ -317,6 +317,11 @@ export class SceneView {
   private update(): void {
     const {header} = this.data!, frame = header.frames[this.motion], next = header.frames[this.motion + 1];
     this.viewer!.setTime(this.motion, this.t);
+    // While it plays, a few times a second: drawing the page anew takes longer than drawing the view.
+    const now = performance.now();
+    if (this.playing && now - this.updatedAt < 250) return;
+    this.updatedAt = now;
+    this.slider.value = String(Math.round((this.motion + this.t) * kFine));
     const time = next ? frame.time + this.t * (next.time - frame.time) : frame.time;
     this.clock.textContent = next ? `motion ${frame.step} → ${next.step} of ${header.steps - 1}, at ${
                                         this.t.toFixed(2)} · t = ${Number(time.toPrecision(4))} ${header.time_unit}` :
@@ -327,13 +332,10 @@ export class SceneView {
   }
 
   private funnelOf = -1;
-  private funnelAt = 0;
+  private updatedAt = 0;  ///< when the slider, the texts and the funnel were last updated
   private updateFunnel(): void {
     const {header} = this.data!, motion = header.motions[this.motion];
-    const key = this.motion, now = performance.now();
-    // While it plays, a few times a second: nobody reads more, and drawing the table takes longer than the view.
-    if (this.playing && now - this.funnelAt < 250) return;
-    this.funnelAt = now;
+    const key = this.motion;
     if (this.funnelOf === key && this.funnelBox.dataset.scene === header.name) return;
     this.funnelOf = key;
     this.funnelBox.dataset.scene = header.name;
@@ -384,13 +386,15 @@ export class SceneView {
     if (!on) {
       this.pace.textContent = "";
       this.viewer?.setDetail(1);
-      if (this.data) this.updateFunnel();
+      if (this.data) this.update();
       return;
     }
+    const run = ++this.runs;
     this.frames = 0;
     this.setSimplicity(this.viewer!.software ? 2 : 0);
     let last = performance.now(), since = last, counted = 0;
     const tick = (now: number) => {
+      if (run !== this.runs) return;
       if (!this.playing || !this.data || !this.element.isConnected) {
         this.play(false);
         return;
