@@ -4,6 +4,7 @@
 #   install    installs the build into WORK_DIR/prefix, which the other parts use; looks through what lies there
 #   consumer   builds and runs tests/consumer/, without the packages that only the component `program` needs
 #   example    builds examples/custom_culling/, which asks for the component `program`
+#   solver     builds examples/solver/ and runs it, without the packages that only the component `program` needs
 #   refusals   components that cannot be had are refused, and the message says why
 #   headers    each installed header compiles alone
 #   debian     makes the Debian packages, unpacks them into an empty root, and uses what lies there: the program, the
@@ -71,6 +72,11 @@ function(check_no_file_names_this_machine)
   endforeach()
 endfunction()
 
+# The library alone does not ask for these.
+foreach(package PNG fcl ccd CLI11 nlohmann_json)
+  list(APPEND without_program "-DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON")
+endforeach()
+
 file(GLOB_RECURSE headers RELATIVE "${PREFIX}/include" "${PREFIX}/include/*.hpp")
 file(GLOB_RECURSE program_targets "${PREFIX}/*/volccdProgramTargets.cmake")
 
@@ -79,11 +85,11 @@ if(PART STREQUAL "install")
   run("install" "${CMAKE_COMMAND}" --install "${BUILD_DIR}" --prefix "${PREFIX}")
   check_no_file_names_this_machine()
 elseif(PART STREQUAL "consumer")
-  foreach(package PNG fcl ccd CLI11 nlohmann_json)
-    list(APPEND without "-DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON")
-  endforeach()
-  build("${PROJECT_DIR}/tests/consumer" consumer ${without})
+  build("${PROJECT_DIR}/tests/consumer" consumer ${without_program})
   run("run" "${WORK_DIR}/consumer/consumer")
+elseif(PART STREQUAL "solver")
+  build("${PROJECT_DIR}/examples/solver" solver ${without_program})
+  run("run" "${WORK_DIR}/solver/solver")
 elseif(PART STREQUAL "example")
   build("${PROJECT_DIR}/examples/custom_culling" custom_culling)
 elseif(PART STREQUAL "refusals")
