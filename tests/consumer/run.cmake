@@ -10,6 +10,7 @@
 #   debian     makes the Debian packages, unpacks them into an empty root, and uses what lies there: the program, the
 #              importer, tests/consumer/ by CMake and by pkg-config (python/tests/installed.py uses the Python module)
 #   shared     builds and installs shared libraries, and uses them by CMake and by pkg-config
+#   fresh      configures the project where only the packages that the program needs are there
 #   lean       builds and installs the library without program, HDF5 and GMP, and uses it
 cmake_policy(VERSION 3.22)
 set(PREFIX "${WORK_DIR}/prefix")
@@ -173,6 +174,19 @@ elseif(PART STREQUAL "shared")
   build("${PROJECT_DIR}/tests/consumer" consumer-of-shared ${without_program})
   run("run" "${WORK_DIR}/consumer-of-shared/consumer")
   use_by_pkg_config(by_pkg_config_shared)
+elseif(PART STREQUAL "fresh")
+  foreach(package GTest rapidcheck benchmark embree Bullet)
+    list(APPEND without_tests "-DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON")
+  endforeach()
+  configure_command(command "${PROJECT_DIR}" fresh ${without_tests})
+  execute_process(COMMAND ${command} RESULT_VARIABLE code OUTPUT_VARIABLE message ERROR_VARIABLE message)
+  foreach(expected "Tests: not built: not found: GTest (Debian: libgtest-dev), rapidcheck (Debian: librapidcheck-dev)"
+                   "Benchmarks: not built: not found: benchmark (Debian: libbenchmark-dev)" "Python module: built for")
+    string(FIND "${message}" "${expected}" position)
+    if(NOT code EQUAL 0 OR position EQUAL -1)
+      message(FATAL_ERROR "exit code ${code}, and not '${expected}', but: ${message}")
+    endif()
+  endforeach()
 elseif(PART STREQUAL "lean")
   set(without -DCMAKE_DISABLE_FIND_PACKAGE_HDF5=ON -DCMAKE_DISABLE_FIND_PACKAGE_GMP=ON)
   install_library(lean -DVOLCCD_WITH_HDF5=OFF -DVOLCCD_WITH_GMP=OFF ${without})
