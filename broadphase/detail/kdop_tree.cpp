@@ -90,6 +90,7 @@ bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const B
   for (std::size_t p = built_elements_; p < list_.size(); ++p)
     if (!std::binary_search(touched.begin(), touched.end(), list_.slot(p))) order_.push_back(list_.slot(p));
   for (const Index slot : touched) {
+    if (positions_[slot] < built_elements_ && list_.replace_part(step, positions_[slot])) continue;
     if (positions_[slot] < built_elements_) {
       list_.make_gap(positions_[slot]);
       ++gaps_;
@@ -102,7 +103,7 @@ bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const B
     return false;
 
   list_.truncate(built_elements_);
-  for (const Index slot : order_) list_.append(step.mesh(), slot);
+  for (const Index slot : order_) list_.append(step, slot);
   const Index end = static_cast<Index>(list_.size());
   const Index first = built_elements_ == 0 ? 0 : nodes_of(built_elements_);
   nodes_.resize(end == built_elements_ ? first : first + nodes_of(end - built_elements_));
