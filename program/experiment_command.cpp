@@ -93,7 +93,7 @@ std::optional<std::string> scene_file(const ExperimentOptions& options, const st
   if (is_deformed_scene(name)) {
     const std::optional<std::string> file = deformed_scene_file(name);
     if (!file)
-      report.print("the mesh of {} is not there (VOLCCD_DATA names its folder): the tables do without it\n", name);
+      report.print("the mesh of {} is not there: the tables do without it\n(VOLCCD_DATA names its folder)\n", name);
     return file;
   }
   constexpr const char* kShared[] = {"ls-dyna-projectile", "octopus2-105k", "cloth-ball", "rod-twist"};
@@ -101,7 +101,7 @@ std::optional<std::string> scene_file(const ExperimentOptions& options, const st
                         std::any_of(std::begin(kShared), std::end(kShared), [&](const char* o) { return name == o; });
   const std::string file = external ? shared_data_path(name + ".vtkhdf") : "";
   if (external && !std::filesystem::exists(file)) {
-    report.print("{} is not there (VOLCCD_DATA names another folder): the tables do without it\n", file);
+    report.print("{} is not there: the tables do without it\n(VOLCCD_DATA names another folder)\n", file);
     return std::nullopt;
   }
   if (name == "builtin") report.print("taking the built-in sequence\n");
