@@ -4,6 +4,7 @@
 
 #include <volccd/experiments/tables/ablation.hpp>
 #include <volccd/experiments/tables/culling_counts.hpp>
+#include <volccd/experiments/tables/inversion_table.hpp>
 #include <volccd/experiments/tables/operation_table.hpp>
 #include <volccd/experiments/tables/peers.hpp>
 #include <volccd/experiments/tables/pipelines_table.hpp>
@@ -28,8 +29,10 @@ const std::vector<ExperimentKind>& experiment_kinds() {
        scaling_summary, nullptr, true},
       {"plus", "whole steps of VolCCD+ and VolCCD, without the flood, and on the boundary alone; two cores",
        plus_plan, plus_tables, plus_summary, nullptr, true},
-      {"operations", "Section 7: operations and nanoseconds of CSAT and of an elementary test, beside the paper's",
+      {"operations", "Section 7: operations and nanoseconds of CSAT, of an elementary test, and of OBBs and k-DOPs",
        nullptr, operation_tables, nullptr, operation_rows},
+      {"inversion", "Section 7.2: contacts within objects that an inversion test points at, and those that it misses",
+       nullptr, inversion_tables, nullptr, inversion_rows},
       {"peers", "broad phases side by side, those of other libraries included: update, query, pairs a second, memory",
        nullptr, peers_tables, peers_summary, peers_rows},
   };

@@ -7,9 +7,9 @@
 #include <unordered_map>
 
 #include <fmt/format.h>
-#include <Eigen/Geometry>
 
 #include <volccd/core/error.hpp>
+#include <volccd/experiments/harness/corner_volumes.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/mesh/sequence/stepper.hpp>
@@ -35,15 +35,9 @@ struct CornerVolumes {
 
 /// Of a hexahedron or a wedge in VTK's order.
 CornerVolumes corner_volumes(std::span<const Index> v, std::span<const Vec3> x) {
-  constexpr std::size_t kHexahedron[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
-                                             {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
-  constexpr std::size_t kWedge[6][3] = {{2, 1, 3}, {0, 2, 4}, {1, 0, 5}, {4, 5, 0}, {5, 3, 1}, {3, 4, 2}};
   CornerVolumes volumes{{}, v.size()};
-  for (std::size_t i = 0; i < v.size(); ++i) {
-    const auto& next = v.size() == 8 ? kHexahedron[i] : kWedge[i];
-    const Vec3& p = x[v[i]];
-    volumes.at[i] = (x[v[next[0]]] - p).dot((x[v[next[1]]] - p).cross(x[v[next[2]]] - p));
-  }
+  const auto corners = corner_tetrahedra(v.size() == 8 ? ElementType::hexahedron : ElementType::wedge);
+  for (std::size_t i = 0; i < v.size(); ++i) volumes.at[i] = corner_volume(corners[i], v, x);
   return volumes;
 }
 
