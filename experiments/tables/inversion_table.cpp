@@ -133,6 +133,12 @@ json count_inversions(const Step& step, std::span<const Contact> contacts) {
   return count.counts();
 }
 
+ExperimentPlan inversion_plan(const PlanContext& context) {
+  ExperimentPlan plan{"inversion", context.full ? "full" : "quick", 1, {}};
+  for (const TableScene& scene : table_scenes(context)) plan.runs.push_back({scene.name, scene.file});
+  return plan;
+}
+
 std::vector<json> inversion_rows(const PlanContext& context) {
   SerialExecutor serial;
   Executor& executor = context.executor ? *context.executor : serial;

@@ -5,6 +5,9 @@
 
 namespace volccd {
 
+/// The scenes of the tables, for their inputs only: the plan has no windows.
+ExperimentPlan inversion_plan(const PlanContext& context);
+
 /// One row for each motion of the scenes of the tables, linear, and tentative where the file has velocities; contacts
 /// are those of VolCCD+. Columns: scene, motion_model, motion, elements, and as count_inversions() returns them.
 std::vector<nlohmann::json> inversion_rows(const PlanContext& context);

@@ -13,6 +13,8 @@ using nlohmann::json;
 
 namespace {
 
+std::string scene_name(const PlanContext& context) { return context.full ? "octopi" : "octopi-quick"; }
+
 std::string mean_text(const json& row, const char* name) { return fmt::format("{:.1f}", row.at(name).get<double>()); }
 
 /// What the paper prints, or "-".
@@ -77,10 +79,15 @@ std::optional<TitledTable> bound_table(const json& record) {
 
 }  // namespace
 
+ExperimentPlan operation_plan(const PlanContext& context) {
+  ExperimentPlan plan{"operations", context.full ? "full" : "quick", 1, {}};
+  if (const auto file = context.file_of(scene_name(context))) plan.runs.push_back({"octopi", *file});
+  return plan;
+}
+
 std::vector<json> operation_rows(const PlanContext& context) {
-  const std::string scene = context.full ? "octopi" : "octopi-quick";
-  const std::optional<std::string> file = context.file_of(scene);
-  if (!file) throw ConfigError("operations: the scene " + scene + " is not there");
+  const std::optional<std::string> file = context.file_of(scene_name(context));
+  if (!file) throw ConfigError("operations: the scene " + scene_name(context) + " is not there");
   QuerySourceConfig source;
   source.candidates = true;
   source.sample = 2048;

@@ -125,6 +125,17 @@ TEST(Inversion, MissesContactsBetweenElementsThatKeepTheirShape) {
   }
 }
 
+TEST(Inversion, LeavesOutContactsAtTheStart) {
+  Shape shape;
+  shape.append(block(ElementType::tetrahedron, 1, 1, 1), 0);
+  shape.append(block(ElementType::tetrahedron, 1, 1, 1).translate(Vec3(0, 0, 1)), 0);  // on top of it, not joined
+  const auto [counts, contacts] = counts_of(shape, shape.positions);
+  EXPECT_GT(contacts, 0u);
+  EXPECT_EQ(counts.at("intra"), contacts);
+  EXPECT_EQ(counts.at("intra_at_start"), contacts);
+  for (const char* other : {"in_inverted", "at_inverted", "missed"}) EXPECT_EQ(counts.at(other), 0) << other;
+}
+
 TEST(Inversion, TellsContactsAtAnInvertedElementFromTheRest) {
   const Shape shape = two_blocks(0);
   std::vector<Vec3> x1 = shape.positions;
