@@ -197,7 +197,7 @@ Baked bake_for(const ExperimentOptions& options, const SimulatedScene& scene, Ex
   return {*file, bake_record_file(scene, settings)};
 }
 
-/// A record for each of the five scenes. Those that are complete are kept when one fails or is interrupted.
+/// A record for each simulated scene that is no variant of another. Those that are complete are kept when one fails or is interrupted.
 int run_scenes(const ExperimentOptions& options, Finished& finished) {
   const std::string name = "scenes";
   const InterruptGuard guard;

@@ -19,7 +19,7 @@ class Sequence:
     path : str or path
     shells : "surface", "solid"
         Triangles and quads as they are, or thickened by the file's thickness.
-    motion : "linear", "quadratic", "tentative"
+    motion : "linear", "quadratic", "tentative", "query"
         To the next step on straight lines, or with constant acceleration; or from each step with its velocities.
     edges : "triangulated", "polytope"
     parts : "stored", "components"
