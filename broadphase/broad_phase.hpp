@@ -20,8 +20,8 @@ enum class PairRange {
 };
 
 /// Guarantee (conservative): each unordered pair {a,b} of elements that take part (Step::takes_part), in the requested
-/// range, whose closed swept volumes come within step.separation of each other is emitted exactly once, with a <= b,
-/// unless step.filter drops it (ObjectFilter::drops). Bounds are rounded outward.
+/// range, the closed swept volumes of whose parts (Step::part) come within step.separation of each other is emitted
+/// exactly once, with a <= b, unless step.filter drops it (ObjectFilter::drops). Bounds are rounded outward.
 class BroadPhase : public Stage {
  public:
   static constexpr const char* kRole = "broad-phase";

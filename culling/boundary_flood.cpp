@@ -5,13 +5,14 @@
 
 #include <volccd/culling/detail/flood_front.hpp>
 #include <volccd/culling/detail/simplex_complex.hpp>
+#include <volccd/culling/detail/suspect_pairs.hpp>
 
 namespace volccd {
 
 namespace {
 
-/// Number of suspect vertices whose orphans form one block.
-constexpr std::size_t kBlockVertices = 4;
+/// Number of suspect pairs whose orphans form one block.
+constexpr std::size_t kBlockPairs = 64;
 enum class Phase { idle, start, flood };
 
 struct alignas(64) Worker {
@@ -22,6 +23,7 @@ struct BoundaryFloodState final : StageState {
   detail::SimplexComplex complex;
   detail::StarTable stars;
   detail::StarClasses classes;
+  detail::SuspectPairs suspects;
   TopologyDelta counted;  ///< the topology for which boundary_share was computed
   double boundary_share = 0;
   ElementSubset outer;
@@ -37,7 +39,7 @@ struct BoundaryFloodState final : StageState {
   BoundaryFlood::Counters counters;
 
   std::size_t bytes() const override {
-    std::size_t sum = complex.bytes() + stars.bytes() + classes.bytes() + outer.bytes() + seen.bytes() +
+    std::size_t sum = complex.bytes() + stars.bytes() + classes.bytes() + suspects.bytes() + outer.bytes() + seen.bytes() +
                       seen_at_start.bytes() + (front.capacity() + reached.capacity()) * sizeof(ElementPair) +
                       (parts.capacity() + parents.capacity()) * sizeof(Index) + counted.bytes() +
                       along_x.capacity() * sizeof(along_x[0]);
@@ -64,39 +66,31 @@ double boundary_share(const Topology& topology) {
   return mesh.element_count() == 0 ? 1 : static_cast<double>(boundary) / static_cast<double>(mesh.element_count());
 }
 
-/// Selects the elements that the broad phase pairs: those on the boundary, those in D, and those at a vertex that the
-/// complex surrounds more than once.
+/// Selects what the broad phase pairs: boundary faces, and whole elements in D or at a vertex that the complex surrounds
+/// more than once.
 void choose_outer(const Step& step, BoundaryFloodState& state) {
   const Mesh& mesh = step.mesh();
   const std::uint64_t version = state.outer.version();
-  state.outer.assign(mesh.element_slots(), [&](Index o) {
-    if (!mesh.is_live(o)) return false;
-    if (state.stars.on_boundary(o) || state.classes.degenerate(o)) return true;
+  state.outer.assign(mesh, [&](Index o) {
+    if (!mesh.is_live(o)) return ElementSubset::kNoPart;
     const std::span<const Index> vertices = mesh.vertices(o);
-    return std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return state.classes.wound(v); });
+    const bool whole = state.classes.degenerate(o) || std::any_of(vertices.begin(), vertices.end(), [&](Index v) {
+                         return state.classes.wound(v);
+                       });
+    return whole ? ElementSubset::kWhole : state.stars.boundary_part(o);
   });
   if (state.outer.version() != version) state.parts_valid = false;
 }
 
-/// Lists the orphans whose first incident elements have common vertices with suspect stars only. Each is listed at the
-/// first of these vertices.
+/// Lists the orphans whose first incident elements may have a double point.
 class Orphans {
  public:
   Orphans(const BoundaryFloodState& state, TestBatch& out)
-      : topology_(state.complex.topology()),
-        mesh_(topology_.mesh()),
-        features_(topology_.features()),
-        classes_(state.classes),
+      : mesh_(state.complex.topology().mesh()),
+        features_(state.complex.topology().features()),
+        suspects_(state.suspects),
         out_(out) {}
 
-  void at_vertex(Index v) {
-    const std::span<const Index> star = features_.vertex_elements(v);
-    for (std::size_t i = 0; i < star.size(); ++i)
-      for (std::size_t j = i; j < star.size(); ++j)
-        if (classes_.first_common_suspect(topology_, star[i], star[j]) == v) of_elements(star[i], star[j]);
-  }
-
- private:
   /// Appends the orphans of which one feature has a, and the other b, as its first incident element.
   void of_elements(Index a, Index b) {
     vertices_and_triangles(a, b);
@@ -109,6 +103,7 @@ class Orphans {
       }
   }
 
+ private:
   void vertices_and_triangles(Index a, Index b) {
     for (const Index v : mesh_.vertices(a)) {
       if (features_.first_element_of_vertex(v) != a) continue;
@@ -119,19 +114,17 @@ class Orphans {
     }
   }
 
-  /// Two features without a pair of non-adjacent incident elements can touch only if no pair of incident elements is
-  /// proven to have no double points.
+  /// Two features without a pair of non-adjacent incident elements can touch only if all pairs of incident elements may
+  /// have double points.
   bool is_orphan(std::span<const Index> inc_a, std::span<const Index> inc_b) const {
     return std::all_of(inc_a.begin(), inc_a.end(), [&](Index a) {
-      return std::all_of(inc_b.begin(), inc_b.end(),
-                         [&](Index b) { return classes_.common_suspects(topology_, a, b) != 0; });
+      return std::all_of(inc_b.begin(), inc_b.end(), [&](Index b) { return suspects_.contains(a, b); });
     });
   }
 
-  const Topology& topology_;
   const Mesh& mesh_;
   const Features& features_;
-  const detail::StarClasses& classes_;
+  const detail::SuspectPairs& suspects_;
   TestBatch& out_;
 };
 
@@ -146,12 +139,12 @@ Flood::Front propose(BoundaryFloodState& state) {
   }
   const std::span<const ElementPair> fresh = std::span(state.reached).subspan(begin);
   if (state.phase != Phase::flood) {
-    detail::FloodFront at_start(step, state.stars, state.classes, state.seen_at_start, state.front);
+    detail::FloodFront at_start(step, state.stars, state.suspects, state.seen_at_start, state.front);
     if (state.phase == Phase::idle) {
       if (!state.parts_valid) detail::FloodFront::one_of_each_part(step, state.parts, state.parents);
       state.parts_valid = true;
       at_start.from_start(state.parts, state.along_x);
-      for (const ElementPair pair : fresh) at_start.around(pair);
+      for (const ElementPair pair : fresh) at_start.again(pair);
     } else {
       for (const ElementPair pair : fresh) at_start.around_at_start(pair);
     }
@@ -162,15 +155,11 @@ Flood::Front propose(BoundaryFloodState& state) {
       return {state.front, true};
     }
   }
-  detail::FloodFront front(step, state.stars, state.classes, state.seen, state.front);
+  detail::FloodFront front(step, state.stars, state.suspects, state.seen, state.front);
   if (state.phase == Phase::start) {
-    front.around_suspect_stars();
-    // Proceeds from the seeds. Pairs that touch at the start are processed again for the whole step.
-    for (const ElementPair pair : state.reached)
-      if (step.takes_part(pair.a) && step.takes_part(pair.b))
-        front.around(pair);
-      else
-        front.again(pair);
+    front.around_suspect_pairs();
+    // Only the outer parts of the seeds were culled so far, and other pairs only for t = 0.
+    for (const ElementPair pair : state.reached) front.again(pair);
     state.phase = Phase::flood;
   } else {
     for (const ElementPair pair : fresh) front.around(pair);
@@ -220,6 +209,7 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   if (static_cast<double>(state.counters.suspect_vertices) >
       config_.most_suspect * static_cast<double>(topology.features().vertex_count()))
     return;
+  state.suspects.update(*state.step, state.classes, executor);
   choose_outer(*state.step, state);
   state.counters.paired = state.outer.size();
   state.workers.resize(executor.workers());
@@ -254,16 +244,17 @@ void BoundaryFlood::to_mesh_features(const StageState& state, TestBatch& tests, 
 }
 
 std::size_t BoundaryFlood::orphan_blocks(const StageState& state) const {
-  return (own(state).classes.suspects().size() + kBlockVertices - 1) / kBlockVertices;
+  return (own(state).suspects.pairs().size() + kBlockPairs - 1) / kBlockPairs;
 }
 
 void BoundaryFlood::orphans(const StageState& stage_state, std::size_t block, TestBatch& out) const {
   const BoundaryFloodState& state = own(stage_state);
-  const std::vector<Index>& suspects = state.classes.suspects();
+  const std::span<const ElementPair> pairs = state.suspects.pairs();
   const std::size_t vf_begin = out.vf.size(), ee_begin = out.ee.size();
   Orphans orphans(state, out);
-  const std::size_t end = std::min(suspects.size(), (block + 1) * kBlockVertices);
-  for (std::size_t i = block * kBlockVertices; i < end; ++i) orphans.at_vertex(suspects[i]);
+  const std::size_t begin = block * kBlockPairs;
+  for (const ElementPair pair : pairs.subspan(begin, std::min(kBlockPairs, pairs.size() - begin)))
+    orphans.of_elements(pair.a, pair.b);
   state.complex.to_mesh_features(out, vf_begin, ee_begin);
 }
 

@@ -10,13 +10,14 @@ namespace volccd {
 
 /// A pipeline with a flood searches for pairs in a simplicial complex of the mesh. Broad phase, element culling and
 /// assignment receive the step that the flood provides (Flood::step): its topology is that of the complex, and its
-/// subset contains the elements that the broad phase pairs. The survivors of culling are given to reach(); next()
-/// proposes further pairs, which then pass through culling and assignment, until it proposes none. The flood lists the
-/// orphans itself; the OrphanSource is not used.
+/// subset contains the parts of elements that the broad phase pairs. Pairs that survive culling of these parts are given
+/// to reach(). next() then proposes pairs, these and others, which pass through culling as whole elements (without a
+/// subset) and through assignment, and those that survive are given to reach() as well, until it proposes none. The
+/// flood lists the orphans itself; the OrphanSource is not used.
 ///
-/// Guarantee (conservative): for each feature pair {a,b} that touches, the survivors contain every pair of non-adjacent
-/// simplices that covers it, and the orphans contain {a,b} if there is no such pair of simplices. This holds for all
-/// element culling and broad-phase stages that are conservative.
+/// Guarantee (conservative): for each feature pair {a,b} that touches, the pairs proposed for the whole step contain
+/// every pair of non-adjacent simplices that covers it, and the orphans contain {a,b} if there is no such pair of
+/// simplices. This holds for all element culling and broad-phase stages that are conservative.
 ///
 /// A flood may decline a step (takes()) for which it would be slow or is not proven; then the other stages process it.
 class Flood : public Stage {
@@ -38,7 +39,7 @@ class Flood : public Stage {
   struct Front {
     std::span<const ElementPair> pairs;
     /// Only pairs that touch at t = 0 are to be given to reach(): culling uses t_max = 0, and no tests are assigned.
-    /// All other fronts together contain no pair twice, and no pair that the broad phase emits.
+    /// All other fronts together contain no pair twice.
     bool at_start = false;
     /// The flood gives up the step because it would process too many pairs. The step is then left to the other stages,
     /// and no other member is called.

@@ -20,6 +20,22 @@ std::uint64_t next_version() {
 
 ElementSubset::ElementSubset() : version_(next_version()) {}
 
+void ElementSubset::begin_change(Index slots) {
+  parts_.resize(slots, kNoPart);
+  vertices_.resize(slots);
+  next_.clear();
+}
+
+bool ElementSubset::set_vertices(const Mesh& mesh, Index o, std::uint8_t part) {
+  const std::span<const Index> vertices = mesh.vertices(o);
+  std::array<Index, 4> chosen{};
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < vertices.size(); ++i)
+    if ((part >> i & 1) != 0) chosen[count++] = vertices[i];
+  std::fill(chosen.begin() + static_cast<std::ptrdiff_t>(count), chosen.end(), chosen[0]);
+  return chosen != std::exchange(vertices_[o], chosen);
+}
+
 void ElementSubset::end_change() {
   if (next_.empty()) return;
   changed_.swap(next_);

@@ -1,31 +1,44 @@
 // A subset of the elements of a topology, and the changes in the elements that a stage processes.
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <volccd/mesh/topology_delta.hpp>
 
 namespace volccd {
 
-/// A set of element slots that may change from step to step. Read-only use is thread-safe.
+/// A set of element slots, with the part of each element that is meant: all of it, or the convex hull of some of its
+/// vertices. May change from step to step. Read-only use is thread-safe.
 class ElementSubset {
  public:
+  /// A part is given by bits: bit i is set if vertex i of the element belongs to it. 0: the element is not in the set.
+  /// Only elements with at most four vertices may have a part that is not the whole element.
+  static constexpr std::uint8_t kNoPart = 0, kWhole = 0xff;
+
   ElementSubset();
   ElementSubset(const ElementSubset&) = delete;
   ElementSubset& operator=(const ElementSubset&) = delete;
 
-  bool contains(Index o) const { return o < flags_.size() && flags_[o] != 0; }
+  bool contains(Index o) const { return o < parts_.size() && parts_[o] != kNoPart; }
+  bool contains_whole(Index o) const { return o < parts_.size() && parts_[o] == kWhole; }
+  /// The four vertices of a part that is not the whole element; the first one is repeated at the end.
+  std::span<const Index> part(Index o) const { return vertices_[o]; }
   Index size() const { return size_; }
 
-  /// Replaces the set by all slots o < slots for which wanted(o) is true. O(slots).
-  template <class Wanted>
-  void assign(Index slots, Wanted&& wanted) {
-    begin_change();
-    flags_.resize(slots, 0);
-    for (Index o = 0; o < slots; ++o)
-      if (const std::uint8_t flag = wanted(o) ? 1 : 0; flag != flags_[o]) change(o, flag);
+  /// Replaces the set: element o of the mesh is in it with the part part_of(o). O(slots).
+  template <class PartOf>
+  void assign(const Mesh& mesh, PartOf&& part_of) {
+    begin_change(mesh.element_slots());
+    for (Index o = 0; o < mesh.element_slots(); ++o) {
+      const std::uint8_t part = part_of(o);
+      const bool other_vertices = part != kNoPart && part != kWhole && set_vertices(mesh, o, part);
+      if (part != parts_[o] || other_vertices) change(o, part);
+    }
     end_change();
   }
 
@@ -35,18 +48,24 @@ class ElementSubset {
   /// version. Returns false, with `slots` empty, if `version` is neither the present version nor the previous one.
   bool changes_since(std::uint64_t version, std::span<const Index>& slots) const;
 
-  std::size_t bytes() const { return flags_.capacity() + changed_.capacity() * sizeof(Index); }
+  std::size_t bytes() const {
+    return parts_.capacity() + vertices_.capacity() * sizeof(vertices_[0]) +
+           (changed_.capacity() + next_.capacity()) * sizeof(Index);
+  }
 
  private:
-  void begin_change() { next_.clear(); }
-  void change(Index o, std::uint8_t flag) {
-    flags_[o] = flag;
-    size_ += flag != 0 ? 1 : Index{0} - 1;
+  void begin_change(Index slots);
+  /// Returns whether the vertices of the part have changed.
+  bool set_vertices(const Mesh& mesh, Index o, std::uint8_t part);
+  void change(Index o, std::uint8_t part) {
+    size_ += (part != kNoPart ? 1 : 0) - (parts_[o] != kNoPart ? 1 : 0);
+    parts_[o] = part;
     next_.push_back(o);
   }
   void end_change();
 
-  std::vector<std::uint8_t> flags_;  ///< whether each slot is in the set
+  std::vector<std::uint8_t> parts_;  ///< by slot
+  std::vector<std::array<Index, 4>> vertices_;  ///< by slot, of parts that are not whole elements
   std::vector<Index> changed_, next_;
   Index size_ = 0;
   std::uint64_t version_, before_ = 0;

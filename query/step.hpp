@@ -20,12 +20,17 @@ struct Step {
   /// Contacts later than t_max need not be found: a stage may drop pairs that touch only after t_max, or may ignore
   /// this value. 1: the whole step.
   double t_max = 1;
-  /// The elements that the broad phase pairs; null: all live elements.
+  /// The elements that the broad phase pairs, and the parts of them that have to overlap; null: all live elements.
   const ElementSubset* subset = nullptr;
 
   const Mesh& mesh() const { return topology.mesh(); }
   const Features& features() const { return topology.features(); }
   bool takes_part(Index o) const { return mesh().is_live(o) && (!subset || subset->contains(o)); }
+  /// The vertices of the part of o that takes part: all vertices of the element, or those of a smaller part, of which
+  /// one may be repeated.
+  std::span<const Index> part(Index o) const {
+    return subset && !subset->contains_whole(o) ? subset->part(o) : mesh().vertices(o);
+  }
 };
 
 }  // namespace volccd

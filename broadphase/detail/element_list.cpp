@@ -1,19 +1,33 @@
 #include <volccd/broadphase/detail/element_list.hpp>
 
 #include <algorithm>
+#include <iterator>
 
 namespace volccd::detail {
 
 void ElementList::truncate(std::size_t size) {
   slots_.resize(size);
+  part_sizes_.resize(size);
   begins_.resize(size + 1);
   vertices_.resize(begins_.back());
 }
 
-void ElementList::append(const Mesh& mesh, Index slot) {
-  const std::span<const Index> vertices = mesh.vertices(slot);
+void ElementList::append(const Step& step, Index slot) {
+  const std::span<const Index> vertices = step.mesh().vertices(slot), part = step.part(slot);
   slots_.push_back(slot);
-  vertices_.insert(vertices_.end(), vertices.begin(), vertices.end());
+  if (part.data() == vertices.data()) {
+    vertices_.insert(vertices_.end(), vertices.begin(), vertices.end());
+    part_sizes_.push_back(static_cast<Index>(vertices.size()));
+  } else {
+    const auto in_part = [&](Index v) { return std::find(part.begin(), part.end(), v) != part.end(); };
+    const auto append_if = [&](bool wanted) {
+      std::copy_if(vertices.begin(), vertices.end(), std::back_inserter(vertices_),
+                   [&](Index v) { return in_part(v) == wanted; });
+    };
+    append_if(true);
+    part_sizes_.push_back(static_cast<Index>(vertices_.size() - begins_.back()));
+    append_if(false);
+  }
   begins_.push_back(vertices_.size());
 }
 
@@ -22,9 +36,10 @@ void ElementList::assign(const Step& step) {
   clear();
   const std::size_t count = step.subset ? step.subset->size() : mesh.element_count();
   slots_.reserve(count);
+  part_sizes_.reserve(count);
   begins_.reserve(count + 1);
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (step.takes_part(o)) append(mesh, o);
+    if (step.takes_part(o)) append(step, o);
 }
 
 void ElementList::update(const Step& step, std::span<const Index> touched) {
@@ -34,13 +49,15 @@ void ElementList::update(const Step& step, std::span<const Index> touched) {
   for (const Index slot : touched)
     if (step.takes_part(slot)) slots_scratch_.push_back(slot);
   clear();
-  for (const Index slot : slots_scratch_) append(step.mesh(), slot);
+  for (const Index slot : slots_scratch_) append(step, slot);
 }
 
 void ElementList::permute(std::size_t begin, std::span<const Index> order) {
   const std::size_t end = begin + order.size(), base = begins_[begin];
   slots_scratch_.assign(slots_.begin() + static_cast<std::ptrdiff_t>(begin),
                         slots_.begin() + static_cast<std::ptrdiff_t>(end));
+  part_sizes_scratch_.assign(part_sizes_.begin() + static_cast<std::ptrdiff_t>(begin),
+                             part_sizes_.begin() + static_cast<std::ptrdiff_t>(end));
   begins_scratch_.assign(begins_.begin() + static_cast<std::ptrdiff_t>(begin),
                          begins_.begin() + static_cast<std::ptrdiff_t>(end) + 1);
   vertices_scratch_.assign(vertices_.begin() + static_cast<std::ptrdiff_t>(base),
@@ -49,6 +66,7 @@ void ElementList::permute(std::size_t begin, std::span<const Index> order) {
   for (std::size_t i = 0; i < order.size(); ++i) {
     const std::size_t from = order[i] - begin;
     slots_[begin + i] = slots_scratch_[from];
+    part_sizes_[begin + i] = part_sizes_scratch_[from];
     begins_[begin + i] = next;
     for (std::size_t v = begins_scratch_[from]; v < begins_scratch_[from + 1]; ++v)
       vertices_[next++] = vertices_scratch_[v - base];
@@ -56,7 +74,8 @@ void ElementList::permute(std::size_t begin, std::span<const Index> order) {
 }
 
 std::size_t ElementList::bytes() const {
-  return (slots_.capacity() + vertices_.capacity() + slots_scratch_.capacity() + vertices_scratch_.capacity()) *
+  return (slots_.capacity() + part_sizes_.capacity() + vertices_.capacity() + slots_scratch_.capacity() +
+          part_sizes_scratch_.capacity() + vertices_scratch_.capacity()) *
              sizeof(Index) +
          (begins_.capacity() + begins_scratch_.capacity()) * sizeof(std::size_t);
 }

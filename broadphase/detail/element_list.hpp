@@ -14,7 +14,7 @@ class ElementList {
  public:
   void clear() { truncate(0); }
   void truncate(std::size_t size);
-  void append(const Mesh& mesh, Index slot);
+  void append(const Step& step, Index slot);
   /// Sets the list to all elements that take part in the step, in ascending order of slots.
   void assign(const Step& step);
   /// Removes the slots `touched` (ascending) and appends those whose element takes part in the step.
@@ -23,9 +23,14 @@ class ElementList {
   std::size_t size() const { return slots_.size(); }
   Index slot(std::size_t position) const { return slots_[position]; }
   const Index* slots() const { return slots_.data(); }
-  /// Vertices of the element at this position; for a gap, those of the removed element.
+  /// Vertices of the element at this position, those of its part (Step::part) first; for a gap, those of the removed
+  /// element.
   std::span<const Index> vertices(std::size_t position) const {
     return {vertices_.data() + begins_[position], begins_[position + 1] - begins_[position]};
+  }
+  /// Vertices of the part alone.
+  std::span<const Index> part(std::size_t position) const {
+    return {vertices_.data() + begins_[position], part_sizes_[position]};
   }
 
   void make_gap(std::size_t position) { slots_[position] = kNone; }
@@ -39,8 +44,9 @@ class ElementList {
  private:
   std::vector<Index> slots_;
   std::vector<std::size_t> begins_{0};
+  std::vector<Index> part_sizes_;
   std::vector<Index> vertices_;
-  std::vector<Index> slots_scratch_, vertices_scratch_;
+  std::vector<Index> slots_scratch_, part_sizes_scratch_, vertices_scratch_;
   std::vector<std::size_t> begins_scratch_;
 };
 

@@ -102,7 +102,7 @@ bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const B
     return false;
 
   list_.truncate(built_elements_);
-  for (const Index slot : order_) list_.append(step.mesh(), slot);
+  for (const Index slot : order_) list_.append(step, slot);
   const Index end = static_cast<Index>(list_.size());
   const Index first = built_elements_ == 0 ? 0 : nodes_of(built_elements_);
   nodes_.resize(end == built_elements_ ? first : first + nodes_of(end - built_elements_));

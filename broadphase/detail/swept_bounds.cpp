@@ -119,7 +119,7 @@ void bound_element_kernel(const BoundsTable& vertices, const ElementList& list, 
                           BoundsTable& out) {
   with_width(vertices.width(), [&](auto width) {
     for (std::size_t p = begin; p < end; ++p) {
-      const auto ids = list.vertices(p);
+      const auto ids = list.part(p);
       if (list.slot(p) == kNone)
         make_empty<width>(out.row(p));
       else

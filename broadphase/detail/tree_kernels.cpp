@@ -28,13 +28,13 @@ void refit_leaf(const RefitArrays& t, Index node) {
   double elements = 0;
   for (Index p = begin; p < end; ++p) {
     if (p >= ahead)
-      for (const Index v : t.list->vertices(p - ahead)) hwy::Prefetch(t.vertices->row(v));
+      for (const Index v : t.list->part(p - ahead)) hwy::Prefetch(t.vertices->row(v));
     float* const row = t.element_bounds->row(p);
     if (t.list->slot(p) == kNone) {
       make_empty<kWidth>(row);
       continue;
     }
-    const std::span<const Index> vertices = t.list->vertices(p);
+    const std::span<const Index> vertices = t.list->part(p);
     unite_rows<kWidth>(t.vertices->row(0), vertices.data(), vertices.size(), row);
     elements += size_of<kWidth>(row);
   }

@@ -267,7 +267,7 @@ class Culler {
 
   PairVerdict judge(ElementPair pair, FeatureMask& mask, PairFinding finding) {
     if (finding == PairFinding::kept && config_.mode == CsatMode::pair) return PairVerdict::keep;
-    const auto vertices_a = step_.mesh().vertices(pair.a), vertices_b = step_.mesh().vertices(pair.b);
+    const auto vertices_a = vertices(pair.a), vertices_b = vertices(pair.b);
     if (pair.a == pair.b || vertices_a.size() > kCsatVertices || vertices_b.size() > kCsatVertices)
       return PairVerdict::keep;
     if (pair.a != gathered_) {
@@ -281,6 +281,11 @@ class Culler {
     if (config_.mode == CsatMode::pair) return PairVerdict::keep;
     mask_features(pair, mask);
     return nothing_left(pair, mask) ? PairVerdict::contact_free : PairVerdict::keep;
+  }
+
+  /// Masks of features refer to whole elements.
+  std::span<const Index> vertices(Index o) const {
+    return config_.mode == CsatMode::pair ? step_.part(o) : step_.mesh().vertices(o);
   }
 
   void gather(CsatPoints& points, std::span<const Index> vertices) const {

@@ -36,8 +36,7 @@ class PairSearch {
 
   PairSearch(const Csat::Config& config, const CsatFrame& frame, const Step& step)
       : rounds_(config.axis == CsatAxis::optimal ? std::min(config.iterations, kMostRounds) : 1),
-        mesh_(step.mesh()),
-        motion_(step.motion),
+        step_(step),
         group_(frame, step) {}
 
   PairFinding finding(std::size_t i) const { return findings_[i]; }
@@ -68,7 +67,7 @@ class PairSearch {
   /// Looks up the vertices of all pairs before any pair is tested, so that memory accesses overlap.
   void look_up(std::span<const ElementPair> pairs) {
     const auto of = [this](Index o) {
-      const auto vertices = mesh_.vertices(o);
+      const auto vertices = step_.part(o);
       hwy::Prefetch(vertices.data());
       return Vertices{vertices.data(), vertices.size()};
     };
@@ -80,7 +79,7 @@ class PairSearch {
 
   void prefetch(std::size_t i) const {
     for (const auto& side : vertices_)
-      for (std::size_t v = 0; v < side[i].count; ++v) hwy::Prefetch(motion_.at(side[i].data[v]));
+      for (std::size_t v = 0; v < side[i].count; ++v) hwy::Prefetch(step_.motion.at(side[i].data[v]));
   }
 
   void take(std::span<const ElementPair> pairs, std::size_t i, bool search) {
@@ -184,8 +183,7 @@ class PairSearch {
   static constexpr float kLeastSize = 0x1p-60f, kGreatestSize = 0x1p60f;
 
   int rounds_;
-  const Mesh& mesh_;
-  const Motion& motion_;
+  const Step& step_;
   PairGroup<kControlPoints> group_;
   PairList list_;
   Vertices vertices_[2][kBlock];

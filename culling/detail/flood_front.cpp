@@ -18,33 +18,27 @@ void FloodFront::propose(Index a, Index b) {
   if (seen_.insert(pair)) out_.push_back(pair);
 }
 
+/// Whether v belongs to the outer part of o.
+bool FloodFront::outer_at(Index o, Index v) const {
+  if (!outer(o)) return false;
+  const std::span<const Index> part = step_.part(o);
+  return std::find(part.begin(), part.end(), v) != part.end();
+}
+
 void FloodFront::inner_neighbours(Index of, Index other) {
+  if (!is_volume(step_.mesh(), of)) return;
   for (const StarTable::Neighbour& across : stars_.neighbours(of))
-    if (across.element != kNone && !outer(across.element)) propose(across.element, other);
+    if (across.element != kNone && has_inside(across.element)) propose(across.element, other);
 }
 
 void FloodFront::around(ElementPair pair) {
-  if (is_volume(step_.mesh(), pair.a)) inner_neighbours(pair.a, pair.b);
-  if (is_volume(step_.mesh(), pair.b)) inner_neighbours(pair.b, pair.a);
+  inner_neighbours(pair.a, pair.b);
+  inner_neighbours(pair.b, pair.a);
 }
 
-bool FloodFront::has_inner_neighbour(Index o) const {
-  if (!is_volume(step_.mesh(), o)) return false;
-  const auto& neighbours = stars_.neighbours(o);
-  return std::any_of(neighbours.begin(), neighbours.end(), [&](const StarTable::Neighbour& across) {
-    return across.element != kNone && !outer(across.element);
-  });
-}
-
-void FloodFront::around_suspect_stars() {
-  for (const Index v : classes_.suspects()) {
-    const std::span<const Index> star = step_.features().vertex_elements(v);
-    for (const Index a : star) {
-      if (!has_inner_neighbour(a)) continue;
-      for (const Index b : star)
-        if (classes_.first_common_suspect(step_.topology, a, b) == v) inner_neighbours(a, b);
-    }
-  }
+void FloodFront::around_suspect_pairs() {
+  for (const ElementPair pair : suspects_.pairs())
+    if (pair.a != pair.b) around(pair);
 }
 
 /// Whether at t = 0 all vertices of b, except those of a face of a, are beyond that face. Then a and b have no common
@@ -71,50 +65,54 @@ bool FloodFront::may_overlap_at_start(Index a, Index b) const {
   return !beyond_a_face_at_start(a, b) && !beyond_a_face_at_start(b, a);
 }
 
-/// Proposes pairs with the inner elements whose boxes contain one of the vertices. `along_x` sorts the vertices by
-/// their first coordinates.
+/// Proposes pairs with the elements whose boxes contain one of the vertices. `along_x` sorts the vertices by their first
+/// coordinates.
 void FloodFront::from_contained(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& along_x) {
   along_x.clear();
   for (const Index v : vertices) along_x.emplace_back(step_.motion.point(v, 0)[0], v);
   std::sort(along_x.begin(), along_x.end());
   const Mesh& mesh = step_.mesh();
   for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.is_live(o) || outer(o)) continue;
-    Vec3 low = step_.motion.point(mesh.vertices(o)[0], 0), high = low;
-    for (const Index v : mesh.vertices(o).subspan(1)) {
-      low = low.cwiseMin(step_.motion.point(v, 0));
-      high = high.cwiseMax(step_.motion.point(v, 0));
-    }
-    for (auto it = std::lower_bound(along_x.begin(), along_x.end(), std::pair(low[0], Index{0}));
-         it != along_x.end() && it->first <= high[0]; ++it) {
-      const Vec3 p = step_.motion.point(it->second, 0);
-      if (p[1] < low[1] || p[1] > high[1] || p[2] < low[2] || p[2] > high[2]) continue;
+    if (!mesh.is_live(o) || !has_inside(o)) continue;
+    const std::span<const Index> corners = step_.topology.adjacency().vertices(o);
+    const auto range = [&](int axis) {
+      const auto at = [&](std::size_t i) { return step_.motion.at(corners[i])[axis]; };
+      return std::minmax({at(0), at(1), at(2), at(3)});
+    };
+    const auto [first, last] = range(0);
+    for (auto it = std::lower_bound(along_x.begin(), along_x.end(), std::pair(first, Index{0}));
+         it != along_x.end() && it->first <= last; ++it) {
+      const auto contains = [&, v = it->second](int axis) {
+        const auto [low, high] = range(axis);
+        return low <= step_.motion.at(v)[axis] && step_.motion.at(v)[axis] <= high;
+      };
+      if (!contains(1) || !contains(2)) continue;
       for (const Index at : step_.features().vertex_elements(it->second))
-        if (outer(at)) propose(at, o);
+        if (outer_at(at, it->second)) propose(at, o);
     }
   }
 }
 
+void FloodFront::proceed_at_start(Index outer_element, Index other) {
+  if (!outer(outer_element)) return;
+  inner_neighbours(other, outer_element);
+  if (!has_inside(other)) return;
+  for (const Index v : step_.part(outer_element))
+    for (const Index next : step_.features().vertex_elements(v))
+      if (outer_at(next, v)) propose(next, other);
+}
+
 void FloodFront::around_at_start(ElementPair pair) {
-  if (outer(pair.b)) std::swap(pair.a, pair.b);
-  if (!outer(pair.a) || outer(pair.b)) return;
-  for (const Index v : step_.mesh().vertices(pair.a))
-    for (const Index other : step_.features().vertex_elements(v))
-      if (outer(other)) propose(other, pair.b);
-  inner_neighbours(pair.b, pair.a);
+  proceed_at_start(pair.a, pair.b);
+  proceed_at_start(pair.b, pair.a);
 }
 
 void FloodFront::from_start(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& scratch) {
   from_contained(vertices, scratch);
-  for (const Index v : classes_.suspects()) {
-    const std::span<const Index> star = step_.features().vertex_elements(v);
-    for (const Index inner : star) {
-      if (outer(inner)) continue;
-      for (const Index other : star)
-        if (outer(other) && classes_.first_common_suspect(step_.topology, inner, other) == v &&
-            may_overlap_at_start(inner, other))
-          around_at_start({other, inner});
-    }
+  for (const ElementPair pair : suspects_.pairs()) {
+    const auto proceeds = [&](Index a, Index b) { return outer(a) && has_inside(b); };
+    const bool both = proceeds(pair.a, pair.b) || proceeds(pair.b, pair.a);
+    if (pair.a != pair.b && both && may_overlap_at_start(pair.a, pair.b)) around_at_start(pair);
   }
 }
 
@@ -127,7 +125,7 @@ void FloodFront::one_of_each_part(const Step& step, std::vector<Index>& parts, s
   };
   for (Index o = 0; o < step.mesh().element_slots(); ++o) {
     if (!step.takes_part(o)) continue;
-    const std::span<const Index> vertices = step.mesh().vertices(o);
+    const std::span<const Index> vertices = step.part(o);
     for (const Index v : vertices) {
       if (parents[v] == kNone) parents[v] = v;
       const Index x = root(v), y = root(vertices[0]);

@@ -7,39 +7,43 @@
 
 #include <volccd/culling/detail/pair_set.hpp>
 #include <volccd/culling/detail/star_classes.hpp>
+#include <volccd/culling/detail/suspect_pairs.hpp>
 
 namespace volccd::detail {
 
-/// Pairs of non-adjacent simplices, each proposed once. Outer elements are those that the broad phase pairs
-/// (Step::subset); all others are inner elements. Every proposed pair has an inner element. Not thread-safe.
+/// Pairs of non-adjacent simplices, each proposed once. The subset of the step holds the outer part of each simplex: the
+/// whole simplex, a face, or nothing. A simplex that is not outer as a whole has an inside. Not thread-safe.
 class FloodFront {
  public:
   /// `seen`: the pairs proposed so far. New proposals are appended to `out`.
-  FloodFront(const Step& step, const StarTable& stars, const StarClasses& classes, PairSet& seen,
+  FloodFront(const Step& step, const StarTable& stars, const SuspectPairs& suspects, PairSet& seen,
              std::vector<ElementPair>& out)
-      : step_(step), stars_(stars), classes_(classes), seen_(seen), out_(out) {}
+      : step_(step), stars_(stars), suspects_(suspects), seen_(seen), out_(out) {}
 
-  /// Proposes the pairs in which one element of `pair` is replaced by an inner neighbour across a face.
+  /// Proposes the pairs in which one element of `pair` is replaced by a neighbour across a face that has an inside.
   void around(ElementPair pair);
   /// Proposes the pair itself.
   void again(ElementPair pair) { propose(pair.a, pair.b); }
-  /// Does the same as around() for all adjacent pairs whose common vertices all have suspect stars.
-  void around_suspect_stars();
+  /// Does the same as around() for all adjacent pairs that may have double points.
+  void around_suspect_pairs();
 
-  /// For t = 0: pairs each inner element that may contain one of the vertices with an outer element at that vertex, and
-  /// proceeds from adjacent pairs that may overlap as around_at_start() does.
+  /// For t = 0: pairs each element with an inside that may contain one of the vertices with an element whose outer part
+  /// has that vertex, and proceeds from adjacent pairs that may overlap as around_at_start() does.
   void from_start(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& scratch);
-  /// For a pair of an outer and an inner element: proposes pairs with the outer element replaced by outer elements that
-  /// share a vertex with it, and pairs with the inner element replaced by inner neighbours across faces.
+  /// For each element of the pair that has an outer part: proposes pairs with this element replaced by others whose
+  /// outer parts share a vertex with it, if the other element has an inside; and pairs with the other element replaced
+  /// by neighbours across faces that have an inside.
   void around_at_start(ElementPair pair);
 
-  /// One vertex, the smallest, of each part of the outer elements that is connected by common vertices. The memory of
+  /// One vertex, the smallest, of each set of outer parts that is connected by common vertices. The memory of
   /// `scratch` is reused.
   static void one_of_each_part(const Step& step, std::vector<Index>& parts, std::vector<Index>& scratch);
 
  private:
   bool outer(Index o) const { return step_.subset->contains(o); }
-  bool has_inner_neighbour(Index o) const;
+  bool has_inside(Index o) const { return !step_.subset->contains_whole(o); }
+  bool outer_at(Index o, Index v) const;
+  void proceed_at_start(Index outer_element, Index other);
   bool may_overlap_at_start(Index a, Index b) const;
   bool beyond_a_face_at_start(Index a, Index b) const;
   void from_contained(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& along_x);
@@ -48,7 +52,7 @@ class FloodFront {
 
   const Step& step_;
   const StarTable& stars_;
-  const StarClasses& classes_;
+  const SuspectPairs& suspects_;
   PairSet& seen_;
   std::vector<ElementPair>& out_;
 };

@@ -20,11 +20,12 @@ class PairSet {
   std::size_t size() const { return size_; }
   std::size_t bytes() const { return places_.capacity() * sizeof(std::uint64_t); }
 
+  bool contains(ElementPair pair) const { return !places_.empty() && places_[place_of(key_of(pair))] != kEmpty; }
   /// Inserts a pair, in any order of its elements. Returns false if it is already in the set.
   bool insert(ElementPair pair) {
     if (2 * (size_ + 1) > places_.size()) grow();
     const std::uint64_t key = key_of(pair);
-    std::uint64_t& place = find(key);
+    std::uint64_t& place = places_[place_of(key)];
     if (place == key) return false;
     place = key;
     ++size_;
@@ -35,10 +36,11 @@ class PairSet {
   static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};
 
   static std::uint64_t key_of(ElementPair p) { return std::uint64_t{std::min(p.a, p.b)} << 32 | std::max(p.a, p.b); }
-  std::uint64_t& find(std::uint64_t key) {
+  /// Where the key is, or the empty place where it belongs.
+  std::size_t place_of(std::uint64_t key) const {
     std::size_t i = static_cast<std::size_t>(key * 0x9e3779b97f4a7c15u >> shift_);
     while (places_[i] != key && places_[i] != kEmpty) i = (i + 1) & (places_.size() - 1);
-    return places_[i];
+    return i;
   }
   void grow() {
     std::vector<std::uint64_t> old(std::max<std::size_t>(1024, 2 * places_.size()), kEmpty);
@@ -46,7 +48,7 @@ class PairSet {
     shift_ = 64;
     for (std::size_t n = places_.size(); n > 1; n /= 2) --shift_;
     for (const std::uint64_t key : old)
-      if (key != kEmpty) find(key) = key;
+      if (key != kEmpty) places_[place_of(key)] = key;
   }
 
   std::vector<std::uint64_t> places_;

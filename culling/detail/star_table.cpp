@@ -154,14 +154,20 @@ void StarTable::set_kinds(const Topology& topology, std::size_t count, const Ind
 
 void StarTable::set_boundary(const Topology& topology, Index o) {
   const Mesh& mesh = topology.mesh();
-  if (!mesh.is_live(o)) {
-    on_boundary_[o] = 0;
+  boundary_parts_[o] = ElementSubset::kNoPart;
+  if (!mesh.is_live(o)) return;
+  const std::span<const Index> vertices = mesh.vertices(o);
+  const bool irregular =
+      std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return kinds_[v] == StarKind::irregular; });
+  if (mesh.type(o) != ElementType::tetrahedron || irregular) {
+    boundary_parts_[o] = ElementSubset::kWhole;
     return;
   }
-  bool boundary = mesh.type(o) != ElementType::tetrahedron;
-  for (const Index v : mesh.vertices(o)) boundary = boundary || kinds_[v] == StarKind::irregular;
-  for (const Neighbour& neighbour : neighbours_[o]) boundary = boundary || neighbour.element == kNone;
-  on_boundary_[o] = boundary ? 1 : 0;
+  for (unsigned i = 0; i < 4; ++i) {
+    if (neighbours_[o][i].element != kNone) continue;
+    const bool first = boundary_parts_[o] == ElementSubset::kNoPart;
+    boundary_parts_[o] = first ? static_cast<std::uint8_t>(0xf & ~(1u << i)) : ElementSubset::kWhole;
+  }
 }
 
 TopologyDelta::Extent StarTable::update(const Topology& topology, Executor& executor) {
@@ -171,14 +177,14 @@ TopologyDelta::Extent StarTable::update(const Topology& topology, Executor& exec
   changed_vertices_.clear();
   if (changed == TopologyDelta::Extent::everything) {
     neighbours_.assign(slots, {});
-    on_boundary_.assign(slots, 0);
+    boundary_parts_.assign(slots, 0);
     kinds_.assign(features.vertex_slots(), StarKind::unused);
     for (Index f = 0; f < features.triangle_slots(); ++f) set_neighbours(topology, f);
     set_kinds(topology, features.vertex_slots(), nullptr, executor);
     for (Index o = 0; o < slots; ++o) set_boundary(topology, o);
   } else if (changed == TopologyDelta::Extent::edits) {
     neighbours_.resize(slots);
-    on_boundary_.resize(slots, 0);
+    boundary_parts_.resize(slots, 0);
     kinds_.resize(features.vertex_slots(), StarKind::unused);
     for (const TopologyChange* change : delta_.changes()) {
       const FeatureChange& f = change->features;
@@ -199,7 +205,7 @@ TopologyDelta::Extent StarTable::update(const Topology& topology, Executor& exec
 }
 
 std::size_t StarTable::bytes() const {
-  std::size_t sum = delta_.bytes() + neighbours_.capacity() * sizeof(neighbours_[0]) + on_boundary_.capacity() +
+  std::size_t sum = delta_.bytes() + neighbours_.capacity() * sizeof(neighbours_[0]) + boundary_parts_.capacity() +
                     kinds_.capacity() + changed_vertices_.capacity() * sizeof(Index);
   for (const Scratch& s : scratch_)
     sum += (s.places.capacity() + s.corners.capacity() + s.parents.capacity()) * sizeof(Index) +

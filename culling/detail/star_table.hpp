@@ -8,6 +8,7 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/mesh/topology_delta.hpp>
+#include <volccd/query/element_subset.hpp>
 
 namespace volccd::detail {
 
@@ -60,9 +61,10 @@ class StarTable {
       if (across.element == kNone && across.opposite) return true;
     return false;
   }
-  /// Whether o is a triangle, a tetrahedron with a face that does not have exactly two tetrahedra, or an element with a
-  /// vertex of irregular star.
-  bool on_boundary(Index o) const { return on_boundary_[o] != 0; }
+  /// The part of o, as bits of its vertices (ElementSubset), that is on the boundary. Boundary faces of a tetrahedron
+  /// are those that do not have exactly two tetrahedra: one such face; the whole tetrahedron if there are several, or if
+  /// a vertex has an irregular star; the whole element if it is a triangle.
+  std::uint8_t boundary_part(Index o) const { return boundary_parts_[o]; }
 
   std::size_t bytes() const;
 
@@ -85,7 +87,7 @@ class StarTable {
 
   TopologyDelta delta_;
   std::vector<std::array<Neighbour, 4>> neighbours_;  ///< by element slot
-  std::vector<std::uint8_t> on_boundary_;
+  std::vector<std::uint8_t> boundary_parts_;  ///< by element slot
   std::vector<StarKind> kinds_;  ///< by vertex
   std::vector<Index> changed_vertices_;
   std::vector<Scratch> scratch_;

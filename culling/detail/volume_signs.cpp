@@ -13,10 +13,9 @@ template <int kControlPoints>
 struct Volumes {
   alignas(64) double rows[12 * kControlPoints * 8] = {};
 
-  void gather(const Step& step, Index element, std::size_t lane) {
-    const std::span<const Index> vertices = step.topology.adjacency().vertices(element);
+  void gather(const Motion& motion, std::span<const Index> vertices, std::size_t lane) {
     for (std::size_t v = 0; v < 4; ++v) {
-      const double* const from = step.motion.at(vertices[v]);
+      const double* const from = motion.at(vertices[v]);
       for (std::size_t c = 0; c < kControlPoints; ++c)
         for (std::size_t axis = 0; axis < 3; ++axis) rows[((c * 4 + v) * 3 + axis) * 8 + lane] = from[3 * c + axis];
     }
@@ -39,26 +38,45 @@ struct Volumes {
   }
 };
 
-template <int kControlPoints>
-void signs_of(const Step& step, Index begin, Index end, std::int8_t* signs) {
+/// Calls vertices_of(i) for i in [begin, end); it returns the four vertices of a tetrahedron, or nothing for a sign of 1.
+template <int kControlPoints, class VerticesOf>
+HWY_INLINE void signs_of(const Motion& motion, std::size_t begin, std::size_t end, VerticesOf&& vertices_of,
+                         std::int8_t* signs) {
   Volumes<kControlPoints> volumes;
-  const Mesh& mesh = step.mesh();
-  for (Index first = begin; first < end; first += 8) {
-    const Index count = std::min<Index>(8, end - first);
-    for (Index k = 0; k < count; ++k)
-      if (mesh.type(first + k) == ElementType::tetrahedron) volumes.gather(step, first + k, k);
-    std::uint8_t positive, negative;
+  for (std::size_t first = begin; first < end; first += 8) {
+    const std::size_t count = std::min<std::size_t>(8, end - first);
+    std::uint8_t given = 0, positive, negative;
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::span<const Index> vertices = vertices_of(first + k);
+      if (vertices.empty()) continue;
+      volumes.gather(motion, vertices, k);
+      given |= static_cast<std::uint8_t>(1u << k);
+    }
     volumes.signs(positive, negative);
-    for (Index k = 0; k < count; ++k)
-      signs[first + k] = mesh.type(first + k) != ElementType::tetrahedron
+    for (std::size_t k = 0; k < count; ++k)
+      signs[first + k] = (given >> k & 1) == 0
                              ? std::int8_t{1}
                              : static_cast<std::int8_t>((positive >> k & 1) - (negative >> k & 1));
   }
 }
 
-void signs_of_volumes(const Step& step, Index begin, Index end, std::int8_t* signs) {
-  if (step.motion.control_points() == 2) return signs_of<2>(step, begin, end, signs);
-  signs_of<3>(step, begin, end, signs);
+template <class VerticesOf>
+HWY_INLINE void signs_of(const Motion& motion, std::size_t begin, std::size_t end, VerticesOf&& vertices_of,
+                         std::int8_t* signs) {
+  if (motion.control_points() == 2) return signs_of<2>(motion, begin, end, vertices_of, signs);
+  signs_of<3>(motion, begin, end, vertices_of, signs);
+}
+
+void signs_of_elements(const Step& step, Index begin, Index end, std::int8_t* signs) {
+  const auto vertices_of = [&](std::size_t o) {
+    const bool volume = step.mesh().type(static_cast<Index>(o)) == ElementType::tetrahedron;
+    return volume ? step.topology.adjacency().vertices(static_cast<Index>(o)) : std::span<const Index>();
+  };
+  signs_of(step.motion, begin, end, vertices_of, signs);
+}
+
+void signs_of_tetrahedra(const Motion& motion, std::span<const std::array<Index, 4>> tetrahedra, std::int8_t* signs) {
+  signs_of(motion, 0, tetrahedra.size(), [&](std::size_t i) { return std::span<const Index>(tetrahedra[i]); }, signs);
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE
@@ -67,10 +85,15 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace volccd::detail {
 
-HWY_EXPORT(signs_of_volumes);
+HWY_EXPORT(signs_of_elements);
+HWY_EXPORT(signs_of_tetrahedra);
 
 void volume_signs(const Step& step, Index begin, Index end, std::int8_t* signs) {
-  HWY_DYNAMIC_DISPATCH(signs_of_volumes)(step, begin, end, signs);
+  HWY_DYNAMIC_DISPATCH(signs_of_elements)(step, begin, end, signs);
+}
+
+void volume_signs(const Motion& motion, std::span<const std::array<Index, 4>> tetrahedra, std::int8_t* signs) {
+  HWY_DYNAMIC_DISPATCH(signs_of_tetrahedra)(motion, tetrahedra, signs);
 }
 
 }  // namespace volccd::detail

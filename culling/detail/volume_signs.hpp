@@ -1,7 +1,9 @@
 // Signs of the volumes of tetrahedra throughout a step.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 
 #include <volccd/query/step.hpp>
 
@@ -11,5 +13,7 @@ namespace volccd::detail {
 /// tetrahedron is proven to be positive or negative at all t in [0, 1], otherwise to 0. Triangles and empty slots get
 /// 1. The mesh has no other elements. Compiled for each instruction set, with the same results on all of them.
 void volume_signs(const Step& step, Index begin, Index end, std::int8_t* signs);
+/// The same for tetrahedra that are given by their vertices; signs[i] is that of tetrahedra[i].
+void volume_signs(const Motion& motion, std::span<const std::array<Index, 4>> tetrahedra, std::int8_t* signs);
 
 }  // namespace volccd::detail

@@ -8,6 +8,7 @@
 
 #include <volccd/narrowphase/detail/closest_points.hpp>
 #include <volccd/narrowphase/detail/double_double.hpp>
+#include <volccd/narrowphase/detail/flat_motion.hpp>
 #include <volccd/narrowphase/detail/hull_simplex.hpp>
 #include <volccd/narrowphase/detail/motion_piece.hpp>
 #include <volccd/narrowphase/inclusion.hpp>
@@ -126,6 +127,13 @@ class PieceSearch {
  public:
   PieceSearch(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int most_pieces)
       : points_(x), test_(kind, x, separation), tolerance_(tolerance), most_pieces_(most_pieces) {}
+
+  /// Whether an axis separates the features at t = 0.
+  bool apart_at_start() const {
+    const MotionPiece<kPoints> start(test_, 0, 0);
+    const Differences d = test_.at(0);
+    return start.separated_along(separating_axis(test_.kind(), d, closest_points(test_.kind(), d)));
+  }
 
   InclusionAnswer run(double t_max) {
     if (share_a_point_at_start(test_.kind(), points_)) return {.outcome = Outcome::touch, .at_start = true};
@@ -311,11 +319,7 @@ class PieceSearch {
   InclusionAnswer found(Outcome outcome, double t) const {
     InclusionAnswer answer{outcome};
     answer.toi = t;
-    if (t == 0) {
-      const MotionPiece<kPoints> start(test_, 0, 0);
-      const Differences d = test_.at(0);
-      answer.at_start = !start.separated_along(separating_axis(test_.kind(), d, closest_points(test_.kind(), d)));
-    }
+    answer.at_start = t == 0 && !apart_at_start();
     return answer;
   }
 
@@ -446,12 +450,42 @@ class PieceSearch {
   ClosestPoints closest_;     ///< closest points at that time
 };
 
+/// The earliest event of a flat test. No value if the features are not certainly apart at t = 0, or if an event remains
+/// undecided that may be the first one.
+template <int kPoints>
+std::optional<InclusionAnswer> flat_search(FeatureKind kind, const TestPoints& x, int axis, double tolerance,
+                                           int most_pieces) {
+  if (!PieceSearch<kPoints>(kind, x, 0, tolerance, most_pieces).apart_at_start()) return std::nullopt;
+  InclusionAnswer first{Outcome::apart};
+  double open = kInfinity, latest = 1;
+  for (const FlatEvent& event : flat_events(kind)) {
+    const DrawnOutEvent edges(event, x, kPoints, axis);
+    const InclusionAnswer answer =
+        PieceSearch<kPoints>(FeatureKind::ee, edges.points(), 0, tolerance, most_pieces).run(latest);
+    if (answer.outcome == Outcome::undecided) open = std::min(open, answer.toi);
+    if (answer.outcome != Outcome::touch || answer.toi > latest) continue;
+    first = {.outcome = Outcome::touch, .toi = answer.toi};
+    latest = answer.toi;
+  }
+  if (open <= latest) return std::nullopt;
+  return first;
+}
+
+template <int kPoints>
+InclusionAnswer search(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int most_pieces,
+                       double t_max) {
+  const int axis = separation == 0 ? flat_axis(x, kPoints) : -1;
+  if (axis >= 0)
+    if (const auto answer = flat_search<kPoints>(kind, x, axis, tolerance, most_pieces)) return *answer;
+  return PieceSearch<kPoints>(kind, x, separation, tolerance, most_pieces).run(t_max);
+}
+
 }  // namespace
 
 InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
                                  double tolerance, int most_pieces, double t_max) {
-  InclusionAnswer answer = control_points == 2 ? PieceSearch<2>(kind, x, separation, tolerance, most_pieces).run(t_max)
-                                               : PieceSearch<3>(kind, x, separation, tolerance, most_pieces).run(t_max);
+  InclusionAnswer answer = control_points == 2 ? search<2>(kind, x, separation, tolerance, most_pieces, t_max)
+                                               : search<3>(kind, x, separation, tolerance, most_pieces, t_max);
   if (answer.toi > t_max) answer = {InclusionAnswer::Outcome::apart};
   return answer;
 }

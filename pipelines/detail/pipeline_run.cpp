@@ -126,7 +126,7 @@ void Pipeline::Run::run_broad_phase() {
                                   data_.workers[w]->sums.stages[kBroadPhase].out += pairs.size();
                                   const bool in_chunk = data_.workers[w]->chain.clock().running();
                                   const double before = in_chunk ? 0 : charged_seconds();
-                                  take_pairs(pairs, w);
+                                  take_pairs(pairs, w, flooded_ ? Purpose::seeds : Purpose::tests);
                                   if (!in_chunk) in_later_stages += charged_seconds() - before;
                                 });
   }
@@ -147,7 +147,8 @@ void Pipeline::Run::run_flood() {
     if (front.pairs.empty()) return;
     statistics.out += front.pairs.size();
     executor_.parallel_for(front.pairs.size(), kPairs, [&](std::size_t begin, std::size_t end, unsigned w) {
-      take_pairs(front.pairs.subspan(begin, end - begin), w, front.at_start);
+      take_pairs(front.pairs.subspan(begin, end - begin), w,
+                 front.at_start ? Purpose::touch_at_start : Purpose::tests);
     });
   }
 }
@@ -200,22 +201,23 @@ void Pipeline::Run::count_adjacent(std::span<const ElementPair> pairs, Statistic
   for (const ElementPair pair : pairs) sums.adjacent_pairs += pair_step().topology.adjacency().adjacent(pair.a, pair.b);
 }
 
-/// Processes pairs from the broad phase or a flood. `at_start`: the flood only needs to know which pairs touch at t =
-/// 0. It proposes them again in a later front for the whole step, because tests assigned for t = 0 would not include
-/// features that touch later.
-void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w, bool at_start) {
+Step Pipeline::Run::step_for(Purpose purpose) const {
+  Step step = pair_step();
+  if (purpose != Purpose::seeds) step.subset = nullptr;
+  step.t_max = purpose == Purpose::touch_at_start ? 0 : latest_time();
+  return step;
+}
+
+/// Processes pairs from the broad phase or a flood. Tests are assigned only to pairs that were culled as whole elements
+/// and for the whole step: others could leave out features that touch.
+void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w, Purpose purpose) {
   WorkerScratch& worker = *data_.workers[w];
   const StageTimer nobody(worker.chain.clock());
-  Step step = pair_step();
-  step.t_max = at_start ? 0 : latest_time();
+  const Step step = step_for(purpose);
   count_adjacent(pairs, worker.sums);
   for (std::size_t begin = 0; begin < pairs.size(); begin += kPairs) {
     worker.batch.assign(pairs.subspan(begin, std::min(kPairs, pairs.size() - begin)));
     cull_pairs(step, w);
-    if (overlaps_requested_ && !at_start) {
-      take_overlaps(worker.batch.pairs, worker);
-      take_overlaps(worker.batch.contact_free, worker);
-    }
     if (flooded_) {
       StageStatistics& statistics = worker.sums.stages[flood()];
       const StageTimer timer(worker.chain.clock(), statistics.seconds);
@@ -223,7 +225,11 @@ void Pipeline::Run::take_pairs(std::span<const ElementPair> pairs, unsigned w, b
       pipeline_.flood_->reach(state(flood()), w, worker.batch.pairs);
       pipeline_.flood_->reach(state(flood()), w, worker.batch.contact_free);
     }
-    if (at_start) continue;
+    if (purpose != Purpose::tests) continue;
+    if (overlaps_requested_) {
+      take_overlaps(worker.batch.pairs, worker);
+      take_overlaps(worker.batch.contact_free, worker);
+    }
     assign_tests(step, w);
     if (worker.tests.size() >= kTests) run_tests(worker, TestBlock::kCapacity);
   }

@@ -191,6 +191,51 @@ TEST(Inclusion, UndecidedTestsComeAsNearAsPromised) {
   EXPECT_GT(undecided, 500u);
 }
 
+/// All points in a plane of constant x, y or z, whose polynomial is zero.
+std::vector<Vec3> in_a_plane(std::mt19937_64& random, FeatureKind kind, int control_points, int axis, bool on_a_grid) {
+  std::uniform_real_distribution<double> number(-1, 1);
+  const double height = on_a_grid ? 0 : 100 * number(random);
+  // The features begin on different sides of a gap; they would rarely be apart at t = 0 otherwise.
+  const std::size_t second = kind == FeatureKind::vf ? 1 : 2;
+  std::vector<Vec3> points;
+  for (int c = 0; c < control_points; ++c)
+    for (std::size_t i = 0; i < 4; ++i) {
+      Vec3 p(number(random), number(random), number(random));
+      if (c == 0) p[(axis + 1) % 3] += i < second ? 1.125 : -1.125;
+      if (on_a_grid) p = (2 * p).array().round();
+      p[axis] = height;
+      points.push_back(p);
+    }
+  return points;
+}
+
+TEST(Inclusion, TestsInAPlaneAreDecided) {
+  std::mt19937_64 random(7);
+  std::size_t contacts_found = 0, undecided = 0;
+  for (int i = 0; i < 12000; ++i) {
+    const FeatureKind kind = i % 2 ? FeatureKind::ee : FeatureKind::vf;
+    const int control_points = i % 4 < 2 ? 2 : 3;
+    const bool on_a_grid = i % 10 == 0;  // where vertices meet vertices
+    const std::vector<Vec3> points = in_a_plane(random, kind, control_points, i % 3, on_a_grid);
+    const volccd::QuerySet set(kind, control_points, points);
+    std::vector<Contact> contacts;
+    NarrowCounters counters;
+    test::run_stage(Inclusion(), set.step(1), kind, set.pairs(), contacts, counters);
+    TestMotion motion{kind, control_points, {}};
+    for (Index v = 0; v < 4; ++v) motion.points[v] = set.step(1).motion.at(v);
+    const ExactAnswer exact = exact_first_touch(motion);
+    ASSERT_TRUE(exact.touches ? contacts.size() == 1 : contacts.empty() || counters.undecided == 1) << "test " << i;
+    if (!on_a_grid) undecided += counters.undecided;
+    if (!exact.touches) continue;
+    ++contacts_found;
+    ASSERT_LE(contacts[0].toi, exact.toi) << "test " << i;
+    ASSERT_GE(contacts[0].toi, exact.toi - 1e-9) << "test " << i;
+    ASSERT_EQ(contacts[0].at_start, exact.reason == TouchCase::at_start) << "test " << i;
+  }
+  EXPECT_GT(contacts_found, 5000u);
+  EXPECT_LT(undecided, 5u);
+}
+
 /// A fall onto the triangle, a slide within its plane, and a double root: each of the ways to an answer.
 TEST(Inclusion, TheAnswerDependsNeitherOnTheBatchNorOnTheEnd) {
   std::mt19937_64 random(5);
