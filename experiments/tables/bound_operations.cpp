@@ -5,7 +5,7 @@
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/tables/counted_operation.hpp>
-#include <volccd/experiments/tables/moving_bounds.hpp>
+#include <volccd/experiments/tables/moving_obb.hpp>
 #include <volccd/query/reference_points.hpp>
 
 namespace volccd {

@@ -12,7 +12,7 @@ namespace volccd {
 /// Rows in the form of operation_counts(), on elements of the step and on pairs of elements without a common vertex
 /// whose swept boxes overlap, both evenly spread, at most `config.tests` of each:
 ///   kdop-update, obb-update   kind "element": the bounds of one element over the motion, from the positions of its
-///                             vertices at both ends (experiments/tables/moving_bounds.hpp); "positive" is null
+///                             vertices at both ends (experiments/tables/moving_obb.hpp); "positive" is null
 ///   kdop-test, obb-test       kind "element-pair": whether two such bounds are apart
 /// "paper" of obb-test has "comparisons" and "absolute_values" too, that of obb-update {"slower": [15, 25]}: the times
 /// that it is slower than with k-DOPs. There are no rows for an empty selection. The code is scalar, in doubles, and

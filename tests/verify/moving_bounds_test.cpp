@@ -1,6 +1,6 @@
 // Bounds of moving elements: they hold the element at all times, in exact arithmetic, and are apart only if disjoint.
 #include <volccd/experiments/tables/bound_operations.hpp>
-#include <volccd/experiments/tables/moving_bounds.hpp>
+#include <volccd/experiments/tables/moving_obb.hpp>
 
 #include <gtest/gtest.h>
 

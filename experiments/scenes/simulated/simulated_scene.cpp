@@ -82,7 +82,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .options = with_queries_every(2),
        .version = 3},
       {.name = "weld",
-       .description = "a plate is shot at another, welds to it, and tears off its back; hexahedra",
+       .description = "a plate is shot at another, welds to it, and cracks it inside; hexahedra",
        .model = weld_model,
        .default_elements = kWeldElements,
        .quick_elements = kWeldQuickElements,

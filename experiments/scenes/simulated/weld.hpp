@@ -1,4 +1,4 @@
-// Scene `weld`: a plate is shot at another, welds to it, and the reflected wave tears the back off: merging and
+// Scene `weld`: a plate is shot at another, welds to it, and reflected waves crack it inside: merging and
 // splitting by stress (Algorithm 1, lines 27 to 38; Figure 2).
 #pragma once
 
