@@ -31,7 +31,7 @@ struct BoundaryFloodState final : StageState {
   std::optional<Step> step;  ///< the step of the complex
   bool taken = false, parts_valid = false;
   std::vector<Index> parts, parents;
-  std::vector<std::pair<double, Index>> along_x;
+  detail::StartScratch start_scratch;
   detail::PairSet seen, seen_at_start;
   std::vector<ElementPair> front, reached;
   std::vector<Worker> workers;
@@ -39,10 +39,10 @@ struct BoundaryFloodState final : StageState {
   BoundaryFlood::Counters counters;
 
   std::size_t bytes() const override {
-    std::size_t sum = complex.bytes() + stars.bytes() + classes.bytes() + suspects.bytes() + outer.bytes() + seen.bytes() +
-                      seen_at_start.bytes() + (front.capacity() + reached.capacity()) * sizeof(ElementPair) +
-                      (parts.capacity() + parents.capacity()) * sizeof(Index) + counted.bytes() +
-                      along_x.capacity() * sizeof(along_x[0]);
+    std::size_t sum = complex.bytes() + stars.bytes() + classes.bytes() + suspects.bytes() + outer.bytes() +
+                      seen.bytes() + seen_at_start.bytes() +
+                      (front.capacity() + reached.capacity()) * sizeof(ElementPair) +
+                      (parts.capacity() + parents.capacity()) * sizeof(Index) + counted.bytes() + start_scratch.bytes();
     for (const Worker& w : workers) sum += sizeof w + w.reached.capacity() * sizeof(ElementPair);
     return sum;
   }
@@ -66,18 +66,16 @@ double boundary_share(const Topology& topology) {
   return mesh.element_count() == 0 ? 1 : static_cast<double>(boundary) / static_cast<double>(mesh.element_count());
 }
 
-/// Selects what the broad phase pairs: boundary faces, and whole elements in D or at a vertex that the complex surrounds
-/// more than once.
+/// Selects what the broad phase pairs: boundary faces, and whole elements in D or at a vertex that the complex
+/// surrounds more than once.
 void choose_outer(const Step& step, BoundaryFloodState& state) {
   const Mesh& mesh = step.mesh();
   const std::uint64_t version = state.outer.version();
   state.outer.assign(mesh, [&](Index o) {
     if (!mesh.is_live(o)) return ElementSubset::kNoPart;
-    const std::span<const Index> vertices = mesh.vertices(o);
-    const bool whole = state.classes.degenerate(o) || std::any_of(vertices.begin(), vertices.end(), [&](Index v) {
-                         return state.classes.wound(v);
-                       });
-    return whole ? ElementSubset::kWhole : state.stars.boundary_part(o);
+    return state.classes.degenerate(o) || state.classes.has_wound_vertex(step.topology, o)
+               ? ElementSubset::kWhole
+               : state.stars.boundary_part(o);
   });
   if (state.outer.version() != version) state.parts_valid = false;
 }
@@ -143,7 +141,7 @@ Flood::Front propose(BoundaryFloodState& state) {
     if (state.phase == Phase::idle) {
       if (!state.parts_valid) detail::FloodFront::one_of_each_part(step, state.parts, state.parents);
       state.parts_valid = true;
-      at_start.from_start(state.parts, state.along_x);
+      at_start.from_start(state.parts, state.start_scratch);
       for (const ElementPair pair : fresh) at_start.again(pair);
     } else {
       for (const ElementPair pair : fresh) at_start.around_at_start(pair);

@@ -5,10 +5,10 @@
 
 namespace volccd {
 
-/// Classifies the simplices of a step. The broad phase pairs only simplices with a boundary face and simplices whose
-/// volume is not proven to keep its sign (set D). From the pairs that element culling keeps, and from suspect stars,
-/// the flood proceeds across faces to pairs with simplices inside the volume. Of the O-Set, it omits every feature pair
-/// that is covered by two adjacent simplices which are proven to have no double points.
+/// Classifies the simplices of a step. The broad phase pairs only boundary faces, and simplices whose volume is not
+/// proven to keep its sign (set D). From the pairs that element culling keeps, and from suspect pairs of adjacent
+/// simplices, the flood proceeds across faces to pairs with simplices inside the volume. Of the O-Set, it omits every
+/// feature pair that is covered by two adjacent simplices which are proven to have no double points.
 ///
 /// Accepts a step unless
 ///  - the share of elements that have a boundary face or are shells exceeds `most_boundary`: almost everything is
@@ -37,7 +37,7 @@ class BoundaryFlood final : public Flood {
   struct Counters {
     std::size_t simplices = 0;   ///< all simplices
     std::size_t degenerate = 0;  ///< simplices in D
-    std::size_t paired = 0;      ///< simplices that the broad phase pairs
+    std::size_t paired = 0;      ///< simplices of which the broad phase pairs a face or the whole
     std::size_t suspect_vertices = 0;
     std::size_t looked_at = 0;        ///< pairs that next() proposed
     std::size_t looked_at_start = 0;  ///< those proposed for t = 0

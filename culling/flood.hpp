@@ -10,10 +10,10 @@ namespace volccd {
 
 /// A pipeline with a flood searches for pairs in a simplicial complex of the mesh. Broad phase, element culling and
 /// assignment receive the step that the flood provides (Flood::step): its topology is that of the complex, and its
-/// subset contains the parts of elements that the broad phase pairs. Pairs that survive culling of these parts are given
-/// to reach(). next() then proposes pairs, these and others, which pass through culling as whole elements (without a
-/// subset) and through assignment, and those that survive are given to reach() as well, until it proposes none. The
-/// flood lists the orphans itself; the OrphanSource is not used.
+/// subset contains the parts of elements that the broad phase pairs. Pairs that survive culling of these parts are
+/// given to reach(). next() then proposes pairs, these and others, which pass through culling as whole elements
+/// (without a subset) and through assignment, and those that survive are given to reach() as well, until it proposes
+/// none. The flood lists the orphans itself; the OrphanSource is not used.
 ///
 /// Guarantee (conservative): for each feature pair {a,b} that touches, the pairs proposed for the whole step contain
 /// every pair of non-adjacent simplices that covers it, and the orphans contain {a,b} if there is no such pair of

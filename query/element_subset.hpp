@@ -64,7 +64,7 @@ class ElementSubset {
   }
   void end_change();
 
-  std::vector<std::uint8_t> parts_;  ///< by slot
+  std::vector<std::uint8_t> parts_;             ///< by slot
   std::vector<std::array<Index, 4>> vertices_;  ///< by slot, of parts that are not whole elements
   std::vector<Index> changed_, next_;
   Index size_ = 0;

@@ -12,7 +12,7 @@ namespace volccd {
 /// referenced objects must outlive the call and must not change during it.
 struct Step {
   const Topology& topology;
-  const Motion& motion;       ///< motion.vertex_count() == topology.mesh().vertex_count()
+  const Motion& motion;  ///< motion.vertex_count() == topology.mesh().vertex_count()
   const ObjectFilter& filter;
   /// Distance, in the unit of the coordinates, at which features are in contact (finite, >= 0). For 0 they are in
   /// contact when they touch.

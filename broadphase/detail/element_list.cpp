@@ -1,7 +1,6 @@
 #include <volccd/broadphase/detail/element_list.hpp>
 
 #include <algorithm>
-#include <iterator>
 
 namespace volccd::detail {
 
@@ -12,23 +11,28 @@ void ElementList::truncate(std::size_t size) {
   vertices_.resize(begins_.back());
 }
 
-void ElementList::append(const Step& step, Index slot) {
+Index ElementList::put(const Step& step, Index slot, Index* out) {
   const std::span<const Index> vertices = step.mesh().vertices(slot), part = step.part(slot);
+  std::copy(vertices.begin(), vertices.end(), out);
+  if (part.data() == vertices.data()) return static_cast<Index>(vertices.size());
+  Index* const rest = std::stable_partition(
+      out, out + vertices.size(), [&](Index v) { return std::find(part.begin(), part.end(), v) != part.end(); });
+  return static_cast<Index>(rest - out);
+}
+
+void ElementList::append(const Step& step, Index slot) {
   slots_.push_back(slot);
-  if (part.data() == vertices.data()) {
-    vertices_.insert(vertices_.end(), vertices.begin(), vertices.end());
-    part_sizes_.push_back(static_cast<Index>(vertices.size()));
-  } else {
-    const auto in_part = [&](Index v) { return std::find(part.begin(), part.end(), v) != part.end(); };
-    const auto append_if = [&](bool wanted) {
-      std::copy_if(vertices.begin(), vertices.end(), std::back_inserter(vertices_),
-                   [&](Index v) { return in_part(v) == wanted; });
-    };
-    append_if(true);
-    part_sizes_.push_back(static_cast<Index>(vertices_.size() - begins_.back()));
-    append_if(false);
-  }
+  vertices_.resize(vertices_.size() + step.mesh().vertices(slot).size());
+  part_sizes_.push_back(put(step, slot, vertices_.data() + begins_.back()));
   begins_.push_back(vertices_.size());
+}
+
+bool ElementList::replace_part(const Step& step, std::size_t position) {
+  if (!step.takes_part(slots_[position])) return false;
+  const std::span<const Index> now = step.mesh().vertices(slots_[position]), listed = vertices(position);
+  if (!std::is_permutation(now.begin(), now.end(), listed.begin(), listed.end())) return false;
+  part_sizes_[position] = put(step, slots_[position], vertices_.data() + begins_[position]);
+  return true;
 }
 
 void ElementList::assign(const Step& step) {

@@ -33,6 +33,10 @@ class ElementList {
     return {vertices_.data() + begins_[position], part_sizes_[position]};
   }
 
+  /// Replaces the part of the element at this position if it has the same vertices as the element of the same slot in
+  /// the step. Otherwise, or if that element does not take part, returns false without a change.
+  bool replace_part(const Step& step, std::size_t position);
+
   void make_gap(std::size_t position) { slots_[position] = kNone; }
 
   /// Reorders the positions [begin, begin + order.size()): position begin + i gets the former contents of position
@@ -42,6 +46,9 @@ class ElementList {
   std::size_t bytes() const;
 
  private:
+  /// Writes the vertices of an element to `out`, those of its part first. Returns the number of these.
+  static Index put(const Step& step, Index slot, Index* out);
+
   std::vector<Index> slots_;
   std::vector<std::size_t> begins_{0};
   std::vector<Index> part_sizes_;

@@ -90,6 +90,7 @@ bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const B
   for (std::size_t p = built_elements_; p < list_.size(); ++p)
     if (!std::binary_search(touched.begin(), touched.end(), list_.slot(p))) order_.push_back(list_.slot(p));
   for (const Index slot : touched) {
+    if (positions_[slot] < built_elements_ && list_.replace_part(step, positions_[slot])) continue;
     if (positions_[slot] < built_elements_) {
       list_.make_gap(positions_[slot]);
       ++gaps_;
@@ -266,8 +267,7 @@ void KdopTree::fill_lanes(std::size_t begin, std::size_t end) {
     lanes_[p] = list_.slot(p);
     const std::span<const Index> vertices = list_.vertices(p);
     for (std::size_t v = 0; v < rows; ++v)
-      lanes_[(1 + v) * lane_stride_ + p] =
-          list_.slot(p) == kNone ? kNone : vertices[v < vertices.size() ? v : 0];
+      lanes_[(1 + v) * lane_stride_ + p] = list_.slot(p) == kNone ? kNone : vertices[v < vertices.size() ? v : 0];
   }
 }
 

@@ -65,32 +65,43 @@ bool FloodFront::may_overlap_at_start(Index a, Index b) const {
   return !beyond_a_face_at_start(a, b) && !beyond_a_face_at_start(b, a);
 }
 
-/// Proposes pairs with the elements whose boxes contain one of the vertices. `along_x` sorts the vertices by their first
-/// coordinates.
-void FloodFront::from_contained(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& along_x) {
-  along_x.clear();
-  for (const Index v : vertices) along_x.emplace_back(step_.motion.point(v, 0)[0], v);
-  std::sort(along_x.begin(), along_x.end());
+/// Proposes pairs with the elements whose boxes contain one of the vertices. Most elements lie between two of these
+/// vertices in the order of the first coordinates, which is found for each vertex of the mesh.
+void FloodFront::from_contained(std::span<const Index> vertices, StartScratch& scratch) {
   const Mesh& mesh = step_.mesh();
+  auto& along_x = scratch.along_x;
+  along_x.clear();
+  for (const Index v : vertices) along_x.emplace_back(step_.motion.at(v)[0], v);
+  std::sort(along_x.begin(), along_x.end());
+  scratch.ranks.resize(mesh.vertex_count());
+  for (Index v = 0; v < mesh.vertex_count(); ++v) {
+    const double x = step_.motion.at(v)[0];
+    const auto below = std::partition_point(along_x.begin(), along_x.end(), [&](const auto& p) { return p.first < x; });
+    const auto above = std::partition_point(below, along_x.end(), [&](const auto& p) { return p.first <= x; });
+    scratch.ranks[v] = {static_cast<Index>(below - along_x.begin()), static_cast<Index>(above - along_x.begin())};
+  }
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     if (!mesh.is_live(o) || !has_inside(o)) continue;
     const std::span<const Index> corners = step_.topology.adjacency().vertices(o);
-    const auto range = [&](int axis) {
-      const auto at = [&](std::size_t i) { return step_.motion.at(corners[i])[axis]; };
-      return std::minmax({at(0), at(1), at(2), at(3)});
-    };
-    const auto [first, last] = range(0);
-    for (auto it = std::lower_bound(along_x.begin(), along_x.end(), std::pair(first, Index{0}));
-         it != along_x.end() && it->first <= last; ++it) {
-      const auto contains = [&, v = it->second](int axis) {
-        const auto [low, high] = range(axis);
-        return low <= step_.motion.at(v)[axis] && step_.motion.at(v)[axis] <= high;
-      };
-      if (!contains(1) || !contains(2)) continue;
-      for (const Index at : step_.features().vertex_elements(it->second))
-        if (outer_at(at, it->second)) propose(at, o);
+    Index begin = kNone, end = 0;
+    for (std::size_t i = 0; i < 4; ++i) {
+      begin = std::min(begin, scratch.ranks[corners[i]][0]);
+      end = std::max(end, scratch.ranks[corners[i]][1]);
     }
+    for (Index i = begin; i < end; ++i) from_contained(along_x[i].second, o);
   }
+}
+
+/// Does this for one vertex and one element, of which the first coordinates are known to overlap.
+void FloodFront::from_contained(Index v, Index o) {
+  const std::span<const Index> corners = step_.topology.adjacency().vertices(o);
+  for (const int axis : {1, 2}) {
+    const auto at = [&](std::size_t i) { return step_.motion.at(corners[i])[axis]; };
+    const auto [low, high] = std::minmax({at(0), at(1), at(2), at(3)});
+    if (step_.motion.at(v)[axis] < low || step_.motion.at(v)[axis] > high) return;
+  }
+  for (const Index element : step_.features().vertex_elements(v))
+    if (outer_at(element, v)) propose(element, o);
 }
 
 void FloodFront::proceed_at_start(Index outer_element, Index other) {
@@ -107,7 +118,7 @@ void FloodFront::around_at_start(ElementPair pair) {
   proceed_at_start(pair.b, pair.a);
 }
 
-void FloodFront::from_start(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& scratch) {
+void FloodFront::from_start(std::span<const Index> vertices, StartScratch& scratch) {
   from_contained(vertices, scratch);
   for (const ElementPair pair : suspects_.pairs()) {
     const auto proceeds = [&](Index a, Index b) { return outer(a) && has_inside(b); };

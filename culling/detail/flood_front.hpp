@@ -1,6 +1,7 @@
 // The pairs that a flood proposes next.
 #pragma once
 
+#include <array>
 #include <span>
 #include <utility>
 #include <vector>
@@ -11,8 +12,16 @@
 
 namespace volccd::detail {
 
-/// Pairs of non-adjacent simplices, each proposed once. The subset of the step holds the outer part of each simplex: the
-/// whole simplex, a face, or nothing. A simplex that is not outer as a whole has an inside. Not thread-safe.
+/// Memory for FloodFront::from_start(), to be reused.
+struct StartScratch {
+  std::vector<std::pair<double, Index>> along_x;
+  std::vector<std::array<Index, 2>> ranks;
+
+  std::size_t bytes() const { return along_x.capacity() * sizeof(along_x[0]) + ranks.capacity() * sizeof(ranks[0]); }
+};
+
+/// Pairs of non-adjacent simplices, each proposed once. The subset of the step holds the outer part of each simplex:
+/// the whole simplex, a face, or nothing. A simplex that is not outer as a whole has an inside. Not thread-safe.
 class FloodFront {
  public:
   /// `seen`: the pairs proposed so far. New proposals are appended to `out`.
@@ -29,7 +38,7 @@ class FloodFront {
 
   /// For t = 0: pairs each element with an inside that may contain one of the vertices with an element whose outer part
   /// has that vertex, and proceeds from adjacent pairs that may overlap as around_at_start() does.
-  void from_start(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& scratch);
+  void from_start(std::span<const Index> vertices, StartScratch& scratch);
   /// For each element of the pair that has an outer part: proposes pairs with this element replaced by others whose
   /// outer parts share a vertex with it, if the other element has an inside; and pairs with the other element replaced
   /// by neighbours across faces that have an inside.
@@ -46,7 +55,8 @@ class FloodFront {
   void proceed_at_start(Index outer_element, Index other);
   bool may_overlap_at_start(Index a, Index b) const;
   bool beyond_a_face_at_start(Index a, Index b) const;
-  void from_contained(std::span<const Index> vertices, std::vector<std::pair<double, Index>>& along_x);
+  void from_contained(std::span<const Index> vertices, StartScratch& scratch);
+  void from_contained(Index v, Index o);
   void inner_neighbours(Index of, Index other);
   void propose(Index a, Index b);
 

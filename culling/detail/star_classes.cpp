@@ -164,6 +164,7 @@ void StarClasses::update(const Step& step, const StarTable& stars, TopologyDelta
   executor.parallel_for(vertices, kVertexGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
     for (std::size_t v = begin; v < end; ++v) classify(step, stars, static_cast<Index>(v), scratch_[w]);
   });
+  wound_count_ = static_cast<std::size_t>(std::count(wound_.begin(), wound_.end(), std::uint8_t{1}));
   suspects_.clear();
   for (Index v = 0; v < vertices; ++v)
     if (suspect_[v] != 0) suspects_.push_back(v);

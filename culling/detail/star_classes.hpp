@@ -2,6 +2,7 @@
 // D, clear stars and suspect stars.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <vector>
@@ -28,9 +29,13 @@ class StarClasses {
   /// Whether the star is not clear: it is not proven to map injectively to space at all times of the step.
   bool suspect(Index v) const { return suspect_[v] != 0; }
   const std::vector<Index>& suspects() const { return suspects_; }  ///< suspect vertices, ascending
-  /// Whether v is an interior vertex with a connected star outside of D that is not proven to surround the vertex
-  /// exactly once.
-  bool wound(Index v) const { return wound_[v] != 0; }
+  /// Whether a vertex of o is an interior vertex with a connected star outside of D that is not proven to surround the
+  /// vertex exactly once.
+  bool has_wound_vertex(const Topology& topology, Index o) const {
+    if (wound_count_ == 0) return false;
+    const std::span<const Index> vertices = topology.mesh().vertices(o);
+    return std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return wound_[v] != 0; });
+  }
 
   /// Bit i is set if the i-th vertex of simplex a is a vertex of b (Adjacency::vertices; a triangle repeats its first
   /// vertex).
@@ -83,7 +88,7 @@ class StarClasses {
   std::vector<std::int8_t> gap_signs_;
   std::vector<Index> suspects_;
   std::vector<StarTable::Ring> scratch_;  ///< by worker
-  std::size_t degenerate_count_ = 0;
+  std::size_t degenerate_count_ = 0, wound_count_ = 0;
 };
 
 }  // namespace volccd::detail

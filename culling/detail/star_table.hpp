@@ -62,8 +62,8 @@ class StarTable {
     return false;
   }
   /// The part of o, as bits of its vertices (ElementSubset), that is on the boundary. Boundary faces of a tetrahedron
-  /// are those that do not have exactly two tetrahedra: one such face; the whole tetrahedron if there are several, or if
-  /// a vertex has an irregular star; the whole element if it is a triangle.
+  /// are those that do not have exactly two tetrahedra: one such face; the whole tetrahedron if there are several, or
+  /// if a vertex has an irregular star; the whole element if it is a triangle.
   std::uint8_t boundary_part(Index o) const { return boundary_parts_[o]; }
 
   std::size_t bytes() const;
@@ -87,8 +87,8 @@ class StarTable {
 
   TopologyDelta delta_;
   std::vector<std::array<Neighbour, 4>> neighbours_;  ///< by element slot
-  std::vector<std::uint8_t> boundary_parts_;  ///< by element slot
-  std::vector<StarKind> kinds_;  ///< by vertex
+  std::vector<std::uint8_t> boundary_parts_;          ///< by element slot
+  std::vector<StarKind> kinds_;                       ///< by vertex
   std::vector<Index> changed_vertices_;
   std::vector<Scratch> scratch_;
 };

@@ -38,7 +38,8 @@ struct Volumes {
   }
 };
 
-/// Calls vertices_of(i) for i in [begin, end); it returns the four vertices of a tetrahedron, or nothing for a sign of 1.
+/// Calls vertices_of(i) for i in [begin, end); it returns the four vertices of a tetrahedron, or nothing for a sign
+/// of 1.
 template <int kControlPoints, class VerticesOf>
 HWY_INLINE void signs_of(const Motion& motion, std::size_t begin, std::size_t end, VerticesOf&& vertices_of,
                          std::int8_t* signs) {
@@ -54,9 +55,8 @@ HWY_INLINE void signs_of(const Motion& motion, std::size_t begin, std::size_t en
     }
     volumes.signs(positive, negative);
     for (std::size_t k = 0; k < count; ++k)
-      signs[first + k] = (given >> k & 1) == 0
-                             ? std::int8_t{1}
-                             : static_cast<std::int8_t>((positive >> k & 1) - (negative >> k & 1));
+      signs[first + k] =
+          (given >> k & 1) == 0 ? std::int8_t{1} : static_cast<std::int8_t>((positive >> k & 1) - (negative >> k & 1));
   }
 }
 
@@ -76,7 +76,8 @@ void signs_of_elements(const Step& step, Index begin, Index end, std::int8_t* si
 }
 
 void signs_of_tetrahedra(const Motion& motion, std::span<const std::array<Index, 4>> tetrahedra, std::int8_t* signs) {
-  signs_of(motion, 0, tetrahedra.size(), [&](std::size_t i) { return std::span<const Index>(tetrahedra[i]); }, signs);
+  signs_of(
+      motion, 0, tetrahedra.size(), [&](std::size_t i) { return std::span<const Index>(tetrahedra[i]); }, signs);
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE

@@ -147,8 +147,7 @@ void Pipeline::Run::run_flood() {
     if (front.pairs.empty()) return;
     statistics.out += front.pairs.size();
     executor_.parallel_for(front.pairs.size(), kPairs, [&](std::size_t begin, std::size_t end, unsigned w) {
-      take_pairs(front.pairs.subspan(begin, end - begin), w,
-                 front.at_start ? Purpose::touch_at_start : Purpose::tests);
+      take_pairs(front.pairs.subspan(begin, end - begin), w, front.at_start ? Purpose::touch_at_start : Purpose::tests);
     });
   }
 }

@@ -4,8 +4,8 @@
 #include <limits>
 #include <random>
 
-#include <boost/multiprecision/gmp.hpp>
 #include <gtest/gtest.h>
+#include <boost/multiprecision/gmp.hpp>
 
 #include <volccd/narrowphase/detail/inclusion_search.hpp>
 #include <volccd/narrowphase/detail/motion_piece.hpp>
