@@ -18,7 +18,6 @@
 #include <volccd/experiments/scenes/simulated/bake.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/compare_records.hpp>
-#include <volccd/experiments/tables/feature_sets.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
 #include <volccd/program/command_line.hpp>
 #include <volccd/program/commands.hpp>
@@ -119,7 +118,7 @@ void check_options(const ExperimentKind* kind, const std::string& name, const Ex
 /// 1, and says so on stderr, if pipelines that should have found the same contacts did not.
 int same_contacts(const ExperimentKind& kind, const Registry& registry, const ExperimentPlan& plan,
                   const std::vector<nlohmann::json>& rows) {
-  if (!kind.plan) return kDone;
+  if (kind.rows) return kDone;
   const std::vector<std::string> lines = contact_differences(registry, plan, rows);
   for (const std::string& line : lines) fmt::print(stderr, "volccd: {}: other contacts: {}\n", kind.name, line);
   return lines.empty() ? kDone : kDifferent;
@@ -133,11 +132,16 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
   make_folder(options.output);
   const auto executor = make_interruptible_executor(options.timed_threads());
   std::unique_ptr<Progress> of_rows;
+  std::map<std::string, std::optional<std::string>> files;  // asked for by the plan, and again by what makes the rows
+  const auto file_of = [&](const std::string& name) {
+    if (!files.contains(name)) files[name] = scene_file(options, name);
+    return files.at(name);
+  };
   const PlanContext context{registry,
                             options.full,
                             options.pipelines,
                             options.settings,
-                            [&](const std::string& name) { return scene_file(options, name); },
+                            file_of,
                             executor.get(),
                             [&](std::size_t done, std::size_t total) {
                               if (!of_rows) of_rows = std::make_unique<Progress>(kind.name, total, "scenes");
@@ -193,9 +197,9 @@ Baked bake_for(const ExperimentOptions& options, const SimulatedScene& scene, Ex
   return {*file, bake_record_file(scene, settings)};
 }
 
-/// A record for each scene that is `wanted`. Those that are complete are kept when one fails or is interrupted.
-int run_on_scenes(const ExperimentOptions& options, const std::string& name, bool (*wanted)(const SimulatedScene&),
-                  RecordOfScene measure, TitledTable (*table)(const std::vector<nlohmann::json>&), Finished& finished) {
+/// A record for each simulated scene that is no variant of another. Those that are complete are kept when one fails or is interrupted.
+int run_scenes(const ExperimentOptions& options, Finished& finished) {
+  const std::string name = "scenes";
   const InterruptGuard guard;
   make_folder(options.output);
   check_outputs(options, name);
@@ -210,10 +214,10 @@ int run_on_scenes(const ExperimentOptions& options, const std::string& name, boo
   };
   try {
     for (const SimulatedScene& scene : simulated_scenes()) {
-      if (!wanted(scene)) continue;
+      if (!scene.variant_of.empty()) continue;
       const Baked baked = bake_for(options, scene, *executor);
       records.push_back(
-          record_with_progress(scene.name, baked.file, baked.record, options.simulation_threads(), measure));
+          record_with_progress(scene.name, baked.file, baked.record, options.simulation_threads(), scene_record));
     }
   } catch (const Interrupted& error) {
     stop(error, kInterrupted);
@@ -221,27 +225,14 @@ int run_on_scenes(const ExperimentOptions& options, const std::string& name, boo
     stop(error, kBadInput);
   }
   if (code == kDone) {
-    keep(options, name, records, untitled_text(table(records)), true, finished);
+    keep(options, name, records, untitled_text(scene_table(records)), true, finished);
     return kDone;
   }
   const std::string text = fmt::format("{} scene(s) are complete; {}", records.size(), stopped_by);
   keep(options, name, {{"complete", false}, {"stopped_by", stopped_by}, {"records", records}},
-       fmt::format("incomplete: {}\n\n{}", text, untitled_text(table(records))), false, finished);
+       fmt::format("incomplete: {}\n\n{}", text, untitled_text(scene_table(records))), false, finished);
   fmt::print(stderr, "volccd: incomplete: {}\n", text);
   return code;
-}
-
-int run_scenes(const ExperimentOptions& options, Finished& finished) {
-  return run_on_scenes(
-      options, "scenes", [](const SimulatedScene& scene) { return scene.variant_of.empty(); }, scene_record,
-      scene_table, finished);
-}
-
-int run_feature_sets(const ExperimentOptions& options, Finished& finished) {
-  return run_on_scenes(
-      options, "feature_sets",
-      [](const SimulatedScene& scene) { return scene.name == "bullet" || scene.variant_of == "bullet"; },
-      feature_set_record, feature_set_table, finished);
 }
 
 /// Experiments whose records have a form of their own.
@@ -254,9 +245,7 @@ struct OtherExperiment {
 
 constexpr OtherExperiment kOthers[] = {
     {"scenes", "the simulated scenes: sizes, motion, contacts, edits, energy (--quick: the small sizes)", run_scenes,
-     "scenes", scene_table},
-    {"feature-sets", "Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's",
-     run_feature_sets, "feature_sets", feature_set_table}};
+     "scenes", scene_table}};
 
 std::vector<std::string> known_experiments() {
   std::vector<std::string> known;
@@ -476,8 +465,8 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
   options->report.add_to(*run_command);
   run_command->footer(
       "Motions are sampled evenly where all would take too long; the record lists them. After Ctrl-C or an error the "
-      "same command goes on with what NAME.incomplete.jsonl has (scenes, feature-sets: NAME.incomplete.json and .txt "
-      "keep the scenes that were complete); a whole record stays as it was until then.\n"
+      "same command goes on with what NAME.incomplete.jsonl has (scenes: scenes.incomplete.json and .txt keep "
+      "the scenes that were complete); a whole record stays as it was until then.\n"
       "Exit code 1 if pipelines that should find the same contacts found others.\n"
       "Examples:\n"
       "  volccd experiment run projectile --quick -o results/\n"
