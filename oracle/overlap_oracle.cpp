@@ -71,8 +71,8 @@ double gap(const Box& a, const Box& b) { return (a.low - b.high).cwiseMax(b.low 
 
 bool apart(const Box& a, const Box& b) { return gap(a, b) > 0; }
 
-/// Depth of the deepest two pieces that FCL finds overlapping and no separating axis refutes; negative if there are
-/// none.
+/// The largest depth over all pairs of pieces that FCL finds overlapping and that no axis separates; negative if there
+/// are none.
 double overlap_depth(const Bodies& bodies, ElementPair pair, detail::FclOverlap& overlap) {
   const std::span<const Vec3> hull_a = bodies.hull(pair.a), hull_b = bodies.hull(pair.b);
   const Box box_a = box_of(hull_a), box_b = box_of(hull_b);
@@ -90,7 +90,8 @@ double overlap_depth(const Bodies& bodies, ElementPair pair, detail::FclOverlap&
   return depth;
 }
 
-/// Whether the two bodies are disjoint beyond doubt: an axis with a gap above rounding for every two of their pieces.
+/// Whether the two bodies are certainly disjoint: for every pair of their pieces there is an axis with a gap larger
+/// than the rounding error.
 bool certainly_disjoint(const Bodies& bodies, ElementPair pair) {
   const Box box_a = box_of(bodies.hull(pair.a)), box_b = box_of(bodies.hull(pair.b));
   const Box both{box_a.low.cwiseMin(box_b.low), box_a.high.cwiseMax(box_b.high)};
@@ -134,7 +135,7 @@ Sample sample(const Step& step, double t, Executor& executor) {
   return result;
 }
 
-/// Contacts in canonical order, to be asked for by the features of two elements.
+/// Contacts in canonical order, which can be searched by the features of two elements.
 class ContactIndex {
  public:
   explicit ContactIndex(std::span<const Contact> contacts) {
@@ -150,7 +151,7 @@ class ContactIndex {
     detail::boundary_triangles(mesh, b, triangles_b);
     first = std::min(first, first_vf(mesh.vertices(a), triangles_b));
     first = std::min(first, first_vf(mesh.vertices(b), triangles_a));
-    // A contact has the smaller edge in front, of whichever element it is.
+    // The smaller edge of a contact is first, whichever element it belongs to.
     first = std::min(first, first_ee(triangles_a, triangles_b));
     return std::min(first, first_ee(triangles_b, triangles_a));
   }
@@ -219,8 +220,8 @@ void refuse_what_owes_nothing(const Step& step, std::span<const double> times) {
                         std::to_string(step.t_max) + "]");
 }
 
-/// Whether an axis keeps the hulls at t = 0 apart by more than the separation and 1e-9 of the pair's size. Only axes
-/// are believed: FCL may miss a shallow overlap.
+/// Whether some axis separates the hulls at t = 0 by more than the separation plus 1e-9 of the pair's size. FCL is not
+/// used, because it may miss a shallow overlap.
 bool hulls_clearly_apart(const Step& step, ElementPair pair) {
   std::vector<Vec3> a, b;
   for (const Index v : step.mesh().vertices(pair.a)) a.push_back(step.motion.point(v, 0));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <volccd/pipelines/registry.hpp>
+#include <volccd/pipelines/stage_observer.hpp>
 #include <volccd/pipelines/statistics.hpp>
 #include <volccd/query/contact.hpp>
 
@@ -45,6 +46,8 @@ struct Request {
   /// The mesh is the solid mesh of a ShellThickener: contacts of features that correspond to the same vertex of the
   /// shell mesh (share_shell_vertex) are not reported as contacts. All stages process their tests like all others.
   bool leave_out_shell_neighbours = false;
+  /// Receives the pairs between the stages; may be null, and then costs one comparison per batch. Must outlive the run.
+  StageObserver* observer = nullptr;
 
   Request() = default;
   Request(Query q, bool overlaps = false, bool without_shell_neighbours = false)  // NOLINT: a Query converts to a

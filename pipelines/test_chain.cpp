@@ -74,6 +74,7 @@ void TestChain::run_filter(FeatureKind kind, std::size_t stage) {
   stages_->filters[stage]->run(pruned, *stages_->states[stage], worker_, block, keep);
   const auto dropped = std::count(keep.begin(), keep.begin() + static_cast<std::ptrdiff_t>(block.size()), 0);
   statistics_[stage].out += block.size() - static_cast<std::size_t>(dropped);
+  observe(stage, block, keep);
   const bool last = stage + 1 == stages_->filters.size();
   if (last && !step_->filter.trivial() && step_->filter.scope() == PairScope::all) keep_included(block, keep);
   TestBlock& next = blocks(kind)[stage + 1];
@@ -94,6 +95,23 @@ void TestChain::run_narrow_phase(const TestBlock& block) {
   const std::size_t stage = stages_->filters.size();
   stages_->narrow_phase.run(*step_, *stages_->states[stage], worker_, block, contacts_, counters_);
   statistics_[stage].out += contacts_.size() - before;
+  if (stages_->observer) observe_contacts(block, before);
+}
+
+void TestChain::observe(std::size_t stage, const TestBlock& block, std::span<const std::uint8_t> keep) {
+  if (!stages_->observer) return;
+  const StageTimer nobody(clock_);
+  stages_->observer->observe(stages_->first_stage + stage, worker_, *step_, block.kind(), block.pairs(),
+                             keep.first(block.size()));
+}
+
+/// Contacts name vertices, not the index of their test in the block.
+void TestChain::observe_contacts(const TestBlock& block, std::size_t old_contacts) {
+  std::array<std::uint8_t, TestBlock::kCapacity> keep{};
+  for (const Contact& contact : std::span(contacts_).subspan(old_contacts))
+    for (std::size_t i = 0; i < block.size(); ++i)
+      if (block.vertices(i) == contact.vertices) keep[i] = 1;
+  observe(stages_->filters.size(), block, keep);
 }
 
 }  // namespace volccd

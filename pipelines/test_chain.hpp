@@ -12,6 +12,7 @@
 #include <volccd/culling/feature_filter.hpp>
 #include <volccd/narrowphase/narrow_phase.hpp>
 #include <volccd/pipelines/stage_clock.hpp>
+#include <volccd/pipelines/stage_observer.hpp>
 #include <volccd/pipelines/statistics.hpp>
 
 namespace volccd {
@@ -22,6 +23,8 @@ struct TestStages {
   std::span<const std::unique_ptr<FeatureFilter>> filters;
   const NarrowPhase& narrow_phase;
   std::span<const std::unique_ptr<StageState>> states;
+  StageObserver* observer = nullptr;  ///< may be null
+  std::size_t first_stage = 0;        ///< index of the first of these stages for the observer
 };
 
 /// The tests of a worker are gathered once into blocks. The tests that a filter keeps are collected, separately for
@@ -63,6 +66,8 @@ class TestChain {
   void run(FeatureKind kind, std::size_t stage);
   void run_filter(FeatureKind kind, std::size_t stage);
   void run_narrow_phase(const TestBlock& block);
+  void observe(std::size_t stage, const TestBlock& block, std::span<const std::uint8_t> keep);
+  void observe_contacts(const TestBlock& block, std::size_t old_contacts);
   void keep_included(const TestBlock& block, std::span<std::uint8_t> keep) const;
 
   const Step* step_ = nullptr;

@@ -1,5 +1,5 @@
-// In a source of its own: where the compiler sees these operators and their calls together, it takes them for a
-// mismatch.
+// These operators have a source file of their own, because a compiler that sees them together with their calls warns of
+// mismatched allocation functions.
 #include <volccd/program/allocation_count.hpp>
 
 #include <atomic>

@@ -5,8 +5,8 @@
 
 namespace volccd {
 
-/// Allocations of all threads since the first call, which begins to count. The program has its own operator new for
-/// that, as a weak symbol: where another one is linked, nothing is counted.
+/// Number of allocations of all threads since the first call, which starts the count. The program defines operator new
+/// for this purpose, as a weak symbol; if another definition is linked, nothing is counted.
 std::size_t allocation_count();
 
 }  // namespace volccd

@@ -65,7 +65,7 @@ nlohmann::json to_json(const StageReport& report) {
           {"promises", promises}};
 }
 
-/// Several workers at least: that is what is tried.
+/// At least two workers, because the check compares several workers with one.
 unsigned workers(unsigned threads) { return std::max(2u, threads > 0 ? threads : make_executor(0)->workers()); }
 
 int run(CheckOptions options, const Registry& registry) {
@@ -97,10 +97,10 @@ int run(CheckOptions options, const Registry& registry) {
 }  // namespace
 
 void add_check_command(CLI::App& app, const Registry& registry, Action& action) {
-  CLI::App* command = app.add_subcommand("check", "holds one stage to what it declares");
+  CLI::App* command = app.add_subcommand("check", "checks whether one stage keeps its declared properties");
   const auto options = std::make_shared<CheckOptions>();
   command->add_option("STAGE", options->stage, "name of a stage, as `volccd stages` lists it")->required();
-  command->add_option("FILE", options->file, "sequence, or name of a scene, whose steps are looked at as well");
+  command->add_option("FILE", options->file, "sequence, or name of a scene, whose steps are checked as well");
   command->add_option("--steps", options->steps, "steps of FILE: K, A:B, A:, :B (default all)");
   command->add_option("--set", options->settings, "an option of the stage: stage.option=value");
   command->add_option("--trials", options->config.trials, "generated trials")
@@ -120,7 +120,7 @@ void add_check_command(CLI::App& app, const Registry& registry, Action& action) 
       "in batches, with several workers, with a new state and with one that has seen other steps. Then in pipelines, "
       "against those without it, on small colliding bodies and on FILE. What is not promised (approximate) is "
       "counted.\n"
-      "Exit code 1 if a promise is broken; what is printed then repeats it: --seed N --trials 1.\n"
+      "Exit code 1 if a property does not hold; the printed options --seed N --trials 1 repeat the trial.\n"
       "Examples:\n"
       "  volccd check csat\n"
       "  volccd check csat run.vtkhdf --set csat.axis=optimal --trials 20000\n"

@@ -42,13 +42,13 @@ class HelpFormatter : public CLI::Formatter {
     return out.str();
   }
   std::string make_footer(const CLI::App* app) const override {
-    // A command without one has inherited its parent's.
+    // A command without a footer has inherited the footer of its parent.
     if (app->get_parent() && app->get_parent()->get_footer() == app->get_footer()) return "";
     return wrapped_footer(CLI::Formatter::make_footer(app));
   }
 
  private:
-  /// Examples go on after a backslash, so that they can be copied.
+  /// A long example is continued after a backslash, so that it can be copied.
   static std::string wrapped_footer(const std::string& text) {
     std::string result;
     std::istringstream lines(text);
@@ -150,7 +150,7 @@ CLI::Validator one_of(std::vector<std::string> choices) {
 }
 
 void add_help_command(CLI::App& app, const Registry& registry, Action& action) {
-  CLI::App* command = app.add_subcommand("help", "the help of a command, as its --help");
+  CLI::App* command = app.add_subcommand("help", "prints the help of a command, as --help does");
   const auto options = std::make_shared<HelpOptions>();
   command->add_option("COMMAND", options->names, "of which command; without one: what commands there are")
       ->type_name("");
@@ -194,7 +194,7 @@ std::string unexpected_arguments(const CLI::App& app) {
   const auto option =
       std::find_if(extras.begin(), extras.end(), [](const std::string& o) { return o.starts_with("-"); });
   if (option == extras.end())
-    return fmt::format("{}: '{}' is not expected; `{} --help` says what is", path, fmt::join(extras, " "), path);
+    return fmt::format("{}: '{}' is not expected; `{} --help` lists what is", path, fmt::join(extras, " "), path);
   const std::string name = option->substr(0, option->find('='));
   std::vector<std::string> known;
   for (const CLI::Option* one : command->get_options()) {

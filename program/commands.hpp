@@ -9,7 +9,7 @@
 
 namespace volccd {
 
-/// What is to run once the command line has been parsed.
+/// The function that runs the command after the command line has been parsed.
 using Action = std::function<int()>;
 
 void add_info_command(CLI::App& app, Action& action);

@@ -38,7 +38,7 @@ constexpr std::size_t kPartPairsShown = 20;
 
 std::string time_text(double toi) { return std::isfinite(toi) ? fmt::format("{:.6f}", toi) : "-"; }
 
-/// Milliseconds with three significant digits, or all that stand before the point.
+/// Milliseconds with three significant digits, or with all digits before the decimal point if there are more.
 std::string milliseconds(double seconds) {
   const double value = 1e3 * seconds;
   return fmt::format("{:.{}f}", value, value >= 100 ? 0 : value >= 10 ? 1 : value >= 1 ? 2 : 3);
@@ -74,7 +74,7 @@ void print_stages(const Statistics& total, bool overlaps, const Report& report) 
   report.print("\n{}", table.text());
 }
 
-/// Runs the steps and keeps what the reports need.
+/// Runs the steps and stores the data for the reports.
 class Detection {
  public:
   Detection(const DetectOptions& options, const Registry& registry)
@@ -121,7 +121,7 @@ class Detection {
   }
 
  private:
-  /// Ends a file; the steps that it has, which on a full disk are fewer than were complete.
+  /// Completes a file. Returns the steps that are in it: fewer than the complete ones if the disk is full.
   template <class Writer>
   static StepsDone kept(Writer& writer, const StepsDone& steps) {
     if (!steps.complete()) return writer.finish_incomplete(steps);
@@ -129,7 +129,7 @@ class Detection {
     return steps;
   }
 
-  /// `in_file`: the steps that the file has, of those that are `done`.
+  /// `in_file`: how many of the `done` steps the file contains.
   void note(const std::string& file, const char* what, const StepsDone& in_file, const StepsDone& done) {
     const char* const first = std::exchange(noted_, true) ? "" : "\n";
     if (in_file.done == in_file.begin)
@@ -159,7 +159,7 @@ class Detection {
     total_ += result_.statistics;
   }
 
-  /// Rows ascend by element id, the smaller one first.
+  /// Rows are in ascending order of the pairs of element ids; in each pair, the smaller id is first.
   std::string overlap_rows(int k) const {
     const Mesh& mesh = stepper_.topology().mesh();
     std::vector<std::pair<std::int64_t, std::int64_t>> ids;
@@ -188,7 +188,7 @@ class Detection {
     print_stages(total_, request_.initial_overlaps, *report_);
   }
 
-  /// Index into `steps_` of the earliest contact, in the first step that has one; nothing without contacts.
+  /// Index into `steps_` of the earliest contact, in the first step that has one; empty if there are no contacts.
   std::optional<std::size_t> earliest_step() const {
     for (std::size_t i = 0; i < steps_.size(); ++i)
       if (std::isfinite(steps_[i].earliest_toi)) return i;
@@ -239,7 +239,7 @@ class Detection {
     }
     report_->print("\n{}", table.text());
     if (pairs.size() > kPartPairsShown)
-      report_->print("and {} more pairs of parts: --json has them all\n", grouped(pairs.size() - kPartPairsShown));
+      report_->print("and {} more pairs of parts: --json lists all\n", grouped(pairs.size() - kPartPairsShown));
   }
 
   nlohmann::json part_pairs_json() const {
@@ -255,7 +255,7 @@ class Detection {
 
   void print_left_out() const {
     const char* const count =
-        "contacts of features that stem from one shell vertex; --shell-neighbours keep takes them in";
+        "contacts of features that stem from one shell vertex; --shell-neighbours keep includes them";
     if (options_.first)
       report_->print("left out, not counted with --first: {}\n", count);
     else
@@ -334,10 +334,10 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
       ->type_name("FILE");
   command
       ->add_option("--overlaps", options->overlaps,
-                   "find the elements that overlap at the start of a step, too, and write them as CSV")
+                   "also find the elements that overlap at the start of a step, and write them as CSV")
       ->type_name("FILE");
   command->add_option("--stats", options->stats, "write counts and times as JSON")->type_name("FILE");
-  command->add_flag("--first", options->first, "the earliest contact of each step alone, found faster");
+  command->add_flag("--first", options->first, "find only the earliest contact of each step, which is faster");
   options->query.add_to(*command);
   options->sequence.add_parts_to(*command);
   options->report.add_to(*command);

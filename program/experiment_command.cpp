@@ -39,12 +39,12 @@ struct ExperimentOptions {
   std::optional<unsigned> threads;
   ReportOptions report;
 
-  /// What is timed runs on one thread, as in the paper, unless asked otherwise; simulations on all.
+  /// Default: one thread for what is timed, as in the paper; all threads for simulations.
   unsigned timed_threads() const { return threads.value_or(1); }
   unsigned simulation_threads() const { return threads.value_or(0); }
 };
 
-/// What one experiment leaves, for --json.
+/// The results of one experiment, for --json.
 using Finished = std::vector<nlohmann::json>;
 
 void add_finished(const std::string& name, const std::string& record, bool complete, const std::string& text,
@@ -55,7 +55,7 @@ void add_finished(const std::string& name, const std::string& record, bool compl
 void make_folder(const std::string& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(folder, "", "is the folder for records and cannot be made: " + error.message());
+  if (error) throw InputError(folder, "", "cannot be created as the folder for records: " + error.message());
 }
 
 std::string record_file(const ExperimentOptions& options, const std::string& name, const char* suffix) {
@@ -72,7 +72,7 @@ void check_outputs(const ExperimentOptions& options, const std::string& name, co
   plan.check();
 }
 
-/// Prints the tables and writes them and the record: an incomplete one never in the place of a whole one of another
+/// Prints the tables, and writes them and the record. An incomplete record never replaces a complete one of another
 /// run.
 void keep(const ExperimentOptions& options, const std::string& name, const nlohmann::json& record,
           const std::string& tables, bool complete, Finished& finished) {
@@ -85,14 +85,14 @@ void keep(const ExperimentOptions& options, const std::string& name, const nlohm
   add_finished(name, file, complete, tables, finished);
 }
 
-/// Sequence of a scene for a table: a run of another program if it is there, or a made-up motion of a mesh that is; a
-/// simulated scene, or the built-in one, from the cache, after making it if need be.
+/// The sequence of a scene for a table: a sequence of another program, or a generated motion of a mesh, if the file is
+/// present; or a simulated or built-in scene from the cache, which is generated first if it is missing.
 std::optional<std::string> scene_file(const ExperimentOptions& options, const std::string& name) {
   const Report report(options.report);
   if (is_deformed_scene(name)) {
     const std::optional<std::string> file = deformed_scene_file(name);
     if (!file)
-      report.print("the mesh of {} is not there: the tables do without it\n(VOLCCD_DATA names its folder)\n", name);
+      report.print("the mesh of {} is not there: it is left out of the tables\n(VOLCCD_DATA names its folder)\n", name);
     return file;
   }
   constexpr const char* kShared[] = {"ls-dyna-projectile", "octopus2-105k", "cloth-ball", "rod-twist"};
@@ -100,7 +100,7 @@ std::optional<std::string> scene_file(const ExperimentOptions& options, const st
                         std::any_of(std::begin(kShared), std::end(kShared), [&](const char* o) { return name == o; });
   const std::string file = external ? shared_data_path(name + ".vtkhdf") : "";
   if (external && !std::filesystem::exists(file)) {
-    report.print("{} is not there: the tables do without it\n(VOLCCD_DATA names another folder)\n", file);
+    report.print("{} is not there: it is left out of the tables\n(VOLCCD_DATA names another folder)\n", file);
     return std::nullopt;
   }
   if (name == "builtin") report.print("taking the built-in sequence\n");
@@ -115,7 +115,7 @@ void check_options(const ExperimentKind* kind, const std::string& name, const Ex
     throw ConfigError(fmt::format("{} takes no --set; `volccd experiment run ablation --set ...` does", name));
 }
 
-/// 1, and says so on stderr, if pipelines that should have found the same contacts did not.
+/// Returns exit code 1, with a message on stderr, if pipelines that must find the same contacts found different ones.
 int same_contacts(const ExperimentKind& kind, const Registry& registry, const ExperimentPlan& plan,
                   const std::vector<nlohmann::json>& rows) {
   if (kind.rows) return kDone;
@@ -124,7 +124,7 @@ int same_contacts(const ExperimentKind& kind, const Registry& registry, const Ex
   return lines.empty() ? kDone : kDifferent;
 }
 
-/// Runs what the record of an earlier, interrupted run does not have, and writes record and tables.
+/// Runs the measurements that are missing in the record of an earlier, interrupted run, and writes record and tables.
 int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const Registry& registry,
              Finished& finished) {
   const Report report(options.report);
@@ -160,7 +160,7 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
   if (record.set_aside())
     report.print("{}: rows of another build or plan, kept as {}\n", record.incomplete_file(), record.old_file());
   if (record.resumed() > 0)
-    report.print("{}: going on, {} window(s) are there\n", record.incomplete_file(), record.resumed());
+    report.print("{}: continued; {} window(s) are complete\n", record.incomplete_file(), record.resumed());
   try {
     if (kind.rows && !record.has("rows")) record.add("rows", kind.rows(context));
     of_rows.reset();
@@ -171,7 +171,7 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
     });
   } catch (const Interrupted&) {
     throw Interrupted(
-        fmt::format("{}: stopped; the same command goes on with what {} has", kind.name, record.incomplete_file()));
+        fmt::format("{}: stopped; the same command continues the run from {}", kind.name, record.incomplete_file()));
   }
   nlohmann::json whole = {{"rows", record.rows()}, {"provenance", facts}};
   record.finish(facts, kind.summary ? kind.summary(whole) : nlohmann::json::array());
@@ -197,7 +197,8 @@ Baked bake_for(const ExperimentOptions& options, const SimulatedScene& scene, Ex
   return {*file, bake_record_file(scene, settings)};
 }
 
-/// A record for each simulated scene that is no variant of another. Those that are complete are kept when one fails or is interrupted.
+/// Makes a record for each simulated scene that is no variant of another. Complete records are kept if a scene fails or
+/// is interrupted.
 int run_scenes(const ExperimentOptions& options, Finished& finished) {
   const std::string name = "scenes";
   const InterruptGuard guard;
@@ -235,7 +236,7 @@ int run_scenes(const ExperimentOptions& options, Finished& finished) {
   return code;
 }
 
-/// Experiments whose records have a form of their own.
+/// Experiments whose records have a different form.
 struct OtherExperiment {
   const char *name, *description;
   int (*run)(const ExperimentOptions& options, Finished& finished);
@@ -278,7 +279,8 @@ int run_one(const std::string& name, const ExperimentOptions& options, const Reg
   return find_other(name)->run(options, finished);
 }
 
-/// All of them: further pipelines and settings go to those that take them. Small scenes, unless --full.
+/// Runs all experiments. Additional pipelines and settings are given to the experiments that support them. The scenes
+/// are small unless --full is given.
 std::vector<std::pair<std::string, ExperimentOptions>> all_experiments(ExperimentOptions options) {
   options.quick = !options.full;
   std::vector<std::pair<std::string, ExperimentOptions>> jobs;
@@ -379,7 +381,7 @@ int compare(const CompareOptions& options) {
   report.print("{} compared: {} slower, {} faster beyond the spread, {} with other counts\n", result.compared,
                result.slower, result.faster, result.other_counts);
   if (result.single > 0)
-    report.print("{} with a single round: their spread is unknown, and their times are not judged\n", result.single);
+    report.print("{} with a single round: their spread is unknown, and their times are not compared\n", result.single);
   return result.slower + result.other_counts > 0 ? kDifferent : kDone;
 }
 
@@ -404,7 +406,7 @@ void add_compare_command(CLI::App& command, Action& action) {
   compare_command->add_option("A", options->a, "folder of the records before")->required();
   compare_command->add_option("B", options->b, "folder of the records after")->required();
   compare_command->footer(
-      "Exit code 1 where something became slower beyond the spread of its rounds and 3 %, or counts differ.\n"
+      "Exit code 1 if anything is slower by more than the spread of its rounds and 3 %, or if counts differ.\n"
       "Example:\n  volccd experiment compare results/ build/results/");
   options->report.add_to(*compare_command);
   compare_command->callback([options, &action] { action = [options] { return compare(*options); }; });
@@ -434,7 +436,7 @@ void add_list_command(CLI::App& command, Action& action) {
 }  // namespace
 
 void add_experiment_command(CLI::App& app, const Registry& registry, Action& action) {
-  CLI::App* command = app.add_subcommand("experiment", "measurements that give the tables");
+  CLI::App* command = app.add_subcommand("experiment", "runs measurements and makes their tables");
   command->require_subcommand(1);
   add_list_command(*command, action);
   CLI::App* run_command = command->add_subcommand("run", "measure, print the tables, keep the records");

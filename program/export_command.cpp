@@ -23,7 +23,7 @@ struct ExportOptions {
   ReportOptions report;
 };
 
-/// run.vtkhdf, 7 -> run_0007.vtkhdf: ParaView takes files with such names as one series.
+/// run.vtkhdf, 7 -> run_0007.vtkhdf: ParaView opens files with such names as one series.
 std::string file_of_step(const std::string& output, int step) {
   const std::filesystem::path path(output);
   return (path.parent_path() / fmt::format("{}_{:04}{}", path.stem().string(), step, path.extension().string()))

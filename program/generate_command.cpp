@@ -62,7 +62,7 @@ void refuse_other_options(const GenerateOptions& options, const OptionValues& va
   if (!options.mesh.empty()) throw ConfigError(fmt::format("scene {} takes no mesh", options.name));
 }
 
-/// Refuses, before anything is computed, outputs that are inputs or cannot be written. `source`: the file that is
+/// Throws, before anything is computed, if an output is also an input or cannot be written. `source`: the file that is
 /// copied, or empty.
 void check_outputs(const GenerateOptions& options, const std::string& source) {
   OutputPlan plan;

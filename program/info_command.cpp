@@ -166,7 +166,7 @@ nlohmann::json mesh_json(const SequenceReader& reader, const Topology& topology,
           {"triangles", topology.features().triangle_count()}};
 }
 
-/// The mesh of step 0, its objects as asked for. `named`: they are the parts that the file names.
+/// The mesh of step 0, with the objects that the options select. `named`: they are the parts that the file names.
 struct FirstStep {
   FirstStep(SequenceReader& reader, const SequenceStepper::Config& config) {
     SequenceCells cells;
@@ -180,7 +180,7 @@ struct FirstStep {
   bool named = true;
 };
 
-/// Goes through the motions: a row for people and an entry of `motions` each.
+/// Reads all motions and adds, for each, a row to the text table and an entry to `motions`.
 StepsDone read_motions(const InfoOptions& options, SequenceReader& reader, TextTable& table, nlohmann::json& motions) {
   SequenceStepper stepper(reader, options.sequence.stepper());
   const StepRange range = parse_steps(options.sequence.steps, stepper.motion_count(), options.sequence.file);
@@ -231,7 +231,7 @@ int info(const InfoOptions& options) {
 }  // namespace
 
 void add_info_command(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("info", "what is in a sequence: counts, parts, steps, motion per step");
+  CLI::App* command = app.add_subcommand("info", "contents of a sequence: counts, parts, steps, motion per step");
   const auto options = std::make_shared<InfoOptions>();
   options->sequence.add_to(*command);
   options->sequence.add_parts_to(*command);

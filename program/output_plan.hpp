@@ -1,4 +1,4 @@
-// Inputs and outputs of one run: no output may destroy an input, or another output.
+// The inputs and outputs of one run: no output may overwrite an input or another output.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,12 @@
 
 namespace volccd {
 
-/// To be filled and asked before anything is written. Files are told apart by device and inode, those that do not exist
-/// yet by their path without links; the same standard output twice is refused too, /dev/null is not.
-/// `only_files`: as OutputFile's.
+/// All inputs and outputs are added, then check() is called, before anything is written. Files are identified by device
+/// and inode, and files that do not exist yet by their path without links. The standard output may be used once,
+/// /dev/null repeatedly. `only_files`: as for OutputFile.
 class OutputPlan {
  public:
-  /// `option`: as the user knows it, "--contacts" or "FILE". An empty `file` counts as not given. Throws InputError for
+  /// `option`: the name in messages, such as "--contacts" or "FILE". An empty `file` is ignored. Throws InputError for
   /// an output that is a folder or a socket.
   void input(const std::string& option, const std::string& file);
   void output(const std::string& option, const std::string& file, const char* only_files = nullptr);
@@ -22,7 +22,7 @@ class OutputPlan {
   /// the standard output goes to; InputError if one cannot be written.
   void check() const;
 
-  /// Where to print for people: stderr if an output goes to the standard output.
+  /// The stream for text: stderr if an output goes to the standard output.
   std::FILE* report() const;
 
  private:

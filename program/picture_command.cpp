@@ -43,7 +43,7 @@ std::vector<Number> parse_list(const std::string& option, const std::string& tex
   }
 }
 
-/// Rows of panels: one file, several steps; or a column for each file.
+/// The panels in their order: for each step, one panel for each file.
 std::vector<PicturePanel> panels_of(const PictureOptions& options) {
   const std::vector<int> steps = parse_list<int>("--step", options.steps, ',', "a step, or steps such as 0,10,20");
   const std::size_t count = options.files.size() * steps.size();
@@ -66,12 +66,12 @@ std::vector<PicturePanel> panels_of(const PictureOptions& options) {
   return panels;
 }
 
-/// A suffix promises a format.
+/// The suffix of the file must be that of the format.
 void check_suffix(const std::string& output) {
   std::string suffix = std::filesystem::path(output).extension().string();
   std::transform(suffix.begin(), suffix.end(), suffix.begin(), [](unsigned char c) { return std::tolower(c); });
   if (!suffix.empty() && suffix != ".png")
-    throw ConfigError(fmt::format("-o: pictures are PNG files; name it {} in place of {}",
+    throw ConfigError(fmt::format("-o: pictures are PNG files; name it {} instead of {}",
                                   std::filesystem::path(output).replace_extension(".png").string(), output));
 }
 
@@ -133,7 +133,7 @@ void add_picture_view(CLI::App& command, PictureOptions& options) {
       ->type_name("FACTOR")
       ->capture_default_str();
   command.add_flag("--fit-fragments", config.fit_fragments, "fit the camera to fragments as well as to bodies");
-  command.add_option("--box", options.box, "what to fit the camera to instead: the same for all steps")
+  command.add_option("--box", options.box, "the box that the camera shows in all steps, instead of the bodies")
       ->type_name("X0,X1,Y0,Y1,Z0,Z1");
   command.add_option("--columns", config.columns, "panels in a row; 0: one for each file, or all steps")
       ->check(CLI::NonNegativeNumber)
@@ -143,7 +143,8 @@ void add_picture_view(CLI::App& command, PictureOptions& options) {
 
 void add_picture_content(CLI::App& command, PictureOptions& options) {
   PictureConfig& config = options.config;
-  command.add_option("--parts", config.parts, "draw these alone: ids or names, separated by , or ;")->type_name("LIST");
+  command.add_option("--parts", config.parts, "draw only these parts: ids or names, separated by , or ;")
+      ->type_name("LIST");
   command.add_option("--without", config.without, "leave these parts out")->type_name("LIST");
   command.add_option("--colour", config.colours, "colour of a part: bullet=#C87533; may be repeated")
       ->type_name("PART=#RRGGBB")
@@ -173,7 +174,7 @@ void add_picture_content(CLI::App& command, PictureOptions& options) {
   command.add_flag("--edges", config.render.edges, "the elements' edges as thin lines");
   command.add_flag("--no-lines", options.no_lines, "without outlines and creases");
   command.add_flag("--text,!--no-text", config.text, "captions and legend (the default)");
-  command.add_option("--caption", options.captions, "in place of the title; one for each panel")
+  command.add_option("--caption", options.captions, "caption instead of the title; one for each panel")
       ->type_name("TEXT")
       ->allow_extra_args(false);
   command.add_option("--samples", config.render.samples, "a pixel has N x N")

@@ -19,7 +19,8 @@ namespace volccd {
 
 namespace {
 
-/// False, with a message, if the standard output could not be written: the report would be lost unnoticed.
+/// Returns false, with a message, if the standard output could not be written. Otherwise the user would not notice that
+/// the report is lost.
 bool flush_output() {
   const bool failed = std::ferror(stdout) != 0;
   if (std::fflush(stdout) == 0 && !failed) return true;
@@ -31,7 +32,7 @@ bool flush_output() {
 
 int program(int argc, const char* const* argv, const Registry& registry) {
   turn_off_hdf5_messages();
-  CLI::App app("Continuous collision detection between deforming volume meshes: what touches what, and when.",
+  CLI::App app("Continuous collision detection between deforming volume meshes: contacts and their first times.",
                "volccd");
   // A limit on the size of files is an error like a full disk, not the end of the process.
   std::signal(SIGXFSZ, SIG_IGN);
@@ -43,7 +44,7 @@ int program(int argc, const char* const* argv, const Registry& registry) {
       "  volccd detect run.vtkhdf --contacts c.csv      all contacts of all steps\n"
       "  volccd detect run.vtkhdf --steps 3:5 --pipeline NavCCD --stats s.json\n"
       "  volccd verify run.vtkhdf                       all pipelines against each other and against FCL\n"
-      "  volccd check csat                              one stage against what it declares\n"
+      "  volccd check csat                              checks the declared properties of one stage\n"
       "  volccd queries ccd-queries.h5                  elementary tests on queries with known answers\n"
       "  volccd report results/ -o report/              tables, figures and scenes in the browser\n"
       "  volccd help COMMAND                            options and examples of a command\n\n"

@@ -1,4 +1,4 @@
-// The `volccd` program as a function, so that a program with stages of its own is three lines
+// The `volccd` program as a function: a program with additional stages has a main() of three lines
 // (examples/custom_culling).
 #pragma once
 

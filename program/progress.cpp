@@ -12,11 +12,11 @@
 namespace volccd {
 
 namespace {
-/// Between two lines within one piece of work.
+/// Minimum time between two updates within one unit of work.
 constexpr std::chrono::milliseconds kShortest(100);
 
 bool silent = false;
-/// Of more than these, not each is shown.
+/// Above this number of units, not every unit causes an update.
 constexpr std::size_t kMany = 200;
 
 volatile std::sig_atomic_t interrupt_flag = 0;
@@ -74,7 +74,7 @@ void Progress::advance(std::size_t done, double share) {
   const double all_done = static_cast<double>(done) + share;
   std::string more;
   if (share > 0) more = fmt::format(", {:.0f} % of the next", 100 * share);
-  // A first estimate from less than a whole one would be rough.
+  // An estimate from less than one complete unit would be inaccurate.
   if (done > 0 && done < total_)
     more += ", " + duration(elapsed / all_done * (static_cast<double>(total_) - all_done)) + " left";
   fmt::print(stderr, "\r\033[K{}: {} of {} {}{}", what_, done, total_, units_, more);

@@ -1,4 +1,4 @@
-// Progress of long work on a terminal, silence in a pipe; and Ctrl-C, which stops work and keeps what is complete.
+// Progress of long work, shown on a terminal only; and Ctrl-C, which stops the work and keeps complete results.
 #pragma once
 
 #include <chrono>
@@ -11,8 +11,8 @@
 
 namespace volccd {
 
-/// One line on stderr, rewritten in place: "detecting: 3 of 8 steps, 40 % of the next, 12.0 s left"; nothing where
-/// stderr is not a terminal. Every command that can take more than a second has one.
+/// One line on stderr that is overwritten: "detecting: 3 of 8 steps, 40 % of the next, 12.0 s left". Nothing is printed
+/// if stderr is not a terminal. Every command that can take more than a second has one.
 class Progress {
  public:
   /// `units`: what is counted, in the plural.
@@ -21,11 +21,11 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// `share`: of the next one, in [0, 1). A share above 0, and those of many, are shown ten times a
-  /// second at most.
+  /// `share`: the completed fraction of the next unit, in [0, 1). Fractions, and units if there are many, are shown at
+  /// most ten times a second.
   void advance(std::size_t done, double share = 0);
 
-  /// No progress of this process from now on (--quiet). To be called before there are other threads.
+  /// Disables the progress of this process (--quiet). Must be called before other threads are started.
   static void silence();
 
  private:
@@ -35,18 +35,18 @@ class Progress {
   std::chrono::steady_clock::time_point start_, shown_;
 };
 
-/// The user stopped the work; what is complete is kept. Exit code 130.
+/// Thrown when the user has stopped the work; complete results are kept. Exit code 130.
 class Interrupted : public Error {
  public:
   using Error::Error;
 };
 
-/// How a record that ends early says that it was the user.
+/// The reason in an incomplete record if the user has stopped the run.
 inline constexpr const char* kStoppedByUser = "interrupted";
 
-/// While one lives, Ctrl-C (SIGINT) and SIGTERM set a flag instead of ending the process: long work looks at it,
-/// abandons the step it is at, writes what is complete, and exits with 130. A second signal ends at once. Guards may be
-/// nested.
+/// While a guard exists, Ctrl-C (SIGINT) and SIGTERM set a flag and do not end the process. Long work checks the flag,
+/// discards its present step, writes the complete results, and exits with 130. A second signal ends the process at
+/// once. Guards may be nested.
 class InterruptGuard {
  public:
   InterruptGuard();
@@ -60,7 +60,7 @@ class InterruptGuard {
 };
 
 /// make_executor() for work under an InterruptGuard: after Ctrl-C no further chunk is begun, and parallel_for throws
-/// Interrupted. What the work has left half done must then be thrown away.
+/// Interrupted. Incomplete results must then be discarded.
 std::unique_ptr<Executor> make_interruptible_executor(unsigned threads);
 
 }  // namespace volccd

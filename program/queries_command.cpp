@@ -39,7 +39,7 @@ void print_lists(const QueryRecord& record, const std::vector<KnownQueries>& gro
     }
 }
 
-/// The motions to look at: those asked for, of which a query file has one.
+/// The motions that the options select; a query file has one motion.
 StepRange motions_of(const QueriesOptions& options) {
   const std::string& file = options.sequence.file;
   if (!is_sequence_file(file)) {
@@ -47,12 +47,12 @@ StepRange motions_of(const QueriesOptions& options) {
     return {0, 1};
   }
   SequenceReader reader(file);
-  // The truth is that of the first motion.
+  // The known answers belong to the first motion.
   const std::string steps = options.sequence.steps.empty() && !options.source.candidates ? "0" : options.sequence.steps;
   return parse_steps(steps, reader.step_count() - 1, file);
 }
 
-/// One motion, or a query file: adds its groups to `record`. `advance` is told the share that is done.
+/// Adds the groups of one motion, or of a query file, to `record`. `advance` is called with the completed fraction.
 template <class Advance>
 void compare_on_motion(const QueriesOptions& options, const Registry& registry, int motion, Advance&& advance,
                        QueryRecord& record) {
@@ -76,7 +76,7 @@ void compare_on_motion(const QueriesOptions& options, const Registry& registry, 
   print_lists(one, groups);
 }
 
-/// All motions; the exit code. Groups that are complete are kept.
+/// Processes all motions and returns the exit code. Complete groups are kept.
 int compare_on_motions(const QueriesOptions& options, const Registry& registry, QueryRecord& record) {
   const StepRange range = motions_of(options);
   Progress progress("testing queries", static_cast<std::size_t>(range.end - range.begin), "motions");
@@ -143,7 +143,8 @@ void add_queries_command(CLI::App& app, const Registry& registry, Action& action
   command->add_flag("--candidates", options->source.candidates,
                     "sequences: all pairs with overlapping swept boxes, not only those that the truth lists");
   command
-      ->add_option("--judge", options->judge, "narrow phase whose answers count as the truth, in place of the file's")
+      ->add_option("--judge", options->judge,
+                   "narrow phase whose answers are used instead of the known answers in the file")
       ->type_name("NAME");
   command->add_option("--sample", options->source.sample, "at most N of each scene and kind; 0: all")
       ->type_name("N")

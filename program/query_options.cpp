@@ -31,7 +31,7 @@ double scene_diagonal(const Topology& topology, const Motion& motion) {
   return box.isEmpty() ? 0 : box.sizes().stableNorm();
 }
 
-/// The object that all elements belong to, if it is one.
+/// The object of all elements if all have the same one.
 std::optional<std::int32_t> only_object(const Mesh& mesh) {
   std::optional<std::int32_t> object;
   for (Index o = 0; o < mesh.element_slots(); ++o) {
@@ -58,14 +58,14 @@ StepRange parse_steps(const std::string& text, int motions, const std::string& f
            parse_bound(std::string_view(text).substr(colon + 1), motions, range.end);
   }
   if (!good) throw ConfigError(fmt::format("--steps: '{}' is not A:B, A:, :B or K", text));
-  if (motions == 0) throw InputError(file, "VTKHDF/Steps", "has one step only: no motion to look at");
+  if (motions == 0) throw InputError(file, "VTKHDF/Steps", "has only one step, and therefore no motion");
   if (range.begin < 0 || range.begin >= range.end || range.end > motions)
     throw ConfigError(fmt::format("--steps: {} is not within the motions 0:{} of {}", text, motions, file));
   return range;
 }
 
 void add_threads_option(CLI::App& command, unsigned& threads, const std::string& purpose) {
-  command.add_option("--threads", threads, purpose + "0: as many as the machine has; more are never made")
+  command.add_option("--threads", threads, purpose + "0: as many as the machine has; more are not used")
       ->check(CLI::Range(0u, kMaxThreads))
       ->type_name("N")
       ->capture_default_str();
@@ -92,7 +92,7 @@ void SequenceOptions::add_to(CLI::App& command) {
 void SequenceOptions::add_parts_to(CLI::App& command) {
   command
       .add_option("--parts", parts,
-                  "objects are the parts that the file stores, or what hangs together: cells that share a vertex at "
+                  "objects are the parts that the file stores, or connected components: cells that share a vertex at "
                   "any step are of one object")
       ->check(one_of({"stored", "components"}))
       ->capture_default_str();
@@ -150,7 +150,7 @@ void QueryOptions::check(const SequenceStepper& stepper) const {
   if (const std::optional<std::int32_t> object = only_object(stepper.topology().mesh()))
     fmt::print(stderr,
                "volccd: warning: all elements of motion {} belong to part {}, so there are no pairs between parts; "
-               "--parts components takes what hangs together as a part\n",
+               "--parts components makes each connected component a part\n",
                stepper.current(), *object);
 }
 

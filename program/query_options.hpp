@@ -26,7 +26,7 @@ StepRange parse_steps(const std::string& text, int motions, const std::string& f
 /// --threads, within the bound of make_executor(). `purpose` precedes the help text.
 void add_threads_option(CLI::App& command, unsigned& threads, const std::string& purpose = "");
 
-/// What is read: --steps, --shells, --edges, --motion; --parts.
+/// Options of what is read: --steps, --shells, --edges, --motion; --parts.
 struct SequenceOptions {
   std::string file, steps, shells = "surface", edges = "triangulated", motion = "linear", parts = "stored";
 
@@ -35,7 +35,7 @@ struct SequenceOptions {
   SequenceStepper::Config stepper() const;
 };
 
-/// What is asked: --pairs, --separation, --shell-neighbours, --threads.
+/// Options of the query: --pairs, --separation, --shell-neighbours, --threads.
 struct QueryOptions {
   std::string pairs = "all", shell_neighbours;
   std::optional<double> separation;
@@ -43,14 +43,14 @@ struct QueryOptions {
 
   void add_to(CLI::App& command);
   ObjectFilter filter() const;
-  /// Whether contacts of shell neighbours are left out (Request): if asked for, else for thickened shells. Throws
-  /// ConfigError if asked for on shells that are not thickened.
+  /// Whether contacts of shell neighbours are left out (Request): as the option says; by default, for thickened
+  /// shells. Throws ConfigError if the option requires it for shells that are not thickened.
   bool leaves_out_shell_neighbours(const SequenceOptions& sequence) const;
 
   /// The separation of the present motion: the one given, else that of the query in query motion, else 0.
   double separation_in(const SequenceStepper& stepper) const { return separation.value_or(stepper.separation()); }
   /// To be called at the first motion. Throws ConfigError for a separation greater than the diagonal of the box around
-  /// all vertices in use. Warns on stderr if pairs between parts are asked for and there is one part only.
+  /// all vertices in use. Warns on stderr if only pairs between parts are requested and there is only one part.
   void check(const SequenceStepper& stepper) const;
 };
 

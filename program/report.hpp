@@ -1,4 +1,4 @@
-// What a command prints: tables for people, or with --json one document for programs; nothing of it with --quiet.
+// The output of a command: text tables, or one JSON document with --json; no text with --quiet.
 #pragma once
 
 #include <cstdio>
@@ -24,11 +24,11 @@ struct ReportOptions {
 
 class Report {
  public:
-  /// `people`: where text goes if it goes anywhere.
+  /// `people`: the stream for text, unless text is disabled.
   explicit Report(const ReportOptions& options, std::FILE* people = stdout)
       : options_(options), people_(options.json || options.quiet ? nullptr : people) {}
 
-  /// Text for people: nothing with --json or --quiet.
+  /// Prints text, unless --json or --quiet is given.
   template <class... T>
   void print(fmt::format_string<T...> format, T&&... arguments) const {
     if (people_) fmt::print(people_, format, std::forward<T>(arguments)...);

@@ -62,14 +62,14 @@ ExportedScene export_with_progress(const std::string& name, const std::string& f
   });
 }
 
-/// Where a sequence that a record names lies: the cache of baked scenes, or the shared data. Nothing is computed.
+/// Path of a sequence that a record names, in the cache of baked scenes or in the shared data. Nothing is computed.
 std::optional<std::string> present_file(const std::string& file) {
   for (const std::string& path : {(fs::path(bake_cache_folder()) / file).string(), shared_data_path(file)})
     if (fs::is_regular_file(path)) return path;
   return std::nullopt;
 }
 
-/// What makes the sequence, or where to put it.
+/// The command that generates the sequence, or the folder for it.
 std::string how_to_get(const RecordedInput& input) {
   for (const SimulatedScene& scene : simulated_scenes())
     for (const bool quick : {false, true}) {
@@ -92,8 +92,8 @@ bool is_wanted(const PageOptions& options, const RecordedInput& input) {
   return list.find("," + input.scene + ",") != std::string::npos;
 }
 
-/// Exports the scenes of the records, smallest file first, so that what small ones leave of their share of the size
-/// goes to large ones. Shares are as the square roots of the files' sizes.
+/// Exports the scenes of the records, smallest file first, so that large scenes can use what small ones leave of their
+/// shares of the size. Shares are proportional to the square roots of the files' sizes.
 class SceneList {
  public:
   SceneList(const PageOptions& options, const Registry& registry, ReportFolder& folder)
@@ -200,10 +200,13 @@ int write_view(const PageOptions& options, const Registry& registry) {
 }
 
 void add_common(CLI::App& command, PageOptions& options) {
-  command.add_option("-o,--output", options.output, "folder to write: new, empty, or of an earlier report")
+  command
+      .add_option("-o,--output", options.output, "folder to write: a new or empty one, or one with an earlier report")
       ->required()
       ->type_name("FOLDER");
-  command.add_option("--pipeline", options.pipeline, "whose contacts and counts the scenes show; see `volccd stages`")
+  command
+      .add_option("--pipeline", options.pipeline,
+                  "pipeline that computes the contacts and counts of the scenes; see `volccd stages`")
       ->type_name("NAME")
       ->capture_default_str();
   command.add_option("--set", options.settings, "stage.option=value, or role=stage[,stage...]; may be repeated")
@@ -224,13 +227,13 @@ void add_common(CLI::App& command, PageOptions& options) {
 
 void add_report_command(CLI::App& app, const Registry& registry, Action& action) {
   CLI::App* command =
-      app.add_subcommand("report", "tables, figures and scenes of a folder of records, to be read in a browser");
+      app.add_subcommand("report", "tables, figures and scenes of a folder of records, as a page for a browser");
   const auto options = std::make_shared<PageOptions>();
   command->add_option("RESULTS", options->input, "folder with the records of `volccd experiment run`")
       ->required()
       ->type_name("");
   add_common(*command, *options);
-  command->add_option("--scenes", options->scenes, "show these scenes alone, NAME[,NAME...], or none; default: all")
+  command->add_option("--scenes", options->scenes, "show only these scenes, NAME[,NAME...], or none; default: all")
       ->type_name("LIST");
   command->footer(
       "FOLDER/index.html opens from disk, without a server or a network. The sequences that the records name are\n"
@@ -245,7 +248,7 @@ void add_report_command(CLI::App& app, const Registry& registry, Action& action)
 }
 
 void add_view_command(CLI::App& app, const Registry& registry, Action& action) {
-  CLI::App* command = app.add_subcommand("view", "one sequence with its contacts in 3-D, to be looked at in a browser");
+  CLI::App* command = app.add_subcommand("view", "one sequence with its contacts in 3-D, as a page for a browser");
   const auto options = std::make_shared<PageOptions>();
   options->megabytes = 40;
   command->add_option("FILE", options->input, "sequence (VTKHDF), or the name of a scene")->required()->type_name("");

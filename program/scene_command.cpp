@@ -63,8 +63,9 @@ int list_scenes(const ReportOptions& options) {
     report.print("{}", labelled("  " + scene.name, scene.description, kIndentation));
     list.push_back(scene_json(scene.name, "external", scene.description));
   }
-  report.print("\n{}\n", wrapped("A name goes wherever a sequence file goes (`volccd detect octopi`, or octopi-quick); "
-                                 "simulated ones are computed once."));
+  report.print("\n{}\n",
+               wrapped("A name can stand in the place of any sequence file (`volccd detect octopi`, or octopi-quick); "
+                       "simulated ones are computed once."));
   report.write("scene list", {{"scenes", list}});
   return kDone;
 }
@@ -73,7 +74,7 @@ int list_scenes(const ReportOptions& options) {
 
 void add_scene_command(CLI::App& app, Action& action) {
   CLI::App* command =
-      app.add_subcommand("scene", "made-up sequences: list them, generate one; pictures and single steps of any");
+      app.add_subcommand("scene", "scenes: list them, generate one; pictures and export of single steps of any");
   command->require_subcommand(1);
   CLI::App* list_command = command->add_subcommand("list", "the scenes and their options");
   const auto options = std::make_shared<ReportOptions>();

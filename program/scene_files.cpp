@@ -17,7 +17,7 @@ BakeHooks BakeProgress::hooks() {
   BakeHooks hooks;
   hooks.progress = [this](int done, int frames) {
     if (!progress_) {
-      // Frames of an earlier run took no time in this one.
+      // Frames that an earlier run computed took no time in this run.
       first_ = done;
       progress_ = std::make_unique<Progress>("simulating " + scene_, static_cast<std::size_t>(frames - done), "frames");
     }
@@ -44,7 +44,7 @@ std::vector<std::string> scene_names() {
   return names;
 }
 
-/// What looks like the name of a scene and is near one, but is none and no file.
+/// Throws InputError, with similar names, for a name without "." and "/" that is neither a file nor a scene.
 void check_name(const std::string& name_or_file) {
   if (name_or_file.find_first_of("/.") != std::string::npos || std::filesystem::exists(name_or_file)) return;
   const std::vector<std::string> names = scene_names();

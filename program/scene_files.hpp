@@ -1,4 +1,4 @@
-// Names of scenes in place of files, on the command line.
+// Names of scenes that the command line accepts instead of files.
 #pragma once
 
 #include <functional>
@@ -15,8 +15,8 @@
 
 namespace volccd {
 
-/// Shows how far a bake is, within a frame as well, and how long it will take; stops it at Ctrl-C, after the step of
-/// the simulation that it is at. The frame begun is lost.
+/// Shows the progress of a bake, also within a frame, and the remaining time. Ctrl-C stops the bake after the present
+/// step of the simulation; the incomplete frame is discarded.
 class BakeProgress {
  public:
   explicit BakeProgress(std::string scene) : scene_(std::move(scene)) {}
@@ -30,18 +30,18 @@ class BakeProgress {
   int first_ = 0;
 };
 
-/// resolve_scene() with progress. Throws InputError, with near names of scenes, for what is neither a file nor a scene.
-/// `threads`: for baking; 0: as many as the machine has. Throws Interrupted as well.
+/// resolve_scene() with progress. Throws InputError, with similar names of scenes, for a name that is neither a file
+/// nor a scene. `threads`: for baking; 0: as many as the machine has. Throws Interrupted as well.
 std::string sequence_file(const std::string& name_or_file, unsigned threads = 0);
 
 /// The command that simulates a scene, "NAME" or "NAME-quick", and keeps it in the cache.
 std::string simulating_command(const std::string& scene);
 
-/// The same for commands that only look: what would have to be simulated first is a ConfigError that names the command
-/// for it. (A scene that is computed from nothing takes less than a second, and is.)
+/// The same for commands that do not simulate. Throws ConfigError, which names the command to run first, for a scene
+/// that would have to be simulated. (A scene that is given by a formula is generated, which takes less than a second.)
 std::string present_sequence_file(const std::string& name_or_file);
 
-/// Says on stderr that a sequence ends before the last step that was meant for it, if it does.
+/// Prints a warning on stderr if the sequence is incomplete.
 void warn_of_incomplete(const SequenceReader& reader);
 
 /// scene_record().
@@ -49,7 +49,7 @@ using RecordOfScene = std::optional<nlohmann::json> (*)(
     const std::string& name, const std::string& sequence, const std::string& bake_record, Executor& executor,
     const std::function<bool(std::size_t done, std::size_t motions)>& go_on);
 
-/// With progress, and its own executor, that stops within a step. Throws Interrupted as well.
+/// Shows progress, and uses an executor of its own that stops within a step. Also throws Interrupted.
 nlohmann::json record_with_progress(const std::string& name, const std::string& sequence,
                                     const std::string& bake_record, unsigned threads, RecordOfScene measure);
 

@@ -16,7 +16,7 @@ std::vector<const CLI::Option*> options_of(const CLI::App& app, bool positional)
   return app.get_options([=](const CLI::Option* option) { return option->get_positional() == positional; });
 }
 
-/// Text as troff takes it: no requests at the beginnings of lines, no escapes, and hyphens that can be copied.
+/// Text for troff: no line begins with a request, backslashes are escaped, and hyphens can be copied.
 std::string troff(const std::string& text) {
   std::string result;
   std::istringstream lines(text);
@@ -50,7 +50,7 @@ std::string value_of(const CLI::Option& option) {
   if (!takes_value(option)) return "";
   std::string choices = choices_of(option);
   if (choices.empty()) {
-    // What checks the value stands behind a colon; "A:B" is a form.
+    // A description of the check follows after a colon; "A:B" is a form of the value.
     const std::string type = option.get_type_name();
     const std::size_t colon = type.find(':');
     return type.empty() ? type : " " + (colon + 2 < type.size() ? type.substr(0, colon) : type);
@@ -73,7 +73,7 @@ std::string footer_of(const CLI::App& app) {
   return app.get_footer().empty() ? "" : fmt::format(".PP\n.nf\n{}\n.fi\n", troff(app.get_footer()));
 }
 
-/// The command and those below it. `path`: "volccd scene".
+/// The command and its subcommands. `path`: "volccd scene".
 std::string command_entry(const CLI::App& command, const std::string& path) {
   std::string text;
   if (subcommands(command).empty()) {
@@ -89,7 +89,7 @@ std::string command_entry(const CLI::App& command, const std::string& path) {
   return text;
 }
 
-/// In single quotes of the shell.
+/// The text in single quotes, for the shell.
 std::string quoted(const std::vector<std::string>& words) {
   std::string text;
   for (const std::string& word : words) text += (text.empty() ? "" : " ") + word;

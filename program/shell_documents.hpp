@@ -9,8 +9,8 @@
 
 namespace volccd {
 
-/// Names that stand for themselves in a place of the command line: by "COMMAND" (its positional arguments, as "scene
-/// generate") or "COMMAND --option".
+/// Words that are completed at a place of the command line. Keys: "COMMAND" for positional arguments, as "scene
+/// generate", or "COMMAND --option".
 using KnownWords = std::map<std::string, std::vector<std::string>>;
 
 /// For `man`: troff with the macros of man(7).

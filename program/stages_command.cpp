@@ -82,7 +82,7 @@ int list_stages(const Registry& registry, const ReportOptions& options) {
 }  // namespace
 
 void add_stages_command(CLI::App& app, const Registry& registry, Action& action) {
-  CLI::App* command = app.add_subcommand("stages", "what is registered, with options and guarantees");
+  CLI::App* command = app.add_subcommand("stages", "the registered stages and pipelines, with options and guarantees");
   const auto options = std::make_shared<ReportOptions>();
   options->add_to(*command);
   command->footer(

@@ -1,4 +1,4 @@
-// Work on one step after another that can be stopped, and keeps what is complete.
+// A loop over steps that can be interrupted and keeps the results of complete steps.
 #pragma once
 
 #include <cstdio>
@@ -10,18 +10,20 @@
 
 namespace volccd {
 
-/// Calls `work`, which counts in `steps.done`. An Interrupted, another Error or std::bad_alloc that it throws ends up
-/// in steps.stopped_by; where no step is complete, it is thrown on, an Interrupted with a message that says so.
+/// Calls `work`, which counts complete steps in `steps.done`. If it throws Interrupted, another Error or
+/// std::bad_alloc, the reason is stored in steps.stopped_by. If no step is complete, the exception is thrown again; the
+/// message of an Interrupted then says so.
 void keep_complete_steps(StepsDone& steps, FunctionRef<void()> work);
 
-/// Calls work(k) for each k of `range`, with progress ("detecting: 3 of 8 steps"). Ctrl-C, an error, and memory that
-/// does not suffice end it by the rules above: work on that step is abandoned. To be called under an InterruptGuard.
+/// Calls work(k) for each k of `range`, with progress ("detecting: 3 of 8 steps"). Ctrl-C, an error and
+/// insufficient memory end the loop by the rules above, and the present step is discarded. Requires an InterruptGuard.
 StepsDone run_steps(const std::string& title, StepRange range, FunctionRef<void(int)> work);
 
-/// 0 for complete ones, 130 after Ctrl-C, else 2.
+/// Exit code: 0 if all steps are complete, 130 after Ctrl-C, otherwise 2.
 int exit_code(const StepsDone& steps);
 
-/// "incomplete: steps ..." on `report`, unless it is null, and on stderr; nothing if they are complete.
+/// Prints "incomplete: steps ..." on `report`, unless it is null, and on stderr. Prints nothing if all steps are
+/// complete.
 void print_incomplete(const StepsDone& steps, std::FILE* report);
 
 }  // namespace volccd

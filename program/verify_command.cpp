@@ -26,7 +26,7 @@ struct VerifyOptions {
   bool no_fcl = false, no_truth = false;
 };
 
-/// Those of the program, and VolCCD+ with the settings if there are any.
+/// The presets, and VolCCD+ with the given settings if there are any.
 Registry with_settings(Registry registry, const std::vector<std::string>& settings) {
   if (settings.empty()) return registry;
   PipelineSpec spec = registry.pipeline("VolCCD+");
@@ -81,7 +81,8 @@ void show_differences(const Report& report, int k, const StepVerdict& verdict, c
     if (one.difference.empty()) continue;
     report.print("  step {}: {} differs from {}: {} missing, {} extra, {} changed{}\n", k, one.pipeline,
                  verdict.reference, one.difference.missing.size(), one.difference.extra.size(),
-                 one.difference.changed.size(), one.held ? "" : "; not counted, its narrow phase being approximate");
+                 one.difference.changed.size(),
+                 one.held ? "" : "; not counted, because its narrow phase is approximate");
     if (!one.held) continue;
     show(report, "missing", rows_of(k, one.difference.missing, mesh));
     show(report, "extra", rows_of(k, one.difference.extra, mesh));
@@ -103,7 +104,7 @@ void show_differences(const Report& report, int k, const StepVerdict& verdict, c
   }
 }
 
-/// Nothing where the file has no truth.
+/// Empty if the file has no known answers.
 std::optional<TruthVerdict> check_truth(const Report& report, SequenceReader& reader, const Mesh& mesh,
                                         const std::vector<Contact>& contacts, const VerifyConfig& config) {
   const auto truth = read_ground_truth(reader);
@@ -166,13 +167,13 @@ std::string fcl_text(const StepVerdict& verdict) {
   return fmt::format("{} of {}", grouped(verdict.fcl.violations.size()), grouped(verdict.fcl.hits));
 }
 
-/// Listed, and how many of them FCL finds.
+/// The number of listed initial overlaps, and how many of them FCL finds.
 std::string overlap_text(const StepVerdict& verdict) {
   if (verdict.fcl.times == 0) return grouped(verdict.initial_overlaps);
   return fmt::format("{} (FCL {})", grouped(verdict.initial_overlaps), grouped(verdict.initial.hits));
 }
 
-/// Goes through the steps, and says of each what it found.
+/// Checks all steps and prints the findings of each.
 class Verification {
  public:
   Verification(const VerifyOptions& options, const Registry& registry)
@@ -184,7 +185,7 @@ class Verification {
         executor_(make_interruptible_executor(options.query.threads)),
         filter_(options.query.filter()),
         verifier_(registry, config_),
-        // The truth is that of surfaces on straight lines and of all pairs.
+        // The known answers are valid for surfaces with linear motion and for all pairs.
         truth_fits_(!options.no_truth && options.sequence.shells == "surface" && filter_.trivial() &&
                     options.query.separation.value_or(0) == 0 && options.sequence.edges == "triangulated" &&
                     options.sequence.motion == "linear") {
@@ -197,9 +198,9 @@ class Verification {
     if (config_.leave_out_shell_neighbours)
       report_.print("left out of the contacts: {} of features that stem from one shell vertex\n", grouped(left_out_));
     if (!verifier_.skipped_pipelines().empty())
-      report_.print(
-          "{}", wrapped(fmt::format("left out, their narrow phase being approximate (--approximate runs them): {}\n",
-                                    fmt::join(verifier_.skipped_pipelines(), ", "))));
+      report_.print("{}", wrapped(fmt::format(
+                              "left out, because their narrow phase is approximate (--approximate runs them): {}\n",
+                              fmt::join(verifier_.skipped_pipelines(), ", "))));
     const char* const in = steps.complete() ? "" : " in these steps";
     report_.print("{}\n", clean_ ? (steps.complete() ? "clean: no difference" : "no difference in these steps")
                                  : fmt::format("DIFFERENCES FOUND{}", in));
@@ -303,7 +304,7 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
       "phase is approximate and another one than the reference's: these run with --approximate only. Where FCL finds\n"
       "two elements overlapping at t = 1/4, 1/2, 3/4 or 1, they overlapped at t = 0 or must have a contact by then.\n"
       "All pipelines must list the same initial overlaps, all that FCL finds at t = 0 and none that is clearly apart.\n"
-      "Exit code 1 if anything differs. Ctrl-C abandons the step at hand and reports those before:\n"
+      "Exit code 1 if anything differs. Ctrl-C discards the present step and reports the earlier ones:\n"
       "exit code 130.\n"
       "Examples:\n"
       "  volccd verify run.vtkhdf\n"

@@ -1,4 +1,4 @@
-// Numbers on their way into a script that a browser loads from disk: byte planes, deflate, base64.
+// Encoding of numbers in a script that a browser loads from disk: byte planes, deflate, base64.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +9,8 @@
 
 namespace volccd {
 
-/// A signed difference as an unsigned number that is small where the difference is: 0, -1, 1, -2, ... to 0, 1, 2, 3,
-/// ...
+/// Maps a signed difference to an unsigned number that is small if the difference is small: 0, -1, 1, -2, ... become
+/// 0, 1, 2, 3, ...
 constexpr std::uint32_t zigzag(std::int32_t value) {
   return (static_cast<std::uint32_t>(value) << 1) ^ static_cast<std::uint32_t>(value >> 31);
 }
@@ -18,14 +18,15 @@ constexpr std::int32_t unzigzag(std::uint32_t code) {
   return static_cast<std::int32_t>(code >> 1) ^ -static_cast<std::int32_t>(code & 1);
 }
 
-/// Appends the lowest `bytes` bytes (1 to 4) of all values: first the lowest byte of each, then the next one of each,
-/// .. Deflate finds more in such planes than in whole numbers.
+/// Appends the lowest `bytes` bytes (1 to 4) of all values: first the lowest byte of each value, then the next byte of
+/// each value, and so on. Deflate compresses such planes better than whole numbers.
 void append_planes(std::string& out, std::span<const std::uint32_t> values, int bytes);
 
 /// The coding of a sequence of frames: [frame][value]. Each value is predicted by the value before it in its frame
 /// (order 0), by the same value one frame earlier (order 1), or on a straight line through two frames (order 2:
-/// 2 v1 - v2), modulo 2^16, whichever leaves the smallest differences in the frame. The zigzag codes of the differences
-/// are written by append_planes() as two bytes each. `orders` gets the order of each frame. All frames have one size.
+/// 2 v1 - v2), modulo 2^16. The order with the smallest sum of differences is chosen for each frame. The zigzag codes
+/// of the differences are written by append_planes() as two bytes each. `orders` gets the order of each frame. All
+/// frames have one size.
 void append_frames(std::string& out, std::span<const std::vector<std::uint16_t>> frames, std::vector<int>& orders);
 
 /// A zlib stream (RFC 1950), which browsers read as "deflate". Throws std::bad_alloc.

@@ -19,8 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kMarker = "volccd.js";  ///< a folder with this file is a report
-constexpr const char* kPageFiles[] = {"index.html", "volccd.css", kMarker};
+constexpr const char* kPageFiles[] = {"index.html", "volccd.css", "volccd.js"};
+constexpr const char* kMarker = "volccd.js";       ///< a folder with this file is a report
+constexpr const char* kUnfinished = "unfinished";  ///< a folder with this subfolder was to become a report
 
 bool has_page(const fs::path& folder) {
   return std::all_of(std::begin(kPageFiles), std::end(kPageFiles),
@@ -66,40 +67,111 @@ std::string contents(const fs::path& file) {
   return text;
 }
 
+std::string escaped(const std::string& text) {
+  std::string out;
+  for (const char c : text) switch (c) {
+      case '&': out += "&amp;"; break;
+      case '<': out += "&lt;"; break;
+      case '>': out += "&gt;"; break;
+      case '"': out += "&quot;"; break;
+      default: out += c;
+    }
+  return out;
+}
+
+std::string link(const std::string& place, const std::string& text) {
+  return fmt::format("<a href=\"#{}\">{}</a>", escaped(place), escaped(text));
+}
+
+void replace_mark(std::string& page, std::string_view mark, const std::string& text) {
+  if (const std::size_t at = page.find(mark); at != std::string::npos) page.replace(at, mark.size(), text);
+}
+
+/// index.html with the names of parts, records and scenes.
+std::string index_page(std::string page, const nlohmann::json& report) {
+  std::string parts, contents;
+  const nlohmann::json &records = report.at("records"), &scenes = report.at("scenes");
+  if (!records.empty()) parts = link("overview", "Overview") + link("tables", "Tables") + link("figures", "Figures");
+  if (!scenes.empty()) parts += link("scenes", records.empty() ? "Scene" : "Scenes");
+  for (const nlohmann::json& record : records) {
+    const std::string name = record.at("name");
+    contents += fmt::format("<li>{}: {}.</li>\n", link("tables/" + name, name),
+                            escaped(record.at("description").get<std::string>()));
+  }
+  for (const nlohmann::json& scene : scenes)
+    if (!scene.contains("missing")) {
+      const std::string name = scene.at("name");
+      contents += fmt::format("<li>{}</li>\n", link("scenes/" + name, name));
+    }
+  replace_mark(page, "<!-- parts -->", parts);
+  replace_mark(page, "<!-- contents -->", "<ul>\n" + contents + "</ul>");
+  return page;
+}
+
 }  // namespace
 
 ReportFolder::ReportFolder(std::string folder) : folder_(std::move(folder)), page_(find_page()) {
+  const fs::path path = folder_;
   std::error_code error;
-  const bool empty = !fs::exists(folder_, error) || (fs::is_directory(folder_, error) && fs::is_empty(folder_, error));
-  if (!empty && !fs::is_regular_file(fs::path(folder_) / kMarker, error))
+  made_ = !fs::exists(path, error);
+  const bool empty = made_ || (fs::is_directory(path, error) && fs::is_empty(path, error));
+  if (!empty && !fs::is_regular_file(path / kMarker, error) && !fs::is_directory(path / kUnfinished, error))
     throw InputError(folder_, "", "has files and is no report of volccd: choose a new folder with -o");
-  fs::create_directories(fs::path(folder_) / "data", error);
+  fs::remove_all(path / kUnfinished, error);
+  if (!error) fs::create_directories(path / kUnfinished / "data", error);
   if (error) throw InputError(folder_, "", "is the folder of the report and cannot be made: " + error.message());
-  // From now on it is a report, so that the same command can go on after Ctrl-C.
-  write_page_file(kMarker);
 }
 
-void ReportFolder::write_page_file(const char* name) const {
-  write_text_file((fs::path(folder_) / name).string(), contents(fs::path(page_) / name));
+ReportFolder::~ReportFolder() {
+  std::error_code ignored;
+  fs::remove_all(fs::path(folder_) / kUnfinished, ignored);
+  if (made_) fs::remove(folder_, ignored);  // only if it is empty
+}
+
+void ReportFolder::write(const std::string& path, std::string_view text) const {
+  write_text_file((fs::path(folder_) / kUnfinished / path).string(), text);
 }
 
 std::string ReportFolder::write_scene(const std::string& name, const std::string& script) {
   const std::string path = "data/scene-" + name + ".js";
-  write_text_file((fs::path(folder_) / path).string(), script);
+  write(path, script);
   scenes_.push_back(path);
   return path;
 }
 
-std::size_t ReportFolder::finish(const nlohmann::json& report) {
-  for (const auto& entry : fs::directory_iterator(fs::path(folder_) / "data")) {
+void ReportFolder::replace(const std::string& path) const {
+  std::error_code error;
+  const fs::path to = fs::path(folder_) / path;
+  fs::create_directories(to.parent_path(), error);
+  fs::rename(fs::path(folder_) / kUnfinished / path, to, error);
+  if (error) throw InputError(to.string(), "", "cannot be replaced: " + error.message());
+}
+
+void ReportFolder::remove_old_scenes() const {
+  std::error_code error;
+  for (const auto& entry : fs::directory_iterator(fs::path(folder_) / "data", error)) {
     const std::string name = entry.path().filename().string();
     if (name.starts_with("scene-") && name.ends_with(".js") &&
         std::find(scenes_.begin(), scenes_.end(), "data/" + name) == scenes_.end())
-      fs::remove(entry.path());
+      fs::remove(entry.path(), error);
   }
-  for (const char* name : kPageFiles) write_page_file(name);
+}
+
+std::size_t ReportFolder::finish(const nlohmann::json& report) {
   const std::string text = report.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
-  write_text_file((fs::path(folder_) / "data/report.js").string(), "volccd_report = " + text + ";\n");
+  write("data/report.js", "volccd_report = " + text + ";\n");
+  for (const char* name : kPageFiles) {
+    const std::string page_file = contents(fs::path(page_) / name);
+    write(name, name == std::string_view("index.html") ? index_page(page_file, report) : page_file);
+  }
+  // A report that is killed from here on has no data/report.js, and the page says so: never old data of new scenes.
+  std::error_code ignored;
+  fs::remove(fs::path(folder_) / "data/report.js", ignored);
+  for (const char* name : kPageFiles) replace(name);
+  for (const std::string& scene : scenes_) replace(scene);
+  remove_old_scenes();
+  replace("data/report.js");
+  fs::remove_all(fs::path(folder_) / kUnfinished, ignored);
   std::size_t bytes = 0;
   for (const auto& entry : fs::recursive_directory_iterator(folder_))
     if (entry.is_regular_file()) bytes += entry.file_size();

@@ -3,14 +3,20 @@
 
 #include <cstddef>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 namespace volccd {
 
-/// A folder with index.html, volccd.css, volccd.js and data/. Opens from disk: the data are scripts too, because a
-/// browser loads nothing else from there.
+/// A folder with index.html, volccd.css, volccd.js and data/. It opens from disk: the data are scripts too, because a
+/// browser loads nothing else from there. index.html has the names of the parts, records and scenes, which a browser
+/// shows before it has read the data.
+///
+/// All files are written to the subfolder `unfinished` first, and finish() moves them to their places. Without
+/// finish(), the destructor removes the subfolder, and an earlier report in the folder is unchanged. If the process is
+/// killed, the subfolder remains; the next report removes it.
 class ReportFolder {
  public:
   /// Finds the page: in the folder that VOLCCD_PAGE names, else in the prefix that contains the program or the Python
@@ -18,17 +24,24 @@ class ReportFolder {
   /// build it, if it is in none of them; InputError for a folder that has files and is no report, and for one that
   /// cannot be made.
   explicit ReportFolder(std::string folder);
+  ReportFolder(const ReportFolder&) = delete;
+  ReportFolder& operator=(const ReportFolder&) = delete;
+  ~ReportFolder();
 
-  /// Writes data/scene-NAME.js and returns this path.
+  /// Writes the script of a scene. Returns its path in the finished report, data/scene-NAME.js.
   std::string write_scene(const std::string& name, const std::string& script);
 
-  /// Writes the page and data/report.js, and removes scenes of an earlier report. Returns the bytes of all files.
+  /// Writes the page and data/report.js, moves all files to their places, and removes the scenes of an earlier report.
+  /// Returns the bytes of the files in the folder. Throws InputError.
   std::size_t finish(const nlohmann::json& report);
 
  private:
-  void write_page_file(const char* name) const;
+  void write(const std::string& path, std::string_view text) const;
+  void replace(const std::string& path) const;
+  void remove_old_scenes() const;
 
   std::string folder_, page_;
+  bool made_ = false;  ///< the folder did not exist
   std::vector<std::string> scenes_;
 };
 

@@ -8,18 +8,18 @@
 
 namespace volccd {
 
-/// Of every record in the folder that the program knows, in the order of `volccd experiment list`: {"name",
-/// "description", "file", "command", "provenance", "tables": [{"title", "note", "header", "rows"}], "summary",
-/// "curves"}. The provenance is the record's, without the plan. "command" repeats the measurement. A record of the
-/// scenes' own form has a provenance for each scene, and "curves": figures of its motions over time.
+/// The data of all records in the folder that belong to an experiment, in the order of `volccd experiment list`:
+/// {"name", "description", "file", "command", "provenance", "tables": [{"title", "note", "header", "rows"}], "summary",
+/// "curves"}. The provenance is that of the record, without the plan. "command" repeats the measurement. A record of
+/// simulated scenes has a provenance for each scene, and "curves": values of its motions over time.
 ///
-/// Throws InputError for a folder that has none of them, and for a record that cannot be read.
+/// Throws InputError for a folder without such records, and for a record that cannot be read.
 nlohmann::json records_of(const std::string& folder);
 
 /// Rows of the records in long form, {"columns": {name: [values]}}: one for each record, table, scene, pipeline,
 /// variant, treatment of elements and motion, with the number of rounds, the median time over rounds, the least and the
-/// greatest one, and medians of stage times and counts. Texts are indices into "texts". From rows that the harness made
-/// only: those with a pipeline and a motion.
+/// greatest one, and medians of stage times and counts. Texts are indices into "texts". Only rows with a pipeline and a
+/// motion are used, which are those of the harness.
 nlohmann::json points_of(const std::string& folder);
 
 /// A file that records name as the sequence of a scene.
@@ -28,7 +28,7 @@ struct RecordedInput {
   std::vector<std::string> records;
 };
 
-/// Each file once; files of one scene are told apart by their name.
+/// Each file once; a scene may have several files with different names.
 std::vector<RecordedInput> inputs_of(const nlohmann::json& records);
 
 }  // namespace volccd

@@ -20,6 +20,7 @@
 #include <volccd/pictures/palette.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 #include <volccd/report/encoding.hpp>
+#include <volccd/report/pair_samples.hpp>
 #include <volccd/report/surface_track.hpp>
 
 namespace volccd {
@@ -29,6 +30,7 @@ namespace {
 using nlohmann::json;
 
 constexpr int kSceneSchema = 1;
+constexpr int kPairBits = 12;  ///< of a coordinate of a pair's centroid
 
 /// How positions are kept: as many of the 16 bits, and one of so many frames.
 struct Coarseness {
@@ -51,11 +53,21 @@ class Exporter {
     read_positions();
     if (config_.pipeline && reader_.step_count() > 1) run_pipeline(registry, executor, progress);
     encode_triangles();
+    fit_pairs();
     fit_positions();
     return finish();
   }
 
  private:
+  /// What is shown of a motion. Contacts: place and time in 16 bits each, and flags. Pairs: the first centroid, the
+  /// zigzag codes of the differences to the second one, and the kind.
+  struct Marks {
+    std::array<std::vector<std::uint32_t>, 4> columns;
+    std::array<std::vector<std::uint32_t>, 6> pair_columns;
+    std::vector<std::uint32_t> flags, pair_kinds;
+    std::vector<std::vector<SampledPair>> samples;  ///< by stage, and dropped before kept
+  };
+
   /// The step whose cells the page shows from step k on: a motion runs on the cells of its end.
   int cells_step(int k) const { return std::min(k + 1, reader_.step_count() - 1); }
 
@@ -235,11 +247,16 @@ class Exporter {
     const ObjectFilter filter;
     StepResult result;
     const int motions = reader_.step_count() - 1;
+    const std::size_t stages = pipeline.spec().stages().size();
+    PairSampler sampler(stages, executor.workers(), config_.max_pairs);
+    Request request(Query::all, false, elements.shells == ShellModel::solid);
+    request.observer = &sampler;
     for (int k = 0; k < motions; ++k) {
       stepper.go_to(k);
-      pipeline.run({stepper.topology(), stepper.motion(), filter}, workspace, executor, result,
-                   Request(Query::all, false, elements.shells == ShellModel::solid));
+      sampler.clear();
+      pipeline.run({stepper.topology(), stepper.motion(), filter}, workspace, executor, result, request);
       add_motion(result, stepper);
+      add_pairs(sampler, stages);
       if (progress) progress(static_cast<std::size_t>(k) + 1, static_cast<std::size_t>(motions));
     }
     detection_ = {{"pipeline", to_json(pipeline)},
@@ -264,7 +281,8 @@ class Exporter {
     for (std::size_t j = 0; j < shown; ++j) {
       const std::size_t i = j * all / shown;
       const Contact& contact = result.contacts[i];
-      for (int axis = 0; axis < 3; ++axis) marks.columns[axis].push_back(quantized(contact.point[axis], axis));
+      for (int axis = 0; axis < 3; ++axis)
+        marks.columns[static_cast<std::size_t>(axis)].push_back(quantized(contact.point[axis], axis));
       marks.columns[3].push_back(static_cast<std::uint32_t>(std::lround(contact.toi * 65535)));
       marks.flags.push_back((contact.kind == FeatureKind::ee ? 1u : 0u) | (contacts[i].inter ? 2u : 0u) |
                             (contact.at_start ? 4u : 0u));
@@ -273,6 +291,56 @@ class Exporter {
     json stats = to_json(result.statistics);
     stats.erase("workspace_bytes"), stats.erase("steps");
     motions_.push_back({{"shown", shown}, {"inter", inter}, {"stats", std::move(stats)}});
+  }
+
+  /// To the last motion: for each stage the pairs that it dropped, then those that it kept.
+  void add_pairs(const PairSampler& sampler, std::size_t stages) {
+    for (std::size_t stage = 0; stage < stages; ++stage)
+      for (const bool kept : {false, true}) marks_.back().samples.push_back(sampler.sample(stage, kept));
+  }
+
+  /// Chooses how many pairs of each stage and outcome are shown: at most max_pairs, and fewer where they would take
+  /// more than a sixth of the script.
+  void fit_pairs() {
+    steps_ = kept(1);
+    for (std::size_t capacity = config_.max_pairs;; capacity = capacity * 3 / 4) {
+      std::string bytes;
+      for (std::size_t k = 0; k < marks_.size(); ++k) show_pairs(k, capacity);
+      append_pairs(bytes);
+      if (capacity <= 1 || deflated(bytes).size() * 4 / 3 <= config_.max_bytes / 6) return;
+    }
+  }
+
+  void show_pairs(std::size_t motion, std::size_t capacity) {
+    Marks& marks = marks_[motion];
+    for (auto& column : marks.pair_columns) column.clear();
+    marks.pair_kinds.clear();
+    json counts = json::array();
+    for (std::size_t i = 0; i < marks.samples.size(); ++i) {
+      const std::size_t shown = std::min(capacity, marks.samples[i].size());
+      for (std::size_t pair = 0; pair < shown; ++pair) add_pair(marks, marks.samples[i][pair]);
+      if (i % 2 == 0) counts.push_back(json::array());
+      counts.back().push_back(shown);
+    }
+    motions_[motion]["pairs"] = std::move(counts);
+  }
+
+  void add_pair(Marks& marks, const SampledPair& pair) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int32_t from = quantized(pair.centroids[0][axis], axis, kPairBits),
+                         to = quantized(pair.centroids[1][axis], axis, kPairBits);
+      marks.pair_columns[static_cast<std::size_t>(axis)].push_back(static_cast<std::uint32_t>(from));
+      marks.pair_columns[3 + static_cast<std::size_t>(axis)].push_back(zigzag(to - from));
+    }
+    marks.pair_kinds.push_back(static_cast<std::uint32_t>(pair.kind));
+  }
+
+  void append_pairs(std::string& bytes) const {
+    for (std::size_t column = 0; column < 6; ++column)
+      append_motions(
+          bytes, 2, [&](const Marks& marks) -> const auto& { return marks.pair_columns[column]; });
+    append_motions(
+        bytes, 1, [](const Marks& marks) -> const auto& { return marks.pair_kinds; });
   }
 
   /// Of the motions that begin at a frame shown.
@@ -303,10 +371,11 @@ class Exporter {
   json header() const {
     const SequenceMetadata& metadata = reader_.metadata();
     json motions = json::array();
-    std::size_t mark_count = 0;
+    std::size_t mark_count = 0, pair_count = 0;
     for_each_motion_shown([&](std::size_t k) {
       motions.push_back(motions_[k]);
       mark_count += marks_[k].flags.size();
+      pair_count += marks_[k].pair_kinds.size();
     });
     json frames = json::array();
     for (std::size_t i = 0; i < steps_.size(); ++i)
@@ -335,6 +404,8 @@ class Exporter {
         {"triangles", track_.triangles().size()},
         {"changes", change_count_},
         {"marks", mark_count},
+        {"pairs", pair_count},
+        {"pair_bits", kPairBits},
         {"parts", parts()},
         {"frames", std::move(frames)},
         {"motions", std::move(motions)},
@@ -343,19 +414,33 @@ class Exporter {
         {"notes", notes_}};
   }
 
+  /// One column of the marks of all motions that are shown.
+  template <class Column>
+  void append_motions(std::string& bytes, int width, Column&& column) const {
+    std::vector<std::uint32_t> values;
+    for_each_motion_shown([&](std::size_t k) {
+      const std::vector<std::uint32_t>& of_motion = column(marks_[k]);
+      values.insert(values.end(), of_motion.begin(), of_motion.end());
+    });
+    append_planes(bytes, values, width);
+  }
+
   std::string packed() const {
     const std::string text = header().dump(-1, ' ', false, json::error_handler_t::replace);
     std::string bytes;
     const std::uint32_t length = static_cast<std::uint32_t>(text.size());
     append_planes(bytes, std::span(&length, 1), 4);
     bytes += text + triangles_ + topology_ + positions_;
-    for (int column = 0; column < 4; ++column)
-      for (const int plane : {0, 1})
-        for_each_motion_shown([&](std::size_t k) {
-          for (const std::uint32_t value : marks_[k].columns[column])
-            bytes += static_cast<char>(value >> (8 * plane) & 0xff);
-        });
-    for_each_motion_shown([&](std::size_t k) { append_planes(bytes, marks_[k].flags, 1); });
+    for (std::size_t column = 0; column < 4; ++column)
+      append_motions(
+          bytes, 2, [&](const Marks& marks) -> const auto& { return marks.columns[column]; });
+    append_motions(
+        bytes, 1, [](const Marks& marks) -> const auto& { return marks.flags; });
+    for (std::size_t column = 0; column < 6; ++column)
+      append_motions(
+          bytes, 2, [&](const Marks& marks) -> const auto& { return marks.pair_columns[column]; });
+    append_motions(
+        bytes, 1, [](const Marks& marks) -> const auto& { return marks.pair_kinds; });
     return fmt::format("volccd_scene({}, \"{}\");\n", json(name_).dump(), base64(deflated(bytes)));
   }
 
@@ -372,11 +457,6 @@ class Exporter {
     scene.summary["bytes"] = scene.script.size();
     return scene;
   }
-
-  /// The contacts of a motion that are shown: place and time in 16 bits each, and flags.
-  struct Marks {
-    std::vector<std::uint32_t> columns[4], flags;
-  };
 
   const std::string name_, file_;
   const SceneExportConfig& config_;

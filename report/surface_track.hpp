@@ -1,4 +1,5 @@
-// The surface of a sequence whose elements come and go: one table of triangles, and what changes from frame to frame.
+// The surface of a sequence in which elements appear and disappear: one table of triangles, and the triangles of each
+// frame.
 #pragma once
 
 #include <array>
@@ -18,7 +19,7 @@ struct TrackedTriangle {
   std::uint8_t element_edges = 7;  ///< as SurfaceTriangle has it
 };
 
-/// A part as far as a viewer needs it.
+/// The data of a part that a viewer needs.
 struct TrackedPart {
   std::int32_t id = 0;
   bool solid = false;  ///< has elements that are no shells, so that its surface is closed
@@ -38,12 +39,12 @@ class SurfaceTrack {
   std::size_t frames() const { return frames_.size(); }
   /// Ascending indices into triangles().
   std::span<const std::uint32_t> frame(std::size_t f) const { return sets_[frames_[f]]; }
-  /// Most triangles that a frame has.
+  /// Number of triangles of the frame with the most triangles.
   std::size_t largest_frame() const;
 
   /// Replaces vertices by the first vertex of their cell in a grid over `points`, in which each part has cells of its
-  /// own, and leaves out triangles that lose a corner: coarser where `size`, the side of a grid cell, is larger. The
-  /// same vertices stay together in all frames.
+  /// own, and leaves out triangles that lose a corner. `size` is the side of a grid cell. The same vertices are joined
+  /// in all frames.
   SurfaceTrack clustered(std::span<const Vec3> points, double size) const;
 
  private:

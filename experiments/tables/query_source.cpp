@@ -39,7 +39,8 @@ std::vector<KnownQueries> from_query_file(const std::string& file) {
 struct MotionOfFile {
   MotionOfFile(const std::string& file, const QuerySourceConfig& config)
       : reader(file), stepper(reader, config.stepper) {
-    if (stepper.motion_count() == 0) throw InputError(file, "VTKHDF/Steps", "has one step only: no motion to look at");
+    if (stepper.motion_count() == 0)
+      throw InputError(file, "VTKHDF/Steps", "has only one step, and therefore no motion");
     stepper.go_to(config.motion);
   }
   Step step() const { return {stepper.topology(), stepper.motion(), filter}; }

@@ -171,7 +171,7 @@ class BroadTrials {
     const auto fresh = stage_.make_state();
     const auto anew = emitted(step, *fresh, trials_.serial, where);
     trials_.expect(kSameInEveryBatch, pairs == by_threads,
-                   [&] { return where + "several workers emit other pairs than one"; });
+                   [&] { return where + "several workers emit pairs that differ from those of one worker"; });
     trials_.expect(kSameAfterOtherSteps, pairs == anew, [&] { return where + "a new state emits other pairs"; });
     for (Index i = 0; i < elements.size(); ++i) {
       const bool found = pairs.contains(elements.pair(i));

@@ -35,7 +35,9 @@ Pipeline::Run::Run(const Pipeline& pipeline, const Step& step, Workspace::Data& 
       overlaps_requested_(request.initial_overlaps),
       adjacent_requested_(request.count_adjacent && pipeline.range_ == PairRange::every),
       shell_neighbours_left_out_(request.leave_out_shell_neighbours),
-      test_stages_{pipeline.feature_filters_, *pipeline.narrow_phase_, std::span(data.states).subspan(first_filter())},
+      observer_(request.observer),
+      test_stages_{pipeline.feature_filters_, *pipeline.narrow_phase_, std::span(data.states).subspan(first_filter()),
+                   request.observer, first_filter()},
       best_(std::min(step.t_max, 1.0)) {}
 
 std::vector<StageStatistics> Pipeline::Run::empty_stages() const {
@@ -124,6 +126,7 @@ void Pipeline::Run::run_broad_phase() {
     pipeline_.broad_phase_->run(pair_step(), state(kBroadPhase), pipeline_.range_, executor,
                                 [&](std::span<const ElementPair> pairs, unsigned w) {
                                   data_.workers[w]->sums.stages[kBroadPhase].out += pairs.size();
+                                  observe_pairs(kBroadPhase, pair_step(), pairs, w);
                                   const bool in_chunk = data_.workers[w]->chain.clock().running();
                                   const double before = in_chunk ? 0 : charged_seconds();
                                   take_pairs(pairs, w, flooded_ ? Purpose::seeds : Purpose::tests);
@@ -147,7 +150,10 @@ void Pipeline::Run::run_flood() {
     if (front.pairs.empty()) return;
     statistics.out += front.pairs.size();
     executor_.parallel_for(front.pairs.size(), kPairs, [&](std::size_t begin, std::size_t end, unsigned w) {
-      take_pairs(front.pairs.subspan(begin, end - begin), w, front.at_start ? Purpose::touch_at_start : Purpose::tests);
+      const Purpose purpose = front.at_start ? Purpose::touch_at_start : Purpose::tests;
+      const auto pairs = front.pairs.subspan(begin, end - begin);
+      observe_pairs(flood(), step_for(purpose), pairs, w);
+      take_pairs(pairs, w, purpose);
     });
   }
 }
@@ -170,7 +176,7 @@ void Pipeline::Run::run_orphans() {
     Step step = step_;
     step.t_max = latest_time();
     for (std::size_t block = begin; block < end; ++block) {
-      const std::size_t before = worker.tests.size();
+      const std::size_t vf_before = worker.tests.vf.size(), ee_before = worker.tests.ee.size();
       {
         const StageTimer timer(worker.chain.clock(), statistics.seconds);
         if (flooded_)
@@ -178,8 +184,10 @@ void Pipeline::Run::run_orphans() {
         else
           pipeline_.orphans_->run(step, state(stage), w, block, worker.tests);
       }
-      if (!flooded_) statistics.out += worker.tests.size() - before;
-      worker.sums.orphan_tests += worker.tests.size() - before;
+      const std::size_t listed = worker.tests.size() - vf_before - ee_before;
+      if (!flooded_) statistics.out += listed;
+      worker.sums.orphan_tests += listed;
+      observe_tests(stage, w, vf_before, ee_before);
       run_tests(worker, TestBlock::kCapacity);
     }
   });
@@ -248,17 +256,50 @@ void Pipeline::Run::assign_tests(const Step& step, unsigned w) {
   statistics.out += tests;
   worker.sums.surviving_pairs += worker.batch.size();
   worker.sums.owned_tests += tests;
+  observe_tests(assignment(), w, vf_before, ee_before);
 }
 
 void Pipeline::Run::cull_pairs(const Step& step, unsigned w) {
   WorkerScratch& worker = *data_.workers[w];
   for (std::size_t i = 0; i < pipeline_.element_culling_.size() && worker.batch.size() != 0; ++i) {
     StageStatistics& statistics = worker.sums.stages[kFirstCulling + i];
-    const StageTimer timer(worker.chain.clock(), statistics.seconds);
-    statistics.in += worker.batch.size();
-    pipeline_.element_culling_[i]->run(step, state(kFirstCulling + i), w, worker.batch);
-    statistics.out += worker.batch.size();
+    if (observer_) worker.observed = worker.batch.pairs;
+    {
+      const StageTimer timer(worker.chain.clock(), statistics.seconds);
+      statistics.in += worker.batch.size();
+      pipeline_.element_culling_[i]->run(step, state(kFirstCulling + i), w, worker.batch);
+      statistics.out += worker.batch.size();
+    }
+    if (observer_) observe_culling(kFirstCulling + i, step, w);
   }
+}
+
+void Pipeline::Run::observe_pairs(std::size_t stage, const Step& step, std::span<const ElementPair> pairs,
+                                  unsigned w) const {
+  if (!observer_) return;
+  const StageTimer nobody(data_.workers[w]->chain.clock());
+  observer_->observe(stage, w, step, pairs, {});
+}
+
+/// Element culling keeps the order of the pairs that it keeps.
+void Pipeline::Run::observe_culling(std::size_t stage, const Step& step, unsigned w) const {
+  WorkerScratch& worker = *data_.workers[w];
+  worker.observed_keep.assign(worker.observed.size(), 0);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < worker.observed.size() && kept < worker.batch.size(); ++i)
+    if (worker.observed[i] == worker.batch.pairs[kept]) {
+      worker.observed_keep[i] = 1;
+      ++kept;
+    }
+  observer_->observe(stage, w, step, worker.observed, worker.observed_keep);
+}
+
+/// The tests that a stage appended to those of the worker.
+void Pipeline::Run::observe_tests(std::size_t stage, unsigned w, std::size_t old_vf, std::size_t old_ee) const {
+  if (!observer_) return;
+  const TestBatch& tests = data_.workers[w]->tests;
+  observer_->observe(stage, w, step_, FeatureKind::vf, std::span(tests.vf).subspan(old_vf), {});
+  observer_->observe(stage, w, step_, FeatureKind::ee, std::span(tests.ee).subspan(old_ee), {});
 }
 
 void Pipeline::Run::take_overlaps(std::span<const ElementPair> pairs, WorkerScratch& worker) {

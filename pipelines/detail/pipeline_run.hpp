@@ -44,6 +44,9 @@ class Pipeline::Run {
   void take_pairs(std::span<const ElementPair> pairs, unsigned w, Purpose purpose);
   void assign_tests(const Step& step, unsigned w);
   void cull_pairs(const Step& step, unsigned w);
+  void observe_pairs(std::size_t stage, const Step& step, std::span<const ElementPair> pairs, unsigned w) const;
+  void observe_culling(std::size_t stage, const Step& step, unsigned w) const;
+  void observe_tests(std::size_t stage, unsigned w, std::size_t old_vf, std::size_t old_ee) const;
   void take_overlaps(std::span<const ElementPair> pairs, detail::WorkerScratch& worker);
   void run_tests(detail::WorkerScratch& worker, std::size_t multiple);
   void finish_tests(detail::WorkerScratch& worker);
@@ -73,6 +76,7 @@ class Pipeline::Run {
   Executor& executor_;
   const Query query_;
   const bool overlaps_requested_, adjacent_requested_, shell_neighbours_left_out_;
+  StageObserver* const observer_;  ///< may be null
   const TestStages test_stages_;
   std::atomic<double> best_;  ///< time of the earliest contact so far (Query::first)
 };

@@ -20,12 +20,15 @@ struct alignas(64) WorkerScratch {
   InitialOverlapTest overlap_test;
   std::vector<ElementPair> overlap_candidates, overlaps;
   std::vector<Contact> left_out;
+  std::vector<ElementPair> observed;        ///< the pairs before element culling, for an observer
+  std::vector<std::uint8_t> observed_keep;  ///< which of them were kept
   Statistics sums;
 
   std::size_t bytes() const {
     return sizeof(*this) + batch.bytes() + (tests.vf.capacity() + tests.ee.capacity()) * sizeof(FeaturePair) +
            chain.bytes() + left_out.capacity() * sizeof(Contact) +
-           (overlap_candidates.capacity() + overlaps.capacity()) * sizeof(ElementPair) + overlap_test.bytes();
+           (overlap_candidates.capacity() + overlaps.capacity()) * sizeof(ElementPair) + overlap_test.bytes() +
+           observed.capacity() * sizeof(ElementPair) + observed_keep.capacity();
   }
 };
 

@@ -1,4 +1,4 @@
-// What browsers have and TypeScript 4.8 does not know, and what the data scripts set.
+// Interfaces of browsers that TypeScript 4.8 does not declare, and the globals that the data scripts set.
 
 interface DecompressionStream {
   readonly readable: ReadableStream<Uint8Array>;

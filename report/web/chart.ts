@@ -134,7 +134,7 @@ function interactive(element: SVGElement, mark: Mark): void {
                                       }) as EventListener);
 }
 
-/// Where things are in a chart.
+/// The axes and the area of a chart.
 interface Frame {
   plot: SVGElement;
   x: Scale;
@@ -175,7 +175,7 @@ function drawAxes(frame: Frame, options: ChartOptions): void {
         svg("line", {x1: left, x2: right, y1: y(t), y2: y(t), class: "grid"}),
         svg("text", {x: left - 8, y: y(t) + 4, class: "tick end"}, tickText(t)));
   }
-  // As many names as there is room for; marks show theirs.
+  // Not all names have room; the marks show them as well.
   const every = categories ? Math.ceil(categories.length / 30) : 1;
   for (const t of x.ticks) {
     const name = categories ? categories[t] : tickText(t);

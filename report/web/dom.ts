@@ -31,6 +31,24 @@ export function svg(tag: string, attributes: Attributes = {}, ...children: Child
   return element;
 }
 
+/// A labelled list of values: [value, text].
+export function select(
+    name: string, values: [string, string][], value: string, changed: (value: string) => void): HTMLElement {
+  return h(
+      "label", {}, `${name} `,
+      h("select", {name, onchange: (e: Event) => changed((e.target as HTMLSelectElement).value)},
+        ...values.map(([key, text]) => h("option", {value: key, selected: key === value}, text))));
+}
+
+/// A box with its label.
+export function check(name: string, label: string, on: boolean, changed: (on: boolean) => void): HTMLElement {
+  return h(
+      "label", {},
+      h("input",
+        {type: "checkbox", name, checked: on, onchange: (e: Event) => changed((e.target as HTMLInputElement).checked)}),
+      ` ${label}`);
+}
+
 export function grouped(value: number): string {
   return Math.round(value).toLocaleString("en-US");
 }

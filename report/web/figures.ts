@@ -1,6 +1,6 @@
 // Figures from the rows of the records, with scenes, pipelines, axes and scales to choose.
 import {Bar, bars, chart, Series} from "./chart";
-import {duration, grouped, h, percent, short} from "./dom";
+import {check, duration, grouped, h, percent, select, short} from "./dom";
 import {tableChart, PickRow} from "./tables";
 import {provenanceLine} from "./provenance";
 import type {DataRecord, Report} from "./types";
@@ -68,43 +68,18 @@ const median = (values: number[]) => {
   return n % 2 ? sorted[n >> 1] : (sorted[n / 2 - 1] + sorted[n / 2]) / 2;
 };
 
-/// A list of boxes; the first `first` ones are chosen to begin with.
+/// A list of boxes; those of `chosen` are ticked. A change updates `chosen`.
 function choices(name: string, values: string[], chosen: Set<string>, changed: () => void): HTMLElement {
-  const boxes = values.map(
-      (value) =>
-          h("label", {}, h("input", {
-              type: "checkbox",
-              name,
-              value,
-              checked: chosen.has(value),
-              onchange: (e: Event) => {
-                if ((e.target as HTMLInputElement).checked)
-                  chosen.add(value);
-                else
-                  chosen.delete(value);
-                changed();
-              }
-            }),
-            " " + value));
+  const boxes = values.map((value) => check(name, value, chosen.has(value), (on) => {
+                             if (on)
+                               chosen.add(value);
+                             else
+                               chosen.delete(value);
+                             changed();
+                           }));
   return h(
       "details", {class: "choices", open: values.length <= 12}, h("summary", {}, `${name} (${values.length})`),
       h("div", {}, ...boxes));
-}
-
-function select(
-    name: string, values: [string, string][], value: string, changed: (value: string) => void): HTMLElement {
-  return h(
-      "label", {}, `${name} `,
-      h("select", {name, onchange: (e: Event) => changed((e.target as HTMLSelectElement).value)},
-        ...values.map(([key, text]) => h("option", {value: key, selected: key === value}, text))));
-}
-
-function check(name: string, label: string, on: boolean, changed: (on: boolean) => void): HTMLElement {
-  return h(
-      "label", {},
-      h("input",
-        {type: "checkbox", name, checked: on, onchange: (e: Event) => changed((e.target as HTMLInputElement).checked)}),
-      ` ${label}`);
 }
 
 export class Figures {
@@ -154,6 +129,37 @@ export class Figures {
     return groups.find((g) => g.startsWith("table1: table c, linear")) ?? groups[0];
   }
 
+  private groupSelect(group: string, changed: (group: string) => void): HTMLElement {
+    return select("measured in", this.groups().map((g) => [g, g]), group, changed);
+  }
+
+  /// Fills `top` with selectors of a group and of a scene in it, and with `box`. Calls `enter` with the points of the
+  /// group at the beginning and when another group is chosen, and `draw` with those of the scene, now and whenever the
+  /// scene changes. Returns a function that draws again.
+  private chooseScene(
+      top: HTMLElement, box: HTMLElement, enter: (all: Point[]) => void,
+      draw: (own: Point[], scene: string) => void): () => void {
+    let group = this.defaultGroup(), scene = "";
+    const redraw = () => draw(this.points.filter((p) => p.group === group && p.scene === scene), scene);
+    const fill = () => {
+      const all = this.points.filter((p) => p.group === group), scenes = unique(all.map((p) => p.scene));
+      scene = scenes.includes(scene) ? scene : scenes[0];
+      const groups = this.groupSelect(group, (v) => {
+        group = v;
+        fill();
+      });
+      const one = select("scene", scenes.map((s) => [s, s]), scene, (v) => {
+        scene = v;
+        redraw();
+      });
+      top.replaceChildren(groups, one, box);
+      enter(all);
+      redraw();
+    };
+    fill();
+    return redraw;
+  }
+
   private explorer(): HTMLElement {
     const place = h("div"), boxes = h("div", {class: "choice-row"});
     let group = this.defaultGroup(), measure = "time", against = "scene", logX = false, logY = true;
@@ -173,10 +179,10 @@ export class Figures {
     enter();
     return h(
         "section", {class: "figure", id: "figure-explorer"}, h("h3", {}, "Times and counts of the pipelines"),
-        h("div", {class: "controls"}, select("measured in", this.groups().map((g) => [g, g]), group, (v) => {
-            group = v;
-            enter();
-          }), select("show", Object.entries(kMeasures).map(([k, m]) => [k, m.label]), measure, (v) => {
+        h("div", {class: "controls"}, this.groupSelect(group, (v) => {
+          group = v;
+          enter();
+        }), select("show", Object.entries(kMeasures).map(([k, m]) => [k, m.label]), measure, (v) => {
             measure = v;
             draw();
           }), select("against", [["scene", "scene"], ["motion", "motion"], ["elements", "elements"]], against, (v) => {
@@ -246,9 +252,8 @@ export class Figures {
 
   private stages(): HTMLElement {
     const place = h("div"), top = h("div", {class: "controls"});
-    let group = this.defaultGroup(), scene = "", share = true;
-    const draw = () => {
-      const own = this.points.filter((p) => p.group === group && p.scene === scene);
+    let share = true;
+    const draw = (own: Point[], scene: string) => {
       const list: Bar[] = unique(own.map((p) => p.label)).slice(0, 24).map((label) => {
         const some = own.filter((p) => p.label === label), total = median(some.map((p) => p.of("seconds")));
         const values = kStages.map(([column]) => median(some.map((p) => p.of(column))));
@@ -269,22 +274,11 @@ export class Figures {
       });
       place.replaceChildren(bars(list, share ? "share of the time, %" : "time of a step, ms"));
     };
-    const enter = () => {
-      const scenes = unique(this.points.filter((p) => p.group === group).map((p) => p.scene));
-      scene = scenes.includes(scene) ? scene : scenes[0];
-      top.replaceChildren(select("measured in", this.groups().map((g) => [g, g]), group, (v) => {
-                            group = v;
-                            enter();
-                          }), select("scene", scenes.map((s) => [s, s]), scene, (v) => {
-                            scene = v;
-                            draw();
-                          }), check("share", "as shares", share, (on) => {
-                            share = on;
-                            draw();
-                          }));
-      draw();
-    };
-    enter();
+    const box = check("share", "as shares", share, (on) => {
+      share = on;
+      redraw();
+    });
+    const redraw = this.chooseScene(top, box, () => {}, draw);
     return h(
         "section", {class: "figure", id: "figure-stages"}, h("h3", {}, "Where the time goes"),
         h("p", {class: "note"},
@@ -299,9 +293,9 @@ export class Figures {
       ["tests assigned", (p) => p.of("owned_tests") + p.of("orphan_tests")], ["tests performed", tests],
       ["contacts", (p) => p.of("contacts")]
     ];
-    let group = this.defaultGroup(), scene = "", logY = true, chosen = new Set<string>();
-    const draw = () => {
-      const own = this.points.filter((p) => p.group === group && p.scene === scene && chosen.has(p.label));
+    let logY = true, chosen = new Set<string>();
+    const draw = (all: Point[], scene: string) => {
+      const own = all.filter((p) => chosen.has(p.label));
       const series = unique(own.map((p) => p.label)).map((label) => {
         const some = own.filter((p) => p.label === label);
         return {
@@ -324,25 +318,16 @@ export class Figures {
         zero: !logY
       }));
     };
-    const enter = () => {
-      const all = this.points.filter((p) => p.group === group), scenes = unique(all.map((p) => p.scene));
-      scene = scenes.includes(scene) ? scene : scenes[0];
+    const box = check("log-y", "logarithmic", logY, (on) => {
+      logY = on;
+      redraw();
+    });
+    const enter = (all: Point[]) => {
       const labels = unique(all.map((p) => p.label));
       chosen = new Set(labels.slice(0, 8));
-      top.replaceChildren(select("measured in", this.groups().map((g) => [g, g]), group, (v) => {
-                            group = v;
-                            enter();
-                          }), select("scene", scenes.map((s) => [s, s]), scene, (v) => {
-                            scene = v;
-                            draw();
-                          }), check("log-y", "logarithmic", logY, (on) => {
-                            logY = on;
-                            draw();
-                          }));
-      boxes.replaceChildren(choices("pipelines", labels, chosen, draw));
-      draw();
+      boxes.replaceChildren(choices("pipelines", labels, chosen, () => redraw()));
     };
-    enter();
+    const redraw = this.chooseScene(top, box, enter, draw);
     return h(
         "section", {class: "figure", id: "figure-culling"}, h("h3", {}, "What each stage leaves"), top, boxes, place);
   }

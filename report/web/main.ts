@@ -96,7 +96,7 @@ class Page {
         scenes.length ? h("h3", {}, "Scenes") : null, scenes.length ? this.sceneCards() : null, h("h3", {}, "Keys"),
         h("p", {},
           "Tab and Enter reach everything. In a scene: space plays and stops, ← and → go by motions, Home and End to the ends, " +
-              "w a s d turn, + and - zoom, f shows all. Escape closes the details."));
+              "w a s d turn, + and - zoom, f shows all, 1 to 9 show the pairs of a stage and 0 none. Escape closes the details."));
   }
 
   private sceneCards(): HTMLElement {
@@ -232,5 +232,7 @@ if (!report)
 else if (report.schema !== 1)
   document.body.replaceChildren(h(
       "p", {class: "error"}, `The report has schema ${report.schema}, and this page reads 1: make the report again.`));
-else
+else {
   new Page(report);
+  document.body.dataset.ready = "";  // for tests
+}

@@ -1,4 +1,4 @@
-// Loads a scene's script and takes its numbers apart (docs/report.md has the layout).
+// Loads the script of a scene and decodes it (docs/report.md has the layout).
 import type {SceneEntry, SceneHeader} from "./types";
 
 export class SceneData {
@@ -11,6 +11,11 @@ export class SceneData {
   readonly marks: Uint32Array[] = [];  ///< x, y, z, time of contact: numbers of 16 bits
   flags!: Uint32Array;                 ///< 1: edge-edge, 2: between parts, 4: touches at the start
   readonly firstMark: number[] = [0];  ///< by motion
+  /// Centroids of pairs, two times x, y, z: numbers of header.pair_bits bits. In the order of motions and stages, and
+  /// dropped pairs before kept ones.
+  readonly pairEnds: Uint32Array[] = [];
+  pairKinds!: Uint32Array;             ///< 0: elements, 1: vertex-face test, 2: edge-edge test
+  readonly firstPair: number[] = [0];  ///< by motion
 
   constructor(readonly header: SceneHeader, bytes: Uint8Array) {
     const at = {offset: 0};
@@ -25,7 +30,21 @@ export class SceneData {
     this.readFrames(bytes, at);
     for (let column = 0; column < 4; ++column) this.marks.push(planes(header.marks, 2));
     this.flags = planes(header.marks, 1);
-    for (const motion of header.motions) this.firstMark.push(this.firstMark[this.firstMark.length - 1] + motion.shown);
+    this.readPairs(planes);
+    header.motions.forEach((motion, k) => {
+      this.firstMark.push(this.firstMark[k] + motion.shown);
+      this.firstPair.push(motion.pairs.reduce((sum, [dropped, kept]) => sum + dropped + kept, this.firstPair[k]));
+    });
+  }
+
+  private readPairs(planes: (count: number, width: number) => Uint32Array): void {
+    const n = this.header.pairs;
+    for (let column = 0; column < 6; ++column) this.pairEnds.push(planes(n, 2));
+    for (let axis = 0; axis < 3; ++axis) {
+      const from = this.pairEnds[axis], to = this.pairEnds[3 + axis];
+      for (let i = 0; i < n; ++i) to[i] = from[i] + unzigzag(to[i]);
+    }
+    this.pairKinds = planes(n, 1);
   }
 
   private readTriangles(planes: (count: number, width: number) => Uint32Array): void {
@@ -77,6 +96,12 @@ export class SceneData {
       at.offset += 2 * n;
       this.frames.push(values);
     });
+  }
+
+  /// The centroids of a pair, in shares of the box.
+  pairAt(i: number): [number[], number[]] {
+    const end = (columns: Uint32Array[]) => columns.map((column) => column[i] / (2 ** this.header.pair_bits - 1));
+    return [end(this.pairEnds.slice(0, 3)), end(this.pairEnds.slice(3))];
   }
 
   get motions(): number {

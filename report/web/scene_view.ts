@@ -1,11 +1,15 @@
 // A scene with its controls: the 3-D view, the time slider, the funnel, parts and section planes.
-import {h, grouped, duration, megabytes, short, svg, tooltip} from "./dom";
-import {funnel, largestCount} from "./funnel";
+import {check, h, grouped, duration, megabytes, short, svg, tooltip} from "./dom";
+import {funnel, largestCount, pairLegend, stageAt} from "./funnel";
 import {loadScene, SceneData} from "./scene_data";
 import type {SceneEntry} from "./types";
 import {Viewer} from "./viewer";
 
 const kFine = 20;  ///< positions of the slider in a motion
+
+/// How a sequence is drawn while it plays, from all details to the fewest.
+const kSimplicities =
+    [{detail: 1, lines: true}, {detail: 0.7, lines: false}, {detail: 0.5, lines: false}, {detail: 0.35, lines: false}];
 
 export class SceneView {
   readonly element = h("section", {class: "scene-view"});
@@ -19,19 +23,22 @@ export class SceneView {
   private speed = 12;
   private hidden = new Set<number>();
   private most = 1;
+  private stage: number|null = null;  ///< whose pairs are shown: an index into the statistics
   private slider =
       h("input",
         {type: "range", min: 0, value: 0, class: "time", "aria-label": "time", oninput: () => this.fromSlider()});
   private playButton =
       h("button", {class: "play", onclick: () => this.play(!this.playing), title: "play or stop (space)"}, "▶ Play");
   private clock = h("output", {class: "clock"});
+  private pace = h("p", {class: "pace", role: "status"});
   private funnelBox = h("div", {class: "funnel-box"});
   private strip = h("div", {class: "strip"});
   private side = h("div", {class: "side"});
-  private stage = h("div", {class: "stage"});
+  private canvasBox = h("div", {class: "stage"});
   private notes = h("div", {class: "notes"});
-  private frames = 0;  ///< drawn since playing began
-  rate = 0;            ///< frames a second while it plays
+  private frames = 0;      ///< drawn since playing began
+  private simplicity = 0;  ///< index into kSimplicities
+  rate = 0;                ///< pictures a second while it plays
 
   constructor(readonly compact: boolean) {
     this.element.tabIndex = -1;
@@ -51,7 +58,8 @@ export class SceneView {
             ...[2, 6, 12, 24, 60].map((n) => h("option", {value: n, selected: n === 12}, `${n} / s`))));
     this.element.append(
         this.status,
-        h("div", {class: "scene-grid"}, h("div", {class: "main"}, this.stage, this.strip, buttons), this.side),
+        h("div", {class: "scene-grid"}, h("div", {class: "main"}, this.canvasBox, this.strip, buttons, this.pace),
+          this.side),
         this.notes);
     this.element.addEventListener("keydown", (e) => this.onKey(e));
   }
@@ -71,13 +79,15 @@ export class SceneView {
       this.status.textContent = (error as Error).message;
       return;
     }
-    this.stage.replaceChildren(
+    this.canvasBox.replaceChildren(
         viewer.canvas,
-        h("p", {class: "hint"}, "Drag: turn · shift or right drag: move · wheel: zoom · space: play · ← →: motions"));
+        h("p", {class: "hint"},
+          "Drag: turn · shift or right drag: move · wheel: zoom · space: play · ← →: motions · 1 to 9: pairs of a stage"));
     viewer.canvas.onmousemove = (e) => this.hover(e);
     viewer.canvas.onmouseleave = () => tooltip(null);
     this.motion = 0;
     this.t = 0;
+    this.stage = null;
     this.hidden.clear();
     viewer.planes.forEach((p) => {
       p.on = false;
@@ -126,21 +136,15 @@ export class SceneView {
 
   private display(): HTMLElement {
     const viewer = this.viewer!;
-    const check = (name: string, label: string, on: boolean, change: (on: boolean) => void) =>
-        h("label", {}, h("input", {
-            type: "checkbox",
-            name,
-            checked: on,
-            onchange: (e: Event) => {
-              change((e.target as HTMLInputElement).checked);
-              viewer.draw();
-            }
-          }),
-          " " + label);
+    const box = (name: string, label: string, on: boolean, change: (on: boolean) => void) =>
+        check(name, label, on, (chosen) => {
+          change(chosen);
+          viewer.draw();
+        });
     return h(
         "fieldset", {class: "display"}, h("legend", {}, "Display"),
-        check("lines", "edges of elements", viewer.lines, (on) => (viewer.lines = on)),
-        check("marks", "contacts", viewer.marks, (on) => (viewer.marks = on)),
+        box("lines", "edges of elements", viewer.lines, (on) => (viewer.lines = on)),
+        box("marks", "contacts", viewer.marks, (on) => (viewer.marks = on)),
         h("select", {
           name: "kinds",
           "aria-label": "which contacts",
@@ -350,30 +354,54 @@ export class SceneView {
               (motion.shown < s.contacts ? `${grouped(motion.shown)} are drawn. ` : "") +
               (s.left_out ? `${grouped(s.left_out)} of shell neighbours are left out. ` : "") +
               `${duration(s.seconds)} in all.`),
-        funnel(s, this.most));
+        funnel(s, this.most, this.stage, (stage) => this.choose(stage)),
+        (this.stage !== null && pairLegend(motion, this.stage)) || "");
   }
 
+  /// Shows the pairs of a stage, in this motion and the others; null: of none.
+  private choose(stage: number|null): void {
+    const focused = this.funnelBox.contains(document.activeElement);
+    this.stage = stage;
+    this.funnelOf = -1;
+    tooltip(null);
+    this.viewer!.showPairs(stage);
+    this.updateFunnel();
+    if (focused) this.funnelBox.querySelector<HTMLElement>(`[data-stage="${stage}"]`)?.focus();
+  }
+
+  private chooseRow(place: number): void {
+    const motion = this.data!.header.motions[this.motion];
+    if (!motion) return;
+    const stage = stageAt(motion.stats, this.stage, place);
+    this.choose(stage === this.stage ? null : stage);
+  }
+
+  /// Plays at the chosen speed: motions are skipped where drawing takes too long.
   play(on: boolean): void {
     if (this.playing === on) return;
     this.playing = on;
     this.playButton.textContent = on ? "❚❚ Stop" : "▶ Play";
     if (!on) {
+      this.pace.textContent = "";
       this.viewer?.setDetail(1);
       if (this.data) this.updateFunnel();
       return;
     }
-    let last = performance.now();
-    const began = last;
     this.frames = 0;
+    this.setSimplicity(this.viewer!.software ? 2 : 0);
+    let last = performance.now(), since = last, counted = 0;
     const tick = (now: number) => {
       if (!this.playing || !this.data || !this.element.isConnected) {
         this.play(false);
         return;
       }
       ++this.frames;
-      this.rate = (1000 * this.frames) / Math.max(now - began, 1);
-      if (this.frames === 8 && this.rate < 15) this.viewer!.setDetail(0.5);
-      const at = this.motion + this.t + ((now - last) / 1000) * this.speed;
+      if (now - since > 700) {
+        this.keepPace((1000 * (this.frames - counted)) / (now - since));
+        since = now;
+        counted = this.frames;
+      }
+      const at = this.motion + this.t + (Math.max(0, now - last) / 1000) * this.speed;
       last = now;
       const wrapped = at >= this.data.motions ? 0 : at;
       this.go(Math.floor(wrapped), wrapped - Math.floor(wrapped));
@@ -382,19 +410,43 @@ export class SceneView {
     requestAnimationFrame(tick);
   }
 
+  /// Draws more simply where fewer than 20 pictures a second are drawn, and says what is left out.
+  private keepPace(rate: number): void {
+    this.rate = rate;
+    if (rate < 20 && this.simplicity + 1 < kSimplicities.length) this.setSimplicity(this.simplicity + 1);
+    const {detail, lines} = kSimplicities[this.simplicity], left: string[] = [];
+    if (!lines) left.push("without edges of elements");
+    if (detail < 1) left.push(`with ${Math.round(100 * detail)} % of the pixels along each side`);
+    if (rate < this.speed) left.push(`with ${short(this.speed / rate)} motions from one picture to the next`);
+    this.pace.textContent =
+        left.length ? `${Math.round(rate)} pictures a second. While it plays, it is drawn ${left.join(", ")}.` : "";
+  }
+
+  private setSimplicity(level: number): void {
+    this.simplicity = level;
+    this.viewer!.setDetail(kSimplicities[level].detail, kSimplicities[level].lines);
+  }
+
   private hover(e: MouseEvent): void {
     if (e.buttons || !this.data || !this.viewer) return;
     const box = this.viewer.canvas.getBoundingClientRect();
-    const i = this.viewer.contactAt(e.clientX - box.left, e.clientY - box.top);
-    if (i === null) {
-      tooltip(null);
-      return;
-    }
-    const at = this.data.firstMark[this.motion] + i, flags = this.data.flags[at];
-    tooltip(
-        `${flags & 1 ? "Edge-edge" : "Vertex-face"} contact ${flags & 2 ? "between parts" : "within a part"}, ` +
-            (flags & 4 ? "touching at the start." : `at ${(this.data.marks[3][at] / 65535).toFixed(4)} of the motion.`),
-        e.clientX, e.clientY);
+    const x = e.clientX - box.left, y = e.clientY - box.top;
+    const contact = this.viewer.contactAt(x, y), pair = contact === null ? this.viewer.pairAt(x, y) : null;
+    const text = contact !== null ? this.contactText(contact) : pair !== null ? this.pairText(pair) : null;
+    tooltip(text, e.clientX, e.clientY);
+  }
+
+  private contactText(i: number): string {
+    const data = this.data!, at = data.firstMark[this.motion] + i, flags = data.flags[at];
+    return `${flags & 1 ? "Edge-edge" : "Vertex-triangle"} contact ${flags & 2 ? "between parts" : "within a part"}, ` +
+        (flags & 4 ? "touching at the start." : `at ${(data.marks[3][at] / 65535).toFixed(4)} of the motion.`);
+  }
+
+  private pairText(i: number): string {
+    const {kind, dropped} = this.viewer!.pair(i);
+    const {role, name} = this.data!.header.motions[this.motion].stats.stages[this.stage!];
+    const what = ["Element pair", "Vertex-triangle test", "Edge-edge test"][kind];
+    return `${what}, ${dropped ? "dropped by" : "kept by or from"} ${name} (${role}).`;
   }
 
   private onKey(e: KeyboardEvent): void {
@@ -415,7 +467,9 @@ export class SceneView {
       d: () => this.viewer!.orbit(0.15, 0),
       w: () => this.viewer!.orbit(0, 0.15),
       s: () => this.viewer!.orbit(0, -0.15),
+      "0": () => this.choose(null),
     };
+    for (let place = 0; place < 9; ++place) turn[String(place + 1)] = () => this.chooseRow(place);
     if (e.key === " " && (target instanceof HTMLButtonElement || target instanceof HTMLInputElement)) return;
     const act = turn[e.key];
     if (!act || e.ctrlKey || e.metaKey || e.altKey) return;

@@ -1,6 +1,6 @@
 // Tables that sort, and a chart of any of their columns.
 import {chart, Series} from "./chart";
-import {h, tooltip} from "./dom";
+import {check, h, tooltip} from "./dom";
 import {provenanceLine, sceneOf} from "./provenance";
 import type {DataRecord, DataTable, Report} from "./types";
 
@@ -137,35 +137,20 @@ export function tableChart(
       zero: !log
     }));
   };
-  const boxes = columns.map(
-      (i) =>
-          h("label", {}, h("input", {
-              type: "checkbox",
-              checked: on.has(i),
-              onchange: (e: Event) => {
-                if ((e.target as HTMLInputElement).checked)
-                  on.add(i);
-                else
-                  on.delete(i);
-                draw();
-              }
-            }),
-            " " + names[i]));
+  const boxes = columns.map((i) => check("column", names[i], on.has(i), (shown) => {
+                              if (shown)
+                                on.add(i);
+                              else
+                                on.delete(i);
+                              draw();
+                            }));
+  const logarithmic = check("log-y", "logarithmic", log, (chosen) => {
+    log = chosen;
+    draw();
+  });
   draw();
   return h(
-      "div", {class: "table-chart"},
-      h("div", {class: "controls"}, ...boxes,
-        h("label", {class: "log"}, h("input", {
-            type: "checkbox",
-            name: "log-y",
-            checked: true,
-            onchange: (e: Event) => {
-              log = (e.target as HTMLInputElement).checked;
-              draw();
-            }
-          }),
-          " logarithmic")),
-      place,
+      "div", {class: "table-chart"}, h("div", {class: "controls"}, ...boxes, logarithmic), place,
       table.rows.length > rows.length ? h("p", {}, `The first ${rows.length} of ${table.rows.length} rows.`) : null);
 }
 

@@ -17,6 +17,10 @@ declare module "three" {
     project(camera: PerspectiveCamera): this;
     length(): number;
   }
+  export class Vector2 {
+    constructor(x?: number, y?: number);
+    set(x: number, y: number): this;
+  }
   export class Vector4 {
     constructor(x?: number, y?: number, z?: number, w?: number);
     set(x: number, y: number, z: number, w: number): this;
@@ -42,10 +46,11 @@ declare module "three" {
   export class BufferAttribute {
     array: ArrayBufferView;
     needsUpdate: boolean;
-    constructor(array: Uint16Array|Float32Array, itemSize: number, normalized?: boolean);
+    constructor(array: Uint8Array|Uint16Array|Uint32Array|Float32Array, itemSize: number, normalized?: boolean);
   }
   export class BufferGeometry {
     setAttribute(name: string, attribute: BufferAttribute): this;
+    setIndex(index: BufferAttribute): void;
     setDrawRange(start: number, count: number): void;
     dispose(): void;
   }
@@ -68,6 +73,9 @@ declare module "three" {
     dispose(): void;
   }
   export class Mesh extends Object3D {
+    constructor(geometry: BufferGeometry, material: ShaderMaterial);
+  }
+  export class LineSegments extends Object3D {
     constructor(geometry: BufferGeometry, material: ShaderMaterial);
   }
   export class Points extends Object3D {

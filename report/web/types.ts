@@ -96,6 +96,7 @@ export interface MotionStats {
 export interface Motion {
   shown: number;
   inter: number;
+  pairs: [number, number][];  ///< drawn pairs of each stage: dropped, kept
   stats: MotionStats;
 }
 
@@ -117,6 +118,8 @@ export interface SceneHeader {
   triangles: number;
   changes: number;
   marks: number;
+  pairs: number;
+  pair_bits: number;
   parts: {id: number; name: string; colour: string; solid: boolean}[];
   frames: {step: number; time: number; cells: number; order: number; added: number; removed: number}[];
   motions: Motion[];

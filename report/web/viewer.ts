@@ -1,29 +1,25 @@
-// The 3-D view of one motion of a scene: surface, section planes, contacts. three.js draws, on WebGL 2.
+// The 3-D view of one motion of a scene: surface, section planes, contacts, pairs. three.js draws, on WebGL 2.
 import * as THREE from "three";
-import type {SceneData} from "./scene_data";
 
+import {PairLines} from "./pair_lines";
+
+import type {SceneData} from "./scene_data";
+import {SurfaceMesh} from "./surface_mesh";
+
+/// Positions are those of two frames. Even frames are in one buffer and odd ones in the other, so that one buffer is
+/// filled when the next motion begins. `share` is that of the odd frame.
 const kSurfaceVertex = `
-attribute vec4 p0;
-attribute vec4 p1;
-uniform float t;
+attribute vec3 even;
+attribute vec3 odd;
+attribute vec4 part;
+uniform float share;
 uniform float factor;
-uniform sampler2D parts;
-uniform float partCount;
 varying vec3 place;
 varying vec3 eye;
-varying vec3 distance3;
 varying vec4 colour;
 void main() {
-  place = mix(p0.xyz, p1.xyz, t) * factor;
-  float part = floor(p0.w * 65535.0 + 0.5);
-  float code = floor(p1.w * 65535.0 + 0.5);
-  float corner = mod(code, 4.0);
-  float mask = floor(code / 4.0);
-  vec3 bary = vec3(corner == 0.0 ? 1.0 : 0.0, corner == 1.0 ? 1.0 : 0.0, corner == 2.0 ? 1.0 : 0.0);
-  // Edge i lies opposite to corner i + 2; a diagonal of an element's face gets no line.
-  float e0 = mod(mask, 2.0), e1 = mod(floor(mask / 2.0), 2.0), e2 = mod(floor(mask / 4.0), 2.0);
-  distance3 = bary + vec3(1.0 - e1, 1.0 - e2, 1.0 - e0) * 2.0;
-  colour = texture2D(parts, vec2((part + 0.5) / partCount, 0.5));
+  place = mix(even, odd, share) * factor;
+  colour = part;
   // Linear light, nearly: shading is done in it, and the fragment's square root takes it back.
   colour.rgb *= colour.rgb;
   vec4 view = modelViewMatrix * vec4(place, 1.0);
@@ -39,7 +35,6 @@ uniform vec4 planes[3];
 #endif
 varying vec3 place;
 varying vec3 eye;
-varying vec3 distance3;
 varying vec4 colour;
 void main() {
 #ifdef CUT
@@ -60,16 +55,20 @@ void main() {
     return;
   }
 #endif
-#ifdef LINES
-  {
-    vec3 width = fwidth(distance3);
-    vec3 near = smoothstep(vec3(0.0), width * 1.2, distance3);
-    float line = 1.0 - min(min(near.x, near.y), near.z);
-    float small = smoothstep(0.28, 0.07, max(max(width.x, width.y), width.z));
-    shade *= 1.0 - 0.41 * line * small;
-  }
-#endif
   gl_FragColor = vec4(shade, 1.0);
+}`;
+
+const kLineFragment = `
+#ifdef CUT
+uniform vec4 planes[3];
+#endif
+uniform float opacity;
+varying vec3 place;
+void main() {
+#ifdef CUT
+  for (int i = 0; i < 3; ++i) if (dot(planes[i].xyz, place) > planes[i].w) discard;
+#endif
+  gl_FragColor = vec4(0.0, 0.0, 0.0, opacity);
 }`;
 
 const kMarkVertex = `
@@ -121,6 +120,7 @@ export interface Plane {
 export class Viewer {
   readonly canvas: HTMLCanvasElement;
   readonly planes: Plane[] = [0, 1, 2].map(() => ({on: false, share: 0.5, flip: false}));
+  readonly software = drawnBySoftware();
   lines = true;
   marks = true;
   markKinds = 2;  ///< 0: within a part, 1: between parts, 2: both
@@ -131,17 +131,27 @@ export class Viewer {
   private data: SceneData|null = null;
   private geometry: THREE.BufferGeometry|null = null;
   private markGeometry: THREE.BufferGeometry|null = null;
-  private material: THREE.ShaderMaterial|null = null;
+  private lineGeometry: THREE.BufferGeometry|null = null;
+  private materials: THREE.ShaderMaterial[] = [];  ///< of the surface and of the lines on it
+  private mesh: SurfaceMesh|null = null;
+  private lineMesh: THREE.LineSegments|null = null;
+  private meanEdge = 0;  ///< as a share of the box
   private markMaterials: THREE.ShaderMaterial[] = [];
   private points: THREE.Points[] = [];
-  private texture: THREE.DataTexture|null = null;
-  private attribute: THREE.BufferAttribute[] = [];
+  private pairs: PairLines|null = null;
+  private stage: number|null = null;                ///< whose pairs are drawn
+  private positions: THREE.BufferAttribute[] = [];  ///< of an even and an odd frame
+  private held = [-1, -1];                          ///< which frames these are
+  private colours!: THREE.BufferAttribute;
+  private indices: THREE.BufferAttribute[] = [];  ///< of triangles and of lines
+  private indexed: Uint32Array|null = null;       ///< the triangles of `indices`
   private clip = [0, 1, 2].map(() => new THREE.Vector4());
-  private key = "";
+  private gathered = -1;  ///< the motion whose contacts and pairs are gathered
   private motion = 0;
   private t = 0;
   private wanted = false;
   private detail = 1;
+  private withoutLines = false;
   private axes = [0, 1, 2];  ///< two level ones, and the one that points upwards
   private azimuth = 0.9;
   private elevation = 0.45;
@@ -153,7 +163,7 @@ export class Viewer {
     this.canvas = document.createElement("canvas");
     this.canvas.tabIndex = 0;
     this.canvas.setAttribute("role", "img");
-    const context = this.canvas.getContext("webgl2", {antialias: !drawnBySoftware(), preserveDrawingBuffer: true});
+    const context = this.canvas.getContext("webgl2", {antialias: !this.software});
     if (!context)
       throw new Error("This browser gives no WebGL 2, which the 3-D view needs; tables and figures work without.");
     this.renderer = new THREE.WebGLRenderer({canvas: this.canvas, context});
@@ -166,36 +176,67 @@ export class Viewer {
   show(data: SceneData): void {
     this.clear();
     this.data = data;
-    this.key = "";
-    const {header} = data, capacity = 3 * data.largestFrame();
-    this.attribute = [0, 1].map(() => new THREE.BufferAttribute(new Uint16Array(4 * capacity), 4, true));
-    this.geometry = new THREE.BufferGeometry();
-    this.geometry.setAttribute("p0", this.attribute[0]).setAttribute("p1", this.attribute[1]);
-    // three.js counts vertices by this one.
-    this.geometry.setAttribute("position", this.attribute[0]);
-    this.texture = new THREE.DataTexture(
-        new Uint8Array(4 * header.parts.length), header.parts.length, 1, THREE.RGBAFormat, THREE.UnsignedByteType);
-    this.texture.magFilter = this.texture.minFilter = THREE.NearestFilter;
-    this.material = new THREE.ShaderMaterial({
+    this.addSurface();
+    this.addMarks();
+    this.pairs = new PairLines(data, this.clip);
+    this.stage = null;
+    this.scene.add(...this.pairs.meshes);
+    this.setHiddenParts(new Set());
+    this.fit();
+  }
+
+  private addSurface(): void {
+    const data = this.data!, {header} = data, mesh = new SurfaceMesh(data), drawn = mesh.vertexOf.length;
+    this.mesh = mesh;
+    this.meanEdge = mesh.meanEdge(data.frames[0], header.vertices, 1 / (2 ** header.bits - 1));
+    // Four numbers a vertex, of which three are used: aligned.
+    this.positions = [0, 1].map(() => new THREE.BufferAttribute(new Uint16Array(4 * drawn), 4, true));
+    this.held = [-1, -1];
+    this.colours = new THREE.BufferAttribute(new Uint8Array(4 * drawn), 4, true);
+    this.indices = [3 * data.largestFrame(), 2 * mesh.edgeCount].map(
+        (capacity) => new THREE.BufferAttribute(new Uint32Array(capacity), 1));
+    this.indexed = null;
+    const [geometry, lineGeometry] = this.indices.map((index) => {
+      const made = new THREE.BufferGeometry();
+      // three.js draws nothing without an attribute of the name "position".
+      made.setAttribute("even", this.positions[0]).setAttribute("position", this.positions[0]);
+      made.setAttribute("odd", this.positions[1]);
+      made.setAttribute("part", this.colours).setIndex(index);
+      return made;
+    });
+    const uniforms = {
+      share: {value: 0},
+      factor: {value: 65535 / (2 ** header.bits - 1)},
+      planes: {value: this.clip},
+      opacity: {value: 0}
+    };
+    const material = new THREE.ShaderMaterial({
       vertexShader: kSurfaceVertex,
       fragmentShader: kSurfaceFragment,
       side: THREE.DoubleSide,
+      // So that the lines on the surface are in front of it.
+      polygonOffset: true,
+      polygonOffsetFactor: 1,
+      polygonOffsetUnits: 1,
       extensions: {derivatives: true},
       defines: {},
-      uniforms: {
-        t: {value: 0},
-        factor: {value: 65535 / (2 ** header.bits - 1)},
-        parts: {value: this.texture},
-        partCount: {value: header.parts.length},
-        planes: {value: this.clip}
-      },
+      uniforms,
     });
-    const mesh = new THREE.Mesh(this.geometry, this.material);
-    mesh.frustumCulled = false;
-    this.scene.add(mesh);
-    this.addMarks();
-    this.setHiddenParts(new Set());
-    this.fit();
+    const lineMaterial = new THREE.ShaderMaterial({
+      vertexShader: kSurfaceVertex,
+      fragmentShader: kLineFragment,
+      transparent: true,
+      depthWrite: false,
+      defines: {},
+      uniforms,
+    });
+    const surface = new THREE.Mesh(geometry, material);
+    this.lineMesh = new THREE.LineSegments(lineGeometry, lineMaterial);
+    surface.frustumCulled = this.lineMesh.frustumCulled = false;
+    this.scene.add(surface, this.lineMesh);
+    this.geometry = geometry;
+    this.lineGeometry = lineGeometry;
+    this.materials = [material, lineMaterial];
   }
 
   private addMarks(): void {
@@ -224,10 +265,10 @@ export class Viewer {
   }
 
   private clear(): void {
-    this.geometry?.dispose();
-    this.markGeometry?.dispose();
-    this.material?.dispose();
-    this.texture?.dispose();
+    for (const geometry of [this.geometry, this.lineGeometry, this.markGeometry]) geometry?.dispose();
+    for (const material of this.materials) material.dispose();
+    this.pairs?.dispose();
+    this.gathered = -1;
     for (const material of this.markMaterials) material.dispose();
     this.markMaterials = [];
     this.points = [];
@@ -235,12 +276,12 @@ export class Viewer {
   }
 
   setHiddenParts(hidden: Set<number>): void {
-    const data = this.texture!.image.data;
-    this.data!.header.parts.forEach((part, i) => {
+    const byPart = this.data!.header.parts.map((part, i) => {
       const rgb = parseInt(part.colour.slice(1), 16);
-      data.set([rgb >> 16, (rgb >> 8) & 255, rgb & 255, hidden.has(i) ? 0 : part.solid ? 255 : 128], 4 * i);
+      return [rgb >> 16, (rgb >> 8) & 255, rgb & 255, hidden.has(i) ? 0 : part.solid ? 255 : 128];
     });
-    this.texture!.needsUpdate = true;
+    this.mesh!.partOf.forEach((part, i) => (this.colours.array as Uint8Array).set(byPart[part], 4 * i));
+    this.colours.needsUpdate = true;
     this.draw();
   }
 
@@ -261,10 +302,16 @@ export class Viewer {
   }
 
   drawNow(): void {
-    if (!this.data || !this.geometry || !this.material || this.canvas.clientWidth === 0) return;
+    if (!this.data || this.canvas.clientWidth === 0) return;
     this.gather();
     this.placePlanes();
-    this.material.uniforms.t.value = this.t;
+    this.placeCamera();
+    // Both materials have the same uniforms.
+    const {uniforms} = this.materials[0];
+    uniforms.share.value = this.motion % 2 ? 1 - this.t : this.t;
+    const opacity = this.lineOpacity();
+    uniforms.opacity.value = opacity;
+    this.lineMesh!.visible = this.lines && !this.withoutLines && opacity > 0.01;
     this.compile();
     const ratio = Math.min(devicePixelRatio, 2) * this.detail;
     const count = this.data.header.motions[this.motion]?.shown ?? 0;
@@ -273,43 +320,66 @@ export class Viewer {
       material.uniforms.size.value = ratio * (count > 600 ? 7 : 10);
       material.uniforms.show.value = this.markKinds;
     });
-    this.placeCamera();
+    this.pairs!.resize(this.canvas.width, this.canvas.height, ratio);
     this.renderer.render(this.scene, this.camera);
     this.onDraw();
   }
 
-  /// Takes a program without what is not shown: `discard` alone keeps hidden fragments from being skipped.
-  private compile(): void {
-    const cut = this.planes.some((p) => p.on), {defines} = this.material!;
-    if (!!defines.CUT === cut && !!defines.LINES === this.lines) return;
-    this.material!.defines = {...(cut && {CUT: true}), ...(this.lines && {LINES: true})};
-    this.material!.needsUpdate = true;
+  /// Lines that are closer to each other than a few pixels would hide the surface.
+  private lineOpacity(): number {
+    const pixels = (this.meanEdge * this.canvas.clientHeight) / (2 * this.distance * Math.tan(Math.PI * 16 / 180));
+    return 0.4 * Math.max(0, Math.min(1, (pixels - 5) / 10));
   }
 
-  /// Copies positions and contacts of the motion, if another one was drawn last.
+  /// Takes programs without sections where there are none: `discard` alone keeps hidden fragments from being skipped.
+  private compile(): void {
+    const cut = this.planes.some((p) => p.on);
+    for (const material of this.materials) {
+      if (!!material.defines.CUT === cut) continue;
+      material.defines = cut ? {CUT: true} : {};
+      material.needsUpdate = true;
+    }
+  }
+
+  /// Uploads what the motion needs and is not there yet: positions, triangles, contacts and pairs.
   private gather(): void {
-    const data = this.data!, next = Math.min(this.motion + 1, data.frames.length - 1);
-    if (this.key === `${this.motion}`) return;
-    this.key = `${this.motion}`;
-    const n = data.header.vertices, shown = data.shown[this.motion];
-    [this.motion, next].forEach((frame, which) => {
-      const from = data.frames[frame], to = this.attribute[which].array as Uint16Array;
-      let o = 0;
-      for (let i = 0; i < shown.length; ++i) {
-        const triangle = shown[i], mask = data.edges[triangle] << 2, part = data.part[triangle];
-        for (let corner = 0; corner < 3; ++corner) {
-          const v = data.corners[corner][triangle];
-          to[o] = from[v];
-          to[o + 1] = from[n + v];
-          to[o + 2] = from[2 * n + v];
-          to[o + 3] = which === 0 ? part : mask | corner;
-          o += 4;
-        }
-      }
-      this.attribute[which].needsUpdate = true;
-    });
-    this.geometry!.setDrawRange(0, 3 * shown.length);
+    const data = this.data!;
+    for (const frame of [this.motion, Math.min(this.motion + 1, data.frames.length - 1)]) this.upload(frame);
+    const shown = data.shown[this.motion];
+    if (this.indexed !== shown) {
+      this.indexed = shown;
+      const [triangles, lines] = this.indices.map((index) => index.array as Uint32Array);
+      const written = this.mesh!.fill(shown, triangles, lines);
+      for (const index of this.indices) index.needsUpdate = true;
+      this.geometry!.setDrawRange(0, 3 * shown.length);
+      this.lineGeometry!.setDrawRange(0, written);
+    }
+    if (this.gathered === this.motion) return;
+    this.gathered = this.motion;
     this.gatherMarks();
+    this.pairs!.take(this.motion, this.stage);
+  }
+
+  private upload(frame: number): void {
+    const which = frame % 2;
+    if (this.held[which] === frame) return;
+    this.held[which] = frame;
+    const from = this.data!.frames[frame], n = this.data!.header.vertices, {vertexOf} = this.mesh!;
+    const to = this.positions[which].array as Uint16Array;
+    for (let i = 0; i < vertexOf.length; ++i) {
+      const v = vertexOf[i];
+      to[4 * i] = from[v];
+      to[4 * i + 1] = from[n + v];
+      to[4 * i + 2] = from[2 * n + v];
+    }
+    this.positions[which].needsUpdate = true;
+  }
+
+  /// Draws the pairs of a stage, an index into the statistics; null: of none.
+  showPairs(stage: number|null): void {
+    this.stage = stage;
+    this.gathered = -1;
+    this.draw();
   }
 
   private gatherMarks(): void {
@@ -413,11 +483,15 @@ export class Viewer {
     this.camera.updateMatrixWorld(true);
   }
 
-  /// Pixels along a side for each pixel of the page: less while it plays on a slow machine.
-  setDetail(detail: number): void {
-    if (detail === this.detail) return;
-    this.detail = detail;
-    this.resize();
+  /// Pixels along a side for each pixel of the page, and whether edges of elements may be drawn: less while a sequence
+  /// plays on a slow machine.
+  setDetail(detail: number, lines = true): void {
+    this.withoutLines = !lines;
+    if (detail !== this.detail) {
+      this.detail = detail;
+      this.resize();
+    }
+    this.draw();
   }
 
   private resize(): void {
@@ -436,17 +510,50 @@ export class Viewer {
     let best: number|null = null, least = 9 * 9;
     for (let i = 0; i < count; ++i) {
       const p = [0, 1, 2].map((axis) => data.marks[axis][first + i] / 65535);
-      if (this.planes.some(
-              (q, axis) => q.on &&
-                  (q.flip ? -1 : 1) * (p[axis] - (q.share * data.header.box.size[axis]) / data.header.box.scale) > 0))
-        continue;
+      if (this.isCut(p)) continue;
       const inter = (data.flags[first + i] & 2) >> 1;
       if (this.markKinds < 2 && inter !== this.markKinds) continue;
-      const v = new THREE.Vector3(p[0], p[1], p[2]).project(this.camera);
-      const dx = ((v.x + 1) / 2) * this.canvas.clientWidth - x, dy = ((1 - v.y) / 2) * this.canvas.clientHeight - y;
+      const v = this.onCanvas(p), dx = v.x - x, dy = v.y - y;
       if (v.z < 1 && dx * dx + dy * dy < least) best = i, least = dx * dx + dy * dy;
     }
     return best;
+  }
+
+  /// The drawn pair whose line is nearest to a place of the canvas, within some pixels: its index among those of the
+  /// stage in the motion, dropped ones first.
+  pairAt(x: number, y: number): number|null {
+    const {first, dropped, kept} = this.pairs!.range(this.motion, this.stage);
+    let best: number|null = null, least = 5;
+    for (let i = 0; i < dropped + kept; ++i) {
+      const [a, b] = this.data!.pairAt(first + i);
+      if (this.isCut(a.map((value, axis) => (value + b[axis]) / 2))) continue;
+      const p = this.onCanvas(a), q = this.onCanvas(b), dx = q.x - p.x, dy = q.y - p.y;
+      const along = ((x - p.x) * dx + (y - p.y) * dy) / Math.max(dx * dx + dy * dy, 1e-9);
+      const share = Math.max(0, Math.min(1, along));
+      const distance = Math.hypot(p.x + share * dx - x, p.y + share * dy - y);
+      if (distance < least) best = i, least = distance;
+    }
+    return best;
+  }
+
+  /// A pair that pairAt() found.
+  pair(i: number): {kind: number; dropped: boolean} {
+    const {first, dropped} = this.pairs!.range(this.motion, this.stage);
+    return {kind: this.data!.pairKinds[first + i], dropped: i < dropped};
+  }
+
+  /// Whether a section plane hides a place, given in shares of the box.
+  private isCut(place: number[]): boolean {
+    const {box} = this.data!.header;
+    return this.planes.some(
+        (plane, axis) =>
+            plane.on && (plane.flip ? -1 : 1) * (place[axis] - (plane.share * box.size[axis]) / box.scale) > 0);
+  }
+
+  /// Where a place is drawn: pixels of the page from the upper left corner of the canvas, and the depth.
+  private onCanvas(place: number[]): {x: number; y: number; z: number} {
+    const v = new THREE.Vector3(place[0], place[1], place[2]).project(this.camera);
+    return {x: ((v.x + 1) / 2) * this.canvas.clientWidth, y: ((1 - v.y) / 2) * this.canvas.clientHeight, z: v.z};
   }
 
   private listen(): void {

@@ -20,7 +20,7 @@ constexpr double kTiny = 1e-300;
 
 using Vector = volccd::detail::HWY_NAMESPACE::LaneVector<V>;
 
-// Products and sums are written out: a fused multiply-add would change bits from one processor to the next.
+// Products and sums are separate operations, because with fused multiply-add the results would depend on the processor.
 HWY_ATTR HWY_INLINE V set(double x) { return hn::Set(D(), x); }
 HWY_ATTR HWY_INLINE V load(const std::vector<double>& values, std::size_t i) {
   return hn::LoadU(D(), values.data() + i);
@@ -45,7 +45,7 @@ HWY_ATTR HWY_INLINE V near_half_log(V x) {
   return hn::Mul(s, sum);
 }
 
-// As portable_atan2(), but for the sign of zero.
+// Same as portable_atan2(), except for the sign of zero.
 HWY_ATTR HWY_INLINE V angle_of(V y, V x) {
   const V ax = hn::Abs(x), ay = hn::Abs(y), hi = hn::Max(ax, ay), lo = hn::Min(ax, ay);
   const M steep = hn::Gt(lo, hn::Mul(set(0.66), hi));
@@ -61,7 +61,7 @@ HWY_ATTR HWY_INLINE V angle_of(V y, V x) {
   return hn::CopySign(angle, y);
 }
 
-// Element by element, not vertex by vertex, so that the number of lanes makes no difference to any sum.
+// Sums are formed element by element, not vertex by vertex, so that they do not depend on the number of lanes.
 template <std::size_t N>
 HWY_ATTR HWY_INLINE void scatter(const std::vector<std::int32_t> (&vertices)[N], std::size_t i,
                                  const Vector (&force)[N], double* forces) {
@@ -88,7 +88,7 @@ HWY_ATTR HWY_INLINE void add_in_order(V values, double& sum) {
 
 HWY_ATTR HWY_INLINE double greatest(V values) { return hn::GetLane(hn::MaxOfLanes(D(), values)); }
 
-// What the scalar code is asked for, lane by lane: `ordinary` lanes keep their values.
+// Lets the scalar code compute the other lanes, one after another; `ordinary` lanes keep their values.
 struct Trial {
   V mu1, mu2, mean, difference, shear, radius;  ///< F^T F: eigenvalues; mean and half the difference of the diagonal
   V stress1, stress2, energy;
@@ -116,8 +116,8 @@ HWY_ATTR HWY_NOINLINE void leave_to_scalar(ShellTables& t, const ShellLaw& law, 
   trial.energy = hn::LoadU(d, lanes.energy);
 }
 
-// Greatest squared frequency of triangles with edges a and b, exact; at most that of the reference shape (`shape`)
-// squashed to a fifth, which is `cap`.
+// Exact greatest squared frequency of triangles with edges a and b, limited to `cap`, that of the reference shape
+// (`shape`) compressed to a fifth.
 struct Frequency {
   V squared, cap;
 };
@@ -145,7 +145,7 @@ struct Gradient {
       : x(combine(a, m[0], b, m[2])), y(combine(a, m[1], b, m[3])) {}
 };
 
-// The elastic law near the reference shape; what lies further away comes out as nonsense.
+// The elastic law near the reference shape; the results for larger strains are invalid and must not be used.
 HWY_ATTR HWY_INLINE Trial elastic_trial(const ShellLaw& law, const Gradient& f, V& equivalent2) {
   const V half = set(0.5), modulus = set(law.plane_modulus), poisson = set(law.poisson_ratio);
   const V c11 = dot(f.x, f.x), c22 = dot(f.y, f.y);
@@ -171,7 +171,7 @@ struct Stress {
   V xx, yy, xy;
 };
 
-// From the principal values, without the axes: they are those of F^T F.
+// From the principal values only; the principal axes, which are those of F^T F, are not computed.
 HWY_ATTR HWY_INLINE Stress elastic_stress(const Trial& trial) {
   const V half = set(0.5), mean = hn::Mul(half, hn::Add(trial.stress1, trial.stress2));
   const V turn = hn::Div(hn::Mul(half, hn::Sub(trial.stress1, trial.stress2)), hn::Max(trial.radius, set(kTiny)));
@@ -179,8 +179,8 @@ HWY_ATTR HWY_INLINE Stress elastic_stress(const Trial& trial) {
   return {hn::Add(mean, along), hn::Sub(mean, along), hn::Mul(turn, trial.shear)};
 }
 
-// Viscosity at a constant share of the critical, so scaled that great stretches do not raise it. Adds to `stress` and
-// returns the power, a volume at rest. `w`: rate of F; `mean`: half the trace of F^T F.
+// Viscosity as a constant fraction of critical damping, scaled so that large stretches do not increase it. Adds to
+// `stress` and returns the power per volume at rest. `w`: rate of F; `mean`: half the trace of F^T F.
 HWY_ATTR HWY_INLINE V add_viscosity(const ShellLaw& law, const Gradient& f, const Gradient& w, V mean,
                                     const Frequency& frequency, Stress& stress) {
   const V least = hn::Mul(frequency.cap, set(1e-4)), poisson = set(law.poisson_ratio), wide = hn::Max(mean, set(1));
@@ -241,8 +241,8 @@ HWY_ATTR HWY_NOINLINE V flow_hinges(ShellTables& t, std::size_t i, double dt, M 
   return hn::Load(d, value);
 }
 
-// Minus the gradient of a hinge's angle (Bridson et al. 2003): of the edge's vertices, then of the opposite ones.
-// `fade`: 0 where a triangle has lost its area, 1 where it has not lost much.
+// The negative gradient of a hinge's angle (Bridson et al. 2003), for the vertices of the edge and then for the
+// opposite vertices. `fade` decreases from 1 to 0 as a triangle loses its area.
 struct HingeGradient {
   Vector u[4];
   V fade;
@@ -263,7 +263,7 @@ struct HingeEdges {
     length = hn::Sqrt(dot(edge, edge));
   }
 
-  /// Angle next to `last`: turns past a half circle are told from the angle before.
+  /// The angle, plus the multiple of 2 pi that makes it nearest to `last`.
   HWY_ATTR HWY_INLINE V angle(V last) const {
     const V raw = angle_of(dot(cross(n1, n2), edge), hn::Mul(dot(n1, n2), length));
     const V turns = hn::Round(hn::Mul(hn::Sub(raw, last), set(0.15915494309189535)));
@@ -272,7 +272,7 @@ struct HingeEdges {
 
   HWY_ATTR HWY_INLINE HingeGradient gradient(V least1, V least2) const {
     const V one = set(1), square1 = dot(n1, n1), square2 = dot(n2, n2);
-    // Bounded far below what the moment fades at, so that nothing overflows.
+    // The bound is far below the areas at which the moment is reduced; it prevents overflow.
     const Vector g1 = scaled(n1, hn::Div(one, hn::Max(square1, hn::Mul(least1, set(1e-8)))));
     const Vector g2 = scaled(n2, hn::Div(one, hn::Max(square2, hn::Mul(least2, set(1e-8)))));
     const V over = hn::Div(one, hn::Max(length, set(kTiny))), under = hn::Neg(over);
@@ -358,7 +358,7 @@ void refuse_unless_finite(double value, const ShellTables& tables, Index element
   throw Error("shell element " + std::to_string(slot) + ": its deformation is not finite");
 }
 
-/// Whether the reference shape is still within kGreatestFlow of the one at rest.
+/// Whether plastic flow has changed the shape at rest by at most kGreatestFlow.
 bool may_flow(const std::array<double, 4>& edges, const std::array<double, 4>& shape) {
   const std::array<double, 4> flow = product2(edges, shape);  // inverse of the plastic deformation
   const double mean = 0.5 * (flow[0] * flow[0] + flow[1] * flow[1] + flow[2] * flow[2] + flow[3] * flow[3]);

@@ -13,8 +13,8 @@ struct Slope {
   double value, slope;
 };
 
-/// Root of a function that falls strictly from a positive value at 0 and is negative far out: Newton's method, by
-/// bisection where it would leave the bracket. `scale` is a first guess, > 0.
+/// Root of a function that is strictly decreasing, positive at 0 and negative for large arguments. Newton's method,
+/// with bisection if a step would leave the bracket. `scale` is the initial guess, > 0.
 template <typename Function>
 double falling_root(const Function& f, double scale) {
   double lo = 0, hi = scale;
@@ -35,7 +35,7 @@ double falling_root(const Function& f, double scale) {
   return x;
 }
 
-/// Logarithmic raise of the yield stress at a plastic strain increment, with its derivative.
+/// Logarithmic increase of the yield stress at a plastic strain increment, with its derivative.
 Slope raise_at(const ShellLaw& law, double increment, double dt) {
   const double still = law.reference_rate * dt;
   if (law.rate_factor == 0 || increment <= still) return {1, 0};
@@ -97,7 +97,7 @@ PrincipalStrain::PrincipalStrain(double squared_stretch) {
   const double bound = squared_stretch < 1 ? kLeastStretch : kGreatestStretch;
   const double stretch = std::sqrt(std::max(squared_stretch, 0.0));
   strain = half_log(bound * bound) + (stretch - bound) / bound;
-  // At stretch 0 the force has no direction; it fades out there.
+  // At stretch 0 the force has no direction; it is reduced to zero there.
   factor = 1 / (bound * std::max(stretch, 1e-9));
 }
 
@@ -115,7 +115,7 @@ void return_membrane(const ShellLaw& law, double strain, double dt, MembraneStep
   elastic_membrane(law, step);
   const double trial = equivalent(step.kirchhoff);
   if (!(dt > 0) || trial <= law.yield_stress + law.hardening_modulus * strain) return;
-  // Sum and difference of the principal stresses shrink each by itself (Simo and Taylor 1986).
+  // The sum and the difference of the principal stresses are reduced independently (Simo and Taylor 1986).
   const double sum = step.kirchhoff[0] + step.kirchhoff[1], difference = step.kirchhoff[0] - step.kirchhoff[1];
   const double sum_rate = law.youngs_modulus / (2 * (1 - law.poisson_ratio));
   const double difference_rate = 1.5 * law.youngs_modulus / (1 + law.poisson_ratio);

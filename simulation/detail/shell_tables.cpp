@@ -21,7 +21,8 @@ std::uint64_t spread_bits(std::uint64_t x) {
   return (x | x << 2) & 0x1249249249249249;
 }
 
-/// Deformable first, then by part, then along a space-filling curve. Drops those without area.
+/// Sorts the elements: deformable ones first, then by part, then along a space-filling curve. Removes those without
+/// area.
 void sort_elements(std::vector<ShellElement>& elements, const std::vector<ShellLaw>& laws) {
   std::erase_if(elements, [](const ShellElement& e) { return RestFrame(e.corners).area == 0; });
   Vec3 low = Vec3::Constant(kNever), high = -low;
@@ -48,7 +49,8 @@ void sort_elements(std::vector<ShellElement>& elements, const std::vector<ShellL
   elements = std::move(sorted);
 }
 
-/// A hinge before it has its place: `first` has the smaller slot, the edge runs as in it.
+/// A hinge before its index is known. `first` is the triangle with the smaller slot; the edge has the direction that it
+/// has in `first`.
 struct HingeDraft {
   std::size_t block;
   Index first, second;                       ///< elements
@@ -77,7 +79,7 @@ std::vector<EdgeUse> edges_of(const std::vector<ShellElement>& elements) {
   return uses;
 }
 
-/// Rotational stiffness of one side of an edge: a hinge between two of them is their series.
+/// Rotational stiffness of one side of an edge; a hinge is the series connection of two sides.
 double side_stiffness(const ShellElement& e, std::uint8_t corner, const std::vector<ShellLaw>& laws) {
   const ShellLaw& law = laws[static_cast<std::size_t>(e.object)];
   const double length2 = (e.corners[(corner + 1) % 3] - e.corners[(corner + 2) % 3]).squaredNorm();
@@ -85,7 +87,7 @@ double side_stiffness(const ShellElement& e, std::uint8_t corner, const std::vec
 }
 
 /// Hinges of one edge. A star of n sides becomes the mesh of pairs with the same behaviour (star-mesh transform), so
-/// that an edge of many triangles is a rigid joint, and one of two has the series of their stiffness.
+/// that an edge of many triangles is a rigid joint, and an edge of two has the stiffness of their series connection.
 void draft_edge(std::span<const EdgeUse> uses, const std::vector<ShellElement>& elements,
                 const std::vector<ShellLaw>& laws, std::size_t deformable, std::vector<HingeDraft>& drafts,
                 std::vector<double>& side) {
@@ -162,7 +164,7 @@ class Builder {
   }
 
  private:
-  /// Element ranges for now; add_triangles() turns them into padded ones.
+  /// Ranges of elements, which add_triangles() replaces by padded ranges.
   void cut_blocks(std::vector<std::size_t>& block_of) {
     for (std::size_t i = 0, end = 0; i < t_.deformable; i = end) {
       for (end = i; end < t_.deformable && end - i < kShellBlock && t_.elements[end].object == t_.elements[i].object;
@@ -238,7 +240,7 @@ class Builder {
     out.mobility[0].push_back(k / (mass_a + mass_b));
     out.mobility[1].push_back(k / mass_a);
     out.mobility[2].push_back(k / mass_b);
-    // At the edge each vertex moves with at most the sum of both heights' slopes: 1 / h_a + 1 / h_b.
+    // The angle changes by at most 1 / h_a + 1 / h_b for a unit displacement of a vertex of the edge.
     const double slope_a = length / (2 * area_a), slope_b = length / (2 * area_b);
     const double frequency2 = 2 * out.mobility[0].back() * (slope_a + slope_b) * (slope_a + slope_b) +
                               out.mobility[1].back() * slope_a * slope_a + out.mobility[2].back() * slope_b * slope_b;
@@ -268,7 +270,7 @@ class Builder {
     out.object.push_back(weaker);
   }
 
-  /// A copy of the last, without stiffness.
+  /// Appends a copy of the last hinge, without stiffness.
   void pad_hinge() {
     ShellHinges& out = t_.hinges;
     const auto repeat = [](auto& values) {
@@ -310,7 +312,7 @@ void same_size(std::size_t a, std::size_t b) {
   if (a != b) throw InputError("checkpoint", "shells", "does not belong to this mesh");
 }
 
-/// Written and read in place: the tables are there already.
+/// Writes or reads the state in the existing tables.
 template <typename T>
 void state(Archive& archive, std::vector<T>& values) {
   const std::size_t size = values.size();
@@ -323,7 +325,7 @@ void state(Archive& archive, std::vector<T>& values) {
 RestFrame::RestFrame(const std::array<Vec3, 3>& corners) {
   const Vec3 a = corners[1] - corners[0], b = corners[2] - corners[0], normal = a.cross(b);
   const double length = a.norm(), twice = normal.norm();
-  // Below this, the inverse of the edges is rounding only.
+  // Below this, the inverse of the edges consists of rounding errors only.
   area = twice > 1e-12 * (a.squaredNorm() + b.squaredNorm()) ? twice / 2 : 0;
   if (area == 0) {
     axes[0] = axes[1] = Vec3::Zero();

@@ -17,7 +17,7 @@ using Eigen::Matrix3d;
 
 // Greatest trace of Cp^-1: a thickness of a tenth.
 constexpr double kThinnest = 100;
-// How far hourglass modes flow, in half edges: beyond, corners would turn inside out.
+// Limit of the plastic flow of hourglass modes, in half edges; beyond it, corners would be inverted.
 constexpr double kFarthestMode = 0.5;
 
 // Corners of the reference cube, and the hourglass modes eta zeta, zeta xi, xi eta, xi eta zeta there.
@@ -79,7 +79,7 @@ Matrix3d inverse(const SolidBatch<N>& b, int lane) {
   return inverse;
 }
 
-// The modes' own part of a shape at rest.
+// The data of the hourglass modes in a shape at rest.
 void set_modes(const std::array<Vec3, 8>& x, SolidShape<8>& shape) {
   Vec3 slopes;
   for (int d = 0; d < 3; ++d) {
@@ -139,7 +139,7 @@ void set_gradients(const std::array<Vec3, 8>& x, SolidShape<8>& shape) {
   for (Vec3& g : shape.gradients) g /= shape.volume;
 }
 
-/// What does not depend on the present positions.
+/// The quantities that do not depend on the present positions.
 template <int N>
 void fill(SolidBatch<N>& b, int lane, const SolidShape<N>& shape, const SolidMaterial& m, const SolidState<N>& state) {
   b.shapes[lane] = &shape;
@@ -165,7 +165,7 @@ void fill(SolidBatch<N>& b, int lane, const SolidShape<N>& shape, const SolidMat
 
 template <int N>
 void gather(SolidBatch<N>& b, int lane, const SolidShape<N>& shape, std::span<const Vec3> x, std::span<const Vec3> v) {
-  // From the first corner on: far from the origin, rounding is that of the element's size.
+  // Positions relative to the first corner: rounding errors are then proportional to the element's size.
   const Vec3 &x0 = x[shape.vertices[0]], &v0 = v[shape.vertices[0]];
   for (int i = 1; i < N; ++i) {
     const Vec3 &xi = x[shape.vertices[i]], &vi = v[shape.vertices[i]];
@@ -188,7 +188,7 @@ void take(const SolidBatch<N>& b, int lane, double dt, Vec3* out) {
   state.energy = b.energy[lane];
   const double before = state.viscous_pressure;
   state.viscous_pressure = b.viscous_pressure[lane];
-  // As a leapfrog has it: the mean of the forces at both ends of the step.
+  // As in a leapfrog scheme: the mean of the forces at both ends of the step.
   state.numerical_work -= 0.5 * (before + state.viscous_pressure) * b.volume_rate[lane] * b.volume[lane] * dt;
 }
 
@@ -240,7 +240,7 @@ void flow(SolidBatch<N>& b, int lane, double dt) {
   if (!std::isfinite(thinness) || (thinness > kThinnest && thinness > trace(state.plastic_metric))) return;
   state.plastic_metric = flowed;
   state.plastic_strain += increment;
-  // By the stress after the return: the trial stress never acted on anything.
+  // Computed with the stress after the return mapping, because the trial stress did no work.
   state.plastic_work += b.volume[lane] * scale * trial * increment;
   for (int c = 0; c < 6; ++c) b.metric[c][lane] = flowed[c];
   b.scale[lane] = scale;
@@ -256,10 +256,10 @@ void flow_modes(SolidBatch<8>& b, int lane) {
     const double keep = limit / std::sqrt(norm2 * slope);
     const Vec3 q(b.q[a][0][lane], b.q[a][1][lane], b.q[a][2][lane]);
     const Vec3 flowed = state.modes[a] + (1 - keep) * (inverse(b, lane) * q);
-    // Written so that it also fails for what is not a number.
+    // The comparison is also false for NaN.
     if (!((flowed - b.shapes[lane]->modes[a]).squaredNorm() * slope <= kFarthestMode * kFarthestMode)) continue;
     state.modes[a] = flowed;
-    // By the force after the return, as for the stress.
+    // Computed with the force after the return mapping, as for the stress.
     state.numerical_work += young * b.volume[lane] * slope * norm2 * keep * (1 - keep) / (a == 3 ? 9 : 3);
     for (int c = 0; c < 3; ++c) {
       b.modes[a][c][lane] = flowed[c];

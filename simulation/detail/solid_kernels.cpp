@@ -22,7 +22,7 @@ struct Sym {
   V s[6];  // xx, yy, zz, xy, yz, zx
 };
 
-// Products and sums only, never fused: the same bits on every processor.
+// Separate products and sums, never fused, so that the results are the same bit for bit on every processor.
 HWY_INLINE V num(double x) { return hn::Set(D(), x); }
 HWY_INLINE V load(const SolidLane& from, int lane) { return hn::LoadU(D(), from + lane); }
 HWY_INLINE void store(V value, SolidLane& to, int lane) { hn::StoreU(value, D(), to + lane); }
@@ -65,14 +65,14 @@ HWY_INLINE V trace(const Sym& a) { return a.s[0] + a.s[1] + a.s[2]; }
 HWY_INLINE V inner(const Matrix& a, const Matrix& b) {
   return dot(a.m[0], b.m[0]) + dot(a.m[1], b.m[1]) + dot(a.m[2], b.m[2]);
 }
-// Deviator; its squared norm in `norm2`.
+// Returns the deviator, and its squared norm in `norm2`.
 HWY_INLINE Sym deviator(Sym a, V mean, V& norm2) {
   for (int k = 0; k < 3; ++k) a.s[k] = a.s[k] - mean;
   const V shear = a.s[3] * a.s[3] + a.s[4] * a.s[4] + a.s[5] * a.s[5];
   norm2 = a.s[0] * a.s[0] + a.s[1] * a.s[1] + a.s[2] * a.s[2] + (shear + shear);
   return a;
 }
-// Not below the greatest eigenvalue, and equal to it if the two smaller ones are the same.
+// An upper bound of the greatest eigenvalue, exact if the two smaller eigenvalues are equal.
 HWY_INLINE V greatest_eigenvalue(const Sym& a) {
   V norm2;
   const V mean = trace(a) * num(1.0 / 3);
@@ -115,7 +115,7 @@ HWY_INLINE Kinematics kinematics(SolidBatch<N>& b, int lane) {
   return k;
 }
 
-// Radial return where it is due, one element at a time.
+// Radial return of the lanes that yield, one element at a time.
 template <int N>
 HWY_INLINE void yield(SolidBatch<N>& b, int lane, double dt, const Kinematics& k, const Sym& dev, V norm2, V mean,
                       V& scale, V& new_mean) {
@@ -208,7 +208,7 @@ HWY_INLINE void yield_modes(SolidBatch<8>& b, int lane, double dt, const Kinemat
   }
 }
 
-// Adds what the springs do to volume times stress; raises `squared` to bound their frequency.
+// Adds the contribution of the springs to volume times stress, and increases `squared` to a bound of their frequency.
 HWY_INLINE Hourglass hourglass(SolidBatch<8>& b, int lane, double dt, const Kinematics& k, Matrix& stress, V& squared) {
   V q[4][3], norm2[4];
   for (int c = 0; c < 3; ++c) {
@@ -243,7 +243,7 @@ HWY_INLINE Hourglass hourglass(SolidBatch<8>& b, int lane, double dt, const Kine
   return out;
 }
 
-// What the springs add to the forces along axis c, corner by corner: the negative of sums like those of mode_sums().
+// The forces of the springs along axis c at each corner: the negative of sums like those of mode_sums().
 HWY_INLINE void add_mode_forces(const Hourglass& h, int c, V (&force)[8]) {
   const V sum = h.g[1][c] + h.g[2][c], difference = h.g[1][c] - h.g[2][c], even = h.g[0][c], odd = h.g[3][c];
   // Edges along xi at (eta, zeta) = (-, -), (+, -), (-, +), (+, +).

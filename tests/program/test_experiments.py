@@ -93,7 +93,7 @@ class Experiments(ProgramTest):
             self.write("projectile/records/" + name, "whole")
         cut = Interruption("experiment", "run", "projectile", "-o", results, done=1, env=env)
         self.assertEqual(cut.code, 130, cut.screen)
-        self.assertIn("stopped; the same command goes on", cut.screen)
+        self.assertIn("stopped; the same command continues", cut.screen)
         kept = ["projectile.incomplete.jsonl", "projectile.json", "projectile.txt"]
         self.assertEqual(sorted(os.listdir(results)), kept)
         cut = Interruption("experiment", "run", "projectile", "-o", results, done=60, env=env)
@@ -106,7 +106,7 @@ class Experiments(ProgramTest):
         first = json.loads(windows[0])["rows"]
         self.assertEqual(len(first), 4 * len({row["motion"] for row in first}))
         text = self.good("experiment", "run", "projectile", "-o", results, env=env)
-        self.assertRegex(text, r"going on, [1-9]\d* window")
+        self.assertRegex(text, r"continued; [1-9]\d* window")
         rows = json.loads(self.read("projectile/records/projectile.json"))["rows"]
         self.assertEqual(len(rows), 4 * 60)
         self.assertEqual(rows[:len(first)], first)

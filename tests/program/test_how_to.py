@@ -1,5 +1,6 @@
 """docs/how_to.md: its commands work, in order, in one folder. docs/troubleshooting.md: its commands give the messages
-above them."""
+above them. The commands of the other pages work as well, except those that take minutes or need other data.
+docs/json_output.md has a test of its own (test_json.py), and so has docs/python.md (python/)."""
 
 import os
 import re
@@ -36,6 +37,31 @@ class HowTo(ProgramTest):
                      "run-3.png", "inside.png"):
             self.assertTrue(os.path.getsize(os.path.join(folder, name)), name)
         self.assertFalse(os.path.exists(self.path("empty-cache")))
+
+    # What a command has if it takes minutes: experiments, simulations, and scenes that must be simulated first.
+    LONG = re.compile(r"experiment run|scene generate (?!builtin)|scene picture (octopi|bullet|airbag|crash|liver)(-quick)? ")
+    # Files of simulated shells, of the shared data and with velocities, which the tests do not have.
+    ABSENT = re.compile(r"--motion tentative|crash\.vtkhdf|liver\.vtkhdf|bullet\.vtkhdf|all\.vtkhdf|\.\./shared/|build/tables|build/results/")
+
+    def test_quick_commands_of_the_other_pages_work(self):
+        folder = self.path("pages")
+        os.makedirs(os.path.join(folder, "build"))
+        shutil.copytree(os.path.join(SOURCE, "results"), os.path.join(folder, "results"))
+        self.good("scene", "generate", "builtin", "--elements", "300", "--steps", "61", "-o",
+                  os.path.join(folder, "run.vtkhdf"))
+        ran = []
+        for name in ("../README.md", "pictures.md", "report.md", "reproducing.md", "sequence_files.md", "simulation.md"):
+            for command in re.findall(r"^    (?:build/release/)?(volccd \S.*)$", page(name), re.MULTILINE):
+                if self.LONG.search(command) or self.ABSENT.search(command):
+                    continue
+                done = self.run_in_folder(folder, command)
+                if "the page of the report is not built" in done.stderr:
+                    continue
+                self.assertEqual(done.returncode, 0, f"{name}: {command}\n{done.stdout}{done.stderr}")
+                ran.append(name)
+        self.assertEqual(set(ran) | {"report.md"}, {"../README.md", "pictures.md", "report.md", "reproducing.md",
+                                                    "sequence_files.md", "simulation.md"})
+        self.assertGreater(len(ran), 20)
 
     def test_messages_are_those_of_the_program(self):
         folder = self.path("trouble")

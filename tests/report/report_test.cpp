@@ -114,6 +114,22 @@ struct Decoded {
   std::vector<std::set<std::uint32_t>> shown;
   std::vector<std::vector<std::uint16_t>> frames;
   std::vector<std::uint32_t> marks[4], flags;
+  std::vector<std::uint32_t> pair_columns[6], pair_kinds;
+
+  /// The distance between two neighbouring places of centroids.
+  double pair_unit() const {
+    return header.at("box").at("scale").get<double>() / ((1 << header.at("pair_bits").get<int>()) - 1);
+  }
+  Vec3 pair_end(std::size_t i, bool second) const {
+    const double unit = pair_unit();
+    Vec3 p;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::int32_t value = static_cast<std::int32_t>(pair_columns[axis][i]);
+      if (second) value += unzigzag(pair_columns[3 + axis][i]);
+      p[axis] = header.at("box").at("low")[axis].get<double>() + unit * value;
+    }
+    return p;
+  }
 
   Vec3 place(std::size_t frame, std::size_t vertex) const {
     const double unit = header.at("box").at("scale").get<double>() / ((1 << header.at("bits").get<int>()) - 1);
@@ -157,6 +173,8 @@ Decoded decode(const std::string& script) {
   d.frames = in.frames(orders, 3 * count("vertices"));
   for (auto& column : d.marks) column = in.take(count("marks"), 2);
   d.flags = in.take(count("marks"), 1);
+  for (auto& column : d.pair_columns) column = in.take(count("pairs"), 2);
+  d.pair_kinds = in.take(count("pairs"), 1);
   EXPECT_TRUE(in.at_end());
   return d;
 }
@@ -247,8 +265,8 @@ TEST(SurfaceTrackTest, ClusteringKeepsTheFormAndFewerTriangles) {
 
 class SceneExport : public ::testing::Test {
  protected:
-  SceneExport() : folder_("scene"), file_(folder_.file("run.vtkhdf")) {
-    write_scene(*make_scene("builtin", {}), file_);
+  explicit SceneExport(const OptionValues& options = {}) : folder_("scene"), file_(folder_.file("run.vtkhdf")) {
+    write_scene(*make_scene("builtin", options), file_);
   }
 
   ExportedScene run(const SceneExportConfig& config) {
@@ -321,6 +339,123 @@ TEST_F(SceneExport, ShowsSurfacePositionsAndContactsOfTheFile) {
   }
   EXPECT_EQ(d.flags.size(), mark);
   EXPECT_GT(all, 0u);
+}
+
+/// For tests that export every pair.
+class SmallSceneExport : public SceneExport {
+ protected:
+  SmallSceneExport() : SceneExport({{"elements", "200"}, {"steps", "6"}}) {}
+};
+
+/// Numbers of pairs that a stage dropped and kept in a motion, as the statistics count them.
+std::array<std::uint64_t, 2> counted(const json& stage) {
+  const std::string role = stage.at("role");
+  const auto in = stage.at("in").get<std::uint64_t>(), out = stage.at("out").get<std::uint64_t>();
+  const bool filters = role == "element-culling" || role == "feature-filter" || role == "narrow-phase";
+  return {filters ? in - out : 0, out};
+}
+
+TEST_F(SmallSceneExport, ShowsAllPairsThatTheStagesCount) {
+  SceneExportConfig config;
+  config.pipeline = registry_.pipeline("VolCCD");  // processes each pair once
+  config.max_pairs = 1'000'000;
+  config.max_bytes = 4'000'000'000;
+  const Decoded d = decode(run(config).script);
+  std::uint64_t all = 0, dropped = 0;
+  for (const json& motion : d.header.at("motions"))
+    for (std::size_t i = 0; i < motion.at("pairs").size(); ++i) {
+      const json& stage = motion.at("stats").at("stages").at(i);
+      const auto [stage_dropped, stage_kept] = counted(stage);
+      EXPECT_EQ(stage_dropped, motion.at("pairs")[i][0].get<std::uint64_t>()) << stage;
+      EXPECT_EQ(stage_kept, motion.at("pairs")[i][1].get<std::uint64_t>()) << stage;
+      all += stage_dropped + stage_kept;
+      dropped += stage_dropped;
+    }
+  EXPECT_EQ(all, d.header.at("pairs").get<std::uint64_t>());
+  EXPECT_GT(dropped, 0u);
+}
+
+TEST_F(SmallSceneExport, PairsOfTheNarrowPhaseAreDrawnAtTheFeaturesOfContacts) {
+  SceneExportConfig config;
+  config.pipeline = registry_.pipeline("VolCCD");
+  config.max_pairs = 1'000'000;
+  config.max_bytes = 4'000'000'000;
+  const Decoded d = decode(run(config).script);
+  const double unit = d.pair_unit();
+  const Pipeline pipeline(registry_, *config.pipeline);
+  Workspace workspace = pipeline.make_workspace();
+  SequenceReader reader(file_);
+  SequenceStepper stepper(reader);
+  const ObjectFilter filter;
+  StepResult result;
+  std::size_t at = 0, found = 0;
+  for (std::size_t k = 0; k < d.header.at("motions").size(); ++k) {
+    stepper.go_to(static_cast<int>(k));
+    pipeline.run({stepper.topology(), stepper.motion(), filter}, workspace, executor_, result);
+    std::size_t first = at, kept = 0;
+    for (const json& counts : d.header.at("motions")[k].at("pairs")) {
+      first = at + counts[0].get<std::size_t>();
+      kept = counts[1].get<std::size_t>();
+      at = first + kept;
+    }
+    ASSERT_EQ(result.contacts.size(), kept);
+    for (const Contact& contact : result.contacts) {
+      const bool ee = contact.kind == FeatureKind::ee;
+      Vec3 p[4], ends[2];
+      for (int i = 0; i < 4; ++i) p[i] = stepper.motion().position(contact.vertices[static_cast<std::size_t>(i)], 0.5);
+      ends[0] = ee ? Vec3((p[0] + p[1]) / 2) : p[0];
+      ends[1] = ee ? Vec3((p[2] + p[3]) / 2) : Vec3((p[1] + p[2] + p[3]) / 3);
+      const auto drawn_here = [&](std::size_t i) {
+        return d.pair_kinds[i] == (ee ? 2u : 1u) && (d.pair_end(i, false) - ends[0]).cwiseAbs().maxCoeff() < unit &&
+               (d.pair_end(i, true) - ends[1]).cwiseAbs().maxCoeff() < unit;
+      };
+      bool drawn = false;
+      for (std::size_t i = first; i < first + kept && !drawn; ++i) drawn = drawn_here(i);
+      EXPECT_TRUE(drawn) << "motion " << k;
+      found += drawn ? 1 : 0;
+    }
+  }
+  EXPECT_GT(found, 0u);
+}
+
+TEST_F(SmallSceneExport, ThinnedPairsDependOnNoNumberOfWorkers) {
+  SceneExportConfig config;
+  config.pipeline = registry_.pipeline("VolCCD+");
+  config.max_pairs = 3;
+  const Decoded serial = decode(run(config).script);
+  const auto threads = make_thread_executor(3);
+  const Decoded parallel = decode(export_scene("run", file_, registry_, config, *threads).script);
+  EXPECT_EQ(serial.pair_kinds, parallel.pair_kinds);
+  for (std::size_t column = 0; column < 6; ++column)
+    EXPECT_EQ(serial.pair_columns[column], parallel.pair_columns[column]);
+  std::size_t thinned = 0;
+  for (const json& motion : serial.header.at("motions"))
+    for (std::size_t i = 0; i < motion.at("pairs").size(); ++i)
+      for (std::size_t outcome = 0; outcome < 2; ++outcome) {
+        const std::uint64_t all = counted(motion.at("stats").at("stages").at(i))[outcome];
+        const auto shown = motion.at("pairs")[i][outcome].get<std::uint64_t>();
+        EXPECT_LE(shown, std::min<std::uint64_t>(all, 3));
+        EXPECT_EQ(all > 0, shown > 0);
+        thinned += all > 3 ? 1 : 0;
+      }
+  EXPECT_GT(thinned, 0u);
+}
+
+TEST_F(SmallSceneExport, PairsTakeASixthOfTheScriptAtMost) {
+  SceneExportConfig config;
+  config.pipeline = registry_.pipeline("VolCCD");
+  const auto most = [&](std::size_t max_bytes) {
+    config.max_bytes = max_bytes;
+    std::size_t shown = 0;
+    const Decoded d = decode(run(config).script);
+    for (const json& motion : d.header.at("motions"))
+      for (const json& counts : motion.at("pairs"))
+        for (const json& count : counts) shown = std::max(shown, count.get<std::size_t>());
+    return shown;
+  };
+  EXPECT_EQ(config.max_pairs, most(10'000'000));
+  EXPECT_GT(config.max_pairs / 2, most(30'000));
+  EXPECT_LT(0u, most(30'000));
 }
 
 TEST_F(SceneExport, BecomesCoarserWhereItWouldBeTooLargeAndSaysSo) {

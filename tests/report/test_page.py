@@ -20,6 +20,10 @@ VOLCCD = os.path.abspath(sys.argv.pop(1))
 ROOT = Path(__file__).resolve().parents[2]
 
 
+TABLE1 = json.loads((ROOT / "results/table1.json").read_text(encoding="utf-8"))
+LIVER = next(i["file"] for i in TABLE1["provenance"]["inputs"] if i["scene"] == "liver")
+
+
 def run(folder, *arguments):
     environment = {**os.environ, "VOLCCD_CACHE": str(folder / "cache"), "VOLCCD_DATA": str(folder / "no-data")}
     done = subprocess.run([VOLCCD, *map(str, arguments)], capture_output=True, text=True, env=environment, check=False)
@@ -40,6 +44,9 @@ def setUpModule():
     run(FOLDER, "experiment", "run", "projectile", "--quick", "-o", FOLDER / "results")
     for name in ("table1", "scenes", "plus"):
         shutil.copy(ROOT / "results" / f"{name}.json", FOLDER / "results")
+    # Another sequence in the place of one that table1 measured: the list of scenes has two, and a note on this one.
+    (FOLDER / "cache").mkdir(exist_ok=True)
+    shutil.copy(FOLDER / "run.vtkhdf", FOLDER / "cache" / LIVER)
     output = run(FOLDER, "report", FOLDER / "results", "-o", FOLDER / "report")
     assert "octopi: not shown" in output and "volccd scene generate octopi" in output, output
     BROWSER = Browser(1000, 760)
@@ -74,6 +81,7 @@ class Page(unittest.TestCase):
     def go(self, place):
         BROWSER.open("about:blank")
         BROWSER.open(f"file://{FOLDER}/{self.report}/index.html#{place}")
+        BROWSER.until("'ready' in document.body.dataset")
 
     def changes(self, expression, act, what):
         """`act` changes the value of an expression."""
@@ -100,15 +108,18 @@ class Page(unittest.TestCase):
 
 class Report(Page):
     def test_first_paint_and_overview(self):
-        paints = []
-        for _ in range(3):
-            self.go("overview")
-            BROWSER.until("performance.getEntriesByType('paint').length > 0")
-            paints.append(BROWSER.js("performance.getEntriesByType('paint').pop().startTime"))
-        self.assertLess(min(paints), 2000 * max(1, os.getloadavg()[0] / os.cpu_count()))
+        cold = Browser(1000, 760)
+        try:
+            cold.open(f"file://{FOLDER}/report/index.html")
+            cold.until("performance.getEntriesByType('paint').length > 0")
+            paint = cold.js("performance.getEntriesByType('paint').pop().startTime")
+        finally:
+            cold.close()
+        self.assertLess(paint, 2000 * max(1, os.getloadavg()[0] / os.cpu_count()))
+        self.go("overview")
         self.assertEqual(self.count(".records tbody tr"), 4)
         self.assertIn("volccd scene generate octopi", BROWSER.js("document.body.textContent"))
-        self.assertEqual(self.count("a.card"), 1)
+        self.assertEqual(self.count("a.card"), 2)
         self.assertGreater(self.count(".card.missing"), 10)
         for name in ("tables", "figures", "scenes", "overview"):
             self.changes("document.querySelector('main').innerHTML.length",
@@ -117,6 +128,19 @@ class Report(Page):
         BROWSER.until("document.querySelector('.records a')")
         BROWSER.click(".records a")
         BROWSER.until("document.querySelector('.table-block')")
+
+    def test_records_and_scenes_are_listed_before_the_scripts_run(self):
+        BROWSER.call("Emulation.setScriptExecutionDisabled", value=True)
+        try:
+            BROWSER.call("Page.navigate", url="about:blank")
+            BROWSER.call("Page.navigate", url=f"file://{FOLDER}/report/index.html")
+            BROWSER.until("document.querySelector('main')")
+            links = BROWSER.js("[...document.querySelectorAll('a')].map(a => a.getAttribute('href'))")
+        finally:
+            BROWSER.call("Emulation.setScriptExecutionDisabled", value=False)
+        self.assertEqual(links[:4], ["#overview", "#tables", "#figures", "#scenes"])
+        self.assertEqual(sorted(links[4:8]), ["#tables/plus", "#tables/projectile", "#tables/scenes", "#tables/table1"])
+        self.assertTrue(all(link.startswith("#scenes/") for link in links[8:]) and len(links) > 8, links)
 
     def test_tables_sort_and_show_where_numbers_come_from(self):
         self.go("tables/table1")
@@ -132,7 +156,7 @@ class Report(Page):
         BROWSER.hover(f"{first} tbody tr:nth-child(2) td:nth-child(4)")
         BROWSER.until("document.querySelector('.tip') && !document.querySelector('.tip').hidden")
         tip = self.text(".tip")
-        made = json.loads((ROOT / "results" / "table1.json").read_text(encoding="utf-8"))["provenance"]
+        made = TABLE1["provenance"]
         for part in ("table1.json", f"commit {made['commit']}", made["cpu"], f"load {made['load']}",
                      "volccd experiment run table1 --full"):
             self.assertIn(part, tip)
@@ -143,6 +167,53 @@ class Report(Page):
             self.assertIn(part, details)
         BROWSER.key("Escape")
         BROWSER.until("document.querySelector('.drawer').hidden")
+
+    def test_the_skip_link_and_the_cards(self):
+        self.go("overview")
+        BROWSER.js("document.querySelector('.skip').focus()")
+        BROWSER.key("Enter", text="\r")
+        BROWSER.until("document.activeElement.id === 'content'")
+        card = BROWSER.js("document.querySelector('a.card').getAttribute('href')")
+        BROWSER.click("a.card")
+        BROWSER.until("window.volccd_test && document.querySelector('.scenes canvas')")
+        self.assertEqual(BROWSER.js("'#scenes/' + volccd_test.view.data.header.name"), card)
+
+    def test_the_list_of_scenes(self):
+        self.go("scenes")
+        self.make_small()
+        BROWSER.until("window.volccd_test")
+        names = BROWSER.js("[...document.querySelector('select[name=scene]').options].map(o => o.value)")
+        self.assertIn(Path(LIVER).stem, names)
+        for name in sorted(names, key=lambda n: n == Path(LIVER).stem):
+            BROWSER.set("select[name=scene]", name)
+            BROWSER.until(f"volccd_test.view.data && volccd_test.view.data.header.name === {json.dumps(name)}")
+        self.assertIn("differs from the one that was measured", self.text(".notes"))
+        self.opens("details:not(.choices)", "Missing scenes")
+
+    def opens(self, selector, text):
+        """A click on the summary opens or closes the details."""
+        self.assertIn(text, self.text(f"{selector} summary"))
+        self.changes(f"document.querySelector({json.dumps(selector)}).open", lambda: BROWSER.click(f"{selector} summary"),
+                     text)
+
+    def test_marks_and_bars_open_their_scene(self):
+        self.go("figures")
+        for figure in ("explorer", "culling", "curves"):
+            self.opens(f"#figure-{figure} .choices", "(")
+        self.make_small()
+        act = {"click": lambda selector: BROWSER.js(
+                   f"document.querySelector('{selector}').dispatchEvent(new MouseEvent('click', {{bubbles: true}}))"),
+               "key": lambda selector: (BROWSER.js(f"document.querySelector('{selector}').focus()"),
+                                        BROWSER.key("Enter", text="\r"))}
+        for figure, mark in (("explorer", "g.pick"), ("stages", "rect.pick"), ("culling", "g.pick"), ("curves", "g.pick")):
+            for way, do in act.items():
+                do(f"#figure-{figure} {mark}")
+                BROWSER.until("!document.querySelector('.drawer').hidden")
+                self.assertIn("Where the numbers come from", self.text(".drawer"), f"{figure}, {way}")
+                if self.count(".drawer details"):
+                    self.opens(".drawer details", "Medians over rounds")
+                BROWSER.key("Escape")
+                BROWSER.until("document.querySelector('.drawer').hidden")
 
     def test_columns_of_tables_are_plotted(self):
         self.go("tables/table1")
@@ -234,6 +305,7 @@ class View(Page):
         BROWSER.set(".speed", "60")
         self.redraws(lambda: BROWSER.click(".play"), "play")
         self.assertIn("Stop", self.text(".play"))
+        BROWSER.until("document.querySelector('.pace').textContent.includes('pictures a second')")
         BROWSER.click(".play")
         self.assertIn("Play", self.text(".play"))
 
@@ -297,6 +369,93 @@ class View(Page):
         BROWSER.hover(".funnel tbody tr:nth-child(2)")
         BROWSER.until("document.querySelector('.tip') && !document.querySelector('.tip').hidden")
         self.assertRegex(self.text(".tip"), "took|gave")
+
+    def go_to_dropped_pairs(self):
+        """The motion and the stage that dropped the most pairs of elements or features."""
+        motions = BROWSER.js("volccd_test.view.data.header.motions")
+        filters = ("element-culling", "feature-filter")
+        _, k, stage = max((s["in"] - s["out"], k, i) for k, m in enumerate(motions)
+                          for i, s in enumerate(m["stats"]["stages"]) if s["role"] in filters)
+        BROWSER.set(".time", str(20 * k + 10))
+        return k, stage, motions[k]
+
+    def test_the_pairs_of_a_stage(self):
+        _, stage, motion = self.go_to_dropped_pairs()
+        counts, (dropped, kept) = motion["stats"]["stages"][stage], motion["pairs"][stage]
+        self.assertGreater(dropped, 0)
+        self.assertEqual(BROWSER.js("document.querySelectorAll('.pair-legend').length"), 0)
+        choose = f".stage-choice[data-stage='{stage}']"
+        self.redraws(lambda: BROWSER.click(choose), "a click on a stage")
+        self.assertEqual(BROWSER.js(f"document.querySelector(\"{choose}\").ariaPressed"), "true")
+        legend = self.text(".pair-legend").replace(",", "")
+        for name, count, drawn in (("dropped", counts["in"] - counts["out"], dropped), ("kept", counts["out"], kept)):
+            self.assertRegex(legend, f"that it {name}: {count}" + (f" of which {drawn} are drawn" if drawn < count else ""))
+        self.assertIn(str(counts["in"] - counts["out"]), legend)
+        self.redraws(lambda: BROWSER.click(choose), "a second click")
+        self.assertEqual(BROWSER.js("document.querySelectorAll('.pair-legend').length"), 0)
+
+    def test_the_keys_of_stages(self):
+        self.go_to_dropped_pairs()
+        rows = BROWSER.js("[...document.querySelectorAll('.stage-choice')].map(b => b.dataset.stage)")
+        BROWSER.js("document.querySelector('canvas').focus()")
+        for place, stage in enumerate(rows, 1):
+            BROWSER.key(str(place), text=str(place))
+            BROWSER.until("document.querySelector('tr.chosen .stage-choice')")
+            self.assertEqual(BROWSER.js("document.querySelector('tr.chosen .stage-choice').dataset.stage"), stage)
+        self.changes("document.querySelector('.funnel-box').textContent", lambda: BROWSER.key("0", text="0"), "0")
+        self.assertEqual(self.count("tr.chosen"), 0)
+
+    def test_a_pair_tells_what_it_is(self):
+        _, stage, _ = self.go_to_dropped_pairs()
+        BROWSER.click("input[name=marks]")
+        BROWSER.click(f".stage-choice[data-stage='{stage}']")
+        BROWSER.hover("canvas")
+        x, y = BROWSER.js("""(() => { const v = volccd_test.viewer, b = v.canvas.getBoundingClientRect();
+            v.drawNow(); const {first, dropped} = v.pairs.range(v.motion, v.stage);
+            for (let i = 0; i < dropped; ++i) {  // one whose line no other line hides
+              const [p, q] = v.data.pairAt(first + i), c = v.onCanvas(p.map((a, k) => (a + q[k]) / 2));
+              const x = Math.round(b.x + c.x), y = Math.round(b.y + c.y);
+              if (v.pairAt(x - b.x, y - b.y) === i) return [x, y];
+            }
+            throw new Error("the lines of kept pairs hide all dropped ones"); })()""")
+        BROWSER.mouse("mouseMoved", x, y)
+        BROWSER.until("document.querySelector('.tip') && !document.querySelector('.tip').hidden")
+        self.assertRegex(self.text(".tip"), r"^(Element pair|Vertex-triangle test|Edge-edge test), dropped by .+\.$")
+
+
+# What the tests above click, drag or type into. A new control needs a test, and then a line here.
+CONTROLS = {
+    "report": ["a.skip", "header a", ".records a", "a.card", ".list a", ".sort", ".plot", "table.data tr[tabindex]",
+               ".controls select", ".controls input", ".choices summary", ".choices input", "svg.chart .pick",
+               "select[name=scene]", ".scenes > details > summary"],
+    "view": ["a.skip", "header a", "canvas", ".timeline", ".time", ".speed", ".play", "button[aria-label='next motion']",
+             "button[aria-label='previous motion']", ".stage-choice", "input[name=lines]", "input[name=marks]",
+             "select[name=kinds]", "select[name=up]", "button[name^=view-]", "input[name^=cut-]", "input[name^=at-]",
+             "button[name^=flip-]", "input[name^=part-]", "button[name=all-parts]", "button[name=no-parts]"],
+    "drawer": ["button[name=close]", ".scene-name a", "details summary"]}
+
+
+class Controls(Page):
+    def test_each_control_is_one_that_a_test_uses(self):
+        found = set()
+        for report, places in (("report", ("overview", "tables/table1", "figures", "scenes")), ("view", ("",))):
+            self.report = report
+            for place in places:
+                self.go(place)
+                if report == "view" or place == "scenes":
+                    BROWSER.until("window.volccd_test")
+                if place == "tables/table1":
+                    BROWSER.click(".plot")
+                    BROWSER.click("tr.has-scene td")
+                    BROWSER.until("!document.querySelector('.drawer').hidden && window.volccd_test")
+                known = CONTROLS["report"] + CONTROLS["view"] + [f".drawer {c}" for c in CONTROLS["drawer"]]
+                unknown, used = BROWSER.js(f"""(() => {{ const known = {json.dumps(known)};
+                    const all = [...document.querySelectorAll('a[href], button, select, input, summary, canvas, .timeline, [tabindex="0"]')];
+                    return [all.filter(e => !known.some(k => e.matches(k))).map(e => e.outerHTML.slice(0, 200)),
+                            known.filter(k => all.some(e => e.matches(k)))]; }})()""")
+                self.assertEqual(unknown, [], f"{report} {place}")
+                found.update(used)
+        self.assertEqual(found, set(known))
 
 
 if __name__ == "__main__":
