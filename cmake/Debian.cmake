@@ -38,6 +38,13 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-volccd)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
+if(TARGET volccd_python)
+  # An extension module is for one minor version of Python.
+  execute_process(COMMAND "${VOLCCD_PYTHON}" -c "import sys; print(*sys.version_info[:2], sys.version_info[1] + 1)"
+                  OUTPUT_VARIABLE versions OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
+  string(REGEX REPLACE "(.*) (.*) (.*)" "python3 (>= \\1.\\2), python3 (<< \\1.\\3), python3-numpy"
+         CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "${versions}")
+endif()
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "The Python module volccd.")
 
 include(CPack)

@@ -2,6 +2,7 @@
 
 #include <volccd/culling/csat_reference.hpp>
 #include <volccd/culling/detail/csat_axes.hpp>
+#include <volccd/query/reference_points.hpp>
 
 namespace volccd {
 namespace {
@@ -16,15 +17,10 @@ constexpr std::size_t kMostVertices = 32, kMostEdges = 64;  // number of bits in
 /// Whether the step is of the kind that the 2011 implementation supported.
 bool handled(const Step& step) { return step.motion.control_points() == 2 && step.separation == 0; }
 
-Point point_of(const Motion& motion, Index v) {
-  const double* x = motion.at(v);
-  return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
-}
-
 template <std::size_t N>
 std::array<Point, N> points_of(const Motion& motion, const std::array<Index, N>& vertices) {
   std::array<Point, N> points;
-  for (std::size_t i = 0; i < N; ++i) points[i] = point_of(motion, vertices[i]);
+  for (std::size_t i = 0; i < N; ++i) points[i] = reference::moving_point(motion, vertices[i]);
   return points;
 }
 
@@ -38,7 +34,7 @@ struct Element {
     if (o == slot) return;
     slot = o;
     count = 0;
-    for (const Index v : step.mesh().vertices(o)) points[count++] = point_of(step.motion, v);
+    for (const Index v : step.mesh().vertices(o)) points[count++] = reference::moving_point(step.motion, v);
   }
   std::span<const Point> all() const { return {points.data(), count}; }
 };

@@ -149,7 +149,7 @@ class Detection {
   void run_step(int k) {
     stepper_.go_to(k);
     if (k == range_.begin) options_.query.check(stepper_);
-    const Step step{stepper_.topology(), stepper_.motion(), filter_, options_.query.separation};
+    const Step step{stepper_.topology(), stepper_.motion(), filter_, options_.query.separation_in(stepper_)};
     pipeline_.run(step, workspace_, *executor_, result_, request_);
     if (contacts_) contacts_->write_step(k, result_.contacts, stepper_.topology());
     if (vtk_) vtk_->write_step(k, reader_.time(k), reader_.time(k + 1), result_.contacts, stepper_.topology());
@@ -278,7 +278,7 @@ class Detection {
             {"initial_overlaps", request_.initial_overlaps},
             {"pairs", options_.query.pairs},
             {"parts", options_.sequence.parts},
-            {"separation", options_.query.separation},
+            {"separation", options_.query.separation_in(stepper_)},
             {"shells", options_.sequence.shells},
             {"shell_neighbours", request_.leave_out_shell_neighbours ? "leave-out" : "keep"},
             {"edges", options_.sequence.edges},

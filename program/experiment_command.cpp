@@ -18,7 +18,6 @@
 #include <volccd/experiments/scenes/simulated/bake.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/compare_records.hpp>
-#include <volccd/experiments/tables/feature_sets.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
 #include <volccd/program/command_line.hpp>
 #include <volccd/program/commands.hpp>
@@ -93,7 +92,7 @@ std::optional<std::string> scene_file(const ExperimentOptions& options, const st
   if (is_deformed_scene(name)) {
     const std::optional<std::string> file = deformed_scene_file(name);
     if (!file)
-      report.print("the mesh of {} is not there (VOLCCD_DATA names its folder): it is left out of the tables\n", name);
+      report.print("the mesh of {} is not there: it is left out of the tables\n(VOLCCD_DATA names its folder)\n", name);
     return file;
   }
   constexpr const char* kShared[] = {"ls-dyna-projectile", "octopus2-105k", "cloth-ball", "rod-twist"};
@@ -101,7 +100,7 @@ std::optional<std::string> scene_file(const ExperimentOptions& options, const st
                         std::any_of(std::begin(kShared), std::end(kShared), [&](const char* o) { return name == o; });
   const std::string file = external ? shared_data_path(name + ".vtkhdf") : "";
   if (external && !std::filesystem::exists(file)) {
-    report.print("{} is not there (VOLCCD_DATA names another folder): it is left out of the tables\n", file);
+    report.print("{} is not there: it is left out of the tables\n(VOLCCD_DATA names another folder)\n", file);
     return std::nullopt;
   }
   if (name == "builtin") report.print("taking the built-in sequence\n");
@@ -119,7 +118,7 @@ void check_options(const ExperimentKind* kind, const std::string& name, const Ex
 /// Returns exit code 1, with a message on stderr, if pipelines that must find the same contacts found different ones.
 int same_contacts(const ExperimentKind& kind, const Registry& registry, const ExperimentPlan& plan,
                   const std::vector<nlohmann::json>& rows) {
-  if (!kind.plan) return kDone;
+  if (kind.rows) return kDone;
   const std::vector<std::string> lines = contact_differences(registry, plan, rows);
   for (const std::string& line : lines) fmt::print(stderr, "volccd: {}: other contacts: {}\n", kind.name, line);
   return lines.empty() ? kDone : kDifferent;
@@ -133,11 +132,16 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
   make_folder(options.output);
   const auto executor = make_interruptible_executor(options.timed_threads());
   std::unique_ptr<Progress> of_rows;
+  std::map<std::string, std::optional<std::string>> files;  // asked for by the plan, and again by what makes the rows
+  const auto file_of = [&](const std::string& name) {
+    if (!files.contains(name)) files[name] = scene_file(options, name);
+    return files.at(name);
+  };
   const PlanContext context{registry,
                             options.full,
                             options.pipelines,
                             options.settings,
-                            [&](const std::string& name) { return scene_file(options, name); },
+                            file_of,
                             executor.get(),
                             [&](std::size_t done, std::size_t total) {
                               if (!of_rows) of_rows = std::make_unique<Progress>(kind.name, total, "scenes");
@@ -193,9 +197,10 @@ Baked bake_for(const ExperimentOptions& options, const SimulatedScene& scene, Ex
   return {*file, bake_record_file(scene, settings)};
 }
 
-/// Makes a record for each scene that is `wanted`. Complete records are kept if a scene fails or is interrupted.
-int run_on_scenes(const ExperimentOptions& options, const std::string& name, bool (*wanted)(const SimulatedScene&),
-                  RecordOfScene measure, TitledTable (*table)(const std::vector<nlohmann::json>&), Finished& finished) {
+/// Makes a record for each simulated scene that is no variant of another. Complete records are kept if a scene fails or
+/// is interrupted.
+int run_scenes(const ExperimentOptions& options, Finished& finished) {
+  const std::string name = "scenes";
   const InterruptGuard guard;
   make_folder(options.output);
   check_outputs(options, name);
@@ -210,10 +215,10 @@ int run_on_scenes(const ExperimentOptions& options, const std::string& name, boo
   };
   try {
     for (const SimulatedScene& scene : simulated_scenes()) {
-      if (!wanted(scene)) continue;
+      if (!scene.variant_of.empty()) continue;
       const Baked baked = bake_for(options, scene, *executor);
       records.push_back(
-          record_with_progress(scene.name, baked.file, baked.record, options.simulation_threads(), measure));
+          record_with_progress(scene.name, baked.file, baked.record, options.simulation_threads(), scene_record));
     }
   } catch (const Interrupted& error) {
     stop(error, kInterrupted);
@@ -221,27 +226,14 @@ int run_on_scenes(const ExperimentOptions& options, const std::string& name, boo
     stop(error, kBadInput);
   }
   if (code == kDone) {
-    keep(options, name, records, untitled_text(table(records)), true, finished);
+    keep(options, name, records, untitled_text(scene_table(records)), true, finished);
     return kDone;
   }
   const std::string text = fmt::format("{} scene(s) are complete; {}", records.size(), stopped_by);
   keep(options, name, {{"complete", false}, {"stopped_by", stopped_by}, {"records", records}},
-       fmt::format("incomplete: {}\n\n{}", text, untitled_text(table(records))), false, finished);
+       fmt::format("incomplete: {}\n\n{}", text, untitled_text(scene_table(records))), false, finished);
   fmt::print(stderr, "volccd: incomplete: {}\n", text);
   return code;
-}
-
-int run_scenes(const ExperimentOptions& options, Finished& finished) {
-  return run_on_scenes(
-      options, "scenes", [](const SimulatedScene& scene) { return scene.variant_of.empty(); }, scene_record,
-      scene_table, finished);
-}
-
-int run_feature_sets(const ExperimentOptions& options, Finished& finished) {
-  return run_on_scenes(
-      options, "feature_sets",
-      [](const SimulatedScene& scene) { return scene.name == "bullet" || scene.variant_of == "bullet"; },
-      feature_set_record, feature_set_table, finished);
 }
 
 /// Experiments whose records have a different form.
@@ -254,9 +246,7 @@ struct OtherExperiment {
 
 constexpr OtherExperiment kOthers[] = {
     {"scenes", "the simulated scenes: sizes, motion, contacts, edits, energy (--quick: the small sizes)", run_scenes,
-     "scenes", scene_table},
-    {"feature-sets", "Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's",
-     run_feature_sets, "feature_sets", feature_set_table}};
+     "scenes", scene_table}};
 
 std::vector<std::string> known_experiments() {
   std::vector<std::string> known;
@@ -477,8 +467,8 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
   options->report.add_to(*run_command);
   run_command->footer(
       "Motions are sampled evenly where all would take too long; the record lists them. After Ctrl-C or an error the "
-      "same command goes on with what NAME.incomplete.jsonl has (scenes, feature-sets: NAME.incomplete.json and .txt "
-      "keep the scenes that were complete); a whole record stays as it was until then.\n"
+      "same command goes on with what NAME.incomplete.jsonl has (scenes: scenes.incomplete.json and .txt keep "
+      "the scenes that were complete); a whole record stays as it was until then.\n"
       "Exit code 1 if pipelines that should find the same contacts found others.\n"
       "Examples:\n"
       "  volccd experiment run projectile --quick -o results/\n"

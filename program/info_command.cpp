@@ -87,7 +87,8 @@ void print_header(const Report& report, SequenceReader& reader) {
   line("steps", fmt::format("{}, times {:g} to {:g}", reader.step_count(), reader.time(0),
                             reader.time(reader.step_count() - 1)));
   line("points", grouped(reader.point_count()));
-  line("arrays", std::string(reader.has_velocity() ? "velocity " : "") + (reader.has_thickness() ? "thickness" : ""));
+  line("arrays", std::string(reader.has_velocity() ? "velocity " : "") + (reader.has_thickness() ? "thickness " : "") +
+                     (reader.has_query() ? "query" : ""));
 }
 
 nlohmann::json header_json(SequenceReader& reader) {
@@ -105,6 +106,7 @@ nlohmann::json header_json(SequenceReader& reader) {
           {"points", reader.point_count()},
           {"has_velocity", reader.has_velocity()},
           {"has_thickness", reader.has_thickness()},
+          {"has_query", reader.has_query()},
           {"motions", nlohmann::json::array()}};
 }
 

@@ -83,8 +83,9 @@ void SequenceOptions::add_to(CLI::App& command) {
   command
       .add_option("--motion", motion,
                   "to the next step on straight lines, or with constant acceleration (by stored velocities, else by "
-                  "three steps); tentative: to x + h v, by the velocities and on the cells of the step at the start")
-      ->check(one_of({"linear", "quadratic", "tentative"}))
+                  "three steps); tentative: to x + h v, by the velocities and on the cells of the step at the start; "
+                  "query: the last query that the simulation asked, if the file has it")
+      ->check(one_of({"linear", "quadratic", "tentative", "query"}))
       ->capture_default_str();
 }
 
@@ -103,6 +104,7 @@ SequenceStepper::Config SequenceOptions::stepper() const {
   config.shells = shells == "solid" ? ShellModel::solid : ShellModel::surface;
   config.motion = motion == "quadratic"   ? MotionModel::quadratic
                   : motion == "tentative" ? MotionModel::tentative
+                  : motion == "query"     ? MotionModel::query
                                           : MotionModel::linear;
   config.parts = parts == "components" ? PartModel::components : PartModel::stored;
   return config;
@@ -114,7 +116,8 @@ void QueryOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   command
       .add_option("--separation", separation,
-                  "contact when the distance reaches this; at most the diagonal of the box around the scene")
+                  "contact when the distance reaches this; at most the diagonal of the box around the scene; default: "
+                  "0, and that of the query with --motion query")
       ->check(CLI::NonNegativeNumber)
       ->type_name("D");
   command
@@ -137,11 +140,12 @@ ObjectFilter QueryOptions::filter() const {
 }
 
 void QueryOptions::check(const SequenceStepper& stepper) const {
-  if (const double diagonal = scene_diagonal(stepper.topology(), stepper.motion()); !(separation <= diagonal))
+  if (const double diagonal = scene_diagonal(stepper.topology(), stepper.motion());
+      !(separation_in(stepper) <= diagonal))
     throw ConfigError(
         fmt::format("--separation: {:g} is greater than the diagonal {:g} of the box around the scene in motion {}: "
                     "all features would be in contact",
-                    separation, diagonal, stepper.current()));
+                    separation_in(stepper), diagonal, stepper.current()));
   if (pairs != "inter") return;
   if (const std::optional<std::int32_t> object = only_object(stepper.topology().mesh()))
     fmt::print(stderr,

@@ -38,7 +38,7 @@ struct SequenceOptions {
 /// Options of the query: --pairs, --separation, --shell-neighbours, --threads.
 struct QueryOptions {
   std::string pairs = "all", shell_neighbours;
-  double separation = 0;
+  std::optional<double> separation;
   unsigned threads = 0;
 
   void add_to(CLI::App& command);
@@ -47,6 +47,8 @@ struct QueryOptions {
   /// shells. Throws ConfigError if the option requires it for shells that are not thickened.
   bool leaves_out_shell_neighbours(const SequenceOptions& sequence) const;
 
+  /// The separation of the present motion: the one given, else that of the query in query motion, else 0.
+  double separation_in(const SequenceStepper& stepper) const { return separation.value_or(stepper.separation()); }
   /// To be called at the first motion. Throws ConfigError for a separation greater than the diagonal of the box around
   /// all vertices in use. Warns on stderr if only pairs between parts are requested and there is only one part.
   void check(const SequenceStepper& stepper) const;

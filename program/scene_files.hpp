@@ -44,7 +44,7 @@ std::string present_sequence_file(const std::string& name_or_file);
 /// Prints a warning on stderr if the sequence is incomplete.
 void warn_of_incomplete(const SequenceReader& reader);
 
-/// scene_record() or feature_set_record().
+/// scene_record().
 using RecordOfScene = std::optional<nlohmann::json> (*)(
     const std::string& name, const std::string& sequence, const std::string& bake_record, Executor& executor,
     const std::function<bool(std::size_t done, std::size_t motions)>& go_on);

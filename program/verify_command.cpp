@@ -187,7 +187,7 @@ class Verification {
         verifier_(registry, config_),
         // The known answers are valid for surfaces with linear motion and for all pairs.
         truth_fits_(!options.no_truth && options.sequence.shells == "surface" && filter_.trivial() &&
-                    options.query.separation == 0 && options.sequence.edges == "triangulated" &&
+                    options.query.separation.value_or(0) == 0 && options.sequence.edges == "triangulated" &&
                     options.sequence.motion == "linear") {
     warn_of_incomplete(reader_);
   }
@@ -234,8 +234,9 @@ class Verification {
     if (k == range_.begin) options_.query.check(stepper_);
     const Mesh& mesh = stepper_.topology().mesh();
     std::vector<Contact> contacts;
-    const StepVerdict verdict = verifier_.check(
-        {stepper_.topology(), stepper_.motion(), filter_, options_.query.separation}, *executor_, &contacts);
+    const StepVerdict verdict =
+        verifier_.check({stepper_.topology(), stepper_.motion(), filter_, options_.query.separation_in(stepper_)},
+                        *executor_, &contacts);
     std::string differ;
     for (const PipelineVerdict& one : verdict.pipelines)
       if (!one.same()) differ += (differ.empty() ? "" : ", ") + one.pipeline;

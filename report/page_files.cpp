@@ -1,5 +1,7 @@
 #include <volccd/report/page_files.hpp>
 
+#include <dlfcn.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
@@ -26,6 +28,21 @@ bool has_page(const fs::path& folder) {
                      [&](const char* name) { return fs::is_regular_file(folder / name); });
 }
 
+/// The page in the prefix that contains this code, wherever the prefix was moved or unpacked to; empty if there is
+/// none. This code is in the program (PREFIX/bin) or in the Python module (below PREFIX/lib).
+std::string page_of_this_prefix() {
+  std::error_code error;
+  fs::path place = fs::read_symlink("/proc/self/exe", error);
+  Dl_info info;
+  // A library's name is a path; the program's is what it was called by.
+  if (dladdr(kPageFiles, &info) && fs::path(info.dli_fname).extension() == ".so") place = fs::absolute(info.dli_fname);
+  for (int levels = 0; levels < 6 && place.has_relative_path(); ++levels) {
+    place = place.parent_path();
+    if (has_page(place / VOLCCD_PAGE_IN_PREFIX)) return place / VOLCCD_PAGE_IN_PREFIX;
+  }
+  return {};
+}
+
 std::string find_page() {
   if (const char* given = std::getenv("VOLCCD_PAGE")) {
     if (has_page(given)) return given;
@@ -34,6 +51,7 @@ std::string find_page() {
                     "FOLDER writes them",
                     given));
   }
+  if (std::string found = page_of_this_prefix(); !found.empty()) return found;
   for (const char* folder : {VOLCCD_PAGE_BUILD, VOLCCD_PAGE_INSTALLED})
     if (has_page(folder)) return folder;
   throw ConfigError(fmt::format(

@@ -19,9 +19,10 @@ namespace volccd {
 /// killed, the subfolder remains; the next report removes it.
 class ReportFolder {
  public:
-  /// Finds the page: in the folder that VOLCCD_PAGE names, else where this program was built, else where it was
-  /// installed. Throws ConfigError, which says how to build it, if it is in none of them; InputError for a folder that
-  /// has files and is no report, and for one that cannot be made.
+  /// Finds the page: in the folder that VOLCCD_PAGE names, else in the prefix that contains the program or the Python
+  /// module, else where it was built, else in the prefix that was configured. Throws ConfigError, which says how to
+  /// build it, if it is in none of them; InputError for a folder that has files and is no report, and for one that
+  /// cannot be made.
   explicit ReportFolder(std::string folder);
   ReportFolder(const ReportFolder&) = delete;
   ReportFolder& operator=(const ReportFolder&) = delete;

@@ -11,7 +11,6 @@
 #include <volccd/experiments/records/record_file.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
-#include <volccd/experiments/tables/feature_sets.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
 
 namespace volccd {
@@ -32,6 +31,31 @@ json table_json(const TitledTable& table) {
   return {{"title", table.title}, {"note", table.note}, {"header", rows.at(0)}, {"rows", std::move(body)}};
 }
 
+/// Numbers of the motions, one curve each; objects give a curve for each of their numbers.
+json curves_of(const json& motions) {
+  std::map<std::string, std::vector<json>> curves;
+  for (const json& motion : motions)
+    for (const auto& [key, value] : motion.items()) {
+      if (value.is_number()) curves[key].push_back(value);
+      if (value.is_object())
+        for (const auto& [inner, number] : value.items())
+          if (number.is_number()) curves[key + ", " + inner].push_back(number);
+    }
+  json result = json::object();
+  for (auto& [name, values] : curves)
+    if (values.size() == motions.size()) result[name] = std::move(values);
+  return result;
+}
+
+/// Of rows that are one for each scene and motion.
+json curves_of_rows(const json& rows) {
+  json by_scene = json::object(), curves = json::array();
+  for (const json& row : rows) by_scene[row.at("scene").get<std::string>()].push_back(row);
+  for (const auto& [scene, motions] : by_scene.items())
+    curves.push_back({{"scene", scene}, {"values", curves_of(motions)}});
+  return curves;
+}
+
 json harness_record(const ExperimentKind& kind, const std::string& folder) {
   const std::string file = file_in(folder, kind.name);
   const json record = read_record(file);
@@ -49,23 +73,7 @@ json harness_record(const ExperimentKind& kind, const std::string& folder) {
           {"provenance", std::move(provenance)},
           {"tables", std::move(tables)},
           {"summary", record.value("summary", json::array())},
-          {"curves", json::array()}};
-}
-
-/// Numbers of the motions, one curve each; objects give a curve for each of their numbers.
-json curves_of(const json& motions) {
-  std::map<std::string, std::vector<json>> curves;
-  for (const json& motion : motions)
-    for (const auto& [key, value] : motion.items()) {
-      if (value.is_number()) curves[key].push_back(value);
-      if (value.is_object())
-        for (const auto& [inner, number] : value.items())
-          if (number.is_number()) curves[key + ", " + inner].push_back(number);
-    }
-  json result = json::object();
-  for (auto& [name, values] : curves)
-    if (values.size() == motions.size()) result[name] = std::move(values);
-  return result;
+          {"curves", kind.curves ? curves_of_rows(record.at("rows")) : json::array()}};
 }
 
 /// Records that are a list with an entry for each scene.
@@ -74,9 +82,7 @@ struct SceneRecordKind {
   TitledTable (*table)(const std::vector<json>& records);
 };
 constexpr SceneRecordKind kSceneRecords[] = {
-    {"scenes", "scenes", "the simulated scenes: sizes, motion, contacts, edits, energy", scene_table},
-    {"feature_sets", "feature-sets", "Figure 3: the bullet with contacts among fewer and fewer features",
-     feature_set_table}};
+    {"scenes", "scenes", "the simulated scenes: sizes, motion, contacts, edits, energy", scene_table}};
 
 json scene_list_record(const SceneRecordKind& kind, const std::string& folder) {
   const std::string file = file_in(folder, kind.name);

@@ -72,6 +72,8 @@ class ContactDetection {
   std::size_t candidates() const { return vf_.size() + ee_.size(); }
   const Topology& collision_topology() const { return solid_ ? *solid_ : model_; }
   double separation() const { return config_.separation; }
+  /// Separation plus margin of the last query.
+  double queried_separation() const { return config_.separation + reach_; }
   /// Writes or reads the pairs of the last query.
   void archive(Archive& archive);
 

@@ -171,6 +171,10 @@ void ContactResponse::query(std::span<const Vec3> since, double elapsed, double 
   if (elapsed > dt)
     for (std::size_t i = 0; i < moving.x1.size(); ++i) ahead_.push_back(2 * moving.x1[i] - since[i]);
   detection_->query(since, moving.x1, ahead_, executor);
+  if (ahead_.empty())
+    queried_end_.assign(moving.x1.begin(), moving.x1.end());
+  else
+    queried_end_ = ahead_;
   ++counts_.queries;
 }
 

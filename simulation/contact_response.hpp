@@ -30,6 +30,8 @@ class ContactResponse {
       : config_(config), detection_(std::move(detection)), parts_(parts), walls_(walls) {}
 
   ContactDetection* detection() { return detection_.get(); }
+  /// Positions at the end of the last query, its look-ahead included.
+  std::span<const Vec3> queried_end() const { return queried_end_; }
 
   /// Resolve the contacts of a substep of length dt from the positions `x0`. substep() tests the pairs of the last
   /// query only. query_substep() makes a query over the motion since the last one, which began at the positions `since`
@@ -74,7 +76,7 @@ class ContactResponse {
   ContactForces forces_;
   ContactCounts counts_;
   std::vector<FoundContact> found_;
-  std::vector<Vec3> ahead_;
+  std::vector<Vec3> ahead_, queried_end_;
   std::vector<ContactConstraint> added_;
   /// Used by hold_apart(): groups of vertices and rigid bodies (union-find; bodies follow the vertices), and the
   /// members of all groups.

@@ -137,7 +137,7 @@ struct Simulation::State {
   std::optional<RigidBodies> bodies;
   std::unique_ptr<ContactResponse> contacts;
 
-    // State that changes from step to step.
+  // State that changes from step to step.
   double time = 0, last_dt = 0;
   std::vector<Vec3> x, v, reference, start;
   std::vector<Vec3> outer, force;  ///< external; all
@@ -147,10 +147,12 @@ struct Simulation::State {
   std::vector<double> depth;  ///< to which each cut has been made
   std::uint64_t since_edit = 0;
   std::vector<TopologyProposal> edits;
-  std::vector<Vec3> since;  ///< positions at the last query
-  double elapsed = 0;       ///< time since the last query
+  std::vector<Vec3> since;                   ///< positions at the last query
+  double elapsed = 0;                        ///< time since the last query
+  std::vector<Vec3> asked_start, asked_end;  ///< of the last query
+  double asked_separation = 0;
 
-    // Data that follow from this state.
+  // Data that follow from this state.
   std::vector<double> mass, inverse_mass, damping;
   std::vector<Index> part_of;
   std::vector<double> cut_advance;
@@ -176,7 +178,9 @@ Simulation::State::State(Model m, SimulationOptions o, Executor& e)
       start(model.positions),
       fixed(model.mesh.vertex_count(), 0),
       depth(model.cuts.size(), 0),
-      since(model.positions) {
+      since(model.positions),
+      asked_start(model.positions),
+      asked_end(model.positions) {
   for (Index i : model.fixed) fixed[i] = 1;
   for (Index i = 0; i < x.size(); ++i) origins.push_back(i);
   mass.resize(x.size());
@@ -354,6 +358,11 @@ void Simulation::State::collide(double dt, bool query) {
   const MovingVertices moving{inverse_mass, x1, v, *bodies};
   if (query) {
     contacts->query_substep(x, since, elapsed, part_of, dt, moving, executor, work);
+    if (const ContactDetection* detection = contacts->detection()) {
+      asked_start = since;
+      asked_end.assign(contacts->queried_end().begin(), contacts->queried_end().end());
+      asked_separation = detection->queried_separation();
+    }
     since = x1;
     bodies->mark();
     elapsed = 0;
@@ -508,6 +517,8 @@ void Simulation::State::apply(TopologyProposal proposal) {
   inherit(proposal, x);
   inherit(proposal, v);
   inherit(proposal, start);
+  inherit(proposal, asked_start);
+  inherit(proposal, asked_end);
   for (const MovedVertex& moved : proposal.moved) {
     x[moved.vertex] = moved.position;
     v[moved.vertex] = moved.velocity;
@@ -583,6 +594,10 @@ const Topology& Simulation::topology() const { return *state_->topology; }
 std::span<const Vec3> Simulation::positions() const { return state_->x; }
 std::span<const Vec3> Simulation::velocities() const { return state_->v; }
 std::span<const Vec3> Simulation::start_positions() const { return state_->start; }
+std::optional<AskedQuery> Simulation::last_query() const {
+  if (!state_->contacts->detection()) return std::nullopt;
+  return AskedQuery{state_->asked_start, state_->asked_end, state_->asked_separation};
+}
 std::vector<double> Simulation::thickness() const { return state_->thickness(); }
 double Simulation::mass(Index vertex) const { return state_->mass[vertex]; }
 const Ledger& Simulation::ledger() const { return state_->ledger; }
@@ -619,7 +634,7 @@ void Simulation::archive(Archive& archive) {
   }
   archive(s.time);
   archive(s.last_dt);
-  for (std::vector<Vec3>* values : {&s.x, &s.v, &s.start, &s.outer, &s.force, &s.since}) {
+  for (std::vector<Vec3>* values : {&s.x, &s.v, &s.start, &s.outer, &s.force, &s.since, &s.asked_start, &s.asked_end}) {
     archive(*values);
     if (values->size() != s.reference.size()) throw InputError("checkpoint", "", "damaged");
   }
@@ -629,6 +644,7 @@ void Simulation::archive(Archive& archive) {
   archive(s.depth);
   archive(s.since_edit);
   archive(s.elapsed);
+  archive(s.asked_separation);
   s.solids->archive(archive);
   s.shells->archive(archive);
   // The replayed edits did not have the deformation of pieces, from which their shapes at rest follow.

@@ -5,6 +5,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -60,6 +61,12 @@ struct SimulationCounts {
   std::uint64_t splits = 0, breaks = 0, merges = 0, cuts = 0, edits = 0;
 };
 
+/// A query: the motion from `start` to `end` was searched for pairs of features within the separation.
+struct AskedQuery {
+  std::span<const Vec3> start, end;  ///< by vertex
+  double separation = 0;
+};
+
 /// Leapfrog integration: each substep computes forces, updates velocities, resolves contacts and updates positions;
 /// then come cuts, merging, breaking and splitting. A contact is resisted by an impulse at the time t' at which the
 /// features come within the separation. No feature passes through another, except for the pairs that
@@ -92,6 +99,10 @@ class Simulation {
   /// By vertex: its position when the last advance_to() began. For a vertex that is new since then, p - s v (Section
   /// 6.3), where p is its position, s the time since then, and v the mean velocity of the material that it came from.
   std::span<const Vec3> start_positions() const;
+  /// The last query that was asked, with its look-ahead, and with the margin in its separation; nothing without
+  /// contacts (SimulationOptions::contacts). Vertices that are new since then have the positions there of the vertices
+  /// from which they were made. Before the first query: the initial positions at both ends.
+  std::optional<AskedQuery> last_query() const;
   /// By element slot; 0 for solids and empty slots.
   std::vector<double> thickness() const;
   double mass(Index vertex) const;

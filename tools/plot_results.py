@@ -11,6 +11,7 @@ matplotlib).
   ablation     ablation
   scaling      scaling, scaling-motion
   plus         plus
+  feature-sets feature-sets
 
 Rows of another motion model than `linear` and of another edge set than `triangulated` get figures of their own
 (speedup-tentative, speedup-polytope), and so do speed-ups over variants of a baseline (speedup-variants), the tables
@@ -35,6 +36,7 @@ except ImportError as problem:
 
 from plots.ablation import draw_ablation
 from plots.culling import draw_culling
+from plots.feature_sets import draw_feature_sets
 from plots.page import RC
 from plots.plus import draw_plus
 from plots.records import COUNTS, STAGES, BadInput, caption_of, check_columns, read_record, without_common_settings
@@ -55,6 +57,7 @@ FIGURES = {
     "ablation": {"ablation": (draw_ablation, ("seconds", *COUNTS))},
     "scaling": {"scaling": (draw_scaling, SCALING), "scaling-motion": (draw_scaling_motion, SCALING)},
     "plus": {"plus": (draw_plus, ("seconds", "topology_seconds", "window"))},
+    "feature-sets": {"feature-sets": (draw_feature_sets, ("time", "velocity", "overlaps_inter", "interior"))},
 }
 
 

@@ -13,10 +13,10 @@ void ElementList::truncate(std::size_t size) {
 
 Index ElementList::put(const Step& step, Index slot, Index* out) {
   const std::span<const Index> vertices = step.mesh().vertices(slot), part = step.part(slot);
-  std::copy(vertices.begin(), vertices.end(), out);
-  if (part.data() == vertices.data()) return static_cast<Index>(vertices.size());
-  Index* const rest = std::stable_partition(
-      out, out + vertices.size(), [&](Index v) { return std::find(part.begin(), part.end(), v) != part.end(); });
+  const bool whole = part.data() == vertices.data();
+  const auto in_part = [&](Index v) { return whole || std::find(part.begin(), part.end(), v) != part.end(); };
+  Index* const rest = std::copy_if(vertices.begin(), vertices.end(), out, in_part);
+  std::copy_if(vertices.begin(), vertices.end(), rest, [&](Index v) { return !in_part(v); });
   return static_cast<Index>(rest - out);
 }
 

@@ -14,6 +14,7 @@ const char* name_of(MotionModel model) {
     case MotionModel::linear: return "linear";
     case MotionModel::quadratic: return "quadratic";
     case MotionModel::tentative: return "tentative";
+    case MotionModel::query: return "query";
   }
   return "";
 }

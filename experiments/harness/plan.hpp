@@ -30,8 +30,8 @@ struct SceneRun {
   std::string scene;  ///< as rows name it
   std::string file;
   SequenceStepper::Config config = {};
-  std::vector<MotionWindow> windows;
-  std::vector<Entrant> entrants;
+  std::vector<MotionWindow> windows = {};
+  std::vector<Entrant> entrants = {};
   int rounds = 0;           ///< 0: those of the plan
   unsigned threads = 0;     ///< 0: those of the executor that the experiment runs with
   double motion_scale = 1;  ///< control points are x0 + motion_scale (x - x0)

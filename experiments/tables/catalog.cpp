@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <volccd/experiments/tables/ablation.hpp>
+#include <volccd/experiments/tables/boundary_table.hpp>
 #include <volccd/experiments/tables/culling_counts.hpp>
+#include <volccd/experiments/tables/feature_sets.hpp>
+#include <volccd/experiments/tables/inversion_table.hpp>
 #include <volccd/experiments/tables/operation_table.hpp>
 #include <volccd/experiments/tables/peers.hpp>
 #include <volccd/experiments/tables/pipelines_table.hpp>
@@ -26,12 +29,18 @@ const std::vector<ExperimentKind>& experiment_kinds() {
        ablation_plan, ablation_tables, nullptr, nullptr, true, true},
       {"scaling", "time, memory and tests against elements and against motion a step", scaling_plan, scaling_tables,
        scaling_summary, nullptr, true},
-      {"plus", "whole steps of VolCCD+ and VolCCD, without the flood, and on the boundary alone; two cores",
-       plus_plan, plus_tables, plus_summary, nullptr, true},
-      {"operations", "Section 7: operations and nanoseconds of CSAT and of an elementary test, beside the paper's",
-       nullptr, operation_tables, nullptr, operation_rows},
+      {"plus", "whole steps of VolCCD+ and VolCCD, without the flood, and on the boundary alone; two cores", plus_plan,
+       plus_tables, plus_summary, nullptr, true},
+      {"boundary", "Section 7.1: all features against those of the boundary alone, on one thread and on two",
+       boundary_plan, boundary_tables, nullptr},
+      {"operations", "Section 7: operations and nanoseconds of CSAT, of an elementary test, and of OBBs and k-DOPs",
+       operation_plan, operation_tables, nullptr, operation_rows},
+      {"inversion", "Section 7.2: contacts within objects that an inversion test points at, and those that it misses",
+       inversion_plan, inversion_tables, nullptr, inversion_rows},
       {"peers", "broad phases side by side, those of other libraries included: update, query, pairs a second, memory",
        nullptr, peers_tables, peers_summary, peers_rows},
+      {"feature-sets", "Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's",
+       feature_set_plan, feature_set_tables, nullptr, feature_set_rows, false, false, true},
   };
   return kinds;
 }

@@ -30,13 +30,15 @@ struct PlanContext {
 
 struct ExperimentKind {
   const char *name, *description;
-  ExperimentPlan (*plan)(const PlanContext& context);  ///< null if `rows` makes the rows
+  /// Makes the plan. If `rows` makes the rows, the plan has the inputs only (runs without windows), or is null.
+  ExperimentPlan (*plan)(const PlanContext& context);
   std::vector<TitledTable> (*tables)(const nlohmann::json& record);
   /// Makes the summary for scripts and other documents; null: there is none.
   nlohmann::json (*summary)(const nlohmann::json& record);
   /// Makes the rows, if the harness does not make them from a plan; may be null.
   std::vector<nlohmann::json> (*rows)(const PlanContext& context) = nullptr;
   bool takes_pipelines = false, takes_settings = false;  ///< whether it uses those of the context
+  bool curves = false;  ///< one row for each scene and motion: the report draws its numbers over the motions
 };
 
 const std::vector<ExperimentKind>& experiment_kinds();

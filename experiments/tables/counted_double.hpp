@@ -9,6 +9,7 @@ namespace volccd {
 struct OperationCounts {
   std::uint64_t additions = 0;  ///< and subtractions
   std::uint64_t multiplications = 0, divisions = 0, comparisons = 0, square_roots = 0;
+  std::uint64_t absolute_values = 0;
 
   friend bool operator==(const OperationCounts&, const OperationCounts&) = default;
 };
@@ -38,6 +39,8 @@ class CountedDouble {
   friend bool operator>(CountedDouble a, CountedDouble b) { return ++counts().comparisons, a.value_ > b.value_; }
   friend bool operator<=(CountedDouble a, CountedDouble b) { return ++counts().comparisons, a.value_ <= b.value_; }
   friend bool operator>=(CountedDouble a, CountedDouble b) { return ++counts().comparisons, a.value_ >= b.value_; }
+  friend bool operator==(CountedDouble a, CountedDouble b) { return ++counts().comparisons, a.value_ == b.value_; }
+  friend CountedDouble abs(CountedDouble a) { return ++counts().absolute_values, std::abs(a.value_); }
   friend CountedDouble sqrt(CountedDouble a) { return ++counts().square_roots, std::sqrt(a.value_); }
 
  private:

@@ -7,11 +7,12 @@
 #include <unordered_map>
 
 #include <fmt/format.h>
-#include <Eigen/Geometry>
 
 #include <volccd/core/error.hpp>
+#include <volccd/experiments/harness/corner_volumes.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
-#include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/experiments/scenes/simulated/bake.hpp>
+#include <volccd/experiments/tables/rows.hpp>
 #include <volccd/mesh/sequence/stepper.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
@@ -35,15 +36,9 @@ struct CornerVolumes {
 
 /// Of a hexahedron or a wedge in VTK's order.
 CornerVolumes corner_volumes(std::span<const Index> v, std::span<const Vec3> x) {
-  constexpr std::size_t kHexahedron[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
-                                             {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
-  constexpr std::size_t kWedge[6][3] = {{2, 1, 3}, {0, 2, 4}, {1, 0, 5}, {4, 5, 0}, {5, 3, 1}, {3, 4, 2}};
   CornerVolumes volumes{{}, v.size()};
-  for (std::size_t i = 0; i < v.size(); ++i) {
-    const auto& next = v.size() == 8 ? kHexahedron[i] : kWedge[i];
-    const Vec3& p = x[v[i]];
-    volumes.at[i] = (x[v[next[0]]] - p).dot((x[v[next[1]]] - p).cross(x[v[next[2]]] - p));
-  }
+  const auto corners = corner_tetrahedra(v.size() == 8 ? ElementType::hexahedron : ElementType::wedge);
+  for (std::size_t i = 0; i < v.size(); ++i) volumes.at[i] = corner_volume(corners[i], v, x);
   return volumes;
 }
 
@@ -71,21 +66,23 @@ class Observer {
     const Mesh& mesh = stepper_.topology().mesh();
     pipeline_.run({stepper_.topology(), stepper_.motion(), filter_}, workspace_, executor_, result_,
                   {Query::all, true});
-    json record = {{"time", reader_.time(k + 1)},
-                   {"contacts", result_.contacts.size()},
-                   {"interior", interior_contacts()},
-                   {"overlaps", overlaps(mesh)},
-                   {"pieces", pieces(mesh)}};
+    json row = {{"motion", k},
+                {"elements", mesh.element_count()},
+                {"time", reader_.time(k + 1)},
+                {"contacts", result_.contacts.size()},
+                {"interior", interior_contacts()}};
+    row.update(overlaps(mesh));
+    row.update(pieces(mesh));
     reader_.read_points(k, points_);
     const Vec3 from = centre(mesh);
     reader_.read_points(k + 1, points_);
     const Vec3 step = centre(mesh) - from;
     if (k == 0) direction_ = step.norm() > 0 ? Vec3(step.normalized()) : Vec3(Vec3::UnitZ());
     travel_ += step.dot(direction_);
-    record["velocity"] = step.dot(direction_) / (reader_.time(k + 1) - reader_.time(k));
-    record["travel"] = travel_;
-    record["inverted"] = inverted(mesh);
-    return record;
+    row["velocity"] = step.dot(direction_) / (reader_.time(k + 1) - reader_.time(k));
+    row["travel"] = travel_;
+    row["inverted"] = inverted(mesh);
+    return row;
   }
 
   int motions() const { return stepper_.motion_count(); }
@@ -124,7 +121,7 @@ class Observer {
     std::size_t inter = 0;
     for (const ElementPair& pair : result_.initial_overlaps)
       inter += mesh.object(pair.a) != mesh.object(pair.b) ? 1 : 0;
-    return {{"inter", inter}, {"intra", result_.initial_overlaps.size() - inter}};
+    return {{"overlaps_inter", inter}, {"overlaps_intra", result_.initial_overlaps.size() - inter}};
   }
 
   /// Connected pieces: elements connected by vertices.
@@ -145,7 +142,7 @@ class Observer {
       std::sort(roots.begin(), roots.end());
       return std::unique(roots.begin(), roots.end()) - roots.begin();
     };
-    return {{"striker", distinct(of_striker)}, {"target", distinct(of_target)}};
+    return {{"pieces_striker", distinct(of_striker)}, {"pieces_target", distinct(of_target)}};
   }
 
   /// A piece of an element keeps its id, and is another element all the same.
@@ -187,61 +184,117 @@ class Observer {
   double travel_ = 0;
 };
 
-template <class Value>
-std::uint64_t sum_over(const json& motions, Value&& value) {
-  std::uint64_t sum = 0;
-  for (const json& motion : motions) sum += value(motion).template get<std::uint64_t>();
-  return sum;
+const char* variant_of(simulation::ContactFeatures features) {
+  switch (features) {
+    case simulation::ContactFeatures::all: return "all";
+    case simulation::ContactFeatures::boundary: return "boundary";
+    case simulation::ContactFeatures::surface: return "surface";
+  }
+  return "";
 }
 
-std::vector<std::string> feature_set_row(const json& record) {
-  const json& motions = record.at("motions");
-  const json &last = motions.back(), &baked = record.at("simulation");
-  std::uint64_t splits = 0;
-  if (!baked.is_null())
-    for (const json& frame : baked.at("frames")) splits += frame.at("edits").at("splits").get<std::uint64_t>();
-  const auto overlaps = [](const json& m, const char* kind) { return m.at("overlaps").at(kind); };
-  return {record.at("scene"),
-          baked.is_null() ? "-" : grouped(splits),
-          grouped(last.at("pieces").at("striker")),
-          grouped(last.at("pieces").at("target")),
+/// One row for each motion, with what the record of the simulation says of it.
+std::vector<json> rows_of(const SimulatedScene& scene, const std::string& sequence, const json& baked,
+                          Executor& executor, const std::function<void()>& check) {
+  std::vector<json> rows = feature_set_motions(sequence, executor, check);
+  for (json& row : rows) {
+    row.update({{"table", ""},
+                {"scene", scene.name},
+                {"motion_model", name_of(MotionModel::linear)},
+                {"pipeline", "VolCCD+"},
+                {"variant", variant_of(scene.options.features)},
+                {"round", 0}});
+    const json& frame = baked.at("frames").at(row.at("motion").get<std::size_t>() + 1);
+    row["splits"] = frame.at("edits").at("splits");
+    row["breaks"] = frame.at("edits").at("breaks");
+    row["simulation_seconds"] = frame.at("seconds");
+  }
+  return rows;
+}
+
+/// The bullet, and the scenes that differ from it in the features that collide only.
+std::vector<const SimulatedScene*> compared_scenes() {
+  std::vector<const SimulatedScene*> scenes;
+  for (const SimulatedScene& scene : simulated_scenes())
+    if (scene.name == "bullet" || scene.variant_of == "bullet") scenes.push_back(&scene);
+  return scenes;
+}
+
+std::string source_of(const SimulatedScene& scene, const PlanContext& context) {
+  return scene.name + (context.full ? "" : "-quick");
+}
+
+std::string whole(double value) { return grouped(static_cast<std::uint64_t>(value)); }
+
+std::vector<std::string> table_row(const Rows& rows) {
+  const json& last = rows.back();
+  const auto at_end = [&](const char* column) { return grouped(last.at(column).get<std::uint64_t>()); };
+  return {last.at("scene"),
+          at_end("elements"),
+          whole(rows.sum("splits")),
+          at_end("pieces_striker"),
+          at_end("pieces_target"),
           fmt::format("{:.0f}", last.at("velocity").get<double>()),
           fmt::format("{:.2f}", 1e3 * last.at("travel").get<double>()),
-          grouped(overlaps(last, "inter")),
-          grouped(overlaps(last, "intra")),
-          grouped(sum_over(motions, [](const json& m) { return m.at("inverted"); })),
-          grouped(sum_over(motions, [](const json& m) { return m.at("contacts"); })),
-          grouped(sum_over(motions, [](const json& m) { return m.at("interior"); })),
-          baked.is_null() ? "-" : duration(baked.at("seconds"))};
+          at_end("overlaps_inter"),
+          at_end("overlaps_intra"),
+          whole(rows.sum("inverted")),
+          whole(rows.sum("contacts")),
+          whole(rows.sum("interior")),
+          duration(rows.sum("simulation_seconds"))};
 }
 
 }  // namespace
 
-std::optional<json> feature_set_record(const std::string& name, const std::string& sequence,
-                                       const std::string& bake_record, Executor& executor,
-                                       const std::function<bool(std::size_t, std::size_t)>& go_on) {
-  json record = read_json_file(bake_record);
+std::vector<json> feature_set_motions(const std::string& sequence, Executor& executor,
+                                      const std::function<void()>& check) {
   SequenceReader reader(sequence);
   Observer observer(reader, executor);
-  json motions = json::array();
+  std::vector<json> motions;
   for (int k = 0; k < observer.motions(); ++k) {
+    check();
     motions.push_back(observer.motion(k));
-    if (!go_on(static_cast<std::size_t>(k + 1), static_cast<std::size_t>(observer.motions()))) return std::nullopt;
   }
-  return json{{"scene", name},
-              {"machine", machine_facts()},
-              {"simulation", std::move(record)},
-              {"motions", std::move(motions)}};
+  return motions;
 }
 
-TitledTable feature_set_table(const std::vector<json>& records) {
-  TextTable table({"scene", "splits", "pieces, bullet", "pieces, plate", "velocity, m/s", "travel, mm",
+ExperimentPlan feature_set_plan(const PlanContext& context) {
+  ExperimentPlan plan{"feature-sets", context.full ? "full" : "quick", 1, {}};
+  for (const SimulatedScene* scene : compared_scenes())
+    if (const std::optional<std::string> file = context.file_of(source_of(*scene, context)))
+      plan.runs.push_back({scene->name, *file});
+  return plan;
+}
+
+std::vector<json> feature_set_rows(const PlanContext& context) {
+  SerialExecutor serial;
+  Executor& executor = context.executor ? *context.executor : serial;
+  std::vector<json> rows;
+  const std::vector<const SimulatedScene*> scenes = compared_scenes();
+  for (std::size_t s = 0; s < scenes.size(); ++s) {
+    const std::optional<std::string> file = context.file_of(source_of(*scenes[s], context));
+    if (!file) continue;
+    BakeSettings settings;
+    settings.elements = context.full ? 0 : scenes[s]->quick_elements;
+    const std::function<void()> check = [&] {
+      if (context.progress) context.progress(s, scenes.size());
+    };
+    for (json& row :
+         rows_of(*scenes[s], *file, read_json_file(bake_record_file(*scenes[s], settings)), executor, check))
+      rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+std::vector<TitledTable> feature_set_tables(const json& record) {
+  TextTable table({"scene", "elements", "splits", "pieces, bullet", "pieces, plate", "velocity, m/s", "travel, mm",
                    "overlaps, inter", "overlaps, intra", "inverted", "contacts", "interior contacts", "computed in"});
-  for (const json& record : records) table.add(feature_set_row(record));
-  return {"", table,
-          "pieces, velocity and travel of the bullet's centre, pairs of elements that overlap (exact; not adjacent "
-          "ones): at the end; inverted elements, contacts among all features, and those with a feature inside: sums "
-          "over the motions\n"};
+  const Rows rows(record);
+  for (const json& scene : rows.values("scene")) table.add(table_row(rows.with("scene", scene)));
+  return {{"Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's", table,
+           "elements, pieces, velocity and travel of the bullet's centre, pairs of elements that overlap (exact; not "
+           "adjacent ones): at the end; inverted elements, contacts among all features, and those with a feature "
+           "inside: sums over the motions\n"}};
 }
 
 }  // namespace volccd

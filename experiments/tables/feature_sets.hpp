@@ -2,31 +2,37 @@
 #pragma once
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include <volccd/core/executor.hpp>
-#include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/experiments/tables/catalog.hpp>
 
 namespace volccd {
 
-/// Measures of the sequence of a simulation with hexahedra (and wedges into which they break), motion by motion:
-/// {"scene", "machine", "simulation": record of its baking or null, "motions": [{"time": at its end, "contacts",
-/// "interior": those of which a feature lies inside, "overlaps": pairs of elements, not adjacent, that overlap at its
-/// start (exact): {"inter", "intra"}, "inverted": elements with a corner turned over, "pieces": {"striker", "target"}
-/// that hang together by vertices, "velocity", "travel": of the striker's centre of mass along its first motion}]}.
+/// The bullet and its variants, for their inputs only: the plan has no windows.
+ExperimentPlan feature_set_plan(const PlanContext& context);
+
+/// feature_set_motions() of these scenes, with the columns that figures need (scene, motion_model, pipeline, "variant":
+/// the features that collide), and with the numbers of their simulation for each motion: "splits" and "breaks",
+/// "simulation_seconds".
+std::vector<nlohmann::json> feature_set_rows(const PlanContext& context);
+
+/// One table, with one row for each scene.
+std::vector<TitledTable> feature_set_tables(const nlohmann::json& record);
+
+/// Measures of the sequence of a simulation with hexahedra (and wedges into which they break), one row for each motion:
+/// {"motion", "elements", "time": at its end, "contacts", "interior": those of which a feature lies inside,
+/// "overlaps_inter", "overlaps_intra": pairs of elements, not adjacent, that overlap at its start (exact), "inverted":
+/// elements with a corner turned over at its end, "pieces_striker", "pieces_target": pieces that hang together by
+/// vertices, "velocity", "travel": of the striker's centre of mass along its first motion}.
 ///
 /// The striker is object 0, the target all other objects. Contacts are those of the pipeline VolCCD+ among all
-/// features, whichever the simulation has resisted. If `go_on(done, motions)` returns false, the work stops and nothing
-/// is returned. Throws InputError for other elements, and the exceptions of the reader.
-std::optional<nlohmann::json> feature_set_record(
-    const std::string& name, const std::string& sequence, const std::string& bake_record, Executor& executor,
-    const std::function<bool(std::size_t done, std::size_t motions)>& go_on);
-
-/// A table without a title, with one row for each record.
-TitledTable feature_set_table(const std::vector<nlohmann::json>& records);
+/// features, whichever the simulation has resisted. `check` is called before each motion, and may throw to stop. Throws
+/// InputError for other elements, and the exceptions of the reader.
+std::vector<nlohmann::json> feature_set_motions(const std::string& sequence, Executor& executor,
+                                                const std::function<void()>& check);
 
 }  // namespace volccd

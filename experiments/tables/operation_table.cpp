@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
+#include <volccd/experiments/tables/bound_operations.hpp>
 #include <volccd/experiments/tables/operations.hpp>
 #include <volccd/experiments/tables/query_source.hpp>
 
@@ -10,18 +11,93 @@ namespace volccd {
 
 using nlohmann::json;
 
+namespace {
+
+std::string scene_name(const PlanContext& context) { return context.full ? "octopi" : "octopi-quick"; }
+
+std::string mean_text(const json& row, const char* name) { return fmt::format("{:.1f}", row.at(name).get<double>()); }
+
+/// What the paper prints, or "-".
+std::string printed_text(const json& row, const char* name) {
+  const json& paper = row.at("paper");
+  return paper.is_object() && paper.contains(name) && paper.at(name).is_number() ? paper.at(name).dump() : "-";
+}
+
+bool is_of_bounds(const json& row) { return row.at("kind") == "element" || row.at("kind") == "element-pair"; }
+
+TitledTable test_table(const json& record) {
+  TextTable table({"operation", "kind", "tests", "+ -", "*", "/", "paper: + -", "*", "/", "compare", "sqrt", "ns"});
+  for (const json& row : record.at("rows")) {
+    if (is_of_bounds(row)) continue;
+    table.add({row.at("operation"), row.at("kind"), grouped(row.at("tests").get<std::uint64_t>()),
+               mean_text(row, "additions"), mean_text(row, "multiplications"), mean_text(row, "divisions"),
+               printed_text(row, "additions"), printed_text(row, "multiplications"), printed_text(row, "divisions"),
+               mean_text(row, "comparisons"), mean_text(row, "square_roots"), mean_text(row, "ns")});
+  }
+  return {"Section 7.1: floating-point operations of a test, means", table,
+          "of the reference implementation of 2011, on tests whose features have overlapping boxes; one thread\n"};
+}
+
+/// The time of the same operation with k-DOPs; 0 if there is no such row.
+double kdop_ns(const json& record, const json& row) {
+  for (const json& other : record.at("rows"))
+    if (other.at("kind") == row.at("kind") && other.at("operation").get<std::string>().starts_with("kdop"))
+      return other.at("ns");
+  return 0;
+}
+
+std::string printed_slower(const json& row) {
+  const json& paper = row.at("paper");
+  if (!paper.is_object() || !paper.contains("slower")) return "-";
+  return fmt::format("{} to {}x", paper.at("slower").at(0).dump(), paper.at("slower").at(1).dump());
+}
+
+/// Rows: operations; nothing in a record without bounds.
+std::optional<TitledTable> bound_table(const json& record) {
+  TextTable table({"operation", "on", "samples", "+ -", "*", "/", "compare", "abs", "sqrt", "paper: + -", "*",
+                   "compare", "abs", "ns", "/ k-DOP", "paper", "found apart"});
+  bool any = false;
+  for (const json& row : record.at("rows")) {
+    if (!is_of_bounds(row)) continue;
+    any = true;
+    const double kdop = kdop_ns(record, row);
+    table.add({row.at("operation"), row.at("kind") == "element" ? "an element" : "a pair",
+               grouped(row.at("tests").get<std::uint64_t>()), mean_text(row, "additions"),
+               mean_text(row, "multiplications"), mean_text(row, "divisions"), mean_text(row, "comparisons"),
+               mean_text(row, "absolute_values"), mean_text(row, "square_roots"), printed_text(row, "additions"),
+               printed_text(row, "multiplications"), printed_text(row, "comparisons"),
+               printed_text(row, "absolute_values"), mean_text(row, "ns"),
+               kdop > 0 ? ratio_text(row.at("ns").get<double>() / kdop) : "-", printed_slower(row),
+               row.at("positive").is_null() ? "-" : percent_text(row.at("positive").get<double>())});
+  }
+  if (!any) return std::nullopt;
+  return TitledTable{"Section 7.2: continuous OBBs against k-DOPs (k = 16), means", table,
+                     "update: bounds of an element over the motion; test: of pairs without a common vertex whose swept "
+                     "boxes overlap; the paper's operations are those of a whole test; scalar code in doubles, both "
+                     "conservative; no tree; one thread\n"};
+}
+
+}  // namespace
+
+ExperimentPlan operation_plan(const PlanContext& context) {
+  ExperimentPlan plan{"operations", context.full ? "full" : "quick", 1, {}};
+  if (const auto file = context.file_of(scene_name(context))) plan.runs.push_back({"octopi", *file});
+  return plan;
+}
+
 std::vector<json> operation_rows(const PlanContext& context) {
-  const std::string scene = context.full ? "octopi" : "octopi-quick";
-  const std::optional<std::string> file = context.file_of(scene);
-  if (!file) throw ConfigError("operations: the scene " + scene + " is not there");
+  const std::optional<std::string> file = context.file_of(scene_name(context));
+  if (!file) throw ConfigError("operations: the scene " + scene_name(context) + " is not there");
   QuerySourceConfig source;
   source.candidates = true;
   source.sample = 2048;
   source.motion = motion_count(*file) / 2;
   std::vector<json> rows;
-  const json counts = operation_counts(load_queries(*file, source));
-  if (counts.at("rows").empty()) throw ConfigError("operations: " + *file + " has no tests at its middle motion");
-  for (json row : counts.at("rows")) {
+  const std::vector<KnownQueries> queries = load_queries(*file, source);
+  json counts = operation_counts(queries).at("rows");
+  if (counts.empty()) throw ConfigError("operations: " + *file + " has no tests at its middle motion");
+  for (json& row : bound_operation_counts(queries.front().step)) counts.push_back(std::move(row));
+  for (json& row : counts) {
     row["scene"] = "octopi";
     row["motion"] = source.motion;
     rows.push_back(std::move(row));
@@ -30,21 +106,9 @@ std::vector<json> operation_rows(const PlanContext& context) {
 }
 
 std::vector<TitledTable> operation_tables(const json& record) {
-  TextTable table({"operation", "kind", "tests", "+ -", "*", "/", "paper: + -", "*", "/", "compare", "sqrt", "ns"});
-  for (const json& row : record.at("rows")) {
-    const auto mean = [&](const char* name) { return fmt::format("{:.1f}", row.at(name).get<double>()); };
-    const auto printed = [&](const char* name) {
-      const json& paper = row.at("paper");
-      return paper.is_object() && paper.contains(name) && paper.at(name).is_number() ? paper.at(name).dump()
-                                                                                     : std::string("-");
-    };
-    table.add({row.at("operation"), row.at("kind"), grouped(row.at("tests").get<std::uint64_t>()), mean("additions"),
-               mean("multiplications"), mean("divisions"), printed("additions"), printed("multiplications"),
-               printed("divisions"), mean("comparisons"), mean("square_roots"),
-               fmt::format("{:.1f}", row.at("ns").get<double>())});
-  }
-  return {{"Section 7.1: floating-point operations of a test, means", table,
-           "of the reference implementation of 2011, on tests whose features have overlapping boxes; one thread\n"}};
+  std::vector<TitledTable> tables = {test_table(record)};
+  if (std::optional<TitledTable> bounds = bound_table(record)) tables.push_back(std::move(*bounds));
+  return tables;
 }
 
 }  // namespace volccd

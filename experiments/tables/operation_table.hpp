@@ -1,11 +1,15 @@
-// Section 7.1 as a table: the cost of a CSAT test and of an elementary test.
+// Section 7 as tables: the cost of a CSAT test and of an elementary test (7.1), and of OBBs and k-DOPs (7.2).
 #pragma once
 
 #include <volccd/experiments/tables/catalog.hpp>
 
 namespace volccd {
 
-/// operation_counts() on candidates of a motion in the middle of octopi; every run draws the same ones.
+/// octopi, for its input only: the plan has no windows.
+ExperimentPlan operation_plan(const PlanContext& context);
+
+/// operation_counts() on candidates of a motion in the middle of octopi, and bound_operation_counts() on its elements;
+/// every run draws the same ones.
 std::vector<nlohmann::json> operation_rows(const PlanContext& context);
 std::vector<TitledTable> operation_tables(const nlohmann::json& record);
 

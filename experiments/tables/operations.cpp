@@ -2,15 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <chrono>
-#include <functional>
 #include <span>
 #include <string>
 
 #include <volccd/culling/csat_reference.hpp>
-#include <volccd/experiments/tables/counted_double.hpp>
-#include <volccd/experiments/tables/median.hpp>
+#include <volccd/experiments/tables/counted_operation.hpp>
 #include <volccd/narrowphase/provot_test.hpp>
+#include <volccd/query/reference_points.hpp>
 
 namespace volccd {
 
@@ -87,20 +85,15 @@ json printed(FeatureKind kind, const std::string& operation) {
   return nullptr;
 }
 
-MovingPoint<double> point_of(const Motion& motion, Index v) {
-  const double* x = motion.at(v);
-  return {{x[0], x[1], x[2]}, {x[3], x[4], x[5]}};
-}
-
 Sample<double> sample_of(const Step& step, FeatureKind kind, FeaturePair pair, double tolerance) {
   Sample<double> sample;
   const std::array<Index, 4> vertices = test_vertices(step.features(), kind, pair);
-  for (std::size_t i = 0; i < 4; ++i) sample.points[i] = point_of(step.motion, vertices[i]);
+  for (std::size_t i = 0; i < 4; ++i) sample.points[i] = reference::moving_point(step.motion, vertices[i]);
   const Features& features = step.features();
   const auto others = kind == FeatureKind::vf ? features.triangle_elements(pair.b)
                                               : features.edge_elements(features.find_edge(vertices[2], vertices[3]));
   const Index other = others.front();
-  for (const Index v : step.mesh().vertices(other)) sample.element.push_back(point_of(step.motion, v));
+  sample.element = reference::moving_points(step.motion, step.mesh().vertices(other));
   sample.axis = axis_of(kind, sample.points);
   sample.tolerance = tolerance;
   sample.t_max = 1;
@@ -122,114 +115,45 @@ std::vector<Sample<double>> samples_of(FeatureKind kind, const std::vector<Known
   return samples;
 }
 
-MovingPoint<CountedDouble> counted(const MovingPoint<double>& p) {
-  return {{p.x0[0], p.x0[1], p.x0[2]}, {p.x1[0], p.x1[1], p.x1[2]}};
-}
-
 Sample<CountedDouble> counted(const Sample<double>& sample) {
   Sample<CountedDouble> result;
-  for (std::size_t i = 0; i < 4; ++i) result.points[i] = counted(sample.points[i]);
-  for (const MovingPoint<double>& p : sample.element) result.element.push_back(counted(p));
+  for (std::size_t i = 0; i < 4; ++i) result.points[i] = volccd::counted(sample.points[i]);
+  result.element = volccd::counted(sample.element);
   result.axis = {sample.axis[0], sample.axis[1], sample.axis[2]};
   result.tolerance = sample.tolerance;
   result.t_max = sample.t_max;
   return result;
 }
 
-struct NamedCount {
-  const char* name;
-  std::uint64_t OperationCounts::*count;
-};
-constexpr NamedCount kCounts[] = {{"additions", &OperationCounts::additions},
-                                  {"multiplications", &OperationCounts::multiplications},
-                                  {"divisions", &OperationCounts::divisions},
-                                  {"comparisons", &OperationCounts::comparisons},
-                                  {"square_roots", &OperationCounts::square_roots}};
-
-/// One operation on all samples of a kind.
-class Operation {
- public:
-  template <class What>
-  static Operation of(FeatureKind kind, const std::vector<Sample<double>>& samples) {
-    Operation operation;
-    operation.row_ = {{"operation", What::kName},
-                      {"kind", kind == FeatureKind::vf ? "vf" : "ee"},
-                      {"tests", samples.size()},
-                      {"paper", printed(kind, What::kName)}};
-    operation.count(samples, [kind](const Sample<CountedDouble>& sample) { return What::run(kind, sample); });
-    operation.pass_ = [kind, &samples] {
-      std::size_t found = 0;
-      for (const Sample<double>& sample : samples) found += What::run(kind, sample) ? 1 : 0;
-      return found;
-    };
-    operation.tests_ = samples.size();
-    return operation;
-  }
-
-  /// Nanoseconds of one pass over the samples, noted.
-  void time() {
-    using Clock = std::chrono::steady_clock;
-    const auto start = Clock::now();
-    for (int pass = 0; pass < kPasses; ++pass) found_ += pass_();
-    const double seconds = std::chrono::duration<double>(Clock::now() - start).count();
-    times_.push_back(seconds * 1e9 / static_cast<double>(kPasses * tests_));
-  }
-  json row() const {
-    json result = row_;
-    result["ns"] = median(times_);
-    result["positive"] = static_cast<double>(found_) / static_cast<double>(kPasses * times_.size() * tests_);
-    return result;
-  }
-
- private:
-  static constexpr int kPasses = 8;
-
-  template <class Run>
-  void count(const std::vector<Sample<double>>& samples, Run&& run) {
-    OperationCounts sum, most;
-    for (const Sample<double>& plain : samples) {
-      const Sample<CountedDouble> sample = counted(plain);
-      CountedDouble::counts() = {};
-      run(sample);
-      for (const NamedCount& one : kCounts) {
-        const std::uint64_t value = CountedDouble::counts().*one.count;
-        sum.*one.count += value;
-        most.*one.count = std::max(most.*one.count, value);
-      }
-    }
-    for (const NamedCount& one : kCounts) {
-      row_[one.name] = static_cast<double>(sum.*one.count) / static_cast<double>(samples.size());
-      row_["most"][one.name] = most.*one.count;
-    }
-  }
-
-  json row_;
-  std::function<std::size_t()> pass_;
-  std::size_t tests_ = 0, found_ = 0;
-  std::vector<double> times_;
-};
+template <class What>
+CountedOperation operation(FeatureKind kind, const std::vector<Sample<double>>& samples) {
+  json row = {{"operation", What::kName},
+              {"kind", kind == FeatureKind::vf ? "vf" : "ee"},
+              {"paper", printed(kind, What::kName)}};
+  return CountedOperation::of(std::move(row), samples, [kind](const auto& sample) { return What::run(kind, sample); });
+}
 
 }  // namespace
 
 json operation_counts(const std::vector<KnownQueries>& queries, const OperationConfig& config) {
   const std::array<FeatureKind, 2> kinds = {FeatureKind::vf, FeatureKind::ee};
   std::array<std::vector<Sample<double>>, 2> samples, left;
-  std::vector<Operation> operations;
+  std::vector<CountedOperation> operations;
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     samples[k] = samples_of(kinds[k], queries, config);
     if (samples[k].empty()) continue;
-    operations.push_back(Operation::of<Csat>(kinds[k], samples[k]));
-    operations.push_back(Operation::of<CsatWithAxis>(kinds[k], samples[k]));
-    operations.push_back(Operation::of<CsatElement>(kinds[k], samples[k]));
-    operations.push_back(Operation::of<ElementaryTest>(kinds[k], samples[k]));
+    operations.push_back(operation<Csat>(kinds[k], samples[k]));
+    operations.push_back(operation<CsatWithAxis>(kinds[k], samples[k]));
+    operations.push_back(operation<CsatElement>(kinds[k], samples[k]));
+    operations.push_back(operation<ElementaryTest>(kinds[k], samples[k]));
     for (const Sample<double>& sample : samples[k])
       if (!Csat::run(kinds[k], sample)) left[k].push_back(sample);
-    if (!left[k].empty()) operations.push_back(Operation::of<ElementaryTestLeft>(kinds[k], left[k]));
+    if (!left[k].empty()) operations.push_back(operation<ElementaryTestLeft>(kinds[k], left[k]));
   }
   for (int repetition = 0; repetition < std::max(config.repetitions, 1); ++repetition)
-    for (Operation& operation : operations) operation.time();
+    for (CountedOperation& one : operations) one.time();
   json result = {{"tolerance", config.tolerance}, {"rows", json::array()}};
-  for (const Operation& operation : operations) result["rows"].push_back(operation.row());
+  for (const CountedOperation& one : operations) result["rows"].push_back(one.row());
   return result;
 }
 

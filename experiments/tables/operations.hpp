@@ -10,9 +10,9 @@
 namespace volccd {
 
 struct OperationConfig {
-  std::size_t tests = 2048;   ///< greatest number of each kind, evenly spread over the queries; fits into the cache
-  int repetitions = 15;       ///< timed passes of each operation, interleaved; the median is reported
-  double tolerance = 1e-10;   ///< of the elementary test (`provot.tolerance`)
+  std::size_t tests = 2048;  ///< greatest number of each kind, evenly spread over the queries; fits into the cache
+  int repetitions = 15;      ///< timed passes of each operation, interleaved; the median is reported
+  double tolerance = 1e-10;  ///< of the elementary test (`provot.tolerance`)
 };
 
 /// Operations of the reference implementation of 2011 (culling/csat_reference.hpp, narrowphase/provot_test.hpp) on the
@@ -24,6 +24,7 @@ struct OperationConfig {
 ///    "rows": [{"operation", "kind": "vf" or "ee", "tests",
 ///              "positive": share of the tests that the operation finds apart (CSAT) or touching (elementary test),
 ///              "additions": mean, with subtractions, "multiplications", "divisions", "comparisons", "square_roots",
+///              "absolute_values",
 ///              "most": {the same, each the maximum over the tests}, "ns": of a test,
 ///              "paper": {"additions", "multiplications", "divisions"}, or null where the paper has no number}]}
 ///

@@ -18,6 +18,7 @@ class Rows {
   bool empty() const { return rows_.empty(); }
   std::size_t size() const { return rows_.size(); }
   const nlohmann::json& front() const { return *rows_.front(); }
+  const nlohmann::json& back() const { return *rows_.back(); }
 
   /// The rows in which the column has this value (text or number).
   Rows with(const std::string& column, const nlohmann::json& value) const;

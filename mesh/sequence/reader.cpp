@@ -81,6 +81,9 @@ bool SequenceReader::same_cells(int step, int other) const {
 
 bool SequenceReader::has_velocity() const { return impl_->layout.velocity.has_value(); }
 bool SequenceReader::has_thickness() const { return impl_->layout.thickness.has_value(); }
+bool SequenceReader::has_query() const {
+  return impl_->layout.query_start && impl_->layout.query_end && impl_->layout.query_separation;
+}
 
 void SequenceReader::Impl::read_vectors(const detail::StepArray& array, int step, const char* what,
                                         std::vector<Vec3>& out) {
@@ -110,6 +113,24 @@ void SequenceReader::read_velocity(int step, std::vector<Vec3>& velocity) {
   impl_->read_vectors(*impl_->layout.velocity, step, "velocity", velocity);
 }
 
+double SequenceReader::read_query(int step, std::vector<Vec3>& start, std::vector<Vec3>& end) {
+  assert(step >= 0 && step < step_count());
+  if (!has_query()) impl_->file.fail("VTKHDF/PointData/QueryStart, QueryEnd or QuerySeparation", "is missing");
+  impl_->read_vectors(*impl_->layout.query_start, step, "start of the query", start);
+  impl_->read_vectors(*impl_->layout.query_end, step, "end of the query", end);
+  const detail::StepArray& array = *impl_->layout.query_separation;
+  const std::int64_t first = array.first[index(step)];
+  std::vector<double> separations;
+  array.data.read(first, impl_->layout.points, separations);
+  for (std::size_t i = 0; i < separations.size(); ++i)
+    if (!(std::isfinite(separations[i]) && separations[i] >= 0 && separations[i] == separations[0]))
+      array.data.fail(first + static_cast<std::int64_t>(i),
+                      fmt::format("the separation is negative, not finite, or not that of the other points: {} (step "
+                                  "{})",
+                                  separations[i], step));
+  return separations[0];
+}
+
 void SequenceReader::read_thickness(int step, std::vector<double>& thickness) {
   assert(step >= 0 && step < step_count());
   if (!has_thickness()) impl_->file.fail("VTKHDF/CellData/Thickness", "is missing");
@@ -133,13 +154,14 @@ const std::map<std::pair<ElementType, ElementType>, std::uint64_t>& SequenceRead
 }
 
 void SequenceReader::check_contents() {
-  std::vector<Vec3> vectors;
+  std::vector<Vec3> vectors, others;
   std::vector<double> thickness;
   SequenceCells cells;
   for (int k = 0; k < step_count(); ++k) {
     read_points(k, vectors);
     if (has_velocity()) read_velocity(k, vectors);
     if (has_thickness()) read_thickness(k, thickness);
+    if (has_query()) read_query(k, vectors, others);
     if (k == 0 || !same_cells(k, k - 1)) read_cells(k, cells);
   }
 }

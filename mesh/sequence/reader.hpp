@@ -22,8 +22,9 @@ namespace volccd {
 /// "Steps/PartOffsets" = the topology of the step) and the same number of points in every topology. A file without the
 /// group "Steps" is one step at time 0. Optional arrays and their defaults: PointData/GlobalPointIds (0, 1, 2, ..),
 /// CellData/GlobalCellIds (0, 1, 2, .. in each step), CellData/PartId (0), PointData/Velocity (none),
-/// CellData/Thickness (none). Cells: triangle, quad, tetrahedron, hexahedron, wedge, pyramid, and polyhedron as VTKHDF
-/// 2.5 stores it (FaceConnectivity, FaceOffsets, PolyhedronToFaces, PolyhedronOffsets).
+/// CellData/Thickness (none), PointData/QueryStart, QueryEnd and QuerySeparation (none). Cells: triangle, quad,
+/// tetrahedron, hexahedron, wedge, pyramid, and polyhedron as VTKHDF 2.5 stores it (FaceConnectivity, FaceOffsets,
+/// PolyhedronToFaces, PolyhedronOffsets).
 ///
 /// Vertices are sorted by GlobalPointIds, because slots in a Mesh are in the order of ids: vertex slot v has id
 /// point_ids()[v], and points, velocities and connectivity are renumbered accordingly. Cells keep the order of the
@@ -70,12 +71,17 @@ class SequenceReader {
   bool same_cells(int step, int other) const;
   bool has_velocity() const;
   bool has_thickness() const;
+  /// Whether each step has the last query of the simulation that made it (StepFields).
+  bool has_query() const;
 
   /// These members replace the contents of their argument and reuse its memory.
   void read_points(int step, std::vector<Vec3>& points);
   void read_velocity(int step, std::vector<Vec3>& velocity);      ///< requires has_velocity()
   void read_thickness(int step, std::vector<double>& thickness);  ///< requires has_thickness(); one value per cell of
                                                                   ///< the step
+  /// The positions at both ends of the last query before a step; returns its separation, the same at all points, which
+  /// is finite and not negative. Requires has_query().
+  double read_query(int step, std::vector<Vec3>& start, std::vector<Vec3>& end);
   void read_cells(int step, SequenceCells& cells);
 
   /// Numbers of cells with repeated nodes in the last read_cells(), by type in the file and type of the element read.

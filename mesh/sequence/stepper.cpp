@@ -33,6 +33,11 @@ SequenceStepper::SequenceStepper(SequenceReader& reader, Config config) : reader
     throw InputError(reader.file(), "VTKHDF/PointData/Velocity",
                      "is missing: tentative motion needs the velocities of each step; write them, or take linear "
                      "motion");
+  if (config.motion == MotionModel::query && reader.step_count() > 1 && !reader.has_query())
+    throw InputError(reader.file(), "VTKHDF/PointData/QueryStart",
+                     "is missing: the file has no queries of a simulation. Scenes that were simulated by an earlier "
+                     "version have none: remove the file from the cache, and simulate the scene again (`volccd scene "
+                     "generate`), or take another motion");
   if (config.parts == PartModel::components) components_.emplace(reader);
   if (config.shells == ShellModel::solid) solids_ = std::make_unique<detail::ShellSolids>(reader);
 }
@@ -44,15 +49,20 @@ void SequenceStepper::go_to(int motion) {
     throw InputError(reader_.file(), "VTKHDF/Steps", motion,
                      "there is no such motion, the file has " + std::to_string(motion_count()));
   // All operations that can fail come before the first change.
-  const bool tentative = config_.motion == MotionModel::tentative;
-  read_points(motion);
+  const bool tentative = config_.motion == MotionModel::tentative, query = config_.motion == MotionModel::query;
+  double separation = 0;
+  if (query)
+    separation = reader_.read_query(motion + 1, query0_, query1_);
+  else
+    read_points(motion);
   read_cells(cells_step(motion));
   if (config_.motion == MotionModel::quadratic) read_middle(motion);
   if (tentative) read_tentative(motion);
-  const std::vector<Vec3>&x0 = points(motion), &x1 = tentative ? tentative_ : points(motion + 1);
+  const std::vector<Vec3>& x0 = query ? query0_ : points(motion);
+  const std::vector<Vec3>& x1 = query ? query1_ : tentative ? tentative_ : points(motion + 1);
   Index without_normal = 0;
   if (solids_) {
-    solids_->set_steps(motion, cells_step(motion));
+    solids_->set_steps(query ? motion + 1 : motion, cells_step(motion));
     without_normal = solids_->positions(x0, x1, solid0_, solid1_);
   }
   set_topology(cells_step(motion));
@@ -63,6 +73,7 @@ void SequenceStepper::go_to(int motion) {
     set_motion(x0, x1, middle_);
   }
   without_normal_ = without_normal;
+  separation_ = separation;
   current_ = motion;
 }
 

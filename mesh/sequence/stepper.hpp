@@ -35,8 +35,9 @@ enum class PartModel {
 enum class MotionModel {
   linear,     ///< straight lines, two control points
   quadratic,  ///< constant acceleration, three control points (Section 7.1)
-  tentative   ///< straight lines from step k along its velocities, independent of the positions of step k+1; two
+  tentative,  ///< straight lines from step k along its velocities, independent of the positions of step k+1; two
               ///< control points
+  query       ///< the last query that the simulation asked before step k+1; two control points
 };
 
 /// Motion k leads from the points of step k to those of step k+1 and uses the topology of step k+1. Element ids are
@@ -46,6 +47,12 @@ enum class MotionModel {
 /// h v, on the topology of step k, where v are the stored velocities of step k and h is the length of the step. A
 /// vertex that no cell of step k uses does not move. The statements below about step k+1 do not apply to tentative
 /// motion.
+///
+/// Query motion k is the last query that the simulation asked before it stored step k+1, if the file has it: straight
+/// lines from the positions at its start to those at its end, on the topology of step k+1. Edits that the simulation
+/// made between this query and step k+1 are included; vertices that are new by them start from the query's positions of
+/// the vertices from which they were made. separation() is the distance that it asked for. The positions of the steps k
+/// and k+1 are not used.
 ///
 /// If the file has velocities, quadratic motion over a step of length h starts with the stored velocity v of step k:
 /// its control points are x0, x0 + v h/2, x1. Otherwise it is the parabola through the steps k-1, k and k+1 at their
@@ -69,7 +76,7 @@ enum class MotionModel {
 /// k+1 at its end; a shell that does not exist at step k has its thickness of step k+1 at both ends. A file with shells
 /// but without thickness is refused. In quadratic motion, the offset from a shell vertex to its solid vertices is
 /// linear between its values at the start and at the end. In tentative motion, the thickness is that of step k at both
-/// ends, and the normals are computed from the positions at each end.
+/// ends (in query motion, that of step k+1), and the normals are computed from the positions at each end.
 ///
 /// Memory: the points of two steps, or of three for quadratic motion, and the velocities of one step if they are used.
 /// Not thread-safe.
@@ -84,8 +91,8 @@ class SequenceStepper {
 
   /// The reader must outlive the stepper. Throws InputError for a file with several steps if quadratic motion is
   /// requested and there are neither velocities nor a third step, or if tentative motion is requested and there are no
-  /// velocities. For connected components, the constructor reads the cells of all steps and throws the errors of
-  /// reading.
+  /// velocities, or if query motion is requested and the file has no queries. For connected components, the constructor
+  /// reads the cells of all steps and throws the errors of reading.
   explicit SequenceStepper(SequenceReader& reader) : SequenceStepper(reader, Config()) {}
   SequenceStepper(SequenceReader& reader, Config config);
   ~SequenceStepper();
@@ -106,6 +113,8 @@ class SequenceStepper {
   int current() const { return current_; }
   const Topology& topology() const { return *topology_; }
   const Motion& motion() const { return motion_; }
+  /// Query motion: the separation of the query; 0 for all other motions.
+  double separation() const { return separation_; }
   /// Time of step k+1 minus time of step k.
   double step_length() const { return reader_.time(current_ + 1) - reader_.time(current_); }
   /// Wall-clock time that the last successful go_to() spent in Topology::apply, which edits mesh, features and
@@ -140,7 +149,7 @@ class SequenceStepper {
   std::optional<Topology> topology_;
   Motion motion_;
   Index without_normal_ = 0;
-  double edit_seconds_ = 0;
+  double edit_seconds_ = 0, separation_ = 0;
   std::array<Points, 3> points_;
   SequenceCells cells_;
   std::optional<ConnectedParts> components_;
@@ -149,6 +158,7 @@ class SequenceStepper {
   /// middle_: middle control points of quadratic motion. tentative_: end positions of tentative motion. velocity_: for
   /// both. used_cells_: cells of the step that mark_used() was last called for; used_: whether they use each vertex.
   std::vector<Vec3> middle_, solid_middle_, tentative_, velocity_;
+  std::vector<Vec3> query0_, query1_;  ///< both ends of a query
   SequenceCells used_cells_;
   std::vector<char> used_;
 };

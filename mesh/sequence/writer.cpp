@@ -49,12 +49,14 @@ struct SequenceWriter::Impl {
         point_ids(wide(ids)) {}
 
   void check(double time, std::span<const Vec3> points, const SequenceCells& cells, const StepFields& fields) const;
+  void check_query(const StepFields& fields, const detail::StepPlace& place) const;
   void check_single(const SequenceCells& cells) const;
   void make_datasets(const SequenceCells& cells, const StepFields& fields);
   void append_topology(const SequenceCells& cells);
   void make_polyhedra();
   void append_polyhedra(const SequenceCells& cells);
   void append_vectors(GrowingDataset& dataset, std::span<const Vec3> vectors);
+  void append_query(const StepFields& fields);
   void append_tables(double time, const StepFields& fields);
   void write_header();
   void write_counts();
@@ -69,12 +71,14 @@ struct SequenceWriter::Impl {
   Integers point_ids;
   bool usable = true;
 
-  std::optional<GrowingDataset> positions, velocity, connectivity, offsets, types, parts, cell_ids, thickness;
+  std::optional<GrowingDataset> positions, velocity, connectivity, offsets, types, parts, cell_ids, thickness,
+      query_start, query_end, query_separation;
   std::optional<Polyhedra> polyhedra;
   SequenceCells last;
   std::vector<double> times, numbers;
-  Integers cell_counts, connectivity_counts;                                                        ///< per topology
-  Integers topology, point_first, cell_first, connectivity_first, velocity_first, thickness_first;  ///< per step
+  Integers cell_counts, connectivity_counts;  ///< per topology
+  Integers topology, point_first, cell_first, connectivity_first, velocity_first, thickness_first,
+      query_first;  ///< per step
 };
 
 SequenceWriter::SequenceWriter(const std::string& file, std::span<const std::int64_t> point_ids,
@@ -100,6 +104,7 @@ void SequenceWriter::write_step(double time, std::span<const Vec3> points, const
   o.append_vectors(*o.positions, points);
   if (o.velocity) o.append_vectors(*o.velocity, fields.velocity);
   if (o.thickness) o.thickness->append(fields.thickness);
+  if (o.query_start) o.append_query(fields);
   o.usable = true;
 }
 
@@ -133,9 +138,24 @@ void SequenceWriter::Impl::check(double time, std::span<const Vec3> points, cons
   if (!first && thickness.has_value() == fields.thickness.empty())
     throw InputError(file, "VTKHDF/CellData/Thickness", step, "is given at some steps and not at others");
   if (!fields.velocity.empty()) detail::check_vectors(file, "VTKHDF/PointData/Velocity", fields.velocity, place);
+  check_query(fields, place);
   if (!fields.thickness.empty())
     detail::check_thickness(file, "VTKHDF/CellData/Thickness", fields.thickness, cells, place);
   if (first || !(cells == last)) detail::check_cells(file, cells, place);
+}
+
+void SequenceWriter::Impl::check_query(const StepFields& fields, const detail::StepPlace& place) const {
+  const char *start = "VTKHDF/PointData/QueryStart", *end = "VTKHDF/PointData/QueryEnd";
+  if (fields.query_start.empty() != fields.query_end.empty())
+    throw InputError(target.name(), fields.query_start.empty() ? start : end, place.step,
+                     "is missing beside the other");
+  if (!times.empty() && query_start.has_value() == fields.query_start.empty())
+    throw InputError(target.name(), start, place.step, "is given at some steps and not at others");
+  if (fields.query_start.empty()) return;
+  detail::check_vectors(target.name(), start, fields.query_start, place);
+  detail::check_vectors(target.name(), end, fields.query_end, place);
+  if (!(std::isfinite(fields.query_separation) && fields.query_separation >= 0))
+    throw InputError(target.name(), "VTKHDF/PointData/QuerySeparation", place.step, "is negative or not finite");
 }
 
 void SequenceWriter::Impl::check_single(const SequenceCells& cells) const {
@@ -175,6 +195,11 @@ void SequenceWriter::Impl::make_datasets(const SequenceCells& cells, const StepF
   cell_ids = output.growing("VTKHDF/CellData/GlobalCellIds", StoredType::int64, 1, cell_rows);
   if (!fields.velocity.empty())
     velocity = output.growing("VTKHDF/PointData/Velocity", StoredType::float64, 3, point_rows);
+  if (!fields.query_start.empty()) {
+    query_start = output.growing("VTKHDF/PointData/QueryStart", StoredType::float64, 3, point_rows);
+    query_end = output.growing("VTKHDF/PointData/QueryEnd", StoredType::float64, 3, point_rows);
+    query_separation = output.growing("VTKHDF/PointData/QuerySeparation", StoredType::float64, 1, point_rows);
+  }
   if (!fields.thickness.empty())
     thickness = output.growing("VTKHDF/CellData/Thickness", StoredType::float64, 1, cell_rows);
 }
@@ -236,6 +261,12 @@ void SequenceWriter::Impl::append_vectors(GrowingDataset& dataset, std::span<con
   dataset.append(numbers);
 }
 
+void SequenceWriter::Impl::append_query(const StepFields& fields) {
+  append_vectors(*query_start, fields.query_start);
+  append_vectors(*query_end, fields.query_end);
+  query_separation->append(std::vector<double>(fields.query_start.size(), fields.query_separation));
+}
+
 void SequenceWriter::Impl::append_tables(double time, const StepFields& fields) {
   const std::int64_t b = static_cast<std::int64_t>(cell_counts.size()) - 1;
   times.push_back(time);
@@ -245,6 +276,7 @@ void SequenceWriter::Impl::append_tables(double time, const StepFields& fields) 
   cell_first.push_back(types->rows() - cell_counts.back());
   connectivity_first.push_back(connectivity->rows() - connectivity_counts.back());
   if (!fields.velocity.empty()) velocity_first.push_back(velocity->rows());
+  if (!fields.query_start.empty()) query_first.push_back(query_start->rows());
   if (!fields.thickness.empty()) thickness_first.push_back(thickness->rows());
   if (!polyhedra) return;
   polyhedra->face_first.push_back(polyhedra->face_offsets.rows() - b - 1 - polyhedra->faces.back());
@@ -272,6 +304,9 @@ void SequenceWriter::Impl::write_tables() {
   output.integers("VTKHDF/Steps/ConnectivityIdOffsets", connectivity_first, true);
   output.integers("VTKHDF/Steps/PointDataOffsets/GlobalPointIds", zeros);
   if (velocity) output.integers("VTKHDF/Steps/PointDataOffsets/Velocity", velocity_first);
+  if (query_start)
+    for (const std::string name : {"QueryStart", "QueryEnd", "QuerySeparation"})
+      output.integers("VTKHDF/Steps/PointDataOffsets/" + name, query_first);
   output.integers("VTKHDF/Steps/CellDataOffsets/PartId", cell_first);
   output.integers("VTKHDF/Steps/CellDataOffsets/GlobalCellIds", cell_first);
   if (thickness) output.integers("VTKHDF/Steps/CellDataOffsets/Thickness", thickness_first);
@@ -285,7 +320,8 @@ void SequenceWriter::Impl::write_tables() {
 }
 
 void SequenceWriter::Impl::close() {
-  for (auto* dataset : {&positions, &velocity, &connectivity, &offsets, &types, &parts, &cell_ids, &thickness})
+  for (auto* dataset : {&positions, &velocity, &connectivity, &offsets, &types, &parts, &cell_ids, &thickness,
+                        &query_start, &query_end, &query_separation})
     dataset->reset();
   polyhedra.reset();
   output.close();

@@ -19,11 +19,15 @@ inline constexpr const char* kSequenceIsNoStream = "a sequence (HDF5) is not wri
 struct StepFields {
   std::span<const Vec3> velocity = {};     ///< one per point, in length units per time unit
   std::span<const double> thickness = {};  ///< one per cell of the step; 0 for volumes
+  /// The last query that a solver asked before this step: the positions of the points at its start and at its end (its
+  /// look-ahead included), one per point and both or neither, and its separation, which is finite and not negative.
+  std::span<const Vec3> query_start = {}, query_end = {};
+  double query_separation = 0;
 };
 
 /// `temporal`: any number of steps, VTKHDF 2.x; VTK opens it from version 9.3 on. `single`: one step without the group
-/// "Steps", VTKHDF 1.0, its time in FieldData/TimeValue, which SequenceReader ignores; VTK opens it from version 9.1 on.
-/// The single form has no polytopes.
+/// "Steps", VTKHDF 1.0, its time in FieldData/TimeValue, which SequenceReader ignores; VTK opens it from version 9.1
+/// on. The single form has no polytopes.
 enum class SequenceForm { temporal, single };
 
 /// Writes the layout that SequenceReader reads and ParaView opens: version 2.2, one piece per step, 64-bit ids, arrays

@@ -36,7 +36,8 @@ SequenceStepper::Config stepper_config(const py::dict& options) {
   choose("edges", config.edge_set, std::pair("triangulated", EdgeSet::triangulated),
          std::pair("polytope", EdgeSet::polytope));
   choose("motion", config.motion, std::pair("linear", MotionModel::linear),
-         std::pair("quadratic", MotionModel::quadratic), std::pair("tentative", MotionModel::tentative));
+         std::pair("quadratic", MotionModel::quadratic), std::pair("tentative", MotionModel::tentative),
+         std::pair("query", MotionModel::query));
   choose("parts", config.parts, std::pair("stored", PartModel::stored), std::pair("components", PartModel::components));
   return config;
 }

@@ -77,7 +77,7 @@ class Detector:
 class Sequence:
     shells: str
     def __init__(self, path: _Path, *, shells: Literal["surface", "solid"] = ...,
-                 motion: Literal["linear", "quadratic", "tentative"] = ..., edges: _Edges = ...,
+                 motion: Literal["linear", "quadratic", "tentative", "query"] = ..., edges: _Edges = ...,
                  parts: Literal["stored", "components"] = ...) -> None: ...
     def __len__(self) -> int: ...
     @property

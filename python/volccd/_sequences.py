@@ -19,8 +19,9 @@ class Sequence:
     path : str or path
     shells : "surface", "solid"
         Triangles and quads as they are, or thickened by the file's thickness.
-    motion : "linear", "quadratic", "tentative"
-        To the next step on straight lines, or with constant acceleration; or from each step with its velocities.
+    motion : "linear", "quadratic", "tentative", "query"
+        To the next step on straight lines, or with constant acceleration; or from each step with its velocities; or
+        the last query that the simulation of the file asked, without its separation.
     edges : "triangulated", "polytope"
     parts : "stored", "components"
         Objects are the parts that the file stores, or what hangs together.

@@ -4,10 +4,14 @@
 #   install    installs the build into WORK_DIR/prefix, which the other parts use; looks through what lies there
 #   consumer   builds and runs tests/consumer/, without the packages that only the component `program` needs
 #   example    builds examples/custom_culling/, which asks for the component `program`
+#   solver     builds examples/solver/ and runs it, without the packages that only the component `program` needs
 #   refusals   components that cannot be had are refused, and the message says why
 #   headers    each installed header compiles alone
 #   debian     makes the Debian packages, unpacks them into an empty root, and uses what lies there: the program, the
-#              importer, tests/consumer/ by CMake and by pkg-config
+#              importer, tests/consumer/ by CMake and by pkg-config (python/tests/installed.py uses the Python module)
+#   shared     builds and installs shared libraries, and uses them by CMake and by pkg-config
+#   fresh      configures the project where only the packages that the program needs are there
+#   lean       builds and installs the library without program, HDF5 and GMP, and uses it
 cmake_policy(VERSION 3.22)
 set(PREFIX "${WORK_DIR}/prefix")
 
@@ -31,6 +35,29 @@ function(build source name)
   configure_command(command "${source}" "${name}" ${ARGN})
   run("configure" ${command})
   run("build" "${CMAKE_COMMAND}" --build "${WORK_DIR}/${name}")
+endfunction()
+
+# use_by_pkg_config(name [options...]): builds and runs tests/consumer/ with what pkg-config says of PREFIX.
+function(use_by_pkg_config name)
+  set(ENV{PKG_CONFIG_PATH} "${PREFIX}/lib/pkgconfig")
+  execute_process(COMMAND pkg-config ${ARGN} --cflags --libs volccd OUTPUT_VARIABLE flags RESULT_VARIABLE code)
+  if(NOT code EQUAL 0)
+    message(FATAL_ERROR "pkg-config does not find volccd")
+  endif()
+  separate_arguments(flags UNIX_COMMAND "${flags}")
+  run("compile by pkg-config" "${CXX}" "${PROJECT_DIR}/tests/consumer/main.cpp" -o "${WORK_DIR}/${name}" ${flags})
+  set(ENV{LD_LIBRARY_PATH} "${PREFIX}/lib")
+  run("run" "${WORK_DIR}/${name}")
+endfunction()
+
+# install_library(name [options...]): builds the project's library alone and installs it into WORK_DIR/name. Without
+# optimisation, which takes half as long.
+function(install_library name)
+  build("${PROJECT_DIR}" "${name}-build" -DVOLCCD_BUILD_PROGRAM=OFF -DVOLCCD_BUILD_TESTS=OFF
+        -DVOLCCD_BUILD_BENCHMARKS=OFF -DVOLCCD_SIMD=baseline -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=16
+        -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 ${ARGN})
+  file(REMOVE_RECURSE "${WORK_DIR}/${name}")
+  run("install" "${CMAKE_COMMAND}" --install "${WORK_DIR}/${name}-build" --prefix "${WORK_DIR}/${name}")
 endfunction()
 
 # write_project(folder component text): a project that asks for the component (empty: for none).
@@ -71,19 +98,24 @@ function(check_no_file_names_this_machine)
   endforeach()
 endfunction()
 
+# The library alone does not ask for these.
+foreach(package PNG fcl ccd CLI11 nlohmann_json)
+  list(APPEND without_program "-DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON")
+endforeach()
+
 file(GLOB_RECURSE headers RELATIVE "${PREFIX}/include" "${PREFIX}/include/*.hpp")
 file(GLOB_RECURSE program_targets "${PREFIX}/*/volccdProgramTargets.cmake")
 
 if(PART STREQUAL "install")
-  file(REMOVE_RECURSE "${WORK_DIR}")
+  file(REMOVE_RECURSE "${PREFIX}")  # and no more: other parts may be running
   run("install" "${CMAKE_COMMAND}" --install "${BUILD_DIR}" --prefix "${PREFIX}")
   check_no_file_names_this_machine()
 elseif(PART STREQUAL "consumer")
-  foreach(package PNG fcl ccd CLI11 nlohmann_json)
-    list(APPEND without "-DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON")
-  endforeach()
-  build("${PROJECT_DIR}/tests/consumer" consumer ${without})
+  build("${PROJECT_DIR}/tests/consumer" consumer ${without_program})
   run("run" "${WORK_DIR}/consumer/consumer")
+elseif(PART STREQUAL "solver")
+  build("${PROJECT_DIR}/examples/solver" solver ${without_program})
+  run("run" "${WORK_DIR}/solver/solver")
 elseif(PART STREQUAL "example")
   build("${PROJECT_DIR}/examples/custom_culling" custom_culling)
 elseif(PART STREQUAL "refusals")
@@ -91,12 +123,14 @@ elseif(PART STREQUAL "refusals")
   refuse(program "volccd's component program needs fcl (Debian: libfcl-dev), which was not found"
          -DCMAKE_DISABLE_FIND_PACKAGE_fcl=ON)
   # A package without the program is one without this file.
+  file(REMOVE_RECURSE "${WORK_DIR}/prefix-without-program")
   file(COPY "${PREFIX}/" DESTINATION "${WORK_DIR}/prefix-without-program" PATTERN "volccdProgramTargets*" EXCLUDE)
   set(PREFIX "${WORK_DIR}/prefix-without-program")
   refuse(program "this package of volccd was built without its component program")
 elseif(PART STREQUAL "headers")
   # Twice: the second time checks the include guard. To objects, which a compiler cache keeps, as it does not keep checks
   # of the syntax alone.
+  file(REMOVE_RECURSE "${WORK_DIR}/headers")
   foreach(header IN LISTS headers)
     file(WRITE "${WORK_DIR}/headers/${header}.cpp" "#include <${header}>\n#include <${header}>\n")
   endforeach()
@@ -119,24 +153,68 @@ elseif(PART STREQUAL "debian")
   set(root "${WORK_DIR}/root")
   file(REMOVE_RECURSE "${root}" "${WORK_DIR}/packages")
   run("make packages" "${CPACK}" -G DEB --config "${BUILD_DIR}/CPackConfig.cmake" -B "${WORK_DIR}/packages")
-  foreach(name IN ITEMS volccd libvolccd-dev)
-    file(GLOB package "${WORK_DIR}/packages/${name}_*.deb")
-    run("unpack ${name}" dpkg-deb -x "${package}" "${root}")
+  file(GLOB packages RELATIVE "${WORK_DIR}/packages" "${WORK_DIR}/packages/*.deb")
+  list(TRANSFORM packages REPLACE "_.*" "" OUTPUT_VARIABLE names)
+  list(REMOVE_ITEM names python3-volccd)  # where the module is not built
+  if(NOT names STREQUAL "libvolccd-dev;volccd")
+    message(FATAL_ERROR "packages beside those of docs/installing.md: ${names}")
+  endif()
+  foreach(package IN LISTS packages)
+    run("unpack ${package}" dpkg-deb -x "${WORK_DIR}/packages/${package}" "${root}")
   endforeach()
   run("program" "${root}/usr/bin/volccd" stages)
+  run("scene" "${root}/usr/bin/volccd" scene generate builtin --elements 200 --steps 2 -o "${WORK_DIR}/run.vtkhdf")
+  run("contacts" "${root}/usr/bin/volccd" detect "${WORK_DIR}/run.vtkhdf")
+  if(EXISTS "${BUILD_DIR}/page")
+    # The page of this root, not that of the build folder.
+    file(APPEND "${root}/usr/share/volccd/report/index.html" "<!-- of the package -->")
+    file(REMOVE_RECURSE "${WORK_DIR}/view")
+    run("page" "${root}/usr/bin/volccd" view "${WORK_DIR}/run.vtkhdf" -o "${WORK_DIR}/view")
+    file(READ "${WORK_DIR}/view/index.html" page)
+    if(NOT page MATCHES "of the package")
+      message(FATAL_ERROR "the program takes the report's page from another folder than its own")
+    endif()
+  endif()
   run("importer" "${root}/usr/bin/volccd-import" --help)
   run("plots" "${root}/usr/bin/volccd-plot" --help)
   set(PREFIX "${root}/usr")
   build("${PROJECT_DIR}/tests/consumer" consumer-of-packages)
   run("run" "${WORK_DIR}/consumer-of-packages/consumer")
-  set(ENV{PKG_CONFIG_PATH} "${root}/usr/lib/pkgconfig")
-  execute_process(COMMAND pkg-config --static --cflags --libs volccd OUTPUT_VARIABLE flags RESULT_VARIABLE code)
-  if(NOT code EQUAL 0)
-    message(FATAL_ERROR "pkg-config does not find volccd")
+  use_by_pkg_config(by_pkg_config --static)
+elseif(PART STREQUAL "shared")
+  install_library(shared -DBUILD_SHARED_LIBS=ON)
+  set(PREFIX "${WORK_DIR}/shared")
+  file(GLOB archives "${PREFIX}/lib/*.a")
+  if(archives)
+    message(FATAL_ERROR "static libraries among the shared ones: ${archives}")
   endif()
-  separate_arguments(flags UNIX_COMMAND "${flags}")
-  run("compile by pkg-config" "${CXX}" "${PROJECT_DIR}/tests/consumer/main.cpp" -o "${WORK_DIR}/by_pkg_config" ${flags})
-  run("run" "${WORK_DIR}/by_pkg_config")
+  build("${PROJECT_DIR}/tests/consumer" consumer-of-shared ${without_program})
+  run("run" "${WORK_DIR}/consumer-of-shared/consumer")
+  use_by_pkg_config(by_pkg_config_shared)
+elseif(PART STREQUAL "fresh")
+  foreach(package GTest rapidcheck benchmark embree Bullet)
+    list(APPEND without_tests "-DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON")
+  endforeach()
+  configure_command(command "${PROJECT_DIR}" fresh ${without_tests})
+  execute_process(COMMAND ${command} RESULT_VARIABLE code OUTPUT_VARIABLE message ERROR_VARIABLE message)
+  foreach(expected "Tests: not built: not found: GTest (Debian: libgtest-dev), rapidcheck (Debian: librapidcheck-dev)"
+                   "Benchmarks: not built: not found: benchmark (Debian: libbenchmark-dev)" "Python module: built for")
+    string(FIND "${message}" "${expected}" position)
+    if(NOT code EQUAL 0 OR position EQUAL -1)
+      message(FATAL_ERROR "exit code ${code}, and not '${expected}', but: ${message}")
+    endif()
+  endforeach()
+elseif(PART STREQUAL "lean")
+  set(without -DCMAKE_DISABLE_FIND_PACKAGE_HDF5=ON -DCMAKE_DISABLE_FIND_PACKAGE_GMP=ON)
+  install_library(lean -DVOLCCD_WITH_HDF5=OFF -DVOLCCD_WITH_GMP=OFF ${without})
+  set(PREFIX "${WORK_DIR}/lean")
+  build("${PROJECT_DIR}/tests/consumer" consumer-of-lean ${without_program} ${without})
+  run("run" "${WORK_DIR}/consumer-of-lean/consumer")
+  execute_process(COMMAND ldd "${WORK_DIR}/consumer-of-lean/consumer" OUTPUT_VARIABLE libraries)
+  if(NOT libraries MATCHES "libtbb" OR libraries MATCHES "hdf5|gmp")
+    message(FATAL_ERROR "HDF5 or GMP is needed all the same: ${libraries}")
+  endif()
+  use_by_pkg_config(by_pkg_config_lean --static)
 else()
   message(FATAL_ERROR "no part '${PART}'")
 endif()

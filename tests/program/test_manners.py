@@ -75,6 +75,23 @@ class Manners(ProgramTest):
                 with open(os.path.join(folder, name), encoding="utf-8") as file:
                     self.fits(file.read(), name)
 
+    def test_what_experiments_and_reports_print_fits(self):
+        none = {"VOLCCD_DATA": "none", "VOLCCD_CACHE": self.path("no-cache")}
+        results, records = self.path("results"), os.path.join(SOURCE, "results")
+        for arguments in (["experiment", "run", "projectile", "--quick", "-o", results],
+                          *(["experiment", "table", name, "--results", records]
+                            for name in ("table1", "culling", "ablation", "scaling", "operations", "peers", "plus",
+                                         "projectile", "scenes", "feature-sets")),
+                          ["experiment", "compare", results, results], ["report", records, "-o", self.path("report")],
+                          ["view", self.sequence, "-o", self.path("view")],
+                          ["scene", "generate", "builtin", "--elements", "200", "-o", self.path("g.vtkhdf")],
+                          ["scene", "export", self.sequence, "-o", self.path("e.vtkhdf")],
+                          ["scene", "picture", self.sequence, "--size", "160x120", "-o", self.path("p.png")]):
+            done = run(*arguments, env=none)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            # The folder of the test is a long name; "out" is as long as those that people use.
+            self.fits((done.stdout + done.stderr).replace(self.folder.name, "out"), arguments)
+
     def test_near_names(self):
         data = {"VOLCCD_CACHE": self.path("no-cache")}
         for arguments, near in (

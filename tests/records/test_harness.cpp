@@ -10,6 +10,7 @@
 #include <volccd/experiments/harness/motion_measures.hpp>
 #include <volccd/experiments/harness/subdivide.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
+#include <volccd/experiments/tables/inversion_table.hpp>
 #include <volccd/experiments/tables/operation_table.hpp>
 #include <volccd/experiments/tables/rows.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
@@ -178,7 +179,7 @@ TEST_F(Harness, EveryPlanHasScenesAndPipelinesThatCanBeMade) {
       if (!kind.plan) continue;
       const ExperimentPlan plan = kind.plan(context);
       EXPECT_FALSE(plan.runs.empty()) << kind.name;
-      EXPECT_GT(measured_runs(plan), 0u) << kind.name;
+      EXPECT_EQ(measured_runs(plan) > 0, kind.rows == nullptr) << kind.name << ": else it names its inputs only";
       for (const SceneRun& run : plan.runs)
         for (const Entrant& entrant : run.entrants) EXPECT_NO_THROW(Pipeline(registry_, entrant.spec)) << kind.name;
     }
@@ -204,6 +205,30 @@ TEST_F(Harness, OperationsAreCountedOnAScene) {
   EXPECT_GE(rows.size(), 8u);
   EXPECT_NE(render(operation_tables({{"rows", rows}}), TableFormat::text).find("217"), std::string::npos)
       << "the paper's";
+  EXPECT_EQ(operation_tables({{"rows", rows}}).size(), 2u) << "those of OBBs and k-DOPs, too";
+  EXPECT_EQ(operation_plan(context).runs.size(), 1u);
+}
+
+TEST_F(Harness, InversionsAreCountedOnAllMotionsOfTheScenes) {
+  const PlanContext context{registry_, false, {}, {}, [&](const std::string& name) {
+                              return name == "bullet-quick" ? std::optional(file_) : std::nullopt;
+                            }};
+  ASSERT_EQ(inversion_plan(context).runs.size(), 1u);
+  const std::vector<json> rows = inversion_rows(context);
+  const SequenceReader reader(file_);
+  ASSERT_EQ(rows.size(), static_cast<std::size_t>(reader.step_count() - 1) * (reader.has_velocity() ? 2 : 1));
+  std::uint64_t examined = 0;
+  for (const json& row : rows) {
+    EXPECT_EQ(row.at("scene"), "bullet");
+    examined += row.at("examined").get<std::uint64_t>();
+    EXPECT_EQ(row.at("intra").get<std::uint64_t>(),
+              row.at("intra_at_start").get<std::uint64_t>() + row.at("in_inverted").get<std::uint64_t>() +
+                  row.at("at_inverted").get<std::uint64_t>() + row.at("missed").get<std::uint64_t>());
+  }
+  EXPECT_GT(examined, 0u);
+  const auto cells = inversion_tables({{"rows", rows}}).front().table.rows();
+  EXPECT_EQ(cells.size(), reader.has_velocity() ? 3u : 2u);
+  EXPECT_EQ(cells[1].at(3), std::to_string(reader.step_count() - 1)) << "motions";
 }
 
 TEST(Refine, KeepsTheMotionAndTheVolumeOfEveryType) {

@@ -503,7 +503,7 @@ TEST(ReportRecords, TablesAndProvenanceOfTheKeptResults) {
     for (const char* key : {"commit", "cpu", "date"})
       EXPECT_TRUE(record.at("provenance").contains(key)) << record.at("name");
   }
-  for (const char* name : {"table1", "culling", "plus", "scenes", "feature_sets"})
+  for (const char* name : {"table1", "culling", "plus", "scenes", "feature-sets"})
     EXPECT_EQ(1u, names.count(name)) << name;
   bool octopi = false;
   for (const RecordedInput& input : inputs_of(records))

@@ -88,6 +88,11 @@ void expect_equal(const std::string& a, const std::string& b) {
     one.read_cells(k, c), other.read_cells(k, d);
     EXPECT_EQ(c, d) << k;
     EXPECT_EQ(one.time(k), other.time(k));
+    ASSERT_TRUE(one.has_query() && other.has_query());
+    std::vector<Vec3> x1, y1;
+    EXPECT_EQ(one.read_query(k, x, x1), other.read_query(k, y, y1));
+    EXPECT_EQ(x, y) << k;
+    EXPECT_EQ(x1, y1) << k;
   }
 }
 
@@ -160,6 +165,34 @@ TEST_F(Bake, TheBarIsTornAndItsRecordSaysSo) {
     edits += motion.added;
   }
   EXPECT_GT(edits, 0u);
+}
+
+/// The bar touches nothing, and each substep has its query: the last one ends where the frame is, and begins a substep
+/// before, also for the vertices that the bar's tearing has made.
+TEST_F(Bake, EachFrameHasTheLastQueryOfItsSimulation) {
+  SequenceReader reader(*bake(bar_scene(), {}, serial_));
+  ASSERT_TRUE(reader.has_query());
+  std::vector<Vec3> before, x, start, end;
+  for (int k = 0; k < reader.step_count(); ++k) {
+    reader.read_points(k, x);
+    const double separation = reader.read_query(k, start, end);
+    SequenceCells cells;
+    reader.read_cells(k, cells);
+    double of_query = 0, of_frame = 0;
+    for (const Index v : cells.connectivity) {
+      EXPECT_EQ(end[v], x[v]) << k << " " << v;
+      of_query += (x[v] - start[v]).norm();
+      of_frame += k > 0 ? (x[v] - before[v]).norm() : 0;
+    }
+    if (k == 0) {
+      EXPECT_EQ(of_query, 0) << "nothing has been asked";
+    } else {
+      EXPECT_GT(separation, 0);
+      EXPECT_GT(of_query, 0);
+      EXPECT_LT(of_query, 0.8 * of_frame) << k;
+    }
+    before = x;
+  }
 }
 
 TEST_F(Bake, GoesOnWhereItStopped) {
@@ -248,7 +281,7 @@ TEST_F(Bake, NamesBecomeFiles) {
   EXPECT_EQ(file, (root() / "openradioss-bullet.vtkhdf").string());
 }
 
-TEST(SimulatedScenes, TheListHasAllFive) {
+TEST(SimulatedScenes, TheListHasThemAll) {
   std::set<std::string> names, variants;
   for (const SimulatedScene& scene : simulated_scenes()) {
     EXPECT_TRUE((scene.variant_of.empty() ? names : variants).insert(scene.name).second);
@@ -261,7 +294,7 @@ TEST(SimulatedScenes, TheListHasAllFive) {
     EXPECT_GT(scene.duration, 0);
     EXPECT_LT(scene.quick_elements, scene.default_elements);
   }
-  EXPECT_EQ(names, (std::set<std::string>{"airbag", "bullet", "crash", "liver", "octopi"}));
+  EXPECT_EQ(names, (std::set<std::string>{"airbag", "bullet", "crash", "liver", "octopi", "weld"}));
   EXPECT_EQ(variants, (std::set<std::string>{"bullet-boundary", "bullet-surface"}));
   EXPECT_EQ(find_simulated_scene("none"), nullptr);
 }

@@ -15,6 +15,8 @@
 namespace volccd {
 namespace {
 
+struct Stop {};
+
 class FeatureSets : public testing::Test {
  protected:
   void SetUp() override {
@@ -57,40 +59,51 @@ class FeatureSets : public testing::Test {
     return file;
   }
 
-  std::optional<nlohmann::json> record(const std::string& file, std::size_t motions = 100) {
+  std::vector<nlohmann::json> motions_of(const std::string& file, int motions = 100) {
     SerialExecutor executor;
-    return feature_set_record("run", file, "", executor, [&](std::size_t done, std::size_t) { return done < motions; });
+    return feature_set_motions(file, executor, [&] {
+      if (motions-- == 0) throw Stop();
+    });
   }
 
   std::filesystem::path folder_;
 };
 
 TEST_F(FeatureSets, SeesWhatGoesThrough) {
-  const nlohmann::json run = record(write(ElementType::hexahedron)).value();
-  const nlohmann::json& motions = run.at("motions");
+  std::vector<nlohmann::json> motions = motions_of(write(ElementType::hexahedron));
   ASSERT_EQ(motions.size(), 3u);
   for (int k = 0; k < 3; ++k) {
     const nlohmann::json& motion = motions[static_cast<std::size_t>(k)];
     EXPECT_NEAR(motion.at("velocity").get<double>(), 4, 1e-12);
+    EXPECT_EQ(motion.at("motion"), k);
+    EXPECT_EQ(motion.at("time"), 0.25 * (k + 1));
+    EXPECT_EQ(motion.at("elements"), 12);
     EXPECT_NEAR(motion.at("travel").get<double>(), k + 1, 1e-12);
-    EXPECT_EQ(motion.at("pieces").at("striker"), 1);
-    EXPECT_EQ(motion.at("pieces").at("target"), 1);
+    EXPECT_EQ(motion.at("pieces_striker"), 1);
+    EXPECT_EQ(motion.at("pieces_target"), 1);
     EXPECT_EQ(motion.at("inverted"), k == 0 ? 0 : 1);
-    EXPECT_EQ(motion.at("overlaps").at("intra"), 0);
+    EXPECT_EQ(motion.at("overlaps_intra"), 0);
     // At the start of a motion: above; the lower cell in the plate, over four of its cells; the upper one in it too, of
     // which one half misses a cell.
-    EXPECT_EQ(motion.at("overlaps").at("inter"), k == 0 ? 0 : k == 1 ? 4 : 11) << k;
+    EXPECT_EQ(motion.at("overlaps_inter"), k == 0 ? 0 : k == 1 ? 4 : 11) << k;
   }
   EXPECT_GT(motions[0].at("contacts").get<int>(), 0);
   // Half into the plate the bar has met little of what is between its cells.
   EXPECT_LT(motions[0].at("interior"), motions[1].at("interior"));
   EXPECT_LT(motions[1].at("interior"), motions[1].at("contacts"));
-  EXPECT_NE(untitled_text(feature_set_table({run})).find("run"), std::string::npos);
+  // The table has the last motion, and sums.
+  for (nlohmann::json& motion : motions)
+    motion.update({{"scene", "run"}, {"splits", 5}, {"breaks", 1}, {"simulation_seconds", 1.5}});
+  const auto cells = feature_set_tables({{"rows", motions}}).front().table.rows();
+  ASSERT_EQ(cells.size(), 2u);
+  const std::vector<std::string> expected = {"run", "12", "15", "1", "1", "4", "3000.00", "11", "0", "2"};
+  EXPECT_EQ(std::vector<std::string>(cells[1].begin(), cells[1].begin() + 10), expected);
+  EXPECT_EQ(cells[1].back(), "4.50 s");
 }
 
 TEST_F(FeatureSets, StopsWhenToldAndRefusesOtherElements) {
-  EXPECT_FALSE(record(write(ElementType::hexahedron), 2));
-  EXPECT_THROW(record(write(ElementType::tetrahedron)), InputError);
+  EXPECT_THROW(motions_of(write(ElementType::hexahedron), 2), Stop);
+  EXPECT_THROW(motions_of(write(ElementType::tetrahedron)), InputError);
 }
 
 }  // namespace

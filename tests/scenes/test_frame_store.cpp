@@ -37,6 +37,8 @@ Frame frame(int k) {
     f.vertex_ids.push_back(v);
     f.positions.push_back(Vec3(v, v % 2, k));
     f.velocities.push_back(Vec3(v + 1, 0, 2));
+    f.query_start.push_back(Vec3(v, 7, k));
+    f.query_end.push_back(Vec3(v, 8, k));
   }
   if (k == 2) f.start_positions = {Vec3(0.25, 0, 1.5)};
   if (k == 3) f.start_positions = {Vec3(0.75, 0, 2.5)};
@@ -44,6 +46,7 @@ Frame frame(int k) {
   f.cells.add({ElementType::triangle, {0, a, 2}, {}, 1, 7});
   f.cells.add({ElementType::triangle, {b, 3, 2}, {}, 2, 8});
   f.thickness = {0.125, 0.25};
+  f.query_separation = 0.25 + k;
   f.counts.inter = static_cast<std::uint64_t>(k);
   f.ledger.kinetic = 3.5;
   f.ledger.momentum = Vec3(1, 2, 3);
@@ -75,6 +78,9 @@ TEST_F(FrameStore, FramesComeBack) {
   EXPECT_EQ(read.positions, written.positions);
   EXPECT_EQ(read.velocities, written.velocities);
   EXPECT_EQ(read.start_positions, written.start_positions);
+  EXPECT_EQ(read.query_start, written.query_start);
+  EXPECT_EQ(read.query_end, written.query_end);
+  EXPECT_EQ(read.query_separation, 3.25);
   EXPECT_EQ(read.cells, written.cells);
   EXPECT_EQ(read.thickness, written.thickness);
   EXPECT_EQ(read.counts.inter, 3u);
@@ -115,6 +121,8 @@ TEST_F(FrameStore, NewVerticesWaitWhereTheirFirstMotionStarts) {
     reader.read_points(k, x);
     reader.read_velocity(k, v);
     reader.read_thickness(k, thickness);
+    std::vector<Vec3> start, end;
+    EXPECT_EQ(reader.read_query(k, start, end), 0.25 + k);
     reader.read_cells(k, cells);
     EXPECT_EQ(reader.time(k), f.time);
     EXPECT_EQ(cells, f.cells);
@@ -123,6 +131,8 @@ TEST_F(FrameStore, NewVerticesWaitWhereTheirFirstMotionStarts) {
       const bool there = i < f.positions.size();
       EXPECT_EQ(x[i], there ? f.positions[i] : i == 4 ? Vec3(0.25, 0, 1.5) : Vec3(0.75, 0, 2.5)) << k << " " << i;
       EXPECT_EQ(v[i], there ? f.velocities[i] : Vec3::Zero().eval());
+      EXPECT_EQ(start[i], there ? f.query_start[i] : x[i]) << "before a vertex exists, it does not move";
+      EXPECT_EQ(end[i], there ? f.query_end[i] : x[i]);
     }
   }
 }

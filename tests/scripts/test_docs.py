@@ -2,6 +2,7 @@
 """What the documents refer to exists: links, headers and files named in `code`, stage names; listings are the tested files."""
 
 import re
+import textwrap
 import unittest
 from pathlib import Path
 
@@ -42,6 +43,18 @@ class Docs(unittest.TestCase):
         for language, name in (("cmake", "CMakeLists.txt"), ("cpp", "custom_culling.cpp")):
             listings = re.findall(rf"```{language}\n(.*?)```", page, re.DOTALL)
             self.assertEqual(listings, [(ROOT / "examples/custom_culling" / name).read_text()], name)
+
+    def test_listings_of_into_a_solver_are_parts_of_the_example(self):
+        """Whole lines of the files, in a row; the indentation may be less."""
+        page = (ROOT / "docs/into_a_solver.md").read_text()
+        for language, name, least in (("cmake", "solver/CMakeLists.txt", 1), ("cpp", "solver/solver.cpp", 8),
+                                      ("python", "python/solver.py", 5)):
+            source = (ROOT / "examples" / name).read_text()
+            listings = re.findall(rf"```{language}\n(.*?)```", page, re.DOTALL)
+            self.assertGreaterEqual(len(listings), least)
+            for listing in listings:
+                indented = (textwrap.indent(listing, " " * n) for n in range(0, 9, 2))
+                self.assertTrue(any("\n" + text in "\n" + source for text in indented), f"{name} has not:\n{listing}")
 
 
 if __name__ == "__main__":

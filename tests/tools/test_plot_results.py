@@ -25,7 +25,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.dirname(HERE)), "tools"))
 import plot_results  # noqa: E402  # pylint: disable=wrong-import-position
-from plots import records, scaling, stages  # noqa: E402  # pylint: disable=wrong-import-position
+from plots import feature_sets, records, scaling, stages  # noqa: E402  # pylint: disable=wrong-import-position
 
 PROVENANCE = {"version": "0.1.0", "commit": "abc1234", "cpu": "Test CPU", "cores": 2, "threads": 1,
               "setting": "quick"}
@@ -272,6 +272,26 @@ class Plots(unittest.TestCase):
         for text in ("VolCCD+, inclusion", "2.25 k", "boundary alone", "7 k"):
             self.assertIn(text, texts)
         self.assertIn("VolCCD+", self.texts("plus-2-threads"))
+
+    def test_feature_sets_over_time(self):
+        def sets(scene, velocities):
+            return [row("VolCCD+", scene, variant="all", motion=k, time=1e-6 * (k + 1), velocity=v, overlaps_inter=k,
+                        interior=10 * k) for k, v in enumerate(velocities)]
+        self.record("feature-sets", sets("bullet", [750, 300, -40]) + sets("bullet-surface", [750, 500]))
+        self.good()
+        texts = self.texts("feature-sets")
+        for text in ("bullet", "bullet-surface", "velocity of the bullet, m/s", "time, microseconds"):
+            self.assertIn(text, texts)
+        self.assertIn("bullet (3), bullet-surface (2)", " ".join(texts))
+        page = feature_sets.draw_feature_sets(records.read_record(os.path.join(self.folder, "feature-sets.json"),
+                                                                  "feature-sets"), None)[0][1]
+        lines = [line.get_ydata() for line in page.panels[0][0].get_lines()]
+        self.assertEqual([list(line) for line in lines], [[750, 300, -40], [750, 500]])
+        self.assertAlmostEqual(page.panels[0][2].get_lines()[0].get_xdata()[2], 3)
+        self.assertEqual(list(page.panels[0][2].get_lines()[0].get_ydata()), [0, 10, 20])
+        self.record("feature-sets", [row("VolCCD+", time=1.0, velocity=float("nan"), overlaps_inter=0, interior=0)])
+        code, _, err = self.run_tool()
+        self.assertEqual((code, "velocity = NaN" in err), (2, True), err)
 
     # --- what is missing
 

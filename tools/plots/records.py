@@ -10,6 +10,7 @@ SCHEMA = 1
 PAPER_SCENES = ["octopi", "bullet", "airbag", "crash", "liver"]
 TEXTS = ("table", "scene", "motion_model", "pipeline", "variant")
 COUNTS = ("vf_tests", "ee_tests")
+SIGNED = ("velocity",)
 ROLES = ("broad_phase", "element_culling", "assignment", "orphans", "feature_filter", "narrow_phase")
 STAGES = ("bounds_s", *(f"{role}_{part}_s" for role in ROLES for part in ("prepare", "run")))
 
@@ -57,15 +58,15 @@ def read_record(path, experiment):
 
 
 def check_columns(record, columns):
-    """Every row has the columns that identify it and `columns`: texts, else finite numbers that are not negative;
-    times, elements and lengths are positive."""
+    """Every row has the columns that identify it and `columns`: texts, else finite numbers that are not negative, except
+    velocities; times, elements and lengths are positive."""
     for row in record.rows:
         for column in (*TEXTS, "motion", "round", *columns):
             value = row.get(column)
             if column in TEXTS:
                 good = isinstance(value, str)
             else:
-                good = type(value) in (int, float) and 0 <= value < math.inf
+                good = type(value) in (int, float) and math.isfinite(value) and (value >= 0 or column in SIGNED)
                 good = good and (value > 0 or column not in ("seconds", "elements", "moved_edges"))
             if not good:
                 there = f"{column} = {json.dumps(value)}" if column in row else f"no column '{column}'"

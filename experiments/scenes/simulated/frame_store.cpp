@@ -18,6 +18,9 @@ void archive_frame(simulation::Archive& archive, Frame& frame) {
   archive(frame.positions);
   archive(frame.velocities);
   archive(frame.start_positions);
+  archive(frame.query_start);
+  archive(frame.query_end);
+  archive(frame.query_separation);
   archive(frame.cells.types);
   archive(frame.cells.offsets);
   archive(frame.cells.connectivity);
@@ -68,6 +71,11 @@ Frame capture_frame(simulation::Simulation& simulation, Index vertices_before) {
   frame.velocities.assign(simulation.velocities().begin(), simulation.velocities().end());
   frame.start_positions.assign(simulation.start_positions().begin() + vertices_before,
                                simulation.start_positions().end());
+  if (const std::optional<simulation::AskedQuery> query = simulation.last_query()) {
+    frame.query_start.assign(query->start.begin(), query->start.end());
+    frame.query_end.assign(query->end.begin(), query->end.end());
+    frame.query_separation = query->separation;
+  }
   frame.cells = cells_of(mesh);
   bool shells = false;
   for (const ElementType type : frame.cells.types) shells = shells || is_shell(type);
@@ -121,9 +129,11 @@ void write_frames(const std::vector<std::string>& frame_files, const std::string
   for (const std::string& name : frame_files) {
     Frame frame = read_frame(name);
     const auto later = births.places.begin() + static_cast<std::ptrdiff_t>(frame.positions.size() - births.first);
-    frame.positions.insert(frame.positions.end(), later, births.places.end());
+    for (std::vector<Vec3>* places : {&frame.positions, &frame.query_start, &frame.query_end})
+      if (!places->empty()) places->insert(places->end(), later, births.places.end());
     frame.velocities.resize(births.ids.size(), Vec3::Zero());
-    writer.write_step(frame.time, frame.positions, frame.cells, {frame.velocities, frame.thickness});
+    writer.write_step(frame.time, frame.positions, frame.cells,
+                      {frame.velocities, frame.thickness, frame.query_start, frame.query_end, frame.query_separation});
   }
   writer.finish();
 }

@@ -20,6 +20,8 @@ struct Frame {
   std::vector<Vec3> positions, velocities;  ///< by vertex
   /// By vertex that the frame before does not have: its position at that frame, p' = p - s v (Section 6.3).
   std::vector<Vec3> start_positions;
+  std::vector<Vec3> query_start, query_end;  ///< by vertex: Simulation::last_query(); empty without contacts
+  double query_separation = 0;
   SequenceCells cells;            ///< PartId is the object + 1
   std::vector<double> thickness;  ///< by cell; empty without shells
 

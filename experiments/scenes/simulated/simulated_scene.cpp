@@ -5,6 +5,7 @@
 #include <volccd/experiments/scenes/simulated/crash.hpp>
 #include <volccd/experiments/scenes/simulated/liver.hpp>
 #include <volccd/experiments/scenes/simulated/octopi.hpp>
+#include <volccd/experiments/scenes/simulated/weld.hpp>
 
 namespace volccd {
 
@@ -80,6 +81,14 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .duration = kLiverDuration,
        .options = with_queries_every(2),
        .version = 3},
+      {.name = "weld",
+       .description = "a plate is shot at another, welds to it, and cracks it inside; hexahedra",
+       .model = weld_model,
+       .default_elements = kWeldElements,
+       .quick_elements = kWeldQuickElements,
+       .frames = kWeldFrames,
+       .duration = kWeldDuration,
+       .options = with_queries_every(2)},
       bullet_with("bullet-boundary", "bullet; of contacts only those between features of the boundary are resisted",
                   simulation::ContactFeatures::boundary),
       bullet_with("bullet-surface", "bullet; only those between features of the surface as it was before it broke",

@@ -25,7 +25,7 @@ struct SimulatedScene {
   int version = 1;
 };
 
-/// octopi, bullet, airbag, crash, liver; then the variants of them.
+/// octopi, bullet, airbag, crash, liver, which stand for the paper's; then weld, and variants of the bullet.
 const std::vector<SimulatedScene>& simulated_scenes();
 
 /// The scene of this name, null if there is none.

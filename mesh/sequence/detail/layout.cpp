@@ -35,6 +35,9 @@ class LayoutReader {
     read_polyhedra();
     layout_.point_ids = point_array("GlobalPointIds", NumberKind::integer, 1);
     layout_.velocity = point_array("Velocity", NumberKind::real, 3);
+    layout_.query_start = point_array("QueryStart", NumberKind::real, 3);
+    layout_.query_end = point_array("QueryEnd", NumberKind::real, 3);
+    layout_.query_separation = point_array("QuerySeparation", NumberKind::real, 1);
     layout_.cell_ids = cell_array("GlobalCellIds", NumberKind::integer);
     layout_.part_ids = cell_array("PartId", NumberKind::integer);
     layout_.thickness = cell_array("Thickness", NumberKind::real);

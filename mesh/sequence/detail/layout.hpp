@@ -35,6 +35,7 @@ struct SequenceLayout {
   std::vector<std::int64_t> cells, connectivity_ids;
   StepArray positions, types, offsets, connectivity;
   std::optional<StepArray> point_ids, velocity, cell_ids, part_ids, thickness;
+  std::optional<StepArray> query_start, query_end, query_separation;
   std::optional<PolyhedronLayout> polyhedra;
 
   std::size_t steps() const { return times.size(); }

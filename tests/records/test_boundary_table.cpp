@@ -1,0 +1,53 @@
+// The table of all features against the boundary's, from rows whose numbers are known.
+#include <volccd/experiments/tables/boundary_table.hpp>
+
+#include <gtest/gtest.h>
+
+namespace volccd {
+namespace {
+
+using nlohmann::json;
+
+json row(const char* scene, unsigned threads, const char* pipeline, const char* mesh, int motion, double seconds) {
+  return {{"scene", scene},     {"threads", threads}, {"pipeline", pipeline},
+          {"mesh", mesh},       {"motion", motion},   {"round", 0},
+          {"seconds", seconds}, {"elements", 100},    {"topology_seconds", 0.001},
+          {"contacts", 3}};
+}
+
+std::string cell(const TitledTable& table, std::size_t line, const std::string& column) {
+  const auto& rows = table.table.rows();
+  for (std::size_t c = 0; c < rows[0].size(); ++c)
+    if (rows[0][c] == column) return rows.at(line).at(c);
+  return "no column " + column;
+}
+
+TEST(BoundaryTable, DividesTimesOfTheSameThreadsAndHasThePapersNumber) {
+  const json record = {
+      {"rows",
+       {row("bullet", 1, "VolCCD", "whole", 0, 0.011), row("bullet", 1, "VolCCD", "whole", 1, 0.015),
+        row("bullet", 1, "VolCCD", "boundary", 0, 0.005), row("bullet", 1, "VolCCD", "boundary", 1, 0.007),
+        row("bullet", 2, "VolCCD", "whole", 0, 0.008), row("bullet", 2, "VolCCD", "boundary", 0, 0.005),
+        row("octopi", 1, "VolCCD", "whole", 0, 0.003), row("octopi", 1, "VolCCD", "boundary", 0, 0.007),
+        row("bullet-surface", 1, "VolCCD", "boundary", 0, 0.027)}}};
+  const std::vector<TitledTable> tables = boundary_tables(record);
+  ASSERT_EQ(tables.size(), 2u);
+  ASSERT_EQ(tables[0].table.rows().size(), 4u) << "scenes that have both, by threads";
+  EXPECT_EQ(cell(tables[0], 1, "all, ms"), "14") << "edits included, mean of 12 and 16";
+  EXPECT_EQ(cell(tables[0], 1, "all / boundary"), "2x");
+  EXPECT_EQ(cell(tables[0], 1, "paper"), "3.2x");
+  EXPECT_EQ(cell(tables[0], 1, "contacts, all"), "6");
+  EXPECT_EQ(cell(tables[0], 2, "all / boundary"), "1.5x");
+  EXPECT_EQ(cell(tables[0], 2, "paper"), "1.3x");
+  EXPECT_EQ(cell(tables[0], 3, "all / boundary"), "0.5x");
+  EXPECT_EQ(cell(tables[0], 3, "paper"), "-") << "the paper has it for the bullet alone";
+  ASSERT_EQ(tables[1].table.rows().size(), 2u);
+  EXPECT_EQ(cell(tables[1], 1, "ratio"), "0.5x") << "14 ms over 28 ms";
+  json one = {{"rows", json::array()}};
+  for (const json& of : record.at("rows"))
+    if (of.at("scene") == "octopi") one["rows"].push_back(of);
+  EXPECT_EQ(boundary_tables(one).size(), 1u);
+}
+
+}  // namespace
+}  // namespace volccd
