@@ -139,7 +139,7 @@ class SceneList {
 
   void add_missing(const RecordedInput& input) {
     const std::string command = how_to_get(input);
-    Report(options_.report).print("{}: not shown, because {} is not there:\n  {}\n", input.scene, input.file, command);
+    Report(options_.report).print("{}: not shown, because its file is not there:\n  {}\n  {}\n", input.scene, input.file, command);
     list_.push_back({{"scene", input.scene},
                      {"name", fs::path(input.file).stem().string()},
                      {"file", input.file},

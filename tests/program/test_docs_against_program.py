@@ -179,7 +179,7 @@ class DocsAgainstProgram(unittest.TestCase):
         self.assertGreater(sum(map(len, LIBRARY.options.values())), 15)
         self.assertGreaterEqual(len(COMMANDS), 12)
         self.assertEqual(COMMANDS[("detect",)].options["--motion"],
-                         (True, ["linear", "quadratic", "tentative"], "linear"))
+                         (True, ["linear", "quadratic", "tentative", "query"], "linear"))
         self.assertEqual(COMMANDS[("detect",)].options["--first"][0], False)
         self.assertGreaterEqual(len(SCENES), 8)
 

@@ -40,8 +40,8 @@ class HowTo(ProgramTest):
 
     # What a command has if it takes minutes: experiments, simulations, and scenes that must be simulated first.
     LONG = re.compile(r"experiment run|scene generate (?!builtin)|scene picture (octopi|bullet|airbag|crash|liver)(-quick)? ")
-    # Files of simulated shells, of the shared data and with velocities, which the tests do not have.
-    ABSENT = re.compile(r"--motion tentative|crash\.vtkhdf|liver\.vtkhdf|bullet\.vtkhdf|all\.vtkhdf|\.\./shared/|build/tables|build/results/")
+    # Files of simulated shells, of the shared data, with velocities, and with queries, which the tests do not have.
+    ABSENT = re.compile(r"--motion (tentative|query)|crash\.vtkhdf|liver\.vtkhdf|bullet\.vtkhdf|all\.vtkhdf|\.\./shared/|build/tables|build/results/")
 
     def test_quick_commands_of_the_other_pages_work(self):
         folder = self.path("pages")
