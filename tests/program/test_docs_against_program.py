@@ -325,7 +325,7 @@ class DocsAgainstProgram(unittest.TestCase):
         paragraphs.append((page, text_of(page).split("## Which features collide")[1].split("\n## ")[0]))
         seen = 0
         for name, text in paragraphs:
-            records = re.findall(r"results/\w+\.(?:json|txt)", text)
+            records = re.findall(r"results/[\w-]+\.(?:json|txt)", text)
             figures = "".join(text_of(record) for record in records).replace(",", "")
             for number in re.findall(r"\b\d{1,3}(?:,\d{3})+\b", text) if records else []:
                 seen += 1
