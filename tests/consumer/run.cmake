@@ -9,7 +9,8 @@
 #   headers    each installed header compiles alone
 #   debian     makes the Debian packages, unpacks them into an empty root, and uses what lies there: the program, the
 #              importer, tests/consumer/ by CMake and by pkg-config (python/tests/installed.py uses the Python module)
-#   shared     builds and installs shared libraries, and uses them by CMake and by pkg-config
+#   shared     builds and installs shared libraries, without HDF5 and GMP because that is less to build, and uses them
+#              by CMake and by pkg-config
 #   fresh      configures the project where only the packages that the program needs are there
 #   lean       builds and installs the library without program, HDF5 and GMP, and uses it
 cmake_policy(VERSION 3.22)
@@ -49,6 +50,10 @@ function(use_by_pkg_config name)
   set(ENV{LD_LIBRARY_PATH} "${PREFIX}/lib")
   run("run" "${WORK_DIR}/${name}")
 endfunction()
+
+# The library without its optional parts, whether or not HDF5 and GMP are installed.
+set(without -DCMAKE_DISABLE_FIND_PACKAGE_HDF5=ON -DCMAKE_DISABLE_FIND_PACKAGE_GMP=ON)
+set(lean -DVOLCCD_WITH_HDF5=OFF -DVOLCCD_WITH_GMP=OFF ${without})
 
 # install_library(name [options...]): builds the project's library alone and installs it into WORK_DIR/name. Without
 # optimisation, which takes half as long.
@@ -182,13 +187,13 @@ elseif(PART STREQUAL "debian")
   run("run" "${WORK_DIR}/consumer-of-packages/consumer")
   use_by_pkg_config(by_pkg_config --static)
 elseif(PART STREQUAL "shared")
-  install_library(shared -DBUILD_SHARED_LIBS=ON)
+  install_library(shared -DBUILD_SHARED_LIBS=ON ${lean})
   set(PREFIX "${WORK_DIR}/shared")
   file(GLOB archives "${PREFIX}/lib/*.a")
   if(archives)
     message(FATAL_ERROR "static libraries among the shared ones: ${archives}")
   endif()
-  build("${PROJECT_DIR}/tests/consumer" consumer-of-shared ${without_program})
+  build("${PROJECT_DIR}/tests/consumer" consumer-of-shared ${without_program} ${without})
   run("run" "${WORK_DIR}/consumer-of-shared/consumer")
   use_by_pkg_config(by_pkg_config_shared)
 elseif(PART STREQUAL "fresh")
@@ -205,8 +210,7 @@ elseif(PART STREQUAL "fresh")
     endif()
   endforeach()
 elseif(PART STREQUAL "lean")
-  set(without -DCMAKE_DISABLE_FIND_PACKAGE_HDF5=ON -DCMAKE_DISABLE_FIND_PACKAGE_GMP=ON)
-  install_library(lean -DVOLCCD_WITH_HDF5=OFF -DVOLCCD_WITH_GMP=OFF ${without})
+  install_library(lean ${lean})
   set(PREFIX "${WORK_DIR}/lean")
   build("${PROJECT_DIR}/tests/consumer" consumer-of-lean ${without_program} ${without})
   run("run" "${WORK_DIR}/consumer-of-lean/consumer")
