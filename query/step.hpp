@@ -27,7 +27,7 @@ struct Step {
   const Features& features() const { return topology.features(); }
   bool takes_part(Index o) const { return mesh().is_live(o) && (!subset || subset->contains(o)); }
   /// The vertices of the part of o that takes part: all vertices of the element, or those of a smaller part, of which
-  /// one may be repeated.
+  /// one may be repeated. Pre: takes_part(o).
   std::span<const Index> part(Index o) const {
     return subset && !subset->contains_whole(o) ? subset->part(o) : mesh().vertices(o);
   }

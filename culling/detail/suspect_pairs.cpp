@@ -89,6 +89,10 @@ void SuspectPairs::decide_at_edges(const Step& step, Worker& worker) {
 
 void SuspectPairs::update(const Step& step, const StarClasses& classes, Executor& executor) {
   workers_.resize(executor.workers());
+  for (Worker& worker : workers_) {  // an interrupted update may have left pairs
+    worker.found.clear();
+    worker.edge_pairs.clear();
+  }
   const std::vector<Index>& suspects = classes.suspects();
   executor.parallel_for(suspects.size(), kSuspectGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
     for (std::size_t i = begin; i < end; ++i) at_vertex(step, classes, suspects[i], workers_[w]);
@@ -96,10 +100,7 @@ void SuspectPairs::update(const Step& step, const StarClasses& classes, Executor
   });
   pairs_.clear();
   set_.clear();
-  for (Worker& worker : workers_) {
-    pairs_.insert(pairs_.end(), worker.found.begin(), worker.found.end());
-    worker.found.clear();
-  }
+  for (const Worker& worker : workers_) pairs_.insert(pairs_.end(), worker.found.begin(), worker.found.end());
   for (const ElementPair pair : pairs_) set_.insert(pair);
 }
 

@@ -51,7 +51,8 @@ struct Split {
 /// Features that have a point in common at t = 0, in equal doubles, touch then. Otherwise searches [0,1] in parts, in
 /// ascending order. Each part is proven to be free of contact, proven to begin with a contact, or split. The answer is
 /// `undecided` if a part that is shorter than kShortestPiece remains open; the first such part determines the time.
-/// Without a separation, the search then continues, in order to find out whether the first contact may be later. The
+/// Without a separation, the search then continues, in order to find out whether the first contact may be later. Tests
+/// in a plane of constant x, y or z are first searched by their events (detail/flat_motion.hpp). The
 /// answer does not depend on t_max, except that later contacts are reported as `apart`. The search ends after
 /// `most_pieces` parts. Pre: tolerance > 0, finite coordinates, separation >= 0.
 InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,

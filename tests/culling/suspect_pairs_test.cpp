@@ -2,6 +2,7 @@
 #include <volccd/culling/detail/suspect_pairs.hpp>
 
 #include <algorithm>
+#include <stdexcept>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -95,6 +96,37 @@ TEST(SuspectPairs, LeaveOutOnlyWhatDoesNotTouch) {
     EXPECT_GT(touching[common], 300u) << common;
     EXPECT_GT(left_out[common], 300u) << common;
     EXPECT_GT(3 * left_out[common], apart[common]) << common;
+  }
+}
+
+/// Ends as Ctrl-C does: after the work of a chunk.
+class InterruptedExecutor final : public Executor {
+ public:
+  unsigned workers() const override { return 1; }
+  void parallel_for(std::size_t n, std::size_t, Body body) override {
+    if (n > 0) body(0, n, 0);
+    throw std::runtime_error("interrupted");
+  }
+};
+
+TEST(SuspectPairs, AnInterruptedListLeavesNothingToTheNext) {
+  SerialExecutor serial;
+  InterruptedExecutor interrupted;
+  SuspectPairs suspects;
+  for (const int n : {3, 1}) {
+    const Shape shape = block(ElementType::tetrahedron, n, n, n);
+    const Topology topology(shape.mesh());
+    const Motion motion = Motion::linear(shape.positions, jittered(shape.positions, 0.6, 3));
+    const Step step{topology, motion, kNoFilter};
+    StarTable stars;
+    StarClasses classes;
+    classes.update(step, stars, stars.update(topology, serial), serial);
+    if (n == 3) {
+      EXPECT_THROW(suspects.update(step, classes, interrupted), std::runtime_error);
+      continue;
+    }
+    suspects.update(step, classes, serial);
+    for (const ElementPair pair : suspects.pairs()) EXPECT_LT(pair.b, topology.mesh().element_slots());
   }
 }
 
