@@ -145,6 +145,8 @@ void StarClasses::classify(const Step& step, const StarTable& stars, Index v, St
 }
 
 void StarClasses::update(const Step& step, const StarTable& stars, TopologyDelta::Extent changed, Executor& executor) {
+  if (!complete_) changed = TopologyDelta::Extent::everything;  // the last update was interrupted: nothing is known
+  complete_ = false;
   find_degenerate(step, stars, executor);
   if (changed != TopologyDelta::Extent::none) rings_.collect(step.topology, stars);
   keep_known(step, stars, changed, executor);
@@ -175,6 +177,7 @@ void StarClasses::update(const Step& step, const StarTable& stars, TopologyDelta
       for (std::size_t i = 0; i < 4; ++i)
         suspect_places_[o] |= static_cast<std::uint8_t>((corners[i] == v ? 1 : 0) << i);
     }
+  complete_ = true;
 }
 
 std::size_t StarClasses::bytes() const {

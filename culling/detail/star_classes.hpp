@@ -89,6 +89,7 @@ class StarClasses {
   std::vector<Index> suspects_;
   std::vector<StarTable::Ring> scratch_;  ///< by worker
   std::size_t degenerate_count_ = 0, wound_count_ = 0;
+  bool complete_ = false;  ///< whether the last update has ended
 };
 
 }  // namespace volccd::detail

@@ -130,6 +130,44 @@ TEST(SuspectPairs, AnInterruptedListLeavesNothingToTheNext) {
   }
 }
 
+/// Ends in one of its loops, after the work.
+class EndsInLoop final : public Executor {
+ public:
+  explicit EndsInLoop(int loop) : left_(loop) {}
+  unsigned workers() const override { return 1; }
+  void parallel_for(std::size_t n, std::size_t, Body body) override {
+    if (n > 0) body(0, n, 0);
+    if (left_-- == 0) throw std::runtime_error("interrupted");
+  }
+
+ private:
+  int left_;
+};
+
+/// A change of the topology that an interrupted step was told of is not lost.
+TEST(StarClasses, AnInterruptedStepIsBegunAnew) {
+  SerialExecutor serial;
+  const auto suspects = [&](bool interrupted) {
+    StarTable stars;
+    StarClasses classes;
+    for (const int n : {3, 2}) {
+      const Shape shape = block(ElementType::tetrahedron, n, n, n);
+      const Topology topology(shape.mesh());
+      const Motion motion = Motion::linear(shape.positions, jittered(shape.positions, 0.25, 5));
+      const Step step{topology, motion, kNoFilter};
+      TopologyDelta::Extent changed = stars.update(topology, serial);
+      if (n == 2 && interrupted) {
+        EndsInLoop executor(0);
+        EXPECT_THROW(classes.update(step, stars, changed, executor), std::runtime_error);
+        changed = TopologyDelta::Extent::none;
+      }
+      classes.update(step, stars, changed, serial);
+    }
+    return classes.suspects();
+  };
+  EXPECT_EQ(suspects(true), suspects(false));
+}
+
 /// A pair with a clear star at a common vertex never gets there; all others of a star are listed once.
 TEST(SuspectPairs, ListEachPairOnce) {
   SerialExecutor serial;
