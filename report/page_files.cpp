@@ -19,9 +19,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kPageFiles[] = {"index.html", "volccd.css", "volccd.js"};
+constexpr const char* kPageFiles[] = {"volccd.js", "volccd.css", "index.html"};  ///< the marker first
 constexpr const char* kMarker = "volccd.js";       ///< a folder with this file is a report
-constexpr const char* kUnfinished = "unfinished";  ///< a folder with this subfolder was to become a report
+constexpr const char* kUnfinished = ".volccd-unfinished";  ///< a folder with this subfolder was to become a report
 
 bool has_page(const fs::path& folder) {
   return std::all_of(std::begin(kPageFiles), std::end(kPageFiles),

@@ -14,7 +14,7 @@ namespace volccd {
 /// browser loads nothing else from there. index.html has the names of the parts, records and scenes, which a browser
 /// shows before it has read the data.
 ///
-/// All files are written to the subfolder `unfinished` first, and finish() moves them to their places. Without
+/// All files are written to the subfolder `.volccd-unfinished` first, and finish() moves them to their places. Without
 /// finish(), the destructor removes the subfolder, and an earlier report in the folder is unchanged. If the process is
 /// killed, the subfolder remains; the next report removes it.
 class ReportFolder {

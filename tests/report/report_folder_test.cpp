@@ -87,7 +87,7 @@ TEST_F(ReportFolderTest, FinishReplacesAnEarlierReport) {
   EXPECT_EQ("second", now.at("data/scene-two.js"));
   EXPECT_EQ("not of the report", now.at("data/own.txt"));
   EXPECT_NE(std::string::npos, now.at("data/report.js").find("two"));
-  EXPECT_FALSE(fs::exists(path("report/unfinished")));
+  EXPECT_FALSE(fs::exists(path("report/.volccd-unfinished")));
 }
 
 TEST_F(ReportFolderTest, TheFirstPictureNamesRecordsAndScenes) {
@@ -109,7 +109,7 @@ TEST_F(ReportFolderTest, AnInterruptedReportLeavesTheEarlierOneAsItWas) {
     for (const auto& [name, text] : before) EXPECT_EQ(text, files("report").at(name)) << name;
   }
   EXPECT_EQ(before, files("report"));
-  EXPECT_FALSE(fs::exists(path("report/unfinished")));
+  EXPECT_FALSE(fs::exists(path("report/.volccd-unfinished")));
 }
 
 TEST_F(ReportFolderTest, AnInterruptedFirstReportLeavesNothing) {
@@ -140,7 +140,7 @@ TEST_F(ReportFolderTest, AFolderWithOtherFilesIsAnError) {
   write("mine/text.txt", "mine");
   EXPECT_THROW(ReportFolder(path("mine")), InputError);
   EXPECT_EQ(1u, files("mine").size());
-  EXPECT_FALSE(fs::exists(path("mine/unfinished")));
+  EXPECT_FALSE(fs::exists(path("mine/.volccd-unfinished")));
 }
 
 }  // namespace
