@@ -20,7 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kPageFiles[] = {"volccd.js", "volccd.css", "index.html"};  ///< the marker first
-constexpr const char* kMarker = "volccd.js";       ///< a folder with this file is a report
+constexpr const char* kMarker = "volccd.js";               ///< a folder with this file is a report
 constexpr const char* kUnfinished = ".volccd-unfinished";  ///< a folder with this subfolder was to become a report
 
 bool has_page(const fs::path& folder) {

@@ -159,7 +159,8 @@ TitledTable scene_table(const std::vector<json>& records) {
           "touching at the start already; moved: 99th percentile of the vertices, median (greatest) over the "
           "motions; new elements: a motion; resisted: contacts that met an impulse in a substep of the simulation "
           "(inter / intra / adjacent), median over the frames: what it keeps apart does not touch in the file; "
-          "numerical / contacts: energy that the time stepping took out and that contacts put in, to the end, as "
+          "numerical / contacts: energy that the time stepping and that contacts took out (negative: put in), to the "
+          "end, as "
           "shares of what there was and came from outside; angular drift: change of the angular momentum that no "
           "impulse from outside explains, of the greatest that there was\n"};
 }

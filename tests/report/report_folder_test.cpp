@@ -138,8 +138,9 @@ TEST_F(ReportFolderTest, AReportThatWasKilledCanBeMadeAgain) {
 
 TEST_F(ReportFolderTest, AFolderWithOtherFilesIsAnError) {
   write("mine/text.txt", "mine");
+  write("mine/unfinished/text.txt", "mine");
   EXPECT_THROW(ReportFolder(path("mine")), InputError);
-  EXPECT_EQ(1u, files("mine").size());
+  EXPECT_EQ(2u, files("mine").size());
   EXPECT_FALSE(fs::exists(path("mine/.volccd-unfinished")));
 }
 
