@@ -53,7 +53,7 @@ std::string energy_text(const json& frames) {
   return scale > 0 ? fmt::format("{:.2f} %", 100 * worst / scale) : "-";
 }
 
-/// What the time stepping took out of the energy, and what contacts put in, in per cent of the same.
+/// What the time stepping and what contacts took out of the energy (negative: put in), in per cent of the same.
 std::string energy_shares(const json& frames) {
   const json& energy = frames.back().at("energy");
   double scale = 0;

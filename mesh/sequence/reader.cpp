@@ -128,7 +128,7 @@ double SequenceReader::read_query(int step, std::vector<Vec3>& start, std::vecto
                       fmt::format("the separation is negative, not finite, or not that of the other points: {} (step "
                                   "{})",
                                   separations[i], step));
-  return separations[0];
+  return separations.empty() ? 0 : separations[0];
 }
 
 void SequenceReader::read_thickness(int step, std::vector<double>& thickness) {
