@@ -173,6 +173,55 @@ bool is_wound(const Shape& shape, ElementStars& stars) {
   return stars.suspect(0) && stars.suspect(1);
 }
 
+/// Two layers of wedges around an axis: vertex 1, in the middle, is inside.
+Shape two_layers(Index wedges, double angle) {
+  Shape shape = fan(wedges, angle, true);
+  const auto lower = static_cast<Index>(shape.positions.size());
+  for (Index v = 0; v < lower; v += 2) shape.positions.push_back(shape.positions[v] + Vec3(0, 0, 2));
+  const auto above = [&](Index top) { return lower + (top - 1) / 2; };
+  for (Index i = 0; i < wedges; ++i) {
+    ElementSpec wedge = shape.elements[i];
+    const Index b = wedge.vertices[4], a = wedge.vertices[5];
+    wedge.vertices = {1, b, a, above(1), above(b), above(a)};
+    wedge.id += wedges;
+    shape.elements.push_back(wedge);
+  }
+  return shape;
+}
+
+TEST(ElementStars, OfInnerVerticesWoundTwiceAreSuspect) {
+  SerialExecutor serial;
+  for (const double angle : {60., 120.}) {
+    const Shape shape = two_layers(6, angle * kDegree);
+    const Topology topology(shape.mesh());
+    ElementStars stars;
+    stars.update({topology, Motion::linear(shape.positions, shape.positions), kEveryObject}, serial);
+    EXPECT_EQ(stars.suspect(1), angle == 120) << angle;
+  }
+}
+
+/// A tetrahedron that has only the inner vertex of a block in common with it, and lies inside the block.
+TEST(ElementStars, WithSomethingInsideAreSuspect) {
+  SerialExecutor serial;
+  Shape shape = block(ElementType::hexahedron, 2, 2, 2);
+  const Vec3 centre(1, 1, 1);
+  const auto inner = static_cast<Index>(
+      std::find_if(shape.positions.begin(), shape.positions.end(), [&](const Vec3& p) { return p == centre; }) -
+      shape.positions.begin());
+  ElementSpec tetrahedron{ElementType::tetrahedron, {inner}, {}, 0, 8};
+  for (const Vec3& way : {Vec3(0.5, 0.1, 0.1), Vec3(0.1, 0.5, 0.1), Vec3(0.1, 0.1, 0.5)}) {
+    tetrahedron.vertices.push_back(static_cast<Index>(shape.positions.size()));
+    shape.positions.push_back(centre + way);
+  }
+  ElementStars stars;
+  for (const bool inside : {false, true}) {
+    if (inside) shape.elements.push_back(tetrahedron);
+    const Topology topology(shape.mesh());
+    stars.update({topology, Motion::linear(shape.positions, shape.positions), kEveryObject}, serial);
+    EXPECT_EQ(stars.suspect(inner), inside);
+  }
+}
+
 TEST(ElementStars, WoundTwiceAreSuspect) {
   for (const auto& [wedges, angle, closed, wound] :
        {std::tuple{6u, 60., true, false}, {6u, 120., true, true}, {3u, 100., false, false}, {4u, 100., false, true}}) {
