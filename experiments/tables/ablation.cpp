@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
+#include <volccd/experiments/tables/coplanarity_table.hpp>
 #include <volccd/experiments/tables/rows.hpp>
 
 namespace volccd {
@@ -125,6 +126,7 @@ ExperimentPlan ablation_plan(const PlanContext& context) {
       if (scene.name == "crash") continue;
       add_subsets(context.registry, run.entrants);
       add_options(context.registry, run.entrants);
+      add_coplanarity(context.registry, run.entrants);
     } else {
       add_own(context, run.entrants);
     }
@@ -139,10 +141,13 @@ std::vector<TitledTable> ablation_tables(const json& record) {
   for (const json& scene : rows.values("scene"))
     for (const json& table : rows.values("table")) {
       const Rows of = rows.with("scene", scene).with("table", table);
-      if (!of.empty())
-        tables.push_back(table_of(
-            of, fmt::format("{}: {}, {} elements, {} motions", scene.get<std::string>(), table.get<std::string>(),
-                            grouped(static_cast<std::uint64_t>(of.median("elements"))), of.motions())));
+      if (of.empty()) continue;
+      const bool coplanarity = table == kCoplanarityTable;
+      const std::string title =
+          fmt::format("{}: {}, {} elements, {} motions", scene.get<std::string>(),
+                      coplanarity ? "coplanarity against CSAT (Section 7.2)" : table.get<std::string>(),
+                      grouped(static_cast<std::uint64_t>(of.median("elements"))), of.motions());
+      tables.push_back(coplanarity ? coplanarity_table(of, title) : table_of(of, title));
     }
   return tables;
 }

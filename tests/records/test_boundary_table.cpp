@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
-namespace volccd {
+#include "support/table_cells.hpp"
+
+namespace volccd::test {
 namespace {
 
 using nlohmann::json;
@@ -13,13 +15,6 @@ json row(const char* scene, unsigned threads, const char* pipeline, const char* 
           {"mesh", mesh},       {"motion", motion},   {"round", 0},
           {"seconds", seconds}, {"elements", 100},    {"topology_seconds", 0.001},
           {"contacts", 3}};
-}
-
-std::string cell(const TitledTable& table, std::size_t line, const std::string& column) {
-  const auto& rows = table.table.rows();
-  for (std::size_t c = 0; c < rows[0].size(); ++c)
-    if (rows[0][c] == column) return rows.at(line).at(c);
-  return "no column " + column;
 }
 
 TEST(BoundaryTable, DividesTimesOfTheSameThreads) {
@@ -68,4 +63,4 @@ TEST(BoundaryTable, ThePapersRatiosStandBesideWhatTheyAreOf) {
 }
 
 }  // namespace
-}  // namespace volccd
+}  // namespace volccd::test
