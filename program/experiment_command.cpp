@@ -450,13 +450,20 @@ void add_list_command(CLI::App& command, Action& action) {
   list->callback([options, &action] { action = [options] { return list_experiments(*options); }; });
 }
 
-}  // namespace
+constexpr const char* kRunFooter =
+    "Motions are sampled evenly where all would take too long; the record lists them. After Ctrl-C or an error the "
+    "same command goes on with what NAME.incomplete.jsonl has (scenes: scenes.incomplete.json and .txt keep "
+    "the scenes that were complete); a whole record stays as it was until then.\n"
+    "Exit code 1 if pipelines that should find the same contacts found others.\n"
+    "Examples:\n"
+    "  volccd experiment run projectile --quick -o results/\n"
+    "  volccd experiment run projectile --pipelines BruteForce -o results/\n"
+    "  volccd experiment run table1 --quick -o results/\n"
+    "  volccd experiment run ablation --pipelines VolCCD,VolCCD+ --set csat.axis=face,centroid -o results/\n"
+    "  volccd experiment run all --full --skip-complete -o results/";
 
-void add_experiment_command(CLI::App& app, const Registry& registry, Action& action) {
-  CLI::App* command = app.add_subcommand("experiment", "runs measurements and makes their tables");
-  command->require_subcommand(1);
-  add_list_command(*command, action);
-  CLI::App* run_command = command->add_subcommand("run", "measure, print the tables, keep the records");
+void add_run_command(CLI::App& command, const Registry& registry, Action& action) {
+  CLI::App* run_command = command.add_subcommand("run", "measure, print the tables, keep the records");
   const auto options = std::make_shared<ExperimentOptions>();
   run_command->add_option("NAME", options->names, "see `volccd experiment list`")->required()->type_name("");
   run_command
@@ -485,19 +492,18 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
       ->check(CLI::Range(0u, kMaxThreads))
       ->type_name("N");
   options->report.add_to(*run_command);
-  run_command->footer(
-      "Motions are sampled evenly where all would take too long; the record lists them. After Ctrl-C or an error the "
-      "same command goes on with what NAME.incomplete.jsonl has (scenes: scenes.incomplete.json and .txt keep "
-      "the scenes that were complete); a whole record stays as it was until then.\n"
-      "Exit code 1 if pipelines that should find the same contacts found others.\n"
-      "Examples:\n"
-      "  volccd experiment run projectile --quick -o results/\n"
-      "  volccd experiment run projectile --pipelines BruteForce -o results/\n"
-      "  volccd experiment run table1 --quick -o results/\n"
-      "  volccd experiment run ablation --pipelines VolCCD,VolCCD+ --set csat.axis=face,centroid -o results/\n"
-      "  volccd experiment run all --full --skip-complete -o results/");
+  run_command->footer(kRunFooter);
   run_command->callback(
       [options, &registry, &action] { action = [options, &registry] { return run(*options, registry); }; });
+}
+
+}  // namespace
+
+void add_experiment_command(CLI::App& app, const Registry& registry, Action& action) {
+  CLI::App* command = app.add_subcommand("experiment", "runs measurements and makes their tables");
+  command->require_subcommand(1);
+  add_list_command(*command, action);
+  add_run_command(*command, registry, action);
   add_table_command(*command, action);
   add_compare_command(*command, action);
 }
