@@ -74,10 +74,10 @@ TitledTable coplanarity_table(const Rows& rows, const std::string& title) {
   }
   return {title, table,
           "VolCCD with this culling; ms: mean over motions of medians over rounds; ns/test: time of the culling stages "
-          "over the tests that\nit is applied to: for elements those that the pairs have without culling, for features "
-          "those that get to the filter; / CSAT:\ncoplanarity on features over CSAT on features, and over CSAT on "
-          "elements; left: in per cent of the tests without culling;\nthe paper's: a vertex and a triangle (2x), a "
-          "vertex and a tetrahedron (6x); elementary test: cubic without its own filters\n"};
+          "over the tests that it is applied to, for elements those that the pairs have without culling, for features "
+          "those that get to the filter; / CSAT: coplanarity on features over CSAT on features, and over CSAT on "
+          "elements; left: in per cent of the tests without culling; the paper's: single tests of a vertex and a "
+          "triangle (2x), a vertex and a tetrahedron (6x); elementary test: cubic without its own filters\n"};
 }
 
 }  // namespace volccd
