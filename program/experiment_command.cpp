@@ -35,7 +35,7 @@ namespace {
 struct ExperimentOptions {
   std::vector<std::string> names, pipelines, settings;
   std::string output = "results";
-  bool quick = false, full = false;
+  bool quick = false, full = false, skip_complete = false;
   std::optional<unsigned> threads;
   ReportOptions report;
 
@@ -124,48 +124,32 @@ int same_contacts(const ExperimentKind& kind, const Registry& registry, const Ex
   return lines.empty() ? kDone : kDifferent;
 }
 
-/// Runs the measurements that are missing in the record of an earlier, interrupted run, and writes record and tables.
-int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const Registry& registry,
-             Finished& finished) {
+/// Opens the record, and says what an earlier, interrupted run left in it.
+RecordFile open_record(const ExperimentOptions& options, const std::string& name, const nlohmann::json& identity) {
   const Report report(options.report);
-  const InterruptGuard guard;
-  make_folder(options.output);
-  const auto executor = make_interruptible_executor(options.timed_threads());
-  std::unique_ptr<Progress> of_rows;
-  std::map<std::string, std::optional<std::string>> files;  // asked for by the plan, and again by what makes the rows
-  const auto file_of = [&](const std::string& name) {
-    if (!files.contains(name)) files[name] = scene_file(options, name);
-    return files.at(name);
-  };
-  const PlanContext context{registry,
-                            options.full,
-                            options.pipelines,
-                            options.settings,
-                            file_of,
-                            executor.get(),
-                            [&](std::size_t done, std::size_t total) {
-                              if (!of_rows) of_rows = std::make_unique<Progress>(kind.name, total, "scenes");
-                              of_rows->advance(done);
-                              InterruptGuard::check();
-                            }};
-  ExperimentPlan plan{kind.name, options.full ? "full" : "quick", 1, {}};
-  if (kind.plan) plan = kind.plan(context);
-  if (kind.plan && plan.runs.empty()) throw ConfigError(fmt::format("{}: none of its scenes is there", kind.name));
-  check_outputs(options, kind.name, plan);
-  const nlohmann::json facts = provenance(plan, *executor);
-  nlohmann::json identity = {{"plan", facts.at("plan")}, {"threads", facts.at("threads")}};
-  for (const char* fact : {"commit", "program_fnv1a", "compiler", "flags", "cpu", "inputs"})
-    identity[fact] = facts.at(fact);
-  RecordFile record(options.output, kind.name, identity);
+  RecordFile record(options.output, name, identity);
   if (record.set_aside())
     report.print("{}: rows of another build or plan, kept as {}\n", record.incomplete_file(), record.old_file());
   if (record.resumed() > 0)
     report.print("{}: continued; {} window(s) are complete\n", record.incomplete_file(), record.resumed());
+  return record;
+}
+
+/// Runs the measurements that are missing in the record, with a line of progress.
+void measure(const ExperimentKind& kind, const PlanContext& context, const ExperimentPlan& plan, RecordFile& record) {
   try {
-    if (kind.rows && !record.has("rows")) record.add("rows", kind.rows(context));
-    of_rows.reset();
+    if (kind.rows && !record.has("rows")) {
+      PlanContext of_rows = context;
+      std::unique_ptr<Progress> progress;
+      of_rows.progress = [&](std::size_t done, std::size_t total) {
+        if (!progress) progress = std::make_unique<Progress>(kind.name, total, "scenes");
+        progress->advance(done);
+        InterruptGuard::check();
+      };
+      record.add("rows", kind.rows(of_rows));
+    }
     Progress progress(kind.name, measured_runs(plan), "runs");
-    run_experiment(registry, plan, *executor, record, [&](std::size_t done, std::size_t) {
+    run_experiment(context.registry, plan, *context.executor, record, [&](std::size_t done, std::size_t) {
       progress.advance(done);
       InterruptGuard::check();
     });
@@ -173,13 +157,46 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
     throw Interrupted(
         fmt::format("{}: stopped; the same command continues the run from {}", kind.name, record.incomplete_file()));
   }
-  nlohmann::json whole = {{"rows", record.rows()}, {"provenance", facts}};
+}
+
+/// Writes the record and its tables, and prints the tables.
+void write_results(const ExperimentKind& kind, const ExperimentOptions& options, const nlohmann::json& facts,
+                   RecordFile& record, Finished& finished) {
+  const Report report(options.report);
+  const nlohmann::json whole = {{"rows", record.rows()}, {"provenance", facts}};
   record.finish(facts, kind.summary ? kind.summary(whole) : nlohmann::json::array());
   const std::string tables = render(kind.tables(whole), TableFormat::text);
   report.print("{}\n", tables);
   write_text_file(record_file(options, kind.name, ".txt"), tables);
   report.print("record: {}\n", record.file());
   add_finished(kind.name, record.file(), true, tables, finished);
+}
+
+/// Runs the measurements that are missing in the record of an earlier, interrupted run, and writes record and tables.
+int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const Registry& registry,
+             Finished& finished) {
+  const InterruptGuard guard;
+  make_folder(options.output);
+  const auto executor = make_interruptible_executor(options.timed_threads());
+  std::map<std::string, std::optional<std::string>> files;  // asked for by the plan, and again by what makes the rows
+  const auto file_of = [&](const std::string& name) {
+    if (!files.contains(name)) files[name] = scene_file(options, name);
+    return files.at(name);
+  };
+  const PlanContext context{registry, options.full, options.pipelines, options.settings, file_of, executor.get()};
+  const ExperimentPlan plan = kind.plan(context);
+  if (plan.runs.empty()) throw ConfigError(fmt::format("{}: none of its scenes is there", kind.name));
+  check_outputs(options, kind.name, plan);
+  const nlohmann::json facts = provenance(plan, *executor), identity = identity_of(facts);
+  const std::string file = record_file(options, kind.name, ".json");
+  if (const auto whole = options.skip_complete ? complete_record(file, identity) : std::nullopt) {
+    Report(options.report).print("{}: is complete, of the same program, plan and inputs; it is kept\n", file);
+    add_finished(kind.name, file, true, render(kind.tables(*whole), TableFormat::text), finished);
+    return same_contacts(kind, registry, plan, whole->at("rows"));
+  }
+  RecordFile record = open_record(options, kind.name, identity);
+  measure(kind, context, plan, record);
+  write_results(kind, options, facts, record, finished);
   return same_contacts(kind, registry, plan, record.rows());
 }
 
@@ -433,13 +450,20 @@ void add_list_command(CLI::App& command, Action& action) {
   list->callback([options, &action] { action = [options] { return list_experiments(*options); }; });
 }
 
-}  // namespace
+constexpr const char* kRunFooter =
+    "Motions are sampled evenly where all would take too long; the record lists them. After Ctrl-C or an error the "
+    "same command goes on with what NAME.incomplete.jsonl has (scenes: scenes.incomplete.json and .txt keep "
+    "the scenes that were complete); a whole record stays as it was until then.\n"
+    "Exit code 1 if pipelines that should find the same contacts found others.\n"
+    "Examples:\n"
+    "  volccd experiment run projectile --quick -o results/\n"
+    "  volccd experiment run projectile --pipelines BruteForce -o results/\n"
+    "  volccd experiment run table1 --quick -o results/\n"
+    "  volccd experiment run ablation --pipelines VolCCD,VolCCD+ --set csat.axis=face,centroid -o results/\n"
+    "  volccd experiment run all --full --skip-complete -o results/";
 
-void add_experiment_command(CLI::App& app, const Registry& registry, Action& action) {
-  CLI::App* command = app.add_subcommand("experiment", "runs measurements and makes their tables");
-  command->require_subcommand(1);
-  add_list_command(*command, action);
-  CLI::App* run_command = command->add_subcommand("run", "measure, print the tables, keep the records");
+void add_run_command(CLI::App& command, const Registry& registry, Action& action) {
+  CLI::App* run_command = command.add_subcommand("run", "measure, print the tables, keep the records");
   const auto options = std::make_shared<ExperimentOptions>();
   run_command->add_option("NAME", options->names, "see `volccd experiment list`")->required()->type_name("");
   run_command
@@ -458,6 +482,9 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
                         "minutes: small scenes, few motions, one round (the default of those with rounds)");
   run_command->add_flag("--full", options->full, "hours: scenes at their own sizes, more motions, several rounds")
       ->excludes("--quick");
+  run_command->add_flag("--skip-complete", options->skip_complete,
+                        "keeps the records that are complete and of the same program, machine, plan and inputs, so "
+                        "that an interrupted `all` goes on where it was (scenes are always made again)");
   run_command
       ->add_option(
           "--threads", options->threads,
@@ -465,19 +492,18 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
       ->check(CLI::Range(0u, kMaxThreads))
       ->type_name("N");
   options->report.add_to(*run_command);
-  run_command->footer(
-      "Motions are sampled evenly where all would take too long; the record lists them. After Ctrl-C or an error the "
-      "same command goes on with what NAME.incomplete.jsonl has (scenes: scenes.incomplete.json and .txt keep "
-      "the scenes that were complete); a whole record stays as it was until then.\n"
-      "Exit code 1 if pipelines that should find the same contacts found others.\n"
-      "Examples:\n"
-      "  volccd experiment run projectile --quick -o results/\n"
-      "  volccd experiment run projectile --pipelines BruteForce -o results/\n"
-      "  volccd experiment run table1 --quick -o results/\n"
-      "  volccd experiment run ablation --pipelines VolCCD,VolCCD+ --set csat.axis=face,centroid -o results/\n"
-      "  volccd experiment run all --full --threads 1 -o results/");
+  run_command->footer(kRunFooter);
   run_command->callback(
       [options, &registry, &action] { action = [options, &registry] { return run(*options, registry); }; });
+}
+
+}  // namespace
+
+void add_experiment_command(CLI::App& app, const Registry& registry, Action& action) {
+  CLI::App* command = app.add_subcommand("experiment", "runs measurements and makes their tables");
+  command->require_subcommand(1);
+  add_list_command(*command, action);
+  add_run_command(*command, registry, action);
   add_table_command(*command, action);
   add_compare_command(*command, action);
 }

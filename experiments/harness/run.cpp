@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include <volccd/core/error.hpp>
 #include <volccd/experiments/harness/boundary_shells.hpp>
 #include <volccd/experiments/harness/motion_measures.hpp>
 #include <volccd/experiments/harness/subdivide.hpp>
@@ -140,7 +141,8 @@ class Runner {
     request.count_adjacent = false;
     request.leave_out_shell_neighbours = thickened();
     const bool on_boundary = contestant.entrant.on_boundary;
-    const Step step{topology(on_boundary), on_boundary ? boundary_->motion() : motion_, everything_};
+    const Step step{topology(on_boundary), on_boundary ? boundary_->motion() : motion_, everything_,
+                    stepper_->separation()};
     contestant.pipeline.run(step, contestant.workspace, executor_, result_, request);
   }
 
@@ -173,6 +175,7 @@ class Runner {
                 {"edges", name_of(run_.config.edge_set)},
                 {"shells", name_of(run_.config.shells)},
                 {"mesh", on_boundary ? "boundary" : "whole"},
+                {"separation", stepper_->separation()},
                 {"motion", motion},
                 {"round", round},
                 {"threads", executor_.workers()},
@@ -294,6 +297,24 @@ std::vector<std::string> contact_differences(const Registry& registry, const Exp
     }
   }
   return lines;
+}
+
+json identity_of(const json& provenance) {
+  json identity = json::object();
+  for (const char* fact : {"plan", "threads", "commit", "program_fnv1a", "compiler", "flags", "cpu", "inputs"})
+    identity[fact] = provenance.at(fact);
+  return identity;
+}
+
+std::optional<json> complete_record(const std::string& file, const json& identity) {
+  if (!std::filesystem::exists(file)) return std::nullopt;
+  try {
+    json record = read_record(file);
+    if (identity_of(record.at("provenance")) == identity) return record;
+  } catch (const Error&) {
+  } catch (const json::exception&) {
+  }
+  return std::nullopt;
 }
 
 json provenance(const ExperimentPlan& plan, const Executor& executor) {

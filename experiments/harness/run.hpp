@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,5 +38,13 @@ std::vector<std::string> contact_differences(const Registry& registry, const Exp
 /// The provenance of the rows: build (with a hash of the program), machine, load, the plan with all options, and hashes
 /// of the input files. Throws InputError for a file that cannot be read.
 nlohmann::json provenance(const ExperimentPlan& plan, const Executor& executor);
+
+/// The parts of a provenance that two runs have in common if their rows may stand in one record: plan, threads, commit,
+/// program, compiler, flags, CPU and inputs.
+nlohmann::json identity_of(const nlohmann::json& provenance);
+
+/// The record in the file if it is complete and has this identity; nothing if it is another one, not readable, or not
+/// there.
+std::optional<nlohmann::json> complete_record(const std::string& file, const nlohmann::json& identity);
 
 }  // namespace volccd

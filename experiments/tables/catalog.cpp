@@ -38,7 +38,7 @@ const std::vector<ExperimentKind>& experiment_kinds() {
       {"inversion", "Section 7.2: contacts within objects that an inversion test points at, and those that it misses",
        inversion_plan, inversion_tables, nullptr, inversion_rows},
       {"peers", "broad phases side by side, those of other libraries included: update, query, pairs a second, memory",
-       nullptr, peers_tables, peers_summary, peers_rows},
+       peers_plan, peers_tables, peers_summary, peers_rows},
       {"feature-sets", "Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's",
        feature_set_plan, feature_set_tables, nullptr, feature_set_rows, false, false, true},
   };

@@ -30,7 +30,7 @@ struct PlanContext {
 
 struct ExperimentKind {
   const char *name, *description;
-  /// Makes the plan. If `rows` makes the rows, the plan has the inputs only (runs without windows), or is null.
+  /// Makes the plan. If `rows` makes the rows, the plan has the inputs only (runs without windows).
   ExperimentPlan (*plan)(const PlanContext& context);
   std::vector<TitledTable> (*tables)(const nlohmann::json& record);
   /// Makes the summary for scripts and other documents; null: there is none.

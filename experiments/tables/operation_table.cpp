@@ -23,12 +23,14 @@ std::string printed_text(const json& row, const char* name) {
   return paper.is_object() && paper.contains(name) && paper.at(name).is_number() ? paper.at(name).dump() : "-";
 }
 
+bool is_coplanarity(const json& row) { return row.at("operation").get<std::string>().starts_with("coplanarity"); }
+
 bool is_of_bounds(const json& row) { return row.at("kind") == "element" || row.at("kind") == "element-pair"; }
 
 TitledTable test_table(const json& record) {
   TextTable table({"operation", "kind", "tests", "+ -", "*", "/", "paper: + -", "*", "/", "compare", "sqrt", "ns"});
   for (const json& row : record.at("rows")) {
-    if (is_of_bounds(row)) continue;
+    if (is_of_bounds(row) || is_coplanarity(row)) continue;
     table.add({row.at("operation"), row.at("kind"), grouped(row.at("tests").get<std::uint64_t>()),
                mean_text(row, "additions"), mean_text(row, "multiplications"), mean_text(row, "divisions"),
                printed_text(row, "additions"), printed_text(row, "multiplications"), printed_text(row, "divisions"),
@@ -36,6 +38,42 @@ TitledTable test_table(const json& record) {
   }
   return {"Section 7.1: floating-point operations of a test, means", table,
           "of the reference implementation of 2011, on tests whose features have overlapping boxes; one thread\n"};
+}
+
+/// Nanoseconds of an operation on tests of a kind; 0 if there is no such row.
+double ns_of(const json& record, const json& kind, const std::string& operation) {
+  for (const json& row : record.at("rows"))
+    if (row.at("kind") == kind && row.at("operation") == operation) return row.at("ns");
+  return 0;
+}
+
+/// Nothing in a record without coplanarity.
+std::optional<TitledTable> coplanarity_operation_table(const json& record) {
+  TextTable table({"operation", "kind", "tests", "+ -", "*", "compare", "ns", "/ CSAT", "/ CSAT, axis given", "paper",
+                   "found apart"},
+                  2);
+  bool any = false;
+  for (const std::string features : {"", "-element"})
+    for (const json& row : record.at("rows")) {
+      const std::string operation = row.at("operation"), csat = "csat" + features;
+      const double axis_given = ns_of(record, row.at("kind"), csat);
+      const double with_axis = ns_of(record, row.at("kind"), csat + "-with-axis");
+      if (operation != "coplanarity" + features && operation != csat && operation != csat + "-with-axis") continue;
+      any = any || is_coplanarity(row);
+      const auto over = [&](double ns) {
+        return is_coplanarity(row) && ns > 0 ? ratio_text(row.at("ns").get<double>() / ns) : "-";
+      };
+      const std::string paper = printed_text(row, "over_csat");
+      table.add({operation, row.at("kind"), grouped(row.at("tests").get<std::uint64_t>()), mean_text(row, "additions"),
+                 mean_text(row, "multiplications"), mean_text(row, "comparisons"), mean_text(row, "ns"),
+                 over(with_axis), over(axis_given), paper == "-" ? paper : paper + "x",
+                 percent_text(row.at("positive").get<double>())});
+    }
+  if (!any) return std::nullopt;
+  return TitledTable{"Section 7.2: coplanarity-based culling against CSAT, means", table,
+                     "scalar code on the same tests; element: a vertex and all triangles of an element, or an edge and "
+                     "all of its edges, apart if all are; / CSAT: time over that of CSAT, with the computation of its "
+                     "axis and with the axis given, as the paper counts operations; one thread\n"};
 }
 
 /// The time of the same operation with k-DOPs; 0 if there is no such row.
@@ -107,7 +145,8 @@ std::vector<json> operation_rows(const PlanContext& context) {
 
 std::vector<TitledTable> operation_tables(const json& record) {
   std::vector<TitledTable> tables = {test_table(record)};
-  if (std::optional<TitledTable> bounds = bound_table(record)) tables.push_back(std::move(*bounds));
+  for (auto* more : {coplanarity_operation_table, bound_table})
+    if (std::optional<TitledTable> table = more(record)) tables.push_back(std::move(*table));
   return tables;
 }
 

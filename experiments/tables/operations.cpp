@@ -6,6 +6,7 @@
 #include <string>
 
 #include <volccd/culling/csat_reference.hpp>
+#include <volccd/experiments/tables/coplanarity_reference.hpp>
 #include <volccd/experiments/tables/counted_operation.hpp>
 #include <volccd/narrowphase/provot_test.hpp>
 #include <volccd/query/reference_points.hpp>
@@ -18,11 +19,15 @@ using nlohmann::json;
 using reference::MovingPoint;
 using reference::Vector3;
 
-/// A test, the element that one of its features is of, and the axis that the paper takes for both.
+/// Numbers, in an element, of the vertices of a triangle, or of an edge and one more that is not used.
+using LocalFeature = std::array<std::size_t, 3>;
+
+/// A test, the element that its second feature is of, and the axis that the paper takes for both.
 template <class Scalar>
 struct Sample {
   std::array<MovingPoint<Scalar>, 4> points;
   std::vector<MovingPoint<Scalar>> element;
+  std::vector<LocalFeature> features;  ///< of the element: its triangles (VF) or edges (EE)
   Vector3<Scalar> axis;
   Scalar tolerance, t_max;
 };
@@ -64,6 +69,39 @@ struct CsatElement {
   }
 };
 
+struct CsatElementWithAxis {
+  static constexpr const char* kName = "csat-element-with-axis";
+  template <class Scalar>
+  static bool run(FeatureKind kind, const Sample<Scalar>& sample) {
+    const std::span<const MovingPoint<Scalar>> feature(sample.points.data(), kind == FeatureKind::vf ? 1u : 2u);
+    return reference::apart_along<Scalar>(axis_of(kind, sample.points), feature, sample.element);
+  }
+};
+
+struct Coplanarity {
+  static constexpr const char* kName = "coplanarity";
+  template <class Scalar>
+  static bool run(FeatureKind kind, const Sample<Scalar>& sample) {
+    return reference::never_coplanar<Scalar>(kind, sample.points);
+  }
+};
+
+/// The first feature against every feature of the element, each for itself, as the paper compares it.
+struct CoplanarityElement {
+  static constexpr const char* kName = "coplanarity-element";
+  template <class Scalar>
+  static bool run(FeatureKind kind, const Sample<Scalar>& sample) {
+    const std::size_t own = kind == FeatureKind::vf ? 1 : 2;  // points of the first feature
+    std::array<MovingPoint<Scalar>, 4> points = sample.points;
+    bool all = true;
+    for (const LocalFeature& feature : sample.features) {
+      for (std::size_t i = own; i < 4; ++i) points[i] = sample.element[feature[i - own]];
+      all = reference::never_coplanar<Scalar>(kind, points) && all;
+    }
+    return all;
+  }
+};
+
 struct ElementaryTest {
   static constexpr const char* kName = "elementary-test";
   template <class Scalar>
@@ -76,13 +114,33 @@ struct ElementaryTestLeft : ElementaryTest {
   static constexpr const char* kName = "elementary-test-left";
 };
 
-/// What Section 7.1 prints: it has numbers for VF alone.
+/// What Sections 7.1 and 7.2 print: they have numbers for VF alone.
 json printed(FeatureKind kind, const std::string& operation) {
-  if (kind == FeatureKind::vf && operation == Csat::kName)
-    return {{"additions", 15}, {"multiplications", 12}, {"divisions", 0}};
-  if (kind == FeatureKind::vf && operation == ElementaryTest::kName)
-    return {{"additions", 155}, {"multiplications", 217}, {"divisions", 6}};
+  if (kind != FeatureKind::vf) return nullptr;
+  if (operation == Csat::kName) return {{"additions", 15}, {"multiplications", 12}, {"divisions", 0}};
+  if (operation == ElementaryTest::kName) return {{"additions", 155}, {"multiplications", 217}, {"divisions", 6}};
+  if (operation == Coplanarity::kName) return {{"over_csat", 2}};
+  if (operation == CoplanarityElement::kName) return {{"over_csat", 6}};
   return nullptr;
+}
+
+/// The triangles (VF) or edges (EE) of an element, in its own numbers of vertices.
+std::vector<LocalFeature> local_features(const Step& step, FeatureKind kind, Index element) {
+  const std::span<const Index> vertices = step.mesh().vertices(element);
+  const auto local = [&](Index v) {
+    return static_cast<std::size_t>(std::find(vertices.begin(), vertices.end(), v) - vertices.begin());
+  };
+  const Features& features = step.features();
+  std::vector<LocalFeature> result;
+  if (kind == FeatureKind::vf)
+    for (const Index f : features.element_triangles(element)) {
+      const auto& v = features.triangle(f);
+      result.push_back({local(v[0]), local(v[1]), local(v[2])});
+    }
+  else
+    for (const Index e : features.element_edges(element))
+      result.push_back({local(features.edge(e)[0]), local(features.edge(e)[1]), 0});
+  return result;
 }
 
 Sample<double> sample_of(const Step& step, FeatureKind kind, FeaturePair pair, double tolerance) {
@@ -94,6 +152,7 @@ Sample<double> sample_of(const Step& step, FeatureKind kind, FeaturePair pair, d
                                               : features.edge_elements(features.find_edge(vertices[2], vertices[3]));
   const Index other = others.front();
   sample.element = reference::moving_points(step.motion, step.mesh().vertices(other));
+  sample.features = local_features(step, kind, other);
   sample.axis = axis_of(kind, sample.points);
   sample.tolerance = tolerance;
   sample.t_max = 1;
@@ -119,6 +178,7 @@ Sample<CountedDouble> counted(const Sample<double>& sample) {
   Sample<CountedDouble> result;
   for (std::size_t i = 0; i < 4; ++i) result.points[i] = volccd::counted(sample.points[i]);
   result.element = volccd::counted(sample.element);
+  result.features = sample.features;
   result.axis = {sample.axis[0], sample.axis[1], sample.axis[2]};
   result.tolerance = sample.tolerance;
   result.t_max = sample.t_max;
@@ -133,6 +193,12 @@ CountedOperation operation(FeatureKind kind, const std::vector<Sample<double>>& 
   return CountedOperation::of(std::move(row), samples, [kind](const auto& sample) { return What::run(kind, sample); });
 }
 
+template <class... What>
+void add_operations(FeatureKind kind, const std::vector<Sample<double>>& samples,
+                    std::vector<CountedOperation>& operations) {
+  (operations.push_back(operation<What>(kind, samples)), ...);
+}
+
 }  // namespace
 
 json operation_counts(const std::vector<KnownQueries>& queries, const OperationConfig& config) {
@@ -142,13 +208,11 @@ json operation_counts(const std::vector<KnownQueries>& queries, const OperationC
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     samples[k] = samples_of(kinds[k], queries, config);
     if (samples[k].empty()) continue;
-    operations.push_back(operation<Csat>(kinds[k], samples[k]));
-    operations.push_back(operation<CsatWithAxis>(kinds[k], samples[k]));
-    operations.push_back(operation<CsatElement>(kinds[k], samples[k]));
-    operations.push_back(operation<ElementaryTest>(kinds[k], samples[k]));
+    add_operations<Csat, CsatWithAxis, Coplanarity, CsatElement, CsatElementWithAxis, CoplanarityElement,
+                   ElementaryTest>(kinds[k], samples[k], operations);
     for (const Sample<double>& sample : samples[k])
       if (!Csat::run(kinds[k], sample)) left[k].push_back(sample);
-    if (!left[k].empty()) operations.push_back(operation<ElementaryTestLeft>(kinds[k], left[k]));
+    if (!left[k].empty()) add_operations<ElementaryTestLeft>(kinds[k], left[k], operations);
   }
   for (int repetition = 0; repetition < std::max(config.repetitions, 1); ++repetition)
     for (CountedOperation& one : operations) one.time();

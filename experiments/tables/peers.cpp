@@ -97,8 +97,8 @@ class MotionsOfFile final : public SceneMotions {
 
   /// Where cells change, a new stepper makes the edit happen in each round in the same way.
   void go_before(int motion) override {
-    const bool edits = motion > 0 && stepper_ &&
-                       !reader_.same_cells(stepper_->cells_step(motion - 1), stepper_->cells_step(motion));
+    const bool edits =
+        motion > 0 && stepper_ && !reader_.same_cells(stepper_->cells_step(motion - 1), stepper_->cells_step(motion));
     if (!stepper_ || edits) stepper_.emplace(reader_, config_);
     go_to(std::max(motion - 1, 0));
     if (motion == 0) go_back();
@@ -215,9 +215,10 @@ void expect_same_pairs(const std::vector<json>& rows) {
       return fmt::format("{} {} emits {} pairs", r.at("broadphase").get<std::string>(),
                          r.at("variant").get<std::string>(), r.at("pairs").get<std::uint64_t>());
     };
-    throw Error(fmt::format("peers, {}, motion {}: {}, {}: one of them loses or invents pairs; `volccd check` on its "
-                            "name may find a small case",
-                            row.at("scene").get<std::string>(), row.at("motion").get<int>(), text(*first), text(row)));
+    throw Error(
+        fmt::format("peers, {}, motion {}: {}, {}: one of them loses or invents pairs; `volccd check` on its "
+                    "name may find a small case",
+                    row.at("scene").get<std::string>(), row.at("motion").get<int>(), text(*first), text(row)));
   }
 }
 
@@ -230,12 +231,9 @@ std::vector<json> run_round(SceneMotions& scene, const std::string& name, int mo
   const Mesh& mesh = scene.step().mesh();
   std::vector<json> rows;
   for (std::size_t i = 0; i < racers.size(); ++i) {
-    json row = {{"scene", name},
-                {"volume", is_volume(mesh)},
-                {"elements", mesh.element_count()},
-                {"motion", motion},
-                {"round", round},
-                {"threads", executor.workers()}};
+    json row = {
+        {"scene", name},  {"volume", is_volume(mesh)},    {"elements", mesh.element_count()}, {"motion", motion},
+        {"round", round}, {"threads", executor.workers()}};
     row.update(racers[(i + static_cast<std::size_t>(round)) % racers.size()].run(scene.step(), executor));
     rows.push_back(std::move(row));
   }
@@ -277,13 +275,19 @@ std::optional<double> fastest_peer(const std::vector<Times>& times) {
 
 }  // namespace
 
+ExperimentPlan peers_plan(const PlanContext& context) {
+  ExperimentPlan plan{"peers", context.full ? "full" : "quick", context.full ? 5 : 3, {}};
+  for (const NamedScene& scene : named_scenes(context)) plan.runs.push_back({scene.name, scene.file});
+  return plan;
+}
+
 std::vector<json> peers_rows(const PlanContext& context) {
   SerialExecutor serial;
   Executor& executor = context.executor ? *context.executor : serial;
   const std::vector<Contender> all = contenders(context.registry);
   const std::vector<NamedScene> scenes = named_scenes(context);
   if (scenes.empty()) throw ConfigError("peers: none of its scenes is there");
-  const int rounds = context.full ? 5 : 3;
+  const int rounds = peers_plan(context).rounds;
   std::vector<json> rows;
   for (std::size_t s = 0; s < scenes.size(); ++s) {
     std::unique_ptr<SceneMotions> scene;
@@ -316,8 +320,8 @@ std::vector<TitledTable> peers_tables(const json& record) {
     table.rule();
     for (const Times& one : times) {
       const double pairs = static_cast<double>(one.pairs) / motions;
-      table.add({scene.get<std::string>() + (of.front().at("volume").get<bool>() ? "" : " (surface)"),
-                 one.name, grouped(static_cast<std::uint64_t>(of.median("elements"))), fmt::format("{:.3g}", one.build),
+      table.add({scene.get<std::string>() + (of.front().at("volume").get<bool>() ? "" : " (surface)"), one.name,
+                 grouped(static_cast<std::uint64_t>(of.median("elements"))), fmt::format("{:.3g}", one.build),
                  fmt::format("{:.3g}", one.query), fmt::format("{:.3g}", one.both),
                  grouped(static_cast<std::uint64_t>(pairs)), fmt::format("{:.3g}", pairs / one.both / 1e3),
                  memory(static_cast<std::size_t>(one.bytes)), peer ? ratio_text(*peer / one.both) : "-"});

@@ -123,42 +123,53 @@ std::string same_contacts(const Comparison& c) {
   return result.empty() ? "yes" : result;
 }
 
-TitledTable times(const Rows& rows, const std::string& table, const std::string& model, const std::string& edges) {
-  const bool certified = table == "c";
+std::vector<std::string> header_of(const std::string& table) {
   std::vector<std::string> header = {"scene", "elements", "motions", "NavCCD", "HashCCD", "VolCCD"};
-  if (certified) header.push_back("VolCCD+");
+  if (table == "c") header.push_back("VolCCD+");
   if (table == "b") header.push_back("2011");
   for (const char* name : {"/Nav", "paper", "/Hash", "paper"}) header.push_back(name);
-  if (certified) header.insert(header.end(), {"+/Nav", "+/Hash"});
-  TextTable text(header);
+  if (table == "c") header.insert(header.end(), {"+/Nav", "+/Hash"});
+  return header;
+}
+
+/// The cells below header_of().
+std::vector<std::string> line_of(const std::string& table, const std::string& scene, const Comparison& c) {
+  const auto paper = kPrintedRows.find(scene);
+  const auto printed = [&](const char* PaperRow::*column) {
+    return std::string(paper == kPrintedRows.end() ? "-" : paper->second.*column);
+  };
+  std::vector<std::string> line = {scene,
+                                   grouped(static_cast<std::uint64_t>(c.nav.median("elements"))),
+                                   std::to_string(c.nav.motions()),
+                                   milliseconds(c.nav),
+                                   milliseconds(c.hash),
+                                   milliseconds(c.vol)};
+  if (table == "c") line.push_back(milliseconds(c.plus));
+  if (table == "b") line.push_back(milliseconds(c.printed));
+  for (const std::string& cell : {ratio_or_dash(over(c.nav, c.vol)), printed(&PaperRow::over_nav),
+                                  ratio_or_dash(over(c.hash, c.vol)), printed(&PaperRow::over_hash)})
+    line.push_back(cell);
+  if (table == "c") line.insert(line.end(), {ratio_or_dash(over(c.nav, c.plus)), ratio_or_dash(over(c.hash, c.plus))});
+  return line;
+}
+
+std::string note_of(const std::string& table, const std::string& model) {
+  std::string note =
+      "ms a step: mean over motions of medians over rounds, edits of the topology included; /Nav, /Hash: speed-up of "
+      "VolCCD "
+      "over them,\nwith the paper's beside it";
+  if (table == "c") note += "; +: of VolCCD+";
+  if (table == "b") note += "; 2011: VolCCD-2011 with this test";
+  if (model == "query") note += "; query: the last one of the simulation before each frame, with its separation";
+  return note + "\n";
+}
+
+TitledTable times(const Rows& rows, const std::string& table, const std::string& model, const std::string& edges) {
+  TextTable text(header_of(table));
   for_each_line(rows, model, edges, [&](const std::string& of, const std::string& scene, const Comparison& c) {
-    if (of != table || c.nav.empty()) return;
-    const auto paper = kPrintedRows.find(scene);
-    const auto printed = [&](const char* PaperRow::*column) {
-      return std::string(paper == kPrintedRows.end() ? "-" : paper->second.*column);
-    };
-    std::vector<std::string> row = {scene,
-                                    grouped(static_cast<std::uint64_t>(c.nav.median("elements"))),
-                                    std::to_string(c.nav.motions()),
-                                    milliseconds(c.nav),
-                                    milliseconds(c.hash),
-                                    milliseconds(c.vol)};
-    if (certified) row.push_back(milliseconds(c.plus));
-    if (table == "b") row.push_back(milliseconds(c.printed));
-    for (const std::string& cell : {ratio_or_dash(over(c.nav, c.vol)), printed(&PaperRow::over_nav),
-                                    ratio_or_dash(over(c.hash, c.vol)), printed(&PaperRow::over_hash)})
-      row.push_back(cell);
-    if (certified) row.insert(row.end(), {ratio_or_dash(over(c.nav, c.plus)), ratio_or_dash(over(c.hash, c.plus))});
-    text.add(row);
+    if (of == table && !c.nav.empty()) text.add(line_of(table, scene, c));
   });
-  return {fmt::format("{}; {} motion, {} edges", title_of(table), model, edges), text,
-          "ms a step: mean over motions of medians over rounds, edits of the topology included; /Nav, /Hash: speed-up "
-          "of VolCCD "
-          "over them,\nwith the paper's beside it" +
-              std::string(certified      ? "; +: of VolCCD+"
-                          : table == "b" ? "; 2011: VolCCD-2011 with this test"
-                                         : "") +
-              "\n"};
+  return {fmt::format("{}; {} motion, {} edges", title_of(table), model, edges), text, note_of(table, model)};
 }
 
 /// Shares in the speed-up: tests left out, a cheaper test, and the cost of the other stages.
@@ -272,8 +283,9 @@ ExperimentPlan table1_plan(const PlanContext& context) {
       plan.runs.push_back(std::move(run));
     };
     for (const char* table : {"a", "b", "c"}) add(table, MotionModel::linear, EdgeSet::triangulated);
-    if (context.full && SequenceReader(scene.file).has_velocity())
-      add("c", MotionModel::tentative, EdgeSet::triangulated);
+    const SequenceReader reader(scene.file);
+    if (context.full && reader.has_velocity()) add("c", MotionModel::tentative, EdgeSet::triangulated);
+    if (context.full && reader.has_query()) add("c", MotionModel::query, EdgeSet::triangulated);
     if (context.full && has_hexahedra(scene.file)) add("b", MotionModel::linear, EdgeSet::polytope);
   }
   return plan;

@@ -7,7 +7,8 @@ namespace volccd {
 
 /// Tables "a" (as in 2011), "b" (today's baselines with the paper's elementary test) and "c" (certified), on
 /// table_scenes(), with evenly sampled motions. Table b is also measured with the paper's edge set on scenes of
-/// hexahedra, and table c on tentative motions if the file has velocities. The pipelines of a scene run interleaved.
+/// hexahedra, and table c on tentative motions if the file has velocities, and on query motions if it has queries. The
+/// pipelines of a scene run interleaved.
 ExperimentPlan table1_plan(const PlanContext& context);
 
 std::vector<TitledTable> table1_tables(const nlohmann::json& record);

@@ -37,7 +37,7 @@ enum class SequenceForm { temporal, single };
 ///
 /// Atomic, by the rules of OutputFile, and for regular files only: everything is written to a temporary file in the
 /// same directory, which finish() writes to disk and renames. Without finish(), no file is left behind. Memory: buffers
-/// for one step, and the cells of the last step.
+/// for one step, and the cells of the last step. The same calls write the same bytes.
 ///
 /// Errors: InputError with `file` and the dataset for data that SequenceReader would refuse (a number that is not
 /// finite, a vertex out of range or twice in a cell, a repeated id, times that are not ascending, arrays of wrong

@@ -61,7 +61,7 @@ class Experiments(ProgramTest):
     def test_committed_tables_are_those_of_their_records(self):
         results, compared = os.path.join(SOURCE, "results"), 0
         for name in ("table1", "culling", "ablation", "scaling", "operations", "projectile", "plus", "boundary",
-                     "inversion", "feature-sets"):
+                     "inversion", "feature-sets", "peers"):
             if os.path.exists(os.path.join(results, name + ".json")):
                 with open(os.path.join(results, name + ".txt"), encoding="utf-8") as file:
                     expected = file.read()
@@ -107,9 +107,18 @@ class Experiments(ProgramTest):
         self.assertEqual(len(first), 4 * len({row["motion"] for row in first}))
         text = self.good("experiment", "run", "projectile", "-o", results, env=env)
         self.assertRegex(text, r"continued; [1-9]\d* window")
-        rows = json.loads(self.read("projectile/records/projectile.json"))["rows"]
+        whole = self.read("projectile/records/projectile.json")
+        rows = json.loads(whole)["rows"]
         self.assertEqual(len(rows), 4 * 60)
         self.assertEqual(rows[:len(first)], first)
+        text = self.good("experiment", "run", "projectile", "--skip-complete", "-o", results, env=env)
+        self.assertIn("it is kept", text)
+        self.assertEqual(self.read("projectile/records/projectile.json"), whole)
+        # Another plan, and another input.
+        text = self.good("experiment", "run", "projectile", "--skip-complete", "--pipelines", "BruteForce", "-o",
+                         results, env=env)
+        self.assertNotIn("it is kept", text)
+        self.assertEqual(len(json.loads(self.read("projectile/records/projectile.json"))["rows"]), 5 * 60)
         self.no_leftovers()
 
 

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/error.hpp>
+#include <volccd/core/output_file.hpp>
 #include <volccd/experiments/harness/motion_measures.hpp>
 #include <volccd/experiments/harness/subdivide.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
@@ -144,6 +145,27 @@ TEST_F(Harness, GoesOnWhereItWasStopped) {
   EXPECT_EQ(record.rows().size(), 8u);
 }
 
+TEST_F(Harness, ARecordIsCompleteForItsOwnIdentityAlone) {
+  const ExperimentPlan one = plan(1, {{1, 1}});
+  SerialExecutor serial;
+  const json facts = provenance(one, serial), identity = identity_of(facts);
+  RecordFile record(folder_ / "", "r", identity);
+  EXPECT_FALSE(complete_record(record.file(), identity)) << "there is none";
+  run_experiment(registry_, one, serial, record);
+  EXPECT_FALSE(complete_record(record.file(), identity)) << "not finished";
+  record.finish(facts, json::array());
+  ASSERT_TRUE(complete_record(record.file(), identity));
+  EXPECT_EQ(complete_record(record.file(), identity)->at("rows").size(), 4u);
+  EXPECT_FALSE(complete_record(record.file(), identity_of(provenance(plan(2, {{1, 1}}), serial)))) << "other rounds";
+  for (const char* fact : {"commit", "program_fnv1a", "cpu", "inputs"}) {
+    json other = identity;
+    other[fact] = "another";
+    EXPECT_FALSE(complete_record(record.file(), other)) << fact;
+  }
+  write_text_file(record.file(), "{\"rows\": [");
+  EXPECT_FALSE(complete_record(record.file(), identity)) << "not JSON";
+}
+
 TEST_F(Harness, AdjacentPairsAreThoseThatThePipelineCounts) {
   SequenceReader reader(file_);
   SequenceStepper stepper(reader);
@@ -176,9 +198,11 @@ TEST_F(Harness, EveryPlanHasScenesAndPipelinesThatCanBeMade) {
   for (const bool full : {false, true}) {
     const PlanContext context{registry_, full, {}, {}, [&](const std::string&) { return std::optional(file_); }};
     for (const ExperimentKind& kind : experiment_kinds()) {
-      if (!kind.plan) continue;
       const ExperimentPlan plan = kind.plan(context);
       EXPECT_FALSE(plan.runs.empty()) << kind.name;
+      const json inputs = provenance(plan, SerialExecutor()).at("inputs");
+      ASSERT_EQ(inputs.size(), 1u) << kind.name;
+      EXPECT_EQ(inputs[0].at("fnv1a"), file_hash(file_)) << kind.name;
       EXPECT_EQ(measured_runs(plan) > 0, kind.rows == nullptr) << kind.name << ": else it names its inputs only";
       for (const SceneRun& run : plan.runs)
         for (const Entrant& entrant : run.entrants) EXPECT_NO_THROW(Pipeline(registry_, entrant.spec)) << kind.name;
@@ -205,7 +229,11 @@ TEST_F(Harness, OperationsAreCountedOnAScene) {
   EXPECT_GE(rows.size(), 8u);
   EXPECT_NE(render(operation_tables({{"rows", rows}}), TableFormat::text).find("217"), std::string::npos)
       << "the paper's";
-  EXPECT_EQ(operation_tables({{"rows", rows}}).size(), 2u) << "those of OBBs and k-DOPs, too";
+  EXPECT_EQ(operation_tables({{"rows", rows}}).size(), 3u) << "those of coplanarity, and of OBBs and k-DOPs, too";
+  std::vector<json> earlier;
+  for (const json& row : rows)
+    if (!row.at("operation").get<std::string>().starts_with("coplanarity")) earlier.push_back(row);
+  EXPECT_EQ(operation_tables({{"rows", earlier}}).size(), 2u) << "a record without coplanarity";
   EXPECT_EQ(operation_plan(context).runs.size(), 1u);
 }
 

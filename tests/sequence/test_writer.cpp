@@ -1,7 +1,9 @@
 // The writer leaves a whole file or none, and refuses what the reader would.
+#include <chrono>
 #include <fstream>
 #include <functional>
 #include <limits>
+#include <thread>
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -18,6 +20,16 @@ namespace volccd::test {
 namespace {
 
 void write_text(const std::string& file, const std::string& text) { std::ofstream(file) << text; }
+
+/// Records of experiments identify their inputs by a hash of the file.
+TEST(SequenceWriter, TheSameSequenceGivesTheSameBytesLater) {
+  const ScratchFolder folder;
+  const Sequence sequence = random_sequence(3);
+  sequence.write(folder / "a.vtkhdf");
+  std::this_thread::sleep_for(std::chrono::milliseconds(1100));  // HDF5 keeps times of change in seconds
+  sequence.write(folder / "b.vtkhdf");
+  EXPECT_TRUE(text_of(folder / "a.vtkhdf") == text_of(folder / "b.vtkhdf"));
+}
 
 TEST(SequenceWriter, NothingIsThereBeforeFinish) {
   const ScratchFolder folder;

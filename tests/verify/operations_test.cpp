@@ -5,6 +5,7 @@
 
 #include <volccd/core/random.hpp>
 #include <volccd/culling/csat_reference.hpp>
+#include <volccd/experiments/tables/coplanarity_reference.hpp>
 #include <volccd/experiments/tables/counted_double.hpp>
 #include <volccd/narrowphase/provot_test.hpp>
 #include <volccd/oracle/cases/query_set.hpp>
@@ -64,6 +65,60 @@ TEST(CountedDouble, AnswersAsDoubleDoes) {
   EXPECT_GT(apart, 200);
 }
 
+/// f(t) of the four points; its sign is that of the volume that they span.
+double determinant(const std::array<MovingPoint<double>, 4>& p, double t) {
+  std::array<Vec3, 4> x;
+  for (std::size_t i = 0; i < 4; ++i)
+    for (std::size_t k = 0; k < 3; ++k) x[i][static_cast<int>(k)] = (1 - t) * p[i].x0[k] + t * p[i].x1[k];
+  return (x[1] - x[0]).dot((x[2] - x[0]).cross(x[3] - x[0]));
+}
+
+TEST(CoplanarityReference, DropsWhatNeverIsCoplanarAndNothingElse) {
+  int dropped = 0, touching = 0, changed = 0;
+  for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee})
+    for (const TestQuery& q : queries(4000, 5)) {
+      const auto points = points_of<double>(q);
+      double least = determinant(points, 0), most = least;
+      for (int k = 1; k <= 64; ++k) {
+        const double value = determinant(points, k / 64.0);
+        least = std::min(least, value), most = std::max(most, value);
+      }
+      const bool apart = reference::never_coplanar<double>(kind, points);
+      changed += least * most <= 0;
+      touching += reference::provot_test<double>(kind, points, 1e-10, 1.0).touches;
+      dropped += apart;
+      if (apart) {
+        ASSERT_GT(least * most, 0) << "the points are coplanar in between";
+        ASSERT_FALSE(reference::provot_test<double>(kind, points, 1e-10, 1.0).touches);
+      }
+      if (std::abs(least) > 1e-3 && least * most > 0 && least / most > 0.9 && most / least > 0.9) {
+        ASSERT_TRUE(apart) << "the volume hardly changes";
+      }
+    }
+  EXPECT_GT(dropped, 500);
+  EXPECT_GT(touching, 200);
+  EXPECT_GT(changed, 2000);
+}
+
+/// Section 7.2: the two are complementary.
+TEST(CoplanarityReference, AndCsatEachDropWhatTheOtherKeeps) {
+  using Points = std::array<MovingPoint<double>, 4>;
+  const auto csat = [](const Points& p) {
+    return reference::vertex_apart<double>(p[0], {p[1], p[2], p[3]},
+                                           reference::start_normal<double>({p[1], p[2], p[3]}));
+  };
+  // Vertex and triangle turn together by a quarter: no plane of the start lies between them.
+  const Points turning = {
+      {{{0.2, 0.2, 0.1}, {0.1, 0.2, -0.2}}, {{0, 0, 0}, {0, 0, 0}}, {{1, 0, 0}, {0, 0, -1}}, {{0, 1, 0}, {0, 1, 0}}}};
+  EXPECT_FALSE(csat(turning));
+  EXPECT_TRUE(reference::never_coplanar<double>(FeatureKind::vf, turning));
+  // The triangle turns over while the vertex stays above it.
+  const Points flipping = {
+      {{{0.2, 0.2, 5}, {0.2, 0.2, 5}}, {{0, 0, 0}, {0, 0, 0}}, {{1, 0, 0}, {0, 1, 0}}, {{0, 1, 0}, {1, 0, 0}}}};
+  EXPECT_TRUE(csat(flipping));
+  EXPECT_FALSE(reference::never_coplanar<double>(FeatureKind::vf, flipping));
+}
+
 TEST(CountedDouble, CountsEachOperation) {
   CountedDouble::counts() = {};
   const CountedDouble a = 2, b = 3;
@@ -90,7 +145,7 @@ KnownQueries known(const QuerySet& set) {
 TEST(Operations, AreThoseOfTheFormulas) {
   const QuerySet vf(FeatureKind::vf, queries(1000, 2)), ee(FeatureKind::ee, queries(700, 3));
   const auto record = operation_counts({known(vf), known(ee)}, {.tests = 600, .repetitions = 3});
-  EXPECT_EQ(record.at("rows").size(), 10u);
+  EXPECT_EQ(record.at("rows").size(), 16u);
   for (const auto& one : record.at("rows")) {
     if (one.at("operation") == "elementary-test-left") continue;
     EXPECT_EQ(one.at("tests"), 600);
@@ -111,6 +166,21 @@ TEST(Operations, AreThoseOfTheFormulas) {
   // Four vertices at two times, of one point and of two.
   EXPECT_EQ(row(record, "csat-element", "vf").at("most").at("multiplications"), 24);
   EXPECT_EQ(row(record, "csat-element", "ee").at("most").at("multiplications"), 48);
+  EXPECT_EQ(row(record, "csat-element-with-axis", "vf").at("most").at("multiplications"), 30);
+  // Six differences of points and two of vectors, three cross products and their sum, six dot products and two sums.
+  for (const char* kind : {"vf", "ee"}) {
+    EXPECT_EQ(row(record, "coplanarity", kind).at("most").at("additions"), 53);
+    EXPECT_EQ(row(record, "coplanarity", kind).at("most").at("multiplications"), 36);
+    EXPECT_GT(row(record, "coplanarity", kind).at("positive"), row(record, "coplanarity-element", kind).at("positive"));
+  }
+  // All four triangles and six edges of a tetrahedron, whatever the first of them says: at least two dot products each.
+  for (const auto& [kind, features] : {std::pair("vf", 4.0), std::pair("ee", 6.0)}) {
+    EXPECT_GE(row(record, "coplanarity-element", kind).at("multiplications").get<double>(), features * 15);
+    EXPECT_LE(row(record, "coplanarity-element", kind).at("most").at("multiplications").get<double>(), features * 36);
+  }
+  EXPECT_EQ(row(record, "coplanarity", "vf").at("paper").at("over_csat"), 2);
+  EXPECT_EQ(row(record, "coplanarity-element", "vf").at("paper").at("over_csat"), 6);
+  EXPECT_TRUE(row(record, "coplanarity", "ee").at("paper").is_null());
   EXPECT_EQ(row(record, "csat", "vf").at("paper").at("additions"), 15);
   EXPECT_EQ(row(record, "elementary-test", "vf").at("paper").at("multiplications"), 217);
   EXPECT_TRUE(row(record, "elementary-test", "ee").at("paper").is_null());

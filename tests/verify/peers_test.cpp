@@ -5,6 +5,8 @@
 
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/core/error.hpp>
+#include <volccd/experiments/harness/motion_measures.hpp>
+#include <volccd/experiments/harness/run.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 
 #include "support/scratch_folder.hpp"
@@ -45,10 +47,12 @@ class PeersExperiment : public testing::Test {
   }
 
   void add_peer(bool loses) {
-    registry_.add(StageDescriptor<BroadPhase>{"cgal-box-intersection", "made up", Guarantee::conservative, {},
-                                              [loses](const OptionValues&) -> std::unique_ptr<BroadPhase> {
-                                                return std::make_unique<MadeUpPeer>(loses);
-                                              }});
+    registry_.add(StageDescriptor<BroadPhase>{
+        "cgal-box-intersection",
+        "made up",
+        Guarantee::conservative,
+        {},
+        [loses](const OptionValues&) -> std::unique_ptr<BroadPhase> { return std::make_unique<MadeUpPeer>(loses); }});
   }
   PlanContext context(const std::string& scene) const {
     return {registry_, false, {}, {}, [this, scene](const std::string& name) {
@@ -109,7 +113,19 @@ TEST_F(PeersExperiment, DifferentCountsAreAnError) {
   }
 }
 
-TEST_F(PeersExperiment, NoSceneIsAnError) { EXPECT_THROW(peers_rows(context("none")), ConfigError); }
+TEST_F(PeersExperiment, ThePlanNamesTheInputs) {
+  const ExperimentPlan plan = peers_plan(context("cloth-ball"));
+  EXPECT_EQ(plan.rounds, 3);
+  EXPECT_EQ(measured_runs(plan), 0u) << "the rows are made by peers_rows() alone";
+  const json inputs = provenance(plan, SerialExecutor()).at("inputs");
+  ASSERT_EQ(inputs.size(), 1u);
+  EXPECT_EQ(inputs[0], (json{{"scene", "cloth-ball"}, {"file", "builtin.vtkhdf"}, {"fnv1a", file_hash(file_)}}));
+}
+
+TEST_F(PeersExperiment, NoSceneIsAnError) {
+  EXPECT_THROW(peers_rows(context("none")), ConfigError);
+  EXPECT_TRUE(peers_plan(context("none")).runs.empty());
+}
 
 }  // namespace
 }  // namespace volccd::test

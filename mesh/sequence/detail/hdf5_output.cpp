@@ -72,6 +72,8 @@ void Hdf5Output::group(const std::string& path) {
 
 Hdf5Id Hdf5Output::create_dataset(const std::string& path, hid_t type, hid_t space, const hsize_t* chunk, int rank) {
   const Hdf5Id creation(H5Pcreate(H5P_DATASET_CREATE), H5Pclose);
+  // The same data give the same bytes: records identify their inputs by a hash of the file.
+  check(H5Pset_obj_track_times(creation.get(), false) >= 0, path, "cannot be made");
   if (chunk)
     check(H5Pset_chunk(creation.get(), rank, chunk) >= 0 && H5Pset_shuffle(creation.get()) >= 0 &&
               H5Pset_deflate(creation.get(), kDeflate) >= 0,
