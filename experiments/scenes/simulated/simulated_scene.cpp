@@ -27,7 +27,7 @@ SimulatedScene bullet() {
           .frames = kBulletFrames,
           .duration = kBulletDuration,
           .options = with_queries_every(3),
-          .version = 4};
+          .version = 5};
 }
 
 SimulatedScene bullet_with(const char* name, const char* description, simulation::ContactFeatures features) {
@@ -36,6 +36,7 @@ SimulatedScene bullet_with(const char* name, const char* description, simulation
   scene.description = description;
   scene.options.features = features;
   scene.variant_of = "bullet";
+  scene.version = 4;
   return scene;
 }
 
@@ -62,7 +63,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .begin = kAirbagBegin,
        .duration = kAirbagDuration,
        .options = with_queries_every(2),
-       .version = 3},
+       .version = 4},
       {.name = "crash",
        .description = "the front of a car of thin sheet hits a rigid wall; shells",
        .model = crash_model,
