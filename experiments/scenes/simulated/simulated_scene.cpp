@@ -72,7 +72,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .frames = kCrashFrames,
        .duration = kCrashDuration,
        .options = with_queries_every(20),
-       .version = 3},
+       .version = 4},
       {.name = "liver",
        .description = "a liver that hangs from its sides is cut from below; tetrahedra",
        .model = liver_model,
