@@ -52,7 +52,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .frames = kOctopiFrames,
        .duration = kOctopiDuration,
        .options = with_queries_every(4),
-       .version = 3},
+       .version = 4},
       bullet(),
       {.name = "airbag",
        .description = "a folded airbag inflates in front of a steering wheel; shells",
