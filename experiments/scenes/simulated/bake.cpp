@@ -178,6 +178,7 @@ std::uint64_t tool_elements(const simulation::Model& model) {
     if (model.parts[part_of(o)].rigid)
       for (const Index v : model.mesh.vertices(o))
         if (!moves[v]) is_tool[part_of(o)] = 1;
+  for (const simulation::Guide& guide : model.guides) is_tool[static_cast<std::size_t>(guide.object)] = 1;
   std::uint64_t count = 0;
   for (Index o = 0; o < model.mesh.element_slots(); ++o) count += is_tool[part_of(o)] ? 1 : 0;
   return count;

@@ -81,7 +81,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .frames = kLiverFrames,
        .duration = kLiverDuration,
        .options = with_queries_every(2),
-       .version = 3},
+       .version = 4},
       {.name = "weld",
        .description = "a plate is shot at another, welds to it, and cracks it inside; hexahedra",
        .model = weld_model,
