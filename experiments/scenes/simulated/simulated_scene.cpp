@@ -45,7 +45,7 @@ SimulatedScene bullet_with(const char* name, const char* description, simulation
 const std::vector<SimulatedScene>& simulated_scenes() {
   static const std::vector<SimulatedScene> all = {
       {.name = "octopi",
-       .description = "three soft octopi are thrown at each other and entangle; tetrahedra",
+       .description = "three soft octopi are thrown at each other and entangle in a funnel; tetrahedra",
        .model = octopi_model,
        .default_elements = kOctopiElements,
        .quick_elements = kOctopiQuickElements,
@@ -74,11 +74,12 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .options = with_queries_every(20),
        .version = 4},
       {.name = "liver",
-       .description = "a liver that hangs from its sides is cut from below; tetrahedra",
+       .description = "a liver that hangs from its sides is cut from below by a scalpel; tetrahedra",
        .model = liver_model,
        .default_elements = kLiverElements,
        .quick_elements = kLiverQuickElements,
        .frames = kLiverFrames,
+       .begin = kLiverBegin,
        .duration = kLiverDuration,
        .options = with_queries_every(2),
        .version = 4},
