@@ -94,7 +94,7 @@ simulation::Part vehicle_part(const Shape& shape, VehiclePart part) {
   return result;
 }
 
-/// A sheet whose front side is at x = `front`; it has no part in time steps, because it is soft and does not move.
+/// A sheet whose front side is at x = `front`.
 Shape wall_sheet(double front, int triangles) {
   QuadComplex sheet;
   const double x = front - kWallThickness / 2;
