@@ -25,7 +25,7 @@ struct SimulationOptions {
   ContactFeatures features = ContactFeatures::all;
   bool adjacent_contacts =
       true;              ///< resist contacts between features of one element or of adjacent elements (inversion)
-  bool contacts = true;  ///< false: no queries; walls still act
+  bool contacts = true;  ///< false: no queries; of what resists, only walls act
 
   double step_safety = 0.9;  ///< fraction of ElementForces::stable_step() that a substep takes
   double max_step = kNever;
