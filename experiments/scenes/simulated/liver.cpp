@@ -22,8 +22,8 @@ constexpr double kSag = 0.35;                                                // 
 /// origin, and the change of the latter with the depth. The scalpel comes along the plane that has sagged in this way.
 constexpr double kSagAlong = -0.017, kSagAcross = -0.0235, kSagTilt = 0.11;
 constexpr double kLiverEdge = 0.0145;  // of the default size, about
-/// How far the scalpel's edge is behind that of the cut, in edges of the liver: it does not push at what is not cut yet,
-/// which would crush elements.
+/// How far the scalpel's edge is behind that of the cut, in edges of the liver: it does not push at what is not cut
+/// yet, which would crush elements.
 constexpr double kBehind = 1.5;
 
 /// The liver filled by a lattice that is turned by `turn`.
