@@ -116,6 +116,7 @@ void ContactForces::apply(const ContactConstraint& c, const Vec3& impulse, const
     } else {
       RigidBody& body = moving.bodies.bodies()[body_of[v]];
       held = body.held;
+      if (body.guide) work.external -= part.dot(body.velocity);
       if (!held) {
         const Vec3 torque = (moving.x1[v] - body.center).cross(part);
         body.velocity += part / body.mass;
@@ -123,7 +124,7 @@ void ContactForces::apply(const ContactConstraint& c, const Vec3& impulse, const
         body.angular_velocity += shifts_[body_of[v]].inverse_inertia * torque;
       }
     }
-    // External impulses: those of walls, and those that hold fixed vertices.
+    // External impulses: those of walls, and those that hold fixed vertices and guided bodies.
     const double sign = (c.is_wall() ? 1 : 0) - (held ? 1 : 0);
     work.impulse += sign * part;
     work.angular_impulse += sign * moving.x1[v].cross(part);

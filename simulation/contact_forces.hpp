@@ -25,7 +25,8 @@ struct MovingVertices {
 struct ContactWork {
   double total = 0;                                             ///< kinetic energy lost, friction included
   double friction = 0;                                          ///< work of friction forces
-  Vec3 impulse = Vec3::Zero(), angular_impulse = Vec3::Zero();  ///< from walls and fixed vertices
+  double external = 0;                                          ///< work of what moves guided bodies
+  Vec3 impulse = Vec3::Zero(), angular_impulse = Vec3::Zero();  ///< from walls, fixed vertices, guided bodies
 };
 
 /// One contact. Its gap is linear in the positions of its vertices: gap at the end of the substep = offset + normal .

@@ -197,8 +197,9 @@ Index ContactResponse::group_of(Index node) {
   return node;
 }
 
-/// Features that would still touch are moved as groups without rotation, so that no features in a group touch. Only
-/// positions change; the velocities remain those after the impulses.
+/// Features that would still touch are moved as groups without rotation, so that no features in a group touch. A group
+/// with a guided body moves as that body (of several, or with fixed vertices, features may touch). Only positions
+/// change; the velocities remain those after the impulses.
 void ContactResponse::hold_apart(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
                                  Executor& executor) {
   group_.resize(moving.x1.size() + moving.bodies.bodies().size());
@@ -237,7 +238,7 @@ void ContactResponse::hold_groups(std::span<const Vec3> since, const MovingVerti
   struct Sum {
     double mass = 0;
     bool held = false;
-    Vec3 moment = Vec3::Zero();
+    Vec3 moment = Vec3::Zero(), guided = Vec3::Zero();
   };
   std::vector<std::pair<Index, Index>> order;  // (group, member)
   for (Index m : members_) order.emplace_back(group_of(m), m);
@@ -250,11 +251,13 @@ void ContactResponse::hold_groups(std::span<const Vec3> since, const MovingVerti
       const double inverse = is_body ? 0 : moving.inverse_mass[m];
       const double mass = is_body ? bodies[m - vertices].mass : inverse > 0 ? 1 / inverse : 0;
       sum.held |= is_body ? bodies[m - vertices].held : inverse == 0;
+      if (is_body && bodies[m - vertices].guide)
+        sum.guided = bodies[m - vertices].center - bodies[m - vertices].marked_center;
       sum.mass += mass;
       sum.moment += mass * (is_body ? Vec3(bodies[m - vertices].center - bodies[m - vertices].marked_center)
                                     : Vec3(moving.x1[m] - since[m]));
     }
-    const Vec3 by = sum.held || !(sum.mass > 0) ? Vec3(Vec3::Zero()) : Vec3(sum.moment / sum.mass);
+    const Vec3 by = sum.held || !(sum.mass > 0) ? sum.guided : Vec3(sum.moment / sum.mass);
     for (std::size_t k = i; k < end; ++k) {
       const Index m = order[k].second;
       if (m < vertices) {

@@ -16,7 +16,7 @@ namespace volccd::simulation {
 struct Ledger {
   double time = 0;
 
-  double kinetic = 0, elastic = 0;
+  double kinetic = 0, elastic = 0;  ///< without what is fixed or guided
 
   double plastic = 0;    ///< so far: work of plastic deformation
   double numerical = 0;  ///< so far: dissipated by hourglass control and bulk viscosity
@@ -24,11 +24,12 @@ struct Ledger {
   double contact = 0;    ///< so far: lost in contacts and at walls (no friction), less what separating vertices added
   double friction = 0;   ///< so far: dissipated by friction
   double topology = 0;   ///< so far: energy lost where vertices merged, split or were cut apart
-  double external = 0;   ///< so far: work of gravity and pressure
+  double external = 0;   ///< so far: work of gravity and pressure, and of what moves guided bodies
   double initial = 0;    ///< kinetic and elastic at the start
 
   Vec3 momentum = Vec3::Zero(), angular_momentum = Vec3::Zero();
-  /// So far: impulses of external forces (gravity, pressure, damping, walls, and the forces that hold fixed vertices).
+  /// So far: impulses of external forces (gravity, pressure, damping, walls, and the forces that hold fixed vertices
+  /// and move guided bodies).
   Vec3 impulse = Vec3::Zero(), angular_impulse = Vec3::Zero();
   double mass = 0;
 

@@ -65,6 +65,15 @@ struct Cut {
   double length = 1;  ///< distance after which the edge stops
 };
 
+/// The given path of a rigid part, which is moved without rotation, whatever acts on it. Its displacement from its
+/// initial position is linear between the points and constant beyond them, and zero at time 0.
+struct Guide {
+  std::int32_t object = 0;
+  std::vector<std::pair<double, Vec3>> path;  ///< (time, displacement), times ascending
+
+  Vec3 displacement(double time) const;
+};
+
 struct Model {
   Mesh mesh;  ///< solids: tetrahedra, hexahedra; shells: triangles (quads are refused). Objects index `parts`.
   std::vector<Vec3> positions;   ///< by vertex
@@ -74,6 +83,7 @@ struct Model {
   std::vector<Wall> walls;
   std::vector<Pressure> pressures;
   std::vector<Cut> cuts;
+  std::vector<Guide> guides;  ///< at most one for each part
   Vec3 gravity = Vec3::Zero();
 };
 

@@ -23,6 +23,14 @@ Eigen::Matrix3d pseudo_inverse(const Eigen::Matrix3d& inertia) {
 
 }  // namespace
 
+Vec3 Guide::displacement(double time) const {
+  const auto next = std::ranges::upper_bound(path, time, {}, &std::pair<double, Vec3>::first);
+  if (next == path.begin()) return path.front().second;
+  const auto& [t0, d0] = *(next - 1);
+  if (next == path.end()) return d0;
+  return d0 + (time - t0) / (next->first - t0) * (next->second - d0);
+}
+
 Eigen::Quaterniond turned(const Eigen::Quaterniond& q, const Vec3& w) {
   const double angle = w.norm();
   if (angle == 0) return q;
@@ -56,6 +64,13 @@ RigidBodies::RigidBodies(const Model& model, std::span<const double> mass)
     if (body_of_[v] != kNone) bodies_[body_of_[v]].vertices.push_back(v);
   for (Index v : model.fixed)
     if (body_of_[v] != kNone) bodies_[body_of_[v]].held = true;
+  for (const Guide& guide : model.guides) {
+    const Index b = body_of_part[static_cast<std::size_t>(guide.object)];
+    if (b == kNone) continue;
+    bodies_[b].held = true;
+    bodies_[b].guide = guide;
+    for (const Index v : bodies_[b].vertices) bodies_[b].guided_from.push_back(model.positions[v]);
+  }
   for (RigidBody& body : bodies_) measure(body, model, mass);
 }
 
@@ -84,6 +99,16 @@ void RigidBodies::measure(RigidBody& body, const Model& model, std::span<const d
   body.angular_velocity = body.inverse_inertia * body.spin;
   // Removes what rounding, or a velocity that is not a rigid motion, has left.
   body.spin = body.inertia * body.angular_velocity;
+}
+
+void RigidBodies::follow_guides(double time, double dt) {
+  for (RigidBody& body : bodies_) {
+    if (!body.guide) continue;
+    const Vec3 next = body.guide->displacement(time);
+    body.velocity = (next - body.displacement) / dt;
+    body.center += next - body.displacement;
+    body.displacement = next;
+  }
 }
 
 void RigidBodies::kick(std::span<const Vec3> force, double dt) {
@@ -118,6 +143,7 @@ void RigidBodies::write_vertices(std::span<Vec3> x, std::span<Vec3> v) const {
       const Vec3 arm = body.arm(i);
       // The positions of fixed bodies do not change in any bit.
       if (!body.held) x[body.vertices[i]] = body.center + arm;
+      if (body.guide) x[body.vertices[i]] = body.guided_from[i] + body.displacement;
       v[body.vertices[i]] = body.velocity + body.angular_velocity.cross(arm);
     }
 }
@@ -140,16 +166,17 @@ void RigidBodies::archive(Archive& archive) {
   archive(count);
   if (count != bodies_.size()) throw InputError("checkpoint", "rigid bodies", "of another model");
   for (RigidBody& body : bodies_) {
-    std::vector<Vec3> state = {body.center, body.velocity, body.spin, body.angular_velocity};
+    std::vector<Vec3> state = {body.center, body.velocity, body.spin, body.angular_velocity, body.displacement};
     std::vector<double> turn(body.orientation.coeffs().data(), body.orientation.coeffs().data() + 4);
     archive(state);
     archive(turn);
     if (!archive.reading()) continue;
-    if (state.size() != 4 || turn.size() != 4) throw InputError("checkpoint", "rigid bodies", "damaged");
+    if (state.size() != 5 || turn.size() != 4) throw InputError("checkpoint", "rigid bodies", "damaged");
     body.center = state[0];
     body.velocity = state[1];
     body.spin = state[2];
     body.angular_velocity = state[3];
+    body.displacement = state[4];
     body.orientation.coeffs() = Eigen::Map<const Eigen::Vector4d>(turn.data());
   }
   mark();

@@ -1,6 +1,7 @@
 // Rigid parts.
 #pragma once
 
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -14,7 +15,10 @@ namespace volccd::simulation {
 /// Mass and inertia are those of the lumped masses of its vertices, which include the masses of deformable elements
 /// attached to them. So energy and momentum are sums over vertices, as for deformable parts.
 struct RigidBody {
-  bool held = false;  ///< one of its vertices is fixed: the body does not move
+  bool held = false;  ///< no force moves the body: one of its vertices is fixed, or it is guided
+  std::optional<Guide> guide = {};
+  std::vector<Vec3> guided_from;     ///< of a guided body: initial positions, by vertex
+  Vec3 displacement = Vec3::Zero();  ///< of a guided body
   double mass = 0;
   Eigen::Matrix3d inertia,
       inverse_inertia;  ///< about the centre, in the body's frame; pseudo-inverse for a line or a point
@@ -37,7 +41,7 @@ class RigidBodies {
  public:
   /// Makes a body for each rigid part that has elements. Its initial velocity is the rigid motion with the momentum and
   /// angular momentum of the model's velocities. Throws InputError for a vertex of two rigid parts, and for a body
-  /// without mass.
+  /// without mass. A body with a guide is at rest at first.
   RigidBodies(const Model& model, std::span<const double> mass);
 
   std::vector<RigidBody>& bodies() { return bodies_; }
@@ -45,13 +49,16 @@ class RigidBodies {
   /// By vertex: index of its body, kNone if it belongs to none.
   std::span<const Index> body_of() const { return body_of_; }
 
+  /// Moves guided bodies from where they are to their displacement at `time`, dt later, with constant velocity.
+  void follow_guides(double time, double dt);
   /// Changes momentum and spin by the forces on the vertices during dt, and sets the angular velocity that follows from
   /// the new spin.
   void kick(std::span<const Vec3> force, double dt);
   /// Moves the bodies for dt: the centre along a straight line, the orientation with the angular velocity at the middle
   /// of the step, which becomes the body's. The spin does not change. Second order.
   void drift(double dt);
-  /// Writes the positions and velocities of the vertices that follow from the state of the bodies.
+  /// Writes the positions and velocities of the vertices that follow from the state of the bodies. A vertex of a guided
+  /// body is at its initial position plus the displacement, rounded once.
   void write_vertices(std::span<Vec3> x, std::span<Vec3> v) const;
   void write_velocities(std::span<Vec3> v) const;
 

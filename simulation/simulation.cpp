@@ -33,6 +33,26 @@ void check(bool good, const char* dataset, std::size_t index, const char* proble
   if (!good) throw InputError("model", dataset, static_cast<std::int64_t>(index), problem);
 }
 
+void check_guide(const Model& model, std::size_t i) {
+  const Guide& guide = model.guides[i];
+  const auto object = static_cast<std::size_t>(guide.object);
+  check(guide.object >= 0 && object < model.parts.size() && model.parts[object].rigid, "guides", i,
+        "is of no rigid part");
+  check(!guide.path.empty(), "guides", i, "has no points");
+  for (std::size_t k = 0; k < guide.path.size(); ++k) {
+    const auto& [time, displacement] = guide.path[k];
+    check(std::isfinite(time) && displacement.allFinite(), "guides", i, "has a point that is not finite");
+    check(k == 0 || time > guide.path[k - 1].first, "guides", i, "has times that do not ascend");
+  }
+  check(guide.displacement(0).isZero(0), "guides", i, "has a displacement at time 0");
+  for (std::size_t k = 0; k < i; ++k)
+    check(model.guides[k].object != guide.object, "guides", i, "is of a part that has a guide already");
+  for (Index o = 0; o < model.mesh.element_slots(); ++o)
+    if (model.mesh.is_live(o) && model.mesh.object(o) == guide.object)
+      for (const Index v : model.mesh.vertices(o))
+        check(std::ranges::find(model.fixed, v) == model.fixed.end(), "guides", i, "is of a part with a fixed vertex");
+}
+
 void check_model(const Model& model) {
   const Index vertices = model.mesh.vertex_count();
   check(model.positions.size() == vertices, "positions", model.positions.size(), "is not the number of vertices");
@@ -51,6 +71,7 @@ void check_model(const Model& model) {
     check(std::abs(model.walls[i].normal.norm() - 1) < 1e-9, "walls", i, "has a normal of another length than 1");
   for (std::size_t i = 0; i < model.cuts.size(); ++i) check(is_part(model.cuts[i].object), "cuts", i, "is of no part");
   check(model.gravity.allFinite(), "gravity", 0, "is not finite");
+  for (std::size_t i = 0; i < model.guides.size(); ++i) check_guide(model, i);
 }
 
 void check_options(const SimulationOptions& options) {
@@ -287,6 +308,7 @@ double Simulation::State::next_step(double until, bool& last) const {
 }
 
 void Simulation::State::substep(double dt, bool query) {
+  bodies->follow_guides(time + dt, dt);
   kick(dt);
   unhindered = v;
   for (std::size_t i = 0; i < x.size(); ++i) x1[i] = inverse_mass[i] > 0 ? Vec3(x[i] + dt * v[i]) : x[i];
@@ -371,6 +393,7 @@ void Simulation::State::collide(double dt, bool query) {
   }
   ledger.contact += work.total - work.friction;
   ledger.friction += work.friction;
+  ledger.external += work.external;
   ledger.impulse += work.impulse;
   ledger.angular_impulse += work.angular_impulse;
 }
@@ -398,6 +421,11 @@ void Simulation::State::evaluate_forces(double dt) {
   for (std::size_t i = 0; i < x.size(); ++i) {
     outer[i] += mass[i] * model.gravity;
     force[i] += outer[i];
+  }
+  // What moves a guided body balances all forces on it, and does their work.
+  for (const RigidBody& body : bodies->bodies()) {
+    if (!body.guide) continue;
+    for (const Index i : body.vertices) outer[i] -= std::exchange(force[i], Vec3::Zero());
   }
 }
 

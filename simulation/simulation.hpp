@@ -25,7 +25,7 @@ struct SimulationOptions {
   ContactFeatures features = ContactFeatures::all;
   bool adjacent_contacts =
       true;              ///< resist contacts between features of one element or of adjacent elements (inversion)
-  bool contacts = true;  ///< false: no queries; walls still act
+  bool contacts = true;  ///< false: no queries; of what resists, only walls act
 
   double step_safety = 0.9;  ///< fraction of ElementForces::stable_step() that a substep takes
   double max_step = kNever;
@@ -74,7 +74,7 @@ struct AskedQuery {
 ///
 /// Shells collide as prisms of their thickness; a contact acts on the vertices of the shell. Walls act on vertices (for
 /// a shell, those of its mid-surface) with the wall's friction and the part's restitution. A rigid part with a fixed
-/// vertex does not move.
+/// vertex does not move, and one with a guide follows its path; in contacts both count as infinitely heavy.
 ///
 /// Holds the model and all state. Deterministic: bit for bit the same for any number of workers. Not thread-safe.
 class Simulation {

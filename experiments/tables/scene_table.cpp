@@ -94,6 +94,11 @@ std::string resisted_text(const json& frames) {
   return text;
 }
 
+/// Elements of rigid tools, which are among the others. Records of scenes without any may lack the number.
+std::string tools_text(const json& baked) {
+  return baked.is_null() ? "-" : grouped(baked.value("tool_elements", std::uint64_t{0}));
+}
+
 std::vector<std::string> row_of(const json& record) {
   const json &motions = record.at("motions"), &baked = record.at("simulation");
   const std::string name = record.at("scene");
@@ -112,6 +117,7 @@ std::vector<std::string> row_of(const json& record) {
                                   type_names(motions.back()),
                                   grouped(element_count(motions.front())),
                                   grouped(element_count(motions.back())),
+                                  tools_text(baked),
                                   paper == kPaper.end() ? "-" : paper->second,
                                   std::to_string(motions.size() + 1),
                                   contacts("inter"),
@@ -150,12 +156,13 @@ std::optional<json> scene_record(const std::string& name, const std::string& seq
 }
 
 TitledTable scene_table(const std::vector<json>& records) {
-  TextTable table({"scene", "elements", "first", "last", "paper", "frames", "inter", "intra", "adjacent", "at t = 0",
-                   "moved, edges", "new elements", "resisted", "computed in", "energy error", "numerical / contacts",
-                   "angular drift"});
+  TextTable table({"scene", "elements", "first", "last", "tools", "paper", "frames", "inter", "intra", "adjacent",
+                   "at t = 0", "moved, edges", "new elements", "resisted", "computed in", "energy error",
+                   "numerical / contacts", "angular drift"});
   for (const json& record : records) table.add(row_of(record));
   return {"", table,
-          "contacts: median over the motions, between objects, within one, of adjacent elements; at t = 0: of those, "
+          "tools: of these elements, those of parts that no force moves; contacts: median over the motions, between "
+          "objects, within one, of adjacent elements; at t = 0: of those, "
           "touching at the start already; moved: 99th percentile of the vertices, median (greatest) over the "
           "motions; new elements: a motion; resisted: contacts that met an impulse in a substep of the simulation "
           "(inter / intra / adjacent), median over the frames: what it keeps apart does not touch in the file; "

@@ -240,14 +240,14 @@ TEST(CrashModel, IsOneConformingPieceAtEverySize) {
   for (const int elements : {kCrashQuickElements, kCrashElements}) {
     const Model model = crash_model(elements);
     expect_about(model, elements);
-    EXPECT_EQ(pieces(model.mesh), 1u);
+    EXPECT_EQ(pieces(model.mesh), 2u) << "car and wall";
   }
   EXPECT_EQ(hanging_vertices(crash_model(3'000)), 0u);
 }
 
 TEST(CrashModel, HasThePartsOfACar) {
   const Model model = crash_model(kCrashQuickElements);
-  ASSERT_EQ(model.parts.size(), static_cast<std::size_t>(kVehicleParts));
+  ASSERT_EQ(model.parts.size(), static_cast<std::size_t>(kVehicleParts) + 1);
   std::vector<double> area(model.parts.size(), 0);
   for (Index o = 0; o < model.mesh.element_slots(); ++o) {
     const auto v = model.mesh.vertices(o);
@@ -255,13 +255,25 @@ TEST(CrashModel, HasThePartsOfACar) {
         (model.positions[v[1]] - model.positions[v[0]]).cross(model.positions[v[2]] - model.positions[v[0]]).norm() / 2;
   }
   double mass = 0;
-  for (std::size_t part = 0; part < area.size(); ++part) {
+  for (std::size_t part = 0; part < static_cast<std::size_t>(kVehicleParts); ++part) {
     EXPECT_GT(area[part], 0) << model.parts[part].name;
     mass += area[part] * model.parts[part].thickness * model.parts[part].material.density;
   }
   EXPECT_NEAR(mass, 900, 150);
-  ASSERT_EQ(model.walls.size(), 1u);
-  for (const Vec3& p : model.positions) EXPECT_GT((p - model.walls[0].point).dot(model.walls[0].normal), 0);
+  // The wall is the last part: in front of the car, wider, higher and lower than it will be, and fixed.
+  EXPECT_TRUE(model.walls.empty());
+  EXPECT_EQ(model.parts.back().name, "wall");
+  EXPECT_TRUE(model.parts.back().rigid);
+  EXPECT_NEAR(area.back(), 1.9 * 1.12, 1e-9);
+  Eigen::AlignedBox3d car, wall;
+  for (std::size_t v = 0; v < model.positions.size(); ++v)
+    (model.velocities[v].x() < 0 ? car : wall).extend(model.positions[v]);
+  EXPECT_NEAR(car.min().x() - wall.max().x(), 0.02, 0.001) << "15 mm, and half the thickness";
+  EXPECT_LT(wall.min().y(), car.min().y() - 0.1);
+  EXPECT_GT(wall.max().y(), car.max().y() + 0.1);
+  EXPECT_LT(wall.min().z(), car.min().z());
+  for (const Index v : model.fixed) EXPECT_EQ(model.velocities[v], Vec3::Zero());
+  EXPECT_EQ(model.fixed.size(), static_cast<std::size_t>(std::ranges::count(model.velocities, Vec3(Vec3::Zero()))));
 }
 
 TEST(SolidAndShellModels, NothingOverlapsAtTheStart) {

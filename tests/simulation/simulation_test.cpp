@@ -130,10 +130,78 @@ TEST(SimulationSplitting, KeepsMassAndMomentum) {
     EXPECT_LT((s.positions()[v] - s.start_positions()[v]).norm(), 0.02 * 40);
 }
 
-/// A block that tears as it hits another, on a wall.
+/// A punch of object 1 that is moved to a block of object 0, 1 cm away, and back.
+Model punched_model() {
+  Model model = blocks(
+      {{.nx = 3},
+       {.nx = 1, .ny = 1, .nz = 1, .size = Vec3(0.05, 0.1, 0.1), .at = Vec3(-0.06, 0.06, 0.04), .part = rigid_part()}});
+  model.parts[1].material.friction = model.parts[0].material.friction = 0.2;
+  model.guides.push_back({1, {{0.001, Vec3::Zero()}, {0.011, Vec3(0.03, 0, 0.004)}, {0.02, Vec3(0.01, 0, 0)}}});
+  model.gravity = Vec3(0, 1, 0);
+  return model;
+}
+
+TEST(SimulationGuide, IsLinearBetweenPointsAndConstantBeyond) {
+  const Guide guide{0, {{1, Vec3::Zero()}, {3, Vec3(4, 0, 2)}, {4, Vec3(0, 1, 2)}}};
+  EXPECT_EQ(guide.displacement(0), Vec3::Zero());
+  EXPECT_EQ(guide.displacement(2), Vec3(2, 0, 1));
+  EXPECT_EQ(guide.displacement(3), Vec3(4, 0, 2));
+  EXPECT_EQ(guide.displacement(3.5), Vec3(2, 0.5, 2));
+  EXPECT_EQ(guide.displacement(9), Vec3(0, 1, 2));
+}
+
+TEST(SimulationGuide, MovesAsPrescribedAndItsWorkAndImpulseAreBooked) {
+  const Model model = punched_model();
+  SerialExecutor executor;
+  for (int group : {1, 3}) {
+    SimulationOptions options;
+    options.substeps_per_query = group;
+    Simulation s(model, options, executor);
+    const Ledger before = s.ledger();
+    for (double time : {0.0005, 0.006, 0.011, 0.015, 0.03}) {
+      s.advance_to(time);
+      for (const Index v : s.topology().mesh().vertices(12))
+        EXPECT_EQ(s.positions()[v], model.positions[v] + model.guides[0].displacement(time)) << time;
+    }
+    const Ledger& after = s.ledger();
+    const SimulationCounts counts = s.take_counts();
+    EXPECT_GT(counts.inter, 0u);
+    EXPECT_EQ(counts.unresolved, 0u);
+    EXPECT_GT(mean(s, s.velocities(), 0).x(), 1) << "it was pushed at 3 m/s";
+    EXPECT_GT(after.impulse.x(), 10) << "kg m/s, from the punch alone";
+    EXPECT_LT((after.momentum - before.momentum - after.impulse).norm(), 1e-11 * after.momentum.norm());
+    EXPECT_LT((after.angular_momentum - before.angular_momentum - after.angular_impulse).norm(),
+              0.02 * after.angular_momentum.norm());
+    EXPECT_GT(after.external, 0.9 * after.kinetic);
+    EXPECT_LT(std::abs(after.balance_error()), 0.03 * after.external);
+  }
+}
+
+TEST(SimulationGuide, StretchesWhatIsAttachedToIt) {
+  Shape bar = block(ElementType::hexahedron, 4, 1, 1);
+  bar.elements.back().object = 1;
+  Model model;
+  model.mesh = bar.mesh();
+  for (const Vec3& x : bar.positions) model.positions.push_back(0.1 * x);
+  model.velocities.assign(model.positions.size(), Vec3::Zero());
+  model.parts = {{"bar", soft()}, rigid_part()};
+  for (Index v = 0; v < model.positions.size(); ++v)
+    if (model.positions[v].x() == 0) model.fixed.push_back(v);
+  model.guides.push_back({1, {{0, Vec3::Zero()}, {0.2, Vec3(0.03, 0, 0)}}});
+  SerialExecutor executor;
+  Simulation s(model, {}, executor);
+  s.advance_to(0.2);
+  const Ledger& after = s.ledger();
+  EXPECT_GT(after.elastic, 0.5 * 1e6 * 0.01 * 0.01 / 0.3 * 0.08) << "a tenth longer; E A d^2 / 2 l";
+  EXPECT_NEAR(after.elastic + after.kinetic + after.numerical, after.external, 0.02 * after.external);
+}
+
+/// A block that tears as it hits another, on a wall, and on which a tool presses.
 Model busy_model() {
   Model model = blocks({{.nx = 3, .velocity = Vec3(6, 0, 0)},
-                        {ElementType::tetrahedron, 2, 2, 2, Vec3(0.1, 0.1, 0.1), Vec3(0.31, 0.03, 0.01)}});
+                        {ElementType::tetrahedron, 2, 2, 2, Vec3(0.1, 0.1, 0.1), Vec3(0.31, 0.03, 0.01)},
+                        {.nx = 1, .ny = 1, .nz = 1, .at = Vec3(0.12, 0.06, 0.203), .part = rigid_part()}});
+  model.guides.push_back({2, {{0, Vec3::Zero()}, {0.01, Vec3(0.05, 0, -0.02)}, {0.03, Vec3(0.1, 0, 0.1)}}});
   model.parts[0].material.failure_stress = 5e4;
   for (std::size_t i = 0; i < model.positions.size(); ++i)
     if (model.positions[i].x() < 0.305) model.velocities[i].x() += 50 * (model.positions[i].x() - 0.15);
@@ -206,6 +274,24 @@ TEST(SimulationInput, RefusesWhatDoesNotHoldTogether) {
   refuses(model);
   model = blocks({{}});
   model.walls.push_back({Vec3::Zero(), Vec3(0, 0, 2)});
+  refuses(model);
+  const auto guided = [&](std::vector<std::pair<double, Vec3>> path, bool rigid = true) {
+    model = blocks({{}});
+    model.parts[0].rigid = rigid;
+    model.guides.push_back({0, std::move(path)});
+    return model;
+  };
+  EXPECT_NO_THROW(Simulation(guided({{0, Vec3::Zero()}}), {}, executor));
+  refuses(guided({{0, Vec3::Zero()}}, false));
+  refuses(guided({}));
+  refuses(guided({{0, Vec3::UnitX()}}));
+  refuses(guided({{0, Vec3::Zero()}, {0, Vec3::Zero()}}));
+  refuses(guided({{0, Vec3::Zero()}, {1, Vec3(0, std::nan(""), 0)}}));
+  guided({{0, Vec3::Zero()}});
+  model.guides.push_back(model.guides[0]);
+  refuses(model);
+  guided({{0, Vec3::Zero()}});
+  model.fixed.push_back(0);
   refuses(model);
   SimulationOptions options;
   options.substeps_per_query = 0;

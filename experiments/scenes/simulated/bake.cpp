@@ -169,8 +169,23 @@ nlohmann::json frame_record(const Frame& frame) {
       {"angular_impulse", vector(l.angular_impulse)}};
 }
 
-void write_record(const SimulatedScene& scene, const BakeSettings& settings, const std::vector<std::string>& frames,
-                  unsigned threads) {
+/// Elements of parts that no force moves.
+std::uint64_t tool_elements(const simulation::Model& model) {
+  std::vector<char> moves(model.mesh.vertex_count(), 1), is_tool(model.parts.size(), 0);
+  for (const Index v : model.fixed) moves[v] = 0;
+  const auto part_of = [&](Index o) { return static_cast<std::size_t>(model.mesh.object(o)); };
+  for (Index o = 0; o < model.mesh.element_slots(); ++o)
+    if (model.parts[part_of(o)].rigid)
+      for (const Index v : model.mesh.vertices(o))
+        if (!moves[v]) is_tool[part_of(o)] = 1;
+  for (const simulation::Guide& guide : model.guides) is_tool[static_cast<std::size_t>(guide.object)] = 1;
+  std::uint64_t count = 0;
+  for (Index o = 0; o < model.mesh.element_slots(); ++o) count += is_tool[part_of(o)] ? 1 : 0;
+  return count;
+}
+
+void write_record(const SimulatedScene& scene, const BakeSettings& settings, const simulation::Model& model,
+                  const std::vector<std::string>& frames, unsigned threads) {
   nlohmann::json list = nlohmann::json::array();
   double seconds = 0;
   for (const std::string& file : frames) {
@@ -178,12 +193,11 @@ void write_record(const SimulatedScene& scene, const BakeSettings& settings, con
     list.push_back(frame_record(frame));
     seconds += frame.seconds;
   }
-  const nlohmann::json record = {{"scene", scene.name},        {"elements", settings.elements},
-                                 {"steps", settings.frames},   {"seed", settings.seed},
-                                 {"version", scene.version},   {"begin", scene.begin},
-                                 {"duration", scene.duration}, {"threads", threads},
-                                 {"seconds", seconds},         {"machine", machine_facts()},
-                                 {"frames", std::move(list)}};
+  const nlohmann::json record = {
+      {"scene", scene.name},      {"elements", settings.elements}, {"tool_elements", tool_elements(model)},
+      {"steps", settings.frames}, {"seed", settings.seed},         {"version", scene.version},
+      {"begin", scene.begin},     {"duration", scene.duration},    {"threads", threads},
+      {"seconds", seconds},       {"machine", machine_facts()},    {"frames", std::move(list)}};
   write_text_file(bake_record_file(scene, settings), record.dump(1) + "\n");
 }
 
@@ -251,7 +265,7 @@ std::optional<std::string> bake(const SimulatedScene& scene, const BakeSettings&
   }
   if (!run_frames(scene, settings, simulation, done, place, hooks)) return std::nullopt;
   const std::vector<std::string> frames = place.frame_files(settings.frames);
-  write_record(scene, settings, frames, executor.workers());
+  write_record(scene, settings, model, frames, executor.workers());
   write_frames(frames, target, bake_metadata(scene, settings, model));
   place.remove();
   return target;

@@ -7,6 +7,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/core/random.hpp>
+#include <volccd/experiments/scenes/geometry/quad_complex.hpp>
 #include <volccd/experiments/scenes/geometry/vehicle_front.hpp>
 
 namespace volccd {
@@ -17,6 +18,9 @@ constexpr double kCrashSpeed = 20, kCrashGap = 0.015;
 constexpr double kMassScale = 4;
 constexpr double kEngineMass = 140, kRearMass = 320;  // kg
 constexpr double kRoughness = 0.01;                   // of the mean edge
+/// The wall: half its width, its lower and its upper side, and thickness. No part of the car comes to its rim.
+constexpr double kWallReach = 0.95, kWallLow = -0.02, kWallHigh = 1.1, kWallThickness = 0.01;
+constexpr double kWallShare = 0.11;  // of all elements, so that they are about as large as those of the car
 
 struct Sheet {
   double thickness;
@@ -90,27 +94,52 @@ simulation::Part vehicle_part(const Shape& shape, VehiclePart part) {
   return result;
 }
 
+/// A sheet whose front side is at x = `front`.
+Shape wall_sheet(double front, int triangles) {
+  QuadComplex sheet;
+  const double x = front - kWallThickness / 2;
+  sheet.patch(0, {x, -kWallReach, kWallLow}, {x, kWallReach, kWallLow}, {x, kWallReach, kWallHigh},
+              {x, -kWallReach, kWallHigh});
+  return sheet.mesh(sheet.spacing_for(triangles));
+}
+
+simulation::Part wall_part() {
+  simulation::Part part{"wall", {}, kWallThickness, true};
+  part.material.friction = 0.3;
+  return part;
+}
+
+double mean_edge(const Shape& shape) {
+  double area = 0;
+  for (std::int32_t part = 0; part < kVehicleParts; ++part) area += area_of(shape, static_cast<VehiclePart>(part));
+  return std::sqrt(2 * area / static_cast<double>(shape.elements.size()));
+}
+
 }  // namespace
 
 simulation::Model crash_model(int elements, std::uint64_t seed) {
   if (elements < 2'000 || elements > 10'000'000) throw ConfigError("crash: elements is not in 2000 .. 10000000");
-  Shape shape = vehicle_front(elements);
+  Shape shape = vehicle_front(static_cast<int>(std::lround((1 - kWallShare) * elements)));
   simulation::Model model;
   for (std::int32_t part = 0; part < kVehicleParts; ++part)
     model.parts.push_back(vehicle_part(shape, static_cast<VehiclePart>(part)));
+  model.parts.push_back(wall_part());
 
-  double foremost = 0, area = 0;
+  double foremost = 0;
   for (const Vec3& p : shape.positions) foremost = std::min(foremost, p.x());
-  for (std::int32_t part = 0; part < kVehicleParts; ++part) area += area_of(shape, static_cast<VehiclePart>(part));
-  const double edge = std::sqrt(2 * area / static_cast<double>(shape.elements.size()));
+  const double edge = mean_edge(shape);
   Random random(seed);
   for (Vec3& p : shape.positions)
     for (int k = 0; k < 3; ++k) p[k] += kRoughness * edge * random.uniform(-1, 1);
 
-  model.mesh = shape.mesh();
-  model.positions = std::move(shape.positions);
-  model.velocities.assign(model.positions.size(), Vec3(-kCrashSpeed, 0, 0));
-  model.walls = {{Vec3(foremost - kCrashGap, 0, 0), Vec3::UnitX(), 0.3}};
+  model.velocities.assign(shape.positions.size(), Vec3(-kCrashSpeed, 0, 0));
+  Shape all = shape;
+  all.append(wall_sheet(foremost - kCrashGap, elements - static_cast<int>(shape.elements.size())), kVehicleParts);
+  for (std::size_t v = shape.positions.size(); v < all.positions.size(); ++v)
+    model.fixed.push_back(static_cast<Index>(v));
+  model.velocities.resize(all.positions.size(), Vec3::Zero());
+  model.mesh = all.mesh();
+  model.positions = std::move(all.positions);
   return model;
 }
 

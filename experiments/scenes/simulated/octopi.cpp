@@ -1,7 +1,6 @@
 #include <volccd/experiments/scenes/simulated/octopi.hpp>
 
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include <Eigen/Geometry>
@@ -10,6 +9,7 @@
 #include <volccd/core/random.hpp>
 #include <volccd/experiments/scenes/geometry/octopus.hpp>
 #include <volccd/experiments/scenes/geometry/tetrahedra.hpp>
+#include <volccd/experiments/scenes/geometry/tools.hpp>
 
 namespace volccd {
 
@@ -17,8 +17,8 @@ namespace {
 
 constexpr int kOctopi = 3;
 constexpr double kOctopiSpeed = 1.0, kOctopiTurning = 4;  // m/s towards the middle, rad/s
-constexpr double kFunnelSlope = 0.85;         // radians from the horizontal
-constexpr int kFunnelWalls = 6;
+constexpr double kFunnelSlope = 0.85;                     // radians from the horizontal
+constexpr double kFunnelShare = 0.18;                     // of all elements
 
 /// Where an octopus is: its own z axis points away from the middle of the scene, its origin is `distance` from there.
 struct Octopus {
@@ -74,21 +74,35 @@ double first_touch(const std::vector<Octopus>& octopi) {
   return distance;
 }
 
-/// Planes around the z axis, all equally far from the origin, beyond all vertices.
-std::vector<simulation::Wall> funnel(const std::vector<Vec3>& positions, double gap) {
-  std::vector<simulation::Wall> walls;
-  double nearest = std::numeric_limits<double>::infinity();
-  for (int i = 0; i < kFunnelWalls; ++i) {
-    const double azimuth = 2 * std::numbers::pi * i / kFunnelWalls;
-    simulation::Wall wall;
-    wall.normal = Vec3(std::sin(kFunnelSlope) * std::cos(azimuth), std::sin(kFunnelSlope) * std::sin(azimuth),
-                       std::cos(kFunnelSlope));
-    wall.friction = 0.2;
-    for (const Vec3& p : positions) nearest = std::min(nearest, wall.normal.dot(p));
-    walls.push_back(wall);
+/// Its walls are beyond all vertices by `gap`.
+FunnelShape funnel_around(const std::vector<Vec3>& positions, double gap, int rings) {
+  FunnelShape shape;
+  shape.slope = kFunnelSlope;
+  shape.rings = rings;
+  double nearest = 0;
+  for (int i = 0; i < 6; ++i) {
+    const double azimuth = std::numbers::pi * i / 3;
+    const Vec3 normal(std::sin(kFunnelSlope) * std::cos(azimuth), std::sin(kFunnelSlope) * std::sin(azimuth),
+                      std::cos(kFunnelSlope));
+    for (const Vec3& p : positions) nearest = std::min(nearest, normal.dot(p));
   }
-  for (simulation::Wall& wall : walls) wall.point = (nearest - gap) * wall.normal;
-  return walls;
+  shape.depth = gap - nearest;
+  shape.thickness = 0.6 * shape.depth / rings;
+  return shape;
+}
+
+/// Appends the funnel as a part that does not move.
+void add_funnel(simulation::Model& model, Shape& all, const FunnelShape& shape) {
+  const Shape tool = funnel(shape);
+  all.append(tool, static_cast<std::int32_t>(model.parts.size()));
+  for (const Vec3& p : tool.positions) {
+    model.fixed.push_back(static_cast<Index>(model.positions.size()));
+    model.positions.push_back(p);
+  }
+  model.velocities.resize(model.positions.size(), Vec3::Zero());
+  simulation::Part part{"funnel", {}, 0, true};
+  part.material.friction = 0.2;
+  model.parts.push_back(part);
 }
 
 }  // namespace
@@ -97,7 +111,8 @@ simulation::Model octopi_model(int elements, std::uint64_t seed) {
   if (elements < 1'500 || elements > 10'000'000) throw ConfigError("octopi: elements must be in 1500 .. 10000000");
   Random random(hash_ids(seed, 0x0c70b1));
   std::vector<Octopus> octopi;
-  int left = elements;
+  const int rings = static_cast<int>(std::lround(std::sqrt(kFunnelShare * elements / 18)));
+  int left = elements - FunnelShape{.rings = rings}.elements();
   for (int i = 0; i < kOctopi; ++i) {
     octopi.push_back(make_octopus(i, left / (kOctopi - i), random));
     left -= static_cast<int>(octopi.back().shape.elements.size());
@@ -124,8 +139,8 @@ simulation::Model octopi_model(int elements, std::uint64_t seed) {
     part.material.damping = 4;
     model.parts.push_back(part);
   }
+  add_funnel(model, all, funnel_around(model.positions, octopi.front().edge / 2, rings));
   model.mesh = all.mesh();
-  model.walls = funnel(model.positions, octopi.front().edge / 2);
   model.gravity = Vec3(0, 0, -9.81);
   return model;
 }

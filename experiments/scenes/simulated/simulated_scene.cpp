@@ -27,7 +27,7 @@ SimulatedScene bullet() {
           .frames = kBulletFrames,
           .duration = kBulletDuration,
           .options = with_queries_every(3),
-          .version = 4};
+          .version = 5};
 }
 
 SimulatedScene bullet_with(const char* name, const char* description, simulation::ContactFeatures features) {
@@ -36,6 +36,7 @@ SimulatedScene bullet_with(const char* name, const char* description, simulation
   scene.description = description;
   scene.options.features = features;
   scene.variant_of = "bullet";
+  scene.version = 4;
   return scene;
 }
 
@@ -44,14 +45,14 @@ SimulatedScene bullet_with(const char* name, const char* description, simulation
 const std::vector<SimulatedScene>& simulated_scenes() {
   static const std::vector<SimulatedScene> all = {
       {.name = "octopi",
-       .description = "three soft octopi are thrown at each other and entangle; tetrahedra",
+       .description = "three soft octopi are thrown at each other and entangle in a funnel; tetrahedra",
        .model = octopi_model,
        .default_elements = kOctopiElements,
        .quick_elements = kOctopiQuickElements,
        .frames = kOctopiFrames,
        .duration = kOctopiDuration,
        .options = with_queries_every(4),
-       .version = 3},
+       .version = 4},
       bullet(),
       {.name = "airbag",
        .description = "a folded airbag inflates in front of a steering wheel; shells",
@@ -62,7 +63,7 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .begin = kAirbagBegin,
        .duration = kAirbagDuration,
        .options = with_queries_every(2),
-       .version = 3},
+       .version = 4},
       {.name = "crash",
        .description = "the front of a car of thin sheet hits a rigid wall; shells",
        .model = crash_model,
@@ -71,16 +72,17 @@ const std::vector<SimulatedScene>& simulated_scenes() {
        .frames = kCrashFrames,
        .duration = kCrashDuration,
        .options = with_queries_every(20),
-       .version = 3},
+       .version = 4},
       {.name = "liver",
-       .description = "a liver that hangs from its sides is cut from below; tetrahedra",
+       .description = "a liver that hangs from its sides is cut from below by a scalpel; tetrahedra",
        .model = liver_model,
        .default_elements = kLiverElements,
        .quick_elements = kLiverQuickElements,
        .frames = kLiverFrames,
+       .begin = kLiverBegin,
        .duration = kLiverDuration,
        .options = with_queries_every(2),
-       .version = 3},
+       .version = 4},
       {.name = "weld",
        .description = "a plate is shot at another, welds to it, and cracks it inside; hexahedra",
        .model = weld_model,
