@@ -436,11 +436,7 @@ class Exporter {
           bytes, 2, [&](const Marks& marks) -> const auto& { return marks.columns[column]; });
     append_motions(
         bytes, 1, [](const Marks& marks) -> const auto& { return marks.flags; });
-    for (std::size_t column = 0; column < 6; ++column)
-      append_motions(
-          bytes, 2, [&](const Marks& marks) -> const auto& { return marks.pair_columns[column]; });
-    append_motions(
-        bytes, 1, [](const Marks& marks) -> const auto& { return marks.pair_kinds; });
+    append_pairs(bytes);
     return fmt::format("volccd_scene({}, \"{}\");\n", json(name_).dump(), base64(deflated(bytes)));
   }
 
