@@ -124,7 +124,7 @@ export class Viewer {
   lines = true;
   marks = true;
   markKinds = 2;  ///< 0: within a part, 1: between parts, 2: both
-  onDraw: () => void = () => {};
+  onDraw: () => void = () => {};  ///< called after each picture, for tests
   private renderer: THREE.WebGLRenderer;
   private scene = new THREE.Scene();
   private camera = new THREE.PerspectiveCamera(32, 1, 0.01, 100);

@@ -142,6 +142,17 @@ class Report(Page):
         self.assertEqual(sorted(links[4:8]), ["#tables/plus", "#tables/projectile", "#tables/scenes", "#tables/table1"])
         self.assertTrue(all(link.startswith("#scenes/") for link in links[8:]) and len(links) > 8, links)
 
+    def test_a_report_without_data_says_so(self):
+        killed = FOLDER / "killed"
+        shutil.copytree(FOLDER / "report", killed)
+        (killed / "data" / "report.js").unlink()
+        BROWSER.open(f"file://{killed}/index.html")
+        BROWSER.until("document.querySelector('.error')")
+        self.assertIn("data/report.js is missing", self.text(".error"))
+        self.assertIn("run the same command again", self.text(".error"))
+        self.assertEqual([p for p in BROWSER.problems if "ERR_FILE_NOT_FOUND" not in p], [])
+        BROWSER.problems.clear()
+
     def test_tables_sort_and_show_where_numbers_come_from(self):
         self.go("tables/table1")
         first = ".table-block:first-of-type"
@@ -308,6 +319,33 @@ class View(Page):
         BROWSER.until("document.querySelector('.pace').textContent.includes('pictures a second')")
         BROWSER.click(".play")
         self.assertIn("Play", self.text(".play"))
+
+    def test_each_picture_is_drawn_from_the_frames_of_its_motion(self):
+        BROWSER.js("""(() => { const v = volccd_test.viewer, {header, frames, shown, corners} = v.data;
+            window.pictures = [], window.wrong = [];
+            v.onDraw = () => {
+              pictures.push(v.motion + v.t);
+              for (const f of [v.motion, Math.min(v.motion + 1, frames.length - 1)]) v.mesh.vertexOf.forEach((vertex, i) => {
+                for (let axis = 0; axis < 3; ++axis)
+                  if (v.positions[f % 2].array[4 * i + axis] !== frames[f][axis * header.vertices + vertex])
+                    wrong.push(`frame ${f} in motion ${v.motion}`);
+              });
+              if (v.materials[0].uniforms.share.value !== (v.motion % 2 ? 1 - v.t : v.t)) wrong.push(`t of ${v.motion}`);
+              shown[v.motion].forEach((triangle, i) => {
+                if (v.mesh.vertexOf[v.indices[0].array[3 * i]] !== corners[0][triangle]) wrong.push(`triangle ${triangle}`);
+              });
+            }; })()""")
+        for speed, pictures in ((60, 12), (6, 12)):  # with motions skipped, and with several pictures of a motion
+            BROWSER.js("pictures.length = 0")
+            BROWSER.set(".speed", str(speed))
+            BROWSER.click(".play")
+            BROWSER.until(f"pictures.length >= {pictures}")
+            BROWSER.click(".play")
+            self.assertGreater(BROWSER.js("new Set(pictures).size"), 4)
+        for value in (0, 70, 20, 120, 59, 119):
+            BROWSER.set(".time", str(value))
+            BROWSER.until(f"Math.abs(pictures[pictures.length - 1] - {value / 20}) < 1e-9")
+        self.assertEqual(BROWSER.js("wrong.slice(0, 5)"), [])
 
     def test_keys(self):
         BROWSER.js("document.querySelector('canvas').focus()")
