@@ -1,7 +1,7 @@
 // Figures from the rows of the records, with scenes, pipelines, axes and scales to choose.
 import {Bar, bars, chart, Series} from "./chart";
 import {check, duration, grouped, h, percent, select, short} from "./dom";
-import {tableChart, PickRow} from "./tables";
+import {noteOf, tableChart, PickRow} from "./tables";
 import {provenanceLine} from "./provenance";
 import type {DataRecord, Report} from "./types";
 
@@ -112,9 +112,11 @@ export class Figures {
     const tables = record.tables.filter((t) => t.header.includes("/Nav"));
     if (!tables.length) return null;
     const place = h("div");
-    const draw = (i: string) => place.replaceChildren(tableChart(
-        this.report, record, tables[Number(i)], this.pickRow, ["/Nav", "paper, /Nav", "/Hash", "paper, /Hash", "+/Nav"],
-        "speed-up"));
+    const draw = (i: string) => place.replaceChildren(
+        tableChart(
+            this.report, record, tables[Number(i)], this.pickRow,
+            ["/Nav", "paper, /Nav", "/Hash", "paper, /Hash", "+/Nav"], "speed-up"),
+        h("p", {class: "note"}, noteOf(tables[Number(i)])));
     draw("0");
     return h(
         "section", {class: "figure", id: "figure-speedup"}, h("h3", {}, "Speed-ups beside the paper's"),

@@ -113,7 +113,7 @@ class Page {
                                  h("p", {},
                                    `${grouped(s.elements ?? 0)} elements, ${s.frames} frames` +
                                        (s.frames !== s.steps ? ` of ${s.steps}` : "") + `, ${megabytes(s.bytes ?? 0)}`),
-                                 h("p", {class: "used"}, s.records.length ? `In ${s.records.join(", ")}` : ""))));
+                                 h("p", {class: "used"}, s.records.length ? `Measured in ${s.records.join(", ")}` : ""))));
   }
 
   private tables(name: string): HTMLElement {

@@ -60,8 +60,7 @@ export class SceneView {
     this.element.append(
         this.status,
         h("div", {class: "scene-grid"}, h("div", {class: "main"}, this.canvasBox, this.strip, buttons, this.pace),
-          this.side),
-        this.notes);
+          this.side, this.notes));
     this.element.addEventListener("keydown", (e) => this.onKey(e));
   }
 
@@ -323,7 +322,8 @@ export class SceneView {
     this.updatedAt = now;
     this.slider.value = String(Math.round((this.motion + this.t) * kFine));
     const time = next ? frame.time + this.t * (next.time - frame.time) : frame.time;
-    this.clock.textContent = next ? `motion ${frame.step} → ${next.step} of ${header.steps - 1}, at ${
+    const what = next && next.step > frame.step + 1 ? "frames" : "motion";
+    this.clock.textContent = next ? `${what} ${frame.step} → ${next.step} of ${header.steps - 1}, at ${
                                         this.t.toFixed(2)} · t = ${Number(time.toPrecision(4))} ${header.time_unit}` :
                                     "one frame";
     const cursor = this.strip.querySelector(".cursor");
@@ -346,7 +346,7 @@ export class SceneView {
                                  "A single frame has no motion, and no contacts."));
       return;
     }
-    const s = motion.stats, step = header.frames[this.motion].step;
+    const s = motion.stats, step = header.frames[this.motion].step, threads = header.detection?.threads ?? 1;
     this.funnelBox.replaceChildren(
         h("h3", {}, `Motion ${step} → ${step + 1}: ${grouped(s.contacts)} contacts`),
         h("p", {},
@@ -354,8 +354,10 @@ export class SceneView {
               grouped(s.contacts_at_start)} touch at the start. ` +
               (s.earliest_toi === null ? "" : `The earliest is at ${short(s.earliest_toi)} of the motion. `) +
               (motion.shown < s.contacts ? `${grouped(motion.shown)} are drawn. ` : "") +
-              (s.left_out ? `${grouped(s.left_out)} of shell neighbours are left out. ` : "") +
-              `${duration(s.seconds)} in all.`),
+              (s.left_out ? `${grouped(s.left_out)} more are between neighbouring shells, taken as solids, and are left out. ` :
+                            "") +
+              `Detection took ${duration(s.seconds)}` +
+              (threads > 1 ? `; times of stages are summed over ${threads} threads.` : ".")),
         funnel(s, this.most, this.stage, (stage) => this.choose(stage)),
         (this.stage !== null && pairLegend(motion, this.stage)) || "");
   }

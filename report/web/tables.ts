@@ -101,6 +101,11 @@ export function sortable(report: Report, record: DataRecord, table: DataTable, p
   return h("div", {class: "scroll"}, h("table", {class: "data"}, h("thead", {}, h("tr", {}, ...heads)), body));
 }
 
+/// The note of a table, on one line.
+export function noteOf(table: DataTable): string {
+  return table.note.replace(/\n(?=setting )/g, "; ").replace(/\n(?!$)/g, " ").trim();
+}
+
 /// A chart of columns of a table against its rows, with a box for each column.
 export function tableChart(
     report: Report, record: DataRecord, table: DataTable, pick: PickRow, chosen?: string[],
@@ -178,6 +183,6 @@ export function recordSection(report: Report, record: DataRecord, pick: PickRow)
         return h(
             "article", {class: "table-block"}, h("div", {class: "title"}, h("h3", {}, table.title), button),
             sortable(report, record, table, pick),
-            h("p", {class: "note"}, table.note.replace(/\n(?=setting )/g, "; ").replace(/\n(?!$)/g, " ").trim()), plot);
+            h("p", {class: "note"}, noteOf(table)), plot);
       }));
 }
