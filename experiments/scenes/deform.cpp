@@ -17,14 +17,14 @@ namespace volccd {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kGap = 0.5;    // between copies, mean edges
-constexpr double kShift = 0.5;  // sideways, mean edges
+constexpr double kGap = 0.5;    // gap between copies, in mean edges
+constexpr double kShift = 0.5;  // sideways shift of a copy, in mean edges
 
 struct KindInfo {
   DeformKind kind;
   const char* name;
   const char* unit;
-  double low, high;  ///< of the amount
+  double low, high;  ///< bounds of the amount
 };
 constexpr KindInfo kKinds[] = {{DeformKind::twist, "twist", "degrees", -36000, 36000},
                                {DeformKind::bend, "bend", "degrees", -360, 360},
@@ -36,12 +36,12 @@ const KindInfo& info(DeformKind kind) {
   return *std::find_if(std::begin(kKinds), std::end(kKinds), [&](const KindInfo& k) { return k.kind == kind; });
 }
 
-/// Lengths of a mesh that the motions are measured in.
+/// Lengths of a mesh, in which the amounts of the motions are measured.
 struct Measure {
   Vec3 centre = Vec3::Zero();
-  std::array<int, 3> axes = {0, 1, 2};  ///< coordinate axes by falling extent
-  std::array<double, 3> extent{};       ///< along these
-  double edge = 0;                      ///< mean length
+  std::array<int, 3> axes = {0, 1, 2};  ///< coordinate axes, in descending order of the extent
+  std::array<double, 3> extent{};       ///< along these axes
+  double edge = 0;                      ///< mean edge length
 };
 
 Measure measure(const Shape& mesh) {
@@ -67,7 +67,7 @@ Measure measure(const Shape& mesh) {
   return m;
 }
 
-/// What moves the fastest vertex by about a mean edge a step.
+/// The amount with which the fastest vertex moves by about one mean edge in each step.
 double default_amount(DeformKind kind, const Measure& m, int motions) {
   const double way = m.edge * motions;
   switch (kind) {
@@ -136,7 +136,7 @@ class Deform final : public Scene {
         case DeformKind::bend: p = bent(p, turn * *motion.amount * kDegree); break;
         case DeformKind::squeeze: p = squeezed(p, s * *motion.amount); break;
         case DeformKind::jitter: p += noise(copy, v, frame, *motion.amount * measure_.edge); break;
-        case DeformKind::collide: break;  // of the copy as a whole: offsets
+        case DeformKind::collide: break;  // offsets of the whole copy
       }
     return p;
   }
@@ -203,7 +203,8 @@ class Deform final : public Scene {
       }
   }
 
-  /// Offsets that leave a gap between neighbours in the first frame and, for collide, an overlap in the last.
+  /// Chooses offsets that leave a gap between neighbours in the first frame and, for collide, give an overlap in the
+  /// last frame.
   void place_copies() {
     const int up = measure_.axes[2];
     double overlap = 0;

@@ -11,7 +11,7 @@ using nlohmann::json;
 namespace {
 
 constexpr const char* kCompared[] = {"VolCCD-2011", "VolCCD", "VolCCD+"};
-/// The paper's: the bullet of Figure 3 (a) and (b), on one thread, and with SIMD on four cores.
+/// Ratios from the paper: for the bullet of Figure 3 (a) and (b), on one thread, and with SIMD on four cores.
 constexpr const char *kPaperSerial = "3.2x", *kPaperParallel = "1.3x";
 
 const char* printed(const json& scene, unsigned threads) {
@@ -54,8 +54,8 @@ TitledTable same_motions(const Rows& rows) {
           "the paper's: on one thread, and with SIMD on four cores. VolCCD-2011 is scalar, the others use SIMD\n"};
 }
 
-/// All features on the simulation with all features, against the boundary on the simulations with fewer: the cases (a)
-/// and (b) of Figure 3.
+/// Compares all features, on the simulation with all features, with the boundary, on the simulations with fewer
+/// features: cases (a) and (b) of Figure 3.
 std::optional<TitledTable> two_simulations(const Rows& rows) {
   TextTable table({"boundary of", "threads", "pipeline", "bullet, all features, ms", "boundary, ms", "ratio", "paper"},
                   3);

@@ -47,7 +47,7 @@ double spread(const Samples& samples) {
   return middle > 0 ? (*high - *low) / middle : 0;
 }
 
-/// Operations have rows of another kind, which are not compared.
+/// The rows of `operations` are of another kind, and are not compared.
 bool has_timed_rows(const json& record) {
   const auto rows = record.find("rows");
   return rows != record.end() && !rows->empty() && rows->front().contains("pipeline");

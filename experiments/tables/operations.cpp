@@ -18,7 +18,7 @@ using nlohmann::json;
 using reference::MovingPoint;
 using reference::Vector3;
 
-/// A test, the element that one of its features is of, and the axis that the paper takes for both.
+/// A test, the element that contains one of its features, and the axis that the paper uses for both.
 template <class Scalar>
 struct Sample {
   std::array<MovingPoint<Scalar>, 4> points;
@@ -76,7 +76,7 @@ struct ElementaryTestLeft : ElementaryTest {
   static constexpr const char* kName = "elementary-test-left";
 };
 
-/// What Section 7.1 prints: it has numbers for VF alone.
+/// The numbers printed in Section 7.1, which are for VF only.
 json printed(FeatureKind kind, const std::string& operation) {
   if (kind == FeatureKind::vf && operation == Csat::kName)
     return {{"additions", 15}, {"multiplications", 12}, {"divisions", 0}};

@@ -68,8 +68,8 @@ Box swept_box(const Motion& motion, std::span<const Index> vertices) {
   return box;
 }
 
-/// Pairs without a common vertex whose swept boxes overlap, each once: dynamic assignment gives every pair of which
-/// some elements overlap, and those of the O-Set.
+/// Pairs without a common vertex whose swept boxes overlap, each once. Dynamic assignment gives every pair that is
+/// contained in some overlapping element pair; the others are in the O-Set.
 class Candidates {
  public:
   Candidates(const Step& step, const std::function<void()>& check) : step_(step), check_(check) { collect(); }

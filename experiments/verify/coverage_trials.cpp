@@ -178,7 +178,7 @@ void try_range(const Assignment& stage, const Step& step, StageState& state, Pai
                 [&] { return where + "element pairs have other tests alone, or by another worker"; });
 }
 
-/// A 64th of the trials of other stages: each has many more tests.
+/// The number of trials is 1/64 of that of other stages, because each trial has many more tests.
 int coverage_trials(const StageTrials& trials) { return std::max(1, trials.config.trials / 64); }
 
 }  // namespace
@@ -246,7 +246,7 @@ void expect_orphans(const Step& step, const TestBatch& found, StageTrials& trial
       kComplete, true, [] { return std::string(); }, trials.conservative());
 }
 
-/// `list(step, state, out)` after prepare(), on one mesh again and again.
+/// Calls list(step, state, out) after prepare(), repeatedly on one mesh.
 template <class StageType, class List>
 void expect_no_allocation(const StageType& stage, StageTrials& trials, const List& list) {
   Choices choices(trials.config.seed);
@@ -288,8 +288,8 @@ void try_stage(const OrphanSource& stage, StageTrials& trials) {
   });
 }
 
-/// The pairs that a flood reaches depend on broad phase and culling, so that they are checked in pipelines. Here each
-/// front is empty.
+/// The pairs that a flood reaches depend on broad phase and culling, and are therefore checked in pipelines. Here,
+/// every call gets an empty front.
 void try_stage(const Flood& stage, StageTrials& trials) {
   expect_no_allocation(stage, trials, [&](const Step&, StageState& state, TestBatch& out) {
     if (!stage.takes(state, false)) return;
