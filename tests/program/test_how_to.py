@@ -38,9 +38,9 @@ class HowTo(ProgramTest):
             self.assertTrue(os.path.getsize(os.path.join(folder, name)), name)
         self.assertFalse(os.path.exists(self.path("empty-cache")))
 
-    # What a command has if it takes minutes: experiments, simulations, and scenes that must be simulated first.
+    # Parts of commands that take minutes: experiments, simulations, and scenes that must be simulated first.
     LONG = re.compile(r"experiment run|scene generate (?!builtin)|scene picture (octopi|bullet|airbag|crash|liver)(-quick)? ")
-    # Files of simulated shells, of the shared data, with velocities, and with queries, which the tests do not have.
+    # Files that the tests do not have: of simulated shells, of the shared data, with velocities, and with queries.
     ABSENT = re.compile(r"--motion (tentative|query)|crash\.vtkhdf|liver\.vtkhdf|bullet\.vtkhdf|all\.vtkhdf|\.\./shared/|build/tables|build/results/")
 
     def test_quick_commands_of_the_other_pages_work(self):

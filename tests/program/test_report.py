@@ -1,5 +1,5 @@
-"""`report` and `view`: what they write, what they refuse, and what they say of scenes that are not there. The page
-itself is tested in a browser by tests/report/test_page.py."""
+"""`report` and `view`: their output, their errors, and their messages about missing scenes. The page itself is
+tested in a browser by tests/report/test_page.py."""
 
 import json
 import os

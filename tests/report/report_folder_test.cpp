@@ -1,4 +1,4 @@
-// The folder of a report: what is there during and after an interruption.
+// The folder of a report: its contents during and after an interruption.
 #include <volccd/report/page_files.hpp>
 
 #include <cstdlib>

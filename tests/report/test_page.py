@@ -1,41 +1,12 @@
 #!/usr/bin/env python3
-"""The report and the view in a headless Chromium, opened from disk: no error, no request to a network, and each control
-does something. Skipped (77) where there is no Chromium, or the page is not built.
+"""Tests the report and the view in a headless Chromium, opened from disk: there is no error and no network request,
+and each control has an effect. Skipped (77) if there is no Chromium, or if the page is not built. Usage:
+test_page.py VOLCCD."""Tests the report and the view in a headless Chromium, opened from disk: there is no error and no network request, and
+each control has an effect. Skipped (77) if there is no Chromium, or if the page is not built.
 
 Usage: test_page.py VOLCCD
-"""
-
-import json
-import os
-import shutil
-import subprocess
-import sys
-import tempfile
-import unittest
-from pathlib import Path
-
-from browser import CHROMIUM, Browser
-
-VOLCCD = os.path.abspath(sys.argv.pop(1))
-ROOT = Path(__file__).resolve().parents[2]
-
-
-TABLE1 = json.loads((ROOT / "results/table1.json").read_text(encoding="utf-8"))
-LIVER = next(i["file"] for i in TABLE1["provenance"]["inputs"] if i["scene"] == "liver")
-
-
-def run(folder, *arguments):
-    environment = {**os.environ, "VOLCCD_CACHE": str(folder / "cache"), "VOLCCD_DATA": str(folder / "no-data")}
-    done = subprocess.run([VOLCCD, *map(str, arguments)], capture_output=True, text=True, env=environment, check=False)
-    if "the page of the report is not built" in done.stderr:
-        print(f"skipped: {done.stderr.strip()}")
-        sys.exit(77)
-    assert done.returncode == 0, done.stdout + done.stderr
-    return done.stdout
-
-
-def setUpModule():
-    """A report of a measurement of the built-in scene and of kept records whose scenes are missing here; a view."""
+"""Makes a report of a measurement of the built-in scene and of kept records whose scenes are missing here, and
+    a view."""
     global FOLDER, BROWSER, TEMPORARY
     TEMPORARY = tempfile.TemporaryDirectory()
     FOLDER = Path(TEMPORARY.name)
@@ -44,7 +15,7 @@ def setUpModule():
     run(FOLDER, "experiment", "run", "projectile", "--quick", "-o", FOLDER / "results")
     for name in ("table1", "scenes", "plus"):
         shutil.copy(ROOT / "results" / f"{name}.json", FOLDER / "results")
-    # Another sequence in the place of one that table1 measured: the list of scenes has two, and a note on this one.
+    # A sequence in the place of one that table1 measured, so that there are two scenes, one of which has a note.
     (FOLDER / "cache").mkdir(exist_ok=True)
     shutil.copy(FOLDER / "run.vtkhdf", FOLDER / "cache" / LIVER)
     output = run(FOLDER, "report", FOLDER / "results", "-o", FOLDER / "report")
@@ -57,7 +28,7 @@ def tearDownModule():
     TEMPORARY.cleanup()
 
 
-# A hash of a text; of the 3-D view, drawn small.
+# A hash of a text, and a small picture of the 3-D view as a text.
 HASH = "(text => { let h = 0; for (let i = 0; i < text.length; ++i) h = (31 * h + text.charCodeAt(i)) | 0; return h; })"
 PICTURE = """(() => { volccd_test.viewer.drawNow(); const small = document.createElement('canvas');
   small.width = 320; small.height = 200; const c = small.getContext('2d');
@@ -84,7 +55,7 @@ class Page(unittest.TestCase):
         BROWSER.until("'ready' in document.body.dataset")
 
     def changes(self, expression, act, what):
-        """`act` changes the value of an expression."""
+        """Checks that `act` changes the value of an expression."""
         before = BROWSER.js(f"{HASH}({expression} + '')")
         act()
         try:
@@ -96,7 +67,7 @@ class Page(unittest.TestCase):
         self.changes(PICTURE, act, what)
 
     def make_small(self):
-        """Software draws the 3-D view here: a small one takes less time."""
+        """Makes the 3-D view small, because software draws it here and takes less time then."""
         BROWSER.js("document.head.insertAdjacentHTML('beforeend', '<style>.stage { width: 320px !important }</style>')")
 
     def count(self, selector):
@@ -271,7 +242,7 @@ class Report(Page):
             boxes = self.count(f"#figure-{figure} input[type=checkbox]")
             self.assertGreater(boxes, 0, figure)
             for i in range(boxes):
-                # A box for x alone means nothing against categories: motion is chosen above.
+                # A box for x alone has no effect on categories; therefore `motion` is chosen above.
                 self.changes(chart, lambda f=figure, i=i: BROWSER.js(
                     f"document.querySelectorAll('#figure-{f} input[type=checkbox]')[{i}].click()"),
                             f"{figure}: box {i}")
@@ -391,7 +362,7 @@ class View(Page):
     def test_the_funnel_has_the_counts_of_the_stages(self):
         stats = FOLDER / "stats.json"
         run(FOLDER, "detect", FOLDER / "run.vtkhdf", "--pipeline", "VolCCD+", "--stats", stats)
-        # Not the stages of `detect`: it lists initial overlaps as well, for which the flood has to do without.
+        # The stages of `detect` are not compared: it lists initial overlaps, too, for which the flood cannot be used.
         contacts = [step["contacts"] for step in json.loads(stats.read_text())["steps"]]
         motions = BROWSER.js("volccd_test.view.data.header.motions")
         self.assertEqual([m["stats"]["contacts"] for m in motions], contacts)
@@ -461,7 +432,7 @@ class View(Page):
         self.assertRegex(self.text(".tip"), r"^(Element pair|Vertex-triangle test|Edge-edge test), dropped by .+\.$")
 
 
-# What the tests above click, drag or type into. A new control needs a test, and then a line here.
+# The elements that the tests above click, drag or type into. A new control needs a test, and then a line here.
 CONTROLS = {
     "report": ["a.skip", "header a", ".records a", "a.card", ".list a", ".sort", ".plot", "table.data tr[tabindex]",
                ".controls select", ".controls input", ".choices summary", ".choices input", "svg.chart .pick",
