@@ -1,11 +1,41 @@
 #!/usr/bin/env python3
-"""Tests the report and the view in a headless Chromium, opened from disk: there is no error and no network request,
-and each control has an effect. Skipped (77) if there is no Chromium, or if the page is not built. Usage:
-test_page.py VOLCCD."""Tests the report and the view in a headless Chromium, opened from disk: there is no error and no network request, and
+"""Tests the report and the view in a headless Chromium, opened from disk: there is no error and no network request, and
 each control has an effect. Skipped (77) if there is no Chromium, or if the page is not built.
 
 Usage: test_page.py VOLCCD
-"""Makes a report of a measurement of the built-in scene and of kept records whose scenes are missing here, and
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+from browser import CHROMIUM, Browser
+
+VOLCCD = os.path.abspath(sys.argv.pop(1))
+ROOT = Path(__file__).resolve().parents[2]
+
+
+TABLE1 = json.loads((ROOT / "results/table1.json").read_text(encoding="utf-8"))
+LIVER = next(i["file"] for i in TABLE1["provenance"]["inputs"] if i["scene"] == "liver")
+
+
+def run(folder, *arguments):
+    environment = {**os.environ, "VOLCCD_CACHE": str(folder / "cache"), "VOLCCD_DATA": str(folder / "no-data")}
+    done = subprocess.run([VOLCCD, *map(str, arguments)], capture_output=True, text=True, env=environment, check=False)
+    if "the page of the report is not built" in done.stderr:
+        print(f"skipped: {done.stderr.strip()}")
+        sys.exit(77)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return done.stdout
+
+
+def setUpModule():
+    """Makes a report of a measurement of the built-in scene and of kept records whose scenes are missing here, and
     a view."""
     global FOLDER, BROWSER, TEMPORARY
     TEMPORARY = tempfile.TemporaryDirectory()
