@@ -401,10 +401,10 @@ void add_table_command(CLI::App& command, Action& action) {
 
 void add_compare_command(CLI::App& command, Action& action) {
   const auto options = std::make_shared<CompareOptions>();
-  CLI::App* compare_command =
-      command.add_subcommand("compare", "what changed between two folders of records, beyond the spread");
-  compare_command->add_option("A", options->a, "folder of the records before")->required();
-  compare_command->add_option("B", options->b, "folder of the records after")->required();
+  CLI::App* compare_command = command.add_subcommand(
+      "compare", "compares two folders of records: changes greater than the spread of the rounds");
+  compare_command->add_option("A", options->a, "folder of the earlier records")->required();
+  compare_command->add_option("B", options->b, "folder of the later records")->required();
   compare_command->footer(
       "Exit code 1 if anything is slower by more than the spread of its rounds and 3 %, or if counts differ.\n"
       "Example:\n  volccd experiment compare results/ build/results/");
@@ -439,37 +439,38 @@ void add_experiment_command(CLI::App& app, const Registry& registry, Action& act
   CLI::App* command = app.add_subcommand("experiment", "runs measurements and makes their tables");
   command->require_subcommand(1);
   add_list_command(*command, action);
-  CLI::App* run_command = command->add_subcommand("run", "measure, print the tables, keep the records");
+  CLI::App* run_command =
+      command->add_subcommand("run", "runs measurements, prints their tables, and stores the records");
   const auto options = std::make_shared<ExperimentOptions>();
   run_command->add_option("NAME", options->names, "see `volccd experiment list`")->required()->type_name("");
   run_command
-      ->add_option("--pipelines", options->pipelines,
-                   "further pipelines beside those of the experiment, NAME[,NAME...]; ablation: these alone")
+      ->add_option("--pipelines", options->pipelines, "additional pipelines, NAME[,NAME...]; ablation runs only these")
       ->delimiter(',')
       ->allow_extra_args(false);
   run_command
-      ->add_option(
-          "--set", options->settings,
-          "ablation: stage.option=value[,value...], a run for each value; role=stage[,stage...]; may be repeated")
+      ->add_option("--set", options->settings,
+                   "for ablation: stage.option=value[,value...], with a run for each value, or role=stage[,stage...]; "
+                   "may be repeated")
       ->type_name("SETTING")
       ->allow_extra_args(false);
   run_command->add_option("-o,--output", options->output, "folder for tables and records")->capture_default_str();
   run_command->add_flag("--quick", options->quick,
-                        "minutes: small scenes, few motions, one round (the default of those with rounds)");
-  run_command->add_flag("--full", options->full, "hours: scenes at their own sizes, more motions, several rounds")
+                        "takes minutes: small scenes, few motions, one round (the default of experiments with rounds)");
+  run_command
+      ->add_flag("--full", options->full, "takes hours: scenes at their default sizes, more motions, several rounds")
       ->excludes("--quick");
   run_command
-      ->add_option(
-          "--threads", options->threads,
-          "0: as many as the machine has; default: 1 for what is timed, as in the paper, and 0 for simulations")
+      ->add_option("--threads", options->threads,
+                   "number of threads; 0: as many as the machine has; default: 1 for timed experiments, as in the "
+                   "paper, and 0 for simulations")
       ->check(CLI::Range(0u, kMaxThreads))
       ->type_name("N");
   options->report.add_to(*run_command);
   run_command->footer(
-      "Motions are sampled evenly where all would take too long; the record lists them. After Ctrl-C or an error the "
-      "same command goes on with what NAME.incomplete.jsonl has (scenes: scenes.incomplete.json and .txt keep "
-      "the scenes that were complete); a whole record stays as it was until then.\n"
-      "Exit code 1 if pipelines that should find the same contacts found others.\n"
+      "If all motions would take too long, an evenly spaced sample is taken, which the record lists. After Ctrl-C or "
+      "an error, the same command continues with the rows in NAME.incomplete.jsonl (scenes: scenes.incomplete.json and "
+      ".txt have the complete scenes); an earlier record is unchanged until then.\n"
+      "Exit code 1 if pipelines that must find the same contacts found different ones.\n"
       "Examples:\n"
       "  volccd experiment run projectile --quick -o results/\n"
       "  volccd experiment run projectile --pipelines BruteForce -o results/\n"

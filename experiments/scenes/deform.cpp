@@ -45,7 +45,7 @@ struct Measure {
 };
 
 Measure measure(const Shape& mesh) {
-  if (mesh.elements.empty()) throw InputError("mesh", "elements", "there are none to put a motion on");
+  if (mesh.elements.empty()) throw InputError("mesh", "elements", "there are none, so that nothing can move");
   for (std::size_t v = 0; v < mesh.positions.size(); ++v)
     if (!mesh.positions[v].allFinite())
       throw InputError("mesh", "positions", static_cast<std::int64_t>(v), "not a finite position");
@@ -93,7 +93,7 @@ void check(const DeformConfig& config) {
       throw ConfigError(fmt::format("deform: {} by {} {} is not in {} .. {}", kind.name, *motion.amount, kind.unit,
                                     kind.low, kind.high));
   }
-  if (times[DeformKind::collide] && config.copies < 2) throw ConfigError("deform: collide wants at least two copies");
+  if (times[DeformKind::collide] && config.copies < 2) throw ConfigError("deform: collide needs at least two copies");
 }
 
 class Deform final : public Scene {
@@ -311,8 +311,7 @@ std::vector<DeformMotion> parse_deform_motions(const std::string& text, const st
   }
   if (amount) {
     if (motions.size() > 1 || motions.front().amount)
-      throw ConfigError(
-          "deform: one amount, and a list that could take it in several places: write \"twist:60,collide:2\"");
+      throw ConfigError("deform: an amount is given for a list of several motions: write \"twist:60,collide:2\"");
     motions.front().amount = amount;
   }
   return motions;
@@ -325,12 +324,12 @@ std::unique_ptr<Scene> make_deform(const Shape& mesh, const DeformConfig& config
 
 SceneDescriptor describe_deform() {
   std::vector<OptionInfo> options = {
-      {"motion", "twist", "list of twist|bend|squeeze|jitter|collide, each with its :amount if wanted",
-       "what happens to the mesh, e.g. twist:60,collide:2"},
+      {"motion", "twist", "list of twist|bend|squeeze|jitter|collide, each with :amount if given",
+       "motions of the mesh, e.g. twist:60,collide:2"},
       {"amount", "", "degrees (twist, bend), fraction of the length (squeeze), mean edges (jitter, collide)",
-       "amount of a single motion; none: the fastest vertex moves about a mean edge a step"}};
+       "amount of a single motion; default: the fastest vertex moves by about a mean edge in each step"}};
   for (const OptionInfo& option : deform_options().describe()) options.push_back(option);
-  return {"deform", "a made-up motion of any mesh, or of several copies of it", true, options, make_from_options};
+  return {"deform", "a synthetic motion of any mesh, or of several copies of it", true, options, make_from_options};
 }
 
 }  // namespace volccd

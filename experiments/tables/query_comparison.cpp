@@ -158,7 +158,7 @@ std::vector<const Contact*> contacts_by_query(const std::string& name, const Kno
     if (contacts[next].vertices == test_vertices(queries.step.features(), queries.kind, queries.pairs[i]))
       found[i] = &contacts[next++];
   if (next != contacts.size())
-    throw Error(fmt::format("narrow phase {} reports contacts that were not asked for, or not in order", name));
+    throw Error(fmt::format("narrow phase {} reports contacts of other pairs, or not in their order", name));
   return found;
 }
 

@@ -158,7 +158,7 @@ void spread(const std::vector<FeaturePair>& pairs, KnownQueries& queries, const 
     const auto at = std::lower_bound(pairs.begin(), pairs.end(), queries.pairs[i]);
     if (at == pairs.end() || *at != queries.pairs[i]) {
       if (queries.collides[i] == 0) continue;
-      throw InputError(file, "GroundTruth", "a pair collides, says the truth, but its swept boxes do not overlap");
+      throw InputError(file, "GroundTruth", "a pair collides in the ground truth, but its swept boxes do not overlap");
     }
     const auto k = static_cast<std::size_t>(at - pairs.begin());
     collides[k] = queries.collides[i];

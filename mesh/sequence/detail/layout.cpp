@@ -117,7 +117,8 @@ void LayoutReader::read_times() {
   temporal_ = file_.has(at("Steps"));
   if (!temporal_) {
     if (topologies_ != 1)
-      file_.fail(at("NumberOfPoints"), to_string(topologies_) + " pieces in a file without steps, only one is read");
+      file_.fail(at("NumberOfPoints"),
+                 to_string(topologies_) + " pieces in a file without steps, but only one can be read");
     layout_.times = {0.0};
     return;
   }
@@ -153,7 +154,7 @@ void LayoutReader::read_topologies() {
   for (std::size_t k = 0; k < pieces.size(); ++k)
     if (pieces[k] != 1)
       throw InputError(file_.name(), at("Steps/NumberOfParts"), static_cast<std::int64_t>(k),
-                       "is " + to_string(pieces[k]) + ", only one piece a step is read");
+                       "is " + to_string(pieces[k]) + ", but only one piece for each step can be read");
 }
 
 StepArray LayoutReader::array(const std::string& name, NumberKind kind, std::int64_t columns,
