@@ -39,7 +39,7 @@ struct ExperimentOptions {
   std::optional<unsigned> threads;
   ReportOptions report;
 
-  /// Default: one thread for what is timed, as in the paper; all threads for simulations.
+  /// Default: one thread for timed experiments, as in the paper; all threads for simulations.
   unsigned timed_threads() const { return threads.value_or(1); }
   unsigned simulation_threads() const { return threads.value_or(0); }
 };
@@ -62,7 +62,7 @@ std::string record_file(const ExperimentOptions& options, const std::string& nam
   return (std::filesystem::path(options.output) / (name + suffix)).string();
 }
 
-/// Before anything is measured.
+/// Called before anything is measured.
 void check_outputs(const ExperimentOptions& options, const std::string& name, const ExperimentPlan& experiment = {}) {
   OutputPlan plan;
   for (const SceneRun& run : experiment.runs) plan.input("the sequence", run.file);
@@ -78,7 +78,7 @@ void keep(const ExperimentOptions& options, const std::string& name, const nlohm
           const std::string& tables, bool complete, Finished& finished) {
   const Report report(options.report);
   const std::string file = record_file(options, name, complete ? ".json" : ".incomplete.json");
-  report.print("{}\n", tables);  // first: a disk that is full does not take them
+  report.print("{}\n", tables);  // first, so that they are seen even if the disk is full
   write_text_file(file, record.dump(complete && record.is_array() ? 1 : 2) + "\n");
   write_text_file(record_file(options, name, complete ? ".txt" : ".incomplete.txt"), tables);
   report.print("record: {}\n", file);
@@ -132,7 +132,8 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
   make_folder(options.output);
   const auto executor = make_interruptible_executor(options.timed_threads());
   std::unique_ptr<Progress> of_rows;
-  std::map<std::string, std::optional<std::string>> files;  // asked for by the plan, and again by what makes the rows
+  // used by the plan, and again by the function that makes the rows
+  std::map<std::string, std::optional<std::string>> files;
   const auto file_of = [&](const std::string& name) {
     if (!files.contains(name)) files[name] = scene_file(options, name);
     return files.at(name);
@@ -187,7 +188,7 @@ struct Baked {
   std::string file, record;
 };
 
-/// Unless it is in the cache.
+/// Unless the sequence is in the cache.
 Baked bake_for(const ExperimentOptions& options, const SimulatedScene& scene, Executor& executor) {
   BakeSettings settings;
   settings.elements = options.quick ? scene.quick_elements : 0;
@@ -295,7 +296,7 @@ std::vector<std::pair<std::string, ExperimentOptions>> all_experiments(Experimen
 
 int run(const ExperimentOptions& options, const Registry& registry) {
   std::vector<std::pair<std::string, ExperimentOptions>> jobs;
-  for (const std::string& name : options.names) {  // before the first of them takes its time
+  for (const std::string& name : options.names) {  // before the first experiment takes its time
     if (name == "all") {
       const auto all = all_experiments(options);
       jobs.insert(jobs.end(), all.begin(), all.end());
@@ -306,7 +307,7 @@ int run(const ExperimentOptions& options, const Registry& registry) {
     jobs.emplace_back(name, options);
   }
   Finished finished;
-  int code = kDone;  // other contacts in one experiment are no reason to leave out the next
+  int code = kDone;  // if contacts differ in one experiment, the next one still runs
   for (const auto& [name, own] : jobs) {
     const int one = run_one(name, own, registry, finished);
     if (one != kDone) code = one;
@@ -332,7 +333,7 @@ nlohmann::json tables_json(const std::string& name, const std::vector<TitledTabl
   return {{"experiment", name}, {"tables", list}};
 }
 
-/// Text is all that these have.
+/// These tables exist as text only.
 int print_other_table(const OtherExperiment& other, const TableOptions& options) {
   if (options.format != "text") throw ConfigError(fmt::format("--format: the table of {} is text only", options.name));
   const std::string file = (std::filesystem::path(options.results) / (std::string(other.record) + ".json")).string();

@@ -18,7 +18,7 @@ import re
 import sys
 from pathlib import Path
 
-# module -> modules that it may include; itself always.
+# For each module, the modules that it may include; it may always include itself.
 LAYERS = {
     "core": [],
     "mesh": ["core"],
