@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPeriod(50);
 
-/// Thrown by workers after a handler has raised.
+/// Thrown by workers after a handler has raised an exception.
 struct Stopped {};
 
 class SignalExecutor final : public Executor {
