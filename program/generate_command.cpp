@@ -30,9 +30,9 @@ struct GenerateOptions {
   bool quick = false;
   unsigned threads = 0;
   ReportOptions report;
-  std::map<std::string, std::string> values;  ///< by option; empty: not given
+  std::map<std::string, std::string> values;  ///< by option; empty if not given
 
-  /// Those that were given.
+  /// The options that were given.
   OptionValues given() const {
     OptionValues result;
     for (const auto& [option, value] : values)

@@ -15,7 +15,7 @@ namespace volccd::detail {
 
 namespace {
 
-/// A pipeline, with workspaces that live from step to step.
+/// A pipeline with workspaces that are kept from step to step.
 struct Entry {
   explicit Entry(const Registry& registry, const PipelineSpec& spec)
       : pipeline(registry, spec), serial(pipeline.make_workspace()), threaded(pipeline.make_workspace()) {}

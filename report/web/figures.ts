@@ -7,7 +7,7 @@ import type {DataRecord, Report} from "./types";
 
 interface Point {
   record: string;
-  group: string;  ///< record, table and treatment: what is measured side by side
+  group: string;  ///< record, table and treatment of what is measured together
   scene: string;
   label: string;  ///< pipeline and variant
   motion: number;
@@ -334,7 +334,7 @@ export class Figures {
         "section", {class: "figure", id: "figure-culling"}, h("h3", {}, "What each stage leaves"), top, boxes, place);
   }
 
-  /// Records of the scenes, over time.
+  /// Quantities of the scenes over time, from the records.
   private curves(): HTMLElement|null {
     const records = this.report.records.filter((r) => r.curves.length);
     if (!records.length) return null;

@@ -274,7 +274,7 @@ class FlatDisc {
 void check(const AirbagShape& airbag, double spacing) {
   if (!(airbag.radius > 0.05) || airbag.folds < 1 || !(airbag.gap > 0) || !(airbag.rise > airbag.gap) ||
       !(spacing > 0) || spacing > airbag.radius / (airbag.folds + 1))
-    throw ConfigError("airbag: a size is not possible");
+    throw ConfigError("airbag: a size is out of range");
 }
 
 }  // namespace

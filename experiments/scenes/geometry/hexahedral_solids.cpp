@@ -106,7 +106,7 @@ std::vector<double> graded_lines(double side, double fine, int cells) {
 Shape round_nosed_bullet(const BulletShape& bullet) {
   if (!(bullet.diameter > 0) || !(bullet.nose > 0) || !(bullet.length > bullet.nose) || bullet.core < 1 ||
       bullet.rings < 1 || bullet.layers < 2)
-    throw ConfigError("bullet: a size or number is not possible");
+    throw ConfigError("bullet: a size or number is out of range");
   const Section section = SectionBuilder(bullet).take();
   const auto points = static_cast<Index>(section.points.size());
   Shape shape;
@@ -136,7 +136,7 @@ Shape round_nosed_bullet(const BulletShape& bullet) {
 Shape graded_plate(const PlateShape& plate) {
   if (!(plate.fine > 0) || !(plate.side > plate.fine) || !(plate.thickness > 0) || plate.cells[0] < 4 ||
       plate.cells[1] < 4 || plate.cells[2] < 1)
-    throw ConfigError("plate: a size or number is not possible");
+    throw ConfigError("plate: a size or number is out of range");
   const std::vector<double> xs = graded_lines(plate.side, plate.fine, plate.cells[0]);
   const std::vector<double> ys = graded_lines(plate.side, plate.fine, plate.cells[1]);
   Shape shape;
