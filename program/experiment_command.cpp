@@ -151,7 +151,7 @@ int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const
                             }};
   ExperimentPlan plan{kind.name, options.full ? "full" : "quick", 1, {}};
   if (kind.plan) plan = kind.plan(context);
-  if (kind.plan && plan.runs.empty()) throw ConfigError(fmt::format("{}: none of its scenes is there", kind.name));
+  if (kind.plan && plan.runs.empty()) throw ConfigError(fmt::format("{}: none of its scenes is available", kind.name));
   check_outputs(options, kind.name, plan);
   const nlohmann::json facts = provenance(plan, *executor);
   nlohmann::json identity = {{"plan", facts.at("plan")}, {"threads", facts.at("threads")}};
@@ -188,7 +188,7 @@ struct Baked {
   std::string file, record;
 };
 
-/// Unless the sequence is in the cache.
+/// Bakes the scene unless it is in the cache.
 Baked bake_for(const ExperimentOptions& options, const SimulatedScene& scene, Executor& executor) {
   BakeSettings settings;
   settings.elements = options.quick ? scene.quick_elements : 0;

@@ -380,7 +380,7 @@ void SolidForces::update(const Mesh& mesh, std::span<const Vec3> reference, std:
   index_corners();
 }
 
-/// Which corners are at each vertex.
+/// Lists the corners at each vertex.
 void SolidForces::index_corners() {
   const auto each = [&](auto visit) {
     Index corner = 0;

@@ -75,7 +75,7 @@ void ElementStars::find_signs(const Step& step, std::vector<ConeSigns>& signs, E
   });
 }
 
-/// What is known of a star remains true until one of its volumes is 0, its ring folds, or the topology changes.
+/// The classification of a star remains valid until one of its volumes is 0, its ring folds, or the topology changes.
 void ElementStars::keep_known(const Step& step, TopologyDelta::Extent changed, Executor& executor) {
   const Index vertices = step.motion.vertex_count();
   if (changed == TopologyDelta::Extent::everything) {

@@ -13,8 +13,8 @@ using nlohmann::json;
 
 namespace {
 
-/// Adds VolCCD+ with some of its stages on another broad phase. Without assignment there is no O-Set either. The flood
-/// needs both, and CSAT: without CSAT, it continues through all pairs of the broad phase.
+/// Adds VolCCD+ with some of its stages on another broad phase. If there is no assignment, there is no O-Set either.
+/// The flood needs both, and CSAT: without CSAT, it continues through all pairs of the broad phase.
 void add_subsets(const Registry& registry, std::vector<Entrant>& entrants) {
   for (const char* broad_phase : {"kdop-bvh", "spatial-hash", "brute-force"})
     for (int subset = 0; subset < 16; ++subset) {

@@ -17,7 +17,7 @@ Registry standard() {
   return made;
 }
 
-/// Never destroyed, because its stages refer to Python objects.
+/// The registry is never destroyed, because its stages refer to Python objects.
 Registry*& current() {
   static Registry* made = new Registry(standard());
   return made;

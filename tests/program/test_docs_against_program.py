@@ -1,4 +1,4 @@
-"""What the documents say of the program is what the program says: presets, stages, options and their defaults,
+"""The documents agree with the program: presets, stages, options and their defaults,
 commands, exit codes, columns and keys of files. A document that names something that is not there fails."""
 
 import json

@@ -1,4 +1,4 @@
-"""What was complete before an error, a full disk or Ctrl-C is kept and marked as incomplete."""
+"""Results that were complete before an error, a full disk or Ctrl-C are kept, and the output is marked as incomplete."""
 
 import json
 import os

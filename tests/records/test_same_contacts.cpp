@@ -1,4 +1,4 @@
-// Which entrants found other contacts: the harness after a run, and the column "same" of Table I.
+// Finds the entrants with other contacts: the harness after a run, and the column "same" of Table I.
 #include <gtest/gtest.h>
 
 #include <volccd/experiments/tables/table1.hpp>
