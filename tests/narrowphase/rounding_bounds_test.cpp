@@ -1,5 +1,5 @@
-// Rounding bounds of the narrow phases are large enough: compared with an automatic forward error analysis, and on
-// tests whose quantities are exactly zero, where only the bound prevents that a rounding error is taken for a sign.
+// The rounding bounds of the narrow phases are large enough. They are compared with an automatic forward error
+// analysis, and tested on quantities that are exactly zero, for which only the bound prevents a wrong sign.
 #include <cmath>
 #include <random>
 #include <vector>
