@@ -15,7 +15,8 @@ namespace {
 
 void check_length(const std::string& file, const std::string& dataset, std::size_t length, std::size_t wanted) {
   if (length != wanted)
-    throw InputError(file, dataset, "has " + std::to_string(length) + " entries, wanted are " + std::to_string(wanted));
+    throw InputError(file, dataset,
+                     "has " + std::to_string(length) + " entries, but must have " + std::to_string(wanted));
 }
 
 /// Checks CSR offsets: one more than there are cells, non-descending, from 0 to `length`.
