@@ -10,8 +10,8 @@
 
 namespace volccd::detail {
 
-/// `suspects` contains adjacent pairs of elements, and pairs of an element and itself. Lists the pairs of features
-/// without a common vertex all of whose pairs of incident elements it contains.
+/// `suspects` contains adjacent pairs of elements, and pairs of an element and itself. Lists the feature pairs without
+/// a common vertex for which `suspects` contains all pairs of incident elements.
 class SuspectOrphans {
  public:
   SuspectOrphans(const Topology& topology, const PairSet& suspects, TestBatch& out)
