@@ -225,7 +225,7 @@ class BlockTrials {
         stage_.judge(group.tests[i], group.t_max, anew[i], where + "(new state) ");
       if (!remembers)
         trials_.expect(kSameAfterOtherSteps, anew[i].same(together[i]),
-                       [&] { return where + "a new state answers otherwise:\n" + to_text(group.tests[i]); });
+                       [&] { return where + "a new state gives a different answer:\n" + to_text(group.tests[i]); });
     }
   }
 
@@ -249,7 +249,8 @@ class BlockTrials {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       trials_.expect(kSameInEveryBatch, alone[i].same(together[i]) && backwards[i].same(together[i]), [&] {
         return where + "test " + std::to_string(i) + " of a block of " + std::to_string(pairs.size()) +
-               " has another answer alone, or in the reverse order by another worker:\n" + to_text(group.tests[i]);
+               " has a different answer when it is alone, or in reverse order with another worker:\n" +
+               to_text(group.tests[i]);
       });
       together[i].undecided = alone[i].undecided;
     }
