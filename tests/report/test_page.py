@@ -199,7 +199,7 @@ class Report(Page):
         for name in sorted(names, key=lambda n: n == Path(LIVER).stem):
             BROWSER.set("select[name=scene]", name)
             BROWSER.until(f"volccd_test.view.data && volccd_test.view.data.header.name === {json.dumps(name)}")
-        self.assertIn("differs from the one that was measured", self.text(".notes"))
+        self.assertIn("differs from that of the measured file", self.text(".notes"))
         self.opens("details:not(.choices)", "Missing scenes")
 
     def opens(self, selector, text):
