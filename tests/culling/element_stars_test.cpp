@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <stdexcept>
+#include <tuple>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -143,6 +145,67 @@ TEST(ElementStars, AllOfASoundBodyAreClear) {
     stars.update({topology, Motion::linear(mirrored, mirrored), kEveryObject}, serial);
     EXPECT_TRUE(stars.suspects().empty()) << to_string(type) << ", mirrored: " << stars.suspects().size();
   }
+}
+
+/// Wedges around an axis, each `angle` wide. `closed`: the last one has a face in common with the first. Vertices 0 and 1
+/// are the ends of the axis.
+Shape fan(Index wedges, double angle, bool closed) {
+  Shape shape;
+  shape.positions = {Vec3(0, 0, 0), Vec3(0, 0, 1)};
+  const Index sides = closed ? wedges : wedges + 1;
+  for (Index i = 0; i < sides; ++i)
+    for (const double z : {0.0, 1.0})
+      shape.positions.emplace_back(std::cos(angle * static_cast<double>(i)), std::sin(angle * static_cast<double>(i)), z);
+  for (Index i = 0; i < wedges; ++i) {
+    const Index a = 2 + 2 * i, b = 2 + 2 * ((i + 1) % sides);
+    shape.elements.push_back({ElementType::wedge, {0, b, a, 1, b + 1, a + 1}, {}, 0, static_cast<std::int64_t>(i)});
+  }
+  return shape;
+}
+
+constexpr double kDegree = 3.14159265358979323846 / 180;
+
+/// Whether the ends of the axis of a fan at rest are suspect.
+bool is_wound(const Shape& shape, ElementStars& stars) {
+  SerialExecutor serial;
+  const Topology topology(shape.mesh());
+  stars.update({topology, Motion::linear(shape.positions, shape.positions), kEveryObject}, serial);
+  return stars.suspect(0) && stars.suspect(1);
+}
+
+TEST(ElementStars, WoundTwiceAreSuspect) {
+  for (const auto& [wedges, angle, closed, wound] :
+       {std::tuple{6u, 60., true, false}, {6u, 120., true, true}, {3u, 100., false, false}, {4u, 100., false, true}}) {
+    ElementStars stars;
+    EXPECT_EQ(is_wound(fan(wedges, angle * kDegree, closed), stars), wound) << wedges << " of " << angle;
+  }
+}
+
+/// All volumes are positive in both steps; on the way between them they are not.
+TEST(ElementStars, AreCheckedAgainAfterAJump) {
+  SerialExecutor serial;
+  const Shape once = fan(6, 60 * kDegree, true), twice = fan(6, 120 * kDegree, true);
+  const Topology topology(once.mesh());
+  ElementStars stars;
+  stars.update({topology, Motion::linear(once.positions, once.positions), kEveryObject}, serial);
+  EXPECT_TRUE(stars.suspects().empty());
+  stars.update({topology, Motion::linear(twice.positions, twice.positions), kEveryObject}, serial);
+  EXPECT_TRUE(stars.suspect(0) && stars.suspect(1));
+}
+
+TEST(ElementStars, AreCheckedAgainAfterAnEdit) {
+  SerialExecutor serial;
+  const Shape whole = fan(4, 100 * kDegree, false);
+  Shape begun = whole;
+  begun.elements.pop_back();
+  Topology topology(begun.mesh());
+  const Motion motion = Motion::linear(whole.positions, whole.positions);
+  ElementStars stars;
+  stars.update({topology, motion, kEveryObject}, serial);
+  EXPECT_FALSE(stars.suspect(0) || stars.suspect(1));
+  topology.apply({{}, {}, {whole.elements.back()}});
+  stars.update({topology, motion, kEveryObject}, serial);
+  EXPECT_TRUE(stars.suspect(0) && stars.suspect(1));
 }
 
 /// A crack opens a closed star: after the edit the vertices at its end are suspect, the others are not.
