@@ -1,5 +1,5 @@
-# volccd_resolve_auto(option what package:debian...): where the option is AUTO, it becomes ON in the caller's scope if all
-# packages are found, else OFF, with a message that names those that are missing. The cache keeps AUTO.
+# volccd_resolve_auto(option what package:debian...): if the option is AUTO, it is set to ON in the caller's scope if
+# all packages are found, else to OFF with a message that names the missing ones. The cache keeps AUTO.
 function(volccd_resolve_auto option what)
   if(NOT "${${option}}" STREQUAL "AUTO")
     return()

@@ -1,4 +1,5 @@
-# Debian packages by CPack, one a component: `cpack -G DEB --config build/release/CPackConfig.cmake -B build/packages`.
+# Debian packages by CPack, one for each component: `cpack -G DEB --config build/release/CPackConfig.cmake -B
+# build/packages`.
 #   volccd           the program, importer and plots
 #   libvolccd-dev    headers, libraries, CMake and pkg-config files, the component `program` included
 #   python3-volccd   the Python module, where it is built
@@ -39,7 +40,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
 if(TARGET volccd_python)
-  # An extension module is for one minor version of Python.
+  # An extension module works with one minor version of Python.
   execute_process(COMMAND "${VOLCCD_PYTHON}" -c "import sys; print(*sys.version_info[:2], sys.version_info[1] + 1)"
                   OUTPUT_VARIABLE versions OUTPUT_STRIP_TRAILING_WHITESPACE COMMAND_ERROR_IS_FATAL ANY)
   string(REGEX REPLACE "(.*) (.*) (.*)" "python3 (>= \\1.\\2), python3 (<< \\1.\\3), python3-numpy"

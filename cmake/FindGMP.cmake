@@ -1,4 +1,4 @@
-# Finds the GNU multiple-precision library: target GMP::GMP. Used here and by the installed package.
+# Finds the GNU multiple-precision library, target GMP::GMP. The installed package uses this file, too.
 find_path(GMP_INCLUDE_DIR gmp.h)
 find_library(GMP_LIBRARY gmp)
 mark_as_advanced(GMP_INCLUDE_DIR GMP_LIBRARY)

@@ -1,5 +1,6 @@
-# Run by `cmake --install`: installs the headers of VOLCCD_HEADERS, those that lie in VOLCCD_HEADER_FOLDERS, and all headers of
-# the project that these include. Headers that only sources include stay out: they may need packages that users lack.
+# Run by `cmake --install`: installs the headers of VOLCCD_HEADERS, those in VOLCCD_HEADER_FOLDERS, and all headers of
+# the project that these include. Headers that only sources include are left out, because they may need packages that
+# users do not have.
 cmake_policy(VERSION 3.22)
 set(pending ${VOLCCD_HEADERS})
 foreach(folder IN LISTS VOLCCD_HEADER_FOLDERS)

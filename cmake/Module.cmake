@@ -1,21 +1,21 @@
-# Module libraries, and the include path <volccd/...> on top of a tree whose folders are the modules.
+# Module libraries, and the include path <volccd/...> of a source tree whose folders are the modules.
 
-# One link: headers lie beside their sources, and <volccd/mesh/mesh.hpp> is found through it.
+# A link makes <volccd/mesh/mesh.hpp> available, because headers are in the same folders as their sources.
 set(VOLCCD_INCLUDE_DIR "${CMAKE_BINARY_DIR}/include")
 file(MAKE_DIRECTORY "${VOLCCD_INCLUDE_DIR}")
 file(CREATE_LINK "${CMAKE_SOURCE_DIR}" "${VOLCCD_INCLUDE_DIR}/volccd" SYMBOLIC)
 
-# Warnings and floating-point rules for everything that is compiled here. Contraction into fused multiply-add would change
-# rounding from machine to machine, and the error bounds with it.
-# GCC 12 warns falsely of `"text" + std::string` (GCC bug 105651).
+# Warnings and floating-point rules for all code of the project. Contraction into fused multiply-add would make
+# rounding, and with it the error bounds, depend on the machine.
+# GCC 12 gives false warnings for `"text" + std::string` (GCC bug 105651).
 add_library(volccd_flags INTERFACE)
 target_compile_options(volccd_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Woverloaded-virtual
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
   $<$<BOOL:${VOLCCD_WERROR}>:-Werror>)
 
-# volccd_quick_to_compile(target): for code whose own speed does not matter (tests, command lines): a third less time to
-# compile.
+# volccd_quick_to_compile(target): for code whose own speed does not matter (tests, command lines). Compiles in a third
+# less time.
 function(volccd_quick_to_compile target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
@@ -24,18 +24,20 @@ endfunction()
 # exported as volccd::mesh with the headers that lie in this folder and what these include (InstallHeaders.cmake).
 # volccd_module(program COMPONENT program [HEADERS file...] ...): a part of the package's component `program`, whose users
 # alone need what it links. Of its headers, HEADERS and what these include are installed.
-# volccd_module(peers INTERNAL ...): not installed; for what the program's executable and the tests link privately.
+# volccd_module(peers INTERNAL ...): not installed; only for private use by the program's executable and the tests.
 function(volccd_module name)
   cmake_parse_arguments(ARG "INTERNAL" "COMPONENT" "PUBLIC;PRIVATE;SOURCES;HEADERS" ${ARGN})
   if(NOT ARG_SOURCES)
     file(GLOB ARG_SOURCES CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp" "${CMAKE_CURRENT_SOURCE_DIR}/detail/*.cpp")
   endif()
-  # The undefined-behaviour sanitizer has little to find in vector kernels (no integers, no branches), and takes minutes to
-  # compile there. For clang's address sanitizer, checks are calls: inline, one source takes two minutes.
+  # The undefined-behaviour sanitizer finds little in vector kernels (no integers, no branches), and takes minutes to
+  # compile them. With clang's address sanitizer, checks are function calls, because one source takes two minutes with
+  # inline checks.
   foreach(source IN LISTS ARG_SOURCES)
     file(STRINGS "${source}" kernels REGEX "foreach_target" LIMIT_COUNT 1)
     if(kernels)
-      set_property(SOURCE "${source}" PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)  # it includes itself, once a target
+      # a source includes itself once for each instruction set
+      set_property(SOURCE "${source}" PROPERTY SKIP_UNITY_BUILD_INCLUSION ON)
       set_property(SOURCE "${source}" APPEND PROPERTY COMPILE_OPTIONS -fno-sanitize=undefined
                    $<$<CXX_COMPILER_ID:Clang>:-mllvm>
                    $<$<CXX_COMPILER_ID:Clang>:-asan-instrumentation-with-call-threshold=0>)
@@ -63,7 +65,7 @@ function(volccd_module name)
   endif()
   file(RELATIVE_PATH folder "${CMAKE_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}")
   if(ARG_COMPONENT STREQUAL "program")
-    # Experiments and oracle: the address sanitizer alone, which halves the time to compile them under sanitizers.
+    # Experiments and oracle use the address sanitizer only, which halves their time to compile under sanitizers.
     target_compile_options(${target} PRIVATE -fno-sanitize=undefined)
     if(VOLCCD_BUILD_PROGRAM)
       install(TARGETS ${target} EXPORT volccdProgramTargets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev)

@@ -1,15 +1,16 @@
-# Install rules and find_package(volccd) for other projects. The package holds the libraries and their headers. Where the
-# program is built, it is installed too, and so is the component `program`: the program as a library, with all that it links.
+# Install rules and find_package(volccd) for other projects. The package contains the libraries and their headers. If
+# the program is built, it is installed as well, and so is the component `program`: the program as a library with its
+# dependencies.
 include(CMakePackageConfigHelpers)
 
 set(VOLCCD_PACKAGE_DIR "${CMAKE_INSTALL_LIBDIR}/cmake/volccd")
 
 install(EXPORT volccdTargets NAMESPACE volccd:: DESTINATION "${VOLCCD_PACKAGE_DIR}" COMPONENT dev)
 if(VOLCCD_BUILD_PROGRAM)
-  # A package without this file refuses the component (volccdConfig.cmake).
+  # A package without this file has no such component (volccdConfig.cmake).
   install(EXPORT volccdProgramTargets NAMESPACE volccd:: DESTINATION "${VOLCCD_PACKAGE_DIR}" COMPONENT dev)
   install(TARGETS volccd_executable RUNTIME DESTINATION "${CMAKE_INSTALL_BINDIR}" COMPONENT program)
-  # Python tools beside the program: importer and figures.
+  # Python tools that are installed with the program: importer and figures.
   install(DIRECTORY "${PROJECT_SOURCE_DIR}/tools/" DESTINATION "${CMAKE_INSTALL_DATADIR}/volccd/tools" COMPONENT program
           USE_SOURCE_PERMISSIONS FILES_MATCHING PATTERN "*.py" PATTERN "__pycache__" EXCLUDE)
   foreach(tool IN ITEMS import:import_sequence plot:plot_results)
@@ -44,12 +45,13 @@ install(FILES "${CMAKE_BINARY_DIR}/cmake/volccdConfig.cmake" "${CMAKE_BINARY_DIR
         DESTINATION "${VOLCCD_PACKAGE_DIR}" COMPONENT dev)
 install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT program)
 
-# pkg-config: volccd.pc, for builds without CMake. A static library's users link what it needs themselves (--static).
+# pkg-config: volccd.pc, for builds without CMake. Users of a static library also link the libraries that it needs
+# (--static).
 set(modules volccd_pipelines volccd_narrowphase volccd_culling volccd_broadphase volccd_query volccd_mesh volccd_core)
 set(VOLCCD_PC_PRIVATE_LIBS "")
 if(VOLCCD_WITH_HDF5)
   list(PREPEND modules volccd_sequence)
-  list(GET HDF5_C_LIBRARIES 0 hdf5)  # what it needs itself, it has linked
+  list(GET HDF5_C_LIBRARIES 0 hdf5)  # a shared library is linked with the libraries that it needs
   string(APPEND VOLCCD_PC_PRIVATE_LIBS " ${hdf5}")
 endif()
 if(VOLCCD_WITH_GMP)

@@ -1,4 +1,4 @@
-# VOLCCD_PROJECT_VERSION from core/version.hpp, where numbers and text must agree.
+# Reads VOLCCD_PROJECT_VERSION from core/version.hpp, where numbers and text must agree.
 file(READ "${CMAKE_CURRENT_LIST_DIR}/../core/version.hpp" header)
 foreach(part MAJOR MINOR PATCH)
   string(REGEX MATCH "#define VOLCCD_VERSION_${part} ([0-9]+)" found "${header}")

@@ -7,7 +7,7 @@
 
 namespace volccd {
 
-/// Where the output goes for a file name that the user gave.
+/// The kind of the output for a file name that the user gave.
 struct OutputTarget {
   enum class Kind {
     file,        ///< a regular file, or no file yet: `path` is the name after all symbolic links are followed

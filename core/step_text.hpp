@@ -9,7 +9,7 @@
 
 namespace volccd {
 
-/// Which of the requested steps [begin, end) are complete: [begin, done).
+/// Of the requested steps [begin, end), the steps [begin, done) are complete.
 struct StepsDone {
   int begin = 0, done = 0, end = 0;
   std::string stopped_by = {};  ///< why the run ended before `end`: "interrupted" or an error message; empty if it did

@@ -18,7 +18,7 @@ bool begins_with(std::string_view name, std::string_view text) {
 }  // namespace
 
 std::size_t edit_distance(std::string_view a, std::string_view b) {
-  // Rows i - 2, i - 1 and i of the table of distances between beginnings of a and b.
+  // Rows i - 2, i - 1 and i of the table of distances between prefixes of a and b.
   std::vector<std::size_t> before, last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
   for (std::size_t i = 1; i <= a.size(); ++i) {

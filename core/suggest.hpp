@@ -1,4 +1,4 @@
-// Names that are not known: which of the known ones are near.
+// Suggests known names that are similar to an unknown one.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@ namespace volccd {
 /// part of `a` edited twice (optimal string alignment). Letters of either case are equal. O(|a| |b|).
 std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// Those of `known` that are nearest to `text`, at most three, in the order of `known`: with an edit distance of a
-/// third of the longer name at most; where there are none, those that `text` is the beginning of.
+/// The names in `known` that are nearest to `text`, at most three, in the order of `known`. Their edit distance is at
+/// most a third of the longer name; if there are none, names that begin with `text`.
 std::vector<std::string> near_names(std::string_view text, const std::vector<std::string>& known);
 
 /// "; did you mean 'VolCCD'?", to be put at the end of a message; empty if no name is near.

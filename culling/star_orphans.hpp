@@ -32,7 +32,7 @@ class StarOrphans final : public OrphanSource {
     std::size_t pairs = 0;             ///< pairs of elements whose orphans were listed
     bool by_stars = false;             ///< false: the O-Set provides the orphans
   };
-  /// Of the last prepare().
+  /// The results of the last prepare().
   static const Counters& counters(const StageState& state);
 
  private:

@@ -18,12 +18,12 @@ using detail::append_pieces;
 using detail::ConvexPiece;
 using detail::Cover;
 
-/// All elements at one time, in CSR form: the points whose hull each lies in, and its convex pieces.
+/// All elements at one time in CSR form: the points whose hull contains the element, and its convex pieces.
 struct Bodies {
   std::vector<std::size_t> point_offsets, piece_offsets;  ///< [slots + 1]
   std::vector<Vec3> points;
   std::vector<ConvexPiece> pieces;
-  std::uint64_t inexact = 0;  ///< elements whose pieces are not the body itself
+  std::uint64_t inexact = 0;  ///< elements whose pieces differ from the body
 
   std::span<const Vec3> hull(Index o) const { return run(points, point_offsets, o); }
   std::span<const ConvexPiece> of(Index o) const { return run(pieces, piece_offsets, o); }

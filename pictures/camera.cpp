@@ -27,7 +27,7 @@ Eigen::Matrix3d horizon(char up) {
   return axes;
 }
 
-/// Rows: right, up, towards the viewer. Looking straight down, the azimuth still says what is right.
+/// Rows: right, up, towards the viewer. If the view is straight down, the azimuth still determines the horizontal axes.
 Eigen::Matrix3d view_axes(const View& view) {
   const double a = view.azimuth * std::numbers::pi / 180, e = view.elevation * std::numbers::pi / 180;
   const Vec3 towards(std::cos(e) * std::cos(a), std::cos(e) * std::sin(a), std::sin(e));
@@ -79,7 +79,7 @@ Camera Camera::fit(std::span<const Vec3> points, const View& view, int width, in
   Camera camera(view, width, height);
   const Eigen::AlignedBox3d box = bounds(points, camera.axes_);
   camera.target_ = camera.axes_.transpose() * box.center();
-  // A single point has no size of its own.
+  // A single point has no extent.
   camera.extent_ = box.diagonal().norm() > 0 ? box.diagonal().norm() : 1;
   const double border = margin * std::min(width, height);
   const double half_width = std::max(width / 2.0 - border, 0.5), half_height = std::max(height / 2.0 - border, 0.5);

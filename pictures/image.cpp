@@ -48,7 +48,7 @@ std::string encode_png(const Image& image) {
   header.height = static_cast<png_uint_32>(image.height());
   header.format = PNG_FORMAT_RGB;
   static_assert(sizeof(Colour) == 3);
-  // The bound leaves libpng no reason to fail but memory.
+  // With this bound, libpng can fail only if there is not enough memory.
   std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(header), '\0');
   png_alloc_size_t size = bytes.size();
   if (!png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels().data(), 0, nullptr))

@@ -49,7 +49,7 @@ Setup setup_of(const std::array<Camera::Projected, 3>& p) {
   return s;
 }
 
-/// What each sample sees: the triangle, and how near.
+/// The nearest triangle at each sample, and its nearness.
 class Samples {
  public:
   Samples(const Surface& surface, const Camera& camera, int width, int height, int samples)
@@ -74,7 +74,7 @@ class Samples {
   int height() const { return height_; }
   int samples() const { return samples_; }
   Index triangle(int x, int y) const { return triangle_[offset(x, y)]; }
-  /// -infinity where nothing is seen, and outside the picture.
+  /// -infinity if there is no triangle, and outside the picture.
   double nearness(int x, int y) const {
     return x < 0 || y < 0 || x >= width_ || y >= height_ ? -std::numeric_limits<double>::infinity()
                                                          : double{nearness_[offset(x, y)]};
@@ -88,7 +88,7 @@ class Samples {
  private:
   std::size_t offset(int x, int y) const { return static_cast<std::size_t>(y) * width_ + x; }
 
-  /// First and last sample, centres at halves, between two places; empty outside the picture.
+  /// First and last sample between two positions, with samples at half-integers; empty outside the picture.
   static std::pair<int, int> range(double low, double high, int size) {
     return {static_cast<int>(std::ceil(std::clamp(low - 0.5, 0.0, double(size)))),
             static_cast<int>(std::floor(std::clamp(high - 0.5, -1.0, size - 1.0)))};
@@ -100,7 +100,7 @@ class Samples {
     if (!s.visible) return;
     const auto [top, bottom] = range(std::min({p[0].y, p[1].y, p[2].y}), std::max({p[0].y, p[1].y, p[2].y}), height_);
     const auto [left, right] = range(std::min({p[0].x, p[1].x, p[2].x}), std::max({p[0].x, p[1].x, p[2].x}), width_);
-    // Borders belong to both neighbours, so that rounding leaves no cracks between them.
+    // Samples on a border belong to both neighbours, so that rounding leaves no gaps between them.
     constexpr double kBorder = -1e-9;
     for (int y = top; y <= bottom; ++y) {
       const double v = y + 0.5;
@@ -141,8 +141,8 @@ Vec3 normal_at(const Surface& surface, const Camera& camera, const Samples& samp
   return (own_in_view.dot(to_viewer) < 0 ? -1 : 1) / length * in_view;
 }
 
-/// How much of the light from all sides reaches each pixel: 1 in the open. Looks at the depth of places around (after
-/// McGuire et al. 2011, "The Alchemy screen-space ambient obscurance algorithm").
+/// The share of ambient light that reaches each pixel, which is 1 in the open. It is computed from the depth at
+/// positions nearby (after McGuire et al. 2011, "The Alchemy screen-space ambient obscurance algorithm").
 class Occlusion {
  public:
   Occlusion(const Surface& surface, const Camera& camera, const Samples& samples)
@@ -185,7 +185,7 @@ class Occlusion {
             .cast<float>();
   }
 
-  /// Places on a spiral in the unit disc, for each of kTurns turns of it.
+  /// Positions on a spiral in the unit disc, for each of its kTurns rotations.
   static std::vector<Eigen::Vector2f> spirals() {
     std::vector<Eigen::Vector2f> places;
     for (int turn = 0; turn < kTurns; ++turn)
@@ -197,7 +197,7 @@ class Occlusion {
     return places;
   }
 
-  /// The spiral turns from pixel to pixel in a pattern of 4 x 4 that smooth() averages out.
+  /// The rotation of the spiral varies from pixel to pixel in a pattern of 4 x 4, over which smooth() takes the mean.
   float gather(int x, int y) const {
     if (!seen(x, y)) return 1;
     const Eigen::Vector3f here = places_[offset(x, y)], normal = normals_[offset(x, y)];
@@ -240,7 +240,7 @@ class Occlusion {
   int step_, width_, height_;
   double radius_;
   std::vector<Eigen::Vector2f> spirals_ = spirals();
-  std::vector<Eigen::Vector3f> places_, normals_;  ///< a normal of zero: nothing is seen there
+  std::vector<Eigen::Vector3f> places_, normals_;  ///< the normal is zero if there is no triangle
   std::vector<float> open_;
 };
 
@@ -267,7 +267,7 @@ class Shader {
     const Vec3 normal = normal_at(surface_, camera_, samples_, triangle, s, u, v, to_viewer);
     const Colour own = colours_[t.colour];
     Eigen::Vector3f base(own.r, own.g, own.b);
-    // A section is matt and paler than the surface: one sees where the body was cut.
+    // A section is paler than the surface, which shows where the body was cut.
     if (t.section) base = 0.72f * base + Eigen::Vector3f::Constant(0.28f * 255);
     Eigen::Vector3f lit = t.section ? Eigen::Vector3f(base * static_cast<float>(0.55 + 0.45 * open))
                                     : light(base, normal, to_viewer, open);
@@ -295,7 +295,7 @@ class Shader {
       // Edge k lies opposite corner k + 2.
       const int opposite = (k + 2) % 3;
       const double off = std::max(0.0, s.weight(opposite, x + 0.5, y + 0.5)) * s.height[opposite];
-      // Where elements are hardly larger than a pixel, lines would cover everything.
+      // If elements are hardly larger than a pixel, lines would cover everything.
       if (options_.lines && (t.feature_edges >> k & 1) && off < 0.8 * half)
         strength = std::max(strength, 0.6 * std::clamp((size - 0.7) / 3, 0.12, 1.0));
       if (options_.edges && (t.element_edges >> k & 1) && off < 0.55 * half)
@@ -305,7 +305,7 @@ class Shader {
     return strength;
   }
 
-  /// Whether a sample beside this one lies far behind the plane of this triangle, or shows another colour close to it.
+  /// Whether a neighbouring sample is far behind the plane of this triangle, or has another colour near the plane.
   bool on_outline(const SurfaceTriangle& t, Index triangle, const Setup& s, int x, int y) const {
     const int reach = std::max(1, static_cast<int>(std::lround(0.5 * options_.line_width * samples_.samples())));
     const double here = s.nearness(x + 0.5, y + 0.5), slack = 0.006 * camera_.extent();
@@ -316,7 +316,7 @@ class Shader {
         continue;
       }
       const double expected = here + s.dx * dx + s.dy * dy;
-      // A plane seen from its side leaves the scene within a sample: then only the step counts.
+      // A plane seen from its side is left within a sample; then only the difference in depth counts.
       const double level = std::min(here, expected > 0 || camera_.orthographic() ? expected : here);
       if (camera_.depth(there) - camera_.depth(level) > slack) return true;
       const Index other = samples_.triangle(x + dx, y + dy);
@@ -330,7 +330,7 @@ class Shader {
   const Camera& camera_;
   const Samples& samples_;
   const RenderOptions& options_;
-  Index last_ = kNone;  ///< triangle that setup_ is of
+  Index last_ = kNone;  ///< triangle for which setup_ was computed
   Setup setup_{};
 };
 
@@ -347,7 +347,8 @@ void draw_marks(Image& image, std::span<const Mark> marks, const Camera& camera,
     if (!camera.before(marks[i].place)) continue;
     const Camera::Projected p = camera.project(marks[i].place);
     if (!(p.x >= 0 && p.y >= 0 && p.x < image.width() && p.y < image.height())) continue;
-    // In the open if some sample around is not before it: a mark on an edge lies beside the surface as often as on it.
+    // A mark is visible if some sample around it is not in front of it, because samples beside an edge may belong to
+    // the background.
     bool visible = false;
     for (int dy = -1; dy <= 1; ++dy)
       for (int dx = -1; dx <= 1; ++dx) {
@@ -393,7 +394,7 @@ Image render(const Surface& surface, std::span<const Colour> colours, std::span<
 }
 
 void draw_mark(Image& image, double x, double y, double radius, MarkShape shape, Colour colour, double strength) {
-  // A white rim sets marks off from surfaces of any colour, and from each other.
+  // A white rim separates marks from surfaces of any colour and from each other.
   const double rim = std::max(0.8, 0.28 * radius), reach = radius + rim + 1;
   for (int row = static_cast<int>(y - reach) - 1; row <= static_cast<int>(y + reach) + 1; ++row)
     for (int column = static_cast<int>(x - reach) - 1; column <= static_cast<int>(x + reach) + 1; ++column) {

@@ -27,7 +27,7 @@ namespace {
 
 constexpr Colour kTextColour{30, 32, 38};
 
-/// What a panel shows: the cells and points of its step, and its contacts.
+/// The data of a panel: the cells and points of its step, and its contacts.
 struct PanelData {
   std::string caption, subtitle;
   SequenceCells all, drawn;
@@ -35,7 +35,7 @@ struct PanelData {
   std::vector<PictureContact> contacts;
   std::size_t inter = 0, intra = 0;
   std::map<std::int32_t, std::string> part_names;
-  std::set<std::int32_t> parts;  ///< of this step and the first one
+  std::set<std::int32_t> parts;  ///< of this step and of the first one
 };
 
 std::string lower(std::string text) {
@@ -43,7 +43,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// Words between semicolons or, where there is none, between commas, without blanks around them.
+/// Parts of a text between semicolons or, if there is none, between commas, without blanks around them.
 std::vector<std::string> split(const std::string& text) {
   const char separator = text.find(';') == std::string::npos ? ',' : ';';
   std::vector<std::string> words;
@@ -96,7 +96,7 @@ class PanelReader {
     ids_ = solid_vertex_ids(ids_);
   }
 
-  /// A motion has the cells of its end, which may be others than those in the picture.
+  /// A motion has the cells of its end, which may differ from those in the picture.
   SequenceCells cells_of_motion(int motion) {
     SequenceCells cells;
     reader_.read_cells(motion + 1, cells);
@@ -170,7 +170,7 @@ class Composer {
   }
 
  private:
-  /// Reading a panel, its contacts included, counts as much as drawing it.
+  /// Reading a panel with its contacts counts as much as drawing it.
   void tell(double panels) const {
     if (config_.progress) config_.progress(panels);
   }
@@ -247,7 +247,7 @@ class Composer {
     if (fit_.empty()) throw ConfigError("nothing is left to draw: the cuts take everything away");
   }
 
-  /// "part=#rrggbb"
+  /// Parses "part=#rrggbb".
   void set_colour(const std::string& text) {
     const std::size_t at = text.rfind("=#");
     std::uint32_t value = 0;
@@ -274,7 +274,7 @@ class Composer {
     caption_height_ = config_.text ? caption_height() : 0;
     legend_height_ = config_.text ? legend_height() : 0;
     if (config_.height > 0) {
-      // A small picture of a given height shows fewer lines of the captions rather than nothing else.
+      // In a picture of small height, captions have fewer lines, so that there is room for the scene.
       height_ = config_.height;
       const int panel_height = (height_ - legend_height_) / rows;
       most_caption_lines_ = caption_line_count();
@@ -332,7 +332,7 @@ class Composer {
   double mark_size() const { return std::min(panel_width_, 2 * view_height_) / 260.0; }
 
   std::vector<Mark> marks(const PanelData& panel) const {
-    // Vertices of parts left out; those that come with the cells of the motion's end are of none.
+    // Vertices of the parts left out. Vertices that come with the cells of the motion's end belong to none.
     std::vector<char> left_out(panel.points.size());
     for (const Index v : panel.all.connectivity) left_out[v] = 1;
     for (const Index v : panel.drawn.connectivity) left_out[v] = 0;
@@ -358,7 +358,7 @@ class Composer {
     }
   }
 
-  /// Caption and subtitle in lines that fit the panel, with their heights.
+  /// Caption and subtitle, divided into lines that fit the panel, with their heights.
   std::vector<std::pair<std::string, double>> caption_lines(const PanelData& panel) const {
     const double h = text_height_, room = panel_width_ - h;
     std::vector<std::pair<std::string, double>> lines;
@@ -391,7 +391,7 @@ class Composer {
     int row = 0;
   };
 
-  /// Entries in rows from left to right; at most kLegendRows, the rest counted.
+  /// Entries in rows from left to right. At most kLegendRows rows are drawn, and the remaining entries are counted.
   std::vector<Entry> legend() const {
     std::vector<Entry> entries;
     if (shown_.size() > 1)
@@ -401,7 +401,7 @@ class Composer {
     std::vector<Entry> marks;
     if (inter > 0) marks.push_back({"contact between parts", kInterColour, MarkShape::disc});
     if (intra > 0) marks.push_back({"contact within a part", kIntraColour, MarkShape::diamond});
-    // Marks first: they are there when parts are left out.
+    // Marks come first, so that they remain if parts are left out.
     entries.insert(entries.begin(), marks.begin(), marks.end());
     place_entries(entries);
     std::size_t hidden = 0;
@@ -415,7 +415,7 @@ class Composer {
     return entries;
   }
 
-  /// From left to right, each row in the middle.
+  /// The entries of a row run from left to right, and the row is centred.
   void place_entries(std::vector<Entry>& entries) const {
     const double h = text_height_, gap = 1.6 * h;
     for (std::size_t begin = 0, row = 0; begin < entries.size(); ++row) {
@@ -460,11 +460,11 @@ class Composer {
 
   const PictureConfig& config_;
   std::vector<PanelData> panels_;
-  std::set<std::int32_t> parts_, shown_;  ///< of all files; those that are drawn
+  std::set<std::int32_t> parts_, shown_;  ///< parts of all files; parts that are drawn
   std::map<std::int32_t, std::string> names_;
   std::map<std::int32_t, std::uint16_t> colour_of_;
   std::vector<Colour> colours_;
-  Eigen::AlignedBox3d box_;  ///< of all vertices in use
+  Eigen::AlignedBox3d box_;  ///< all vertices in use
   std::vector<CuttingPlane> planes_;
   std::vector<Vec3> fit_;
   int gap_ = 0, panel_width_ = 0, view_height_ = 0, caption_height_ = 0, legend_height_ = 0, height_ = 0;

@@ -38,7 +38,7 @@ void for_each_face(const SequenceCells& cells, std::size_t cell, std::vector<Ind
   }
 }
 
-/// The fan from the face's smallest vertex, as Features splits faces, so that neighbours agree.
+/// The fan from the face's smallest vertex, as in Features, so that the triangles of neighbours agree.
 template <class F>
 void for_each_triangle(std::vector<Index>& face, F&& f) {
   std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
@@ -55,7 +55,7 @@ std::array<Index, 3> sorted(std::array<Index, 3> v) {
   return v;
 }
 
-/// Lists of things by vertex: start[v] .. start[v+1] in `items`.
+/// Lists of items by vertex: those of vertex v are items[start[v]] to items[start[v+1] - 1].
 struct ByVertex {
   std::vector<std::size_t> start;
   std::vector<Index> items;
@@ -87,7 +87,7 @@ Vec3 area_normal(const Surface& surface, const SurfaceTriangle& t) {
   return (b - a).cross(c - a);
 }
 
-/// Shells are numbered in either direction, so that a normal counts up to its sign.
+/// Shells may be numbered in either sense, so that the sign of a normal is ignored.
 void add_normals(Surface& surface, const ByVertex& incident, double crease) {
   const float least = std::cos(static_cast<float>(crease * std::numbers::pi / 180));
   const std::size_t n = surface.triangles.size();
@@ -110,7 +110,7 @@ void add_normals(Surface& surface, const ByVertex& incident, double crease) {
     }
 }
 
-/// An edge is a feature unless exactly one other triangle has it, of the same colour and nearly the same direction.
+/// An edge is a feature edge unless exactly one other triangle has it, with the same colour and nearly the same normal.
 void mark_features(Surface& surface, const ByVertex& incident, double crease) {
   const double least = std::cos(crease * std::numbers::pi / 180);
   for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
@@ -132,7 +132,8 @@ void mark_features(Surface& surface, const ByVertex& incident, double crease) {
   }
 }
 
-/// A corner of a convex polygon; bit 0 of `flags`: the edge that starts here is an element's, bit 1: a feature.
+/// A corner of a convex polygon. Bit 0 of `flags`: the edge that starts here is an element's; bit 1: it is a feature
+/// edge.
 struct Corner {
   Vec3 point;
   Eigen::Vector3f normal;
@@ -141,7 +142,7 @@ struct Corner {
 
 constexpr int kElementEdge = 1, kFeatureEdge = 2;
 
-/// The part of the polygon that the plane leaves.
+/// The part of the polygon that is not removed by the plane.
 void clip(std::vector<Corner>& polygon, const CuttingPlane& plane, std::vector<Corner>& scratch) {
   scratch.clear();
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -203,7 +204,7 @@ void clip_surface(Surface& surface, const CuttingPlane& plane) {
   surface = std::move(result);
 }
 
-/// What the plane has in common with a volume, in cyclic order; empty if nothing.
+/// The intersection of the plane with a volume, in cyclic order; empty if there is none.
 class Section {
  public:
   Section(const CuttingPlane& plane, std::span<const Vec3> points) : plane_(plane), points_(points) {}
@@ -225,7 +226,7 @@ class Section {
  private:
   double distance(Index v) const { return plane_.normal.dot(points_[v]) - plane_.offset; }
 
-  /// Crossings of the edges; an edge belongs to two faces and is taken where its vertices ascend.
+  /// Intersections with the edges. An edge belongs to two faces, and is used in the one where its vertices ascend.
   void gather(const SequenceCells& cells, std::size_t cell) {
     edges_.clear();
     for_each_face(cells, cell, face_, [&](std::vector<Index>& face) {

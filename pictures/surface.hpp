@@ -55,8 +55,8 @@ Surface surface_of(const SequenceCells& cells, std::span<const Vec3> points, std
                    double crease = 50);
 
 /// Clips the surface by the planes and closes the section through volume elements: each element that a plane intersects
-/// gives a face of the section (the convex hull of the plane's intersections with its edges). With several planes, only
-/// what no plane removes is left.
+/// gives a face of the section (the convex hull of the plane's intersections with its edges). With several planes, the
+/// parts remain that no plane removes.
 void cut(Surface& surface, const SequenceCells& cells, std::span<const Vec3> points,
          std::span<const std::uint16_t> colours, std::span<const CuttingPlane> planes);
 

@@ -15,7 +15,7 @@ namespace {
 using Surface = std::unique_ptr<cairo_surface_t, decltype(&cairo_surface_destroy)>;
 using Context = std::unique_ptr<cairo_t, decltype(&cairo_destroy)>;
 
-/// Bytes of the character that begins at `at`; 0 if none does.
+/// Number of bytes of the character that begins at `at`; 0 if there is none.
 std::size_t character_size(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
   const unsigned first = byte(at);
@@ -26,7 +26,7 @@ std::size_t character_size(std::string_view text, std::size_t at) {
                                                            : 0;
   for (std::size_t i = 1; i < size; ++i)
     if ((byte(at + i) & 0xC0) != 0x80) return 0;
-  // Overlong forms, surrogates and what lies beyond Unicode are not UTF-8.
+  // Overlong forms, surrogates and values beyond Unicode are invalid UTF-8.
   const unsigned second = byte(at + 1);
   if ((first == 0xE0 && second < 0xA0) || (first == 0xED && second >= 0xA0) || (first == 0xF0 && second < 0x90) ||
       (first == 0xF4 && second >= 0x90))
@@ -34,7 +34,7 @@ std::size_t character_size(std::string_view text, std::size_t at) {
   return size;
 }
 
-/// Cairo refuses a text that is not UTF-8, and ends it at a zero byte.
+/// Cairo refuses invalid UTF-8, and ends a text at a zero byte.
 std::string printable(std::string_view text) {
   std::string result;
   for (std::size_t at = 0; at < text.size();) {
@@ -48,13 +48,13 @@ std::string printable(std::string_view text) {
   return result;
 }
 
-/// A surface of 8-bit coverage with a context whose font has capitals `height` pixels high.
+/// A surface of 8-bit coverage, and a context with a font whose capitals are `height` pixels high.
 class Canvas {
  public:
   Canvas(int width, int height, double capitals)
       : surface_(cairo_image_surface_create(CAIRO_FORMAT_A8, width, height), &cairo_surface_destroy),
         context_(cairo_create(surface_.get()), &cairo_destroy) {
-    // Without hinting, so that widths are proportional to the size.
+    // Hinting is off, so that widths are proportional to the size.
     cairo_font_options_t* options = cairo_font_options_create();
     cairo_font_options_set_hint_style(options, CAIRO_HINT_STYLE_NONE);
     cairo_font_options_set_hint_metrics(options, CAIRO_HINT_METRICS_OFF);
@@ -75,7 +75,7 @@ class Canvas {
     return extents;
   }
 
-  /// Draws the text and hands each pixel's coverage, 0 to 1, to visit(column, row, coverage).
+  /// Draws the text, and calls visit(column, row, coverage) for each pixel, with a coverage of 0 to 1.
   template <class Visit>
   void draw(const std::string& text, double x, double y, const Visit& visit) {
     cairo_move_to(context_.get(), x, y);

@@ -14,7 +14,7 @@ namespace volccd {
 double text_width(std::string_view text, double height);
 
 /// Draws the text with the left end of its base line at (x, y). Capitals reach up to y - height, descenders down to
-/// about y + height / 3. What lies outside the image is left out.
+/// about y + height / 3. Parts outside the image are left out.
 void draw_text(Image& image, std::string_view text, double x, double y, double height, Colour colour);
 
 /// The text in lines that are no wider than `width`, broken at blanks; a word that is wider than that is broken

@@ -106,19 +106,20 @@ void add_check_command(CLI::App& app, const Registry& registry, Action& action) 
   command->add_option("--trials", options->config.trials, "generated trials")
       ->check(CLI::Range(1, 100'000'000))
       ->capture_default_str();
-  command->add_option("--seed", options->config.seed, "of the first trial; the next has the next seed")
+  command->add_option("--seed", options->config.seed, "seed of the first trial; each further trial has the next seed")
       ->capture_default_str();
   command
       ->add_option("--threads", options->threads,
-                   "where several are tried; 0: as many as the machine has, two at least")
+                   "workers of the checks with several workers; 0: as many as the machine has, but at least two")
       ->check(CLI::Range(0u, kMaxThreads))
       ->type_name("N")
       ->capture_default_str();
   options->report.add_to(*command);
   command->footer(
-      "Tries the stage on generated tests and elements that touch or nearly do, judged in exact arithmetic: alone and "
-      "in batches, with several workers, with a new state and with one that has seen other steps. Then in pipelines, "
-      "against those without it, on small colliding bodies and on FILE. What is not promised (approximate) is "
+      "Runs the stage on generated tests and elements that touch or nearly touch, and compares it with exact "
+      "arithmetic: alone and "
+      "in batches, with several workers, with a new state and with one that has seen other steps. Then compares "
+      "pipelines with and without it on small colliding bodies and on FILE. What is not promised (approximate) is "
       "counted.\n"
       "Exit code 1 if a property does not hold; the printed options --seed N --trials 1 repeat the trial.\n"
       "Examples:\n"

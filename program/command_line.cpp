@@ -152,8 +152,7 @@ CLI::Validator one_of(std::vector<std::string> choices) {
 void add_help_command(CLI::App& app, const Registry& registry, Action& action) {
   CLI::App* command = app.add_subcommand("help", "prints the help of a command, as --help does");
   const auto options = std::make_shared<HelpOptions>();
-  command->add_option("COMMAND", options->names, "of which command; without one: what commands there are")
-      ->type_name("");
+  command->add_option("COMMAND", options->names, "the command; without it, all commands are listed")->type_name("");
   command->add_flag("--manual-page", options->manual_page, "print the manual page of all commands, for `man`");
   command->add_option("--completion", options->completion, "print a script that completes commands and options")
       ->check(one_of({"bash"}));

@@ -342,8 +342,9 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
   options->sequence.add_parts_to(*command);
   options->report.add_to(*command);
   command->footer(
-      "FILE of an output: `-` and /dev/stdout stream, and the tables then go to stderr; devices and FIFOs are written "
-      "to, links are followed. Ctrl-C or an error keeps the steps that were complete: the last line of a CSV file is "
+      "FILE of an output: with `-` or /dev/stdout, the output goes to the standard output, and the tables go to "
+      "stderr; devices and FIFOs are written to, links are followed. After Ctrl-C or an error, the complete steps are "
+      "kept: the last line of a CSV file is "
       "then `# incomplete: ...`, in the JSON file \"complete\" is false, and the exit code is 130 or 2.\n"
       "Examples:\n"
       "  volccd detect run.vtkhdf --contacts contacts.csv --stats stats.json\n"

@@ -39,7 +39,7 @@ struct ExperimentOptions {
   std::optional<unsigned> threads;
   ReportOptions report;
 
-  /// Default: one thread for what is timed, as in the paper; all threads for simulations.
+  /// Default: one thread for timed experiments, as in the paper; all threads for simulations.
   unsigned timed_threads() const { return threads.value_or(1); }
   unsigned simulation_threads() const { return threads.value_or(0); }
 };
@@ -62,7 +62,7 @@ std::string record_file(const ExperimentOptions& options, const std::string& nam
   return (std::filesystem::path(options.output) / (name + suffix)).string();
 }
 
-/// Before anything is measured.
+/// Called before anything is measured.
 void check_outputs(const ExperimentOptions& options, const std::string& name, const ExperimentPlan& experiment = {}) {
   OutputPlan plan;
   for (const SceneRun& run : experiment.runs) plan.input("the sequence", run.file);
@@ -78,7 +78,7 @@ void keep(const ExperimentOptions& options, const std::string& name, const nlohm
           const std::string& tables, bool complete, Finished& finished) {
   const Report report(options.report);
   const std::string file = record_file(options, name, complete ? ".json" : ".incomplete.json");
-  report.print("{}\n", tables);  // first: a disk that is full does not take them
+  report.print("{}\n", tables);  // first, so that they are seen even if the disk is full
   write_text_file(file, record.dump(complete && record.is_array() ? 1 : 2) + "\n");
   write_text_file(record_file(options, name, complete ? ".txt" : ".incomplete.txt"), tables);
   report.print("record: {}\n", file);
@@ -204,7 +204,7 @@ struct Baked {
   std::string file, record;
 };
 
-/// Unless it is in the cache.
+/// Bakes the scene unless it is in the cache.
 Baked bake_for(const ExperimentOptions& options, const SimulatedScene& scene, Executor& executor) {
   BakeSettings settings;
   settings.elements = options.quick ? scene.quick_elements : 0;
@@ -312,7 +312,7 @@ std::vector<std::pair<std::string, ExperimentOptions>> all_experiments(Experimen
 
 int run(const ExperimentOptions& options, const Registry& registry) {
   std::vector<std::pair<std::string, ExperimentOptions>> jobs;
-  for (const std::string& name : options.names) {  // before the first of them takes its time
+  for (const std::string& name : options.names) {  // before the first experiment takes its time
     if (name == "all") {
       const auto all = all_experiments(options);
       jobs.insert(jobs.end(), all.begin(), all.end());
@@ -323,7 +323,7 @@ int run(const ExperimentOptions& options, const Registry& registry) {
     jobs.emplace_back(name, options);
   }
   Finished finished;
-  int code = kDone;  // other contacts in one experiment are no reason to leave out the next
+  int code = kDone;  // if contacts differ in one experiment, the next one still runs
   for (const auto& [name, own] : jobs) {
     const int one = run_one(name, own, registry, finished);
     if (one != kDone) code = one;
@@ -349,7 +349,7 @@ nlohmann::json tables_json(const std::string& name, const std::vector<TitledTabl
   return {{"experiment", name}, {"tables", list}};
 }
 
-/// Text is all that these have.
+/// These tables exist as text only.
 int print_other_table(const OtherExperiment& other, const TableOptions& options) {
   if (options.format != "text") throw ConfigError(fmt::format("--format: the table of {} is text only", options.name));
   const std::string file = (std::filesystem::path(options.results) / (std::string(other.record) + ".json")).string();
@@ -418,10 +418,10 @@ void add_table_command(CLI::App& command, Action& action) {
 
 void add_compare_command(CLI::App& command, Action& action) {
   const auto options = std::make_shared<CompareOptions>();
-  CLI::App* compare_command =
-      command.add_subcommand("compare", "what changed between two folders of records, beyond the spread");
-  compare_command->add_option("A", options->a, "folder of the records before")->required();
-  compare_command->add_option("B", options->b, "folder of the records after")->required();
+  CLI::App* compare_command = command.add_subcommand(
+      "compare", "compares two folders of records: changes greater than the spread of the rounds");
+  compare_command->add_option("A", options->a, "folder of the earlier records")->required();
+  compare_command->add_option("B", options->b, "folder of the later records")->required();
   compare_command->footer(
       "Exit code 1 if anything is slower by more than the spread of its rounds and 3 %, or if counts differ.\n"
       "Example:\n  volccd experiment compare results/ build/results/");
@@ -451,10 +451,10 @@ void add_list_command(CLI::App& command, Action& action) {
 }
 
 constexpr const char* kRunFooter =
-    "Motions are sampled evenly where all would take too long; the record lists them. After Ctrl-C or an error the "
-    "same command goes on with what NAME.incomplete.jsonl has (scenes: scenes.incomplete.json and .txt keep "
-    "the scenes that were complete); a whole record stays as it was until then.\n"
-    "Exit code 1 if pipelines that should find the same contacts found others.\n"
+    "If all motions would take too long, an evenly spaced sample is taken, which the record lists. After Ctrl-C or "
+    "an error, the same command continues with the rows in NAME.incomplete.jsonl (scenes: scenes.incomplete.json and "
+    ".txt have the complete scenes); an earlier record is unchanged until then.\n"
+    "Exit code 1 if pipelines that must find the same contacts found different ones.\n"
     "Examples:\n"
     "  volccd experiment run projectile --quick -o results/\n"
     "  volccd experiment run projectile --pipelines BruteForce -o results/\n"
@@ -463,32 +463,32 @@ constexpr const char* kRunFooter =
     "  volccd experiment run all --full --skip-complete -o results/";
 
 void add_run_command(CLI::App& command, const Registry& registry, Action& action) {
-  CLI::App* run_command = command.add_subcommand("run", "measure, print the tables, keep the records");
+  CLI::App* run_command = command.add_subcommand("run", "runs measurements, prints their tables, and stores the records");
   const auto options = std::make_shared<ExperimentOptions>();
   run_command->add_option("NAME", options->names, "see `volccd experiment list`")->required()->type_name("");
   run_command
-      ->add_option("--pipelines", options->pipelines,
-                   "further pipelines beside those of the experiment, NAME[,NAME...]; ablation: these alone")
+      ->add_option("--pipelines", options->pipelines, "additional pipelines, NAME[,NAME...]; ablation runs only these")
       ->delimiter(',')
       ->allow_extra_args(false);
   run_command
-      ->add_option(
-          "--set", options->settings,
-          "ablation: stage.option=value[,value...], a run for each value; role=stage[,stage...]; may be repeated")
+      ->add_option("--set", options->settings,
+                   "for ablation: stage.option=value[,value...], with a run for each value, or role=stage[,stage...]; "
+                   "may be repeated")
       ->type_name("SETTING")
       ->allow_extra_args(false);
   run_command->add_option("-o,--output", options->output, "folder for tables and records")->capture_default_str();
   run_command->add_flag("--quick", options->quick,
-                        "minutes: small scenes, few motions, one round (the default of those with rounds)");
-  run_command->add_flag("--full", options->full, "hours: scenes at their own sizes, more motions, several rounds")
+                        "takes minutes: small scenes, few motions, one round (the default of experiments with rounds)");
+  run_command
+      ->add_flag("--full", options->full, "takes hours: scenes at their default sizes, more motions, several rounds")
       ->excludes("--quick");
   run_command->add_flag("--skip-complete", options->skip_complete,
                         "keeps the records that are complete and of the same program, machine, plan and inputs, so "
                         "that an interrupted `all` goes on where it was (scenes are always made again)");
   run_command
-      ->add_option(
-          "--threads", options->threads,
-          "0: as many as the machine has; default: 1 for what is timed, as in the paper, and 0 for simulations")
+      ->add_option("--threads", options->threads,
+                   "number of threads; 0: as many as the machine has; default: 1 for timed experiments, as in the "
+                   "paper, and 0 for simulations")
       ->check(CLI::Range(0u, kMaxThreads))
       ->type_name("N");
   options->report.add_to(*run_command);

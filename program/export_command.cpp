@@ -68,10 +68,10 @@ void add_export_command(CLI::App& scene, Action& action) {
       scene.add_subcommand("export", "a file for each step, for VTK before 9.3 and ParaView before 5.12");
   const auto options = std::make_shared<ExportOptions>();
   command->add_option("FILE", options->file, "sequence (VTKHDF), or the name of a scene")->required()->type_name("");
-  command->add_option("--steps", options->steps, "steps k with A <= k < B; K alone: one")->type_name("A:B");
+  command->add_option("--steps", options->steps, "steps k with A <= k < B; or one step K")->type_name("A:B");
   command
       ->add_option("-o,--output", options->output,
-                   "name of the files, into which the step goes: run.vtkhdf gives run_0000.vtkhdf, ...")
+                   "name of the files, to which the number of the step is added: run.vtkhdf gives run_0000.vtkhdf, ...")
       ->required()
       ->type_name("FILE");
   options->report.add_quiet_to(*command);

@@ -30,9 +30,9 @@ struct GenerateOptions {
   bool quick = false;
   unsigned threads = 0;
   ReportOptions report;
-  std::map<std::string, std::string> values;  ///< by option; empty: not given
+  std::map<std::string, std::string> values;  ///< by option; empty if not given
 
-  /// Those that were given.
+  /// The options that were given.
   OptionValues given() const {
     OptionValues result;
     for (const auto& [option, value] : values)
@@ -106,7 +106,7 @@ int generate_simulated(const GenerateOptions& options, const SimulatedScene& sce
     const auto executor = make_executor(options.threads);
     BakeProgress progress(scene.name);
     const std::optional<std::string> file = bake(scene, settings, *executor, progress.hooks());
-    if (!file) throw Interrupted(scene.name + ": stopped; the same command goes on from the last whole frame");
+    if (!file) throw Interrupted(scene.name + ": stopped; the same command continues after the last complete frame");
     copy_file_whole(*file, options.output);
   }
   print_generated(options);
@@ -204,7 +204,8 @@ void add_generate_command(CLI::App& scene, Action& action) {
   options->report.add_quiet_to(*command);
   command->footer(
       "Simulated scenes are kept in a cache, the folder VOLCCD_CACHE, $XDG_CACHE_HOME/volccd or ~/.cache/volccd: the "
-      "second time they are copied. Ctrl-C stops; the same command goes on from the last whole frame.\n"
+      "second time they are copied from there. After Ctrl-C, the same command continues after the last complete "
+      "frame.\n"
       "Examples:\n"
       "  volccd scene generate octopi -o octopi.vtkhdf --stats octopi.json\n"
       "  volccd scene generate crash --quick -o crash.vtkhdf\n"

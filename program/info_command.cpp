@@ -237,7 +237,7 @@ void add_info_command(CLI::App& app, Action& action) {
   options->sequence.add_parts_to(*command);
   options->report.add_to(*command);
   command->footer(
-      "The name of a scene that has to be simulated first is refused, with the command that does so.\n"
+      "If a scene would have to be simulated first, the error message has the command that simulates it.\n"
       "Examples:\n  volccd info run.vtkhdf --steps 0:10\n  volccd info run.vtkhdf --motion tentative\n"
       "  volccd info run.vtkhdf --json");
   command->callback([options, &action] {

@@ -117,7 +117,8 @@ int draw_picture(const PictureOptions& options) {
 
 void add_picture_view(CLI::App& command, PictureOptions& options) {
   PictureConfig& config = options.config;
-  command.add_option("--size", options.size, "WIDTHxHEIGHT in pixels; WIDTH alone: as high as the scene needs")
+  command
+      .add_option("--size", options.size, "WIDTHxHEIGHT in pixels; with WIDTH alone, the scene determines the height")
       ->type_name("SIZE")
       ->capture_default_str();
   command
@@ -135,7 +136,9 @@ void add_picture_view(CLI::App& command, PictureOptions& options) {
   command.add_flag("--fit-fragments", config.fit_fragments, "fit the camera to fragments as well as to bodies");
   command.add_option("--box", options.box, "the box that the camera shows in all steps, instead of the bodies")
       ->type_name("X0,X1,Y0,Y1,Z0,Z1");
-  command.add_option("--columns", config.columns, "panels in a row; 0: one for each file, or all steps")
+  command
+      .add_option("--columns", config.columns,
+                  "number of panels in a row; 0: one for each file, or all steps of one file")
       ->check(CLI::NonNegativeNumber)
       ->type_name("N")
       ->capture_default_str();
@@ -151,7 +154,7 @@ void add_picture_content(CLI::App& command, PictureOptions& options) {
       ->allow_extra_args(false);
   command
       .add_option("--cut", config.cuts,
-                  "take away the viewer's side of a plane: y=1.5, or y=50% (the middle); may be repeated")
+                  "remove the viewer's side of a plane: y=1.5, or y=50% (the middle); may be repeated")
       ->type_name("AXIS=VALUE")
       ->allow_extra_args(false);
   command.add_option("--shells", options.shells, "triangles and quads as surfaces, or thickened by their thickness")
@@ -160,19 +163,19 @@ void add_picture_content(CLI::App& command, PictureOptions& options) {
   command.add_flag("--contacts,!--no-contacts", config.contacts, "mark the contacts of motion K -> K+1 (the default)");
   command
       .add_option("--contacts-from", options.contact_files,
-                  "take them from this CSV of `volccd detect`; one for each file")
+                  "CSV file of `volccd detect` with the contacts; one for each sequence")
       ->type_name("FILE")
       ->allow_extra_args(false);
-  command.add_option("--hidden-contacts", config.render.hidden_marks, "strength of marks behind surfaces, 0 to 1")
+  command.add_option("--hidden-contacts", config.render.hidden_marks, "opacity of marks behind surfaces, 0 to 1")
       ->check(CLI::Range(0.0, 1.0))
       ->type_name("S")
       ->capture_default_str();
-  command.add_option("--mark-size", config.mark_radius, "radius of marks in pixels; 0: by their number")
+  command.add_option("--mark-size", config.mark_radius, "radius of marks in pixels; 0: chosen by their number")
       ->check(CLI::Range(0.0, 200.0))
       ->type_name("R")
       ->capture_default_str();
-  command.add_flag("--edges", config.render.edges, "the elements' edges as thin lines");
-  command.add_flag("--no-lines", options.no_lines, "without outlines and creases");
+  command.add_flag("--edges", config.render.edges, "draw the elements' edges as thin lines");
+  command.add_flag("--no-lines", options.no_lines, "draw neither outlines nor creases");
   command.add_flag("--text,!--no-text", config.text, "captions and legend (the default)");
   command.add_option("--caption", options.captions, "caption instead of the title; one for each panel")
       ->type_name("TEXT")
@@ -190,17 +193,19 @@ void add_picture_command(CLI::App& scene, Action& action) {
   CLI::App* command =
       scene.add_subcommand("picture", "draw steps of sequences as PNG: shaded, parts in colours, contacts marked");
   const auto options = std::make_shared<PictureOptions>();
-  command->add_option("FILE", options->files, "sequences (VTKHDF); several: side by side, with one camera")
+  command->add_option("FILE", options->files, "sequences (VTKHDF); several are drawn side by side, with one camera")
       ->required()
       ->type_name("");
-  command->add_option("--step", options->steps, "K, or K,L,M: one panel each")->type_name("K")->capture_default_str();
+  command->add_option("--step", options->steps, "steps K or K,L,M, with one panel for each")
+      ->type_name("K")
+      ->capture_default_str();
   command->add_option("-o,--output", options->output, "picture to write (PNG); `-`: to the standard output")
       ->required()
       ->type_name("FILE");
   add_picture_view(*command, *options);
   add_picture_content(*command, *options);
   command->footer(
-      "Marks: a disc is a contact between parts, a diamond one within a part; pale: behind a surface.\n"
+      "Marks: a disc is a contact between parts, a diamond is one within a part; pale marks are behind a surface.\n"
       "Examples:\n"
       "  volccd scene picture run.vtkhdf --step 8 -o run-8.png\n"
       "  volccd scene picture run.vtkhdf --step 8 --cut y=50% --edges -o inside.png\n"

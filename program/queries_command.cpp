@@ -124,7 +124,7 @@ void add_queries_command(CLI::App& app, const Registry& registry, Action& action
   CLI::App* command = app.add_subcommand("queries", "narrow phases on elementary tests with known answers");
   const auto options = std::make_shared<QueriesOptions>();
   options->sequence.add_to(*command);
-  command->get_option("FILE")->description("query file (HDF5), or a sequence or scene: its ground truth");
+  command->get_option("FILE")->description("query file (HDF5), or a sequence or scene with ground truth");
   command
       ->add_option("--narrowphase", options->comparison.narrow_phases,
                    "name[:option=value...]; several are compared; default: that of VolCCD+")
@@ -133,7 +133,7 @@ void add_queries_command(CLI::App& app, const Registry& registry, Action& action
       ->allow_extra_args(false);
   command
       ->add_option("--filters", options->comparison.filters,
-                   "feature filters that run before each, and count in its time")
+                   "feature filters that run before each narrow phase; their time is included")
       ->delimiter(',')
       ->type_name("NAME")
       ->allow_extra_args(false);
@@ -141,15 +141,16 @@ void add_queries_command(CLI::App& app, const Registry& registry, Action& action
       ->type_name("X=Y")
       ->allow_extra_args(false);
   command->add_flag("--candidates", options->source.candidates,
-                    "sequences: all pairs with overlapping swept boxes, not only those that the truth lists");
+                    "for sequences: all pairs with overlapping swept boxes, not only those in the ground truth");
   command
       ->add_option("--judge", options->judge,
                    "narrow phase whose answers are used instead of the known answers in the file")
       ->type_name("NAME");
-  command->add_option("--sample", options->source.sample, "at most N of each scene and kind; 0: all")
+  command->add_option("--sample", options->source.sample, "at most N queries of each scene and kind; 0: all")
       ->type_name("N")
       ->capture_default_str();
-  command->add_option("--rounds", options->comparison.rounds, "timed runs, of which the median counts; 0: no times")
+  command
+      ->add_option("--rounds", options->comparison.rounds, "number of timed runs, whose median is printed; 0: no times")
       ->check(CLI::Range(0, 1000))
       ->type_name("N")
       ->capture_default_str();

@@ -65,7 +65,7 @@ StepRange parse_steps(const std::string& text, int motions, const std::string& f
 }
 
 void add_threads_option(CLI::App& command, unsigned& threads, const std::string& purpose) {
-  command.add_option("--threads", threads, purpose + "0: as many as the machine has; more are not used")
+  command.add_option("--threads", threads, purpose + "0: as many as the machine has, which is also the limit")
       ->check(CLI::Range(0u, kMaxThreads))
       ->type_name("N")
       ->capture_default_str();
@@ -82,9 +82,9 @@ void SequenceOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   command
       .add_option("--motion", motion,
-                  "to the next step on straight lines, or with constant acceleration (by stored velocities, else by "
-                  "three steps); tentative: to x + h v, by the velocities and on the cells of the step at the start; "
-                  "query: the last query that the simulation asked, if the file has it")
+                  "linear: straight lines to the next step; quadratic: constant acceleration, from stored velocities "
+                  "or else from three steps; tentative: to x + h v, with the velocities and the cells of the first "
+                  "step; query: the last query of the simulation, if the file has it")
       ->check(one_of({"linear", "quadratic", "tentative", "query"}))
       ->capture_default_str();
 }
@@ -92,8 +92,8 @@ void SequenceOptions::add_to(CLI::App& command) {
 void SequenceOptions::add_parts_to(CLI::App& command) {
   command
       .add_option("--parts", parts,
-                  "objects are the parts that the file stores, or connected components: cells that share a vertex at "
-                  "any step are of one object")
+                  "objects are the parts in the file, or connected components (cells that share a vertex at any step "
+                  "belong to one object)")
       ->check(one_of({"stored", "components"}))
       ->capture_default_str();
 }
@@ -116,14 +116,14 @@ void QueryOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   command
       .add_option("--separation", separation,
-                  "contact when the distance reaches this; at most the diagonal of the box around the scene; default: "
-                  "0, and that of the query with --motion query")
+                  "distance at which features are in contact; at most the diagonal of the box around the scene; "
+                  "default: 0, or with --motion query the separation of the query")
       ->check(CLI::NonNegativeNumber)
       ->type_name("D");
   command
       .add_option("--shell-neighbours", shell_neighbours,
-                  "contacts of thickened shells between features that stem from one vertex of the shells: leave them "
-                  "out, and count them, or keep them; default: leave-out with --shells solid")
+                  "whether contacts of thickened shells between features with copies of the same shell vertex are left "
+                  "out (and counted) or kept; default: leave-out with --shells solid")
       ->check(one_of({"leave-out", "keep"}));
   add_threads_option(command, threads);
 }

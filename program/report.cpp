@@ -20,7 +20,7 @@ void ReportOptions::add_quiet_to(CLI::App& command) {
         quiet = true;
         Progress::silence();
       },
-      "no tables and no progress: errors, warnings, and what is asked for by name, alone");
+      "print no tables and no progress, only errors, warnings, and outputs that are requested by name");
 }
 
 void Report::write(const char* command, nlohmann::json document) const {

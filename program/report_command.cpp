@@ -128,7 +128,7 @@ class SceneList {
     ExportedScene scene = export_with_progress(name, file, registry_, options_, max_bytes, *executor_);
     json entry = std::move(scene.summary);
     if (!input.fnv1a.empty() && entry.at("fnv1a") != input.fnv1a)
-      entry["notes"].push_back("The file differs from the one that was measured: its hash is another one.");
+      entry["notes"].push_back("The hash of the file differs from that of the measured file.");
     entry["scene"] = input.scene;
     entry["records"] = input.records;
     entry["data"] = folder_.write_scene(name, scene.script);
@@ -215,7 +215,8 @@ void add_common(CLI::App& command, PageOptions& options) {
   command.add_flag("--no-contacts", options.no_contacts, "show the motion alone, without detection");
   command
       .add_option("--size", options.megabytes,
-                  "megabytes, about: larger sequences get coarser positions, then fewer frames, and the page says so")
+                  "approximate size in megabytes: larger sequences get coarser positions, then fewer frames, and the "
+                  "page says so")
       ->check(CLI::Range(0.1, 2000.0))
       ->type_name("MB")
       ->capture_default_str();

@@ -61,7 +61,7 @@ std::string sequence_file(const std::string& name_or_file, unsigned threads) {
   const auto executor = make_executor(threads);
   BakeProgress progress(name_or_file);
   const std::optional<std::string> file = resolve_scene(name_or_file, *executor, progress.hooks());
-  if (!file) throw Interrupted(name_or_file + ": stopped; the same command goes on from the last whole frame");
+  if (!file) throw Interrupted(name_or_file + ": stopped; the same command continues after the last complete frame");
   return *file;
 }
 

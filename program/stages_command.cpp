@@ -69,8 +69,9 @@ int list_stages(const Registry& registry, const ReportOptions& options) {
   nlohmann::json stages = nlohmann::json::array(), pipelines = nlohmann::json::array();
   add_stages<BroadPhase>(registry, "candidate pairs of elements", report, stages);
   add_stages<ElementCulling>(registry, "drops element pairs, masks features of a pair", report, stages);
-  add_stages<Assignment>(registry, "which tests an element pair performs", report, stages);
-  add_stages<OrphanSource>(registry, "tests that no pair of non-adjacent elements covers; may be none", report, stages);
+  add_stages<Assignment>(registry, "chooses the tests of an element pair", report, stages);
+  add_stages<OrphanSource>(registry, "gives the tests that no pair of non-adjacent elements contains; may be none",
+                           report, stages);
   add_stages<Flood>(registry, "reaches all contacts from pairs of boundary elements; may be none", report, stages);
   add_stages<FeatureFilter>(registry, "drops single tests", report, stages);
   add_stages<NarrowPhase>(registry, "elementary tests", report, stages);

@@ -196,7 +196,8 @@ class Verification {
     const StepsDone steps = run_steps("verifying", range_, [this](int k) { run_step(k); });
     report_.print("{}", table_.text());
     if (config_.leave_out_shell_neighbours)
-      report_.print("left out of the contacts: {} of features that stem from one shell vertex\n", grouped(left_out_));
+      report_.print("left out of the contacts: {} of features with copies of the same shell vertex\n",
+                    grouped(left_out_));
     if (!verifier_.skipped_pipelines().empty())
       report_.print("{}", wrapped(fmt::format(
                               "left out, because their narrow phase is approximate (--approximate runs them): {}\n",
@@ -287,22 +288,23 @@ void add_verify_command(CLI::App& app, const Registry& registry, Action& action)
   options->report.add_to(*command);
   command
       ->add_option("--brute-force-limit", options->config.brute_force_limit,
-                   "elements up to which brute force is the reference; beyond, NavCCD")
+                   "number of elements up to which brute force is the reference; above, it is NavCCD")
       ->capture_default_str();
   command->add_flag(
       "--approximate", options->config.approximate,
-      "runs pipelines with an approximate narrow phase, too: shows what they miss, and does not count it");
+      "also run pipelines with an approximate narrow phase; the contacts that they miss are shown but not counted");
   command
       ->add_option("--set", options->settings,
                    "one more pipeline: VolCCD+ with stage.option=value or role=stage[,stage...]; may be repeated")
       ->type_name("X=Y")
       ->allow_extra_args(false);
   command->add_flag("--no-fcl", options->no_fcl, "without the FCL oracle");
-  command->add_flag("--no-truth", options->no_truth, "without the file's ground truth");
+  command->add_flag("--no-truth", options->no_truth, "do not compare with the ground truth of the file");
   command->footer(
-      "Every registered pipeline must find the contacts of the reference, bit for bit, but those whose narrow\n"
-      "phase is approximate and another one than the reference's: these run with --approximate only. Where FCL finds\n"
-      "two elements overlapping at t = 1/4, 1/2, 3/4 or 1, they overlapped at t = 0 or must have a contact by then.\n"
+      "Every registered pipeline must find the contacts of the reference, bit for bit, except for those whose\n"
+      "narrow phase is approximate and differs from that of the reference; these run with --approximate only.\n"
+      "If FCL finds two elements overlapping at t = 1/4, 1/2, 3/4 or 1, they overlapped at t = 0 or must have\n"
+      "a contact by then.\n"
       "All pipelines must list the same initial overlaps, all that FCL finds at t = 0 and none that is clearly apart.\n"
       "Exit code 1 if anything differs. Ctrl-C discards the present step and reports the earlier ones:\n"
       "exit code 130.\n"

@@ -10,7 +10,7 @@ namespace volccd {
 
 namespace {
 
-/// What is left of `value` under the prediction of this order, as a number of 16 bits with a sign.
+/// The difference between `value` and its prediction of this order, as a signed number of 16 bits.
 std::int32_t residual(std::span<const std::vector<std::uint16_t>> frames, std::size_t f, std::size_t i, int order) {
   std::int32_t prediction = 0;
   if (order == 0) prediction = i >= 1 ? frames[f][i - 1] : 0;

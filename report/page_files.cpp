@@ -117,6 +117,10 @@ ReportFolder::ReportFolder(std::string folder) : folder_(std::move(folder)), pag
   const bool empty = made_ || (fs::is_directory(path, error) && fs::is_empty(path, error));
   if (!empty && !fs::is_regular_file(path / kMarker, error) && !fs::is_directory(path / kUnfinished, error))
     throw InputError(folder_, "", "has files and is no report of volccd: choose a new folder with -o");
+  if (!made_ && fs::equivalent(path, page_, error))
+    throw InputError(folder_, "",
+                     "has the page from which all reports are made, and the report would overwrite it: choose a new "
+                     "folder with -o");
   fs::remove_all(path / kUnfinished, error);
   if (!error) fs::create_directories(path / kUnfinished / "data", error);
   if (error) throw InputError(folder_, "", "is the folder of the report and cannot be made: " + error.message());
@@ -164,14 +168,17 @@ std::size_t ReportFolder::finish(const nlohmann::json& report) {
     const std::string page_file = contents(fs::path(page_) / name);
     write(name, name == std::string_view("index.html") ? index_page(page_file, report) : page_file);
   }
-  // A report that is killed from here on has no data/report.js, and the page says so: never old data of new scenes.
-  std::error_code ignored;
-  fs::remove(fs::path(folder_) / "data/report.js", ignored);
+  // A process that is killed while it moves the files leaves a folder without data/report.js, and the page says that
+  // it is missing. Otherwise old data could stand beside new scenes.
+  const fs::path old_data = fs::path(folder_) / "data/report.js";
+  std::error_code error;
+  fs::remove(old_data, error);
+  if (error) throw InputError(old_data.string(), "", "of the earlier report cannot be removed: " + error.message());
   for (const char* name : kPageFiles) replace(name);
   for (const std::string& scene : scenes_) replace(scene);
   remove_old_scenes();
   replace("data/report.js");
-  fs::remove_all(fs::path(folder_) / kUnfinished, ignored);
+  fs::remove_all(fs::path(folder_) / kUnfinished, error);
   std::size_t bytes = 0;
   for (const auto& entry : fs::recursive_directory_iterator(folder_))
     if (entry.is_regular_file()) bytes += entry.file_size();

@@ -16,13 +16,14 @@ namespace volccd {
 ///
 /// All files are written to the subfolder `.volccd-unfinished` first, and finish() moves them to their places. Without
 /// finish(), the destructor removes the subfolder, and an earlier report in the folder is unchanged. If the process is
-/// killed, the subfolder remains; the next report removes it.
+/// killed, the subfolder remains; the next report removes it. While finish() moves files, the folder has no
+/// data/report.js; a page that is opened then says that it is missing.
 class ReportFolder {
  public:
   /// Finds the page: in the folder that VOLCCD_PAGE names, else in the prefix that contains the program or the Python
   /// module, else where it was built, else in the prefix that was configured. Throws ConfigError, which says how to
-  /// build it, if it is in none of them; InputError for a folder that has files and is no report, and for one that
-  /// cannot be made.
+  /// build it, if it is in none of them; InputError for a folder that has files and is no report, for the folder of
+  /// the page itself, and for one that cannot be made.
   explicit ReportFolder(std::string folder);
   ReportFolder(const ReportFolder&) = delete;
   ReportFolder& operator=(const ReportFolder&) = delete;
@@ -32,7 +33,8 @@ class ReportFolder {
   std::string write_scene(const std::string& name, const std::string& script);
 
   /// Writes the page and data/report.js, moves all files to their places, and removes the scenes of an earlier report.
-  /// Returns the bytes of the files in the folder. Throws InputError.
+  /// Returns the bytes of the files in the folder. Throws InputError; if data/report.js of the earlier report cannot be
+  /// removed, this report is unchanged.
   std::size_t finish(const nlohmann::json& report);
 
  private:

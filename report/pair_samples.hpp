@@ -41,7 +41,7 @@ class PairSampler final : public StageObserver {
                std::span<const FeaturePair> tests, std::span<const std::uint8_t> keep) override;
 
  private:
-  /// By the hash of the kind of the pair and of its two slots.
+  /// The key is a hash of the kind of the pair and of its two slots.
   using Sample = std::map<std::uint64_t, SampledPair>;
 
   template <class Pair, class Centroids>

@@ -47,7 +47,7 @@ json curves_of(const json& motions) {
   return result;
 }
 
-/// Of rows that are one for each scene and motion.
+/// The curves of records that have one row for each scene and motion.
 json curves_of_rows(const json& rows) {
   json by_scene = json::object(), curves = json::array();
   for (const json& row : rows) by_scene[row.at("scene").get<std::string>()].push_back(row);

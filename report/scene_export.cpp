@@ -59,7 +59,7 @@ class Exporter {
   }
 
  private:
-  /// What is shown of a motion. Contacts: place and time in 16 bits each, and flags. Pairs: the first centroid, the
+  /// The marks of a motion. Contacts: place and time in 16 bits each, and flags. Pairs: the first centroid, the
   /// zigzag codes of the differences to the second one, and the kind.
   struct Marks {
     std::array<std::vector<std::uint32_t>, 4> columns;
@@ -343,7 +343,7 @@ class Exporter {
         bytes, 1, [](const Marks& marks) -> const auto& { return marks.pair_kinds; });
   }
 
-  /// Of the motions that begin at a frame shown.
+  /// Calls visit(k) for the motions that begin at a frame that is shown.
   template <class Visitor>
   void for_each_motion_shown(Visitor&& visit) const {
     for (std::size_t i = 0; i + 1 < steps_.size(); ++i)
@@ -436,11 +436,7 @@ class Exporter {
           bytes, 2, [&](const Marks& marks) -> const auto& { return marks.columns[column]; });
     append_motions(
         bytes, 1, [](const Marks& marks) -> const auto& { return marks.flags; });
-    for (std::size_t column = 0; column < 6; ++column)
-      append_motions(
-          bytes, 2, [&](const Marks& marks) -> const auto& { return marks.pair_columns[column]; });
-    append_motions(
-        bytes, 1, [](const Marks& marks) -> const auto& { return marks.pair_kinds; });
+    append_pairs(bytes);
     return fmt::format("volccd_scene({}, \"{}\");\n", json(name_).dump(), base64(deflated(bytes)));
   }
 

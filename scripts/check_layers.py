@@ -18,12 +18,12 @@ import re
 import sys
 from pathlib import Path
 
-# module -> modules that it may include; itself always.
+# For each module, the modules that it may include; it may always include itself.
 LAYERS = {
     "core": [],
     "mesh": ["core"],
     "query": ["core", "mesh"],
-    "mesh/sequence": ["core", "mesh", "query"],  # files hold queries and contacts, too
+    "mesh/sequence": ["core", "mesh", "query"],  # files contain queries and contacts, too
     "broadphase": ["core", "mesh", "query"],
     "culling": ["core", "mesh", "query"],
     "narrowphase": ["core", "mesh", "query"],
@@ -43,18 +43,19 @@ LAYERS = {
 }
 PROGRAM = ["broadphase/peers", "oracle", "oracle/cases", "simulation", "experiments", "pictures", "report", "program"]
 LIBRARY = [module for module in LAYERS if module not in PROGRAM]
-# Users of the modules: not modules themselves.
+# Folders that use the modules, and are not modules themselves.
 USERS = {"tests": list(LAYERS), "examples": LIBRARY + ["program"],
          "python": LIBRARY + ["broadphase/peers", "experiments", "program"]}
 
-# Files of experiments/ that may ask the judges: `volccd verify` only.
+# Files of experiments/ that may use the judges, for `volccd verify` only.
 ORACLE_USERS = re.compile(r"^experiments/((.*/)?verify[^/]*|verify/.*)$")
 
-# Third-party header prefix -> where it may be included, and whether in public headers too: else in sources, detail/ and
-# -inl.hpp only.
+# For each prefix of third-party headers: the folders that may include them, and whether public headers may do so, too;
+# otherwise only sources, detail/ and -inl.hpp may.
 THIRD_PARTY = {
-    "tbb/": (["core", "broadphase/peers"], False),  # threads stay in one place; Embree's are oneTBB's
-    "hwy/": (["mesh", "query", "broadphase", "culling", "narrowphase", "simulation"], False),  # one binary for every CPU: never in an interface
+    "tbb/": (["core", "broadphase/peers"], False),  # only the executor creates threads; Embree's threads are oneTBB's
+    # one binary serves every CPU, so that vector widths are never in an interface
+    "hwy/": (["mesh", "query", "broadphase", "culling", "narrowphase", "simulation"], False),
     "hdf5.h": (["mesh/sequence", "experiments"], False),
     "fcl/": (["oracle", "broadphase/peers"], False),
     "embree3/": (["broadphase/peers"], False),
@@ -64,12 +65,12 @@ THIRD_PARTY = {
     "png.h": (["pictures"], False),
     "zlib.h": (["report"], False),
     "gtest/": ([], False),
-    "pybind11/": ([], False),  # python/ alone
+    "pybind11/": ([], False),  # only python/ may include it
     "Python.h": ([], False),
 }
 
 MAX_HEADER_LINES = 200
-# Longer headers, each with its reason.
+# Headers that may be longer, each with its reason.
 LONG_HEADERS = {
     "narrowphase/detail/motion_piece-inl.hpp": "definitions, not declarations: a source file but for inlining",
     "tests/broadphase/support.hpp": "one oracle and its collectors, read together by every broad-phase test",
@@ -79,7 +80,7 @@ SOURCE_SUFFIXES = {".hpp", ".cpp", ".h"}
 INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
 THREAD_LOCAL = re.compile(r"^(?!\s*//).*\bthread_local\b")
 MODULE_CALL = re.compile(r"^\s*volccd_module\((\w+)([^)]*)\)", re.MULTILINE)
-# What the module's own executable links besides.
+# Libraries that the executable of a module links in addition.
 EXECUTABLE_CALL = re.compile(r"^\s*target_link_libraries\(volccd_executable([^)]*)\)", re.MULTILINE)
 
 
@@ -167,7 +168,7 @@ def check_links(root, used, closure, direct):
 
 
 def check_header(path, lines, long_headers):
-    # Highway includes an -inl.hpp once for each instruction set; it has a toggle of its own instead.
+    # An -inl.hpp is included once for each instruction set by Highway, and has an include guard of its own kind.
     if not path.endswith("-inl.hpp") and not any(re.match(r"\s*#\s*pragma\s+once\b", line) for line in lines):
         yield f"{path}:1: no #pragma once"
     if len(lines) > MAX_HEADER_LINES and path not in long_headers:

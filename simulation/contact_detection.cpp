@@ -34,7 +34,7 @@ Pipeline make_pipeline(const std::string& name) {
   Registry registry = Registry::standard();
   registry.add<NarrowPhase>(
       {"take-all",
-       "every pair that filters leave",
+       "reports every pair that the filters keep",
        Guarantee::conservative,
        {},
        [](const OptionValues&) -> std::unique_ptr<NarrowPhase> { return std::make_unique<TakeAll>(); }});

@@ -68,7 +68,7 @@ std::optional<Pieces> find_plane(const Topology& topology, Index o, const Vec3& 
           !is_free_along(topology.features(), vertices, faces[1], i))
         continue;
       const Pieces p = pieces(vertices, faces, i);
-      const std::array<Index, 6>& w = p.first;  // 0, 2 below 3, 5: the plane
+      const std::array<Index, 6>& w = p.first;  // corners 0 and 2, and 3 and 5 above them, are in the plane
       const Vec3 normal = (x[w[0]] + x[w[3]] - x[w[2]] - x[w[5]]).cross(x[w[3]] + x[w[5]] - x[w[0]] - x[w[2]]);
       const double across = std::abs(normal.dot(tension)) / normal.norm();
       const double first = volume(p.first, x), second = volume(p.second, x);

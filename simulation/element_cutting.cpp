@@ -157,8 +157,7 @@ void Cutter::check_tetrahedra(std::array<Index, 2> edge) const {
   const Features& features = topology_.features();
   for (Index o : features.edge_elements(features.find_edge(edge[0], edge[1])))
     if (!in_object(o))
-      throw InputError("cut", "elements", mesh_.element_id(o),
-                       "shares an edge with what is cut, but is of another part");
+      throw InputError("cut", "elements", mesh_.element_id(o), "shares a divided edge, but belongs to another part");
 }
 
 /// Bisects each tetrahedron by its divided edges, one after the other in their order. The triangulation of a face then

@@ -27,7 +27,7 @@ struct FoundContact {
   std::array<Index, 4> features;  ///< Contact::vertices: vertices of the collision mesh
   std::array<Index, 4> vertices;  ///< of the simulated mesh: for a shell's prism, the vertices of the shell
   std::array<double, 4> weights;  ///< of the first feature; those of the second are negative
-  Vec3 normal;                    ///< from the second feature to the first, as they should lie
+  Vec3 normal;                    ///< to the side of the second feature on which the first should be
   double toi;
   double gap0, gap1;  ///< distance of the contact points along the normal, at start and end
   bool at_start;

@@ -48,7 +48,8 @@ double plastic_increment(const Material& m, double trial, double slope, double s
   if (!(trial > yield)) return 0;
   const double without_rate = (trial - yield) / (slope + hardening), threshold = m.reference_rate * dt;
   if (m.rate_factor == 0 || without_rate <= threshold) return without_rate;
-  // What is left over falls from above zero at the threshold to below at `without_rate`: Newton's steps, kept between.
+  // The residual decreases from a positive value at the threshold to a negative one at `without_rate`: Newton's steps,
+  // kept between.
   double low = threshold, high = without_rate, d = low;
   for (int k = 0; k < 60; ++k) {
     const double factor = 1 + m.rate_factor * detail::portable_log(d / threshold);

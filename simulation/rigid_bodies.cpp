@@ -97,7 +97,8 @@ void RigidBodies::measure(RigidBody& body, const Model& model, std::span<const d
     body.spin.setZero();
   }
   body.angular_velocity = body.inverse_inertia * body.spin;
-  // Removes what rounding, or a velocity that is not a rigid motion, has left.
+  // Removes the part of the spin about axes without inertia, which comes from rounding or from given velocities that
+  // are no rigid motion.
   body.spin = body.inertia * body.angular_velocity;
 }
 

@@ -103,7 +103,7 @@ class Simulation {
   /// contacts (SimulationOptions::contacts). Vertices that are new since then have the positions there of the vertices
   /// from which they were made. Before the first query: the initial positions at both ends.
   std::optional<AskedQuery> last_query() const;
-  /// By element slot; 0 for solids and empty slots.
+  /// The thickness by element slot; 0 for solids and empty slots.
   std::vector<double> thickness() const;
   double mass(Index vertex) const;
 

@@ -141,15 +141,15 @@ class SolidForces final : public ElementForces {
   Table<4> tetrahedra_;
   Table<8> hexahedra_;
   std::vector<Place> places_;                     ///< by element slot
-  double past_plastic_ = 0, past_numerical_ = 0;  ///< of removed elements
+  double past_plastic_ = 0, past_numerical_ = 0;  ///< works of removed elements
   double step_ = std::numeric_limits<double>::infinity();
 
   Index vertices_ = 0;
   std::vector<Vec3> corner_forces_;   ///< those of tetrahedra first
-  std::vector<Index> corners_begin_;  ///< a vertex and one more, into corners_
-  std::vector<Index> corners_;        ///< places in corner_forces_, ascending at each vertex
-  std::vector<double> steps_;         ///< a worker
-  std::vector<Index> broken_;         ///< a worker: smallest slot of an element that is not finite
+  std::vector<Index> corners_begin_;  ///< by vertex, with one more entry: index into corners_
+  std::vector<Index> corners_;        ///< indices into corner_forces_, ascending at each vertex
+  std::vector<double> steps_;         ///< stable step, by worker
+  std::vector<Index> broken_;         ///< by worker: smallest slot of an element whose deformation is not finite
 };
 
 SolidForces::SolidForces(const Model& model) : vertices_(model.mesh.vertex_count()) {
@@ -380,7 +380,7 @@ void SolidForces::update(const Mesh& mesh, std::span<const Vec3> reference, std:
   index_corners();
 }
 
-/// Which corners are at each vertex.
+/// Lists the corners at each vertex.
 void SolidForces::index_corners() {
   const auto each = [&](auto visit) {
     Index corner = 0;

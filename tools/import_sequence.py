@@ -4,22 +4,22 @@
 Input: .vtu, .vtk (legacy), .msh (Gmsh), .ply, .obj, .inp (Abaqus), .bdf/.fem/.nas (Nastran), read through meshio. Each file
 is one step. Output: VTKHDF, the layout that docs/sequence_files.md describes.
 
-What is kept where the source has it:
+These data are kept if the source has them:
   point ids    array GlobalPointIds, NODE_ID, ..; node numbers of Gmsh (text), Abaqus and Nastran
   cell ids     array GlobalCellIds, ElementId, ELEMENT_ID, ..; element numbers of Gmsh (text), Abaqus and Nastran
   parts        array PartId, PART_ID, ..; Gmsh physical groups, Nastran property ids, groups of .obj, element sets of Abaqus
                (numbered from 1 in the order of the file)
   velocities   array Velocity, ..; as point vectors
   thickness    array Thickness, ..; per cell
-With point ids, files may list points in different orders, and points may come and go: where a point is missing, it is
-written at the place it had last (or gets first), and no cell uses it. With cell ids, cells may come and go. Without ids, all
-files must have the same points and cells.
+With point ids, files may list points in different orders, and may have different points. In a step without a certain
+point, the point is written at its last (or else its first) position, and no cell uses it. With cell ids, files may have
+different cells. Without ids, all files must have the same points and cells.
 
-Cells whose nodes repeat (a wedge as a hexahedron, a triangle as a quad) are written as they are: volccd reads them as the
-elements that they stand for. Those with too few distinct nodes for any are refused.
+Cells whose nodes repeat (a wedge as a hexahedron, a triangle as a quad) are written unchanged; volccd reads them as the
+elements that they represent. A cell with too few distinct nodes for any element is an error.
 
-Lines and single vertices are left out; so are triangles and quads that are faces of volume cells (--keep-faces keeps them).
-Higher-order cells, polygons and polyhedra are refused.
+Lines and single vertices are left out, and so are triangles and quads that are faces of volume cells (--keep-faces keeps
+them). Higher-order cells, polygons and polyhedra are errors.
 
 Examples:
   import_sequence.py block.msh -o block.vtkhdf                        one step
@@ -28,10 +28,10 @@ Examples:
   import_sequence.py a.inp b.inp -o run.vtkhdf --times 0,0.5 --sets Bolt,Plate
   import_sequence.py cloth_*.ply -o cloth.vtkhdf --sort natural --velocity vx,vy,vz --thickness 0.001
 
-The output is a regular file and none of the inputs; a symbolic link stays, and its target is replaced.
+The output must be a regular file and not one of the inputs. If it is a symbolic link, the target of the link is replaced.
 
-Needs python3-meshio and python3-h5py. Exit code: 0 written, 2 bad input, output or usage, 130 interrupted; then nothing is
-left behind, and what was there before stays.
+Needs python3-meshio and python3-h5py. Exit code: 0 written, 2 bad input, output or usage, 130 interrupted. If the exit
+code is not 0, no new file remains, and an earlier output is unchanged.
 """
 
 import argparse
@@ -60,9 +60,9 @@ def about_of(options, first, files):
 
 
 def import_files(files, options, output, check):
-    """`check`: raises if what has been written so far has not arrived."""
+    """Imports the files as steps. `check` raises an error if the data written so far could not be stored."""
     union, found = Union(), []
-    # Files are read twice rather than kept: a run may be larger than memory.
+    # Files are read twice and not kept, because a run may be larger than memory.
     first = None
     for file in files:
         step = read_step(file, options)

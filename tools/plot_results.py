@@ -2,7 +2,7 @@
 """Draws the figures of docs/reproducing.md from the records of experiments; nothing is run or measured.
 
 Input: the records in a folder, EXPERIMENT.json as `volccd experiment run` writes them. Output: each figure as SVG,
-whose text is text, and as PNG with 300 dots per inch. The same record gives the same SVG, byte for byte (with the same
+in which text remains text, and as PNG with 300 dots per inch. The same record gives the same SVG, byte for byte (with the same
 matplotlib).
 
   experiment   figures
@@ -15,7 +15,8 @@ matplotlib).
 
 Rows of another motion model than `linear` and of another edge set than `triangulated` get figures of their own
 (speedup-tentative, speedup-polytope), and so do speed-ups over variants of a baseline (speedup-variants), the tables
-of an ablation (ablation-stages), and several threads (plus-2-threads). What has no record or no rows is skipped, and this is said.
+of an ablation (ablation-stages), and several threads (plus-2-threads). A figure without a record or without rows is
+skipped with a message.
 
 Examples:
   plot_results.py results/                                  all figures, into results/figures/
@@ -46,7 +47,7 @@ from plots.stages import draw_breakdown, draw_false_positives, draw_funnel
 
 PAIRS = ("element_pairs", "adjacent_pairs")
 SCALING = ("seconds", "elements", "workspace_bytes", *COUNTS)
-# Experiment: its figures, each with the function that draws it and the columns that this reads.
+# For each experiment: its figures, each with the function that draws it and the columns that this function reads.
 FIGURES = {
     "table1": {"speedup": (draw_speedup, ("seconds", "topology_seconds")),
                "breakdown": (draw_breakdown, ("seconds", *STAGES)),
@@ -66,7 +67,7 @@ def say(text):
 
 
 def records_in(folder, wanted):
-    """Those of experiments with a wanted figure, checked; says what has none."""
+    """The records that have one of the wanted figures, after checking them. Prints which figures have no record."""
     if not os.path.isdir(folder):
         raise BadInput(f"{folder}: no such folder; name the folder that `volccd experiment run` wrote to")
     records = []
@@ -92,7 +93,7 @@ def records_in(folder, wanted):
 
 
 def suffix_of(row):
-    """Of the names of figures: what is not as usual."""
+    """The end of a figure's name: motion model and edge set, if they are not the usual ones."""
     parts = (row["motion_model"], row.get("edges", "triangulated"))
     return "".join(f"-{part}" for part in parts if part not in ("linear", "triangulated"))
 

@@ -191,7 +191,7 @@ class Cones {
   alignas(64) double turned_[6][8] = {};
 };
 
-/// Elements of one type that wait for eight.
+/// Elements of one type that are collected until there are eight, which are then tested together.
 template <int kControlPoints>
 struct WaitingElements {
   const ConeFaces* faces = nullptr;

@@ -36,8 +36,8 @@ class FloodFront {
   /// Does the same as around() for all adjacent pairs that may have double points.
   void around_suspect_pairs();
 
-  /// For t = 0: pairs each element with an inside that may contain one of the vertices with an element whose outer part
-  /// has that vertex, and proceeds from adjacent pairs that may overlap as around_at_start() does.
+  /// For t = 0: forms the pairs of an element whose inside may contain one of the vertices and an element whose outer
+  /// part has that vertex. Then proceeds from adjacent pairs that may overlap, as around_at_start() does.
   void from_start(std::span<const Index> vertices, StartScratch& scratch);
   /// For each element of the pair that has an outer part: proposes pairs with this element replaced by others whose
   /// outer parts share a vertex with it, if the other element has an inside; and pairs with the other element replaced

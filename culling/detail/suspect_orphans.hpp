@@ -13,8 +13,8 @@
 
 namespace volccd::detail {
 
-/// The pairs of features without a common vertex all of whose pairs of incident elements are given as suspect. update()
-/// is not thread-safe and uses the executor; append() may be called by several threads.
+/// The feature pairs without a common vertex of which all pairs of incident elements are given as suspect. update() is
+/// not thread-safe and uses the executor; append() may be called by several threads.
 class SuspectOrphans {
  public:
   /// `pairs`: adjacent pairs of elements, and pairs of an element and itself, each once. The topology must exist as

@@ -1,5 +1,5 @@
-// A culling idea of one's own, measured against all the others: element pairs whose swept bounding spheres are apart
-// are dropped. The spheres are the stage's state. docs/adding_a_stage.md goes through this file.
+// A culling stage of one's own, measured like all others: it drops element pairs whose swept bounding spheres are
+// apart. The spheres are the stage's state. docs/adding_a_stage.md explains this file.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,7 +15,7 @@ namespace {
 class SphereCulling final : public ElementCulling {
  public:
   struct Config {
-    double padding = 1e-9;  ///< added to each radius, relative to the largest coordinate: far above all rounding
+    double padding = 1e-9;  ///< added to each radius, relative to the largest coordinate; far above all rounding
   };
   static const Options<Config>& options() {
     static const Options<Config> table =
@@ -26,7 +26,7 @@ class SphereCulling final : public ElementCulling {
 
   std::unique_ptr<StageState> make_state() const override { return std::make_unique<State>(); }
 
-  /// Once a step. The state is that of the step before: its memory is used again.
+  /// Called once for each step. The state is that of the last step, so that its memory is used again.
   void prepare(const Step& step, StageState& state, Executor& executor) const override {
     std::vector<Sphere>& spheres = static_cast<State&>(state).spheres;
     spheres.resize(step.mesh().element_slots());
@@ -35,14 +35,14 @@ class SphereCulling final : public ElementCulling {
     });
   }
 
-  /// For each batch of pairs, by several threads at once: the state is only read.
+  /// Called for each batch of pairs, by several threads at once; the state is only read.
   void run(const Step& step, StageState& state, unsigned, PairBatch& batch) const override {
     const std::vector<Sphere>& spheres = static_cast<const State&>(state).spheres;
     batch.cull([&](ElementPair pair, FeatureMask&) {
       const Sphere &a = spheres[pair.a], &b = spheres[pair.b];
       const Vec3 d = a.centre - b.centre;
-      // Written so that a NaN or an infinity (overflow) keeps the pair: a stage that is called conservative never
-      // guesses.
+      // With this comparison, a NaN or an infinity (overflow) keeps the pair, because a conservative stage may drop
+      // only pairs that it can decide.
       const bool apart = std::hypot(d.x(), d.y(), d.z()) > a.radius + b.radius + step.separation;
       return apart ? PairVerdict::disjoint : PairVerdict::keep;
     });
@@ -58,7 +58,7 @@ class SphereCulling final : public ElementCulling {
     std::size_t bytes() const override { return spheres.capacity() * sizeof(Sphere); }
   };
 
-  /// Around all control points of an element's vertices, and so around its whole motion (convex-hull property).
+  /// A sphere around all control points of an element's vertices contains its whole motion (convex-hull property).
   Sphere sphere(const Step& step, Index element) const {
     const auto vertices = step.mesh().vertices(element);
     const int points = step.motion.control_points();

@@ -28,8 +28,8 @@ constexpr int kSteps = 300;
 constexpr double kDensity = 1000, kShearModulus = 2e5, kLame = 3e5, kGravity = 9.81;
 constexpr double kStrainLimit = 0.3;  // of the largest principal Green strain; beyond it, an element breaks
 constexpr double kSeparation = 1e-5;  // distance at which features stop approaching each other
-constexpr int kSweeps = 5;            // over the contacts, to apply their impulses
-constexpr int kMostParts = 10;        // of a step; the rest of its time is given up
+constexpr int kSweeps = 5;            // passes over the contacts in which impulses are applied
+constexpr int kMostParts = 10;        // parts of a step; the rest of its time is omitted
 // The block at the beginning; the beam has its corner at the origin.
 const Vec3 kImpactVelocity(0, 0, -6), kSpin(6, 4, 2);
 const Vec3 kBlockSize(0.4, 0.36, 0.4), kBlockCentre(0.97, 0.21, 0.41);
@@ -186,14 +186,14 @@ class Solver {
       if (inverse_mass_[v] > 0) v_[v] += kTimeStep * (inverse_mass_[v] * force[v] - Vec3(0, 0, kGravity));
   }
 
-  /// Where the vertices would be after a time.
+  /// The positions of the vertices after a time.
   Points moved(double time) const {
     Points x1 = x_;
     for (std::size_t v = 0; v < x_.size(); ++v) x1[v] += time * v_[v];
     return x1;
   }
 
-  /// How fast the features of a contact approach each other along its normal (negative), or move apart.
+  /// The velocity at which the features of a contact separate along its normal; negative if they approach.
   struct Approach {
     std::array<double, 4> weights;  ///< of the velocities; negative on the second feature
     double speed = 0, inverse_mass = 0;
@@ -215,7 +215,7 @@ class Solver {
     for (int part = 0; left > 0 && part < kMostParts; ++part) {
       respond(left);
       const Contact* earliest = contacts_.first(x_, moved(left));
-      const double share = earliest ? 0.9 * earliest->toi : 1;  // the largest safe step, less a reserve
+      const double share = earliest ? 0.9 * earliest->toi : 1;  // the largest safe step, with a reserve
       before_ = std::exchange(x_, moved(share * left));
       left *= 1 - share;
       check();
@@ -246,7 +246,7 @@ class Solver {
   /// For a contact that the impulses have not resolved, since they disturb each other: its vertices continue with their
   /// common mean velocity.
   void stick(const Contact& contact) {
-    Vec3 velocity = Vec3::Zero();  // where one of them is clamped
+    Vec3 velocity = Vec3::Zero();  // if one of them is clamped
     if (std::ranges::none_of(contact.vertices, [&](Index v) { return inverse_mass_[v] == 0; })) {
       double mass = 0;
       for (const Index v : contact.vertices) {

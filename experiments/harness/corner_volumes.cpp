@@ -19,7 +19,7 @@ constexpr Corner kWedge[] = {{0, 2, 1, 3}, {1, 0, 2, 4}, {2, 1, 0, 5}, {3, 4, 5,
 constexpr Corner kHexahedron[] = {{0, 1, 3, 4}, {1, 2, 0, 5}, {2, 3, 1, 6}, {3, 0, 2, 7},
                                   {4, 7, 5, 0}, {5, 4, 6, 1}, {6, 5, 7, 2}, {7, 6, 4, 3}};
 
-/// Of the volume at a corner: the value at t = 0, and the least one in [0, 1].
+/// The volume at a corner: its value at t = 0, and its least value in [0, 1].
 struct VolumeRange {
   double start, least;
 };

@@ -54,7 +54,8 @@ const char* name_of(ShellModel model);
 const char* name_of(EdgeSet set);
 
 /// `count` windows of `length` motions each, spread evenly over [1, motions). Motion 0 is left out because no motion
-/// precedes it that could prepare the state. If these would be all motions or more, one window with all motions.
+/// precedes it that could prepare the state. If these windows would contain all motions, there
+/// is one window with all motions.
 std::vector<MotionWindow> sampled_windows(int motions, int count, int length);
 
 /// All motions, in windows of `length` (the last may be shorter).

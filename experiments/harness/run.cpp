@@ -76,7 +76,7 @@ class Runner {
     std::vector<json> rows;
     for (int round = 0; round < rounds_; ++round) {
       if (round == 0 || edits_in(window) || window.count == 1) {
-        stepper_.emplace(reader_, run_.config);  // element slots, and counts with them, depend on the way taken
+        stepper_.emplace(reader_, run_.config);  // element slots, and with them counts, depend on the edits before
         boundary_.reset();
         go_to(std::max(window.first - 1, 0));
         for (const auto& contestant : contestants_) run(*contestant);
@@ -204,7 +204,7 @@ class Runner {
   Motion motion_;
   std::optional<Topology> refined_;
   std::uint64_t refined_version_ = 0;
-  std::optional<BoundaryShells> boundary_;  ///< where an entrant runs on it
+  std::optional<BoundaryShells> boundary_;  ///< if an entrant runs on the boundary
   StepResult result_;
   std::map<int, json> of_motion_, of_boundary_;
 };
@@ -254,7 +254,7 @@ std::string row_key(const json& scene, const json& model, const json& edges, con
   return json::array({scene, model, edges, entrant.table, entrant.pipeline, entrant.variant}).dump();
 }
 
-/// "" if both have the same contacts on every motion.
+/// Returns "" if both have the same contacts on every motion.
 std::string difference(const Entrant& entrant, const std::map<int, const json*>& rows, const Entrant& reference,
                        const std::map<int, const json*>& expected) {
   for (const auto& [motion, row] : rows) {

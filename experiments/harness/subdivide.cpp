@@ -40,7 +40,8 @@ class Divider {
   }
 
  private:
-  /// The vertex in the middle of these corners; of one corner, itself. Two elements share at most four of them.
+  /// The vertex at the centroid of these corners; a single corner is its own centroid. Two elements share at most four
+  /// of them.
   Index middle(std::vector<Index> corners) {
     if (corners.size() == 1) return corners[0];
     std::sort(corners.begin(), corners.end());
@@ -85,11 +86,12 @@ class Divider {
     }
   }
 
-  /// Divides quads and hexahedra by a grid of three points along each axis. VTK's order goes around each layer.
+  /// Divides quads and hexahedra by a grid of three points along each axis. In VTK's order, the vertices of a layer go
+  /// around it.
   void divide_boxes(const ElementSpec& element, int axes) {
     constexpr int kRound[4][2] = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
     const int layers = axes == 3 ? 2 : 1;
-    Index centre = kNone;  // of eight corners: no other element has it
+    Index centre = kNone;  // the centroid of all eight corners, which no other element has
     const auto point = [&](int i, int j, int k) {
       if (centre != kNone && axes == 3 && i == 1 && j == 1 && k == 1) return centre;
       std::vector<Index> corners;

@@ -1,4 +1,4 @@
-// Which elements and parts a contact is between.
+// The elements and parts on the two sides of a contact.
 #pragma once
 
 #include <array>

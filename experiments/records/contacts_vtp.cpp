@@ -101,14 +101,14 @@ void ContactsVtpWriter::write(const std::string& comment) {
 void ContactsVtpWriter::finish() { write(""); }
 
 StepsDone ContactsVtpWriter::finish_incomplete(const StepsDone& steps) {
-  // A step that was begun is none.
+  // The contacts of an incomplete step are removed.
   const auto begun =
       std::find_if(rows_.begin(), rows_.end(), [&](const ContactRow& row) { return row.step >= steps.done; });
   rows_.erase(begun, rows_.end());
   times_.resize(rows_.size());
   std::string text = steps.text();
   for (std::size_t at = 0; (at = text.find("--", at)) != std::string::npos;)
-    text.replace(at, 2, "- ");  // ends comments
+    text.replace(at, 2, "- ");  // "--" may not occur in a comment
   write("<!-- incomplete: " + text + " -->\n");
   return steps;
 }

@@ -26,7 +26,7 @@ class ContactsVtpWriter {
   /// Contacts of motion `step`, from `begin_time` to `end_time`, in any order. `step` is greater than before.
   void write_step(int step, double begin_time, double end_time, std::span<const Contact> contacts,
                   const Topology& topology);
-  /// By the rules of OutputFile.
+  /// Writes the file by the rules of OutputFile.
   void finish();
   /// Keeps the complete steps and a comment with steps.text() in the second line.
   StepsDone finish_incomplete(const StepsDone& steps);

@@ -17,7 +17,7 @@ RecordFile::RecordFile(const std::string& folder, const std::string& name, const
     : name_(name),
       file_((std::filesystem::path(folder) / (name + ".json")).string()),
       incomplete_((std::filesystem::path(folder) / (name + ".incomplete.jsonl")).string()) {
-  // Written anew, so that a line without an end is gone.
+  // The file is written again, which removes an incomplete last line.
   write_text_file(incomplete_, identity.dump() + "\n" + read_back(identity));
   resumed_ = keys_.size();
   out_.open(incomplete_, std::ios::app);

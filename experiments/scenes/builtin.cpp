@@ -18,29 +18,31 @@ const Options<BuiltinConfig>& builtin_options() {
   return options;
 }
 
-// Sizes in centimetres; the event lasts kDuration units of time, one a default step.
+// Lengths are in centimetres. The event lasts kDuration units of time; a step takes one unit by default.
 constexpr double kDuration = 8;
 constexpr double kBlockWidth = 1, kBlockLength = 2.5;  // the block
 constexpr double kPlateSide = 8, kPlateThickness = 1.5;
-constexpr double kBuiltinGap = 0.3;                      // from the block's end to the plate, along its way
-constexpr double kSpeed = 0.62, kSlowing = 0.28;  // share of the speed that is lost
-constexpr double kReach = 1.1;                    // how far around its way the plate gives
-constexpr double kDelay = 0.3;                    // how far an element is passed before it erodes
+// from the block's leading end to the plate, along the direction of flight
+constexpr double kBuiltinGap = 0.3;
+constexpr double kSpeed = 0.62, kSlowing = 0.28;  // kSlowing: fraction of the speed that is lost
+constexpr double kReach = 1.1;                    // radius, around the path of the block, in which the plate deforms
+// distance by which the block has passed an element before the element is removed
+constexpr double kDelay = 0.3;
 
-/// The block's rest frame: origin at the middle of its leading end, z backwards along its way.
+/// The block's rest frame. The origin is the midpoint of its leading end; z points backwards along its path.
 struct Flight {
   Eigen::Matrix3d axes =
       (Eigen::AngleAxisd(0.21, Vec3::UnitY()) * Eigen::AngleAxisd(0.35, Vec3::UnitZ())).toRotationMatrix();
 
   Vec3 backwards() const { return axes.col(2); }
   double travel(double time) const { return kSpeed * time * (1 - kSlowing * time / kDuration); }
-  /// Middle of the leading end. Its lowest corner is 0.12 ahead of it, along its way.
+  /// Midpoint of the leading end. The lowest corner of this end is 0.12 ahead of it along the path.
   Vec3 tip(double time) const { return (kBuiltinGap + 0.12 - travel(time)) * backwards(); }
-  /// How far the tip is inside or beyond the plate.
+  /// Distance that the tip has moved since it reached the plate.
   double depth(double time) const { return std::max(0.0, travel(time) - kBuiltinGap); }
 };
 
-/// Keeps faces from being planar.
+/// A displacement that keeps faces from being planar.
 Vec3 ripple(const Vec3& p, double amount) {
   return amount * Vec3(std::sin(5.1 * p.y() + 3.3 * p.z()), std::sin(4.7 * p.z() + 2.9 * p.x()),
                        std::sin(5.5 * p.x() + 3.7 * p.y()));
@@ -84,14 +86,14 @@ class Penetration final : public Scene {
   }
 
  private:
-  /// Scales to `size` and puts the point at the given fractions of it at the origin.
+  /// Scales the shape to `size`, and moves the point at the fractions `origin` of its extent to the origin.
   static void fit(Shape& shape, const Vec3& size, const Vec3& origin) {
     Vec3 extent = Vec3::Zero();
     for (const Vec3& p : shape.positions) extent = extent.cwiseMax(p);
     for (Vec3& p : shape.positions) p = (p.cwiseQuotient(extent) - origin).cwiseProduct(size);
   }
 
-  /// The leading end is upset: it stays behind and spreads.
+  /// The leading end is upset: it is compressed along the path and spreads.
   Vec3 shot_point(const Vec3& p, double t) const {
     const double upset = 0.4 * std::min(1.0, flight_.depth(t) / 2) * std::exp(-p.z() / 0.6);
     Vec3 local(p.x() * (1 + 0.6 * upset), p.y() * (1 + 0.6 * upset), p.z() + upset);
@@ -99,7 +101,7 @@ class Penetration final : public Scene {
     return flight_.tip(t) + flight_.axes * local;
   }
 
-  /// The plate is dished and pushed aside around the block's way.
+  /// The plate is dented and pushed aside around the path of the block.
   Vec3 plate_point(const Vec3& p, double t) const {
     const double depth = flight_.depth(t);
     const Vec3 way = flight_.backwards();

@@ -17,14 +17,14 @@ namespace volccd {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180;
-constexpr double kGap = 0.5;    // between copies, mean edges
-constexpr double kShift = 0.5;  // sideways, mean edges
+constexpr double kGap = 0.5;    // gap between copies, in mean edges
+constexpr double kShift = 0.5;  // sideways shift of a copy, in mean edges
 
 struct KindInfo {
   DeformKind kind;
   const char* name;
   const char* unit;
-  double low, high;  ///< of the amount
+  double low, high;  ///< bounds of the amount
 };
 constexpr KindInfo kKinds[] = {{DeformKind::twist, "twist", "degrees", -36000, 36000},
                                {DeformKind::bend, "bend", "degrees", -360, 360},
@@ -36,16 +36,16 @@ const KindInfo& info(DeformKind kind) {
   return *std::find_if(std::begin(kKinds), std::end(kKinds), [&](const KindInfo& k) { return k.kind == kind; });
 }
 
-/// Lengths of a mesh that the motions are measured in.
+/// Lengths of a mesh, in which the amounts of the motions are measured.
 struct Measure {
   Vec3 centre = Vec3::Zero();
-  std::array<int, 3> axes = {0, 1, 2};  ///< coordinate axes by falling extent
-  std::array<double, 3> extent{};       ///< along these
-  double edge = 0;                      ///< mean length
+  std::array<int, 3> axes = {0, 1, 2};  ///< coordinate axes, in descending order of the extent
+  std::array<double, 3> extent{};       ///< along these axes
+  double edge = 0;                      ///< mean edge length
 };
 
 Measure measure(const Shape& mesh) {
-  if (mesh.elements.empty()) throw InputError("mesh", "elements", "there are none to put a motion on");
+  if (mesh.elements.empty()) throw InputError("mesh", "elements", "there are none, so that nothing can move");
   for (std::size_t v = 0; v < mesh.positions.size(); ++v)
     if (!mesh.positions[v].allFinite())
       throw InputError("mesh", "positions", static_cast<std::int64_t>(v), "not a finite position");
@@ -67,7 +67,7 @@ Measure measure(const Shape& mesh) {
   return m;
 }
 
-/// What moves the fastest vertex by about a mean edge a step.
+/// The amount with which the fastest vertex moves by about one mean edge in each step.
 double default_amount(DeformKind kind, const Measure& m, int motions) {
   const double way = m.edge * motions;
   switch (kind) {
@@ -93,7 +93,7 @@ void check(const DeformConfig& config) {
       throw ConfigError(fmt::format("deform: {} by {} {} is not in {} .. {}", kind.name, *motion.amount, kind.unit,
                                     kind.low, kind.high));
   }
-  if (times[DeformKind::collide] && config.copies < 2) throw ConfigError("deform: collide wants at least two copies");
+  if (times[DeformKind::collide] && config.copies < 2) throw ConfigError("deform: collide needs at least two copies");
 }
 
 class Deform final : public Scene {
@@ -136,7 +136,7 @@ class Deform final : public Scene {
         case DeformKind::bend: p = bent(p, turn * *motion.amount * kDegree); break;
         case DeformKind::squeeze: p = squeezed(p, s * *motion.amount); break;
         case DeformKind::jitter: p += noise(copy, v, frame, *motion.amount * measure_.edge); break;
-        case DeformKind::collide: break;  // of the copy as a whole: offsets
+        case DeformKind::collide: break;  // offsets of the whole copy
       }
     return p;
   }
@@ -203,7 +203,8 @@ class Deform final : public Scene {
       }
   }
 
-  /// Offsets that leave a gap between neighbours in the first frame and, for collide, an overlap in the last.
+  /// Chooses offsets that leave a gap between neighbours in the first frame and, for collide, give an overlap in the
+  /// last frame.
   void place_copies() {
     const int up = measure_.axes[2];
     double overlap = 0;
@@ -310,8 +311,7 @@ std::vector<DeformMotion> parse_deform_motions(const std::string& text, const st
   }
   if (amount) {
     if (motions.size() > 1 || motions.front().amount)
-      throw ConfigError(
-          "deform: one amount, and a list that could take it in several places: write \"twist:60,collide:2\"");
+      throw ConfigError("deform: an amount is given for a list of several motions: write \"twist:60,collide:2\"");
     motions.front().amount = amount;
   }
   return motions;
@@ -324,12 +324,12 @@ std::unique_ptr<Scene> make_deform(const Shape& mesh, const DeformConfig& config
 
 SceneDescriptor describe_deform() {
   std::vector<OptionInfo> options = {
-      {"motion", "twist", "list of twist|bend|squeeze|jitter|collide, each with its :amount if wanted",
-       "what happens to the mesh, e.g. twist:60,collide:2"},
+      {"motion", "twist", "list of twist|bend|squeeze|jitter|collide, each with :amount if given",
+       "motions of the mesh, e.g. twist:60,collide:2"},
       {"amount", "", "degrees (twist, bend), fraction of the length (squeeze), mean edges (jitter, collide)",
-       "amount of a single motion; none: the fastest vertex moves about a mean edge a step"}};
+       "amount of a single motion; default: the fastest vertex moves by about a mean edge in each step"}};
   for (const OptionInfo& option : deform_options().describe()) options.push_back(option);
-  return {"deform", "a made-up motion of any mesh, or of several copies of it", true, options, make_from_options};
+  return {"deform", "a synthetic motion of any mesh, or of several copies of it", true, options, make_from_options};
 }
 
 }  // namespace volccd

@@ -20,7 +20,7 @@ const SimulatedScene* simulated_by_name(const std::string& text, BakeSettings& s
   return scene;
 }
 
-/// Computing takes a second and is repeated each time, because a file does not say which build wrote it.
+/// The scene is computed each time, which takes about a second, because a file does not say which build wrote it.
 std::string write_to_cache(const Scene& scene, const std::string& name) {
   const std::filesystem::path folder = bake_cache_folder();
   std::error_code error;

@@ -16,7 +16,8 @@ struct ExternalScene {
   std::string description;  ///< one line
 };
 
-/// Those whose files exist, among ls-dyna-projectile, openradioss-bullet, openradioss-airbag, openradioss-crash.
+/// The sequences whose files exist, among ls-dyna-projectile, openradioss-bullet, openradioss-airbag,
+/// openradioss-crash.
 std::vector<ExternalScene> external_scenes();
 
 std::string external_scene_file(const ExternalScene& scene);

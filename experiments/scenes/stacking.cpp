@@ -10,8 +10,8 @@ namespace volccd {
 
 namespace {
 
-/// Uniform grid over the plane across an axis. Primitives of N vertices are entered by their boxes; counting sort into
-/// one list.
+/// A uniform grid over the plane normal to an axis. Primitives of N vertices are entered by their boxes, and sorted
+/// into one list by counting.
 template <std::size_t N>
 class ColumnGrid {
  public:
@@ -25,7 +25,7 @@ class ColumnGrid {
       high = high.cwiseMax(p);
     }
     origin_ = low;
-    // Not many more cells than primitives, however thin the body is against its extent.
+    // The number of cells is not much larger than that of primitives, even if the body is thin.
     const double most = 2 + 2 * std::sqrt(static_cast<double>(primitives.size()));
     cell_ = std::max({cell, (high[u_] - low[u_]) / most, (high[w_] - low[w_]) / most});
     nu_ = 1 + std::floor((high[u_] - low[u_]) / cell_);
@@ -48,8 +48,8 @@ class ColumnGrid {
     enter([&](std::size_t c, std::size_t i) { list_[next[c]++] = i; });
   }
 
-  /// Calls visitor(primitive) for all whose boxes overlap the box [low, high] across the axis, and for some nearby; a
-  /// primitive may come several times.
+  /// Calls visitor(primitive) for all primitives whose boxes overlap the box [low, high] in the plane, and for some
+  /// nearby; a primitive may be visited several times.
   template <class Visitor>
   void near(const Vec3& low, const Vec3& high, Visitor&& visitor) const {
     columns(low, high, [&](std::size_t c) {
@@ -69,16 +69,16 @@ class ColumnGrid {
   const std::vector<Primitive>& primitives_;
   int u_, w_;
   Vec3 origin_;
-  double cell_, nu_, nw_;  ///< cells along u and w: whole numbers
+  double cell_, nu_, nw_;  ///< cells along u and w, as whole numbers
   std::vector<std::size_t> begin_, list_;
 };
 
-/// Where things of two bodies lie above each other.
+/// Height differences between features of two bodies that overlap in projection.
 class Facing {
  public:
   explicit Facing(int axis) : h_(axis), u_((axis + 1) % 3), w_((axis + 2) % 3) {}
 
-  /// Height of triangle abc above or below p, if there.
+  /// Height of triangle abc above or below p, if it covers p in projection.
   std::optional<double> height(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) const {
     const Vec3 e1 = b - a, e2 = c - a, d = p - a;
     const double area = cross(e1, e2);
@@ -88,7 +88,7 @@ class Facing {
     return a[h_] + s * e1[h_] + t * e2[h_];
   }
 
-  /// Height of edge ab minus that of edge cd where they cross, if they do.
+  /// Height of edge ab minus that of edge cd at the point where they cross in projection, if they do.
   std::optional<double> difference(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) const {
     const Vec3 e1 = b - a, e2 = d - c, ac = c - a;
     const double area = cross(e1, e2);

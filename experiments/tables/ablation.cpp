@@ -14,8 +14,8 @@ using nlohmann::json;
 
 namespace {
 
-/// VolCCD+ with some of its stages on another broad phase. Without assignment, the O-Set goes as well, and the flood
-/// needs both, and CSAT: without it, the flood goes on over all that the broad phase gives.
+/// Adds VolCCD+ with some of its stages on another broad phase. If there is no assignment, there is no O-Set either.
+/// The flood needs both, and CSAT: without CSAT, it continues through all pairs of the broad phase.
 void add_subsets(const Registry& registry, std::vector<Entrant>& entrants) {
   for (const char* broad_phase : {"kdop-bvh", "spatial-hash", "brute-force"})
     for (int subset = 0; subset < 16; ++subset) {
@@ -69,7 +69,7 @@ void add_options(const Registry& registry, std::vector<Entrant>& entrants) {
   for (const char* filters :
        {"none", "feature-csat", "coplanarity", "feature-kdop", "feature-kdop,coplanarity,feature-csat"})
     entrants.push_back(entrant(registry, "options", "VolCCD", {std::string("feature-filter=") + filters}));
-  // Static assignment covers everything by itself (docs/pipelines.md).
+  // Static assignment tests every feature pair without an O-Set (docs/pipelines.md).
   entrants.push_back(
       entrant(registry, "options", "VolCCD+", {"flood=none", "orphans=none", "assignment=static-assignment"}));
   entrants.push_back(entrant(registry, "options", "VolCCD+"));
@@ -84,7 +84,7 @@ void add_own(const PlanContext& context, std::vector<Entrant>& entrants) {
       const std::size_t equals = setting.find('=');
       if (equals == std::string::npos)
         throw ConfigError(fmt::format("--set {}: is not stage.option=value[,value...]", setting));
-      // The values of a role are one list; those of an option, one each.
+      // The values of a role form one list; those of an option are tried one by one.
       if (setting.find('.') > equals)
         entrants.push_back(entrant(context.registry, "sweep", pipeline, {setting}));
       else

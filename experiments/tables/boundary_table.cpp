@@ -58,8 +58,8 @@ TitledTable same_motions(const Rows& rows) {
       "the paper's: scalar on one thread, and with SIMD on four cores; VolCCD-2011 is scalar, the others use SIMD\n"};
 }
 
-/// All features on the simulation with all features, against the boundary on the simulations with fewer: the cases (a)
-/// and (b) of Figure 3.
+/// Compares all features, on the simulation with all features, with the boundary, on the simulations with fewer
+/// features: cases (a) and (b) of Figure 3.
 std::optional<TitledTable> two_simulations(const Rows& rows) {
   TextTable table({"boundary of", "threads", "pipeline", "bullet, all features, ms", "boundary, ms", "ratio", "paper"},
                   3);

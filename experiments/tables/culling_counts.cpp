@@ -12,7 +12,7 @@ using nlohmann::json;
 
 namespace {
 
-/// As printed: {VF, EE, total, ratio}.
+/// Numbers printed in the paper: {VF, EE, total, ratio}.
 using PaperLine = std::array<const char*, 4>;
 struct PrintedTable {
   const char *scene, *title;

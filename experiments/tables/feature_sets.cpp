@@ -22,19 +22,19 @@ using nlohmann::json;
 
 namespace {
 
-/// Six times the volume of the tetrahedron at each corner, for as many corners as there are.
+/// Six times the volume of the tetrahedron at each corner of an element.
 struct CornerVolumes {
   std::array<double, 8> at;
   std::size_t count;
 
   double least() const { return *std::min_element(at.begin(), at.begin() + static_cast<std::ptrdiff_t>(count)); }
-  /// All are equal to it in a parallelepiped, and to twice of it in half of one.
+  /// The volume of the element: exact for a parallelepiped, where all corner volumes are equal, and for half of one.
   double volume() const {
     return std::accumulate(at.begin(), at.begin() + static_cast<std::ptrdiff_t>(count), 0.0) / (count == 8 ? 8 : 12);
   }
 };
 
-/// Of a hexahedron or a wedge in VTK's order.
+/// The corner volumes of a hexahedron or wedge in VTK's order.
 CornerVolumes corner_volumes(std::span<const Index> v, std::span<const Vec3> x) {
   CornerVolumes volumes{{}, v.size()};
   const auto corners = corner_tetrahedra(v.size() == 8 ? ElementType::hexahedron : ElementType::wedge);
@@ -145,7 +145,7 @@ class Observer {
     return {{"pieces_striker", distinct(of_striker)}, {"pieces_target", distinct(of_target)}};
   }
 
-  /// A piece of an element keeps its id, and is another element all the same.
+  /// The key of an element. A wedge that is a piece of a hexahedron may have its id, but is another element.
   static std::int64_t key(std::int64_t id, ElementType type) { return 2 * id + (type == ElementType::wedge ? 1 : 0); }
 
   Vec3 centre(const Mesh& mesh) {
@@ -178,7 +178,7 @@ class Observer {
   ObjectFilter filter_;
   StepResult result_;
   std::vector<Vec3> points_;
-  std::unordered_map<std::int64_t, double> mass_;  ///< by key(): volume when first seen
+  std::unordered_map<std::int64_t, double> mass_;  ///< by key(): the volume at the first frame that has the element
   std::int32_t striker_ = std::numeric_limits<std::int32_t>::max();
   Vec3 direction_ = Vec3::UnitZ();
   double travel_ = 0;
@@ -212,7 +212,7 @@ std::vector<json> rows_of(const SimulatedScene& scene, const std::string& sequen
   return rows;
 }
 
-/// The bullet, and the scenes that differ from it in the features that collide only.
+/// The bullet, and the scenes that differ from it only in which features collide.
 std::vector<const SimulatedScene*> compared_scenes() {
   std::vector<const SimulatedScene*> scenes;
   for (const SimulatedScene& scene : simulated_scenes())

@@ -25,9 +25,9 @@ std::vector<TitledTable> feature_set_tables(const nlohmann::json& record);
 
 /// Measures of the sequence of a simulation with hexahedra (and wedges into which they break), one row for each motion:
 /// {"motion", "elements", "time": at its end, "contacts", "interior": those of which a feature lies inside,
-/// "overlaps_inter", "overlaps_intra": pairs of elements, not adjacent, that overlap at its start (exact), "inverted":
-/// elements with a corner turned over at its end, "pieces_striker", "pieces_target": pieces that hang together by
-/// vertices, "velocity", "travel": of the striker's centre of mass along its first motion}.
+/// "overlaps_inter", "overlaps_intra": pairs of non-adjacent elements that overlap at its start (exact), "inverted":
+/// elements with a negative corner volume at its end, "pieces_striker", "pieces_target": pieces connected by vertices,
+/// "velocity", "travel": of the striker's centre of mass along its first motion}.
 ///
 /// The striker is object 0, the target all other objects. Contacts are those of the pipeline VolCCD+ among all
 /// features, whichever the simulation has resisted. `check` is called before each motion, and may throw to stop. Throws

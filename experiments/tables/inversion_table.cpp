@@ -143,7 +143,7 @@ std::vector<json> inversion_rows(const PlanContext& context) {
   SerialExecutor serial;
   Executor& executor = context.executor ? *context.executor : serial;
   const std::vector<TableScene> scenes = table_scenes(context);
-  if (scenes.empty()) throw ConfigError("inversion: none of its scenes is there");
+  if (scenes.empty()) throw ConfigError("inversion: none of its scenes is available");
   std::vector<json> rows;
   for (std::size_t s = 0; s < scenes.size(); ++s) {
     const std::function<void()> check = [&] {

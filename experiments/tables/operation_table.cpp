@@ -17,7 +17,7 @@ std::string scene_name(const PlanContext& context) { return context.full ? "octo
 
 std::string mean_text(const json& row, const char* name) { return fmt::format("{:.1f}", row.at(name).get<double>()); }
 
-/// What the paper prints, or "-".
+/// The number that the paper prints, or "-".
 std::string printed_text(const json& row, const char* name) {
   const json& paper = row.at("paper");
   return paper.is_object() && paper.contains(name) && paper.at(name).is_number() ? paper.at(name).dump() : "-";

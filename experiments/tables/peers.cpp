@@ -286,7 +286,7 @@ std::vector<json> peers_rows(const PlanContext& context) {
   Executor& executor = context.executor ? *context.executor : serial;
   const std::vector<Contender> all = contenders(context.registry);
   const std::vector<NamedScene> scenes = named_scenes(context);
-  if (scenes.empty()) throw ConfigError("peers: none of its scenes is there");
+  if (scenes.empty()) throw ConfigError("peers: none of its scenes is available");
   const int rounds = peers_plan(context).rounds;
   std::vector<json> rows;
   for (std::size_t s = 0; s < scenes.size(); ++s) {

@@ -17,11 +17,11 @@ using nlohmann::json;
 
 namespace {
 
-/// An entrant: as rows and as tables name it, and what it is.
+/// An entrant, with its names in rows and in tables.
 struct Name {
   const char *pipeline, *variant, *title;
   const char* preset = "VolCCD+";
-  const char* flood = "boundary-flood";  ///< null: as the preset has it
+  const char* flood = "boundary-flood";  ///< null: the flood of the preset
   bool on_boundary = false;
 };
 constexpr Name kVolCCDCubic = {"VolCCD", "cubic", "VolCCD cubic", "VolCCD", nullptr};
@@ -30,8 +30,8 @@ constexpr Name kPlusCubic = {"VolCCD+", "cubic", "VolCCD+ cubic"};
 constexpr Name kWithoutFlood = {"VolCCD+ without flood", "inclusion", "without flood", "VolCCD+", "none"};
 constexpr Name kPlus = {"VolCCD+", "inclusion", "VolCCD+"};
 constexpr Name kBoundary = {"boundary alone", "inclusion", "boundary", "VolCCD+", "boundary-flood", true};
-constexpr Name kPlainBoundary = {"boundary alone without flood", "inclusion", "boundary, no flood", "VolCCD+", "none",
-                                 true};
+constexpr Name kPlainBoundary = {
+    "boundary alone without flood", "inclusion", "boundary, no flood", "VolCCD+", "none", true};
 constexpr Name kEntrants[] = {kVolCCDCubic, kVolCCD, kPlusCubic, kWithoutFlood, kPlus, kBoundary, kPlainBoundary};
 constexpr const char* kTitles = "with inclusion, unless cubic is said; ";
 
@@ -92,8 +92,8 @@ std::vector<Group> groups_of(const Rows& rows) {
   for (const json& table : rows.values("table"))
     for (const json& motion : rows.with("table", table).values("motion_model"))
       for (const json& scene : rows.with("table", table).with("motion_model", motion).values("scene"))
-        groups.push_back({scene, motion, table,
-                          rows.with("table", table).with("motion_model", motion).with("scene", scene)});
+        groups.push_back(
+            {scene, motion, table, rows.with("table", table).with("motion_model", motion).with("scene", scene)});
   return groups;
 }
 
@@ -106,7 +106,9 @@ TitledTable times(const std::vector<Group>& groups) {
   for (const Name& name : kEntrants) header.push_back(name.title);
   TextTable table(header, 3);
   for (const Group& group : groups) {
-    std::vector<std::string> row = {group.scene, group.motion, std::to_string(group.threads()),
+    std::vector<std::string> row = {group.scene,
+                                    group.motion,
+                                    std::to_string(group.threads()),
                                     whole_number(group.of(kPlus).median("elements")),
                                     whole_number(group.of(kBoundary).median("elements")),
                                     std::to_string(group.rows.motions())};
@@ -121,7 +123,8 @@ TitledTable times(const std::vector<Group>& groups) {
 
 TitledTable ratios(const std::vector<Group>& groups) {
   TextTable table({"scene", "motion", "threads", "VolCCD cubic / VolCCD+", "both cubic", "both inclusion",
-                   "flood gains", "volume / surface"}, 3);
+                   "flood gains", "volume / surface"},
+                  3);
   for (const Group& group : groups)
     table.add({group.scene, group.motion, std::to_string(group.threads()), text_ratio(group.ratio(kVolCCDCubic, kPlus)),
                text_ratio(group.ratio(kVolCCDCubic, kPlusCubic)), text_ratio(group.ratio(kVolCCD, kPlus)),
@@ -132,8 +135,8 @@ TitledTable ratios(const std::vector<Group>& groups) {
 }
 
 TitledTable counts(const std::vector<Group>& groups) {
-  TextTable table({"scene", "motion", "pipeline", "pairs", "survive", "owned tests", "orphans", "VF + EE tests",
-                   "contacts"}, 3);
+  TextTable table(
+      {"scene", "motion", "pipeline", "pairs", "survive", "owned tests", "orphans", "VF + EE tests", "contacts"}, 3);
   for (const Group& group : groups) {
     if (group.threads() != groups.front().threads()) continue;  // the same for any number of threads
     for (const Name& name : kEntrants) {
@@ -154,7 +157,7 @@ TitledTable counts(const std::vector<Group>& groups) {
               "tests of the O-Set\n"};
 }
 
-/// The time on one thread over that on several; 0 where the record has no row of one.
+/// The time on one thread divided by that on several threads; 0 if the record has no row on one thread.
 double speedup_of_threads(const std::vector<Group>& groups, const Group& group, const Name& name) {
   for (const Group& one : groups)
     if (one.threads() == 1 && group.threads() > 1 && one.scene == group.scene && one.motion == group.motion)

@@ -23,10 +23,10 @@ using nlohmann::json;
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double kLeastRun = 1e-3;  ///< seconds, so that the clock's own time does not count
+constexpr double kLeastRun = 1e-3;  ///< seconds; long enough that the time to read the clock is negligible
 constexpr std::size_t kBatch = 4096;
 
-/// "name:option=value:..." taken apart.
+/// Parses "name:option=value:...".
 StageChoice parse_choice(const std::string& text) {
   StageChoice choice;
   std::string_view rest = text;
@@ -70,7 +70,8 @@ struct Choices {
         choice.options[setting.substr(dot + 1, equals - dot - 1)] = setting.substr(equals + 1);
         found = true;
       }
-    if (!found) throw ConfigError(fmt::format("no stage '{}' is run; there are {}{}", stage, known, did_you_mean(stage, known)));
+    if (!found)
+      throw ConfigError(fmt::format("no stage '{}' is run; there are {}{}", stage, known, did_you_mean(stage, known)));
   }
 };
 
@@ -147,7 +148,7 @@ class QueryContestant {
   std::vector<FeaturePair> tests_;
 };
 
-/// The contact of each query, null where there is none, from the contestant's last run, which are in the order of the
+/// The contact of each query, or null if it has none, in the contestant's last run. `contacts` are in the order of the
 /// pairs.
 std::vector<const Contact*> contacts_by_query(const std::string& name, const KnownQueries& queries,
                                               const std::vector<Contact>& contacts) {
@@ -157,7 +158,7 @@ std::vector<const Contact*> contacts_by_query(const std::string& name, const Kno
     if (contacts[next].vertices == test_vertices(queries.step.features(), queries.kind, queries.pairs[i]))
       found[i] = &contacts[next++];
   if (next != contacts.size())
-    throw Error(fmt::format("narrow phase {} reports contacts that were not asked for, or not in order", name));
+    throw Error(fmt::format("narrow phase {} reports contacts of other pairs, or not in their order", name));
   return found;
 }
 
@@ -287,7 +288,7 @@ void compare_on_queries(const Registry& registry, const std::vector<KnownQueries
     filter_guarantee = weakest(filter_guarantee, registry.stage<FeatureFilter>(choice.name).guarantee);
     record.filters.push_back(text_of(choice));
   }
-  std::deque<QueryContestant> contestants;  // they do not move
+  std::deque<QueryContestant> contestants;  // a deque, because contestants must keep their addresses
   for (const StageChoice& choice : choices.narrow_phases) {
     contestants.emplace_back(make_stage<NarrowPhase>(registry, choice), filters, config.check);
     record.narrow_phases.push_back(

@@ -68,8 +68,8 @@ Box swept_box(const Motion& motion, std::span<const Index> vertices) {
   return box;
 }
 
-/// Pairs without a common vertex whose swept boxes overlap, each once: dynamic assignment gives every pair of which
-/// some elements overlap, and those of the O-Set.
+/// Pairs without a common vertex whose swept boxes overlap, each once. Dynamic assignment gives every pair that is
+/// contained in some overlapping element pair; the others are in the O-Set.
 class Candidates {
  public:
   Candidates(const Step& step, const std::function<void()>& check) : step_(step), check_(check) { collect(); }
@@ -158,7 +158,7 @@ void spread(const std::vector<FeaturePair>& pairs, KnownQueries& queries, const 
     const auto at = std::lower_bound(pairs.begin(), pairs.end(), queries.pairs[i]);
     if (at == pairs.end() || *at != queries.pairs[i]) {
       if (queries.collides[i] == 0) continue;
-      throw InputError(file, "GroundTruth", "a pair collides, says the truth, but its swept boxes do not overlap");
+      throw InputError(file, "GroundTruth", "a pair collides in the ground truth, but its swept boxes do not overlap");
     }
     const auto k = static_cast<std::size_t>(at - pairs.begin());
     collides[k] = queries.collides[i];

@@ -95,8 +95,8 @@ ExperimentPlan scaling_plan(const PlanContext& context) {
     if (!divided || (!context.full && scene.name != "octopi")) continue;
     const std::vector<MotionWindow> middle = sampled_windows(motion_count(scene.file), 1, 1);
     for (int times = 0; times <= (context.full ? 2 : 1); ++times) {
-      // Scenes without edits. 17.6 K tetrahedra once divided are 0.14 M, and 60 K shells twice 0.96 M: the paper's
-      // size.
+      // These scenes have no edits. The octopi divided once have 0.14 M tetrahedra, and the crash divided twice has
+      // 0.96 M shells, which is the paper's size.
       if (scene.name == "octopi" && times > 1) continue;
       SceneRun run{scene.name, scene.file, table_config(scene.file), middle, {}};
       run.subdivisions = times;
@@ -111,7 +111,7 @@ ExperimentPlan scaling_plan(const PlanContext& context) {
       SceneRun run{scene.name, scene.file, table_config(scene.file), middle, {}};
       run.motion_scale = edges / std::max(moved, 1e-12);
       add_entrants(context, "motion", fmt::format("motion={}", edges), run);
-      // All tests of all pairs would take minutes a step.
+      // A step of these would take minutes, because they test all pairs.
       if (edges > 3)
         std::erase_if(run.entrants, [](const Entrant& e) { return e.pipeline == "NavCCD" || e.pipeline == "HashCCD"; });
       plan.runs.push_back(std::move(run));

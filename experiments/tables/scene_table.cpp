@@ -19,7 +19,7 @@ using nlohmann::json;
 
 namespace {
 
-/// As printed in the paper.
+/// Numbers of elements as printed in the paper.
 const std::map<std::string, std::string> kPaper = {
     {"octopi", "17.6K"}, {"bullet", "11.8K-12K"}, {"airbag", "9.1K"}, {"crash", "1.2M"}, {"liver", "3,874-4,338"}};
 
@@ -53,7 +53,7 @@ std::string energy_text(const json& frames) {
   return scale > 0 ? fmt::format("{:.2f} %", 100 * worst / scale) : "-";
 }
 
-/// What the time stepping and what contacts took out of the energy (negative: put in), in per cent of the same.
+/// Energy that the time stepping and the contacts removed (negative: added), in per cent of the same sum.
 std::string energy_shares(const json& frames) {
   const json& energy = frames.back().at("energy");
   double scale = 0;

@@ -24,7 +24,7 @@ const std::map<std::string, PaperRow> kPrintedRows = {{"octopi", {"75 ms", "12x"
                                                       {"liver", {"53 ms", "10.3x", "14.1x", "0.72 %"}},
                                                       {"crash", {"3.3 s", "12.4x", "17.4x", "3.54 %"}}};
 
-/// NavCCD without adjacent pairs; the O-Set tests what they alone cover.
+/// NavCCD without adjacent pairs; the O-Set has the tests that only these contain.
 constexpr const char* kNoAdjacent = "orphans=o-set";
 
 const char* title_of(const std::string& table) {
@@ -106,7 +106,7 @@ void for_each_line(const Rows& all, const std::string& model, const std::string&
             Comparison(rows.with("table", table).with("scene", scene), table));
 }
 
-/// "yes" if all entrants found the contacts of NavCCD in all motions, else the names of those that did not.
+/// Returns "yes" if all entrants found the contacts of NavCCD in all motions, else the names of those that did not.
 std::string same_contacts(const Comparison& c) {
   const std::vector<json> motions = c.nav.values("motion");
   const auto differs = [&](const Rows& rows) {
@@ -172,7 +172,7 @@ TitledTable times(const Rows& rows, const std::string& table, const std::string&
   return {fmt::format("{}; {} motion, {} edges", title_of(table), model, edges), text, note_of(table, model)};
 }
 
-/// Shares in the speed-up: tests left out, a cheaper test, and the cost of the other stages.
+/// Contributions to the speed-up: fewer tests, a cheaper test, and the cost of the other stages.
 TitledTable explanation(const Rows& rows, const std::string& table, const std::string& model,
                         const std::string& edges) {
   TextTable text({"scene", "tests, NavCCD", "VolCCD", "ratio", "paper", "ns/test Nav", "Vol", "by culling", "by cost",
@@ -274,7 +274,7 @@ ExperimentPlan table1_plan(const PlanContext& context) {
                    table_config(scene.file, model),
                    sampled_windows(motions, context.full && main_rows ? 2 : 1, context.full ? 2 : 1),
                    {}};
-      if (table == "a") run.rounds = 1;  // half of all time, and its ratios are far from 1
+      if (table == "a") run.rounds = 1;  // table a takes half of the whole time, and its ratios are far from 1
       run.config.edge_set = edges;
       run.entrants = entrants_of(context.registry, table);
       if (table == "c")

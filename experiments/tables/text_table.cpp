@@ -37,7 +37,8 @@ std::size_t width_of(const std::vector<std::size_t>& widths) {
   return width - std::min(width, kGap);
 }
 
-/// Widths of columns, those of headers with blanks made less until a row fits, or no more can be made less.
+/// Widths of the columns. Columns whose headers have blanks are made narrower until a row fits, or no column can be
+/// made narrower.
 std::vector<std::size_t> column_widths(const std::vector<std::vector<std::string>>& rows) {
   std::vector<std::size_t> widths, least;
   for (std::size_t r = 0; r < rows.size(); ++r) {
@@ -70,7 +71,7 @@ std::string TextTable::text() const {
       line += widths[label] + (label > 0 ? kGap : 0);
       columns.push_back(label);
     }
-    // One more at least, so that there is an end.
+    // At least one more column is taken, so that the loop ends.
     do {
       line += widths[c] + (columns.empty() ? 0 : kGap);
       columns.push_back(c++);
@@ -87,7 +88,7 @@ std::string TextTable::block(const std::vector<std::size_t>& columns, const std:
   std::string text;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     if (r == 1 || std::find(rules_.begin(), rules_.end(), r) != rules_.end()) text += rule;
-    std::vector<std::vector<std::string>> cells;  // of columns, in lines
+    std::vector<std::vector<std::string>> cells;  // lines of each cell
     std::size_t height = 1;
     for (const std::size_t c : columns) {
       const std::string& cell = c < rows_[r].size() ? rows_[r][c] : std::string();
@@ -97,7 +98,7 @@ std::string TextTable::block(const std::vector<std::size_t>& columns, const std:
     for (std::size_t i = 0; i < height; ++i) {
       std::string row;
       for (std::size_t k = 0; k < columns.size(); ++k) {
-        // The last lines of the header's cells stand side by side.
+        // Cells of the header are aligned at the bottom.
         const std::size_t above = height - cells[k].size();
         const std::string cell = i < above ? std::string() : cells[k][i - above];
         const std::size_t width = widths[columns[k]];
@@ -131,7 +132,7 @@ std::string wrapped(const std::string& text, std::size_t width) {
 }
 
 std::string labelled(const std::string& label, const std::string& text, std::size_t indentation) {
-  // A label that is too long has a line of its own.
+  // A label that is too long gets a line of its own.
   const bool fits = label.size() < indentation;
   std::string result =
       fits ? label + std::string(indentation - label.size(), ' ') : label + "\n" + std::string(indentation, ' ');
@@ -145,7 +146,8 @@ std::string labelled(const std::string& label, const std::string& text, std::siz
 
 namespace {
 
-/// Each row as one line: `cell` of each cell, with `between` and within `before` and `after`.
+/// Writes each row as one line: `cell` of each cell, with `between` between cells, `before` before and `after` after
+/// them.
 template <class Cell>
 std::string line_of(const std::vector<std::string>& row, const char* before, const char* between, const char* after,
                     Cell&& cell) {

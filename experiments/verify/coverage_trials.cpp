@@ -175,18 +175,19 @@ void try_range(const Assignment& stage, const Step& step, StageState& state, Pai
   TestBatch again = tests_of(stage, step, state, pairs, 1, trials.threads->workers());
   for (Tests* tests : {&found.vf, &found.ee, &again.vf, &again.ee}) std::sort(tests->begin(), tests->end());
   trials.expect(kSameInEveryBatch, found.vf == again.vf && found.ee == again.ee,
-                [&] { return where + "element pairs have other tests alone, or by another worker"; });
+                [&] { return where + "an element pair has different tests when it is alone, or with another worker"; });
 }
 
-/// A 64th of the trials of other stages: each has many more tests.
+/// The number of trials is 1/64 of that of other stages, because each trial has many more tests.
 int coverage_trials(const StageTrials& trials) { return std::max(1, trials.config.trials / 64); }
 
 }  // namespace
 
 void try_stage(const Assignment& stage, StageTrials& trials) {
   const bool nonadjacent = stage.incomplete_on_nonadjacent().empty(), every = stage.incomplete_on_every().empty();
-  trials.expect(kComplete, nonadjacent || every,
-                [] { return "neither on non-adjacent pairs nor on all pairs, by its own words"; });
+  trials.expect(kComplete, nonadjacent || every, [] {
+    return "the stage declares neither that it covers non-adjacent pairs nor that it covers all pairs";
+  });
   const auto kept = stage.make_state();
   trials.each_trial(coverage_trials(trials), [&](Choices& choices, const std::string& where) {
     ChangingMesh mesh(choices);
@@ -246,7 +247,7 @@ void expect_orphans(const Step& step, const TestBatch& found, StageTrials& trial
       kComplete, true, [] { return std::string(); }, trials.conservative());
 }
 
-/// `list(step, state, out)` after prepare(), on one mesh again and again.
+/// Calls list(step, state, out) after prepare(), repeatedly on one mesh.
 template <class StageType, class List>
 void expect_no_allocation(const StageType& stage, StageTrials& trials, const List& list) {
   Choices choices(trials.config.seed);
@@ -280,7 +281,7 @@ void try_stage(const OrphanSource& stage, StageTrials& trials) {
       TestBatch again = orphans_of(stage, step, *kept, trials.threads->workers(), true);
       for (Tests* tests : {&found.vf, &found.ee, &again.vf, &again.ee}) std::sort(tests->begin(), tests->end());
       trials.expect(kSameInEveryBatch, found.vf == again.vf && found.ee == again.ee,
-                    [&] { return when + "other tests in the reverse order of blocks, or by another worker"; });
+                    [&] { return when + "the tests differ in the reverse order of blocks, or with another worker"; });
     }
   });
   expect_no_allocation(stage, trials, [&](const Step& step, StageState& state, TestBatch& out) {
@@ -288,8 +289,8 @@ void try_stage(const OrphanSource& stage, StageTrials& trials) {
   });
 }
 
-/// The pairs that a flood reaches depend on broad phase and culling, so that they are checked in pipelines. Here each
-/// front is empty.
+/// The pairs that a flood reaches depend on broad phase and culling, and are therefore checked in pipelines. Here,
+/// every call gets an empty front.
 void try_stage(const Flood& stage, StageTrials& trials) {
   expect_no_allocation(stage, trials, [&](const Step&, StageState& state, TestBatch& out) {
     if (!stage.takes(state, false)) return;

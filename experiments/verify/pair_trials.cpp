@@ -136,7 +136,8 @@ class CullingTrials {
     for (std::size_t i = 0; i < pairs.size(); ++i)
       trials_.expect(kSameInEveryBatch, alone[i] == together[i] && backwards[i] == together[i], [&] {
         return where + "pair " + std::to_string(i) +
-               " has another answer alone, or in the reverse order by another worker, " + text_of(step, group.cases[i]);
+               " has a different answer when it is alone, or in reverse order with another worker, " +
+               text_of(step, group.cases[i]);
       });
   }
 
@@ -172,7 +173,7 @@ class BroadTrials {
     const auto anew = emitted(step, *fresh, trials_.serial, where);
     trials_.expect(kSameInEveryBatch, pairs == by_threads,
                    [&] { return where + "several workers emit pairs that differ from those of one worker"; });
-    trials_.expect(kSameAfterOtherSteps, pairs == anew, [&] { return where + "a new state emits other pairs"; });
+    trials_.expect(kSameAfterOtherSteps, pairs == anew, [&] { return where + "a new state emits different pairs"; });
     for (Index i = 0; i < elements.size(); ++i) {
       const bool found = pairs.contains(elements.pair(i));
       const Case& c = group.cases[i];
@@ -197,7 +198,7 @@ class BroadTrials {
       for (const ElementPair pair : batch) regular = regular && pair.a <= pair.b && ++pairs[pair] == 1;
     });
     trials_.expect(kEmitsOnce, regular,
-                   [&] { return where + "a pair twice, (b, a) in place of (a, b), or a batch too large"; });
+                   [&] { return where + "a pair is repeated, is (b, a) instead of (a, b), or a batch is too large"; });
     return pairs;
   }
 

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <volccd/experiments/verify/detail/stage_trials.hpp>
 #include <volccd/experiments/records/contacts_csv.hpp>
+#include <volccd/experiments/verify/detail/stage_trials.hpp>
 #include <volccd/mesh/sequence/stepper.hpp>
 #include <volccd/oracle/cases/colliding_scenes.hpp>
 #include <volccd/pipelines/compare.hpp>
@@ -15,7 +15,7 @@ namespace volccd::detail {
 
 namespace {
 
-/// A pipeline, with workspaces that live from step to step.
+/// A pipeline with workspaces that are kept from step to step.
 struct Entry {
   explicit Entry(const Registry& registry, const PipelineSpec& spec)
       : pipeline(registry, spec), serial(pipeline.make_workspace()), threaded(pipeline.make_workspace()) {}
@@ -45,11 +45,11 @@ std::vector<PipelineSpec> specs_with(const Registry& registry, const StageReport
     if (role == ElementCulling::kRole) spec->element_culling = {choice};
     if (role == FeatureFilter::kRole) spec->feature_filters = {choice};
     if (role == NarrowPhase::kRole) spec->narrow_phase = choice;
-    // Exact arithmetic, which judges narrow phases, is slow: they see the tests that filters leave.
+    // A narrow phase is judged by exact arithmetic, which is slow, and therefore runs behind the filters only.
     if ((role == OrphanSource::kRole || role == Flood::kRole || role == NarrowPhase::kRole) && spec == &every) continue;
     if (role == OrphanSource::kRole) {
       spec->orphans = choice;
-      spec->flood.reset();  // which would have the orphans
+      spec->flood.reset();  // the flood would list the orphans instead
     }
     if (role == Flood::kRole) spec->flood = choice;
     add(*spec);
@@ -98,14 +98,15 @@ class PipelineTrials {
  private:
   static constexpr Index kBruteForceLimit = 3000;
 
-  /// A narrow phase is judged by `exact`; other stages must give the contacts of the preset, bit for bit.
+  /// A narrow phase is compared with `exact`; with any other stage, the contacts must be those of the preset, bit for
+  /// bit.
   PipelineSpec reference(const Registry& registry, const char* preset) const {
     PipelineSpec spec = registry.pipeline(preset);
     if (is_narrow_phase_) spec.narrow_phase = {"exact", {}};
     return spec;
   }
 
-  /// Linear and curved motion, a separation, pairs of objects, a part of the step.
+  /// Runs linear and curved motion, with a separation, between objects only, and with a part of the step.
   void run_scene(const cases::Scene& scene, const std::string& name) {
     const ObjectFilter everything, inter(PairScope::inter);
     const Topology& topology = scene.topology;
@@ -191,7 +192,7 @@ class PipelineTrials {
         trials_.conservative());
   }
 
-  /// Query::first gives the earliest of all.
+  /// Checks that Query::first gives the earliest contact of all.
   void expect_same_first(const StepResult& all, const StepResult& first, const std::string& place) {
     const auto earliest = std::min_element(all.contacts.begin(), all.contacts.end(),
                                            [](const Contact& x, const Contact& y) { return x.toi < y.toi; });
@@ -210,7 +211,7 @@ class PipelineTrials {
 
   StageTrials& trials_;
   bool is_narrow_phase_;
-  Entry small_, large_;  ///< without the stage, for meshes of few and of many elements
+  Entry small_, large_;  ///< pipelines without the stage, for meshes of few and of many elements
   std::vector<std::unique_ptr<Entry>> entries_;
   int max_control_points_ = 3;
   double tolerance_ = 0;

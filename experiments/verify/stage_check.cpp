@@ -34,8 +34,9 @@ void StageTrials::expect_no_allocation(const std::function<void(int k)>& step, b
   find(kNoAllocation, required);
   const std::size_t none = config.allocation_count();
   const auto probe = std::make_unique<int>(0);
-  int* volatile seen = probe.get();                        // or the compiler would leave the allocation out
-  if (!seen || config.allocation_count() == none) return;  // the counter sees nothing: no answers are looked at
+  // volatile, so that the compiler does not remove the allocation
+  int* volatile seen = probe.get();
+  if (!seen || config.allocation_count() == none) return;  // the counter does not count, and is not used
   for (int k = 0; k < kSteps; ++k) {
     const std::size_t before = config.allocation_count();
     step(k);

@@ -20,7 +20,7 @@ namespace {
 struct Answer {
   bool found = false;
   Contact contact{};
-  bool undecided = false;  ///< known of tests in a block of one
+  bool undecided = false;  ///< known only for tests that are alone in their block
 
   bool same(const Answer& other) const { return found == other.found && (!found || contact == other.contact); }
 };
@@ -53,7 +53,8 @@ Case make_test(Choices& choices, const StepChoice& step) {
   return any_attack(choices, attacks).make(choices, step.kind, step.control_points);
 }
 
-/// Most of those that take exact arithmetic long are made anew where each test has to be judged.
+/// Makes a test; most of those that take long in exact arithmetic are replaced by others. Used where each test is
+/// judged.
 Case make_quick_test(Choices& choices, const StepChoice& step) {
   constexpr int kMostBits = 300;
   Case c = make_test(choices, step);
@@ -62,7 +63,7 @@ Case make_quick_test(Choices& choices, const StepChoice& step) {
   return c;
 }
 
-/// All with the separation of the first. `quick`: as make_quick_test().
+/// Makes a group of tests, all with the separation of the first. `quick`: as in make_quick_test().
 Group make_group(Choices& choices, int max_control_points, bool separation, bool quick) {
   Group group{choose_step(choices, max_control_points, separation), 0, 1, {}};
   const std::size_t size = choices.one_in(4) ? TestBlock::kCapacity : 1 + static_cast<std::size_t>(choices.below(20));
@@ -224,7 +225,7 @@ class BlockTrials {
         stage_.judge(group.tests[i], group.t_max, anew[i], where + "(new state) ");
       if (!remembers)
         trials_.expect(kSameAfterOtherSteps, anew[i].same(together[i]),
-                       [&] { return where + "a new state answers otherwise:\n" + to_text(group.tests[i]); });
+                       [&] { return where + "a new state gives a different answer:\n" + to_text(group.tests[i]); });
     }
   }
 
@@ -235,7 +236,7 @@ class BlockTrials {
     return stage_.run(step, state, worker, block_);
   }
 
-  /// Each alone by one worker after another, and all in the reverse order by the last worker.
+  /// Runs each test alone, with the workers in turn, and all tests in reverse order with the last worker.
   void compare_batches(const Step& step, const Group& group, std::vector<FeaturePair> pairs,
                        std::vector<Answer>& together, const std::string& where) {
     const unsigned workers = trials_.threads->workers();
@@ -248,7 +249,8 @@ class BlockTrials {
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       trials_.expect(kSameInEveryBatch, alone[i].same(together[i]) && backwards[i].same(together[i]), [&] {
         return where + "test " + std::to_string(i) + " of a block of " + std::to_string(pairs.size()) +
-               " has another answer alone, or in the reverse order by another worker:\n" + to_text(group.tests[i]);
+               " has a different answer when it is alone, or in reverse order with another worker:\n" +
+               to_text(group.tests[i]);
       });
       together[i].undecided = alone[i].undecided;
     }
@@ -261,7 +263,7 @@ class BlockTrials {
   TestBlock block_;
 };
 
-/// Ordinary tests of both kinds, half of which touch or so.
+/// Ordinary tests of both kinds, about half of which touch.
 void count_allocations(BlockStage& stage, StageTrials& trials, int control_points, bool required) {
   cases::TestScene scene(TestBlock::kCapacity);
   std::vector<FeaturePair> pairs[2];
@@ -297,7 +299,7 @@ void try_blocks(BlockStage& stage, StageTrials& trials, int max_control_points, 
   trials.each_trial(trials.config.trials, [&](Choices& choices, const std::string& where) {
     blocks.run(make_group(choices, max_control_points, separation, !is_filter), is_filter, where);
   });
-  // Exact arithmetic needs memory.
+  // Exact arithmetic allocates memory.
   const bool required = is_filter || !trials.exact();
   for (int points = 2; points <= max_control_points; ++points) count_allocations(stage, trials, points, required);
 }

@@ -118,7 +118,7 @@ void GroundTruthReader::read_answers(const std::string& group, std::size_t first
   collides.read(0, count, flags);
   for (std::int64_t i = 0; i < count; ++i) {
     const std::int64_t flag = flags[static_cast<std::size_t>(i)];
-    if (flag != 0 && flag != 1) collides.fail(i, "is " + std::to_string(flag) + ", wanted is 0 or 1");
+    if (flag != 0 && flag != 1) collides.fail(i, "is " + std::to_string(flag) + ", but must be 0 or 1");
     answers_[first + static_cast<std::size_t>(i)].collides = flag == 1;
   }
   if (!file_.has(group + "/TimeOfImpact")) return;

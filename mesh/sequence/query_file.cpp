@@ -46,7 +46,7 @@ void read_numbers(const Hdf5File& file, const std::string& path, std::int64_t qu
   for (std::size_t i = 0; i < numbers.size(); ++i)
     if (numbers[i] < 0 || numbers[i] >= end)
       data.fail(static_cast<std::int64_t>(i),
-                "is " + std::to_string(numbers[i]) + ", wanted is 0 .. " + std::to_string(end - 1));
+                "is " + std::to_string(numbers[i]) + ", but must be 0 .. " + std::to_string(end - 1));
   out.assign(numbers.begin(), numbers.end());
 }
 

@@ -30,9 +30,9 @@ SequenceStepper::SequenceStepper(SequenceReader& reader, Config config) : reader
     throw InputError(reader.file(), "VTKHDF/PointData/Velocity",
                      "is missing: quadratic motion needs velocities, or three steps");
   if (config.motion == MotionModel::tentative && reader.step_count() > 1 && !reader.has_velocity())
-    throw InputError(reader.file(), "VTKHDF/PointData/Velocity",
-                     "is missing: tentative motion needs the velocities of each step; write them, or take linear "
-                     "motion");
+    throw InputError(
+        reader.file(), "VTKHDF/PointData/Velocity",
+        "is missing: tentative motion needs the velocities of each step; store them, or use linear motion");
   if (config.motion == MotionModel::query && reader.step_count() > 1 && !reader.has_query())
     throw InputError(reader.file(), "VTKHDF/PointData/QueryStart",
                      "is missing: the file has no queries of a simulation. Scenes that were simulated by an earlier "

@@ -14,10 +14,10 @@ namespace volccd::detail {
 /// there is none. Two or three control points.
 int flat_axis(const TestPoints& x, int control_points);
 
-/// In a flat test the coplanarity polynomial is zero and tells nothing about contacts. But unless the features touch at
-/// t = 0, their first contact is one of a vertex of one of them and an edge of the other: an event. Such an event is
-/// the contact of two edges that are not coplanar: the edge, and the vertex drawn out along the flat axis in both
-/// directions.
+/// In a flat test the coplanarity polynomial is zero and tells nothing about contacts. Unless the features touch at t =
+/// 0, their first contact is between a vertex of one of them and an edge of the other, which is called an event. Such
+/// an event is the contact of two edges that are not coplanar: the edge, and the vertex drawn out along the flat axis
+/// in both directions.
 struct FlatEvent {
   std::size_t vertex, first, second;  ///< places of the vertex and of the ends of the edge in the test
 };

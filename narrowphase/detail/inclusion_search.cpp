@@ -258,7 +258,7 @@ class PieceSearch {
     return level >= kLevelsOfThree && !(can_split && seem_to_touch(closest_)) && separated_by_search(axis, piece);
   }
 
-  /// Whether the points are as near as rounding errors make the points of touching features.
+  /// Whether the points are so near that the features may touch, considering rounding errors.
   bool seem_to_touch(const ClosestPoints& closest) const {
     return (closest.separation.cwiseAbs().array() <= kTouchUnits * kUnitRoundoff * test_.extent().array()).all();
   }

@@ -8,7 +8,7 @@
 namespace volccd::cases {
 namespace {
 
-/// In [2^low, 2^(high + 1)), with 20 bits; spread over the powers of two.
+/// A number in [2^low, 2^(high + 1)) with 20 bits, distributed over the powers of two.
 double magnitude(Choices& c, int low, int high) {
   return std::ldexp(1 + c.below(1 << 20) * 0x1p-20, low + c.below(high - low + 1));
 }
@@ -16,7 +16,7 @@ double magnitude(Choices& c, int low, int high) {
 using Magnitude = double (*)(Choices&);
 
 double skewed_length(Choices& c) { return magnitude(c, -9, 4); }
-/// Down to the last bit of a double.
+/// A number that uses all bits of a double.
 double denormal_length(Choices& c) { return c.below(1 << c.below(12)) * 0x1p-1074; }
 double any_length(Choices& c) {
   switch (c.below(5)) {
@@ -27,12 +27,12 @@ double any_length(Choices& c) {
     default: return magnitude(c, -60, 60);
   }
 }
-/// Of which differences overflow, beside others.
+/// Magnitudes of which some differences overflow.
 double great_length(Choices& c) { return c.one_in(4) ? magnitude(c, -30, 30) : magnitude(c, 1021, 1023); }
 
 Vec3 three(Choices& c, Magnitude of) { return {of(c), of(c), of(c)}; }
 
-/// Heights that change sign, most of them for certain: opposite at the ends.
+/// Heights that change their sign. For most of them this is certain, because those at the ends are opposite.
 Vec3 heights(Choices& c, int control_points, Magnitude of) {
   Vec3 z = three(c, of);
   const bool opposite = !c.one_in(6);
@@ -51,7 +51,7 @@ void turn_axes(Choices& c, Case& made) {
       }
 }
 
-/// A crossing frame of such magnitudes, perhaps with a width and a height of its own for each point.
+/// Crossing features of such magnitudes, perhaps with a different width and height for each point.
 Case frame(Choices& c, FeatureKind kind, int control_points, Magnitude of) {
   const Vec3 p = three(c, of), q = three(c, of), z = heights(c, control_points, of);
   const double first = z[0], last = z[control_points - 1];
@@ -88,7 +88,7 @@ Case degenerate(Choices& c, FeatureKind kind, int control_points) {
   return builder.take();
 }
 
-/// Half of them in general position.
+/// Half of the cases are in general position.
 void any_or_general(Choices& c, ContactBuilder& builder) {
   builder.features(c.below(2) ? ContactBuilder::Shape::any : ContactBuilder::Shape::general);
 }
@@ -101,7 +101,7 @@ Case at_an_end(Choices& c, FeatureKind kind, int control_points) {
   return builder.take();
 }
 
-/// All points move alike: they touch at the start, or never.
+/// All points have the same motion, so that the features touch at the start or never.
 Case rigid(Choices& c, FeatureKind kind, int control_points) {
   ContactBuilder builder(c, kind, control_points, 0);
   any_or_general(c, builder);
@@ -134,7 +134,7 @@ Case far_off(Choices& c, FeatureKind kind, int control_points) {
   return builder.take();
 }
 
-/// Multiples of the least double. What the builder makes are multiples of 2^-10.
+/// Multiples of the smallest double. The builder makes multiples of 2^-10.
 void make_denormal(Choices& c, ContactBuilder& builder) {
   const int below_exact = c.below(12);
   builder.scale_by(Vec3::Constant(0x1p-1000));
@@ -162,7 +162,7 @@ Case mixed_scales(Choices& c, FeatureKind kind, int control_points) {
   return builder.take();
 }
 
-/// Up to the greatest double along one axis or all: differences overflow.
+/// Coordinates up to the greatest double along one axis or all axes, so that differences overflow.
 void make_greatest(Choices& c, ContactBuilder& builder) {
   Vec3 most = Vec3::Constant(builder.made().separation), by = Vec3::Ones();
   for (const auto& set : builder.made().sets)
@@ -178,9 +178,9 @@ void make_greatest(Choices& c, ContactBuilder& builder) {
   builder.scale_by(by);
 }
 
-/// Features on one line that overlap along it or not: fractions of the greatest double, or 0. VF: the vertex and a side
-/// of the triangle lie on it; EE: the first edge, and the second across it. `still`: one point moves, else all may, and
-/// pass through the line as well.
+/// Features on one line that may overlap along it; coordinates are fractions of the greatest double, or 0. VF: the
+/// vertex and a side of the triangle are on the line; EE: the first edge is on it, and the second one crosses it.
+/// `still`: one point moves; otherwise all points may move and pass through the line.
 Case great_line(Choices& c, FeatureKind kind, int control_points, bool still) {
   const bool passing = !still && c.below(2);
   const Vec3 height = passing ? heights(c, control_points, skewed_length) : Vec3(Vec3::Zero());
@@ -224,9 +224,9 @@ Case overflow(Choices& c, FeatureKind kind, int control_points) {
   return builder.take();
 }
 
-/// Smooth motion whose coplanarity polynomial is nearly constant for most of the step: Newton's method leaves the step
-/// from where it begins. Next to none of random ones are like that, so these have to do, with every control value
-/// changed a little.
+/// Smooth motion whose coplanarity polynomial is nearly constant for most of the step, so that Newton's method leaves
+/// the step from its initial point. Random motions are hardly ever like this. Therefore these motions are fixed, with
+/// small changes of every control value.
 constexpr double kFlat[][9] = {{.069, .0161, 1.13, .499, .00357, .00285, -11, .0785, .064},
                                {.0057, .0069, .66, 1.7, .28, .12, -.034, -.042, 5.8}};
 
@@ -246,7 +246,8 @@ Case skewed(Choices& c, FeatureKind kind, int control_points) {
   return c.below(2) ? flat(c, kind, control_points) : frame(c, kind, control_points, skewed_length);
 }
 
-/// The first set is moved off by exactly the separation; then the separation may be a few units more or less.
+/// The first set is moved away by exactly the separation; then the separation may be changed by a few units in the last
+/// place.
 Case at_the_separation(Choices& c, FeatureKind kind, int control_points) {
   ContactBuilder builder(c, kind, control_points);
   any_or_general(c, builder);

@@ -108,7 +108,7 @@ void ContactBuilder::scale() {
     scale_by(Vec3::Constant(c_.pick({1e-150, 1e150})));
     case_.touch = -1;
   }
-  if (how == 7) {  // the least bit of all coordinates is 2^-10 or more
+  if (how == 7) {  // the lowest bit of all coordinates is 2^-10 or higher
     const int exponent = static_cast<int>(c_.pick({-1064, -1064, -1070, -1074, -1040}));
     scale_by(Vec3::Constant(0x1p-500));
     scale_by(Vec3::Constant(std::ldexp(1, exponent + 500)));
@@ -162,8 +162,8 @@ Path ContactBuilder::path() {
   return p;
 }
 
-/// Where the other feature's contact point is at the time, going on freely, within the plane of d and e (the
-/// coplanarity polynomial has a double root then), or along with it.
+/// The position of the other feature's contact point at that time: moving freely, within the plane of d and e (then the
+/// coplanarity polynomial has a double root), or along with this point.
 Path ContactBuilder::meeting(const Path& contact, const Vec3& d, const Vec3& e, Shape shape) {
   Path p = path();
   p.x = contact.x;
@@ -173,7 +173,7 @@ Path ContactBuilder::meeting(const Path& contact, const Vec3& d, const Vec3& e, 
   return p;
 }
 
-/// `meets`: has a part in the contact.
+/// `meets`: whether the point is part of the contact.
 void ContactBuilder::add(std::size_t set, const Path& path, bool meets) {
   Curve p = path.curve(case_.control_points, t_);
   const double side = set == 0 ? 1 : -1;
@@ -188,7 +188,7 @@ void ContactBuilder::add(std::size_t set, const Path& path, bool meets) {
   case_.sets[set].push_back(p);
 }
 
-/// Added at each control point. `diagonal`: along x + y + z = const, with sums between two floats, or that cancel.
+/// An offset at each control point. `diagonal`: along x + y + z = const, where sums lie between two floats or cancel.
 Curve ContactBuilder::offsets(bool diagonal) {
   const auto big = [&](int bits) { return std::ldexp(c_.lattice(1 << 30), bits - 30); };
   Curve by = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
@@ -201,7 +201,8 @@ Curve ContactBuilder::offsets(bool diagonal) {
     const double x = big(39) + 0x1p-10 * c_.below(1024), y = big(39) + 0x1p-10 * c_.below(1024);
     by.fill({x, y, (0x1p30 + 0x1p6) - x - y});
   }
-  if (how == 7 && diagonal) {  // x + y is just beyond 2^53 and rounded, z before it, the sum small
+  // x + y is just above 2^53 and therefore rounded, if z is not added before; the sum is small
+  if (how == 7 && diagonal) {
     const double x = std::abs(big(52)) + c_.below(1024), sum = 0x1p53 + 2 * c_.below(8);
     by.fill({x, sum - x, (16 + c_.below(64)) - sum});
   }

@@ -58,7 +58,7 @@ class ContactBuilder {
   void reorder();
 
  private:
-  /// What separates the features.
+  /// How the features are separated.
   enum class Between {
     plane,    ///< the plane z = 0, at every control point; they touch in it
     nothing,  ///< nothing; in general, they pass through each other
@@ -67,7 +67,7 @@ class ContactBuilder {
 
   void vertex_and_triangle(Shape shape);
   void two_edges(Shape shape);
-  /// Of 8 shapes the last three are degenerate.
+  /// The last three of 8 shapes are degenerate.
   int choose(Shape shape) { return shape == Shape::any ? c_.below(8) : shape == Shape::general ? 0 : 5 + c_.below(3); }
   Vec3 lattice(int range) { return {c_.lattice(range), c_.lattice(range), c_.lattice(range)}; }
   Path path();

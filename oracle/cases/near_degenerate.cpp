@@ -110,7 +110,7 @@ long double Coordinates::distance(double t) const {
   const Real s = 1 - Real(t);
   for (std::size_t i = 0; i < 4; ++i)
     for (std::size_t k = 0; k < 3; ++k) {
-      // Relative to the first point: large coordinates would leave nothing of small distances.
+      // Positions are relative to the first point, because small distances would be lost in large coordinates.
       const auto x = [&](std::size_t control_point) {
         return Real(points_[i][k + 3 * control_point]) - Real(points_[0][k + 3 * control_point]);
       };

@@ -14,9 +14,9 @@ namespace {
 constexpr int kCorner[8][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
 /// Faces of the cell, outward.
 constexpr int kFace[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
-/// Kuhn's split along the diagonal 0-6: the same in every cell, so that it conforms.
+/// Kuhn's division along the diagonal 0-6 is the same in every cell, so that the mesh is conforming.
 constexpr int kKuhn[6][4] = {{0, 1, 2, 6}, {0, 2, 3, 6}, {0, 3, 7, 6}, {0, 7, 4, 6}, {0, 4, 5, 6}, {0, 5, 1, 6}};
-/// The first triangle of a wedge turns right as seen from the second (VTK).
+/// The first triangle of a wedge is clockwise as seen from the second one (VTK).
 constexpr int kWedges[2][6] = {{0, 2, 1, 4, 6, 5}, {0, 3, 2, 4, 7, 6}};
 
 class BlockBuilder {
@@ -82,7 +82,7 @@ class BlockBuilder {
     shape_.positions.push_back(centre);
     for (const auto& face : kFace) {
       std::vector<Index> vertices = pick(corner, face);
-      std::reverse(vertices.begin(), vertices.end());  // the base turns left as seen from the apex (VTK)
+      std::reverse(vertices.begin(), vertices.end());  // the base is counter-clockwise as seen from the apex (VTK)
       vertices.push_back(apex);
       add(ElementType::pyramid, std::move(vertices));
     }

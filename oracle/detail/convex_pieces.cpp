@@ -46,7 +46,7 @@ bool has_directed_edge(const Triangle& f, Index from, Index to) {
   return false;
 }
 
-/// Turns the triangles of a closed surface so that neighbours run along their common edge in opposite directions.
+/// Orients the triangles of a closed surface such that neighbours traverse their common edge in opposite directions.
 void orient_alike(std::vector<Triangle>& triangles) {
   std::vector<char> done(triangles.size(), 0);
   std::vector<std::size_t> open = {0};

@@ -12,7 +12,7 @@
 
 namespace volccd::detail {
 
-// A libccd in single precision has tolerances that hide overlaps of a thousandth of an element.
+// A libccd in single precision would have tolerances that hide overlaps of a thousandth of an element.
 static_assert(sizeof(ccd_real_t) == 8);
 
 namespace {
@@ -31,7 +31,7 @@ std::vector<ElementPair> box_overlaps(std::span<const ElementBox> boxes) {
   std::vector<fcl::CollisionObjectd*> pointers;
   objects.reserve(boxes.size());
   for (const ElementBox& box : boxes) {
-    // A box is handed over as centre and sides: what rounding takes off, the margin gives back.
+    // FCL gets a box as centre and sides; the margin compensates for rounding.
     const double margin = 1e-14 * std::max(box.low.cwiseAbs().maxCoeff(), box.high.cwiseAbs().maxCoeff());
     const Vec3 side = box.high - box.low + Vec3::Constant(4 * margin);
     objects.push_back(std::make_unique<fcl::CollisionObjectd>(
@@ -48,18 +48,18 @@ std::vector<ElementPair> box_overlaps(std::span<const ElementBox> boxes) {
   return pairs;
 }
 
-/// One shape for each number of points. Its points are replaced from query to query, which its topology and, as they
-/// are centred on their mean each time, its interior point allow.
+/// One shape for each number of points. Its points are replaced for each query. This is possible because the topology
+/// does not change, and because the points are centred, so that the interior point does not change either.
 class FclOverlap::Shapes {
  public:
   const fcl::Convexd& take(std::span<const Vec3> points, const Vec3& mean, double scale) {
     if (shapes_.size() <= points.size()) shapes_.resize(points.size() + 1);
     Shape& shape = shapes_[points.size()];
     if (!shape.convex) {
-      // The mean must be zero already now: FCL takes it as a point inside.
+      // The mean must already be zero here, because FCL takes it as an interior point.
       shape.points = std::make_shared<std::vector<Vec3>>(points.size(), Vec3::Zero());
-      // The query looks at points alone. FCL may use faces to walk along their edges, but only where every point is on
-      // one.
+      // The query uses only points. FCL may use faces to find neighbours along edges, but only if every point is on a
+      // face.
       shape.convex = std::make_unique<fcl::Convexd>(
           shape.points, 2, std::make_shared<const std::vector<int>>(std::vector<int>{3, 0, 1, 2, 3, 0, 2, 1}));
     }
@@ -92,10 +92,11 @@ bool FclOverlap::operator()(std::span<const Vec3> a, std::span<const Vec3> b) {
   };
   const Vec3 mean_a = mean_of(a), mean_b = mean_of(b);
   const double extent = (high - low).maxCoeff();
-  if (!(extent > 1e-150)) return false;  // all in one place: shallower than FCL is asked to see
+  // all points are at one place, so that an overlap would be less deep than FCL is used for
+  if (!(extent > 1e-150)) return false;
   const double scale = 1 / extent;
   const Vec3 half = (mean_b - mean_a) * (scale / 2);
-  const fcl::CollisionRequestd request;  // boolean, libccd
+  const fcl::CollisionRequestd request;  // a boolean query with libccd
   fcl::CollisionResultd result;
   fcl::collide(&a_->take(a, mean_a, scale), fcl::Transform3d(fcl::Translation3d(-half)), &b_->take(b, mean_b, scale),
                fcl::Transform3d(fcl::Translation3d(half)), request, result);

@@ -29,8 +29,8 @@ double gap_along(const Vec3& axis, std::span<const Vec3> a, std::span<const Vec3
   return std::max(low_a - high_b, low_b - high_a) / length;
 }
 
-/// Calls take(axis) for the normals of all triangles of points, and for the lines across their edges within their
-/// planes: needed where both sets are flat and lie in one plane. Appends the directions of all edges.
+/// Calls take(axis) for the normals of all triangles of points, and for the normals of their edges within their planes,
+/// which are needed if both sets are flat and lie in one plane. Appends the directions of all edges.
 template <class Take>
 void visit_axes(std::span<const Vec3> p, std::vector<Vec3>& edges, Take&& take) {
   const std::size_t n = p.size();

@@ -37,8 +37,8 @@ class Pipeline::Run {
   const Step& pair_step() const { return flooded_ ? *flood_step_ : step_; }
   double latest_time() const;
   void count_adjacent(std::span<const ElementPair> pairs, Statistics& sums) const;
-  /// What pairs are culled for: to assign their tests, as seeds of the flood, or because the flood needs to know which
-  /// of them touch at t = 0.
+  /// The purpose for which pairs are culled: to assign their tests, as seeds of the flood, or because the flood needs
+  /// to know which of them touch at t = 0.
   enum class Purpose { tests, seeds, touch_at_start };
   Step step_for(Purpose purpose) const;
   void take_pairs(std::span<const ElementPair> pairs, unsigned w, Purpose purpose);

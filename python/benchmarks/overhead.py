@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What Python costs: seconds of the same work by the program and by the module, in turns. Printed are the ratio of the
-smallest seconds of all rounds, which other load disturbs least, and the median and the range of the ratios of the
+"""Measures the cost of Python: seconds of the same work by the program and by the module, in turns. It prints the ratio
+of the smallest times of all rounds, which other load disturbs least, and the median and the range of the ratios of the
 rounds.
 
 usage: PYTHONPATH=build/release/python python3 python/benchmarks/overhead.py PROGRAM SEQUENCE [CUSTOM_CULLING]
@@ -11,10 +11,10 @@ SEQUENCE        e.g. volccd scene generate deform --mesh octopus2-14k.vtkhdf --m
 CUSTOM_CULLING  the program of examples/custom_culling; then its stage `spheres` is compared with `python-spheres` of
                 docs/python.md, on the same pairs in the same batches
 
-All on one thread. Compared are
+All runs use one thread. These are compared:
   steps    seconds in Pipeline::run, summed over the steps: Sequence.detect against the program
   arrays   wall clock of Detector.step from arrays, against the seconds in Pipeline::run of the same steps: all that
-           the module adds, and building the motion from the arrays, which every caller does
+           the module adds, and the time to make the motion from the arrays, which every caller needs
   run      seconds of the culling stage's run(), Python against C++
   stage    the same with prepare()
 """

@@ -1,4 +1,4 @@
-// NumPy arrays from and to the library's types.
+// Conversions between NumPy arrays and the library's types.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@
 
 namespace volccd::python {
 
-/// An argument of doubles: used in place if it is float64 and C-contiguous, else converted once.
+/// An argument of doubles. It is used in place if it is float64 and C-contiguous, otherwise converted once.
 using DoubleArray = py::array_t<double, py::array::c_style | py::array::forcecast>;
 template <class T>
 using IntegerArray = py::array_t<T, py::array::c_style>;
@@ -28,15 +28,15 @@ std::span<const Vec3> points_of(const DoubleArray& array, const char* name);
 template <class T, int Flags>
 std::span<const T> values_of(const py::array_t<T, Flags>& array, const char* name);
 
-/// A new array that holds a copy of `data`; dtype of C++ type T. Allocates through Python only, so that stages in
-/// Python keep the promise not to allocate (docs/python.md). The GIL is held.
+/// A new array with a copy of `data`; its dtype is that of the C++ type T. Allocates through Python only, so that
+/// stages in Python keep the promise not to allocate (docs/python.md). The GIL must be held.
 template <class T>
 py::array new_array(std::initializer_list<std::size_t> shape, const T* data);
 
 /// Views of memory that `owner` keeps alive.
 py::array view(const py::dtype& dtype, std::size_t n, const void* data, const py::handle& owner);
 
-/// a, b: uint32, as ElementPair lies in memory.
+/// Pairs a, b as uint32, as ElementPair has them in memory.
 py::dtype pair_dtype();
 
 // Definitions.

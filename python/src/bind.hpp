@@ -1,4 +1,4 @@
-// The parts of the extension module, each in a source of its own.
+// The parts of the extension module; each has a source of its own.
 #pragma once
 
 #include <pybind11/numpy.h>

@@ -18,7 +18,7 @@ std::span<const T> take(const py::dict& arrays, const char* name, py::object& ke
   return values_of(array, name);
 }
 
-/// Offsets into `length` values: they begin with 0, ascend and end there.
+/// Offsets into `length` values: they begin with 0, ascend, and end with `length`.
 std::vector<std::size_t> offsets_from(std::span<const std::int64_t> offsets, std::size_t cells, std::size_t length,
                                       const char* name) {
   if (offsets.size() != cells + 1)
@@ -45,7 +45,7 @@ std::vector<ElementType> types_from(std::span<const std::uint8_t> types) {
   return result;
 }
 
-/// Vertex numbers of 64 bits; in a face stream, counts too.
+/// Vertex numbers of 64 bits. A face stream also contains counts.
 std::vector<Index> indices_from(std::span<const std::int64_t> values, const char* name) {
   std::vector<Index> result(values.size());
   for (std::size_t i = 0; i < values.size(); ++i) {

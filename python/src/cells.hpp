@@ -1,4 +1,4 @@
-// Cells from and to arrays.
+// Conversions between cells and arrays.
 #pragma once
 
 #include <volccd/mesh/sequence/cells.hpp>
@@ -7,9 +7,9 @@
 
 namespace volccd::python {
 
-/// From the arrays of a `_core.Cells`-like dict: types, offsets, connectivity, objects, ids, face_offsets, faces
-/// (volccd/_meshes.py). Throws InputError: lengths that do not fit, types that a mesh cannot hold, offsets that do not
-/// ascend. What Mesh::add_element checks is not checked here.
+/// Makes cells from the arrays of a `_core.Cells`-like dict: types, offsets, connectivity, objects, ids, face_offsets,
+/// faces (volccd/_meshes.py). Throws InputError for lengths that do not match, types that a mesh cannot have, and
+/// offsets that do not ascend. The checks of Mesh::add_element are not made here.
 SequenceCells cells_from(const py::dict& arrays);
 
 /// The same arrays, copied.

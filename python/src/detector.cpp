@@ -1,4 +1,4 @@
-// A mesh given by arrays, and the steps that are asked of it.
+// A mesh given by arrays, and its steps.
 #include <algorithm>
 #include <numeric>
 #include <optional>
@@ -31,7 +31,7 @@ EdgeSet edges_from(const std::string& edges) {
   throw ConfigError(fmt::format("edges: '{}' is not triangulated or polytope", edges));
 }
 
-/// Shells of a mesh with their thickness, and the solid elements made from them.
+/// The shells of a mesh with their thickness, and the solid elements made from them.
 class Shells {
  public:
   Shells(Mesh mesh, std::vector<double> thickness)
@@ -44,7 +44,7 @@ class Shells {
     thickener_.positions(x, thickness_, out, scratch_, executor);
   }
 
-  /// The shells after an edit, one thickness an added element.
+  /// Updates the shells after an edit; `thickness` has one value for each added element.
   Shells edited(std::span<const Index> removed, Index new_vertices, const std::vector<ElementSpec>& added,
                 std::span<const double> thickness) const {
     Mesh mesh = mesh_;
@@ -111,7 +111,7 @@ class Detector {
     topology_->apply(edit);
   }
 
-  /// Ids by slot; -1 where a slot is empty.
+  /// Ids by slot; -1 if a slot is empty.
   py::array element_ids() const {
     const Mesh& mesh = topology_->mesh();
     std::vector<std::int64_t> ids(mesh.element_slots());

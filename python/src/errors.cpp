@@ -1,4 +1,4 @@
-// Exceptions of the same categories as the library's (core/error.hpp).
+// Exceptions in the same categories as the library's (core/error.hpp).
 #include "bind.hpp"
 
 #include <volccd/core/error.hpp>
@@ -8,7 +8,7 @@ namespace volccd::python {
 
 namespace {
 
-// Never freed: they may be needed while the interpreter ends.
+// These are never freed, because they may be needed while the interpreter ends.
 PyObject *error_type = nullptr, *input_error_type = nullptr, *config_error_type = nullptr;
 
 PyObject* make_type(py::module_& module, const char* name, const char* doc, const py::tuple& bases) {
@@ -18,7 +18,7 @@ PyObject* make_type(py::module_& module, const char* name, const char* doc, cons
   return type;
 }
 
-/// Text of a message that may hold a file name in another encoding.
+/// The text of a message, which may contain a file name in another encoding.
 py::object text(const std::string& message) {
   return py::reinterpret_steal<py::object>(
       PyUnicode_DecodeUTF8(message.data(), static_cast<Py_ssize_t>(message.size()), "replace"));

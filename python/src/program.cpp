@@ -1,4 +1,4 @@
-// The whole program, with the stages registered from Python.
+// The whole program, with the stages registered in Python.
 #include <csignal>
 #include <vector>
 
@@ -13,7 +13,7 @@ namespace volccd::python {
 
 namespace {
 
-/// The program sets handlers of its own while it works; afterwards Python's are there again.
+/// The program sets its own signal handlers while it works; afterwards those of Python are restored.
 class SignalsKept {
  public:
   SignalsKept() {
@@ -37,7 +37,7 @@ int run_program(const std::vector<std::string>& arguments) {
   std::vector<const char*> argv{"volccd"};
   for (const std::string& argument : arguments) argv.push_back(argument.c_str());
   argv.push_back(nullptr);
-  const Registry stages = registry();  // a registration by another thread changes nothing here
+  const Registry stages = registry();  // a copy, so that a registration by another thread changes nothing here
   const SignalsKept signals;
   const py::gil_scoped_release without_gil;
   return program(static_cast<int>(argv.size()) - 1, argv.data(), stages);

@@ -12,7 +12,7 @@ namespace volccd::python {
 
 SharedObject::SharedObject(py::object object)
     : object_(new py::object(std::move(object)), [](py::object* held) {
-        if (!Py_IsInitialized()) return;  // the interpreter has ended: its objects are gone
+        if (!Py_IsInitialized()) return;  // the interpreter has ended, and its objects no longer exist
         const py::gil_scoped_acquire gil;
         delete held;
       }) {}
@@ -73,7 +73,7 @@ py::array verdicts_of(const py::object& returned, std::size_t n, const char* met
   const char kind = array.dtype().kind();
   if (array.ndim() != 1 || static_cast<std::size_t>(array.shape(0)) != n || (kind != 'b' && kind != 'i' && kind != 'u'))
     wrong_verdicts(returned, n, method, stage);
-  // As doubles, so that no integer is too large to be looked at.
+  // As doubles, so that integers of any size can be checked.
   if (kind != 'b' && (array.attr("min")().cast<double>() < 0 || array.attr("max")().cast<double>() > 2))
     wrong_verdicts(returned, n, method, stage);
   return py::reinterpret_steal<py::array>(py::detail::npy_api::get().PyArray_FromAny_(

@@ -17,14 +17,14 @@ Registry standard() {
   return made;
 }
 
-/// Never destroyed: stages in it refer to Python objects.
+/// The registry is never destroyed, because its stages refer to Python objects.
 Registry*& current() {
   static Registry* made = new Registry(standard());
   return made;
 }
 
-/// Replaces the registry: `stages` are classes (volccd/_stages.py), `pipelines` are tuples (name, base, settings,
-/// description). After an exception it is as it was.
+/// Replaces the registry. `stages` are classes (volccd/_stages.py), `pipelines` are tuples (name, base, settings,
+/// description). If an exception is thrown, the registry is unchanged.
 void set_registry(const py::list& stages, const py::list& pipelines) {
   Registry made = standard();
   for (const py::handle stage : stages) add_stage(made, py::reinterpret_borrow<py::object>(stage));
@@ -33,7 +33,7 @@ void set_registry(const py::list& stages, const py::list& pipelines) {
     PipelineSpec spec = make_spec(made, parts[1].cast<std::string>(), parts[2].cast<std::vector<std::string>>());
     spec.name = parts[0].cast<std::string>();
     spec.description = parts[3].cast<std::string>();
-    Pipeline(made, spec);  // what is wrong with it is said now
+    Pipeline(made, spec);  // errors are thrown now
     made.add_pipeline(std::move(spec));
   }
   *current() = std::move(made);

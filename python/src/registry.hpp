@@ -1,4 +1,4 @@
-// The registry of the process: the library's stages, those of other libraries, and those registered from Python.
+// The registry of the process: the library's stages, those of other libraries, and those registered in Python.
 #pragma once
 
 #include <string>
@@ -10,10 +10,11 @@
 
 namespace volccd::python {
 
-/// With the GIL held; changes at a registration. Copies of it may be used and destroyed without the GIL.
+/// Must be called with the GIL held. A registration changes the registry; copies may be used and destroyed without the
+/// GIL.
 const Registry& registry();
 
-/// A registered pipeline, changed by settings as of `--set`. Throws ConfigError.
+/// A registered pipeline with changes in the form of `--set`. Throws ConfigError.
 PipelineSpec make_spec(const Registry& registry, const std::string& pipeline, const std::vector<std::string>& settings);
 
 }  // namespace volccd::python

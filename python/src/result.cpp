@@ -8,7 +8,7 @@ namespace volccd::python {
 
 namespace {
 
-/// Fields of a structured dtype, at their places in a C++ struct.
+/// The fields of a structured dtype, at their offsets in a C++ struct.
 class Fields {
  public:
   template <class Struct, class Member>
@@ -45,7 +45,7 @@ py::dtype contact_dtype() {
 }
 
 const py::object& kept_dtype(py::object (*make)(), py::object*& kept) {
-  if (!kept) kept = new py::object(make());  // for as long as the process lives
+  if (!kept) kept = new py::object(make());  // for the lifetime of the process
   return *kept;
 }
 

@@ -1,4 +1,4 @@
-// What a run gives to Python.
+// The results of a run as Python objects.
 #pragma once
 
 #include <volccd/pipelines/pipeline.hpp>
@@ -7,18 +7,18 @@
 
 namespace volccd::python {
 
-/// Lies in memory that Python owns; its arrays are views of it.
+/// The data are in memory that Python owns; the arrays are views of it.
 struct Result : StepResult {
-  py::object statistics_dict;  ///< made when it is asked for first; empty until then
+  py::object statistics_dict;  ///< made at the first use; empty until then
 };
 
-/// A structured array of contacts; a view, `owner` keeps it alive.
+/// A structured array of contacts, as a view; `owner` keeps the memory alive.
 py::array contacts_view(const std::vector<Contact>& contacts, const py::handle& owner);
-/// The same, copied.
+/// The same as a copy.
 py::array contacts_copy(const std::vector<Contact>& contacts);
 py::array pairs_copy(const std::vector<ElementPair>& pairs);
 
-/// Counts, seconds, and under "stages" a structured array.
+/// Counts, seconds, and a structured array under "stages".
 py::dict statistics_dict(const Statistics& statistics);
 
 }  // namespace volccd::python

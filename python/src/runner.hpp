@@ -13,7 +13,7 @@
 
 namespace volccd::python {
 
-/// What a Detector is made with, beside its mesh.
+/// The arguments of a Detector except for its mesh.
 struct RunnerConfig {
   std::string pipeline;
   std::vector<std::string> settings;
@@ -22,11 +22,11 @@ struct RunnerConfig {
   std::string pairs;  ///< all, inter, intra
   std::vector<std::pair<std::int32_t, std::int32_t>> exclude;
 
-  /// From keyword arguments with these names, all of them present.
+  /// Reads keyword arguments with these names, all of which must be present.
   explicit RunnerConfig(const py::dict& options);
 };
 
-/// What a step is asked for.
+/// The options of a step.
 struct StepRequest {
   bool first = false, initial_overlaps = false;
   double t_max = 1;
@@ -37,7 +37,8 @@ class Runner {
   /// Throws ConfigError. The registry may change afterwards.
   explicit Runner(const RunnerConfig& config);
 
-  /// Called without the GIL; throws what Pipeline::run throws, and what a signal handler or a stage in Python raises.
+  /// Must be called without the GIL. Throws the exceptions of Pipeline::run, and those of a signal handler or of a
+  /// stage in Python.
   std::shared_ptr<Result> run(const Topology& topology, const Motion& motion, const StepRequest& request,
                               bool shell_neighbours_left_out);
 
@@ -54,7 +55,7 @@ class Runner {
   double separation_ = 0;
 };
 
-/// Facts about a runner for Python: pipeline, guarantee, threads, stages.
+/// Properties of a runner for Python: pipeline, guarantee, threads, stages.
 py::dict runner_facts(Runner& runner);
 
 }  // namespace volccd::python

@@ -17,7 +17,7 @@ namespace volccd::python {
 
 namespace {
 
-/// The simulated scene that a name means, "NAME-quick" included.
+/// The simulated scene of this name, which may end with "-quick".
 const SimulatedScene* simulated(const std::string& name, BakeSettings& settings) {
   constexpr std::string_view quick = "-quick";
   if (const SimulatedScene* scene = find_simulated_scene(name)) return scene;
@@ -27,7 +27,7 @@ const SimulatedScene* simulated(const std::string& name, BakeSettings& settings)
   return scene;
 }
 
-/// All names that scene_file() takes, with one line each.
+/// All names that scene_file() accepts, with a description of one line.
 py::dict scene_names() {
   py::dict names;
   for (const ExternalScene& scene : external_scenes()) names[py::str(scene.name)] = scene.description;
@@ -48,7 +48,7 @@ void check_name(const std::string& name) {
   throw ConfigError(fmt::format("no scene '{}'; there are {}", name, known));
 }
 
-/// Whether the next line may run for long.
+/// Whether the following line may take long.
 void check_simulated(const std::string& name, bool simulate) {
   BakeSettings settings;
   const SimulatedScene* scene = simulated(name, settings);

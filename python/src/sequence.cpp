@@ -1,4 +1,4 @@
-// Sequence files: what is in them, and their motions one after another.
+// Sequence files: their contents, and their motions one after another.
 #include <optional>
 
 #include <pybind11/stl.h>
@@ -76,7 +76,7 @@ std::shared_ptr<Result> SequenceRunner::run(Sequence& sequence, int motion, cons
 
 namespace {
 
-/// While one lives, the reader is this thread's.
+/// While such an object exists, only this thread may use the reader.
 class StepReading {
  public:
   StepReading(Sequence& sequence, int step) : guard_(sequence.busy, "Sequence") {
@@ -126,7 +126,7 @@ py::array times(const Sequence& sequence) {
   return new_array({values.size()}, values.data());
 }
 
-/// Element ids by slot of the topology that the sequence has gone to; -1 where a slot is empty.
+/// Element ids by slot of the current topology of the sequence; -1 if a slot is empty.
 py::array element_ids(Sequence& sequence) {
   const BusyGuard guard(sequence.busy, "Sequence");
   if (sequence.motion() < 0)

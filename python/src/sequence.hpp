@@ -13,7 +13,7 @@ namespace volccd::python {
 
 class Sequence {
  public:
-  /// Throws InputError, and ConfigError for options (shells, edges, motion, parts) that do not exist.
+  /// Throws InputError, and ConfigError for unknown values of the options (shells, edges, motion, parts).
   Sequence(const std::string& file, const py::dict& options);
 
   SequenceReader& reader() { return reader_; }
@@ -21,9 +21,9 @@ class Sequence {
   /// Pre: more than one step.
   SequenceStepper& stepper() { return *stepper_; }
   const SequenceStepper::Config& config() const { return config_; }
-  /// The motion gone to last, or -1.
+  /// The motion of the last go_to(), or -1.
   int motion() const { return stepper_ ? stepper_->current() : -1; }
-  /// Throws InputError: no such motion.
+  /// Throws InputError if there is no such motion.
   void go_to(int motion);
 
   bool busy = false;  ///< BusyGuard
@@ -39,8 +39,8 @@ class SequenceRunner {
  public:
   explicit SequenceRunner(const RunnerConfig& config) : runner_(config) {}
 
-  /// Called with the GIL, which it releases. `neighbours`: contacts of thickened shells between features that stem from
-  /// one vertex are kept.
+  /// Must be called with the GIL, which it releases. `neighbours`: keeps contacts of thickened shells between features
+  /// with copies of the same shell vertex.
   std::shared_ptr<Result> run(Sequence& sequence, int motion, const StepRequest& request, bool neighbours);
   Runner& runner() { return runner_; }
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::chrono::milliseconds kPeriod(50);
 
-/// Thrown by workers after a handler has raised.
+/// Thrown by workers after a handler has raised an exception.
 struct Stopped {};
 
 class SignalExecutor final : public Executor {
@@ -40,7 +40,7 @@ class SignalExecutor final : public Executor {
   }
 
  private:
-  /// On the calling thread only.
+  /// Must be called on the calling thread of the library only.
   void look() {
     const auto now = std::chrono::steady_clock::now();
     if (now - looked_ < kPeriod) return;

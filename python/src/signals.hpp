@@ -1,4 +1,4 @@
-// Ctrl-C while the library works.
+// Handles Ctrl-C while the library works.
 #pragma once
 
 #include <memory>
@@ -14,10 +14,10 @@ namespace volccd::python {
 /// handled by Python's main thread only, as elsewhere.
 std::unique_ptr<Executor> make_signal_executor(unsigned threads);
 
-/// For loops without an executor, with or without the GIL: throws what a handler raised.
+/// For loops without an executor, with or without the GIL: throws the exception that a handler raised.
 void check_signals();
 
-/// Throws Error if the caller holds it already: objects with a workspace serve one thread at a time.
+/// Throws Error if the caller already holds it, because objects with a workspace serve one thread at a time.
 class BusyGuard {
  public:
   BusyGuard(bool& busy, const char* what);

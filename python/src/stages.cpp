@@ -15,7 +15,7 @@ namespace volccd::python {
 
 namespace {
 
-/// What the three kinds of stages have in common.
+/// The common part of the three kinds of stages.
 template <class Base>
 class PythonStage : public Base {
  public:
@@ -56,7 +56,7 @@ class PythonElementCulling final : public PythonStage<ElementCulling> {
   }
 };
 
-/// Arrays of a block: kind, vertices [n, 4], points [control points, 4, 3, n], copied.
+/// Copies of the arrays of a block: kind, vertices [n, 4], points [control points, 4, 3, n].
 struct BlockArrays {
   py::int_ kind;
   py::array vertices, points;
@@ -90,7 +90,7 @@ class PythonFeatureFilter final : public PythonStage<FeatureFilter> {
   }
 };
 
-/// Times and, where the stage gives them, the other fields of contacts.
+/// Times of contacts and, if the stage gives them, the other fields.
 struct Answer {
   std::optional<DoubleArray> toi, normal, point, weights, at_start;
 };
@@ -184,7 +184,7 @@ std::vector<OptionInfo> options_of(const py::object& stage) {
   return infos;
 }
 
-/// An instance with these options. A ConfigError of Python becomes the library's, which the program reports.
+/// Makes an instance with these options. A ConfigError of Python becomes one of the library, which the program reports.
 SharedObject instance_of(const SharedObject& type, const OptionValues& values) {
   try {
     return SharedObject(type.get().attr("_make")(values));
@@ -206,7 +206,7 @@ void add(Registry& registry, const py::object& stage) {
     const py::gil_scoped_acquire gil;
     return std::make_unique<Made>(instance_of(type, values));
   };
-  descriptor.make({});  // what is wrong with it is said now
+  descriptor.make({});  // errors are thrown now
   registry.add(std::move(descriptor));
 }
 

@@ -1,4 +1,4 @@
-// Stages written in Python, as the library's stages.
+// Stages written in Python as stages of the library.
 #pragma once
 
 #include <memory>
@@ -9,8 +9,8 @@
 
 namespace volccd::python {
 
-/// Adds a class of volccd/_stages.py (ElementCulling, FeatureFilter or NarrowPhase there) to the registry. Throws
-/// ConfigError if its name is taken or its attributes are not what they must be. With the GIL held; what it adds takes
+/// Adds a class of volccd/_stages.py (ElementCulling, FeatureFilter or NarrowPhase) to the registry. Throws ConfigError
+/// if its name is already used or its attributes are invalid. Must be called with the GIL held; the added stage takes
 /// the GIL itself.
 void add_stage(Registry& registry, const py::object& stage);
 
@@ -18,7 +18,7 @@ void add_stage(Registry& registry, const py::object& stage);
 class SharedObject {
  public:
   SharedObject() = default;
-  /// With the GIL held.
+  /// The GIL must be held.
   explicit SharedObject(py::object object);
   /// For use with the GIL held.
   const py::object& get() const { return *object_; }
@@ -28,16 +28,15 @@ class SharedObject {
   std::shared_ptr<py::object> object_;
 };
 
-/// What a state of a stage in Python keeps: the step as Python sees it, with copies of the arrays, so that a stage may
-/// keep them.
+/// The state of a stage in Python: the step as Python objects with copies of the arrays, so that a stage may keep them.
 class PythonState final : public StageState {
  public:
-  /// With the GIL held.
+  /// The GIL must be held.
   PythonState();
 
   /// Copies the step, and calls stage.prepare(step). Takes the GIL.
   void prepare(const Step& step, const SharedObject& stage);
-  /// With the GIL held.
+  /// The GIL must be held.
   const py::object& step() const { return step_.get(); }
   std::size_t bytes() const override { return bytes_; }
 
@@ -45,12 +44,12 @@ class PythonState final : public StageState {
   void set_elements(const Mesh& mesh);
 
   SharedObject step_;
-  std::uint64_t version_ = 0;  ///< of the topology whose elements the step has
+  std::uint64_t version_ = 0;  ///< version of the topology whose elements the step has
   std::size_t bytes_ = 0;
 };
 
-/// What a stage returned for `n` pairs or tests, an array [n] of bool or of integers in 0 .. 2, as uint8. Throws
-/// ConfigError that names the stage and the method for anything else.
+/// The values that a stage returned for `n` pairs or tests, as uint8; they must be an array [n] of bool, or of integers
+/// from 0 to 2. Throws ConfigError with the names of the stage and the method for anything else.
 py::array verdicts_of(const py::object& returned, std::size_t n, const char* method, const py::object& stage);
 
 }  // namespace volccd::python

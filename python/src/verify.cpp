@@ -1,4 +1,4 @@
-// The cross-check of `volccd verify`.
+// The comparison of `volccd verify`.
 #include <memory>
 
 #include <pybind11/stl.h>
@@ -44,7 +44,8 @@ py::dict verdict_of(const StepVerdict& step) {
 /// Keeps pipelines and workspaces from step to step.
 class Verification {
  public:
-  /// `shells`: they are thickened, and contacts between features that stem from one vertex are left out.
+  /// `shells`: whether shells are thickened, and contacts between features with copies of the same shell vertex are
+  /// left out.
   Verification(const std::vector<std::string>& settings, unsigned threads, double separation, bool fcl,
                bool approximate, Index brute_force_limit, bool shells)
       : verifier_(with_settings(settings), config_of(fcl, approximate, brute_force_limit, shells)),

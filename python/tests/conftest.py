@@ -9,7 +9,7 @@ POINTS = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [-1, -1, 2], [2, 
 
 @pytest.fixture
 def falling():
-    """points0, points1, cells: the tip of the first tetrahedron meets the base of the second at t = 0.5."""
+    """points0, points1, cells: the tip of the first tetrahedron meets the base of the second one at t = 0.5."""
     moved = POINTS.copy()
     moved[4:, 2] -= 2
     return POINTS.copy(), moved, TETRAHEDRA.copy()
@@ -17,7 +17,7 @@ def falling():
 
 @pytest.fixture
 def clean_registry():
-    """Stages and pipelines that a test registers are gone after it."""
+    """Removes the stages and pipelines that a test has registered."""
     import volccd._stages as stages
     before = dict(stages._registered), dict(stages._pipelines)
     yield

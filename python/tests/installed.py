@@ -1,4 +1,4 @@
-"""Run with the installed package on PYTHONPATH: it is complete, and it is not the one of the build folder."""
+"""Run with the installed package on PYTHONPATH: the package is complete, and is not that of the build folder."""
 
 import sys
 from pathlib import Path

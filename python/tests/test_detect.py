@@ -67,7 +67,7 @@ def test_first_separation_and_t_max(falling):
 
 def test_quadratic_motion(falling):
     points0, points1, cells = falling
-    middle = points0.copy()  # it stands still at first: z = 2 - 2 t^2 reaches 1 at sqrt(1/2)
+    middle = points0.copy()  # the point accelerates from rest: z = 2 - 2 t^2 reaches 1 at sqrt(1/2)
     assert abs(volccd.detect(points0, points1, cells, middle=middle).earliest - 0.5 ** 0.5) < 1e-6
 
 
@@ -146,7 +146,7 @@ def test_thickened_shells():
     assert abs(volccd.detect(points, moved, cells).earliest - 0.5) < 1e-6
     result = volccd.detect(points, moved, cells, thickness=0.2)
     assert abs(result.earliest - 0.4) < 1e-6
-    assert result.contacts["vertices"].max() >= 6  # of the solids: 3 v, 3 v + 1, 3 v + 2
+    assert result.contacts["vertices"].max() >= 6  # vertices of the solids: 3 v, 3 v + 1, 3 v + 2
     detector = volccd.Detector(cells, thickness=[0.2, 0.1])
     assert abs(detector.step(points, moved).earliest - 0.425) < 1e-6
     assert detector.edit(remove=[1], add=[[3, 4, 5]], thickness=0.3).tolist() == [2]
@@ -222,7 +222,7 @@ def test_no_cells():
 
 
 def grid(n, shift):
-    """Hexahedra of a cube of n^3, moved."""
+    """Hexahedra of a cube of n^3 cells, with their motion."""
     axis = np.arange(n + 1)
     points = np.stack(np.meshgrid(axis, axis, axis, indexing="ij"), -1).reshape(-1, 3) / n + shift
     number = np.arange((n + 1) ** 3).reshape(n + 1, n + 1, n + 1)
@@ -277,7 +277,7 @@ import sys, time
 sys.path.insert(0, {tests!r})
 import volccd
 from test_detect import colliding_grids
-points, moved, cells = colliding_grids(22)  # ten seconds and more
+points, moved, cells = colliding_grids(22)  # takes ten seconds or more
 detector = volccd.Detector({{"hexahedron": cells}}, pipeline="BruteForce", threads=2)
 print("ready", flush=True)
 try:
@@ -294,7 +294,7 @@ def test_ctrl_c():
     code = LONG_STEP.format(tests=os.path.dirname(__file__))
     child = subprocess.Popen([sys.executable, "-B", "-c", code], stdout=subprocess.PIPE, text=True)
     assert child.stdout.readline() == "ready\n"
-    time.sleep(1)  # it is within the step now
+    time.sleep(1)  # the interruption then comes within the step
     child.send_signal(signal.SIGINT)
     start = time.monotonic()
     try:

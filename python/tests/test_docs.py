@@ -1,4 +1,4 @@
-"""What is shown to users runs: docstrings, docs/python.md, the notebook, the stubs."""
+"""All code for users runs: docstrings, docs/python.md, the notebook, the stubs."""
 
 import ast
 import doctest
@@ -41,7 +41,7 @@ def blocks(language, page="docs/python.md"):
 
 
 def test_page():
-    """All blocks, one after another, as one program."""
+    """All blocks of code, one after another, as one program."""
     pages = blocks("python")
     assert len(pages) > 8
     names, folder = {"__name__": "page"}, os.getcwd()
@@ -61,7 +61,7 @@ def test_readme():
 
 
 def test_stages_of_the_page_keep_their_promises():
-    """`check` of the program, on the classes that people will copy."""
+    """`check` of the program passes for the classes of the documentation."""
     names = {"np": __import__("numpy"), "volccd": volccd}
     source = "\n".join(blocks("python"))
     for definition in re.findall(r"^@volccd\.register\nclass .*?(?=\n\n\S|\Z)", source, re.DOTALL | re.MULTILINE):
@@ -79,7 +79,7 @@ def test_script_of_the_page(tmp_path):
 
 
 def test_notebook():
-    """The code cells, as plain Python: no notebook server is needed."""
+    """The code cells run as plain Python, without a notebook server."""
     notebook = json.loads((ROOT / "examples/python/falling_block.ipynb").read_text())
     assert notebook["nbformat"] == 4
     names = {"__name__": "notebook"}

@@ -1,4 +1,4 @@
-"""Sequences, scenes by name, meshes of other packages, and the program: the same contacts everywhere."""
+"""Sequences, scenes by name, meshes of other packages, and the program give the same contacts."""
 
 import csv
 import os
@@ -172,7 +172,7 @@ def test_meshio(falling):
 
 
 class FakeGrid:
-    """What pyvista.UnstructuredGrid has."""
+    """The attributes of pyvista.UnstructuredGrid that are used."""
 
     def __init__(self, points, cells):
         self.points, self.n_cells = points, len(cells)

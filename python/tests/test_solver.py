@@ -1,4 +1,4 @@
-"""The solver of docs/into_a_solver.md: both versions do what the page says, and their own checks can fail."""
+"""The solver of docs/into_a_solver.md: both versions do what the page says, and their own checks detect errors."""
 
 import importlib.util
 import os
@@ -14,7 +14,7 @@ SCRIPT = ROOT / "examples/python/solver.py"
 
 
 def rows(text):
-    """Of the table: time, removed, contacts, shortened, height, energy."""
+    """The rows of the table: time, removed, contacts, shortened, height, energy."""
     return [[float(cell) for cell in line.split()] for line in text.splitlines() if re.fullmatch(r"[\s\d.+-]+", line)
             and line.strip()]
 
@@ -35,7 +35,7 @@ def by_cpp():
 
 @pytest.mark.parametrize("version", [by_python, by_cpp])
 def test_figures(version):
-    """Rounding depends on compiler and NumPy, and so do later contacts, a little."""
+    """Rounding depends on compiler and NumPy, so that later contacts differ a little."""
     found, expected = rows(version()), on_the_page()
     assert len(found) == len(expected) == 11
     for (time, removed, contacts, _, height, energy), page in zip(found, expected):
@@ -43,7 +43,7 @@ def test_figures(version):
         assert contacts == pytest.approx(page[2], rel=0.1)
         assert height == pytest.approx(page[4], abs=0.01) and energy == pytest.approx(page[5], rel=0.1)
     time, removed, contacts, shortened, *_ = found[-1]
-    assert time == 0.3 and removed > 0 and shortened > 0  # all of the loop's branches ran, and no time was given up
+    assert time == 0.3 and removed > 0 and shortened > 0  # all branches of the loop ran, and no time was omitted
 
 
 @pytest.fixture
@@ -56,7 +56,7 @@ def solver_module():
 
 def test_without_the_safe_step_its_check_fails(solver_module, monkeypatch, capsys):
     class Careless:
-        """A detector that finds nothing."""
+        """A detector that finds no contacts."""
 
         def __init__(self, detector):
             self.detector = detector
@@ -80,7 +80,7 @@ def test_without_response_the_safe_step_keeps_bodies_apart(solver_module, monkey
         solver.advance()
     shown = capsys.readouterr().out
     assert solver.time < 0.01 and not re.search(r"[1-9]\d* contacts in", shown)  # the bodies stop before they touch
-    assert not solver.good and "energy +" in shown  # gravity goes on
+    assert not solver.good and "energy +" in shown  # gravity continues to act
 
 
 @pytest.mark.filterwarnings("ignore:.*encountered in log")

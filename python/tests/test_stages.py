@@ -1,4 +1,4 @@
-"""Stages written in Python, in every place where a stage runs."""
+"""Stages written in Python, in all places where stages run."""
 
 import os
 import signal
@@ -92,7 +92,7 @@ def test_contacts_are_those_of_the_library(builtin, threads, settings):
 
 def test_stage_runs_and_is_counted(builtin):
     volccd.register(Boxes)
-    # The broad phase has dropped what these boxes would; narrower ones drop more.
+    # The broad phase has already dropped pairs with disjoint boxes, so that only narrower boxes drop more.
     settings = ["broad-phase=brute-force", "element-culling=python-boxes", "python-boxes.padding=-0.05"]
     (_, result), = builtin.detect([0], settings=settings, threads=2)
     row = result.statistics["stages"][result.statistics["stages"]["name"] == "python-boxes"][0]
@@ -219,7 +219,7 @@ def test_registration():
     volccd.add_pipeline("Mine", settings=["element-culling=python-boxes", "python-boxes.padding=0.5"])
     assert "Mine" in volccd.pipelines()
     with pytest.raises(volccd.ConfigError):
-        volccd.unregister("python-boxes")  # Mine needs it
+        volccd.unregister("python-boxes")  # the pipeline Mine needs it
     volccd.unregister("Mine"), volccd.unregister("python-boxes")
     assert "Mine" not in volccd.pipelines()
 
@@ -289,7 +289,7 @@ def test_program_checks_the_stage():
 
 def test_program_takes_the_stage_into_a_table(builtin, tmp_path):
     run = program("experiment", "run", "projectile", "--pipelines", "Boxes", "--quick", "-o", tmp_path,
-                  VOLCCD_DATA=str(tmp_path))  # without the LS-DYNA run: the built-in sequence
+                  VOLCCD_DATA=str(tmp_path))  # without the LS-DYNA run, the built-in sequence is used
     assert run.returncode == 0, run.stdout + run.stderr
     assert "Boxes" in run.stdout
     rows = volccd.read_record(tmp_path / "projectile.json")["rows"]

@@ -1,5 +1,5 @@
-"""python/pyproject.toml, the metadata of a wheel, fits the project. scikit-build-core itself is not in Debian 12: what it
-would ask of CMake is done here."""
+"""python/pyproject.toml, the metadata of a wheel, matches the project. scikit-build-core is not in Debian 12, so
+that the test makes its calls of CMake."""
 
 import importlib
 import re
@@ -11,12 +11,12 @@ import pytest
 import volccd
 
 ROOT = Path(__file__).resolve().parents[2]
-BUILD = Path(volccd.__file__).parents[2]  # the package of the build folder has links to the sources
+BUILD = Path(volccd.__file__).parents[2]  # the package of the build folder consists of links to the sources
 
 
 @pytest.fixture(scope="module")
 def metadata():
-    tomllib = pytest.importorskip("tomllib")  # Python 3.11
+    tomllib = pytest.importorskip("tomllib")  # tomllib needs Python 3.11
     return tomllib.loads((ROOT / "python/pyproject.toml").read_text())
 
 
@@ -25,7 +25,8 @@ def test_project(metadata):
     assert (project["name"], project["version"]) == ("volccd", volccd.__version__)
     assert project["license"]["text"] in (ROOT / "CITATION.cff").read_text()
     oldest = project["requires-python"].removeprefix(">= ").split(".")
-    assert f"({', '.join(oldest)})" in (ROOT / "python/CMakeLists.txt").read_text()  # of the interpreter that is looked for
+    # for the interpreter that is looked for
+    assert f"({', '.join(oldest)})" in (ROOT / "python/CMakeLists.txt").read_text()
     for script in project["scripts"].values():
         module, function = script.split(":")
         assert callable(getattr(importlib.import_module(module), function))

@@ -1,4 +1,4 @@
-"""Cells in all the forms that people have them in, as one set of arrays."""
+"""Converts cells from all accepted forms to one set of arrays."""
 
 import numpy as np
 
@@ -18,14 +18,14 @@ def _type_number(name):
         return int(name)
     if name in CELL_TYPES:
         return CELL_TYPES[name]
-    if name.startswith("polyhedron"):  # meshio: with the number of vertices behind it
+    if name.startswith("polyhedron"):  # meshio appends the number of vertices
         return _POLYTOPE
     from ._core import InputError
     raise InputError(f"cells: type {name!r} is none of {', '.join(CELL_TYPES)}, and no VTK cell type")
 
 
 class _Arrays:
-    """Blocks of cells, appended in order."""
+    """Collects blocks of cells in their order."""
 
     def __init__(self):
         self.types, self.lengths, self.connectivity = [], [], []
@@ -102,7 +102,8 @@ def _is_blocks_of_meshio(cells):
 
 
 def _is_pairs(cells):
-    """[(type, array), ...]; no element has two vertices only."""
+    """Blocks in the form [(type, array), ...]. An array of two columns is no block, because no element has two
+    vertices."""
     return isinstance(cells, (list, tuple)) and bool(cells) and isinstance(cells[0], (list, tuple)) and \
         len(cells[0]) == 2 and (isinstance(cells[0][0], str) or hasattr(cells[0][1], "__len__"))
 
@@ -141,7 +142,7 @@ def _per_cell(values, n, default, dtype):
 
 
 def cell_arrays(cells, objects=None, ids=None, first_id=0):
-    """The arrays of `cells` with an object and an id for each."""
+    """The arrays of `cells`, with an object and an id for each cell."""
     cells = getattr(cells, "cells", cells) if hasattr(cells, "points") else cells
     arrays = _arrays_of(cells)
     n = len(arrays["types"])

@@ -10,7 +10,7 @@ from ._detect import _options
 
 
 class Sequence:
-    """A sequence file (VTKHDF), opened: steps of points and cells, and the motions between them.
+    """An open sequence file (VTKHDF): steps of points and cells, and the motions between them.
 
     Motion k goes from step k to step k + 1 on the cells of step k + 1; len(sequence) motions.
 
@@ -42,17 +42,17 @@ class Sequence:
 
     @property
     def path(self):
-        """str: the file."""
+        """str: the name of the file."""
         return self._core.file
 
     @property
     def step_count(self):
-        """Steps of the file; one more than motions."""
+        """Number of steps in the file; there is one motion less."""
         return self._core.step_count
 
     @property
     def point_count(self):
-        """Points of every step."""
+        """Number of points in every step."""
         return self._core.point_count
 
     @property
@@ -72,7 +72,7 @@ class Sequence:
 
     @property
     def element_ids(self):
-        """Ids by slot of the elements of the motion that `detect` ran last; -1 where a slot is empty."""
+        """Element ids by slot in the last motion that `detect` ran; -1 if a slot is empty."""
         return self._core.element_ids
 
     def points(self, step):
@@ -84,7 +84,7 @@ class Sequence:
         return self._core.velocity(self._step(step))
 
     def thickness(self, step):
-        """float64, one a cell of the step, or None if the file has none."""
+        """float64, one value for each cell of the step, or None if the file has none."""
         return self._core.thickness(self._step(step))
 
     def cells(self, step):
@@ -98,8 +98,8 @@ class Sequence:
 
     def detect(self, steps=None, *, pipeline="VolCCD+", separation=0.0, threads=0, first=False, initial_overlaps=False,
                t_max=1.0, pairs="all", exclude=(), settings=(), shell_neighbours=False):
-        """Goes through motions and yields (motion, Result) for each. The pipeline keeps its memory from one to the
-        next.
+        """Runs the pipeline on motions and yields (motion, Result) for each. The pipeline keeps its memory from one motion
+        to the next.
 
         steps : iterable of int, optional
             Default: all, range(len(sequence)).
@@ -133,7 +133,7 @@ def scene(name, *, simulate=False, threads=0, **options):
 
 
 class Verification:
-    """What `volccd.verify` found. True if clean. `steps` has a dict for each motion: motion, clean, reference,
+    """The result of `volccd.verify`. True if clean. `steps` has a dict for each motion: motion, clean, reference,
     contacts, left_out, earliest_toi, fcl_hits, fcl_violations, and pipelines, a list of dicts with pipeline, same,
     held, refused and the structured arrays missing, extra and changed (contacts, with the fields of
     Result.contacts)."""

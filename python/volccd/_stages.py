@@ -12,7 +12,7 @@ KEEP, DISJOINT, CONTACT_FREE = 1, 0, 2
 
 
 class Step:
-    """One step, as a stage sees it. Arrays are copies: a stage may keep them.
+    """One step, as the input of a stage. The arrays are copies, so that a stage may keep them.
 
     control_points : float64 (vertices, c, 3)
         Bezier control points of each vertex: c = 2 for straight lines (both ends), 3 for constant acceleration. A
@@ -78,7 +78,8 @@ class Stage:
     options = {}
 
     def prepare(self, step):
-        """Once a step, before the other method: computes what all batches need, into `step.state`."""
+        """Called once for each step, before the other method: computes data for all batches and stores them in
+        `step.state`."""
 
     @classmethod
     def _description(cls):
@@ -186,7 +187,7 @@ class NarrowPhase(Stage):
     def test(self, step, kind, vertices, points):
         """Arguments as in FeatureFilter.filter. Returns the time of contact of each test, float64 (n,), NaN for none;
         or a dict with "toi" and, where known, "normal" (n, 3), "point" (n, 3), "weights" (n, 4) and "at_start" (n,).
-        The answer to a test must depend on its points alone."""
+        The answer to a test must depend only on its points."""
         raise NotImplementedError(f"{type(self).__name__}.test(step, kind, vertices, points)")
 
 
@@ -202,7 +203,7 @@ def _apply(stages, added):
 
 
 def register(stage):
-    """Class decorator: makes a stage known under its name, in every pipeline, in `verify` and in `main`. A class of a
+    """Class decorator that registers a stage under its name, for every pipeline, `verify` and `main`. A class of a
     name that was registered before replaces the earlier one (cells of a notebook run again). ConfigError if the name
     belongs to a stage of the library, or the class is not as `Stage` says."""
     if not (isinstance(stage, type) and issubclass(stage, Stage) and stage.role and isinstance(stage.name, str)):
@@ -213,7 +214,7 @@ def register(stage):
 
 
 def add_pipeline(name, base="VolCCD+", settings=(), description=""):
-    """Makes a pipeline known: `base` changed by `settings`. It runs in `verify`, and in the tables of
+    """Registers a pipeline: `base` with the changes in `settings`. It runs in `verify`, and in the tables of
     `main(["experiment", "run", ..., "--pipelines", name])`. One of the same name that was added before is replaced.
 
     >>> volccd.add_pipeline("Boxes", settings=["element-culling=python-boxes,csat"])  # doctest: +SKIP
@@ -224,7 +225,7 @@ def add_pipeline(name, base="VolCCD+", settings=(), description=""):
 
 
 def unregister(name):
-    """Removes a stage or pipeline that was registered from Python. ConfigError if a pipeline still needs it."""
+    """Removes a stage or pipeline that was registered in Python. ConfigError if a pipeline still needs it."""
     if name not in _registered and name not in _pipelines:
         raise _core.ConfigError(f"'{name}' was not registered from Python")
     _apply({key: value for key, value in _registered.items() if key != name},

@@ -13,7 +13,7 @@ export interface Mark {
 export interface Series {
   name: string;
   marks: Mark[];
-  index?: number;  ///< of colour and shape; by default the place in the list
+  index?: number;  ///< for colour and shape; by default the position in the list
   line?: boolean;
 }
 
@@ -73,7 +73,7 @@ function makeScale(values: number[], from: number, to: number, log: boolean, zer
   return scale;
 }
 
-/// Marks of different form, so that series can be told apart without colour.
+/// Marks of different shapes, so that series can be distinguished without colours.
 function symbol(shape: number, x: number, y: number, r: number, colour: string): SVGElement {
   const path = [
     `M${x - r},${y}a${r},${r} 0 1,0 ${2 * r},0a${r},${r} 0 1,0 ${- 2 * r},0`,
@@ -175,7 +175,7 @@ function drawAxes(frame: Frame, options: ChartOptions): void {
         svg("line", {x1: left, x2: right, y1: y(t), y2: y(t), class: "grid"}),
         svg("text", {x: left - 8, y: y(t) + 4, class: "tick end"}, tickText(t)));
   }
-  // Not all names have room; the marks show them as well.
+  // If there is not enough room, some names are left out; the marks show all of them.
   const every = categories ? Math.ceil(categories.length / 30) : 1;
   for (const t of x.ticks) {
     const name = categories ? categories[t] : tickText(t);
@@ -196,7 +196,7 @@ function drawAxes(frame: Frame, options: ChartOptions): void {
           options.yLabel));
 }
 
-/// The line of a series: it ends where a value cannot be shown (0 on a logarithmic axis), and begins again after it.
+/// The line of a series. It ends at a value that cannot be shown (0 on a logarithmic axis), and begins again after it.
 function linePath(frame: Frame, s: Series, good: Mark[]): string {
   let path = "", joined = false;
   for (const m of s.line ? s.marks : []) {
@@ -207,7 +207,7 @@ function linePath(frame: Frame, s: Series, good: Mark[]): string {
   return path;
 }
 
-/// Series `place` of `count`: those beside each other on one category are set apart.
+/// Series `place` of `count`. Series at the same category are drawn side by side.
 function drawSeries(frame: Frame, s: Series, place: number, count: number, options: ChartOptions): void {
   const {plot, x, y} = frame, categories = options.categories;
   const index = s.index ?? place, colour = kSeries[index % kSeries.length];
@@ -241,7 +241,7 @@ function drawSeries(frame: Frame, s: Series, place: number, count: number, optio
   }
 }
 
-/// A chart of points; lines join the marks of a series where it asks for them.
+/// A chart of points. Lines join the marks of a series if the series asks for them.
 export function chart(series: Series[], options: ChartOptions): HTMLElement {
   const frame = makeFrame(series, options), {plot} = frame;
   drawAxes(frame, options);
@@ -264,7 +264,7 @@ export interface Bar {
   pick?: () => void;
 }
 
-/// Horizontal bars of stacked parts. All bars name their parts in the same order.
+/// Horizontal stacked bars. All bars name their parts in the same order.
 export function bars(list: Bar[], label: string, width = 740): HTMLElement {
   const left = 190, right = 80, row = 30, height = list.length * row + 44;
   const most = Math.max(...list.map((b) => b.parts.reduce((sum, p) => sum + p.value, 0)), 1e-300);

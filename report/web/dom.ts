@@ -53,7 +53,7 @@ export function grouped(value: number): string {
   return Math.round(value).toLocaleString("en-US");
 }
 
-/// Three significant digits, with grouped thousands.
+/// A number with three significant digits and grouped thousands.
 export function short(value: number): string {
   if (!isFinite(value)) return "-";
   if (value === 0) return "0";
@@ -93,6 +93,6 @@ export function tooltip(text: string|null, x = 0, y = 0): void {
   tip.style.top = `${y + 18 + box.height > innerHeight ? Math.max(4, y - box.height - 10) : y + 18}px`;
 }
 
-/// Colours of series that stay apart for colour-blind readers (Okabe and Ito 2008; yellow is darkened for white paper).
+/// Colours that colour-blind readers can distinguish (Okabe and Ito 2008; yellow is darkened for white paper).
 export const kSeries = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#9a8700", "#e69f00", "#333333"];
 export const kDashes = ["", "6 3", "2 3", "8 3 2 3", "12 4", "4 2", "1 2", "10 2 2 2"];

@@ -1,13 +1,13 @@
 // Figures from the rows of the records, with scenes, pipelines, axes and scales to choose.
 import {Bar, bars, chart, Series} from "./chart";
 import {check, duration, grouped, h, percent, select, short} from "./dom";
-import {tableChart, PickRow} from "./tables";
+import {noteOf, tableChart, PickRow} from "./tables";
 import {provenanceLine} from "./provenance";
 import type {DataRecord, Report} from "./types";
 
 interface Point {
   record: string;
-  group: string;  ///< record, table and treatment: what is measured side by side
+  group: string;  ///< record, table and treatment of what is measured together
   scene: string;
   label: string;  ///< pipeline and variant
   motion: number;
@@ -112,9 +112,11 @@ export class Figures {
     const tables = record.tables.filter((t) => t.header.includes("/Nav"));
     if (!tables.length) return null;
     const place = h("div");
-    const draw = (i: string) => place.replaceChildren(tableChart(
-        this.report, record, tables[Number(i)], this.pickRow, ["/Nav", "paper, /Nav", "/Hash", "paper, /Hash", "+/Nav"],
-        "speed-up"));
+    const draw = (i: string) => place.replaceChildren(
+        tableChart(
+            this.report, record, tables[Number(i)], this.pickRow,
+            ["/Nav", "paper, /Nav", "/Hash", "paper, /Hash", "+/Nav"], "speed-up"),
+        h("p", {class: "note"}, noteOf(tables[Number(i)])));
     draw("0");
     return h(
         "section", {class: "figure", id: "figure-speedup"}, h("h3", {}, "Speed-ups beside the paper's"),
@@ -332,7 +334,7 @@ export class Figures {
         "section", {class: "figure", id: "figure-culling"}, h("h3", {}, "What each stage leaves"), top, boxes, place);
   }
 
-  /// Records of the scenes, over time.
+  /// Quantities of the scenes over time, from the records.
   private curves(): HTMLElement|null {
     const records = this.report.records.filter((r) => r.curves.length);
     if (!records.length) return null;

@@ -7,7 +7,7 @@ interface Row {
   label: string;
   detail: string;
   unit: string;
-  from: number|null;  ///< what came in, in the same unit as what went out; null: another unit
+  from: number|null;  ///< number before the stage, in the unit of `to`; null: the unit is different
   to: number;
   seconds: number;
 }
@@ -36,7 +36,7 @@ function rowOf(count: StageCount, stage: number): Row|null {
   };
 }
 
-/// The stages of a motion that have anything to do, and the chosen one.
+/// The stages of a motion that process anything, and the chosen one.
 function rowsOf(stats: MotionStats, chosen: number|null): Row[] {
   return stats.stages.map(rowOf)
       .filter((row): row is Row => row !== null)
@@ -119,7 +119,7 @@ export function pairLegend(motion: Motion, stage: number): HTMLElement|null {
             "surface."));
 }
 
-/// Orphan tests that a flood listed: they are not among what the stage gave.
+/// Number of orphan tests that a flood listed; they are not in the output count of the stage.
 function orphansOfFlood(stats: MotionStats, stage: number): number {
   const given = stats.stages.filter((s) => s.role === "orphans").reduce((sum, s) => sum + s.out, 0);
   return stats.stages[stage].role === "flood" ? stats.orphan_tests - given : 0;

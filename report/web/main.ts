@@ -113,7 +113,7 @@ class Page {
                                  h("p", {},
                                    `${grouped(s.elements ?? 0)} elements, ${s.frames} frames` +
                                        (s.frames !== s.steps ? ` of ${s.steps}` : "") + `, ${megabytes(s.bytes ?? 0)}`),
-                                 h("p", {class: "used"}, s.records.length ? `In ${s.records.join(", ")}` : ""))));
+                                 h("p", {class: "used"}, s.records.length ? `Measured in ${s.records.join(", ")}` : ""))));
   }
 
   private tables(name: string): HTMLElement {
@@ -228,7 +228,9 @@ class Page {
 const report = window.volccd_report as Report | undefined;
 if (!report)
   document.body.replaceChildren(
-      h("p", {class: "error"}, "data/report.js cannot be read: is the folder data beside index.html?"));
+      h("p", {class: "error"},
+        "data/report.js is missing or cannot be read. Either the folder data was not copied together with index.html, " +
+            "or volccd was ended while it replaced the files of this report: then run the same command again."));
 else if (report.schema !== 1)
   document.body.replaceChildren(h(
       "p", {class: "error"}, `The report has schema ${report.schema}, and this page reads 1: make the report again.`));

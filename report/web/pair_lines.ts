@@ -17,7 +17,7 @@ void main() {
   vec4 b = projectionMatrix * modelViewMatrix * vec4(to, 1.0);
   vec2 d = 0.5 * viewport * (b.xy / b.w - a.xy / a.w);
   float pixels = length(d);
-  // The pair of an element with itself has one centroid: a square.
+  // The two centroids of a self pair are the same; it is drawn as a square.
   d = pixels > 0.01 ? d / pixels : vec2(1.0, 0.0);
   across = corner.y;
   along = corner.x * pixels / halfWidth;
@@ -57,7 +57,7 @@ export class PairLines {
     const index = new Uint32Array(6 * most);
     for (let i = 0; i < most; ++i) index.set([0, 1, 2, 2, 1, 3].map((k) => 4 * i + k), 6 * i);
     this.geometry.setIndex(new THREE.BufferAttribute(index, 1));
-    // Twice, as contacts: pale where a surface is in front, and as they are.
+    // Drawn twice, as contacts are: pale lines behind surfaces, and full lines in front.
     for (const behind of [true, false]) {
       const material = new THREE.ShaderMaterial({
         vertexShader: kVertex,
@@ -82,7 +82,7 @@ export class PairLines {
     this.take(0, null);
   }
 
-  /// Where the pairs of a stage in a motion are in the data, and how many are drawn: dropped ones, then kept ones.
+  /// Where the pairs of a stage in a motion begin in the data, and how many are drawn: dropped ones, then kept ones.
   range(motion: number, stage: number|null): {first: number; dropped: number; kept: number} {
     const counts = this.data.header.motions[motion]?.pairs;
     if (stage === null || !counts) return {first: 0, dropped: 0, kept: 0};
@@ -90,7 +90,7 @@ export class PairLines {
     return {first, dropped: counts[stage][0], kept: counts[stage][1]};
   }
 
-  /// Takes the pairs of a stage in a motion; null: none.
+  /// Shows the pairs of a stage in a motion; null: no pairs.
   take(motion: number, stage: number|null): void {
     const {first, dropped, kept} = this.range(motion, stage);
     for (const mesh of this.meshes) mesh.visible = dropped + kept > 0;
@@ -106,7 +106,7 @@ export class PairLines {
     this.geometry.setDrawRange(0, 6 * (dropped + kept));
   }
 
-  /// The size of the picture in pixels, and how many of them make one of the page.
+  /// The size of the picture in pixels, and the number of them for each pixel of the page.
   resize(width: number, height: number, ratio: number): void {
     for (const {uniforms} of this.materials) {
       (uniforms.viewport.value as THREE.Vector2).set(width, height);

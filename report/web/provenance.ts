@@ -1,8 +1,8 @@
-// Where a number comes from: the record, how it was measured, on what, and the rows that it sums up.
+// The origin of a number: the record, how and where it was measured, and the rows that it summarises.
 import {duration, grouped, h, short} from "./dom";
 import type {DataRecord, Machine, Report, SceneEntry} from "./types";
 
-/// One line for a tooltip.
+/// A line for a tooltip.
 export function provenanceLine(record: DataRecord, scene?: string): string {
   const p: Machine = (scene && record.provenance.scenes?.[scene]) || record.provenance;
   return `${record.file} · commit ${p.commit ?? "unknown"} · ${p.cpu ?? "unknown CPU"} · load ${
@@ -29,7 +29,7 @@ export function provenanceTable(record: DataRecord, scene?: string): HTMLElement
         ...inputs.map((i) => line(`input, ${i.scene}`, `${i.file}, hash ${i.fnv1a}`))));
 }
 
-/// Measured rows that belong to a scene of a record, at most some of them.
+/// Measured rows of a scene of a record, up to a maximum number.
 export function rowsOf(report: Report, record: DataRecord, scene: string, most = 40): HTMLElement|null {
   const points = report.points;
   if (!points) return null;
@@ -56,7 +56,7 @@ export function rowsOf(report: Report, record: DataRecord, scene: string, most =
       found.length > most ? h("p", {}, `The first ${most} of ${found.length}; the record has all.`) : null);
 }
 
-/// The scene that a row is about: a cell that is its name, else the title of the table.
+/// The scene of a row: named by a cell, or else by the title of the table.
 export function sceneOf(
     report: Report, record: DataRecord, title: string, row: string[]): {name?: string; entry?: SceneEntry} {
   const names = [...new Set(report.scenes.map((s) => s.scene).concat(record.curves.map((c) => c.scene)))];

@@ -98,7 +98,7 @@ export class SceneData {
     });
   }
 
-  /// The centroids of a pair, in shares of the box.
+  /// The centroids of a pair, as fractions of the box.
   pairAt(i: number): [number[], number[]] {
     const end = (columns: Uint32Array[]) => columns.map((column) => column[i] / (2 ** this.header.pair_bits - 1));
     return [end(this.pairEnds.slice(0, 3)), end(this.pairEnds.slice(3))];
@@ -139,7 +139,7 @@ async function parse(data: string): Promise<SceneData> {
   return new SceneData(header, bytes.subarray(4 + length));
 }
 
-/// The data of a scene, loaded once. A classic script, because a page from disk may not fetch files.
+/// The data of a scene, loaded once. They are in a classic script, because a page from disk may not fetch files.
 export function loadScene(entry: SceneEntry): Promise<SceneData> {
   const known = loaded.get(entry.name);
   if (known) return known;

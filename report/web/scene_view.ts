@@ -7,7 +7,7 @@ import {Viewer} from "./viewer";
 
 const kFine = 20;  ///< positions of the slider in a motion
 
-/// How a sequence is drawn while it plays, from all details to the fewest.
+/// Levels of detail with which a sequence is drawn while it plays, from the highest to the lowest.
 const kSimplicities =
     [{detail: 1, lines: true}, {detail: 0.7, lines: false}, {detail: 0.5, lines: false}, {detail: 0.35, lines: false}];
 
@@ -23,7 +23,7 @@ export class SceneView {
   private speed = 12;
   private hidden = new Set<number>();
   private most = 1;
-  private stage: number|null = null;  ///< whose pairs are shown: an index into the statistics
+  private stage: number|null = null;  ///< whose pairs are shown, as an index into the statistics
   private slider =
       h("input",
         {type: "range", min: 0, value: 0, class: "time", "aria-label": "time", oninput: () => this.fromSlider()});
@@ -36,8 +36,8 @@ export class SceneView {
   private side = h("div", {class: "side"});
   private canvasBox = h("div", {class: "stage"});
   private notes = h("div", {class: "notes"});
-  private frames = 0;      ///< drawn since playing began
-  private runs = 0;        ///< how often playing has begun
+  private frames = 0;      ///< number of pictures drawn since playing began
+  private runs = 0;        ///< number of times that playing has begun
   private simplicity = 0;  ///< index into kSimplicities
   rate = 0;                ///< pictures a second while it plays
 
@@ -60,12 +60,11 @@ export class SceneView {
     this.element.append(
         this.status,
         h("div", {class: "scene-grid"}, h("div", {class: "main"}, this.canvasBox, this.strip, buttons, this.pace),
-          this.side),
-        this.notes);
+          this.side, this.notes));
     this.element.addEventListener("keydown", (e) => this.onKey(e));
   }
 
-  /// Takes over the canvas, of which the page has one.
+  /// Shows a scene on the canvas of the page, of which there is only one.
   async show(entry: SceneEntry, viewer: Viewer): Promise<void> {
     this.viewer = viewer;
     this.entry = entry;
@@ -317,13 +316,14 @@ export class SceneView {
   private update(): void {
     const {header} = this.data!, frame = header.frames[this.motion], next = header.frames[this.motion + 1];
     this.viewer!.setTime(this.motion, this.t);
-    // While it plays, a few times a second: drawing the page anew takes longer than drawing the view.
+    // While a sequence plays, only a few times a second, because drawing the page takes longer than drawing the view.
     const now = performance.now();
     if (this.playing && now - this.updatedAt < 250) return;
     this.updatedAt = now;
     this.slider.value = String(Math.round((this.motion + this.t) * kFine));
     const time = next ? frame.time + this.t * (next.time - frame.time) : frame.time;
-    this.clock.textContent = next ? `motion ${frame.step} → ${next.step} of ${header.steps - 1}, at ${
+    const what = next && next.step > frame.step + 1 ? "frames" : "motion";
+    this.clock.textContent = next ? `${what} ${frame.step} → ${next.step} of ${header.steps - 1}, at ${
                                         this.t.toFixed(2)} · t = ${Number(time.toPrecision(4))} ${header.time_unit}` :
                                     "one frame";
     const cursor = this.strip.querySelector(".cursor");
@@ -346,7 +346,7 @@ export class SceneView {
                                  "A single frame has no motion, and no contacts."));
       return;
     }
-    const s = motion.stats, step = header.frames[this.motion].step;
+    const s = motion.stats, step = header.frames[this.motion].step, threads = header.detection?.threads ?? 1;
     this.funnelBox.replaceChildren(
         h("h3", {}, `Motion ${step} → ${step + 1}: ${grouped(s.contacts)} contacts`),
         h("p", {},
@@ -354,13 +354,15 @@ export class SceneView {
               grouped(s.contacts_at_start)} touch at the start. ` +
               (s.earliest_toi === null ? "" : `The earliest is at ${short(s.earliest_toi)} of the motion. `) +
               (motion.shown < s.contacts ? `${grouped(motion.shown)} are drawn. ` : "") +
-              (s.left_out ? `${grouped(s.left_out)} of shell neighbours are left out. ` : "") +
-              `${duration(s.seconds)} in all.`),
+              (s.left_out ? `${grouped(s.left_out)} more are between neighbouring shells, taken as solids, and are left out. ` :
+                            "") +
+              `Detection took ${duration(s.seconds)}` +
+              (threads > 1 ? `; times of stages are summed over ${threads} threads.` : ".")),
         funnel(s, this.most, this.stage, (stage) => this.choose(stage)),
         (this.stage !== null && pairLegend(motion, this.stage)) || "");
   }
 
-  /// Shows the pairs of a stage, in this motion and the others; null: of none.
+  /// Shows the pairs of a stage in this motion and in others; null: no pairs.
   private choose(stage: number|null): void {
     const focused = this.funnelBox.contains(document.activeElement);
     this.stage = stage;
@@ -378,7 +380,7 @@ export class SceneView {
     this.choose(stage === this.stage ? null : stage);
   }
 
-  /// Plays at the chosen speed: motions are skipped where drawing takes too long.
+  /// Plays at the chosen speed. If drawing takes too long, motions are skipped.
   play(on: boolean): void {
     if (this.playing === on) return;
     this.playing = on;
@@ -414,7 +416,7 @@ export class SceneView {
     requestAnimationFrame(tick);
   }
 
-  /// Draws more simply where fewer than 20 pictures a second are drawn, and says what is left out.
+  /// Chooses a lower level of detail if fewer than 20 pictures a second are drawn, and says what is left out.
   private keepPace(rate: number): void {
     this.rate = rate;
     if (rate < 20 && this.simplicity + 1 < kSimplicities.length) this.setSimplicity(this.simplicity + 1);

@@ -1,4 +1,4 @@
-// The surface as the graphics card draws it: indexed triangles, and the edges of elements as lines.
+// The surface in the form that the graphics card draws: indexed triangles, and the edges of elements as lines.
 import type {SceneData} from "./scene_data";
 
 /// Numbers pairs of whole numbers below 2^26 in the order in which they first occur.
@@ -19,14 +19,14 @@ class PairNumbers {
   }
 }
 
-/// A drawn vertex is a vertex of one part, because it carries the colour of its part.
+/// A drawn vertex belongs to one part, because it has the colour of its part.
 export class SurfaceMesh {
   readonly vertexOf: Uint32Array;  ///< by drawn vertex
   readonly partOf: Uint32Array;
   private corners: Uint32Array[];  ///< drawn vertices of each triangle, three columns
   private edges: Int32Array[];     ///< edges of each triangle, three columns; -1: a diagonal of an element's face
   private ends: Uint32Array[];     ///< drawn vertices of each edge, two columns
-  private seen: Uint32Array;       ///< by edge: the last call of fill() that met it
+  private seen: Uint32Array;       ///< by edge: the last call of fill() that wrote it
   private calls = 0;
 
   constructor(data: SceneData) {
@@ -45,13 +45,14 @@ export class SurfaceMesh {
     this.seen = new Uint32Array(edges.first.length);
   }
 
-  /// Edges of elements in all frames.
+  /// Number of edges of elements in all frames.
   get edgeCount(): number {
     return this.seen.length;
   }
 
-  /// Writes the drawn vertices of these triangles and, each once, of the edges on them. Returns how many numbers were
-  /// written to `lines`; it must have room for two for each edge, `triangles` for three for each triangle.
+  /// Writes the drawn vertices of these triangles to `triangles`, and those of the edges of these triangles, each once,
+  /// to `lines`. Returns how many numbers were written to `lines`. There must be room for two numbers for each edge,
+  /// and for three for each triangle.
   fill(shown: Uint32Array, triangles: Uint32Array, lines: Uint32Array): number {
     const [a, b, c] = this.corners, [from, to] = this.ends;
     ++this.calls;
@@ -72,7 +73,8 @@ export class SurfaceMesh {
     return written;
   }
 
-  /// Mean length of the edges of elements in a frame, as a share of the box; 0 without edges. Takes a sample.
+  /// Mean length of the edges of elements in a frame, as a fraction of the box; 0 without edges. Uses a sample of the
+  /// edges.
   meanEdge(positions: Uint16Array, vertices: number, scale: number): number {
     const stride = Math.max(1, Math.floor(this.edgeCount / 2000));
     let sum = 0, count = 0;

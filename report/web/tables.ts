@@ -1,4 +1,4 @@
-// Tables that sort, and a chart of any of their columns.
+// Tables that can be sorted, and a chart of their columns.
 import {chart, Series} from "./chart";
 import {check, h, tooltip} from "./dom";
 import {provenanceLine, sceneOf} from "./provenance";
@@ -19,14 +19,14 @@ const kUnits: {[unit: string]: number} = {
   "%": 1
 };
 
-/// The number that a cell begins with, in seconds, bytes or as it is; NaN where it begins with none.
+/// The number at the beginning of a cell, in seconds or bytes if it has such a unit; NaN if there is none.
 export function numberOf(cell: string): number {
   const match = /^([+-]?[\d,]*\.?\d+(?:[eE][+-]?\d+)?)\s*([a-zA-Zµ%]*)/.exec(cell.trim());
   if (!match) return NaN;
   return Number(match[1].replace(/,/g, "")) * (kUnits[match[2]] ?? 1);
 }
 
-/// Names of columns; one that occurs again, or says "paper", is named after the column before it.
+/// Names of the columns. A column with a repeated name, or named "paper", is named after the column before it.
 export function columnNames(header: string[]): string[] {
   return header.map(
       (name, i) => (i > 0 && (name === "paper" || header.indexOf(name) !== header.lastIndexOf(name)) &&
@@ -43,7 +43,7 @@ function numeric(table: DataTable, column: number): boolean {
   return cells.length > 0 && cells.filter((c) => !isNaN(numberOf(c))).length >= 0.7 * cells.length;
 }
 
-/// A table whose headers sort it: upwards, downwards, and as it was.
+/// A table that is sorted by a click on a header: downwards, then upwards, then in the original order.
 export function sortable(report: Report, record: DataRecord, table: DataTable, pick: PickRow): HTMLElement {
   let column = -1, direction = 1;
   const body = h("tbody");
@@ -101,7 +101,12 @@ export function sortable(report: Report, record: DataRecord, table: DataTable, p
   return h("div", {class: "scroll"}, h("table", {class: "data"}, h("thead", {}, h("tr", {}, ...heads)), body));
 }
 
-/// A chart of columns of a table against its rows, with a box for each column.
+/// The note of a table, on one line.
+export function noteOf(table: DataTable): string {
+  return table.note.replace(/\n(?=setting )/g, "; ").replace(/\n(?!$)/g, " ").trim();
+}
+
+/// A chart of the columns of a table against its rows, with a box for each column.
 export function tableChart(
     report: Report, record: DataRecord, table: DataTable, pick: PickRow, chosen?: string[],
     label = "value"): HTMLElement {
@@ -178,6 +183,6 @@ export function recordSection(report: Report, record: DataRecord, pick: PickRow)
         return h(
             "article", {class: "table-block"}, h("div", {class: "title"}, h("h3", {}, table.title), button),
             sortable(report, record, table, pick),
-            h("p", {class: "note"}, table.note.replace(/\n(?=setting )/g, "; ").replace(/\n(?!$)/g, " ").trim()), plot);
+            h("p", {class: "note"}, noteOf(table)), plot);
       }));
 }

@@ -1,4 +1,4 @@
-// What data/report.js and the header of a scene hold; docs/report.md describes them.
+// Contents of data/report.js and of the header of a scene, as docs/report.md describes them.
 
 export interface Machine {
   version?: string;
@@ -96,7 +96,7 @@ export interface MotionStats {
 export interface Motion {
   shown: number;
   inter: number;
-  pairs: [number, number][];  ///< drawn pairs of each stage: dropped, kept
+  pairs: [number, number][];  ///< numbers of drawn pairs of each stage: dropped, kept
   stats: MotionStats;
 }
 

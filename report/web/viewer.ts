@@ -6,8 +6,8 @@ import {PairLines} from "./pair_lines";
 import type {SceneData} from "./scene_data";
 import {SurfaceMesh} from "./surface_mesh";
 
-/// Positions are those of two frames. Even frames are in one buffer and odd ones in the other, so that one buffer is
-/// filled when the next motion begins. `share` is that of the odd frame.
+/// Positions are those of two frames. Even frames are in one buffer and odd ones in the other, so that only one buffer
+/// is filled when the next motion begins. `share` is the weight of the odd frame.
 const kSurfaceVertex = `
 attribute vec3 even;
 attribute vec3 odd;
@@ -20,7 +20,7 @@ varying vec4 colour;
 void main() {
   place = mix(even, odd, share) * factor;
   colour = part;
-  // Linear light, nearly: shading is done in it, and the fragment's square root takes it back.
+  // Approximately linear light, in which shading is computed; the fragment shader applies the square root.
   colour.rgb *= colour.rgb;
   vec4 view = modelViewMatrix * vec4(place, 1.0);
   eye = view.xyz;
@@ -48,7 +48,7 @@ void main() {
 #ifdef CUT
   if (!gl_FrontFacing && colour.a > 0.75) {
     vec3 base = sqrt(colour.rgb);
-    // The back of a closed surface, seen through a section: hatched, without shading.
+    // The back of a closed surface, seen through a section, is hatched and not shaded.
     float stripe = step(0.72, fract((gl_FragCoord.x + gl_FragCoord.y) / 9.0));
     shade = mix(mix(base, vec3(1.0), 0.45), base * 0.72, stripe * 0.6);
     gl_FragColor = vec4(shade, 1.0);
@@ -102,7 +102,7 @@ void main() {
   gl_FragColor = vec4(d > 0.66 ? vec3(1.0) : body, opacity);
 }`;
 
-/// Whether a program draws and no graphics card: smooth edges would take half of its time.
+/// Whether software draws, instead of a graphics card. Smooth edges would then take half of the time.
 function drawnBySoftware(): boolean {
   const context = document.createElement("canvas").getContext("webgl2");
   const info = context?.getExtension("WEBGL_debug_renderer_info");
@@ -113,7 +113,7 @@ function drawnBySoftware(): boolean {
 
 export interface Plane {
   on: boolean;
-  share: number;  ///< of the box along the axis, 0 to 1
+  share: number;  ///< position of the plane along the axis, as a fraction of the box, 0 to 1
   flip: boolean;
 }
 
@@ -124,7 +124,7 @@ export class Viewer {
   lines = true;
   marks = true;
   markKinds = 2;  ///< 0: within a part, 1: between parts, 2: both
-  onDraw: () => void = () => {};
+  onDraw: () => void = () => {};  ///< called after each picture, for tests
   private renderer: THREE.WebGLRenderer;
   private scene = new THREE.Scene();
   private camera = new THREE.PerspectiveCamera(32, 1, 0.01, 100);
@@ -135,13 +135,13 @@ export class Viewer {
   private materials: THREE.ShaderMaterial[] = [];  ///< of the surface and of the lines on it
   private mesh: SurfaceMesh|null = null;
   private lineMesh: THREE.LineSegments|null = null;
-  private meanEdge = 0;  ///< as a share of the box
+  private meanEdge = 0;  ///< as a fraction of the box
   private markMaterials: THREE.ShaderMaterial[] = [];
   private points: THREE.Points[] = [];
   private pairs: PairLines|null = null;
-  private stage: number|null = null;                ///< whose pairs are drawn
+  private stage: number|null = null;                ///< the stage whose pairs are drawn
   private positions: THREE.BufferAttribute[] = [];  ///< of an even and an odd frame
-  private held = [-1, -1];                          ///< which frames these are
+  private held = [-1, -1];                          ///< the numbers of these frames
   private colours!: THREE.BufferAttribute;
   private indices: THREE.BufferAttribute[] = [];  ///< of triangles and of lines
   private indexed: Uint32Array|null = null;       ///< the triangles of `indices`
@@ -152,7 +152,7 @@ export class Viewer {
   private wanted = false;
   private detail = 1;
   private withoutLines = false;
-  private axes = [0, 1, 2];  ///< two level ones, and the one that points upwards
+  private axes = [0, 1, 2];  ///< the two horizontal axes, then the upward one
   private azimuth = 0.9;
   private elevation = 0.45;
   private distance = 2.5;
@@ -189,7 +189,7 @@ export class Viewer {
     const data = this.data!, {header} = data, mesh = new SurfaceMesh(data), drawn = mesh.vertexOf.length;
     this.mesh = mesh;
     this.meanEdge = mesh.meanEdge(data.frames[0], header.vertices, 1 / (2 ** header.bits - 1));
-    // Four numbers a vertex, of which three are used: aligned.
+    // Four numbers for each vertex, of which three are used, for alignment.
     this.positions = [0, 1].map(() => new THREE.BufferAttribute(new Uint16Array(4 * drawn), 4, true));
     this.held = [-1, -1];
     this.colours = new THREE.BufferAttribute(new Uint8Array(4 * drawn), 4, true);
@@ -198,7 +198,7 @@ export class Viewer {
     this.indexed = null;
     const [geometry, lineGeometry] = this.indices.map((index) => {
       const made = new THREE.BufferGeometry();
-      // three.js draws nothing without an attribute of the name "position".
+      // three.js draws nothing if there is no attribute "position".
       made.setAttribute("even", this.positions[0]).setAttribute("position", this.positions[0]);
       made.setAttribute("odd", this.positions[1]);
       made.setAttribute("part", this.colours).setIndex(index);
@@ -214,7 +214,7 @@ export class Viewer {
       vertexShader: kSurfaceVertex,
       fragmentShader: kSurfaceFragment,
       side: THREE.DoubleSide,
-      // So that the lines on the surface are in front of it.
+      // Lines on the surface are then in front of it.
       polygonOffset: true,
       polygonOffsetFactor: 1,
       polygonOffsetUnits: 1,
@@ -245,7 +245,7 @@ export class Viewer {
     const at = new THREE.BufferAttribute(new Float32Array(3 * most), 3);
     this.markGeometry.setAttribute("at", at).setAttribute("position", at);
     this.markGeometry.setAttribute("kind", new THREE.BufferAttribute(new Float32Array(2 * most), 2));
-    // Twice: pale where a surface is in front, and as they are.
+    // Drawn twice: pale marks behind surfaces, and full marks in front.
     for (const behind of [true, false]) {
       const material = new THREE.ShaderMaterial({
         vertexShader: kMarkVertex,
@@ -306,7 +306,7 @@ export class Viewer {
     this.gather();
     this.placePlanes();
     this.placeCamera();
-    // Both materials have the same uniforms.
+    // Both materials share their uniforms.
     const {uniforms} = this.materials[0];
     uniforms.share.value = this.motion % 2 ? 1 - this.t : this.t;
     const opacity = this.lineOpacity();
@@ -325,13 +325,14 @@ export class Viewer {
     this.onDraw();
   }
 
-  /// Lines that are closer to each other than a few pixels would hide the surface.
+  /// Edges that are only a few pixels long are not drawn, because they would hide the surface.
   private lineOpacity(): number {
     const pixels = (this.meanEdge * this.canvas.clientHeight) / (2 * this.distance * Math.tan(Math.PI * 16 / 180));
     return 0.4 * Math.max(0, Math.min(1, (pixels - 5) / 10));
   }
 
-  /// Takes programs without sections where there are none: `discard` alone keeps hidden fragments from being skipped.
+  /// Without section planes, programs without `discard` are used, because `discard` keeps hidden fragments from being
+  /// skipped.
   private compile(): void {
     const cut = this.planes.some((p) => p.on);
     for (const material of this.materials) {
@@ -341,7 +342,7 @@ export class Viewer {
     }
   }
 
-  /// Uploads what the motion needs and is not there yet: positions, triangles, contacts and pairs.
+  /// Uploads the data of the motion that are not there yet: positions, triangles, contacts and pairs.
   private gather(): void {
     const data = this.data!;
     for (const frame of [this.motion, Math.min(this.motion + 1, data.frames.length - 1)]) this.upload(frame);
@@ -375,7 +376,7 @@ export class Viewer {
     this.positions[which].needsUpdate = true;
   }
 
-  /// Draws the pairs of a stage, an index into the statistics; null: of none.
+  /// Draws the pairs of a stage, given as an index into the statistics; null: no pairs.
   showPairs(stage: number|null): void {
     this.stage = stage;
     this.gathered = -1;
@@ -407,7 +408,7 @@ export class Viewer {
     });
   }
 
-  /// Looks at the bodies from where all of them are seen: fragments far away do not count.
+  /// Moves the camera so that all bodies are visible; fragments far away are ignored.
   fit(): void {
     const data = this.data!, n = data.header.vertices, scale = 1 / (2 ** data.header.bits - 1);
     const low = [1, 1, 1], high = [0, 0, 0];
@@ -428,7 +429,7 @@ export class Viewer {
     this.draw();
   }
 
-  /// Looks along an axis, or from the corner that a scene begins with.
+  /// Looks along an axis, or from the initial direction.
   look(view: string): void {
     const place = this.axes.indexOf("xyz".indexOf(view));
     const [azimuth, elevation] = [[0, 0], [-Math.PI / 2, 0], [-Math.PI / 2, Math.PI / 2 - 0.001]][place] ?? [0.9, 0.45];
@@ -437,14 +438,14 @@ export class Viewer {
     this.fit();
   }
 
-  /// The axis that points upwards: 0 to 2.
+  /// Sets the upward axis, 0 to 2.
   setUp(axis: number): void {
     this.axes = [(axis + 1) % 3, (axis + 2) % 3, axis];
     this.camera.up = this.turned(0, 0, 1);
     this.fit();
   }
 
-  /// A vector given along the two level axes and upwards.
+  /// A vector from its components along the two horizontal axes and upwards.
   private turned(a: number, b: number, up: number): THREE.Vector3 {
     const v = [0, 0, 0];
     [a, b, up].forEach((value, i) => (v[this.axes[i]] = value));
@@ -483,8 +484,8 @@ export class Viewer {
     this.camera.updateMatrixWorld(true);
   }
 
-  /// Pixels along a side for each pixel of the page, and whether edges of elements may be drawn: less while a sequence
-  /// plays on a slow machine.
+  /// Sets the pixels along a side for each pixel of the page, and whether edges of elements may be drawn. Both are
+  /// reduced while a sequence plays on a slow machine.
   setDetail(detail: number, lines = true): void {
     this.withoutLines = !lines;
     if (detail !== this.detail) {
@@ -502,7 +503,8 @@ export class Viewer {
     this.drawNow();
   }
 
-  /// The contact nearest to a place of the canvas, within some pixels: its index among the shown ones of the motion.
+  /// The contact nearest to a position on the canvas, within a few pixels: its index among the shown ones of the
+  /// motion.
   contactAt(x: number, y: number): number|null {
     const data = this.data;
     if (!data || !this.marks) return null;
@@ -519,8 +521,8 @@ export class Viewer {
     return best;
   }
 
-  /// The drawn pair whose line is nearest to a place of the canvas, within some pixels: its index among those of the
-  /// stage in the motion, dropped ones first.
+  /// The drawn pair whose line is nearest to a position on the canvas, within a few pixels: its index among those of
+  /// the stage in the motion, dropped ones first.
   pairAt(x: number, y: number): number|null {
     const {first, dropped, kept} = this.pairs!.range(this.motion, this.stage);
     let best: number|null = null, least = 5;
@@ -536,13 +538,13 @@ export class Viewer {
     return best;
   }
 
-  /// A pair that pairAt() found.
+  /// The kind and outcome of a pair that pairAt() found.
   pair(i: number): {kind: number; dropped: boolean} {
     const {first, dropped} = this.pairs!.range(this.motion, this.stage);
     return {kind: this.data!.pairKinds[first + i], dropped: i < dropped};
   }
 
-  /// Whether a section plane hides a place, given in shares of the box.
+  /// Whether a section plane hides a position, given as fractions of the box.
   private isCut(place: number[]): boolean {
     const {box} = this.data!.header;
     return this.planes.some(
@@ -550,7 +552,7 @@ export class Viewer {
             plane.on && (plane.flip ? -1 : 1) * (place[axis] - (plane.share * box.size[axis]) / box.scale) > 0);
   }
 
-  /// Where a place is drawn: pixels of the page from the upper left corner of the canvas, and the depth.
+  /// The image of a position: pixels of the page from the upper left corner of the canvas, and the depth.
   private onCanvas(place: number[]): {x: number; y: number; z: number} {
     const v = new THREE.Vector3(place[0], place[1], place[2]).project(this.camera);
     return {x: ((v.x + 1) / 2) * this.canvas.clientWidth, y: ((1 - v.y) / 2) * this.canvas.clientHeight, z: v.z};

@@ -1,5 +1,5 @@
 # shellcheck shell=bash
-# Shell parts that the scripts share. Sourced by them, never run.
+# Functions that the scripts share. This file is sourced and never run.
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/../.." && pwd)
 
@@ -10,7 +10,7 @@ die() {
   exit 2
 }
 
-# packages_of GROUP...: names from packages.txt.
+# packages_of GROUP...: prints names from packages.txt.
 packages_of() {
   local groups=" $* "
   while read -r name group _; do
@@ -26,7 +26,7 @@ missing_packages() {
   done
 }
 
-# install_packages GROUP...: installs what is missing; calls apt only if something is.
+# install_packages GROUP...: installs missing packages; calls apt only if some are missing.
 install_packages() {
   if ! command -v dpkg-query >/dev/null || ! command -v apt-get >/dev/null; then
     say "no apt on this machine: expecting the counterparts of $(packages_of "$@" | paste -sd' ') to be there"
@@ -50,14 +50,14 @@ install_packages() {
     die "apt-get install failed"
 }
 
-# A compiler cache is used where there is one, and never asked for.
+# A compiler cache is used if there is one; it is not required.
 use_compiler_cache() {
   if command -v ccache >/dev/null; then
     export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
   fi
 }
 
-# configure PRESET [cmake arguments]: quiet unless it fails.
+# configure PRESET [cmake arguments]: prints nothing unless it fails.
 configure() {
   local preset=$1 log
   shift
@@ -69,7 +69,7 @@ configure() {
   fi
 }
 
-# build PRESET [targets]: shows progress on a terminal, only problems in a pipe.
+# build PRESET [targets]: shows progress on a terminal, and only problems in a pipe.
 build() {
   local preset=$1 quiet=()
   shift

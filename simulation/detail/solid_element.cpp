@@ -94,7 +94,8 @@ void set_modes(const std::array<Vec3, 8>& x, SolidShape<8>& shape) {
   }
 }
 
-// Of two corners that are one vertex only the sum matters; equal shares give the least bound for the stable step.
+// If two corners are one vertex, only the sum of their shares matters; equal shares give the smallest bound for the
+// stable step.
 void share_gradients(SolidShape<8>& shape) {
   for (const int i : {1, 5}) {
     const Vec3 mean = (shape.gradients[i] + shape.gradients[i + 1]) / 2;
@@ -188,7 +189,7 @@ void take(const SolidBatch<N>& b, int lane, double dt, Vec3* out) {
   state.energy = b.energy[lane];
   const double before = state.viscous_pressure;
   state.viscous_pressure = b.viscous_pressure[lane];
-  // As in a leapfrog scheme: the mean of the forces at both ends of the step.
+  // The work is that of the mean force over both ends of the step, as in a leapfrog scheme.
   state.numerical_work -= 0.5 * (before + state.viscous_pressure) * b.volume_rate[lane] * b.volume[lane] * dt;
 }
 

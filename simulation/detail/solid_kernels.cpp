@@ -168,7 +168,7 @@ HWY_INLINE Frequency frequency(const SolidBatch<N>& b, int lane, const Kinematic
   return w;
 }
 
-// Of the springs of hexahedra.
+// Forces and energy of the hourglass springs of hexahedra.
 struct Hourglass {
   V g[4][3];  // spring forces over 8
   V energy;

@@ -1,7 +1,7 @@
-// Broad phases on a hundred thousand twisted tetrahedra: octopus2-105k where the shared data is present, else a block.
+// Broad phases on a hundred thousand twisted tetrahedra: octopus2-105k if the shared data is present, else a block.
 //
-// Each phase of each broad phase is timed by itself: `update` (a refit for kdop-bvh) and `query`, one thread. Counters:
-// pairs a query and pairs a second.
+// Each part of a broad phase is timed separately: `update` (a refit for kdop-bvh) and `query`, on one thread. Counters:
+// pairs of a query, and pairs in a second.
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -73,7 +73,7 @@ const Scene& large_scene() {
   return scene;
 }
 
-/// 10 368 tetrahedra: what brute force can do.
+/// 10 368 tetrahedra, few enough for brute force.
 const Scene& small_scene() {
   static const Scene scene(12);
   return scene;

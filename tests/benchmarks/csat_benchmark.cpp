@@ -1,5 +1,5 @@
-// Nanoseconds an element pair of CSAT: by axis and mode, on a block of tetrahedra, triangles or hexahedra that twists;
-// by batch size; and on two blocks inside each other (`crossing`), where many pairs overlap.
+// Nanoseconds of CSAT for an element pair: by axis and mode, on a block of tetrahedra, triangles or hexahedra that
+// twists; by batch size; and on two blocks inside each other (`crossing`), where many pairs overlap.
 #include <algorithm>
 #include <cmath>
 #include <string>

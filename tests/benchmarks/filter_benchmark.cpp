@@ -1,4 +1,4 @@
-// Nanoseconds a test of each feature filter, on blocks of random tests of which some touch.
+// Nanoseconds of each feature filter for a test, on blocks of random tests of which some touch.
 #include <algorithm>
 #include <random>
 #include <string>
@@ -15,8 +15,7 @@
 namespace volccd {
 namespace {
 
-/// Disjoint tetrahedra 4i .. 4i+3, each with one VF and one EE test between its own vertices: what an O-Set holds most
-/// of.
+/// Disjoint tetrahedra 4i .. 4i+3, each with one VF and one EE test between its own vertices, as most orphans are.
 struct Tests {
   static constexpr Index kCount = 64 * TestBlock::kCapacity;
 

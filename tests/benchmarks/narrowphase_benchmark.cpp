@@ -1,6 +1,6 @@
-// Nanoseconds an elementary test, of each narrow phase on feature pairs of a deforming block of hexahedra.
-//   near      swept boxes overlap: what a feature filter leaves
-//   element   all feature pairs of element pairs whose swept boxes overlap: what NavCCD tests
+// Nanoseconds of each narrow phase for a test, on feature pairs of a deforming block of hexahedra.
+//   near      swept boxes overlap: the tests that a feature filter keeps
+//   element   all feature pairs of element pairs whose swept boxes overlap: the tests of NavCCD
 //   far       pairs drawn at random
 // The counters `contacts`, `degenerate` and `undecided` are shares of the tests.
 #include <algorithm>
@@ -38,7 +38,7 @@ struct Box {
   }
 };
 
-/// A jittered block, every vertex moving by up to 0.6 of an edge in each direction.
+/// A block with random offsets. Every vertex moves by up to 0.6 of an edge in each direction.
 class Scene {
  public:
   static const Scene& get() {
@@ -67,7 +67,7 @@ class Scene {
       if (wanted == Pairs::far || box({v.data(), split}).overlaps(box({v.data() + split, 4 - split})))
         out.push_back(pair);
     }
-    // As a traversal would hand them over: neighbours together.
+    // In the order of a traversal, so that neighbouring tests are next to each other.
     std::sort(out.begin(), out.end());
     return out;
   }
@@ -113,7 +113,8 @@ class Scene {
 template <class Narrow>
 void tests(benchmark::State& state, FeatureKind kind, Pairs wanted) {
   std::vector<FeaturePair> pairs = Scene::get().pairs(kind, wanted);
-  if (std::is_same_v<Narrow, Exact>) pairs.resize(pairs.size() / 64);  // a thousand times slower
+  // exact arithmetic takes a thousand times as long
+  if (std::is_same_v<Narrow, Exact>) pairs.resize(pairs.size() / 64);
   const Narrow narrow{};
   std::vector<Contact> contacts;
   NarrowCounters counters;
@@ -131,7 +132,7 @@ void tests(benchmark::State& state, FeatureKind kind, Pairs wanted) {
   state.counters["undecided"] = static_cast<double>(counters.undecided) / n;
 }
 
-/// The vector pass alone.
+/// Times only the vectorised part.
 void first_pass(benchmark::State& state, FeatureKind kind, Pairs wanted, bool gather_only) {
   const std::vector<FeaturePair> pairs = Scene::get().pairs(kind, wanted);
   TestBlock tests;

@@ -1,5 +1,5 @@
-// O-Set and assignment: what a preprocess, a change of one percent, and an element pair cost. On octopus2-105k where
-// the shared data is there, on a slender block of tetrahedra, and on a block of hexahedra.
+// O-Set and assignment: the cost of preparing them, of a change of one per cent, and of an element pair. On
+// octopus2-105k if the shared data is present, on a slender block of tetrahedra, and on a block of hexahedra.
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
@@ -43,7 +43,7 @@ const Mesh& model(std::int64_t which) {
   return meshes[which];
 }
 
-/// Skips the benchmark if the model is not there.
+/// Skips the benchmark if the model is not present.
 bool absent(benchmark::State& state, const Mesh& mesh) {
   if (mesh.element_count() != 0) return false;
   state.SkipWithError("octopus2-105k is not there");
@@ -74,7 +74,7 @@ BENCHMARK_CAPTURE(build, minimal, OSetKind::minimal)
     ->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(build, literal, OSetKind::literal)->Arg(octopus)->Unit(benchmark::kMillisecond);
 
-/// One percent of the elements: anywhere, or in one piece.
+/// One per cent of the elements: at random places, or connected.
 std::vector<Index> one_percent(const Topology& topology, bool scattered, Random& random) {
   const Mesh& mesh = topology.mesh();
   const std::size_t n = mesh.element_count() / 100;
@@ -92,8 +92,8 @@ std::vector<Index> one_percent(const Topology& topology, bool scattered, Random&
   return region;
 }
 
-/// The time is that of the changes (features and O-Set); `times faster` compares it with building both, before each
-/// change.
+/// The time is that of the changes (features and O-Set); `times faster` compares it with the time to build both before
+/// each change.
 void change(benchmark::State& state, bool scattered, bool removal) {
   const Mesh& mesh = model(state.range(0));
   if (absent(state, mesh)) return;
@@ -167,8 +167,8 @@ void orphans(benchmark::State& state) {
 }
 BENCHMARK(orphans)->Arg(octopus)->Unit(benchmark::kMillisecond);
 
-/// Element pairs that are not adjacent: `near`, but adjacent to a common element, as bounding volumes find them; or
-/// anywhere.
+/// Pairs of elements that are not adjacent. `near`: both are adjacent to a common element, as pairs of a broad phase
+/// often are; otherwise they are drawn from the whole mesh.
 std::vector<ElementPair> element_pairs(const Topology& topology, bool near, std::size_t n) {
   const Mesh& mesh = topology.mesh();
   Random random(2);

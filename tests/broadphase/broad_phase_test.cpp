@@ -1,4 +1,4 @@
-// What every broad phase owes, on all scenes: against an oracle in exact arithmetic, and against each other.
+// Requirements for every broad phase, on all scenes: compared with an oracle in exact arithmetic, and with each other.
 #include <hwy/targets.h>
 
 #include <volccd/broadphase/peers/peers.hpp>
@@ -115,7 +115,7 @@ TEST(BroadPhases, InstructionSetsDoNotMatter) {
   for (const Scene& scene : all)
     for (const auto& phase : phases) expected.push_back(run_fresh(*phase, scene.step(), PairRange::nonadjacent));
   const auto supported = hwy::SupportedTargets();
-  // From the widest instruction set downwards, and none at all at the end.
+  // All instruction sets, from the widest downwards, and at the end without any.
   for (auto targets = supported; targets != 0; targets &= targets - 1) {
     hwy::SetSupportedTargetsForTest(targets);
     hwy::GetChosenTarget().DeInit();
@@ -130,7 +130,7 @@ TEST(BroadPhases, InstructionSetsDoNotMatter) {
 }
 
 TEST(BroadPhases, FiltersDropWhatTheyMayAndNothingElse) {
-  // Object 1 shares vertices with object 0 along a face; 2 and 3 stand alone.
+  // Object 1 shares vertices with object 0 along a face; objects 2 and 3 share none.
   Shape shape = block(ElementType::hexahedron, 6, 2, 2);
   for (std::size_t i = 0; i < shape.elements.size(); ++i) shape.elements[i].object = i % 6 < 3 ? 0 : 1;
   Shape other = block(ElementType::tetrahedron, 3, 2, 2);

@@ -66,7 +66,7 @@ void expect_vertex_bounds(const Scene& scene) {
       double lo = std::numeric_limits<double>::infinity(), hi = -lo;
       for (int c = 0; c < scene.motion.control_points(); ++c) {
         const Vec3 p = scene.motion.point(v, c);
-        // Terms with factor 0 are left out: they would turn an overflow into NaN.
+        // Terms with factor 0 are left out, because they would turn an overflow into NaN.
         double sum = 0;
         for (int k = 0; k < 3; ++k)
           if (axes[i][static_cast<std::size_t>(k)] != 0) sum += axes[i][static_cast<std::size_t>(k)] * p[k];
@@ -97,15 +97,15 @@ TEST(VertexBounds, AreTheRoundedProjectionsLaneByLane) {
   }
 }
 
-/// Whole numbers whose sum along an axis of three terms is small: exact in 64 bits, while that of two of them in
-/// doubles is not.
+/// Integers whose sum along an axis of three terms is small. The sum is exact in 64 bits, but the sum of two of them is
+/// not exact in doubles.
 TEST(VertexBounds, EncloseSumsOfThreeTermsThatCancel) {
   std::mt19937_64 random(3);
   Shape shape = block(ElementType::tetrahedron, 1, 1, 1);
   const auto whole = [&] { return static_cast<std::int64_t>(random() >> 11); };
   while (shape.positions.size() < 2000) {
     const std::int64_t x = whole(), y = whole(), z = (-(x + y) + static_cast<std::int64_t>(random() % 64)) / 2 * 2;
-    shape.positions.push_back(Vec3(double(x), double(y), double(z)));  // z is even, hence a double
+    shape.positions.push_back(Vec3(double(x), double(y), double(z)));  // z is even, and therefore a double
   }
   const Scene scene = make_scene("whole numbers", shape, shape.positions);
   SerialExecutor executor;
@@ -128,7 +128,7 @@ TEST(VertexBounds, EncloseSumsOfThreeTermsThatCancel) {
       ASSERT_LE(lo, static_cast<double>(exact)) << "vertex " << v << ", axis " << i;
       ASSERT_GE(hi, static_cast<double>(exact)) << "vertex " << v << ", axis " << i;
     }
-  EXPECT_GT(inexact, 100);  // else this shows nothing
+  EXPECT_GT(inexact, 100);  // otherwise the test proves nothing
 }
 
 TEST(VertexBounds, RoundLikeFloatBelowAndAbove) {

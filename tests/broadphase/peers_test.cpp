@@ -1,5 +1,5 @@
-// Broad phases of other libraries, each with every way from step to step: the pairs of `kdop-bvh` with k = 6, bit for
-// bit.
+// Broad phases of other libraries, with each of their update methods, must give the pairs of `kdop-bvh` with k = 6, bit
+// for bit.
 #include <array>
 #include <cfenv>
 #include <sstream>
@@ -16,7 +16,7 @@ struct Variant {
   std::unique_ptr<BroadPhase> phase;
 };
 
-/// Every choice of each option, the others at their defaults; the ends of options with a range.
+/// Every value of each option with the others at their defaults; for an option with a range, the ends of the range.
 std::vector<Variant> variants() {
   std::vector<Variant> all;
   for (const auto& peer : describe_peers()) {
@@ -25,7 +25,8 @@ std::vector<Variant> variants() {
       std::vector<std::string> values;
       std::istringstream choices(option.allowed);
       for (std::string choice; std::getline(choices, choice, '|');) values.push_back(choice);
-      if (values.size() < 2) values = {option.allowed.substr(0, option.allowed.find(' ')), "1000"};  // a range
+      // the option has a range
+      if (values.size() < 2) values = {option.allowed.substr(0, option.allowed.find(' ')), "1000"};
       for (const std::string& value : values)
         all.push_back({peer.name + "." + option.name + "=" + value, make(peer, {{option.name, value}})});
     }
@@ -50,8 +51,8 @@ TEST(Peers, EmitThePairsOfBoxes) {
   }
 }
 
-/// Pairs of tetrahedra, each pair at a place and in a motion of its own order of magnitude along each axis. Bounds are
-/// clamped to finite floats: `volccd check cgal-box-intersection` found pairs missing there.
+/// Pairs of tetrahedra. Each pair has its own order of magnitude of position and motion along each axis. Bounds are
+/// clamped to finite floats: without this, `volccd check cgal-box-intersection` found missing pairs.
 TEST(Peers, EmitPairsBeyondTheRangeOfFloats) {
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> exponent(-60, 60), sign(-1, 1);
@@ -84,7 +85,7 @@ TEST(Peers, EmitPairsBeyondTheRangeOfFloats) {
   }
 }
 
-/// Random meshes of several objects in random motions, one state through all of them.
+/// Random meshes of several objects in random motions, with one state for all of them.
 TEST(Peers, FollowMotionsEditsAndFilters) {
   const std::vector<Variant> all = variants();
   if (all.empty()) GTEST_SKIP() << "built without broad phases of other libraries";
@@ -98,7 +99,7 @@ TEST(Peers, FollowMotionsEditsAndFilters) {
     for (const Variant& variant : all) states.push_back(variant.phase->make_state());
     for (int step = 0; step < 10; ++step) {
       SCOPED_TRACE("seed " + std::to_string(seed) + ", step " + std::to_string(step));
-      const double far = step == 5 ? 1e19 : 1;  // beyond what some peers take
+      const double far = step == 5 ? 1e19 : 1;  // beyond the range that some peers accept
       scene.motion = step % 3 == 2 ? Motion::quadratic(shape.positions, jittered(shape.positions, 0.4, random()),
                                                        scaled(jittered(shape.positions, 0.4, random()), far))
                                    : Motion::linear(scaled(jittered(shape.positions, 0.2, random()), far),
@@ -111,7 +112,7 @@ TEST(Peers, FollowMotionsEditsAndFilters) {
       for (std::size_t i = 0; i < all.size(); ++i)
         EXPECT_TRUE(run(*all[i].phase, scene.step(), *states[i], range, *executor) == expected) << all[i].name;
       if (step % 3 != 1) continue;
-      TopologyEdit edit;  // some elements go, the next time all go, and new ones come
+      TopologyEdit edit;  // some elements are removed, then all of them, and new ones are added
       const Mesh& mesh = scene.topology->mesh();
       for (Index o = 0; o < mesh.element_slots(); ++o)
         if (mesh.is_live(o) && random() % 4 == 0) edit.removed.push_back(o);
@@ -150,7 +151,7 @@ TEST(Peers, TellTheirMemory) {
   }
 }
 
-/// The executor alone decides how many threads there are.
+/// Only the executor determines the number of threads.
 TEST(SpatialHashTest, SelfPairsComeFromAllWorkers) {
   Shape shape;
   for (int i = 0; i < 4000; ++i) {
@@ -161,7 +162,7 @@ TEST(SpatialHashTest, SelfPairsComeFromAllWorkers) {
   const auto phase = make(describe_spatial_hash());
   const auto state = phase->make_state();
 
-  /// Chunks go to the workers in turn.
+  /// The workers process the chunks in turn.
   class Turns final : public Executor {
    public:
     unsigned workers() const override { return 2; }

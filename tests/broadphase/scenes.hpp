@@ -1,11 +1,11 @@
-// The scenes that every broad phase must get right: all element types, and geometry at its worst.
+// The scenes on which every broad phase must be correct: all element types, and extreme geometry.
 #pragma once
 
 #include "broadphase/support.hpp"
 
 namespace volccd::test {
 
-/// Tetrahedra and triangles with vertices all over the range of doubles; some reuse others' vertices.
+/// Tetrahedra and triangles with vertices in the whole range of doubles; some share vertices with others.
 inline Shape soup(std::size_t elements, std::uint64_t seed, double most_exponent) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> sign(-1, 1), exponent(-323, most_exponent);
@@ -33,7 +33,7 @@ inline Shape two_objects() {
   return shape.append(other.translate({1.5, 0.3, 0.2}), 1);
 }
 
-/// Blocks of small elements, and a few that span them all or lie far out: what a grid dislikes.
+/// Blocks of small elements, and a few elements that span all blocks or are far away, which is unfavourable for a grid.
 inline Shape with_outliers() {
   Shape shape = block(ElementType::tetrahedron, 4, 3, 3);
   for (int i = 0; i < 6; ++i) {
@@ -45,8 +45,8 @@ inline Shape with_outliers() {
   return shape;
 }
 
-/// Two tetrahedra that overlap by 2^-61 along x+y+z and amply along all other axes. In doubles 1 + 2^-60 - 1 is 0:
-/// without a margin for sums of three terms they are apart.
+/// Two tetrahedra that overlap by 2^-61 along x+y+z and by far more along all other axes. In doubles, 1 + 2^-60 - 1 is
+/// 0: without a margin for sums of three terms, they would be found apart.
 inline Shape cancellation() {
   Shape shape = block(ElementType::tetrahedron, 1, 1, 1);
   shape.elements.resize(2);

@@ -1,4 +1,4 @@
-// What a state carries from step to step: topology changes, restructuring, memory.
+// Data that a state keeps from step to step: topology changes, restructuring, memory.
 #include <volccd/broadphase/peers/peers.hpp>
 
 #include "broadphase/scenes.hpp"
@@ -18,7 +18,7 @@ std::vector<StageDescriptor<BroadPhase>> descriptors() {
   return all;
 }
 
-/// Removes `removals` random elements and adds `additions` near or far.
+/// Removes `removals` random elements and adds `additions` elements near the others or far away.
 TopologyEdit random_edit(const Topology& topology, std::size_t removals, std::size_t additions, std::mt19937_64& random,
                          std::int64_t& next_id) {
   const Mesh& mesh = topology.mesh();
@@ -62,7 +62,7 @@ void expect_follows_edits(std::size_t removals, std::size_t additions, bool whol
         scene.motion = Motion::linear(jittered(shape.positions, 0.1 * step, 2), jittered(shape.positions, 0.3, 3));
         for (PairRange range : {PairRange::nonadjacent, PairRange::every})
           ASSERT_EQ(run(*phase, scene.step(), *state, range, executor), run_fresh(*phase, scene.step(), range)) << step;
-        // Several edits between two updates now and then, sometimes more than the history holds.
+        // Sometimes there are several edits between two updates, and sometimes more than the history stores.
         const int edits = step % 4 == 2 ? 3 : step == 7 && whole_builds_expected ? 12 : 1;
         for (int e = 0; e < edits; ++e)
           scene.topology->apply(random_edit(*scene.topology, removals, additions, random, next_id));
@@ -130,14 +130,14 @@ TEST(TopologyChanges, AStateIsNoticedToBelongToAnotherTopology) {
   }
 }
 
-/// To multiples of 2^-8: floats, and therefore bounds of 6-DOPs, hold them exactly.
+/// Rounds to multiples of 2^-8, which floats, and therefore bounds of 6-DOPs, represent exactly.
 std::vector<Vec3> on_grid(std::vector<Vec3> positions) {
   for (Vec3& p : positions)
     for (int c = 0; c < 3; ++c) p[c] = std::round(p[c] * 256) / 256;
   return positions;
 }
 
-/// What the tree owes, from definitions: live elements whose swept boxes meet.
+/// The pairs that the tree must give, from their definition: live elements whose swept boxes overlap.
 Pairs pairs_of_boxes(const Step& step) {
   struct Box {
     std::array<double, 6> bounds;  // lower ends, negated upper ends
@@ -158,7 +158,7 @@ Pairs pairs_of_boxes(const Step& step) {
         }
     boxes.push_back(box);
   }
-  // In ascending order of the lower ends in x, so that not all pairs are compared.
+  // Elements are in ascending order of the lower ends in x, so that not all pairs have to be compared.
   std::sort(boxes.begin(), boxes.end(), [](const Box& a, const Box& b) { return a.bounds[0] < b.bounds[0]; });
   Pairs pairs;
   for (std::size_t i = 0; i < boxes.size(); ++i)
@@ -171,7 +171,7 @@ Pairs pairs_of_boxes(const Step& step) {
   return pairs;
 }
 
-/// Removes every `stride`-th element and those near `centre`; puts elements like them in near to it and elsewhere.
+/// Removes every `stride`-th element and those near `centre`, and adds similar elements near `centre` and elsewhere.
 TopologyEdit edit_of_many(const Topology& topology, const std::vector<Vec3>& positions, const Vec3& centre,
                           double radius, Index stride, std::size_t additions, std::int64_t& next_id) {
   const Mesh& mesh = topology.mesh();
@@ -207,7 +207,7 @@ Shape bricks(int side) {
   return shape;
 }
 
-/// Exchanges the places of bricks at random: all of them, or those whose number is below `end`.
+/// Exchanges the positions of bricks at random: of all bricks, or of those whose number is below `end`.
 void exchange(std::vector<Vec3>& positions, std::size_t end, std::mt19937_64& random) {
   for (std::size_t i = 1; i < end; ++i) {
     const auto a = positions.begin() + static_cast<std::ptrdiff_t>(27 * i);
@@ -215,7 +215,7 @@ void exchange(std::vector<Vec3>& positions, std::size_t end, std::mt19937_64& ra
   }
 }
 
-/// Edits of a mesh with several refit blocks, between steps that degrade parts of the tree, and once all of it.
+/// Edits a mesh with several refit blocks between steps that degrade parts of the tree, and in one step all of it.
 void expect_tree_follows_edits_of_many(int side, int steps, std::size_t additions, Index stride,
                                        std::initializer_list<KdopBvh::Restructure> ways) {
   const Shape shape = bricks(side);
@@ -233,7 +233,7 @@ void expect_tree_follows_edits_of_many(int side, int steps, std::size_t addition
     std::mt19937_64 random(7);
     std::int64_t next_id = 1000000;
     for (int step = 0; step <= steps; ++step) {
-      for (const double part : {0.05, 0.1}) {  // one step after an edit, one without
+      for (const double part : {0.05, 0.1}) {  // one step after an edit, and one step without an edit
         scene.motion = Motion::linear(on_grid(at), on_grid(jittered(at, part, static_cast<std::uint64_t>(step))));
         const Pairs found = run(phase, scene.step(), *state, PairRange::every, *executor);
         ASSERT_TRUE(found == pairs_of_boxes(scene.step())) << "step " << step;
@@ -257,12 +257,12 @@ TEST(TopologyChanges, SeveralThousandElements) {
   expect_tree_follows_edits_of_many(5, 5, 20, 97, {none, subtrees, always});
 }
 
-// The tree of the additions has more than one refit block, too.
+// The tree of added elements has more than one refit block, too.
 TEST(LongTopologyChanges, MoreThanAThousandAdditions) {
   expect_tree_follows_edits_of_many(9, 1, 1030, 997, {KdopBvh::Restructure::none});
 }
 
-/// Twenty small blocks that wander to places drawn anew for each seed.
+/// Twenty small blocks that move to random positions, which depend on the seed.
 std::vector<Vec3> scattered(const Shape& shape, std::size_t vertices_a_block, double part) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> place(0, 12);
@@ -280,7 +280,7 @@ std::uint64_t tests_of_query(const KdopBvh& phase, const Step& step, StageState&
   return KdopBvh::counters(state).node_tests - before;
 }
 
-/// Node tests of the last step of a long motion, and those of a tree built anew for it.
+/// Number of node tests of the last step of a long motion, and of a tree that is built for this step.
 struct Cost {
   double kept, fresh;
   std::uint64_t builds, restructured;
@@ -306,7 +306,7 @@ Cost long_motion(KdopBvh::Restructure restructure, Scene& scene, const std::vect
 }
 
 TEST(Restructuring, KeepsTheCostOfMixedUpElementsNearThatOfABuild) {
-  // A sheet of points-in-a-cloud motion: single elements, each going its own way, so that any tree must degrade.
+  // A sheet of single elements with independent motions, so that every tree degrades.
   Shape shape;
   const Shape one = block(ElementType::hexahedron, 1, 1, 1);
   for (int i = 0; i < 4000; ++i) {
@@ -324,7 +324,7 @@ TEST(Restructuring, KeepsTheCostOfMixedUpElementsNearThatOfABuild) {
 }
 
 TEST(Restructuring, OnlyThePartThatDegraded) {
-  // Two clouds; only the smaller one is mixed up.
+  // Two clouds; only the smaller one is permuted.
   Shape shape;
   const Shape one = block(ElementType::hexahedron, 1, 1, 1);
   for (int i = 0; i < 4500; ++i) {
@@ -399,7 +399,7 @@ TEST(SteadyState, AllocatesNothing) {
         for (int round = 0; round < 3; ++round) {
           if (round == 2) before = allocation_count();
           for (const Motion& motion : motions) {
-            scene.motion = motion;  // same size: the assignment itself allocates nothing
+            scene.motion = motion;  // the size is the same, so that the assignment does not allocate
             phase->prepare(scene.step(), *state, *executor);
             for (PairRange range : {PairRange::nonadjacent, PairRange::every})
               phase->run(scene.step(), *state, range, *executor, [](std::span<const ElementPair>, unsigned) {});

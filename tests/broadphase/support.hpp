@@ -28,7 +28,7 @@ namespace volccd::test {
 
 using Pairs = std::vector<ElementPair>;
 
-/// A topology, a motion and what is asked for.
+/// A topology, a motion, and the options of a query.
 struct Scene {
   std::string name;
   std::unique_ptr<Topology> topology;
@@ -57,7 +57,7 @@ inline std::unique_ptr<BroadPhase> make(const StageDescriptor<BroadPhase>& descr
   return descriptor.make(values);
 }
 
-/// Runs a query; checks batches; returns the pairs sorted.
+/// Runs a query, checks its batches, and returns the pairs in ascending order.
 inline Pairs query(const BroadPhase& phase, const Step& step, StageState& state, PairRange range, Executor& executor) {
   std::mutex mutex;
   Pairs pairs;
@@ -85,7 +85,7 @@ inline Pairs run_fresh(const BroadPhase& phase, const Step& step, PairRange rang
   return run(phase, step, *state, range, executor);
 }
 
-/// x * 2^1074: every finite double is such an integer.
+/// x * 2^1074, which is an integer for every finite double.
 using Exact = boost::multiprecision::cpp_int;
 inline Exact exact(double x) {
   int exponent = 0;
@@ -93,10 +93,10 @@ inline Exact exact(double x) {
   Exact value = static_cast<std::int64_t>(std::ldexp(fraction, 53));
   const int shift = exponent - 53 + 1074;
   if (shift >= 0) return value << static_cast<unsigned>(shift);
-  return value / (Exact(1) << static_cast<unsigned>(-shift));  // exact: denormals have trailing zeros
+  return value / (Exact(1) << static_cast<unsigned>(-shift));  // exact, because denormals have trailing zeros
 }
 
-/// Exact projections of each element's control points, by plain loops.
+/// Exact projections of each element's control points, computed by simple loops.
 class KdopOracle {
  public:
   KdopOracle(const Step& step, int k) : step_(step) {
@@ -122,7 +122,7 @@ class KdopOracle {
     separation_ = exact(step.separation);
   }
 
-  /// The intervals come within the separation (times the axis's length) on every axis, in exact arithmetic.
+  /// Whether the intervals come within the separation (times the axis's length) on every axis, in exact arithmetic.
   bool overlap(Index a, Index b) const {
     for (std::size_t i = 0; i < axes_.size(); ++i) {
       const Exact gap = std::max<Exact>(lo_[a][i] - hi_[b][i], lo_[b][i] - hi_[a][i]);
@@ -131,8 +131,8 @@ class KdopOracle {
     return true;
   }
 
-  /// On some axis they are apart by more than `relative` of their magnitude, and a float's smallest step, beyond the
-  /// separation, within the range of floats.
+  /// Whether the intervals are apart on some axis, within the range of floats, by more than the separation, `relative`
+  /// of their magnitude, and the smallest step of a float.
   bool clearly_apart(Index a, Index b, double relative, double absolute) const {
     for (std::size_t i = 0; i < axes_.size(); ++i) {
       const Exact gap = std::max<Exact>(lo_[a][i] - hi_[b][i], lo_[b][i] - hi_[a][i]);
@@ -160,7 +160,7 @@ class KdopOracle {
       default: take(kdop_axes<26>()); break;
     }
   }
-  /// e / 2^1074, to about 1e-15; infinity beyond the range.
+  /// e / 2^1074, with an error of about 1e-15; infinity beyond the range.
   static double to_double(const Exact& e) {
     if (e == 0) return 0;
     const Exact magnitude = boost::multiprecision::abs(e);
@@ -177,7 +177,7 @@ class KdopOracle {
   Exact separation_;
 };
 
-/// All unordered pairs of live elements that a query for this range owes if bounds are never apart.
+/// All unordered pairs of live elements that a query for this range must give if its bounds never separate a pair.
 inline Pairs all_pairs(const Step& step, PairRange range) {
   const Mesh& mesh = step.mesh();
   Pairs pairs;
@@ -195,7 +195,7 @@ inline Pairs all_pairs(const Step& step, PairRange range) {
   return pairs;
 }
 
-/// Checks pairs against the oracle: none of the exact overlaps is missing, and nothing that is clearly apart is there.
+/// Checks pairs with the oracle: every exact overlap is included, and no pair that is clearly apart.
 inline void expect_sound(const Pairs& pairs, const KdopOracle& oracle, const Step& step, PairRange range,
                          double relative = 0x1p-21, double absolute = 0x1p-146) {
   const Pairs owed = all_pairs(step, range);

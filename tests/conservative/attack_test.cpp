@@ -18,8 +18,8 @@
 namespace volccd::test {
 namespace {
 
-/// Narrow phases that say that they lose nothing, with default options, as the registry makes them: touching tests are
-/// reported and never late, on each instruction set; exact ones report no others.
+/// Narrow phases that declare to lose no contact, with the default options of the registry: they report touching tests
+/// and never late, on each instruction set. Exact ones report no other tests.
 class NarrowPhaseProperty {
  public:
   NarrowPhaseProperty() {
@@ -68,9 +68,9 @@ class NarrowPhaseProperty {
   OneTest test_;
 };
 
-/// What the header of `cubic` promises: touching tests are reported, at a time that is hardly ever late by more than
-/// 1e-12, and what is reported comes within the tolerance then. Left out: coordinates that span hundreds of powers of
-/// two, of which doubles scaled to one size keep too little.
+/// The promises of the header of `cubic`: touching tests are reported, at a time that is rarely late by more than
+/// 1e-12, and the features of a reported test are within the tolerance at that time. Coordinates that span hundreds of
+/// powers of two are left out, because doubles scaled to one size represent them too coarsely.
 class CubicProperty {
  public:
   std::string operator()(Choices& choices) {
@@ -91,7 +91,7 @@ class CubicProperty {
     return wrong.empty() ? "" : attack.name + (": " + wrong) + "\n" + to_text(c);
   }
 
-  /// Share of the answers that are late by more than 1e-12.
+  /// Fraction of the answers that are late by more than 1e-12.
   double late_share() const { return late_ / answers_; }
 
  private:
@@ -101,7 +101,7 @@ class CubicProperty {
     const double toi = contacts.front().toi, late = truth.touches ? toi - truth.toi : 0;
     late_ += late > 1e-12;
     if (late > 1e-6) return "late: it is at " + std::to_string(truth.toi);
-    // The tolerance, and what the features move in 1e-12 of the step.
+    // The tolerance, plus the distance that the features move in 1e-12 of the step.
     const double size = std::min(Coordinates(c).size(), 0x1p1023);
     if (size < 0x1p-900) return "";
     return compare_distance(Coordinates(c).motion(), toi, 1.1e-10 * size) <= 0 ? "" : "reported, and not near";
@@ -153,7 +153,8 @@ TEST(AttackCases, AreFiniteAndManyTouch) {
       ASSERT_TRUE(finite) << attack.name << " " << seed;
       known += c.touch >= 0;
     }
-    const std::set<std::string> nearly = {"NearMiss", "FarOff", "NearlyAtTheSeparation"};  // rounded: not known
+    // the time is rounded, and not known exactly
+    const std::set<std::string> nearly = {"NearMiss", "FarOff", "NearlyAtTheSeparation"};
     EXPECT_TRUE(known > 100 || nearly.count(attack.name)) << attack.name << " " << known;
   }
 }

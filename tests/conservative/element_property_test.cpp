@@ -1,4 +1,4 @@
-// Elements whose features touch come out of every broad phase, and CSAT neither drops them nor masks those features.
+// Elements whose features touch are emitted by every broad phase, and CSAT neither drops them nor masks those features.
 #include <algorithm>
 #include <memory>
 #include <string>
@@ -50,7 +50,7 @@ std::vector<NamedBroadPhase> all_broad_phases() {
   return all;
 }
 
-/// What both properties share: a case, and a part of the step.
+/// Data of both properties: a case, and a part of the step.
 class ElementProperty {
  public:
   ElementProperty(ElementType type, Separation separation)
@@ -73,11 +73,11 @@ class ElementProperty {
   ~ElementProperty() = default;
 
   ElementPairs scene_;
-  VectorTargets targets_;  ///< one a case, each in turn
+  VectorTargets targets_;  ///< one stage for each case, in turn
   std::size_t cases_ = 0;
 
  private:
-  /// Stages that lose the contact of the case.
+  /// The stages that lose the contact of the case.
   virtual std::string loses(const Case& c, const Step& step) = 0;
 
   ElementGenerator generator_;

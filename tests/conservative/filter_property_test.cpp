@@ -1,4 +1,4 @@
-// No feature filter drops a test that touches, and the generator makes what it says.
+// No feature filter drops a test that touches, and the generator's tests have the properties that it states.
 #include <memory>
 #include <set>
 #include <string>
@@ -49,7 +49,7 @@ class FilterProperty {
     const double t_max = which == 2 && c.touch >= 0 ? c.touch : which == 3 ? until : 1;
     test_.set(c, t_max);
     std::string dropped;
-    // One target a case, each in turn.
+    // One instruction set for each case, in turn.
     targets_.with(static_cast<std::size_t>(all_), [&](const char* target) {
       for (const auto& [name, filter] : filters_) {
         std::uint8_t keep[8] = {1, 1, 1, 1, 1, 1, 1, 1};

@@ -8,9 +8,9 @@
 namespace volccd::test {
 namespace {
 
-/// Of the separation itself, by which it is rounded.
+/// Relative to the separation, which is itself rounded.
 constexpr double kSeparationRounding = 0x1p-46;
-/// Contacts that are certain come later by the time tolerance at most.
+/// Contacts that are certain are late by at most the time tolerance.
 constexpr double kNearInTime = 0x1p-24;
 
 std::string in_hex(double x) {
@@ -35,7 +35,7 @@ std::string wrong_time(const ExactAnswer& truth, const Answer& answer) {
   return "";
 }
 
-/// So that shares of its size are doubles.
+/// The size is a power of two, so that its fractions are doubles.
 Case enlarged(Case c) {
   for (auto& set : c.sets)
     for (Curve& p : set)
@@ -107,7 +107,8 @@ std::string InclusionProperty::wrong_distance(const Case& c, const Answer& answe
     if (compare_distance(motion, before, c.separation) <= 0) return "late, by little";
   }
   if (answer.counters.undecided > 0) return "";
-  // Within the separation at a time not later by more than the tolerance (as rounded).
+  // Whether the features are within the separation at some time from the reported one to the tolerance later, as
+  // rounded.
   const double until = std::min(1.0, contact.toi + kTolerance * (1 + 0x1p-20));
   return seen_within_separation(c, contact.toi, until, &at) ? "" : "too early";
 }
@@ -121,19 +122,18 @@ bool InclusionProperty::near(const Case& c, const Answer& answer) {
   return !std::isfinite(within) || compare_distance(Coordinates(c).motion(), answer.contact().toi, within) <= 0;
 }
 
-/// With a separation, a search that is given up says nothing of how near the features come: one that goes on answers
-/// otherwise.
+/// With a separation, a search that is given up does not tell how near the features come; a search that continues does.
 bool InclusionProperty::cut_short(const Case& c, const Answer& answer) {
   if (c.separation == 0) return spans_too_much(c, answer);
   return answer.counters.undecided > 0 && !(run(patient_, c, 1) == answer);
 }
 
-/// Undecided, and `exact` was not asked.
+/// The test is undecided, and `exact` was not used.
 bool InclusionProperty::spans_too_much(const Case& c, const Answer& answer) {
   return answer.counters.undecided > 0 && coordinate_bits(Coordinates(c).motion()) > Inclusion::Config{}.exact_bits;
 }
 
-/// t_max: the same contact by its time, none before.
+/// With t_max: the same contact if its time is not later than t_max, otherwise none.
 std::string InclusionProperty::wrong_by_then(const Case& c, const Answer& answer) {
   if (!answer.found()) return run(plain_, c, 0.5).found() ? "found by 0.5, not by 1\n" + to_text(c) : "";
   const double toi = answer.contact().toi;
@@ -145,12 +145,12 @@ std::string InclusionProperty::wrong_by_then(const Case& c, const Answer& answer
 
 std::string InclusionProperty::wrong_target(const Case& c, const Answer& answer) {
   std::string wrong;
-  if (c.control_points > 2 || c.separation > 0) return wrong;  // no vector kernels
+  if (c.control_points > 2 || c.separation > 0) return wrong;  // there are no vector kernels
   const auto compare = [&](const char* name) {
     const Answer other = run(plain_, c, 1);
     if (!(other == answer)) wrong += std::string("another answer on ") + name + describe(other) + ", ";
   };
-  const std::size_t others = targets_.size() - 1;  // the first is the best: the answer is its own
+  const std::size_t others = targets_.size() - 1;  // the first one is the reference
   if (others_ == Others::all)
     for (std::size_t i = 1; i <= others; ++i) targets_.with(i, compare);
   else if (others > 0)

@@ -1,4 +1,4 @@
-// What the header of `inclusion` promises, as a property of generated tests.
+// The promises of the header of `inclusion` as a property of generated tests.
 #pragma once
 
 #include <functional>
@@ -13,10 +13,10 @@
 
 namespace volccd::test {
 
-/// Makes a test of its choices.
+/// Makes a test from choices.
 using Generator = std::function<Case(Choices&)>;
 
-/// What `inclusion` said of a test.
+/// The answer of `inclusion` to a test.
 struct Answer {
   std::vector<Contact> contacts;
   NarrowCounters counters;
@@ -28,25 +28,28 @@ struct Answer {
   }
 };
 
-/// "", or what is wrong. Of the best instruction set, and the answers of the others have to be the same.
+/// Returns "", or a description of the error. The answer is that of the best instruction set; all others must give the
+/// same.
 class InclusionProperty {
  public:
   enum class Promise {
-    complete,  ///< none missed, none late, none early by more than the tolerance, undecided=exact exact, t_max
-               ///< respected
-    near       ///< what is reported comes near
+    /// No contact is missed or late, or early by more than the tolerance; undecided=exact gives the exact answer, and
+    /// t_max is respected.
+    complete,
+    near       ///< features of reported contacts are near each other
   };
 
   enum class Others {
     all,     ///< each instruction set on every test
-    in_turn  ///< one on each test, for very many tests: they take up to six times as long otherwise
+    /// one instruction set for each test, for large numbers of tests, because all sets take up to six times as long
+    in_turn
   };
 
   InclusionProperty(Promise promise, Generator generator, Others others = Others::all)
       : promise_(promise), generator_(std::move(generator)), others_(others) {}
 
   std::string operator()(Choices& choices);
-  /// Of one test.
+  /// Checks one test.
   std::string judge(const Case& c);
 
  private:

@@ -1,4 +1,4 @@
-// What the header of `inclusion` promises, on tests that nearly touch.
+// The promises of the header of `inclusion`, on tests that nearly touch.
 #include "conservative/inclusion_property.hpp"
 #include "conservative/run_cases.hpp"
 

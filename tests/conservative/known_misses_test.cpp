@@ -1,4 +1,4 @@
-// Contacts that elementary tests have missed, reported too early, or reported too far off, one by one.
+// Contacts that elementary tests once missed, reported too early, or reported for features too far apart.
 #include <cmath>
 
 #include <volccd/oracle/cases/attack_cases.hpp>
@@ -24,8 +24,8 @@ Case two_point_case(FeatureKind kind, const std::vector<std::array<Vec3, 2>>& po
   return c;
 }
 
-/// The Newton step from the likely root left the part of the step: missed where it went too far, too early where not
-/// far enough.
+/// The Newton step from the likely root left the part of the step. Contacts were missed if the step was too long, and
+/// early if it was too short.
 const Vec3 kMissed[3] = {{.069, .0161, 1.13}, {.499, .00357, .00285}, {-11, .0785, .064}};
 const Vec3 kEarly[3] = {{.0057, .0069, .66}, {1.7, .28, .12}, {-.034, -.042, 5.8}};
 
@@ -36,7 +36,7 @@ TEST(KnownMisses, SkewedCurves) {
   }
 }
 
-/// Of the first, changed by a tenth of a percent, one in nine was missed.
+/// Of tests like the first one with changes of a tenth of a per cent, one in nine was missed.
 TEST(KnownMisses, SkewedCurvesChangedALittle) {
   for (const FeatureKind kind : kKinds) {
     InclusionProperty property(InclusionProperty::Promise::complete, [kind](Choices& choices) {
@@ -50,7 +50,7 @@ TEST(KnownMisses, SkewedCurvesChangedALittle) {
   }
 }
 
-/// One coordinate difference is infinite at both ends: the difference of two such is NaN.
+/// A coordinate difference is infinite at both ends; the difference of the two is NaN.
 TEST(KnownMisses, DifferencesThatOverflow) {
   constexpr double m = 1.7e308;
   const std::array<Vec3, 2> left = {Vec3(-m, 0, 0), Vec3(-m, 0, 0)}, right = {Vec3(m, 0, 0), Vec3(0, 0, 0)};
@@ -59,14 +59,14 @@ TEST(KnownMisses, DifferencesThatOverflow) {
   EXPECT_EQ(judge(two_point_case(FeatureKind::ee, {left, right, below, above})), "");
   EXPECT_EQ(judge(two_point_case(FeatureKind::ee, {below, above, left, right})), "");
   EXPECT_EQ(judge(two_point_case(FeatureKind::ee, {right, left, below, above})), "");
-  // The same backwards, and the vertex and triangle.
+  // The same test with time reversed, and with vertex and triangle exchanged.
   const auto back = [](const std::array<Vec3, 2>& p) { return std::array<Vec3, 2>{p[1], p[0]}; };
   EXPECT_EQ(judge(two_point_case(FeatureKind::ee, {back(left), back(right), below, above})), "");
   const std::array<Vec3, 2> vertex = {Vec3(.9 * m, 0, 0), Vec3(.9 * m, 0, 0)};
   EXPECT_EQ(judge(two_point_case(FeatureKind::vf, {vertex, left, right, {Vec3(0, 1, 0), Vec3(0, 1, 0)}})), "");
 }
 
-/// Reported at a distance of 2^-39 of the size: the triangle is nearly an edge.
+/// The contact was reported at a distance of 2^-39 of the size; the triangle is nearly an edge.
 TEST(KnownMisses, NearASliver) {
   const std::array<Vec3, 2> corner = {Vec3(-0x1.5p-447, 0x1.ep-448, 0x1.8p-448),
                                       Vec3(-0x1.f6202p-432, 0x1.7f6f3p-431, -0x1.983bcp-431)};
@@ -80,7 +80,7 @@ TEST(KnownMisses, NearASliver) {
       "");
 }
 
-/// Differences of one or two units of the least double: all is reported, near or not.
+/// Differences are one or two units of the smallest double. All such tests are reported, near or not.
 TEST(KnownMisses, LeastDifferences) {
   constexpr double u = 0x1p-1074;
   const auto at = [](double x, double y) { return std::array<Vec3, 2>{Vec3(x, y, 0), Vec3(x, y, 0)}; };

@@ -1,4 +1,4 @@
-// Runs a property, a function from Choices to "" or what is wrong.
+// Runs a property, which is a function from Choices to "" or a description of the error.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace volccd::test {
 
 using namespace cases;
 
-/// Many cases, quickly: seeds first, first + 1, ...; stops at the first failure.
+/// Runs many cases fast: seeds first, first + 1, ...; stops at the first failure.
 template <class Property>
 void run_seeds(std::uint64_t first, int cases, Property&& property) {
   for (std::uint64_t seed = first; seed < first + static_cast<std::uint64_t>(cases); ++seed) {
@@ -26,7 +26,7 @@ void run_seeds(std::uint64_t first, int cases, Property&& property) {
   }
 }
 
-/// Fewer cases, the first failure made as simple as rapidcheck can.
+/// Runs fewer cases, and reduces the first failure to the simplest one that rapidcheck finds.
 template <class Property>
 void run_shrinking(std::uint64_t seed, int cases, Property&& property) {
   rc::detail::TestParams params;
@@ -39,7 +39,7 @@ void run_shrinking(std::uint64_t seed, int cases, Property&& property) {
         *rc::gen::container<std::vector<std::uint32_t>>(100, rc::gen::inRange<std::uint32_t>(0, 0xffff'ffffu));
     Choices choices(list);
     const std::string what = property(choices);
-    if (!what.empty()) failure = what;  // the last to fail is the simplest
+    if (!what.empty()) failure = what;  // the last failure is the simplest
     RC_ASSERT(what.empty());
   };
   const auto result = rc::detail::checkTestable(testable, rc::detail::TestMetadata(), params);

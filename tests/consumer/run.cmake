@@ -1,14 +1,14 @@
 # cmake -DPART=... -DBUILD_DIR=... -DPROJECT_DIR=... -DWORK_DIR=... -DGENERATOR=... -DCXX=... -DCXX_FLAGS=... -DCPACK=...
 #       -DBUILD_TYPE=... -P run.cmake
 # The tests of the installed package. PART is one of:
-#   install    installs the build into WORK_DIR/prefix, which the other parts use; looks through what lies there
+#   install    installs the build into WORK_DIR/prefix, which the other parts use, and checks its files
 #   consumer   builds and runs tests/consumer/, without the packages that only the component `program` needs
 #   example    builds examples/custom_culling/, which asks for the component `program`
 #   solver     builds examples/solver/ and runs it, without the packages that only the component `program` needs
-#   refusals   components that cannot be had are refused, and the message says why
-#   headers    each installed header compiles alone
-#   debian     makes the Debian packages, unpacks them into an empty root, and uses what lies there: the program, the
-#              importer, tests/consumer/ by CMake and by pkg-config (python/tests/installed.py uses the Python module)
+#   refusals   asks for components that are not available, and checks the reason in the error message
+#   headers    checks that each installed header compiles by itself
+#   debian     makes the Debian packages, unpacks them into an empty root, and uses them: the program, the importer, and
+#              tests/consumer/ with CMake and with pkg-config (python/tests/installed.py uses the Python module)
 #   shared     builds and installs shared libraries, without HDF5 and GMP because that is less to build, and uses them
 #              by CMake and by pkg-config
 #   fresh      configures the project where only the packages that the program needs are there
@@ -38,7 +38,7 @@ function(build source name)
   run("build" "${CMAKE_COMMAND}" --build "${WORK_DIR}/${name}")
 endfunction()
 
-# use_by_pkg_config(name [options...]): builds and runs tests/consumer/ with what pkg-config says of PREFIX.
+# use_by_pkg_config(name [options...]): builds and runs tests/consumer/ with the flags that pkg-config gives for PREFIX.
 function(use_by_pkg_config name)
   set(ENV{PKG_CONFIG_PATH} "${PREFIX}/lib/pkgconfig")
   execute_process(COMMAND pkg-config ${ARGN} --cflags --libs volccd OUTPUT_VARIABLE flags RESULT_VARIABLE code)
@@ -55,8 +55,8 @@ endfunction()
 set(without -DCMAKE_DISABLE_FIND_PACKAGE_HDF5=ON -DCMAKE_DISABLE_FIND_PACKAGE_GMP=ON)
 set(lean -DVOLCCD_WITH_HDF5=OFF -DVOLCCD_WITH_GMP=OFF ${without})
 
-# install_library(name [options...]): builds the project's library alone and installs it into WORK_DIR/name. Without
-# optimisation, which takes half as long.
+# install_library(name [options...]): builds the library alone and installs it into WORK_DIR/name. Without optimisation,
+# which halves the time.
 function(install_library name)
   build("${PROJECT_DIR}" "${name}-build" -DVOLCCD_BUILD_PROGRAM=OFF -DVOLCCD_BUILD_TESTS=OFF
         -DVOLCCD_BUILD_BENCHMARKS=OFF -DVOLCCD_SIMD=baseline -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=16
@@ -88,7 +88,7 @@ function(refuse component expected)
   endif()
 endfunction()
 
-# The tree's own folders must not be what users of the package see.
+# Users of the package must not see folders of the source tree.
 function(check_no_file_names_this_machine)
   file(GLOB_RECURSE scripts "${PREFIX}/*.cmake")
   foreach(script IN LISTS scripts)
@@ -103,7 +103,7 @@ function(check_no_file_names_this_machine)
   endforeach()
 endfunction()
 
-# The library alone does not ask for these.
+# The library without the program does not require these packages.
 foreach(package PNG fcl ccd CLI11 nlohmann_json)
   list(APPEND without_program "-DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON")
 endforeach()
@@ -112,7 +112,7 @@ file(GLOB_RECURSE headers RELATIVE "${PREFIX}/include" "${PREFIX}/include/*.hpp"
 file(GLOB_RECURSE program_targets "${PREFIX}/*/volccdProgramTargets.cmake")
 
 if(PART STREQUAL "install")
-  file(REMOVE_RECURSE "${PREFIX}")  # and no more: other parts may be running
+  file(REMOVE_RECURSE "${PREFIX}")  # and no other folders, because other parts of the test may be running
   run("install" "${CMAKE_COMMAND}" --install "${BUILD_DIR}" --prefix "${PREFIX}")
   check_no_file_names_this_machine()
 elseif(PART STREQUAL "consumer")
@@ -127,14 +127,14 @@ elseif(PART STREQUAL "refusals")
   refuse(nonsense "volccd has no component 'nonsense'; there is program")
   refuse(program "volccd's component program needs fcl (Debian: libfcl-dev), which was not found"
          -DCMAKE_DISABLE_FIND_PACKAGE_fcl=ON)
-  # A package without the program is one without this file.
+  # A copy of the prefix without the targets file of the program is a package without the component.
   file(REMOVE_RECURSE "${WORK_DIR}/prefix-without-program")
   file(COPY "${PREFIX}/" DESTINATION "${WORK_DIR}/prefix-without-program" PATTERN "volccdProgramTargets*" EXCLUDE)
   set(PREFIX "${WORK_DIR}/prefix-without-program")
   refuse(program "this package of volccd was built without its component program")
 elseif(PART STREQUAL "headers")
-  # Twice: the second time checks the include guard. To objects, which a compiler cache keeps, as it does not keep checks
-  # of the syntax alone.
+  # Each header is included twice, which checks its include guard. It is compiled to an object file, because a compiler
+  # cache stores these and not the results of syntax checks.
   file(REMOVE_RECURSE "${WORK_DIR}/headers")
   foreach(header IN LISTS headers)
     file(WRITE "${WORK_DIR}/headers/${header}.cpp" "#include <${header}>\n#include <${header}>\n")
@@ -160,7 +160,7 @@ elseif(PART STREQUAL "debian")
   run("make packages" "${CPACK}" -G DEB --config "${BUILD_DIR}/CPackConfig.cmake" -B "${WORK_DIR}/packages")
   file(GLOB packages RELATIVE "${WORK_DIR}/packages" "${WORK_DIR}/packages/*.deb")
   list(TRANSFORM packages REPLACE "_.*" "" OUTPUT_VARIABLE names)
-  list(REMOVE_ITEM names python3-volccd)  # where the module is not built
+  list(REMOVE_ITEM names python3-volccd)  # this package exists only if the Python module is built
   if(NOT names STREQUAL "libvolccd-dev;volccd")
     message(FATAL_ERROR "packages beside those of docs/installing.md: ${names}")
   endif()
@@ -171,7 +171,7 @@ elseif(PART STREQUAL "debian")
   run("scene" "${root}/usr/bin/volccd" scene generate builtin --elements 200 --steps 2 -o "${WORK_DIR}/run.vtkhdf")
   run("contacts" "${root}/usr/bin/volccd" detect "${WORK_DIR}/run.vtkhdf")
   if(EXISTS "${BUILD_DIR}/page")
-    # The page of this root, not that of the build folder.
+    # The page must be found in this root, not in the build folder.
     file(APPEND "${root}/usr/share/volccd/report/index.html" "<!-- of the package -->")
     file(REMOVE_RECURSE "${WORK_DIR}/view")
     run("page" "${root}/usr/bin/volccd" view "${WORK_DIR}/run.vtkhdf" -o "${WORK_DIR}/view")

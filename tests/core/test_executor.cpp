@@ -31,7 +31,7 @@ unsigned most_of_tbb() {
 
 void PrintTo(const Maker& maker, std::ostream* out) { *out << maker.name << maker.threads; }
 
-// The same contract for every executor. The instances named Threads are those that ThreadSanitizer can judge.
+// All executors satisfy the same contract. ThreadSanitizer can judge the instances named Threads.
 class ExecutorContract : public testing::TestWithParam<Maker> {
  protected:
   std::unique_ptr<Executor> executor_ = GetParam().make(GetParam().threads);
@@ -80,7 +80,7 @@ TEST_P(ExecutorContract, ConcurrentChunksHaveDifferentWorkers) {
   EXPECT_EQ(clashes, 0);
 }
 
-// What a stage does: per-worker buffers without locks, merged afterwards. ThreadSanitizer sees here whether the
+// Uses buffers for each worker without locks and merges them afterwards, as stages do. ThreadSanitizer checks that the
 // executor orders the chunks of one worker, and the caller after all of them.
 TEST_P(ExecutorContract, ResultsDoNotDependOnTheExecutor) {
   constexpr std::size_t n = 5000;
@@ -171,7 +171,7 @@ TEST(Executor, DoesNotLimitWhatTheProgramItselfDoesWithTbb) {
   const unsigned before = most_of_tbb();
   const auto less = make_executor(2), more = make_executor(before + 7);
   EXPECT_EQ(most_of_tbb(), before);
-  // What the program itself allows is taken.
+  // The limit that the host program has set is used.
   const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 3);
   EXPECT_EQ(make_executor(5)->workers(), 3u);
   EXPECT_EQ(make_executor(2)->workers(), 2u);
@@ -179,7 +179,7 @@ TEST(Executor, DoesNotLimitWhatTheProgramItselfDoesWithTbb) {
 
 constexpr int kRefused = 3, kMade = 4, kCannotLimit = 5;
 
-/// For a child process: makes an executor as a user that may have `limit` threads (root may have any number).
+/// For a child process: makes an executor as a user who may have `limit` threads (root may have any number).
 void make_under_limit(std::unique_ptr<Executor> (*make)(unsigned), unsigned threads, rlim_t limit) {
   constexpr unsigned kNobody = 65534;
   if (geteuid() == 0 && (setgid(kNobody) != 0 || setuid(kNobody) != 0)) _exit(kCannotLimit);
@@ -196,8 +196,8 @@ void make_under_limit(std::unique_ptr<Executor> (*make)(unsigned), unsigned thre
 
 TEST(ExecutorDeathTest, AThreadThatTheSystemRefusesIsAnError) {
   GTEST_FLAG_SET(death_test_style, "threadsafe");
-  // A pool, and an arena that needs a thread beside the calling one. The limit counts all processes of the user: fewer
-  // than that can be made, how many is not known.
+  // Makes a pool, and an arena that needs a thread beside the calling one. The limit is for all processes of the user,
+  // so that an unknown, smaller number of threads can be made.
   struct {
     std::unique_ptr<Executor> (*make)(unsigned);
     unsigned threads;

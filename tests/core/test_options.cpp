@@ -104,7 +104,7 @@ TEST(Options, ListedInTheOrderOfTheTableWithDefaults) {
             "axis=optimal (face|optimal)\n");
 }
 
-// What the table lists as default parses back to the default.
+// The default values that the table lists can be parsed, and give the defaults.
 TEST(Options, ListedDefaultsAreAccepted) {
   OptionValues values;
   for (const OptionInfo& info : options().describe()) values[info.name] = info.default_value;

@@ -1,4 +1,4 @@
-// Outputs: whole or not at all; links, FIFOs and devices stay what they are; errors name the file and the reason.
+// Outputs are complete or absent; links, FIFOs and devices are kept; errors name the file and the reason.
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -38,7 +38,7 @@ class OutputFiles : public ::testing::Test {
     return {std::istreambuf_iterator<char>(stream), {}};
   }
 
-  /// What the error for an output of this name says.
+  /// The message of the error for an output of this name.
   static std::string refusal(const std::string& name, const char* only_files = nullptr) {
     try {
       check_output(name, only_files);
@@ -82,7 +82,7 @@ TEST_F(OutputFiles, PermissionsOfTheReplacedFileStay) {
 
 TEST_F(OutputFiles, LinksStayAndTheirTargetIsReplaced) {
   fs::create_directory(path("b"));
-  fs::create_symlink("b/there", path("link"));  // relative to the link's folder, and not there yet
+  fs::create_symlink("b/there", path("link"));  // relative to the link's folder; the file does not exist yet
   fs::create_symlink(path("link"), path("link-to-link"));
   write_text_file(path("link-to-link"), "one");
   EXPECT_EQ(text_of(path("b/there")), "one");
@@ -102,7 +102,7 @@ TEST_F(OutputFiles, FifosAndDevicesAreWrittenThrough) {
   EXPECT_STREQ(bytes, "through");
   ::close(fifo);
   EXPECT_TRUE(fs::is_fifo(path("fifo")));
-  // A terminal of our own: a mistake does not harm /dev/null.
+  // Uses a terminal of the test's own, so that an error cannot damage /dev/null.
   const int terminal = ::posix_openpt(O_RDWR | O_NOCTTY);
   if (terminal < 0 || ::grantpt(terminal) != 0 || ::unlockpt(terminal) != 0) GTEST_SKIP() << "no terminals here";
   const std::string device = ::ptsname(terminal);
@@ -120,7 +120,7 @@ TEST_F(OutputFiles, FifosAndDevicesAreWrittenThrough) {
 }
 
 TEST_F(OutputFiles, DescriptorsAreWrittenTo) {
-  // A regular file behind a descriptor is what a shell's `>` opens: renaming over it would lose it.
+  // A shell's `>` opens a regular file behind a descriptor; renaming another file over it would lose the output.
   const int descriptor = ::open(path("a").c_str(), O_CREAT | O_WRONLY, 0600);
   ASSERT_GE(descriptor, 0);
   fs::create_symlink("/dev/fd/" + std::to_string(descriptor), path("link"));

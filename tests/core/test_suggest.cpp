@@ -1,4 +1,4 @@
-// Edit distances, and which names are suggested.
+// Edit distances, and the names that are suggested.
 #include <string>
 #include <vector>
 

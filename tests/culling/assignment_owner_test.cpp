@@ -1,4 +1,4 @@
-// Dynamic assignment against the literal definition of the owner (Algorithm 5), element pair by element pair: with
+// Dynamic assignment compared with the literal definition of the owner (Algorithm 5), for each element pair: with
 // masks, on every element type, on objects that share vertices, on elements with more features than a mask has bits,
 // and after edits.
 #include <algorithm>
@@ -14,7 +14,7 @@
 namespace volccd {
 namespace {
 
-/// Which elements share vertices, by comparing all of them: not from the topology's own tables.
+/// Finds the elements that share vertices by comparing all of them, without the topology's tables.
 class AdjacencyMatrix {
  public:
   explicit AdjacencyMatrix(const Mesh& mesh) : slots_(mesh.element_slots()), adjacent_(std::size_t{slots_} * slots_) {
@@ -54,7 +54,7 @@ void add_vf(const Topology& topology, const AdjacencyMatrix& adjacency, Index o_
         out.vf.push_back({vertices[i], f});
 }
 
-/// The tests of an element pair by definition.
+/// The tests of an element pair according to the definition.
 TestBatch owned_tests(const Topology& topology, const AdjacencyMatrix& adjacency, ElementPair pair,
                       const FeatureMask& mask) {
   const Features& features = topology.features();
@@ -73,7 +73,7 @@ TestBatch owned_tests(const Topology& topology, const AdjacencyMatrix& adjacency
   return out;
 }
 
-/// Each mask: none, or every feature masked with probability 1/2.
+/// A mask for each element: empty, or with each feature masked with probability 1/2.
 FeatureMask random_mask(Random& random) {
   FeatureMask mask;
   if (random.below(2) == 0) return mask;
@@ -89,7 +89,8 @@ Shape of_two_objects(Shape shape) {
   return shape;
 }
 
-/// A row of prisms over polygons of `sides` sides, each a polytope and glued to the next one.
+/// A row of prisms whose bases are polygons with `sides` sides. Each is a polytope that shares a face with the next
+/// one.
 Shape prisms(Index sides, Index count) {
   Shape shape;
   for (Index layer = 0; layer <= count; ++layer)
@@ -128,7 +129,7 @@ std::vector<std::pair<std::string, Shape>> owner_shapes() {
   return list;
 }
 
-/// A stage and its state, as a pipeline holds them.
+/// A stage and its state, as a pipeline has them.
 struct AssignmentWithState {
   DynamicAssignment assignment{{}};
   std::unique_ptr<StageState> state = assignment.make_state();
@@ -150,8 +151,8 @@ void sort_tests(TestBatch& tests) {
   std::sort(tests.ee.begin(), tests.ee.end());
 }
 
-/// All pairs of live elements, adjacent ones and an element with itself included: the tests of all of them at once, and
-/// those of some alone.
+/// Compares the tests of all pairs of live elements, including adjacent pairs and self pairs: of all pairs at once, and
+/// of some pairs alone.
 void expect_owned_tests(const Topology& topology, AssignmentWithState& stage, Random& random) {
   const Mesh& mesh = topology.mesh();
   const AdjacencyMatrix adjacency(mesh);
@@ -191,7 +192,8 @@ TEST(DynamicAssignmentOwner, IsTheOneByDefinition) {
       }
 }
 
-/// Elements leave and come back, also as another object, also several edits and more than the history holds at once.
+/// Elements are removed and added again, sometimes as another object, sometimes by several edits at once and by more
+/// edits than the history stores.
 TEST(DynamicAssignmentOwner, IsTheOneByDefinitionAfterEdits) {
   Random random(4);
   for (const auto& [name, shape] : owner_shapes()) {

@@ -1,4 +1,4 @@
-// CSAT as printed, against exact arithmetic and against the stage with rounding bounds.
+// CSAT as printed, compared with exact arithmetic and with the stage that has rounding bounds.
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
@@ -15,7 +15,7 @@ namespace {
 
 const ObjectFilter kEverything;
 
-/// All pairs of elements, adjacent ones too; some of them swapped.
+/// All pairs of elements, including adjacent ones; some are swapped.
 PairBatch all_pairs(const Mesh& mesh, bool swapped) {
   std::vector<ElementPair> pairs;
   for (Index a = 0; a < mesh.element_slots(); ++a)
@@ -50,7 +50,7 @@ struct Culled {
   std::size_t vertices = 0, edges = 0, pairs = 0;
 };
 
-/// Every masked feature of a pair, and all of them if the pair was dropped, touch nothing of the other element.
+/// Checks that no masked feature of a pair (no feature at all if the pair was dropped) touches the other element.
 void expect_apart(const Step& step, ElementPair pair, const FeatureMask& mask, bool dropped, Culled& culled) {
   const auto check = [&](std::span<const Index> features, std::uint64_t bits, Index other, auto touches,
                          std::size_t& count) {
@@ -77,7 +77,7 @@ TEST(Csat2011, CullsOnlyWhatDoesNotTouch) {
     for (std::size_t i = 0; i < batch.contact_free.size(); i += 3)
       expect_apart(step, batch.contact_free[i], {}, true, culled);
     for (std::size_t i = 0; i < batch.size(); i += 3) expect_apart(step, batch.pairs[i], batch.masks[i], false, culled);
-    // Edges of a grid of hexahedra or wedges are nearly parallel: few of their cross products are useful axes.
+    // Edges of a grid of hexahedra or wedges are nearly parallel, so that few of their cross products are useful axes.
     EXPECT_TRUE(culled.pairs > 3 || type != ElementType::tetrahedron);
     EXPECT_GT(culled.vertices, 20u) << scene.name;
     EXPECT_GT(culled.edges, 20u) << scene.name;
@@ -172,13 +172,13 @@ TEST(CsatFilter2011, DropsOnlyWhatDoesNotTouch) {
 }
 
 TEST(CsatFilter2011, ZeroCountsAsNotSeparated) {
-  // In the plane of the triangle at t = 0, or at t = 1; clear of it all along.
+  // The vertex is in the plane of the triangle at t = 0 or at t = 1, and apart from it at other times.
   const std::array<Vec3, 3> f = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
   std::vector<Query> queries;
   for (const auto& [from, to] : {std::pair{0.0, 1.0}, {1.0, 0.0}, {0.5, 1.0}})
     queries.push_back({Vec3(0.25, 0.25, from), f[0], f[1], f[2], Vec3(0.25, 0.25, to), f[0], f[1], f[2]});
   EXPECT_EQ(kept(QuerySet(FeatureKind::vf, queries)), (std::vector<std::uint8_t>{1, 1, 0}));
-  for (Query& q : queries)  // two edges that cross as seen along z
+  for (Query& q : queries)  // two edges that cross in the projection along z
     for (std::size_t i : {0u, 4u}) {
       const double z = q[i].z();
       q[i] = Vec3(-1, 0, z), q[i + 1] = Vec3(1, 0, z), q[i + 2] = Vec3(0, -1, 0), q[i + 3] = Vec3(0, 1, 0);

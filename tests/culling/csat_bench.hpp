@@ -1,4 +1,4 @@
-// Pairs of elements whose control points are set one by one, for tests of CSAT.
+// Pairs of elements whose control points can be set, for tests of CSAT.
 #pragma once
 
 #include <volccd/culling/element_culling.hpp>
@@ -55,7 +55,7 @@ class PairBench {
 };
 
 /// Elements in balls of diameter 1 on both sides of a random plane, at least `gap` apart at every control point
-/// (negative: as far into each other), with random and common motion.
+/// (negative: up to this depth inside each other), with random motions and a common one.
 inline void set_apart(PairBench& bench, Random& random, double gap) {
   for (Index i = 0; i < bench.pairs(); ++i) {
     const Vec3 n = random.vector(-1, 1).normalized(), drift = random.vector(-3, 3);

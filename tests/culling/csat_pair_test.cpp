@@ -1,4 +1,5 @@
-// CSAT of whole pairs in lanes: verdicts against exact separability, alone and in company, at any scale.
+// CSAT of whole pairs in lanes: verdicts compared with exact separability, for single pairs and in batches, at any
+// scale.
 #include <algorithm>
 #include <array>
 #include <iterator>
@@ -26,8 +27,8 @@ WidePoint wide_cross(const WidePoint& p, const WidePoint& q) {
 }
 Wide wide_dot(const WidePoint& p, const WidePoint& q) { return p[0] * q[0] + p[1] * q[1] + p[2] * q[2]; }
 
-/// Whether some axis has a positive product with all points, which span space: the sum of the extreme rays of the cone
-/// of axes without a negative product is inside it. Exact.
+/// Whether some axis has a positive product with all points, which span space. This is so if the sum of the extreme
+/// rays of the cone of axes without negative products is in its interior. Exact.
 bool strictly_separable(const std::vector<WidePoint>& points) {
   WidePoint sum = {0, 0, 0};
   const auto add_ray = [&](const WidePoint& ray) {
@@ -44,7 +45,7 @@ bool strictly_separable(const std::vector<WidePoint>& points) {
   return std::all_of(points.begin(), points.end(), [&](const WidePoint& p) { return wide_dot(sum, p) > 0; });
 }
 
-/// Differences b - a at the control points of the motion over [0, 1] or, `half`, over [0, 1/2], times a positive
+/// Differences b - a at the control points of the motion over [0, 1] or, if `half`, over [0, 1/2], times a positive
 /// number, in units of 2^-20.
 std::vector<WidePoint> lattice_differences(const PairBench& bench, Index pair, bool half) {
   const int n = bench.motion().control_points();
@@ -67,8 +68,9 @@ std::vector<WidePoint> lattice_differences(const PairBench& bench, Index pair, b
   return points;
 }
 
-/// Elements below and above a tilted plane, but for a corner of each at one control point, which is at most `depth`
-/// lattice cells beyond it, on either side. All coordinates are exact: heights along n = (3, 5, 7) are multiples of n.
+/// Elements below and above a tilted plane, except for one corner of each at one control point, which is at most
+/// `depth` lattice cells beyond the plane on either side. All coordinates are exact: heights along n = (3, 5, 7) are
+/// multiples of n.
 void set_nearly_touching(PairBench& bench, Random& random, std::int64_t depth) {
   const Vec3 n(3, 5, 7), u(5, -3, 0), w(7, 0, -3);
   const auto whole = [&](std::int64_t most) { return static_cast<double>(random.integer(-most, most)); };
@@ -100,14 +102,14 @@ std::set<ElementPair> kept_pairs(const OptionValues& options, const Step& step, 
   return kept;
 }
 
-/// Pairs that are in one of the sets alone.
+/// Pairs that are in only one of the sets.
 std::size_t differences(const std::set<ElementPair>& a, const std::set<ElementPair>& b) {
   std::vector<ElementPair> different;
   std::set_symmetric_difference(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(different));
   return different.size();
 }
 
-/// The motion ends at control point 0 or later than 1/2: over [0, 1/2] the corners come less far.
+/// Motions end at control point 0 or later than 1/2; over [0, 1/2], the corners move less far.
 TEST(CsatPairs, WhatIsDroppedIsExactlySeparable) {
   Random random(21);
   std::size_t dropped = 0, inseparable = 0;
@@ -126,7 +128,8 @@ TEST(CsatPairs, WhatIsDroppedIsExactlySeparable) {
               const auto kept = kept_pairs({{"axis", axis}, {"mode", mode}, {"iterations", "12"}},
                                            bench.step(0, half ? 0.5 : 1), pairs, 256);
               for (const ElementPair pair : pairs) {
-                if (mode == std::string("both") && !separable[pair.a / 2]) continue;  // contact_free is another matter
+                // contact_free has a test of its own
+                if (mode == std::string("both") && !separable[pair.a / 2]) continue;
                 dropped += !kept.count(pair);
                 inseparable += !separable[pair.a / 2];
                 EXPECT_TRUE(kept.count(pair) || separable[pair.a / 2])
@@ -139,9 +142,10 @@ TEST(CsatPairs, WhatIsDroppedIsExactlySeparable) {
   EXPECT_GT(inseparable, 1000u);
 }
 
-/// At one control point a lies below a tilted plane, b above, and three corners of each in the plane: triangles that
-/// overlap, b's being a's turned by half a turn. Elsewhere they are mirror images. So the line between the centroids is
-/// the plane's normal, the gap along it is exactly 0, and no axis separates the pair.
+/// At one control point, a lies below a tilted plane, b above it, and each has three corners in the plane. These form
+/// triangles that overlap; that of b is that of a, rotated by half a turn. At other control points the elements are
+/// mirror images. So the line between the centroids is the plane's normal, the gap along it is exactly 0, and no axis
+/// separates the pair.
 TEST(CsatPairs, RoundingMakesNoGaps) {
   Random random(26);
   const Vec3 n(3, 5, 7), u(5, -3, 0), w(7, 0, -3);
@@ -171,7 +175,8 @@ TEST(CsatPairs, RoundingMakesNoGaps) {
     }
 }
 
-// What floats cannot represent is left to doubles; differences are taken before anything is rounded to floats.
+// Numbers that floats cannot represent are processed in doubles. Differences are formed before anything is rounded to
+// floats.
 TEST(CsatPairs, DropsWhatIsApartAtAnyScale) {
   for (const auto type : {ElementType::tetrahedron, ElementType::triangle, ElementType::wedge, ElementType::hexahedron})
     for (const int control_points : {2, 3})
@@ -197,7 +202,7 @@ TEST(CsatPairs, DropsWhatIsApartAtAnyScale) {
         }
 }
 
-/// Double the separation at which a pair is still dropped keeps it, whatever decides.
+/// A pair is kept with twice the separation at which it is still dropped, in whichever precision it is decided.
 TEST(CsatPairs, SeparationCounts) {
   Random random(23);
   PairBench bench(ElementType::tetrahedron, 2, 256);
@@ -219,8 +224,8 @@ TEST(CsatPairs, SeparationCounts) {
   }
 }
 
-/// Elements of all types, moved at random, with all pairs of them in the order of their first elements, and with
-/// themselves.
+/// Elements of all types in random motion, and all their pairs, self pairs included, in the order of the first
+/// elements.
 struct MixedScene {
   MixedScene() : topology(shape().mesh()), motion(topology.mesh().vertex_count(), 2) {
     const std::vector<Vec3> start = jittered(shape().positions, 0.2, 1), end = jittered(start, 0.3, 2);
@@ -257,8 +262,8 @@ TEST(CsatPairs, CompanyDoesNotMatter) {
   }
 }
 
-/// A hexagonal prism of 12 vertices: too many for lanes. With every corner of a tetrahedron three times it has its
-/// hull, and its centroid but for rounding.
+/// A hexagonal prism has 12 vertices, too many for lanes. With three copies of each corner of a tetrahedron, it has the
+/// tetrahedron's hull, and its centroid up to rounding.
 ElementSpec prism(Index first, std::int64_t id) {
   ElementSpec element;
   element.type = ElementType::polytope;

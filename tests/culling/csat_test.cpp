@@ -60,7 +60,7 @@ std::uint64_t edge_bit(const Features& features, Index o, Index v0, Index v1) {
   return 0;  // not an edge of the element
 }
 
-/// Whether the pair (2i, 2i + 1), swapped or not, is still in the batch with the touching features unmasked.
+/// Whether the pair (2i, 2i + 1), in either order, is still in the batch, with the touching features not masked.
 ::testing::AssertionResult kept(const PairBench& bench, const PairBatch& batch, Index i, FeatureKind kind,
                                 bool swapped) {
   for (std::size_t k = 0; k < batch.size(); ++k) {
@@ -79,8 +79,8 @@ std::uint64_t edge_bit(const Features& features, Index o, Index v0, Index v1) {
   return ::testing::AssertionFailure() << "pair dropped";
 }
 
-/// Conservative property over all axes and modes. separation_exponent: see part(); t_max: of a random test of the
-/// batch.
+/// Checks the conservative property over all axes and modes. separation_exponent: see part(). t_max: that of a random
+/// test of the batch.
 void check_touching(ElementType type, std::uint64_t seed, int rounds, bool apart, bool early) {
   const auto cullings = all_cullings();
   Random random(seed);
@@ -118,14 +118,14 @@ TEST(CsatConservative, TouchingTrianglesAreKept) { check_touching(ElementType::t
 TEST(CsatConservative, TouchingByTMaxIsKept) { check_touching(ElementType::tetrahedron, 5, 4, false, true); }
 TEST(CsatConservative, WithinTheSeparationIsKept) { check_touching(ElementType::tetrahedron, 6, 5, true, false); }
 
-// What touches is rarely all that stands in the way of an axis between random elements: here nothing else does.
+// In random elements, the touching features are rarely the only ones that an axis fails to separate. Here they are.
 TEST(CsatConservative, GrazingTetrahedraAreKept) {
   const auto cullings = all_cullings();
   Random random(7);
   for (int round = 0; round < 200; ++round) {
     PairBench bench(ElementType::tetrahedron, 2);
-    // Below and above a tilted plane through a common lattice point; vertex 0 of both is that point at one end. All
-    // coordinates are exact: heights along the normal n = (3, 5, 7) come from multiples of n and of vectors across it.
+    // Elements below and above a tilted plane through a common lattice point, which is vertex 0 of both at one end. All
+    // coordinates are exact: heights along the normal n = (3, 5, 7) are multiples of n and of vectors normal to it.
     const Vec3 n(3, 5, 7), u(5, -3, 0), w(7, 0, -3);
     for (Index i = 0; i < bench.pairs(); ++i) {
       const Vec3 offset = Vec3(1, 2, 3) * static_cast<double>(random.integer(0, 1) ? random.integer(0, 1 << 30) : 0);
@@ -188,7 +188,7 @@ TEST(CsatEffect, DropsWhatIsApart) {
 }
 
 TEST(CsatEffect, EarlyTimesPruneMore) {
-  // They pass through each other around t = 0.5; up to 0.25 all are apart.
+  // The elements pass through each other around t = 0.5; up to t = 0.25, all are apart.
   PairBench bench(ElementType::tetrahedron, 2);
   Random random(9);
   for (Index i = 0; i < bench.pairs(); ++i)
@@ -211,8 +211,8 @@ TEST(CsatEffect, EarlyTimesPruneMore) {
 // --- masks against a naive search for contacts
 // ------------------------------------------------------------------------
 
-/// Contact of moving points p[0] against the triangle p[1..3], or edge p[0..1] against p[2..3]: coplanar at a sign
-/// change between samples, and the weights there inside by a margin.
+/// Whether the moving point p[0] touches the triangle p[1..3], or edge p[0..1] touches p[2..3]: they are coplanar at a
+/// sign change between samples, and the weights there are inside by a margin.
 bool robust_contact(FeatureKind kind, const std::array<std::array<Vec3, 2>, 4>& p) {
   const auto at = [&](double t, int v) -> Vec3 {
     const auto& q = p[static_cast<std::size_t>(v)];
@@ -307,7 +307,7 @@ TEST(CsatMasks, KnownBitsAndOrderStay) {
 }
 
 TEST(CsatMasks, SharedFeaturesOfAdjacentElementsStay) {
-  // Two tetrahedra with a common triangle 1 2 3, still.
+  // Two tetrahedra with a common triangle 1 2 3, without motion.
   Mesh mesh;
   mesh.add_vertices(5);
   for (const auto& vertices : {std::vector<Index>{0, 1, 2, 3}, std::vector<Index>{1, 2, 3, 4}}) {
@@ -332,7 +332,8 @@ TEST(CsatMasks, SharedFeaturesOfAdjacentElementsStay) {
     EXPECT_EQ(batch.masks[0].vertices_a | batch.masks[0].vertices_b, 0u) << name;
     EXPECT_EQ(batch.masks[1].vertices_a & ~1u, 0u) << name;
     EXPECT_EQ(batch.masks[1].vertices_b & ~8u, 0u) << name;
-    EXPECT_EQ(batch.masks[1].edges_a | batch.masks[1].edges_b, 0u) << name;  // all of them reach the common triangle
+    // all of them extend to the common triangle
+    EXPECT_EQ(batch.masks[1].edges_a | batch.masks[1].edges_b, 0u) << name;
   }
 }
 
@@ -395,7 +396,7 @@ TEST(CsatOptimal, AgreesWithLibccd) {
         };
         const auto near = is_kept(1e-9), touching = is_kept(0);
         for (Index i = 0; i < bench.pairs(); ++i) {
-          // Farther than 1e-9 for either judge is apart for the other.
+          // If one judge finds a distance above 1e-9, the other must find the elements apart.
           EXPECT_TRUE(near[i] || !libccd_intersects(differences(bench, i, 0))) << "gap " << gap << " pair " << i;
           EXPECT_TRUE(!touching[i] || libccd_intersects(differences(bench, i, 1e-9))) << "gap " << gap << " pair " << i;
           separated += !touching[i];

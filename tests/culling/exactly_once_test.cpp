@@ -1,5 +1,6 @@
-// Invariant 2 by full enumeration: every VF and EE pair without a common vertex is in the O-Set, or owned by exactly
-// one pair of non-adjacent elements. Small meshes of every element type and mix, permuted ids, both edge sets.
+// Invariant 2 by full enumeration: every VF and EE pair without a common vertex is in the O-Set, or is owned by exactly
+// one pair of non-adjacent elements. On small meshes of every element type and of mixed types, with permuted ids and
+// both edge sets.
 #include <algorithm>
 #include <map>
 #include <set>
@@ -22,7 +23,7 @@ namespace {
 
 using test::prepared;
 
-/// A test by the vertices of its features, so that it means the same in two tables of features.
+/// A test identified by the vertices of its features, so that tests of two tables of features can be compared.
 using FeatureTest = std::vector<Index>;
 using Counts = std::map<FeatureTest, int>;
 
@@ -49,7 +50,7 @@ bool share_a_vertex(std::span<const Index> a, std::span<const Index> b) {
 }
 bool adjacent(const Mesh& mesh, Index a, Index b) { return share_a_vertex(mesh.vertices(a), mesh.vertices(b)); }
 
-/// Every test there is, with the elements incident to its features.
+/// All tests, with the elements incident to their features.
 template <class Visit>
 void for_each_test(const Features& features, Visit&& visit) {
   for (Index v = 0; v < features.vertex_slots(); ++v)
@@ -78,7 +79,7 @@ std::set<FeatureTest> naive_minimal(const Topology& topology) {
   return set;
 }
 
-/// Algorithm 3, with its `return` mended to go on with the next feature pair.
+/// Algorithm 3, corrected to continue with the next feature pair where the paper's has `return`.
 std::set<FeatureTest> naive_literal(const Topology& topology) {
   const Mesh& mesh = topology.mesh();
   std::set<FeatureTest> set;
@@ -124,13 +125,13 @@ struct Harness {
     return counts;
   }
 
-  /// On all pairs.
+  /// The tests of all element pairs.
   Counts tests(const Assignment& assignment) const {
     TestBatch out;
     run(assignment, *assignment.make_state(), PairRange::every, out);
     return counts(out);
   }
-  /// On the non-adjacent pairs, and the orphans.
+  /// The tests of non-adjacent element pairs, and the orphans.
   Counts tests(const Assignment& assignment, StageState& owners, const OrphanSource& orphans, StageState& set) const {
     TestBatch out;
     run(assignment, owners, PairRange::nonadjacent, out);
@@ -257,7 +258,7 @@ TEST(AllPairs, EachElementPairGivesItsDistinctFeaturePairs) {
   });
 }
 
-/// Takes elements out and puts them back, at random; some with another connectivity (two vertices swapped for others).
+/// Removes random elements and adds them again, some with two vertices replaced by others.
 void random_edit(Random& random, Topology& topology, std::vector<ElementSpec>& out, const Shape& shape) {
   TopologyEdit edit;
   const std::uint64_t back = random.below(out.size() + 1);
@@ -290,7 +291,7 @@ TEST(OSetUpdate, EqualsARebuildOverRandomEdits) {
         const Counts updated = harness.tests(assignment, *owners, orphans, *set);
         ASSERT_EQ(updated, harness.tests(assignment, orphans));
         if (kind == OSetKind::minimal) expect_each_once(topology, updated);
-        // Sometimes several edits between two looks, sometimes more than the history remembers.
+        // There are sometimes several edits between two updates, and sometimes more than the history stores.
         const std::uint64_t edits = random.below(8) == 0 ? Topology::kHistory + 2 : 1 + random.below(3);
         for (std::uint64_t i = 0; i < edits; ++i) random_edit(random, topology, out, shape);
       }
@@ -341,7 +342,7 @@ TEST(Assignment, SaysWhereItIsIncomplete) {
   EXPECT_EQ(DynamicAssignment({}).incomplete_on_nonadjacent(), "");
 }
 
-/// What the texts above say is so: there are meshes on which tests are missing.
+/// The texts above say that there are meshes on which tests are missing; this checks it.
 TEST(Assignment, IsIncompleteWhereItSaysSo) {
   const Topology topology(block(ElementType::hexahedron, 2, 2, 2).mesh());
   const Harness harness(topology);

@@ -58,7 +58,7 @@ std::vector<TouchingTest> fill(TestBench& bench, Random& random, FeatureKind kin
   return tests;
 }
 
-/// Calls body(kind, control points, style, round) for everything there is.
+/// Calls body(kind, control points, style, round) for all combinations.
 template <class Body>
 void for_each_style(int rounds, Body&& body) {
   for (const auto kind : {FeatureKind::vf, FeatureKind::ee})
@@ -123,7 +123,7 @@ TEST(FilterConservative, TouchingByTMaxIsKept) {
     TestBench bench(control_points);
     const auto tests = fill(bench, random, kind, control_points, style);
     const TestBlock& block = bench.block(kind);
-    // t_max is one for the whole block: those that touch by then must stay, the others may go.
+    // The whole block has one t_max. Tests that touch by then must be kept; the others may be dropped.
     const double t_max = round % 2 ? tests[0].time : random.uniform(0, 1);
     for (const auto& [name, filter] : filters) {
       const auto keep = run(*filter, bench.step(0, t_max), block);
@@ -151,8 +151,8 @@ TEST(FilterConservative, WithinTheSeparationIsKept) {
   });
 }
 
-// The plane x + y + z = const through the contact keeps the features apart but for the contact itself, and all four
-// points round differently.
+// The plane x + y + z = const through the contact separates the features except at the contact, and all four points are
+// rounded differently.
 TEST(FilterConservative, GrazingAlongDiagonalsIsKept) {
   const auto filters = all_filters();
   Random random(9);

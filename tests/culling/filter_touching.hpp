@@ -1,5 +1,5 @@
-// VF and EE tests that touch by construction, in exact arithmetic: integers on a lattice, times and weights powers of
-// two, no rounding anywhere.
+// VF and EE tests that touch by construction, in exact arithmetic: coordinates are integers on a lattice, times and
+// weights are powers of two, and no operation rounds.
 #pragma once
 
 #include <array>
@@ -17,7 +17,7 @@ namespace volccd::test {
 class Random {
  public:
   explicit Random(std::uint64_t seed) : engine_(seed) {}
-  /// Uniform enough for tests, in [low, high].
+  /// A random number in [low, high], nearly uniform.
   std::int64_t integer(std::int64_t low, std::int64_t high) {
     return low + static_cast<std::int64_t>(engine_() % static_cast<std::uint64_t>(high - low + 1));
   }
@@ -35,27 +35,28 @@ struct TouchingTest {
   FeatureKind kind = FeatureKind::vf;
   int control_points = 2;
   std::array<std::array<Vec3, 3>, 4> points;  ///< [vertex][control point]
-  double time = 0;                            ///< they touch then (perhaps at other times, too)
+  double time = 0;                            ///< a time at which they touch (they may touch at other times, too)
   std::array<double, 4> weights;              ///< of the points that coincide: VF {1, w0, w1, w2}, EE {1-s, s, 1-u, u}
-  double distance = 0;                        ///< of the two points then: 0, or exactly this after part()
+  /// distance of the two points at that time: 0, or exactly this value after part()
+  double distance = 0;
 };
 
-/// How hard a case is on floating point.
+/// Properties that make a case hard for floating point.
 struct TouchingStyle {
-  std::int64_t range = 1 << 20;  ///< lattice cells; small: coincident, collinear, coplanar points abound
+  std::int64_t range = 1 << 20;  ///< lattice cells; if it is small, many points are coincident, collinear or coplanar
   int flat = 0;                  ///< this many axes are zero throughout
   int scale = 0;                 ///< coordinates times 2^scale
   double offset = 0;             ///< added to all coordinates before scaling, a multiple of 2^12
 };
 
-/// The styles that tests go through.
+/// All styles of the tests.
 inline const std::vector<TouchingStyle>& touching_styles() {
   static const std::vector<TouchingStyle> styles = {
       {1 << 20, 0, 0, 0},      {1, 0, 0, 0},           {2, 0, 0, 0},         {5, 0, -10, 0},
       {1 << 10, 0, 0, 0x1p47}, {1 << 4, 0, 0, 0x1p49}, {1 << 20, 1, 0, 0},   {1 << 8, 1, 0, 0x1p47},
       {1 << 20, 2, 0, 0},      {1 << 20, 0, -500, 0},  {1 << 20, 0, 480, 0}, {1 << 20, 0, -1074, 0},
       {1 << 20, 0, 970, 0},    {3, 0, -1074, 0},       {3, 0, 970, 0},       {1 << 10, 0, -340, 0},
-      // Determinants that underflow in part.
+      // Determinants that underflow partly.
       {1 << 10, 0, -368, 0},   {1 << 10, 0, -371, 0},  {1 << 10, 0, -374, 0}, {1 << 10, 0, -377, 0}};
   return styles;
 }
@@ -90,7 +91,7 @@ inline TouchingTest touching_test(Random& random, FeatureKind kind, int control_
     for (auto& p : vertex)
       for (int k = 0; k < 3; ++k)
         p[k] = k < style.flat ? 0 : static_cast<double>(random.integer(-style.range, style.range)) * 0x1p12;
-  if (random.integer(0, 3) == 0)  // some stand still
+  if (random.integer(0, 3) == 0)  // some points do not move
     for (auto& vertex : test.points) vertex[1] = vertex[2] = vertex[0];
   const auto m = random.integer(-1, control_points == 2 ? 4 : 2);
   const double t = m < 0 ? 0 : std::ldexp(1.0, -static_cast<int>(m));
@@ -108,7 +109,7 @@ inline TouchingTest touching_test(Random& random, FeatureKind kind, int control_
     pass_through(test.points[3], control_points, t, (x - (1 - u) * at(2)) / u);
   }
   test.time = t;
-  if (random.integer(0, 1)) {  // backwards
+  if (random.integer(0, 1)) {  // in the reverse order
     test.time = 1 - t;
     for (auto& vertex : test.points) std::swap(vertex[0], vertex[static_cast<std::size_t>(control_points - 1)]);
   }

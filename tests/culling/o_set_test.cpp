@@ -1,5 +1,6 @@
-// O-Sets beyond what full enumeration on regular meshes reaches: soups of elements on few vertices (any number of
-// elements around a feature, non-manifold everywhere), updates by difference on larger meshes, and the log of blocks.
+// O-Sets in situations that the enumeration on regular meshes does not reach: random elements on few vertices (any
+// number of elements at a feature, non-manifold everywhere), incremental updates on larger meshes, and the list of
+// blocks.
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -19,7 +20,7 @@
 namespace volccd {
 namespace {
 
-/// A test by its vertices: kind, then test_vertices().
+/// A test identified by its kind and vertices (test_vertices()).
 using Key = std::array<Index, 5>;
 
 Key key(const Features& features, FeatureKind kind, FeaturePair pair) {
@@ -27,7 +28,8 @@ Key key(const Features& features, FeatureKind kind, FeaturePair pair) {
   return {kind == FeatureKind::ee, v[0], v[1], v[2], v[3]};
 }
 
-/// All pairs, ascending; fails if one comes twice, shares a vertex, or is of dead features, or if counts() is wrong.
+/// All pairs, in ascending order. Fails if a pair is repeated, shares a vertex, or has dead features, or if counts() is
+/// wrong.
 std::vector<Key> keys(const OSet& set, const Features& features) {
   TestBatch batch;
   for (std::size_t b = 0; b < set.blocks(); ++b) {
@@ -59,7 +61,7 @@ std::vector<Key> built(const Topology& topology, OSetKind kind = OSetKind::minim
   return keys(set, topology.features());
 }
 
-/// The definitions, word by word, on a table of adjacency.
+/// The definitions, computed literally from a table of adjacency.
 std::vector<Key> by_definition(const Topology& topology, OSetKind kind) {
   const Mesh& mesh = topology.mesh();
   const Features& features = topology.features();
@@ -136,7 +138,8 @@ ElementSpec random_element(Random& random, Index vertices, ElementType type, std
   return spec;
 }
 
-/// Vertices in clusters, each element within one cluster or between two neighbours, so that not all are adjacent.
+/// Vertices in clusters. Each element lies in one cluster or between two neighbouring ones, so that not all elements
+/// are adjacent.
 Mesh soup(Random& random, std::span<const ElementType> types, Index clusters, Index per_cluster, int elements) {
   Mesh mesh;
   mesh.add_vertices(clusters * per_cluster);
@@ -172,9 +175,9 @@ TEST(OSet, SoupsByDefinition) {
     }
 }
 
-/// Elements around a feature are looked at 64 at a time: a fan of n tetrahedra around an edge, a prism that touches all
-/// of them, and one that touches the first 66 only. Triangles make the later ones busier, so that the first are looked
-/// at first.
+/// Elements at a feature are examined 64 at a time. Here a fan of n tetrahedra surrounds an edge, one prism touches all
+/// of them, and another one only the first 66. Triangles increase the counts of the later tetrahedra, so that the first
+/// ones are examined first.
 TEST(OSet, MoreElementsAroundAFeatureThanBits) {
   for (const Index n : {62u, 63u, 64u, 65u, 128u, 129u, 130u}) {
     Mesh mesh;
@@ -232,8 +235,8 @@ ElementSpec spec_of(const Mesh& mesh, Index o) {
           mesh.element_id(o)};
 }
 
-/// Random changes of a topology that keep to what its maker gives: elements go, come back, or come anew on vertices
-/// that are near each other, old and new ones.
+/// Random changes that keep the topology similar to that of its generator: elements are removed, added again, or made
+/// new on vertices that are near each other, old or new ones.
 class Editor {
  public:
   Editor(Topology& topology, std::uint64_t seed, std::vector<ElementType> types)
@@ -260,7 +263,7 @@ class Editor {
     topology_.apply(edit);
   }
 
-  /// All elements within so many steps of adjacency from a random one, but no more than `most`.
+  /// All elements within a number of adjacency steps from a random one, but at most `most`.
   void remove_region(std::size_t most) {
     const Mesh& mesh = topology_.mesh();
     Index start = 0;
@@ -305,7 +308,8 @@ class Editor {
   std::int64_t next_id_;
 };
 
-/// What OSet does when elements come and go, one after the other and at once, one or several times between two looks.
+/// Compares OSet after elements were added and removed, one by one and together, once or several times between two
+/// updates.
 void expect_updates_equal_rebuilds(Mesh mesh, std::vector<ElementType> types, std::uint64_t seed, int rounds,
                                    OSetKind kind = OSetKind::minimal, EdgeSet edges = EdgeSet::triangulated) {
   Topology topology(std::move(mesh), edges);
@@ -348,7 +352,7 @@ TEST(OSetUpdate, SoupsOfSimplices) {
     expect_updates_equal_rebuilds(soup(random, types, 8, 6, 70), types, 100 + seed, 30);
 }
 
-/// Features with more elements around them than there are bits: the difference looks at them part by part.
+/// The features have more elements than a word has bits, so that the update processes them in several parts.
 TEST(OSetUpdate, ManyElementsAroundAFeature) {
   const std::vector<ElementType> types = {ElementType::tetrahedron, ElementType::triangle};
   Random random(22);
@@ -356,7 +360,8 @@ TEST(OSetUpdate, ManyElementsAroundAFeature) {
     expect_updates_equal_rebuilds(soup(random, types, 3, 9, 420), types, 200 + seed, 12);
 }
 
-/// Simplices that come and go between elements of which not every two vertices are an edge, nor every three a triangle.
+/// Simplices are added and removed between elements in which not all pairs of vertices are edges, and not all triples
+/// are triangles.
 TEST(OSetUpdate, SimplicesAmongOthers) {
   using enum ElementType;
   const std::vector<ElementType> types = {tetrahedron, tetrahedron, tetrahedron, triangle,
@@ -381,7 +386,7 @@ TEST(OSetUpdate, Literal) {
                                 OSetKind::literal);
 }
 
-/// A hundred small changes and back again: what has become void is compacted away, and nothing piles up.
+/// A hundred small changes and their reversal: invalid entries are removed by compaction, so that memory does not grow.
 TEST(OSetUpdate, NothingPilesUp) {
   Topology topology(block(ElementType::tetrahedron, 3, 3, 8).mesh());
   const std::vector<Key> before = built(topology);

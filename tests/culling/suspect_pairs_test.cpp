@@ -1,4 +1,4 @@
-// Adjacent simplices that the flood leaves out: they touch nowhere but in what they have in common.
+// Adjacent simplices that the flood leaves out touch only in their common features.
 #include <volccd/culling/detail/suspect_pairs.hpp>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ struct Pair {
   Motion motion;
 };
 
-/// Two simplices with `common` vertices in common, at random positions; the others of each tend to a side of their own.
+/// Two simplices with `common` common vertices at random positions. The other vertices of each are mostly on one side.
 Pair random_pair(Random& random, Index common, bool triangle, bool quadratic) {
   Shape shape;
   std::vector<double> sides(common, 0.0);
@@ -101,7 +101,7 @@ TEST(SuspectPairs, LeaveOutOnlyWhatDoesNotTouch) {
   }
 }
 
-/// Ends as Ctrl-C does: after the work of a chunk.
+/// Throws as after Ctrl-C, when the work of a chunk is done.
 class InterruptedExecutor final : public Executor {
  public:
   unsigned workers() const override { return 1; }
@@ -132,7 +132,7 @@ TEST(SuspectPairs, AnInterruptedListLeavesNothingToTheNext) {
   }
 }
 
-/// A change of the topology that an interrupted step was told of is not lost.
+/// A change of the topology that was announced to an interrupted step takes effect in the next step.
 TEST(StarClasses, AnInterruptedStepIsBegunAnew) {
   SerialExecutor serial;
   const auto suspects = [&](bool interrupted) {
@@ -156,7 +156,7 @@ TEST(StarClasses, AnInterruptedStepIsBegunAnew) {
   EXPECT_EQ(suspects(true), suspects(false));
 }
 
-/// A pair with a clear star at a common vertex never gets there; all others of a star are listed once.
+/// A pair with a clear star at a common vertex is never listed; all other pairs of a star are listed once.
 TEST(SuspectPairs, ListEachPairOnce) {
   SerialExecutor serial;
   const Shape shape = block(ElementType::tetrahedron, 3, 3, 3);

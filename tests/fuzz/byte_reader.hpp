@@ -1,4 +1,4 @@
-// Taking numbers from a string of bytes; zeros once it has ended.
+// Reads numbers from a string of bytes; after its end, the numbers are 0.
 #pragma once
 
 #include <bit>
@@ -27,7 +27,7 @@ class ByteReader {
     return value;
   }
   double any_double() { return std::bit_cast<double>(bits(8)); }
-  /// In [0, n), n > 0.
+  /// A number in [0, n), n > 0.
   std::size_t below(std::size_t n) { return static_cast<std::size_t>(bits(n > 256 ? 4 : 1)) % n; }
 
  private:

@@ -17,7 +17,7 @@ namespace volccd::fuzz {
 
 namespace {
 
-/// HDF5 wants a path that it can resolve, which a memfd has not.
+/// HDF5 needs a path that it can resolve; a memfd has none.
 std::string memory_folder() {
   return std::filesystem::is_directory("/dev/shm") ? "/dev/shm" : std::filesystem::temp_directory_path().string();
 }
@@ -55,7 +55,7 @@ Image image_of(const std::function<void(const std::string& name)>& write) {
 
 namespace {
 
-/// What has been declared and not stored is not read back for an edit.
+/// Datasets that are declared but not stored are not read for an edit.
 constexpr std::size_t kMostNumbers = 100000;
 
 std::int64_t telling_integer(ByteReader& in) {
@@ -96,7 +96,7 @@ void declare_anew(test::RawFile& file, const std::string& path, ByteReader& in) 
   const std::vector<hsize_t> dims = shape(in);
   hsize_t size = 1;
   for (const hsize_t d : dims) size = d > 1000 / std::max<hsize_t>(size, 1) ? 1000 : size * d;
-  // Too much to store: declared alone.
+  // The data would be too large, so that the dataset is only declared.
   if (size >= 1000) return file.put_empty(path, dims, type, in.byte() % 2 == 0 && !dims.empty());
   if (file.count(path) > kMostNumbers) return;
   const std::vector<double> old = is_real(file, path) ? file.reals(path) : std::vector<double>();
@@ -147,7 +147,7 @@ void apply_edits(const std::string& name, std::size_t edits, ByteReader& in) {
   for (; edits > 0 && !in.empty(); --edits) {
     try {
       edit(file, objects, in);
-    } catch (const std::exception&) {  // HDF5 refuses, or an earlier edit has removed the object
+    } catch (const std::exception&) {  // HDF5 refuses the edit, or an earlier edit has removed the object
     }
   }
 }

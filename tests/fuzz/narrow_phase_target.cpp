@@ -1,6 +1,6 @@
-// The bytes: kind, number of control points and range of exponents, t_max, then coordinates, each a byte that says how
-// it is made and what it is made of. Small integers, powers of two and copies of other coordinates make degenerate
-// tests likely.
+// The bytes give the kind, the number of control points, the range of exponents, t_max, and then the coordinates: for
+// each, a byte that says how it is made, and the bytes of which it is made. Small integers, powers of two and copies of
+// other coordinates make degenerate tests likely.
 #include <cmath>
 #include <optional>
 
@@ -18,12 +18,13 @@ namespace volccd::fuzz {
 
 namespace {
 
-/// Everything registered, made with its defaults; what can leave undecided tests to `exact`, that way as well.
+/// All registered narrow phases with their defaults, and again with undecided tests left to `exact`, if they have this
+/// option.
 struct Contestants {
   struct Narrow {
     std::string name;
     Guarantee guarantee;
-    bool exact;  ///< reports nothing but contacts
+    bool exact;  ///< it reports only contacts
     std::unique_ptr<NarrowPhase> stage;
 
     bool exact_in_time() const { return guarantee == Guarantee::exact; }
@@ -48,10 +49,10 @@ struct Contestants {
   }
 };
 
-/// `wild`: exponents of all sizes, which cost exact arithmetic a hundred times as much.
+/// `wild`: exponents of all magnitudes, which make exact arithmetic a hundred times slower.
 double coordinate(ByteReader& in, std::span<const double> before, bool wild) {
   const std::uint8_t how = in.byte();
-  /// Of an earlier point, mostly the same coordinate.
+  /// A copy of an earlier point, usually with the same coordinate.
   const auto copy = [&] {
     if (before.size() < 3) return 0.0;
     return how & 128 ? before[in.below(before.size())] : before[before.size() - 3 * (1 + in.below(before.size() / 3))];
@@ -107,7 +108,7 @@ TestMotion motion_of(const Test& test, const Step& step) {
   return motion;
 }
 
-/// What a contact has to be, whoever reports it.
+/// Properties of a contact that hold for every narrow phase.
 std::string malformed(const Test& test, const std::vector<Contact>& contacts) {
   if (contacts.size() > 1) return "reports one test twice";
   for (const Contact& c : contacts) {
@@ -119,24 +120,24 @@ std::string malformed(const Test& test, const std::vector<Contact>& contacts) {
   return {};
 }
 
-/// Why a reported time is wrong, for a narrow phase that is not approximate; or nothing. `exact`: over the whole step,
-/// as what is reported early may touch a little after t_max. `unbounded`: undecided, and of coordinates that `exact`
-/// was not asked about: such a test may be reported at any time before.
+/// Why a reported time is wrong, for a narrow phase that is not approximate; empty if it is right. `exact`: the exact
+/// answer over the whole step, because a test that is reported early may touch shortly after t_max. `unbounded`: the
+/// test is undecided, and `exact` was not used for its coordinates; such a test may be reported at any earlier time.
 std::string wrong_time(const Contestants::Narrow& narrow, const ExactAnswer& exact, double toi, bool undecided,
                        bool unbounded) {
   if (exact.touches && toi > exact.toi) return fmt::format("is late: {:a}, not {:a}", toi, exact.toi);
   if (!exact.touches) {
-    // Reported because it may be one; how near it is has its test in tests/conservative.
+    // The test was reported because it may touch; tests/conservative checks how near such features come.
     if (undecided && !narrow.exact) return {};
     return fmt::format("reports a contact at {:a}, there is none", toi);
   }
-  // Undecided ones that `exact` has decided are as early as it says.
+  // Undecided tests that `exact` has decided have the time of `exact`.
   const double early = narrow.exact_in_time() ? 0 : unbounded ? 1 : narrow.stage->time_tolerance();
   if (toi < exact.toi - early) return fmt::format("is early: {:a}, not {:a}", toi, exact.toi);
   return {};
 }
 
-/// `exact`: up to t_max.
+/// `exact`: the exact answer up to t_max.
 void check(const Test& test, const Step& step, const Contestants::Narrow& narrow, const ExactAnswer& exact,
            std::span<const FeaturePair> pairs) {
   std::vector<Contact> contacts;

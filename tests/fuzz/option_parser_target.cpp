@@ -7,7 +7,7 @@ namespace volccd::fuzz {
 
 namespace {
 
-/// A stage takes the options, or refuses them as a ConfigError; twice the same.
+/// A stage either accepts the options or throws ConfigError, and does the same when called again.
 template <class Stage>
 void make_all(const Registry& registry, const OptionValues& values) {
   for (const StageDescriptor<Stage>& stage : registry.stages<Stage>()) {
@@ -41,7 +41,7 @@ void apply(const Registry& registry, PipelineSpec& spec, const std::string& line
   make_all<NarrowPhase>(registry, values);
 }
 
-/// What is read from the attribute `Parts` is what is written for it.
+/// The attribute `Parts` is read as it was written.
 void part_names(const std::string& text) {
   try {
     const auto names = parse_part_names("text", text);

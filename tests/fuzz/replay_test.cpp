@@ -1,5 +1,5 @@
-// Every committed input, with whatever compiler and sanitizer the tests are built with. What once broke a promise stays
-// in the corpus.
+// Replays every committed input with the compiler and the sanitizers of the tests. Inputs that once broke a promise are
+// kept in the corpus.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>

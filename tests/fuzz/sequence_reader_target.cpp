@@ -13,7 +13,7 @@ namespace volccd::fuzz {
 
 namespace {
 
-/// All element types, parts, ids with gaps; with and without velocity and thickness.
+/// All element types, parts, and ids with gaps; with and without velocity and thickness.
 std::vector<Image> make_bases() {
   std::vector<Image> bases;
   const test::ScratchFolder folder;
@@ -40,7 +40,7 @@ void read_sequence(const std::string& name, std::uint8_t choice) {
   try {
     reader.check_contents();
     read_ground_truth(reader);
-  } catch (const InputError&) {  // steps before the bad one can be gone to
+  } catch (const InputError&) {  // steps before the damaged one can be read
   }
   SequenceStepper::Config config;
   config.edge_set = choice & 1 ? EdgeSet::polytope : EdgeSet::triangulated;

@@ -1,4 +1,4 @@
-// Features by plain enumeration: sets of vertex tuples, from face lists written down independently of the library's.
+// Features by simple enumeration: sets of vertex tuples, from face lists that are independent of the library's.
 #pragma once
 
 #include <algorithm>
@@ -72,7 +72,7 @@ inline NaiveFeatures naive_features(const Mesh& mesh, EdgeSet edge_set) {
 
 inline Elements as_set(std::span<const Index> list) { return Elements(list.begin(), list.end()); }
 
-/// What a Features object holds, in the same form. Live features only.
+/// The contents of a Features object in the same form, live features only.
 inline NaiveFeatures contents(const Features& features) {
   NaiveFeatures all;
   for (Index v = 0; v < features.vertex_slots(); ++v)
@@ -85,7 +85,7 @@ inline NaiveFeatures contents(const Features& features) {
   return all;
 }
 
-/// All that must hold of Features by itself and of Features and Mesh together; an empty string if it does.
+/// Checks all invariants of Features, and of Features and Mesh together. Returns an empty string if they hold.
 inline std::string inconsistency(const Mesh& mesh, const Features& features) {
   const NaiveFeatures found = contents(features), naive = naive_features(mesh, features.edge_set());
   if (found.vertices != naive.vertices) return "vertices differ";
@@ -117,7 +117,7 @@ inline std::string inconsistency(const Mesh& mesh, const Features& features) {
   }
   for (Index v = 0; v < features.vertex_slots(); ++v)
     if (!ascends(features.vertex_elements(v))) return "elements of a vertex do not ascend";
-  // The first elements, and the features that belong to each element by them.
+  // For each element, the features of which it is the first element.
   const auto first = [](std::span<const Index> elements) { return elements.empty() ? kNone : elements.front(); };
   std::map<Index, std::vector<Index>> own_edges, own_triangles;
   for (Index v = 0; v < features.vertex_slots(); ++v)

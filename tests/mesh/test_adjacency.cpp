@@ -15,7 +15,7 @@ bool naive(const Mesh& mesh, Index a, Index b) {
   return false;
 }
 
-/// Number of pairs and elements on which the table is wrong.
+/// Number of pairs and elements for which the table is wrong.
 std::size_t wrong(const Mesh& mesh, const Adjacency& table) {
   std::size_t count = 0;
   for (Index a = 0; a < mesh.element_slots(); ++a) {
@@ -64,7 +64,7 @@ TEST(Adjacency, EqualsComparingAllVertices) {
 }
 
 TEST(Adjacency, SeesEveryPairOfPositions) {
-  // One common vertex, at every position of both blocks.
+  // Two blocks with one common vertex, at every position in both.
   for (const auto& [type, n] : {std::pair{ElementType::tetrahedron, 4u}, std::pair{ElementType::hexahedron, 8u}})
     for (Index i = 0; i < n; ++i)
       for (Index j = 0; j < n; ++j) {
@@ -91,7 +91,7 @@ TEST(Adjacency, SeesEveryPairOfPositions) {
 }
 
 TEST(Adjacency, FollowsEditsThroughAllSizes) {
-  // Tetrahedra, then hexahedra, then polytopes of up to 24 vertices come in; and all of them go again.
+  // Tetrahedra, then hexahedra, then polytopes of up to 24 vertices are added, and all of them are removed again.
   for (std::uint64_t seed = 0; seed < 4; ++seed) {
     Random random(seed);
     Mesh mesh;

@@ -1,4 +1,4 @@
-// Elements whose nodes repeat: each way to identify nodes of each type, against the faces that must be left.
+// Elements with repeated nodes: for each type and each way to identify nodes, compares the faces that remain.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -15,8 +15,8 @@ namespace {
 
 using Nodes = std::vector<Index>;
 
-/// A triangulated, oriented surface as a chain: how often each triangle (ascending) is there, less how often the other
-/// way round. Quads are split by the diagonal of their smallest node, as Features does it.
+/// A triangulated, oriented surface as a chain: for each triangle (ascending vertices), how often it occurs minus how
+/// often the reversed triangle occurs. Quads are split by the diagonal through their smallest node, as in Features.
 using Chain = std::map<std::array<Index, 3>, int>;
 
 void add_triangle(Index a, Index b, Index c, Chain& chain) {
@@ -54,7 +54,7 @@ Chain chain_of(const CollapsedElement& element) {
   return chain;
 }
 
-/// All ways to identify n nodes; node i of a group has the number of its group's first member.
+/// All ways to identify n nodes. Each node has the number of the first member of its group.
 void for_each_identification(std::size_t n, const std::function<void(const Nodes&)>& visit) {
   Nodes nodes;
   const std::function<void()> go = [&] {
@@ -80,12 +80,12 @@ TEST(CollapseElement, EveryIdentificationKeepsTheBoundaryOrIsRefused) {
                                                   {ElementType::wedge, 203},
                                                   {ElementType::hexahedron, 4140}};  // Bell numbers
   for (const auto& [of, many] : all) {
-    const ElementType type = of;  // clang captures no structured bindings
+    const ElementType type = of;  // clang cannot capture structured bindings
     const std::size_t count = many;
     std::size_t seen = 0;
     std::map<ElementType, int> results;
     for_each_identification(static_cast<std::size_t>(vertex_count(type)), [&](const Nodes& nodes) {
-      if (++seen == count) return;  // the last: all are distinct
+      if (++seen == count) return;  // the last way identifies no nodes
       const CollapsedElement element = collapse_element(type, nodes);
       ++results[element.type];
       std::string text = to_string(type);
@@ -105,7 +105,8 @@ TEST(CollapseElement, EveryIdentificationKeepsTheBoundaryOrIsRefused) {
       }
     });
     EXPECT_EQ(seen, count);
-    // Two opposite edges of a face vanish; an edge between the triangles of a wedge; one of a pyramid's base.
+    // Collapses of two opposite edges of a face; of an edge between the triangles of a wedge; of an edge of a pyramid's
+    // base.
     if (type == ElementType::hexahedron) {
       EXPECT_EQ(results[ElementType::wedge], 12);
     }
@@ -126,7 +127,7 @@ struct Collapse {
   Nodes vertices;
 };
 
-/// The collapses that programs for finite elements document, with the node order that must result.
+/// The collapses that finite-element programs document, with the resulting node order.
 TEST(CollapseElement, DocumentedCollapses) {
   using enum ElementType;
   const Collapse collapses[] = {
@@ -147,7 +148,8 @@ TEST(CollapseElement, DocumentedCollapses) {
     const CollapsedElement element = collapse_element(c.type, c.nodes);
     EXPECT_EQ(element.type, c.result) << c.name;
     ASSERT_EQ(element.vertices.size(), c.vertices.size()) << c.name;
-    // The same oriented boundary and, for shells, the same turn: the same element, whichever node comes first.
+    // The same oriented boundary and, for shells, the same orientation mean the same element, whichever node is the
+    // first.
     if (is_shell(c.type))
       EXPECT_EQ(element.vertices, c.vertices) << c.name;
     else
@@ -155,7 +157,7 @@ TEST(CollapseElement, DocumentedCollapses) {
   }
 }
 
-/// Whatever a cube collapses to keeps its orientation: no negative volume, in the corners' places.
+/// Each element to which a cube collapses keeps its orientation: no volume at a corner is negative.
 TEST(CollapseElement, VolumeStaysPositive) {
   const Vec3 x[] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {.2, .2, 1}, {.8, .2, 1}, {.8, .8, 1}, {.2, .8, 1}};
   const Nodes collapses[] = {{0, 1, 2, 3, 4, 4, 6, 6}, {0, 1, 2, 2, 4, 5, 6, 6}, {0, 0, 2, 3, 4, 4, 6, 7},

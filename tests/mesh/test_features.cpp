@@ -77,11 +77,11 @@ TEST(Features, EqualEnumerationOnEveryTypeAndMix) {
 }
 
 TEST(Features, NeighboursOfDifferentTypeShareTheirTriangles) {
-  // Cells of a conforming block: every triangle inside is in two volumes, of whatever type, also where they split a
-  // quad. The column of tetrahedra has its own diagonals, hence the four types before it only.
+  // In a conforming block, every interior triangle belongs to two volumes of any type, including where they split a
+  // quad. A column of tetrahedra has other diagonals, so that only the four other types are used.
   for (std::uint64_t seed = 0; seed < 5; ++seed) {
     Shape shape = block(ElementType::hexahedron, 2, 2, 2);
-    ElementSpec& cell = shape.elements[3];  // one of the eight as a polytope
+    ElementSpec& cell = shape.elements[3];  // one of the eight elements as a polytope
     for (const auto& f :
          {std::array{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4}, {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}}) {
       cell.faces.push_back(4);
@@ -98,7 +98,7 @@ TEST(Features, NeighboursOfDifferentTypeShareTheirTriangles) {
 }
 
 TEST(Features, VisitsEdgesOfADegeneratePolytopeOnce) {
-  // Two quads back to back: both diagonals coincide, and so do the triangles.
+  // Two quads on the same vertices with opposite orientations: their diagonals coincide, and so do their triangles.
   const Mesh pillow = single(ElementType::polytope, {0, 1, 2, 3}, {4, 0, 1, 2, 3, 4, 3, 2, 1, 0});
   // A quad and two triangles that share its diagonal as an edge.
   const Mesh folded = single(ElementType::polytope, {0, 1, 2, 3}, {4, 0, 1, 2, 3, 3, 0, 1, 2, 3, 0, 2, 3});
@@ -187,7 +187,7 @@ TEST(Features, MemoryStaysBoundedOverManyChanges) {
   }
   EXPECT_EQ(test::inconsistency(mesh, features), "");
   EXPECT_LT(features.bytes(), 3 * bytes);
-  // Almost all gone: what remains of the lists is given back.
+  // Almost all elements are removed; the unused memory of the lists is freed.
   const std::size_t before = features.bytes();
   TopologyEdit last;
   for (Index o = 10; o < mesh.element_slots(); ++o) last.removed.push_back(o);

@@ -1,5 +1,5 @@
-// All or nothing where memory runs out: every single allocation of a change fails once, and what can be seen stays as
-// it was.
+// Changes have no effect if memory runs out: every single allocation of a change fails once, and the visible state
+// stays as it was.
 #include <set>
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace {
 
 using test::Memory;
 
-/// Everything that an object tells, as numbers.
+/// The visible state of an object, as numbers.
 using Snapshot = std::vector<std::int64_t>;
 
 template <class Range>
@@ -72,7 +72,7 @@ Snapshot snapshot(const Features& features, Index element_slots) {
   return all;
 }
 
-/// Without versions, which differ between topologies.
+/// Without versions, because these differ between topologies.
 Snapshot snapshot(const Topology& topology) {
   const Mesh& mesh = topology.mesh();
   Snapshot all = snapshot(mesh);
@@ -98,7 +98,7 @@ Snapshot snapshot(const TopologyChange& change) {
   return all;
 }
 
-/// Elements go at random; of those that are gone, some come back; others come in on old and new vertices.
+/// Random elements are removed, some of the removed ones are added again, and others are added on old and new vertices.
 class Edits {
  public:
   Edits(const Shape& shape, std::uint64_t seed) : shape_(shape), random_(seed) {}
@@ -107,7 +107,7 @@ class Edits {
     TopologyEdit edit;
     for (std::uint64_t i = random_.below(5); i != 0; --i)
       edit.new_vertex_ids.push_back(mesh.vertex_ids().back() + static_cast<std::int64_t>(6 - i));
-    const std::uint64_t share = random_.below(4);  // of five; none at times
+    const std::uint64_t share = random_.below(4);  // out of five; sometimes none
     std::set<std::int64_t> there;
     for (Index o = 0; o < mesh.element_slots(); ++o) {
       if (!mesh.is_live(o)) continue;

@@ -16,7 +16,7 @@
 namespace volccd {
 namespace {
 
-/// Volume enclosed by the faces of a fixed type (divergence theorem on a fan): positive for VTK's node order.
+/// Volume enclosed by the faces of a fixed type (divergence theorem on a fan); positive for VTK's node order.
 double volume(const Mesh& mesh, Index o, const std::vector<Vec3>& x) {
   double six_volumes = 0;
   const auto v = mesh.vertices(o);
@@ -27,7 +27,7 @@ double volume(const Mesh& mesh, Index o, const std::vector<Vec3>& x) {
   return six_volumes / 6;
 }
 
-/// Every second element is turned over.
+/// Every second element has the opposite orientation.
 Shape turned(Shape shape) {
   for (std::size_t i = 0; i < shape.elements.size(); i += 2)
     std::reverse(shape.elements[i].vertices.begin(), shape.elements[i].vertices.end());
@@ -101,7 +101,8 @@ TEST(Shells, AFlatSheetBecomesASlabHoweverItsElementsAreTurned) {
 }
 
 TEST(Shells, AClosedSphereIsOffsetInwardAndOutward) {
-  // The boundary of a block of cells, pushed onto a sphere: every solid must have about area times thickness.
+  // The boundary of a block of cells, projected onto a sphere. Every solid must have a volume of about area times
+  // thickness.
   constexpr int n = 6;
   Shape shape;
   shape.positions = block(ElementType::hexahedron, n, n, n).positions;
@@ -179,7 +180,8 @@ TEST(Shells, ThicknessIsWeightedByArea) {
 }
 
 TEST(Shells, FoldsAndJunctionsGetAFiniteNormal) {
-  // A sheet folded back onto itself: no normal along the crease, counted. A third sheet on the crease gives one again.
+  // A sheet that is folded back onto itself has no normal along the crease, which is counted. With a third sheet at the
+  // crease there is a normal again.
   Shape shape;
   shape.positions = {{0, 0, 0}, {0, 1, 0}, {1, 0, 0}, {1, 1, 0}, {1, 0, 0}, {1, 1, 0}, {0, 0, 1}, {0, 1, 1}};
   const auto quad = [&](std::vector<Index> v) {
@@ -200,11 +202,11 @@ TEST(Shells, FoldsAndJunctionsGetAFiniteNormal) {
   EXPECT_EQ(ShellThickener(mesh).positions(shape.positions, std::vector<double>(3, 0.2), x), 0u);
   for (const Vec3& p : x) EXPECT_TRUE(p.allFinite());
   for (Index v : {0u, 1u}) EXPECT_NEAR((x[solid_above(v)] - x[solid_below(v)]).norm(), 0.2, 1e-12);
-  // All vertices in one place.
+  // All vertices have the same position.
   const std::vector<Vec3> point(8, Vec3(3, 4, 5));
   EXPECT_EQ(ShellThickener(mesh).positions(point, std::vector<double>(3, 0.2), x), 8u);
   EXPECT_NEAR((x[solid_above(7)] - Vec3(3, 4, 5.1)).norm(), 0, 1e-15);
-  // Areas beyond the range of doubles.
+  // Areas are beyond the range of doubles.
   std::vector<Vec3> huge = shape.positions;
   for (Vec3& p : huge) p *= 1e200;
   ShellThickener(mesh).positions(huge, std::vector<double>(3, 0.2), x);

@@ -13,7 +13,7 @@
 namespace volccd::detail {
 namespace {
 
-/// Keys by slot, with a hash chosen by the test: a bad one piles everything up and wraps around the end.
+/// Keys by slot with a hash that the test chooses: a bad hash gives long probes, also around the end of the table.
 struct Keys {
   std::uint32_t (*hash)(std::uint64_t);
   std::map<Index, std::uint64_t> key_of;
@@ -57,7 +57,8 @@ TEST(SlotTable, EqualsAMap) {
   for (std::uint64_t seed = 0; seed < 3; ++seed) {
     compare_with_map([](std::uint64_t key) { return static_cast<std::uint32_t>(mix(key)); }, 700, seed);
     compare_with_map([](std::uint64_t key) { return static_cast<std::uint32_t>(key % 3) * 0x55555555u; }, 60, seed);
-    compare_with_map([](std::uint64_t) { return ~0u; }, 60, seed);  // home is the last place: every probe wraps
+    // all keys belong to the last position, so that every probe continues at the beginning
+    compare_with_map([](std::uint64_t) { return ~0u; }, 60, seed);
     compare_with_map([](std::uint64_t key) { return ~0u - static_cast<std::uint32_t>(key % 5) * 0x02000000u; }, 90,
                      seed);
   }
@@ -70,7 +71,7 @@ TEST(SlotTable, StaysSmall) {
   for (Index slot = 0; slot < 100000; ++slot) table.find_or_insert(hash(slot), slot, none, hash);
   EXPECT_LE(table.bytes(), 100000u * 4u * 3u);
   const std::size_t bytes = table.bytes();
-  for (int round = 0; round < 20; ++round) {  // no tombstones: churn does not make it grow
+  for (int round = 0; round < 20; ++round) {  // without tombstones, removing and inserting does not make the table grow
     for (Index slot = 0; slot < 1000; ++slot) table.erase(slot, hash);
     for (Index slot = 0; slot < 1000; ++slot) table.find_or_insert(hash(slot), slot, none, hash);
   }
@@ -78,7 +79,7 @@ TEST(SlotTable, StaysSmall) {
 }
 
 TEST(TupleTable, SpreadsTheTuplesOfAGrid) {
-  // Neighbouring small numbers are what meshes are made of: no two of these may be taken for one another.
+  // Meshes consist of small, neighbouring numbers, whose hashes must differ.
   TupleTable<3> table;
   std::vector<std::array<Index, 3>> tuples;
   for (Index a = 0; a < 30; ++a)

@@ -14,13 +14,13 @@
 namespace volccd {
 namespace {
 
-// rapidcheck takes a random seed unless told otherwise. Ranges are at their full width from size 100 on: with 240, more
-// than half of the cases draw from all element types and all vertices.
+// rapidcheck chooses a random seed by default. Its ranges have their full width from size 100 on; with 240, more than
+// half of the cases use all element types and all vertices.
 [[maybe_unused]] const bool kSeeded = setenv("RC_PARAMS", "seed=2011 max_size=240 max_success=200", 0) == 0;
 
 using test::NaiveFeatures;
 
-/// A polytope on distinct vertices: a bipyramid, a prism, or a flat pillow (degenerate, but legal).
+/// A polytope on distinct vertices: a bipyramid, a prism, or a flat pillow, which is degenerate but allowed.
 void make_polytope(ElementSpec& element) {
   const std::vector<Index>& v = element.vertices;
   const auto face = [&](std::initializer_list<std::size_t> corners) {
@@ -49,7 +49,7 @@ void make_polytope(ElementSpec& element) {
   }
 }
 
-/// Any type on any distinct vertices: geometry is of no account here.
+/// An element of any type on any distinct vertices, because geometry does not matter here.
 ElementSpec random_element(Index vertices, std::int64_t id) {
   const auto type =
       *rc::gen::element(ElementType::triangle, ElementType::quad, ElementType::tetrahedron, ElementType::pyramid,
@@ -65,7 +65,7 @@ ElementSpec random_element(Index vertices, std::int64_t id) {
   return element;
 }
 
-/// Removes a random part, and adds random elements: on old and new vertices, some with ids that have just gone.
+/// Removes random elements, and adds random elements on old and new vertices, some with ids that have just become free.
 TopologyEdit random_edit(const Mesh& mesh, std::int64_t& next_id) {
   TopologyEdit edit;
   const auto share = *rc::gen::inRange(0, 4);
@@ -121,7 +121,7 @@ void check_change(const std::map<Key, test::Elements>& before, const std::map<Ke
     if (!between.contains(key)) expect_added.insert(slot_after(key));
     if (meets(elements, come) || (before.contains(key) && meets(before.at(key), gone)))
       expect_touched.insert(slot_after(key));
-    // Stable: a feature that lived through the edit keeps its slot.
+    // A feature that exists before, during and after the edit keeps its slot.
     if (between.contains(key)) RC_ASSERT(slot_before(key) == slot_after(key));
   }
   RC_ASSERT(ascends(removed));
@@ -152,7 +152,7 @@ bool adjacency_is_right(const Topology& topology) {
   return true;
 }
 
-/// What an edit should make of the features, step by step on plain sets.
+/// The expected effect of an edit on the features, computed step by step on sets.
 void check_edit(Topology& topology, const TopologyEdit& edit) {
   const EdgeSet edge_set = topology.features().edge_set();
   const NaiveFeatures before = test::naive_features(topology.mesh(), edge_set);
@@ -209,7 +209,7 @@ void check_random_edits(EdgeSet edge_set) {
     std::vector<const TopologyChange*> changes;
     RC_ASSERT(topology.changes_since(topology.version(), changes));
     RC_ASSERT(changes.empty());
-    std::vector<Index> slots = topology.apply({}).removed_elements;  // an edit of nothing changes nothing
+    std::vector<Index> slots = topology.apply({}).removed_elements;  // an empty edit changes nothing
     RC_ASSERT(slots.empty());
     RC_ASSERT(test::contents(rebuilt) == test::contents(topology.features()));
   }
@@ -292,7 +292,7 @@ TEST(Topology, SharedVerticesAreCountedThroughEdits) {
   same.object = 0;
   topology.apply({{topology.mesh().find_element(same.id)}, {}, {same}});
   EXPECT_FALSE(topology.objects_share_vertices());
-  // A mesh that is empty at first.
+  // A mesh that is empty at the beginning.
   Mesh none;
   none.add_vertices(static_cast<Index>(shape.positions.size()));
   Topology grown(none);

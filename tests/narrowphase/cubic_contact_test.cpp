@@ -1,4 +1,4 @@
-// `cubic` on constructed contacts, known exactly, and on random pairs against the long double oracle.
+// `cubic` on constructed contacts that are known exactly, and on random pairs compared with the long double oracle.
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
@@ -22,9 +22,9 @@ struct Constructed {
   Vec3 point;
 };
 
-/// Features that meet in one point at t = 1/16 .. 15/16, all in small binary fractions: no rounding anywhere. Weights
-/// are eighths, zero included, so that some meet at corners and edges. `rigid`: both features translate; then the time
-/// is the only one at which they are coplanar.
+/// Features that meet in one point at t = 1/16 .. 15/16. All numbers are small binary fractions, so that nothing is
+/// rounded. Weights are eighths, zero included, so that some features meet at corners and edges. `rigid`: both features
+/// translate, and this is the only time at which they are coplanar.
 Constructed construct(FeatureKind kind, Random& random, bool rigid) {
   Constructed c;
   c.t = static_cast<double>(1 + random.below(15)) / 16;
@@ -36,7 +36,8 @@ Constructed construct(FeatureKind kind, Random& random, bool rigid) {
     c.point = at[0] = (1 - w1 - w2) * at[1] + w1 * at[2] + w2 * at[3];
   } else {
     c.point = (1 - w1) * at[0] + w1 * at[1];
-    // The second edge passes through the point: its far end is the first mirrored and stretched by a power of two.
+    // The second edge passes through the point: its far end is the mirror image of the first one, at a distance
+    // multiplied by a power of two.
     static constexpr double stretch[] = {0, 0.5, 1, 2};
     at[3] = c.point + stretch[random.below(4)] * (c.point - at[2]);
   }
@@ -58,7 +59,7 @@ TEST(CubicContact, ExactRigidContactIsFoundAtItsTime) {
     while (queries.size() < 20000) {
       const Constructed c = construct(kind, random, true);
       const Real v0 = volume_at(c.query, 0), v1 = volume_at(c.query, 1);
-      if (!(v0 * v1 < 0)) continue;  // sliding in the common plane: no single time
+      if (!(v0 * v1 < 0)) continue;  // they slide in their common plane, so that there is no single time
       cases.push_back(c);
       queries.push_back(c.query);
     }
@@ -123,7 +124,7 @@ TEST(CubicContact, AgreesWithOracleOnRandomPairs) {
       if (const std::optional<Real> t = sampled_contact(kind, queries[i], 400)) {
         ++touching;
         ASSERT_TRUE(found[i]) << "missed " << i;
-        // Earlier is right only if they touch there, which was checked.
+        // An earlier time is right only if the features touch then, which has been checked.
         ASSERT_LE(found[i]->toi, static_cast<double>(*t) + 1e-12) << i;
       } else if (proven_apart(kind, queries[i], 1e-4L * size)) {
         ++apart;
@@ -139,7 +140,7 @@ TEST(CubicContact, AgreesWithOracleOnRandomPairs) {
 }
 
 TEST(CubicContact, TimeIsTheFirst) {
-  // The vertex passes through a triangle that turns over it twice: two or three roots inside.
+  // The vertex passes through a triangle that turns over twice, so that there are two or three roots inside the step.
   Random random(14);
   for (const FeatureKind kind : kKinds) {
     std::vector<Query> queries;
@@ -148,7 +149,7 @@ TEST(CubicContact, TimeIsTheFirst) {
     std::size_t later = 0;
     for (const Contact& c : set.test(Cubic())) {
       const Query& q = queries[set.query_of(c)];
-      // A contact that sampling sees before the reported time would be a miss of the first.
+      // If sampling finds a contact before the reported time, the first contact was missed.
       const std::optional<Real> t = sampled_contact(kind, q, 1000);
       if (!t) continue;
       ASSERT_LE(c.toi, static_cast<double>(*t) + 1e-12);
@@ -189,7 +190,7 @@ TEST(CubicContact, NormalWeightsAndPointAreConsistent) {
       const std::array<Point, 2> in_plane = kind == FeatureKind::vf ? std::array<Point, 2>{p[2] - p[1], p[3] - p[1]}
                                                                     : std::array<Point, 2>{p[1] - p[0], p[3] - p[2]};
       for (const Point& e : in_plane) ASSERT_LT(std::abs(c.normal.cast<Real>().dot(e)), 1e-7L);
-      // Before the contact the first feature is on the side that the normal points to.
+      // Before the contact, the first feature is on the side to which the normal points.
       const Real before = c.toi - 1e-4L;
       const Real approach = c.normal.cast<Real>().dot(combine(0, split, before) - combine(split, 4, before));
       if (std::abs(approach) < 1e-5L) continue;

@@ -1,4 +1,4 @@
-// What must not change an answer: order of points, batch, instruction set, t_max.
+// Answers do not depend on the order of points, the batch, the instruction set and t_max.
 #include <cstring>
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr FeatureKind kKinds[] = {FeatureKind::vf, FeatureKind::ee};
 
-/// Random pairs, some on a coarse lattice, where touching ones abound, some of these in one plane.
+/// Random pairs. Some have coordinates on a coarse lattice, so that many touch, and some of these lie in one plane.
 std::vector<Query> mixed_queries(std::size_t n, std::uint64_t seed) {
   Random random(seed);
   std::vector<Query> queries(n);
@@ -75,7 +75,7 @@ TEST(CubicProperty, BatchDoesNotMatter) {
     EXPECT_EQ(together.degenerate, apart.degenerate);
     EXPECT_GT(together.degenerate, 10u);
 
-    // In another order, each test among other neighbours, twice over.
+    // The tests are repeated in another order, twice, so that each has other neighbours.
     std::vector<FeaturePair> shuffled(set.pairs().begin(), set.pairs().end());
     shuffled.insert(shuffled.end(), set.pairs().begin(), set.pairs().end());
     Random(23).shuffle(shuffled);
@@ -98,7 +98,7 @@ TEST(CubicProperty, CoplanarityFilterDoesNotMatter) {
       const std::vector<Contact> expected = set.test(Cubic({.axis_test = axis_test}));
       EXPECT_EQ(set.test(Cubic({.axis_test = axis_test, .coplanarity = false})), expected);
     }
-    // Without both filters every test goes on to its roots.
+    // Without both filters, the roots of every test are computed.
     TestBlock tests;
     tests.gather(set.step(), kind, set.pairs().first(TestBlock::kCapacity));
     std::size_t open[2] = {};
@@ -153,7 +153,7 @@ TEST(CubicProperty, LatestTimeOnlyDropsLaterContacts) {
     const std::vector<Contact> all = set.test(Cubic());
     std::vector<double> times = {0, 0.25, 0.5, 1};
     for (std::size_t i = 0; i < all.size(); i += all.size() / 40) {
-      times.push_back(all[i].toi);  // the boundary belongs to the step
+      times.push_back(all[i].toi);  // t_max itself belongs to the step
       times.push_back(std::nextafter(all[i].toi, 0.0));
     }
     for (const double t_max : times) {
@@ -166,7 +166,7 @@ TEST(CubicProperty, LatestTimeOnlyDropsLaterContacts) {
 }
 
 TEST(CubicProperty, ToleranceDecidesWhatIsNear) {
-  // The vertex passes the edge of the triangle at a distance of 1e-6 of the size.
+  // The vertex passes the triangle's edge at a distance of 1e-6 of the size.
   const Query q = {Vec3(0.5, -1e-6, 1),  Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0),
                    Vec3(0.5, -1e-6, -1), Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)};
   const QuerySet set(FeatureKind::vf, {q});

@@ -36,7 +36,7 @@ std::vector<Query> integer_queries(std::size_t n, std::uint64_t seed) {
   Random random(seed);
   std::vector<Query> queries(n);
   for (std::size_t i = 0; i < n; ++i) {
-    // Large common offsets make differences cancel; every third query is nearly flat, so that determinants cancel.
+    // Large common offsets make differences cancel. Every third query is nearly flat, so that determinants cancel.
     const auto range = std::uint64_t{1} << (2 + i % 28);
     for (Vec3& p : queries[i]) {
       for (int k = 0; k < 3; ++k) p[k] = static_cast<double>(random.below(range));
@@ -64,7 +64,7 @@ TEST(Coplanarity, ErrorBoundsHold) {
       const Real error = std::abs(static_cast<Real>(static_cast<Integer>(cubic.b[k]) - exact[k]));
       ASSERT_LE(error, Real(binomial[k]) * cubic.error);
       worst = std::max(worst, static_cast<double>(error / (binomial[k] * cubic.error)));
-      // Rounded once: the nearest double, but for ties.
+      // The value is rounded once, and is therefore the nearest double except for ties.
       ASSERT_LE(std::abs(static_cast<Real>(static_cast<Integer>(refined.b[k]) - exact[k])),
                 Real(kUnitRoundoff) * std::abs(static_cast<Real>(exact[k])));
       if (exact[k] == 0) {
@@ -146,7 +146,7 @@ TEST(DoubleDouble, ProductsAndSumsAreExact) {
     ASSERT_EQ(s.high, a + b);
     ASSERT_EQ(p.high, a * b);
     ASSERT_EQ(p.low, std::fma(a, b, -p.high));
-    // Knuth's theorem, checked through the smaller operand's recovery (Dekker).
+    // Knuth's theorem, checked by recovering the smaller operand (Dekker).
     const double large = std::abs(a) >= std::abs(b) ? a : b, small = std::abs(a) >= std::abs(b) ? b : a;
     ASSERT_EQ(s.low, small - (s.high - large));
   }
@@ -155,7 +155,7 @@ TEST(DoubleDouble, ProductsAndSumsAreExact) {
 TEST(PolynomialRoots, QuadraticFindsKnownRoots) {
   Random random(35);
   for (int i = 0; i < 50000; ++i) {
-    // (t - r1)(t - r2) in Bernstein form: values at corners of the blossom.
+    // (t - r1)(t - r2) in Bernstein form; the coefficients are values of the blossom.
     double r1 = random.uniform(-0.5, 1.5), r2 = random.uniform(-0.5, 1.5);
     if (i % 5 == 0) r1 = 0;
     if (i % 7 == 0) r2 = 1;
@@ -169,7 +169,7 @@ TEST(PolynomialRoots, QuadraticFindsKnownRoots) {
       if (r >= 0 && r <= 1) expected.push_back(r);
     if (std::abs(r1 - r2) < 1e-6 ||
         std::min(std::abs(r1), std::abs(r1 - 1)) * std::min(std::abs(r2), std::abs(r2 - 1)) < 1e-12) {
-      if (r1 != 0 && r2 != 1) continue;  // rounding may take it out of the interval
+      if (r1 != 0 && r2 != 1) continue;  // rounding may move it out of the interval
     }
     ASSERT_EQ(count, static_cast<int>(expected.size())) << r1 << " " << r2;
     for (std::size_t k = 0; k < expected.size(); ++k) ASSERT_NEAR(roots[k], expected[k], 1e-9) << r1 << " " << r2;
@@ -182,7 +182,7 @@ TEST(PolynomialRoots, MonotonePiecesAndRootsOfKnownCubics) {
     std::array<double, 3> r = {random.uniform(0.02, 0.98), random.uniform(0.02, 0.98), random.uniform(0.02, 0.98)};
     std::sort(r.begin(), r.end());
     if (r[1] - r[0] < 1e-3 || r[2] - r[1] < 1e-3) continue;
-    // (t-r0)(t-r1)(t-r2), binomials included.
+    // (t-r0)(t-r1)(t-r2), with the binomials included.
     CoplanarityCubic f;
     f.error = 1e-18;
     f.b = {-r[0] * r[1] * r[2], (1 - r[0]) * r[1] * r[2] + r[0] * (1 - r[1]) * r[2] + r[0] * r[1] * (1 - r[2]),
@@ -203,7 +203,7 @@ TEST(PolynomialRoots, MonotonePiecesAndRootsOfKnownCubics) {
   }
 }
 
-/// Slivers, parallel edges, features without extent, and ordinary ones, at one time.
+/// Slivers, parallel edges, features without extent, and ordinary features, at one time.
 detail::Differences awkward(Random& random, int number) {
   detail::Differences d;
   for (Vec3& p : d)
@@ -213,7 +213,7 @@ detail::Differences awkward(Random& random, int number) {
   if (number % 4 == 2) d[2] = d[1] + random.uniform(-1, 1) * d[0] + thin * d[2];      // nearly parallel edges
   if (number % 4 == 3) d[1] = d[2] + thin * d[1];                                     // short edge
   if (number % 8 >= 4) {
-    // The features touch, or nearly.
+    // The features touch, or nearly touch.
     const Vec3 touch = random.uniform() * d[1] + thin * d[0];
     for (Vec3& p : d) p -= touch;
   }
@@ -228,8 +228,8 @@ TEST(ClosestPoints, DistanceAgreesWithVoronoiRegions) {
       const detail::ClosestPoints c = detail::closest_points(kind, d);
       const Query q = {Vec3(0, 0, 0), d[0], d[1], d[2], Vec3(0, 0, 0), d[0], d[1], d[2]};
       const Real exact = distance_at(kind, q, 0);
-      // A distance of two points of the features, so never too small; and the judge, whose own rounding may leave it
-      // too large for slivers and nearly parallel edges, finds none that is smaller.
+      // The result is a distance of two points of the features, and therefore never too small. The judge must find no
+      // smaller distance; for slivers and nearly parallel edges its own rounding may make its distance too large.
       Real sum0 = 0, sum1 = 0;
       Point first = Point::Zero(), second = Point::Zero();
       for (std::size_t p = 0; p < 4; ++p) {

@@ -1,4 +1,4 @@
-// `exact` on cases with known answers, and on small lattices, where degenerate cases abound, against an independent
+// `exact` on cases with known answers, and on small lattices with many degenerate cases, compared with an independent
 // judge: conservative advancement on distances in long double.
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,7 @@ namespace {
 
 using Corners = std::array<Vec3, 4>;
 
-/// Control points of four points: the first of each, then the next of each.
+/// Control points of four points: the first one of each point, then the second one of each, and so on.
 struct Case {
   FeatureKind kind;
   std::vector<Corners> control;
@@ -48,7 +48,7 @@ struct Case {
     const Real sides =
         std::min({segment_segment_distance(p[0], p[0], p[1], p[2]), segment_segment_distance(p[0], p[0], p[2], p[3]),
                   segment_segment_distance(p[0], p[0], p[3], p[1])});
-    return std::fmin(sides, triangle_region_distance(p[0], p[1], p[2], p[3]));  // the latter is NaN without area
+    return std::fmin(sides, triangle_region_distance(p[0], p[1], p[2], p[3]));  // it is NaN if there is no area
   }
   template <class Change>
   Case with(Change change) const {
@@ -82,7 +82,7 @@ struct Known {
   bool degenerate;
 };
 
-/// A vertex against the triangle (0,0,0), (1,0,0), (0,1,0) at rest.
+/// A vertex, and the triangle (0,0,0), (1,0,0), (0,1,0) at rest.
 Case against_triangle(std::vector<Vec3> path) {
   Case c{vf, {}};
   for (const Vec3& p : path) c.control.push_back({p, Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)});
@@ -207,7 +207,7 @@ TEST(ExactDecision, KnownAnswers) {
 }
 
 TEST(ExactDecision, TimesBetweenDoubles) {
-  // 1 - 3 t = 0, and 1 - 2 t^2 = 0: fma has one rounding, hence the right sign.
+  // 1 - 3 t = 0, and 1 - 2 t^2 = 0. fma rounds once, and therefore has the right sign.
   const double third = against_triangle({{.25, .25, 1}, {.25, .25, -2}}).answer().toi;
   EXPECT_LT(std::fma(3, third, -1), 0);
   EXPECT_GT(std::fma(3, std::nextafter(third, 1), -1), 0);
@@ -216,17 +216,17 @@ TEST(ExactDecision, TimesBetweenDoubles) {
   EXPECT_FALSE(answer.toi_exact);
   EXPECT_LT(std::fma(answer.toi, answer.toi, -.5), 0);
   EXPECT_GT(std::fma(std::nextafter(answer.toi, 1), std::nextafter(answer.toi, 1), -.5), 0);
-  // At t = 1/3 over a side of the triangle, or beside it by about 1e-15.
+  // At t = 1/3 the vertex is on a side of the triangle, or beside it by about 1e-15.
   const auto at_side = [](double e) { return against_triangle({{.5, 1 + e, 1}, {.5, -.5 + e, -2}}).answer().touches; };
   EXPECT_TRUE(at_side(0));
   EXPECT_TRUE(at_side(-0x1p-50));
   EXPECT_FALSE(at_side(0x1p-50));
-  // Sides: below the plane afterwards.
+  // The vertex is below the plane afterwards.
   EXPECT_EQ(answer.side, -root.with([](Corners& x) { x[0].z() *= -1; }).answer().side);
 }
 
-/// The time at which the features come within 1e-8, by steps too short to reach it; more than 1 if they do not. Speeds
-/// are bounded by differences of control points.
+/// The time at which the features come within 1e-8, found with steps that are too short to pass it; above 1 if they do
+/// not. Speeds are bounded by differences of control points.
 Real advance(const Case& c) {
   const auto degree = static_cast<Real>(c.control.size() - 1);
   Real speed = 1e-9L, t = 0;
@@ -245,7 +245,8 @@ Real advance(const Case& c) {
   return t;
 }
 
-/// Integer coordinates in 0 .. range - 1; the fewer, the more degenerate. Some points share coordinates or stand still.
+/// Integer coordinates in [0, range). Small ranges give many degenerate cases. Some points share coordinates or do not
+/// move.
 Case lattice_case(FeatureKind kind, std::size_t control_points, Random& random) {
   Case c{kind, {}};
   const std::uint64_t range = 2 + random.below(6), flat = random.below(4), still = random.below(6);
@@ -262,7 +263,7 @@ Case lattice_case(FeatureKind kind, std::size_t control_points, Random& random) 
   return c;
 }
 
-/// Calls f for 250 lattice cases of each kind and number of control points.
+/// Calls f for 250 lattice cases of each kind and each number of control points.
 template <class F>
 void for_lattice_cases(std::uint64_t seed, F f) {
   Random random(seed);
@@ -285,7 +286,7 @@ TEST(ExactDecision, AgreesWithAdvancement) {
     const Real judge = advance(c);
     ASSERT_EQ(answer.touches, judge <= 1) << static_cast<double>(judge);
     if (!answer.touches) return;
-    // Curves may close in with the fourth power of time.
+    // The distance of curves may decrease with the fourth power of time.
     ASSERT_NEAR(answer.toi, static_cast<double>(judge), 1.5e-2);
     ASSERT_EQ(c.compare(answer.toi, 0), answer.toi_exact ? 0 : 1);
     ASSERT_LT(c.distance(answer.toi), 1e-14L);
@@ -362,7 +363,7 @@ TEST(ExactDecision, LinesAsCurves) {
 }
 
 TEST(ExactDecision, ComparesDistances) {
-  // 3-4-5 triangles, at a time of 3/4: exactly 5, whatever the scale.
+  // 3-4-5 triangles at time 3/4: the length is exactly 5 at every scale.
   for (const double scale : {1.0, 0x1p-1070, 0x1p1000}) {
     const Case c = against_triangle({{-scale * 6, -scale * 4, 0}, {-scale * 2, -scale * 4, 0}});
     EXPECT_EQ(c.compare(.75, 5 * scale), 0);
@@ -382,7 +383,8 @@ TEST(ExactDecision, ComparesDistances) {
   }
 }
 
-/// Whether 0 is in the hull of `points`: in that of at most four of them that span it (Caratheodory). Small integers.
+/// Whether 0 is in the hull of `points`, that is, in the hull of at most four of them that span it (Caratheodory). For
+/// small integers.
 bool contains_origin(const std::vector<Vec3>& points) {
   const auto in_triangle = [](const Vec3& a, const Vec3& b, const Vec3& c) {
     const Vec3 n = (b - a).cross(c - a);
@@ -445,7 +447,7 @@ TEST(ExactHulls, Hexahedra) {
   const std::vector<Vec3> unit = box({0, 0, 0}, 1);
   EXPECT_TRUE(exact_hulls_overlap(unit, box({.25, .25, .25}, .5)));
   EXPECT_TRUE(exact_hulls_overlap(unit, box({1, 1, 1}, 1)));
-  // A corner that comes within the least of the plane x + y + z = 3 at the corner (1,1,1), and does not reach the box.
+  // The first point is an ulp beyond the corner (1,1,1) of the box, so that the hulls do not overlap.
   const std::vector<Vec3> tip = {{1 + kUlp, 1, 1}, {3, 0, 1}, {3, 2, 0}, {0, 3, 3}};
   EXPECT_FALSE(exact_hulls_overlap(unit, tip));
   EXPECT_TRUE(exact_hulls_overlap(unit, std::vector<Vec3>{{1, 1, 1}, {3, 0, 1}, {3, 2, 0}, {0, 3, 3}}));

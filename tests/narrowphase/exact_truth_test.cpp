@@ -1,4 +1,4 @@
-// `exact` against published ground truth, those queries included that the truth's own method does not decide.
+// `exact` compared with published ground truth, including queries that the method of the ground truth does not decide.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -85,7 +85,7 @@ TEST(ExactTruth, RodTwist) {
         query[p] = Eigen::Map<const Vec3>(&x[(static_cast<std::size_t>(v[p % 4]) + n * (p / 4)) * 3]);
       const ExactAnswer answer = exact_first_touch(Bare(kind, query).motion());
       ASSERT_EQ(answer.touches, collides[i] != 0) << group << ' ' << i;
-      // The truth is rounded to the nearest double, this one down.
+      // Times of the ground truth are rounded to the nearest double, those of `exact` downwards.
       if (answer.touches) {
         ASSERT_TRUE(answer.toi == times[i] || std::nextafter(answer.toi, 1) == times[i])
             << group << ' ' << i << ": " << answer.toi - times[i];
@@ -94,7 +94,7 @@ TEST(ExactTruth, RodTwist) {
   }
 }
 
-/// Contacts as others see them: weights, point and normal belong to the time that the judge found.
+/// Checks that weights, point and normal of a contact belong to the time that the judge found.
 template <std::size_t N>
 void check_contacts(FeatureKind kind, const std::vector<std::array<Vec3, N>>& queries) {
   const volccd::QuerySet set(kind, queries);

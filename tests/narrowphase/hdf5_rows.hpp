@@ -1,4 +1,4 @@
-// Plain reading of whole datasets, for ground truth.
+// Reads whole datasets of ground truth with plain HDF5 calls.
 #pragma once
 
 #include <stdexcept>

@@ -1,5 +1,5 @@
-// `inclusion` on cases whose answer is plain, and its rounding bounds against rationals. Published truth:
-// truth_test.cpp. Random near-degenerate tests: tests/conservative.
+// `inclusion` on cases with simple answers, and its rounding bounds compared with rational arithmetic. truth_test.cpp
+// has published ground truth, and tests/conservative random near-degenerate tests.
 #include <cmath>
 #include <limits>
 #include <random>
@@ -48,27 +48,28 @@ TEST(Inclusion, StraightThroughATriangle) {
 }
 
 TEST(Inclusion, AccelerationTurnsBackAtTheTriangle) {
-  // z(t) = (1 - 2t)^2 + lift touches at t = 1/2 only for lift = 0; below, at (1 - sqrt(-lift)) / 2.
+  // z(t) = (1 - 2t)^2 + lift: with lift = 0 it touches at t = 1/2 only, and with lift < 0 first at (1 - sqrt(-lift)) /
+  // 2.
   const auto curve = [](double lift) {
     return std::vector<Vec3>{{0.25, 0.25, 1 + lift}, {0.25, 0.25, -1 + lift}, {0.25, 0.25, 1 + lift}};
   };
   EXPECT_TRUE(against_triangle(curve(1e-12)).empty());
   expect_time(against_triangle(curve(-0.0625)), 0.375);
-  const auto grazing = against_triangle(curve(0));  // undecided: double roots look like near misses
+  const auto grazing = against_triangle(curve(0));  // double roots look like near misses and stay undecided
   ASSERT_EQ(grazing.size(), 1u);
   EXPECT_LE(grazing[0].toi, 0.5);
   EXPECT_GT(grazing[0].toi, 0.5 - 1e-6);
 }
 
 TEST(Inclusion, SeparationMovesTheContactForward) {
-  // Above the inside: distance z. Beside an edge and beyond a corner: distance to them.
+  // Above the inside, the distance is z; beside an edge and beyond a corner, it is that to the edge or corner.
   expect_time(against_triangle({{0.25, 0.25, 2}, {0.25, 0.25, 0}}, 0.5), 0.75);
   expect_time(against_triangle({{0.5, -3, 0}, {0.5, 1, 0}}, 0.5), 0.625);
   expect_time(against_triangle({{-3, -4, 0}, {0, 0, 0}}, 0.5), 0.9);
   EXPECT_TRUE(against_triangle({{0.25, 0.25, 2}, {0.25, 0.25, 0.5 + 1e-12}}, 0.5).empty());
   const auto contacts = against_triangle({{-3, -4, 0}, {0, 0, 0}}, 0.5);
   EXPECT_LT((contacts[0].normal - Vec3(-0.6, -0.8, 0)).norm(), 1e-6);
-  // On a curve: z = 2 (1 - t)^2 reaches 0.5 at 1/2.
+  // On a curve, z = 2 (1 - t)^2 reaches 0.5 at t = 1/2.
   expect_time(against_triangle({{0.25, 0.25, 2}, {0.25, 0.25, 0}, {0.25, 0.25, 0}}, 0.5), 0.5);
 }
 
@@ -100,17 +101,17 @@ TEST(Inclusion, PartsLeaveNoGap) {
     const Rational width = Rational(hi) - Rational(lo);
     ASSERT_GE(Rational(split.before) * width, Rational(split.from) - Rational(lo));
     ASSERT_LE(Rational(split.after) * width, Rational(split.to) - Rational(lo));
-    // Not by much: an outer part that reaches far into the inner one is seldom free of roots.
+    // The difference is small, because an outer part that extends far into the inner one is seldom free of roots.
     ASSERT_LE(split.before, begin + 0x1p-49 / (hi - lo));
     beyond_from += Rational(begin) * width < Rational(split.from) - Rational(lo) ? 1 : 0;
   }
-  EXPECT_GT(rounded_down, 0);  // else this shows nothing
+  EXPECT_GT(rounded_down, 0);  // otherwise the test proves nothing
   EXPECT_GT(beyond_from, 1000);
 }
 
 TEST(Inclusion, ExactIsNotAskedWhereItWouldTakeLong) {
-  // The vertex comes down to a triangle that lies lower by 2^-`power`, and goes up again: no contact, which no double
-  // shows.
+  // The vertex moves down to a triangle that is lower by 2^-`power`, and up again. They do not touch, but doubles
+  // cannot show this.
   const auto ask = [](int power, int exact_bits) {
     std::vector<Vec3> points;
     for (const double z : {1.0, -1.0, 1.0}) {
@@ -127,7 +128,7 @@ TEST(Inclusion, ExactIsNotAskedWhereItWouldTakeLong) {
   };
   const int standard = Inclusion::Config{}.exact_bits;
   EXPECT_EQ(ask(standard - 1, standard), 0u);
-  EXPECT_EQ(ask(standard, standard), 1u);  // one bit more: reported, as it stays undecided
+  EXPECT_EQ(ask(standard, standard), 1u);  // with one more bit it stays undecided, and is reported
   EXPECT_EQ(ask(standard, standard + 1), 0u);
 }
 
@@ -144,8 +145,8 @@ TEST(Inclusion, CoordinateBitsSpanAllCoordinates) {
   EXPECT_EQ(coordinate_bits(motion), 2098);
 }
 
-/// A degenerate triangle (parallel edges) far from the origin, whose corners rounding has moved off one line, and the
-/// other feature near it at the end of the step.
+/// A degenerate triangle (parallel edges) far from the origin, whose corners are not exactly on one line because of
+/// rounding. The other feature is near it at the end of the step.
 std::vector<Vec3> near_a_sliver(std::mt19937_64& random, FeatureKind kind, int control_points) {
   std::uniform_real_distribution<double> number(-1, 1);
   const auto vector = [&] { return Vec3(number(random), number(random), number(random)); };
@@ -182,7 +183,7 @@ TEST(Inclusion, UndecidedTestsComeAsNearAsPromised) {
     double size = 0;
     for (std::size_t p = 0; p < points.size(); ++p)
       size = std::max(size, (points[p] - points[p / 4 * 4]).cwiseAbs().maxCoeff());
-    // At some time from the one reported on, by no more than the tolerance.
+    // Whether the features touch at some time from the reported one to at most the tolerance later.
     bool near = false;
     for (int k = 0; k <= 8 && !near; ++k)
       near = compare_distance(motion, std::min(1.0, contacts[0].toi + k * 1.25e-10), kUndecidedDistance * size) <= 0;
@@ -191,11 +192,11 @@ TEST(Inclusion, UndecidedTestsComeAsNearAsPromised) {
   EXPECT_GT(undecided, 500u);
 }
 
-/// All points in a plane of constant x, y or z, whose polynomial is zero.
+/// All points are in a plane of constant x, y or z, so that the polynomial is zero.
 std::vector<Vec3> in_a_plane(std::mt19937_64& random, FeatureKind kind, int control_points, int axis, bool on_a_grid) {
   std::uniform_real_distribution<double> number(-1, 1);
   const double height = on_a_grid ? 0 : 100 * number(random);
-  // The features begin on different sides of a gap; they would rarely be apart at t = 0 otherwise.
+  // The features begin on different sides of a gap, because otherwise they would rarely be apart at t = 0.
   const std::size_t second = kind == FeatureKind::vf ? 1 : 2;
   std::vector<Vec3> points;
   for (int c = 0; c < control_points; ++c)
@@ -215,7 +216,7 @@ TEST(Inclusion, TestsInAPlaneAreDecided) {
   for (int i = 0; i < 12000; ++i) {
     const FeatureKind kind = i % 2 ? FeatureKind::ee : FeatureKind::vf;
     const int control_points = i % 4 < 2 ? 2 : 3;
-    const bool on_a_grid = i % 10 == 0;  // where vertices meet vertices
+    const bool on_a_grid = i % 10 == 0;  // vertices meet vertices here
     const std::vector<Vec3> points = in_a_plane(random, kind, control_points, i % 3, on_a_grid);
     const volccd::QuerySet set(kind, control_points, points);
     std::vector<Contact> contacts;
@@ -236,7 +237,7 @@ TEST(Inclusion, TestsInAPlaneAreDecided) {
   EXPECT_LT(undecided, 5u);
 }
 
-/// A fall onto the triangle, a slide within its plane, and a double root: each of the ways to an answer.
+/// A fall onto the triangle, a slide within its plane, and a double root use all ways to an answer.
 TEST(Inclusion, TheAnswerDependsNeitherOnTheBatchNorOnTheEnd) {
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> number(-1, 1);
@@ -285,7 +286,7 @@ Rational coplanarity(const std::array<std::array<Vec3, kPoints>, 4>& curves, con
          e[0][2] * (e[1][0] * e[2][1] - e[1][1] * e[2][0]);
 }
 
-/// The piece's polynomial, from its computed coefficients without further rounding, against the true one.
+/// Compares the polynomial of the piece, evaluated exactly from its computed coefficients, with the true polynomial.
 template <int kPoints>
 void expect_bounds_hold(std::uint64_t seed, double* closest) {
   std::mt19937_64 random(seed);
@@ -323,7 +324,7 @@ void expect_bounds_hold(std::uint64_t seed, double* closest) {
   }
 }
 
-/// The bounds are not idle either: something comes within a tenth of them.
+/// The bounds are not much too large: some errors come within a tenth of them.
 TEST(InclusionBounds, HoldForTheCoplanarityPolynomialOfAnyPart) {
   double closest2 = 0, closest3 = 0;
   for (std::uint64_t seed = 0; seed < 3000; ++seed) expect_bounds_hold<2>(seed, &closest2);

@@ -1,4 +1,4 @@
-// Overlap of convex hulls against the simplex method in rationals and against exact distances of features.
+// Overlap of convex hulls compared with the simplex method in rationals and with exact distances of features.
 #include <volccd/narrowphase/initial_overlap.hpp>
 
 #include <cmath>
@@ -32,7 +32,7 @@ Vec3 random_point(Random& random, double size) {
   return {random.uniform(-size, size), random.uniform(-size, size), random.uniform(-size, size)};
 }
 
-/// Vertices of a tetrahedron, pyramid, wedge or hexahedron of any shape, or fewer.
+/// Vertices of a tetrahedron, pyramid, wedge or hexahedron of any shape, or of an element with fewer vertices.
 int random_count(Random& random) { return std::array{1, 2, 3, 4, 4, 5, 6, 8, 8}[random.below(9)]; }
 
 Hulls clouds(Random& random) {
@@ -43,7 +43,8 @@ Hulls clouds(Random& random) {
   return hulls;
 }
 
-/// Coordinates from {0, 1, 2, 3}: flat and zero-size hulls, coincident vertices, touching at vertices, edges and faces.
+/// Coordinates from {0, 1, 2, 3} give flat hulls and points, coincident vertices, and hulls that touch at vertices,
+/// edges and faces.
 Hulls lattice(Random& random) {
   const auto point = [&] {
     return Vec3(static_cast<double>(random.below(4)), static_cast<double>(random.below(4)),
@@ -56,8 +57,8 @@ Hulls lattice(Random& random) {
   return hulls;
 }
 
-/// A vertex of b at a rational place on a triangle of a (within rounding, and then an ulp off), the others beyond its
-/// plane.
+/// A vertex of b is at a rational place on a triangle of a (up to rounding, and then an ulp away); the others are
+/// beyond its plane.
 Hulls barely(Random& random) {
   Hulls hulls;
   for (int i = 0; i < 4; ++i) hulls.a.push_back(random_point(random, 1));
@@ -81,7 +82,7 @@ Hulls barely(Random& random) {
   return hulls;
 }
 
-/// One inside the other, or a thin one that pierces it.
+/// One is inside the other, or is thin and pierces it.
 Hulls inside(Random& random) {
   Hulls hulls;
   for (int i = 0; i < 8; ++i) hulls.a.push_back(random_point(random, 1));
@@ -98,7 +99,7 @@ struct Family {
   int count;
 };
 
-/// Compares overlap() and the integers with the judge; both answers must occur.
+/// Compares overlap() and the integer arithmetic with the judge; both answers must occur.
 void expect_exact(const Family& family, const std::function<Vec3(const Vec3&)>& map, const std::string& what) {
   Random random(91);
   InitialOverlapTest test;
@@ -130,7 +131,7 @@ TEST(InitialOverlapTest, AgreesWithRationalsFarOffAndAtAllScales) {
     for (const double factor : {1e-150, 1e150, 0x1p1020}) expect_exact(family, scaled(factor), std::to_string(factor));
   }
   expect_exact({"lattice", lattice, 100}, scaled(0x1p-1074), "denormal");
-  // A rotation rounds: faces that touched overlap, miss or cross by an ulp.
+  // A rotation rounds, so that faces that touched then overlap, cross, or are apart by an ulp.
   expect_exact(
       {"lattice", lattice, 200},
       [](const Vec3& p) {
@@ -140,7 +141,7 @@ TEST(InitialOverlapTest, AgreesWithRationalsFarOffAndAtAllScales) {
       "rotated");
 }
 
-/// Closest features of two tetrahedra, each judged exactly: vertices against triangles, edges against edges.
+/// Closest features of two tetrahedra, each compared exactly: vertices with triangles, and edges with edges.
 bool features_within(const Hulls& hulls, double d) {
   const auto close = [&](FeatureKind kind, const Vec3& p, const Vec3& q, const Vec3& r, const Vec3& s) {
     std::array<std::array<Vec3, 2>, 4> still = {{{p, p}, {q, q}, {r, r}, {s, s}}};
@@ -167,7 +168,7 @@ TEST(InitialOverlapTest, SeparationIsExact) {
     Hulls hulls = i % 3 == 0 ? barely(random) : Hulls{};
     const bool on_lattice = i % 3 == 2;
     while (hulls.a.size() != 4 || hulls.b.size() != 4) hulls = on_lattice ? lattice(random) : clouds(random);
-    // Whole distances are frequent on the lattice: d = 1 is met exactly there, and missed by an ulp.
+    // Integer distances are frequent on the lattice, so that d = 1 is reached exactly there, and missed by an ulp.
     for (const double d : {on_lattice ? 1.0 : 0.2, on_lattice ? std::nextafter(1.0, 0.0) : 1e-17}) {
       const bool expected = features_within(hulls, d);
       hits += expected ? 1 : 0, ++count;

@@ -1,5 +1,5 @@
-// `inclusion` on tests that touch at the start, or for long, or stay in one plane, judged by `exact`. The search treats
-// these cases in ways of their own, which random tests hardly reach.
+// `inclusion` on tests that touch at the start or for some time, or stay in one plane, compared with `exact`. The
+// search has special code for these cases, which random tests hardly reach.
 #include <algorithm>
 #include <cmath>
 #include <random>
@@ -15,8 +15,8 @@
 namespace volccd::test {
 namespace {
 
-/// Small integers in a plane that small integers span: coplanar without rounding, if `height` is 0. Scaled and moved by
-/// what keeps them exact.
+/// Small integers in a plane spanned by vectors of small integers, which are coplanar without rounding if `height` is
+/// 0. They are scaled and translated by numbers that keep them exact.
 class Lattice {
  public:
   Lattice(std::mt19937_64& random, int range) : random_(random), range_(range) {
@@ -39,10 +39,10 @@ class Lattice {
 
 enum class LastingCase { flat, resting, shared, nearly_shared, through_edge };
 
-/// The four points at the first control point, then at the next. flat: all in one plane all the time. resting: in one
-/// plane at the start, and some of them later. shared: a point of the first feature is one of the second at the start.
-/// nearly_shared: but for the last bit of a coordinate. through_edge: a point of the first feature moves through one of
-/// the second, which is at rest.
+/// The four points at the first control point, then at the next. flat: all points are always in one plane. resting:
+/// they are in one plane at the start, and some of them also later. shared: a point of the first feature equals one of
+/// the second at the start. nearly_shared: they differ in the last bit of one coordinate. through_edge: a point of the
+/// first feature moves through one of the second, which is at rest.
 std::vector<Vec3> lasting_test(std::mt19937_64& random, LastingCase what, FeatureKind kind, int control_points) {
   Lattice lattice(random, random() % 2 ? 3 : 40);
   const bool vertex_face = kind == FeatureKind::vf;
@@ -54,7 +54,7 @@ std::vector<Vec3> lasting_test(std::mt19937_64& random, LastingCase what, Featur
       const bool stays = c > 0 && random() % 3 == 0;
       const bool in_plane = what == LastingCase::flat || (what == LastingCase::resting && (c == 0 || random() % 2));
       now[i] = stays ? Vec3(points[i]) : in_plane ? lattice.in_plane() : lattice.integers();
-      // Points of the second feature move away, or along, slowly.
+      // Points of the second feature move slowly, away from the first one or along it.
       if (stays && random() % 2 && i >= (vertex_face ? 1u : 2u))
         now[i] += std::ldexp(1.0, -static_cast<int>(random() % 30)) * slide;
     }
@@ -74,7 +74,7 @@ std::vector<Vec3> lasting_test(std::mt19937_64& random, LastingCase what, Featur
   if (what == LastingCase::nearly_shared) {
     const int axis = static_cast<int>(random() % 3);
     double& x = points[0][axis];
-    // Not a denormal: `exact` is not asked about coordinates so far apart.
+    // A denormal is avoided, because `exact` is not used for coordinates of so different magnitudes.
     x = x == 0 ? 0x1p-90 : std::nextafter(x, random() % 2 ? 1e300 : -1e300);
   }
   return points;
@@ -130,7 +130,7 @@ TEST(LastingContacts, AreFoundInTime) {
         expect_as_exact(what, kind, control_points, control_points == 2 ? 1500 : 250, 11 + static_cast<unsigned>(what));
 }
 
-/// A vertex leaves the corner of a triangle, or the ends of two edges come apart.
+/// A vertex leaves the corner of a triangle, or the ends of two edges separate.
 TEST(LastingContacts, APointInCommonAtTheStartNeedsNoSearch) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> number(-1, 1);
@@ -140,7 +140,7 @@ TEST(LastingContacts, APointInCommonAtTheStartNeedsNoSearch) {
     for (Vec3& p : points) p = {number(random), number(random), number(random)};
     const std::size_t second = kind == FeatureKind::vf ? 1 : 2;
     points[second] = points[0];
-    // The second feature goes up, the first one down.
+    // The second feature moves upwards, and the first one downwards.
     for (std::size_t p = 0; p < 4; ++p) {
       const double side = p < second ? -1 : 1;
       if (p != 0 && p != second) points[p].z() = points[0].z() + side * std::abs(number(random));

@@ -1,6 +1,6 @@
 // An independent judge of elementary tests in long double: distances by Voronoi regions (Ericson, Real-Time Collision
-// Detection, 5.1), contacts by dense sampling, absence by conservative advancement. Shares nothing with the library's
-// tests.
+// Detection, 5.1), contacts by dense sampling, absence of contacts by conservative advancement. It shares no code with
+// the library's tests.
 #pragma once
 
 #include <algorithm>
@@ -63,7 +63,7 @@ inline Real segment_segment_distance(const Point& p1, const Point& q1, const Poi
   return (r + d1 * s - d2 * t).norm();
 }
 
-/// Regions go by signs that rounding decides for slivers: the boundary is looked at in any case.
+/// For slivers, rounding decides the signs that choose the regions. Therefore the boundary is always examined.
 inline Real point_triangle_distance(const Point& p, const Point& a, const Point& b, const Point& c) {
   return std::min({triangle_region_distance(p, a, b, c), segment_segment_distance(p, p, a, b),
                    segment_segment_distance(p, p, b, c), segment_segment_distance(p, p, c, a)});
@@ -80,7 +80,7 @@ inline Real volume_at(const Query& q, Real t) {
   return (p[1] - p[0]).dot((p[2] - p[0]).cross(p[3] - p[0]));
 }
 
-/// Whether the features cross in projection along their normal, by a margin.
+/// Whether the projections of the features along their normal cross, by a margin.
 inline bool clearly_inside(FeatureKind kind, const Query& q, Real t, Real margin) {
   const Points p = points_at(q, t);
   const bool vf = kind == FeatureKind::vf;
@@ -92,7 +92,7 @@ inline bool clearly_inside(FeatureKind kind, const Query& q, Real t, Real margin
   return x > margin && x < 1 - margin && y > margin && y < 1 - margin;
 }
 
-/// The first time at which the features certainly pass through each other, of those that sampling sees.
+/// The first time at which sampling finds that the features certainly pass through each other.
 inline std::optional<Real> sampled_contact(FeatureKind kind, const Query& q, int samples) {
   Real last = volume_at(q, 0);
   for (int i = 1; i <= samples; ++i) {
@@ -117,7 +117,7 @@ inline Real size_of(const Query& q) {
   return size;
 }
 
-/// Whether the features stay further apart than `distance` all the time: steps that are too short to reach it.
+/// Whether the features always stay further apart than `distance`, examined in steps that are too short to reach it.
 inline bool proven_apart(FeatureKind kind, const Query& q, Real distance) {
   Real speed = 0;
   for (std::size_t i = 0; i < 4; ++i)

@@ -1,4 +1,4 @@
-// The elementary test of 2011 against exact arithmetic, and what must not change an answer.
+// The elementary test of 2011 compared with exact arithmetic, and properties that must not change an answer.
 #include <algorithm>
 #include <cmath>
 
@@ -68,7 +68,7 @@ TEST(Provot, ContactsAreThoseOfCubic) {
   }
 }
 
-/// Points that touch at t = 0 exactly, and then go on as `moved` says.
+/// Points that touch at t = 0 exactly; afterwards they move as `moved` says.
 Query at_start(FeatureKind kind, const Vec3& moved) {
   Query q;
   if (kind == FeatureKind::vf)
@@ -89,13 +89,13 @@ TEST(Provot, ContactsAtTheStartHaveTimeZero) {
       ASSERT_EQ(contacts.size(), 1u);
       EXPECT_EQ(contacts[0].toi, 0);
       EXPECT_TRUE(contacts[0].at_start);
-      // Towards where the first feature was before: the motion continued backwards.
+      // The normal points to where the first feature was before, with the motion continued backwards.
       EXPECT_EQ(contacts[0].normal.z(), z == 0 ? 0.0 : -z);
     }
 }
 
 TEST(Provot, ParallelEdgesMeetAndAreCounted) {
-  // Parallel at t = 1, where they arrive on one line: first overlapping, then beside each other.
+  // The edges are parallel at t = 1, when they arrive on one line: first overlapping, then beside each other.
   const Query q = {Vec3(0, 0.5, 1), Vec3(1, -0.5, 1), Vec3(0.5, 0, 0), Vec3(1.5, 0, 0),
                    Vec3(0, 0, 0),   Vec3(1, 0, 0),    Vec3(0.5, 0, 0), Vec3(1.5, 0, 0)};
   Query beside = q;
@@ -137,8 +137,8 @@ TEST(Provot, ToleranceLetsWeightsOutside) {
   EXPECT_EQ(set.test(Provot({.tolerance = 1e-4})).size(), 1u);
 }
 
-/// Lattices, features within one plane, contacts at corners and at the start, off by units in the last place; of
-/// ordinary size. The header of `provot` quotes what this counts.
+/// Lattices, features within one plane, and contacts at corners and at the start, some changed by units in the last
+/// place; all of ordinary size. The header of `provot` quotes these counts.
 TEST(Provot, MissesFewerThanHalfOfTheNearDegenerateTests) {
   cases::TestScene scene;
   std::size_t touching = 0, missed = 0, apart = 0, invented = 0;

@@ -1,4 +1,4 @@
-// What the tests of narrow phases add to a query set: running one.
+// Runs a narrow phase on a query set.
 #pragma once
 
 #include <array>
@@ -12,7 +12,7 @@
 
 namespace volccd::test {
 
-/// Points 0..3 at t = 0, then at t = 1. VF: vertex, triangle. EE: edge 1, edge 2.
+/// Points 0..3 at t = 0, then at t = 1. VF: vertex, triangle; EE: edge 1, edge 2.
 using Query = std::array<Vec3, 8>;
 
 class QuerySet : public volccd::QuerySet {

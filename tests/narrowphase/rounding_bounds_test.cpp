@@ -1,5 +1,5 @@
-// Rounding bounds of the narrow phases, from below: against a forward error analysis that a machine makes, and on tests
-// whose quantities vanish exactly, where only the bound keeps rounding noise from being taken for a sign.
+// The rounding bounds of the narrow phases are large enough. They are compared with an automatic forward error
+// analysis, and tested on quantities that are exactly zero, for which only the bound prevents a wrong sign.
 #include <cmath>
 #include <random>
 #include <vector>
@@ -17,7 +17,7 @@ namespace {
 
 using Rational = boost::multiprecision::mpq_rational;
 
-/// A computed quantity: the greatest magnitude that it can have, and the greatest error to first order, in units of u.
+/// A computed quantity: its greatest possible magnitude, and its greatest error to first order, in units of u.
 struct Rounded {
   double magnitude = 0, error = 0;
 
@@ -33,10 +33,10 @@ struct Rounded {
 };
 
 Rounded exactly(double x) { return {std::abs(x), 0}; }
-/// Times a power of two: not rounded.
+/// A product with a power of two is not rounded.
 Rounded scaled(Rounded a, double power) { return {power * a.magnitude, power * a.error}; }
 
-/// fl(1 - t) a + t b for the worst t; a convex combination, so that the magnitude does not grow.
+/// fl(1 - t) a + t b for the worst t. This is a convex combination, so that the magnitude does not grow.
 Rounded between(Rounded a, Rounded b) {
   Rounded worst;
   for (int i = 0; i <= 16; ++i) {
@@ -48,7 +48,7 @@ Rounded between(Rounded a, Rounded b) {
   return worst;
 }
 
-/// A coordinate of a difference of two points after so many levels of de Casteljau's scheme; its extent is 1.
+/// A coordinate of a difference of two points after this number of levels of de Casteljau's scheme; its extent is 1.
 Rounded coordinate(int levels) {
   Rounded x = {1, 1};
   for (int i = 0; i < levels; ++i) x = between(x, x);
@@ -76,7 +76,8 @@ TEST(RoundingBounds, SumsOfThreeCoordinates) {
   }
 }
 
-/// As MotionPiece::never_coplanar: normals, then their products with the first difference. Over binomial * permanent.
+/// As in MotionPiece::never_coplanar: normals, then their products with the first difference, divided by binomial *
+/// permanent.
 TEST(RoundingBounds, CoplanarityCoefficients) {
   for (const int points : {2, 3})
     for (int levels = 0; levels < points; ++levels) {
@@ -128,7 +129,7 @@ TEST(RoundingBounds, ValuesFromBernsteinCoefficients) {
       }
       worst = std::max(worst, sum.error);
     }
-    Rounded value = {1, 2};  // a binomial divided out: 1 / binomial, and the product
+    Rounded value = {1, 2};  // a binomial is divided out: 1 / binomial, and the product
     for (int k = 0; k < degree; ++k) value = between(value, value);
     EXPECT_GE(detail::value_error_factor(degree) / kUnitRoundoff, std::max(worst, value.error)) << degree;
   }
@@ -148,7 +149,7 @@ TEST(RoundingBounds, LengthsAreNotTooShort) {
   }
 }
 
-/// The vertex at the origin; of the triangle, which moves away along x from `gap` to 1, all corners have the same x.
+/// The vertex is at the origin. All corners of the triangle have the same x, which grows from `gap` to 1.
 template <int kPoints>
 bool separated_by(double gap, double lo, double hi) {
   std::array<std::array<Vec3, kPoints>, 4> curves;
@@ -165,7 +166,7 @@ bool separated_by(double gap, double lo, double hi) {
   return detail::MotionPiece<kPoints>(test, lo, hi).separated_along({1, 0, 0});
 }
 
-/// Nothing is rounded here, but the bound may not know that.
+/// Nothing is rounded here, but the bound does not know this.
 TEST(RoundingBounds, NoGapBelowTheBoundCounts) {
   const auto bound = [](int levels) {
     const Rounded p = exactly(1) * coordinate(levels);
@@ -177,8 +178,8 @@ TEST(RoundingBounds, NoGapBelowTheBoundCounts) {
   EXPECT_TRUE(separated_by<3>(64 * kUnitRoundoff, 0, 1));
 }
 
-/// Four points whose coplanarity polynomial vanishes at t exactly, k / 16 of the step: triangles that stay as they are,
-/// all points with a velocity (and an acceleration) in common.
+/// Four points whose coplanarity polynomial is exactly zero at t, k / 16 of the step: triangles without relative
+/// motion, where all points have the same velocity (and acceleration).
 template <int kPoints>
 std::vector<Vec3> coplanar_at(std::mt19937_64& random, int sixteenths) {
   const auto integers = [&](int range) {
@@ -193,7 +194,7 @@ std::vector<Vec3> coplanar_at(std::mt19937_64& random, int sixteenths) {
   const double t = sixteenths / 16.0;
   std::vector<Vec3> points;
   for (int c = 0; c < kPoints; ++c) {
-    // Control points of straight lines: c / (kPoints - 1) of the way.
+    // Control points of straight lines, at c / (kPoints - 1) of the motion.
     const double s = double(c) / (kPoints - 1);
     const Vec3 moved = s * drift;
     for (const Vec3& p : {Vec3(in_plane + (s - t) * velocity), a, Vec3(a + e1), Vec3(a + e2)})
@@ -228,14 +229,14 @@ TEST(RoundingBounds, NoOneSignUpToARoot) {
   expect_no_sign_up_to_a_root<3>(2);
 }
 
-/// A vertex that goes through a side of a triangle (an edge through an end of another) along the normal, exactly: the
-/// planes across that side, which may show that it passes by, have no gap at all.
+/// A vertex moves exactly along the normal through a side of a triangle (an edge through an end of another edge). The
+/// planes across that side, which could show that it passes beside it, have no gap.
 Query through_the_border(std::mt19937_64& random, FeatureKind kind) {
   std::uniform_int_distribution<int> number(-1'000'000, 1'000'000), weight(0, 16), power(-40, -10);
   const auto vector = [&] { return Vec3(number(random), number(random), number(random)); };
   const Vec3 a = 16 * vector(), e1 = 16 * vector(), e2 = 16 * vector();
   const Vec3 n = std::ldexp(1.0, power(random)) * e1.cross(e2).array().round().matrix();
-  const Vec3 step = n.array().round();  // so that all that follows is an integer below 2^53
+  const Vec3 step = n.array().round();  // so that all following values are integers below 2^53
   const Vec3 touch = a + (weight(random) / 16.0) * e1;
   const Vec3 start = touch + step, end = touch - (1 + int(random() % 3)) * step;
   if (kind == FeatureKind::vf) return {start, a, a + e1, a + e2, end, a, a + e1, a + e2};

@@ -1,5 +1,5 @@
-// `cubic` and `inclusion` against published ground truth. The numbers of extra contacts of `cubic` are pinned: each was
-// looked at, and is a pair that misses by about 1e-16 of its size.
+// `cubic` and `inclusion` compared with published ground truth. The numbers of extra contacts of `cubic` are fixed:
+// each was examined, and is a pair whose distance is about 1e-16 of its size.
 #include <map>
 
 #include <gtest/gtest.h>
@@ -114,7 +114,7 @@ void frame_pair(const std::string& path, bool with_times) {
     EXPECT_EQ(certified.extra, 0u) << group;
     EXPECT_LE(certified.undecided, 2u) << group;
     EXPECT_LE(certified.worst_time, 1e-9) << group;
-    // The truth is the nearest double, which may be half a unit too early.
+    // The time in the ground truth is the nearest double, which may be early by half a unit.
     EXPECT_LE(certified.latest, 0x1p-53) << group;
   }
 }

@@ -1,5 +1,5 @@
-// Every contact of a small step by the plainest means: all feature pairs, roots of the coplanarity cubic by bisection.
-// For motions in general position only.
+// Every contact of a small step by the simplest method: all feature pairs, and roots of the coplanarity cubic by
+// bisection. For motions in general position only.
 #pragma once
 
 #include <algorithm>

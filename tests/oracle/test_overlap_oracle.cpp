@@ -16,7 +16,7 @@
 namespace volccd {
 namespace {
 
-/// Two shapes; the second moves by `by` during the step. Owns all that a Step refers to.
+/// Two shapes, of which the second moves by `by` during the step. Owns all objects to which the Step refers.
 struct Scene {
   Scene(const Shape& first, const Shape& second, const Vec3& by, double jitter, std::uint64_t seed,
         EdgeSet edges = EdgeSet::triangulated)
@@ -86,7 +86,7 @@ TEST(OverlappingElements, ContainedElementIsAnOverlap) {
 }
 
 TEST(OverlappingElements, BodyIsNotItsConvexHull) {
-  // The top of the hexahedron is bent inward along the diagonal that splits it; a small tetrahedron sits in the hollow,
+  // The top of the hexahedron is bent inwards along the diagonal that splits it. A small tetrahedron is in the cavity,
   // inside the convex hull of the eight vertices.
   Shape hollow = block(ElementType::hexahedron, 1, 1, 1);
   hollow.positions[4].z() = 0.4;
@@ -101,7 +101,7 @@ TEST(OverlappingElements, BodyIsNotItsConvexHull) {
 }
 
 TEST(OverlappingElements, DistortedBodyIsNotTheTetrahedraAroundItsCentroid) {
-  // Places that tetrahedra of both orientations cover, and that the surface does not wind around.
+  // Places that are covered by tetrahedra of both orientations, and have winding number 0 with respect to the surface.
   int found = 0;
   Shape small = block(ElementType::tetrahedron, 1, 1, 1);
   small.elements.resize(1);
@@ -164,7 +164,7 @@ TEST(CheckInitialOverlaps, TellsMissingAndExtra) {
   ASSERT_EQ(check(shorter).missing.size(), 1u);
   EXPECT_EQ(check(shorter).missing[0].pair, listed[4]);
   EXPECT_TRUE(check(shorter).extra.empty());
-  // Itself, adjacent, the wrong way round, beyond the last, far apart (corners of the blocks that look away).
+  // The element itself, an adjacent one, reversed pairs, an index beyond the last one, and elements that are far apart.
   const Index slots = scene.topology.mesh().element_slots();
   for (const ElementPair wrong : {ElementPair{0, 0}, {0, 1}, {listed[0].b, listed[0].a}, {0, slots}, {0, slots - 1}}) {
     std::vector<ElementPair> longer = listed;
@@ -193,7 +193,7 @@ TEST(CheckAgainstFcl, CleanOnAllContactsOfMixedMeshes) {
   EXPECT_GT(surface_only, 0u) << "some elements were distorted badly";
 }
 
-/// Whether the contact is between a feature of element a and one of b, by vertices alone.
+/// Whether the contact is between a feature of element a and one of b, found from vertices only.
 bool between(const Mesh& mesh, const Contact& c, Index a, Index b) {
   const auto all_in = [&](std::size_t begin, std::size_t end, Index o) {
     const auto vertices = mesh.vertices(o);
@@ -307,7 +307,7 @@ TEST(CheckAgainstFcl, FilterSaysWhatIsAskedFor) {
 }
 
 TEST(CheckAgainstFcl, QuadraticMotion) {
-  // Free fall: the second cell turns back at the middle of the step, where it overlaps the first.
+  // Free fall: the second cell reverses its motion in the middle of the step, when it overlaps the first.
   const Shape cell = block(ElementType::hexahedron, 1, 1, 1);
   Scene scene(cell, moved(cell, Vec3(0.3, 0.2, 1.2)), Vec3::Zero(), 0, 1);
   std::vector<Vec3> middle = scene.shape.positions;

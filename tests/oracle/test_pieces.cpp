@@ -1,4 +1,4 @@
-// Convex pieces, the separating-axis certificate and the questions to FCL.
+// Convex pieces, the certificate by separating axes, and the use of FCL.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -117,7 +117,7 @@ ConvexPiece random_piece(std::mt19937_64& random, int count, double flatness, co
   return piece;
 }
 
-/// Distance by alternating projection onto convex hulls would do; dense sampling of both pieces bounds it from above.
+/// Dense sampling of both pieces bounds the distance from above.
 double sampled_distance(const ConvexPiece& a, const ConvexPiece& b, std::mt19937_64& random) {
   const auto sample = [&](const ConvexPiece& piece) {
     Eigen::Vector4d w = Eigen::Vector4d::Zero();
@@ -151,7 +151,7 @@ TEST(SignedGap, MovingByTheDepthSeparates) {
     const double depth = -detail::signed_gap(a, b);
     if (depth <= 0) continue;
     ++deep;
-    // No translation shorter than the depth separates them.
+    // No translation shorter than the depth separates the pieces.
     const Vec3 by = 0.99 * depth * random_point(random).normalized();
     for (Vec3& p : b.points) p += by;
     EXPECT_LE(detail::signed_gap(a, b), 0);
@@ -173,7 +173,7 @@ TEST(FclOverlap, AgreesWithSeparatingAxesBeyondItsTolerance) {
   int overlaps = 0, apart = 0;
   detail::FclOverlap overlap;
   for (int trial = 0; trial < 40000; ++trial) {
-    // Any size and place: the query is scaled and centred.
+    // The size and the place do not matter, because the query is scaled and centred.
     const double size = std::pow(10.0, trial % 13 - 6);
     const double flatness = trial % 3 == 0 ? 1e-2 : 1;
     ConvexPiece a = random_piece(random, 3 + trial % 2, flatness, Vec3::Zero());
@@ -198,7 +198,7 @@ TEST(FclOverlap, HullsOfManyPoints) {
   detail::FclOverlap overlap;
   for (const std::size_t n : {8u, 20u, 100u}) {
     std::vector<Vec3> a, b;
-    // Corners of a cube of half side 1, and points inside.
+    // Corners of a cube with half side 1, and interior points.
     for (std::size_t i = 0; i < 8; ++i) a.emplace_back(i & 1 ? 1 : -1, i & 2 ? 1 : -1, i & 4 ? 1 : -1);
     while (a.size() < n) a.push_back(0.9 * random_point(random));
     for (const Vec3& p : a) b.push_back(p + Vec3(1.9, 0.3, 1.9));

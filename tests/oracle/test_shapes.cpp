@@ -1,4 +1,4 @@
-// Orientation of the elements that are made here, by what VTK's documentation says of its cells.
+// The orientation of the elements in `cases`, compared with VTK's documentation of its cells.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -12,8 +12,8 @@ namespace {
 /// Six times the signed volume of the tetrahedron; positive where a, b, c turn left as seen from d.
 double turn(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) { return (b - a).cross(c - a).dot(d - a); }
 
-/// Whether a convex element has VTK's node order: the base of a tetrahedron, a pyramid and a hexahedron turns left as
-/// seen from the opposite nodes, that of a wedge turns right. Faces of polytopes have no orientation.
+/// Whether a convex element has VTK's node order. As seen from the opposite nodes, the base of a tetrahedron, a pyramid
+/// and a hexahedron is counter-clockwise, and that of a wedge clockwise. Faces of polytopes have no orientation.
 bool has_vtk_order(const ElementSpec& element, std::span<const Vec3> x) {
   const auto at = [&](std::size_t i) { return x[element.vertices[i]]; };
   const auto base_turn = [&](std::size_t opposite) { return turn(at(0), at(1), at(2), at(opposite)); };
@@ -42,7 +42,7 @@ TEST(Shapes, ElementsHaveThePositiveVolumeOfVtk) {
 TEST(Shapes, ThickenedShellsHaveThePositiveVolumeOfVtk) {
   for (const ElementType type : {ElementType::triangle, ElementType::quad}) {
     Shape sheet = block(type, 3, 2, 1);
-    // One shell the other way round: the thickener turns all alike.
+    // One shell has the opposite orientation; the thickener makes all orientations equal.
     std::swap(sheet.elements[1].vertices[0], sheet.elements[1].vertices[2]);
     const Mesh mesh = sheet.mesh();
     const ShellThickener thickener(mesh);

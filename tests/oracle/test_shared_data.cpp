@@ -1,4 +1,5 @@
-// FCL against the reference contacts of real runs: two judges that share no code, on meshes that distort and erode.
+// FCL compared with the reference contacts of real runs: two judges without common code, on meshes that deform and
+// erode.
 #include <volccd/oracle/overlap_oracle.hpp>
 
 #include <gtest/gtest.h>
@@ -45,8 +46,7 @@ struct Totals {
   std::uint64_t confirmed = 0, initial = 0, surface_only = 0, violations_without_contacts = 0;
 };
 
-/// Runs the motions k -> k+1 of a sequence; each must be clean, and must not be without its contacts if any pair came
-/// to overlap.
+/// Runs the motions k -> k+1 of a sequence. Each must pass, and must have contacts if any pair has come to overlap.
 Totals check_motions(SequenceReader& reader, const std::string& reference, const std::vector<int>& motions) {
   const auto contacts = read_reference(reference, reader.point_ids());
   const auto executor = make_executor(0);

@@ -19,7 +19,7 @@
 #include <volccd/pictures/surface.hpp>
 #include <volccd/pictures/text.hpp>
 
-/// Fontconfig keeps what it has read of the fonts until the process ends, and the leak sanitizer reports a part of it.
+/// Fontconfig keeps data about fonts until the process ends, and the leak sanitizer reports a part of them.
 extern "C" const char* __lsan_default_suppressions();
 const char* __lsan_default_suppressions() { return "leak:libfontconfig\n"; }
 
@@ -95,8 +95,8 @@ TEST(Pictures, CubeCoversItsSquareAndNothingElse) {
       ASSERT_EQ(image.at(x, y) != kWhite, x >= 20 && x < 100 && y >= 10 && y < 90) << x << ' ' << y;
 }
 
-/// What a ray through the middle of the pixel meets first, by Cramer's rule on all triangles; -1: nothing; -2: too
-/// close to call.
+/// The first element that a ray through the middle of the pixel hits, by Cramer's rule on all triangles; -1: nothing;
+/// -2: undecided because of rounding.
 int first_hit(const Surface& surface, const Camera& camera, double x, double y) {
   const bool flat = camera.orthographic();
   const Vec3 p = camera.from_picture(x, y, flat ? -1 : 1), q = camera.from_picture(x, y, flat ? -2 : 0.5);
@@ -268,7 +268,7 @@ TEST(PictureSurface, FragmentsAreNoBodies) {
   Shape shape;
   shape.append(block(ElementType::hexahedron, 4, 4, 4), 1);
   shape.append(block(ElementType::hexahedron, 1, 1, 1).translate({500, 0, 0}), 1);  // a fragment
-  shape.append(block(ElementType::quad, 1, 1, 1).translate({-30, 0, 0}), 2);        // small, but all there is of part 2
+  shape.append(block(ElementType::quad, 1, 1, 1).translate({-30, 0, 0}), 2);        // small, but the whole of part 2
   const SequenceCells cells = cells_of_shape(shape);
   double low = 0, high = 0;
   for (const Index v : vertices_of_bodies(cells, shape.positions.size())) {
@@ -341,10 +341,10 @@ TEST(PictureText, LosesNothingAtTheEndsOfLines) {
   EXPECT_EQ(all, letters);
 }
 
-/// The tip of a tetrahedron goes through a triangle: one contact, of vertex 3 (id 13).
+/// The tip of a tetrahedron passes through a triangle: one contact, of vertex 3 (id 13).
 class TipOnTriangle {
  public:
-  /// `remade`: at the end the triangle is another one, of other vertices at the same place.
+  /// `remade`: at the end, another triangle, of other vertices at the same places, takes its place.
   explicit TipOnTriangle(std::int32_t part_of_triangle, bool remade = false) : file_("tip.vtkhdf") {
     const std::vector<std::int64_t> ids{10, 11, 12, 13, 14, 15, 16, 17, 18, 19};
     std::vector<Vec3> points{{-1, -1, 2}, {1, -1, 2}, {0, 1, 2}, {0, 0, 0.5}, {-3, -2, 0}, {3, -2, 0}, {0, 4, 0}};
@@ -376,11 +376,11 @@ class TipOnTriangle {
     config.text = false;
     config.mark_radius = 5;
     config.render.samples = 1;
-    config.render.hidden_marks = 1;  // the place of contact is behind the triangle, or in the tip
+    config.render.hidden_marks = 1;  // the point of contact is behind the triangle, or in the tip
     return config;
   }
 
-  /// Where the box's camera puts a place.
+  /// The place in the picture of a point, for the camera of the box.
   static Eigen::Vector2d pixel(const Vec3& place) {
     const Camera::Projected p = Camera::fit(box_corners({-3, -2, -0.5}, {3, 4, 2.5}), front(), 240, 200).project(place);
     return {p.x, p.y};
@@ -390,7 +390,7 @@ class TipOnTriangle {
   PictureFile file_;
 };
 
-/// Pixels that have exactly this colour, and their middle.
+/// The number of pixels that have exactly this colour, and their mean position.
 std::pair<int, Eigen::Vector2d> find_colour(const Image& image, Colour colour) {
   int count = 0;
   Eigen::Vector2d sum = Eigen::Vector2d::Zero();
@@ -439,7 +439,7 @@ TEST(SequencePicture, TakesContactsFromAFile) {
   std::ofstream(csv.path()) << "step,kind,a,b,c,d,toi,nx,ny,nz,px,py,pz\n0,VF,13,14,15,16,0.5,0,0,1,0,0,0\n"
                                "1,VF,10,14,15,16,0.5,0,0,1,0,0,0\n";
   EXPECT_EQ(draw_sequences({&panel, 1}, TipOnTriangle::config()), computed);
-  // Without a point, the mark is at the vertex.
+  // Without a point of contact, the mark is at the vertex.
   std::ofstream(csv.path()) << "step,kind,a,b,c,d,toi\n0,VF,13,14,15,16,0.5\n";
   const auto [count, middle] = find_colour(draw_sequences({&panel, 1}, TipOnTriangle::config()), kInterColour);
   EXPECT_GT(count, 40);
@@ -537,7 +537,7 @@ TEST(SequencePicture, CutShowsTheSection) {
   const Image section = draw_sequences({&panel, 1}, config);
   config.cuts = {"y=1"};
   EXPECT_EQ(section, draw_sequences({&panel, 1}, config));
-  // The same square, of one colour, paler than the surface.
+  // The same square in one colour, which is paler than the surface.
   for (int y = 0; y < 100; ++y)
     for (int x = 0; x < 100; ++x) {
       ASSERT_EQ(section.at(x, y) == kWhite, whole.at(x, y) == kWhite);

@@ -1,4 +1,4 @@
-// `boundary-flood`: no contact is lost, whatever the mesh does; held against the same pipeline without it.
+// `boundary-flood` loses no contact, whatever the deformation; compared with the same pipeline without it.
 #include <volccd/culling/boundary_flood.hpp>
 
 #include <array>
@@ -19,13 +19,13 @@ using test::registry;
 
 const ObjectFilter kNoFilter;
 
-/// Without undecided tests: a pipeline may leave out an undecided test that another stage has proven apart.
+/// Undecided tests are left out, because a pipeline may leave out one that another stage has proven apart.
 PipelineSpec spec_of(const char* flood) {
   PipelineSpec spec = registry().pipeline("VolCCD+");
   registry().apply_setting(spec, std::string("flood=") + flood);
   if (spec.flood)
     spec.flood->options = {
-        {"most_boundary", "1"}, {"most_suspect", "1"}, {"most_pairs", "1e9"}};  // no step is left to others
+        {"most_boundary", "1"}, {"most_suspect", "1"}, {"most_pairs", "1e9"}};  // no step is left to the other stages
   spec.narrow_phase = {"inclusion", {{"undecided", "exact"}}};
   return spec;
 }
@@ -36,7 +36,7 @@ struct FloodScene {
   std::string what;
 };
 
-/// Random meshes and motions, made to fold, invert, crush, roll through itself, nest, and tear.
+/// Random meshes and motions that fold, invert, crush, roll up, nest and tear.
 class FloodScenes {
  public:
   explicit FloodScenes(std::uint64_t seed) : random_(seed) {}
@@ -86,7 +86,7 @@ class FloodScenes {
     return all;
   }
 
-  /// Elements go; what is left hangs together by edges and vertices in places, or not at all.
+  /// Elements are removed, so that the rest is connected by edges or vertices only, or not at all.
   void tear(Shape& shape) {
     const double share = random_.uniform(0.05, 0.6);
     std::erase_if(shape.elements,
@@ -94,7 +94,7 @@ class FloodScenes {
     note("torn");
   }
 
-  /// Tetrahedra on faces of others, inside, too: such a face has three.
+  /// Adds tetrahedra on faces of others, also inside, where a face then has three.
   void add_leaves(Shape& shape) {
     std::vector<std::size_t> tetrahedra;
     for (std::size_t i = 0; i < shape.elements.size(); ++i)
@@ -112,7 +112,7 @@ class FloodScenes {
     }
   }
 
-  /// Makes vertices of two elements one.
+  /// Identifies vertices of two elements.
   void join_somewhere(Shape& shape) {
     for (int i = 0; i < 3; ++i) {
       const Index a = static_cast<Index>(random_.below(shape.positions.size()));
@@ -175,7 +175,7 @@ class FloodScenes {
   }
 
   Random random_;
-  bool deep_ = false;  ///< large meshes, hardly deformed, in one another
+  bool deep_ = false;  ///< large meshes with small deformations, inside each other
   std::string what_;
 };
 
@@ -228,13 +228,13 @@ std::size_t compare_scenes(std::uint64_t first_seed, int count) {
   return contacts;
 }
 
-/// Blocks with elements inside, one deep in the other at the start, in a small motion: its contacts are far from where
-/// the boundaries cross.
+/// Blocks with interior elements, one deep inside the other at the start, in a small motion. Contacts are then far from
+/// where the boundaries cross.
 TEST(BoundaryFlood, FindsContactsDeepInAPenetration) {
   for (const ElementType type : {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge})
     for (const Vec3& at : {Vec3(2.53, 1.31, 1.17), Vec3(1.27, 1.41, 1.63)}) {
       Shape both = block(type, 5, 5, 5), other = block(type, 2, 2, at.x() > 2 ? 6 : 2);
-      // Turned, so that the first vertex of what sticks out is outside.
+      // Rotated, so that the first vertex of the protruding part is outside.
       for (Vec3& p : other.positions)
         p = Vec3(0.9 * p.x(), 1.8 - 0.9 * p.y(), (at.x() > 2 ? 5.4 : 1.8) - 0.9 * p.z()) + at;
       both.append(other, 2);
@@ -245,9 +245,9 @@ TEST(BoundaryFlood, FindsContactsDeepInAPenetration) {
     }
 }
 
-/// A vertex at the origin whose tetrahedra go around the z axis, once or twice. Inside of a volume: between a pole below and one
-/// above; on the boundary: with a pole below alone, so that faces with normals upward form a ring that goes around
-/// twice, its first round above the second.
+/// A vertex at the origin whose tetrahedra surround the z axis once or twice. Inside the volume, the ring is between a
+/// pole below and a pole above. On the boundary, there is a pole below only, so that faces with upward normals form a
+/// ring that surrounds the axis twice, with its first turn above the second.
 FloodScene around(int turns, bool inside, std::uint64_t seed) {
   constexpr int kSides = 14;
   Random random(seed);
@@ -263,7 +263,7 @@ FloodScene around(int turns, bool inside, std::uint64_t seed) {
     shape.elements.push_back({ElementType::tetrahedron, {0, w, u, 1}, {}, 0, 2 * i});
     if (inside) shape.elements.push_back({ElementType::tetrahedron, {0, u, w, 2}, {}, 0, 2 * i + 1});
   }
-  if (!inside) {  // no vertex without an element: the pole above is not needed
+  if (!inside) {  // every vertex needs an element, and the pole above is not used
     shape.positions.erase(shape.positions.begin() + 2);
     for (ElementSpec& e : shape.elements)
       for (Index& v : e.vertices) v -= v > 2 ? 1 : 0;
@@ -273,7 +273,7 @@ FloodScene around(int turns, bool inside, std::uint64_t seed) {
   return {Topology(shape.mesh()), linear, linear, inside ? "inside" : "on the boundary"};
 }
 
-/// What is known of a star is forgotten where the next step begins elsewhere, although all volumes have the same signs.
+/// Data of a star are discarded if the next step does not continue the last one, even if all volumes keep their signs.
 TEST(BoundaryFlood, AStarThatGoesAroundTwiceAfterAJumpIsSuspect) {
   std::size_t contacts = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -285,7 +285,8 @@ TEST(BoundaryFlood, AStarThatGoesAroundTwiceAfterAJumpIsSuspect) {
   EXPECT_GT(contacts, 0u);
 }
 
-/// What assigns fewer features of a pair when it touches late, or culls less, or nothing, loses nothing.
+/// Stages that assign fewer features of a pair when it touches late, and stages that cull less or nothing, lose
+/// nothing.
 TEST(BoundaryFlood, FindsAllContactsWithAnyElementCulling) {
   for (const char* culling : {"csat.mode=features", "csat.mode=both", "csat.axis=centroid", "element-culling=none"}) {
     PipelineSpec spec = spec_of("boundary-flood");
@@ -317,12 +318,13 @@ BoundaryFlood::Counters counters_of(const Topology& topology, const Motion& moti
   SerialExecutor serial;
   flood.prepare({topology, motion, kNoFilter}, *state, serial);
   EXPECT_TRUE(flood.takes(*state, false));
-  // 140 a simplex on octopi and octopus2-105k, more where a mesh is small.
+  // 140 bytes for a simplex on octopi and octopus2-105k; more for small meshes.
   EXPECT_LT(state->bytes(), 400 * BoundaryFlood::counters(*state).simplices + 100000);
   return BoundaryFlood::counters(*state);
 }
 
-/// The broad phase gets a layer of elements, not the volume; one vertex pulled through its star adds that star.
+/// The broad phase receives one layer of elements, not the volume. A vertex that is pulled through its star adds that
+/// star.
 TEST(BoundaryFlood, PairsTheBoundaryAndWhatIsDegenerate) {
   const Shape shape = block(ElementType::tetrahedron, 7, 7, 7);
   const Topology topology(shape.mesh());
@@ -339,7 +341,7 @@ TEST(BoundaryFlood, PairsTheBoundaryAndWhatIsDegenerate) {
   }
   EXPECT_EQ(calm.paired, boundary);
 
-  Index inner = 0;  // the vertex next to the middle
+  Index inner = 0;  // the vertex next to the centre
   for (Index v = 0; v < shape.positions.size(); ++v)
     if ((shape.positions[v] - Vec3(3.5, 3.5, 3.5)).norm() < (shape.positions[inner] - Vec3(3.5, 3.5, 3.5)).norm())
       inner = v;
@@ -352,7 +354,7 @@ TEST(BoundaryFlood, PairsTheBoundaryAndWhatIsDegenerate) {
   EXPECT_GT(torn.suspect_vertices, 4u);
 }
 
-/// One that gives every step up in which it goes anywhere has what the other stages find, overlaps included.
+/// A flood that gives up every step with contacts gives the results of the other stages, overlaps included.
 TEST(BoundaryFlood, GivesUpWithoutLosingAnything) {
   PipelineSpec spec = spec_of("boundary-flood");
   spec.flood->options["most_pairs"] = "0";
@@ -388,7 +390,7 @@ TEST(BoundaryFlood, AWorkspaceGoesOnWithAMeshOfFewerVertices) {
   for (const int n : {3, 2}) {
     const Shape shape = block(ElementType::tetrahedron, n, n, n);
     const Topology topology(shape.mesh());
-    for (std::uint64_t step = 0; step < 3; ++step) {  // none begins where the one before ended
+    for (std::uint64_t step = 0; step < 3; ++step) {  // no step begins where the one before it ended
       const Motion motion =
           Motion::linear(jittered(shape.positions, 0.1, 2 * step), jittered(shape.positions, 0.4, 2 * step + 1));
       contest.compare({topology, motion, kNoFilter},

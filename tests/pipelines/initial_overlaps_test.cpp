@@ -31,7 +31,7 @@ PipelineSpec with(const char* pipeline, std::initializer_list<const char*> setti
   return spec;
 }
 
-/// Presets, every broad phase, and every way in which element culling may drop a pair.
+/// The presets, every broad phase, and every way in which element culling may drop a pair.
 std::vector<PipelineSpec> specs() {
   std::vector<PipelineSpec> all = registry().pipelines();
   for (const char* broad : {"broad-phase=kdop-bvh", "broad-phase=spatial-hash", "broad-phase=brute-force"}) {
@@ -42,7 +42,7 @@ std::vector<PipelineSpec> specs() {
   return all;
 }
 
-/// By definition: every two elements.
+/// The definition, applied to all pairs of elements.
 Pairs expected(const Step& step) {
   const Mesh& mesh = step.mesh();
   const auto points = [&](Index o) {
@@ -66,7 +66,7 @@ Pairs expected(const Step& step) {
   return result;
 }
 
-/// Two blocks that touch exactly, or overlap; nothing moves much.
+/// Two blocks that touch exactly, or overlap, with little motion.
 Scene stacked(const Shape& shape, const Vec3& by, double jitter) {
   Shape both;
   both.append(shape, 1);
@@ -136,8 +136,8 @@ TEST(InitialOverlaps, ElementsOfTwoObjectsThatShareVertices) {
   }
 }
 
-/// A tetrahedron, and a needle through two of its faces that touches neither its edges nor has a vertex in it; or a
-/// small one inside.
+/// A tetrahedron, and a needle that pierces two of its faces, touches none of its edges and has no vertex inside; or a
+/// small tetrahedron inside.
 Scene pierced(bool needle) {
   Shape shape;
   shape.positions = {{-4, -4, 0}, {4, -4, 0}, {0, 5, 0}, {0, 0, 6}};

@@ -1,4 +1,4 @@
-// Pipelines as wholes: lossless, deterministic, refusing what is unsound.
+// Whole pipelines are conservative and deterministic, and refuse unsound combinations.
 #include <volccd/pipelines/pipeline.hpp>
 
 #include <limits>
@@ -30,7 +30,7 @@ StepResult run(const PipelineSpec& spec, const Scene& scene, Query query = Query
   return result;
 }
 
-/// Every pair of elements, without even boxes: nothing is culled anywhere.
+/// All pairs of elements, without boxes, so that nothing is culled.
 PipelineSpec reference(const char* narrow_phase = "inclusion") {
   PipelineSpec spec = registry().pipeline("BruteForce");
   spec.broad_phase.options["bounds"] = "none";
@@ -170,8 +170,8 @@ TEST(Pipelines, PairScopesPartitionTheContacts) {
     }
 }
 
-/// Whether some element at the one feature and some at the other are of objects that the rule allows: the definition,
-/// on all elements that have the vertices.
+/// Whether the rule allows the objects of some element at the first feature and of some element at the second: the
+/// definition, applied to all elements that have the vertices.
 bool asked_for(const Topology& topology, const Contact& contact, bool (*allowed)(int, int)) {
   const std::size_t first_size = contact.kind == FeatureKind::vf ? 1 : 2;
   const std::span<const Index> all(contact.vertices);
@@ -192,7 +192,7 @@ bool asked_for(const Topology& topology, const Contact& contact, bool (*allowed)
 }
 
 TEST(Pipelines, ScopesFollowTheirDefinitionWhereObjectsShareVertices) {
-  // One block, its elements dealt out to three objects: features on the interfaces belong to several.
+  // One block whose elements are distributed over three objects, so that features on the interfaces belong to several.
   Shape shape = block(ElementType::tetrahedron, 6, 2, 2);
   Random random(6);
   for (ElementSpec& element : shape.elements) {
@@ -226,7 +226,7 @@ TEST(Pipelines, ScopesFollowTheirDefinitionWhereObjectsShareVertices) {
   }
 }
 
-/// Float bounds along the 16-DOP's axes, computed here, not by the library.
+/// Float bounds along the axes of the 16-DOP, computed without the library.
 using Bounds = std::array<std::array<float, 2>, 8>;
 Bounds naive_bounds(const Scene& scene, Index o) {
   constexpr int axes[8][3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, 0, 1}, {0, 1, 1}, {1, -1, 0}, {1, 0, -1}};
@@ -352,7 +352,7 @@ TEST(Pipelines, RefuseStepsTheyCannotRun) {
   EXPECT_THROW(pipeline.run({scene.topology, scene.motion, kEverything, -1}, workspace, serial, result), ConfigError);
 }
 
-/// Takes motion of every degree, by its own words.
+/// A stage that declares to accept motions of every degree.
 class AnyDegree final : public NarrowPhase {
  public:
   int max_control_points() const override { return 9; }

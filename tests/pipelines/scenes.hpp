@@ -1,4 +1,4 @@
-// Scenes and the registry, as the tests of pipelines share them.
+// Scenes and the registry for the tests of pipelines.
 #pragma once
 
 #include <volccd/oracle/cases/colliding_scenes.hpp>

@@ -1,4 +1,4 @@
-// Contacts of features that stem from one vertex of thickened shells are left out where that is asked for, and counted.
+// Contacts of features with copies of one shell vertex are left out on request, and counted.
 #include <algorithm>
 #include <cmath>
 
@@ -39,7 +39,7 @@ struct Solids {
     return result;
   }
 
-  /// By ids, of which a shell's vertex has 3 id to 3 id + 2: not by the function that is tested.
+  /// Decided from ids (a shell vertex has the ids 3 id to 3 id + 2), and not by the function under test.
   bool stem_from_one(const Contact& c) const {
     const std::size_t second = c.kind == FeatureKind::vf ? 1 : 2;
     const auto id = [&](std::size_t i) { return topology.mesh().vertex_id(c.vertices[i]) / 3; };
@@ -56,7 +56,7 @@ struct Solids {
   double separation = 0;
 };
 
-/// Two quads, whose common edge is a hinge: they fold up like a book, by an angle from `from` to `to`.
+/// Two quads with a common edge as a hinge, which close like a book from the angle `from` to the angle `to`.
 Solids book(double from, double to) {
   const Shape shape = block(ElementType::quad, 2, 1, 1);
   const auto folded = [&](double angle) {
@@ -73,7 +73,7 @@ Solids book(double from, double to) {
   return Solids(shape, folded(from), folded(to), 0.3);
 }
 
-/// A sheet whose vertices move anyhow, and another one that falls through it.
+/// A sheet whose vertices move at random, and a second sheet that falls through it.
 Solids crumpled(std::uint64_t seed) {
   Shape shape = block(ElementType::quad, 3, 2, 1), other = block(ElementType::triangle, 2, 2, 1);
   const std::size_t of_first = shape.positions.size();
@@ -96,7 +96,7 @@ void expect_split(const Solids& solids, const StepResult& every, const StepResul
   EXPECT_EQ(result.statistics.earliest_toi, earliest);
 }
 
-/// Those that find the same contacts, bit for bit.
+/// The pipelines that find the same contacts, bit for bit.
 std::vector<PipelineSpec> certified_pipelines() {
   std::vector<PipelineSpec> pipelines = registry().pipelines();
   std::erase_if(pipelines, [](const PipelineSpec& spec) { return spec.narrow_phase.name != "inclusion"; });
@@ -116,7 +116,7 @@ TEST(ShellNeighbours, OfABookThatClosesAreLeftOutAndCounted) {
   }
 }
 
-/// All pipelines leave out the same, whatever the number of workers, and nothing else.
+/// All pipelines leave out the same contacts, for any number of workers, and no others.
 TEST(ShellNeighbours, AreLeftOutByAllPipelinesAlike) {
   std::size_t kept = 0, left_out = 0;
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
@@ -149,7 +149,7 @@ TEST(ShellNeighbours, ContactsOfShellsWithoutACommonVertexStay) {
   EXPECT_EQ(result.statistics.left_out, 0u);
 }
 
-/// The earliest contact is the earliest of those that are not left out, although others come before it.
+/// The earliest contact is the earliest one that is not left out, even if others are earlier.
 TEST(ShellNeighbours, AreNotTheFirstContact) {
   for (const double angle : {3.0, 3.1}) {
     SCOPED_TRACE(angle);

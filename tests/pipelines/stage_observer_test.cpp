@@ -1,4 +1,4 @@
-// What an observer of a run sees is what the statistics count.
+// An observer of a run receives what the statistics count.
 #include <volccd/pipelines/stage_observer.hpp>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace {
 using test::registry;
 using test::Scene;
 
-/// Adds up what the stages of a run take and keep, for each worker and stage.
+/// Adds up the pairs that the stages of a run process and keep, for each worker and stage.
 class CountingObserver final : public StageObserver {
  public:
   struct Counts {

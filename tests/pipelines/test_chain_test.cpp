@@ -1,5 +1,5 @@
-// Tests on their way through filters and the narrow phase: none lost, none twice, ids and coordinates together, blocks
-// full.
+// Tests pass through filters and the narrow phase: none is lost or repeated, ids and coordinates stay together, and
+// blocks are full.
 #include <volccd/pipelines/test_chain.hpp>
 
 #include <thread>
@@ -13,7 +13,7 @@
 namespace volccd {
 namespace {
 
-/// Keeps the tests whose slots, mixed, are divisible by `divisor`.
+/// Keeps the tests for which a hash of the slots is divisible by `divisor`.
 class Sieve final : public FeatureFilter {
  public:
   explicit Sieve(std::uint64_t divisor) : divisor_(divisor) {}
@@ -35,7 +35,7 @@ class Sieve final : public FeatureFilter {
   std::uint64_t divisor_;
 };
 
-/// A contact for each test; its point is what the block says of the test's first vertex at t = 0.
+/// Reports a contact for each test, whose point is the first vertex of the test at t = 0, as the block has it.
 class ReportAll final : public NarrowPhase {
  public:
   void run(const Step& step, StageState&, unsigned worker, const TestBlock& block, std::vector<Contact>& contacts,
@@ -67,7 +67,7 @@ struct Bench {
     for (std::size_t i = 0; i <= filters.size(); ++i) states.push_back(std::make_unique<StageState>());
   }
 
-  /// In parts of random lengths.
+  /// The tests are added in parts of random lengths.
   void run(const Step& step, const std::vector<FeaturePair>& vf, const std::vector<FeaturePair>& ee, Random& random) {
     const TestStages stages{filters, narrow, states};
     chain.start(step, stages, statistics, 3);

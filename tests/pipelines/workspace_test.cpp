@@ -1,4 +1,5 @@
-// What a workspace carries from step to step, and what it must not: counts, caches of a topology, half-made states.
+// Data that a workspace may keep from step to step, and those that it must not: counts, caches of a topology, states of
+// an interrupted step.
 #include <fenv.h>
 
 #include <set>
@@ -24,7 +25,7 @@ void expect_same_contacts(const StepResult& expected, const StepResult& found, c
   EXPECT_TRUE(compare_contacts(expected.contacts, found.contacts).empty()) << what;
 }
 
-/// All that is counted, times and memory left out.
+/// All counts, without times and memory.
 void expect_same_counts(const Statistics& expected, const Statistics& found, const std::string& what) {
   const auto counts = [](const Statistics& s) {
     std::vector<std::uint64_t> list = {
@@ -37,7 +38,7 @@ void expect_same_counts(const Statistics& expected, const Statistics& found, con
   EXPECT_EQ(expected.earliest_toi, found.earliest_toi) << what;
 }
 
-/// Takes a fifth of the elements out and puts back those that an earlier edit took out.
+/// Removes a fifth of the elements and adds those that an earlier edit removed.
 void edit(Topology& topology, const Shape& shape, Random& random, std::vector<ElementSpec>& out) {
   TopologyEdit change;
   change.added = std::move(out);
@@ -51,7 +52,7 @@ void edit(Topology& topology, const Shape& shape, Random& random, std::vector<El
   topology.apply(change);
 }
 
-/// Unordered pairs of live elements that share a vertex, each with itself included.
+/// Unordered pairs of live elements that share a vertex, self pairs included.
 std::uint64_t adjacent_pairs(const Mesh& mesh) {
   std::uint64_t pairs = 0;
   for (Index a = 0; a < mesh.element_slots(); ++a)
@@ -96,7 +97,7 @@ TEST(Workspace, OfNoneOrAnotherPipelineIsRefused) {
   }
 }
 
-// Every step is compared with that of a workspace which has seen nothing before.
+// Every step is compared with the same step in a new workspace.
 TEST(ThreadsWorkspace, CountsEachStepByItself) {
   Shape shape = mixed_block(1, 1);
   const std::size_t first_that_slides = shape.positions.size();
@@ -104,7 +105,7 @@ TEST(ThreadsWorkspace, CountsEachStepByItself) {
   std::vector<Vec3> slid = shape.positions;
   for (std::size_t v = first_that_slides; v < slid.size(); ++v) slid[v].x() -= 1;
   const std::vector<Motion> motions = {
-      Motion::linear(shape.positions, slid),  // within the planes of faces: degenerate tests
+      Motion::linear(shape.positions, slid),  // motions within the planes of faces give degenerate tests
       Motion::linear(jittered(shape.positions, 0.3, 1), jittered(shape.positions, 0.3, 2)),
       Motion::linear(jittered(shape.positions, 0.01, 3), jittered(shape.positions, 0.01, 4)),
       Motion::linear(shape.positions, jittered(shape.positions, 0.2, 5))};
@@ -112,7 +113,7 @@ TEST(ThreadsWorkspace, CountsEachStepByItself) {
   SerialExecutor serial;
   Executor* const executors[] = {three.get(), &serial, two.get(), &serial};
   const char* const narrow_phases[] = {"inclusion", "cubic", "exact"};
-  std::size_t turn = 0;  // every preset once, every narrow phase in turn, and each of them behind VolCCD+
+  std::size_t turn = 0;  // every preset once, with the narrow phases in turn, and every narrow phase in VolCCD+
   std::vector<std::pair<PipelineSpec, const char*>> combinations;
   for (const PipelineSpec& spec : registry().pipelines()) combinations.emplace_back(spec, narrow_phases[turn++ % 3]);
   for (const char* narrow : narrow_phases) combinations.emplace_back(registry().pipeline("VolCCD+"), narrow);
@@ -169,7 +170,7 @@ TEST(Workspace, AdjacentPairsAreThoseOfTheMeshAsItIs) {
   EXPECT_GE(counted, 5u) << "no pipeline counts adjacent pairs";
 }
 
-/// Runs every chunk on a thread of its own, after `prepare`.
+/// Runs every chunk on a thread of its own, and calls `prepare` first on that thread.
 class ForeignExecutor final : public Executor {
  public:
   explicit ForeignExecutor(void (*prepare)(std::size_t chunk)) : prepare_(prepare) {}
@@ -194,7 +195,8 @@ class ForeignExecutor final : public Executor {
   std::size_t chunk_ = 0;
 };
 
-/// Allocations of the third of three rounds over the same motions; those of the first two get all memory that is kept.
+/// Allocations of the third of three rounds over the same motions; in the first two, all memory that is kept is
+/// allocated.
 std::size_t steady_allocations(const Pipeline& pipeline, const Shape& shape, Executor& executor) {
   const Topology topology(shape.mesh());
   const ObjectFilter no_filter;
@@ -211,7 +213,7 @@ std::size_t steady_allocations(const Pipeline& pipeline, const Shape& shape, Exe
   return test::allocation_count() - before;
 }
 
-/// The names of the stages in the statistics are memory of the result, as large for any mesh.
+/// The result has memory for the names of the stages in the statistics, whose size does not depend on the mesh.
 TEST(Workspace, ASteadyStepAllocatesNothingButItsResult) {
   SerialExecutor serial;
   const Shape tiny = block(ElementType::tetrahedron, 1, 1, 1);
@@ -248,7 +250,7 @@ TEST(FloatingPoint, OtherEnvironmentsAreRefused) {
       EXPECT_NE(message.find(problem), std::string::npos) << spec.name << ": " << message;
       EXPECT_NE(message.find("fesetenv"), std::string::npos) << "what to do: " << message;
     }
-    // A worker alone, at first and in the midst of a step; afterwards the workspace serves again.
+    // An allocation fails at a worker, at first and later in the step; afterwards the workspace works again.
     StepResult expected;
     Workspace fresh = pipeline.make_workspace();
     pipeline.run(step, fresh, serial, expected);
@@ -262,7 +264,7 @@ TEST(FloatingPoint, OtherEnvironmentsAreRefused) {
   }
 }
 
-// Whatever of a run does not get its memory, after a change of the topology: the same run again is right.
+// An allocation of a run fails after a change of the topology; the same run is then repeated, and must be right.
 TEST(Workspace, ServesAgainAfterARunOutOfMemory) {
   const Shape shape = mixed_block(1, 1);
   const ObjectFilter everything;

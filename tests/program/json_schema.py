@@ -1,4 +1,4 @@
-"""A validator for the part of JSON Schema that docs/json_output.md uses. What it does not know is an error."""
+"""A validator for the part of JSON Schema that docs/json_output.md uses. Other parts of JSON Schema are errors."""
 
 KNOWN = {"type", "properties", "required", "additionalProperties", "items", "enum", "const", "minimum", "anyOf", "$ref",
          "description"}
@@ -13,7 +13,7 @@ def of_type(value, name):
 
 
 def problems(value, schema, definitions, where="$"):
-    """Yields what is wrong with the value."""
+    """Yields a text for each violation of the schema by the value."""
     if unknown := set(schema) - KNOWN:
         raise ValueError(f"{where}: the schema has {unknown}")
     if "$ref" in schema:

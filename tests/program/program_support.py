@@ -22,7 +22,8 @@ del sys.argv[1:3]
 
 
 def run(*arguments, program=VOLCCD, env=None, disk=None):
-    """`disk`: no file can grow beyond so many bytes, as on a full disk."""
+    """Runs a command and returns its result. `disk`: files cannot grow beyond this number of bytes, as on a full
+    disk."""
     def limit():
         resource.setrlimit(resource.RLIMIT_FSIZE, (disk, disk))
     return subprocess.run([program, *arguments], capture_output=True, text=True, env={**os.environ, **(env or {})},
@@ -37,13 +38,13 @@ def with_bad_last_step(sequence):
             chunks.setdefault(len(zlib.decompressobj().decompress(sequence[match.start():])), []).append(match.start())
         except zlib.error:
             pass
-    begin = max(chunks[max(chunks)])  # the points are what is largest
+    begin = max(chunks[max(chunks)])  # the largest arrays are the points
     return sequence[:begin + 100] + bytes(64) + sequence[begin + 164:]
 
 
 class Interruption:
-    """A run that gets Ctrl-C once its progress, on a terminal of its own, shows `done` steps; `seconds` it took to end
-    after that."""
+    """Runs a command on a terminal of its own and sends Ctrl-C when its progress shows `done` steps. `seconds`: the
+    time from then to its end."""
 
     def __init__(self, *arguments, done=1, env=None, delay=0.0):
         terminal, tty = pty.openpty()
@@ -60,7 +61,7 @@ class Interruption:
             while True:
                 try:
                     data = os.read(terminal, 4096)
-                except OSError:  # the program has closed it
+                except OSError:  # the program has closed the terminal
                     break
                 if not data:
                     break

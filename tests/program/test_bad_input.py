@@ -1,4 +1,4 @@
-"""Bad input is refused with the reason."""
+"""Bad input is an error that states the reason."""
 
 import os
 import unittest
@@ -35,7 +35,7 @@ class BadInput(ProgramTest):
         self.assertEqual([name for name in os.listdir(self.folder.name) if "tmp" in name], [])
 
     def test_damaged_files_leave_no_messages_of_hdf5(self):
-        """Where the address in a continuation message of an object header is wrong, HDF5 loses memory of its own."""
+        """If the address in a continuation message of an object header is wrong, HDF5 leaks memory of its own."""
         with open(self.sequence, "rb") as file:
             data = file.read()
         message = b"\x10\x00\x10\x00\x00\x00\x00\x00"

@@ -1,4 +1,4 @@
-"""detect and verify: contacts, what selects them, and what is written about them."""
+"""detect and verify: contacts, the options that select them, and their output."""
 
 import re
 import json
@@ -138,7 +138,7 @@ class Detect(ProgramTest):
         self.assertIn("diagonal", self.good("detect", "--help"))
 
     def test_pairs_between_parts_of_a_file_without_parts(self):
-        """The two bodies of the built-in scene with their parts taken away: one part, of two components."""
+        """The two bodies of the built-in scene without their parts: one part with two components."""
         source, plain = self.path("parts.vtkhdf"), self.path("no-parts.vtkhdf")
         self.good("scene", "generate", "deform", "--mesh", self.sequence, "--motion", "twist", "--steps", "3",
                   "-o", source)

@@ -1,4 +1,4 @@
-"""What the documents say of the program is what the program says: presets, stages, options and their defaults,
+"""The documents agree with the program: presets, stages, options and their defaults,
 commands, exit codes, columns and keys of files. A document that names something that is not there fails."""
 
 import json
@@ -48,7 +48,7 @@ class Stages:
                                            if choice["options"] else "") for choice in choices) or "none"
 
     def check_option(self, stage, option, value=None):
-        """The problem, or nothing."""
+        """Describes the problem, or returns None."""
         if option not in self.options.get(stage, {}):
             return f"no option {stage}.{option}"
         allowed, _ = self.options[stage][option]
@@ -59,7 +59,7 @@ class Stages:
         return None if inside else f"{stage}.{option} is {allowed}, not {value}"
 
     def check_choice(self, role, text):
-        """name[:option=value...][,name...] or none, as `--narrowphase` and `--set role=` have it."""
+        """Checks a list name[:option=value...][,name...] or "none", the form of `--narrowphase` and `--set role=`."""
         for choice in [] if text == "none" else text.split(","):
             name, *options = choice.split(":")
             if name not in self.roles[role]:
@@ -77,7 +77,8 @@ class Stages:
 
 
 class Command:
-    """Options of a command, by its `--help`: whether each takes a value, the values that it may have, its default."""
+    """Options of a command from its `--help`: whether each takes a value, the values that it may have, and its
+    default."""
 
     def __init__(self, *words):
         self.text = run(*words, "--help").stdout
@@ -86,7 +87,8 @@ class Command:
         if block:
             self.subcommands = re.findall(r"^  (\w+) ", block[1], re.MULTILINE)
         for match in re.finditer(r"^  (-\S+)(.*)$", self.text, re.MULTILINE):
-            # One blank, what the value is, many blanks, the description; or, for a flag, the description at once.
+            # An option has one blank, its value, several blanks, and the description; a flag has the description at
+            # once.
             rest = re.match(r"(?: (\S+(?: \S+)*))?(?:  |$)", match[2])
             rest = re.sub(r"Excludes: \S+|REQUIRED", "", rest[1] or "" if rest else "")
             choices = re.search(r"\{([\w,]+)\}", rest)
@@ -95,14 +97,14 @@ class Command:
                 self.options[name] = (bool(rest.strip()), choices and choices[1].split(","), default and default[1])
 
 
-STAGES = Stages(EXAMPLE)  # those of the library, and the example's
+STAGES = Stages(EXAMPLE)  # stages of the library and of the example
 LIBRARY = Stages(VOLCCD)
 PROGRAM = Command()
 COMMANDS = {(name,): Command(name) for name in PROGRAM.subcommands}
 COMMANDS |= {(*path, name): Command(*path, name)
              for path, command in list(COMMANDS.items()) for name in command.subcommands}
 SCENES = {scene["name"] for scene in json.loads(run("scene", "list", "--json").stdout)["scenes"]}
-# Listed only where the data is.
+# These are listed only if their files exist.
 SCENES |= {"ls-dyna-projectile", "openradioss-bullet", "openradioss-airbag", "openradioss-crash"}
 EXPERIMENTS = {one["name"] for one in json.loads(run("experiment", "list", "--json").stdout)["experiments"]}
 
@@ -122,7 +124,7 @@ def problem_in_value(option, value):
 
 
 def problem_in_command(words):
-    """Of the words after the program's name: the first thing that the program does not know."""
+    """The first of the words after the program's name that the program does not accept, or None."""
     path = tuple(words[:1])
     if path not in COMMANDS:
         return None if path and (path[0].startswith("--") or path[0] == "COMMAND") else f"no command {path}"
@@ -151,7 +153,7 @@ def problem_in_command(words):
     names = {("scene", "generate"): SCENES, ("experiment", "run"): EXPERIMENTS,
              ("experiment", "table"): EXPERIMENTS}.get(path)
     if path in (("experiment", "compare"), ("report",)):
-        return None  # folders
+        return None  # the arguments are folders
     if path == ("help",):
         return None if not positionals or positionals == ["COMMAND"] or tuple(positionals) in COMMANDS else \
             f"no command {positionals}"
@@ -163,7 +165,7 @@ def problem_in_command(words):
 
 
 def code_in(text):
-    """Lines of indented and fenced blocks, and what stands between single backticks, with its line breaks taken out."""
+    """Lines of indented and fenced blocks, and texts between single backticks without their line breaks."""
     yield from re.findall(r"^    (\S.*)$", text, re.MULTILINE)
     for block in re.findall(r"^```.*?\n(.*?)^```", text, re.MULTILINE | re.DOTALL):
         yield from block.splitlines()
@@ -213,7 +215,8 @@ class DocsAgainstProgram(unittest.TestCase):
                          sorted(LIBRARY.roles["assignment"] + LIBRARY.roles["orphans"]))
         self.assertEqual(first_column("docs/csat.md"), sorted(LIBRARY.options["csat"]["axis"][0].split("|")))
         headings = re.findall(r"^## ([a-z]+-[a-z]+)$", text_of("docs/broad_phases.md"), re.MULTILINE)
-        peers = first_column_in_order("docs/broad_phases.md")  # of other libraries: as far as the build has them
+        # broad phases of other libraries, as far as the build has them
+        peers = first_column_in_order("docs/broad_phases.md")
         self.assertEqual(len(peers), 4)
         self.assertEqual(headings + [name for name in peers if name in LIBRARY.options], LIBRARY.roles["broad-phase"])
         roles = re.findall(r"^\| ([a-z-]+) \| `[A-Z]", text_of("docs/adding_a_stage.md"), re.MULTILINE)
@@ -260,7 +263,7 @@ class DocsAgainstProgram(unittest.TestCase):
                     for path, command in COMMANDS.items()}
         for name, text in sources.items():
             for code in code_in(text):
-                code = re.split(r"\s{3,}", code)[0]  # a remark beside it
+                code = re.split(r"\s{3,}", code)[0]  # the rest of the line is a remark
                 if match := re.match(r"(?:build/(?:release/)?)?(?:volccd|custom_culling) (\S.*)", code):
                     words = shlex.split(match[1])
                 elif code.startswith("--pipeline ") and name.endswith(".md"):
@@ -318,10 +321,10 @@ class DocsAgainstProgram(unittest.TestCase):
                 self.assertLessEqual(set(meaning), inner, f"stats.json, {key}")
 
     def test_figures_of_records(self):
-        """Numbers above a thousand beside the name of a record are in that record."""
+        """Numbers above a thousand that stand beside the name of a record must occur in that record."""
         paragraphs = [(document.name, text) for document in DOCUMENTS
                       for text in re.split(r"\n\s*\n", document.read_text(encoding="utf-8"))]
-        page = "docs/simulation.md"  # its record is named a paragraph before the figures
+        page = "docs/simulation.md"  # the name of its record is in the paragraph before the numbers
         paragraphs.append((page, text_of(page).split("## Which features collide")[1].split("\n## ")[0]))
         seen = 0
         for name, text in paragraphs:

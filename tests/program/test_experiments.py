@@ -1,4 +1,4 @@
-"""experiment: records, tables, comparisons, and what an interrupted run leaves."""
+"""experiment: records, tables, comparisons, and what remains after an interruption."""
 
 import json
 import os
@@ -20,10 +20,10 @@ class Experiments(ProgramTest):
         self.assertEqual({row["scene"] for row in record["rows"]}, {"builtin"})
         names = [option for stage in record["provenance"]["plan"]["runs"][0]["entrants"][0]["stages"].values()
                  if isinstance(stage, dict) for option in stage["options"]]
-        self.assertIn("leaf_size", names)  # options are recorded whether or not they were set
+        self.assertIn("leaf_size", names)  # options are recorded even if they were not set
         for fact in ("commit", "compiler", "flags", "cpu", "load", "inputs"):
             self.assertIn(fact, record["provenance"])
-        self.assertNotIn(self.folder.name, json.dumps(record))  # no path of this machine
+        self.assertNotIn(self.folder.name, json.dumps(record))  # the record has no path of this machine
         for form, sign in (("text", "0.69 %"), ("markdown", "|---|"), ("csv", "NavCCD,"), ("latex", "\\toprule")):
             table = self.good("experiment", "table", "projectile", "--results", self.path("results"), "--format", form)
             self.assertIn(sign, table)
@@ -77,7 +77,7 @@ class Experiments(ProgramTest):
         for name in ("projectile", "table1", "culling", "scaling", "plus", "operations", "scenes", "feature-sets"):
             self.bad("experiment", "run", name, "--quick", "--set", "csat.axis=face", "-o", folder, env=env,
                      says=f"{name} takes no --set")
-        # Also behind one that takes them, and then neither is run.
+        # One of several experiments does not take the option; then none is run.
         self.bad("experiment", "run", "projectile", "culling", "--quick", "--pipelines", "NavCCD", "-o", folder,
                  env=env, says="culling takes no --pipelines")
         self.assertFalse(os.path.exists(folder))

@@ -1,6 +1,7 @@
 """docs/how_to.md: its commands work, in order, in one folder. docs/troubleshooting.md: its commands give the messages
-above them. The commands of the other pages work as well, except those that take minutes or need other data.
-docs/json_output.md has a test of its own (test_json.py), and so has docs/python.md (python/)."""
+above them. The commands of the other pages work as well, except those that take minutes or need other data. Other tests
+run docs/json_output.md (test_json.py), docs/python.md (python/tests/), and the builds of docs/installing.md,
+docs/adding_a_stage.md and docs/into_a_solver.md (package.*); CI runs the scripts."""
 
 import os
 import re
@@ -9,7 +10,7 @@ import shutil
 import subprocess
 import unittest
 
-from program_support import SOURCE, VOLCCD, ProgramTest
+from program_support import EXAMPLE, SOURCE, VOLCCD, ProgramTest
 
 
 def page(name):
@@ -18,11 +19,14 @@ def page(name):
 
 
 class HowTo(ProgramTest):
+    PROGRAMS = {"volccd": [VOLCCD], "build/custom_culling": [EXAMPLE],
+                "tools/plot_results.py": ["/usr/bin/python3", "-B", os.path.join(SOURCE, "tools/plot_results.py")]}
+
     def run_in_folder(self, folder, command):
         words = shlex.split(command)
-        self.assertEqual(words[0], "volccd", command)
+        program, *first = self.PROGRAMS[words[0]]
         env = {**os.environ, "VOLCCD_CACHE": self.path("empty-cache"), "VOLCCD_DATA": self.path("absent")}
-        return subprocess.run([os.path.abspath(VOLCCD), *words[1:]], cwd=folder, env=env, capture_output=True,
+        return subprocess.run([os.path.abspath(program), *first, *words[1:]], cwd=folder, env=env, capture_output=True,
                               text=True, check=False)
 
     def test_commands_work_in_order(self):
@@ -38,30 +42,59 @@ class HowTo(ProgramTest):
             self.assertTrue(os.path.getsize(os.path.join(folder, name)), name)
         self.assertFalse(os.path.exists(self.path("empty-cache")))
 
-    # What a command has if it takes minutes: experiments, simulations, and scenes that must be simulated first.
+    # Parts of commands that take minutes: experiments, simulations, and scenes that must be simulated first.
     LONG = re.compile(r"experiment run|scene generate (?!builtin)|scene picture (octopi|bullet|airbag|crash|liver)(-quick)? ")
-    # Files of simulated shells, of the shared data, with velocities, and with queries, which the tests do not have.
-    ABSENT = re.compile(r"--motion (tentative|query)|crash\.vtkhdf|liver\.vtkhdf|bullet\.vtkhdf|all\.vtkhdf|\.\./shared/|build/tables|build/results/")
+    # Files that the tests do not have: of simulated scenes, and of the shared data.
+    ABSENT = re.compile(r"detect liver-quick|crash\.vtkhdf|liver\.vtkhdf|bullet\.vtkhdf|all\.vtkhdf|\.\./shared/")
 
     def test_quick_commands_of_the_other_pages_work(self):
         folder = self.path("pages")
         os.makedirs(os.path.join(folder, "build"))
-        shutil.copytree(os.path.join(SOURCE, "results"), os.path.join(folder, "results"))
+        for results in ("results", "build/results", "build/tables"):
+            shutil.copytree(os.path.join(SOURCE, "results"), os.path.join(folder, results))
         self.good("scene", "generate", "builtin", "--elements", "300", "--steps", "61", "-o",
                   os.path.join(folder, "run.vtkhdf"))
+        with_queries = self.path("with-queries")  # and with velocities
+        os.mkdir(with_queries)
+        self.good("scene", "generate", "weld", "--elements", "300", "--steps", "3", "-o",
+                  os.path.join(with_queries, "run.vtkhdf"))
         ran = []
         for name in ("../README.md", "pictures.md", "report.md", "reproducing.md", "sequence_files.md", "simulation.md"):
             for command in re.findall(r"^    (?:build/release/)?(volccd \S.*)$", page(name), re.MULTILINE):
                 if self.LONG.search(command) or self.ABSENT.search(command):
                     continue
-                done = self.run_in_folder(folder, command)
+                place = with_queries if re.search("--motion (tentative|query)", command) else folder
+                done = self.run_in_folder(place, command)
                 if "the page of the report is not built" in done.stderr:
                     continue
                 self.assertEqual(done.returncode, 0, f"{name}: {command}\n{done.stdout}{done.stderr}")
                 ran.append(name)
         self.assertEqual(set(ran) | {"report.md"}, {"../README.md", "pictures.md", "report.md", "reproducing.md",
                                                     "sequence_files.md", "simulation.md"})
-        self.assertGreater(len(ran), 20)
+        self.assertGreater(len(ran), 25)
+
+    def test_commands_of_adding_a_stage_work_in_order(self):
+        folder = self.path("stage")
+        os.mkdir(folder)
+        commands = re.findall(r"^    (build/custom_culling \S.*)$", page("adding_a_stage.md"), re.MULTILINE)
+        self.assertGreater(len(commands), 7)
+        for command in commands:
+            if not self.LONG.search(command) and "--trials" not in command:
+                done = self.run_in_folder(folder, command)
+                self.assertEqual(done.returncode, 0, f"{command}\n{done.stdout}{done.stderr}")
+
+    def test_figures(self):
+        folder = self.path("figures")
+        os.mkdir(folder)
+        shutil.copytree(os.path.join(SOURCE, "results"), os.path.join(folder, "results"))
+        commands = re.findall(r"^    (tools/plot_results\.py \S.*)$", page("reproducing.md"), re.MULTILINE)
+        self.assertGreater(len(commands), 1)
+        if subprocess.run(["/usr/bin/python3", "-c", "import matplotlib"], capture_output=True, check=False).returncode:
+            self.skipTest("python3-matplotlib is not installed")
+        for command in commands:
+            done = self.run_in_folder(folder, command)
+            self.assertEqual(done.returncode, 0, f"{command}\n{done.stdout}{done.stderr}")
+        self.assertTrue(os.path.exists(os.path.join(folder, "build/figures/speedup.svg")))
 
     def test_messages_are_those_of_the_program(self):
         folder = self.path("trouble")

@@ -1,4 +1,4 @@
-"""What was complete before an error, a full disk or Ctrl-C is kept and marked as incomplete."""
+"""Results that were complete before an error, a full disk or Ctrl-C are kept, and the output is marked as incomplete."""
 
 import json
 import os
@@ -21,14 +21,15 @@ class Incomplete(ProgramTest):
         assert made.returncode == 0, made.stderr
         begin = time.monotonic()
         run("info", cls.large, "--steps", "0")
-        # A second, but for sanitizers and a busy machine: there, what it takes to read a step.
+        # One second, or the time to read a step if that is longer (with sanitizers, or on a busy machine).
         cls.patience = max(1.0, 2 * (time.monotonic() - begin))
 
     def whole_contacts(self, sequence):
         return self.good("detect", sequence, "--contacts", "-").splitlines()
 
     def check_incomplete(self, lines, whole, first=1):
-        """The mark says how many steps there are, and these have all their rows. Returns their number."""
+        """Checks that the mark gives the number of complete steps, and that these have all their rows. Returns
+        their number."""
         mark = re.fullmatch(r"# incomplete: steps 0 to (\d+) of 0 to (\d+) are complete; (.*)", lines[-1])
         self.assertTrue(mark, lines[-1])
         last = int(mark[1])
@@ -103,7 +104,7 @@ class Incomplete(ProgramTest):
         self.no_leftovers()
 
     def test_ctrl_c_within_a_step(self):
-        """Steps that take many seconds: none is complete, older results stay."""
+        """If steps take many seconds, none is complete, and earlier results are kept."""
         contacts = self.write("old.csv", "old")
         for arguments in (["detect", self.large, "--pipeline", "BruteForce", "--contacts", contacts],
                           ["verify", self.large], ["verify", self.large, "--threads", "2"]):

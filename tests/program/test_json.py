@@ -1,4 +1,4 @@
-"""--json: what every command prints follows its schema in docs/json_output.md."""
+"""--json: the output of every command follows its schema in docs/json_output.md."""
 
 import json
 import os
@@ -17,7 +17,7 @@ SECTIONS = {name: (examples.split("\n"), json.loads(schema)) for name, examples,
 
 
 def commands_with_json(*path):
-    """All commands whose --help has --json."""
+    """All commands whose --help contains --json."""
     text = run(*path, "--help").stdout
     block = re.search(r"^Subcommands:\n((?:  .*\n)+)", text, re.MULTILINE)
     if block:

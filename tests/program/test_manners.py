@@ -1,4 +1,5 @@
-"""How the program speaks: lines of 100 columns, near names, --quiet, help, progress, and no simulation unasked."""
+"""Output for users: lines of 100 columns, suggestions of names, --quiet, help, progress, and no simulation that was
+not asked for."""
 
 import os
 import pty
@@ -13,7 +14,7 @@ WIDTH = 100
 
 
 def commands(*path):
-    """Every command, those with commands below them included, the program itself first."""
+    """Every command, including the commands below others, with the program itself first."""
     yield path
     block = re.search(r"^Subcommands:\n((?:  .*\n)+)", run(*path, "--help").stdout, re.MULTILINE)
     if block:
@@ -22,7 +23,7 @@ def commands(*path):
 
 
 def on_a_terminal(*arguments):
-    """What is shown where stderr is a terminal."""
+    """The output on stderr if it is a terminal."""
     terminal, tty = pty.openpty()
     with subprocess.Popen([VOLCCD, *arguments], stdout=subprocess.DEVNULL, stderr=tty) as process:
         os.close(tty)
@@ -89,7 +90,7 @@ class Manners(ProgramTest):
                           ["scene", "picture", self.sequence, "--size", "160x120", "-o", self.path("p.png")]):
             done = run(*arguments, env=none)
             self.assertEqual(done.returncode, 0, done.stderr)
-            # The folder of the test is a long name; "out" is as long as those that people use.
+            # The folder of the test has a long name. It is replaced by a name of usual length.
             self.fits((done.stdout + done.stderr).replace(self.folder.name, "out"), arguments)
 
     def test_near_names(self):

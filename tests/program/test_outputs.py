@@ -1,4 +1,4 @@
-"""Outputs: inputs, devices, links and older files are never lost."""
+"""Outputs do not destroy inputs, devices, links and older files."""
 
 import json
 import os
@@ -40,7 +40,7 @@ class Outputs(ProgramTest):
         self.no_leftovers()
 
     def data(self, sequence):
-        """Environment in which the scene openradioss-bullet is a copy of `sequence`."""
+        """An environment in which the scene openradioss-bullet is a copy of `sequence`."""
         if not os.path.exists(self.path("openradioss-bullet.vtkhdf")):
             shutil.copy(sequence, self.path("openradioss-bullet.vtkhdf"))
         return {"VOLCCD_DATA": self.folder.name}
@@ -61,7 +61,7 @@ class Outputs(ProgramTest):
         os.mkfifo(self.path("for-hdf5"))
         for name in ("-", "/dev/fd/1", self.path("for-hdf5"), *self.device("/dev/null")):
             self.bad("scene", "generate", "builtin", "-o", name, says="not a regular file")
-        with open(self.path("out.txt"), "wb") as file:  # where a shell's > goes
+        with open(self.path("out.txt"), "wb") as file:  # stdout is the file, as with the shell's >
             subprocess.run([VOLCCD, "detect", self.sequence, "--contacts", self.path("stdout")], stdout=file,
                            stderr=subprocess.DEVNULL, check=True)
         self.assertEqual(self.read("out.txt").decode().splitlines(), whole)
@@ -70,7 +70,7 @@ class Outputs(ProgramTest):
         self.good("detect", self.sequence, "--contacts", self.path("contacts.csv"))
         whole = self.read("contacts.csv")
         os.symlink("target.csv", self.path("link.csv"))
-        for _ in range(2):  # the target is not there, then is
+        for _ in range(2):  # at first the target does not exist, then it does
             self.good("detect", self.sequence, "--contacts", self.path("link.csv"))
             self.assertTrue(os.path.islink(self.path("link.csv")))
             self.assertEqual(self.read("target.csv"), whole)
@@ -78,7 +78,7 @@ class Outputs(ProgramTest):
             self.good("detect", self.sequence, "--contacts", null, "--stats", null, "--overlaps", null)
             self.assertTrue(stat.S_ISCHR(os.stat(null).st_mode))
         os.mkfifo(self.path("fifo"))
-        reader = os.open(self.path("fifo"), os.O_RDONLY | os.O_NONBLOCK)  # what it gets fits its buffer
+        reader = os.open(self.path("fifo"), os.O_RDONLY | os.O_NONBLOCK)  # the output fits into the FIFO's buffer
         self.good("detect", self.sequence, "--first", "--contacts", self.path("fifo"))
         self.good("detect", self.sequence, "--first", "--contacts", self.path("first.csv"))
         self.assertEqual(os.read(reader, 1 << 16), self.read("first.csv"))
@@ -118,7 +118,7 @@ class Outputs(ProgramTest):
 
     @staticmethod
     def device(name):
-        """Nothing for a user whose mistakes could replace it."""
+        """The device, or nothing if this user could replace it by mistake."""
         return [] if os.access(os.path.dirname(name), os.W_OK) else [name]
 
 

@@ -1,5 +1,5 @@
-"""`report` and `view`: what they write, what they refuse, and what they say of scenes that are not there. The page
-itself is tested in a browser by tests/report/test_page.py."""
+"""`report` and `view`: their output, their errors, and their messages about missing scenes. The page itself is
+tested in a browser by tests/report/test_page.py."""
 
 import json
 import os
@@ -7,7 +7,7 @@ import re
 import shutil
 import unittest
 
-from program_support import SOURCE, run, ProgramTest
+from program_support import SOURCE, Interruption, run, ProgramTest
 
 
 class Report(ProgramTest):
@@ -72,6 +72,48 @@ class Report(ProgramTest):
         out = self.good("view", self.sequence, "--no-contacts", "-o", self.path("v"), env=self.environment())
         self.assertLess(os.path.getsize(self.path("v/data/scene-run.js")), whole)
         self.assertRegex(out, r"index\.html \(\S+ KB\) written")
+
+    def test_ctrl_c_leaves_the_earlier_report(self):
+        long = self.path("long.vtkhdf")
+        self.good("scene", "generate", "builtin", "--elements", "3000", "--steps", "150", "-o", long)
+        os.makedirs(self.path("interrupted"), exist_ok=True)
+        for command, source, name in (("report", self.results, "cloth-ball"), ("view", long, "long")):
+            with self.subTest(command):
+                environment = self.environment(VOLCCD_DATA=self.path("interrupted"))
+                target = self.path("whole-" + command)
+                if command == "report":
+                    shutil.copy(self.sequence, self.path("interrupted/cloth-ball.vtkhdf"))
+                    arguments = [command, source, "--scenes", name, "-o", target]
+                else:
+                    arguments = [command, source, "-o", target]
+                self.good(*arguments, env=environment)
+                before = self.texts(target)
+                self.assertIn(f"data/scene-{name}.js", before)
+                shutil.copy(long, self.path("interrupted/cloth-ball.vtkhdf"))
+                cut = Interruption(*arguments, env=environment, done=3)
+                self.assertEqual(cut.code, 130, cut.screen)
+                self.assertIn("interrupted", cut.screen)
+                self.assertEqual(self.texts(target), before)
+                new = self.path("new-" + command)
+                cut = Interruption(*arguments[:-1], new, env=environment, done=3)
+                self.assertEqual((cut.code, os.path.exists(new)), (130, False), cut.screen)
+                self.good(*arguments, env=environment)  # the same command again
+        self.no_leftovers()
+
+    @staticmethod
+    def texts(folder):
+        """The bytes of all files in a folder, by their paths."""
+        paths = (os.path.join(place, name) for place, _, names in os.walk(folder) for name in names)
+        texts = {}
+        for path in paths:
+            with open(path, "rb") as file:
+                texts[os.path.relpath(path, folder)] = file.read()
+        return texts
+
+    def test_the_page_is_not_overwritten(self):
+        self.bad("report", self.results, "-o", self.page, says="the page from which all reports are made",
+                 env=self.environment())
+        self.assertEqual(sorted(os.listdir(self.page)), ["index.html", "volccd.css", "volccd.js"])
 
     def test_refusals(self):
         empty = self.path("empty")

@@ -1,5 +1,5 @@
-"""What VTK itself reads of the files that are written: contacts (.vtp), single steps, and sequences. Skipped without
-Python's VTK (python3-vtk9)."""
+"""VTK reads the files that are written: contacts (.vtp), single steps, and sequences. Skipped if Python has no VTK
+(python3-vtk9)."""
 
 import json
 import math
@@ -9,7 +9,7 @@ import unittest
 
 from program_support import ProgramTest
 
-# Run by the Python that has VTK: prints what its readers give.
+# Run by the Python that has VTK: prints the data that VTK's readers return.
 READER = r"""
 import json, sys
 from vtkmodules.vtkCommonCore import vtkOutputWindow, vtkVersion
@@ -103,7 +103,7 @@ class Vtk(ProgramTest):
         self.assertEqual((read["messages"], read["points"], read["cells"]), ([], [], 0))
 
     def test_single_steps(self):
-        """Also with the VTK of Debian 12, 9.1."""
+        """The files can also be read with VTK 9.1, the version in Debian 12."""
         shown = self.good("scene", "export", self.sequence, "--steps", "1:4", "-o", self.path("step.vtkhdf"))
         self.assertIn("3 step(s)", shown)
         files = [self.path(f"step_{k:04}.vtkhdf") for k in (1, 2, 3)]

@@ -28,8 +28,8 @@ std::vector<Case> cases() {
           {both, [](std::int32_t a, std::int32_t b) { return a != b && !(a + b == 2 && a != 1); }}};
 }
 
-/// A block whose elements are dealt out to three objects at random, so that features belong to one, two or three, or
-/// all to one object; and another block.
+/// A block whose elements are distributed at random over three objects, so that features belong to one, two or three
+/// objects, or are all in one object; and a second block.
 Shape dealt(std::uint64_t seed, bool shared) {
   Shape shape = mixed_block(1, 1);
   Random random(seed);
@@ -39,7 +39,7 @@ Shape dealt(std::uint64_t seed, bool shared) {
   return shape;
 }
 
-/// Whether some element of the one set and some of the other have objects that are allowed.
+/// Whether the objects of some element of one set and of some element of the other set are allowed.
 bool some_allowed(const Mesh& mesh, const test::Elements& a, const test::Elements& b, Rule allows) {
   for (const Index i : a)
     for (const Index j : b)
@@ -77,7 +77,7 @@ TEST(ObjectFilter, AsksForTheFeaturePairsOfItsDefinition) {
     }
 }
 
-// Dropped: not allowed, and neither element has a vertex that belongs to another object, too.
+// The pair is dropped if it is not allowed, and no vertex of its two elements belongs to another object, too.
 TEST(ObjectFilter, DropsTheElementPairsOfItsDefinition) {
   for (const bool shared : {true, false})
     for (std::uint64_t seed = 0; seed < 3; ++seed) {

@@ -1,4 +1,4 @@
-// A small sequence, and the pipelines of table c on it.
+// A small sequence, and the pipelines of table c that run on it.
 #pragma once
 
 #include <string>
@@ -14,7 +14,7 @@
 
 namespace volccd::test {
 
-/// The built-in block that goes through a plate: elements erode.
+/// The built-in scene of a block that passes through a plate; elements are removed on the way.
 class Harness : public testing::Test {
  protected:
   Harness() : file_(folder_ / "builtin.vtkhdf") {

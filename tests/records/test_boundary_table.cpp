@@ -1,4 +1,4 @@
-// The table of all features against the boundary's, from rows whose numbers are known.
+// The table that compares all features with those of the boundary, from rows with known numbers.
 #include <volccd/experiments/tables/boundary_table.hpp>
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Contacts as text: there and back to the last bit, and bad lines refused by number.
+// Contacts as text: reading gives the same bits as were written, and errors name the line.
 #include <algorithm>
 #include <clocale>
 #include <cmath>
@@ -27,8 +27,8 @@ Topology vertices_of_ids(std::vector<std::int64_t> ids) {
   return Topology(std::move(mesh));
 }
 
-/// Two tetrahedra with a common triangle (slots 1 2 3), of parts 7 and -2, and one by itself. Vertex ids: 10 times the
-/// slot.
+/// Two tetrahedra with a common triangle (slots 1 2 3), of parts 7 and -2, and a separate one. Vertex ids are 10 times
+/// the slots.
 Topology three_tetrahedra() {
   Mesh mesh;
   mesh.add_vertices(std::vector<std::int64_t>{0, 10, 20, 30, 40, 50, 60, 70, 80});
@@ -58,7 +58,7 @@ TEST(ContactsCsv, ExactText) {
   EXPECT_EQ(folder.entries(), 1u);
 }
 
-/// A feature of several elements is that of the one with the smallest id.
+/// If several elements have a feature, the one with the smallest id is written.
 TEST(ContactsCsv, PartsAndElementsOfBothFeatures) {
   const Topology mesh = three_tetrahedra();
   const auto sides = [&](FeatureKind kind, std::array<Index, 4> vertices) {
@@ -106,7 +106,7 @@ TEST(ContactsCsv, PairsOfParts) {
   EXPECT_EQ(within.first_toi, 0.125);
 }
 
-/// Random bits of doubles, ids up to the largest.
+/// Doubles with random bits, and ids up to the largest one.
 TEST(ContactsCsv, ThereAndBackToTheLastBit) {
   const ScratchFolder folder;
   std::mt19937_64 random(3);
@@ -152,13 +152,13 @@ TEST(ContactsCsv, ThereAndBackToTheLastBit) {
   EXPECT_EQ(read_contacts_csv(folder / "c.csv"), expected);
 }
 
-/// The locale of numbers is that of Germany, compiled into a folder of its own: which locales a machine has does not
-/// matter. Falls back to what is installed.
+/// A German locale for numbers is compiled into a folder of the test, so that the test does not depend on the locales
+/// of the machine. If this fails, an installed locale is used.
 class GermanNumbers {
  public:
   GermanNumbers() {
     const std::string command = "localedef -i de_DE -f UTF-8 '" + (folder_ / "de_DE.UTF-8") + "' >/dev/null 2>&1";
-    // localedef warns on success, too; whether the locale works is seen below.
+    // localedef warns even if it succeeds; the test below shows whether the locale works.
     [[maybe_unused]] const int code = std::system(command.c_str());
     if (const char* path = std::getenv("LOCPATH")) before_ = path;
     ::setenv("LOCPATH", (folder_ / "").c_str(), 1);

@@ -1,5 +1,5 @@
-// The harness: what is measured, that edits are repeated in every round, and that counts do not depend on how often or
-// by how many threads.
+// The harness: what it measures, that edits are repeated in every round, and that counts do not depend on the numbers
+// of rounds and threads.
 #include <numeric>
 #include <set>
 
@@ -42,7 +42,7 @@ TEST(SampledWindows, AreSpreadEvenlyAndHaveAMotionBefore) {
   }
 }
 
-/// Columns that no clock decides.
+/// Columns that do not contain times.
 json counts_of(json row) {
   json counts;
   for (const auto& [name, value] : row.items())
@@ -101,8 +101,8 @@ void write_loss(const std::string& file) {
   sequence.write(file);
 }
 
-/// Motion k is on the cells of step k + 1, or of step k if it is tentative: rounds after the first go back to the
-/// motion before the window only if one of the window has other cells than the motion before.
+/// Motion k uses the cells of step k + 1, or of step k if it is tentative. Rounds after the first go back to the motion
+/// before the window only if a motion of the window has other cells than that motion.
 TEST_F(Harness, RoundsGoBackWhereTheCellsOfTheWindowsMotionsChange) {
   const std::string file = folder_ / "loss.vtkhdf";
   write_loss(file);
@@ -271,7 +271,8 @@ TEST(Refine, KeepsTheMotionAndTheVolumeOfEveryType) {
     EXPECT_EQ(fine.mesh.element_count(), shape.elements.size() * parts * parts);
     for (Index v = 0; v < fine.motion.vertex_count(); ++v)
       EXPECT_TRUE(fine.motion.point(v, 1).isApprox(fine.motion.point(v, 0) + Vec3(0.5, 0.25, 1)));
-    // Neighbours share their new vertices: a block twice divided has as many as one of eight cells an edge.
+    // Neighbours share their new vertices: a block divided twice has as many vertices as one with eight cells along
+    // each edge.
     if (type != ElementType::tetrahedron) {
       EXPECT_EQ(fine.mesh.vertex_count(), block(type, 8, 8, 8).positions.size()) << to_string(type);
     }

@@ -1,4 +1,5 @@
-// The experiment `plus`: the boundary as triangle shells, entrants that run on it, and what record and summary have.
+// The experiment `plus`: the boundary as triangle shells, entrants that run on it, and the contents of record and
+// summary.
 #include <algorithm>
 #include <fstream>
 #include <iterator>
@@ -27,7 +28,7 @@ Motion falling(const std::vector<Vec3>& x0) {
   return Motion::linear(x0, x1);
 }
 
-/// The triangles as points at t = 0, each rotated so that its smallest point is first: orientation stays.
+/// The triangles as points at t = 0, each rotated so that its smallest point is first, which keeps its orientation.
 std::multiset<std::vector<double>> triangles_of(const Topology& topology, const Motion& motion) {
   std::multiset<std::vector<double>> result;
   for (Index o = 0; o < topology.mesh().element_slots(); ++o) {
@@ -45,7 +46,7 @@ std::multiset<std::vector<double>> triangles_of(const Topology& topology, const 
   return result;
 }
 
-/// Six times the volume that the shells enclose.
+/// Six times the volume enclosed by the shells.
 double enclosed(const Topology& topology, const Motion& motion) {
   double sum = 0;
   for (Index o = 0; o < topology.mesh().element_slots(); ++o) {
@@ -101,7 +102,7 @@ TEST(BoundaryShells, KeepShellsAlsoOnSolidsAndGroupsOfVertices) {
   EXPECT_EQ(thick.topology().mesh().element_count(), 2u * 2u * plain.element_count() + 2u * 8u);
 }
 
-/// Through the edits of a scene that erodes, the shells are those that a new mesh would give.
+/// After each edit of a scene whose elements are removed, the shells equal those of a new mesh.
 TEST_F(Harness, BoundaryShellsFollowEdits) {
   SequenceReader reader(file_);
   SequenceStepper stepper(reader);
@@ -122,7 +123,7 @@ TEST_F(Harness, BoundaryShellsFollowEdits) {
 
 using PlacedContact = std::tuple<FeatureKind, std::array<std::array<double, 3>, 4>, double>;
 
-/// Contacts by the places of their vertices at t = 0, for those that `wanted` takes.
+/// Contacts for which `wanted` is true, as the positions of their vertices at t = 0.
 template <class Wanted>
 std::multiset<PlacedContact> contacts_of(const Registry& registry, const Topology& topology, const Motion& motion,
                                          Wanted&& wanted) {
@@ -145,7 +146,7 @@ std::multiset<PlacedContact> contacts_of(const Registry& registry, const Topolog
   return contacts;
 }
 
-/// Those of the whole mesh whose features both lie on the boundary.
+/// The contacts of the whole mesh whose two features are on the boundary.
 TEST_F(Harness, ContactsOfBoundaryShellsAreThoseOfBoundaryFeatures) {
   SequenceReader reader(file_);
   SequenceStepper stepper(reader);

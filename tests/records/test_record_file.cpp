@@ -1,4 +1,5 @@
-// Records: what a run left is taken up, what belongs to another run is not, and a whole record replaces an old one.
+// Records: a run continues the file of an interrupted one, ignores that of a different one, and a complete record
+// replaces an old one.
 #include <filesystem>
 #include <fstream>
 
@@ -24,7 +25,8 @@ TEST(RecordFile, GoesOnWithWhatIsThere) {
     record.add("first", {json{{"n", 1}}, json{{"n", 2}}});
     record.add("second", {json{{"n", 3}}});
   }
-  std::ofstream(folder / "x.incomplete.jsonl", std::ios::app) << "{\"key\": \"third\", \"rows\": [{\"n\"";  // cut here
+  // the interruption is here
+  std::ofstream(folder / "x.incomplete.jsonl", std::ios::app) << "{\"key\": \"third\", \"rows\": [{\"n\"";
   RecordFile record(folder / "", "x", kIdentity);
   EXPECT_EQ(record.resumed(), 2u);
   EXPECT_TRUE(record.has("first") && record.has("second") && !record.has("third"));
@@ -64,7 +66,7 @@ TEST(RecordFile, AWholeRecordStaysUntilTheNextIsWhole) {
   EXPECT_EQ(text_of(folder / "x.json"), before);
 }
 
-/// A record of one entrant on one motion, with these seconds of its rounds.
+/// A record of one entrant on one motion with these seconds, one value for each round.
 void write_record(const std::string& folder, const std::vector<double>& seconds, const std::string& contacts) {
   std::filesystem::create_directories(folder);
   std::vector<json> rows;

@@ -1,4 +1,4 @@
-// Who found other contacts: the harness after a run, and the column "same" of Table I.
+// Finds the entrants with other contacts: the harness after a run, and the column "same" of Table I.
 #include <gtest/gtest.h>
 
 #include <volccd/experiments/tables/table1.hpp>
@@ -12,7 +12,7 @@ using nlohmann::json;
 
 class SameContacts : public Harness {
  protected:
-  /// All entrants with the narrow phase `cubic`, VolCCD-2011 among them, and NavCCD once with `exact`.
+  /// All entrants with the narrow phase `cubic`, including VolCCD-2011, and NavCCD also with `exact`.
   ExperimentPlan cubic_plan() const {
     ExperimentPlan result = plan(1, {{2, 3}});
     result.runs[0].entrants.clear();
@@ -21,7 +21,7 @@ class SameContacts : public Harness {
     result.runs[0].entrants.push_back(entrant(registry_, "b", "NavCCD", {"narrow-phase=exact"}));
     return result;
   }
-  /// As a record of the plan has them: the same contacts for all.
+  /// Rows as in a record of the plan, with the same contacts for all entrants.
   static std::vector<json> agreeing_rows(const ExperimentPlan& plan) {
     std::vector<json> rows;
     for (const SceneRun& run : plan.runs)

@@ -1,4 +1,4 @@
-// Text files of steps: what is complete is kept, and marked where it is not all.
+// Text files of steps: complete steps are kept, and the file is marked if steps are missing.
 #include <filesystem>
 #include <string>
 
@@ -51,7 +51,7 @@ TEST(StepText, OnAFullDiskTheStepsThatFitAreKept) {
   const ScratchFolder folder;
   const std::string row = std::string(49, 'x') + "\n";
   StepTextWriter writer(folder / "a", "step");
-  const FullDisk disk(5 + 4 * 50 + 5);  // of four steps that fit, the mark displaces two
+  const FullDisk disk(5 + 4 * 50 + 5);  // four steps would fit, but the mark needs the space of two
   for (int step = 0; step < 4; ++step) writer.write_step(step, row);
   EXPECT_THROW(writer.write_step(4, row), InputError);
   EXPECT_EQ(writer.finish_incomplete({0, 4, 9, "disk full"}).done, 2);

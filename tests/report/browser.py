@@ -1,4 +1,4 @@
-"""A headless Chromium, driven through the DevTools protocol on two pipes: no network, no further packages."""
+"""A headless Chromium, driven through the DevTools protocol over two pipes, without a network and further packages."""
 
 import base64
 import json
@@ -12,7 +12,7 @@ CHROMIUM = next((path for path in map(shutil.which, ("chromium", "chromium-brows
 
 
 class Browser:
-    """One window. Everything that the page prints as an error, and each exception, is in `problems`."""
+    """One window. `problems` has all errors that the page prints, and all exceptions."""
 
     def __init__(self, width=1440, height=900):
         self.profile = tempfile.TemporaryDirectory(prefix="volccd-chromium-")
@@ -20,7 +20,7 @@ class Browser:
         self.read, from_child = os.pipe()
 
         def pipes():
-            # Chromium reads from 3 and writes to 4. Copies first: the ends may be 3 and 4 themselves.
+            # Chromium reads from 3 and writes to 4. The ends are copied first, because they may be 3 and 4 themselves.
             a, b = os.dup(to_child), os.dup(from_child)
             os.dup2(a, 3)
             os.dup2(b, 4)
@@ -97,7 +97,7 @@ class Browser:
         self.until("document.readyState === 'complete'")
 
     def js(self, expression):
-        """The value of an expression; a promise is waited for."""
+        """The value of an expression, or of the promise that it returns."""
         result = self.call("Runtime.evaluate", expression=expression, returnByValue=True, awaitPromise=True)
         if "exceptionDetails" in result:
             details = result["exceptionDetails"]
@@ -105,7 +105,7 @@ class Browser:
         return result["result"].get("value")
 
     def until(self, condition, seconds=20):
-        """Waits until an expression is true, and returns how long that took."""
+        """Waits until an expression is true, and returns the time that this took."""
         begin = time.monotonic()
         while time.monotonic() - begin < seconds:
             if self.js(f"Boolean({condition})"):
@@ -114,7 +114,7 @@ class Browser:
         raise AssertionError(f"after {seconds} s still not: {condition}")
 
     def place(self, selector):
-        """The middle of the first element, scrolled into view."""
+        """The middle of the first element that matches; the element is scrolled into view."""
         return self.js(f"""(() => {{ const e = document.querySelector({json.dumps(selector)});
             if (!e) throw new Error("nothing is " + {json.dumps(selector)});
             e.scrollIntoView({{block: "center", inline: "nearest"}});
@@ -144,7 +144,7 @@ class Browser:
         self.call("Input.dispatchKeyEvent", type="keyUp", **common)
 
     def set(self, selector, value):
-        """Gives a field its value, as a user would, with the events that follow."""
+        """Sets the value of a field and sends the events that follow when a user does it."""
         self.js(f"""(() => {{ const e = document.querySelector({json.dumps(selector)}); e.value = {json.dumps(value)};
             e.dispatchEvent(new Event("input", {{bubbles: true}})); e.dispatchEvent(new Event("change", {{bubbles: true}})); }})()""")
 

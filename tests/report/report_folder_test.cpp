@@ -1,4 +1,4 @@
-// The folder of a report: what is there during and after an interruption.
+// The folder of a report: its contents during and after an interruption.
 #include <volccd/report/page_files.hpp>
 
 #include <cstdlib>
@@ -134,6 +134,35 @@ TEST_F(ReportFolderTest, AReportThatWasKilledCanBeMadeAgain) {
     EXPECT_EQ(5u, now.size());
     EXPECT_EQ("third", now.at("data/scene-three.js"));
   }
+}
+
+TEST_F(ReportFolderTest, OldDataThatCannotBeRemovedAreAnError) {
+  make_first();
+  fs::remove(path("report/data/report.js"));
+  write("report/data/report.js/own.txt", "a folder in the place of the file");
+  const auto before = files("report");
+  {
+    ReportFolder folder(path("report"));
+    folder.write_scene("one", "second");
+    try {
+      folder.finish(report("one"));
+      FAIL() << "no error";
+    } catch (const InputError& error) {
+      const std::string text = error.what();
+      EXPECT_NE(std::string::npos, text.find("data/report.js")) << text;
+      EXPECT_NE(std::string::npos, text.find("cannot be removed")) << text;
+    }
+  }
+  EXPECT_EQ(before, files("report"));
+}
+
+TEST_F(ReportFolderTest, ThePageIsNotOverwritten) {
+  const auto before = files("page");
+  fs::create_directory_symlink(path("page"), path("link"));
+  for (const char* name : {"page", "page/", "link", "page/../page"})
+    EXPECT_THROW(ReportFolder(path(name)), InputError) << name;
+  EXPECT_EQ(before, files("page"));
+  EXPECT_FALSE(fs::exists(path("page/.volccd-unfinished")));
 }
 
 TEST_F(ReportFolderTest, AFolderWithOtherFilesIsAnError) {

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""The report and the view in a headless Chromium, opened from disk: no error, no request to a network, and each control
-does something. Skipped (77) where there is no Chromium, or the page is not built.
+"""Tests the report and the view in a headless Chromium, opened from disk: there is no error and no network request, and
+each control has an effect. Skipped (77) if there is no Chromium, or if the page is not built.
 
 Usage: test_page.py VOLCCD
 """
@@ -35,7 +35,8 @@ def run(folder, *arguments):
 
 
 def setUpModule():
-    """A report of a measurement of the built-in scene and of kept records whose scenes are missing here; a view."""
+    """Makes a report of a measurement of the built-in scene and of kept records whose scenes are missing here, and
+    a view."""
     global FOLDER, BROWSER, TEMPORARY
     TEMPORARY = tempfile.TemporaryDirectory()
     FOLDER = Path(TEMPORARY.name)
@@ -44,7 +45,7 @@ def setUpModule():
     run(FOLDER, "experiment", "run", "projectile", "--quick", "-o", FOLDER / "results")
     for name in ("table1", "scenes", "plus"):
         shutil.copy(ROOT / "results" / f"{name}.json", FOLDER / "results")
-    # Another sequence in the place of one that table1 measured: the list of scenes has two, and a note on this one.
+    # A sequence in the place of one that table1 measured, so that there are two scenes, one of which has a note.
     (FOLDER / "cache").mkdir(exist_ok=True)
     shutil.copy(FOLDER / "run.vtkhdf", FOLDER / "cache" / LIVER)
     output = run(FOLDER, "report", FOLDER / "results", "-o", FOLDER / "report")
@@ -57,7 +58,7 @@ def tearDownModule():
     TEMPORARY.cleanup()
 
 
-# A hash of a text; of the 3-D view, drawn small.
+# A hash of a text, and a small picture of the 3-D view as a text.
 HASH = "(text => { let h = 0; for (let i = 0; i < text.length; ++i) h = (31 * h + text.charCodeAt(i)) | 0; return h; })"
 PICTURE = """(() => { volccd_test.viewer.drawNow(); const small = document.createElement('canvas');
   small.width = 320; small.height = 200; const c = small.getContext('2d');
@@ -84,7 +85,7 @@ class Page(unittest.TestCase):
         BROWSER.until("'ready' in document.body.dataset")
 
     def changes(self, expression, act, what):
-        """`act` changes the value of an expression."""
+        """Checks that `act` changes the value of an expression."""
         before = BROWSER.js(f"{HASH}({expression} + '')")
         act()
         try:
@@ -96,7 +97,7 @@ class Page(unittest.TestCase):
         self.changes(PICTURE, act, what)
 
     def make_small(self):
-        """Software draws the 3-D view here: a small one takes less time."""
+        """Makes the 3-D view small, because software draws it here and takes less time then."""
         BROWSER.js("document.head.insertAdjacentHTML('beforeend', '<style>.stage { width: 320px !important }</style>')")
 
     def count(self, selector):
@@ -141,6 +142,17 @@ class Report(Page):
         self.assertEqual(links[:4], ["#overview", "#tables", "#figures", "#scenes"])
         self.assertEqual(sorted(links[4:8]), ["#tables/plus", "#tables/projectile", "#tables/scenes", "#tables/table1"])
         self.assertTrue(all(link.startswith("#scenes/") for link in links[8:]) and len(links) > 8, links)
+
+    def test_a_report_without_data_says_so(self):
+        killed = FOLDER / "killed"
+        shutil.copytree(FOLDER / "report", killed)
+        (killed / "data" / "report.js").unlink()
+        BROWSER.open(f"file://{killed}/index.html")
+        BROWSER.until("document.querySelector('.error')")
+        self.assertIn("data/report.js is missing", self.text(".error"))
+        self.assertIn("run the same command again", self.text(".error"))
+        self.assertEqual([p for p in BROWSER.problems if "ERR_FILE_NOT_FOUND" not in p], [])
+        BROWSER.problems.clear()
 
     def test_tables_sort_and_show_where_numbers_come_from(self):
         self.go("tables/table1")
@@ -187,7 +199,7 @@ class Report(Page):
         for name in sorted(names, key=lambda n: n == Path(LIVER).stem):
             BROWSER.set("select[name=scene]", name)
             BROWSER.until(f"volccd_test.view.data && volccd_test.view.data.header.name === {json.dumps(name)}")
-        self.assertIn("differs from the one that was measured", self.text(".notes"))
+        self.assertIn("differs from that of the measured file", self.text(".notes"))
         self.opens("details:not(.choices)", "Missing scenes")
 
     def opens(self, selector, text):
@@ -260,7 +272,7 @@ class Report(Page):
             boxes = self.count(f"#figure-{figure} input[type=checkbox]")
             self.assertGreater(boxes, 0, figure)
             for i in range(boxes):
-                # A box for x alone means nothing against categories: motion is chosen above.
+                # A box for x alone has no effect on categories; therefore `motion` is chosen above.
                 self.changes(chart, lambda f=figure, i=i: BROWSER.js(
                     f"document.querySelectorAll('#figure-{f} input[type=checkbox]')[{i}].click()"),
                             f"{figure}: box {i}")
@@ -309,6 +321,33 @@ class View(Page):
         BROWSER.click(".play")
         self.assertIn("Play", self.text(".play"))
 
+    def test_each_picture_is_drawn_from_the_frames_of_its_motion(self):
+        BROWSER.js("""(() => { const v = volccd_test.viewer, {header, frames, shown, corners} = v.data;
+            window.pictures = [], window.wrong = [];
+            v.onDraw = () => {
+              pictures.push(v.motion + v.t);
+              for (const f of [v.motion, Math.min(v.motion + 1, frames.length - 1)]) v.mesh.vertexOf.forEach((vertex, i) => {
+                for (let axis = 0; axis < 3; ++axis)
+                  if (v.positions[f % 2].array[4 * i + axis] !== frames[f][axis * header.vertices + vertex])
+                    wrong.push(`frame ${f} in motion ${v.motion}`);
+              });
+              if (v.materials[0].uniforms.share.value !== (v.motion % 2 ? 1 - v.t : v.t)) wrong.push(`t of ${v.motion}`);
+              shown[v.motion].forEach((triangle, i) => {
+                if (v.mesh.vertexOf[v.indices[0].array[3 * i]] !== corners[0][triangle]) wrong.push(`triangle ${triangle}`);
+              });
+            }; })()""")
+        for speed, pictures in ((60, 12), (6, 12)):  # with motions skipped, and with several pictures of a motion
+            BROWSER.js("pictures.length = 0")
+            BROWSER.set(".speed", str(speed))
+            BROWSER.click(".play")
+            BROWSER.until(f"pictures.length >= {pictures}")
+            BROWSER.click(".play")
+            self.assertGreater(BROWSER.js("new Set(pictures).size"), 4)
+        for value in (0, 70, 20, 120, 59, 119):
+            BROWSER.set(".time", str(value))
+            BROWSER.until(f"Math.abs(pictures[pictures.length - 1] - {value / 20}) < 1e-9")
+        self.assertEqual(BROWSER.js("wrong.slice(0, 5)"), [])
+
     def test_keys(self):
         BROWSER.js("document.querySelector('canvas').focus()")
         for key, text in (("ArrowRight", None), ("End", None), ("ArrowLeft", None), ("Home", None), ("w", "w"), ("a",
@@ -353,7 +392,7 @@ class View(Page):
     def test_the_funnel_has_the_counts_of_the_stages(self):
         stats = FOLDER / "stats.json"
         run(FOLDER, "detect", FOLDER / "run.vtkhdf", "--pipeline", "VolCCD+", "--stats", stats)
-        # Not the stages of `detect`: it lists initial overlaps as well, for which the flood has to do without.
+        # The stages of `detect` are not compared: it lists initial overlaps, too, for which the flood cannot be used.
         contacts = [step["contacts"] for step in json.loads(stats.read_text())["steps"]]
         motions = BROWSER.js("volccd_test.view.data.header.motions")
         self.assertEqual([m["stats"]["contacts"] for m in motions], contacts)
@@ -423,7 +462,7 @@ class View(Page):
         self.assertRegex(self.text(".tip"), r"^(Element pair|Vertex-triangle test|Edge-edge test), dropped by .+\.$")
 
 
-# What the tests above click, drag or type into. A new control needs a test, and then a line here.
+# The elements that the tests above click, drag or type into. A new control needs a test, and then a line here.
 CONTROLS = {
     "report": ["a.skip", "header a", ".records a", "a.card", ".list a", ".sort", ".plot", "table.data tr[tabindex]",
                ".controls select", ".controls input", ".choices summary", ".choices input", "svg.chart .pick",

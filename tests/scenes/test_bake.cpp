@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 int models_made = 0;
 
-/// A bar of hexahedra that is torn apart: its ends fly off, and vertices in the middle split.
+/// A bar of hexahedra that is torn apart: its ends move away from each other, and vertices in the middle split.
 simulation::Model torn_bar(int elements, std::uint64_t seed) {
   ++models_made;
   const Shape bar = block(ElementType::hexahedron, elements, 1, 1);
@@ -57,7 +57,7 @@ SimulatedScene bar_scene() {
   return scene;
 }
 
-/// A cache of this test alone.
+/// A cache that only this test uses.
 class Bake : public testing::Test {
  protected:
   Bake() { use_cache("cache"); }
@@ -71,7 +71,7 @@ class Bake : public testing::Test {
   SerialExecutor serial_;
 };
 
-/// All that a sequence holds, to the bit.
+/// All contents of a sequence, for comparisons bit for bit.
 void expect_equal(const std::string& a, const std::string& b) {
   SequenceReader one(a), other(b);
   ASSERT_EQ(one.step_count(), other.step_count());
@@ -117,7 +117,7 @@ TEST_F(Bake, TwiceTheSameAndFromTheCacheTheThirdTime) {
 TEST_F(Bake, TheFirstFrameMayBeLaterThanTheFirstMoment) {
   SimulatedScene scene = bar_scene();
   SequenceReader from_zero(*bake(scene, {}, serial_));
-  scene.begin = 0.02;  // the time of the other's second frame
+  scene.begin = 0.02;  // the time of the second frame of the other bake
   scene.duration = 0.08;
   scene.frames = 5;
   use_cache("other");
@@ -128,7 +128,7 @@ TEST_F(Bake, TheFirstFrameMayBeLaterThanTheFirstMoment) {
   std::vector<Vec3> x, y;
   from_zero.read_points(1, x);
   later.read_points(0, y);
-  const std::size_t untorn = 20;  // which vertices are new later on is another matter
+  const std::size_t untorn = 20;  // the vertices that exist in both bakes; new ones may differ
   x.resize(untorn), y.resize(untorn);
   EXPECT_EQ(x, y);
 }
@@ -167,8 +167,8 @@ TEST_F(Bake, TheBarIsTornAndItsRecordSaysSo) {
   EXPECT_GT(edits, 0u);
 }
 
-/// The bar touches nothing, and each substep has its query: the last one ends where the frame is, and begins a substep
-/// before, also for the vertices that the bar's tearing has made.
+/// The bar touches nothing, and each substep has its own query. So the last query ends at the frame and begins one
+/// substep earlier, also for the vertices that splitting has created.
 TEST_F(Bake, EachFrameHasTheLastQueryOfItsSimulation) {
   SequenceReader reader(*bake(bar_scene(), {}, serial_));
   ASSERT_TRUE(reader.has_query());
@@ -211,13 +211,13 @@ TEST_F(Bake, GoesOnWhereItStopped) {
 
 TEST_F(Bake, TellsHowFarAFrameIsAndStopsWithinIt) {
   SimulatedScene scene = bar_scene();
-  scene.options.max_step = 0.003;  // at least seven steps a frame
+  scene.options.max_step = 0.003;  // at least seven steps in each frame
   const std::string whole = *bake(scene, {}, serial_);
   use_cache("stopped");
   std::vector<std::pair<int, double>> shares;
   BakeHooks hooks;
   hooks.within_frame = [&](int done, double share) { shares.emplace_back(done, share); };
-  // The second time it stops within the same frame, from its beginning: nothing of a frame that was begun is kept.
+  // The second interruption comes in the same frame, which has begun anew: nothing of an incomplete frame is kept.
   for (int round = 0; round < 2; ++round) {
     hooks.interrupted = [&] { return !shares.empty() && shares.back().first == 3 && shares.back().second > 0.5; };
     EXPECT_EQ(bake(scene, {}, serial_, hooks), std::nullopt);
@@ -243,7 +243,7 @@ TEST_F(Bake, AStateOfAnotherBuildIsNotUsed) {
   EXPECT_EQ(bake(scene, {}, serial_, {note, [&] { return last == 3; }}), std::nullopt);
   const std::string state = baked_file(scene, {}).substr(0, baked_file(scene, {}).size() - 7) + ".partial/state";
   ASSERT_TRUE(fs::exists(state));
-  // The same state but for the build that signed it.
+  // The same state with the signature of another build.
   std::fstream(state, std::ios::binary | std::ios::in | std::ios::out) << '?';
   std::vector<int> done;
   const std::string again = *bake(scene, {}, serial_, {[&](int k, int) { done.push_back(k); }, {}});
@@ -270,7 +270,7 @@ TEST_F(Bake, NamesBecomeFiles) {
   const std::string builtin = *resolve_scene("builtin", serial_);
   EXPECT_EQ(SequenceReader(builtin).step_count(), 9);
   EXPECT_EQ(resolve_scene(builtin, serial_), builtin);
-  EXPECT_EQ(resolve_scene("deform", serial_), "deform");  // needs a mesh
+  EXPECT_EQ(resolve_scene("deform", serial_), "deform");  // requires a mesh
   copy_file_whole(builtin, (root() / "openradioss-bullet.vtkhdf").string());
   setenv("VOLCCD_DATA", root().c_str(), 1);
   const std::vector<ExternalScene> external = external_scenes();

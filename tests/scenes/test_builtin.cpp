@@ -36,7 +36,7 @@ std::map<Index, Box> element_boxes(const Mesh& mesh, const std::vector<Vec3>& x,
   return boxes;
 }
 
-/// Pairs of elements, one of each object, whose boxes overlap with all sides shrunk by `margin`.
+/// Number of element pairs, one element of each object, whose boxes overlap when all sides are shrunk by `margin`.
 std::size_t box_overlaps(const Scene& scene, int frame, double margin) {
   const Mesh mesh = scene_mesh(scene, frame);
   std::vector<Vec3> x;
@@ -97,7 +97,7 @@ TEST(BuiltinScene, ErosionIsForGood) {
 }
 
 TEST(BuiltinScene, LiveElementsKeepTheirVolume) {
-  // Eight corner determinants of each live hexahedron: the made-up motion turns none over.
+  // The eight corner volumes of each live hexahedron stay positive in the motion.
   const auto scene = make_builtin();
   constexpr int kNeighbours[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
                                      {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};

@@ -75,7 +75,7 @@ TEST(Deform, BendKeepsTheLengthOfTheMiddle) {
   EXPECT_NEAR(length, 6, 0.1);  // chords of the arc
   first = moved[1] - moved[0];
   last = moved[6] - moved[5];
-  // Chords turn by 5/6 of the angle between the tangents at the ends.
+  // The directions of the first and last chord differ by 5/6 of the angle between the tangents at the ends.
   EXPECT_NEAR(std::acos(first.normalized().dot(last.normalized())) * 180 / M_PI, 75, 1e-9);
   EXPECT_EQ(moved[3], Vec3(3, 2, 1));
 }
@@ -147,7 +147,7 @@ TEST(Deform, CopiesAreSeparateObjects) {
   EXPECT_EQ(ids.size(), made.element_count());
 }
 
-/// Overlap of the boxes of neighbouring copies along z: of blocks, how deep they are inside each other.
+/// Depth along z to which neighbouring copies, as boxes, are inside each other.
 double box_overlap(const std::vector<Vec3>& x, std::size_t n, std::size_t copy) {
   double top = -INFINITY, bottom = INFINITY;
   for (std::size_t v = 0; v < n; ++v) {
@@ -165,7 +165,7 @@ TEST(Deform, CollidingBlocksEndAsDeepInsideEachOtherAsAsked) {
     EXPECT_NEAR(box_overlap(frame(*scene, 0), mesh.positions.size(), copy), -0.5 * edge, 1e-12);
     EXPECT_NEAR(box_overlap(frame(*scene, 2), mesh.positions.size(), copy), 1.5 * edge, 1e-12);
   }
-  // Nothing but a translation, and not in the exact pose of the neighbour.
+  // Copies are translated only, and are not exactly in the pose of their neighbour.
   const std::vector<Vec3> x = frame(*scene, 2);
   const std::size_t n = mesh.positions.size();
   EXPECT_NEAR((x[1] - x[0] - (mesh.positions[1] - mesh.positions[0])).norm(), 0, 1e-12);
@@ -238,16 +238,16 @@ TEST(Deform, FlatAndThinMeshesAreFine) {
 }
 
 TEST(TouchingShift, OfTwoPyramidsPointToFace) {
-  // The apex of the lower one is below the middle of the base of the upper one.
+  // The apex of the lower tetrahedron is below the middle of the base of the upper one.
   const Shape pyramid{{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0), Vec3(0.5, 0.5, 1)},
                       {{ElementType::pyramid, {0, 1, 2, 3, 4}, {}, 0, 0}}};
   std::vector<Vec3> upper = pyramid.positions;
   const auto triangles = face_triangles(pyramid);
   EXPECT_EQ(triangles.size(), 6u);
   EXPECT_NEAR(touching_shift(pyramid.positions, upper, triangles, 2, 0.3), 1, 1e-12);
-  for (Vec3& p : upper) p += Vec3(0.75, 0, 0);  // now a corner of the base is above a slope
+  for (Vec3& p : upper) p += Vec3(0.75, 0, 0);  // a corner of the base is now above a slope
   EXPECT_NEAR(touching_shift(pyramid.positions, upper, triangles, 2, 0.3), 0.5, 1e-12);
-  for (Vec3& p : upper) p += Vec3(10, 0, 7);  // beside it: boxes
+  for (Vec3& p : upper) p += Vec3(10, 0, 7);  // the projections do not overlap, so that boxes count
   EXPECT_NEAR(touching_shift(pyramid.positions, upper, triangles, 2, 0.3), -6, 1e-12);
 }
 

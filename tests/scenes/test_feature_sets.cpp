@@ -1,4 +1,4 @@
-// Figure 3's numbers, on a sequence of which they are known: a bar that goes through a plate unhindered.
+// The numbers of Figure 3 for a sequence with known answers: a bar that passes through a plate without resistance.
 #include <volccd/experiments/tables/feature_sets.hpp>
 
 #include <gtest/gtest.h>
@@ -26,7 +26,7 @@ class FeatureSets : public testing::Test {
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
 
-  /// Cell 1 in two wedges.
+  /// The second cell is divided into two wedges.
   static Shape broken(Shape shape) {
     const std::vector<Index> c = shape.elements[1].vertices;
     ElementSpec half = shape.elements[1];
@@ -40,7 +40,8 @@ class FeatureSets : public testing::Test {
     return shape;
   }
 
-  /// The bar is of 1 x 1 x 2 cells, its lower end 0.5 above the plate of 3 x 3 x 1; it sinks by 1 a step of 0.25 s.
+  /// The bar has 1 x 1 x 2 cells. Its lower end is 0.5 above the plate of 3 x 3 x 1 cells, and it sinks by 1 in each
+  /// step of 0.25 s.
   std::string write(ElementType type) {
     Shape bar = block(type, 1, 1, 2), plate = block(type, 3, 3, 1);
     bar.translate(Vec3(1.2, 1.3, 1.5));
@@ -52,7 +53,7 @@ class FeatureSets : public testing::Test {
     for (int k = 0; k < 4; ++k) {
       std::vector<Vec3> x = all.positions;
       for (std::size_t v = 0; v < bar.positions.size(); ++v) x[v].z() -= k;
-      if (k >= 2) x.back().z() -= 5;  // a corner of the plate, through its element
+      if (k >= 2) x.back().z() -= 5;  // a corner of the plate moves through its element
       writer.write_step(0.25 * k, x, cells_of(k > 0 && type == ElementType::hexahedron ? broken(all).mesh() : mesh));
     }
     writer.finish();
@@ -83,15 +84,15 @@ TEST_F(FeatureSets, SeesWhatGoesThrough) {
     EXPECT_EQ(motion.at("pieces_target"), 1);
     EXPECT_EQ(motion.at("inverted"), k == 0 ? 0 : 1);
     EXPECT_EQ(motion.at("overlaps_intra"), 0);
-    // At the start of a motion: above; the lower cell in the plate, over four of its cells; the upper one in it too, of
-    // which one half misses a cell.
+    // At the starts of the motions: the bar is above the plate; its lower cell is inside four cells of the plate; its
+    // upper cell is inside as well, and one of its wedges misses one of the four cells.
     EXPECT_EQ(motion.at("overlaps_inter"), k == 0 ? 0 : k == 1 ? 4 : 11) << k;
   }
   EXPECT_GT(motions[0].at("contacts").get<int>(), 0);
-  // Half into the plate the bar has met little of what is between its cells.
+  // Halfway into the plate, the bar has met few of the features between the plate's cells.
   EXPECT_LT(motions[0].at("interior"), motions[1].at("interior"));
   EXPECT_LT(motions[1].at("interior"), motions[1].at("contacts"));
-  // The table has the last motion, and sums.
+  // The table has the values of the last motion, and sums.
   for (nlohmann::json& motion : motions)
     motion.update({{"scene", "run"}, {"splits", 5}, {"breaks", 1}, {"simulation_seconds", 1.5}});
   const auto cells = feature_set_tables({{"rows", motions}}).front().table.rows();

@@ -27,7 +27,8 @@ class FrameStore : public testing::Test {
   std::filesystem::path folder_;
 };
 
-/// Two triangles on vertices 0 .. 3 that move up; at frame 2 the second has a vertex of its own, at frame 3 both have.
+/// Two triangles on vertices 0 .. 3 that move upwards. From frame 2 on the second one has a vertex of its own, from
+/// frame 3 on both have.
 Frame frame(int k) {
   Frame f;
   f.time = 0.5 * k;

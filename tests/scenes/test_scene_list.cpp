@@ -16,7 +16,7 @@
 namespace volccd {
 namespace {
 
-/// A file name of this test alone; the file goes with it.
+/// The name of a file that only this test uses, and that is removed at its end.
 class TemporaryFile {
  public:
   explicit TemporaryFile(const std::string& name)

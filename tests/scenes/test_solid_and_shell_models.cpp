@@ -1,4 +1,4 @@
-// The models of the scenes bullet, airbag and crash: what a simulation needs of a mesh.
+// The models of the scenes bullet, airbag and crash have the properties that a simulation requires of a mesh.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,11 +29,12 @@ namespace {
 using simulation::Model;
 using Edge = std::pair<Index, Index>;
 
-/// Neighbours of each corner of a hexahedron, so that their edges are a right-handed frame.
+/// Neighbours of each corner of a hexahedron, in an order in which its edges form a right-handed frame.
 constexpr std::size_t kNext[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
                                      {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
 
-/// Least over all corners of the volume that the edges there span by the product of their lengths: 1 for right angles.
+/// The least value, over all corners, of the volume spanned by the edges divided by the product of their lengths: 1 for
+/// right angles.
 double least_scaled_jacobian(const Model& model) {
   double least = 1;
   for (Index o = 0; o < model.mesh.element_slots(); ++o)
@@ -47,7 +48,8 @@ double least_scaled_jacobian(const Model& model) {
   return least;
 }
 
-/// How many elements have each edge, by direction: [0] from the lower vertex to the higher, [1] back. Triangles only.
+/// Numbers of elements at each edge by direction: [0] from the lower to the higher vertex, [1] the reverse. For
+/// triangles.
 std::map<Edge, std::array<int, 2>> edge_uses(const Mesh& mesh, std::int32_t first_object, std::int32_t last_object) {
   std::map<Edge, std::array<int, 2>> uses;
   for (Index o = 0; o < mesh.element_slots(); ++o) {
@@ -71,7 +73,7 @@ double enclosed_volume(const Model& model, std::int32_t first_object, std::int32
   return volume;
 }
 
-/// Pieces that hang together by common vertices; a vertex without an element is one, too.
+/// Number of pieces that are connected by vertices; a vertex without an element counts as a piece.
 std::size_t pieces(const Mesh& mesh) {
   std::vector<Index> root(mesh.vertex_count());
   std::iota(root.begin(), root.end(), Index{0});
@@ -86,7 +88,7 @@ std::size_t pieces(const Mesh& mesh) {
   return roots.size();
 }
 
-/// The elements as they collide: shells as solids of their thickness.
+/// The elements that collide: shells are thickened to solids.
 std::vector<ElementPair> initial_overlaps(const Model& model) {
   Mesh mesh = model.mesh;
   std::vector<Vec3> x = model.positions;
@@ -114,7 +116,7 @@ bool same(const Model& a, const Model& b) {
   return a.positions == b.positions && a.velocities == b.velocities && a.fixed == b.fixed;
 }
 
-/// Free edges with a vertex of the mesh inside them: there the mesh does not conform.
+/// Number of free edges that contain a vertex of the mesh, where the mesh is not conforming.
 std::size_t hanging_vertices(const Model& model) {
   std::size_t hanging = 0;
   for (const auto& [edge, uses] : edge_uses(model.mesh, 0, kVehicleParts)) {
@@ -138,7 +140,7 @@ TEST(QuadComplex, DividesCommonSidesAlikeAndBendsThem) {
   QuadComplex complex;
   complex.patch(0, {0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0});
   complex.patch(1, {1, 0, 0}, {3, 0, 0}, {3, 1, 0}, {1, 1, 0});
-  complex.patch(2, {1, 0, 0}, {1, 1, 0}, {1, 1, 1}, {1, 0, 1});  // a third at the side x = 1
+  complex.patch(2, {1, 0, 0}, {1, 1, 0}, {1, 1, 1}, {1, 0, 1});  // a third element at the side x = 1
   complex.bend({3, 0, 0}, {3, 1, 0}, [](const Vec3& p) { return Vec3(3 + p.y() * (1 - p.y()), p.y(), 0); });
   const Shape shape = complex.mesh(0.25);
   EXPECT_EQ(shape.elements.size(), 2u * (4 * 4 + 8 * 4 + 4 * 4));
@@ -189,7 +191,7 @@ TEST(BulletModel, FacesConform) {
       EXPECT_LE(++faces[face], 2);
     }
   }
-  // Two closed surfaces, of genus 0 each: four-cornered faces and vertices of their boundary are related by V = F + 2.
+  // Two closed surfaces of genus 0: quads F and vertices V of the boundary satisfy V = F + 2 for each.
   std::set<Index> vertices;
   std::size_t outer = 0;
   for (const auto& [face, uses] : faces) {

@@ -43,7 +43,7 @@ Measure measure(const Shape& shape) {
     const auto x = corners(shape.positions, e.vertices);
     m.volume += volume(x);
     m.smallest_volume = std::min(m.smallest_volume, volume(x));
-    // At edge ij, between the faces with the corners k and l.
+    // The dihedral angle at edge ij, between the faces with the corners k and l.
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = i + 1; j < 4; ++j) {
         const std::size_t k = i == 0 ? (j == 1 ? 2 : 1) : 0, l = 6 - i - j - k;
@@ -56,8 +56,8 @@ Measure measure(const Shape& shape) {
   return m;
 }
 
-/// Faces that only one element has, as that element sees them from outside, by their sorted vertices; also checks that
-/// none has more than two, and that two elements lie on different sides of theirs.
+/// Faces of only one element, with the orientation outwards from it, by their sorted vertices. Also checks that no face
+/// has more than two elements, and that two elements lie on different sides of their common face.
 std::vector<std::array<Index, 3>> surface(const Shape& shape) {
   constexpr int outward[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   std::map<std::array<Index, 3>, std::vector<std::array<Index, 3>>> faces;
@@ -80,7 +80,7 @@ std::vector<std::array<Index, 3>> surface(const Shape& shape) {
   return boundary;
 }
 
-/// Each directed edge of the surface runs once each way; returns vertices - edges + faces.
+/// Checks that each directed edge of the surface occurs once in each direction; returns vertices - edges + faces.
 int closed_surface_characteristic(const std::vector<std::array<Index, 3>>& faces) {
   std::map<std::pair<Index, Index>, int> edges;
   std::map<Index, int> vertices;
@@ -108,7 +108,7 @@ TEST(Tetrahedra, FillABallConformingAndClosedWithoutFlatOnes) {
     EXPECT_GT(m.smallest_volume, 0.005 * edge * edge * edge);
     EXPECT_GT(m.smallest_angle, 18);
     EXPECT_LT(m.largest_angle, 150);
-    // The surface is inscribed: it lacks about edge^2 / 8 of the radius.
+    // The surface is inscribed, so that its radius is smaller by about edge^2 / 8.
     const double ball_volume = 4 * std::numbers::pi / 3;
     EXPECT_LT(m.volume, ball_volume);
     EXPECT_GT(m.volume, ball_volume * (1 - 0.45 * edge * edge));
@@ -119,7 +119,7 @@ TEST(Tetrahedra, StayGoodWhereverTheLatticeMeetsTheSurface) {
   Measure worst;
   for (int i = 0; i < 20; ++i) {
     ImplicitSolid solid = ball(Vec3::Zero());
-    // The lattice is centred on the box: moving the box's corner moves the lattice.
+    // The lattice is centred on the box, so that it moves with the corner of the box.
     solid.low -= Vec3(0.021 * i, 0.013 * i, 0.033 * i);
     const Shape shape = fill_with_tetrahedra(solid, 0.4);
     EXPECT_EQ(closed_surface_characteristic(surface(shape)), 2);
@@ -160,7 +160,7 @@ TEST(Tetrahedra, OfAnOctopusHangTogetherByFaces) {
       if (!is_new) piece[find(i)] = find(other->second);
     }
   for (std::size_t i = 0; i < piece.size(); ++i) EXPECT_EQ(find(i), find(0));
-  // All eight tentacles are there: far from the body, in eight directions.
+  // The mesh has all eight tentacles: parts far from the body in eight directions.
   std::vector<bool> sector(8, false);
   for (const Vec3& p : shape.positions)
     if (std::hypot(p.x(), p.y()) > 0.09)

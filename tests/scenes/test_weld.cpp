@@ -39,7 +39,7 @@ TEST(Weld, ModelsAreTwoPlatesApart) {
   EXPECT_THROW(weld_model(1'000'001), ConfigError);
 }
 
-/// Vertices that elements of both parts have.
+/// Number of vertices that elements of both parts have.
 std::size_t common_vertices(const Topology& topology) {
   std::size_t count = 0;
   for (Index v = 0; v < topology.features().vertex_slots(); ++v) {
@@ -54,7 +54,7 @@ TEST(Weld, PlatesMergeUnderTheContactAndSplitUnderTheReflectedWave) {
   const SimulatedScene& scene = *find_simulated_scene("weld");
   const auto executor = make_executor(2);
   simulation::Simulation run(weld_model(kWeldQuickElements), scene.options, *executor);
-  run.advance_to(0.3e-6);  // before the flyer arrives, and before a wave is back
+  run.advance_to(0.3e-6);  // before the impact, and before a wave returns
   simulation::SimulationCounts counts = run.take_counts();
   EXPECT_EQ(counts.merges + counts.splits, 0u);
   EXPECT_EQ(common_vertices(run.topology()), 0u);
@@ -64,7 +64,7 @@ TEST(Weld, PlatesMergeUnderTheContactAndSplitUnderTheReflectedWave) {
   EXPECT_GT(counts.splits, 50u);
   EXPECT_GT(common_vertices(run.topology()), 10u);
   EXPECT_LT(std::abs(run.ledger().balance_error()), 0.03 * run.ledger().initial);
-  // What is torn off at the back leaves, ahead of the plate.
+  // The fragment that spalls at the back moves ahead of the plate.
   double fastest = 0;
   for (Index o = 0; o < run.topology().mesh().element_slots(); ++o)
     if (run.topology().mesh().is_live(o) && run.topology().mesh().object(o) == 1)

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""check_layers.py on made-up trees: a good one passes, and each kind of offence is found, at its line."""
+"""check_layers.py on small trees: a correct one passes, and each kind of violation is reported with its line."""
 
 import sys
 import tempfile

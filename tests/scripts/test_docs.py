@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What the documents refer to exists: links, headers and files named in `code`, stage names; listings are the tested files."""
+"""Everything to which the documents refer exists: links, headers and files named in `code`, stage names. Listings
+are parts of tested files."""
 
 import re
 import textwrap
@@ -45,7 +46,7 @@ class Docs(unittest.TestCase):
             self.assertEqual(listings, [(ROOT / "examples/custom_culling" / name).read_text()], name)
 
     def test_listings_of_into_a_solver_are_parts_of_the_example(self):
-        """Whole lines of the files, in a row; the indentation may be less."""
+        """Whether the text consists of consecutive whole lines of the files, perhaps with less indentation."""
         page = (ROOT / "docs/into_a_solver.md").read_text()
         for language, name, least in (("cmake", "solver/CMakeLists.txt", 1), ("cpp", "solver/solver.cpp", 8),
                                       ("python", "python/solver.py", 5)):

@@ -1,4 +1,4 @@
-"""The site of documents and headers: built without a warning, and no link in it leads nowhere."""
+"""The site of documents and headers is built without a warning, and has no broken link."""
 
 import html.parser
 import os

@@ -1,4 +1,4 @@
-// Plain HDF5 calls for tests: looking at what was written, and spoiling it, without the layer under test.
+// Plain HDF5 calls for tests, which read and damage files without the module under test.
 #pragma once
 
 #include <cstdint>
@@ -65,7 +65,7 @@ class RawFile {
   void remove(const std::string& path) { check(H5Ldelete(id_, path.c_str(), H5P_DEFAULT)); }
   void group(const std::string& path) { check(H5Gcreate2(id_, path.c_str(), H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT)); }
 
-  /// Puts a dataset in place of what is there, if anything. Values in excess of the shape are ignored.
+  /// Replaces a dataset, if there is one, by these values. Values in excess of the shape are ignored.
   void put(const std::string& path, const std::vector<hsize_t>& dims, hid_t type, std::vector<std::int64_t> values) {
     const hid_t data = make(path, dims, type);
     values.resize(size(dims));
@@ -76,7 +76,7 @@ class RawFile {
     values.resize(size(dims));
     check(H5Dwrite(data, H5T_NATIVE_DOUBLE, H5S_ALL, H5S_ALL, H5P_DEFAULT, values.data()));
   }
-  /// Declared, but nothing stored.
+  /// A dataset that is declared, but has no stored values.
   void put_empty(const std::string& path, const std::vector<hsize_t>& dims, hid_t type, bool chunked) {
     make(path, dims, type, chunked);
   }

@@ -1,6 +1,5 @@
-// Damaged files make HDF5 1.10 ask for absurd amounts of memory, which malloc refuses and HDF5 survives, and leave
-// blocks of its own behind when it gives up. Neither is ours to mend, and neither may end a test run under the
-// sanitizers.
+// Damaged files make HDF5 1.10 request very large amounts of memory, which malloc refuses. HDF5 handles that, but leaks
+// blocks of its own. Neither can be changed here, and neither may end a test under the sanitizers.
 extern "C" {
 const char* __asan_default_options();
 const char* __lsan_default_suppressions();

@@ -1,4 +1,4 @@
-// Sequences to write and read back.
+// Sequences to write and to read again.
 #pragma once
 
 #include <algorithm>
@@ -19,7 +19,7 @@ namespace volccd::test {
 
 inline constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// All of a sequence in memory, in the order of its file.
+/// All data of a sequence in memory, in the order of its file.
 struct Sequence {
   struct Step {
     double time;
@@ -37,8 +37,8 @@ struct Sequence {
   }
 };
 
-/// Mixed cells that die, come back and change under their id; point ids with gaps, shuffled if wanted; velocity and
-/// thickness by the seed; runs of steps that share their cells.
+/// Mixed cells that are removed, added again and changed under their ids; point ids with gaps, shuffled on request;
+/// velocity and thickness depending on the seed; several steps that share their cells.
 inline Sequence random_sequence(std::uint64_t seed, int steps = 6, bool shuffled_ids = true) {
   std::mt19937_64 random(seed);
   const auto below = [&](std::uint64_t n) { return random() % n; };
@@ -70,7 +70,7 @@ inline Sequence random_sequence(std::uint64_t seed, int steps = 6, bool shuffled
       std::shuffle(all.begin(), all.end(), random);
       for (ElementSpec& spec : all) {
         if (below(8) == 0) spec.object = static_cast<std::int32_t>(below(4));
-        // Turned quads and hexahedra have other diagonals.
+        // Quads and hexahedra that are rotated have other diagonals.
         if (below(8) == 0 && spec.type == ElementType::quad)
           std::rotate(spec.vertices.begin(), spec.vertices.begin() + 1, spec.vertices.end());
         if (below(6) != 0 || (&spec == &all.back() && step.cells.size() == 0)) step.cells.add(spec);

@@ -1,4 +1,4 @@
-// What tests of SequenceStepper share: topologies by ids alone, sequences of parabolas, a fixture.
+// Helpers for tests of SequenceStepper: topologies by ids, sequences of parabolas, a fixture.
 #pragma once
 
 #include <map>
@@ -18,7 +18,7 @@ namespace volccd::test {
 
 using Ids = std::vector<std::int64_t>;
 
-/// A topology by ids alone: elements, and features with the elements that have them.
+/// A topology described by ids: elements, and features with their elements.
 struct Description {
   std::map<std::int64_t, std::tuple<ElementType, std::int32_t, Ids, Ids>> elements;
   std::map<Ids, std::set<std::int64_t>> edges, triangles, vertices;
@@ -60,7 +60,7 @@ inline Description describe(const Topology& topology) {
   return d;
 }
 
-/// Thickness by cell id, the second step's where the first has none.
+/// Thickness by cell id; that of the second step is used for cells that the first one does not have.
 inline std::vector<double> thickness_at(SequenceReader& reader, int step, int cells_of_step) {
   std::map<std::int64_t, double> by_id;
   for (const int k : {cells_of_step, step}) {
@@ -96,7 +96,7 @@ inline void expect_fresh_solids(SequenceReader& reader, const SequenceStepper& s
   EXPECT_EQ(stepper.vertices_without_normal(), without_normal);
 }
 
-/// Integers, and steps 1, 3 or 7 times as long as the one before: parabolas come out without rounding.
+/// Integer coefficients, and steps that are 1, 3 or 7 times as long as the one before, so that parabolas are exact.
 struct Parabolas {
   std::vector<double> times = {0, 1, 2, 5, 8, 29};
   std::vector<Vec3> place, velocity, acceleration;
@@ -113,7 +113,7 @@ struct Parabolas {
   Vec3 at(std::size_t v, double t) const { return place[v] + t * velocity[v] + t * t * acceleration[v]; }
   Vec3 velocity_at(std::size_t v, double t) const { return velocity[v] + 2 * t * acceleration[v]; }
 
-  /// Tetrahedra 0-3, 4-7, 8-11; of the last there is none at the steps of `without`.
+  /// Tetrahedra 0-3, 4-7 and 8-11; the last one is missing at the steps of `without`.
   void write(const std::string& file, bool velocities, const std::set<std::size_t>& without = {},
              std::size_t steps = 6) const {
     Sequence s;
@@ -138,13 +138,13 @@ inline void expect_parabola(const Parabolas& p, const Motion& motion, Index v, d
     EXPECT_EQ(motion.position(v, t), p.at(v, t0 + t * (t1 - t0))) << "vertex " << v << " at " << t;
 }
 
-/// Tests that write files of their own.
+/// A fixture for tests that write files.
 class StepperTest : public testing::Test {
  protected:
   std::string file(const char* name) const { return folder_ / name; }
 
-  /// Point 5 has a velocity at step 4 with which motion 4, 21 units of time long, overflows: an error that names the
-  /// array and the point. The stepper stays at motion 3: calls `unchanged` on it.
+  /// Point 5 has a velocity at step 4 with which motion 4, of length 21, overflows. The error names the array and the
+  /// point, and the stepper stays at motion 3; `unchanged` is called on it.
   template <class Unchanged>
   void expect_overflow_is_refused(const Parabolas& p, const SequenceStepper::Config& config, Unchanged&& unchanged) {
     p.write(file("huge.vtkhdf"), true);

@@ -1,4 +1,4 @@
-// Cells whose nodes repeat, as programs for finite elements write them: read as what they are.
+// Cells with repeated nodes, as finite-element programs write them, are read as the elements that they represent.
 #include <gtest/gtest.h>
 
 #include <set>
@@ -15,7 +15,7 @@ namespace {
 
 const std::string kGrid = "VTKHDF/";
 
-/// Two steps of a shape whose second moves it; ids of cells and points with gaps.
+/// Two steps of a shape that moves in the second one; ids of cells and points have gaps.
 Sequence sequence_of(const Shape& shape) {
   Sequence sequence;
   for (std::size_t i = 0; i < shape.positions.size(); ++i)
@@ -33,7 +33,7 @@ Sequence sequence_of(const Shape& shape) {
   return sequence;
 }
 
-/// Rewrites the cells of a file with one topology and no polytopes: `nodes` gives those of a cell in its new type.
+/// Rewrites the cells of a file with one topology and no polytopes. `nodes` gives the nodes of a cell in its new type.
 void rewrite_cells(const std::string& file, const std::vector<std::pair<ElementType, std::vector<Index>>>& cells) {
   RawFile raw(file);
   std::vector<std::int64_t> types, offsets{0}, connectivity;
@@ -111,7 +111,7 @@ TEST(CollapsedCells, AreTheElementsThatTheyStandFor) {
       b.go_to(0);
       EXPECT_EQ(feature_set(a.topology()), feature_set(b.topology())) << to_string(type);
     }
-    // What is read can be written.
+    // Elements that are read can be written.
     SequenceWriter writer(folder / "again", wide.point_ids(), {});
     std::vector<Vec3> points;
     wide.read_points(0, points);
@@ -130,7 +130,7 @@ TEST(CollapsedCells, MixWithPolytopesOfTheFile) {
   sequence_of(shape).write(folder / "s");
   {
     RawFile raw(folder / "s");
-    // Nodes 0 and 4 of the first hexahedron become one: seven nodes are left.
+    // Nodes 0 and 4 of the first hexahedron are identified, which leaves seven nodes.
     raw.poke(kGrid + "Connectivity", 4, raw.integers(kGrid + "Connectivity")[0]);
   }
   SequenceReader reader(folder / "s");
@@ -145,7 +145,8 @@ TEST(CollapsedCells, MixWithPolytopesOfTheFile) {
   EXPECT_NO_THROW(Topology(mesh_of(reader.point_ids(), cells)));
 }
 
-/// Two columns of cells that touch at step 0, one body; at step 1 the middle cells are gone, the halves stay one part.
+/// Two columns of cells touch at step 0 and are one body. At step 1 the middle cells are removed, and the halves remain
+/// one part.
 TEST(ConnectedParts, AreThoseOfAllSteps) {
   const ScratchFolder folder;
   Shape shape = block(ElementType::hexahedron, 3, 1, 1);

@@ -1,4 +1,4 @@
-// Known answers in a file of our own, good and bad.
+// Valid and invalid ground truth in a small file.
 #include <cmath>
 #include <functional>
 #include <limits>

@@ -1,4 +1,4 @@
-// Bad files: each gets an error that names the file, the dataset and the index; none is read as if it were good.
+// Invalid files: each gives an error with the file, the dataset and the index, and none is read as if it were valid.
 #include <concepts>
 #include <fstream>
 #include <functional>
@@ -24,8 +24,8 @@ constexpr std::int64_t kAny = -2, kNo = InputError::kNoIndex;
 const double kInf = std::numeric_limits<double>::infinity();
 constexpr std::int64_t kHuge = std::numeric_limits<std::int64_t>::max();
 
-/// Three steps, two topologies, 12 points: a hexahedron, a tetrahedron on its top, a triangle, a polytope in the place
-/// of the hexahedron later. Small enough to know every index.
+/// Three steps, two topologies, 12 points: a hexahedron, a tetrahedron on its top, and a triangle; later a polytope
+/// replaces the hexahedron. The file is small, so that all indices are known.
 ///
 ///     topology 0 (steps 0, 1): hexahedron 0-7, tetrahedron 4 5 6 8, triangle 8 9 10; connectivity at 0, 8, 12; 15 ids
 ///     topology 1 (step 2):     polytope 0-7 with 6 faces, triangle 8 9 11; connectivity from 15: at 15, 23; 11 ids
@@ -62,7 +62,7 @@ struct Case {
 
 void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
-/// Opens and reads everything.
+/// Opens the file and reads everything.
 void read_all(const std::string& file) {
   SequenceReader reader(file);
   reader.check_contents();
@@ -107,7 +107,7 @@ Case poke(const char* name, std::string dataset, std::size_t at, double value, s
 Case remove(const char* name, std::string dataset) {
   return {name, [=](RawFile& f) { f.remove(dataset); }, dataset, kNo};
 }
-/// The same numbers with another type or shape.
+/// A dataset with the same numbers and another type or shape.
 Case retyped(const char* name, std::string dataset, hid_t type) {
   return {name, [=](RawFile& f) { f.put(dataset, f.shape(dataset), type, f.integers(dataset)); }, dataset, kNo};
 }
@@ -313,7 +313,7 @@ INSTANTIATE_TEST_SUITE_P(
                     poke("FacesOfATriangle", V + "PolyhedronOffsets", 5, 5, kAny)),
     case_name);
 
-/// What the layer must not do: believe a size and allocate for it.
+/// The reader must not trust a size and allocate memory for it.
 INSTANTIATE_TEST_SUITE_P(
     Hostile, Malformed,
     testing::Values(Case{"PointsWithoutStorage",
@@ -367,7 +367,7 @@ TEST(MalformedFile, HugeSizesAllocateNothing) {
   small().write(file);
   {
     RawFile raw(file);
-    // 32 million points of which not one is stored.
+    // 32 million points, none of which is stored.
     const std::int64_t n = std::int64_t{1} << 25;
     raw.put(V + "NumberOfPoints", {2}, H5T_STD_I64LE, I{n, n});
     raw.put_empty(V + "Points", {static_cast<hsize_t>(3 * n), 3}, H5T_IEEE_F64LE, true);
@@ -380,7 +380,7 @@ TEST(MalformedFile, HugeSizesAllocateNothing) {
   EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 64 * 1024) << "kilobytes";
 }
 
-/// What the error says when `spoil` has been at the file.
+/// The error message after `spoil` has changed the file.
 std::string error_of(const std::function<void(RawFile&)>& spoil) {
   const ScratchFolder folder;
   const std::string file = folder / "bad.vtkhdf";
@@ -459,14 +459,14 @@ TEST(MalformedFile, KeepsTheCallersErrorHandler) {
   EXPECT_EQ(before_data, after_data);
 }
 
-/// HDF5 loses blocks of its own over a damaged file and would complain when the process ends.
+/// HDF5 leaks blocks of its own for damaged files, and would print errors at the end of the process.
 class QuietEnd : public testing::Environment {
  public:
   void TearDown() override { turn_off_hdf5_messages(); }
 };
 [[maybe_unused]] const testing::Environment* const quiet_end = testing::AddGlobalTestEnvironment(new QuietEnd);
 
-/// Refused with the file's name, or read; nothing else may come of it.
+/// Either an error with the name of the file, or a sequence that can be read; no other outcome.
 bool survives(const std::string& file) {
   try {
     read_all(file);

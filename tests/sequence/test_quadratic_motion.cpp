@@ -12,8 +12,8 @@ class QuadraticMotion : public StepperTest {};
 
 constexpr SequenceStepper::Config kQuadratic{EdgeSet::triangulated, ShellModel::surface, MotionModel::quadratic};
 
-/// Without velocities by three steps, unequal ones included, with velocities by those: the same parabola, exactly,
-/// after any walk.
+/// Parabolas follow from three steps (of different lengths, too) if there are no velocities, and from velocities
+/// otherwise. Both give the same parabola exactly, in any order of motions.
 TEST_F(QuadraticMotion, ReproducesParabolas) {
   for (const bool velocities : {false, true})
     for (std::uint64_t seed = 0; seed < 4; ++seed) {
@@ -33,12 +33,12 @@ TEST_F(QuadraticMotion, ReproducesParabolas) {
     }
 }
 
-/// A parabola is looked up where cells use the point; where they do not, its place and velocity are anything.
+/// A parabola is computed only for points that cells use. Other points may have any positions and velocities.
 TEST_F(QuadraticMotion, DoesNotLookAtUnusedPoints) {
   const Parabolas p(7);
   for (const bool velocities : {false, true}) {
     SCOPED_TRACE(velocities);
-    // Born at step 2, gone at step 5.
+    // The cell exists from step 2 to step 4.
     p.write(file("s.vtkhdf"), velocities, {0, 1, 5});
     SequenceReader reader(file("s.vtkhdf"));
     SequenceStepper stepper(reader, kQuadratic);
@@ -60,7 +60,7 @@ TEST_F(QuadraticMotion, DoesNotLookAtUnusedPoints) {
   }
 }
 
-/// Velocities that contradict the positions: the motion begins with them and ends at the next step all the same.
+/// The velocities contradict the positions: the motion begins with the velocities, and ends at the next step.
 TEST_F(QuadraticMotion, BeginsWithTheStoredVelocity) {
   for (std::uint64_t seed = 0; seed < 6; ++seed) {
     random_sequence(seed, 4).write(file("s.vtkhdf"));

@@ -1,4 +1,4 @@
-// Query files of our own, good and bad; and the queries as a step.
+// Valid and invalid query files, and the queries as a step.
 #include <functional>
 #include <limits>
 
@@ -161,7 +161,7 @@ TEST(QueryFile, SequencesAreToldApart) {
   EXPECT_THROW(is_sequence_file(folder / "absent"), InputError);
 }
 
-/// Counts of the data's README.
+/// The counts given in the README of the data.
 TEST(QueryFile, SharedQueries) {
   VOLCCD_NEEDS_DATA(path, "ccd-queries.h5");
   std::size_t queries = 0, colliding = 0;

@@ -1,4 +1,4 @@
-// Query motion of sequences: the last query that a simulation asked before a step, on the cells of that step.
+// Query motion of sequences: the last query of a simulation before a step, on the cells of that step.
 #include <gtest/gtest.h>
 
 #include <volccd/mesh/sequence/stepper.hpp>
@@ -64,7 +64,7 @@ TEST_F(QueryMotion, IsTheQueryOfItsLastStepOnTheCellsOfThatStep) {
   EXPECT_GT(changes, 0);
 }
 
-/// Files that were made before queries were stored are read as before; query motion says what to do.
+/// Files without stored queries are read as before; the error for query motion says how to get queries.
 TEST_F(QueryMotion, OfAFileWithoutQueriesIsRefused) {
   random_sequence(1, 3).write(file("old.vtkhdf"));
   SequenceReader reader(file("old.vtkhdf"));

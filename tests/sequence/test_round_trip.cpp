@@ -1,4 +1,4 @@
-// What is written is what is read, in the order of the ids.
+// Written data are read again unchanged, in the order of the ids.
 #include <map>
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace volccd::test {
 namespace {
 
-/// Slot of each point of the file, by counting smaller ids: independent of the reader's sort.
+/// The slot of each point of the file, from the number of smaller ids, without the reader's sort.
 std::vector<Index> slots_by_counting(const std::vector<std::int64_t>& ids) {
   std::vector<Index> slots;
   for (const std::int64_t id : ids)
@@ -46,7 +46,7 @@ void expect_equal(const std::string& file, const Sequence& expected) {
   std::vector<Vec3> vectors;
   std::vector<double> thickness;
   SequenceCells cells;
-  // Backwards, so that nothing depends on reading in order.
+  // The steps are read backwards, so that nothing depends on the order.
   for (int k = reader.step_count() - 1; k >= 0; --k) {
     const Sequence::Step& step = expected.steps[static_cast<std::size_t>(k)];
     EXPECT_EQ(reader.time(k), step.time);
@@ -119,7 +119,7 @@ TEST(SequenceRoundTrip, PartNames) {
     EXPECT_THROW(parse_part_names("f", bad), InputError) << bad;
 }
 
-/// As VTK writes a grid without time: floats, 32-bit types where it likes, no ids, no group Steps.
+/// A grid without time as VTK writes it: floats, some 32-bit integers, no ids, no group Steps.
 void write_static(const std::string& file) {
   RawFile raw(file, true);
   raw.group("VTKHDF");
@@ -165,13 +165,13 @@ TEST(SequenceRoundTrip, OffsetsOfCellsWithOneOrTwoAxes) {
       ASSERT_EQ(raw.shape(path), (std::vector<hsize_t>{5, 1}));
       raw.put(path, {5}, H5T_STD_I64LE, raw.integers(path));
     }
-    // VTK's first temporal files do not have it.
+    // VTK's first temporal files do not have this array.
     raw.remove("VTKHDF/Steps/NumberOfParts");
   }
   expect_equal(folder / "s.vtkhdf", sequence);
 }
 
-/// Point ids stored at every step instead of once.
+/// Point ids are stored at every step instead of once.
 TEST(SequenceRoundTrip, PointIdsAtEveryStep) {
   const ScratchFolder folder;
   const Sequence sequence = random_sequence(5, 3);

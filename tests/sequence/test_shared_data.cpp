@@ -1,4 +1,4 @@
-// The shared files, against the figures of their own README.
+// The shared files have the numbers given in their README.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -140,7 +140,7 @@ TEST(SharedGroundTruth, ClothBall) {
   expect_counts(*answers, FeatureKind::vf, 19034, 19032);
   expect_counts(*answers, FeatureKind::ee, 94825, 94822);
   for (const KnownAnswer& answer : *answers) ASSERT_TRUE(std::isnan(answer.toi));
-  // The reader goes on while the same file is open twice.
+  // The same file is opened a second time while the first reader is used.
   std::vector<Vec3> points;
   EXPECT_NO_THROW(reader.read_points(1, points));
 }

@@ -1,4 +1,4 @@
-// What the stepper has after any walk over the motions is what a fresh topology would have.
+// After any order of motions, the stepper has the same data as a new topology.
 #include <chrono>
 #include <limits>
 #include <map>
@@ -53,7 +53,7 @@ TEST(SequenceStepper, AnyWalkEqualsFreshTopologies) {
   }
 }
 
-/// An edit holds what differs and nothing else.
+/// An edit contains the differences, and nothing else.
 TEST(SequenceStepper, EditsAreMinimal) {
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     const Sequence s = random_sequence(seed, 5, false);

@@ -1,4 +1,4 @@
-// Tentative motion of sequences: from stored velocities, on the cells of its first step.
+// Tentative motion of sequences: from stored velocities, on the cells of the first step.
 #include <gtest/gtest.h>
 
 #include <volccd/mesh/sequence/stepper.hpp>
@@ -43,7 +43,7 @@ void expect_tentative(SequenceReader& reader, const SequenceStepper& stepper, in
   EXPECT_EQ(stepper.step_length(), reader.time(k + 1) - reader.time(k));
 }
 
-/// From the points and velocities of step k, on the cells of step k, also where the next step has others.
+/// The motion uses the points, velocities and cells of step k, even if the next step has other cells.
 TEST_F(TentativeMotion, IsOfItsStepAlone) {
   int files = 0, changes = 0, unused = 0;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
@@ -66,7 +66,7 @@ TEST_F(TentativeMotion, IsOfItsStepAlone) {
   EXPECT_GT(unused, 0);
 }
 
-/// What is stored for points that no cell uses means nothing: they stand still.
+/// Values stored for points that no cell uses have no meaning; these points do not move.
 TEST_F(TentativeMotion, LeavesUnusedPointsWhereTheyAre) {
   const Parabolas p(3);
   p.write(file("s.vtkhdf"), true, {0, 1, 5});
@@ -88,7 +88,7 @@ TEST_F(TentativeMotion, LeavesUnusedPointsWhereTheyAre) {
   }
 }
 
-/// The middle moves as the surface does; above and below lie where thickening puts them at either end.
+/// The middle layer moves as the shell does; the outer layers are placed by thickening at either end.
 TEST_F(TentativeMotion, CarriesSolidShells) {
   int files = 0;
   for (std::uint64_t seed = 0; seed < 24; ++seed) {

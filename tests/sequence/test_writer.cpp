@@ -1,4 +1,4 @@
-// The writer leaves a whole file or none, and refuses what the reader would.
+// The writer leaves a complete file or none, and refuses data that the reader would refuse.
 #include <chrono>
 #include <fstream>
 #include <functional>
@@ -65,7 +65,7 @@ TEST(SequenceWriter, WhatWasThereStaysUntilFinish) {
   EXPECT_EQ(info.st_mode & 0777, 0666 & ~mask);
 }
 
-/// HDF5 by itself crashes at the end of the process when it could not write.
+/// HDF5 itself crashes at the end of the process if a write failed.
 TEST(SequenceWriter, AFullDiskIsAnErrorWithTheReasonWhereverItStrikes) {
   const ScratchFolder folder;
   const std::string file = folder / "s.vtkhdf";
@@ -120,7 +120,7 @@ TEST(SequenceWriter, AnIncompleteSequenceSaysSo) {
   }
 }
 
-/// VTKHDF 1.0, which has neither steps nor polyhedra.
+/// VTKHDF 1.0 has neither steps nor polyhedra.
 TEST(SequenceWriter, TheSingleFormHasOneStep) {
   const ScratchFolder folder;
   const std::string file = folder / "s.vtkhdf";

@@ -1,4 +1,4 @@
-// The written file, dataset by dataset, against the published layout, with plain HDF5 calls only.
+// Compares each dataset of a written file with the published layout, using plain HDF5 calls only.
 #include <gtest/gtest.h>
 
 #include "raw_hdf5.hpp"
@@ -13,7 +13,7 @@ struct Expected {
   std::vector<hsize_t> shape;
 };
 
-/// Without polytopes, which are an extension of the layout; thickness and velocity throughout.
+/// Without polytopes, which are an extension of the layout; with thickness and velocity in all steps.
 Sequence plain_sequence() {
   std::mt19937_64 random(11);
   Sequence sequence;
@@ -22,7 +22,7 @@ Sequence plain_sequence() {
     sequence.point_ids.push_back(static_cast<std::int64_t>(2 * i + 1));
   for (int k = 0; k < 5; ++k) {
     Sequence::Step step{0.5 * k, shape.positions, shape.positions, {}, {}};
-    // Steps 0 and 1 share their cells, so do 3 and 4.
+    // Steps 0 and 1 share their cells, and so do steps 3 and 4.
     const std::size_t dead = k < 2 ? 0 : k == 2 ? 3 : 7;
     for (std::size_t i = dead; i < shape.elements.size(); ++i) step.cells.add(shape.elements[i]);
     step.thickness.assign(step.cells.size(), 0.25 * k);
@@ -141,7 +141,7 @@ TEST(SequenceLayout, Attributes) {
   EXPECT_EQ(steps, 5);
 }
 
-/// Takes every step apart by the rules of the layout.
+/// Reads every step according to the rules of the layout.
 TEST(SequenceLayout, AddressesOfEveryStep) {
   const ScratchFolder folder;
   const Sequence s = plain_sequence();

@@ -1,4 +1,4 @@
-// Hexahedra that break in two: where, along which plane, and what stays as it was.
+// Hexahedra that break in two: where and along which plane they break, and what does not change.
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -27,7 +27,7 @@ TopologyProposal propose(const Body& body, const Vec3& direction, const std::vec
                           std::vector<char>(body.x.size(), 0));
 }
 
-/// By the divergence theorem over the triangulated boundary as VTK orients it.
+/// Volume by the divergence theorem over the boundary, triangulated in VTK's order.
 double solid_volume(const Body& body, Index o) {
   constexpr std::size_t kWedge[8][3] = {{0, 1, 2}, {3, 5, 4}, {0, 3, 4}, {0, 4, 1},
                                         {1, 4, 5}, {1, 5, 2}, {2, 5, 3}, {2, 3, 0}};
@@ -39,7 +39,7 @@ double solid_volume(const Body& body, Index o) {
 
 using Triangle = std::array<Index, 3>;
 
-/// Triangles of the boundary; none may have more than two elements.
+/// Triangles of the boundary; no triangle may have more than two elements.
 std::set<Triangle> surface(const Body& body) {
   std::set<Triangle> result;
   const Features& features = body.topology.features();
@@ -51,7 +51,7 @@ std::set<Triangle> surface(const Body& body) {
 }
 
 TEST(ElementBreaking, CutsAHexahedronAcrossTheTension) {
-  // The diagonals of a cell whose vertices count up run through its first vertex.
+  // In a cell whose vertices have ascending numbers, the diagonals contain its first vertex.
   const Vec3 normals[] = {Vec3(1, -1, 0), Vec3(0, 1, -1), Vec3(1, 0, -1)};
   for (const Vec3& normal : normals) {
     Body body(block(ElementType::hexahedron, 1, 1, 1));
@@ -104,7 +104,7 @@ TEST(ElementBreaking, LeavesAloneWhatCannotBreak) {
     EXPECT_NE(piece.id, 13) << "faces inside are not divided";
 }
 
-/// Of any numbering: pieces fill the body, faces fit, and the surface is what it was.
+/// With any numbering, the pieces fill the body, their faces match, and the surface is unchanged.
 TEST(ElementBreaking, KeepsTheSurfaceOfAnyBlock) {
   std::size_t broken = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
@@ -127,7 +127,7 @@ TEST(ElementBreaking, KeepsTheSurfaceOfAnyBlock) {
   EXPECT_GT(broken, 20u);
 }
 
-/// A strip, a cell thick, that is drawn along the diagonal of its cells until they break and then part.
+/// A strip of one layer of cells that is stretched along the diagonal of the cells until they break and then separate.
 Model drawn_strip() {
   Model model = blocks({{.nx = 3, .ny = 3, .nz = 1}});
   Material& material = model.parts[0].material;
@@ -141,7 +141,7 @@ Model drawn_strip() {
   return model;
 }
 
-/// Steps far below the stable one: how well plastic flow is integrated is not the question.
+/// The steps are far below the stable step, because the accuracy of plastic flow is not tested here.
 SimulationOptions small_steps() {
   SimulationOptions options;
   options.max_step = 1e-4;

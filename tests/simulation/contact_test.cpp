@@ -1,4 +1,4 @@
-// Contacts of simulated bodies: momentum, energy, friction, and that nothing passes through anything.
+// Contacts of simulated bodies: momentum, energy, friction, and that no body passes through another.
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
@@ -8,7 +8,7 @@
 namespace volccd::simulation {
 namespace {
 
-/// Pairs of elements, not adjacent, that overlap: decided exactly, by code that the response does not use.
+/// Number of pairs of non-adjacent elements that overlap, decided exactly by code that the response does not use.
 std::size_t overlaps(const Simulation& s) {
   const Registry registry = Registry::standard();
   const Pipeline pipeline(registry, registry.pipeline("VolCCD+"));
@@ -21,8 +21,8 @@ std::size_t overlaps(const Simulation& s) {
   return result.initial_overlaps.size();
 }
 
-/// What share of the energy the books may be short of: bulk viscosity is booked by the velocity before it has acted,
-/// which is too much where impacts turn velocities round within a substep.
+/// Fraction of the energy by which the balance may be wrong. The work of bulk viscosity is computed with the velocity
+/// before the substep, and is too large if an impact reverses velocities within the substep.
 double booking(double restitution) { return restitution > 0 ? 0.35 : 0.03; }
 
 TEST(ContactWall, BounceKeepsEnergy) {
@@ -64,7 +64,7 @@ TEST(ContactBlocks, ImpactKeepsMomentumAndBalancesEnergy) {
 }
 
 TEST(ContactFastPlate, NothingPassesThrough) {
-  // In a substep the block, stiff, moves by more than the plate, soft, is thick.
+  // In a substep, the stiff block moves by more than the thickness of the soft plate.
   for (int group : {1, 3}) {
     Model model =
         blocks({{ElementType::tetrahedron, 2, 2, 2, Vec3(0.1, 0.1, 0.1), Vec3(-0.25, 0.05, 0.05), Vec3(40, 3, 1)},
@@ -108,7 +108,7 @@ TEST(ContactSlope, SticksBelowTheAngleAndSlidesAboveIt) {
 }
 
 TEST(ContactBlockOnBlock, SlidesWithTheSmallerFriction) {
-  // A rigid block on a rigid table that is held: contacts of the pipeline, not a wall.
+  // A rigid block on a fixed rigid table. The contacts come from the pipeline, not from a wall.
   const double g = 9.81, t = 0.1;
   Part block_part{"block", soft()}, table{"table", soft()};
   block_part.rigid = table.rigid = true;
@@ -142,7 +142,7 @@ TEST(ContactAtStart, TouchingAndOverlappingBlocksPartWithoutSticking) {
 }
 
 TEST(ContactAtStart, WhatTouchesIsStopped) {
-  // Conforming faces in touch, pressed together: no direction but where the elements lie.
+  // Conforming faces touch and are pressed together, so that only the positions of the elements give a direction.
   for (double lateral : {0.0, 0.03}) {
     Model model =
         blocks({{.velocity = Vec3(0.5, 0, 0)}, {.at = Vec3(0.2, lateral, lateral), .velocity = Vec3(-0.5, 0, 0)}});
@@ -226,7 +226,7 @@ TEST(ContactAdjacent, TurningOverIsResistedAndTurningBackIsNot) {
 }
 
 TEST(ContactShells, SheetIsHeldByItsThickness) {
-  // A sheet of triangles falls onto a fixed block; the prisms of the sheet touch it half a thickness above.
+  // A sheet of triangles falls onto a fixed block. The prisms of the sheet touch it at half the thickness above.
   Part sheet{"sheet", soft(), 0.004};
   Model model = blocks({{.size = Vec3(0.12, 0.12, 0.1), .at = Vec3(0.08, 0.07, -0.21)},
                         {ElementType::triangle, 4, 4, 1, Vec3(0.1, 0.1, 1), Vec3(0, 0, 0), Vec3(0, 0, -3), sheet}});

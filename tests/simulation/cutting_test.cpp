@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kSnap = 0.15;
 
-/// The plane z = 1.37 through a block of 4 x 3 x 3, from x = -1 on.
+/// The plane z = 1.37 through a block of 4 x 3 x 3, with the blade starting at x = -1.
 Cut level_cut() {
   Cut cut;
   cut.point = Vec3(-1, 0, 1.37);
@@ -19,7 +19,7 @@ Cut level_cut() {
   return cut;
 }
 
-/// A plane through about the middle of a block of that size, turned at random, from outside it on.
+/// A plane near the middle of a block of that size, rotated at random, with the blade starting outside.
 Cut random_cut(Random& random) {
   Cut cut;
   cut.direction = Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)).normalized();
@@ -44,7 +44,7 @@ void expect_sound(const Body& body, double volume, double area, const Cut& cut, 
   const Boundary boundary = boundary_of(body);
   EXPECT_LE(boundary.most_elements, 2);
   EXPECT_TRUE(boundary.pairs);
-  // A face that does not fit its neighbour would be boundary on its own, and count as outer.
+  // A face that does not match a face of its neighbour would be on the boundary, and count as an outer face.
   EXPECT_NEAR(boundary.outer_area, area, 1e-10 * area);
   for (const auto& face : boundary.parted)
     for (const Vec3& corner : face) {
@@ -128,7 +128,7 @@ TEST(ElementCutting, PartedAreaIsThatOfTheSection) {
   body.apply(propose_cut(body.topology, body.x, level_cut(), 100, 0.3));
   EXPECT_NEAR(boundary_of(body).parted_area, 2 * 12, 1e-12);
 
-  // Through a layer of vertices: nothing is subdivided, and the sides part all the same.
+  // The plane contains a layer of vertices: nothing is subdivided, but the sides separate.
   Cut through = level_cut();
   through.point.z() = 2;
   Body layers(block(ElementType::tetrahedron, 4, 3, 3));
@@ -157,7 +157,8 @@ TEST(ElementCutting, CrossingCutsMakeFourQuarters) {
   EXPECT_EQ(components(body).size(), 4u);
   EXPECT_NEAR(total_volume(body), volume, 1e-12 * volume);
   EXPECT_GT(least_volume(body), 0);
-  // The second cut divides both sides of the first, each by its own numbering: they need not coincide any more.
+  // The second cut divides both sides of the first one, each by its own numbering, so that they need not match any
+  // more.
   for (const auto& quarter : components(body)) EXPECT_EQ(euler_characteristic(body, quarter), 1);
 }
 

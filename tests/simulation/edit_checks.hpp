@@ -1,4 +1,4 @@
-// Bodies that topology edits are tried on, and what is asked of them afterwards, computed from the elements alone.
+// Bodies for topology edits, and checks after edits that are computed from the elements only.
 #pragma once
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace volccd::simulation {
 struct Body {
   explicit Body(const Shape& shape) : topology(shape.mesh()), x(shape.positions), v(x.size(), Vec3::Zero()) {}
 
-  /// As a loop does it.
+  /// Applies the proposal as a time loop does.
   void apply(const TopologyProposal& proposal) {
     inherit(proposal, x);
     inherit(proposal, v);
@@ -58,7 +58,7 @@ inline double least_volume(const Body& body) {
   return least;
 }
 
-/// Sets of elements that hang together by vertices: the elements of each.
+/// Sets of elements that are connected by vertices.
 inline std::vector<std::vector<Index>> components(const Body& body) {
   std::vector<Index> root(body.mesh().vertex_count());
   std::iota(root.begin(), root.end(), Index{0});
@@ -75,11 +75,11 @@ inline std::vector<std::vector<Index>> components(const Body& body) {
   return result;
 }
 
-/// The boundary of a body of tetrahedra. Faces that coincide with another boundary face are where it has been parted.
+/// The boundary of a body of tetrahedra. Where a boundary face coincides with another one, the body has been separated.
 struct Boundary {
-  double outer_area = 0, parted_area = 0;  ///< both sides of what is parted count
-  int most_elements = 0;                   ///< at one face
-  bool pairs = true;                       ///< coinciding faces come in twos, with opposite orientations
+  double outer_area = 0, parted_area = 0;  ///< both sides of a separated face count
+  int most_elements = 0;                   ///< of the elements at one face
+  bool pairs = true;                       ///< coinciding faces occur in pairs with opposite orientations
   std::vector<std::array<Vec3, 3>> parted;
 };
 
@@ -120,7 +120,7 @@ inline Boundary boundary_of(const Body& body) {
   return result;
 }
 
-/// Vertices - edges + faces - elements of some tetrahedra: 1 if they form a ball and conform.
+/// Vertices - edges + faces - elements of some tetrahedra, which is 1 if they form a ball and are conforming.
 inline int euler_characteristic(const Body& body, const std::vector<Index>& elements) {
   std::set<std::vector<Index>> simplices;
   for (Index o : elements) {
@@ -138,7 +138,7 @@ inline int euler_characteristic(const Body& body, const std::vector<Index>& elem
   return sum;
 }
 
-/// Lumped, of tetrahedra of density 1.
+/// Lumped masses of tetrahedra of density 1.
 inline std::vector<double> tet_masses(const Body& body) {
   std::vector<double> mass(body.mesh().vertex_count(), 0.0);
   for (Index o : body.elements())

@@ -15,7 +15,7 @@ std::vector<Part> sticky(double distance = 0.2, double force = 10) {
   return {part, part};
 }
 
-/// A contact in which a is the vertex; b and two more form the triangle.
+/// A contact of vertex a with the triangle that consists of b and two other vertices.
 LoadedContact touch(Index a, Index b, Index c, Index d, double force = 11) {
   LoadedContact loaded{};
   loaded.contact.kind = FeatureKind::vf;
@@ -42,7 +42,8 @@ Shape tetrahedra(std::vector<Vec3> positions, const std::vector<std::array<Index
   return shape;
 }
 
-/// Two tetrahedra that meet in the edge 0-1: 2 and 4 are near each other, 3 and 5 on the sides of them given by `side`.
+/// Two tetrahedra with the common edge 0-1. Vertices 2 and 4 are near each other; `side` says on which sides of them 3
+/// and 5 are.
 Body hinge(double side) {
   const Vec3 apex(0.5, side > 0 ? 0.5 : 0.3, side > 0 ? -1.0 : 1.2);
   Shape shape = tetrahedra({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 1, 0), Vec3(0.5, 0.5, 1), Vec3(0.5, 1, -0.1), apex},
@@ -122,7 +123,7 @@ TEST(NodeMerging, WeldsBlocksFaceToFaceInSteps) {
     if (type != ElementType::tetrahedron) continue;
     EXPECT_LE(boundary_of(body).most_elements, 2);
     EXPECT_GT(least_volume(body), 0);
-    EXPECT_LT(boundary_of(body).outer_area, 2 * (2 * 9 + 4 * 6) - 17);  // both faces of 9 are inside now
+    EXPECT_LT(boundary_of(body).outer_area, 2 * (2 * 9 + 4 * 6) - 17);  // both faces of 9 are interior now
   }
 }
 
@@ -169,7 +170,7 @@ TEST(NodeMerging, RefusesWhatWouldDegenerate) {
   EXPECT_FALSE(propose(hinge(1), {touch(4, 2, 0, 1)}).empty()) << "closes the hinge";
   EXPECT_TRUE(propose(hinge(-1), {touch(4, 2, 0, 1)}).empty()) << "both on one side of the face";
 
-  // Vertex 4 is far behind the face 1 2 3 of the other: the middle of 0 and 4 turns that one inside out.
+  // Vertex 4 is far behind the face 1 2 3 of the other tetrahedron, so that moving to the middle of 0 and 4 inverts it.
   const Body behind(tetrahedra({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(2, 2, 2),
                                 Vec3(3, 2, 2), Vec3(2, 3, 2), Vec3(2, 2, 3)},
                                {{0, 1, 2, 3}, {4, 5, 6, 7}}));
@@ -178,8 +179,8 @@ TEST(NodeMerging, RefusesWhatWouldDegenerate) {
 }
 
 TEST(NodeMerging, RefusesAThirdElementAtAFaceAndDoubledShells) {
-  // Two tetrahedra have the face 0 1 2, a third one has 0, 1 and the vertex 5 near 2. The two are on either side of the
-  // face, or, tangled, both on that where the third is not.
+  // Two tetrahedra have the face 0 1 2, and a third one has 0, 1 and vertex 5, which is near 2. The two are on
+  // different sides of the face or, in the invalid case, both on the side where the third one is not.
   for (const double z : {-1.0, 1.2}) {
     const Body fan(tetrahedra({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 1, 0), Vec3(0.5, 0.3, 1), Vec3(0.5, 0.3, z),
                                Vec3(0.5, 1.1, 0), Vec3(0.5, 1, -1.5)},

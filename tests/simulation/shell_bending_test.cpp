@@ -1,4 +1,4 @@
-// Shells as plates: hinges, plastic hinges, joints; and what goes with a run: threads, checkpoints, edits.
+// Bending of shells: hinges, plastic hinges, joints; and threads, checkpoints, edits.
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ double plate_stiffness(const Material& m, double h) {
   return m.youngs_modulus * h * h * h / (12 * (1 - m.poisson_ratio * m.poisson_ratio));
 }
 
-/// Two triangles with a common edge of length 2 and heights of 1, as a flat sheet; vertex 3 turns about the edge.
+/// Two triangles with a common edge of length 2 and heights of 1 form a flat sheet; vertex 3 rotates about the edge.
 Model flap(const Material& material, double thickness, bool same_sense = true) {
   Model model = one_part(material, thickness);
   add_vertices(model, {{0, -1, 0}, {0, 1, 0}, {-1, 0, 0}, {1, 0, 0}});
@@ -27,13 +27,14 @@ Model flap(const Material& material, double thickness, bool same_sense = true) {
   return model;
 }
 void turn(Loop& loop, double angle) { loop.x[3] = {std::cos(angle), 0, std::sin(angle)}; }
-/// Moment of the whole edge, from the force on the turned vertex; positive against a turn of vertex 3 towards +z.
+/// Moment of the whole edge, computed from the force on the rotated vertex; positive if it opposes a rotation towards
+/// +z.
 double moment(const Loop& loop, double angle) { return -loop.force[3].dot(Vec3(-std::sin(angle), 0, std::cos(angle))); }
 
 TEST(ShellBending, CylinderHasTheEnergyOfAPlate) {
   const double radius = 5, a = 0.1, b = 0.07, h = 0.01;
   Loop loop(sheet(20, 6, a, b, steel(), h));
-  // Chords keep their length, so that the membrane takes no part.
+  // Chords keep their lengths, so that the membrane has no forces.
   const double angle = 2 * std::asin(a / 2 / radius);
   for (Vec3& x : loop.x) x = {radius * std::sin(x.x() / a * angle), x.y(), radius * (1 - std::cos(x.x() / a * angle))};
   loop.compute(0);
@@ -41,7 +42,7 @@ TEST(ShellBending, CylinderHasTheEnergyOfAPlate) {
   EXPECT_NEAR(loop.shells->elastic_energy(), expected, 2e-4 * expected);
 }
 
-/// Columns of equilateral triangles across x, `along` of them, each `across` edges wide; side a.
+/// Columns of equilateral triangles with edge length a across x: `along` columns of `across` edges.
 Model equilateral(Index along, Index across, double a, const Material& material, double thickness) {
   Model model = one_part(material, thickness);
   std::vector<Vec3> positions;
@@ -63,7 +64,7 @@ TEST(ShellBending, CylinderInAnyDirectionOnEquilateralTriangles) {
   constexpr Index n = 30;
   const double a = 0.01, area = n * n * std::sqrt(0.75) * a * a;
   const Model model = equilateral(n, n, a, steel(), 0.001);
-  const double curvature = 1e-4;  // so little that the membrane takes no part
+  const double curvature = 1e-4;  // so small that the membrane has no influence
   for (const double direction : {0.0, 0.4, 1.0, kPi / 2}) {
     Loop loop(model);
     for (Vec3& x : loop.x) {
@@ -92,8 +93,8 @@ TEST(ShellBending, BeamOnTwoSupportsBendsAsTheFormulaSays) {
   const double expected = force * length * length * length / (48 * 2e11 * inertia);
   double middle = 0;
   for (Index i = 0; i <= across; ++i) middle += loop.x[columns / 2 * (across + 1) + i].z() / (across + 1);
-  EXPECT_LT(middle, 0.2 * h);  // else the membrane would help
-  // 2.4 % from bending as if Poisson's ratio were -1/3; the rest because rims have no hinges.
+  EXPECT_LT(middle, 0.2 * h);  // otherwise the membrane would contribute
+  // 2.4 % because hinges bend as if Poisson's ratio were -1/3; the rest because the rims have no hinges.
   EXPECT_NEAR(middle, expected, 0.07 * expected);
 }
 
@@ -153,11 +154,11 @@ TEST(ShellBending, NumberingMakesNoDifference) {
 
 TEST(ShellBending, UnfoldsFromFlatlyFolded) {
   Model model = flap(steel(), 0.01);
-  model.positions[3] = {-1, 0, 0};  // on top of vertex 2
+  model.positions[3] = {-1, 0, 0};  // at the position of vertex 2
   Loop loop(model);
   const double k = plate_stiffness(steel(), 0.01) * 2;
   for (const double side : {1.0, -1.0}) {
-    for (int i = 0; i <= 60; ++i) {  // all the way round to where it was
+    for (int i = 0; i <= 60; ++i) {  // a full turn back to the initial position
       const double angle = kPi + side * 2 * kPi * i / 60;
       turn(loop, angle);
       loop.compute(1e-6);
@@ -180,7 +181,7 @@ TEST(ShellBending, JointOfThreeIsAsStiffAsTheSheetThroughIt) {
   turn(two, 0.1);
   two.compute(0);
   turn(loop, 0.1);
-  loop.x[4] = {-std::sin(0.05), 0, std::cos(0.05)};  // the rib turns freely by half
+  loop.x[4] = {-std::sin(0.05), 0, std::cos(0.05)};  // the rib rotates freely by half of the angle
   loop.compute(0);
   EXPECT_NEAR(loop.shells->elastic_energy(), two.shells->elastic_energy(), 1e-9 * two.shells->elastic_energy());
   EXPECT_NEAR(moment(loop, 0.1), moment(two, 0.1), 1e-9 * moment(two, 0.1));
@@ -200,7 +201,7 @@ TEST(ShellBending, RigidNeighbourClamps) {
   EXPECT_NEAR(moment(loop, 0.1), 0.1 * plate_stiffness(steel(), 0.05) * 4, 1e-5 * moment(loop, 0.1));
 }
 
-/// A sheet large enough for many blocks, hit hard in its middle.
+/// A sheet with many blocks that is hit in its middle.
 Loop struck(Index n) {
   Model model = sheet(n, n, 0.01, 0.01, yielding_steel(), 0.002, 0.1);
   Loop loop(model);
@@ -312,7 +313,7 @@ TEST(ShellArchive, KeepsFullTurns) {
   EXPECT_EQ(force, loop.force);
 }
 
-/// Every triangle gets vertices of its own.
+/// Gives every triangle vertices of its own.
 ElementHeritage shatter(Model& model, std::vector<Vec3>& x) {
   ElementHeritage heritage;
   const Index slots = model.mesh.element_slots();
@@ -359,7 +360,7 @@ TEST(ShellUpdate, PiecesKeepTheirState) {
   EXPECT_EQ(loop.shells->plastic_work(), plastic);
   loop.x = x;
   loop.v.assign(x.size(), Vec3::Zero());
-  for (int k = 0; k < 2; ++k) {  // right after the edit, and after a call
+  for (int k = 0; k < 2; ++k) {  // directly after the edit, and after a call
     const VertexStress pieces = total(loop.stress());
     EXPECT_LT((pieces.stress - whole.stress).norm(), 1e-9 * whole.stress.norm());
     EXPECT_NEAR(pieces.plastic_strain, whole.plastic_strain, 1e-12 * whole.plastic_strain);
@@ -378,7 +379,7 @@ TEST(ShellUpdate, HingesKeepTheirAngle) {
       loop.compute(1e-3);
       const std::vector<Vec3> force = loop.force;
       ASSERT_GT(loop.shells->plastic_work(), 0);
-      // Both triangles anew, in each other's slots or not.
+      // Both triangles are replaced, in each other's slots or in their own.
       ElementHeritage heritage;
       std::vector<Index> vertices[2];
       for (Index slot : {0u, 1u}) {
@@ -400,7 +401,7 @@ TEST(ShellUpdate, HingesKeepTheirAngle) {
 
 TEST(ShellUpdate, WeldedSheetsRestAsTheyAreFound) {
   Model model = one_part(steel(), 0.01);
-  // Two triangles apart, then brought together; vertices 3 and 4 merge into 0 and 1.
+  // Two separate triangles move together; vertices 3 and 4 merge into 0 and 1.
   add_vertices(model, {{0, 0, 0}, {0, 1, 0}, {-1, 0.5, 0}, {3, 0, 0}, {3, 1, 0}, {4, 0.5, 0}});
   add_triangle(model, 0, 1, 2);
   add_triangle(model, 4, 3, 5);
@@ -415,7 +416,7 @@ TEST(ShellUpdate, WeldedSheetsRestAsTheyAreFound) {
   const Index added = model.mesh.add_element({ElementType::triangle, {1, 0, 5}, {}, 0, 1});
   loop.shells->update(model.mesh, model.positions, loop.x, {{1}, {added}, {1}});
   EXPECT_EQ(loop.shells->hinge_count(), 1u);
-  std::stringstream stream;  // before it is settled
+  std::stringstream stream;  // before the first call of add_forces()
   {
     Archive out(static_cast<std::ostream&>(stream));
     loop.shells->archive(out);

@@ -13,7 +13,7 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Matrix3d;
 
-/// Hencky's law in plane stress, by an eigenvalue solver: Cauchy stress in the plane of F.
+/// Hencky's law in plane stress, computed with an eigenvalue solver: the Cauchy stress in the plane of F.
 Matrix3d expected_stress(const Material& m, const Eigen::Matrix<double, 3, 2>& f) {
   const Eigen::SelfAdjointEigenSolver<Matrix2d> c(f.transpose() * f);
   const Eigen::Vector2d e = 0.5 * c.eigenvalues().array().log();
@@ -93,7 +93,7 @@ TEST(ShellForces, AreMinusTheGradientOfTheEnergy) {
   Material soft = steel();
   soft.youngs_modulus = 1e6;
   for (Model model : {sheet(3, 3, 0.1, 0.1, soft, 0.01, 0.2), joint(soft, 0.1)}) {
-    // The third one: elastic stretches beyond the logarithm's range.
+    // In the third case, elastic stretches are outside the range of the logarithm.
     const std::pair<double, Vec3> cases[] = {{0.002, {1, 1, 1}}, {0.02, {1, 1, 1}}, {0.001, {6, 0.15, 2}}};
     for (const auto& [size, stretch] : cases) {
       Loop loop(model);
@@ -144,7 +144,7 @@ TEST(ShellForces, KeepEnergyAtNearlyTheStableStep) {
     const double numerical = loop.shells->numerical_work();
     const double end = loop.kinetic_energy() + loop.shells->elastic_energy();
     EXPECT_GT(numerical, 0.05 * start);
-    // Kinetic energy is that of half a step ago, and damping of high modes is explicit.
+    // The kinetic energy is that of half a step earlier, and high modes are damped explicitly.
     EXPECT_NEAR(end + numerical, start, 0.06 * start);
   }
 }
@@ -163,7 +163,7 @@ TEST(ShellForces, WaveInAStripHasTheSpeedOfABar) {
   constexpr Index cells = 240;
   const double a = 0.01, speed = std::sqrt(2e11 / 7800);
   Loop loop(sheet(cells, 1, a, a, steel(), 0.001));
-  // A smooth bump of length 40 cells that moves right: strain = -v / c.
+  // A smooth wave of 40 cells length that moves to the right: strain = -v / c.
   for (Index j = 0; j < 2; ++j) {
     double shift = 0;
     for (Index i = 0; i <= cells; ++i) {
@@ -186,7 +186,7 @@ TEST(ShellForces, WaveInAStripHasTheSpeedOfABar) {
   EXPECT_NEAR(centre / sum, 10 + 20 + 150, 1.5);  // 1 %
 }
 
-/// Pulls a triangle along x; the strain across follows from uniaxial stress with `stress(strain)`.
+/// Stretches a triangle along x; the strain across follows from uniaxial stress with `stress(strain)`.
 void pull(Loop& loop, const std::vector<Vec3>& rest, double strain, double stress) {
   const double elastic = stress / 2e11, across = -0.3 * elastic - 0.5 * (strain - elastic);
   for (std::size_t i = 0; i < loop.x.size(); ++i)
@@ -214,7 +214,7 @@ TEST(ShellPlasticity, UniaxialPullFollowsTheCurve) {
     }
   }
   EXPECT_NEAR(loop.shells->plastic_work(), work, 1e-6 * work);
-  // Back by the elastic strain: no stress is left.
+  // The elastic strain is reversed, so that no stress remains.
   const double stress = m.yield_stress + m.hardening_modulus * ((0.2 - m.yield_stress / 2e11) / (1 + 1e9 / 2e11));
   const double plastic = 0.2 - stress / 2e11;
   for (std::size_t i = 0; i < loop.x.size(); ++i)

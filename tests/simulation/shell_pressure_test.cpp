@@ -41,7 +41,7 @@ TEST(ShellPressure, ClosedSurfaceHasNoNetForceOrMoment) {
   }
   EXPECT_LT(net.norm() + moment.norm(), 1e-12 * 200);
   EXPECT_NEAR(power, sum, 1e-12 * 200);
-  // Power is pressure times the change of volume.
+  // The power is the pressure times the rate of change of the volume.
   const auto volume = [&](double t) {
     double six = 0;
     for (Index e = 0; e < 8; ++e) {

@@ -1,4 +1,4 @@
-// Sheets of triangles for the tests of shells, and a time loop without contacts.
+// Sheets of triangles, and a time loop without contacts, for the tests of shells.
 #pragma once
 
 #include <cmath>
@@ -50,9 +50,9 @@ inline Index add_triangle(Model& model, Index a, Index b, Index c, std::int32_t 
   return model.mesh.add_element({ElementType::triangle, {a, b, c}, {}, object, id});
 }
 
-/// nx by ny rectangles of size a by b in the plane z = 0, each cut in two, the diagonals alternating. `jitter` moves
-/// the interior vertices in the plane, by a share of the size; with it, every third triangle is numbered the other way
-/// round.
+/// nx by ny rectangles of size a by b in the plane z = 0, each divided into two triangles by alternating diagonals.
+/// `jitter` moves interior vertices in the plane by this fraction of the size; every third triangle is then numbered in
+/// the opposite sense.
 inline Model sheet(Index nx, Index ny, double a, double b, const Material& material, double thickness,
                    double jitter = 0) {
   Model model = one_part(material, thickness);
@@ -86,7 +86,7 @@ inline Model sheet(Index nx, Index ny, double a, double b, const Material& mater
   return model;
 }
 
-/// Three sheets of one triangle each at a common edge, numbered in different senses, folded at rest.
+/// Three sheets of one triangle each with a common edge, numbered in different senses, and folded at rest.
 inline Model joint(const Material& material, double thickness) {
   Model model = one_part(material, thickness);
   add_vertices(model, {{0, 0, 0}, {0, 1, 0}, {1, 0.4, 0}, {-0.9, 0.5, 0.3}, {0.1, 0.6, 1.1}});
@@ -115,7 +115,7 @@ class Loop {
     shells->add_forces(x, v, dt, serial, force);
   }
 
-  /// Leapfrog; `load` is added to the internal forces; `damping` is proportional to mass.
+  /// Leapfrog integration. `load` is added to the internal forces; `damping` is proportional to mass.
   void run(int steps, double dt, const std::function<void(std::vector<Vec3>&)>& load = {}, double damping = 0) {
     for (int k = 0; k < steps; ++k) {
       if (load) load(force);

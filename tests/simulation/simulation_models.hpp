@@ -28,7 +28,7 @@ struct BlockSpec {
   Part part = {"block", soft()};
 };
 
-/// Each block a part of its own.
+/// Makes each block a part of its own.
 inline Model blocks(std::initializer_list<BlockSpec> specs) {
   Shape all;
   Model model;
@@ -44,7 +44,7 @@ inline Model blocks(std::initializer_list<BlockSpec> specs) {
   return model;
 }
 
-/// Mass, momentum but for what came from outside, energy to this share of what there was.
+/// Checks mass, momentum without external impulses, and energy up to this fraction.
 inline void expect_kept(const Ledger& before, const Ledger& after, double energy) {
   EXPECT_NEAR(after.mass, before.mass, 1e-13 * before.mass);
   EXPECT_LT((after.momentum - before.momentum - after.impulse).norm(), 1e-10 * before.momentum.norm());

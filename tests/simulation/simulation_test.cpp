@@ -1,4 +1,4 @@
-// The time loop: what physics says it keeps, and that it is the same bits again.
+// The time loop keeps the conserved quantities, and gives the same bits when repeated.
 #include <cstring>
 #include <sstream>
 
@@ -78,7 +78,7 @@ TEST(SimulationRigidBody, SpinsWithConstantAngularMomentum) {
   EXPECT_LT((after.momentum - before.momentum).norm(), 1e-13 * before.momentum.norm());
   EXPECT_LT((after.angular_momentum - before.angular_momentum).norm(), 1e-11 * before.angular_momentum.norm());
   EXPECT_LT(std::abs(after.balance_error()), 1e-4 * before.initial);
-  // It has tumbled, and kept its shape.
+  // The body has tumbled, and kept its shape.
   const auto x = s.positions();
   EXPECT_GT((x[1] - x[0] - (model.positions[1] - model.positions[0])).norm(), 0.01);
   for (std::size_t i = 1; i < x.size(); ++i)
@@ -86,7 +86,7 @@ TEST(SimulationRigidBody, SpinsWithConstantAngularMomentum) {
 }
 
 TEST(SimulationRigidBody, ImpactKeepsMomentumAndAngularMomentum) {
-  // Off centre, so that both are set spinning.
+  // The impact is eccentric, so that both bodies rotate.
   Model model =
       blocks({{.velocity = Vec3(5, 0, 0), .part = rigid_part()}, {.at = Vec3(0.25, 0.12, 0.07), .part = rigid_part()}});
   SimulationOptions options;
@@ -125,7 +125,7 @@ TEST(SimulationSplitting, KeepsMassAndMomentum) {
   EXPECT_NEAR(after.mass, before.mass, 1e-13 * before.mass);
   EXPECT_LT((after.momentum - before.momentum).norm(), 1e-11 * before.momentum.norm());
   EXPECT_LT(std::abs(after.balance_error()), 0.02 * before.initial);
-  // A vertex that is new began where its original was (Section 6.3).
+  // A new vertex began at the position of its original (Section 6.3).
   for (Index v = vertices; v < s.topology().mesh().vertex_count(); ++v)
     EXPECT_LT((s.positions()[v] - s.start_positions()[v]).norm(), 0.02 * 40);
 }
@@ -196,7 +196,7 @@ TEST(SimulationGuide, StretchesWhatIsAttachedToIt) {
   EXPECT_NEAR(after.elastic + after.kinetic + after.numerical, after.external, 0.02 * after.external);
 }
 
-/// A block that tears as it hits another, on a wall, and on which a tool presses.
+/// A block on a wall that tears when it hits another one, and on which a tool presses.
 Model busy_model() {
   Model model = blocks({{.nx = 3, .velocity = Vec3(6, 0, 0)},
                         {ElementType::tetrahedron, 2, 2, 2, Vec3(0.1, 0.1, 0.1), Vec3(0.31, 0.03, 0.01)},

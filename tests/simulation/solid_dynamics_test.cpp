@@ -11,7 +11,7 @@
 namespace volccd::simulation::test {
 namespace {
 
-/// Greatest frequency of a loop's model about where it is: power iteration with differences of forces.
+/// Greatest frequency of a loop's model near its present state, by power iteration with differences of forces.
 double greatest_frequency(Loop& loop, double edge) {
   const std::vector<Vec3> x = loop.x;
   const double e = 1e-7 * edge;
@@ -55,7 +55,7 @@ TEST(SolidStableStep, BoundsTheGreatestFrequencyOfAnElement) {
         model.positions[i] = scale.cwiseProduct(model.positions[i] + 0.15 * noise3(2 + k, i));
       }
       Loop loop(model);
-      // Squeezed and stretched: by half and more in every third case.
+      // Cells are compressed and stretched, in every third case by half or more.
       for (std::size_t i = 0; i < loop.x.size(); ++i) {
         loop.x[i] += (k % 3 == 0 ? 0.5 : 0.02) * scale.cwiseProduct(noise3(100 + k, i));
         loop.v[i].setZero();
@@ -84,7 +84,7 @@ class SolidWaves : public testing::TestWithParam<Solid> {};
 INSTANTIATE_TEST_SUITE_P(Types, SolidWaves, testing::Values(Solid::tetrahedra, Solid::hexahedra));
 
 TEST_P(SolidWaves, TravelAlongABarAtTheSpeedOfTheRod) {
-  // A slender bar held at one end, let go from its first mode: a quarter of the period is length / speed.
+  // A slender bar, fixed at one end, is released from its first mode. A quarter of the period is length / speed.
   const int n = 40;
   const double edge = 0.01, length = n * edge;
   Loop loop(block(GetParam(), {n, 1, 1}, edge, soft()));
@@ -113,20 +113,20 @@ TEST(SolidBending, CantileverOfHexahedra) {
   for (int mesh = 0; mesh < 2; ++mesh) {
     const int n = mesh == 0 ? 2 : 4;
     Material material = soft();
-    material.poisson_ratio = 0;  // the formula knows of no clamping across
+    material.poisson_ratio = 0;  // the formula does not include the clamping across the bar
     Loop loop(block(Solid::hexahedra, {6 * n, n, n}, height / n, material));
     const double length = 6 * height, inertia = std::pow(height, 4) / 12, e = soft().youngs_modulus;
     const double shear = shear_modulus(material) * 5 / 6 * height * height;
     const double expected = load * (std::pow(length, 3) / (3 * e * inertia) + length / shear);
     loop.compute(0);
     const double dt = 0.9 * loop.forces->stable_step();
-    // Damped critically for the first mode.
+    // The damping is critical for the first mode.
     const double frequency = 3.516 * std::sqrt(e * inertia / (1000 * height * height)) / (length * length);
     const int steps = static_cast<int>(9 / frequency / dt);
     double tip = 0;
     for (int k = 0; k < steps; ++k) {
       for (std::size_t i = 0; i < loop.x.size(); ++i) {
-        // Evenly over the end.
+        // Distributes the force evenly over the end.
         if (loop.model.positions[i][0] < length - 1e-9) continue;
         const Vec3 p = loop.model.positions[i] / height;
         const double wy = p[1] < 0.01 || p[1] > 0.99 ? 0.5 : 1, wz = p[2] < 0.01 || p[2] > 0.99 ? 0.5 : 1;
@@ -149,8 +149,8 @@ TEST(SolidBending, CantileverOfHexahedra) {
   EXPECT_NEAR(error[1], 0, 0.005);
 }
 
-/// Pulls a unit cube of steel to a logarithmic strain at its rate, sides free; returns the true stress along x.
-/// `factor`: by which the rate raises the yield stress.
+/// Stretches a unit cube of steel to a logarithmic strain at its rate with free sides; returns the true stress along x.
+/// `factor`: factor by which the rate increases the yield stress.
 double pull(Solid solid, const Material& material, double strain, double rate, double factor = 1) {
   Loop loop(block(solid, {1, 1, 1}, 1, material));
   loop.compute(0);
@@ -179,7 +179,7 @@ class SolidYield : public testing::TestWithParam<Solid> {};
 INSTANTIATE_TEST_SUITE_P(Types, SolidYield, testing::Values(Solid::tetrahedra, Solid::hexahedra));
 
 TEST_P(SolidYield, PullFollowsTheCurve) {
-  // Slowly against the time of a wave across: 2e-4 s.
+  // The motion is slow compared with the time of a wave through the body: 2e-4 s.
   EXPECT_NEAR(pull(GetParam(), steel(), 0.05, 1), 4e8 + 1e9 * (0.05 - 0.00225), 3e6);
   EXPECT_NEAR(pull(GetParam(), steel(), 0.20, 5), 4e8 + 1e9 * (0.20 - 0.003), 6e6);
 }
@@ -210,7 +210,7 @@ TEST(SolidYield, IncrementSolvesItsEquation) {
 }
 
 TEST(SolidEnergy, IsAccountedForInAnImpact) {
-  // A block thrown at a wall that holds its first layer for good: shock, flow, rebound.
+  // A block hits a wall that fixes its first layer: shock, flow, rebound.
   Loop loop(block(Solid::both, {8, 4, 4}, 0.01, steel()));
   for (Vec3& v : loop.v) v = Vec3(-150, 20, 0);
   const auto hold = [&](std::vector<Vec3>& v) {
@@ -236,7 +236,7 @@ TEST(SolidEnergy, IsAccountedForInAnImpact) {
 }
 
 TEST(SolidEnergy, StaysWhereAnElasticBodyTurnsInsideOut) {
-  // Tetrahedra through a plane and back: nothing gained, and the shape comes back.
+  // Tetrahedra are pushed through a plane and back: no energy is gained, and the shape returns.
   Loop loop(block(Solid::tetrahedra, {2, 2, 2}, 0.1, soft()));
   for (Vec3& x : loop.x) x[2] *= -1;
   loop.compute(0);

@@ -1,4 +1,4 @@
-// Internal forces of solids, statically: patch tests, balance, energy, rotations, degenerate shapes, edits.
+// Internal forces of solids without motion: patch tests, balance, energy, rotations, degenerate shapes, edits.
 #include <sstream>
 
 #include <gtest/gtest.h>
@@ -16,8 +16,8 @@ using Eigen::Matrix3d;
 
 const Matrix3d kStretch = (Matrix3d() << 1.3, 0.2, -0.1, 0.05, 0.8, 0.15, 0.1, -0.2, 1.1).finished();
 
-/// A block of 4 x 4 x 4 soft cells of 0.1, at rest as its positions are, in the affine deformation kStretch: forces on
-/// its boundary alone, and of all the energy none in hourglass springs.
+/// A block of 4 x 4 x 4 soft cells of size 0.1 with a shape at rest and the affine deformation kStretch has forces on
+/// its boundary only, and no energy in hourglass springs.
 void expect_patch(Loop& loop) {
   const Matrix3d& f = kStretch;
   for (Vec3& x : loop.x) x = f * x + Vec3(5, -3, 2);
@@ -61,7 +61,7 @@ TEST_P(SolidPatch, SmallStrainsFollowHooke) {
   EXPECT_LT((loop.mean_stress() - expected).norm(), 2e-6 * expected.norm());
 }
 
-/// Some far from their shape: positions at rest, deformed and shaken by `shake` edges.
+/// Deformed positions with random displacements of up to `shake` edges.
 void shake(Loop& loop, double edge, double amount, std::uint64_t seed) {
   for (std::size_t i = 0; i < loop.x.size(); ++i) {
     loop.x[i] = kStretch * loop.model.positions[i] + amount * edge * noise3(seed, i);
@@ -70,7 +70,7 @@ void shake(Loop& loop, double edge, double amount, std::uint64_t seed) {
 }
 
 TEST(SolidForces, FreeBodyIsInBalance) {
-  for (const double amount : {0.1, 2.0}) {  // the latter turns elements inside out
+  for (const double amount : {0.1, 2.0}) {  // the latter inverts elements
     Loop loop(block(Solid::both, {4, 3, 3}, 0.1, steel(), 0.2));
     shake(loop, 0.1, amount, 3);
     loop.compute(1e-6);
@@ -87,8 +87,8 @@ TEST(SolidForces, FreeBodyIsInBalance) {
   }
 }
 
-// Central differences of the stored energy against the force, in random directions: elastic, and elastic about a state
-// with plastic flow behind it.
+// Compares central differences of the stored energy with the force in random directions: in the elastic range, and
+// elastically about a state with plastic flow.
 void expect_force_of_energy(Loop& loop, double edge, std::uint64_t seed) {
   for (Vec3& v : loop.v) v.setZero();
   loop.compute(0);
@@ -127,10 +127,10 @@ TEST(SolidForces, AreTheGradientOfTheEnergy) {
 TEST(SolidForces, RotateWithTheBody) {
   const Matrix3d r = Eigen::AngleAxisd(2.3, Vec3(1, -2, 0.5).normalized()).toRotationMatrix();
   Loop straight(block(Solid::both, {4, 2, 2}, 0.1, steel(), 0.2)), turned(straight.model);
-  for (int k = 0; k < 3; ++k) {  // plastic flow, then once more from another shape
+  for (int k = 0; k < 3; ++k) {  // plastic flow, and again from another shape
     shake(straight, 0.1, 0.1, 20 + static_cast<std::uint64_t>(k));
     for (std::size_t i = 0; i < straight.x.size(); ++i) {
-      // Another rotation each time: no memory of the last one.
+      // A different rotation each time, so that nothing is remembered from the last one.
       turned.x[i] = (k == 1 ? Matrix3d(r.transpose()) : r) * straight.x[i];
       turned.v[i] = (k == 1 ? Matrix3d(r.transpose()) : r) * straight.v[i];
     }
@@ -163,7 +163,7 @@ TEST(SolidForces, HourglassModesOfACubeAreThoseOfBending) {
         return d;
       }();
       loop.compute(0);
-      // Strain q / (edge / 2) at the faces, falling to 0 at the middle.
+      // The strain is q / (edge / 2) at the faces, and decreases to 0 in the middle.
       const double bending = 0.5 * e * std::pow(edge, 3) * std::pow(q / (0.5 * edge), 2) / (mode == 3 ? 9 : 3);
       EXPECT_NEAR(loop.forces->elastic_energy(), bending, 1e-9 * bending);
       for (std::size_t i = 0; i < 8; ++i) EXPECT_LT(loop.force[i].dot(shift[i]), 0);
@@ -181,7 +181,7 @@ TEST(SolidForces, AnyShapeHasFiniteForces) {
           loop.x[i] = size * noise3(k, i);
           if (k % 5 == 1) loop.x[i].setZero();                                        // a point
           if (k % 5 == 2) loop.x[i][2] = 0;                                           // a plane
-          if (k % 5 == 3) loop.x[i] = -loop.model.positions[i];                       // inside out
+          if (k % 5 == 3) loop.x[i] = -loop.model.positions[i];                       // inverted
           if (k % 5 == 4) loop.x[i] = loop.model.positions[i] + 1e-4 * noise3(k, i);  // and back
           loop.v[i] = 1e3 * noise3(k + 1, i);
         }
@@ -228,7 +228,7 @@ TEST(SolidForces, RigidPartsHaveMassOnly) {
   shake(loop, 0.1, 0.3, 5);
   loop.compute(1e-6);
   EXPECT_EQ(largest(loop.force), 0);
-  loop.force[0] = Vec3(1, 2, 3);  // what is there stays there
+  loop.force[0] = Vec3(1, 2, 3);  // existing values are kept
   loop.forces->add_forces(loop.x, loop.v, 1e-6, loop.executor, loop.force);
   EXPECT_EQ(loop.force[0], Vec3(1, 2, 3));
   EXPECT_EQ(loop.forces->stable_step(), kNever);
@@ -264,7 +264,7 @@ TEST(SolidForces, AreTheSameOnEveryProcessor) {
   Loop first(model);
   const std::vector<Vec3> expected = run_steps(first, first.executor, 3);
   ASSERT_GT(first.forces->plastic_work(), 0);
-  // From the widest instruction set downwards, and none at all at the end.
+  // All instruction sets, from the widest downwards, and at the end without any.
   for (auto targets = hwy::SupportedTargets(); targets != 0; targets &= targets - 1) {
     hwy::SetSupportedTargetsForTest(targets);
     hwy::GetChosenTarget().DeInit();
@@ -293,7 +293,7 @@ TEST(SolidForces, ArchiveGoesOnBitForBit) {
 
 // --- edits ---
 
-/// Replaces vertices in elements (slot, from, to), whatever slots the mesh gives; returns the heritage.
+/// Replaces vertices in elements (slot, from, to), whichever slots the mesh assigns; returns the heritage.
 ElementHeritage replace(Mesh& mesh, const std::vector<std::array<Index, 3>>& changes) {
   ElementHeritage heritage;
   std::vector<ElementSpec> specs;
@@ -333,7 +333,7 @@ TEST(SolidForces, SplittingAVertexKeepsTheStress) {
     EXPECT_NE(heritage.added, heritage.parents) << "slots should change hands for this test";
     for (auto* values : {&loop.x, &loop.v, &loop.force, &loop.model.positions, &loop.model.velocities})
       values->push_back((*values)[split]);
-    // What the reference says must not matter: the element has its shape.
+    // The reference positions must not matter, because the element has its own shape.
     loop.model.positions[copy] += Vec3(0.01, 0, 0);
     loop.mass.assign(loop.x.size(), 0);
     loop.forces->update(loop.model.mesh, loop.model.positions, loop.x, heritage);
@@ -351,7 +351,7 @@ TEST(SolidForces, SplittingAVertexKeepsTheStress) {
     EXPECT_NEAR(loop.forces->plastic_work(), plastic, 1e-13 * plastic);
     EXPECT_NEAR(loop.forces->numerical_work(), numerical, 1e-13 * numerical);
 
-    // The archive of an edited table, into an object for the edited mesh.
+    // Reads the archive of an edited table into an object for the edited mesh.
     std::stringstream file;
     Archive out(static_cast<std::ostream&>(file));
     loop.forces->archive(out);
@@ -366,7 +366,7 @@ TEST(SolidForces, SplittingAVertexKeepsTheStress) {
 }
 
 TEST(SolidForces, ResumeBetweenEditsBitForBit) {
-  // Sums at a vertex depend on the order of its elements, and that on the rows that removed ones left.
+  // Sums at a vertex depend on the order of its elements, and this on the rows that removed elements left.
   Loop loop(block(Solid::tetrahedra, {2, 2, 2}, 0.1, steel(), 0.1));
   run_steps(loop, loop.executor, 1);
   Mesh& mesh = loop.model.mesh;
@@ -397,7 +397,7 @@ TEST(SolidForces, PiecesOfATetrahedronHaveItsStress) {
   const auto stress = loop.stress();
   const double energy = loop.forces->elastic_energy(), step = loop.forces->stable_step();
   Mesh& mesh = loop.model.mesh;
-  // Tetrahedron 0 is divided at a point of its edge 0-2; its neighbours do not matter here.
+  // Tetrahedron 0 is divided at a point of its edge 0-2; its neighbours are ignored here.
   const std::vector<Index> c(mesh.vertices(0).begin(), mesh.vertices(0).end());
   mesh.add_vertices(1);
   const Index p = mesh.vertex_count() - 1;
@@ -426,7 +426,7 @@ TEST(SolidForces, PiecesOfATetrahedronHaveItsStress) {
   EXPECT_NEAR(mass, 7.8, 1e-12);
 }
 
-/// Every hexahedron in two wedges, by the plane through its corners 0, 2, 4, 6.
+/// Divides every hexahedron into two wedges by the plane through its corners 0, 2, 4 and 6.
 void break_all(Loop& loop) {
   Mesh& mesh = loop.model.mesh;
   ElementHeritage heritage;
@@ -446,7 +446,7 @@ void break_all(Loop& loop) {
 
 TEST(SolidForces, PiecesOfHexahedraHaveTheirStressAndKeepEachVertexsMass) {
   Loop loop(block(Solid::hexahedra, {3, 3, 3}, 0.1, steel(), 0.2));
-  // Without bending within an element, of which its pieces know nothing.
+  // Without bending within an element, which its pieces do not inherit.
   for (Vec3& x : loop.x) x = kStretch * x;
   loop.compute(1e-6);
   ASSERT_GT(loop.forces->plastic_work(), 0);
@@ -478,7 +478,7 @@ TEST(SolidForces, PiecesOfHexahedraPassThePatchTest) {
   break_all(loop);
   expect_patch(loop);
   expect_force_of_energy(loop, 0.1, 15);
-  // No motion of a free piece costs nothing but those of a rigid body: else it would fold.
+  // Every motion of a free piece except for rigid-body motions costs energy; otherwise the piece would collapse.
   Loop one(block(Solid::hexahedra, {1, 1, 1}, 0.1, soft()));
   one.compute(0);
   break_all(one);
@@ -502,7 +502,7 @@ TEST(SolidForces, WhatGoesTakesItsForcesAlong) {
   EXPECT_EQ(loop.forces->elastic_energy(), 0);
   EXPECT_NEAR(loop.forces->plastic_work(), plastic, 1e-13 * plastic);
   EXPECT_EQ(loop.forces->stable_step(), kNever);
-  // A new one, in a slot that was taken before, without a parent.
+  // A new element without a parent, in a slot that was in use before.
   heritage = {{}, {loop.model.mesh.add_element({ElementType::tetrahedron, {0, 1, 4, 6}, {}, 0, 500})}, {kNone}};
   loop.forces->update(loop.model.mesh, loop.model.positions, loop.x, heritage);
   loop.x = loop.model.positions;

@@ -1,4 +1,4 @@
-// Blocks of solids, and a plain explicit loop, for the tests of the internal forces.
+// Blocks of solids, and a simple explicit loop, for the tests of the internal forces.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace volccd::simulation::test {
 
-/// In [-1, 1], the same for the same arguments.
+/// A number in [-1, 1] that depends on the arguments only.
 inline double noise(std::uint64_t a, std::uint64_t b) {
   return static_cast<double>(hash_ids(a, b) >> 11) * 0x1p-52 - 1;
 }
@@ -38,8 +38,8 @@ inline Material steel() {
 
 enum class Solid { tetrahedra, hexahedra, both };
 
-/// n[0] x n[1] x n[2] cubes of edge `h` from the origin on, each a hexahedron or six tetrahedra (`both`: in turns of
-/// x). Vertices inside are moved by up to `jitter` edges along each axis.
+/// n[0] x n[1] x n[2] cubes with edge length `h`, the first at the origin. Each is a hexahedron or six tetrahedra
+/// (`both`: alternating along x). Interior vertices are moved by up to `jitter` edges along each axis.
 inline Model block(Solid solid, std::array<int, 3> n, double h, const Material& material, double jitter = 0) {
   Model model;
   model.parts.push_back({"block", material, 0, false});
@@ -75,7 +75,7 @@ inline Model block(Solid solid, std::array<int, 3> n, double h, const Material& 
   return model;
 }
 
-/// A model's forces and a leapfrog loop.
+/// The forces of a model, and a leapfrog loop.
 struct Loop {
   explicit Loop(Model m)
       : model(std::move(m)),
@@ -91,7 +91,7 @@ struct Loop {
     for (Vec3& f : force) f.setZero();
     forces->add_forces(x, v, dt, executor, force);
   }
-  /// v += dt (force / mass), then `hold(v)`, x += dt v, forces.
+  /// A step: v += dt (force / mass), then `hold(v)`, x += dt v, forces.
   template <typename Hold>
   void step(double dt, Hold hold) {
     for (std::size_t i = 0; i < x.size(); ++i) v[i] += dt / mass[i] * force[i];

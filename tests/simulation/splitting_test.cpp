@@ -16,7 +16,7 @@ std::vector<Part> brittle(double stress = 10, double strain = kNever) {
   return {part, part};
 }
 
-/// The stress of a pull along `direction`, at a vertex whose elements fill a volume of 2.
+/// The stress of a tension along `direction`, at a vertex whose elements have a volume of 2.
 VertexStress pull(double value, const Vec3& direction = Vec3::UnitX(), double strain = 0) {
   const Vec3 d = direction.normalized();
   const Eigen::Matrix3d stress = value * d * d.transpose();

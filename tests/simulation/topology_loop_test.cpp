@@ -1,4 +1,5 @@
-// Splitting, merging and cutting within the time loop: what the edits may not change, and contacts at the new surfaces.
+// Splitting, merging and cutting in the time loop: quantities that the edits must not change, and contacts at new
+// surfaces.
 #include <gtest/gtest.h>
 
 #include <volccd/simulation/contact_detection.hpp>
@@ -9,7 +10,7 @@
 namespace volccd::simulation {
 namespace {
 
-/// Pieces that hang together by vertices.
+/// Number of pieces that are connected by vertices.
 std::size_t pieces(const Simulation& s) {
   const Mesh& mesh = s.topology().mesh();
   std::vector<Index> root(mesh.vertex_count());
@@ -27,7 +28,7 @@ std::size_t pieces(const Simulation& s) {
   return roots.size();
 }
 
-/// Two blocks that meet face to face, of a material whose contacts weld.
+/// Two blocks with a common face, of a material that can merge.
 TEST(TopologyLoop, BlocksThatHitHardBecomeOne) {
   Model model = blocks({{.nx = 2, .velocity = Vec3(4, 0, 0)}, {.nx = 2, .at = Vec3(0.202, 0, 0)}});
   for (Part& part : model.parts) {
@@ -45,13 +46,13 @@ TEST(TopologyLoop, BlocksThatHitHardBecomeOne) {
   EXPECT_EQ(pieces(s), 1u);
   EXPECT_GT(s.ledger().topology, 0) << "merging is inelastic";
   expect_kept(before, s.ledger(), 0.02);
-  // As one they do not part again: without welding the first would stay behind.
+  // Once merged, they do not separate: without merging, the first one would stay behind.
   const double gap = mean(s, s.positions(), 1).x() - mean(s, s.positions(), 0).x();
   s.advance_to(0.2);
   EXPECT_NEAR(mean(s, s.positions(), 1).x() - mean(s, s.positions(), 0).x(), gap, 0.02);
 }
 
-/// A block that flies, and is cut through on the way.
+/// A moving block that is cut through.
 TEST(TopologyLoop, CutBlockFliesOnAsTwo) {
   Model model = blocks({{ElementType::tetrahedron, 3, 3, 3, Vec3(0.1, 0.1, 0.1), Vec3::Zero(), Vec3(1, 0, 0)}});
   for (std::size_t i = 0; i < model.positions.size(); ++i)
@@ -70,7 +71,8 @@ TEST(TopologyLoop, CutBlockFliesOnAsTwo) {
   expect_kept(before, s.ledger(), 0.02);
 }
 
-/// A vertex that splits leaves features that all but touch, in any direction. They must not tie the crack's corner.
+/// After a vertex has split, features nearly touch in all directions. These contacts must not connect the corner of the
+/// crack.
 TEST(TopologyLoop, CracksOpenFreely) {
   Model model = blocks({{.nx = 6, .ny = 3, .nz = 3}});
   for (std::size_t i = 0; i < model.positions.size(); ++i) {
@@ -89,7 +91,7 @@ TEST(TopologyLoop, CracksOpenFreely) {
   expect_kept(before, s.ledger(), 0.02);
 }
 
-/// Two hexahedra that were one body, parted face by face.
+/// Two hexahedra that were one body and have been separated at a face.
 struct Parted {
   Parted() : shape(block(ElementType::hexahedron, 2, 1, 1)), topology(shape.mesh()), x(shape.positions) {
     for (Index v = 0; v < x.size(); ++v) origins.push_back(v);
@@ -104,7 +106,7 @@ struct Parted {
     edit = proposal.edit;
     inherit(proposal, x);
   }
-  /// With the second element moved by this.
+  /// The second element is moved by this vector.
   std::vector<Vec3> moved(const Vec3& by) const {
     std::vector<Vec3> result = x;
     for (Index v : topology.mesh().vertices(topology.mesh().find_element(1))) result[v] += by;
@@ -140,12 +142,12 @@ TEST(TopologyLoop, FacesOfACrackCollideUnlessOnlyTheFirstSurfaceDoes) {
   EXPECT_GT(resisted(ContactFeatures::all, true, from, to), 0u);
   EXPECT_GT(resisted(ContactFeatures::boundary, true, from, to), 0u);
   EXPECT_EQ(resisted(ContactFeatures::surface, true, from, to), 0u);
-  // Edges around the crack are on the first surface too.
+  // Edges around the crack are on the first surface, too.
   EXPECT_GT(resisted(ContactFeatures::surface, false, from, to), 0u);
 }
 
 TEST(TopologyLoop, CornersOfACrackCollideOnceTheyHaveComeApart) {
-  // As it was parted, and slid along the crack by little: only what was one vertex is near.
+  // The body as it was separated, moved a little along the crack: only copies of one vertex are near each other.
   EXPECT_EQ(resisted(ContactFeatures::all, true, Vec3(0.001, 0, 0), Vec3(0.0005, 0.001, 0)), 0u);
   EXPECT_GT(resisted(ContactFeatures::all, true, Vec3(0.02, 0.2, 0.2), Vec3(-0.02, 0.2, 0.2)), 0u);
 }

@@ -1,4 +1,4 @@
-// In a file of its own: where the compiler sees these and their calls together, it takes them for a mismatch.
+// In a file of its own, because the compiler warns of a mismatch if it sees these operators together with their calls.
 #include "support/allocations.hpp"
 
 #include <atomic>
@@ -10,7 +10,7 @@ namespace {
 
 std::atomic<std::size_t> allocations{0}, frees{0};
 
-/// Of this thread.
+/// Allocations of this thread.
 struct Failure {
   std::size_t countdown = 0;  ///< allocations until one fails; 0: none will
   bool all_after = false, failed = false;
@@ -47,7 +47,7 @@ constexpr std::size_t bytes(std::align_val_t alignment) { return static_cast<std
 
 }  // namespace
 
-// The whole test program allocates through these.
+// All allocations of the test program use these operators.
 void* operator new(std::size_t size) { return allocate_or_throw(size, 1); }
 void* operator new[](std::size_t size) { return allocate_or_throw(size, 1); }
 void* operator new(std::size_t size, std::align_val_t a) { return allocate_or_throw(size, bytes(a)); }

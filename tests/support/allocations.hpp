@@ -1,4 +1,4 @@
-// Counts what the whole test program allocates with operator new, and makes single allocations fail.
+// Counts the allocations of the whole test program with operator new, and makes single allocations fail.
 #pragma once
 
 #include <cstddef>
@@ -6,9 +6,9 @@
 
 namespace volccd::test {
 
-/// Since the start.
+/// Number of allocations since the start.
 std::size_t allocation_count();
-/// Not freed yet.
+/// Number of allocations that have not been freed.
 std::size_t live_allocations();
 
 enum class Memory {
@@ -16,14 +16,14 @@ enum class Memory {
   stays_out    ///< it and all later ones fail
 };
 
-/// While it lives, the n-th allocation of this thread, counted from 1, throws std::bad_alloc.
+/// While this object exists, the n-th allocation of this thread, counted from 1, throws std::bad_alloc.
 class FailingAllocation {
  public:
   explicit FailingAllocation(std::size_t n, Memory memory = Memory::lacks_once);
   ~FailingAllocation();
   FailingAllocation(const FailingAllocation&) = delete;
   FailingAllocation& operator=(const FailingAllocation&) = delete;
-  /// Whether one has failed, thrown on or not.
+  /// Whether an allocation has failed, even if the exception was caught.
   bool failed() const;
 };
 

@@ -14,7 +14,7 @@ namespace volccd::test {
 
 enum class Change { flush_results, flush_operands, upward, downward, toward_zero };
 
-/// Changes that this processor can be told to make, each with a part of the library's message.
+/// Changes that this processor supports, each with a part of the library's message.
 inline std::vector<std::pair<Change, std::string>> environments() {
   std::vector<std::pair<Change, std::string>> all = {
       {Change::upward, "nearest"}, {Change::downward, "nearest"}, {Change::toward_zero, "nearest"}};
@@ -25,7 +25,7 @@ inline std::vector<std::pair<Change, std::string>> environments() {
   return all;
 }
 
-/// The calling thread's environment is another one while this lives.
+/// Changes the environment of the calling thread while this object exists.
 class ChangedEnvironment {
  public:
   explicit ChangedEnvironment(Change change) {

@@ -9,7 +9,7 @@
 
 namespace volccd::test {
 
-/// While it lives, no file grows beyond `bytes`: writing fails as it does on a full disk, with EFBIG.
+/// While this object exists, no file grows beyond `bytes`: writes fail with EFBIG, as on a full disk.
 class FullDisk {
  public:
   explicit FullDisk(std::int64_t bytes) : handler_(std::signal(SIGXFSZ, SIG_IGN)) {

@@ -1,4 +1,4 @@
-// A folder for the files of one test, and what such a file says.
+// A folder for the files of one test, and the contents of such files.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,7 @@
 
 namespace volccd::test {
 
-/// A folder of its own, removed at the end.
+/// A folder that only this test uses, removed at the end.
 class ScratchFolder {
  public:
   ScratchFolder() {
@@ -33,7 +33,7 @@ class ScratchFolder {
   std::filesystem::path path_;
 };
 
-/// All of a file.
+/// The whole contents of a file.
 inline std::string text_of(const std::string& file) {
   std::ifstream stream(file);
   return {std::istreambuf_iterator<char>(stream), {}};

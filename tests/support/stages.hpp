@@ -1,4 +1,4 @@
-// Stages by themselves: state, prepare() and run() in one call, on the calling thread.
+// Runs single stages: state, prepare() and run() in one call, on the calling thread.
 #pragma once
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 
 namespace volccd::test {
 
-/// A fresh state of the stage, prepared for the step.
+/// A new state of the stage, prepared for the step.
 inline std::unique_ptr<StageState> prepared(const Stage& stage, const Step& step) {
   SerialExecutor executor;
   std::unique_ptr<StageState> state = stage.make_state();
@@ -28,7 +28,7 @@ inline void run_stage(const FeatureFilter& stage, const Step& step, const TestBl
   stage.run(step, *prepared(stage, step), 0, block, keep);
 }
 
-/// All tests, in blocks; contacts are appended.
+/// Runs all tests in blocks, and appends the contacts.
 inline void run_stage(const NarrowPhase& stage, const Step& step, FeatureKind kind, std::span<const FeaturePair> tests,
                       std::vector<Contact>& contacts, NarrowCounters& counters) {
   const auto state = prepared(stage, step);

@@ -1,4 +1,4 @@
-// Where the shared sequences are: $VOLCCD_DATA, or ../shared/data beside the project.
+// The folder of the shared sequences: $VOLCCD_DATA, or ../shared/data beside the project.
 #pragma once
 
 #include <cstdlib>
@@ -7,7 +7,7 @@
 
 namespace volccd::test {
 
-/// Path of a file among the shared data, or empty if it is not there.
+/// Path of a file among the shared data, or an empty text if the file does not exist.
 inline std::string shared_data(const std::string& name) {
   const char* given = std::getenv("VOLCCD_DATA");
   const std::filesystem::path folder = given ? given : VOLCCD_SOURCE_DIR "/../shared/data";
@@ -17,7 +17,7 @@ inline std::string shared_data(const std::string& name) {
 
 }  // namespace volccd::test
 
-/// Skips the test, saying so, where the file is absent.
+/// Skips the test with a message if the file does not exist.
 #define VOLCCD_NEEDS_DATA(path, name)                                 \
   const std::string path = ::volccd::test::shared_data(name);         \
   if (path.empty()) GTEST_SKIP() << name << " is not there: put the shared data beside the project, or set VOLCCD_DATA"

@@ -13,13 +13,13 @@ import types
 import unittest
 import unittest.mock
 
-SKIPPED = 77  # what CTest takes for "skipped"
+SKIPPED = 77  # the exit code that means "skipped" to CTest
 try:
     import h5py
     import meshio  # noqa: F401  # pylint: disable=unused-import
     import numpy as np
 except ImportError as missing:
-    # Debian's packages belong to Debian's interpreter, which need not be the first in the path.
+    # Debian's packages are for Debian's interpreter, which need not be the first one in the path.
     SYSTEM = "/usr/bin/python3"
     if os.path.realpath(sys.executable) != os.path.realpath(SYSTEM) and os.path.exists(SYSTEM):
         os.execv(SYSTEM, [SYSTEM, *sys.argv])
@@ -53,7 +53,7 @@ class Importer(unittest.TestCase):
         return result
 
     def run_tool(self, *arguments):
-        """In this process: starting Python and meshio takes longer than the work."""
+        """Imports in this process, because starting Python and meshio takes longer than the work."""
         out, err = io.StringIO(), io.StringIO()
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
             try:
@@ -63,7 +63,7 @@ class Importer(unittest.TestCase):
         return types.SimpleNamespace(returncode=code, stdout=out.getvalue(), stderr=err.getvalue())
 
     def good(self, *arguments):
-        """The file that came out, which `volccd` accepts."""
+        """Opens the file that was written; `volccd` must accept it."""
         done = self.run_tool(*arguments)
         self.assertEqual(done.returncode, 0, done.stderr)
         self.said = done.stderr
@@ -180,7 +180,7 @@ class Importer(unittest.TestCase):
         self.assertEqual(grid["Connectivity"][:].tolist(), [0, 1, 2, 3, 1, 0])
 
     def test_wedges_as_hexahedra(self):
-        """Two bodies of wedges, the second falls onto the first; as C3D6, and as C3D8 with repeated nodes."""
+        """Two bodies of wedges, of which the second falls onto the first; as C3D6, and as C3D8 with repeated nodes."""
         def deck(name, drop, as_hexahedra):
             nodes, elements = [], []
             for body in range(2):

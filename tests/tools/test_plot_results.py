@@ -1,4 +1,4 @@
-"""tools/plot_results.py on records that are made here, with known numbers."""
+"""tools/plot_results.py on records with known numbers, which the tests make."""
 
 import contextlib
 import io
@@ -10,11 +10,11 @@ import sys
 import tempfile
 import unittest
 
-SKIPPED = 77  # what CTest takes for "skipped"
+SKIPPED = 77  # the exit code that means "skipped" to CTest
 try:
     import matplotlib  # noqa: F401  # pylint: disable=unused-import
 except ImportError as missing:
-    # Debian's packages belong to Debian's interpreter, which need not be the first in the path.
+    # Debian's packages are for Debian's interpreter, which need not be the first one in the path.
     SYSTEM = "/usr/bin/python3"
     if os.path.realpath(sys.executable) != os.path.realpath(SYSTEM) and os.path.exists(SYSTEM):
         os.execv(SYSTEM, [SYSTEM, *sys.argv])
@@ -32,7 +32,7 @@ PROVENANCE = {"version": "0.1.0", "commit": "abc1234", "cpu": "Test CPU", "cores
 
 
 def row(pipeline="VolCCD", scene="octopi", **columns):
-    """Of a motion of 1 s: its stages take 0.9 s; 100 of 1000 non-adjacent pairs touch; 30 tests."""
+    """A row of a motion of 1 s: its stages take 0.9 s; 100 of 1000 non-adjacent pairs touch; there are 30 tests."""
     result = {"table": "b", "scene": scene, "motion_model": "linear", "motion": 0, "pipeline": pipeline, "variant": "",
               "round": 0, "threads": 1, "elements": 1000, "vertices": 300, "seconds": 1.0, "topology_seconds": 0.0,
               "element_pairs": 1200, "adjacent_pairs": 200, "surviving_pairs": 300, "touching_pairs": 100,
@@ -45,7 +45,7 @@ def row(pipeline="VolCCD", scene="octopi", **columns):
 
 
 def motions(seconds, *arguments, **columns):
-    """A row for each motion and round: `seconds` has a list of times for each motion."""
+    """A row for each motion and round; `seconds` has a list of times for each motion."""
     return [row(*arguments, motion=motion, round=number, seconds=time, **columns)
             for motion, times in enumerate(seconds) for number, time in enumerate(times)]
 
@@ -122,7 +122,7 @@ class Plots(unittest.TestCase):
         self.record("table1", self.table1())
         self.good("--only", "speedup")
         texts = self.texts("speedup")
-        # NavCCD: medians 4, 4 and 200 s of its motions, so 4 s; VolCCD: 1, 1 and 2, so 1 s; VolCCD+: 0.5 s.
+        # NavCCD: the motions have the medians 4, 4 and 200 s, hence 4 s; VolCCD: 1, 1 and 2, hence 1 s; VolCCD+: 0.5 s.
         self.assertEqual([text for text in texts if text.endswith("×")],
                          ["4.0×", "8.0×", "12×", "8.0×", "16.0×", "18.3×"])
         self.assertIn("I-b: over NavCCD", texts)

@@ -1,4 +1,4 @@
-// The inversion test: which motions it finds, and which contacts it points at.
+// The inversion test: which motions it finds, and at which contacts it points.
 #include <volccd/experiments/harness/corner_volumes.hpp>
 #include <volccd/experiments/tables/inversion_table.hpp>
 
@@ -21,7 +21,7 @@ TEST(CornerTetrahedra, HaveTheVolumeOfTheirElement) {
       std::vector<Index> vertices(element.vertices.begin(), element.vertices.end());
       ASSERT_FALSE(corner_tetrahedra(type).empty());
       for (const auto& corner : corner_tetrahedra(type))
-        // 6 times the volume: 1 in a unit cube and the prisms and tetrahedra of it, 1/2 in a sixth with its centre.
+        // 6 times the volume: 1 for a unit cube and its prisms and tetrahedra, 1/2 for a sixth of it with its centre.
         EXPECT_NEAR(corner_volume(corner, vertices, shape.positions), type == ElementType::pyramid ? 0.5 : 1, 1e-12)
             << to_string(type);
     }
@@ -35,8 +35,8 @@ Inversion of_first_element(const Shape& shape, const std::vector<Vec3>& x1) {
   return inversion(shape.mesh().type(0), vertices, Motion::linear(shape.positions, x1));
 }
 
-/// Turns the element by a half turn about an axis: on straight trajectories it is flat at half of the time, and has its
-/// volume again at the end. Both ends alone show nothing.
+/// Rotates the element by half a turn about an axis. On straight trajectories it is flat in the middle of the motion,
+/// and has its volume again at the end, so that the two ends show nothing.
 std::vector<Vec3> half_turn(std::vector<Vec3> positions) {
   for (Vec3& p : positions) p = Vec3(1 - p.x(), 1 - p.y(), p.z());
   return positions;
@@ -84,8 +84,8 @@ Counted counts_of(const Shape& shape, const std::vector<Vec3>& x1) {
   return {count_inversions(step, result.contacts), result.contacts.size()};
 }
 
-/// Four points in one plane have two in common with the rest, by Radon's theorem: a tetrahedron that becomes flat has a
-/// vertex in the opposite face, or two opposite edges that cross. So the pipelines find all inversions of tetrahedra.
+/// Four coplanar points have two features with a common point, by Radon's theorem: when a tetrahedron becomes flat, a
+/// vertex is in the opposite face, or two opposite edges cross. So the pipelines find all inversions of tetrahedra.
 TEST(Inversion, EveryTetrahedronThatInvertsTouchesItself) {
   std::uint64_t inverting = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
@@ -128,7 +128,8 @@ TEST(Inversion, MissesContactsBetweenElementsThatKeepTheirShape) {
 TEST(Inversion, LeavesOutContactsAtTheStart) {
   Shape shape;
   shape.append(block(ElementType::tetrahedron, 1, 1, 1), 0);
-  shape.append(block(ElementType::tetrahedron, 1, 1, 1).translate(Vec3(0, 0, 1)), 0);  // on top of it, not joined
+  // in the same place, but not connected
+  shape.append(block(ElementType::tetrahedron, 1, 1, 1).translate(Vec3(0, 0, 1)), 0);
   const auto [counts, contacts] = counts_of(shape, shape.positions);
   EXPECT_GT(contacts, 0u);
   EXPECT_EQ(counts.at("intra"), contacts);
@@ -141,7 +142,7 @@ TEST(Inversion, TellsContactsAtAnInvertedElementFromTheRest) {
   std::vector<Vec3> x1 = shape.positions;
   for (std::size_t v = x1.size() / 2; v < x1.size(); ++v) x1[v].z() -= 1;
   const auto before = counts_of(shape, x1).counts;
-  for (std::size_t v = 0; v < x1.size() / 2; ++v)  // a corner of the first block goes through its tetrahedra
+  for (std::size_t v = 0; v < x1.size() / 2; ++v)  // a corner of the first block passes through its tetrahedra
     if (x1[v] == Vec3(2, 2, 2)) x1[v] = Vec3(0.5, 0.9, 0.6);
   const auto after = counts_of(shape, x1).counts;
   EXPECT_GT(after.at("inverting").get<int>(), 0);

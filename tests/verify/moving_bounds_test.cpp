@@ -21,8 +21,8 @@ using reference::MovingPoint;
 using Element = std::vector<MovingPoint<double>>;
 using Exact3 = std::array<cpp_rational, 3>;
 
-/// Elements of 1 to 8 vertices, of sizes from 1e-6 to 1e6 around places up to 1e3 sizes away; flat, straight and
-/// point-like ones, and ones that do not move, among them.
+/// Elements of 1 to 8 vertices with sizes from 1e-6 to 1e6, at distances of up to 1e3 sizes from the origin. Some are
+/// flat, straight or points, and some do not move.
 Element random_element(Random& random) {
   const double size = std::pow(10, random.uniform(-6, 6)), away = size * std::pow(10, random.uniform(-3, 3));
   const Vec3 place(random.uniform(-away, away), random.uniform(-away, away), random.uniform(-away, away));
@@ -37,7 +37,8 @@ Element random_element(Random& random) {
   return element;
 }
 
-/// A point of the element at a time, in exact arithmetic: corners at the ends of the step in two cases of three.
+/// A point of the element at some time, in exact arithmetic. In two of three cases it is a corner at an end of the
+/// step.
 Exact3 point_within(const Element& element, Random& random) {
   const cpp_rational t = random.below(3) ? cpp_rational(random.below(2)) : cpp_rational(random.uniform(0, 1));
   std::vector<cpp_rational> weights(element.size(), 0);
@@ -71,7 +72,7 @@ cpp_rational determinant(const std::array<Exact3, 3>& c) {
 
 Exact3 exact(const std::array<double, 3>& x) { return {cpp_rational(x[0]), cpp_rational(x[1]), cpp_rational(x[2])}; }
 
-/// By Cramer's rule: whether the point has coordinates in [-half, half] along the axes as they are.
+/// Whether the point has coordinates in [-half, half] along the computed axes, by Cramer's rule.
 bool holds(const MovingObb<double>& box, const Exact3& x) {
   const std::array<Exact3, 3> axes = {exact(box.axes[0]), exact(box.axes[1]), exact(box.axes[2])};
   const Exact3 center = exact(box.center), d = {x[0] - center[0], x[1] - center[1], x[2] - center[2]};
@@ -152,7 +153,7 @@ Corners corners(const MovingObb<double>& box) {
   return result;
 }
 
-/// The greatest gap between the corners along the 15 axes, in lengths; negative if they overlap along all of them.
+/// The greatest gap between the corners along the 15 axes, as a length; negative if they overlap along all axes.
 long double gap(const MovingObb<double>& a, const MovingObb<double>& b) {
   using V = Eigen::Matrix<long double, 3, 1>;
   std::vector<V> axes;

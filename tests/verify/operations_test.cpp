@@ -1,4 +1,4 @@
-// The reference implementation of 2011 in numbers that count: the same answers, and the counts that the formulas have.
+// The reference implementation of 2011 with counting numbers gives the same answers, and the counts of the formulas.
 #include <volccd/experiments/tables/operations.hpp>
 
 #include <gtest/gtest.h>
@@ -135,7 +135,8 @@ const nlohmann::json& row(const nlohmann::json& record, const char* operation, c
   throw std::runtime_error("no such row");
 }
 
-/// The first feature of each query with the second of the next one: so that no feature is of the other one's element.
+/// Tests of the first feature of each query with the second one of the next query, so that they are of different
+/// elements.
 KnownQueries known(const QuerySet& set) {
   KnownQueries queries{"random", set.kind(), set.step(), nullptr, {}, {}, {}, {}, {}};
   for (std::size_t i = 0; i + 1 < set.size(); ++i) queries.pairs.push_back({set.pairs()[i].a, set.pairs()[i + 1].b});
@@ -160,10 +161,10 @@ TEST(Operations, AreThoseOfTheFormulas) {
   EXPECT_EQ(row(record, "csat", "vf").at("most").at("multiplications"), 12);
   EXPECT_EQ(row(record, "csat", "ee").at("most").at("additions"), 25);
   EXPECT_EQ(row(record, "csat", "ee").at("most").at("multiplications"), 15);
-  // Two differences and a cross product more.
+  // In addition two differences and a cross product.
   EXPECT_EQ(row(record, "csat-with-axis", "vf").at("most").at("additions"), 29);
   EXPECT_EQ(row(record, "csat-with-axis", "ee").at("most").at("multiplications"), 21);
-  // Four vertices at two times, of one point and of two.
+  // Four vertices at two times, and differences between one point and two others.
   EXPECT_EQ(row(record, "csat-element", "vf").at("most").at("multiplications"), 24);
   EXPECT_EQ(row(record, "csat-element", "ee").at("most").at("multiplications"), 48);
   EXPECT_EQ(row(record, "csat-element-with-axis", "vf").at("most").at("multiplications"), 30);
@@ -189,7 +190,7 @@ TEST(Operations, AreThoseOfTheFormulas) {
     const auto &all = row(record, "elementary-test", kind), &left = row(record, "elementary-test-left", kind);
     const double apart = row(record, "csat", kind).at("positive");
     EXPECT_NEAR(left.at("tests").get<double>(), 600 * (1 - apart), 1e-6);
-    // Nothing that touches is apart: what is left has all contacts.
+    // No test that touches is found apart, so that the remaining tests include all contacts.
     EXPECT_NEAR(left.at("positive").get<double>() * (1 - apart), all.at("positive").get<double>(), 1e-9);
   }
 }

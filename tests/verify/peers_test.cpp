@@ -1,4 +1,4 @@
-// The experiment `peers`, on a small scene: what its rows say, and that broad phases which disagree are told.
+// The experiment `peers` on a small scene: the contents of its rows, and an error if broad phases disagree.
 #include <volccd/experiments/tables/peers.hpp>
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Takes a peer's place: boxes of `kdop-bvh`, and perhaps no more than the first batch of its pairs.
+/// Replaces a peer: gives the pairs of `kdop-bvh`, or only the first batch of them.
 class MadeUpPeer final : public BroadPhase {
  public:
   explicit MadeUpPeer(bool loses) : loses_(loses) {
@@ -68,7 +68,7 @@ class PeersExperiment : public testing::Test {
 TEST_F(PeersExperiment, RowsAndSummary) {
   add_peer(false);
   const json record = {{"rows", peers_rows(context("octopi-quick"))}};
-  // Four of our own and one peer, on two motions, three times.
+  // Four broad phases of the library and one peer, on two motions, three rounds.
   ASSERT_EQ(record.at("rows").size(), 5u * 2 * 3);
   for (const json& row : record.at("rows")) {
     EXPECT_EQ(row.at("scene"), "octopi");

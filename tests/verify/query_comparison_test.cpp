@@ -1,4 +1,4 @@
-// What `volccd queries` counts, against naive counts; and that a promise which is broken is told.
+// The counts of `volccd queries` compared with simple counts, and a message if a promise is broken.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 namespace volccd::test {
 namespace {
 
-/// Reports the tests whose first pair index is even, whatever they are.
+/// Reports the tests whose first pair index is even, whatever their coordinates.
 class EverySecond final : public NarrowPhase {
  public:
   struct Config {};
@@ -89,7 +89,7 @@ QuerySourceConfig candidates(std::size_t sample = 0) {
   return config;
 }
 
-/// Every pair of features, by their boxes alone.
+/// All pairs of features whose boxes overlap.
 std::vector<FeaturePair> naive_candidates(const Step& step, FeatureKind kind) {
   const Features& f = step.features();
   const Index n = kind == FeatureKind::vf ? f.vertex_slots() : f.edge_slots();

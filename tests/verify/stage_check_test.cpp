@@ -1,4 +1,4 @@
-// check_stage() passes the stages of the library, and finds what is wrong with stages that break a promise.
+// check_stage() passes the stages of the library, and finds the errors of stages that break a promise.
 #include <volccd/experiments/verify/stage_check.hpp>
 
 #include <algorithm>
@@ -24,7 +24,7 @@
 namespace volccd {
 namespace {
 
-/// Of the bits of some doubles: a coin that falls the same way for the same test in every batch.
+/// A hash of some doubles, which gives the same answer for the same test in every batch.
 std::uint64_t hash(std::initializer_list<double> values) {
   std::uint64_t sum = 1;
   for (const double value : values) {
@@ -203,7 +203,7 @@ std::vector<std::string> all_names() {
   return all;
 }
 
-/// Each of their tests is decided in exact arithmetic.
+/// Each of these tests is decided in exact arithmetic.
 bool is_narrow_phase(const std::string& name) {
   const std::vector<std::string> narrow = names<NarrowPhase>();
   return std::find(narrow.begin(), narrow.end(), name) != narrow.end();
@@ -391,7 +391,7 @@ TEST(StageCheck, FindsElementCullingThatDropsOnePairInFiveHundred) {
   EXPECT_TRUE(broken(report, kLoses));
 }
 
-/// The square of a difference overflows beyond 2^512: the distance is infinite then, the radii are not.
+/// The square of a difference overflows beyond 2^512, so that the distance is infinite, but the radii are finite.
 TEST(StageCheck, FindsElementCullingWhoseSquaresOverflow) {
   const auto report = check<ElementCulling>(
       [](const Step& step, unsigned, PairBatch& batch) {
@@ -421,7 +421,7 @@ TEST(StageCheck, FindsElementCullingThatMasksWhatTouches) {
   EXPECT_TRUE(broken(report, kLoses));
 }
 
-/// Drops pairs of which one element lies within the box of the other at the start.
+/// Drops pairs in which one element lies within the box of the other one at the start.
 auto drop_nested(PairVerdict verdict) {
   return [verdict](const Step& step, unsigned, PairBatch& batch) {
     batch.cull([&](ElementPair pair, FeatureMask&) {
@@ -450,7 +450,7 @@ TEST(StageCheck, FindsElementCullingThatDependsOnItsBatch) {
   EXPECT_TRUE(broken(report, kBatch));
 }
 
-/// Keeps the bounds of the first step.
+/// Keeps the bounds of the first step, and uses them in all steps.
 class StaleCulling final : public ElementCulling {
  public:
   struct State final : StageState {
@@ -460,7 +460,7 @@ class StaleCulling final : public ElementCulling {
   std::unique_ptr<StageState> make_state() const override { return std::make_unique<State>(); }
   void prepare(const Step& step, StageState& state, Executor&) const override {
     State& s = static_cast<State&>(state);
-    if (s.version == step.topology.version()) return;  // wrong: the motion is another one
+    if (s.version == step.topology.version()) return;  // this is wrong, because the motion is a different one
     s.version = step.topology.version();
     const Index n = step.mesh().element_slots();
     s.low.assign(n, HUGE_VAL), s.high.assign(n, -HUGE_VAL);

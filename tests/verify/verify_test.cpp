@@ -1,5 +1,5 @@
-// `volccd verify` finds what it is there to find: a stage that loses contacts, times that are wrong, truth that
-// disagrees.
+// `volccd verify` finds the errors that it is to find: a stage that loses contacts, wrong times, and ground truth that
+// differs.
 #include <volccd/experiments/verify/verify.hpp>
 
 #include <cmath>
@@ -87,7 +87,7 @@ TEST(Verify, ShowsWhatApproximateNarrowPhasesMissAndDoesNotCountIt) {
   }
 }
 
-/// Drops pairs of odd elements, and says that they were disjoint.
+/// Drops pairs of odd elements, and reports them as disjoint.
 class LyingCulling final : public ElementCulling {
  public:
   void run(const Step&, StageState&, unsigned, PairBatch& batch) const override {
@@ -123,7 +123,7 @@ TEST(Verify, FindsAListOfInitialOverlapsThatIsNotThatOfTheReference) {
   }
 }
 
-/// Two quads of a sheet that folds up, thickened: nearly closed, the prisms of the halves go through each other.
+/// Two quads of a sheet that folds, thickened. When it is nearly closed, the prisms of the halves overlap.
 TEST(Verify, LeavesOutShellNeighboursInAllPipelinesAlike) {
   const Shape sheet = block(ElementType::quad, 2, 1, 1);
   std::vector<Vec3> start = sheet.positions, end = sheet.positions;
@@ -212,7 +212,7 @@ TEST(Truth, TellsMissingExtraAndWrongTimes) {
   EXPECT_NEAR(verdict.largest_time_error, 0.1, 1e-12);
 }
 
-/// Contacts of some motions of a real run against those of an independent program.
+/// Contacts of some motions of a real run, compared with those of an independent program.
 void expect_reference_contacts(const std::string& name, const std::vector<int>& steps,
                                const std::string& pipeline_name) {
   VOLCCD_NEEDS_DATA(file, name + ".vtkhdf");

@@ -1,10 +1,10 @@
-"""What is wrong with an input."""
+"""Errors about an input."""
 
 import numpy as np
 
 
 class BadInput(Exception):
-    """`file: what[index]: problem`, as the program words it."""
+    """An error whose message has the form `file: what[index]: problem`, as those of the program."""
 
     def __init__(self, file, what, problem, index=None):
         place = what + (f"[{index}]" if index is not None else "")
@@ -12,6 +12,6 @@ class BadInput(Exception):
 
 
 def first_bad(bad):
-    """Index of the first row that has a True in it, or None."""
+    """Index of the first row that contains a True value, or None."""
     rows = np.flatnonzero(bad.reshape(len(bad), -1).any(axis=1)) if bad.size else []
     return int(rows[0]) if len(rows) else None

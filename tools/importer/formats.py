@@ -10,12 +10,12 @@ import meshio
 
 from .errors import BadInput
 
-# meshio's name -> VTK's number, nodes, dimension.
+# meshio's name: VTK's number, number of nodes, dimension.
 CELLS = {"triangle": (5, 3, 2), "quad": (9, 4, 2), "tetra": (10, 4, 3), "hexahedron": (12, 8, 3), "wedge": (13, 6, 3),
          "pyramid": (14, 5, 3)}
 NODES = {number: nodes for number, nodes, _ in CELLS.values()}
 LEFT_OUT = re.compile(r"vertex|line\d*|VTK_LAGRANGE_CURVE")
-# By extension: meshio's name.
+# File name extension: meshio's name of the format.
 FORMATS = {".vtu": "vtu", ".vtk": "vtk", ".msh": "gmsh", ".ply": "ply", ".obj": "obj", ".inp": "abaqus", ".bdf": "nastran",
            ".fem": "nastran", ".nas": "nastran"}
 VTK_51_TYPES = {b"vtkIdType": b"vtktypeint32", b"int": b"vtktypeint32", b"unsigned_int": b"vtktypeuint32",
@@ -24,11 +24,12 @@ VTK_51_TYPES = {b"vtkIdType": b"vtktypeint32", b"int": b"vtktypeint32", b"unsign
 
 
 def patched(file, extension):
-    """Text in place of the file's where meshio stumbles over what other programs write, or None."""
+    """The text of the file with changes that meshio needs to read it, or None if it needs none."""
     if extension == ".vtk":
         with open(file, "rb") as stream:
             data = stream.read()
-        # VTK stores its ids as int, under a name that meshio does not know; in version 5.1 it takes int for 64 bits.
+        # VTK stores ids as int under a type name that meshio does not know. In files of version 5.1, meshio takes int
+        # for 64 bits.
         names = VTK_51_TYPES if data.startswith(b"# vtk DataFile Version 5") else {b"vtkIdType": b"int"}
         result = re.sub(rb"(?m)^(\S+ \d+ \d+|SCALARS \S+) (%s)(?=[ \d\r]*$)" % b"|".join(names),
                         lambda match: match.group(1) + b" " + names[match.group(2)], data)
@@ -36,13 +37,14 @@ def patched(file, extension):
     if FORMATS[extension] == "nastran":
         with open(file, "rb") as stream:
             data = stream.read()
-        # Gmsh writes the bulk data alone.
+        # Gmsh writes the bulk data section without the line that begins it.
         return None if re.search(rb"(?m)^\s*BEGIN\s+BULK", data) else b"BEGIN BULK\n" + data
     return None
 
 
 def meshio_read(file):
-    """meshio's mesh. It reports on the console, ends the process, and leaves out what it does not know: all caught."""
+    """The mesh as meshio reads it. Messages on the console, ends of the process and cells that meshio leaves out
+    become errors."""
     extension = os.path.splitext(file)[1].lower()
     if extension not in FORMATS:
         raise BadInput(file, "", f"unknown extension '{extension}'; known: {' '.join(FORMATS)}")

@@ -14,7 +14,8 @@ from .formats import FORMATS
 
 @dataclasses.dataclass
 class Numbering:
-    """Node and element numbers that meshio drops: [points]; by element in the order of the file; sets of elements."""
+    """Node and element numbers that meshio drops: by point, by element in the order of the file, and sets of
+    elements."""
 
     nodes: np.ndarray
     elements: np.ndarray
@@ -22,7 +23,7 @@ class Numbering:
 
 
 def gmsh_numbering(file):
-    """None for binary files and versions without a scanner."""
+    """The numbers of a Gmsh file. None for binary files and for versions that are not supported."""
     with open(file, "rb") as stream:
         data = stream.read()
     header = re.match(rb"\s*\$MeshFormat\s+([\d.]+)\s+(\d)", data)
@@ -47,9 +48,9 @@ def gmsh_numbering(file):
 
 
 def abaqus_numbering(file):
-    """Node numbers, element numbers, element sets by name; None where another file is included."""
+    """Node numbers, element numbers, and element sets by name. None if the file includes another file."""
     nodes, elements, sets = [], [], {}
-    numbers = row = None  # where data lines go; how many numbers a row has
+    numbers = row = None  # list to which the numbers of data lines are added; kind of these lines
     generate = False
     with open(file, encoding="utf-8", errors="replace") as stream:
         for line in stream:
@@ -79,7 +80,7 @@ def abaqus_numbering(file):
             if row == "first":
                 numbers.append(int(fields[0]))
             elif row == "element":
-                # An element may go over several lines.
+                # An element may continue on further lines.
                 pending += fields
                 while width > 1 and len(pending) >= width:
                     numbers.append(int(pending[0]))

@@ -1,4 +1,4 @@
-"""Steps put together: their order, their points, their times."""
+"""Combines steps to a sequence: order, points, and times."""
 
 import re
 
@@ -23,7 +23,8 @@ def order_files(files, how):
 
 
 class Union:
-    """All points that any file has: those of the first file in its order, then the others as they come."""
+    """The points of all files: those of the first file in its order, then the others in the order in which they
+    occur."""
 
     def __init__(self):
         self.ids = self.order = self.places = None
@@ -45,7 +46,7 @@ class Union:
         self.order = None if self.ids is None else np.argsort(self.ids)
 
     def renumber(self, step):
-        """Puts the points of a step into this order; those that it lacks stay where they were, with no velocity."""
+        """Renumbers the points of a step. Points that it lacks keep their last positions and have no velocity."""
         if self.ids is None:
             return step
         row = self.order[np.searchsorted(self.ids, step.point_ids, sorter=self.order)]
@@ -60,7 +61,7 @@ class Union:
 
 
 def check_same(step, first, file):
-    """What every step has to have alike."""
+    """Checks that a step has the same arrays, cells and part names as the first one, as far as steps must agree."""
     for what in ("velocity", "thickness", "cell_ids"):
         if (getattr(step, what) is None) != (getattr(first, what) is None):
             there = "not in this file" if getattr(step, what) is None else "not in the first file"
@@ -77,7 +78,7 @@ def same_cells(a, b):
 
 
 def times_of(files, options, found):
-    """Times of the steps: given, else the files' own, else 0, 1, .."""
+    """Times of the steps: those of the options, else those in the files, else 0, 1, .."""
     if options.times is not None:
         times = options.times
         if len(times) != len(files):

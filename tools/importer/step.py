@@ -14,7 +14,7 @@ FACES = {10: [(0, 1, 2), (0, 1, 3), (1, 2, 3), (0, 2, 3)],
          13: [(0, 1, 2), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)],
          14: [(0, 1, 2, 3), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]}
 
-# Guesses, in lower case, best first.
+# Names that arrays may have, in lower case; earlier names are preferred.
 POINT_IDS = ("globalpointids", "globalnodeids", "globalnodeid", "node_id", "nodeid", "pointids")
 CELL_IDS = ("globalcellids", "globalelementids", "globalelementid", "element_id", "elementid", "cellids")
 PARTS = ("partid", "part_id", "part", "gmsh:physical", "nastran:ref", "obj:group_ids")
@@ -25,7 +25,8 @@ TIMES = ("timevalue", "time")
 
 @dataclasses.dataclass
 class Step:
-    """A file, checked; cells in CSR form. Without ids in the source, `point_ids` and `cell_ids` are None."""
+    """A file after all checks. Cells are in CSR form. Without ids in the source, `point_ids` and `cell_ids` are
+    None."""
 
     points: np.ndarray
     types: np.ndarray
@@ -42,7 +43,7 @@ class Step:
 
 
 def pick(arrays, wanted, guesses, file, what):
-    """Array called `wanted`, or the best guess, or None."""
+    """The array named `wanted`; if no name is given, the first array whose name is among the guesses, or None."""
     if wanted == "none":
         return None
     if wanted:
@@ -54,7 +55,7 @@ def pick(arrays, wanted, guesses, file, what):
 
 
 def integers(values, file, what, kind):
-    """As integers of `kind`, exactly."""
+    """The values as integers of type `kind`; an error if they are not integers in its range."""
     values = np.asarray(values).reshape(-1)
     bounds = np.iinfo(kind)
     if not np.issubdtype(values.dtype, np.number):
@@ -108,7 +109,7 @@ def points_of(mesh, file):
         raise BadInput(file, "points", "none" if len(points) == 0 else f"shape {points.shape}")
     if points.shape[1] == 2:
         points = np.column_stack([points, np.zeros(len(points))])
-    # .obj may have a weight or a colour behind the place.
+    # In .obj files, a weight or a colour may follow the coordinates.
     return np.ascontiguousarray(finite(points[:, :3], file, "points"))
 
 
@@ -141,7 +142,7 @@ def is_face_of_volume(types, offsets, connectivity):
 
 
 def parts_from_sets(sets, chosen, ids, file):
-    """Part of each element id: the number of its set, from 1, in the order of `chosen` or of the file; 0 without one."""
+    """The part of each element: the number of its set, counted from 1 in the order of `chosen` or of the file, or 0."""
     if chosen:
         for name in chosen:
             if name not in sets:
@@ -151,7 +152,7 @@ def parts_from_sets(sets, chosen, ids, file):
     seen = {}
     for name, members in sets.items():
         rows = sorted({here[element] for element in members if element in here})
-        # The same elements under a second name: the later name is that of the group that the user made.
+        # Two sets have the same elements. The name of the later one is used, because it is that of the user's group.
         if rows and tuple(rows) in seen:
             names[seen[tuple(rows)]] = name
             continue
@@ -167,14 +168,14 @@ def parts_from_sets(sets, chosen, ids, file):
 
 
 def cell_arrays(mesh):
-    """Arrays over all cells, in the order of the blocks."""
+    """Arrays with a value for every cell, in the order of the blocks."""
     sizes = [len(block.data) for block in mesh.cells]
     return {name: np.concatenate([np.asarray(values) for values in blocks]) for name, blocks in mesh.cell_data.items()
             if [len(values) for values in blocks] == sizes and sizes}
 
 
 def parts_of(mesh, arrays, numbering, keep, options, file):
-    """Part of each kept cell, and names of the parts."""
+    """The part of each kept cell, and the names of the parts."""
     if options.part == "none":
         return np.zeros(int(keep.sum()), np.int32), {}
     values = None if options.sets else pick(arrays, options.part, PARTS, file, "part")
@@ -186,7 +187,7 @@ def parts_of(mesh, arrays, numbering, keep, options, file):
         return parts_from_sets(numbering.sets, options.sets, numbering.elements[keep], file)
     parts = integers(values, file, "part", np.int32)[keep]
     if not options.part and "obj:group_ids" in arrays and values is arrays["obj:group_ids"]:
-        parts = parts + 1  # meshio counts from 0, and -1 is "no group yet"
+        parts = parts + 1  # meshio counts groups from 0, and -1 means that the cell has no group
     names = {}
     if values is arrays.get("gmsh:physical"):
         dimensions = {CELLS[block.type][2] for block in mesh.cells if block.type in CELLS}
@@ -217,7 +218,7 @@ def thickness_of(arrays, keep, types, wanted, file):
 
 
 def check_repeated_vertices(step, file):
-    """Refuses cells with too few distinct vertices for an element; notes how many others have a vertex twice."""
+    """Raises an error for cells with too few distinct vertices, and notes how many other cells have a vertex twice."""
     repeated = 0
     for kind, nodes in NODES.items():
         cells = np.flatnonzero(step.types == kind)

@@ -1,4 +1,4 @@
-"""The output: a path that is safe to write, a file for h5py, the layout of docs/sequence_files.md."""
+"""The output: a path that may be written, a file object for h5py, and the layout of docs/sequence_files.md."""
 
 import contextlib
 import io
@@ -11,13 +11,13 @@ from .sequence import same_cells
 
 
 def output_path(name, inputs):
-    """The file, there or not yet, that the output `name` leads to: links are followed, so that they stay."""
+    """The path of the file to which the output `name` leads, whether or not it exists. Links are followed and kept."""
     target = os.path.realpath(name)
     if os.path.isdir(name):
         raise BadInput(name, "", "cannot be written: it is a folder")
     there = os.path.exists(name)
     stream = name == "-" or (there and not os.path.isfile(name))
-    with contextlib.suppress(OSError):  # where a shell's > goes
+    with contextlib.suppress(OSError):  # the file to which the shell redirects the standard output
         stream = stream or (there and os.path.samestat(os.stat(name), os.fstat(1)))
     if stream:
         raise BadInput(name, "", "is not a regular file: a sequence (HDF5) is not written from front to back; give the name of "
@@ -31,8 +31,9 @@ def output_path(name, inputs):
 
 
 class Sink(io.FileIO):
-    """A file for h5py whose failures HDF5 does not see: HDF5 1.10 cannot close a file whose buffers cannot be written, and
-    crashes when the process ends. `check` raises what went wrong first, as a message about `shown_as`."""
+    """A file object for h5py that does not report write failures to HDF5, because HDF5 1.10 cannot close a file
+    whose buffers cannot be written, and then crashes when the process ends. `check` raises the first failure as an
+    error about `shown_as`."""
 
     def __init__(self, path, shown_as):
         self.shown_as, self.error = shown_as, None
@@ -70,7 +71,7 @@ class Sink(io.FileIO):
 
 
 class Writer:
-    """The layout of docs/sequence_files.md, a step at a time."""
+    """Writes the layout of docs/sequence_files.md, one step at a time."""
 
     def __init__(self, file):
         self.file = file
@@ -81,7 +82,8 @@ class Writer:
         self.cells, self.connectivity, self.tables = [], [], {}
 
     def append(self, name, values):
-        """Rows at the end of a dataset, which is made with the first; the number of rows before."""
+        """Appends rows to a dataset, which is created with its first rows. Returns the number of rows before the
+        call."""
         values = np.ascontiguousarray(values)
         if name not in self.root:
             rows = max(16, min(len(values), 16384))

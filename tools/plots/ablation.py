@@ -9,12 +9,12 @@ from matplotlib.lines import Line2D
 from .page import DOUBLE, INCH, SMALL, Looks, Page, log_axis, log_limits, number, scene_axis, times
 from .records import grouped, label_of, mean_count, median_over_motions, scenes_of, seconds, tests
 
-LINES_OF_A_PAGE = 40  # of an ablation
+LINES_OF_A_PAGE = 40  # rows of an ablation on one page
 NOT_RECORDED = "broad phase not recorded"
 
 
 def broad_phases(record):
-    """By (table, pipeline, variant), of the plan in the provenance."""
+    """The broad phase by (table, pipeline, variant), from the plan in the provenance."""
     result = {}
     for run in record.provenance.get("plan", {}).get("runs", []):
         for entrant in run["entrants"]:

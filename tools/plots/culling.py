@@ -25,7 +25,7 @@ def draw_culling(record, _):
         groups = grouped([row for row in record.rows if row["scene"] == scene], "pipeline", "variant")
         bars = []
         for (group, column), (i, (key, rows)) in itertools.product(enumerate(COUNTS), enumerate(groups.items())):
-            # A, B and C have settings that their names stand for.
+            # The names A, B and C imply their settings.
             label = key[0] if [name for name, _ in groups].count(key[0]) == 1 else label_of(*key)
             bars.append(Bar(group * (len(groups) + 1) + i, label, sum(row[column] for row in typical(rows)),
                             mean_count(rows, lambda row, column=column: row[column]),

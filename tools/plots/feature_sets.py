@@ -10,7 +10,7 @@ QUANTITIES = {"velocity of the bullet, m/s": "velocity", "pairs of bullet and pl
 
 
 def draw_feature_sets(record, _):
-    """Each quantity against time, one line for each scene."""
+    """Draws each quantity against time, with one line for each scene."""
     page, looks = Page(DOUBLE, 60, 1, len(QUANTITIES)), Looks(["bullet", "bullet-boundary", "bullet-surface"])
     for panel, (label, column) in zip(page.panels[0], QUANTITIES.items()):
         for scene in scenes_of(record.rows):

@@ -1,4 +1,4 @@
-"""How figures look: sizes, colours, marks, axes, and a page with its legend and caption."""
+"""Appearance of figures: sizes, colours, marks, axes, and a page with its legend and caption."""
 
 import math
 import textwrap
@@ -6,25 +6,27 @@ import textwrap
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-SINGLE, DOUBLE, TALLEST = 85, 175, 235  # widths of one and of two columns, and the height of a page, in mm
+SINGLE, DOUBLE, TALLEST = 85, 175, 235  # width of one column and of two columns, greatest height, in mm
 INCH = 25.4
 RC = {"svg.fonttype": "none", "svg.hashsalt": "volccd", "font.family": "DejaVu Sans", "font.size": 8,
       "axes.titlesize": 8, "axes.labelsize": 8, "xtick.labelsize": 8, "ytick.labelsize": 8, "legend.fontsize": 8,
       "axes.linewidth": 0.6, "lines.linewidth": 1.0, "lines.markersize": 4.5, "hatch.linewidth": 0.5,
       "axes.axisbelow": True, "grid.linewidth": 0.4, "grid.color": "#cccccc", "legend.frameon": False,
       "text.parse_math": False}
-SMALL = 7  # points: numbers beside marks, captions
-# Okabe and Ito's palette, the dark colours first. Marker, line and hatch differ as well.
+SMALL = 7  # font size in points of captions and of numbers beside marks
+# The palette of Okabe and Ito, dark colours first. Names also differ in marker, line style and hatch.
 COLOURS = ["#0072B2", "#D55E00", "#009E73", "#000000", "#CC79A7", "#E69F00", "#56B4E9", "#F0E442"]
 MARKERS = ["o", "s", "^", "v", "D", "P", "X", "<", ">"]
 LINES = ["-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1))]
-BAR_COLOURS = ["#F0E442", "#56B4E9", "#E69F00", "#FFFFFF", "#CC79A7", "#009E73", "#D55E00", "#BBBBBB"]  # show hatches
+# light colours, on which hatches are visible
+BAR_COLOURS = ["#F0E442", "#56B4E9", "#E69F00", "#FFFFFF", "#CC79A7", "#009E73", "#D55E00", "#BBBBBB"]
 HATCHES = ["", "////", "....", "\\\\\\\\", "xxxx", "----", "++++", "||||", "oo"]
 PAPER_MARK = {"marker": "D", "color": "white", "markeredgecolor": "black", "markeredgewidth": 0.8, "linestyle": "none"}
 
 
 class Looks:
-    """Colour, marker, line and hatch by name: the same in all figures for those of `known`; others follow in turn."""
+    """Colour, marker, line style and hatch of each name. Names in `known` have the same ones in all figures; other
+    names get the next free ones."""
 
     def __init__(self, known=()):
         self.names = list(known)
@@ -53,7 +55,7 @@ def pipeline_looks():
 
 
 class Page:
-    """A figure: panels, a legend above them and a caption below, as wide as one or two columns of print."""
+    """A figure: panels with a legend above and a caption below; its width is that of one or two columns of print."""
 
     def __init__(self, width, height, rows=1, columns=1, **subplots):
         self.size = (width / INCH, min(height, TALLEST) / INCH)
@@ -65,12 +67,13 @@ class Page:
         self.handles.setdefault(name, handle)
 
     def unused(self, count):
-        """Takes away the last panels of the grid, beyond the first `count`."""
+        """Removes all panels of the grid but the first `count`."""
         for panel in list(self.panels.flat)[count:]:
             panel.remove()
 
     def fit_legend(self):
-        """The legend in as few lines as the width allows, means and the paper's marks last; None without marks."""
+        """Draws the legend in as few lines as the width allows; means and the paper's marks come last. None without
+        marks."""
         names = sorted(self.handles, key=lambda name: (name.startswith("paper"), name.startswith("mean")))
         for lines in range(1, len(names) + 1):
             legend = self.figure.legend([self.handles[name] for name in names], names, loc="upper center",
@@ -90,7 +93,8 @@ class Page:
         return text
 
     def save(self, path, caption):
-        """Writes path.svg and path.png. Legend and caption make the page taller, not the panels smaller."""
+        """Writes path.svg and path.png. The page is made taller for legend and caption, and the panels keep their
+        sizes."""
         legend, text = self.fit_legend(), self.fit_caption(caption)
         dpi = self.figure.dpi
         above = (legend.get_window_extent().height / dpi if legend else 0) + 0.02
@@ -107,7 +111,7 @@ class Page:
 
 
 def number(value, digits=3):
-    """Short enough to stand beside a mark: three digits; from 1000 on `digits` of them, with k, M or G."""
+    """A short text for a number beside a mark: three digits, or from 1000 on `digits` digits with k, M or G."""
     for limit, unit in ((1e9, " G"), (1e6, " M"), (1e3, " k")):
         if value >= 0.9995 * limit:
             return f"{float(f'{value / limit:.{digits}g}'):g}{unit}"
@@ -119,8 +123,8 @@ def times(ratio):
 
 
 def log_axis(axis, zero=None):
-    """Labels of a logarithmic axis in plain text: at powers of ten, between them too where there are few. Zeros, if
-    there are any, stand at `zero`."""
+    """Labels a logarithmic axis in plain text at powers of ten, and between them if there are few. Zeros are drawn
+    at `zero`, if it is given."""
     low, high = sorted(axis.get_view_interval())
     axis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 100 * low else (1,), numticks=12))
     axis.set_major_formatter(FuncFormatter(lambda x, _: "0" if zero and x < 1.5 * zero else number(x)))
@@ -128,8 +132,9 @@ def log_axis(axis, zero=None):
 
 
 def log_limits(set_limits, values, room):
-    """Limits that hold all values: from a power of ten below the smallest (two below, where zeros need a place) to the
-    largest times `room`. Returns the lower one, and it again, or None, as the place of zeros."""
+    """Sets limits that contain all values: from a power of ten below the smallest one (two powers if there are
+    zeros) to the largest one times `room`. Returns the lower limit, and the value at which zeros are drawn, or
+    None."""
     positive = [value for value in values if value > 0] or [1]
     low = 10.0 ** math.floor(math.log10(min(positive)) - 0.05)
     zeros = min(values, default=1) <= 0

@@ -9,7 +9,7 @@ from .records import grouped, label_of, scenes_of, seconds_with_edit
 
 
 def steady(rows):
-    """Those of motions after the first of their window; all of a window of one motion."""
+    """Rows of the motions after the first of their window; a window of one motion keeps its row."""
     result = []
     for window in grouped(rows, "window").values():
         later = [row for row in window if row["motion"] != row["window"]]
@@ -18,7 +18,7 @@ def steady(rows):
 
 
 def mean_ms(rows):
-    """Over motions, of the median over rounds, as in the tables."""
+    """Mean over motions of the median over rounds, in milliseconds, as in the tables."""
     rounds = grouped(steady(rows), "motion").values()
     return 1e3 * statistics.fmean(statistics.median(map(seconds_with_edit, some)) for some in rounds)
 

@@ -1,4 +1,4 @@
-"""Records of experiments: reading, checking, and the numbers that figures take from their rows."""
+"""Records of experiments: reads and checks them, and computes from their rows the numbers of the figures."""
 
 import dataclasses
 import json
@@ -6,7 +6,7 @@ import math
 import statistics
 
 SCHEMA = 1
-# In the order of the paper's Section 6.2.
+# The order of the paper's Section 6.2.
 PAPER_SCENES = ["octopi", "bullet", "airbag", "crash", "liver"]
 TEXTS = ("table", "scene", "motion_model", "pipeline", "variant")
 COUNTS = ("vf_tests", "ee_tests")
@@ -21,7 +21,8 @@ class BadInput(Exception):
 
 @dataclasses.dataclass(frozen=True)
 class Record:
-    """Of one experiment; `rows` are those that a figure is about, `where` says of each (by its id) where it stands."""
+    """The record of an experiment. `rows`: those that a figure uses. `where`: by id() of a row, its place for
+    messages."""
     experiment: str
     path: str
     complete: bool
@@ -58,8 +59,8 @@ def read_record(path, experiment):
 
 
 def check_columns(record, columns):
-    """Every row has the columns that identify it and `columns`: texts, else finite numbers that are not negative, except
-    velocities; times, elements and lengths are positive."""
+    """Checks that every row has the columns that identify it and `columns`. Values are texts or finite numbers.
+    Numbers are not negative, except for velocities; times, numbers of elements and lengths are positive."""
     for row in record.rows:
         for column in (*TEXTS, "motion", "round", *columns):
             value = row.get(column)
@@ -75,7 +76,8 @@ def check_columns(record, columns):
 
 
 def grouped(rows, *columns):
-    """Rows by the values of the columns, in the order in which they come; by the value itself for a single column."""
+    """Groups rows by the values of the columns, in the order of the rows. The key is a tuple, or the value for one
+    column."""
     groups = {}
     for row in rows:
         key = tuple(row[column] for column in columns)
@@ -91,7 +93,7 @@ def typical(rows):
 
 
 def median_over_motions(rows, value):
-    """Of value(row): the median over motions of the median over rounds."""
+    """The median over motions of the median over rounds of value(row)."""
     return statistics.median(statistics.median(map(value, rounds)) for rounds in grouped(rows, "motion").values())
 
 
@@ -104,7 +106,7 @@ def seconds_with_edit(row):
 
 
 def mean_count(rows, count):
-    """Per motion; counts are the same in all rounds."""
+    """The mean over motions of count(row); counts are the same in all rounds."""
     return statistics.fmean(count(row) for row in typical(rows))
 
 
@@ -121,7 +123,7 @@ def label_of(pipeline, variant):
 
 
 def scenes_of(rows):
-    """The paper's in the order of its Section 6.2, then all others by name."""
+    """The scenes of the rows: the paper's in the order of its Section 6.2, then all others by name."""
     names = {row["scene"] for row in rows}
     return [name for name in PAPER_SCENES if name in names] + sorted(names.difference(PAPER_SCENES))
 

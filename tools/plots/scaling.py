@@ -14,8 +14,8 @@ QUANTITIES = {"time, s": lambda rows: median_over_motions(rows, seconds),
 
 
 def exponent(lines):
-    """Slope of log y against log x, one for all lines of points, each with its own height, and its standard error (None
-    where there are no more points than unknowns); None where x does not vary."""
+    """The common slope of log y against log x for several lines of points with different offsets, and its standard
+    error (None if there are no more points than unknowns). Returns None if x does not vary."""
     logs = [[(math.log(x), math.log(y)) for x, y in points if y > 0] for points in lines]
     logs = [points for points in logs if points]
     centred = [(x - statistics.fmean(p[0] for p in points), y - statistics.fmean(p[1] for p in points))
@@ -36,7 +36,8 @@ def exponent_text(fit):
 
 
 def scaling_lines(rows, prefix, column):
-    """{pipeline with its other settings: {scene: [(x, rows)] by x}}, of rows whose variant begins with the prefix."""
+    """{pipeline and its other settings: {scene: [(x, rows)], ascending in x}} for rows whose variant begins with
+    the prefix."""
     result = {}
     for (pipeline, variant, scene), group in grouped(rows, "pipeline", "variant", "scene").items():
         others = " ".join(word for word in variant.split() if not word.startswith(prefix))

@@ -1,4 +1,4 @@
-"""Table I: speed-ups over the baselines, beside the printed ones."""
+"""Table I: speed-ups over the baselines, beside those printed in the paper."""
 
 import itertools
 
@@ -7,14 +7,15 @@ from matplotlib.lines import Line2D
 from .page import DOUBLE, PAPER_MARK, SMALL, Page, log_axis, pipeline_looks, scene_axis, times
 from .records import grouped, is_baseline, label_of, median_over_motions, scenes_of, seconds_with_edit
 
-# As printed in Table I.
+# Numbers printed in the paper's Table I.
 PAPER_SPEEDUP = {"NavCCD": {"octopi": 12, "bullet": 21, "airbag": 10.2, "crash": 12.4, "liver": 10.3},
                  "HashCCD": {"octopi": 18.3, "bullet": 28, "airbag": 13, "crash": 17.4, "liver": 14.1}}
 
 
 def comparisons(rows, family):
-    """(label, baseline's rows, rows) of pipelines that are no baselines against those of the family, each variant
-    against its like; where there is none, against the one without settings."""
+    """Yields (label, baseline's rows, rows) for each pipeline that is no baseline, against the baselines of the
+    family. A variant is compared with the baseline of the same variant; if there is none, with the baseline without
+    settings."""
     pipelines = grouped(rows, "pipeline", "variant")
     subjects = [key for key in pipelines if not is_baseline(key[0])]
     baselines = [key for key in pipelines if key[0].startswith(family)]
@@ -34,7 +35,8 @@ def comparisons(rows, family):
 
 
 def speedup(baseline, subject):
-    """Ratio of the median times, topology edits included, of the motions that both have, or None without any."""
+    """Ratio of the median times, topology edits included, over the motions that both have; None if they share no
+    motion."""
     motions = {row["motion"] for row in baseline} & {row["motion"] for row in subject}
     if not motions:
         return None
@@ -60,7 +62,7 @@ def speedups(record, say):
 
 
 def draw_speedup(record, say):
-    """Speed-ups over a variant of a baseline that the pipeline itself has not go to a page of their own."""
+    """Draws the speed-ups. Comparisons of a pipeline with another variant of a baseline are on a page of their own."""
     ratios = speedups(record, say)
     pages = []
     for name, wanted in (("speedup", False), ("speedup-variants", True)):
@@ -83,7 +85,7 @@ def speedup_page(record, ratios, families, tables, scenes):
     every = [ratio for entries in ratios.values() for _, ratio in entries]
     every += [factor for printed in PAPER_SPEEDUP.values() for factor in printed.values()]
     low = min(0.9, *every) / 1.2
-    high = max(every) * (max(every) / low) ** 0.35  # room for numbers beside marks
+    high = max(every) * (max(every) / low) ** 0.35  # leaves room for the numbers beside marks
     for (family, panels), (column, table) in itertools.product(zip(families, page.panels), enumerate(tables)):
         panel = panels[column]
         names = {row["pipeline"] for row in record.rows if row["table"] == table and row["pipeline"].startswith(family)}
@@ -103,7 +105,7 @@ def speedup_page(record, ratios, families, tables, scenes):
 
 
 def draw_speedups(page, panel, y, entries, looks, printed):
-    """Of one scene, one below the other, the paper's last."""
+    """Draws the speed-ups of one scene, one below the other, with the paper's at the end."""
     marks = [(label, ratio, looks.marker(label), times(ratio)) for label, ratio in entries]
     marks += [("paper (Table I, as printed)", printed, PAPER_MARK, f"{printed:g}×")] if printed else []
     for j, (label, ratio, look, text) in enumerate(marks):

@@ -1,4 +1,4 @@
-"""Figures 4 and 11 and the funnel: what the stages of a pipeline cost and leave."""
+"""Figures 4 and 11 and the funnel: the time of the stages of a pipeline, and what passes each of them."""
 
 import collections
 import math
@@ -13,7 +13,7 @@ from .records import grouped, is_baseline, label_of, mean_count, scenes_of, test
 
 
 def parts_of(row):
-    """Seconds by the parts of Figure 11; with several threads, stages count the time of all workers."""
+    """Seconds of the parts of Figure 11. With several threads, the times of a stage are summed over all workers."""
     parts = {"k-DOPs": row["bounds_s"],
              "tree": row["broad_phase_prepare_s"] - row["bounds_s"],
              "traversal and culling": row["broad_phase_run_s"] + sum(
@@ -25,7 +25,7 @@ def parts_of(row):
 
 
 def shares_of(rows):
-    """Percent of the time of all motions, by part, the remainder included."""
+    """Share of each part in the time of all motions in per cent, with the remainder."""
     totals, measured = collections.Counter(), 0
     for row in typical(rows):
         totals.update(parts_of(row))
@@ -50,7 +50,7 @@ def draw_breakdown(record, _):
             for name, share in shares_of(of_scene).items():
                 look = looks.bar(name)
                 panel.barh(scenes.index(scene), share, left=left, height=0.75, **look)
-                if share >= 2.8 * columns:  # wide enough for two digits
+                if share >= 2.8 * columns:  # the bar is wide enough for two digits
                     panel.text(left + share / 2, scenes.index(scene), f"{share:.0f}", ha="center", va="center",
                                fontsize=SMALL, bbox={"facecolor": "white", "edgecolor": "none", "pad": 0.6})
                 page.legend(name, Patch(**look))
@@ -66,7 +66,8 @@ def draw_breakdown(record, _):
 
 
 def false_positives(rows, say):
-    """Percent of a motion's pairs of non-adjacent leaves that have no contact; motions without such pairs have none."""
+    """Per cent of the pairs of non-adjacent leaves that have no contact, by motion. Motions without such pairs are
+    left out."""
     shares = []
     for row in typical(rows):
         pairs = row["element_pairs"] - row["adjacent_pairs"]
@@ -116,7 +117,7 @@ FUNNEL = {"element pairs": lambda row: row["element_pairs"],
 
 
 def draw_funnel(record, say):
-    """Of the last table (c, of `inclusion`): pipelines that are no baselines."""
+    """Draws the pipelines that are no baselines, from the last table (c, with `inclusion`)."""
     rows = [row for row in record.rows if not is_baseline(row["pipeline"])]
     if not rows:
         return []
@@ -149,7 +150,8 @@ def draw_funnel(record, say):
 
 
 def draw_funnel_lines(page, panel, counts, looks, low):
-    """Numbers stand above the first line and below the last; zeros at the lower end of the axis."""
+    """Draws the lines, with numbers above the first and below the last one. Zeros are drawn at the lower end of the
+    axis."""
     first = next(iter(counts.values()))
     for i, (label, values) in enumerate(counts.items()):
         look = looks.line(label)

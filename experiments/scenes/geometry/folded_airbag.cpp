@@ -14,12 +14,13 @@ namespace volccd {
 
 namespace {
 
-/// The folded middle surface in the plane y = 0, and its two offsets: leg 0 is the middle of the bag, leg k lies
-/// between fold k and fold k + 1, the last ends at the rim. By symmetry only x >= 0.
+/// The profile of the folded bag in the plane y = 0: the middle surface and its two offsets. Leg 0 is the middle of the
+/// bag, leg k lies between folds k and k + 1, and the last leg ends at the rim. Only x >= 0 is described; the profile
+/// is symmetric.
 class Profile {
  public:
   explicit Profile(const AirbagShape& airbag) : half_gap_(airbag.gap / 2) {
-    // What the outer sheet needs beyond a fold, where legs differ in slope by `slope`, is gap / slope.
+    // At a fold where the slopes of two legs differ by `slope`, the outer sheet is longer by gap / slope.
     width_ = (airbag.radius - 0.02) / (airbag.folds + 1);
     bends_.push_back(0);
     bends_.push_back(airbag.radius - airbag.folds * width_);
@@ -44,10 +45,10 @@ class Profile {
     middle_ = corners;
   }
 
-  /// Distances from the middle of the flat bag at which legs begin, and in the end the radius.
+  /// Distances from the middle of the flat bag at which the legs begin; the last entry is the radius.
   const std::vector<double>& bends() const { return bends_; }
 
-  /// Where the point (x, y) of a flat sheet goes. Both sheets meet where `on_rim`.
+  /// The position of the point (x, y) of a flat sheet after folding. Both sheets have the same position if `on_rim`.
   Vec3 place(int sheet, bool on_rim, double x, double y) const {
     const auto& ends = on_rim ? middle_ : ends_[static_cast<std::size_t>(sheet)];
     const double s = std::abs(x);
@@ -59,7 +60,7 @@ class Profile {
   }
 
  private:
-  /// The sheets change places at each fold.
+  /// The upper sheet becomes the lower one at each fold.
   double offset(int sheet, int leg) const { return (sheet + leg) % 2 == 0 ? -half_gap_ : half_gap_; }
 
   double half_gap_, width_;
@@ -68,7 +69,7 @@ class Profile {
   std::array<std::vector<std::array<double, 2>>, 2> ends_;
 };
 
-/// A disc triangulated so that lines x = const at the bends are edges.
+/// A disc, triangulated such that the lines x = const at the bends consist of edges.
 class FlatDisc {
  public:
   FlatDisc(double radius, const std::vector<double>& bends, double spacing) : radius_(radius), spacing_(spacing) {
@@ -102,7 +103,7 @@ class FlatDisc {
   const std::vector<Point>& points() const { return points_; }
   const std::vector<std::array<Index, 3>>& triangles() const { return triangles_; }
 
-  /// Makes triangles as even as the vertices on the rim and on bends allow.
+  /// Moves vertices that are neither on the rim nor on a bend, and flips edges, to make the triangles more regular.
   void relax() {
     for (int round = 0; round < 8; ++round) {
       for (int pass = 0; pass < 10 && flip_edges(); ++pass) {
@@ -114,16 +115,16 @@ class FlatDisc {
   }
 
  private:
-  static constexpr double kRowHeight = 0.87;  // of equilateral triangles
+  static constexpr double kRowHeight = 0.87;  // height of equilateral triangles, in edge lengths
 
-  /// Moves each vertex into the middle of its neighbours, those on bends along them.
+  /// Moves each vertex to the centroid of its neighbours; a vertex on a bend moves along the bend only.
   void move_to_neighbours(int rounds) {
     for (int round = 0; round < rounds; ++round) {
       std::vector<std::array<double, 3>> sums(points_.size(), {0, 0, 0});
       for (const auto& t : triangles_)
         for (std::size_t i = 0; i < 3; ++i) {
           const Point& q = points_[t[(i + 1) % 3]];
-          std::array<double, 3>& sum = sums[t[i]];  // inner edges are met once in either direction
+          std::array<double, 3>& sum = sums[t[i]];  // each inner edge is visited once in either direction
           sum[0] += q.x, sum[1] += q.y, sum[2] += 1;
         }
       for (std::size_t v = 0; v < points_.size(); ++v) {
@@ -145,7 +146,8 @@ class FlatDisc {
     return std::atan2(std::abs(turn(a, b, c)), (p.x - r.x) * (q.x - r.x) + (p.y - r.y) * (q.y - r.y));
   }
 
-  /// Of edge (a, b) between triangles with third vertices c and d: to (c, d), where Delaunay has it so.
+  /// Whether edge (a, b), between triangles with third vertices c and d, is to be replaced by (c, d): the Delaunay
+  /// criterion.
   bool should_flip(Index a, Index b, Index c, Index d) const {
     const Point &p = points_[a], &q = points_[b];
     if (p.on_bend && q.on_bend && p.x == q.x) return false;
@@ -153,7 +155,7 @@ class FlatDisc {
     return corner(a, b, c) + corner(a, b, d) > std::numbers::pi + 1e-6;
   }
 
-  /// One pass; each triangle takes part once at most. False if nothing changed.
+  /// Makes one pass, in which each triangle takes part in at most one flip. Returns false if nothing changed.
   bool flip_edges() {
     struct Side {
       Index a, b;
@@ -190,7 +192,8 @@ class FlatDisc {
     return static_cast<Index>(points_.size() - 1);
   }
 
-  /// From the lower rim to the upper; neighbouring columns have even and odd numbers, so that they interlock.
+  /// Adds vertices from the lower rim to the upper one. Neighbouring columns have even and odd numbers of vertices, so
+  /// that they interlock.
   std::vector<Index> add_column(double x, bool on_bend, int odd) {
     const double y = std::sqrt(radius_ * radius_ - x * x);
     const int n = 2 * std::max(1, static_cast<int>(std::lround(y / spacing_ - 0.5 * odd))) + odd;
@@ -201,7 +204,7 @@ class FlatDisc {
 
   double angle(Index v) const { return std::atan2(points_[v].y, points_[v].x); }
 
-  /// Vertices that divide the rim between two angles, the ends left out.
+  /// Adds vertices that divide the rim between two angles, without its ends.
   std::vector<Index> arc(double from, double to, int pieces) {
     std::vector<Index> result;
     for (int i = 1; i < pieces; ++i) {
@@ -214,17 +217,17 @@ class FlatDisc {
     return std::max(1, static_cast<int>(std::lround(radius_ * std::abs(to - from) / spacing_)));
   }
 
-  /// What lies beyond the outermost column, from its lower end to its upper.
+  /// The vertices of the rim beyond the outermost column, from its lower to its upper end.
   std::vector<Index> rim_between(Index low, Index high, bool left) {
     const double turn = left ? 2 * std::numbers::pi : 0;
     const double from = angle(low) + turn, to = angle(high);
     return arc(from, to, std::max(3, pieces(from, to)));
   }
 
-  /// The column, continued along the rim towards the shorter one.
+  /// The column, extended along the rim until it is as far out as the shorter column.
   std::vector<Index> with_rim(const std::vector<Index>& column, const std::vector<Index>& other) {
     if (std::abs(points_[column[0]].x) >= std::abs(points_[other[0]].x)) return column;
-    const double turn = points_[other[0]].x < 0 ? 2 * std::numbers::pi : 0;  // keeps clear of the cut of atan2
+    const double turn = points_[other[0]].x < 0 ? 2 * std::numbers::pi : 0;  // avoids the discontinuity of atan2
     const double low = angle(column.front()) + turn, low_end = angle(other.front()) + turn;
     std::vector<Index> result = arc(low_end, low, pieces(low, low_end));
     result.insert(result.end(), column.begin(), column.end());
@@ -234,8 +237,8 @@ class FlatDisc {
     return result;
   }
 
-  /// Fills the strip between two chains with triangles, the shorter diagonal first. No edge but those at the chains'
-  /// ends joins two vertices of the rim: the sheets would have it in common.
+  /// Fills the strip between two chains with triangles, choosing the shorter diagonal each time. Only the edges at the
+  /// ends of the chains may join two vertices of the rim, because the two sheets would share any other such edge.
   void join(const std::vector<Index>& left, const std::vector<Index>& right) {
     std::size_t i = 0, j = 0;
     while (i + 1 < left.size() || j + 1 < right.size()) {
@@ -249,7 +252,8 @@ class FlatDisc {
     }
   }
 
-  /// Of going on to vertex `next` of a chain, from which an edge will lead to vertex `other` of the other one.
+  /// The cost of advancing to vertex `next` of a chain, which adds an edge from it to vertex `other` of the other
+  /// chain.
   double cost(const std::vector<Index>& chain, std::size_t next, const std::vector<Index>& others,
               std::size_t other) const {
     if (next == chain.size()) return kImpossible;
@@ -270,7 +274,7 @@ class FlatDisc {
 void check(const AirbagShape& airbag, double spacing) {
   if (!(airbag.radius > 0.05) || airbag.folds < 1 || !(airbag.gap > 0) || !(airbag.rise > airbag.gap) ||
       !(spacing > 0) || spacing > airbag.radius / (airbag.folds + 1))
-    throw ConfigError("airbag: a size is not possible");
+    throw ConfigError("airbag: a size is out of range");
 }
 
 }  // namespace
@@ -304,10 +308,10 @@ Shape folded_airbag(const AirbagShape& airbag, double spacing) {
 Shape folded_airbag_of(const AirbagShape& airbag, int triangles) {
   const Profile profile(airbag);
   const double widest = airbag.radius / (airbag.folds + 1), area = 2 * std::numbers::pi * airbag.radius * airbag.radius;
-  const double even = std::sqrt(area / triangles / 0.433);  // edge of as many equilateral triangles
+  const double even = std::sqrt(area / triangles / 0.433);  // edge length of as many equilateral triangles
   double best = widest;
   std::int64_t best_error = std::numeric_limits<std::int64_t>::max();
-  for (int i = 0; i <= 60; ++i) {  // the number jumps up and down where columns change theirs
+  for (int i = 0; i <= 60; ++i) {  // the number of triangles jumps when columns change their numbers of vertices
     const double spacing = std::min(widest, even * (0.85 + 0.005 * i));
     const FlatDisc disc(airbag.radius, profile.bends(), spacing);
     const std::int64_t error = std::abs(2 * static_cast<std::int64_t>(disc.triangles().size()) - triangles);

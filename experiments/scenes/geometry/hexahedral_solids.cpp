@@ -13,14 +13,15 @@ namespace volccd {
 
 namespace {
 
-constexpr double kCoreShare = 0.5;  // of the radius, at the middle of the core's sides
+constexpr double kCoreShare = 0.5;  // half the width of the core, as a fraction of the radius
 
 struct Section {
   std::vector<std::array<double, 2>> points;  // in the unit disc
   std::vector<std::array<Index, 4>> cells;    // counter-clockwise
 };
 
-/// Core and rings meet in the core's outline: a square whose sides bulge halfway to the circle through their middles.
+/// The core and the rings meet in the outline of the core: a square whose sides bulge halfway to the circle through
+/// their midpoints.
 class SectionBuilder {
  public:
   explicit SectionBuilder(const BulletShape& bullet) : core_(bullet.core), rings_(bullet.rings) {
@@ -81,9 +82,9 @@ void add_hexahedron(Shape& shape, const std::array<Index, 4>& low, const std::ar
 
 /// The lines of a plate along x or y: `cells` cells, symmetric.
 std::vector<double> graded_lines(double side, double fine, int cells) {
-  const int outer = std::max(1, cells / 6);  // on either side
+  const int outer = std::max(1, cells / 6);  // cells on either side of the fine part
   const double width = fine / (cells - 2 * outer), reach = (side - fine) / 2;
-  double low = 1, high = 100;  // the factor from cell to cell
+  double low = 1, high = 100;  // bounds of the ratio of neighbouring cell sizes
   for (int i = 0; i < 100; ++i) {
     const double ratio = (low + high) / 2;
     double sum = 0, cell = width;
@@ -105,7 +106,7 @@ std::vector<double> graded_lines(double side, double fine, int cells) {
 Shape round_nosed_bullet(const BulletShape& bullet) {
   if (!(bullet.diameter > 0) || !(bullet.nose > 0) || !(bullet.length > bullet.nose) || bullet.core < 1 ||
       bullet.rings < 1 || bullet.layers < 2)
-    throw ConfigError("bullet: a size or number is not possible");
+    throw ConfigError("bullet: a size or number is out of range");
   const Section section = SectionBuilder(bullet).take();
   const auto points = static_cast<Index>(section.points.size());
   Shape shape;
@@ -113,7 +114,8 @@ Shape round_nosed_bullet(const BulletShape& bullet) {
     const double s = bullet.length * layer / bullet.layers;  // from the tip
     const double t = std::max(0.0, 1 - s / bullet.nose);     // 1 at the tip, 0 where the nose ends
     const double radius =
-        bullet.diameter / 2 * std::sqrt(1 - 0.72 * t * t);  // blunt: the outermost ring has to end somewhere
+        // the tip is blunt, because the outermost ring needs a positive radius
+        bullet.diameter / 2 * std::sqrt(1 - 0.72 * t * t);
     for (const auto& [x, y] : section.points) {
       const double dome = 0.06 * bullet.diameter * t * (x * x + y * y);
       shape.positions.emplace_back(radius * x, radius * y, s + dome);
@@ -134,7 +136,7 @@ Shape round_nosed_bullet(const BulletShape& bullet) {
 Shape graded_plate(const PlateShape& plate) {
   if (!(plate.fine > 0) || !(plate.side > plate.fine) || !(plate.thickness > 0) || plate.cells[0] < 4 ||
       plate.cells[1] < 4 || plate.cells[2] < 1)
-    throw ConfigError("plate: a size or number is not possible");
+    throw ConfigError("plate: a size or number is out of range");
   const std::vector<double> xs = graded_lines(plate.side, plate.fine, plate.cells[0]);
   const std::vector<double> ys = graded_lines(plate.side, plate.fine, plate.cells[1]);
   Shape shape;

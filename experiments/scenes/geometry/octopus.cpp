@@ -12,16 +12,17 @@ namespace volccd {
 namespace {
 
 constexpr int kTentacles = 8, kPieces = 14;
-constexpr double kRing = 0.026, kRoot = 0.019, kTip = 0.007;  // of the tentacles: where they begin, radii
+// distance of the tentacles from the axis, and their radii at the root and at the tip
+constexpr double kRing = 0.026, kRoot = 0.019, kTip = 0.007;
 constexpr double kLength = 0.2;
 constexpr double kBlend = 0.016;
 
-/// Balls along a line, their radius falling evenly from piece to piece.
+/// Balls along a line, whose radius decreases from piece to piece.
 struct Tentacle {
   std::array<Vec3, kPieces + 1> spine;
   std::array<double, kPieces + 1> radius;
   Vec3 centre = Vec3::Zero();
-  double reach = 0;  ///< from the centre, all within
+  double reach = 0;  ///< radius of a ball around `centre` that contains the tentacle
 
   Tentacle(int number, const OctopusPose& pose, Random& random) {
     const double length = kLength * random.uniform(0.9, 1.12), droop = pose.droop + random.uniform(-0.15, 0.15);
@@ -33,7 +34,8 @@ struct Tentacle {
       const double s = static_cast<double>(i) / kPieces;
       spine[i] = p;
       radius[i] = std::max(kRoot + (kTip - kRoot) * std::pow(s, 0.8), pose.thinnest);
-      // Rolled up from the middle on; heading in the plane through the axis, which turns sideways on the way.
+      // The second half of a tentacle is rolled up. Its heading lies in a plane through the axis of the octopus; this
+      // plane turns sideways along the tentacle.
       const double middle = s + 0.5 / kPieces, pitch = -droop + curl * std::pow(middle, 2.6),
                    turn = sway * middle + lean;
       const Vec3 heading = std::cos(turn) * out + std::sin(turn) * side;
@@ -73,7 +75,7 @@ ImplicitSolid octopus_solid(const OctopusPose& pose) {
   solid.high = Vec3(0.06, 0.06, 0.14);
   for (const Tentacle& t : tentacles)
     for (std::size_t i = 0; i <= kPieces; ++i) {
-      // Blends swell it by up to a quarter of their size each.
+      // Each blend enlarges the solid by up to a quarter of its size.
       const Vec3 radius = Vec3::Constant(t.radius[i] + kBlend);
       solid.low = solid.low.cwiseMin(t.spine[i] - radius);
       solid.high = solid.high.cwiseMax(t.spine[i] + radius);

@@ -71,7 +71,8 @@ class Relaxation {
     }
   }
 
-  /// Newton's method along the gradient, taken by differences over a small share of `length`.
+  /// Projects a point onto the surface by Newton's method along the gradient. The gradient is computed from differences
+  /// over a small fraction of `length`.
   Vec3 on_surface(Vec3 p, double length) const {
     const double h = 1e-3 * length;
     for (int i = 0; i < 3 && h > 0; ++i) {
@@ -84,7 +85,7 @@ class Relaxation {
     return p;
   }
 
-  /// Of the tetrahedra at v; negative for one that is turned over.
+  /// The smallest altitude of the tetrahedra at v; negative if one of them is inverted.
   double smallest_altitude(Index v) const {
     double smallest = std::numeric_limits<double>::infinity();
     for (const Index t : around_[v]) {
@@ -103,8 +104,8 @@ class Relaxation {
   const ImplicitSolid& solid_;
   std::vector<Vec3>& x_;
   const std::vector<std::array<Index, 4>>& tetrahedra_;
-  std::vector<std::vector<Index>> around_;  ///< tetrahedra, by vertex
-  std::vector<std::vector<Index>> near_;    ///< vertices whose middle it goes to, by vertex
+  std::vector<std::vector<Index>> around_;  ///< tetrahedra at each vertex
+  std::vector<std::vector<Index>> near_;    ///< neighbours of each vertex, towards whose centroid it moves
   std::vector<bool> surface_;
 };
 

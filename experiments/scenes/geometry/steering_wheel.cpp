@@ -10,13 +10,15 @@ namespace volccd {
 
 namespace {
 
-constexpr double kRimRadius = 0.186, kRimThickness = 0.014;  // of the torus: to the middle of the tube, of the tube
+// radius of the torus to the middle of the tube, and of the tube
+constexpr double kRimRadius = 0.186, kRimThickness = 0.014;
 constexpr double kHubRadius = 0.060, kHubCore = 0.034;
 constexpr double kHubTop = 0.010, kHubBottom = -0.030;
 constexpr int kAlongRim = 12, kAround = 6;
 enum Part : std::int32_t { kRimPart, kHubPart, kSpokesPart, kCapsPart };
 
-/// Where station s begins, degrees. Spokes leave from narrow stations, to the right, to the left, and down.
+/// Angle at which each station begins, in degrees. The spokes start from the narrow stations: to the right, to the
+/// left, and down.
 constexpr std::array<double, kAlongRim> kBegin{-7, 7, 40.2, 73.4, 106.6, 139.8, 173, 187, 225, 263, 277, 315};
 constexpr bool has_spoke(int station) { return station == 0 || station == 6 || station == 9; }
 
@@ -36,7 +38,7 @@ Vec3 onto_cylinder(const Vec3& p) {
   return {p.x() * scale, p.y() * scale, p.z()};
 }
 
-/// Corner (station, k) of the rim; between k = 2 and 3 it faces the hub.
+/// Corner k of the rim at a station. The side between k = 2 and k = 3 faces the hub.
 Vec3 rim_corner(int station, int k) {
   const double angle = 2 * std::numbers::pi * (k + 0.5) / kAround;
   return polar(kRimRadius + kRimThickness * std::cos(angle), station, kRimThickness * std::sin(angle));
@@ -63,7 +65,7 @@ void add_hub(QuadComplex& wheel) {
                     hub_corner(s, level + 1));
 }
 
-/// A hexagonal core of three patches, and a ring between it and the drum.
+/// A hexagonal core of three patches, and a ring between the core and the side of the drum.
 void add_cap(QuadComplex& wheel, int level) {
   const double z = level == 0 ? kHubBottom : kHubTop;
   const auto inner = [&](int s) { return polar(kHubCore, s, z); };
@@ -78,9 +80,9 @@ void add_cap(QuadComplex& wheel, int level) {
 void add_spokes(QuadComplex& wheel) {
   for (int s = 0; s < kAlongRim; ++s) {
     if (!has_spoke(s)) continue;
-    // Both loops counter-clockwise as seen from the rim, so that normals point out of the spoke.
+    // Both loops are counter-clockwise as seen from the rim, so that normals point out of the spoke.
     wheel.tube(kSpokesPart, {{hub_corner(s, 1), hub_corner(s + 1, 1), hub_corner(s + 1, 2), hub_corner(s, 2)},
-                         {rim_corner(s, 3), rim_corner(s + 1, 3), rim_corner(s + 1, 2), rim_corner(s, 2)}});
+                             {rim_corner(s, 3), rim_corner(s + 1, 3), rim_corner(s + 1, 2), rim_corner(s, 2)}});
   }
 }
 

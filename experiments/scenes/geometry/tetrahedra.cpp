@@ -17,9 +17,10 @@ namespace {
 
 using Tetrahedron = std::array<Index, 4>;
 
-/// A crossing of the surface nearer than this share of the edge draws the edge's end onto the surface.
+/// If the surface crosses an edge nearer to a lattice point than this fraction of the edge, the lattice point is moved
+/// onto the surface.
 constexpr double kLongPull = 0.24999, kShortPull = 0.41189;
-/// Depth below the surface, in edges, that no point of a thin part has.
+/// If no point of a part is deeper below the surface than this fraction of `edge`, the part is thin.
 constexpr double kThin = 0.55;
 
 /// Steps to the neighbours of a lattice point: 6 along long edges, 8 along short ones.
@@ -31,18 +32,20 @@ constexpr int kNeighbours[14][3] = {{2, 0, 0},  {-2, 0, 0},  {0, 2, 0},   {0, -2
 class Lattice {
  public:
   Lattice(const ImplicitSolid& solid, double edge) : half_(edge / 2) {
-    // One layer of cells around the box: what is cut has all its neighbours.
+    // There is one layer of cells around the box, so that every lattice point at which an edge is cut has all its
+    // neighbours.
     const Vec3 cells = ((solid.high - solid.low) / edge).array().ceil() + 2;
     if (!(edge > 0) || !(cells.minCoeff() >= 2)) throw ConfigError("tetrahedra: edge length or box not positive");
     if (cells.prod() > 1e7) throw ConfigError("tetrahedra: edge length too small for the size of the solid");
     for (int c = 0; c < 3; ++c) cells_[c] = static_cast<int>(cells[c]);
-    // Off the middle, so that a symmetric solid does not gain or lose many tetrahedra at once as the edge changes.
+    // The origin is not symmetric to the box. Otherwise, a symmetric solid would gain or lose many tetrahedra at once
+    // when the edge length changes.
     origin_ = (solid.low + solid.high) / 2 - half_ * (cells + Vec3(0.31, 0.53, 0.73));
   }
 
   int cells(int axis) const { return cells_[static_cast<std::size_t>(axis)]; }
   std::size_t size() const { return index(2 * cells(0), 2 * cells(1), 2 * cells(2)) + 1; }
-  /// Points that are neither corner nor centre have an index, too, and are never asked for.
+  /// Points that are neither corners nor centres have an index, too, but it is never used.
   std::size_t index(int x, int y, int z) const {
     const auto s = [](int i) { return static_cast<std::size_t>(i); };
     return (s(z) * s(2 * cells(1) + 1) + s(y)) * s(2 * cells(0) + 1) + s(x);
@@ -93,7 +96,7 @@ class Stuffing {
     });
     mark_thin_parts(edge);
     pull_to_surface();
-    // Between two neighbouring centres, four tetrahedra around the line that joins them.
+    // There are four tetrahedra around the line between two neighbouring centres.
     for (int z = 1; z < 2 * lattice_.cells(2); z += 2)
       for (int y = 1; y < 2 * lattice_.cells(1); y += 2)
         for (int x = 1; x < 2 * lattice_.cells(0); x += 2)
@@ -108,8 +111,9 @@ class Stuffing {
   /// A corner of a lattice tetrahedron.
   using Corner = std::size_t;
 
-  /// Where the surface crosses the edge from inside (value < 0) to outside, as a share of it: the Illinois method.
-  /// Where the solid is thin, not too near to the inner end, which stays in its place.
+  /// The point at which the surface crosses the edge from inside (value < 0) to outside, as a fraction of the edge,
+  /// found by the Illinois method. If the solid is thin there, the point keeps a distance from the inner end, which is
+  /// not moved.
   double crossing(Corner inside, Corner outside, bool is_long) const {
     const double share = true_crossing(inside, outside);
     return thin_[inside] ? std::max(share, is_long ? kLongPull : kShortPull) : share;
@@ -135,8 +139,9 @@ class Stuffing {
     return middle;
   }
 
-  /// Inside points that are not deep, nor is any neighbour: the middle of a thin part, which must not be drawn to its
-  /// surface. (Below a flat surface each has a neighbour that is at least 0.7 edges deep.)
+  /// Marks the inside points that are not deep and have no deep neighbour. They lie in the middle of a thin part, and
+  /// must not be moved onto its surface. (Below a flat surface, each point has a neighbour that is at least 0.7 edges
+  /// deep.)
   void mark_thin_parts(double edge) {
     lattice_.for_each([&](int x, int y, int z) {
       const Corner here = lattice_.index(x, y, z);
@@ -146,7 +151,8 @@ class Stuffing {
     });
   }
 
-  /// Lattice points that a crossing comes too near to move to the nearest such crossing; no edge of theirs is cut then.
+  /// Moves each lattice point that is too near to a crossing onto the nearest such crossing. Then none of its edges is
+  /// cut.
   void pull_to_surface() {
     lattice_.for_each([&](int x, int y, int z) {
       const Corner here = lattice_.index(x, y, z);
@@ -185,7 +191,7 @@ class Stuffing {
     }
   }
 
-  /// `t` has positive volume; its long edges are 0-1 and 2-3.
+  /// Fills the part of a lattice tetrahedron that is inside. `t` has positive volume; its long edges are 0-1 and 2-3.
   void stuff(const std::array<Corner, 4>& t) {
     std::array<int, 4> order{};
     int count = 0, inside = 0, outside = 0;
@@ -201,7 +207,7 @@ class Stuffing {
     int swaps = 0;
     for (std::size_t i = 0; i < 4; ++i)
       for (std::size_t j = i + 1; j < 4; ++j) swaps += order[i] > order[j];
-    // With two or more inside, the volume of the sorted tetrahedron is made positive again by their order.
+    // With two or more points inside, their order is chosen such that the sorted tetrahedron has positive volume again.
     if (inside >= 2 && swaps % 2 == 1) std::swap(order[0], order[1]);
     if (outside == 0 || inside == 1) return emit_corner(t, order, inside >= 2 || swaps % 2 == 0);
     const auto c = [&](std::size_t i) { return t[static_cast<std::size_t>(order[i])]; };
@@ -209,13 +215,13 @@ class Stuffing {
     if (inside == 2 && outside == 1) emit_pyramid(c(0), c(1), c(2), c(3), partners(0, 3), partners(1, 3));
     if (inside == 2 && outside == 2) emit_ridge({c(0), c(1), c(2), c(3)}, partners(0, 2), partners(0, 3));
     if (inside == 3) {
-      // The long edge that is cut comes first.
+      // The long edge that is cut is moved to the first place.
       while ((order[0] ^ 1) != order[3]) std::rotate(order.begin(), order.begin() + 1, order.begin() + 3);
       emit_frustum({c(0), c(1), c(2)}, c(3));
     }
   }
 
-  /// Nothing outside, or one corner inside: a single tetrahedron.
+  /// One tetrahedron, if no corner is outside or one corner is inside.
   void emit_corner(const std::array<Corner, 4>& t, const std::array<int, 4>& order, bool positive) {
     Tetrahedron out{};
     for (std::size_t i = 0; i < 4; ++i) {
@@ -226,7 +232,7 @@ class Stuffing {
     tetrahedra.push_back(out);
   }
 
-  /// a, b inside, o on the surface, c outside.
+  /// Corners a and b are inside, o is on the surface, c is outside.
   void emit_pyramid(Corner a, Corner b, Corner o, Corner c, bool long_ac, bool long_bc) {
     const Index ac = cut(a, c), bc = cut(b, c), va = corner(a), vb = corner(b), vo = corner(o);
     if (diagonal_from_a(va, vb, ac, bc, long_ac, long_bc)) {
@@ -238,43 +244,45 @@ class Stuffing {
     }
   }
 
-  /// Corners 0, 1 inside, 2, 3 outside; the volume is positive.
+  /// Corners 0 and 1 are inside, 2 and 3 are outside; the volume is positive.
   void emit_ridge(const std::array<Corner, 4>& c, bool long_02, bool long_03) {
     const Index a = corner(c[0]), b = corner(c[1]);
     const std::array<Index, 3> p = {a, cut(c[0], c[2]), cut(c[0], c[3])}, q = {b, cut(c[1], c[2]), cut(c[1], c[3])};
-    // With 0-1 short, a long edge is cut on both faces: 0-2 and 1-3, or 0-3 and 1-2.
+    // If 0-1 is a short edge, one long edge is cut on each of the two faces: 0-2 and 1-3, or 0-3 and 1-2.
     const bool first = diagonal_from_a(a, b, p[1], q[1], long_02, long_03);
     const bool second = diagonal_from_a(a, b, p[2], q[2], long_03, long_02);
-    bool third = second;  // of the quad on the surface: must not close a cycle
+    bool third = second;  // the diagonal of the quad on the surface; the three must not form a cycle
     if (first == second) third = shorter(p[1], q[2], p[2], q[1]);
     emit_prism(p, q, {first, third, second});
   }
 
-  /// Corners of `c` inside, the long edge from c[0] to `outside`; the volume is positive.
+  /// The corners in `c` are inside; c[0] and `outside` are the ends of a long edge. The volume is positive.
   void emit_frustum(const std::array<Corner, 3>& c, Corner outside) {
     const std::array<Index, 3> p = {corner(c[0]), corner(c[1]), corner(c[2])};
     const std::array<Index, 3> q = {cut(c[0], outside), cut(c[1], outside), cut(c[2], outside)};
     emit_prism(p, q, {false, diagonal_from_a(p[1], p[2], q[1], q[2], false, false), false});
   }
 
-  /// How a face with corners a, b inside and c outside is split, the same from both of its tetrahedra: whether the
-  /// diagonal of the quad a, b, bc, ac starts at a. From the crossing of the long edge, else the shorter one.
+  /// How a face with corners a, b inside and c outside is divided, which is the same for both of its tetrahedra: true
+  /// if the diagonal of the quad a, b, bc, ac starts at a. The diagonal starts at the crossing on the long edge if
+  /// there is one; otherwise the shorter diagonal is chosen.
   bool diagonal_from_a(Index a, Index b, Index ac, Index bc, bool long_ac, bool long_bc) const {
     if (long_ac) return false;
     if (long_bc) return true;
     return shorter(a, bc, b, ac);
   }
 
-  /// Whether line v0-v1 is shorter than w0-w1; of equal ones, the one with the smallest vertex. Lengths that rounding
-  /// alone tells apart are equal.
+  /// Whether line v0-v1 is shorter than w0-w1. Lengths that differ by rounding only count as equal; then the line with
+  /// the smallest vertex counts as the shorter one.
   bool shorter(Index v0, Index v1, Index w0, Index w1) const {
     const double v = (positions[v0] - positions[v1]).norm(), w = (positions[w0] - positions[w1]).norm();
     if (std::abs(v - w) > 1e-9 * (v + w)) return v < w;
     return std::min(v0, v1) < std::min(w0, w1);
   }
 
-  /// A prism with triangles p (positive seen from q) and q. rule[0]: the diagonal of the quad 0-1 is p0-q1, else p1-q0;
-  /// rule[1]: of the quad 1-2; rule[2]: p0-q2, else p2-q0. Not a cycle, so that the columns have an order.
+  /// A prism with the triangles p (positive as seen from q) and q. If rule[0], the diagonal of the quad 0-1 is p0-q1,
+  /// else p1-q0; rule[1] is the same for the quad 1-2; if rule[2], the diagonal of the quad 0-2 is p0-q2, else p2-q0.
+  /// The rules must not form a cycle, so that the three columns have an order.
   void emit_prism(const std::array<Index, 3>& p, const std::array<Index, 3>& q, const std::array<bool, 3>& rule) {
     std::array<std::size_t, 3> column{};
     column[static_cast<std::size_t>(!rule[0]) + static_cast<std::size_t>(!rule[2])] = 0;
@@ -300,7 +308,7 @@ class Stuffing {
     if (is_new) {
       const Vec3 a = lattice_.place(inside);
       const Vec3 edge = lattice_.place(outside) - a;
-      // Long edges are along an axis.
+      // Long edges are parallel to an axis.
       const bool is_long = (edge.array() != 0).count() == 1;
       place->second = new_vertex(a + crossing(inside, outside, is_long) * edge);
     }
@@ -320,7 +328,7 @@ class Stuffing {
   std::unordered_map<std::size_t, Index> cuts_;
 };
 
-/// By tetrahedron: the smallest index of its piece, of those that hang together by faces.
+/// For each tetrahedron, the smallest index of a tetrahedron in its piece, that is, connected with it through faces.
 std::vector<Index> pieces(const std::vector<Tetrahedron>& tetrahedra) {
   std::vector<std::pair<std::array<Index, 3>, Index>> faces;
   for (Index t = 0; t < tetrahedra.size(); ++t)
@@ -346,7 +354,7 @@ std::vector<Index> pieces(const std::vector<Tetrahedron>& tetrahedra) {
   return root;
 }
 
-/// The largest piece, vertices renumbered in ascending order.
+/// The largest piece, with its vertices renumbered in ascending order.
 void keep_largest_piece(std::vector<Vec3>& positions, std::vector<Tetrahedron>& tetrahedra) {
   const std::vector<Index> piece = pieces(tetrahedra);
   std::vector<Index> size(tetrahedra.size(), 0);
@@ -404,8 +412,8 @@ Shape fill_with_about(const ImplicitSolid& solid, int elements, double* edge) {
       best_error = error;
       best = trial;
     }
-    // First straight to the edge length that fits; the count jumps up and down there, so then to and fro around the
-    // best.
+    // The first trials go straight to the edge length with the required count. The count jumps up and down near it, so
+    // that later trials are taken on both sides of the best one.
     if (i < 4)
       trial *= std::clamp(std::cbrt(count / wanted), 0.4, 2.5);
     else

@@ -16,19 +16,21 @@ namespace {
 
 using Lines = std::vector<double>;
 
-constexpr double kFirewall = 1.15, kToe = 1.35, kRear = 1.85;  // x: firewall, where the floor begins, rear
+// x of the firewall, of the front end of the floor, and of the rear
+constexpr double kFirewall = 1.15, kToe = 1.35, kRear = 1.85;
 constexpr double kFloor = 0.30, kSill = 0.54, kRoof = 1.35;
 constexpr double kRailIn = 0.38, kRailOut = 0.48, kRailLow = 0.42, kRailMiddle = 0.48, kRailHigh = 0.54;
-constexpr double kSide = 0.68, kShelf = 0.60;  // y: of the body's side, of the upper rail's inner wall
+constexpr double kSide = 0.68, kShelf = 0.60;  // y of the body's side, and of the inner wall of the upper rail
 constexpr double kWheelX = 0.62, kWheelZ = 0.30, kWheelIn = 0.52, kWheelOut = 0.70;
-constexpr double kHub = 0.10, kRim = 0.19, kTyre = 0.29;  // half the side of the square at a wheel's middle; radii
+// half the side of the square in the middle of a wheel, and radii
+constexpr double kHub = 0.10, kRim = 0.19, kTyre = 0.29;
 constexpr double kHoodRear = 1.10;
 const Lines kStations{0.26, 0.44, 0.52, 0.62, 0.72, 0.80, 0.98, kFirewall};
 const Lines kCabY{-kSide, -kShelf, -kRailOut, -kRailIn, kRailIn, kRailOut, kShelf, kSide};
 
 constexpr std::int32_t id(VehiclePart part) { return static_cast<std::int32_t>(part); }
 
-/// 1 at `centre`, 0 beyond `width` / 2, smooth.
+/// A smooth function of x that is 1 at `centre`, and 0 further than `width` / 2 from it.
 double bump(double x, double centre, double width) {
   const double c = std::cos(std::numbers::pi * std::clamp((x - centre) / width, -0.5, 0.5));
   return c * c;
@@ -36,7 +38,8 @@ double bump(double x, double centre, double width) {
 
 // Surfaces.
 
-/// How far the walls of a rail stand out (above, below) and in (sideways), at their middle: triggers of the folds.
+/// How far the middle of a rail's walls is displaced at x: outwards above and below, inwards at the sides. These beads
+/// trigger the folds.
 double bead(double x) {
   if (x > 0.10 && x < 0.25) return 0.007 * bump(std::fmod(x - 0.10, 0.05), 0.025, 0.05);
   if (x > 0.29 && x < 0.54) return 0.005 * bump(std::fmod(x - 0.29, 0.0627), 0.03135, 0.0627);
@@ -58,7 +61,7 @@ Vec3 onto_rail(const Vec3& p) {
   return q;
 }
 
-/// Just below the hood's edge.
+/// Height of the fender's upper edge, just below that of the hood.
 double fender_top(double x) { return 0.838 + 0.065 * x; }
 
 double hood_height(double x, double y) { return 0.848 + 0.065 * x + 0.035 * (1 - y * y / (0.66 * 0.66)); }
@@ -85,7 +88,7 @@ Vec3 onto_floor(const Vec3& p) {
   return {p.x(), p.y(), toe_height(p.x()) + tunnel};
 }
 
-/// Turns a chord into an arc about the wheel's axis.
+/// Moves points onto an arc about the wheel's axis.
 QuadComplex::Snap arc(double radius) {
   return [radius](const Vec3& p) {
     const double dx = p.x() - kWheelX, dz = p.z() - kWheelZ, scale = radius / std::hypot(dx, dz);
@@ -93,7 +96,7 @@ QuadComplex::Snap arc(double radius) {
   };
 }
 
-// Parts. What is said of one side (s = 1: y > 0) holds for both.
+// Parts. One side is described (s = 1: y > 0); the other is symmetric to it.
 
 class Vehicle {
  public:
@@ -127,7 +130,7 @@ class Vehicle {
 
   static double beam_x(double y) { return 0.15 * y * y; }
 
-  /// Loop around a rail at x, between three heights.
+  /// Corners of a section of a rail at x, with three heights.
   static std::vector<Vec3> rail_section(double s, double x, double low, double middle, double high) {
     return {{x, s * kRailIn, low},   {x, s * kRailOut, low}, {x, s * kRailOut, middle},
             {x, s * kRailOut, high}, {x, s * kRailIn, high}, {x, s * kRailIn, middle}};
@@ -153,7 +156,7 @@ class Vehicle {
     std::vector<std::vector<Vec3>> sections;
     for (const double x : kStations) sections.push_back(rail_section(s, x, kRailLow, kRailMiddle, kRailHigh));
     body_.tube(id(VehiclePart::rails), sections);
-    // Below the floor, which is the rail's upper wall there.
+    // The part of the firewall below the floor; the floor is the upper wall of the rail there.
     const auto wall = [&](double y, std::pair<double, double> from, std::pair<double, double> to) {
       const auto [z0, z1] = from;
       const auto [z2, z3] = to;
@@ -178,7 +181,7 @@ class Vehicle {
     grid(VehiclePart::aprons, kStations, {kRailHigh, 0.72},
          [s](double x, double z) { return Vec3(x, s * kRailOut, z); });
     grid(VehiclePart::aprons, kStations, {kRailOut, kShelf}, [s](double x, double y) { return Vec3(x, s * y, 0.72); });
-    // What carries the fender's upper edge.
+    // The sheet that carries the upper edge of the fender.
     grid(VehiclePart::aprons, kStations, {0, 1},
          [s](double x, double t) { return Vec3(x, s * (kSide + t * 0.02), 0.80 + t * (fender_top(x) - 0.80)); });
   }
@@ -197,7 +200,7 @@ class Vehicle {
     }
   }
 
-  /// Eight corners of a loop about the wheel's axis; radius 0: the core, a square.
+  /// Eight corners of a loop about the wheel's axis; with radius 0, those of the square core.
   static std::vector<Vec3> wheel_loop(double radius, double y) {
     std::vector<Vec3> loop;
     for (int k = 0; k < 8; ++k) {
@@ -240,7 +243,7 @@ class Vehicle {
          [](double u, double y) { return Vec3(u, y, kRailLow); });
   }
 
-  /// Narrower towards the roof.
+  /// The sides lean inwards towards the roof.
   static Vec3 cab_point(double x, double y, double z) { return {x, y * (1 - 0.4 * std::max(0.0, z - 0.95)), z}; }
 
   void add_cab_side(double s) {
@@ -269,9 +272,8 @@ class Vehicle {
 
   void add_hood() {
     const Lines ys{-0.66, -kShelf, -kRailOut, -0.10, 0.10, kRailOut, kShelf, 0.66};
-    const auto at = [](double x, double y) {  // heights are the surface's, but corners go by place: any height will do
-      return Vec3(x == 0 ? fascia_x(y) + 0.03 : x, y, 0.9);
-    };
+    // corners are identified by their position, so that any fixed height will do; the surface determines the final one
+    const auto at = [](double x, double y) { return Vec3(x == 0 ? fascia_x(y) + 0.03 : x, y, 0.9); };
     grid(VehiclePart::hood, {0, kStations[0], kHoodRear}, ys, at);
     const auto latch = [&](double y) { return Vec3(kStations[0], y, 0.80); };
     body_.patch(id(VehiclePart::mounts), latch(-0.10), latch(0.10), at(kStations[0], 0.10), at(kStations[0], -0.10));
@@ -288,7 +290,7 @@ class Vehicle {
   void add_engine() {
     constexpr double kHalf = 0.24, kLow = 0.40, kTop = 0.76;
     const Lines xs{0.40, kWheelX - kHub, kWheelX, kWheelX + kHub, 0.84}, ys{-kHalf, kHalf}, zs{kLow, kRailMiddle, kTop};
-    const auto at = [](double x, double y, double z) {  // narrower at the top
+    const auto at = [](double x, double y, double z) {  // the engine block is narrower at the top
       const double narrow = z > 0.7 ? 0.75 : 1;
       return Vec3(z > 0.7 ? std::clamp(x, 0.44, 0.80) : x, y * narrow, z);
     };

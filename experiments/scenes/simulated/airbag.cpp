@@ -12,8 +12,8 @@ namespace volccd {
 
 namespace {
 
-constexpr double kWheelTop = -0.006;    // below the bag's middle surface
-constexpr double kInletRadius = 0.045;  // within it the bag is held to the hub
+constexpr double kWheelTop = -0.006;    // distance of the wheel below the middle surface of the bag
+constexpr double kInletRadius = 0.045;  // radius within which the bag is fixed to the hub
 
 simulation::Material fabric() {
   simulation::Material m;
@@ -58,7 +58,7 @@ simulation::Model airbag_model(int elements, std::uint64_t seed) {
     model.fixed.push_back(v);
     model.velocities[v].setZero();
   }
-  // The gas comes in with a blow, which closes the folds.
+  // The gas enters with a pressure pulse, which closes the folds.
   const std::vector<std::pair<double, double>> curve{{0, 6000}, {1e-3, 3000}, {8e-3, 4000}, {20e-3, 8000}};
   model.pressures = {{0, curve}, {1, curve}};
   return model;

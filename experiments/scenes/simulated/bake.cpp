@@ -126,7 +126,7 @@ class Workplace {
     return folder;
   }
 
-  /// A state consists of bytes as in memory, so that only the same code can continue from it.
+  /// A state is stored as the bytes in memory, so that only the same build can continue from it.
   static std::string signature() { return fmt::format("{} {}", build_facts().commit, build_facts().build_type); }
 
   std::string folder_;

@@ -52,7 +52,7 @@ BulletShape bullet_shape(double finer) {
   return bullet;
 }
 
-/// Of plates not far from square, the one that comes nearest to this number of elements.
+/// Among plates that are nearly square, the one whose number of elements is nearest to `elements`.
 PlateShape plate_shape(int elements, double finer) {
   PlateShape plate;
   plate.cells[2] = std::max(2, static_cast<int>(std::lround(plate.cells[2] * finer)));
@@ -63,7 +63,7 @@ PlateShape plate_shape(int elements, double finer) {
   return plate;
 }
 
-/// Moves vertices inside the plate, so that cracks do not choose lines of the grid.
+/// Moves vertices inside the plate, so that cracks do not prefer the lines of the grid.
 void roughen(Shape& shape, const PlateShape& plate, Random& random) {
   const Vec3 cell(plate.fine / (plate.cells[0] * 0.667), plate.fine / (plate.cells[1] * 0.667),
                   plate.thickness / plate.cells[2]);

@@ -30,7 +30,7 @@ void archive_frame(simulation::Archive& archive, Frame& frame) {
   archive(frame.cells.faces);
   archive(frame.thickness);
   archive(frame.counts);
-  // Vec3 has constructors of its own, so that a Ledger counts as plain only in a vector.
+  // Ledger contains Vec3, which has constructors, so that archive() takes it only as an element of a vector.
   std::vector<simulation::Ledger> ledger{frame.ledger};
   archive(ledger);
   if (ledger.size() != 1) throw InputError("frame", "ledger", "is not one record");
@@ -38,8 +38,8 @@ void archive_frame(simulation::Archive& archive, Frame& frame) {
   archive(frame.seconds);
 }
 
-/// Of each vertex of the last frame that the first does not have: its place before it existed. Index 0 stands for
-/// vertex `first`.
+/// For each vertex of the last frame that the first frame does not have: its position before it existed. Index 0 is
+/// that of vertex `first`.
 struct Births {
   std::size_t first = 0;
   std::vector<Vec3> places;

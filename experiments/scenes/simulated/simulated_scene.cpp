@@ -11,7 +11,7 @@ namespace volccd {
 
 namespace {
 
-/// Substeps: as many as keep the motion between two queries below about a fifth of an edge.
+/// Chooses a number of substeps for which the motion between two queries stays below about a fifth of an edge.
 simulation::SimulationOptions with_queries_every(int substeps) {
   simulation::SimulationOptions options;
   options.substeps_per_query = substeps;

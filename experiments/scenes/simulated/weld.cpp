@@ -13,11 +13,11 @@ namespace volccd {
 
 namespace {
 
-// Of a target of 16 x 16 x 4 mm; the flyer is three quarters as wide, and half as thick.
+// Sizes of the target, 16 x 16 x 4 mm; the flyer has three quarters of its width and half of its thickness.
 constexpr double kTargetSide = 0.016, kTargetThickness = 0.004, kVolume = 1312e-9;
 constexpr double kSpeed = 300, kGap = 0.0001;
-constexpr double kMergingDistance = 0.12;  // in edges: merging moves vertices, which costs energy
-constexpr double kMergingStress = 50e6;    // times the area of a cell's face: the merging force
+constexpr double kMergingDistance = 0.12;  // in edges; it is small because merging moves vertices, which costs energy
+constexpr double kMergingStress = 50e6;    // the merging force is this stress times the area of a cell's face
 
 simulation::Material aluminium(double edge) {
   simulation::Material m;
@@ -33,7 +33,7 @@ simulation::Material aluminium(double edge) {
   return m;
 }
 
-/// A plate of across x across x layers cubes, centred in x and y, its top at z = 0.
+/// A plate of across x across x layers cubes, centred in x and y; its top is at z = 0.
 Shape plate(int across, int layers, double edge) {
   Shape shape = block(ElementType::hexahedron, across, across, layers);
   for (Vec3& p : shape.positions) p = edge * (p - Vec3(0.5 * across, 0.5 * across, layers));

@@ -48,13 +48,14 @@ void Hdf5Dataset::check_shape(std::int64_t columns, std::int64_t depth) {
   if (!space) fail("has no readable shape" + hdf5_reason());
   rank_ = H5Sget_simple_extent_type(space.get()) == H5S_SIMPLE ? H5Sget_simple_extent_ndims(space.get()) : 0;
   const int least = depth > 1 ? 3 : columns > 1 ? 2 : 1, most = depth > 1 ? 3 : 2;
-  if (rank_ < least || rank_ > most) fail("has rank " + std::to_string(rank_) + ", wanted is " + std::to_string(least));
+  if (rank_ < least || rank_ > most)
+    fail("has rank " + std::to_string(rank_) + ", but must have " + std::to_string(least));
   hsize_t extent[3] = {0, 1, 1};
   if (H5Sget_simple_extent_dims(space.get(), extent, nullptr) < 0) fail("has no readable shape" + hdf5_reason());
   if (extent[1] != static_cast<hsize_t>(columns))
-    fail("has " + std::to_string(extent[1]) + " columns, wanted are " + std::to_string(columns));
+    fail("has " + std::to_string(extent[1]) + " columns, but must have " + std::to_string(columns));
   if (extent[2] != static_cast<hsize_t>(depth))
-    fail("has " + std::to_string(extent[2]) + " numbers in each column, wanted are " + std::to_string(depth));
+    fail("has " + std::to_string(extent[2]) + " numbers in each column, but must have " + std::to_string(depth));
   if (extent[0] > static_cast<hsize_t>(std::numeric_limits<std::int64_t>::max() / 8 / (columns * depth)))
     fail("declares " + std::to_string(extent[0]) + " rows: too many");
   rows_ = static_cast<std::int64_t>(extent[0]);
@@ -192,7 +193,7 @@ Hdf5Dataset Hdf5File::dataset(const std::string& path, NumberKind kind, std::int
 std::vector<std::int64_t> Hdf5File::integers(const std::string& path, std::int64_t rows) const {
   const Hdf5Dataset data = dataset(path, NumberKind::integer);
   if (data.rows() != rows)
-    data.fail("has " + std::to_string(data.rows()) + " entries, wanted are " + std::to_string(rows));
+    data.fail("has " + std::to_string(data.rows()) + " entries, but must have " + std::to_string(rows));
   std::vector<std::int64_t> values;
   data.read(0, rows, values);
   return values;

@@ -77,7 +77,7 @@ void LayoutReader::check_header() {
   if (!file_.has(kGrid)) file_.fail(kGrid, "is missing: not a VTKHDF file");
   const std::string type = file_.string_attribute(kGrid, "Type");
   if (type != "UnstructuredGrid")
-    file_.fail(std::string(kGrid) + "@Type", "is \"" + type + "\", wanted is \"UnstructuredGrid\"");
+    file_.fail(std::string(kGrid) + "@Type", "is \"" + type + "\", but must be \"UnstructuredGrid\"");
   const std::vector<std::int64_t> version = file_.integer_attribute(kGrid, "Version", 2);
   if (version[0] < 1 || version[0] > 2)
     file_.fail(std::string(kGrid) + "@Version",
@@ -103,21 +103,22 @@ void LayoutReader::read_counts() {
                            " before: all topologies must have the same points");
   if (points[0] == 0 || points[0] >= std::int64_t{kNone})
     throw InputError(file_.name(), at("NumberOfPoints"), 0,
-                     to_string(points[0]) + " points, wanted are 1 .. " + to_string(kNone - 1));
+                     to_string(points[0]) + " points, but must have 1 .. " + to_string(kNone - 1));
   layout_.points = points[0];
   layout_.cells = counts("NumberOfCells");
   layout_.connectivity_ids = counts("NumberOfConnectivityIds");
   for (std::size_t b = 0; b < layout_.cells.size(); ++b)
     if (layout_.cells[b] == 0 || layout_.cells[b] >= std::int64_t{kNone})
       throw InputError(file_.name(), at("NumberOfCells"), static_cast<std::int64_t>(b),
-                       to_string(layout_.cells[b]) + " cells, wanted are 1 .. " + to_string(kNone - 1));
+                       to_string(layout_.cells[b]) + " cells, but must have 1 .. " + to_string(kNone - 1));
 }
 
 void LayoutReader::read_times() {
   temporal_ = file_.has(at("Steps"));
   if (!temporal_) {
     if (topologies_ != 1)
-      file_.fail(at("NumberOfPoints"), to_string(topologies_) + " pieces in a file without steps, only one is read");
+      file_.fail(at("NumberOfPoints"),
+                 to_string(topologies_) + " pieces in a file without steps, but only one can be read");
     layout_.times = {0.0};
     return;
   }
@@ -127,7 +128,7 @@ void LayoutReader::read_times() {
     file_.fail(at("Steps@NSteps"), "is " + to_string(steps_) + ": too many");
   const Hdf5Dataset values = file_.dataset(at("Steps/Values"), NumberKind::real);
   if (values.rows() != steps_)
-    values.fail("has " + to_string(values.rows()) + " entries, wanted are " + to_string(steps_));
+    values.fail("has " + to_string(values.rows()) + " entries, but must have " + to_string(steps_));
   values.read(0, steps_, layout_.times);
   for (std::size_t k = 0; k < layout_.times.size(); ++k) {
     if (!std::isfinite(layout_.times[k])) values.fail(static_cast<std::int64_t>(k), "the time is not finite");
@@ -153,7 +154,7 @@ void LayoutReader::read_topologies() {
   for (std::size_t k = 0; k < pieces.size(); ++k)
     if (pieces[k] != 1)
       throw InputError(file_.name(), at("Steps/NumberOfParts"), static_cast<std::int64_t>(k),
-                       "is " + to_string(pieces[k]) + ", only one piece a step is read");
+                       "is " + to_string(pieces[k]) + ", but only one piece for each step can be read");
 }
 
 StepArray LayoutReader::array(const std::string& name, NumberKind kind, std::int64_t columns,

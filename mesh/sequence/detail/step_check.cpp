@@ -15,7 +15,8 @@ namespace {
 
 void check_length(const std::string& file, const std::string& dataset, std::size_t length, std::size_t wanted) {
   if (length != wanted)
-    throw InputError(file, dataset, "has " + std::to_string(length) + " entries, wanted are " + std::to_string(wanted));
+    throw InputError(file, dataset,
+                     "has " + std::to_string(length) + " entries, but must have " + std::to_string(wanted));
 }
 
 /// Checks CSR offsets: one more than there are cells, non-descending, from 0 to `length`.
@@ -23,7 +24,7 @@ void check_offsets(const std::string& file, const std::string& dataset, const st
                    std::size_t cells, std::size_t length) {
   check_length(file, dataset, offsets.size(), cells + 1);
   if (offsets.front() != 0 || offsets.back() != length || !std::is_sorted(offsets.begin(), offsets.end()))
-    throw InputError(file, dataset, "do not rise from 0 to the length of what they point into");
+    throw InputError(file, dataset, "do not ascend from 0 to the length of the array to which they refer");
 }
 
 }  // namespace

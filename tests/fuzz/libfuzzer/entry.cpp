@@ -1,4 +1,4 @@
-// Entry of libFuzzer for one target, VOLCCD_FUZZ_TARGET.
+// libFuzzer's entry point for one target, VOLCCD_FUZZ_TARGET.
 #include "fuzz/targets.hpp"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
@@ -6,8 +6,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   return 0;
 }
 
-// Damaged files make HDF5 ask for absurd amounts of memory, which malloc refuses and HDF5 survives, and leave blocks of
-// its own behind.
+// Damaged files make HDF5 request very large amounts of memory, which malloc refuses. HDF5 handles that, but then leaks
+// blocks of its own.
 extern "C" {
 const char* __asan_default_options();
 const char* __lsan_default_suppressions();

@@ -42,7 +42,8 @@ def named(array, name, values):
 
 
 def grid(shift, alive, reverse=False):
-    """A tetrahedron, a hexahedron, a wedge and a pyramid, apart from each other, shifted along x; ids from 10, 100."""
+    """A tetrahedron, a hexahedron, a wedge and a pyramid, separate from each other along x; ids from 10 and from
+    100."""
     shapes = [(vtk.VTK_TETRA, [(0, 0, 0), (1, 0, 0), (0, 1, 0), (0, 0, 1)]),
               (vtk.VTK_HEXAHEDRON, [(2, 0, 0), (3, 0, 0), (3, 1, 0), (2, 1, 0),
                                     (2, 0, 1), (3, 0, 1), (3, 1, 1), (2, 1, 1)]),
