@@ -50,9 +50,11 @@ install_packages() {
     die "apt-get install failed"
 }
 
-# A compiler cache is used where there is one, and never asked for.
+# A compiler cache is used where there is one, and never asked for. With this sloppiness it keeps what is compiled with a
+# precompiled header, too.
 use_compiler_cache() {
   if command -v ccache >/dev/null; then
+    export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:+$CCACHE_SLOPPINESS,}pch_defines,time_macros"
     export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
   fi
 }
