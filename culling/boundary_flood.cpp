@@ -5,6 +5,7 @@
 
 #include <volccd/culling/detail/flood_front.hpp>
 #include <volccd/culling/detail/simplex_complex.hpp>
+#include <volccd/culling/detail/suspect_orphans.hpp>
 #include <volccd/culling/detail/suspect_pairs.hpp>
 
 namespace volccd {
@@ -79,52 +80,6 @@ void choose_outer(const Step& step, BoundaryFloodState& state) {
   });
   if (state.outer.version() != version) state.parts_valid = false;
 }
-
-/// Lists the orphans whose first incident elements may have a double point.
-class Orphans {
- public:
-  Orphans(const BoundaryFloodState& state, TestBatch& out)
-      : mesh_(state.complex.topology().mesh()),
-        features_(state.complex.topology().features()),
-        suspects_(state.suspects),
-        out_(out) {}
-
-  /// Appends the orphans of which one feature has a, and the other b, as its first incident element.
-  void of_elements(Index a, Index b) {
-    vertices_and_triangles(a, b);
-    if (a != b) vertices_and_triangles(b, a);
-    for (const Index e : features_.own_edges(a))
-      for (const Index g : features_.own_edges(b)) {
-        if ((a == b && e >= g) || !is_test(features_, FeatureKind::ee, {e, g})) continue;
-        if (is_orphan(features_.edge_elements(e), features_.edge_elements(g)))
-          out_.ee.push_back({std::min(e, g), std::max(e, g)});
-      }
-  }
-
- private:
-  void vertices_and_triangles(Index a, Index b) {
-    for (const Index v : mesh_.vertices(a)) {
-      if (features_.first_element_of_vertex(v) != a) continue;
-      for (const Index f : features_.own_triangles(b))
-        if (is_test(features_, FeatureKind::vf, {v, f}) &&
-            is_orphan(features_.vertex_elements(v), features_.triangle_elements(f)))
-          out_.vf.push_back({v, f});
-    }
-  }
-
-  /// Two features without a pair of non-adjacent incident elements can touch only if all pairs of incident elements may
-  /// have double points.
-  bool is_orphan(std::span<const Index> inc_a, std::span<const Index> inc_b) const {
-    return std::all_of(inc_a.begin(), inc_a.end(), [&](Index a) {
-      return std::all_of(inc_b.begin(), inc_b.end(), [&](Index b) { return suspects_.contains(a, b); });
-    });
-  }
-
-  const Mesh& mesh_;
-  const Features& features_;
-  const detail::SuspectPairs& suspects_;
-  TestBatch& out_;
-};
 
 /// The pairs to process next.
 Flood::Front propose(BoundaryFloodState& state) {
@@ -249,7 +204,7 @@ void BoundaryFlood::orphans(const StageState& stage_state, std::size_t block, Te
   const BoundaryFloodState& state = own(stage_state);
   const std::span<const ElementPair> pairs = state.suspects.pairs();
   const std::size_t vf_begin = out.vf.size(), ee_begin = out.ee.size();
-  Orphans orphans(state, out);
+  detail::SuspectOrphans orphans(state.complex.topology(), state.suspects.set(), out);
   const std::size_t begin = block * kBlockPairs;
   for (const ElementPair pair : pairs.subspan(begin, std::min(kBlockPairs, pairs.size() - begin)))
     orphans.of_elements(pair.a, pair.b);

@@ -18,6 +18,7 @@
 #include <volccd/culling/dynamic_assignment.hpp>
 #include <volccd/culling/feature_kdop_filter.hpp>
 #include <volccd/culling/o_set_source.hpp>
+#include <volccd/culling/star_orphans.hpp>
 #include <volccd/culling/static_assignment.hpp>
 #include <volccd/narrowphase/cubic.hpp>
 #include <volccd/narrowphase/exact.hpp>
@@ -166,6 +167,7 @@ Registry Registry::standard() {
   registry.add(describe_static_assignment());
   registry.add(describe_dynamic_assignment());
   registry.add(describe_o_set());
+  registry.add(describe_star_orphans());
   registry.add(describe_boundary_flood());
   registry.add(describe_feature_kdop_filter());
   registry.add(describe_coplanarity_filter());

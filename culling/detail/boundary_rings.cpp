@@ -33,9 +33,9 @@ HWY_INLINE Lanes3 unit(const Lanes3& a) {
 template <int kControlPoints>
 class Normals {
  public:
-  void gather(const Step& step, const std::array<Index, 3>& face, std::size_t lane) {
+  void gather(const Step& step, const RingFace& face, std::size_t lane) {
     for (std::size_t v = 0; v < 3; ++v) {
-      const double* const from = step.motion.at(face[v]);
+      const double* const from = step.motion.at(face.triangle[v]);
       for (std::size_t k = 0; k < 3 * kControlPoints; ++k) points_[v][k][lane] = from[k];
     }
   }
@@ -80,7 +80,7 @@ class Normals {
 };
 
 template <int kControlPoints>
-void normals_of(const Step& step, std::span<const std::array<Index, 3>> faces, std::size_t begin, std::size_t end,
+void normals_of(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
                 FaceNormals& out) {
   Normals<kControlPoints> normals;
   for (std::size_t first = begin; first < end; first += 8) {
@@ -89,7 +89,7 @@ void normals_of(const Step& step, std::span<const std::array<Index, 3>> faces, s
   }
 }
 
-void normals_of_faces(const Step& step, std::span<const std::array<Index, 3>> faces, std::size_t begin, std::size_t end,
+void normals_of_faces(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
                       FaceNormals& out) {
   if (step.motion.control_points() == 2) return normals_of<2>(step, faces, begin, end, out);
   normals_of<3>(step, faces, begin, end, out);
@@ -103,7 +103,7 @@ namespace volccd::detail {
 
 HWY_EXPORT(normals_of_faces);
 
-void face_normals(const Step& step, std::span<const std::array<Index, 3>> faces, std::size_t begin, std::size_t end,
+void face_normals(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
                   FaceNormals& out) {
   HWY_DYNAMIC_DISPATCH(normals_of_faces)(step, faces, begin, end, out);
 }
@@ -112,24 +112,8 @@ namespace {
 constexpr std::size_t kFaceGrain = 512;  // a multiple of 8
 }
 
-void BoundaryRings::collect(const Topology& topology, const StarTable& stars) {
-  const Mesh& mesh = topology.mesh();
-  faces_.clear();
-  const auto add = [&](std::array<Index, 3> face) {
-    bool ring = false;
-    for (const Index v : face) ring = ring || stars.kind(v) == StarKind::ring;
-    if (ring) faces_.push_back(face);
-  };
-  for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.is_live(o)) continue;
-    const std::span<const Index> v = mesh.vertices(o);
-    if (mesh.type(o) == ElementType::triangle) {
-      add({v[0], v[1], v[2]});
-      continue;
-    }
-    for (std::size_t i = 0; i < 4; ++i)
-      if (stars.neighbours(o)[i].element == kNone) add(StarTable::face_of(v, i));
-  }
+void BoundaryRings::set_faces(const Mesh& mesh, std::vector<RingFace> faces) {
+  faces_ = std::move(faces);
   ups_.resize(mesh.vertex_count());
 }
 
@@ -143,18 +127,18 @@ void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector
         face_normals(step, faces_, begin * kFaceGrain, std::min(end * kFaceGrain, faces_.size()), normals_);
       });
   const std::size_t stride = normals_.stride;
-  for (const auto& face : faces_)
-    for (const Index v : face) ups_[v].setZero();
+  for (const RingFace& face : faces_)
+    for (const Index v : face.triangle) ups_[v].setZero();
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     const Vec3 unit(normals_.units[f], normals_.units[stride + f], normals_.units[2 * stride + f]);
-    for (const Index v : faces_[f]) ups_[v] += unit;
+    for (const Index v : faces_[f].triangle) ups_[v] += unit;
   }
   failed_.resize(faces_.size());
   executor.parallel_for(faces_.size(), kFaceGrain, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t f = begin; f < end; ++f) {
       failed_[f] = 0;
-      for (std::size_t i = 0; i < 3; ++i) {
-        const Vec3& up = ups_[faces_[f][i]];
+      for (std::size_t i = 0; i < faces_[f].size(); ++i) {
+        const Vec3& up = ups_[faces_[f].vertex(i)];
         const double bound = normals_.bounds()[f] * (std::abs(up[0]) + std::abs(up[1]) + std::abs(up[2]));
         bool positive = true;
         for (int k = 0; k < normals_.coefficients; ++k)
@@ -167,8 +151,8 @@ void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector
   });
   folds.assign(step.mesh().vertex_count(), 0);
   for (std::size_t f = 0; f < faces_.size(); ++f)
-    for (std::size_t i = 0; i < 3; ++i)
-      if ((failed_[f] >> i & 1) != 0) folds[faces_[f][i]] = 1;
+    for (std::size_t i = 0; i < faces_[f].size(); ++i)
+      if ((failed_[f] >> i & 1) != 0) folds[faces_[f].vertex(i)] = 1;
 }
 
 std::size_t BoundaryRings::bytes() const {

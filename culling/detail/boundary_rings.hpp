@@ -7,10 +7,18 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
-#include <volccd/culling/detail/star_table.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::detail {
+
+/// A boundary triangle, and the vertices for which its normal is tested: its own, and one more of a quad face.
+struct RingFace {
+  std::array<Index, 3> triangle;  ///< oriented outward for elements of positive volume
+  Index fourth = kNone;           ///< kNone: no further vertex
+
+  std::size_t size() const { return fourth == kNone ? 3 : 4; }
+  Index vertex(std::size_t i) const { return i < 3 ? triangle[i] : fourth; }
+};
 
 /// The normals of the moving boundary faces as Bernstein coefficients, in a structure of arrays.
 struct FaceNormals {
@@ -31,24 +39,25 @@ struct FaceNormals {
 
 /// Computes the normals of the faces [begin, end); `begin` is a multiple of 8. Compiled for each instruction set, with
 /// the same results on all of them.
-void face_normals(const Step& step, std::span<const std::array<Index, 3>> faces, std::size_t begin, std::size_t end,
+void face_normals(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
                   FaceNormals& out);
 
-/// The boundary faces of a complex. Not thread-safe; uses the executor.
+/// The boundary faces of a mesh. Not thread-safe; uses the executor.
 class BoundaryRings {
  public:
-  /// Collects the faces that have a vertex with a ring. To be called when the star table has changed.
-  void collect(const Topology& topology, const StarTable& stars);
+  /// Replaces the faces. Every vertex that is tested is a vertex of a triangle.
+  void set_faces(const Mesh& mesh, std::vector<RingFace> faces);
 
-  /// Sets folds[v] to 1 for each vertex v with a ring, unless the normals of all its faces have positive dot products
-  /// with the direction up(v), the sum of their unit normals, throughout the step. Sets all others to 0.
+  /// Sets folds[v] to 1 for each vertex v of the faces, unless the normals of all faces that are tested for v have
+  /// positive dot products with the direction up(v), the sum of the unit normals of its triangles, throughout the step.
+  /// Sets all others to 0.
   void find_folds(const Step& step, Executor& executor, std::vector<std::uint8_t>& folds);
   const Vec3& up(Index v) const { return ups_[v]; }
 
   std::size_t bytes() const;
 
  private:
-  std::vector<std::array<Index, 3>> faces_;  ///< oriented outward for elements of positive volume
+  std::vector<RingFace> faces_;
   FaceNormals normals_;
   std::vector<Vec3> ups_;             ///< indexed by vertex
   std::vector<std::uint8_t> failed_;  ///< for each face, bits of its vertices

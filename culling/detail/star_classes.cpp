@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include <volccd/culling/detail/certified_sign.hpp>
+#include <volccd/culling/detail/direction_cones.hpp>
 #include <volccd/culling/detail/volume_signs.hpp>
 
 namespace volccd::detail {
@@ -13,50 +13,25 @@ namespace {
 
 constexpr std::size_t kElementGrain = 1024, kVertexGrain = 256;
 
-/// Positions of the other vertices of a tetrahedron relative to v at t = 0, in an order in which a positive volume
-/// gives a positive determinant.
-struct Corner {
-  Vec3 a, b, c;
-
-  Corner(const Step& step, Index o, Index v, bool mirrored) {
-    const std::span<const Index> t = step.topology.adjacency().vertices(o);
-    const auto i = static_cast<std::size_t>(std::find(t.begin(), t.end(), v) - t.begin());
-    const std::array<Index, 3> others = StarTable::face_of(t, i);
-    const Vec3 at = step.motion.point(v, 0);
-    a = step.motion.point(others[0], 0) - at;
-    b = step.motion.point(others[mirrored ? 2 : 1], 0) - at;
-    c = step.motion.point(others[mirrored ? 1 : 2], 0) - at;
-  }
-  bool contains(const Vec3& d) const {
-    return certainly_positive(d, b, c) && certainly_positive(a, d, c) && certainly_positive(a, b, d);
-  }
-  bool excludes(const Vec3& d) const {
-    return certainly_negative(d, b, c) || certainly_negative(a, d, c) || certainly_negative(a, b, d);
-  }
-};
+/// The directions from v into a tetrahedron at t = 0.
+DirectionCone cone_at(const Step& step, Index o, Index v, bool mirrored) {
+  const std::span<const Index> t = step.topology.adjacency().vertices(o);
+  const auto i = static_cast<std::size_t>(std::find(t.begin(), t.end(), v) - t.begin());
+  const std::array<Index, 3> others = StarTable::face_of(t, i);
+  const Vec3 at = step.motion.point(v, 0);
+  return {step.motion.point(others[0], 0) - at, step.motion.point(others[mirrored ? 2 : 1], 0) - at,
+          step.motion.point(others[mirrored ? 1 : 2], 0) - at};
+}
 
 /// Whether the tetrahedra around v, all of non-zero volume at t = 0, surround it exactly once. This holds if a
 /// direction in the first tetrahedron is in no other.
 bool goes_once_around(const Step& step, Index v, const std::vector<std::int8_t>& signs) {
   const std::span<const Index> star = step.features().vertex_elements(v);
-  const Corner first(step, star[0], v, signs[star[0]] < 0);
+  const DirectionCone first = cone_at(step, star[0], v, signs[star[0]] < 0);
   const Vec3 direction = first.a + first.b + first.c;
   if (!first.contains(direction)) return false;
   return std::all_of(star.begin() + 1, star.end(),
-                     [&](Index o) { return Corner(step, o, v, signs[o] < 0).excludes(direction); });
-}
-
-/// Whether, at t = 0, a ring surrounds `up` exactly once. Pre: the normals of all its faces have positive dot products
-/// with `up`. Projected onto the plane perpendicular to `up`, the sectors of the faces are narrower than half a turn;
-/// the ring surrounds `up` once if a direction in the first sector is in no other.
-bool winds_once(const Step& step, Index v, std::span<const Index> ring, const Vec3& up) {
-  const Vec3 at = step.motion.point(v, 0);
-  const auto side = [&](std::size_t i) -> Vec3 { return step.motion.point(ring[i < ring.size() ? i : 0], 0) - at; };
-  const Vec3 direction = side(0) + side(1);
-  if (!certainly_positive(up, side(0), direction) || !certainly_positive(up, direction, side(1))) return false;
-  for (std::size_t i = 1; i < ring.size(); ++i)
-    if (!certainly_negative(up, side(i), direction) && !certainly_negative(up, direction, side(i + 1))) return false;
-  return true;
+                     [&](Index o) { return cone_at(step, o, v, signs[o] < 0).excludes(direction); });
 }
 
 }  // namespace
@@ -91,35 +66,25 @@ void StarClasses::find_degenerate(const Step& step, const StarTable& stars, Exec
 void StarClasses::keep_known(const Step& step, const StarTable& stars, TopologyDelta::Extent changed,
                              Executor& executor) {
   const Index vertices = step.motion.vertex_count();
-  const bool anew = changed == TopologyDelta::Extent::everything || last_.empty();
+  const bool anew = changed == TopologyDelta::Extent::everything || gap_.empty();
   if (anew) {
     embedded_.assign(vertices, Known::no);
-    last_.clear();  // of another topology, which may have had more vertices
+    gap_.clear();  // of another topology, which may have had more vertices
   }
   embedded_.resize(vertices, Known::no);
   if (changed == TopologyDelta::Extent::edits)
     for (const Index v : stars.changed_vertices()) embedded_[v] = Known::no;
-  start_.resize(vertices);
-  bool moved = false;
-  for (Index v = 0; v < vertices; ++v) {
-    start_[v] = step.motion.point(v, 0);
-    if (v >= last_.size()) last_.push_back(start_[v]);
-    moved = moved || last_[v] != start_[v];
-  }
-  if (moved && !anew) {
-    gap_.set_linear(last_, start_);
-    const Step way{step.topology, gap_, step.filter};
-    gap_signs_.resize(signs_.size());
-    executor.parallel_for(signs_.size(), kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
-      volume_signs(way, static_cast<Index>(begin), static_cast<Index>(end), gap_signs_.data());
-    });
-    for (Index o = 0; o < signs_.size(); ++o)
-      if (gap_signs_[o] != signs_[o]) forget_around(step, o);
-    rings_.find_folds(way, executor, folds_);
-    for (Index v = 0; v < vertices; ++v)
-      if (folds_[v] != 0) embedded_[v] = Known::no;
-  }
-  for (Index v = 0; v < vertices; ++v) last_[v] = step.motion.point(v, step.motion.control_points() - 1);
+  if (!gap_.update(step.motion)) return;
+  const Step way{step.topology, gap_.way(), step.filter};
+  gap_signs_.resize(signs_.size());
+  executor.parallel_for(signs_.size(), kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+    volume_signs(way, static_cast<Index>(begin), static_cast<Index>(end), gap_signs_.data());
+  });
+  for (Index o = 0; o < signs_.size(); ++o)
+    if (gap_signs_[o] != signs_[o]) forget_around(step, o);
+  rings_.find_folds(way, executor, folds_);
+  for (Index v = 0; v < vertices; ++v)
+    if (folds_[v] != 0) embedded_[v] = Known::no;
 }
 
 void StarClasses::forget_around(const Step& step, Index element) {
@@ -138,7 +103,7 @@ void StarClasses::classify(const Step& step, const StarTable& stars, Index v, St
   const bool volumes = step.mesh().type(step.features().vertex_elements(v)[0]) == ElementType::tetrahedron;
   const bool around = !volumes || goes_once_around(step, v, signs_);
   wound_[v] = !around && !ring ? 1 : 0;
-  if (around && (!ring || winds_once(step, v, stars.ring(step.topology, v, scratch), rings_.up(v))))
+  if (around && (!ring || winds_once(step.motion, v, stars.ring(step.topology, v, scratch), rings_.up(v))))
     embedded_[v] = Known::yes;
   else
     suspect_[v] = 1;
@@ -148,7 +113,7 @@ void StarClasses::update(const Step& step, const StarTable& stars, TopologyDelta
   if (!complete_) changed = TopologyDelta::Extent::everything;  // the last update was interrupted: nothing is known
   complete_ = false;
   find_degenerate(step, stars, executor);
-  if (changed != TopologyDelta::Extent::none) rings_.collect(step.topology, stars);
+  if (changed != TopologyDelta::Extent::none) rings_.set_faces(step.mesh(), stars.boundary_faces(step.topology));
   keep_known(step, stars, changed, executor);
   rings_.find_folds(step, executor, folds_);
   const Index vertices = step.motion.vertex_count();
@@ -182,11 +147,10 @@ void StarClasses::update(const Step& step, const StarTable& stars, TopologyDelta
 
 std::size_t StarClasses::bytes() const {
   std::size_t scratch = 0;
-  for (const StarTable::Ring& ring : scratch_)
-    scratch += ring.open.capacity() * sizeof(ring.open[0]) + ring.vertices.capacity() * sizeof(Index);
+  for (const StarTable::Ring& ring : scratch_) scratch += ring.bytes();
   return scratch + signs_.capacity() + gap_signs_.capacity() + degenerate_.capacity() + regular_.capacity() +
          suspect_.capacity() + suspect_places_.capacity() + wound_.capacity() + embedded_.capacity() +
-         folds_.capacity() + rings_.bytes() + (last_.capacity() + start_.capacity()) * sizeof(Vec3) + gap_.bytes() +
+         folds_.capacity() + rings_.bytes() + gap_.bytes() +
          suspects_.capacity() * sizeof(Index);
 }
 

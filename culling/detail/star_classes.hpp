@@ -10,6 +10,7 @@
 #include <volccd/core/executor.hpp>
 #include <volccd/culling/detail/boundary_rings.hpp>
 #include <volccd/culling/detail/star_table.hpp>
+#include <volccd/culling/detail/step_gap.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::detail {
@@ -82,9 +83,7 @@ class StarClasses {
   std::vector<Known> embedded_;
   BoundaryRings rings_;
   std::vector<std::uint8_t> folds_;
-  std::vector<Vec3> last_,
-      start_;   ///< positions of the vertices at the end of the last step, and at the start of this step
-  Motion gap_;  ///< motion from last_ to start_
+  StepGap gap_;
   std::vector<std::int8_t> gap_signs_;
   std::vector<Index> suspects_;
   std::vector<StarTable::Ring> scratch_;  ///< by worker

@@ -23,6 +23,20 @@ Index root(std::vector<Index>& parents, Index i) {
 
 }  // namespace
 
+bool order_ring(std::vector<std::array<Index, 2>>& sides, std::vector<Index>& ring) {
+  std::sort(sides.begin(), sides.end());
+  ring.clear();
+  Index at = sides[0][0];
+  do {
+    const auto next = std::lower_bound(sides.begin(), sides.end(), std::array{at, Index{0}});
+    if (next == sides.end() || (*next)[0] != at || ring.size() == sides.size()) return false;
+    if (next + 1 != sides.end() && next[1][0] == at) return false;
+    ring.push_back(at);
+    at = (*next)[1];
+  } while (at != sides[0][0]);
+  return ring.size() == sides.size();
+}
+
 void StarTable::set_neighbours(const Topology& topology, Index triangle) {
   const std::array<Index, 3>& face = topology.features().triangle(triangle);
   const std::span<const Index> elements = topology.features().triangle_elements(triangle);
@@ -103,22 +117,6 @@ void StarTable::find_open(const Topology& topology, Index v, std::vector<std::ar
   }
 }
 
-/// Sorts the sides into a sequence. Returns false if they are not one closed ring with consistent orientation. Pre:
-/// there is at least one side.
-bool StarTable::order_ring(std::vector<std::array<Index, 2>>& open, std::vector<Index>& ring) {
-  std::sort(open.begin(), open.end());
-  ring.clear();
-  Index at = open[0][0];
-  do {
-    const auto next = std::lower_bound(open.begin(), open.end(), std::array{at, Index{0}});
-    if (next == open.end() || (*next)[0] != at || ring.size() == open.size()) return false;
-    if (next + 1 != open.end() && next[1][0] == at) return false;
-    ring.push_back(at);
-    at = (*next)[1];
-  } while (at != open[0][0]);
-  return ring.size() == open.size();
-}
-
 std::span<const Index> StarTable::ring(const Topology& topology, Index v, Ring& scratch) const {
   if (kinds_[v] != StarKind::ring) return {};
   find_open(topology, v, scratch.open);
@@ -168,6 +166,26 @@ void StarTable::set_boundary(const Topology& topology, Index o) {
     const bool first = boundary_parts_[o] == ElementSubset::kNoPart;
     boundary_parts_[o] = first ? static_cast<std::uint8_t>(0xf & ~(1u << i)) : ElementSubset::kWhole;
   }
+}
+
+std::vector<RingFace> StarTable::boundary_faces(const Topology& topology) const {
+  const Mesh& mesh = topology.mesh();
+  std::vector<RingFace> faces;
+  const auto add = [&](const std::array<Index, 3>& face) {
+    if (std::any_of(face.begin(), face.end(), [&](Index v) { return kinds_[v] == StarKind::ring; }))
+      faces.push_back({face});
+  };
+  for (Index o = 0; o < mesh.element_slots(); ++o) {
+    if (!mesh.is_live(o)) continue;
+    const std::span<const Index> v = mesh.vertices(o);
+    if (mesh.type(o) == ElementType::triangle) {
+      add({v[0], v[1], v[2]});
+      continue;
+    }
+    for (std::size_t i = 0; i < 4; ++i)
+      if (neighbours_[o][i].element == kNone) add(face_of(v, i));
+  }
+  return faces;
 }
 
 TopologyDelta::Extent StarTable::update(const Topology& topology, Executor& executor) {

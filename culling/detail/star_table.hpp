@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/culling/detail/boundary_rings.hpp>
 #include <volccd/mesh/topology_delta.hpp>
 #include <volccd/query/element_subset.hpp>
 
@@ -20,6 +21,10 @@ enum class StarKind : std::uint8_t {
   ring,
   irregular  ///< anything else
 };
+
+/// Sorts directed sides into a sequence, the ring of their first vertices. Returns false if they are not one closed ring
+/// with consistent orientation. Pre: there is at least one side.
+bool order_ring(std::vector<std::array<Index, 2>>& sides, std::vector<Index>& ring);
 
 /// The table for the elements of a topology of tetrahedra and triangles. Not thread-safe; uses the
 /// executor.
@@ -49,6 +54,8 @@ class StarTable {
   struct Ring {
     std::vector<std::array<Index, 2>> open;
     std::vector<Index> vertices;
+
+    std::size_t bytes() const { return open.capacity() * sizeof(open[0]) + vertices.capacity() * sizeof(Index); }
   };
   /// For StarKind::ring: the other vertices of the boundary faces at v in cyclic order, with the same orientation in
   /// all rings of an orientable part. Consecutive vertices, and the last and the first one, form a face with v. Empty
@@ -66,6 +73,9 @@ class StarTable {
   /// if a vertex has an irregular star; the whole element if it is a triangle.
   std::uint8_t boundary_part(Index o) const { return boundary_parts_[o]; }
 
+  /// The boundary faces that have a vertex with a ring.
+  std::vector<RingFace> boundary_faces(const Topology& topology) const;
+
   std::size_t bytes() const;
 
  private:
@@ -81,7 +91,6 @@ class StarTable {
   StarKind kind_of(const Topology& topology, Index v, Scratch& scratch) const;
   bool joins_up(const Topology& topology, Index v, Scratch& scratch) const;
   void find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const;
-  static bool order_ring(std::vector<std::array<Index, 2>>& open, std::vector<Index>& ring);
   void set_kinds(const Topology& topology, std::size_t count, const Index* vertices, Executor& executor);
   void set_boundary(const Topology& topology, Index o);
 

@@ -1,0 +1,26 @@
+// Signs of the volumes of the cones from the corners of elements over their opposite faces, throughout a step.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <volccd/query/step.hpp>
+
+namespace volccd::detail {
+
+/// Bit i is for the i-th vertex of an element (in node order).
+struct ConeSigns {
+  std::uint8_t positive = 0, negative = 0;
+
+  friend bool operator==(const ConeSigns&, const ConeSigns&) = default;
+};
+
+/// The cone of a corner consists of the tetrahedra between the corner and the boundary triangles of the element on the
+/// faces that do not contain the corner. Sets bit i of signs[o].positive if all tetrahedra of the cone of vertex i are
+/// proven to have a positive volume at all t in [0, 1], as in an element that is not inverted and has VTK's node order;
+/// of signs[o].negative if all are proven to have a negative volume. Only for tetrahedra, hexahedra, wedges and
+/// pyramids; no bit is set for other elements. For element slots [begin, end). Compiled for each instruction set, with
+/// the same results on all of them.
+void cone_signs(const Step& step, Index begin, Index end, ConeSigns* signs);
+
+}  // namespace volccd::detail

@@ -1,0 +1,152 @@
+#include <volccd/culling/detail/element_star_table.hpp>
+
+#include <algorithm>
+
+namespace volccd::detail {
+
+namespace {
+
+bool has_cones(ElementType type) { return !is_shell(type) && !face_stream(type).empty(); }
+
+/// Whether element o has the face with its vertices in opposite order.
+bool has_reversed(const Mesh& mesh, Index o, std::span<const Index> face) {
+  bool found = false;
+  const std::size_t size = face.size();
+  visit_faces(mesh, o, [&](std::span<const Index> other, std::size_t) {
+    const auto at = static_cast<std::size_t>(std::find(other.begin(), other.end(), face[0]) - other.begin());
+    if (other.size() != size || at == size) return;
+    bool reversed = true;
+    for (std::size_t i = 1; i < size; ++i) reversed = reversed && face[i] == other[(at + size - i) % size];
+    found = found || reversed;
+  });
+  return found;
+}
+
+constexpr std::size_t kTableVertices = 256, kTableElements = 512;
+
+}  // namespace
+
+void ElementStarTable::set_faces(const Topology& topology, Index o) {
+  const Mesh& mesh = topology.mesh();
+  const Features& features = topology.features();
+  faces_[o].fill(Face::none);
+  if (!mesh.is_live(o) || !has_cones(mesh.type(o))) return;
+  visit_faces(mesh, o, [&](std::span<const Index> face, std::size_t number) {
+    std::array<Index, 4> f;
+    std::copy(face.begin(), face.end(), f.begin());
+    const auto end = f.begin() + static_cast<std::ptrdiff_t>(face.size());
+    std::rotate(f.begin(), std::min_element(f.begin(), end), end);  // the diagonal is at the smallest slot
+    const auto elements_of = [&](std::size_t i) {
+      return features.triangle_elements(features.find_triangle(f[0], f[i], f[i + 1]));
+    };
+    const std::span<const Index> elements = elements_of(1);
+    const bool alone = elements.size() == 1 && (face.size() == 3 || elements_of(2).size() == 1);
+    const bool pair = elements.size() == 2 && has_reversed(mesh, elements[elements[0] == o ? 1 : 0], face);
+    faces_[o][number] = alone ? Face::boundary : pair ? Face::inner : Face::irregular;
+  });
+}
+
+/// Finds the sides of the boundary faces at v that do not contain v, with the orientation of the faces. Returns false if
+/// the star is irregular.
+bool ElementStarTable::find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const {
+  const Mesh& mesh = topology.mesh();
+  open.clear();
+  bool regular = true;
+  for (const Index o : topology.features().vertex_elements(v)) {
+    if (!has_cones(mesh.type(o))) return false;
+    visit_faces(mesh, o, [&](std::span<const Index> face, std::size_t number) {
+      const std::size_t size = face.size();
+      const auto at = static_cast<std::size_t>(std::find(face.begin(), face.end(), v) - face.begin());
+      if (at == size) return;
+      regular = regular && faces_[o][number] != Face::irregular;
+      if (faces_[o][number] != Face::boundary) return;
+      for (std::size_t i = 1; i + 1 < size; ++i) open.push_back({face[(at + i) % size], face[(at + i + 1) % size]});
+    });
+  }
+  return regular;
+}
+
+StarKind ElementStarTable::kind_of(const Topology& topology, Index v, StarTable::Ring& scratch) const {
+  if (topology.features().vertex_elements(v).empty()) return StarKind::unused;
+  if (!find_open(topology, v, scratch.open)) return StarKind::irregular;
+  if (scratch.open.empty()) return StarKind::interior;
+  return order_ring(scratch.open, scratch.vertices) ? StarKind::ring : StarKind::irregular;
+}
+
+std::span<const Index> ElementStarTable::ring(const Topology& topology, Index v, StarTable::Ring& scratch) const {
+  if (kinds_[v] != StarKind::ring) return {};
+  find_open(topology, v, scratch.open);
+  order_ring(scratch.open, scratch.vertices);
+  return scratch.vertices;
+}
+
+std::vector<RingFace> ElementStarTable::boundary_faces(const Topology& topology) const {
+  const Mesh& mesh = topology.mesh();
+  std::vector<RingFace> found;
+  for (Index o = 0; o < mesh.element_slots(); ++o) {
+    if (!mesh.is_live(o) || !has_cones(mesh.type(o))) continue;
+    visit_faces(mesh, o, [&](std::span<const Index> f, std::size_t number) {
+      if (faces_[o][number] != Face::boundary) return;
+      if (std::none_of(f.begin(), f.end(), [&](Index v) { return kinds_[v] == StarKind::ring; })) return;
+      if (f.size() == 3) return found.push_back({{f[0], f[1], f[2]}});
+      for (std::size_t i = 0; i < 4; ++i)
+        found.push_back({{f[i], f[(i + 1) % 4], f[(i + 2) % 4]}, f[(i + 3) % 4]});
+    });
+  }
+  return found;
+}
+
+/// Computes the kinds of `count` vertices, or of all slots less than `count` if `vertices` is null.
+void ElementStarTable::set_kinds(const Topology& topology, std::size_t count, const Index* vertices,
+                                 Executor& executor) {
+  scratch_.resize(executor.workers());
+  executor.parallel_for(count, kTableVertices, [&](std::size_t begin, std::size_t end, unsigned w) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Index v = vertices ? vertices[i] : static_cast<Index>(i);
+      kinds_[v] = kind_of(topology, v, scratch_[w]);
+    }
+  });
+}
+
+TopologyDelta::Extent ElementStarTable::update(const Topology& topology, Executor& executor) {
+  const TopologyDelta::Extent changed = delta_.sync(topology);
+  const Features& features = topology.features();
+  const Index slots = topology.mesh().element_slots();
+  changed_vertices_.clear();
+  if (changed == TopologyDelta::Extent::everything) {
+    faces_.assign(slots, {});
+    kinds_.assign(features.vertex_slots(), StarKind::unused);
+    executor.parallel_for(slots, kTableElements, [&](std::size_t begin, std::size_t end, unsigned) {
+      for (std::size_t o = begin; o < end; ++o) set_faces(topology, static_cast<Index>(o));
+    });
+    set_kinds(topology, features.vertex_slots(), nullptr, executor);
+  } else if (changed == TopologyDelta::Extent::edits) {
+    faces_.resize(slots);
+    kinds_.resize(features.vertex_slots(), StarKind::unused);
+    std::vector<Index> elements = delta_.changed_slots();
+    for (const TopologyChange* change : delta_.changes()) {
+      const FeatureChange& f = change->features;
+      for (const Index triangle : f.touched_triangles)
+        for (const Index o : features.triangle_elements(triangle)) elements.push_back(o);
+      for (const auto* list : {&f.removed_vertices, &f.added_vertices, &f.touched_vertices})
+        changed_vertices_.insert(changed_vertices_.end(), list->begin(), list->end());
+    }
+    for (std::vector<Index>* list : {&elements, &changed_vertices_}) {
+      std::sort(list->begin(), list->end());
+      list->erase(std::unique(list->begin(), list->end()), list->end());
+    }
+    for (const Index o : elements) set_faces(topology, o);
+    set_kinds(topology, changed_vertices_.size(), changed_vertices_.data(), executor);
+  }
+  delta_.confirm();
+  return changed;
+}
+
+std::size_t ElementStarTable::bytes() const {
+  std::size_t sum = delta_.bytes() + faces_.capacity() * sizeof(faces_[0]) + kinds_.capacity() +
+                    changed_vertices_.capacity() * sizeof(Index);
+  for (const StarTable::Ring& ring : scratch_) sum += ring.bytes();
+  return sum;
+}
+
+}  // namespace volccd::detail

@@ -1,0 +1,64 @@
+// The connectivity of elements of any type around vertices, for StarOrphans.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include <volccd/core/executor.hpp>
+#include <volccd/culling/detail/boundary_rings.hpp>
+#include <volccd/culling/detail/star_table.hpp>
+#include <volccd/mesh/topology_delta.hpp>
+
+namespace volccd::detail {
+
+/// The star of a vertex consists of all elements at the vertex. Its kind: `interior` if each of their faces at the
+/// vertex has exactly two elements, which have the same vertices in it in opposite order; `ring` if the other faces at
+/// the vertex have one element each, and their sides that do not contain the vertex form one closed ring; `irregular`
+/// for anything else, and if an element of the star is a shell or a polytope. Not thread-safe; uses the executor.
+class ElementStarTable {
+ public:
+  /// Updates the table for the topology. The time is proportional to the size of the change. Returns the extent of the
+  /// change.
+  TopologyDelta::Extent update(const Topology& topology, Executor& executor);
+  /// Vertices whose stars changed in the last update that returned `edits`.
+  const std::vector<Index>& changed_vertices() const { return changed_vertices_; }
+
+  StarKind kind(Index v) const { return kinds_[v]; }
+  /// For StarKind::ring: the vertices of the ring in cyclic order. Empty for other kinds.
+  std::span<const Index> ring(const Topology& topology, Index v, StarTable::Ring& scratch) const;
+  /// The boundary faces that have a vertex with a ring; a quad as its four triangles, each tested for all four vertices.
+  std::vector<RingFace> boundary_faces(const Topology& topology) const;
+
+  std::size_t bytes() const;
+
+ private:
+  enum class Face : std::uint8_t { none, inner, boundary, irregular };
+
+  void set_faces(const Topology& topology, Index o);
+  StarKind kind_of(const Topology& topology, Index v, StarTable::Ring& scratch) const;
+  bool find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const;
+  void set_kinds(const Topology& topology, std::size_t count, const Index* vertices, Executor& executor);
+
+  TopologyDelta delta_;
+  std::vector<std::array<Face, 6>> faces_;  ///< by element slot, in the order of face_stream()
+  std::vector<StarKind> kinds_;             ///< by vertex
+  std::vector<Index> changed_vertices_;
+  std::vector<StarTable::Ring> scratch_;
+};
+
+/// Calls visit(face, number) for each face of an element with a face stream; `face` contains vertex slots in cyclic
+/// order, outward for an element of positive volume.
+template <class Visit>
+void visit_faces(const Mesh& mesh, Index o, Visit&& visit) {
+  const std::span<const Index> v = mesh.vertices(o);
+  const std::span<const std::uint8_t> stream = face_stream(mesh.type(o));
+  std::array<Index, 4> face;
+  for (std::size_t i = 0, number = 0; i < stream.size(); i += stream[i] + std::size_t{1}, ++number) {
+    for (std::size_t j = 0; j < stream[i]; ++j) face[j] = v[stream[i + 1 + j]];
+    visit(std::span<const Index>(face.data(), stream[i]), number);
+  }
+}
+
+}  // namespace volccd::detail

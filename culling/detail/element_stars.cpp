@@ -1,0 +1,145 @@
+#include <volccd/culling/detail/element_stars.hpp>
+
+#include <algorithm>
+#include <array>
+
+#include <volccd/culling/detail/direction_cones.hpp>
+
+namespace volccd::detail {
+
+namespace {
+
+constexpr std::size_t kConeElements = 1024, kStarVertices = 256;
+
+/// The common sign of the cones at v and of the tetrahedra of the elements at v (docs/boundary_flood.md), throughout
+/// the step; 0 if there is none. The tetrahedra of an element are the cone of its vertex of smallest slot.
+int common_sign(const Step& step, Index v, const std::vector<ConeSigns>& signs) {
+  bool positive = true, negative = true;
+  for (const Index o : step.features().vertex_elements(v)) {
+    const std::span<const Index> vertices = step.mesh().vertices(o);
+    unsigned bits = 0;
+    std::size_t least = 0;
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      if (vertices[i] == v) bits |= 1u << i;
+      if (vertices[i] < vertices[least]) least = i;
+    }
+    bits |= 1u << least;
+    positive = positive && (signs[o].positive & bits) == bits;
+    negative = negative && (signs[o].negative & bits) == bits;
+  }
+  return positive ? 1 : negative ? -1 : 0;
+}
+
+/// Calls visit(cone) for the cones of directions from v into the elements at v, at t = 0: one for each boundary
+/// triangle on a face without v.
+template <class Visit>
+void visit_cones(const Step& step, Index v, bool mirrored, Visit&& visit) {
+  const Vec3 at = step.motion.point(v, 0);
+  for (const Index o : step.features().vertex_elements(v))
+    visit_faces(step.mesh(), o, [&](std::span<const Index> face, std::size_t) {
+      if (std::find(face.begin(), face.end(), v) != face.end()) return;
+      const auto first = static_cast<std::size_t>(std::min_element(face.begin(), face.end()) - face.begin());
+      const auto way = [&](std::size_t i) -> Vec3 {
+        return step.motion.point(face[(first + i) % face.size()], 0) - at;
+      };
+      for (std::size_t i = 1; i + 1 < face.size(); ++i)
+        visit(DirectionCone{way(0), way(mirrored ? i + 1 : i), way(mirrored ? i : i + 1)});
+    });
+}
+
+/// Whether the cones at v surround it exactly once: a direction in the first one is in no other.
+bool cones_go_once_around(const Step& step, Index v, bool mirrored) {
+  bool first = true, once = true;
+  Vec3 direction;
+  visit_cones(step, v, mirrored, [&](const DirectionCone& cone) {
+    if (first) direction = cone.a + cone.b + cone.c;
+    once = once && (first ? cone.contains(direction) : cone.excludes(direction));
+    first = false;
+  });
+  return once;
+}
+
+/// Whether `up` is in no cone at v.
+bool cones_exclude(const Step& step, Index v, bool mirrored, const Vec3& up) {
+  bool none = true;
+  visit_cones(step, v, mirrored, [&](const DirectionCone& cone) { none = none && cone.excludes(up); });
+  return none;
+}
+
+}  // namespace
+
+void ElementStars::find_signs(const Step& step, std::vector<ConeSigns>& signs, Executor& executor) const {
+  signs.resize(step.mesh().element_slots());
+  executor.parallel_for(signs.size(), kConeElements, [&](std::size_t begin, std::size_t end, unsigned) {
+    cone_signs(step, static_cast<Index>(begin), static_cast<Index>(end), signs.data());
+  });
+}
+
+/// What is known of a star remains true until one of its volumes is 0, its ring folds, or the topology changes.
+void ElementStars::keep_known(const Step& step, TopologyDelta::Extent changed, Executor& executor) {
+  const Index vertices = step.motion.vertex_count();
+  if (changed == TopologyDelta::Extent::everything) {
+    once_.assign(vertices, Known::no);
+    gap_.clear();
+  }
+  once_.resize(vertices, Known::no);
+  if (changed == TopologyDelta::Extent::edits)
+    for (const Index v : table_.changed_vertices()) once_[v] = Known::no;
+  if (!gap_.update(step.motion)) return;
+  const Step way{step.topology, gap_.way(), step.filter};
+  find_signs(way, gap_signs_, executor);
+  rings_.find_folds(way, executor, folds_);
+  for (Index v = 0; v < vertices; ++v)
+    if (folds_[v] != 0) once_[v] = Known::no;
+  for (Index o = 0; o < signs_.size(); ++o)
+    if (gap_signs_[o] != signs_[o])
+      for (const Index v : step.mesh().vertices(o)) once_[v] = Known::no;
+}
+
+bool ElementStars::is_clear(const Step& step, Index v, StarTable::Ring& scratch) {
+  const bool ring = table_.kind(v) == StarKind::ring;
+  const int sign = table_.kind(v) == StarKind::irregular || (ring && folds_[v] != 0) ? 0 : common_sign(step, v, signs_);
+  if (sign == 0) {
+    once_[v] = Known::no;
+    return false;
+  }
+  if (once_[v] == Known::yes) return true;
+  const bool once = ring ? winds_once(step.motion, v, table_.ring(step.topology, v, scratch), rings_.up(v)) &&
+                               cones_exclude(step, v, sign < 0, rings_.up(v))
+                         : cones_go_once_around(step, v, sign < 0);
+  if (once) once_[v] = Known::yes;
+  return once;
+}
+
+void ElementStars::update(const Step& step, Executor& executor) {
+  TopologyDelta::Extent changed = table_.update(step.topology, executor);
+  if (!complete_) changed = TopologyDelta::Extent::everything;  // the last update was interrupted: nothing is known
+  complete_ = false;
+  if (changed != TopologyDelta::Extent::none) rings_.set_faces(step.mesh(), table_.boundary_faces(step.topology));
+  find_signs(step, signs_, executor);
+  keep_known(step, changed, executor);
+  rings_.find_folds(step, executor, folds_);
+  const Index vertices = step.motion.vertex_count();
+  suspect_.resize(vertices);
+  scratch_.resize(executor.workers());
+  executor.parallel_for(vertices, kStarVertices, [&](std::size_t begin, std::size_t end, unsigned w) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const Index v = static_cast<Index>(i);
+      suspect_[v] = table_.kind(v) != StarKind::unused && !is_clear(step, v, scratch_[w]) ? 1 : 0;
+    }
+  });
+  suspects_.clear();
+  for (Index v = 0; v < vertices; ++v)
+    if (suspect_[v] != 0) suspects_.push_back(v);
+  complete_ = true;
+}
+
+std::size_t ElementStars::bytes() const {
+  std::size_t sum = table_.bytes() + (signs_.capacity() + gap_signs_.capacity()) * sizeof(ConeSigns) + rings_.bytes() +
+                    folds_.capacity() + suspect_.capacity() + once_.capacity() + gap_.bytes() +
+                    suspects_.capacity() * sizeof(Index);
+  for (const StarTable::Ring& ring : scratch_) sum += ring.bytes();
+  return sum;
+}
+
+}  // namespace volccd::detail

@@ -1,0 +1,129 @@
+#include <volccd/culling/star_orphans.hpp>
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+#include <volccd/culling/detail/element_stars.hpp>
+#include <volccd/culling/detail/pair_set.hpp>
+#include <volccd/culling/detail/suspect_orphans.hpp>
+#include <volccd/culling/o_set.hpp>
+
+namespace volccd {
+
+namespace {
+
+/// Number of pairs of elements whose orphans form one block.
+constexpr std::size_t kOrphanPairs = 16, kOrphanStars = 16;
+
+struct alignas(64) OrphanWorker {
+  std::vector<ElementPair> found;
+};
+
+struct StarOrphansState final : StageState {
+  OSet set;
+  detail::ElementStars stars;
+  TopologyDelta counted;  ///< the topology for which `volumes` was determined
+  bool volumes = false;
+  const Topology* topology = nullptr;  ///< of the last step
+  std::vector<ElementPair> pairs;
+  detail::PairSet pair_set;
+  std::vector<OrphanWorker> workers;
+  StarOrphans::Counters counters;
+
+  std::size_t bytes() const override {
+    std::size_t sum = set.bytes() + stars.bytes() + counted.bytes() + pairs.capacity() * sizeof(ElementPair) +
+                      pair_set.bytes();
+    for (const OrphanWorker& w : workers) sum += sizeof w + w.found.capacity() * sizeof(ElementPair);
+    return sum;
+  }
+};
+
+StarOrphansState& state_of(StageState& state) { return static_cast<StarOrphansState&>(state); }
+const StarOrphansState& state_of(const StageState& state) { return static_cast<const StarOrphansState&>(state); }
+
+bool has_volumes(const Mesh& mesh) {
+  for (Index o = 0; o < mesh.element_slots(); ++o)
+    if (mesh.is_live(o) && !is_shell(mesh.type(o))) return true;
+  return false;
+}
+
+/// Whether v is the first common vertex of a and b, and all their common vertices are suspect.
+bool first_of_suspects(const Mesh& mesh, const detail::ElementStars& stars, Index a, Index b, Index v) {
+  const std::span<const Index> of_a = mesh.vertices(a), of_b = mesh.vertices(b);
+  return std::none_of(of_a.begin(), of_a.end(), [&](Index w) {
+    return (w < v || !stars.suspect(w)) && std::find(of_b.begin(), of_b.end(), w) != of_b.end();
+  });
+}
+
+/// Lists the pairs of elements, each with itself too, all of whose common vertices are suspect.
+void list_pairs(const Step& step, StarOrphansState& state, Executor& executor) {
+  state.workers.resize(executor.workers());
+  for (OrphanWorker& worker : state.workers) worker.found.clear();
+  const std::vector<Index>& suspects = state.stars.suspects();
+  executor.parallel_for(suspects.size(), kOrphanStars, [&](std::size_t begin, std::size_t end, unsigned w) {
+    for (std::size_t n = begin; n < end; ++n) {
+      const std::span<const Index> star = step.features().vertex_elements(suspects[n]);
+      for (std::size_t i = 0; i < star.size(); ++i)
+        for (std::size_t j = i; j < star.size(); ++j)
+          if (first_of_suspects(step.mesh(), state.stars, star[i], star[j], suspects[n]))
+            state.workers[w].found.push_back({star[i], star[j]});
+    }
+  });
+  state.pairs.clear();
+  state.pair_set.clear();
+  for (const OrphanWorker& worker : state.workers)
+    state.pairs.insert(state.pairs.end(), worker.found.begin(), worker.found.end());
+  for (const ElementPair pair : state.pairs) state.pair_set.insert(pair);
+}
+
+}  // namespace
+
+const Options<StarOrphans::Config>& StarOrphans::options() {
+  static const Options<Config> options =
+      Options<Config>().add("most_suspect", &Config::most_suspect, 0, 1,
+                            "share of vertices whose stars may fold above which the O-Set provides the orphans");
+  return options;
+}
+
+std::unique_ptr<StageState> StarOrphans::make_state() const { return std::make_unique<StarOrphansState>(); }
+
+void StarOrphans::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
+  StarOrphansState& state = state_of(stage_state);
+  state.counters = {};
+  state.topology = &step.topology;
+  if (state.counted.sync(step.topology) != TopologyDelta::Extent::none) state.volumes = has_volumes(step.mesh());
+  state.counted.confirm();
+  if (state.volumes && step.separation == 0) {
+    state.stars.update(step, executor);
+    state.counters.suspect_vertices = state.stars.suspects().size();
+    state.counters.by_stars = static_cast<double>(state.counters.suspect_vertices) <=
+                              config_.most_suspect * static_cast<double>(step.features().vertex_count());
+  }
+  if (!state.counters.by_stars) return state.set.update(step.topology);
+  list_pairs(step, state, executor);
+  state.counters.pairs = state.pairs.size();
+}
+
+std::size_t StarOrphans::blocks(const StageState& stage_state) const {
+  const StarOrphansState& state = state_of(stage_state);
+  return state.counters.by_stars ? (state.pairs.size() + kOrphanPairs - 1) / kOrphanPairs : state.set.blocks();
+}
+
+void StarOrphans::run(const Step&, StageState& stage_state, unsigned, std::size_t block, TestBatch& out) const {
+  const StarOrphansState& state = state_of(stage_state);
+  if (!state.counters.by_stars) return state.set.append(block, out);
+  detail::SuspectOrphans orphans(*state.topology, state.pair_set, out);
+  const std::size_t begin = block * kOrphanPairs, end = std::min(begin + kOrphanPairs, state.pairs.size());
+  for (std::size_t i = begin; i < end; ++i) orphans.of_elements(state.pairs[i].a, state.pairs[i].b);
+}
+
+const StarOrphans::Counters& StarOrphans::counters(const StageState& state) { return state_of(state).counters; }
+
+StageDescriptor<OrphanSource> describe_star_orphans() {
+  return describe_stage<OrphanSource, StarOrphans>(
+      "star-orphans", "the orphans around vertices whose elements may fold, in place of the O-Set",
+      Guarantee::conservative);
+}
+
+}  // namespace volccd
