@@ -12,8 +12,6 @@ namespace volccd {
 
 namespace {
 
-/// Number of suspect pairs whose orphans form one block.
-constexpr std::size_t kBlockPairs = 64;
 enum class Phase { idle, start, flood };
 
 struct alignas(64) Worker {
@@ -25,6 +23,7 @@ struct BoundaryFloodState final : StageState {
   detail::StarTable stars;
   detail::StarClasses classes;
   detail::SuspectPairs suspects;
+  detail::SuspectOrphans orphans;
   TopologyDelta counted;  ///< the topology for which boundary_share was computed
   double boundary_share = 0;
   ElementSubset outer;
@@ -40,7 +39,7 @@ struct BoundaryFloodState final : StageState {
   BoundaryFlood::Counters counters;
 
   std::size_t bytes() const override {
-    std::size_t sum = complex.bytes() + stars.bytes() + classes.bytes() + suspects.bytes() + outer.bytes() +
+    std::size_t sum = complex.bytes() + stars.bytes() + classes.bytes() + suspects.bytes() + orphans.bytes() + outer.bytes() +
                       seen.bytes() + seen_at_start.bytes() +
                       (front.capacity() + reached.capacity()) * sizeof(ElementPair) +
                       (parts.capacity() + parents.capacity()) * sizeof(Index) + counted.bytes() + start_scratch.bytes();
@@ -163,6 +162,7 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
       config_.most_suspect * static_cast<double>(topology.features().vertex_count()))
     return;
   state.suspects.update(*state.step, state.classes, executor);
+  state.orphans.update(topology, state.suspects.pairs(), executor);
   choose_outer(*state.step, state);
   state.counters.paired = state.outer.size();
   state.workers.resize(executor.workers());
@@ -196,18 +196,12 @@ void BoundaryFlood::to_mesh_features(const StageState& state, TestBatch& tests, 
   own(state).complex.to_mesh_features(tests, vf_begin, ee_begin);
 }
 
-std::size_t BoundaryFlood::orphan_blocks(const StageState& state) const {
-  return (own(state).suspects.pairs().size() + kBlockPairs - 1) / kBlockPairs;
-}
+std::size_t BoundaryFlood::orphan_blocks(const StageState& state) const { return own(state).orphans.blocks(); }
 
 void BoundaryFlood::orphans(const StageState& stage_state, std::size_t block, TestBatch& out) const {
   const BoundaryFloodState& state = own(stage_state);
-  const std::span<const ElementPair> pairs = state.suspects.pairs();
   const std::size_t vf_begin = out.vf.size(), ee_begin = out.ee.size();
-  detail::SuspectOrphans orphans(state.complex.topology(), state.suspects.set(), out);
-  const std::size_t begin = block * kBlockPairs;
-  for (const ElementPair pair : pairs.subspan(begin, std::min(kBlockPairs, pairs.size() - begin)))
-    orphans.of_elements(pair.a, pair.b);
+  state.orphans.append(block, out);
   state.complex.to_mesh_features(out, vf_begin, ee_begin);
 }
 

@@ -1,11 +1,9 @@
 #include <volccd/culling/star_orphans.hpp>
 
 #include <algorithm>
-#include <utility>
 #include <vector>
 
 #include <volccd/culling/detail/element_stars.hpp>
-#include <volccd/culling/detail/pair_set.hpp>
 #include <volccd/culling/detail/suspect_orphans.hpp>
 #include <volccd/culling/o_set.hpp>
 
@@ -13,8 +11,7 @@ namespace volccd {
 
 namespace {
 
-/// Number of pairs of elements whose orphans form one block.
-constexpr std::size_t kOrphanPairs = 16, kOrphanStars = 16;
+constexpr std::size_t kOrphanStars = 16;
 
 struct alignas(64) OrphanWorker {
   std::vector<ElementPair> found;
@@ -25,15 +22,14 @@ struct StarOrphansState final : StageState {
   detail::ElementStars stars;
   TopologyDelta counted;  ///< the topology for which `volumes` was determined
   bool volumes = false;
-  const Topology* topology = nullptr;  ///< of the last step
   std::vector<ElementPair> pairs;
-  detail::PairSet pair_set;
+  detail::SuspectOrphans orphans;
   std::vector<OrphanWorker> workers;
   StarOrphans::Counters counters;
 
   std::size_t bytes() const override {
     std::size_t sum = set.bytes() + stars.bytes() + counted.bytes() + pairs.capacity() * sizeof(ElementPair) +
-                      pair_set.bytes();
+                      orphans.bytes();
     for (const OrphanWorker& w : workers) sum += sizeof w + w.found.capacity() * sizeof(ElementPair);
     return sum;
   }
@@ -71,10 +67,9 @@ void list_pairs(const Step& step, StarOrphansState& state, Executor& executor) {
     }
   });
   state.pairs.clear();
-  state.pair_set.clear();
   for (const OrphanWorker& worker : state.workers)
     state.pairs.insert(state.pairs.end(), worker.found.begin(), worker.found.end());
-  for (const ElementPair pair : state.pairs) state.pair_set.insert(pair);
+  state.orphans.update(step.topology, state.pairs, executor);
 }
 
 }  // namespace
@@ -91,7 +86,6 @@ std::unique_ptr<StageState> StarOrphans::make_state() const { return std::make_u
 void StarOrphans::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   StarOrphansState& state = state_of(stage_state);
   state.counters = {};
-  state.topology = &step.topology;
   if (state.counted.sync(step.topology) != TopologyDelta::Extent::none) state.volumes = has_volumes(step.mesh());
   state.counted.confirm();
   if (state.volumes && step.separation == 0) {
@@ -107,15 +101,13 @@ void StarOrphans::prepare(const Step& step, StageState& stage_state, Executor& e
 
 std::size_t StarOrphans::blocks(const StageState& stage_state) const {
   const StarOrphansState& state = state_of(stage_state);
-  return state.counters.by_stars ? (state.pairs.size() + kOrphanPairs - 1) / kOrphanPairs : state.set.blocks();
+  return state.counters.by_stars ? state.orphans.blocks() : state.set.blocks();
 }
 
 void StarOrphans::run(const Step&, StageState& stage_state, unsigned, std::size_t block, TestBatch& out) const {
   const StarOrphansState& state = state_of(stage_state);
   if (!state.counters.by_stars) return state.set.append(block, out);
-  detail::SuspectOrphans orphans(*state.topology, state.pair_set, out);
-  const std::size_t begin = block * kOrphanPairs, end = std::min(begin + kOrphanPairs, state.pairs.size());
-  for (std::size_t i = begin; i < end; ++i) orphans.of_elements(state.pairs[i].a, state.pairs[i].b);
+  state.orphans.append(block, out);
 }
 
 const StarOrphans::Counters& StarOrphans::counters(const StageState& state) { return state_of(state).counters; }

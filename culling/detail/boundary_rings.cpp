@@ -137,7 +137,8 @@ void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector
   executor.parallel_for(faces_.size(), kFaceGrain, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t f = begin; f < end; ++f) {
       failed_[f] = 0;
-      for (std::size_t i = 0; i < faces_[f].size(); ++i) {
+      for (std::size_t i = 0; i < 4; ++i) {
+        if ((faces_[f].tested >> i & 1) == 0) continue;
         const Vec3& up = ups_[faces_[f].vertex(i)];
         const double bound = normals_.bounds()[f] * (std::abs(up[0]) + std::abs(up[1]) + std::abs(up[2]));
         bool positive = true;
@@ -151,7 +152,7 @@ void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector
   });
   folds.assign(step.mesh().vertex_count(), 0);
   for (std::size_t f = 0; f < faces_.size(); ++f)
-    for (std::size_t i = 0; i < faces_[f].size(); ++i)
+    for (std::size_t i = 0; failed_[f] >> i != 0; ++i)
       if ((failed_[f] >> i & 1) != 0) folds[faces_[f].vertex(i)] = 1;
 }
 

@@ -11,12 +11,12 @@
 
 namespace volccd::detail {
 
-/// A boundary triangle, and the vertices for which its normal is tested: its own, and one more of a quad face.
+/// A boundary triangle, and the vertices for which its normal is tested: bit i of `tested` is for vertex(i).
 struct RingFace {
   std::array<Index, 3> triangle;  ///< oriented outward for elements of positive volume
-  Index fourth = kNone;           ///< kNone: no further vertex
+  Index fourth = kNone;           ///< the other vertex of a quad face
+  std::uint8_t tested = 0x7;
 
-  std::size_t size() const { return fourth == kNone ? 3 : 4; }
   Index vertex(std::size_t i) const { return i < 3 ? triangle[i] : fourth; }
 };
 

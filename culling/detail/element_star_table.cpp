@@ -31,18 +31,14 @@ void ElementStarTable::set_faces(const Topology& topology, Index o) {
   const Features& features = topology.features();
   faces_[o].fill(Face::none);
   if (!mesh.is_live(o) || !has_cones(mesh.type(o))) return;
+  const std::span<const Index> triangles = features.element_triangles(o);
+  std::size_t next = 0;  // the triangles have the order of the faces, two for a quad
   visit_faces(mesh, o, [&](std::span<const Index> face, std::size_t number) {
-    std::array<Index, 4> f;
-    std::copy(face.begin(), face.end(), f.begin());
-    const auto end = f.begin() + static_cast<std::ptrdiff_t>(face.size());
-    std::rotate(f.begin(), std::min_element(f.begin(), end), end);  // the diagonal is at the smallest slot
-    const auto elements_of = [&](std::size_t i) {
-      return features.triangle_elements(features.find_triangle(f[0], f[i], f[i + 1]));
-    };
-    const std::span<const Index> elements = elements_of(1);
-    const bool alone = elements.size() == 1 && (face.size() == 3 || elements_of(2).size() == 1);
+    const std::span<const Index> elements = features.triangle_elements(triangles[next]);
+    const bool alone = elements.size() == 1 && features.triangle_elements(triangles[next + face.size() - 3]).size() == 1;
     const bool pair = elements.size() == 2 && has_reversed(mesh, elements[elements[0] == o ? 1 : 0], face);
     faces_[o][number] = alone ? Face::boundary : pair ? Face::inner : Face::irregular;
+    next += face.size() - 2;
   });
 }
 
@@ -89,8 +85,13 @@ std::vector<RingFace> ElementStarTable::boundary_faces(const Topology& topology)
       if (faces_[o][number] != Face::boundary) return;
       if (std::none_of(f.begin(), f.end(), [&](Index v) { return kinds_[v] == StarKind::ring; })) return;
       if (f.size() == 3) return found.push_back({{f[0], f[1], f[2]}});
-      for (std::size_t i = 0; i < 4; ++i)
-        found.push_back({{f[i], f[(i + 1) % 4], f[(i + 2) % 4]}, f[(i + 3) % 4]});
+      // Those at the diagonal are tested for all four vertices, the other two for the ends of the other diagonal.
+      const auto least = static_cast<std::size_t>(std::min_element(f.begin(), f.end()) - f.begin());
+      const auto at = [&](std::size_t i) { return f[(least + i) % 4]; };
+      for (std::size_t i = 0; i < 4; i += 2) {
+        found.push_back({{at(i), at(i + 1), at(i + 2)}, at(i + 3), 0xf});
+        found.push_back({{at(i + 1), at(i + 2), at(i + 3)}, kNone, 0x5});
+      }
     });
   }
   return found;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 
 #include <volccd/culling/detail/direction_cones.hpp>
 
@@ -11,19 +12,19 @@ namespace {
 
 constexpr std::size_t kConeElements = 1024, kStarVertices = 256;
 
+/// The place of the vertex of smallest slot in an element.
+std::size_t least_vertex(std::span<const Index> vertices) {
+  return static_cast<std::size_t>(std::min_element(vertices.begin(), vertices.end()) - vertices.begin());
+}
+
 /// The common sign of the cones at v and of the tetrahedra of the elements at v (docs/boundary_flood.md), throughout
 /// the step; 0 if there is none. The tetrahedra of an element are the cone of its vertex of smallest slot.
 int common_sign(const Step& step, Index v, const std::vector<ConeSigns>& signs) {
   bool positive = true, negative = true;
   for (const Index o : step.features().vertex_elements(v)) {
     const std::span<const Index> vertices = step.mesh().vertices(o);
-    unsigned bits = 0;
-    std::size_t least = 0;
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      if (vertices[i] == v) bits |= 1u << i;
-      if (vertices[i] < vertices[least]) least = i;
-    }
-    bits |= 1u << least;
+    const auto place = static_cast<std::size_t>(std::find(vertices.begin(), vertices.end(), v) - vertices.begin());
+    const unsigned bits = 1u << place | 1u << least_vertex(vertices);
     positive = positive && (signs[o].positive & bits) == bits;
     negative = negative && (signs[o].negative & bits) == bits;
   }
@@ -75,6 +76,22 @@ void ElementStars::find_signs(const Step& step, std::vector<ConeSigns>& signs, E
   });
 }
 
+/// Nearly all elements of most meshes have positive cones, so that this pass writes hardly anything.
+void ElementStars::find_all_positive(const Step& step, Executor& executor) {
+  all_positive_.assign(step.motion.vertex_count(), 1);
+  executor.parallel_for(signs_.size(), kConeElements, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t o = begin; o < end; ++o) {
+      const std::span<const Index> vertices = step.mesh().vertices(static_cast<Index>(o));
+      const unsigned all = (1u << std::min<std::size_t>(8, vertices.size())) - 1;
+      if (signs_[o].positive == all && vertices.size() <= 8) continue;
+      const bool inverted = vertices.size() > 8 || (signs_[o].positive >> least_vertex(vertices) & 1) == 0;
+      for (std::size_t i = 0; i < vertices.size(); ++i)
+        if (inverted || (signs_[o].positive >> i & 1) == 0)
+          std::atomic_ref(all_positive_[vertices[i]]).store(0, std::memory_order_relaxed);
+    }
+  });
+}
+
 /// What is known of a star remains true until one of its volumes is 0, its ring folds, or the topology changes.
 void ElementStars::keep_known(const Step& step, TopologyDelta::Extent changed, Executor& executor) {
   const Index vertices = step.motion.vertex_count();
@@ -98,7 +115,8 @@ void ElementStars::keep_known(const Step& step, TopologyDelta::Extent changed, E
 
 bool ElementStars::is_clear(const Step& step, Index v, StarTable::Ring& scratch) {
   const bool ring = table_.kind(v) == StarKind::ring;
-  const int sign = table_.kind(v) == StarKind::irregular || (ring && folds_[v] != 0) ? 0 : common_sign(step, v, signs_);
+  const bool excluded = table_.kind(v) == StarKind::irregular || (ring && folds_[v] != 0);
+  const int sign = excluded ? 0 : all_positive_[v] != 0 ? 1 : common_sign(step, v, signs_);
   if (sign == 0) {
     once_[v] = Known::no;
     return false;
@@ -117,6 +135,7 @@ void ElementStars::update(const Step& step, Executor& executor) {
   complete_ = false;
   if (changed != TopologyDelta::Extent::none) rings_.set_faces(step.mesh(), table_.boundary_faces(step.topology));
   find_signs(step, signs_, executor);
+  find_all_positive(step, executor);
   keep_known(step, changed, executor);
   rings_.find_folds(step, executor, folds_);
   const Index vertices = step.motion.vertex_count();
@@ -136,7 +155,7 @@ void ElementStars::update(const Step& step, Executor& executor) {
 
 std::size_t ElementStars::bytes() const {
   std::size_t sum = table_.bytes() + (signs_.capacity() + gap_signs_.capacity()) * sizeof(ConeSigns) + rings_.bytes() +
-                    folds_.capacity() + suspect_.capacity() + once_.capacity() + gap_.bytes() +
+                    folds_.capacity() + all_positive_.capacity() + suspect_.capacity() + once_.capacity() + gap_.bytes() +
                     suspects_.capacity() * sizeof(Index);
   for (const StarTable::Ring& ring : scratch_) sum += ring.bytes();
   return sum;

@@ -31,6 +31,7 @@ class ElementStars {
   enum class Known : std::uint8_t { no, yes };
 
   void find_signs(const Step& step, std::vector<ConeSigns>& signs, Executor& executor) const;
+  void find_all_positive(const Step& step, Executor& executor);
   void keep_known(const Step& step, TopologyDelta::Extent changed, Executor& executor);
   bool is_clear(const Step& step, Index v, StarTable::Ring& scratch);
 
@@ -38,6 +39,7 @@ class ElementStars {
   std::vector<ConeSigns> signs_, gap_signs_;  ///< by element slot
   BoundaryRings rings_;
   std::vector<std::uint8_t> folds_, suspect_;  ///< by vertex
+  std::vector<std::uint8_t> all_positive_;     ///< by vertex: whether common_sign() is 1
   /// By vertex: whether its cones and its ring surround it exactly once. Valid as long as no sign changes.
   std::vector<Known> once_;
   StepGap gap_;

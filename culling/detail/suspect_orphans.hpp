@@ -1,56 +1,57 @@
 // Lists the orphans of which all pairs of incident elements may touch.
 #pragma once
 
-#include <algorithm>
+#include <cstddef>
+#include <cstdint>
 #include <span>
+#include <vector>
 
+#include <volccd/core/executor.hpp>
 #include <volccd/culling/assignment.hpp>
-#include <volccd/culling/detail/pair_set.hpp>
 #include <volccd/mesh/topology.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {
 
-/// `suspects` contains adjacent pairs of elements, and pairs of an element and itself. Lists the pairs of features
-/// without a common vertex all of whose pairs of incident elements it contains.
+/// The pairs of features without a common vertex all of whose pairs of incident elements are given as suspect. update()
+/// is not thread-safe and uses the executor; append() may be called by several threads.
 class SuspectOrphans {
  public:
-  SuspectOrphans(const Topology& topology, const PairSet& suspects, TestBatch& out)
-      : mesh_(topology.mesh()), features_(topology.features()), suspects_(suspects), out_(out) {}
+  /// `pairs`: adjacent pairs of elements, and pairs of an element and itself, each once. The topology must exist as
+  /// long as append() is called. O(slots + features of the elements of all pairs).
+  void update(const Topology& topology, std::span<const ElementPair> pairs, Executor& executor);
 
-  /// Appends the orphans of which one feature has a, and the other b, as its first incident element. Pre: {a, b} is
-  /// one of `suspects`.
-  void of_elements(Index a, Index b) {
-    vertices_and_triangles(a, b);
-    if (a != b) vertices_and_triangles(b, a);
-    for (const Index e : features_.own_edges(a))
-      for (const Index g : features_.own_edges(b)) {
-        if ((a == b && e >= g) || !is_test(features_, FeatureKind::ee, {e, g})) continue;
-        if (is_orphan(features_.edge_elements(e), features_.edge_elements(g)))
-          out_.ee.push_back({std::min(e, g), std::max(e, g)});
-      }
-  }
+  std::size_t blocks() const { return (elements_.size() + kBlockElements - 1) / kBlockElements; }
+  /// Appends the orphans of a block. Each orphan is in one block.
+  void append(std::size_t block, TestBatch& out) const;
+
+  std::size_t bytes() const;
 
  private:
-  void vertices_and_triangles(Index a, Index b) {
-    for (const Index v : mesh_.vertices(a)) {
-      if (features_.first_element_of_vertex(v) != a) continue;
-      for (const Index f : features_.own_triangles(b))
-        if (is_test(features_, FeatureKind::vf, {v, f}) &&
-            is_orphan(features_.vertex_elements(v), features_.triangle_elements(f)))
-          out_.vf.push_back({v, f});
-    }
-  }
+  static constexpr std::size_t kBlockElements = 16;
 
-  bool is_orphan(std::span<const Index> inc_a, std::span<const Index> inc_b) const {
-    return std::all_of(inc_a.begin(), inc_a.end(), [&](Index a) {
-      return std::all_of(inc_b.begin(), inc_b.end(), [&](Index b) { return suspects_.contains({a, b}); });
-    });
-  }
+  /// An element and one of its partners. Bit i of a set is for the i-th feature in the list of those whose first
+  /// incident element is the partner (for vertices: in the list of the partner's vertices); it is set if all incident
+  /// elements of that feature are partners of the element. Features after the 64th have no bit.
+  struct Partner {
+    Index element;
+    std::uint64_t vertices = 0, edges = 0, triangles = 0;
+  };
 
-  const Mesh& mesh_;
-  const Features& features_;
-  const PairSet& suspects_;
-  TestBatch& out_;
+  std::span<const Partner> partners(Index o) const;
+  const Partner* find(Index o, Index partner) const;
+  void find_candidates(Index o, std::vector<Index>& partner_of);
+  template <std::uint64_t Partner::*kSet, class Visit>
+  void visit_partners(std::span<const Index> elements, std::span<const Index> features, Index other,
+                      Visit&& visit) const;
+  void list(Index a, Index b, TestBatch& out) const;
+  void vertices_and_triangles(Index a, Index b, TestBatch& out) const;
+
+  const Topology* topology_ = nullptr;
+  std::vector<Index> elements_, places_;  ///< elements with partners, and by slot: the place in this list, or kNone
+  std::vector<std::size_t> begins_;       ///< by place: where the element's partners begin in partners_
+  std::vector<Partner> partners_;
+  std::vector<std::vector<Index>> partner_of_;  ///< by worker and element slot: the last element that it is a partner of
 };
 
 }  // namespace volccd::detail

@@ -28,7 +28,6 @@ class SuspectPairs {
   /// The pairs, with a <= b, each once. Their order depends on the executor.
   std::span<const ElementPair> pairs() const { return pairs_; }
   bool contains(Index a, Index b) const { return set_.contains({a, b}); }
-  const PairSet& set() const { return set_; }
 
   std::size_t bytes() const;
 
