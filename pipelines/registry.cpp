@@ -50,7 +50,7 @@ void add_presets(Registry& registry) {
                          bvh,
                          {{"csat", {{"axis", "optimal"}, {"mode", "pair"}}}},
                          dynamic,
-                         o_set,
+                         StageChoice{"star-orphans", {}},
                          {{"feature-kdop", {}}, {"coplanarity", {}}, csat_filter},
                          inclusion,
                          StageChoice{"boundary-flood", {}}});

@@ -60,7 +60,7 @@ bool cones_go_once_around(const Step& step, Index v, bool mirrored) {
   return once;
 }
 
-/// Whether `up` is in no cone at v.
+/// Whether the direction `up` is in no cone at v.
 bool cones_exclude(const Step& step, Index v, bool mirrored, const Vec3& up) {
   bool none = true;
   visit_cones(step, v, mirrored, [&](const DirectionCone& cone) { none = none && cone.excludes(up); });
@@ -123,7 +123,7 @@ bool ElementStars::is_clear(const Step& step, Index v, StarTable::Ring& scratch)
   }
   if (once_[v] == Known::yes) return true;
   const bool once = ring ? winds_once(step.motion, v, table_.ring(step.topology, v, scratch), rings_.up(v)) &&
-                               cones_exclude(step, v, sign < 0, rings_.up(v))
+                               cones_exclude(step, v, sign < 0, sign * rings_.up(v))
                          : cones_go_once_around(step, v, sign < 0);
   if (once) once_[v] = Known::yes;
   return once;

@@ -11,6 +11,8 @@
 #include <volccd/narrowphase/exact_predicates.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
+#include "culling/ends_in_loop.hpp"
+
 namespace volccd::detail {
 namespace {
 
@@ -129,20 +131,6 @@ TEST(SuspectPairs, AnInterruptedListLeavesNothingToTheNext) {
     for (const ElementPair pair : suspects.pairs()) EXPECT_LT(pair.b, topology.mesh().element_slots());
   }
 }
-
-/// Ends in one of its loops, after the work.
-class EndsInLoop final : public Executor {
- public:
-  explicit EndsInLoop(int loop) : left_(loop) {}
-  unsigned workers() const override { return 1; }
-  void parallel_for(std::size_t n, std::size_t, Body body) override {
-    if (n > 0) body(0, n, 0);
-    if (left_-- == 0) throw std::runtime_error("interrupted");
-  }
-
- private:
-  int left_;
-};
 
 /// A change of the topology that an interrupted step was told of is not lost.
 TEST(StarClasses, AnInterruptedStepIsBegunAnew) {

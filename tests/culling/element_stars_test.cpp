@@ -1,0 +1,204 @@
+// Stars of elements of any type that are clear: features of such a star touch nowhere but in common vertices.
+#include <volccd/culling/detail/element_stars.hpp>
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <volccd/core/random.hpp>
+#include <volccd/culling/star_orphans.hpp>
+#include <volccd/narrowphase/exact_predicates.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
+
+#include "culling/ends_in_loop.hpp"
+
+namespace volccd::detail {
+namespace {
+
+const ObjectFilter kEveryObject;
+
+bool boxes_meet(const Motion& motion, const std::array<Index, 4>& v, std::size_t of_first) {
+  const auto bounds = [&](std::size_t begin, std::size_t end) {
+    Eigen::AlignedBox3d box;
+    for (std::size_t i = begin; i < end; ++i)
+      for (int c = 0; c < motion.control_points(); ++c) box.extend(motion.point(v[i], c));
+    return box;
+  };
+  return bounds(0, of_first).intersects(bounds(of_first, 4));
+}
+
+/// Calls visit(elements of a, elements of b) for each pair of features without a common vertex that touches, in exact
+/// arithmetic.
+template <class Visit>
+void visit_touching(const Topology& topology, const Motion& motion, Visit&& visit) {
+  const Features& features = topology.features();
+  const auto touches = [&](FeatureKind kind, FeaturePair test) {
+    if (!is_test(features, kind, test)) return false;
+    const auto vertices = test_vertices(features, kind, test);
+    if (!boxes_meet(motion, vertices, kind == FeatureKind::vf ? 1 : 2)) return false;
+    TestMotion moving{kind, motion.control_points(), {}};
+    for (std::size_t i = 0; i < 4; ++i) moving.points[i] = motion.at(vertices[i]);
+    return exact_first_touch(moving).touches;
+  };
+  for (Index v = 0; v < features.vertex_slots(); ++v)
+    for (Index f = 0; f < features.triangle_slots(); ++f)
+      if (!features.vertex_elements(v).empty() && !features.triangle_elements(f).empty() &&
+          touches(FeatureKind::vf, {v, f}))
+        visit(features.vertex_elements(v), features.triangle_elements(f));
+  for (Index e = 0; e < features.edge_slots(); ++e)
+    for (Index g = 0; g < e; ++g)
+      if (!features.edge_elements(e).empty() && !features.edge_elements(g).empty() && touches(FeatureKind::ee, {g, e}))
+        visit(features.edge_elements(g), features.edge_elements(e));
+}
+
+/// Whether a clear star contains one of the elements `a` and one of `b`.
+bool in_a_clear_star(const Mesh& mesh, const ElementStars& stars, std::span<const Index> a, std::span<const Index> b) {
+  for (const Index x : a)
+    for (const Index y : b)
+      for (const Index v : mesh.vertices(x)) {
+        const std::span<const Index> of_y = mesh.vertices(y);
+        if (!stars.suspect(v) && std::find(of_y.begin(), of_y.end(), v) != of_y.end()) return true;
+      }
+  return false;
+}
+
+std::vector<Index> some_elements(const Mesh& mesh, Random& random, double share) {
+  std::vector<Index> chosen;
+  for (Index o = 0; o < mesh.element_slots(); ++o)
+    if (mesh.is_live(o) && random.uniform() < share) chosen.push_back(o);
+  return chosen;
+}
+
+/// Positions that a smooth deformation moves, as bending and pressing do, and a little of independent motion.
+std::vector<Vec3> deformed(const std::vector<Vec3>& from, Random& random, double amount, double noise) {
+  Eigen::Matrix3d a;
+  for (int i = 0; i < 9; ++i) a(i / 3, i % 3) = (i % 4 == 0 ? 1 : 0) + amount * random.uniform(-1, 1);
+  const double bend = amount * random.uniform(-2, 2);
+  std::vector<Vec3> to;
+  for (const Vec3& p : from)
+    to.push_back(a * Vec3(p[0], p[1] + bend * p[0] * p[0], p[2] + bend * p[0] * p[1]));
+  return noise > 0 ? jittered(to, noise, random.next()) : to;
+}
+
+struct Seen {
+  std::size_t clear = 0, suspect = 0, touching = 0;
+};
+
+/// A few steps of a deforming mesh that loses elements and sometimes jumps.
+void expect_clear_stars_do_not_touch(ElementType type, std::uint64_t seed, bool quadratic, Seen& seen) {
+  Random random(seed);
+  SerialExecutor serial;
+  const auto size = [&] { return 1 + static_cast<int>(random.uniform() * 2); };
+  Shape shape = type == ElementType::none ? mixed_block(1, 1) : block(type, size(), size(), 1);
+  if (random.uniform() < 0.5) shape = permuted(shape, random.next());
+  Topology topology(shape.mesh());
+  if (random.uniform() < 0.5) topology.apply({some_elements(topology.mesh(), random, 0.2), {}, {}});
+  ElementStars stars;
+  std::vector<Vec3> at = deformed(shape.positions, random, 0.5, 0.1);
+  for (int step = 0; step < 3; ++step) {
+    if (random.uniform() < 0.3) topology.apply({some_elements(topology.mesh(), random, 0.1), {}, {}});
+    if (random.uniform() < 0.3) at = deformed(shape.positions, random, 0.8, 0.2);  // a jump
+    const std::vector<Vec3> to = deformed(at, random, 0.3, random.uniform() * 0.4), middle = deformed(at, random, 0.2, 0);
+    const Motion motion = quadratic ? Motion::quadratic(at, middle, to) : Motion::linear(at, to);
+    stars.update({topology, motion, kEveryObject}, serial);
+    for (Index v = 0; v < motion.vertex_count(); ++v)
+      if (!topology.features().vertex_elements(v).empty()) ++(stars.suspect(v) ? seen.suspect : seen.clear);
+    visit_touching(topology, motion, [&](std::span<const Index> a, std::span<const Index> b) {
+      ++seen.touching;
+      EXPECT_FALSE(in_a_clear_star(topology.mesh(), stars, a, b)) << to_string(type) << ' ' << seed << ' ' << step;
+    });
+    at = to;
+  }
+}
+
+TEST(ElementStars, ClearOnesHaveNoContacts) {
+  for (const ElementType type : {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge,
+                                 ElementType::pyramid, ElementType::none}) {
+    Seen seen;
+    for (std::uint64_t seed = 1; seed <= 60; ++seed) expect_clear_stars_do_not_touch(type, seed, seed % 4 == 0, seen);
+    EXPECT_GT(seen.clear, 100u) << to_string(type);
+    EXPECT_GT(seen.suspect, 100u) << to_string(type);
+    EXPECT_GT(seen.touching, 100u) << to_string(type);
+  }
+}
+
+/// In a body at rest, or that turns and is bent a little, nothing is suspect but where shells or polytopes are.
+TEST(ElementStars, AllOfASoundBodyAreClear) {
+  SerialExecutor serial;
+  for (const ElementType type :
+       {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge, ElementType::pyramid}) {
+    const Shape shape = permuted(block(type, 3, 3, 3), 5);
+    const Topology topology(shape.mesh());
+    std::vector<Vec3> to;
+    const Eigen::AngleAxisd turn(0.3, Vec3(1, 2, 3).normalized());
+    for (const Vec3& p : shape.positions) to.push_back(turn * Vec3(p[0], p[1] + 0.05 * p[0] * p[0], p[2]));
+    ElementStars stars;
+    stars.update({topology, Motion::linear(shape.positions, to), kEveryObject}, serial);
+    EXPECT_TRUE(stars.suspects().empty()) << to_string(type) << ": " << stars.suspects().size();
+    std::vector<Vec3> mirrored = shape.positions;
+    for (Vec3& p : mirrored) p[0] = -p[0];
+    stars.update({topology, Motion::linear(mirrored, mirrored), kEveryObject}, serial);
+    EXPECT_TRUE(stars.suspects().empty()) << to_string(type) << ", mirrored: " << stars.suspects().size();
+  }
+}
+
+/// A crack opens a closed star: after the edit the vertices at its end are suspect, the others are not.
+TEST(ElementStars, FollowEdits) {
+  SerialExecutor serial;
+  const Shape shape = block(ElementType::hexahedron, 3, 3, 3);
+  Topology kept(shape.mesh());
+  const Motion motion = Motion::linear(shape.positions, shape.positions);
+  ElementStars stars;
+  stars.update({kept, motion, kEveryObject}, serial);
+  EXPECT_TRUE(stars.suspects().empty());
+  kept.apply({{0, 13}, {}, {}});
+  stars.update({kept, motion, kEveryObject}, serial);
+  ElementStars fresh;
+  fresh.update({kept, motion, kEveryObject}, serial);
+  EXPECT_EQ(stars.suspects(), fresh.suspects());
+  EXPECT_FALSE(fresh.suspects().empty());
+}
+
+TEST(ElementStars, AnInterruptedStepIsBegunAnew) {
+  SerialExecutor serial;
+  const auto suspects = [&](int interrupted) {
+    ElementStars stars;
+    for (const int n : {3, 2}) {
+      const Shape shape = block(ElementType::hexahedron, n, n, n);
+      const Topology topology(shape.mesh());
+      const Motion motion = Motion::linear(shape.positions, jittered(shape.positions, 0.25, 5));
+      const Step step{topology, motion, kEveryObject};
+      if (n == 2 && interrupted >= 0) {
+        EndsInLoop executor(interrupted);
+        EXPECT_THROW(stars.update(step, executor), std::runtime_error) << interrupted;
+      }
+      stars.update(step, serial);
+    }
+    return stars.suspects();
+  };
+  for (int loop = 0; loop < 6; ++loop) EXPECT_EQ(suspects(loop), suspects(-1)) << loop;
+}
+
+/// The O-Set provides the orphans where stars decide nothing.
+TEST(StarOrphans, LeavesSomeStepsToTheOSet) {
+  SerialExecutor serial;
+  const StarOrphans source({});
+  const auto by_stars = [&](const Shape& shape, double amount, double separation) {
+    const Topology topology(shape.mesh());
+    const Motion motion = Motion::linear(shape.positions, jittered(shape.positions, amount, 3));
+    const auto state = source.make_state();
+    source.prepare({topology, motion, kEveryObject, separation}, *state, serial);
+    return StarOrphans::counters(*state).by_stars;
+  };
+  const Shape solid = block(ElementType::hexahedron, 3, 3, 3), sheet = block(ElementType::triangle, 3, 3, 1);
+  EXPECT_TRUE(by_stars(solid, 0.05, 0));
+  EXPECT_FALSE(by_stars(solid, 0.05, 0.01)) << "separation";
+  EXPECT_FALSE(by_stars(solid, 3, 0)) << "most stars fold";
+  EXPECT_FALSE(by_stars(sheet, 0, 0)) << "no volumes";
+}
+
+}  // namespace
+}  // namespace volccd::detail
