@@ -30,12 +30,9 @@ struct BruteForceState final : StageState {
 }  // namespace
 
 const Options<BruteForce::Config>& BruteForce::options() {
-  static const Options<Config> options = [] {
-    Options<Config> o;
-    o.add("bounds", &Config::bounds, {{"none", Bounds::none}, {"aabb", Bounds::aabb}},
-          "every pair, or those whose swept boxes overlap");
-    return o;
-  }();
+  static const Options<Config> options =
+      Options<Config>().add("bounds", &Config::bounds, {{"none", Bounds::none}, {"aabb", Bounds::aabb}},
+                            "every pair, or those whose swept boxes overlap");
   return options;
 }
 

@@ -68,16 +68,15 @@ KdopBvh::KdopBvh(const Config& config) : config_(config) {
 }
 
 const Options<KdopBvh::Config>& KdopBvh::options() {
-  static const Options<Config> options = [] {
-    Options<Config> o;
-    o.add("k", &Config::k, detail::k_choices(), "directions of the k-DOPs, 6 being boxes");
-    o.add("leaf_size", &Config::leaf_size, 1, detail::KdopTree::kMostLeafSize, "elements a leaf");
-    o.add("restructure", &Config::restructure,
-          {{"none", Restructure::none}, {"subtrees", Restructure::subtrees}, {"always", Restructure::always}},
-          "rebuild nothing, the subtrees that degraded, or all at every step");
-    o.add("degradation", &Config::degradation, 1, 1e9, "tolerated growth of a subtree's cost before it is rebuilt");
-    return o;
-  }();
+  static const Options<Config> options =
+      Options<Config>()
+          .add("k", &Config::k, detail::k_choices(), "directions of the k-DOPs, 6 being boxes")
+          .add("leaf_size", &Config::leaf_size, 1, detail::KdopTree::kMostLeafSize, "elements a leaf")
+          .add("restructure", &Config::restructure,
+               {{"none", Restructure::none}, {"subtrees", Restructure::subtrees}, {"always", Restructure::always}},
+               "rebuild nothing, the subtrees that degraded, or all at every step")
+          .add("degradation", &Config::degradation, 1, 1e9,
+               "tolerated growth of a subtree's cost before it is rebuilt");
   return options;
 }
 
@@ -106,8 +105,7 @@ void KdopBvh::prepare(const Step& step, StageState& stage_state, Executor& execu
   state.delta.confirm();
 }
 
-void KdopBvh::run(const Step& step, StageState& stage_state, PairRange range, Executor& executor,
-                  PairSink sink) const {
+void KdopBvh::run(const Step& step, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
   KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
   const detail::PairRules rules(range, step.topology, state.keys);
   state.counters.node_tests += make_tasks(state, rules);

@@ -80,12 +80,10 @@ SpatialHash::SpatialHash(const Config& config) : config_(config) {
 }
 
 const Options<SpatialHash::Config>& SpatialHash::options() {
-  static const Options<Config> options = [] {
-    Options<Config> o;
-    o.add("k", &Config::k, detail::k_choices(), "directions of the k-DOPs of the final test, 6 being boxes");
-    o.add("cell_size", &Config::cell_size, 0.05, 100, "side of a cell, in median extents of the swept boxes");
-    return o;
-  }();
+  static const Options<Config> options =
+      Options<Config>()
+          .add("k", &Config::k, detail::k_choices(), "directions of the k-DOPs of the final test, 6 being boxes")
+          .add("cell_size", &Config::cell_size, 0.05, 100, "side of a cell, in median extents of the swept boxes");
   return options;
 }
 
@@ -115,10 +113,9 @@ void SpatialHash::run(const Step& step, StageState& stage_state, PairRange range
   for (detail::BucketScratch& scratch : state.scratch) scratch.reserve(state.grid.largest_bucket());
 
   const Index* const slots = state.list.slots();
-  executor.parallel_for(
-      state.grid.entries().size(), kEntryGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
-        detail::hash_entries(state.grid, state.elements, slots, rules, begin, end, state.scratch[w], state.writers[w]);
-      });
+  executor.parallel_for(state.grid.entries().size(), kEntryGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
+    detail::hash_entries(state.grid, state.elements, slots, rules, begin, end, state.scratch[w], state.writers[w]);
+  });
   if (!state.grid.large().empty())
     executor.parallel_for(state.list.size(), kLargeGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
       detail::hash_large(state.grid, state.elements, slots, rules, begin, end, state.writers[w]);

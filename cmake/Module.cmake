@@ -20,6 +20,14 @@ function(volccd_quick_to_compile target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
 endfunction()
 
+# volccd_not_fuzzed(target [UNOPTIMISED]): for code that no fuzzer runs: libFuzzer's coverage, which checks nothing, is left
+# out. UNOPTIMISED: for code that the address sanitizer's tests run little of, half the time to compile it there.
+function(volccd_not_fuzzed target)
+  cmake_parse_arguments(ARG "UNOPTIMISED" "" "" ${ARGN})
+  target_compile_options(${target} PRIVATE
+    $<$<AND:$<CONFIG:None>,$<CXX_COMPILER_ID:Clang>>:-fno-sanitize=fuzzer-no-link;$<$<BOOL:${ARG_UNOPTIMISED}>:-O0>>)
+endfunction()
+
 # volccd_module(mesh [PUBLIC lib...] [PRIVATE lib...] [SOURCES file...]): library volccd_mesh of all sources in this folder,
 # exported as volccd::mesh with the headers that lie in this folder and what these include (InstallHeaders.cmake).
 # volccd_module(program COMPONENT program [HEADERS file...] ...): a part of the package's component `program`, whose users

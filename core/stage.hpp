@@ -45,13 +45,24 @@ struct StageDescriptor {
   std::function<std::unique_ptr<Stage>(const OptionValues&)> make;  ///< throws ConfigError
 };
 
-/// Descriptor of a stage `T : Stage` that has `struct T::Config`, `static Options<Config> T::options()` and a
-/// constructor with a Config parameter.
+/// T::options(), or no options if the stage T has no such function.
+template <class T>
+const Options<typename T::Config>& options_of() {
+  if constexpr (requires { T::options(); }) {
+    return T::options();
+  } else {
+    static const Options<typename T::Config> none;
+    return none;
+  }
+}
+
+/// Descriptor of a stage `T : Stage` that has `struct T::Config` and a constructor with a Config parameter; if there are
+/// options, `static const Options<Config>& T::options()`.
 template <class Stage, class T>
 StageDescriptor<Stage> describe_stage(std::string name, std::string description, Guarantee guarantee) {
-  return {std::move(name), std::move(description), guarantee, T::options().describe(),
+  return {std::move(name), std::move(description), guarantee, options_of<T>().describe(),
           [](const OptionValues& values) -> std::unique_ptr<Stage> {
-            return std::make_unique<T>(T::options().parse(values));
+            return std::make_unique<T>(options_of<T>().parse(values));
           }};
 }
 

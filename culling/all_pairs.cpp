@@ -60,11 +60,6 @@ void adjacent_pair(const Step& step, ElementPair pair, const FeatureMask& mask, 
 
 }  // namespace
 
-const Options<AllPairs::Config>& AllPairs::options() {
-  static const Options<Config> options;
-  return options;
-}
-
 void AllPairs::run(const Step& step, StageState&, unsigned, const PairBatch& batch, TestBatch& out) const {
   const Adjacency& adjacency = step.topology.adjacency();
   for (std::size_t i = 0; i < batch.size(); ++i) {

@@ -15,8 +15,6 @@ namespace volccd {
 class AllPairs final : public Assignment {
  public:
   struct Config {};
-  static const Options<Config>& options();
-
   explicit AllPairs(const Config&) {}
 
   void run(const Step& step, StageState& state, unsigned worker, const PairBatch& batch, TestBatch& out) const override;

@@ -60,11 +60,6 @@ namespace detail {
 HWY_EXPORT(coplanarity);
 }
 
-const Options<CoplanarityFilter::Config>& CoplanarityFilter::options() {
-  static const Options<Config> options;
-  return options;
-}
-
 void CoplanarityFilter::run(const Step& step, StageState&, unsigned, const TestBlock& block,
                             std::span<std::uint8_t> keep) const {
   using namespace detail;

@@ -21,8 +21,6 @@ namespace volccd {
 class CoplanarityFilter final : public FeatureFilter {
  public:
   struct Config {};
-  static const Options<Config>& options();
-
   explicit CoplanarityFilter(const Config&) {}
 
   void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,

@@ -76,11 +76,6 @@ bool fits(const Step& step, Index o) {
 
 }  // namespace
 
-const Options<Csat2011::Config>& Csat2011::options() {
-  static const Options<Config> options;
-  return options;
-}
-
 void Csat2011::run(const Step& step, StageState&, unsigned, PairBatch& batch) const {
   if (!handled(step)) return;
   Element a, b;
@@ -93,11 +88,6 @@ void Csat2011::run(const Step& step, StageState&, unsigned, PairBatch& batch) co
     const bool no_edge = mask_edges(step, a, b, mask.edges_a);
     return no_vertex_of_a && no_vertex_of_b && no_edge ? PairVerdict::contact_free : PairVerdict::keep;
   });
-}
-
-const Options<CsatFilter2011::Config>& CsatFilter2011::options() {
-  static const Options<Config> options;
-  return options;
 }
 
 void CsatFilter2011::run(const Step& step, StageState&, unsigned, const TestBlock& block,

@@ -20,8 +20,6 @@ namespace volccd {
 class Csat2011 final : public ElementCulling {
  public:
   struct Config {};
-  static const Options<Config>& options();
-
   explicit Csat2011(const Config&) {}
 
   void run(const Step& step, StageState& state, unsigned worker, PairBatch& batch) const override;
@@ -32,8 +30,6 @@ class Csat2011 final : public ElementCulling {
 class CsatFilter2011 final : public FeatureFilter {
  public:
   struct Config {};
-  static const Options<Config>& options();
-
   explicit CsatFilter2011(const Config&) {}
 
   void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,

@@ -75,13 +75,9 @@ template <FeatureKind kKind, int kControlPoints>
 void filter_block(const TestBlock& block, double separation, const StepPart& part, CsatFilterAxes axes,
                   std::span<std::uint8_t> keep) {
   using Axes = SeparatingAxes<kKind, kControlPoints>;
-  drop_tests(block, keep, [&](auto tests) HWY_ATTR {
-    return Axes(tests, separation, part).along_normals(axes);
-  });
+  drop_tests(block, keep, [&](auto tests) HWY_ATTR { return Axes(tests, separation, part).along_normals(axes); });
   if (axes != CsatFilterAxes::wide) return;
-  drop_kept_tests(block, keep, [&](auto tests) HWY_ATTR {
-    return Axes(tests, separation, part).across_edges();
-  });
+  drop_kept_tests(block, keep, [&](auto tests) HWY_ATTR { return Axes(tests, separation, part).across_edges(); });
 }
 
 void csat_features(const TestBlock& block, double separation, double t_max, CsatFilterAxes axes,
@@ -104,13 +100,10 @@ HWY_EXPORT(csat_features);
 }
 
 const Options<CsatFilter::Config>& CsatFilter::options() {
-  static const Options<Config> options = [] {
-    Options<Config> o;
-    o.add("axes", &Config::axes,
-          {{"first", CsatFilterAxes::first}, {"ends", CsatFilterAxes::ends}, {"wide", CsatFilterAxes::wide}},
-          "normals at t = 0 (the paper's), at both ends, or those and in-plane axes");
-    return o;
-  }();
+  static const Options<Config> options = Options<Config>().add(
+      "axes", &Config::axes,
+      {{"first", CsatFilterAxes::first}, {"ends", CsatFilterAxes::ends}, {"wide", CsatFilterAxes::wide}},
+      "normals at t = 0 (the paper's), at both ends, or those and in-plane axes");
   return options;
 }
 

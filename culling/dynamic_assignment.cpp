@@ -163,11 +163,6 @@ class OwnedTests {
 
 }  // namespace
 
-const Options<DynamicAssignment::Config>& DynamicAssignment::options() {
-  static const Options<Config> options;
-  return options;
-}
-
 std::string DynamicAssignment::incomplete_on_every() const {
   return "a feature pair all of whose elements are adjacent has no owner, and without an O-Set nobody tests it; use "
          "orphans=o-set";

@@ -16,8 +16,6 @@ namespace volccd {
 class DynamicAssignment final : public Assignment {
  public:
   struct Config {};
-  static const Options<Config>& options();
-
   explicit DynamicAssignment(const Config&) {}
 
   std::string incomplete_on_every() const override;

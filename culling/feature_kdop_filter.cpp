@@ -145,8 +145,8 @@ HWY_INLINE LaneMask apart(const Bounds<kKind, kControlPoints>& bounds, unsigned 
     mask = hn::Or(mask, more);
     return hn::AllTrue(Tag(), mask);
   };
-  (void)((((axes >> kAxis & 1) &&
-           joins(bounds.template apart<kAxes[kAxis][0], kAxes[kAxis][1], kAxes[kAxis][2]>()))) || ...);
+  (void)((((axes >> kAxis & 1) && joins(bounds.template apart<kAxes[kAxis][0], kAxes[kAxis][1], kAxes[kAxis][2]>()))) ||
+         ...);
   return mask;
 }
 
@@ -213,20 +213,18 @@ unsigned axes_of(FeatureKdopFilter::Axes k) {
 }  // namespace detail
 
 const Options<FeatureKdopFilter::Config>& FeatureKdopFilter::options() {
-  static const Options<Config> options = [] {
-    Options<Config> o;
-    o.add("k", &Config::k,
-          {{"6", Axes::k6},
-           {"14", Axes::k14},
-           {"16", Axes::k16},
-           {"18", Axes::k18},
-           {"24", Axes::k24},
-           {"26", Axes::k26}},
-          "twice the number of axes");
-    o.add("bounds", &Config::bounds, {{"swept", KdopBounds::swept}, {"relative", KdopBounds::relative}},
-          "over all control points, or apart at each of them");
-    return o;
-  }();
+  static const Options<Config> options =
+      Options<Config>()
+          .add("k", &Config::k,
+               {{"6", Axes::k6},
+                {"14", Axes::k14},
+                {"16", Axes::k16},
+                {"18", Axes::k18},
+                {"24", Axes::k24},
+                {"26", Axes::k26}},
+               "twice the number of axes")
+          .add("bounds", &Config::bounds, {{"swept", KdopBounds::swept}, {"relative", KdopBounds::relative}},
+               "over all control points, or apart at each of them");
   return options;
 }
 

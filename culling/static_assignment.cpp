@@ -35,11 +35,6 @@ void edge_tests(const Step& step, ElementPair pair, bool adjacent, const Feature
 
 }  // namespace
 
-const Options<StaticAssignment::Config>& StaticAssignment::options() {
-  static const Options<Config> options;
-  return options;
-}
-
 std::string StaticAssignment::incomplete_on_nonadjacent() const {
   return "static assignment gives some feature pairs to adjacent elements although non-adjacent ones cover them, so "
          "that the O-Set lacks them (Section 5.2); use assignment=dynamic-assignment, or orphans=none";

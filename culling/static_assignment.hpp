@@ -15,8 +15,6 @@ namespace volccd {
 class StaticAssignment final : public Assignment {
  public:
   struct Config {};
-  static const Options<Config>& options();
-
   explicit StaticAssignment(const Config&) {}
 
   std::string incomplete_on_nonadjacent() const override;

@@ -7,11 +7,6 @@
 
 namespace volccd {
 
-const Options<Exact::Config>& Exact::options() {
-  static const Options<Config> table;
-  return table;
-}
-
 void Exact::run(const Step& step, StageState&, unsigned, const TestBlock& block, std::vector<Contact>& contacts,
                 NarrowCounters& counters) const {
   assert(step.separation == 0);

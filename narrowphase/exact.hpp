@@ -14,7 +14,6 @@ namespace volccd {
 class Exact final : public NarrowPhase {
  public:
   struct Config {};
-  static const Options<Config>& options();
 
   Exact() = default;
   explicit Exact(Config) {}

@@ -22,8 +22,6 @@ struct RingFace {
 
 /// The normals of the moving boundary faces as Bernstein coefficients, in a structure of arrays.
 struct FaceNormals {
-  static constexpr int kMostCoefficients = 5;
-
   int coefficients = 0;      ///< 3 for linear motion, 5 for quadratic
   std::size_t stride = 0;    ///< distance between rows, a multiple of 8
   std::vector<double> rows;  ///< [coefficient][axis][face], each coefficient times its binomial; then [face]: the error

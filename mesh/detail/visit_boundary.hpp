@@ -31,10 +31,6 @@ inline std::array<Index, 4> rotate_to_smallest(const Index* v, const std::array<
   return q;
 }
 
-}  // namespace detail
-
-namespace detail {
-
 inline std::array<Index, 2> ascending(Index a, Index b) { return a < b ? std::array{a, b} : std::array{b, a}; }
 
 inline std::array<Index, 3> ascending(Index a, Index b, Index c) {

@@ -50,9 +50,11 @@ install_packages() {
     die "apt-get install failed"
 }
 
-# A compiler cache is used if there is one; it is not required.
+# A compiler cache is used if there is one; it is not required. With this sloppiness it also stores what is compiled with
+# a precompiled header.
 use_compiler_cache() {
   if command -v ccache >/dev/null; then
+    export CCACHE_SLOPPINESS="${CCACHE_SLOPPINESS:+$CCACHE_SLOPPINESS,}pch_defines,time_macros"
     export CMAKE_C_COMPILER_LAUNCHER=ccache CMAKE_CXX_COMPILER_LAUNCHER=ccache
   fi
 }

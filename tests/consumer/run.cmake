@@ -9,8 +9,8 @@
 #   headers    checks that each installed header compiles by itself
 #   debian     makes the Debian packages, unpacks them into an empty root, and uses them: the program, the importer, and
 #              tests/consumer/ with CMake and with pkg-config (python/tests/installed.py uses the Python module)
-#   shared     builds and installs shared libraries, without HDF5 and GMP because that is less to build, and uses them
-#              by CMake and by pkg-config
+#   shared     links shared libraries from the objects that the part `lean` compiled, installs them, and uses them with
+#              CMake and with pkg-config
 #   fresh      configures the project where only the packages that the program needs are there
 #   lean       builds and installs the library without program, HDF5 and GMP, and uses it
 cmake_policy(VERSION 3.22)
@@ -26,13 +26,14 @@ endfunction()
 
 # configure_command(variable source name [options...]): with the build folder WORK_DIR/name.
 function(configure_command variable source name)
-  file(REMOVE_RECURSE "${WORK_DIR}/${name}")
   set(${variable} "${CMAKE_COMMAND}" -S "${source}" -B "${WORK_DIR}/${name}" -G "${GENERATOR}"
       "-DCMAKE_CXX_COMPILER=${CXX}" "-DCMAKE_CXX_FLAGS=${CXX_FLAGS}" "-DCMAKE_BUILD_TYPE=${BUILD_TYPE}"
       -DCMAKE_FIND_USE_PACKAGE_REGISTRY=OFF "-DCMAKE_PREFIX_PATH=${PREFIX}" ${ARGN} PARENT_SCOPE)
 endfunction()
 
+# build(source name [options...]): from nothing, in WORK_DIR/name.
 function(build source name)
+  file(REMOVE_RECURSE "${WORK_DIR}/${name}")
   configure_command(command "${source}" "${name}" ${ARGN})
   run("configure" ${command})
   run("build" "${CMAKE_COMMAND}" --build "${WORK_DIR}/${name}")
@@ -55,14 +56,18 @@ endfunction()
 set(without -DCMAKE_DISABLE_FIND_PACKAGE_HDF5=ON -DCMAKE_DISABLE_FIND_PACKAGE_GMP=ON)
 set(lean -DVOLCCD_WITH_HDF5=OFF -DVOLCCD_WITH_GMP=OFF ${without})
 
-# install_library(name [options...]): builds the library alone and installs it into WORK_DIR/name. Without optimisation,
-# which halves the time.
-function(install_library name)
-  build("${PROJECT_DIR}" "${name}-build" -DVOLCCD_BUILD_PROGRAM=OFF -DVOLCCD_BUILD_TESTS=OFF
-        -DVOLCCD_BUILD_BENCHMARKS=OFF -DVOLCCD_SIMD=baseline -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=16
-        -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 ${ARGN})
+# install_library(name shared): builds the project's library alone, without its optional parts, and installs it into
+# WORK_DIR/name. Without optimisation, which takes half as long. Static and shared libraries have one build folder and
+# the same objects.
+function(install_library name shared)
+  set(folder "${WORK_DIR}/library-build")
+  configure_command(command "${PROJECT_DIR}" library-build "-DBUILD_SHARED_LIBS=${shared}"
+    -DVOLCCD_BUILD_PROGRAM=OFF -DVOLCCD_BUILD_TESTS=OFF -DVOLCCD_BUILD_BENCHMARKS=OFF -DVOLCCD_SIMD=baseline
+    -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=16 -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 ${lean})
+  run("configure" ${command})
+  run("build" "${CMAKE_COMMAND}" --build "${folder}")
   file(REMOVE_RECURSE "${WORK_DIR}/${name}")
-  run("install" "${CMAKE_COMMAND}" --install "${WORK_DIR}/${name}-build" --prefix "${WORK_DIR}/${name}")
+  run("install" "${CMAKE_COMMAND}" --install "${folder}" --prefix "${WORK_DIR}/${name}")
 endfunction()
 
 # write_project(folder component text): a project that asks for the component (empty: for none).
@@ -79,6 +84,7 @@ endfunction()
 # refuse(component message [options...]): configuring a project that asks for the component fails with the message.
 function(refuse component expected)
   write_project(refused "${component}" "")
+  file(REMOVE_RECURSE "${WORK_DIR}/refused-build")
   configure_command(command "${WORK_DIR}/refused" refused-build ${ARGN})
   execute_process(COMMAND ${command} RESULT_VARIABLE code OUTPUT_QUIET ERROR_VARIABLE message)
   string(REGEX REPLACE "[ \n]+" " " message "${message}")
@@ -133,27 +139,52 @@ elseif(PART STREQUAL "refusals")
   set(PREFIX "${WORK_DIR}/prefix-without-program")
   refuse(program "this package of volccd was built without its component program")
 elseif(PART STREQUAL "headers")
-  # Each header is included twice, which checks its include guard. It is compiled to an object file, because a compiler
-  # cache stores these and not the results of syntax checks.
+  # Twice: the second time checks the include guard. To objects, which a compiler cache keeps, as it does not keep checks
+  # of the syntax alone. What reaches Eigen through `vectors` gets it precompiled, which sees no more than it includes.
+  set(vectors volccd/mesh/types.hpp)
+  set(with_vectors "${vectors}")
+  set(added TRUE)
+  while(added)
+    set(added FALSE)
+    foreach(header IN LISTS headers)
+      file(STRINGS "${PREFIX}/include/${header}" includes REGEX "^ *# *include *<volccd/")
+      list(TRANSFORM includes REPLACE ".*<(volccd/[^>]+)>.*" "\\1")
+      foreach(included IN LISTS includes)
+        if(included IN_LIST with_vectors AND NOT header IN_LIST with_vectors)
+          list(APPEND with_vectors "${header}")
+          set(added TRUE)
+        endif()
+      endforeach()
+    endforeach()
+  endwhile()
+  list(REMOVE_ITEM with_vectors "${vectors}")
   file(REMOVE_RECURSE "${WORK_DIR}/headers")
   foreach(header IN LISTS headers)
-    file(WRITE "${WORK_DIR}/headers/${header}.cpp" "#include <${header}>\n#include <${header}>\n")
+    set(kind without)
+    if(header IN_LIST with_vectors)
+      set(kind with)
+    endif()
+    file(WRITE "${WORK_DIR}/headers/${kind}/${header}.cpp" "#include <${header}>\n#include <${header}>\n")
   endforeach()
   set(component)
   if(program_targets)
     set(component program)
   endif()
   write_project(headers "${component}" "
-file(GLOB_RECURSE stubs \"\${CMAKE_CURRENT_SOURCE_DIR}/volccd/*.cpp\")
-add_library(headers OBJECT \${stubs})
-target_compile_options(headers PRIVATE -O0)
-target_link_libraries(headers PRIVATE volccd::volccd)
-if(TARGET volccd::program)
-  target_link_libraries(headers PRIVATE volccd::program)
-endif()\n")
+foreach(kind with without)
+  file(GLOB_RECURSE stubs \"\${CMAKE_CURRENT_SOURCE_DIR}/\${kind}/*.cpp\")
+  add_library(\${kind} OBJECT \${stubs})
+  target_compile_options(\${kind} PRIVATE -O0 $<$<CXX_COMPILER_ID:GNU>:-fpch-preprocess>)
+  target_link_libraries(\${kind} PRIVATE volccd::volccd)
+  if(TARGET volccd::program)
+    target_link_libraries(\${kind} PRIVATE volccd::program)
+  endif()
+endforeach()
+target_precompile_headers(with PRIVATE <${vectors}>)\n")
   build("${WORK_DIR}/headers" headers-build)
   list(LENGTH headers count)
-  message(STATUS "${count} headers")
+  list(LENGTH with_vectors precompiled)
+  message(STATUS "${count} headers, of which ${precompiled} with Eigen precompiled")
 elseif(PART STREQUAL "debian")
   set(root "${WORK_DIR}/root")
   file(REMOVE_RECURSE "${root}" "${WORK_DIR}/packages")
@@ -187,7 +218,7 @@ elseif(PART STREQUAL "debian")
   run("run" "${WORK_DIR}/consumer-of-packages/consumer")
   use_by_pkg_config(by_pkg_config --static)
 elseif(PART STREQUAL "shared")
-  install_library(shared -DBUILD_SHARED_LIBS=ON ${lean})
+  install_library(shared ON)
   set(PREFIX "${WORK_DIR}/shared")
   file(GLOB archives "${PREFIX}/lib/*.a")
   if(archives)
@@ -200,6 +231,7 @@ elseif(PART STREQUAL "fresh")
   foreach(package GTest rapidcheck benchmark embree Bullet)
     list(APPEND without_tests "-DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON")
   endforeach()
+  file(REMOVE_RECURSE "${WORK_DIR}/fresh")
   configure_command(command "${PROJECT_DIR}" fresh ${without_tests})
   execute_process(COMMAND ${command} RESULT_VARIABLE code OUTPUT_VARIABLE message ERROR_VARIABLE message)
   foreach(expected "Tests: not built: not found: GTest (Debian: libgtest-dev), rapidcheck (Debian: librapidcheck-dev)"
@@ -210,7 +242,8 @@ elseif(PART STREQUAL "fresh")
     endif()
   endforeach()
 elseif(PART STREQUAL "lean")
-  install_library(lean ${lean})
+  file(REMOVE_RECURSE "${WORK_DIR}/library-build")
+  install_library(lean OFF)
   set(PREFIX "${WORK_DIR}/lean")
   build("${PROJECT_DIR}/tests/consumer" consumer-of-lean ${without_program} ${without})
   run("run" "${WORK_DIR}/consumer-of-lean/consumer")

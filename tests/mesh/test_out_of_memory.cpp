@@ -1,14 +1,15 @@
 // Changes have no effect if memory runs out: every single allocation of a change fails once, and the visible state
 // stays as it was.
 #include <set>
+#include <utility>
 
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
-#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/mesh/topology.hpp>
 #include <volccd/mesh/topology_delta.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 #include "mesh/naive_features.hpp"
 #include "support/allocations.hpp"
@@ -17,6 +18,8 @@ namespace volccd {
 namespace {
 
 using test::Memory;
+
+constexpr std::int64_t kIdEnd = 1200;  ///< elements have smaller ids
 
 /// The visible state of an object, as numbers.
 using Snapshot = std::vector<std::int64_t>;
@@ -37,7 +40,7 @@ Snapshot snapshot(const Mesh& mesh) {
     take(all, mesh.vertices(o));
     take(all, mesh.polytope_faces(o));
   }
-  for (std::int64_t id = -10; id < 3000; ++id) all.push_back(mesh.find_element(id));
+  for (std::int64_t id = -10; id < kIdEnd; ++id) all.push_back(mesh.find_element(id));
   return all;
 }
 
@@ -82,8 +85,12 @@ Snapshot snapshot(const Topology& topology) {
   for (Index a = 0; a < mesh.element_slots(); ++a) {
     if (!mesh.is_live(a)) continue;
     take(all, topology.adjacency().vertices(a));
-    for (Index b = a; b < mesh.element_slots(); ++b)
-      if (mesh.is_live(b)) all.push_back(topology.adjacency().adjacent(a, b));
+    std::int64_t bits = 0;
+    for (Index b = a; b < mesh.element_slots(); ++b) {
+      if (mesh.is_live(b)) bits = 2 * bits + topology.adjacency().adjacent(a, b);
+      if ((b - a) % 62 == 61) all.push_back(std::exchange(bits, 0));
+    }
+    all.push_back(bits);
   }
   return all;
 }
@@ -127,6 +134,7 @@ class Edits {
       while (corners.size() < 4)
         corners.insert(vertices - 1 - static_cast<Index>(random_.below(std::min<Index>(vertices, 30))));
       edit.added.push_back({ElementType::tetrahedron, {corners.begin(), corners.end()}, {}, 0, next_id_++});
+      EXPECT_LT(next_id_, kIdEnd);
     }
     random_.shuffle(edit.added);
     return edit;
