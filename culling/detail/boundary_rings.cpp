@@ -110,11 +110,44 @@ void face_normals(const Step& step, std::span<const RingFace> faces, std::size_t
 
 namespace {
 constexpr std::size_t kFaceGrain = 512;  // a multiple of 8
-}
+constexpr std::size_t kRingGrain = 256;
+}  // namespace
 
 void BoundaryRings::set_faces(const Mesh& mesh, std::vector<RingFace> faces) {
   faces_ = std::move(faces);
   ups_.resize(mesh.vertex_count());
+  begins_.assign(mesh.vertex_count() + std::size_t{1}, 0);
+  const auto visit_corners = [&](auto&& visit) {
+    for (std::size_t f = 0; f < faces_.size(); ++f)
+      for (unsigned i = 0; i < 4; ++i)
+        if (i < 3 || faces_[f].fourth != kNone)
+          visit(faces_[f].vertex(i), Corner{static_cast<Index>(f), i < 3, (faces_[f].tested >> i & 1) != 0});
+  };
+  visit_corners([&](Index v, const Corner&) { ++begins_[v]; });
+  Index end = 0;
+  for (Index& begin : begins_) begin = end += begin;  // the ends; filling moves them to the beginnings
+  corners_.resize(end);
+  visit_corners([&](Index v, const Corner& corner) { corners_[--begins_[v]] = corner; });
+}
+
+bool BoundaryRings::folds_at(Index v) {
+  const std::span<const Corner> corners = std::span(corners_).subspan(begins_[v], begins_[v + 1] - begins_[v]);
+  Vec3 up = Vec3::Zero();
+  for (const Corner& c : corners)
+    if (c.of_triangle)
+      for (int axis = 0; axis < 3; ++axis)
+        up[axis] += normals_.units[static_cast<std::size_t>(axis) * normals_.stride + c.face];
+  ups_[v] = up;
+  const double size = std::abs(up[0]) + std::abs(up[1]) + std::abs(up[2]);
+  for (const Corner& c : corners) {
+    if (!c.tested) continue;
+    const double bound = normals_.bounds()[c.face] * size;
+    for (int k = 0; k < normals_.coefficients; ++k)
+      if (!(up[0] * normals_.row(k, 0)[c.face] + up[1] * normals_.row(k, 1)[c.face] + up[2] * normals_.row(k, 2)[c.face] >
+            bound))
+        return true;
+  }
+  return false;
 }
 
 void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector<std::uint8_t>& folds) {
@@ -126,40 +159,16 @@ void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector
       (faces_.size() + kFaceGrain - 1) / kFaceGrain, 1, [&](std::size_t begin, std::size_t end, unsigned) {
         face_normals(step, faces_, begin * kFaceGrain, std::min(end * kFaceGrain, faces_.size()), normals_);
       });
-  const std::size_t stride = normals_.stride;
-  for (const RingFace& face : faces_)
-    for (const Index v : face.triangle) ups_[v].setZero();
-  for (std::size_t f = 0; f < faces_.size(); ++f) {
-    const Vec3 unit(normals_.units[f], normals_.units[stride + f], normals_.units[2 * stride + f]);
-    for (const Index v : faces_[f].triangle) ups_[v] += unit;
-  }
-  failed_.resize(faces_.size());
-  executor.parallel_for(faces_.size(), kFaceGrain, [&](std::size_t begin, std::size_t end, unsigned) {
-    for (std::size_t f = begin; f < end; ++f) {
-      failed_[f] = 0;
-      for (std::size_t i = 0; i < 4; ++i) {
-        if ((faces_[f].tested >> i & 1) == 0) continue;
-        const Vec3& up = ups_[faces_[f].vertex(i)];
-        const double bound = normals_.bounds()[f] * (std::abs(up[0]) + std::abs(up[1]) + std::abs(up[2]));
-        bool positive = true;
-        for (int k = 0; k < normals_.coefficients; ++k)
-          positive =
-              positive &&
-              up[0] * normals_.row(k, 0)[f] + up[1] * normals_.row(k, 1)[f] + up[2] * normals_.row(k, 2)[f] > bound;
-        failed_[f] = static_cast<std::uint8_t>(failed_[f] | (positive ? 0 : 1 << i));
-      }
-    }
+  folds.resize(ups_.size());
+  executor.parallel_for(folds.size(), kRingGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t v = begin; v < end; ++v) folds[v] = folds_at(static_cast<Index>(v)) ? 1 : 0;
   });
-  folds.assign(step.mesh().vertex_count(), 0);
-  for (std::size_t f = 0; f < faces_.size(); ++f)
-    for (std::size_t i = 0; failed_[f] >> i != 0; ++i)
-      if ((failed_[f] >> i & 1) != 0) folds[faces_[f].vertex(i)] = 1;
 }
 
 std::size_t BoundaryRings::bytes() const {
   return faces_.capacity() * sizeof(faces_[0]) +
          (normals_.rows.capacity() + normals_.units.capacity()) * sizeof(double) + ups_.capacity() * sizeof(Vec3) +
-         failed_.capacity();
+         begins_.capacity() * sizeof(Index) + corners_.capacity() * sizeof(Corner);
 }
 
 }  // namespace volccd::detail

@@ -55,10 +55,19 @@ class BoundaryRings {
   std::size_t bytes() const;
 
  private:
+  /// A face at a vertex, and whether the vertex is one of its triangle and is tested with it.
+  struct Corner {
+    Index face;
+    bool of_triangle, tested;
+  };
+
+  bool folds_at(Index v);
+
   std::vector<RingFace> faces_;
   FaceNormals normals_;
-  std::vector<Vec3> ups_;             ///< indexed by vertex
-  std::vector<std::uint8_t> failed_;  ///< for each face, bits of its vertices
+  std::vector<Vec3> ups_;        ///< by vertex
+  std::vector<Index> begins_;    ///< by vertex: where its corners begin
+  std::vector<Corner> corners_;  ///< of one vertex after the other
 };
 
 }  // namespace volccd::detail

@@ -48,7 +48,7 @@ constexpr Sweep kOptions[] = {{"VolCCD", "csat.axis", "face,predetermined,veloci
                               {"VolCCD+", "kdop-bvh.leaf_size", "1,2,4,8"},
                               {"VolCCD+", "kdop-bvh.restructure", "none,subtrees,always"},
                               {"HashCCD", "spatial-hash.cell_size", "0.5,1,2,4"},
-                              {"VolCCD+", "o-set.kind", "minimal,literal"},
+                              {"VolCCD", "o-set.kind", "minimal,literal"},
                               {"VolCCD", "feature-csat.axes", "first,ends,wide"},
                               {"VolCCD+", "feature-kdop.bounds", "swept,relative"}};
 
@@ -72,6 +72,10 @@ void add_options(const Registry& registry, std::vector<Entrant>& entrants) {
   // Static assignment tests every feature pair without an O-Set (docs/pipelines.md).
   entrants.push_back(
       entrant(registry, "options", "VolCCD+", {"flood=none", "orphans=none", "assignment=static-assignment"}));
+  for (const char* orphans : {"orphans=o-set", "orphans=star-orphans"}) {
+    entrants.push_back(entrant(registry, "options", "VolCCD+", {orphans}));
+    entrants.push_back(entrant(registry, "options", "VolCCD+", {"flood=none", orphans}));
+  }
   entrants.push_back(entrant(registry, "options", "VolCCD+"));
 }
 
