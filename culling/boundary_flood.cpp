@@ -24,8 +24,8 @@ struct BoundaryFloodState final : StageState {
   detail::StarClasses classes;
   detail::SuspectPairs suspects;
   detail::SuspectOrphans orphans;
-  TopologyDelta counted;  ///< the topology for which boundary_share was computed
-  double boundary_share = 0;
+  TopologyDelta counted;  ///< the topology for which the shares were computed
+  double boundary_share = 0, divided_share = 0;
   ElementSubset outer;
   ObjectFilter filter;
   std::optional<Step> step;  ///< the step of the complex
@@ -39,8 +39,8 @@ struct BoundaryFloodState final : StageState {
   BoundaryFlood::Counters counters;
 
   std::size_t bytes() const override {
-    std::size_t sum = complex.bytes() + stars.bytes() + classes.bytes() + suspects.bytes() + orphans.bytes() + outer.bytes() +
-                      seen.bytes() + seen_at_start.bytes() +
+    std::size_t sum = complex.bytes() + stars.bytes() + classes.bytes() + suspects.bytes() + orphans.bytes() +
+                      outer.bytes() + seen.bytes() + seen_at_start.bytes() +
                       (front.capacity() + reached.capacity()) * sizeof(ElementPair) +
                       (parts.capacity() + parents.capacity()) * sizeof(Index) + counted.bytes() + start_scratch.bytes();
     for (const Worker& w : workers) sum += sizeof w + w.reached.capacity() * sizeof(ElementPair);
@@ -51,19 +51,29 @@ struct BoundaryFloodState final : StageState {
 BoundaryFloodState& own(StageState& state) { return static_cast<BoundaryFloodState&>(state); }
 const BoundaryFloodState& own(const StageState& state) { return static_cast<const BoundaryFloodState&>(state); }
 
+/// The share of elements for which the predicate is true; 1 if there are none.
+template <class Predicate>
+double share_of_elements(const Mesh& mesh, Predicate&& predicate) {
+  std::size_t count = 0;
+  for (Index o = 0; o < mesh.element_slots(); ++o) count += mesh.is_live(o) && predicate(o) ? 1 : 0;
+  return mesh.element_count() == 0 ? 1 : static_cast<double>(count) / static_cast<double>(mesh.element_count());
+}
+
 /// The share of elements that are shells or have a face without another element.
 double boundary_share(const Topology& topology) {
-  const Mesh& mesh = topology.mesh();
   const Features& features = topology.features();
-  std::size_t boundary = 0;
-  for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.is_live(o)) continue;
+  return share_of_elements(topology.mesh(), [&](Index o) {
     const std::span<const Index> triangles = features.element_triangles(o);
-    boundary += is_shell(mesh.type(o)) || std::any_of(triangles.begin(), triangles.end(), [&](Index f) {
-                  return features.triangle_elements(f).size() == 1;
-                });
-  }
-  return mesh.element_count() == 0 ? 1 : static_cast<double>(boundary) / static_cast<double>(mesh.element_count());
+    return is_shell(topology.mesh().type(o)) || std::any_of(triangles.begin(), triangles.end(), [&](Index f) {
+             return features.triangle_elements(f).size() == 1;
+           });
+  });
+}
+
+/// The share of elements that have to be divided into tetrahedra.
+double divided_share(const Mesh& mesh) {
+  return share_of_elements(
+      mesh, [&](Index o) { return !is_shell(mesh.type(o)) && mesh.type(o) != ElementType::tetrahedron; });
 }
 
 /// Selects what the broad phase pairs: boundary faces, and whole elements in D or at a vertex that the complex
@@ -127,6 +137,9 @@ const Options<BoundaryFlood::Config>& BoundaryFlood::options() {
       Options<Config>()
           .add("most_boundary", &Config::most_boundary, 0, 1,
                "share of elements on the boundary above which a step is left to the other stages")
+          .add("most_divided", &Config::most_divided, 0, 1,
+               "share of elements that have to be divided into tetrahedra above which a step is left to the other "
+               "stages")
           .add("most_suspect", &Config::most_suspect, 0, 1,
                "share of vertices whose stars may fold above which a step is left to the other stages")
           .add("most_pairs", &Config::most_pairs, 0, 1e9,
@@ -142,10 +155,12 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   state.phase = Phase::idle;
   state.counters = {};
   if (step.separation > 0) return;
-  if (state.counted.sync(step.topology) != TopologyDelta::Extent::none)
+  if (state.counted.sync(step.topology) != TopologyDelta::Extent::none) {
     state.boundary_share = boundary_share(step.topology);
+    state.divided_share = divided_share(step.mesh());
+  }
   state.counted.confirm();
-  if (state.boundary_share > config_.most_boundary) return;
+  if (state.boundary_share > config_.most_boundary || state.divided_share > config_.most_divided) return;
   state.complex.update(step.topology);
   const Topology& topology = state.complex.topology();
   // Object ids change along a chain of pairs only where objects share vertices. In that case only the tests are

@@ -13,8 +13,10 @@ namespace volccd {
 /// Accepts a step unless
 ///  - the share of elements that have a boundary face or are shells exceeds `most_boundary`: almost everything is
 ///    boundary;
+///  - the share of elements that have to be divided into tetrahedra exceeds `most_divided`: there are several simplices
+///    for each of them, and their topology has to be edited with the mesh;
 ///  - the share of vertices with suspect stars exceeds `most_suspect`, as in rubble: the flood would test more pairs
-///    than a broad phase over all elements (docs/boundary_flood.md has the measurements for both limits);
+///    than a broad phase over all elements (docs/performance.md has the measurements for these limits);
 ///  - the separation is greater than 0: the theorem's conditions on stars are about contact only;
 ///  - initial overlaps are requested and the mesh is not simplicial: the hulls of other elements may overlap where
 ///    their simplices do not.
@@ -28,6 +30,7 @@ class BoundaryFlood final : public Flood {
  public:
   struct Config {
     double most_boundary = 0.8;  ///< largest share of elements
+    double most_divided = 0.5;   ///< largest share of elements
     double most_suspect = 0.03;  ///< largest share of vertices
     double most_pairs = 4;       ///< largest number of proposed pairs per simplex
   };

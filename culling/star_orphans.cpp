@@ -28,8 +28,8 @@ struct StarOrphansState final : StageState {
   StarOrphans::Counters counters;
 
   std::size_t bytes() const override {
-    std::size_t sum = set.bytes() + stars.bytes() + counted.bytes() + pairs.capacity() * sizeof(ElementPair) +
-                      orphans.bytes();
+    std::size_t sum =
+        set.bytes() + stars.bytes() + counted.bytes() + pairs.capacity() * sizeof(ElementPair) + orphans.bytes();
     for (const OrphanWorker& w : workers) sum += sizeof w + w.found.capacity() * sizeof(ElementPair);
     return sum;
   }

@@ -35,15 +35,16 @@ void ElementStarTable::set_faces(const Topology& topology, Index o) {
   std::size_t next = 0;  // the triangles have the order of the faces, two for a quad
   visit_faces(mesh, o, [&](std::span<const Index> face, std::size_t number) {
     const std::span<const Index> elements = features.triangle_elements(triangles[next]);
-    const bool alone = elements.size() == 1 && features.triangle_elements(triangles[next + face.size() - 3]).size() == 1;
+    const bool alone =
+        elements.size() == 1 && features.triangle_elements(triangles[next + face.size() - 3]).size() == 1;
     const bool pair = elements.size() == 2 && has_reversed(mesh, elements[elements[0] == o ? 1 : 0], face);
     faces_[o][number] = alone ? Face::boundary : pair ? Face::inner : Face::irregular;
     next += face.size() - 2;
   });
 }
 
-/// Finds the sides of the boundary faces at v that do not contain v, with the orientation of the faces. Returns false if
-/// the star is irregular.
+/// Finds the sides of the boundary faces at v that do not contain v, with the orientation of the faces. Returns false
+/// if the star is irregular.
 bool ElementStarTable::find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const {
   const Mesh& mesh = topology.mesh();
   open.clear();

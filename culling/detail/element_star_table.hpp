@@ -28,8 +28,8 @@ class ElementStarTable {
   StarKind kind(Index v) const { return kinds_[v]; }
   /// For StarKind::ring: the vertices of the ring in cyclic order. Empty for other kinds.
   std::span<const Index> ring(const Topology& topology, Index v, StarTable::Ring& scratch) const;
-  /// The boundary faces that have a vertex with a ring. A quad becomes four triangles, so that each vertex is tested with
-  /// the two triangles of the mesh and with the two that have it in common.
+  /// The boundary faces that have a vertex with a ring. A quad becomes four triangles, so that each vertex is tested
+  /// with the two triangles of the mesh and with the two that have it in common.
   std::vector<RingFace> boundary_faces(const Topology& topology) const;
 
   std::size_t bytes() const;

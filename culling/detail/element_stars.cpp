@@ -155,8 +155,8 @@ void ElementStars::update(const Step& step, Executor& executor) {
 
 std::size_t ElementStars::bytes() const {
   std::size_t sum = table_.bytes() + (signs_.capacity() + gap_signs_.capacity()) * sizeof(ConeSigns) + rings_.bytes() +
-                    folds_.capacity() + all_positive_.capacity() + suspect_.capacity() + once_.capacity() + gap_.bytes() +
-                    suspects_.capacity() * sizeof(Index);
+                    folds_.capacity() + all_positive_.capacity() + suspect_.capacity() + once_.capacity() +
+                    gap_.bytes() + suspects_.capacity() * sizeof(Index);
   for (const StarTable::Ring& ring : scratch_) sum += ring.bytes();
   return sum;
 }

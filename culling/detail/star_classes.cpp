@@ -150,8 +150,7 @@ std::size_t StarClasses::bytes() const {
   for (const StarTable::Ring& ring : scratch_) scratch += ring.bytes();
   return scratch + signs_.capacity() + gap_signs_.capacity() + degenerate_.capacity() + regular_.capacity() +
          suspect_.capacity() + suspect_places_.capacity() + wound_.capacity() + embedded_.capacity() +
-         folds_.capacity() + rings_.bytes() + gap_.bytes() +
-         suspects_.capacity() * sizeof(Index);
+         folds_.capacity() + rings_.bytes() + gap_.bytes() + suspects_.capacity() * sizeof(Index);
 }
 
 }  // namespace volccd::detail

@@ -22,8 +22,8 @@ enum class StarKind : std::uint8_t {
   irregular  ///< anything else
 };
 
-/// Sorts directed sides into a sequence, the ring of their first vertices. Returns false if they are not one closed ring
-/// with consistent orientation. Pre: there is at least one side.
+/// Sorts directed sides into a sequence, the ring of their first vertices. Returns false if they are not one closed
+/// ring with consistent orientation. Pre: there is at least one side.
 bool order_ring(std::vector<std::array<Index, 2>>& sides, std::vector<Index>& ring);
 
 /// The table for the elements of a topology of tetrahedra and triangles. Not thread-safe; uses the

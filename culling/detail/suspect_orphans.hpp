@@ -51,7 +51,8 @@ class SuspectOrphans {
   std::vector<Index> elements_, places_;  ///< elements with partners, and by slot: the place in this list, or kNone
   std::vector<std::size_t> begins_;       ///< by place: where the element's partners begin in partners_
   std::vector<Partner> partners_;
-  std::vector<std::vector<Index>> partner_of_;  ///< by worker and element slot: the last element that it is a partner of
+  std::vector<std::vector<Index>>
+      partner_of_;  ///< by worker and element slot: the last element that it is a partner of
 };
 
 }  // namespace volccd::detail

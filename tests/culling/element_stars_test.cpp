@@ -80,8 +80,7 @@ std::vector<Vec3> deformed(const std::vector<Vec3>& from, Random& random, double
   for (int i = 0; i < 9; ++i) a(i / 3, i % 3) = (i % 4 == 0 ? 1 : 0) + amount * random.uniform(-1, 1);
   const double bend = amount * random.uniform(-2, 2);
   std::vector<Vec3> to;
-  for (const Vec3& p : from)
-    to.push_back(a * Vec3(p[0], p[1] + bend * p[0] * p[0], p[2] + bend * p[0] * p[1]));
+  for (const Vec3& p : from) to.push_back(a * Vec3(p[0], p[1] + bend * p[0] * p[0], p[2] + bend * p[0] * p[1]));
   return noise > 0 ? jittered(to, noise, random.next()) : to;
 }
 
@@ -103,7 +102,8 @@ void expect_clear_stars_do_not_touch(ElementType type, std::uint64_t seed, bool 
   for (int step = 0; step < 3; ++step) {
     if (random.uniform() < 0.3) topology.apply({some_elements(topology.mesh(), random, 0.1), {}, {}});
     if (random.uniform() < 0.3) at = deformed(shape.positions, random, 0.8, 0.2);  // a jump
-    const std::vector<Vec3> to = deformed(at, random, 0.3, random.uniform() * 0.4), middle = deformed(at, random, 0.2, 0);
+    const std::vector<Vec3> to = deformed(at, random, 0.3, random.uniform() * 0.4),
+                            middle = deformed(at, random, 0.2, 0);
     const Motion motion = quadratic ? Motion::quadratic(at, middle, to) : Motion::linear(at, to);
     stars.update({topology, motion, kEveryObject}, serial);
     for (Index v = 0; v < motion.vertex_count(); ++v)
@@ -147,15 +147,16 @@ TEST(ElementStars, AllOfASoundBodyAreClear) {
   }
 }
 
-/// Wedges around an axis, each `angle` wide. `closed`: the last one has a face in common with the first. Vertices 0 and 1
-/// are the ends of the axis.
+/// Wedges around an axis, each `angle` wide. `closed`: the last one has a face in common with the first. Vertices 0 and
+/// 1 are the ends of the axis.
 Shape fan(Index wedges, double angle, bool closed) {
   Shape shape;
   shape.positions = {Vec3(0, 0, 0), Vec3(0, 0, 1)};
   const Index sides = closed ? wedges : wedges + 1;
   for (Index i = 0; i < sides; ++i)
     for (const double z : {0.0, 1.0})
-      shape.positions.emplace_back(std::cos(angle * static_cast<double>(i)), std::sin(angle * static_cast<double>(i)), z);
+      shape.positions.emplace_back(std::cos(angle * static_cast<double>(i)), std::sin(angle * static_cast<double>(i)),
+                                   z);
   for (Index i = 0; i < wedges; ++i) {
     const Index a = 2 + 2 * i, b = 2 + 2 * ((i + 1) % sides);
     shape.elements.push_back({ElementType::wedge, {0, b, a, 1, b + 1, a + 1}, {}, 0, static_cast<std::int64_t>(i)});

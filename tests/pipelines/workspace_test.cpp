@@ -221,7 +221,9 @@ TEST(Workspace, ASteadyStepAllocatesNothingButItsResult) {
     for (const char* name : {"NavCCD", "HashCCD", "VolCCD", "VolCCD+", "flood"}) {
       const bool flood = std::string(name) == "flood";
       PipelineSpec spec = registry().pipeline(flood ? "VolCCD+" : name);
-      if (flood) spec.flood->options = {{"most_boundary", "1"}, {"most_suspect", "1"}, {"most_pairs", "1e9"}};
+      if (flood)
+        spec.flood->options = {
+            {"most_boundary", "1"}, {"most_divided", "1"}, {"most_suspect", "1"}, {"most_pairs", "1e9"}};
       const Pipeline pipeline(registry(), spec);
       EXPECT_EQ(steady_allocations(pipeline, block(type, 5, 5, 4), serial), steady_allocations(pipeline, tiny, serial))
           << name << ", " << to_string(type);
