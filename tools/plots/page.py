@@ -107,7 +107,7 @@ class Page:
         self.figure.draw_without_rendering()
         self.figure.set_layout_engine("none")
         self.figure.savefig(f"{path}.svg", metadata={"Date": None, "Creator": None})
-        self.figure.savefig(f"{path}.png", dpi=300, metadata={"Software": None})
+        self.figure.savefig(f"{path}.png", dpi=130, metadata={"Software": None})
 
 
 def number(value, digits=3):
