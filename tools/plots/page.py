@@ -3,6 +3,7 @@
 import math
 import textwrap
 
+from PIL import Image
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
@@ -108,6 +109,8 @@ class Page:
         self.figure.set_layout_engine("none")
         self.figure.savefig(f"{path}.svg", metadata={"Date": None, "Creator": None})
         self.figure.savefig(f"{path}.png", dpi=130, metadata={"Software": None})
+        with Image.open(f"{path}.png") as image:  # 64 colours are enough for a figure, and take half of the room
+            image.convert("RGB").quantize(64).save(f"{path}.png", optimize=True)
 
 
 def number(value, digits=3):
