@@ -72,6 +72,9 @@ const Options<KdopBvh::Config>& KdopBvh::options() {
       Options<Config>()
           .add("k", &Config::k, detail::k_choices(), "directions of the k-DOPs, 6 being boxes")
           .add("leaf_size", &Config::leaf_size, 1, detail::KdopTree::kMostLeafSize, "elements a leaf")
+          .add("adjacent_pairs", &Config::adjacent_pairs,
+               {{"table", AdjacentPairs::table}, {"vertices", AdjacentPairs::vertices}},
+               "found in a table that is kept from step to step, or by their vertices")
           .add("restructure", &Config::restructure,
                {{"none", Restructure::none}, {"subtrees", Restructure::subtrees}, {"always", Restructure::always}},
                "rebuild nothing, the subtrees that degraded, or all at every step")
@@ -108,6 +111,8 @@ void KdopBvh::prepare(const Step& step, StageState& stage_state, Executor& execu
 void KdopBvh::run(const Step& step, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
   KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
   const detail::PairRules rules(range, step.topology, state.keys);
+  if (rules.adjacency && config_.adjacent_pairs == AdjacentPairs::table && config_.restructure != Restructure::always)
+    state.tree.find_adjacent_leaves(step.topology, executor);
   state.counters.node_tests += make_tasks(state, rules);
   state.workers.resize(executor.workers());
   for (Worker& worker : state.workers) {

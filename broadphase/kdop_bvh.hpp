@@ -18,7 +18,10 @@ namespace volccd {
 /// times its cost after its last build, so that only degraded parts are rebuilt.
 ///
 /// run(): tests the tree against itself, starting from a list of node pairs that does not depend on the number of
-/// workers. Memory: about 270 bytes per element for k = 16 and tetrahedra. Bounds cover [0, 1] for every t_max.
+/// workers. The first query without adjacent pairs after a build makes a table of them, which stays valid for elements
+/// that are neither added nor in rebuilt subtrees; the vertices of other elements are compared pair by pair. Memory:
+/// about 270 bytes per element for k = 16 and tetrahedra, and 55 to 70 for the table. Bounds cover [0, 1] for every
+/// t_max.
 class KdopBvh final : public BroadPhase {
  public:
   enum class Restructure {
@@ -27,9 +30,16 @@ class KdopBvh final : public BroadPhase {
     always     ///< rebuild the whole tree at every step
   };
 
+  /// How a query that leaves out adjacent pairs finds them.
+  enum class AdjacentPairs {
+    table,    ///< in a table of the adjacent pairs of leaves, made after a build of the whole tree
+    vertices  ///< by comparison of the vertices of each pair
+  };
+
   struct Config {
-    int k = 16;           ///< 6, 14, 16, 18, 24 or 26; the constructor throws ConfigError for others
-    int leaf_size = 4;    ///< maximum number of elements per leaf, 1 .. 8
+    int k = 16;         ///< 6, 14, 16, 18, 24 or 26; the constructor throws ConfigError for others
+    int leaf_size = 4;  ///< maximum number of elements per leaf, 1 .. 8
+    AdjacentPairs adjacent_pairs = AdjacentPairs::table;  ///< `vertices` if the tree is built at every step
     Restructure restructure = Restructure::subtrees;
     double degradation = 1.3;  ///< a subtree is rebuilt when its cost has grown by more than this factor
   };

@@ -24,8 +24,28 @@ endfunction()
 # out. UNOPTIMISED: for code that the address sanitizer's tests run little of, half the time to compile it there.
 function(volccd_not_fuzzed target)
   cmake_parse_arguments(ARG "UNOPTIMISED" "" "" ${ARGN})
-  target_compile_options(${target} PRIVATE
-    $<$<AND:$<CONFIG:None>,$<CXX_COMPILER_ID:Clang>>:-fno-sanitize=fuzzer-no-link;$<$<BOOL:${ARG_UNOPTIMISED}>:-O0>>)
+  if(CMAKE_BUILD_TYPE STREQUAL "None" AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
+    set(kind not_fuzzed)
+    set(options -fno-sanitize=fuzzer-no-link)
+    if(ARG_UNOPTIMISED)
+      set(kind not_fuzzed_unoptimised)
+      list(APPEND options -O0)
+    endif()
+    target_compile_options(${target} PRIVATE ${options})
+    set_target_properties(${target} PROPERTIES VOLCCD_KIND ${kind} VOLCCD_KIND_OPTIONS "${options}")
+  endif()
+endfunction()
+
+# volccd_precompile_module(target): called when the other functions have set the options of the module.
+function(volccd_precompile_module target)
+  set(kind modules)
+  set(options)
+  get_target_property(set_kind ${target} VOLCCD_KIND)
+  if(set_kind)
+    set(kind ${set_kind})
+    get_target_property(options ${target} VOLCCD_KIND_OPTIONS)
+  endif()
+  volccd_precompile(${target} ${kind} OPTIONS ${options})
 endfunction()
 
 # volccd_module(mesh [PUBLIC lib...] [PRIVATE lib...] [SOURCES file...]): library volccd_mesh of all sources in this folder,
@@ -68,6 +88,7 @@ function(volccd_module name)
     $<BUILD_INTERFACE:${VOLCCD_INCLUDE_DIR}>
     $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
   target_link_libraries(${target} PUBLIC ${ARG_PUBLIC} PRIVATE ${ARG_PRIVATE} $<BUILD_INTERFACE:volccd_flags>)
+  cmake_language(EVAL CODE "cmake_language(DEFER CALL volccd_precompile_module ${target})")
   if(ARG_INTERNAL)
     return()
   endif()

@@ -1,8 +1,8 @@
 #include <volccd/culling/o_set.hpp>
 
-#include <algorithm>
 #include <vector>
 
+#include <volccd/core/sort_unique.hpp>
 #include <volccd/culling/detail/o_set_blocks.hpp>
 #include <volccd/culling/detail/o_set_partners.hpp>
 #include <volccd/mesh/topology_delta.hpp>
@@ -41,11 +41,6 @@ void for_each_near(const Mesh& mesh, const Features& features, VisitVertex&& vis
       }
     }
   }
-}
-
-void sort_unique(std::vector<Index>& values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Element types and their faces. The node order is that of VTK.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <string_view>
@@ -35,5 +36,13 @@ bool is_shell(ElementType type);
 /// Faces of a type with a fixed number of vertices, as a stream {n, i0 .. i(n-1), n, ...} of local vertex numbers, each
 /// face in cyclic order. The face stream of a polytope is stored in the mesh.
 std::span<const std::uint8_t> face_stream(ElementType type);
+
+/// Calls visit(face) for each face of a face stream, of local vertex numbers or of vertex slots. `face` is the span of
+/// its vertices.
+template <class T, class Visit>
+void visit_faces(std::span<T> stream, Visit&& visit) {
+  for (std::size_t at = 0; at < stream.size(); at += 1 + std::size_t{stream[at]})
+    visit(stream.subspan(at + 1, stream[at]));
+}
 
 }  // namespace volccd

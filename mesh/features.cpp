@@ -2,27 +2,17 @@
 
 #include <algorithm>
 
+#include <volccd/core/sort_unique.hpp>
 #include <volccd/mesh/detail/number_tuples.hpp>
 
 namespace volccd {
 
 namespace detail {
 
-namespace {
-
-template <class T>
-void sort_unique(std::vector<T>& values) {
-  std::sort(values.begin(), values.end());
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-}
-
-}  // namespace
-
 PolytopeBoundary::PolytopeBoundary(std::span<const Index> faces, EdgeSet edge_set) {
   std::vector<Index> face;
-  for (std::size_t at = 0; at < faces.size(); at += faces[at] + 1u) {
-    face.assign(faces.begin() + static_cast<std::ptrdiff_t>(at + 1),
-                faces.begin() + static_cast<std::ptrdiff_t>(at + 1 + faces[at]));
+  visit_faces(faces, [&](std::span<const Index> stored) {
+    face.assign(stored.begin(), stored.end());
     std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
     const std::size_t n = face.size();
     for (std::size_t i = 0; i < n; ++i) {
@@ -34,7 +24,7 @@ PolytopeBoundary::PolytopeBoundary(std::span<const Index> faces, EdgeSet edge_se
       triangles.push_back({face[0], low, high});
       if (edge_set == EdgeSet::triangulated && i != 1) edges.push_back({face[0], face[i]});
     }
-  }
+  });
   sort_unique(edges);
   sort_unique(triangles);
 }

@@ -20,6 +20,15 @@ struct ElementSpec {
   std::vector<Index> faces;
   std::int32_t object = 0;
   std::int64_t id = 0;
+
+  /// Replaces each vertex v by slot_of(v), in the faces as well.
+  template <class SlotOf>
+  void renumber(SlotOf&& slot_of) {
+    for (Index& v : vertices) v = slot_of(v);
+    visit_faces(std::span(faces), [&](std::span<Index> face) {
+      for (Index& v : face) v = slot_of(v);
+    });
+  }
 };
 
 /// Invariants of all members: vertex ids are strictly ascending in the slot (the vertex of smallest id has the smallest

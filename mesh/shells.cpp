@@ -64,12 +64,6 @@ Vec3 area_vector(std::span<const Vec3> x, const std::array<Index, 4>& v) {
   return (x[v[2]] - x[v[0]]).cross(x[v[3]] - x[v[1]]) / 2;
 }
 
-std::vector<Index> middles(std::span<const Index> vertices) {
-  std::vector<Index> result;
-  for (Index v : vertices) result.push_back(solid_middle(v));
-  return result;
-}
-
 }  // namespace
 
 std::vector<std::int64_t> solid_vertex_ids(std::span<const std::int64_t> ids) {
@@ -145,11 +139,10 @@ ElementSpec ShellThickener::solid_element(const Mesh& mesh, Index o) const {
   solid.object = mesh.object(o);
   solid.id = mesh.element_id(o);
   if (!is_shell(solid.type)) {
-    solid.vertices = middles(vertices);
+    solid.vertices.assign(vertices.begin(), vertices.end());
     const std::span<const Index> faces = mesh.polytope_faces(o);
     solid.faces.assign(faces.begin(), faces.end());
-    for (std::size_t i = 0; i < faces.size(); i += faces[i] + 1u)
-      for (std::size_t j = i + 1; j <= i + faces[i]; ++j) solid.faces[j] = solid_middle(faces[j]);
+    solid.renumber(solid_middle);
     return solid;
   }
   // In VTK's node order, a wedge begins with the triangle whose normal points outward, a hexahedron with the quad whose

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
+#include <volccd/core/sort_unique.hpp>
 #include <volccd/mesh/detail/check_element.hpp>
 #include <volccd/mesh/detail/feature_edit.hpp>
 
@@ -39,8 +40,7 @@ std::vector<Index> vertices_of(const Mesh& mesh, const TopologyEdit& edit) {
   for (Index o : edit.removed) vertices.insert(vertices.end(), mesh.vertices(o).begin(), mesh.vertices(o).end());
   for (const ElementSpec& spec : edit.added)
     vertices.insert(vertices.end(), spec.vertices.begin(), spec.vertices.end());
-  std::sort(vertices.begin(), vertices.end());
-  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  sort_unique(vertices);
   return vertices;
 }
 

@@ -55,7 +55,8 @@ class Topology {
 
   static constexpr std::size_t kHistory = 8;
 
-  /// True if some vertex belongs to elements of different objects.
+  /// True if the vertex belongs to elements of different objects, and if some vertex does.
+  bool is_shared(Index vertex) const;
   bool objects_share_vertices() const { return shared_vertices_ != 0; }
 
   std::size_t bytes() const;
@@ -67,7 +68,6 @@ class Topology {
   void check_added(const TopologyEdit& edit) const;
   void note_object(std::int32_t object);
   bool makes_several(std::span<const ElementSpec> added) const;
-  bool is_shared(Index vertex) const;
   Index count_shared(std::span<const Index> vertices) const;
 
   Mesh mesh_;

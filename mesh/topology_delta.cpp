@@ -1,7 +1,8 @@
 #include <volccd/mesh/topology_delta.hpp>
 
-#include <algorithm>
 #include <utility>
+
+#include <volccd/core/sort_unique.hpp>
 
 namespace volccd {
 
@@ -14,8 +15,7 @@ TopologyDelta::Extent TopologyDelta::sync(const Topology& topology) {
   for (const TopologyChange* change : changes_)
     for (const auto* slots : {&change->removed_elements, &change->added_elements})
       changed_slots_.insert(changed_slots_.end(), slots->begin(), slots->end());
-  std::sort(changed_slots_.begin(), changed_slots_.end());
-  changed_slots_.erase(std::unique(changed_slots_.begin(), changed_slots_.end()), changed_slots_.end());
+  sort_unique(changed_slots_);
   return Extent::edits;
 }
 

@@ -4,6 +4,7 @@
 #include <iterator>
 
 #include <volccd/core/error.hpp>
+#include <volccd/core/sort_unique.hpp>
 #include <volccd/experiments/records/contacts_csv.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
@@ -54,8 +55,7 @@ void classify(std::vector<PictureContact>& contacts, const SequenceCells& cells,
   for (std::size_t cell = 0; cell < cells.size(); ++cell)
     for (const Index v : cells.vertices(cell))
       if (wanted[v]) parts.emplace_back(v, cells.parts[cell]);
-  std::sort(parts.begin(), parts.end());
-  parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
+  sort_unique(parts);
 
   std::vector<std::int32_t> first, second, scratch, both;
   const auto parts_of = [&](Index v, std::vector<std::int32_t>& out) {

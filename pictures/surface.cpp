@@ -8,6 +8,8 @@
 
 #include <Eigen/Geometry>
 
+#include <volccd/core/sort_unique.hpp>
+
 namespace volccd {
 
 namespace {
@@ -17,12 +19,10 @@ template <class F>
 void for_each_face(const SequenceCells& cells, std::size_t cell, std::vector<Index>& face, F&& f) {
   const std::span<const Index> vertices = cells.vertices(cell);
   if (cells.types[cell] == ElementType::polytope) {
-    const std::span<const Index> stream = cells.face_stream(cell);
-    for (std::size_t at = 0; at < stream.size(); at += stream[at] + 1) {
-      face.assign(stream.begin() + static_cast<std::ptrdiff_t>(at + 1),
-                  stream.begin() + static_cast<std::ptrdiff_t>(at + 1 + stream[at]));
+    visit_faces(cells.face_stream(cell), [&](std::span<const Index> stored) {
+      face.assign(stored.begin(), stored.end());
       f(face);
-    }
+    });
     return;
   }
   if (is_shell(cells.types[cell])) {
@@ -30,12 +30,11 @@ void for_each_face(const SequenceCells& cells, std::size_t cell, std::vector<Ind
     f(face);
     return;
   }
-  const std::span<const std::uint8_t> stream = face_stream(cells.types[cell]);
-  for (std::size_t at = 0; at < stream.size(); at += stream[at] + 1u) {
+  visit_faces(face_stream(cells.types[cell]), [&](std::span<const std::uint8_t> numbers) {
     face.clear();
-    for (std::size_t i = 1; i <= stream[at]; ++i) face.push_back(vertices[stream[at + i]]);
+    for (const std::uint8_t i : numbers) face.push_back(vertices[i]);
     f(face);
-  }
+  });
 }
 
 /// The fan from the face's smallest vertex, as in Features, so that the triangles of neighbours agree.
@@ -232,8 +231,7 @@ class Section {
     for_each_face(cells, cell, face_, [&](std::vector<Index>& face) {
       for (std::size_t i = 0; i < face.size(); ++i) edges_.push_back(std::minmax(face[i], face[(i + 1) % face.size()]));
     });
-    std::sort(edges_.begin(), edges_.end());
-    edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
+    sort_unique(edges_);
     Vec3 centre = Vec3::Zero();
     for (const auto& [a, b] : edges_) {
       const double da = distance(a), db = distance(b);

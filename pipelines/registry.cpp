@@ -16,6 +16,7 @@
 #include <volccd/culling/csat_2011.hpp>
 #include <volccd/culling/csat_filter.hpp>
 #include <volccd/culling/dynamic_assignment.hpp>
+#include <volccd/culling/element_kdop.hpp>
 #include <volccd/culling/feature_kdop_filter.hpp>
 #include <volccd/culling/o_set_source.hpp>
 #include <volccd/culling/star_orphans.hpp>
@@ -48,7 +49,7 @@ void add_presets(Registry& registry) {
   registry.add_pipeline({"VolCCD+",
                          "the best that this project knows",
                          bvh,
-                         {{"csat", {{"axis", "optimal"}, {"mode", "pair"}}}},
+                         {{"element-kdop", {}}, {"csat", {{"axis", "optimal"}, {"mode", "pair"}}}},
                          dynamic,
                          StageChoice{"star-orphans", {}},
                          {{"feature-kdop", {}}, {"coplanarity", {}}, csat_filter},
@@ -67,7 +68,8 @@ void add_presets(Registry& registry) {
 /// The pipelines of the paper's Table I as measured in 2011, without later improvements. HashCCD uses boxes, as
 /// Teschner et al. 2003 do.
 void add_presets_of_2011(Registry& registry) {
-  const StageChoice bvh{"kdop-bvh", {{"k", "16"}, {"leaf_size", "1"}}}, boxes{"spatial-hash", {{"k", "6"}}};
+  const StageChoice bvh{"kdop-bvh", {{"k", "16"}, {"leaf_size", "1"}, {"adjacent_pairs", "vertices"}}};
+  const StageChoice boxes{"spatial-hash", {{"k", "6"}}};
   const StageChoice all_pairs{"all-pairs", {}}, provot{"provot", {}};
   registry.add_pipeline({"NavCCD-2011", "NavCCD as in 2011: elements as leaves, scalar elementary test",
                          bvh, {}, all_pairs, {}, {}, provot});
@@ -161,6 +163,7 @@ Registry Registry::standard() {
   registry.add(describe_kdop_bvh());
   registry.add(describe_spatial_hash());
   registry.add(describe_brute_force());
+  registry.add(describe_element_kdop());
   registry.add(describe_csat());
   registry.add(describe_csat_2011());
   registry.add(describe_all_pairs());

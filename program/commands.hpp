@@ -25,6 +25,7 @@ void add_export_command(CLI::App& scene, Action& action);  ///< below `volccd sc
 void add_report_command(CLI::App& app, const Registry& registry, Action& action);
 void add_view_command(CLI::App& app, const Registry& registry, Action& action);
 void add_experiment_command(CLI::App& app, const Registry& registry, Action& action);
+void add_experiment_run_command(CLI::App& experiment, const Registry& registry, Action& action);  ///< below it
 
 inline constexpr int kDone = 0, kDifferent = 1, kBadInput = 2, kInterrupted = 130;
 

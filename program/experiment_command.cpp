@@ -1,337 +1,23 @@
-#include <algorithm>
-#include <cstdio>
 #include <filesystem>
 #include <map>
-#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include <volccd/core/output_file.hpp>
-#include <volccd/core/suggest.hpp>
-#include <volccd/experiments/harness/run.hpp>
 #include <volccd/experiments/records/record_file.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
-#include <volccd/experiments/scenes/scene.hpp>
-#include <volccd/experiments/scenes/sequences.hpp>
-#include <volccd/experiments/scenes/shared_data.hpp>
-#include <volccd/experiments/scenes/simulated/bake.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/compare_records.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
 #include <volccd/program/command_line.hpp>
 #include <volccd/program/commands.hpp>
-#include <volccd/program/output_plan.hpp>
-#include <volccd/program/progress.hpp>
-#include <volccd/program/query_options.hpp>
+#include <volccd/program/experiment_names.hpp>
 #include <volccd/program/report.hpp>
-#include <volccd/program/scene_files.hpp>
-#include <volccd/program/step_loop.hpp>
 
 namespace volccd {
 
 namespace {
-
-struct ExperimentOptions {
-  std::vector<std::string> names, pipelines, settings;
-  std::string output = "results";
-  bool quick = false, full = false, skip_complete = false;
-  std::optional<unsigned> threads;
-  ReportOptions report;
-
-  /// Default: one thread for timed experiments, as in the paper; all threads for simulations.
-  unsigned timed_threads() const { return threads.value_or(1); }
-  unsigned simulation_threads() const { return threads.value_or(0); }
-};
-
-/// The results of one experiment, for --json.
-using Finished = std::vector<nlohmann::json>;
-
-void add_finished(const std::string& name, const std::string& record, bool complete, const std::string& text,
-                  Finished& finished) {
-  finished.push_back({{"experiment", name}, {"record", record}, {"complete", complete}, {"text", text}});
-}
-
-void make_folder(const std::string& folder) {
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) throw InputError(folder, "", "cannot be created as the folder for records: " + error.message());
-}
-
-std::string record_file(const ExperimentOptions& options, const std::string& name, const char* suffix) {
-  return (std::filesystem::path(options.output) / (name + suffix)).string();
-}
-
-/// Called before anything is measured.
-void check_outputs(const ExperimentOptions& options, const std::string& name, const ExperimentPlan& experiment = {}) {
-  OutputPlan plan;
-  for (const SceneRun& run : experiment.runs) plan.input("the sequence", run.file);
-  for (const char* suffix :
-       {".json", ".txt", ".incomplete.json", ".incomplete.txt", ".incomplete.jsonl", ".incomplete.old.jsonl"})
-    plan.output("-o", record_file(options, name, suffix));
-  plan.check();
-}
-
-/// Prints the tables, and writes them and the record. An incomplete record never replaces a complete one of another
-/// run.
-void keep(const ExperimentOptions& options, const std::string& name, const nlohmann::json& record,
-          const std::string& tables, bool complete, Finished& finished) {
-  const Report report(options.report);
-  const std::string file = record_file(options, name, complete ? ".json" : ".incomplete.json");
-  report.print("{}\n", tables);  // first, so that they are seen even if the disk is full
-  write_text_file(file, record.dump(complete && record.is_array() ? 1 : 2) + "\n");
-  write_text_file(record_file(options, name, complete ? ".txt" : ".incomplete.txt"), tables);
-  report.print("record: {}\n", file);
-  add_finished(name, file, complete, tables, finished);
-}
-
-/// The sequence of a scene for a table: a sequence of another program, or a generated motion of a mesh, if the file is
-/// present; or a simulated or built-in scene from the cache, which is generated first if it is missing.
-std::optional<std::string> scene_file(const ExperimentOptions& options, const std::string& name) {
-  const Report report(options.report);
-  if (is_deformed_scene(name)) {
-    const std::optional<std::string> file = deformed_scene_file(name);
-    if (!file)
-      report.print("the mesh of {} is not there: it is left out of the tables\n(VOLCCD_DATA names its folder)\n", name);
-    return file;
-  }
-  constexpr const char* kShared[] = {"ls-dyna-projectile", "octopus2-105k", "cloth-ball", "rod-twist"};
-  const bool external = name.starts_with("openradioss-") ||
-                        std::any_of(std::begin(kShared), std::end(kShared), [&](const char* o) { return name == o; });
-  const std::string file = external ? shared_data_path(name + ".vtkhdf") : "";
-  if (external && !std::filesystem::exists(file)) {
-    report.print("{} is not there: it is left out of the tables\n(VOLCCD_DATA names another folder)\n", file);
-    return std::nullopt;
-  }
-  if (name == "builtin") report.print("taking the built-in sequence\n");
-  return external ? file : sequence_file(name, options.simulation_threads());
-}
-
-/// Options that the experiment would ignore are refused.
-void check_options(const ExperimentKind* kind, const std::string& name, const ExperimentOptions& options) {
-  if (!options.pipelines.empty() && !(kind && kind->takes_pipelines))
-    throw ConfigError(fmt::format("{} takes no --pipelines: its pipelines are fixed", name));
-  if (!options.settings.empty() && !(kind && kind->takes_settings))
-    throw ConfigError(fmt::format("{} takes no --set; `volccd experiment run ablation --set ...` does", name));
-}
-
-/// Returns exit code 1, with a message on stderr, if pipelines that must find the same contacts found different ones.
-int same_contacts(const ExperimentKind& kind, const Registry& registry, const ExperimentPlan& plan,
-                  const std::vector<nlohmann::json>& rows) {
-  if (kind.rows) return kDone;
-  const std::vector<std::string> lines = contact_differences(registry, plan, rows);
-  for (const std::string& line : lines) fmt::print(stderr, "volccd: {}: other contacts: {}\n", kind.name, line);
-  return lines.empty() ? kDone : kDifferent;
-}
-
-/// Opens the record, and says what an earlier, interrupted run left in it.
-RecordFile open_record(const ExperimentOptions& options, const std::string& name, const nlohmann::json& identity) {
-  const Report report(options.report);
-  RecordFile record(options.output, name, identity);
-  if (record.set_aside())
-    report.print("{}: rows of another build or plan, kept as {}\n", record.incomplete_file(), record.old_file());
-  if (record.resumed() > 0)
-    report.print("{}: continued; {} window(s) are complete\n", record.incomplete_file(), record.resumed());
-  return record;
-}
-
-/// Runs the measurements that are missing in the record, with a line of progress.
-void measure(const ExperimentKind& kind, const PlanContext& context, const ExperimentPlan& plan, RecordFile& record) {
-  try {
-    if (kind.rows && !record.has("rows")) {
-      PlanContext of_rows = context;
-      std::unique_ptr<Progress> progress;
-      of_rows.progress = [&](std::size_t done, std::size_t total) {
-        if (!progress) progress = std::make_unique<Progress>(kind.name, total, "scenes");
-        progress->advance(done);
-        InterruptGuard::check();
-      };
-      record.add("rows", kind.rows(of_rows));
-    }
-    Progress progress(kind.name, measured_runs(plan), "runs");
-    run_experiment(context.registry, plan, *context.executor, record, [&](std::size_t done, std::size_t) {
-      progress.advance(done);
-      InterruptGuard::check();
-    });
-  } catch (const Interrupted&) {
-    throw Interrupted(
-        fmt::format("{}: stopped; the same command continues the run from {}", kind.name, record.incomplete_file()));
-  }
-}
-
-/// Writes the record and its tables, and prints the tables.
-void write_results(const ExperimentKind& kind, const ExperimentOptions& options, const nlohmann::json& facts,
-                   RecordFile& record, Finished& finished) {
-  const Report report(options.report);
-  const nlohmann::json whole = {{"rows", record.rows()}, {"provenance", facts}};
-  record.finish(facts, kind.summary ? kind.summary(whole) : nlohmann::json::array());
-  const std::string tables = render(kind.tables(whole), TableFormat::text);
-  report.print("{}\n", tables);
-  write_text_file(record_file(options, kind.name, ".txt"), tables);
-  report.print("record: {}\n", record.file());
-  add_finished(kind.name, record.file(), true, tables, finished);
-}
-
-/// Runs the measurements that are missing in the record of an earlier, interrupted run, and writes record and tables.
-int run_kind(const ExperimentKind& kind, const ExperimentOptions& options, const Registry& registry,
-             Finished& finished) {
-  const InterruptGuard guard;
-  make_folder(options.output);
-  const auto executor = make_interruptible_executor(options.timed_threads());
-  std::map<std::string, std::optional<std::string>> files;  // asked for by the plan, and again by what makes the rows
-  const auto file_of = [&](const std::string& name) {
-    if (!files.contains(name)) files[name] = scene_file(options, name);
-    return files.at(name);
-  };
-  const PlanContext context{registry, options.full, options.pipelines, options.settings, file_of, executor.get()};
-  const ExperimentPlan plan = kind.plan(context);
-  if (plan.runs.empty()) throw ConfigError(fmt::format("{}: none of its scenes is there", kind.name));
-  check_outputs(options, kind.name, plan);
-  const nlohmann::json facts = provenance(plan, *executor), identity = identity_of(facts);
-  const std::string file = record_file(options, kind.name, ".json");
-  if (const auto whole = options.skip_complete ? complete_record(file, identity) : std::nullopt) {
-    Report(options.report).print("{}: is complete, of the same program, plan and inputs; it is kept\n", file);
-    add_finished(kind.name, file, true, render(kind.tables(*whole), TableFormat::text), finished);
-    return same_contacts(kind, registry, plan, whole->at("rows"));
-  }
-  RecordFile record = open_record(options, kind.name, identity);
-  measure(kind, context, plan, record);
-  write_results(kind, options, facts, record, finished);
-  return same_contacts(kind, registry, plan, record.rows());
-}
-
-struct Baked {
-  std::string file, record;
-};
-
-/// Bakes the scene unless it is in the cache.
-Baked bake_for(const ExperimentOptions& options, const SimulatedScene& scene, Executor& executor) {
-  BakeSettings settings;
-  settings.elements = options.quick ? scene.quick_elements : 0;
-  BakeProgress progress(scene.name);
-  const std::optional<std::string> file = bake(scene, settings, executor, progress.hooks());
-  if (!file) throw Interrupted(scene.name + ": stopped; the same command goes on from the last whole frame");
-  return {*file, bake_record_file(scene, settings)};
-}
-
-/// Makes a record for each simulated scene that is no variant of another. Complete records are kept if a scene fails or
-/// is interrupted.
-int run_scenes(const ExperimentOptions& options, Finished& finished) {
-  const std::string name = "scenes";
-  const InterruptGuard guard;
-  make_folder(options.output);
-  check_outputs(options, name);
-  const auto executor = make_executor(options.simulation_threads());
-  std::vector<nlohmann::json> records;
-  std::string stopped_by;
-  int code = kDone;
-  const auto stop = [&](const Error& error, int exit) {
-    if (records.empty()) throw;
-    stopped_by = error.what();
-    code = exit;
-  };
-  try {
-    for (const SimulatedScene& scene : simulated_scenes()) {
-      if (!scene.variant_of.empty()) continue;
-      const Baked baked = bake_for(options, scene, *executor);
-      records.push_back(
-          record_with_progress(scene.name, baked.file, baked.record, options.simulation_threads(), scene_record));
-    }
-  } catch (const Interrupted& error) {
-    stop(error, kInterrupted);
-  } catch (const Error& error) {
-    stop(error, kBadInput);
-  }
-  if (code == kDone) {
-    keep(options, name, records, untitled_text(scene_table(records)), true, finished);
-    return kDone;
-  }
-  const std::string text = fmt::format("{} scene(s) are complete; {}", records.size(), stopped_by);
-  keep(options, name, {{"complete", false}, {"stopped_by", stopped_by}, {"records", records}},
-       fmt::format("incomplete: {}\n\n{}", text, untitled_text(scene_table(records))), false, finished);
-  fmt::print(stderr, "volccd: incomplete: {}\n", text);
-  return code;
-}
-
-/// Experiments whose records have a different form.
-struct OtherExperiment {
-  const char *name, *description;
-  int (*run)(const ExperimentOptions& options, Finished& finished);
-  const char* record;  ///< its file, without ".json"
-  TitledTable (*table)(const std::vector<nlohmann::json>& records);
-};
-
-constexpr OtherExperiment kOthers[] = {
-    {"scenes", "the simulated scenes: sizes, motion, contacts, edits, energy (--quick: the small sizes)", run_scenes,
-     "scenes", scene_table}};
-
-std::vector<std::string> known_experiments() {
-  std::vector<std::string> known;
-  for (const ExperimentKind& kind : experiment_kinds()) known.emplace_back(kind.name);
-  for (const OtherExperiment& other : kOthers) known.emplace_back(other.name);
-  known.emplace_back("all");
-  return known;
-}
-
-[[noreturn]] void unknown_experiment(const char* what, const std::string& name) {
-  const std::vector<std::string> known = known_experiments();
-  throw ConfigError(
-      fmt::format("no {} '{}'; there are {}{}", what, name, fmt::join(known, ", "), did_you_mean(name, known)));
-}
-
-const ExperimentKind* find_kind(const std::string& name) {
-  for (const ExperimentKind& kind : experiment_kinds())
-    if (name == kind.name) return &kind;
-  return nullptr;
-}
-
-const OtherExperiment* find_other(const std::string& name) {
-  for (const OtherExperiment& other : kOthers)
-    if (name == other.name) return &other;
-  return nullptr;
-}
-
-int run_one(const std::string& name, const ExperimentOptions& options, const Registry& registry, Finished& finished) {
-  if (const ExperimentKind* kind = find_kind(name)) return run_kind(*kind, options, registry, finished);
-  return find_other(name)->run(options, finished);
-}
-
-/// Runs all experiments. Additional pipelines and settings are given to the experiments that support them. The scenes
-/// are small unless --full is given.
-std::vector<std::pair<std::string, ExperimentOptions>> all_experiments(ExperimentOptions options) {
-  options.quick = !options.full;
-  std::vector<std::pair<std::string, ExperimentOptions>> jobs;
-  for (const ExperimentKind& kind : experiment_kinds()) {
-    jobs.emplace_back(kind.name, options);
-    if (!kind.takes_pipelines) jobs.back().second.pipelines.clear();
-    if (!kind.takes_settings) jobs.back().second.settings.clear();
-  }
-  for (const OtherExperiment& other : kOthers) jobs.emplace_back(other.name, options);
-  return jobs;
-}
-
-int run(const ExperimentOptions& options, const Registry& registry) {
-  std::vector<std::pair<std::string, ExperimentOptions>> jobs;
-  for (const std::string& name : options.names) {  // before the first experiment takes its time
-    if (name == "all") {
-      const auto all = all_experiments(options);
-      jobs.insert(jobs.end(), all.begin(), all.end());
-      continue;
-    }
-    if (!find_kind(name) && !find_other(name)) unknown_experiment("experiment", name);
-    check_options(find_kind(name), name, options);
-    jobs.emplace_back(name, options);
-  }
-  Finished finished;
-  int code = kDone;  // if contacts differ in one experiment, the next one still runs
-  for (const auto& [name, own] : jobs) {
-    const int one = run_one(name, own, registry, finished);
-    if (one != kDone) code = one;
-    if (one != kDone && one != kDifferent) break;
-  }
-  Report(options.report).write("experiment run", {{"experiments", finished}});
-  return code;
-}
 
 struct TableOptions {
   std::string name, results = "results", format = "text", output = "-";
@@ -349,13 +35,13 @@ nlohmann::json tables_json(const std::string& name, const std::vector<TitledTabl
   return {{"experiment", name}, {"tables", list}};
 }
 
-/// These tables exist as text only.
-int print_other_table(const OtherExperiment& other, const TableOptions& options) {
+/// This table exists as text only.
+int print_scene_table(const TableOptions& options) {
   if (options.format != "text") throw ConfigError(fmt::format("--format: the table of {} is text only", options.name));
-  const std::string file = (std::filesystem::path(options.results) / (std::string(other.record) + ".json")).string();
+  const std::string file = (std::filesystem::path(options.results) / (options.name + ".json")).string();
   const nlohmann::json records = read_json_file(file);
   if (!records.is_array()) throw InputError(file, "", "is not the record of a complete run");
-  const std::string text = untitled_text(other.table(records.get<std::vector<nlohmann::json>>()));
+  const std::string text = untitled_text(scene_table(records.get<std::vector<nlohmann::json>>()));
   Report(options.report)
       .write("experiment table", {{"experiment", options.name}, {"tables", nlohmann::json::array()}, {"text", text}});
   if (!is_standard_output(options.output) || !(options.report.json || options.report.quiet))
@@ -364,7 +50,7 @@ int print_other_table(const OtherExperiment& other, const TableOptions& options)
 }
 
 int print_table(const TableOptions& options) {
-  if (const OtherExperiment* other = find_other(options.name)) return print_other_table(*other, options);
+  if (options.name == kScenesExperiment) return print_scene_table(options);
   const ExperimentKind* kind = find_kind(options.name);
   if (!kind) unknown_experiment("tables of", options.name);
   const std::string file = (std::filesystem::path(options.results) / (options.name + ".json")).string();
@@ -437,7 +123,7 @@ int list_experiments(const ReportOptions& options) {
     list.push_back({{"name", name}, {"description", description}});
   };
   for (const ExperimentKind& kind : experiment_kinds()) add(kind.name, kind.description);
-  for (const OtherExperiment& other : kOthers) add(other.name, other.description);
+  add(kScenesExperiment, kScenesDescription);
   add("all", "all of these");
   report.write("experiment list", {{"experiments", list}});
   return kDone;
@@ -450,60 +136,13 @@ void add_list_command(CLI::App& command, Action& action) {
   list->callback([options, &action] { action = [options] { return list_experiments(*options); }; });
 }
 
-constexpr const char* kRunFooter =
-    "If all motions would take too long, an evenly spaced sample is taken, which the record lists. After Ctrl-C or "
-    "an error, the same command continues with the rows in NAME.incomplete.jsonl (scenes: scenes.incomplete.json and "
-    ".txt have the complete scenes); an earlier record is unchanged until then.\n"
-    "Exit code 1 if pipelines that must find the same contacts found different ones.\n"
-    "Examples:\n"
-    "  volccd experiment run projectile --quick -o results/\n"
-    "  volccd experiment run projectile --pipelines BruteForce -o results/\n"
-    "  volccd experiment run table1 --quick -o results/\n"
-    "  volccd experiment run ablation --pipelines VolCCD,VolCCD+ --set csat.axis=face,centroid -o results/\n"
-    "  volccd experiment run all --full --skip-complete -o results/";
-
-void add_run_command(CLI::App& command, const Registry& registry, Action& action) {
-  CLI::App* run_command = command.add_subcommand("run", "runs measurements, prints their tables, and stores the records");
-  const auto options = std::make_shared<ExperimentOptions>();
-  run_command->add_option("NAME", options->names, "see `volccd experiment list`")->required()->type_name("");
-  run_command
-      ->add_option("--pipelines", options->pipelines, "additional pipelines, NAME[,NAME...]; ablation runs only these")
-      ->delimiter(',')
-      ->allow_extra_args(false);
-  run_command
-      ->add_option("--set", options->settings,
-                   "for ablation: stage.option=value[,value...], with a run for each value, or role=stage[,stage...]; "
-                   "may be repeated")
-      ->type_name("SETTING")
-      ->allow_extra_args(false);
-  run_command->add_option("-o,--output", options->output, "folder for tables and records")->capture_default_str();
-  run_command->add_flag("--quick", options->quick,
-                        "takes minutes: small scenes, few motions, one round (the default of experiments with rounds)");
-  run_command
-      ->add_flag("--full", options->full, "takes hours: scenes at their default sizes, more motions, several rounds")
-      ->excludes("--quick");
-  run_command->add_flag("--skip-complete", options->skip_complete,
-                        "keeps the records that are complete and of the same program, machine, plan and inputs, so "
-                        "that an interrupted `all` goes on where it was (scenes are always made again)");
-  run_command
-      ->add_option("--threads", options->threads,
-                   "number of threads; 0: as many as the machine has; default: 1 for timed experiments, as in the "
-                   "paper, and 0 for simulations")
-      ->check(CLI::Range(0u, kMaxThreads))
-      ->type_name("N");
-  options->report.add_to(*run_command);
-  run_command->footer(kRunFooter);
-  run_command->callback(
-      [options, &registry, &action] { action = [options, &registry] { return run(*options, registry); }; });
-}
-
 }  // namespace
 
 void add_experiment_command(CLI::App& app, const Registry& registry, Action& action) {
   CLI::App* command = app.add_subcommand("experiment", "runs measurements and makes their tables");
   command->require_subcommand(1);
   add_list_command(*command, action);
-  add_run_command(*command, registry, action);
+  add_experiment_run_command(*command, registry, action);
   add_table_command(*command, action);
   add_compare_command(*command, action);
 }

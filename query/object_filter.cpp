@@ -1,16 +1,16 @@
 #include <volccd/query/object_filter.hpp>
 
+#include <algorithm>
+#include <span>
+
 namespace volccd {
 
 namespace {
 
 /// Whether no vertex of the element belongs to an element of another object.
 bool is_pure(const Topology& topology, Index o) {
-  const Mesh& mesh = topology.mesh();
-  for (const Index v : mesh.vertices(o))
-    for (const Index other : topology.features().vertex_elements(v))
-      if (mesh.object(other) != mesh.object(o)) return false;
-  return true;
+  const std::span<const Index> vertices = topology.mesh().vertices(o);
+  return std::none_of(vertices.begin(), vertices.end(), [&](Index v) { return topology.is_shared(v); });
 }
 
 }  // namespace

@@ -77,6 +77,12 @@ template <class V>
 HWY_INLINE LaneVector<V> max(const LaneVector<V>& a, const LaneVector<V>& b) {
   return {hn::Max(a.x, b.x), hn::Max(a.y, b.y), hn::Max(a.z, b.z)};
 }
+/// Sum of absolute values.
+template <class V>
+HWY_INLINE V norm1(const LaneVector<V>& a) {
+  const LaneVector<V> m = abs(a);
+  return add3(m.x, m.y, m.z);
+}
 template <class V>
 HWY_INLINE V greatest_coordinate(const LaneVector<V>& a) {
   return hn::Max(hn::Max(a.x, a.y), a.z);
@@ -101,8 +107,7 @@ HWY_INLINE LaneVector<V> trusted(const LaneVector<V>& a) {
 template <class V>
 HWY_INLINE V length(const LaneVector<V>& a) {
   const V square = dot(a, a);
-  const LaneVector<V> m = abs(a);
-  return hn::IfThenElse(hn::Gt(square, broadcast<V>(kLeastSquare)), hn::Sqrt(square), add3(m.x, m.y, m.z));
+  return hn::IfThenElse(hn::Gt(square, broadcast<V>(kLeastSquare)), hn::Sqrt(square), norm1(a));
 }
 
 /// Replaces the control points by those of the motion over the part of the step.

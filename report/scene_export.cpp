@@ -10,6 +10,7 @@
 #include <Eigen/Geometry>
 
 #include <volccd/core/error.hpp>
+#include <volccd/core/sort_unique.hpp>
 #include <volccd/experiments/harness/motion_measures.hpp>
 #include <volccd/experiments/records/stats_json.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
@@ -108,8 +109,7 @@ class Exporter {
   void index_vertices() {
     for (const TrackedTriangle& t : track_.triangles())
       for (const Index v : t.corners) vertices_.push_back(v);
-    std::sort(vertices_.begin(), vertices_.end());
-    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
+    sort_unique(vertices_);
   }
 
   Index compact(Index vertex) const {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include <volccd/core/sort_unique.hpp>
 #include <volccd/mesh/element_type.hpp>
 #include <volccd/pictures/surface.hpp>
 
@@ -49,8 +50,7 @@ void SurfaceTrack::add_triangles(std::span<const TrackedTriangle> frame) {
     if (fresh) triangles_.push_back(t);
     set.push_back(at->second);
   }
-  std::sort(set.begin(), set.end());
-  set.erase(std::unique(set.begin(), set.end()), set.end());
+  sort_unique(set);
   frames_.push_back(sets_.size());
   sets_.push_back(std::move(set));
 }

@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include <volccd/core/sort_unique.hpp>
+
 namespace volccd::simulation {
 namespace {
 
@@ -228,8 +230,7 @@ void ContactResponse::gather_groups(const MovingVertices& moving) {
       group_[std::max(a, b)] = std::min(a, b);
     }
   }
-  std::sort(members_.begin(), members_.end());
-  members_.erase(std::unique(members_.begin(), members_.end()), members_.end());
+  sort_unique(members_);
 }
 
 void ContactResponse::hold_groups(std::span<const Vec3> since, const MovingVertices& moving) {

@@ -48,12 +48,11 @@ void ContactSurface::note_first(const Topology& collision) {
   std::vector<Index> face;
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     if (!mesh.is_live(o)) continue;
-    const std::span<const std::uint8_t> stream = face_stream(mesh.type(o));  // no polytopes in a simulation
-    for (std::size_t at = 0; at < stream.size(); at += 1 + stream[at]) {
+    visit_faces(face_stream(mesh.type(o)), [&](std::span<const std::uint8_t> numbers) {  // no polytopes in a simulation
       face.clear();
-      for (std::size_t i = 1; i <= stream[at]; ++i) face.push_back(mesh.vertices(o)[stream[at + i]]);
+      for (const std::uint8_t i : numbers) face.push_back(mesh.vertices(o)[i]);
       take_face(face);
-    }
+    });
   }
   std::sort(first_.begin(), first_.end());
 }

@@ -1,20 +1,13 @@
-#include <volccd/simulation/simulation.hpp>
+#include <volccd/simulation/detail/simulation_state.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
 
 #include <volccd/core/error.hpp>
-#include <volccd/simulation/contact_response.hpp>
-#include <volccd/simulation/element_breaking.hpp>
-#include <volccd/simulation/element_cutting.hpp>
-#include <volccd/simulation/node_merging.hpp>
-#include <volccd/simulation/node_splitting.hpp>
-#include <volccd/simulation/pressure_forces.hpp>
-#include <volccd/simulation/rigid_bodies.hpp>
+#include <volccd/simulation/detail/check_model.hpp>
 #include <volccd/simulation/shell_forces.hpp>
 #include <volccd/simulation/solid_forces.hpp>
 
@@ -28,60 +21,6 @@ constexpr double kSeparationOfEdge = 0.01, kSeparationOfThickness = 0.1;
 constexpr double kLeastMargin = 4, kMostMargin = 15;
 /// Distance that a blade moves between two cuts, in mean edges of the part.
 constexpr double kCutAdvance = 0.25;
-
-void check(bool good, const char* dataset, std::size_t index, const char* problem) {
-  if (!good) throw InputError("model", dataset, static_cast<std::int64_t>(index), problem);
-}
-
-void check_guide(const Model& model, std::size_t i) {
-  const Guide& guide = model.guides[i];
-  const auto object = static_cast<std::size_t>(guide.object);
-  check(guide.object >= 0 && object < model.parts.size() && model.parts[object].rigid, "guides", i,
-        "is of no rigid part");
-  check(!guide.path.empty(), "guides", i, "has no points");
-  for (std::size_t k = 0; k < guide.path.size(); ++k) {
-    const auto& [time, displacement] = guide.path[k];
-    check(std::isfinite(time) && displacement.allFinite(), "guides", i, "has a point that is not finite");
-    check(k == 0 || time > guide.path[k - 1].first, "guides", i, "has times that do not ascend");
-  }
-  check(guide.displacement(0).isZero(0), "guides", i, "has a displacement at time 0");
-  for (std::size_t k = 0; k < i; ++k)
-    check(model.guides[k].object != guide.object, "guides", i, "is of a part that has a guide already");
-  for (Index o = 0; o < model.mesh.element_slots(); ++o)
-    if (model.mesh.is_live(o) && model.mesh.object(o) == guide.object)
-      for (const Index v : model.mesh.vertices(o))
-        check(std::ranges::find(model.fixed, v) == model.fixed.end(), "guides", i, "is of a part with a fixed vertex");
-}
-
-void check_model(const Model& model) {
-  const Index vertices = model.mesh.vertex_count();
-  check(model.positions.size() == vertices, "positions", model.positions.size(), "is not the number of vertices");
-  check(model.velocities.size() == vertices, "velocities", model.velocities.size(), "is not the number of vertices");
-  for (std::size_t v = 0; v < vertices; ++v) {
-    check(model.positions[v].allFinite(), "positions", v, "is not finite");
-    check(model.velocities[v].allFinite(), "velocities", v, "is not finite");
-  }
-  const auto is_part = [&](std::int32_t object) {
-    return object >= 0 && static_cast<std::size_t>(object) < model.parts.size();
-  };
-  for (Index o = 0; o < model.mesh.element_slots(); ++o)
-    check(!model.mesh.is_live(o) || is_part(model.mesh.object(o)), "mesh", o, "is of an object that is no part");
-  for (std::size_t i = 0; i < model.fixed.size(); ++i) check(model.fixed[i] < vertices, "fixed", i, "is no vertex");
-  for (std::size_t i = 0; i < model.walls.size(); ++i)
-    check(std::abs(model.walls[i].normal.norm() - 1) < 1e-9, "walls", i, "has a normal of another length than 1");
-  for (std::size_t i = 0; i < model.cuts.size(); ++i) check(is_part(model.cuts[i].object), "cuts", i, "is of no part");
-  check(model.gravity.allFinite(), "gravity", 0, "is not finite");
-  for (std::size_t i = 0; i < model.guides.size(); ++i) check_guide(model, i);
-}
-
-void check_options(const SimulationOptions& options) {
-  if (!(options.step_safety > 0 && options.step_safety <= 1)) throw ConfigError("step_safety must be in (0, 1]");
-  if (!(options.max_step > 0)) throw ConfigError("max_step must be above 0");
-  if (options.substeps_per_query < 1) throw ConfigError("substeps_per_query must be 1 or more");
-  if (options.contact_passes < 1 || options.contact_iterations < 1)
-    throw ConfigError("contact_passes and contact_iterations must be 1 or more");
-  if (options.topology_interval < 1) throw ConfigError("topology_interval must be 1 or more");
-}
 
 template <class Visitor>
 void visit_edges(const Topology& topology, Visitor&& visitor) {
@@ -98,96 +37,11 @@ void archive_plain(Archive& archive, T& value) {
   value = one[0];
 }
 
-void archive_spec(Archive& archive, ElementSpec& spec) {
-  archive(spec.type);
-  archive(spec.vertices);
-  archive(spec.faces);
-  archive(spec.object);
-  archive(spec.id);
-}
-
-void archive_proposal(Archive& archive, TopologyProposal& proposal) {
-  archive(proposal.edit.removed);
-  archive(proposal.edit.new_vertex_ids);
-  std::uint64_t added = proposal.edit.added.size();
-  archive(added);
-  proposal.edit.added.resize(static_cast<std::size_t>(added));
-  for (ElementSpec& spec : proposal.edit.added) archive_spec(archive, spec);
-  archive(proposal.new_vertices);
-  archive(proposal.parents);
-  archive(proposal.moved);
-  archive(proposal.shapes_of_parents);
-}
-
 }  // namespace
 
-struct Simulation::State {
-  State(Model m, SimulationOptions o, Executor& e);
-
-  // Preparation.
-  double choose_separation();
-  void make_detection();
-  void renew_masses();
-  std::vector<double> thickness() const;
-
-  // A substep.
-  double next_step(double until, bool& last) const;
-  void substep(double dt, bool query);
-  void kick(double dt);
-  void damp_bodies(double dt);
-  void collide(double dt, bool query);
-  void hinder(std::span<const Vec3> velocity, std::span<const Vec3> x0, std::span<const Vec3> end, double dt);
-  void evaluate_forces(double dt);
-  void account();
-
-  // Topology.
-  void change_topology();
-  bool cut();
-  bool merge(double dt);
-  bool break_and_split();
-  void apply(TopologyProposal proposal);
-  void edit(const TopologyProposal& proposal);
-  void replay(std::vector<TopologyProposal> edits);
-
-  Model model;  ///< its mesh is as at the start
-  SimulationOptions options;
-  Executor& executor;
-  std::optional<Topology> topology;
-  std::unique_ptr<ElementForces> solids, shells;
-  PressureForces pressure;
-  std::optional<RigidBodies> bodies;
-  std::unique_ptr<ContactResponse> contacts;
-
-  // State that changes from step to step.
-  double time = 0, last_dt = 0;
-  std::vector<Vec3> x, v, reference, start;
-  std::vector<Vec3> outer, force;  ///< external; all
-  std::vector<char> fixed;
-  Ledger ledger;
-  SimulationCounts counts;
-  std::vector<double> depth;  ///< to which each cut has been made
-  std::uint64_t since_edit = 0;
-  std::vector<TopologyProposal> edits;
-  std::vector<Vec3> since;                   ///< positions at the last query
-  double elapsed = 0;                        ///< time since the last query
-  std::vector<Vec3> asked_start, asked_end;  ///< of the last query
-  double asked_separation = 0;
-
-  // Data that follow from this state.
-  std::vector<double> mass, inverse_mass, damping;
-  std::vector<Index> part_of;
-  std::vector<double> cut_advance;
-  std::vector<Index> origins;  ///< by vertex: the vertex of the initial mesh of which it is a copy, or itself
-  bool may_split = false, may_merge = false;
-  std::vector<Vec3> x1;          ///< positions after a substep; then those before it
-  std::vector<Vec3> unhindered;  ///< velocities before contacts
-  std::vector<VertexStress> stress;
-  std::vector<char> pressed;
-};
-
 Simulation::State::State(Model m, SimulationOptions o, Executor& e)
-    : model((check_model(m), std::move(m))),
-      options((check_options(o), std::move(o))),
+    : model((detail::check_model(m), std::move(m))),
+      options((detail::check_options(o), std::move(o))),
       executor(e),
       topology(model.mesh),
       solids(make_solid_forces(model)),
@@ -465,127 +319,6 @@ void Simulation::State::account() {
   ledger.numerical = solids->numerical_work() + shells->numerical_work();
   if (!std::isfinite(ledger.kinetic) || !std::isfinite(ledger.elastic))
     throw Error(fmt::format("simulation: energies are no longer finite at time {} s", time));
-}
-
-void Simulation::State::change_topology() {
-  bool any = options.cutting && cut();
-  if (since_edit >= static_cast<std::uint64_t>(options.topology_interval)) {
-    any |= options.merging && may_merge && merge(last_dt);
-    any |= options.splitting && may_split && break_and_split();
-    since_edit = 0;
-  }
-  if (any) {
-    since = x;
-    elapsed = 0;
-  }
-}
-
-bool Simulation::State::cut() {
-  bool any = false;
-  for (std::size_t i = 0; i < model.cuts.size(); ++i) {
-    const double now = covered_depth(model.cuts[i], time);
-    if (!(now >= depth[i] + cut_advance[i] || (now >= model.cuts[i].length && depth[i] < now))) continue;
-    depth[i] = now;
-    TopologyProposal proposal = propose_cut(*topology, reference, model.cuts[i], now);
-    if (proposal.empty()) continue;
-    ++counts.cuts;
-    apply(std::move(proposal));
-    any = true;
-  }
-  return any;
-}
-
-bool Simulation::State::merge(double dt) {
-  std::vector<LoadedContact> loaded;
-  for (const ContactConstraint& c : contacts->constraints()) {
-    if (c.is_wall() || !c.solid || !(c.normal_impulse > 0)) continue;
-    Contact contact;
-    contact.kind = c.kind;
-    contact.vertices = c.vertices;
-    contact.toi = c.toi;
-    contact.normal = c.normal;
-    contact.point = Vec3::Zero();
-    for (std::size_t i = 0; i < 4; ++i)
-      if (c.weights[i] < 0) contact.point -= c.weights[i] * x[c.vertices[i]];
-    for (std::size_t i = 0; i < 4; ++i) contact.weights[i] = std::abs(c.weights[i]);
-    loaded.push_back({contact, (c.normal_impulse + c.earlier) / dt});
-  }
-  if (loaded.empty()) return false;
-  TopologyProposal proposal = propose_merging(*topology, model.parts, loaded, x, v, mass);
-  if (proposal.empty()) return false;
-  counts.merges += proposal.moved.size();
-  apply(std::move(proposal));
-  return true;
-}
-
-bool Simulation::State::break_and_split() {
-  stress.assign(x.size(), VertexStress());
-  solids->add_vertex_stress(stress);
-  shells->add_vertex_stress(stress);
-  const std::uint64_t before = counts.edits;
-  pressed.assign(x.size(), 0);
-  for (const ContactConstraint& c : contacts->constraints())
-    if (c.normal_impulse + c.earlier > 0)
-      for (int i = 0; i < c.size; ++i) pressed[c.vertices[i]] = 1;
-  // This edit adds no vertices, and does not change the stress at the existing ones.
-  if (TopologyProposal breaking = propose_breaking(*topology, model.parts, x, stress, pressed); !breaking.empty()) {
-    counts.breaks += breaking.edit.removed.size();
-    apply(std::move(breaking));
-  }
-  if (TopologyProposal splitting = propose_splitting(*topology, model.parts, x, stress); !splitting.empty()) {
-    counts.splits += splitting.edit.new_vertex_ids.size();
-    apply(std::move(splitting));
-  }
-  return counts.edits > before;
-}
-
-void Simulation::State::apply(TopologyProposal proposal) {
-  const auto energy = [&] { return kinetic_energy(mass, v) + solids->elastic_energy() + shells->elastic_energy(); };
-  const double before = energy();
-  inherit(proposal, x);
-  inherit(proposal, v);
-  inherit(proposal, start);
-  inherit(proposal, asked_start);
-  inherit(proposal, asked_end);
-  for (const MovedVertex& moved : proposal.moved) {
-    x[moved.vertex] = moved.position;
-    v[moved.vertex] = moved.velocity;
-  }
-  edit(proposal);
-  evaluate_forces(0);
-  ledger.topology += before - energy();
-  ++counts.edits;
-  edits.push_back(std::move(proposal));
-}
-
-/// Applies an edit to everything that does not depend on positions and velocities.
-void Simulation::State::edit(const TopologyProposal& proposal) {
-  inherit(proposal, reference);
-  for (const VertexOrigin& origin : proposal.new_vertices) {
-    bool held = true;
-    for (std::size_t i = 0; i < 2; ++i) held &= origin.weights[i] == 0 || fixed[origin.parents[i]];
-    fixed.push_back(held);
-    origins.push_back(origin.weights[0] == 1 ? origins[origin.parents[0]] : static_cast<Index>(origins.size()));
-  }
-  topology->apply(proposal.edit);
-  const ElementHeritage heritage = heritage_of(proposal, topology->mesh());
-  solids->update(topology->mesh(), reference, x, heritage);
-  shells->update(topology->mesh(), reference, x, heritage);
-  pressure.update(topology->mesh());
-  bodies->resize(reference.size());
-  if (x.size() == reference.size()) renew_masses();
-  if (ContactDetection* detection = contacts->detection())
-    detection->follow(proposal.edit, thickness(), reference, origins);
-}
-
-void Simulation::State::replay(std::vector<TopologyProposal> from) {
-  if (!edits.empty()) throw InputError("checkpoint", "", "is read into a simulation whose mesh has changed already");
-  for (const TopologyProposal& proposal : from) {
-    inherit(proposal, x);
-    inherit(proposal, v);
-    edit(proposal);
-  }
-  edits = std::move(from);
 }
 
 Simulation::Simulation(Model model, SimulationOptions options, Executor& executor)

@@ -1,9 +1,20 @@
 #include <volccd/simulation/topology_proposal.hpp>
 
-#include <algorithm>
 #include <cassert>
 
 namespace volccd::simulation {
+
+namespace {
+
+void archive_spec(Archive& archive, ElementSpec& spec) {
+  archive(spec.type);
+  archive(spec.vertices);
+  archive(spec.faces);
+  archive(spec.object);
+  archive(spec.id);
+}
+
+}  // namespace
 
 ElementSpec element_spec(const Mesh& mesh, Index o) {
   ElementSpec spec;
@@ -16,11 +27,7 @@ ElementSpec element_spec(const Mesh& mesh, Index o) {
 }
 
 void replace_vertex(ElementSpec& element, Index from, Index to) {
-  std::replace(element.vertices.begin(), element.vertices.end(), from, to);
-  for (std::size_t face = 0; face < element.faces.size(); face += element.faces[face] + 1) {
-    const auto begin = element.faces.begin() + static_cast<std::ptrdiff_t>(face) + 1;
-    std::replace(begin, begin + element.faces[face], from, to);
-  }
+  element.renumber([&](Index v) { return v == from ? to : v; });
 }
 
 Index add_copy(TopologyProposal& proposal, const Mesh& mesh, Index vertex) {
@@ -59,6 +66,19 @@ ElementHeritage heritage_of(const TopologyProposal& proposal, const Mesh& after)
     assert(heritage.added.back() != kNone);
   }
   return heritage;
+}
+
+void archive_proposal(Archive& archive, TopologyProposal& proposal) {
+  archive(proposal.edit.removed);
+  archive(proposal.edit.new_vertex_ids);
+  std::uint64_t added = proposal.edit.added.size();
+  archive(added);
+  proposal.edit.added.resize(static_cast<std::size_t>(added));
+  for (ElementSpec& spec : proposal.edit.added) archive_spec(archive, spec);
+  archive(proposal.new_vertices);
+  archive(proposal.parents);
+  archive(proposal.moved);
+  archive(proposal.shapes_of_parents);
 }
 
 }  // namespace volccd::simulation

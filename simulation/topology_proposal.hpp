@@ -13,6 +13,7 @@
 #include <vector>
 
 #include <volccd/mesh/topology.hpp>
+#include <volccd/simulation/archive.hpp>
 #include <volccd/simulation/element_forces.hpp>
 
 namespace volccd::simulation {
@@ -61,5 +62,8 @@ void inherit(const TopologyProposal& proposal, std::vector<Vec3>& values);
 
 /// The removed and added elements of the edit as slots; `after`: the mesh to which it has been applied.
 ElementHeritage heritage_of(const TopologyProposal& proposal, const Mesh& after);
+
+/// Writes the proposal, or reads it into an empty one.
+void archive_proposal(Archive& archive, TopologyProposal& proposal);
 
 }  // namespace volccd::simulation

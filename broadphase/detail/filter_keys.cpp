@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <volccd/core/sort_unique.hpp>
+
 namespace volccd::detail {
 
 namespace {
@@ -24,8 +26,7 @@ void FilterKeys::make_keys(const Topology& topology) {
   objects_.clear();
   for (Index o = 0; o < mesh.element_slots(); ++o)
     if (mesh.is_live(o) && (objects_.empty() || objects_.back() != mesh.object(o))) objects_.push_back(mesh.object(o));
-  std::sort(objects_.begin(), objects_.end());
-  objects_.erase(std::unique(objects_.begin(), objects_.end()), objects_.end());
+  sort_unique(objects_);
 
   keys_.assign(mesh.element_slots(), kMixed);
   for (Index o = 0; o < mesh.element_slots(); ++o)
@@ -33,14 +34,9 @@ void FilterKeys::make_keys(const Topology& topology) {
       keys_[o] = static_cast<std::int32_t>(std::lower_bound(objects_.begin(), objects_.end(), mesh.object(o)) -
                                            objects_.begin());
   if (!topology.objects_share_vertices()) return;
-  const Features& features = topology.features();
-  for (Index v = 0; v < features.vertex_slots(); ++v) {
-    const auto around = features.vertex_elements(v);
-    const bool shared =
-        std::any_of(around.begin(), around.end(), [&](Index o) { return mesh.object(o) != mesh.object(around[0]); });
-    if (shared)
-      for (Index o : around) keys_[o] = kMixed;
-  }
+  for (Index v = 0; v < mesh.vertex_count(); ++v)
+    if (topology.is_shared(v))
+      for (Index o : topology.features().vertex_elements(v)) keys_[o] = kMixed;
 }
 
 void FilterKeys::make_table() {

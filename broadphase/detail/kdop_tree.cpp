@@ -65,6 +65,7 @@ void KdopTree::build(const Step& step, int leaf_size, const BoundsTable& vertice
   depth_ = 0;
   roots_.clear();
   nodes_.clear();
+  adjacent_leaves_.clear();
   positions_.assign(step.mesh().element_slots(), kNone);
   element_bounds_.resize(count + LeafLanes::kPadding, vertices.width());
   bound_elements(vertices, list_, executor, element_bounds_);
@@ -343,6 +344,7 @@ std::size_t KdopTree::restructure(double degradation, const BoundsTable& vertice
     elements += end - begin;
     gather_items(begin, end);
     build_range({node, begin, end, depth_of(node)}, executor);
+    adjacent_leaves_.forget(begin, end);
     fill_lanes(begin, end);
     refit_range(arrays, node, node + nodes_of(end - begin));
     note_costs(node);
@@ -376,7 +378,7 @@ std::size_t KdopTree::bytes() const {
          built_ratios_.capacity() * sizeof(float) + node_bounds_.bytes() + element_bounds_.bytes() +
          (positions_.capacity() + lanes_.capacity() + blocks_.capacity() + upper_.capacity() + order_.capacity()) *
              sizeof(Index) +
-         items_.capacity() * sizeof(BuildItem);
+         items_.capacity() * sizeof(BuildItem) + adjacent_leaves_.bytes();
 }
 
 }  // namespace volccd::detail

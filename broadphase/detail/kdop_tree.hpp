@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <volccd/broadphase/detail/adjacent_leaves.hpp>
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/broadphase/detail/filter_keys.hpp>
 #include <volccd/broadphase/detail/swept_bounds.hpp>
@@ -45,7 +46,7 @@ struct LeafLanes {
 
 class KdopTree {
  public:
-  static constexpr int kMostLeafSize = 8;
+  static constexpr int kMostLeafSize = AdjacentLeaves::kMaskRow;
 
   /// Builds a tree with bounds over all elements that take part in the step. `vertices` are the bounds of the vertices
   /// for this step.
@@ -63,6 +64,11 @@ class KdopTree {
   /// last build. Returns the number of elements in them. To be called after refit().
   std::size_t restructure(double degradation, const BoundsTable& vertices, Executor& executor);
 
+  /// Updates adjacent_leaves(). They are empty after a build until this is called.
+  void find_adjacent_leaves(const Topology& topology, Executor& executor) {
+    adjacent_leaves_.update(list_, built_elements_, leaf_size_, topology, executor);
+  }
+
   /// Sets the keys of all nodes.
   void set_keys(const FilterKeys& keys);
 
@@ -72,6 +78,7 @@ class KdopTree {
   const BoundsTable& node_bounds() const { return node_bounds_; }
   const BoundsTable& element_bounds() const { return element_bounds_; }
   LeafLanes lanes() const;
+  const AdjacentLeaves& adjacent_leaves() const { return adjacent_leaves_; }
   /// Root nodes: none, one or two.
   std::vector<Index> const& roots() const { return roots_; }
   int depth() const { return depth_; }
@@ -114,12 +121,13 @@ class KdopTree {
   Index gaps_ = 0;
   int depth_ = 0;
   BoundsTable node_bounds_, element_bounds_;
-  std::vector<Index> lanes_;      ///< rows of LeafLanes, the row of slots first
+  std::vector<Index> lanes_;  ///< rows of LeafLanes, the row of slots first
   std::size_t lane_stride_ = 0;
   int lane_vertices_ = 4;
   std::vector<Index> positions_;  ///< position of each slot
   std::vector<Index> blocks_;     ///< roots of disjoint subtrees that are refitted in parallel
   std::vector<Index> upper_;      ///< the nodes above `blocks_`, in preorder
+  AdjacentLeaves adjacent_leaves_;
   // Scratch memory.
   std::vector<BuildItem> items_;
   std::vector<Index> order_, degraded_;

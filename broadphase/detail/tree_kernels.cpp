@@ -64,6 +64,7 @@ class Traversal {
   Traversal(const KdopTree& tree, const PairRules& rules)
       : nodes_(tree.nodes().data()),
         lanes_(tree.lanes()),
+        adjacent_(tree.adjacent_leaves()),
         node_rows_(tree.node_bounds().row(0)),
         element_rows_(tree.element_bounds().row(0)),
         rules_(rules) {}
@@ -104,6 +105,8 @@ class Traversal {
       const NodePair pair = stack[--top];
       if (!is_leaf(pair.a) || !is_leaf(pair.b))
         descend(pair, push);
+      else if (rules_.adjacency && known(pair))
+        known_leaves(pair, out);
       else if (lanes_.vertices == 4)
         leaves<true>(pair, out);
       else
@@ -126,6 +129,46 @@ class Traversal {
   HWY_INLINE void test(Index a, Index b, Push&& push) {
     ++tests_;
     if (overlap<kWidth>(node_row(a), node_row(b)) && may_include(a, b)) push(a, b);
+  }
+
+  HWY_INLINE bool known(NodePair pair) const {
+    return adjacent_.leaf(nodes_[pair.a].begin) != kNone && adjacent_.leaf(nodes_[pair.b].begin) != kNone;
+  }
+
+  /// The mask of adjacent pairs of two leaves in the table.
+  HWY_INLINE std::uint64_t adjacent_pairs(Index a, Index b) const {
+    const AdjacentLeaves::Row row = adjacent_.row(adjacent_.leaf(a));
+    const hn::CappedTag<std::uint32_t, AdjacentLeaves::kPadding> d;
+    const auto leaf = hn::Set(d, adjacent_.leaf(b));
+    for (std::size_t k = 0; k < row.size; k += hn::Lanes(d)) {
+      const auto at = hn::FindFirstTrue(d, hn::Eq(leaf, hn::LoadU(d, row.leaves + k)));
+      if (at >= 0) return row.masks[k + static_cast<std::size_t>(at)];
+    }
+    return 0;
+  }
+
+  /// The mask of all pairs of elements of two leaves; for a leaf and itself, each unordered pair of two elements once.
+  static std::uint64_t all_pairs(const TreeNode& a, const TreeNode& b, bool itself) {
+    constexpr std::uint64_t rows = 0x0101010101010101, after = 0x80c0e0f0f8fcfe;
+    const std::uint64_t row = (std::uint64_t{1} << (b.end - b.begin)) - 1;
+    const std::uint64_t all = rows * row & ~std::uint64_t{0} >> 8 * (AdjacentLeaves::kMaskRow - (a.end - a.begin));
+    return itself ? all & after : all;
+  }
+
+  /// leaves() for two leaves in the table of adjacent leaves.
+  HWY_INLINE void known_leaves(NodePair pair, PairWriter& out) {
+    const TreeNode &a = nodes_[pair.a], &b = nodes_[pair.b];
+    std::uint64_t wanted = all_pairs(a, b, pair.a == pair.b) & ~adjacent_pairs(a.begin, b.begin);
+    if (wanted == 0) return;
+    const bool mixed = rules_.keys && (a.key == FilterKeys::kMixed || b.key == FilterKeys::kMixed);
+    ElementPair* next = out.room();
+    for (Index i = a.begin; i < a.end; ++i, wanted >>= AdjacentLeaves::kMaskRow)
+      for (Index j = b.begin; j < b.end; j += kLanes) {
+        unsigned hits = overlaps(i, j) & static_cast<unsigned>(wanted >> (j - b.begin)) & ((1u << kLanes) - 1);
+        if (mixed && hits != 0) hits &= ~dropped(i, j);
+        next = emit(hits, i, j, next);
+      }
+    out.written(next);
   }
 
   /// Tests each element of the first leaf against four elements of the second at a time, mostly without branches, since
@@ -244,6 +287,7 @@ class Traversal {
 
   const TreeNode* const nodes_;
   const LeafLanes lanes_;
+  const AdjacentLeaves& adjacent_;
   const float* const node_rows_;
   const float* const element_rows_;
   const PairRules rules_;

@@ -1,5 +1,6 @@
 #include <volccd/culling/detail/boundary_rings.hpp>
 
+#include <algorithm>
 #include <cmath>
 
 #undef HWY_TARGET_INCLUDE
@@ -10,17 +11,12 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-/// Sum of absolute values.
-HWY_INLINE Lanes norm1(const Lanes3& a) {
-  const Lanes3 m = abs(a);
-  return add3(m.x, m.y, m.z);
-}
-
-HWY_INLINE void store3(const Lanes3& a, double* x, std::size_t distance) {
+/// Stores the coordinates in three rows of eight.
+HWY_INLINE void store3(const Lanes3& a, double (*rows)[8], std::size_t lane) {
   const Tag tag;
-  hn::StoreU(a.x, tag, x);
-  hn::StoreU(a.y, tag, x + distance);
-  hn::StoreU(a.z, tag, x + 2 * distance);
+  hn::Store(a.x, tag, rows[0] + lane);
+  hn::Store(a.y, tag, rows[1] + lane);
+  hn::Store(a.z, tag, rows[2] + lane);
 }
 
 HWY_INLINE Lanes3 unit(const Lanes3& a) {
@@ -40,19 +36,28 @@ class Normals {
     }
   }
 
-  void store(std::size_t at, FaceNormals& out) const {
-    for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(Tag())) store_lanes(lane, at + lane, out);
+  void compute() {
+    for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(Tag())) compute_lanes(lane);
+  }
+
+  template <int kLanes>
+  void store(std::size_t lane, FaceNormal<kLanes>& out) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int k = 0; k < kLanes; ++k) out.coefficients[axis][k] = normal_[k < kCoefficients ? k : 0][axis][lane];
+      out.unit[axis] = unit_[axis][lane];
+    }
+    out.bound = bound_[lane];
   }
 
  private:
-  static constexpr int kDegree = kControlPoints - 1;
+  static constexpr int kDegree = kControlPoints - 1, kCoefficients = 2 * kDegree + 1;
 
   Lanes3 point(std::size_t vertex, int control_point, std::size_t lane) const {
     return load3(Tag(), points_[vertex][3 * control_point] + lane, 8);
   }
 
-  void store_lanes(std::size_t lane, std::size_t at, FaceNormals& out) const {
-    Lanes3 a[kControlPoints], b[kControlPoints], normal[2 * kDegree + 1];
+  void compute_lanes(std::size_t lane) {
+    Lanes3 a[kControlPoints], b[kControlPoints], normal[kCoefficients];
     Lanes of_a = broadcast(kLeastExtent), of_b = of_a;
     for (int c = 0; c < kControlPoints; ++c) {
       const Lanes3 origin = point(0, c, lane);
@@ -61,38 +66,78 @@ class Normals {
       of_a = hn::Max(of_a, norm1(a[c]));
       of_b = hn::Max(of_b, norm1(b[c]));
     }
-    for (int k = 0; k <= 2 * kDegree; ++k) normal[k] = {hn::Zero(Tag()), hn::Zero(Tag()), hn::Zero(Tag())};
+    for (int k = 0; k < kCoefficients; ++k) normal[k] = {hn::Zero(Tag()), hn::Zero(Tag()), hn::Zero(Tag())};
     for (int i = 0; i <= kDegree; ++i)
       for (int j = 0; j <= kDegree; ++j) {
         const double weight = (kDegree == 2 && i == 1 ? 2 : 1) * (kDegree == 2 && j == 1 ? 2 : 1);
         normal[i + j] = add(normal[i + j], scaled(cross(a[i], b[j]), broadcast(weight)));
       }
-    for (int k = 0; k <= 2 * kDegree; ++k)
-      store3(normal[k], out.rows.data() + static_cast<std::size_t>(3 * k) * out.stride + at, out.stride);
+    for (int k = 0; k < kCoefficients; ++k) store3(normal[k], normal_[k], lane);
     // The weights of a coefficient sum to at most 6; a term has fewer than 16 rounding errors (docs/boundary_flood.md).
     const Lanes bound = hn::Mul(broadcast(6 * 32 * kUnitRoundoff), trusted(hn::Mul(trusted(of_a), trusted(of_b))));
-    hn::StoreU(hn::Add(bound, broadcast(kDeterminantUnderflow)), Tag(),
-               out.rows.data() + static_cast<std::size_t>(3 * out.coefficients) * out.stride + at);
-    store3(add(unit(normal[0]), unit(normal[2 * kDegree])), out.units.data() + at, out.stride);
+    hn::Store(hn::Add(bound, broadcast(kDeterminantUnderflow)), Tag(), bound_ + lane);
+    store3(add(unit(normal[0]), unit(normal[2 * kDegree])), unit_, lane);
   }
 
   alignas(64) double points_[3][3 * kControlPoints][8] = {};
+  alignas(64) double normal_[kCoefficients][3][8], unit_[3][8], bound_[8];
 };
 
-template <int kControlPoints>
+template <int kControlPoints, int kLanes>
 void normals_of(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
-                FaceNormals& out) {
+                FaceNormal<kLanes>* out) {
   Normals<kControlPoints> normals;
   for (std::size_t first = begin; first < end; first += 8) {
-    for (std::size_t lane = 0; lane < 8 && first + lane < end; ++lane) normals.gather(step, faces[first + lane], lane);
-    normals.store(first, out);
+    const std::size_t count = std::min<std::size_t>(8, end - first);
+    for (std::size_t lane = 0; lane < count; ++lane) normals.gather(step, faces[first + lane], lane);
+    normals.compute();
+    for (std::size_t lane = 0; lane < count; ++lane) normals.store(lane, out[first + lane]);
   }
 }
 
-void normals_of_faces(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
-                      FaceNormals& out) {
-  if (step.motion.control_points() == 2) return normals_of<2>(step, faces, begin, end, out);
+/// Whether a ring folds; sets `up` to the sum of the unit normals of its triangles.
+template <int kLanes>
+bool folds_at(std::span<const RingCorner> corners, const FaceNormal<kLanes>* normals, Vec3& up) {
+  const hn::CappedTag<double, kLanes> tag;
+  double x = 0, y = 0, z = 0;
+  for (const RingCorner& c : corners) {
+    if (!c.of_triangle) continue;
+    const double* const unit = normals[c.face].unit;
+    x += unit[0], y += unit[1], z += unit[2];
+  }
+  up = {x, y, z};
+  const double size = std::abs(x) + std::abs(y) + std::abs(z);
+  const LaneVector<hn::Vec<decltype(tag)>> direction{hn::Set(tag, x), hn::Set(tag, y), hn::Set(tag, z)};
+  for (const RingCorner& c : corners) {
+    if (!c.tested) continue;
+    const FaceNormal<kLanes>& normal = normals[c.face];
+    const auto bound = hn::Set(tag, normal.bound * size);
+    for (int k = 0; k < kLanes; k += static_cast<int>(hn::Lanes(tag)))
+      if (!hn::AllTrue(tag, hn::Gt(dot(direction, load3(tag, normal.coefficients[0] + k, kLanes)), bound))) return true;
+  }
+  return false;
+}
+
+template <int kLanes>
+void folds_of(const Rings& rings, const FaceNormal<kLanes>* normals, std::size_t begin, std::size_t end) {
+  for (std::size_t v = begin; v < end; ++v)
+    rings.folds[v] =
+        folds_at({rings.corners + rings.begins[v], rings.corners + rings.begins[v + 1]}, normals, rings.ups[v]) ? 1 : 0;
+}
+
+void linear_normals(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
+                    FaceNormal<4>* out) {
+  normals_of<2>(step, faces, begin, end, out);
+}
+void quadratic_normals(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
+                       FaceNormal<8>* out) {
   normals_of<3>(step, faces, begin, end, out);
+}
+void linear_folds(const Rings& rings, const FaceNormal<4>* normals, std::size_t begin, std::size_t end) {
+  folds_of(rings, normals, begin, end);
+}
+void quadratic_folds(const Rings& rings, const FaceNormal<8>* normals, std::size_t begin, std::size_t end) {
+  folds_of(rings, normals, begin, end);
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE
@@ -101,16 +146,13 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace volccd::detail {
 
-HWY_EXPORT(normals_of_faces);
-
-void face_normals(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
-                  FaceNormals& out) {
-  HWY_DYNAMIC_DISPATCH(normals_of_faces)(step, faces, begin, end, out);
-}
+HWY_EXPORT(linear_normals);
+HWY_EXPORT(quadratic_normals);
+HWY_EXPORT(linear_folds);
+HWY_EXPORT(quadratic_folds);
 
 namespace {
-constexpr std::size_t kFaceGrain = 512;  // a multiple of 8
-constexpr std::size_t kRingGrain = 256;
+constexpr std::size_t kFaceGrain = 512, kRingGrain = 256;
 }  // namespace
 
 void BoundaryRings::set_faces(const Mesh& mesh, std::vector<RingFace> faces) {
@@ -121,54 +163,46 @@ void BoundaryRings::set_faces(const Mesh& mesh, std::vector<RingFace> faces) {
     for (std::size_t f = 0; f < faces_.size(); ++f)
       for (unsigned i = 0; i < 4; ++i)
         if (i < 3 || faces_[f].fourth != kNone)
-          visit(faces_[f].vertex(i), Corner{static_cast<Index>(f), i < 3, (faces_[f].tested >> i & 1) != 0});
+          visit(faces_[f].vertex(i), RingCorner{static_cast<Index>(f), i < 3, (faces_[f].tested >> i & 1) != 0});
   };
-  visit_corners([&](Index v, const Corner&) { ++begins_[v]; });
+  visit_corners([&](Index v, const RingCorner&) { ++begins_[v]; });
   Index end = 0;
   for (Index& begin : begins_) begin = end += begin;  // the ends; filling moves them to the beginnings
   corners_.resize(end);
-  visit_corners([&](Index v, const Corner& corner) { corners_[--begins_[v]] = corner; });
+  visit_corners([&](Index v, const RingCorner& corner) { corners_[--begins_[v]] = corner; });
 }
 
-bool BoundaryRings::folds_at(Index v) {
-  const std::span<const Corner> corners = std::span(corners_).subspan(begins_[v], begins_[v + 1] - begins_[v]);
-  Vec3 up = Vec3::Zero();
-  for (const Corner& c : corners)
-    if (c.of_triangle)
-      for (int axis = 0; axis < 3; ++axis)
-        up[axis] += normals_.units[static_cast<std::size_t>(axis) * normals_.stride + c.face];
-  ups_[v] = up;
-  const double size = std::abs(up[0]) + std::abs(up[1]) + std::abs(up[2]);
-  for (const Corner& c : corners) {
-    if (!c.tested) continue;
-    const double bound = normals_.bounds()[c.face] * size;
-    for (int k = 0; k < normals_.coefficients; ++k)
-      if (!(up[0] * normals_.row(k, 0)[c.face] + up[1] * normals_.row(k, 1)[c.face] + up[2] * normals_.row(k, 2)[c.face] >
-            bound))
-        return true;
-  }
-  return false;
-}
-
-void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector<std::uint8_t>& folds) {
-  normals_.coefficients = 2 * step.motion.control_points() - 1;
-  normals_.stride = (faces_.size() + 7) / 8 * 8 + 8;
-  normals_.rows.resize(static_cast<std::size_t>(3 * normals_.coefficients + 1) * normals_.stride);
-  normals_.units.resize(3 * normals_.stride);
-  executor.parallel_for(
-      (faces_.size() + kFaceGrain - 1) / kFaceGrain, 1, [&](std::size_t begin, std::size_t end, unsigned) {
-        face_normals(step, faces_, begin * kFaceGrain, std::min(end * kFaceGrain, faces_.size()), normals_);
-      });
-  folds.resize(ups_.size());
-  executor.parallel_for(folds.size(), kRingGrain, [&](std::size_t begin, std::size_t end, unsigned) {
-    for (std::size_t v = begin; v < end; ++v) folds[v] = folds_at(static_cast<Index>(v)) ? 1 : 0;
+template <int kLanes>
+void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector<FaceNormal<kLanes>>& normals,
+                               std::uint8_t* folds) {
+  normals.resize(faces_.size());
+  executor.parallel_for(faces_.size(), kFaceGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+    if constexpr (kLanes == 4)
+      HWY_DYNAMIC_DISPATCH(linear_normals)(step, faces_, begin, end, normals.data());
+    else
+      HWY_DYNAMIC_DISPATCH(quadratic_normals)(step, faces_, begin, end, normals.data());
+  });
+  const Rings rings{corners_.data(), begins_.data(), ups_.data(), folds};
+  executor.parallel_for(ups_.size(), kRingGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+    if constexpr (kLanes == 4)
+      HWY_DYNAMIC_DISPATCH(linear_folds)(rings, normals.data(), begin, end);
+    else
+      HWY_DYNAMIC_DISPATCH(quadratic_folds)(rings, normals.data(), begin, end);
   });
 }
 
+void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector<std::uint8_t>& folds) {
+  folds.resize(ups_.size());
+  if (step.motion.control_points() == 2)
+    find_folds(step, executor, linear_, folds.data());
+  else
+    find_folds(step, executor, quadratic_, folds.data());
+}
+
 std::size_t BoundaryRings::bytes() const {
-  return faces_.capacity() * sizeof(faces_[0]) +
-         (normals_.rows.capacity() + normals_.units.capacity()) * sizeof(double) + ups_.capacity() * sizeof(Vec3) +
-         begins_.capacity() * sizeof(Index) + corners_.capacity() * sizeof(Corner);
+  return faces_.capacity() * sizeof(faces_[0]) + linear_.capacity() * sizeof(linear_[0]) +
+         quadratic_.capacity() * sizeof(quadratic_[0]) + ups_.capacity() * sizeof(Vec3) +
+         begins_.capacity() * sizeof(Index) + corners_.capacity() * sizeof(RingCorner);
 }
 
 }  // namespace volccd::detail

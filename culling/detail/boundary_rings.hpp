@@ -20,25 +20,28 @@ struct RingFace {
   Index vertex(std::size_t i) const { return i < 3 ? triangle[i] : fourth; }
 };
 
-/// The normals of the moving boundary faces as Bernstein coefficients, in a structure of arrays.
-struct FaceNormals {
-  int coefficients = 0;      ///< 3 for linear motion, 5 for quadratic
-  std::size_t stride = 0;    ///< distance between rows, a multiple of 8
-  std::vector<double> rows;  ///< [coefficient][axis][face], each coefficient times its binomial; then [face]: the error
-                             ///< bound
-  std::vector<double> units;  ///< [axis][face]: sum of the unit normals at both ends
-
-  const double* row(int coefficient, int axis) const {
-    return rows.data() + static_cast<std::size_t>(3 * coefficient + axis) * stride;
-  }
-  /// For any vector n, the error of dot(n, coefficient) is less than |n|_1 times this bound.
-  const double* bounds() const { return row(coefficients, 0); }
+/// A face at a vertex, and whether the vertex is one of its triangle and is tested with it.
+struct RingCorner {
+  Index face;
+  bool of_triangle, tested;
 };
 
-/// Computes the normals of the faces [begin, end); `begin` is a multiple of 8. Compiled for each instruction set, with
-/// the same results on all of them.
-void face_normals(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
-                  FaceNormals& out);
+/// The normal of a moving face as Bernstein coefficients, each times its binomial: three for linear motion, five for
+/// quadratic. Copies of the first fill kLanes.
+template <int kLanes>
+struct alignas(64) FaceNormal {
+  double coefficients[3][kLanes];  ///< [axis][coefficient]
+  double unit[3];                  ///< sum of the unit normals at both ends
+  double bound;  ///< for any vector n, the error of dot(n, coefficient) is less than |n|_1 times this bound
+};
+
+/// The rings of all vertices, for the kernels: the corners of vertex v are corners[begins[v] .. begins[v + 1]).
+struct Rings {
+  const RingCorner* corners;
+  const Index* begins;
+  Vec3* ups;
+  std::uint8_t* folds;
+};
 
 /// The boundary faces of a mesh. Not thread-safe; uses the executor.
 class BoundaryRings {
@@ -55,19 +58,15 @@ class BoundaryRings {
   std::size_t bytes() const;
 
  private:
-  /// A face at a vertex, and whether the vertex is one of its triangle and is tested with it.
-  struct Corner {
-    Index face;
-    bool of_triangle, tested;
-  };
-
-  bool folds_at(Index v);
+  template <int kLanes>
+  void find_folds(const Step& step, Executor& executor, std::vector<FaceNormal<kLanes>>& normals, std::uint8_t* folds);
 
   std::vector<RingFace> faces_;
-  FaceNormals normals_;
-  std::vector<Vec3> ups_;        ///< by vertex
-  std::vector<Index> begins_;    ///< by vertex: where its corners begin
-  std::vector<Corner> corners_;  ///< of one vertex after the other
+  std::vector<FaceNormal<4>> linear_;
+  std::vector<FaceNormal<8>> quadratic_;
+  std::vector<Vec3> ups_;            ///< by vertex
+  std::vector<Index> begins_;        ///< by vertex: where its corners begin
+  std::vector<RingCorner> corners_;  ///< of one vertex after the other
 };
 
 }  // namespace volccd::detail

@@ -28,15 +28,13 @@ struct ConeFaces {
 inline ConeFaces make_cone_faces(ElementType type) {
   ConeFaces found;
   found.vertices = static_cast<std::uint8_t>(vertex_count(type));
-  const std::span<const std::uint8_t> stream = face_stream(type);
-  for (std::size_t i = 0; i < stream.size(); i += stream[i] + std::size_t{1}) {
+  volccd::visit_faces(face_stream(type), [&](std::span<const std::uint8_t> vertices) {
     ConeFace& face = found.faces[found.count++];
-    face.size = stream[i];
-    std::copy_n(stream.begin() + static_cast<std::ptrdiff_t>(i + 1), face.size, face.vertices.begin());
-    const auto end = face.vertices.begin() + face.size;
+    face.size = static_cast<std::uint8_t>(vertices.size());
+    std::copy(vertices.begin(), vertices.end(), face.vertices.begin());
     for (std::uint8_t v = 0; v < found.vertices; ++v)
-      if (std::find(face.vertices.begin(), end, v) == end) face.corners[face.corner_count++] = v;
-  }
+      if (std::find(vertices.begin(), vertices.end(), v) == vertices.end()) face.corners[face.corner_count++] = v;
+  });
   return found;
 }
 
@@ -63,11 +61,6 @@ inline const ConeFaces* cone_faces(ElementType type) {
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
-
-HWY_INLINE Lanes cone_norm1(const Lanes3& a) {
-  const Lanes3 m = abs(a);
-  return add3(m.x, m.y, m.z);
-}
 
 /// Processes 8 elements of one type.
 template <int kControlPoints>
@@ -110,7 +103,7 @@ class Cones {
     Lanes size = broadcast(kLeastExtent);
     for (int c = 0; c < kControlPoints; ++c) {
       path[c] = sub(path[c], from[c]);
-      size = hn::Max(size, cone_norm1(path[c]));
+      size = hn::Max(size, norm1(path[c]));
     }
     return size;
   }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <volccd/core/sort_unique.hpp>
+
 namespace volccd::detail {
 
 namespace {
@@ -133,10 +135,7 @@ TopologyDelta::Extent ElementStarTable::update(const Topology& topology, Executo
       for (const auto* list : {&f.removed_vertices, &f.added_vertices, &f.touched_vertices})
         changed_vertices_.insert(changed_vertices_.end(), list->begin(), list->end());
     }
-    for (std::vector<Index>* list : {&elements, &changed_vertices_}) {
-      std::sort(list->begin(), list->end());
-      list->erase(std::unique(list->begin(), list->end()), list->end());
-    }
+    for (std::vector<Index>* list : {&elements, &changed_vertices_}) sort_unique(*list);
     for (const Index o : elements) set_faces(topology, o);
     set_kinds(topology, changed_vertices_.size(), changed_vertices_.data(), executor);
   }

@@ -54,12 +54,12 @@ class ElementStarTable {
 template <class Visit>
 void visit_faces(const Mesh& mesh, Index o, Visit&& visit) {
   const std::span<const Index> v = mesh.vertices(o);
-  const std::span<const std::uint8_t> stream = face_stream(mesh.type(o));
   std::array<Index, 4> face;
-  for (std::size_t i = 0, number = 0; i < stream.size(); i += stream[i] + std::size_t{1}, ++number) {
-    for (std::size_t j = 0; j < stream[i]; ++j) face[j] = v[stream[i + 1 + j]];
-    visit(std::span<const Index>(face.data(), stream[i]), number);
-  }
+  std::size_t number = 0;
+  volccd::visit_faces(face_stream(mesh.type(o)), [&](std::span<const std::uint8_t> numbers) {
+    for (std::size_t j = 0; j < numbers.size(); ++j) face[j] = v[numbers[j]];
+    visit(std::span<const Index>(face.data(), numbers.size()), number++);
+  });
 }
 
 }  // namespace volccd::detail

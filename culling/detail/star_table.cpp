@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include <volccd/core/sort_unique.hpp>
+
 namespace volccd::detail {
 
 namespace {
@@ -211,8 +213,7 @@ TopologyDelta::Extent StarTable::update(const Topology& topology, Executor& exec
       for (const auto* list : {&f.removed_vertices, &f.added_vertices, &f.touched_vertices})
         changed_vertices_.insert(changed_vertices_.end(), list->begin(), list->end());
     }
-    std::sort(changed_vertices_.begin(), changed_vertices_.end());
-    changed_vertices_.erase(std::unique(changed_vertices_.begin(), changed_vertices_.end()), changed_vertices_.end());
+    sort_unique(changed_vertices_);
     set_kinds(topology, changed_vertices_.size(), changed_vertices_.data(), executor);
     for (const Index v : changed_vertices_)
       for (const Index o : features.vertex_elements(v)) set_boundary(topology, o);

@@ -194,9 +194,7 @@ class Deform final : public Scene {
     for (Index copy = 0; copy < copies(); ++copy)
       for (ElementSpec e : mesh_.elements) {
         const Index first = copy * static_cast<Index>(mesh_.positions.size());
-        for (Index& v : e.vertices) v += first;
-        for (std::size_t i = 0; i < e.faces.size(); i += e.faces[i] + std::size_t{1})
-          for (std::size_t j = i + 1; j <= i + e.faces[i]; ++j) e.faces[j] += first;
+        e.renumber([&](Index v) { return v + first; });
         e.object = static_cast<std::int32_t>(copy) * parts + rank[e.object];
         e.id += copy * ids;
         cells_.add(e);

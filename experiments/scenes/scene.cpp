@@ -65,9 +65,7 @@ Shape shape_from_file(const std::string& file, int step) {
     }
   for (std::size_t i = 0; i < cells.size(); ++i) {
     ElementSpec spec = cells.spec(i);
-    for (Index& v : spec.vertices) v = slot[v];
-    for (std::size_t k = 0; k < spec.faces.size(); k += spec.faces[k] + std::size_t{1})
-      for (std::size_t j = k + 1; j <= k + spec.faces[k]; ++j) spec.faces[j] = slot[spec.faces[j]];
+    spec.renumber([&](Index v) { return slot[v]; });
     shape.elements.push_back(std::move(spec));
   }
   return shape;

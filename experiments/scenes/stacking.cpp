@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 
+#include <volccd/core/sort_unique.hpp>
 #include <volccd/mesh/features.hpp>
 
 namespace volccd {
@@ -109,8 +110,7 @@ std::vector<std::array<Index, 2>> edges_of(const std::vector<std::array<Index, 3
   for (const auto& f : triangles)
     for (std::size_t i = 0; i < 3; ++i)
       edges.push_back({std::min(f[i], f[(i + 1) % 3]), std::max(f[i], f[(i + 1) % 3])});
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  sort_unique(edges);
   return edges;
 }
 
@@ -119,9 +119,10 @@ std::vector<std::array<Index, 2>> edges_of(const std::vector<std::array<Index, 3
 std::vector<std::array<Index, 3>> face_triangles(const Shape& shape) {
   std::vector<std::array<Index, 3>> triangles;
   const auto add_faces = [&](auto stream, auto slot) {
-    for (std::size_t i = 0; i < stream.size(); i += std::size_t{1} + stream[i])
-      for (std::size_t k = 2; k < stream[i]; ++k)
-        triangles.push_back({slot(stream[i + 1]), slot(stream[i + k]), slot(stream[i + k + 1])});
+    visit_faces(stream, [&](auto face) {
+      for (std::size_t k = 1; k + 1 < face.size(); ++k)
+        triangles.push_back({slot(face[0]), slot(face[k]), slot(face[k + 1])});
+    });
   };
   for (const ElementSpec& e : shape.elements)
     if (e.type == ElementType::polytope)

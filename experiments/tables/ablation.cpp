@@ -46,6 +46,7 @@ constexpr Sweep kOptions[] = {{"VolCCD", "csat.axis", "face,predetermined,veloci
                               {"VolCCD+", "csat.mode", "pair,features,both"},
                               {"VolCCD+", "kdop-bvh.k", "6,14,16,18,24,26"},
                               {"VolCCD+", "kdop-bvh.leaf_size", "1,2,4,8"},
+                              {"VolCCD+", "kdop-bvh.adjacent_pairs", "table,vertices"},
                               {"VolCCD+", "kdop-bvh.restructure", "none,subtrees,always"},
                               {"HashCCD", "spatial-hash.cell_size", "0.5,1,2,4"},
                               {"VolCCD", "o-set.kind", "minimal,literal"},

@@ -15,6 +15,7 @@
 #include <volccd/experiments/tables/rows.hpp>
 #include <volccd/mesh/sequence/stepper.hpp>
 #include <volccd/pipelines/pipeline.hpp>
+#include <volccd/simulation/contact_surface.hpp>
 
 namespace volccd {
 
@@ -100,20 +101,12 @@ class Observer {
 
   std::size_t interior_contacts() const {
     const Features& features = stepper_.topology().features();
-    std::vector<char> vertex(features.vertex_slots(), 0), edge(features.edge_slots(), 0);
-    const auto outside = [&](Index f) { return features.triangle_elements(f).size() == 1; };
-    for (Index f = 0; f < features.triangle_slots(); ++f) {
-      if (!outside(f)) continue;
-      const auto& t = features.triangle(f);
-      for (std::size_t i = 0; i < 3; ++i) {
-        vertex[t[i]] = 1;
-        if (const Index e = features.find_edge(t[i], t[(i + 1) % 3]); e != kNone) edge[e] = 1;
-      }
-    }
+    const simulation::ContactSurface boundary(stepper_.topology(), simulation::ContactFeatures::boundary, 1);
     return static_cast<std::size_t>(std::ranges::count_if(result_.contacts, [&](const Contact& c) {
       const auto& v = c.vertices;
-      if (c.kind == FeatureKind::vf) return !vertex[v[0]] || !outside(features.find_triangle(v[1], v[2], v[3]));
-      return !edge[features.find_edge(v[0], v[1])] || !edge[features.find_edge(v[2], v[3])];
+      if (c.kind == FeatureKind::vf)
+        return !boundary.has_vertex(v[0]) || !boundary.has_triangle(features.find_triangle(v[1], v[2], v[3]));
+      return !boundary.has_edge(features.find_edge(v[0], v[1])) || !boundary.has_edge(features.find_edge(v[2], v[3]));
     }));
   }
 

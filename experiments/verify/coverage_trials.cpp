@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <iterator>
 
+#include <volccd/core/sort_unique.hpp>
 #include <volccd/culling/assignment.hpp>
 #include <volccd/culling/orphan_source.hpp>
 #include <volccd/experiments/verify/detail/stage_trials.hpp>
@@ -15,11 +16,6 @@ namespace {
 
 using Tests = std::vector<FeaturePair>;
 
-void sort_and_unite(Tests& tests) {
-  std::sort(tests.begin(), tests.end());
-  tests.erase(std::unique(tests.begin(), tests.end()), tests.end());
-}
-
 /// Lists of tests, sorted and without duplicates.
 struct Coverage {
   Tests vf, ee;
@@ -29,8 +25,8 @@ struct Coverage {
 
 Coverage coverage_of(const TestBatch& batch) {
   Coverage coverage{batch.vf, batch.ee};
-  sort_and_unite(coverage.vf);
-  sort_and_unite(coverage.ee);
+  sort_unique(coverage.vf);
+  sort_unique(coverage.ee);
   return coverage;
 }
 

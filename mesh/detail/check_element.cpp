@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include <volccd/core/sort_unique.hpp>
+
 namespace volccd::detail {
 
 namespace {
@@ -64,8 +66,7 @@ std::string polytope_problem(const ElementSpec& element, const VertexNames& name
   std::vector<Index> used, vertices = element.vertices;
   std::string problem = read_faces(element.faces, names, edges, used);
   if (!problem.empty()) return problem;
-  std::sort(used.begin(), used.end());
-  used.erase(std::unique(used.begin(), used.end()), used.end());
+  sort_unique(used);
   std::sort(vertices.begin(), vertices.end());
   if (used != vertices) return "the faces of the polytope do not use exactly its vertices";
   std::sort(edges.begin(), edges.end());

@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include <volccd/core/sort_unique.hpp>
+
 namespace volccd::detail {
 
 namespace {
@@ -16,8 +18,7 @@ using Faces = std::vector<Face>;
 
 std::vector<Index> distinct(std::span<const Index> nodes) {
   std::vector<Index> result(nodes.begin(), nodes.end());
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
+  sort_unique(result);
   return result;
 }
 
@@ -32,13 +33,12 @@ Face reduced(Face face) {
 /// The reduced faces of an element, without those with fewer than three nodes, in ascending order.
 Faces faces_of(ElementType type, std::span<const Index> nodes) {
   Faces faces;
-  const std::span<const std::uint8_t> stream = face_stream(type);
-  for (std::size_t at = 0; at < stream.size(); at += stream[at] + 1u) {
+  visit_faces(face_stream(type), [&](std::span<const std::uint8_t> numbers) {
     Face face;
-    for (std::size_t i = 1; i <= stream[at]; ++i) face.push_back(nodes[stream[at + i]]);
+    for (const std::uint8_t i : numbers) face.push_back(nodes[i]);
     face = reduced(std::move(face));
     if (face.size() >= 3) faces.push_back(std::move(face));
-  }
+  });
   std::sort(faces.begin(), faces.end());
   return faces;
 }

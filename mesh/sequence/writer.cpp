@@ -237,13 +237,11 @@ void SequenceWriter::Impl::make_polyhedra() {
 void SequenceWriter::Impl::append_polyhedra(const SequenceCells& cells) {
   Integers points, face_ends{0}, to_faces, cell_ends{0};
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    const std::span<const Index> stream = cells.face_stream(i);
-    for (std::size_t at = 0; at < stream.size(); at += stream[at] + 1) {
-      const std::span<const Index> face = stream.subspan(at + 1, stream[at]);
+    visit_faces(cells.face_stream(i), [&](std::span<const Index> face) {
       points.insert(points.end(), face.begin(), face.end());
       to_faces.push_back(static_cast<std::int64_t>(to_faces.size()));
       face_ends.push_back(static_cast<std::int64_t>(points.size()));
-    }
+    });
     cell_ends.push_back(static_cast<std::int64_t>(to_faces.size()));
   }
   polyhedra->face_connectivity.append(points);

@@ -108,9 +108,7 @@ Shape& Shape::append(const Shape& other, std::int32_t object) {
   for (const ElementSpec& spec : elements) next_id = std::max(next_id, spec.id + 1);
   positions.insert(positions.end(), other.positions.begin(), other.positions.end());
   for (ElementSpec spec : other.elements) {
-    for (Index& v : spec.vertices) v += first_vertex;
-    for (std::size_t i = 0; i < spec.faces.size(); i += spec.faces[i] + 1)
-      for (std::size_t j = i + 1; j <= i + spec.faces[i]; ++j) spec.faces[j] += first_vertex;
+    spec.renumber([&](Index v) { return v + first_vertex; });
     spec.object = object;
     spec.id += next_id;
     elements.push_back(std::move(spec));
@@ -162,11 +160,7 @@ Shape permuted(const Shape& shape, std::uint64_t seed) {
   result.positions.resize(shape.positions.size());
   for (std::size_t v = 0; v < to.size(); ++v) result.positions[to[v]] = shape.positions[v];
   result.elements = shape.elements;
-  for (ElementSpec& spec : result.elements) {
-    for (Index& v : spec.vertices) v = to[v];
-    for (std::size_t i = 0; i < spec.faces.size(); i += spec.faces[i] + 1)
-      for (std::size_t j = i + 1; j <= i + spec.faces[i]; ++j) spec.faces[j] = to[spec.faces[j]];
-  }
+  for (ElementSpec& spec : result.elements) spec.renumber([&](Index v) { return to[v]; });
   random.shuffle(result.elements);
   return result;
 }

@@ -31,11 +31,14 @@ INSTANTIATE_TEST_SUITE_P(AllK, KdopPhases, ::testing::Values(6, 14, 16, 18, 24, 
 TEST(KdopBvhTest, LeafSizeDoesNotMatter) {
   for (const Scene& scene : scenes()) {
     SCOPED_TRACE(scene.name);
-    const Pairs expected = run_fresh(*make(describe_kdop_bvh()), scene.step());
-    for (int leaf_size : {1, 2, 3, 5, 7, 8})
-      EXPECT_EQ(expected,
-                run_fresh(*make(describe_kdop_bvh(), {{"leaf_size", std::to_string(leaf_size)}}), scene.step()))
-          << leaf_size;
+    for (PairRange range : {PairRange::nonadjacent, PairRange::every}) {
+      const Pairs expected =
+          run_fresh(*make(describe_kdop_bvh(), {{"adjacent_pairs", "vertices"}}), scene.step(), range);
+      for (int leaf_size : {1, 2, 3, 4, 5, 7, 8})
+        EXPECT_EQ(expected, run_fresh(*make(describe_kdop_bvh(), {{"leaf_size", std::to_string(leaf_size)}}),
+                                      scene.step(), range))
+            << leaf_size;
+    }
   }
 }
 

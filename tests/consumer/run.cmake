@@ -9,10 +9,10 @@
 #   headers    checks that each installed header compiles by itself
 #   debian     makes the Debian packages, unpacks them into an empty root, and uses them: the program, the importer, and
 #              tests/consumer/ with CMake and with pkg-config (python/tests/installed.py uses the Python module)
-#   shared     links shared libraries from the objects that the part `lean` compiled, installs them, and uses them with
-#              CMake and with pkg-config
+#   shared     links shared libraries from the objects of the static ones, installs them, and uses them with CMake and with
+#              pkg-config; the build has no program
 #   fresh      configures the project where only the packages that the program needs are there
-#   lean       builds and installs the library without program, HDF5 and GMP, and uses it
+#   lean       installs the library of a build without program, HDF5 and GMP, and uses it
 cmake_policy(VERSION 3.22)
 set(PREFIX "${WORK_DIR}/prefix")
 
@@ -52,22 +52,16 @@ function(use_by_pkg_config name)
   run("run" "${WORK_DIR}/${name}")
 endfunction()
 
-# The library without its optional parts, whether or not HDF5 and GMP are installed.
+# Options for users of the library without its optional parts.
 set(without -DCMAKE_DISABLE_FIND_PACKAGE_HDF5=ON -DCMAKE_DISABLE_FIND_PACKAGE_GMP=ON)
-set(lean -DVOLCCD_WITH_HDF5=OFF -DVOLCCD_WITH_GMP=OFF ${without})
 
-# install_library(name shared): builds the project's library alone, without its optional parts, and installs it into
-# WORK_DIR/name. Without optimisation, which takes half as long. Static and shared libraries have one build folder and
-# the same objects.
+# install_library(name shared): builds the library alone in the build folder, as static or as shared libraries of the same
+# objects, and installs it into WORK_DIR/name.
 function(install_library name shared)
-  set(folder "${WORK_DIR}/library-build")
-  configure_command(command "${PROJECT_DIR}" library-build "-DBUILD_SHARED_LIBS=${shared}"
-    -DVOLCCD_BUILD_PROGRAM=OFF -DVOLCCD_BUILD_TESTS=OFF -DVOLCCD_BUILD_BENCHMARKS=OFF -DVOLCCD_SIMD=baseline
-    -DCMAKE_UNITY_BUILD=ON -DCMAKE_UNITY_BUILD_BATCH_SIZE=16 -DCMAKE_BUILD_TYPE=Debug -DCMAKE_CXX_FLAGS_DEBUG=-O0 ${lean})
-  run("configure" ${command})
-  run("build" "${CMAKE_COMMAND}" --build "${folder}")
+  run("configure" "${CMAKE_COMMAND}" -S "${PROJECT_DIR}" -B "${BUILD_DIR}" "-DBUILD_SHARED_LIBS=${shared}")
+  run("build" "${CMAKE_COMMAND}" --build "${BUILD_DIR}" --target volccd_pipelines)
   file(REMOVE_RECURSE "${WORK_DIR}/${name}")
-  run("install" "${CMAKE_COMMAND}" --install "${folder}" --prefix "${WORK_DIR}/${name}")
+  run("install" "${CMAKE_COMMAND}" --install "${BUILD_DIR}" --prefix "${WORK_DIR}/${name}")
 endfunction()
 
 # write_project(folder component text): a project that asks for the component (empty: for none).
@@ -242,7 +236,6 @@ elseif(PART STREQUAL "fresh")
     endif()
   endforeach()
 elseif(PART STREQUAL "lean")
-  file(REMOVE_RECURSE "${WORK_DIR}/library-build")
   install_library(lean OFF)
   set(PREFIX "${WORK_DIR}/lean")
   build("${PROJECT_DIR}/tests/consumer" consumer-of-lean ${without_program} ${without})

@@ -16,6 +16,7 @@
 #include <volccd/oracle/cases/shapes.hpp>
 
 #include "culling/ends_in_loop.hpp"
+#include "culling/jittered_block.hpp"
 
 namespace volccd::detail {
 namespace {
@@ -280,15 +281,12 @@ TEST(ElementStars, AnInterruptedStepIsBegunAnew) {
   const auto suspects = [&](int interrupted) {
     ElementStars stars;
     for (const int n : {3, 2}) {
-      const Shape shape = block(ElementType::hexahedron, n, n, n);
-      const Topology topology(shape.mesh());
-      const Motion motion = Motion::linear(shape.positions, jittered(shape.positions, 0.25, 5));
-      const Step step{topology, motion, kEveryObject};
+      const JitteredBlock block(ElementType::hexahedron, n, 0.25, 5);
       if (n == 2 && interrupted >= 0) {
         EndsInLoop executor(interrupted);
-        EXPECT_THROW(stars.update(step, executor), std::runtime_error) << interrupted;
+        EXPECT_THROW(stars.update(block.step(), executor), std::runtime_error) << interrupted;
       }
-      stars.update(step, serial);
+      stars.update(block.step(), serial);
     }
     return stars.suspects();
   };
@@ -300,10 +298,9 @@ TEST(StarOrphans, LeavesSomeStepsToTheOSet) {
   SerialExecutor serial;
   const StarOrphans source({});
   const auto by_stars = [&](const Shape& shape, double amount, double separation) {
-    const Topology topology(shape.mesh());
-    const Motion motion = Motion::linear(shape.positions, jittered(shape.positions, amount, 3));
+    const JitteredBlock block(shape, amount, 3);
     const auto state = source.make_state();
-    source.prepare({topology, motion, kEveryObject, separation}, *state, serial);
+    source.prepare(block.step(separation), *state, serial);
     return StarOrphans::counters(*state).by_stars;
   };
   const Shape solid = block(ElementType::hexahedron, 3, 3, 3), sheet = block(ElementType::triangle, 3, 3, 1);

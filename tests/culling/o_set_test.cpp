@@ -1,6 +1,5 @@
 // O-Sets in situations that the enumeration on regular meshes does not reach: random elements on few vertices (any
-// number of elements at a feature, non-manifold everywhere), incremental updates on larger meshes, and the list of
-// blocks.
+// number of elements at a feature, non-manifold everywhere), and incremental updates on larger meshes.
 #include <algorithm>
 #include <array>
 #include <memory>
@@ -12,7 +11,6 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/culling/detail/o_set_blocks.hpp>
 #include <volccd/culling/o_set.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/query/test_block.hpp>
@@ -147,9 +145,7 @@ Mesh soup(Random& random, std::span<const ElementType> types, Index clusters, In
     const Index span = random.below(3) == 0 && clusters > 1 ? 2 : 1;
     const auto at = static_cast<Index>(random.below(clusters - span + 1));
     ElementSpec spec = random_element(random, span * per_cluster, types[random.below(types.size())], i);
-    for (Index& v : spec.vertices) v += at * per_cluster;
-    for (std::size_t f = 0; f < spec.faces.size(); f += spec.faces[f] + 1)
-      for (std::size_t k = f + 1; k <= f + spec.faces[f]; ++k) spec.faces[k] += at * per_cluster;
+    spec.renumber([&](Index v) { return v + at * per_cluster; });
     mesh.add_element(spec);
   }
   return mesh;
@@ -295,9 +291,7 @@ class Editor {
     const auto at =
         random_.below(4) == 0 ? vertices - window : static_cast<Index>(random_.below(vertices - window + 1));
     ElementSpec spec = random_element(random_, window, type, next_id_++);
-    for (Index& v : spec.vertices) v += at;
-    for (std::size_t f = 0; f < spec.faces.size(); f += spec.faces[f] + 1)
-      for (std::size_t k = f + 1; k <= f + spec.faces[f]; ++k) spec.faces[k] += at;
+    spec.renumber([&](Index v) { return v + at; });
     edit.added.push_back(std::move(spec));
   }
 
@@ -421,86 +415,6 @@ TEST(OSetUpdate, DownToNothingAndBack) {
   editor.put_everything_back();
   set.update(topology);
   EXPECT_EQ(keys(set, topology.features()), before);
-}
-
-class OSetBlocksTest : public ::testing::Test {
- protected:
-  using Rows = detail::OSetBlocks::Rows;
-
-  OSetBlocksTest() : topology_(block(ElementType::tetrahedron, 6, 6, 6).mesh()) { blocks_.start_over(features()); }
-  const Features& features() const { return topology_.features(); }
-
-  void write(Rows kind, Index owner, Index first, Index end) {
-    detail::OSetBlocks::Writer rows(blocks_, kind);
-    rows.begin_row(owner);
-    for (Index i = first; i < end; ++i) rows.add(i);
-    rows.end_row();
-    rows.flush();
-  }
-  std::set<std::pair<Index, Index>> pairs(FeatureKind kind) const {
-    TestBatch batch;
-    for (std::size_t b = 0; b < blocks_.size(); ++b) blocks_.append(b, batch);
-    std::set<std::pair<Index, Index>> set;
-    for (const FeaturePair p : kind == FeatureKind::vf ? batch.vf : batch.ee)
-      EXPECT_TRUE(set.insert({p.a, p.b}).second);
-    return set;
-  }
-
-  Topology topology_;
-  detail::OSetBlocks blocks_;
-};
-
-TEST_F(OSetBlocksTest, LongRowsGoOn) {
-  const Index n = 3 * detail::OSetBlocks::kBlockPairs + 5;
-  write(Rows::vertex, 7, 0, n);
-  EXPECT_EQ(blocks_.size(), 4u);
-  EXPECT_EQ(pairs(FeatureKind::vf).size(), n);
-  write(Rows::edge, 7, 9, 9);
-  EXPECT_EQ(blocks_.size(), 4u) << "empty rows leave nothing";
-}
-
-TEST_F(OSetBlocksTest, RenewalsVoidEarlierPairs) {
-  write(Rows::vertex, 1, 10, 13);
-  write(Rows::triangle, 20, 2, 4);
-  write(Rows::edge, 5, 3, 5);
-  blocks_.settle();
-  blocks_.next_epoch(features());
-  blocks_.renew_triangle(11);
-  blocks_.renew_vertex(2);
-  blocks_.renew_edge(4);
-  EXPECT_TRUE(blocks_.vertex_is_new(2) && !blocks_.vertex_is_new(1));
-  EXPECT_TRUE(blocks_.edge_is_new(4) && !blocks_.edge_is_new(5));
-  EXPECT_EQ(pairs(FeatureKind::vf), (std::set<std::pair<Index, Index>>{{1, 10}, {1, 12}, {3, 20}}));
-  EXPECT_EQ(pairs(FeatureKind::ee), (std::set<std::pair<Index, Index>>{{3, 5}}));
-  blocks_.next_epoch(features());
-  EXPECT_FALSE(blocks_.vertex_is_new(2));
-  write(Rows::vertex, 1, 11, 12);
-  write(Rows::edge, 5, 4, 5);
-  const std::set<std::pair<Index, Index>> vf{{1, 10}, {1, 11}, {1, 12}, {3, 20}}, ee{{3, 5}, {4, 5}};
-  EXPECT_EQ(pairs(FeatureKind::vf), vf);
-  EXPECT_EQ(pairs(FeatureKind::ee), ee);
-  std::size_t vf_count = 0, ee_count = 0;
-  blocks_.count(vf_count, ee_count);
-  EXPECT_EQ(vf_count, vf.size());
-  EXPECT_EQ(ee_count, ee.size());
-}
-
-/// Epochs are numbered with 16 bits.
-TEST_F(OSetBlocksTest, EpochsNeverRunOut) {
-  write(Rows::vertex, 1, 10, 12);
-  blocks_.settle();
-  blocks_.next_epoch(features());
-  blocks_.renew_triangle(11);
-  write(Rows::triangle, 11, 3, 4);
-  for (int i = 0; i < 70'000; ++i) blocks_.next_epoch(features());
-  EXPECT_EQ(pairs(FeatureKind::vf), (std::set<std::pair<Index, Index>>{{1, 10}, {3, 11}}));
-  blocks_.renew_vertex(1);
-  EXPECT_TRUE(blocks_.vertex_is_new(1));
-  write(Rows::vertex, 1, 12, 13);
-  for (int i = 0; i < 70'000; ++i) blocks_.next_epoch(features());
-  EXPECT_EQ(pairs(FeatureKind::vf), (std::set<std::pair<Index, Index>>{{1, 12}, {3, 11}}));
-  blocks_.renew_vertex(1);
-  EXPECT_EQ(pairs(FeatureKind::vf), (std::set<std::pair<Index, Index>>{{3, 11}}));
 }
 
 }  // namespace

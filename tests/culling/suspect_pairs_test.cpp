@@ -12,6 +12,7 @@
 #include <volccd/oracle/cases/shapes.hpp>
 
 #include "culling/ends_in_loop.hpp"
+#include "culling/jittered_block.hpp"
 
 namespace volccd::detail {
 namespace {
@@ -71,12 +72,16 @@ bool touch(const Pair& pair) {
   return false;
 }
 
-bool is_suspect(const Pair& pair, SuspectPairs& suspects, Executor& executor) {
-  const Step step{pair.topology, pair.motion, kNoFilter};
+StarClasses classes_of(const Step& step, Executor& executor) {
   StarTable stars;
   StarClasses classes;
-  classes.update(step, stars, stars.update(pair.topology, executor), executor);
-  suspects.update(step, classes, executor);
+  classes.update(step, stars, stars.update(step.topology, executor), executor);
+  return classes;
+}
+
+bool is_suspect(const Pair& pair, SuspectPairs& suspects, Executor& executor) {
+  const Step step{pair.topology, pair.motion, kNoFilter};
+  suspects.update(step, classes_of(step, executor), executor);
   return suspects.contains(0, 1);
 }
 
@@ -101,35 +106,14 @@ TEST(SuspectPairs, LeaveOutOnlyWhatDoesNotTouch) {
   }
 }
 
-/// Throws as after Ctrl-C, when the work of a chunk is done.
-class InterruptedExecutor final : public Executor {
- public:
-  unsigned workers() const override { return 1; }
-  void parallel_for(std::size_t n, std::size_t, Body body) override {
-    if (n > 0) body(0, n, 0);
-    throw std::runtime_error("interrupted");
-  }
-};
-
 TEST(SuspectPairs, AnInterruptedListLeavesNothingToTheNext) {
   SerialExecutor serial;
-  InterruptedExecutor interrupted;
+  EndsInLoop interrupted(0);
   SuspectPairs suspects;
-  for (const int n : {3, 1}) {
-    const Shape shape = block(ElementType::tetrahedron, n, n, n);
-    const Topology topology(shape.mesh());
-    const Motion motion = Motion::linear(shape.positions, jittered(shape.positions, 0.6, 3));
-    const Step step{topology, motion, kNoFilter};
-    StarTable stars;
-    StarClasses classes;
-    classes.update(step, stars, stars.update(topology, serial), serial);
-    if (n == 3) {
-      EXPECT_THROW(suspects.update(step, classes, interrupted), std::runtime_error);
-      continue;
-    }
-    suspects.update(step, classes, serial);
-    for (const ElementPair pair : suspects.pairs()) EXPECT_LT(pair.b, topology.mesh().element_slots());
-  }
+  const JitteredBlock large(ElementType::tetrahedron, 3, 0.6, 3), small(ElementType::tetrahedron, 1, 0.6, 3);
+  EXPECT_THROW(suspects.update(large.step(), classes_of(large.step(), serial), interrupted), std::runtime_error);
+  suspects.update(small.step(), classes_of(small.step(), serial), serial);
+  for (const ElementPair pair : suspects.pairs()) EXPECT_LT(pair.b, small.topology().mesh().element_slots());
 }
 
 /// A change of the topology that was announced to an interrupted step takes effect in the next step.
@@ -139,17 +123,14 @@ TEST(StarClasses, AnInterruptedStepIsBegunAnew) {
     StarTable stars;
     StarClasses classes;
     for (const int n : {3, 2}) {
-      const Shape shape = block(ElementType::tetrahedron, n, n, n);
-      const Topology topology(shape.mesh());
-      const Motion motion = Motion::linear(shape.positions, jittered(shape.positions, 0.25, 5));
-      const Step step{topology, motion, kNoFilter};
-      TopologyDelta::Extent changed = stars.update(topology, serial);
+      const JitteredBlock block(ElementType::tetrahedron, n, 0.25, 5);
+      TopologyDelta::Extent changed = stars.update(block.topology(), serial);
       if (n == 2 && interrupted) {
         EndsInLoop executor(0);
-        EXPECT_THROW(classes.update(step, stars, changed, executor), std::runtime_error);
+        EXPECT_THROW(classes.update(block.step(), stars, changed, executor), std::runtime_error);
         changed = TopologyDelta::Extent::none;
       }
-      classes.update(step, stars, changed, serial);
+      classes.update(block.step(), stars, changed, serial);
     }
     return classes.suspects();
   };
@@ -159,16 +140,11 @@ TEST(StarClasses, AnInterruptedStepIsBegunAnew) {
 /// A pair with a clear star at a common vertex is never listed; all other pairs of a star are listed once.
 TEST(SuspectPairs, ListEachPairOnce) {
   SerialExecutor serial;
-  const Shape shape = block(ElementType::tetrahedron, 3, 3, 3);
-  const Topology topology(shape.mesh());
   for (const double amount : {0.01, 0.6}) {
-    const Motion motion = Motion::linear(shape.positions, jittered(shape.positions, amount, 3));
-    const Step step{topology, motion, kNoFilter};
-    StarTable stars;
-    StarClasses classes;
+    const JitteredBlock block(ElementType::tetrahedron, 3, amount, 3);
+    const StarClasses classes = classes_of(block.step(), serial);
     SuspectPairs suspects;
-    classes.update(step, stars, stars.update(topology, serial), serial);
-    suspects.update(step, classes, serial);
+    suspects.update(block.step(), classes, serial);
     if (amount < 0.1) {
       EXPECT_TRUE(suspects.pairs().empty());
       continue;
@@ -179,7 +155,7 @@ TEST(SuspectPairs, ListEachPairOnce) {
     EXPECT_EQ(std::adjacent_find(pairs.begin(), pairs.end()), pairs.end());
     for (const ElementPair pair : pairs) {
       EXPECT_LE(pair.a, pair.b);
-      EXPECT_NE(classes.common_suspects(topology, pair.a, pair.b), 0u);
+      EXPECT_NE(classes.common_suspects(block.topology(), pair.a, pair.b), 0u);
       EXPECT_TRUE(suspects.contains(pair.b, pair.a));
     }
   }

@@ -126,12 +126,7 @@ class FloodScenes {
         return has(a) && has(b);
       });
       if (!safe || a == b) continue;
-      for (ElementSpec& e : shape.elements) {
-        std::replace(e.vertices.begin(), e.vertices.end(), a, b);
-        for (std::size_t f = 0; f < e.faces.size(); f += e.faces[f] + std::size_t{1})
-          std::replace(e.faces.begin() + static_cast<std::ptrdiff_t>(f + 1),
-                       e.faces.begin() + static_cast<std::ptrdiff_t>(f + 1 + e.faces[f]), a, b);
-      }
+      for (ElementSpec& e : shape.elements) e.renumber([&](Index v) { return v == a ? b : v; });
       note("joined");
     }
   }

@@ -29,14 +29,27 @@ class HowTo(ProgramTest):
         return subprocess.run([os.path.abspath(program), *first, *words[1:]], cwd=folder, env=env, capture_output=True,
                               text=True, check=False)
 
-    def test_commands_work_in_order(self):
-        folder = self.path("how-to")
+    def check(self, folder, command, code=0):
+        """Runs the command, which must end with the exit code, and returns its result."""
+        done = self.run_in_folder(folder, command)
+        self.assertEqual(done.returncode, code, f"{command}\n{done.stdout}{done.stderr}")
+        return done
+
+    def commands_of(self, name, begin, more_than):
+        """The commands of a page that begin so."""
+        commands = re.findall(rf"^    ({begin}.*)$", page(name), re.MULTILINE)
+        self.assertGreater(len(commands), more_than)
+        return commands
+
+    def new_folder(self, name):
+        folder = self.path(name)
         os.mkdir(folder)
-        commands = re.findall(r"^    (\S.*)$", page("how_to.md"), re.MULTILINE)
-        self.assertGreater(len(commands), 20)
-        for command in commands:
-            done = self.run_in_folder(folder, command)
-            self.assertEqual(done.returncode, 0, f"{command}\n{done.stdout}{done.stderr}")
+        return folder
+
+    def test_commands_work_in_order(self):
+        folder = self.new_folder("how-to")
+        for command in self.commands_of("how_to.md", r"\S", more_than=20):
+            self.check(folder, command)
         for name in ("run.vtkhdf", "contacts.csv", "between.csv", "overlaps.csv", "contacts.vtp", "steps_0004.vtkhdf",
                      "run-3.png", "inside.png"):
             self.assertTrue(os.path.getsize(os.path.join(folder, name)), name)
@@ -54,8 +67,7 @@ class HowTo(ProgramTest):
             shutil.copytree(os.path.join(SOURCE, "results"), os.path.join(folder, results))
         self.good("scene", "generate", "builtin", "--elements", "300", "--steps", "61", "-o",
                   os.path.join(folder, "run.vtkhdf"))
-        with_queries = self.path("with-queries")  # and with velocities
-        os.mkdir(with_queries)
+        with_queries = self.new_folder("with-queries")  # and with velocities
         self.good("scene", "generate", "weld", "--elements", "300", "--steps", "3", "-o",
                   os.path.join(with_queries, "run.vtkhdf"))
         ran = []
@@ -74,31 +86,23 @@ class HowTo(ProgramTest):
         self.assertGreater(len(ran), 25)
 
     def test_commands_of_adding_a_stage_work_in_order(self):
-        folder = self.path("stage")
-        os.mkdir(folder)
-        commands = re.findall(r"^    (build/custom_culling \S.*)$", page("adding_a_stage.md"), re.MULTILINE)
-        self.assertGreater(len(commands), 7)
-        for command in commands:
+        folder = self.new_folder("stage")
+        for command in self.commands_of("adding_a_stage.md", r"build/custom_culling \S", more_than=7):
             if not self.LONG.search(command) and "--trials" not in command:
-                done = self.run_in_folder(folder, command)
-                self.assertEqual(done.returncode, 0, f"{command}\n{done.stdout}{done.stderr}")
+                self.check(folder, command)
 
     def test_figures(self):
-        folder = self.path("figures")
-        os.mkdir(folder)
+        folder = self.new_folder("figures")
         shutil.copytree(os.path.join(SOURCE, "results"), os.path.join(folder, "results"))
-        commands = re.findall(r"^    (tools/plot_results\.py \S.*)$", page("reproducing.md"), re.MULTILINE)
-        self.assertGreater(len(commands), 1)
+        commands = self.commands_of("reproducing.md", r"tools/plot_results\.py \S", more_than=1)
         if subprocess.run(["/usr/bin/python3", "-c", "import matplotlib"], capture_output=True, check=False).returncode:
             self.skipTest("python3-matplotlib is not installed")
         for command in commands:
-            done = self.run_in_folder(folder, command)
-            self.assertEqual(done.returncode, 0, f"{command}\n{done.stdout}{done.stderr}")
+            self.check(folder, command)
         self.assertTrue(os.path.exists(os.path.join(folder, "build/figures/speedup.svg")))
 
     def test_messages_are_those_of_the_program(self):
-        folder = self.path("trouble")
-        os.mkdir(folder)
+        folder = self.new_folder("trouble")
         shutil.copy(self.sequence, os.path.join(folder, "run.vtkhdf"))
         with open(self.sequence, "rb") as file, open(os.path.join(folder, "queries.h5"), "wb") as other:
             other.write(file.read().replace(b"VTKHDF\0", b"VTKXXX\0"))
@@ -107,8 +111,7 @@ class HowTo(ProgramTest):
         self.assertEqual(len(entries), page("troubleshooting.md").count("\n### "))
         self.assertGreater(len(entries), 8)
         for message, command in entries:
-            done = self.run_in_folder(folder, command)
-            self.assertEqual(done.returncode, 2, f"{command}\n{done.stdout}{done.stderr}")
+            done = self.check(folder, command, code=2)
             self.assertIn(message, done.stderr, command)
 
 

@@ -13,9 +13,9 @@
 #include <volccd/experiments/tables/plus.hpp>
 #include <volccd/mesh/shells.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
-#include <volccd/pipelines/pipeline.hpp>
 
 #include "records/harness_fixture.hpp"
+#include "support/one_step.hpp"
 
 namespace volccd::test {
 namespace {
@@ -125,14 +125,8 @@ using PlacedContact = std::tuple<FeatureKind, std::array<std::array<double, 3>, 
 
 /// Contacts for which `wanted` is true, as the positions of their vertices at t = 0.
 template <class Wanted>
-std::multiset<PlacedContact> contacts_of(const Registry& registry, const Topology& topology, const Motion& motion,
-                                         Wanted&& wanted) {
-  const Pipeline pipeline(registry, registry.pipeline("VolCCD+"));
-  Workspace workspace = pipeline.make_workspace();
-  SerialExecutor serial;
-  const ObjectFilter everything;
-  StepResult result;
-  pipeline.run({topology, motion, everything}, workspace, serial, result);
+std::multiset<PlacedContact> contacts_of(const Topology& topology, const Motion& motion, Wanted&& wanted) {
+  const StepResult result = test::run_step({topology, motion, test::kAllObjects});
   std::multiset<PlacedContact> contacts;
   for (const Contact& contact : result.contacts) {
     if (!wanted(contact)) continue;
@@ -174,9 +168,8 @@ TEST_F(Harness, ContactsOfBoundaryShellsAreThoseOfBoundaryFeatures) {
       interior += !all;
       return all;
     };
-    const auto expected = contacts_of(registry_, stepper.topology(), stepper.motion(), on_boundary);
-    EXPECT_EQ(contacts_of(registry_, shells.topology(), shells.motion(), [](const Contact&) { return true; }),
-              expected);
+    const auto expected = contacts_of(stepper.topology(), stepper.motion(), on_boundary);
+    EXPECT_EQ(contacts_of(shells.topology(), shells.motion(), [](const Contact&) { return true; }), expected);
     contacts += expected.size();
   }
   EXPECT_GT(contacts, 0u) << "the scene shows nothing";

@@ -1,9 +1,9 @@
 // Query motion in experiments: a sequence with stored queries is measured on them, with their separation.
 #include <volccd/experiments/tables/table1.hpp>
 #include <volccd/mesh/sequence/writer.hpp>
-#include <volccd/pipelines/pipeline.hpp>
 
 #include "records/harness_fixture.hpp"
+#include "support/one_step.hpp"
 
 namespace volccd::test {
 namespace {
@@ -66,13 +66,9 @@ TEST_F(QueryMotion, RowsHaveTheContactsWithinTheSeparation) {
 
   SequenceReader reader(with_queries_);
   SequenceStepper stepper(reader, plan.runs[1].config);
-  const Pipeline pipeline(registry_, registry_.pipeline("NavCCD"));
-  Workspace workspace = pipeline.make_workspace();
-  SerialExecutor serial;
-  const ObjectFilter everything;
-  StepResult result;
   stepper.go_to(3);
-  pipeline.run({stepper.topology(), stepper.motion(), everything, kSeparation}, workspace, serial, result);
+  const StepResult result =
+      test::run_step({stepper.topology(), stepper.motion(), test::kAllObjects, kSeparation}, {}, "NavCCD");
   std::size_t linear = 0, query = 0;
   for (const json& row : rows) {
     if (row.at("motion_model") == "linear") {

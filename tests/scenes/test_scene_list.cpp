@@ -5,31 +5,16 @@
 #include <filesystem>
 #include <set>
 
-#include <unistd.h>
-
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/scenes/builtin.hpp>
 #include <volccd/experiments/scenes/deform.hpp>
 #include <volccd/mesh/sequence/reader.hpp>
 #include <volccd/mesh/sequence/writer.hpp>
 
+#include "support/scratch_folder.hpp"
+
 namespace volccd {
 namespace {
-
-/// The name of a file that only this test uses, and that is removed at its end.
-class TemporaryFile {
- public:
-  explicit TemporaryFile(const std::string& name)
-      : path_(std::filesystem::temp_directory_path() / ("volccd-" + std::to_string(getpid()) + "-" + name)) {}
-  ~TemporaryFile() {
-    std::error_code ignored;
-    std::filesystem::remove(path_, ignored);
-  }
-  std::string path() const { return path_.string(); }
-
- private:
-  std::filesystem::path path_;
-};
 
 TEST(SceneList, EveryDefaultIsAcceptedAsAValue) {
   const Shape mesh = block(ElementType::hexahedron, 3, 2, 2);
@@ -65,13 +50,14 @@ TEST(SceneList, OptionsReachTheScene) {
 }
 
 TEST(SceneList, FramesBeforeAStopAreKeptAndMarked) {
-  const TemporaryFile file("stopped.vtkhdf");
+  const test::ScratchFolder folder;
+  const std::string file = folder / "stopped.vtkhdf";
   const auto scene = make_scene("builtin", {{"elements", "300"}, {"steps", "9"}});
-  EXPECT_EQ(write_scene(*scene, file.path(), [](int) { return false; }).done, 0);
-  EXPECT_FALSE(std::filesystem::exists(file.path())) << "no frame, no file";
-  const StepsDone steps = write_scene(*scene, file.path(), [](int done) { return done < 4; });
+  EXPECT_EQ(write_scene(*scene, file, [](int) { return false; }).done, 0);
+  EXPECT_FALSE(std::filesystem::exists(file)) << "no frame, no file";
+  const StepsDone steps = write_scene(*scene, file, [](int done) { return done < 4; });
   EXPECT_EQ(steps.text(), "steps 0 to 3 of 0 to 8 are complete; interrupted");
-  const SequenceReader reader(file.path());
+  const SequenceReader reader(file);
   EXPECT_EQ(reader.step_count(), 4);
   EXPECT_EQ(reader.metadata().incomplete, steps.text());
 }
@@ -90,10 +76,11 @@ TEST(SceneList, RefusesWhatItDoesNotKnow) {
 }
 
 TEST(SceneFile, HoldsTheScene) {
-  const TemporaryFile file("scene.vtkhdf");
+  const test::ScratchFolder folder;
+  const std::string file = folder / "scene.vtkhdf";
   const auto scene = make_builtin({.elements = 300, .steps = 6});
-  write_scene(*scene, file.path());
-  SequenceReader reader(file.path());
+  write_scene(*scene, file);
+  SequenceReader reader(file);
   ASSERT_EQ(reader.step_count(), 6);
   EXPECT_EQ(reader.metadata(), scene->metadata());
   std::vector<Vec3> x, y;
@@ -110,10 +97,11 @@ TEST(SceneFile, HoldsTheScene) {
 }
 
 TEST(ShapeFromFile, LeavesOutUnusedVertices) {
-  const TemporaryFile file("shape.vtkhdf");
+  const test::ScratchFolder folder;
+  const std::string file = folder / "shape.vtkhdf";
   const Shape mesh = block(ElementType::hexahedron, 2, 1, 1);
   {
-    SequenceWriter writer(file.path(), std::vector<std::int64_t>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
+    SequenceWriter writer(file, std::vector<std::int64_t>{0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12});
     std::vector<Vec3> points = mesh.positions;
     points.insert(points.begin(), Vec3(-99, 0, 0));
     SequenceCells cells;
@@ -126,14 +114,14 @@ TEST(ShapeFromFile, LeavesOutUnusedVertices) {
     writer.write_step(0, points, cells);
     writer.finish();
   }
-  const Shape read = shape_from_file(file.path());
+  const Shape read = shape_from_file(file);
   EXPECT_EQ(read.positions, mesh.positions);
   ASSERT_EQ(read.elements.size(), 2u);
   EXPECT_EQ(read.elements[1].vertices, mesh.elements[1].vertices);
   EXPECT_EQ(read.elements[1].id, 71);
   EXPECT_EQ(read.elements[1].object, 5);
-  EXPECT_THROW(shape_from_file(file.path(), 1), ConfigError);
-  EXPECT_THROW(shape_from_file(file.path(), -1), ConfigError);
+  EXPECT_THROW(shape_from_file(file, 1), ConfigError);
+  EXPECT_THROW(shape_from_file(file, -1), ConfigError);
   EXPECT_THROW(shape_from_file("/nonexistent/file.vtkhdf"), InputError);
 }
 

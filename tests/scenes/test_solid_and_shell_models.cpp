@@ -21,7 +21,8 @@
 #include <volccd/experiments/scenes/simulated/bullet.hpp>
 #include <volccd/experiments/scenes/simulated/crash.hpp>
 #include <volccd/mesh/shells.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+
+#include "support/one_step.hpp"
 
 namespace volccd {
 namespace {
@@ -102,14 +103,7 @@ std::vector<ElementPair> initial_overlaps(const Model& model) {
   }
   const Topology topology(std::move(mesh));
   const Motion motion = Motion::linear(x, x);
-  const Registry registry = Registry::standard();
-  const Pipeline pipeline(registry, registry.pipeline("VolCCD+"));
-  Workspace workspace = pipeline.make_workspace();
-  SerialExecutor serial;
-  StepResult result;
-  const ObjectFilter everything;
-  pipeline.run(Step{topology, motion, everything}, workspace, serial, result, {Query::first, true});
-  return result.initial_overlaps;
+  return test::run_step({topology, motion, test::kAllObjects}, {Query::first, true}).initial_overlaps;
 }
 
 bool same(const Model& a, const Model& b) {

@@ -14,7 +14,8 @@
 #include <volccd/experiments/scenes/geometry/octopus.hpp>
 #include <volccd/experiments/scenes/simulated/liver.hpp>
 #include <volccd/experiments/scenes/simulated/octopi.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+
+#include "support/one_step.hpp"
 
 namespace volccd {
 namespace {
@@ -189,15 +190,9 @@ void expect_sound(const simulation::Model& model, int elements) {
     EXPECT_LT(static_cast<std::size_t>(model.mesh.object(o)), model.parts.size());
   }
   EXPECT_TRUE(model.walls.empty());
-  const Registry registry = Registry::standard();
-  const Pipeline pipeline(registry, registry.pipeline("VolCCD+"));
   const Topology topology(model.mesh);
   const Motion still = Motion::linear(model.positions, model.positions);
-  const ObjectFilter filter;
-  Workspace workspace = pipeline.make_workspace();
-  SerialExecutor executor;
-  StepResult result;
-  pipeline.run({topology, still, filter}, workspace, executor, result, {Query::all, true});
+  const StepResult result = test::run_step({topology, still, test::kAllObjects}, {Query::all, true});
   EXPECT_EQ(result.initial_overlaps.size(), 0u);
   EXPECT_EQ(result.contacts.size(), 0u);
 }

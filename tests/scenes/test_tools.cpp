@@ -17,7 +17,8 @@
 #include <volccd/experiments/scenes/simulated/liver.hpp>
 #include <volccd/experiments/scenes/simulated/octopi.hpp>
 #include <volccd/experiments/scenes/simulated/simulated_scene.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+
+#include "support/one_step.hpp"
 
 namespace volccd {
 namespace {
@@ -94,15 +95,9 @@ std::int32_t part_of(const Simulation& s, Index v) {
 
 /// Contacts of the last query between the part and others.
 std::size_t contacts_with(const Simulation& s, std::int32_t part) {
-  const Registry registry = Registry::standard();
-  const Pipeline pipeline(registry, registry.pipeline("VolCCD+"));
-  Workspace workspace = pipeline.make_workspace();
-  SerialExecutor executor;
-  StepResult result;
-  const ObjectFilter filter;
   const auto query = s.last_query();
   const Motion motion = Motion::linear(query->start, query->end);
-  pipeline.run({s.topology(), motion, filter, query->separation}, workspace, executor, result);
+  const StepResult result = test::run_step({s.topology(), motion, test::kAllObjects, query->separation});
   std::size_t count = 0;
   for (const Contact& c : result.contacts)
     count += (part_of(s, c.vertices[0]) == part) != (part_of(s, c.vertices[3]) == part);

@@ -4,21 +4,15 @@
 
 #include <volccd/simulation/contact_response.hpp>
 #include "simulation_models.hpp"
+#include "support/one_step.hpp"
 
 namespace volccd::simulation {
 namespace {
 
 /// Number of pairs of non-adjacent elements that overlap, decided exactly by code that the response does not use.
 std::size_t overlaps(const Simulation& s) {
-  const Registry registry = Registry::standard();
-  const Pipeline pipeline(registry, registry.pipeline("VolCCD+"));
-  Workspace workspace = pipeline.make_workspace();
-  SerialExecutor executor;
-  StepResult result;
   const Motion motion = Motion::linear(s.positions(), s.positions());
-  const ObjectFilter filter;
-  pipeline.run({s.topology(), motion, filter}, workspace, executor, result, {Query::all, true});
-  return result.initial_overlaps.size();
+  return test::run_step({s.topology(), motion, test::kAllObjects}, {Query::all, true}).initial_overlaps.size();
 }
 
 /// Fraction of the energy by which the balance may be wrong. The work of bulk viscosity is computed with the velocity

@@ -6,7 +6,8 @@
 
 #include <volccd/core/random.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+
+#include "support/one_step.hpp"
 
 namespace volccd {
 namespace {
@@ -73,14 +74,8 @@ struct Counted {
 Counted counts_of(const Shape& shape, const std::vector<Vec3>& x1) {
   const Topology topology(shape.mesh());
   const Motion motion = Motion::linear(shape.positions, x1);
-  const ObjectFilter filter;
-  const Registry registry = Registry::standard();
-  const Pipeline pipeline(registry, registry.pipeline("VolCCD+"));
-  Workspace workspace = pipeline.make_workspace();
-  SerialExecutor executor;
-  StepResult result;
-  const Step step{topology, motion, filter};
-  pipeline.run(step, workspace, executor, result);
+  const Step step{topology, motion, test::kAllObjects};
+  const StepResult result = test::run_step(step);
   return {count_inversions(step, result.contacts), result.contacts.size()};
 }
 

@@ -10,6 +10,7 @@
 #include <volccd/mesh/shells.hpp>
 
 #include "pipelines/scenes.hpp"
+#include "support/one_step.hpp"
 #include "support/test_data.hpp"
 
 namespace volccd {
@@ -263,13 +264,7 @@ TEST(LongSymbolicTruth, RodTwist) {
   SequenceReader reader(file);
   SequenceStepper stepper(reader);
   stepper.go_to(0);
-  const Registry registry = Registry::standard();
-  const Pipeline pipeline(registry, registry.pipeline("VolCCD+"));
-  Workspace workspace = pipeline.make_workspace();
-  SerialExecutor serial;
-  const ObjectFilter filter;
-  StepResult result;
-  pipeline.run({stepper.topology(), stepper.motion(), filter}, workspace, serial, result);
+  const StepResult result = test::run_step({stepper.topology(), stepper.motion(), test::kAllObjects});
   const auto truth = read_ground_truth(reader);
   ASSERT_TRUE(truth);
   const TruthVerdict verdict = check_against_truth(stepper.topology().mesh(), result.contacts, *truth, 1e-9);

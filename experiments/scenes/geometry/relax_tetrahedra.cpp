@@ -5,6 +5,8 @@
 
 #include <Eigen/Geometry>
 
+#include <volccd/core/sort_unique.hpp>
+
 namespace volccd {
 
 namespace {
@@ -39,10 +41,7 @@ class Relaxation {
         if (!surface_[v])
           for (const Index w : tetrahedra[t])
             if (w != v) near_[v].push_back(w);
-    for (std::vector<Index>& list : near_) {
-      std::sort(list.begin(), list.end());
-      list.erase(std::unique(list.begin(), list.end()), list.end());
-    }
+    for (std::vector<Index>& list : near_) sort_unique(list);
   }
 
   void round() {

@@ -1,0 +1,79 @@
+// Which elements of two leaves of a tree are adjacent, so that a traversal need not compare their vertices.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include <volccd/broadphase/detail/element_list.hpp>
+#include <volccd/core/executor.hpp>
+#include <volccd/mesh/topology.hpp>
+
+namespace volccd::detail {
+
+/// For each leaf, the leaves at or after it that have elements adjacent to its own. Leaf l has the positions l *
+/// leaf_size .. of a list in leaf order. The table stays valid while elements keep their positions and vertices; other
+/// elements may be removed, or added at later positions. Read-only use is thread-safe.
+class AdjacentLeaves {
+ public:
+  /// Bit 8 i + j of a mask: element i of the earlier leaf is adjacent to element j of the later one.
+  static constexpr Index kMaskRow = 8;
+
+  /// The adjacent leaves of one leaf, in no particular order, and a mask for each. `leaves` is padded with kNone to a
+  /// multiple of kPadding.
+  struct Row {
+    const Index* leaves;
+    const std::uint64_t* masks;
+    std::size_t size;  ///< without padding
+  };
+  static constexpr std::size_t kPadding = 8;
+
+  void clear();
+
+  /// Makes the table for the first `elements` positions anew, unless it has most of their leaves. The time is
+  /// proportional to the number of pairs of adjacent elements, divided by the number of threads. Pre: leaf_size <=
+  /// kMaskRow.
+  void update(const ElementList& list, Index elements, Index leaf_size, const Topology& topology, Executor& executor);
+
+  /// Removes the leaves of these positions, whose elements were reordered, from the table.
+  void forget(Index begin, Index end);
+
+  /// Number of the leaf at this position, which is a leaf's first one; kNone if the table does not have the leaf.
+  Index leaf(Index position) const {
+    return position < elements_ && known_[position / leaf_size_] != 0 ? position / leaf_size_ : kNone;
+  }
+
+  Row row(Index leaf) const {
+    const Block& block = blocks_[leaf / kBlock];
+    return {block.leaves.data() + begins_[leaf], block.masks.data() + begins_[leaf], sizes_[leaf]};
+  }
+
+  std::size_t bytes() const;
+
+ private:
+  static constexpr Index kBlock = 256;  ///< number of leaves whose rows are stored together
+
+  struct Block {
+    std::vector<Index> leaves;
+    std::vector<std::uint64_t> masks;
+  };
+  struct LeafVertex {
+    Index vertex;
+    std::uint64_t elements;
+  };
+  struct Scratch {
+    std::vector<Index> entries;  ///< by leaf: its entry in the present row, or kNone
+    std::vector<LeafVertex> vertices;
+  };
+
+  void collect_vertices(const ElementList& list, Index leaf, Scratch& scratch) const;
+  void make_block(const ElementList& list, const Features& features, Index block, Scratch& scratch);
+
+  Index elements_ = 0, leaf_size_ = 1, forgotten_ = 0;
+  std::vector<Block> blocks_;
+  std::vector<Index> begins_, sizes_;  ///< of each leaf's row in its block
+  std::vector<std::uint8_t> known_;
+  std::vector<Index> places_;     ///< by slot: kMaskRow times its leaf, plus its place there; kNone if not in the table
+  std::vector<Scratch> scratch_;  ///< by worker
+};
+
+}  // namespace volccd::detail
