@@ -13,6 +13,15 @@ class FeatureFilter : public Stage {
  public:
   static constexpr const char* kRole = "feature-filter";
 
+  /// Drops tests before their coordinates are gathered: by the same rule as run(), which sees only those that are left.
+  /// Moves these to the front of `tests`, in their order, and returns their number; the entries behind are unspecified.
+  /// Not called on a filter that follows another one, nor where a stage observer is told of each test.
+  virtual std::size_t select(const Step& step, StageState& state, unsigned worker, FeatureKind kind,
+                             std::span<FeaturePair> tests) const {
+    (void)step, (void)state, (void)worker, (void)kind;
+    return tests.size();
+  }
+
   /// Sets keep[i] to 0 for tests of the block whose features do not touch (do not come within step.separation) during
   /// [0, step.t_max]; does not change the other entries. keep.size() == block.padded_size() is a multiple of 8, so that
   /// kernels need no remainder loop; the entries from block.size() on are ignored. Pre: the block is not empty.

@@ -4,6 +4,7 @@
 #include <array>
 #include <utility>
 
+#include <volccd/culling/detail/feature_rows.hpp>
 #include <volccd/query/kdop.hpp>
 
 #undef HWY_TARGET_INCLUDE
@@ -209,6 +210,11 @@ unsigned axes_of(FeatureKdopFilter::Axes k) {
   return among_all<26>();
 }
 
+struct FeatureKdopState final : StageState {
+  FeatureRows rows;
+  std::size_t bytes() const override { return rows.bytes(); }
+};
+
 }  // namespace
 }  // namespace detail
 
@@ -228,7 +234,23 @@ const Options<FeatureKdopFilter::Config>& FeatureKdopFilter::options() {
   return options;
 }
 
-FeatureKdopFilter::FeatureKdopFilter(const Config& config) : axes_(detail::axes_of(config.k)), bounds_(config.bounds) {}
+FeatureKdopFilter::FeatureKdopFilter(const Config& config)
+    : axes_(detail::axes_of(config.k)),
+      selects_(config.bounds == KdopBounds::relative && (axes_ & detail::among_all<16>()) == detail::among_all<16>()),
+      bounds_(config.bounds) {}
+
+std::unique_ptr<StageState> FeatureKdopFilter::make_state() const {
+  return std::make_unique<detail::FeatureKdopState>();
+}
+
+void FeatureKdopFilter::prepare(const Step& step, StageState& state, Executor& executor) const {
+  if (selects_) static_cast<detail::FeatureKdopState&>(state).rows.update(step, executor);
+}
+
+std::size_t FeatureKdopFilter::select(const Step& step, StageState& state, unsigned, FeatureKind kind,
+                                      std::span<FeaturePair> tests) const {
+  return selects_ ? static_cast<detail::FeatureKdopState&>(state).rows.select(step, kind, tests) : tests.size();
+}
 
 void FeatureKdopFilter::run(const Step& step, StageState&, unsigned, const TestBlock& block,
                             std::span<std::uint8_t> keep) const {

@@ -27,11 +27,18 @@ class FeatureKdopFilter final : public FeatureFilter {
 
   explicit FeatureKdopFilter(const Config& config);
 
+  /// Relative bounds along the axes of the 16-DOP, in single precision, are compared before coordinates are gathered,
+  /// unless the options exclude that.
+  std::unique_ptr<StageState> make_state() const override;
+  void prepare(const Step& step, StageState& state, Executor& executor) const override;
+  std::size_t select(const Step& step, StageState& state, unsigned worker, FeatureKind kind,
+                     std::span<FeaturePair> tests) const override;
   void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,
            std::span<std::uint8_t> keep) const override;
 
  private:
   unsigned axes_;  ///< bit i: axis i of the 26-DOP
+  bool selects_;   ///< whether the tests that rows drop are among those that run() drops
   KdopBounds bounds_;
 };
 

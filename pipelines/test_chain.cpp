@@ -34,12 +34,26 @@ void TestChain::add(FeatureKind kind, std::span<FeaturePair> tests) {
   if (!rule.trivial() && (rule.scope() != PairScope::all || stages_->filters.empty()))
     tests = tests.first(partition_included(kind, tests));
   StageTimer timer(clock_, statistics_[0].seconds);
+  if (!stages_->filters.empty() && !stages_->observer) tests = select(kind, tests);
   while (!tests.empty()) {
     const std::size_t taken = std::min(tests.size(), TestBlock::kCapacity);
     blocks(kind)[0].gather(*step_, kind, tests.first(taken));
     run(kind, 0);
     tests = tests.subspan(taken);
   }
+}
+
+Step TestChain::pruned_step() const {
+  Step step = *step_;
+  step.t_max = t_max_;
+  return step;
+}
+
+/// The tests that the first filter has to see.
+std::span<FeaturePair> TestChain::select(FeatureKind kind, std::span<FeaturePair> tests) {
+  const std::size_t left = stages_->filters[0]->select(pruned_step(), *stages_->states[0], worker_, kind, tests);
+  statistics_[0].in += tests.size() - left;
+  return tests.first(left);
 }
 
 std::size_t TestChain::partition_included(FeatureKind kind, std::span<FeaturePair> tests) const {
@@ -66,12 +80,10 @@ void TestChain::run(FeatureKind kind, std::size_t stage) {
 
 void TestChain::run_filter(FeatureKind kind, std::size_t stage) {
   const TestBlock& block = blocks(kind)[stage];
-  Step pruned = *step_;
-  pruned.t_max = t_max_;
   std::array<std::uint8_t, TestBlock::kCapacity> flags;
   flags.fill(1);
   const auto keep = std::span(flags).first(block.padded_size());
-  stages_->filters[stage]->run(pruned, *stages_->states[stage], worker_, block, keep);
+  stages_->filters[stage]->run(pruned_step(), *stages_->states[stage], worker_, block, keep);
   const auto dropped = std::count(keep.begin(), keep.begin() + static_cast<std::ptrdiff_t>(block.size()), 0);
   statistics_[stage].out += block.size() - static_cast<std::size_t>(dropped);
   observe(stage, block, keep);

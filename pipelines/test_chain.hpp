@@ -62,6 +62,8 @@ class TestChain {
   using Blocks = std::deque<TestBlock>;  ///< block i: input of filter i; the last one: input of the narrow phase
 
   Blocks& blocks(FeatureKind kind) { return blocks_[static_cast<std::size_t>(kind)]; }
+  Step pruned_step() const;
+  std::span<FeaturePair> select(FeatureKind kind, std::span<FeaturePair> tests);
   std::size_t partition_included(FeatureKind kind, std::span<FeaturePair> tests) const;
   void run(FeatureKind kind, std::size_t stage);
   void run_filter(FeatureKind kind, std::size_t stage);

@@ -1,5 +1,6 @@
 // Feature filters and narrow phases, on blocks of generated tests.
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -102,12 +103,27 @@ class FilterStage final : public BlockStage {
 
   std::vector<Answer> run(const Step& step, StageState& state, unsigned worker, const TestBlock& block) override {
     std::vector<std::uint8_t> keep(block.padded_size(), 1);
+    std::vector<FeaturePair> tests(block.pairs().begin(), block.pairs().end());
+    tests.resize(filter_.select(step, state, worker, block.kind(), tests));
     filter_.run(step, state, worker, block, keep);
     std::vector<Answer> answers(block.size());
-    for (std::size_t i = 0; i < block.size(); ++i) answers[i].found = keep[i] != 0;
+    std::size_t next = 0;
+    for (std::size_t i = 0; i < block.size(); ++i) {
+      const bool selected = next < tests.size() && tests[next] == block.pair(i);
+      answers[i].found = selected && keep[i] != 0;
+      next += selected;
+    }
+    trials_.expect(kSelects, next == tests.size(), [&] {
+      return "select() leaves " + std::to_string(tests.size()) + " tests of a block of " +
+             std::to_string(block.size()) + ", of which " + std::to_string(tests.size() - next) +
+             " are no tests of the block, or not in its order\n";
+    });
     return answers;
   }
   void run_quietly(const Step& step, StageState& state, const TestBlock& block) override {
+    std::array<FeaturePair, TestBlock::kCapacity> tests;
+    std::copy(block.pairs().begin(), block.pairs().end(), tests.begin());
+    (void)filter_.select(step, state, 0, block.kind(), {tests.data(), block.size()});
     std::uint8_t keep[TestBlock::kCapacity];
     std::fill(std::begin(keep), std::end(keep), std::uint8_t{1});
     filter_.run(step, state, 0, block, {keep, block.padded_size()});

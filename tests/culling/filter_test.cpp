@@ -248,6 +248,33 @@ TEST(FilterEffect, DropsWhatIsApart) {
     }
 }
 
+/// Tests of a block that select() takes out.
+std::size_t taken_out(const FeatureFilter& filter, const Step& step, const TestBlock& block) {
+  const auto state = prepared(filter, step);
+  std::vector<FeaturePair> tests(block.pairs().begin(), block.pairs().end());
+  return tests.size() - filter.select(step, *state, 0, block.kind(), tests);
+}
+
+TEST(FilterSelect, FixedAxesNeedNoCoordinates) {
+  Random random(12);
+  for (const auto kind : {FeatureKind::vf, FeatureKind::ee})
+    for (const int control_points : {2, 3}) {
+      TestBench bench(control_points);
+      fill_apart(bench, random, kind, control_points, 0.3, 0.1);
+      const TestBlock& block = bench.block(kind);
+      for (const char* k : {"6", "14", "16", "18", "24", "26"})
+        for (const std::string bounds : {"swept", "relative"}) {
+          const auto [name, filter] = make(describe_feature_kdop_filter(), {{"k", k}, {"bounds", bounds}});
+          // The axes of k = 16 must not stand in for others.
+          const bool selects = bounds == "relative" && std::stoi(k) >= 16;
+          for (const double separation : {0.0, 0.09})
+            EXPECT_EQ(taken_out(*filter, bench.step(separation), block), selects ? block.size() : 0)
+                << name << " separation " << separation;
+          EXPECT_EQ(taken_out(*filter, bench.step(5), block), 0) << name;
+        }
+    }
+}
+
 TEST(FilterEffect, HoldsAcrossScales) {
   TestBench bench(2);
   for (const auto& [name, filter] : all_filters())

@@ -23,9 +23,18 @@ inline void run_stage(const ElementCulling& stage, const Step& step, PairBatch& 
   stage.run(step, *prepared(stage, step), 0, batch);
 }
 
+/// select() and run() on all tests of the block.
 inline void run_stage(const FeatureFilter& stage, const Step& step, const TestBlock& block,
                       std::span<std::uint8_t> keep) {
-  stage.run(step, *prepared(stage, step), 0, block, keep);
+  const auto state = prepared(stage, step);
+  std::vector<FeaturePair> tests(block.pairs().begin(), block.pairs().end());
+  tests.resize(stage.select(step, *state, 0, block.kind(), tests));
+  for (std::size_t i = 0, next = 0; i < block.size(); ++i)
+    if (next < tests.size() && tests[next] == block.pair(i))
+      ++next;
+    else
+      keep[i] = 0;
+  stage.run(step, *state, 0, block, keep);
 }
 
 /// Runs all tests in blocks, and appends the contacts.

@@ -306,6 +306,42 @@ TEST(StageCheck, FindsAFilterThatDependsOnTheWorker) {
   EXPECT_TRUE(broken(report, kBatch));
 }
 
+/// Leaves all tests but reverses them, or drops one in a hundred.
+class Selects final : public FeatureFilter {
+ public:
+  explicit Selects(bool reverses) : reverses_(reverses) {}
+  std::size_t select(const Step& step, StageState&, unsigned, FeatureKind kind,
+                     std::span<FeaturePair> tests) const override {
+    if (reverses_) {
+      std::reverse(tests.begin(), tests.end());
+      return tests.size();
+    }
+    const auto one_in_a_hundred = [&](FeaturePair pair) {
+      const Vec3 p = step.motion.point(test_vertices(step.features(), kind, pair)[0], 0);
+      return hash({p.x(), p.y(), p.z()}) % 100 == 0;
+    };
+    return static_cast<std::size_t>(std::remove_if(tests.begin(), tests.end(), one_in_a_hundred) - tests.begin());
+  }
+  void run(const Step&, StageState&, unsigned, const TestBlock&, std::span<std::uint8_t>) const override {}
+
+ private:
+  bool reverses_;
+};
+
+TEST(StageCheck, FindsAFilterWhoseSelectLosesOrMovesTests) {
+  for (const bool reverses : {true, false}) {
+    Registry registry = Registry::standard();
+    StageDescriptor<FeatureFilter> descriptor;
+    descriptor.name = "selects";
+    descriptor.guarantee = Guarantee::conservative;
+    descriptor.make = [reverses](const OptionValues&) { return std::make_unique<Selects>(reverses); };
+    registry.add(descriptor);
+    const StageReport report = check_stage(registry, "selects", quick(500));
+    EXPECT_TRUE(broken(report, reverses ? "select() takes tests out, and leaves the others in their order" : kLoses))
+        << text_of(report);
+  }
+}
+
 TEST(StageCheck, FindsAFilterThatAllocates) {
   const auto report = check<FeatureFilter>([](const Step&, unsigned, const TestBlock& block, std::span<std::uint8_t>) {
     std::vector<double> sums(block.size());

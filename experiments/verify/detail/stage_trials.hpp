@@ -16,6 +16,7 @@ inline constexpr const char* kLosesNoContact = "loses no contact";
 inline constexpr const char* kInventsNoContact = "invents no contact";
 inline constexpr const char* kTimes = "times are never late, and early by no more than the tolerance";
 inline constexpr const char* kWellFormed = "contacts are well formed, in the order of the tests";
+inline constexpr const char* kSelects = "select() takes tests out, and leaves the others in their order";
 inline constexpr const char* kSameInEveryBatch = "the answer does not depend on the batch or the worker";
 inline constexpr const char* kSameAfterOtherSteps = "the answer does not depend on earlier steps";
 inline constexpr const char* kOverlapsStay = "drops no pair as disjoint that overlaps at the start";
