@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <utility>
 
 namespace volccd::detail {
 
@@ -11,23 +12,100 @@ constexpr std::size_t kPartnerBits = 64;
 
 }  // namespace
 
-std::span<const SuspectOrphans::Partner> SuspectOrphans::partners(Index o) const {
-  const Index place = places_[o];
-  if (place == kNone) return {};
-  return std::span(partners_).subspan(begins_[place], begins_[place + 1] - begins_[place]);
+std::span<const SuspectOrphans::Partner> SuspectOrphans::Lists::of(Index o) const {
+  const Index at = place(o);
+  if (at == kNone) return {};
+  return std::span(partners).subspan(begins[at], begins[at + 1] - begins[at]);
 }
 
 const SuspectOrphans::Partner* SuspectOrphans::find(Index o, Index partner) const {
-  for (const Partner& p : partners(o))
+  for (const Partner& p : now_.of(o))
     if (p.element == partner) return &p;
   return nullptr;
 }
 
-/// Sets the bits of the partners of o.
-void SuspectOrphans::find_candidates(Index o, std::vector<Index>& partner_of) {
+void SuspectOrphans::update(const Topology& topology, std::span<const ElementPair> pairs, Executor& executor) {
+  topology_ = &topology;
+  const TopologyDelta::Extent changed = delta_.sync(topology);
+  std::swap(now_, before_);
+  if (changed == TopologyDelta::Extent::everything) before_.elements.clear(), before_.places.clear();
+  fresh_.assign(topology.mesh().element_slots(), 0);
+  near_.assign(topology.features().vertex_slots(), 0);
+  if (changed == TopologyDelta::Extent::edits) mark_fresh();
+  set_partners(pairs);
+  renewed_.resize(now_.elements.size());
+  partner_of_.resize(executor.workers());
+  for (std::vector<Index>& partner_of : partner_of_) partner_of.assign(topology.mesh().element_slots(), kNone);
+  executor.parallel_for(now_.elements.size(), 4 * kBlockElements, [&](std::size_t begin, std::size_t end, unsigned w) {
+    for (std::size_t i = begin; i < end; ++i) {
+      renewed_[i] = keeps_partners(i) ? 0 : 1;
+      if (renewed_[i]) find_candidates(i, partner_of_[w]);
+    }
+  });
+  mark_near();
+  now_.blocks.resize(std::max(now_.blocks.size(), blocks()));
+  executor.parallel_for(blocks(), 4, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t i = begin; i < end; ++i)
+      fill(now_.blocks[i], i * kBlockElements, std::min((i + 1) * kBlockElements, now_.elements.size()));
+  });
+  delta_.confirm();
+}
+
+/// Marks the elements at vertices whose elements changed. The features of other elements, and their elements, are as
+/// before.
+void SuspectOrphans::mark_fresh() {
+  for (const TopologyChange* change : delta_.changes())
+    for (const Index v : change->features.touched_vertices)
+      for (const Index o : topology_->features().vertex_elements(v)) fresh_[o] = 1;
+}
+
+void SuspectOrphans::set_partners(std::span<const ElementPair> pairs) {
+  auto& [elements, places, begins, partners, blocks] = now_;
+  elements.clear();
+  begins.clear();
+  places.assign(fresh_.size(), kNone);
+  const auto count = [&](Index o) {
+    if (places[o] == kNone) {
+      places[o] = static_cast<Index>(elements.size());
+      elements.push_back(o);
+      begins.push_back(0);
+    }
+    ++begins[places[o]];
+  };
+  for (const ElementPair pair : pairs) {
+    count(pair.a);
+    if (pair.a != pair.b) count(pair.b);
+  }
+  std::size_t end = 0;
+  for (std::size_t& begin : begins) begin = end += begin;  // the ends; filling moves them to the beginnings
+  begins.push_back(end);
+  partners.resize(end);
+  for (const ElementPair pair : pairs) {
+    partners[--begins[places[pair.a]]].element = pair.b;
+    if (pair.a != pair.b) partners[--begins[places[pair.b]]].element = pair.a;
+  }
+}
+
+/// Sorts the partners of an element, and takes their bits from the last update if they are the same, and none is fresh.
+bool SuspectOrphans::keeps_partners(std::size_t place) {
+  const std::span<Partner> row =
+      std::span(now_.partners).subspan(now_.begins[place], now_.begins[place + 1] - now_.begins[place]);
+  std::sort(row.begin(), row.end(), [](const Partner& a, const Partner& b) { return a.element < b.element; });
+  const Index o = now_.elements[place];
+  const std::span<const Partner> last = before_.of(o);
+  const bool same =
+      std::equal(row.begin(), row.end(), last.begin(), last.end(),
+                 [&](const Partner& a, const Partner& b) { return a.element == b.element && fresh_[a.element] == 0; });
+  if (same) std::copy(last.begin(), last.end(), row.begin());
+  return same;
+}
+
+/// Sets the bits of the partners of an element.
+void SuspectOrphans::find_candidates(std::size_t place, std::vector<Index>& partner_of) {
   const Features& features = topology_->features();
-  const std::size_t begin = begins_[places_[o]], end = begins_[places_[o] + 1];
-  for (std::size_t i = begin; i < end; ++i) partner_of[partners_[i].element] = o;
+  const Index o = now_.elements[place];
+  const std::size_t begin = now_.begins[place], end = now_.begins[place + 1];
+  for (std::size_t i = begin; i < end; ++i) partner_of[now_.partners[i].element] = o;
   const auto bits = [&](std::span<const Index> list, auto&& elements_of) {
     std::uint64_t set = 0;
     for (std::size_t i = 0; i < std::min(kPartnerBits, list.size()); ++i) {
@@ -38,44 +116,53 @@ void SuspectOrphans::find_candidates(Index o, std::vector<Index>& partner_of) {
     return set;
   };
   for (std::size_t i = begin; i < end; ++i) {
-    Partner& p = partners_[i];
+    Partner& p = now_.partners[i];
     p.edges = bits(features.own_edges(p.element), [&](Index e) { return features.edge_elements(e); });
     p.triangles = bits(features.own_triangles(p.element), [&](Index f) { return features.triangle_elements(f); });
     p.vertices = bits(topology_->mesh().vertices(p.element), [&](Index v) { return features.vertex_elements(v); });
   }
 }
 
-void SuspectOrphans::update(const Topology& topology, std::span<const ElementPair> pairs, Executor& executor) {
-  topology_ = &topology;
-  const Index slots = topology.mesh().element_slots();
-  elements_.clear();
-  begins_.clear();
-  places_.assign(slots, kNone);
-  const auto count = [&](Index o) {
-    if (places_[o] == kNone) {
-      places_[o] = static_cast<Index>(elements_.size());
-      elements_.push_back(o);
-      begins_.push_back(0);
+/// Marks the vertices of the elements that have other partners, or fresh ones. The tests of elements a and b depend on
+/// the bits of a, of b, and of elements that have a vertex in common with both. Partners are mutual: if one of these
+/// lost all of its partners, a or b has lost one, too.
+void SuspectOrphans::mark_near() {
+  for (std::size_t i = 0; i < now_.elements.size(); ++i)
+    if (renewed_[i])
+      for (const Index v : topology_->mesh().vertices(now_.elements[i])) near_[v] = 1;
+}
+
+/// Lists the orphans of the elements at the places [begin, end), or takes them from the last update.
+void SuspectOrphans::fill(Block& block, std::size_t begin, std::size_t end) const {
+  block.tests.clear();
+  for (std::size_t i = begin; i < end; ++i) {
+    block.vf[i - begin] = block.tests.vf.size();
+    block.ee[i - begin] = block.tests.ee.size();
+    const Index o = now_.elements[i];
+    const std::span<const Index> vertices = topology_->mesh().vertices(o);
+    if (before_.place(o) != kNone &&
+        std::none_of(vertices.begin(), vertices.end(), [&](Index v) { return near_[v]; })) {
+      keep(o, block);
+      continue;
     }
-    ++begins_[places_[o]];
+    for (const Partner& partner : now_.of(o))
+      if (o <= partner.element) list(o, partner.element, block.tests);
+  }
+  block.vf[end - begin] = block.tests.vf.size();
+  block.ee[end - begin] = block.tests.ee.size();
+}
+
+/// Appends the orphans that element o had after the last update.
+void SuspectOrphans::keep(Index o, Block& block) const {
+  const Index place = before_.places[o];
+  const Block& from = before_.blocks[place / kBlockElements];
+  const std::size_t i = place % kBlockElements;
+  const auto copy = [&](std::vector<FeaturePair>& to, const std::vector<FeaturePair>& all, const auto& begins) {
+    to.insert(to.end(), all.begin() + static_cast<std::ptrdiff_t>(begins[i]),
+              all.begin() + static_cast<std::ptrdiff_t>(begins[i + 1]));
   };
-  for (const ElementPair pair : pairs) {
-    count(pair.a);
-    if (pair.a != pair.b) count(pair.b);
-  }
-  std::size_t end = 0;
-  for (std::size_t& begin : begins_) begin = end += begin;  // the ends; filling moves them to the beginnings
-  begins_.push_back(end);
-  partners_.resize(end);
-  for (const ElementPair pair : pairs) {
-    partners_[--begins_[places_[pair.a]]].element = pair.b;
-    if (pair.a != pair.b) partners_[--begins_[places_[pair.b]]].element = pair.a;
-  }
-  partner_of_.resize(executor.workers());
-  for (std::vector<Index>& partner_of : partner_of_) partner_of.assign(slots, kNone);
-  executor.parallel_for(elements_.size(), 4 * kBlockElements, [&](std::size_t first, std::size_t last, unsigned w) {
-    for (std::size_t i = first; i < last; ++i) find_candidates(elements_[i], partner_of_[w]);
-  });
+  copy(block.tests.vf, from.tests.vf, from.vf);
+  copy(block.tests.ee, from.tests.ee, from.ee);
 }
 
 /// Calls visit(i) for each feature i, by its place in the list `features` of element `other`, all of whose incident
@@ -127,15 +214,22 @@ void SuspectOrphans::vertices_and_triangles(Index a, Index b, TestBatch& out) co
 }
 
 void SuspectOrphans::append(std::size_t block, TestBatch& out) const {
-  const std::size_t end = std::min((block + 1) * kBlockElements, elements_.size());
-  for (std::size_t i = block * kBlockElements; i < end; ++i)
-    for (const Partner& partner : partners(elements_[i]))
-      if (elements_[i] <= partner.element) list(elements_[i], partner.element, out);
+  const TestBatch& tests = now_.blocks[block].tests;
+  out.vf.insert(out.vf.end(), tests.vf.begin(), tests.vf.end());
+  out.ee.insert(out.ee.end(), tests.ee.begin(), tests.ee.end());
+}
+
+std::size_t SuspectOrphans::Lists::bytes() const {
+  std::size_t sum = (elements.capacity() + places.capacity()) * sizeof(Index) + partners.capacity() * sizeof(Partner) +
+                    begins.capacity() * sizeof(std::size_t) + blocks.capacity() * sizeof(Block);
+  for (const Block& block : blocks)
+    sum += (block.tests.vf.capacity() + block.tests.ee.capacity()) * sizeof(FeaturePair);
+  return sum;
 }
 
 std::size_t SuspectOrphans::bytes() const {
-  std::size_t sum = (elements_.capacity() + places_.capacity()) * sizeof(Index) +
-                    partners_.capacity() * sizeof(Partner) + begins_.capacity() * sizeof(std::size_t);
+  std::size_t sum =
+      delta_.bytes() + now_.bytes() + before_.bytes() + fresh_.capacity() + renewed_.capacity() + near_.capacity();
   for (const std::vector<Index>& partner_of : partner_of_) sum += partner_of.capacity() * sizeof(Index);
   return sum;
 }

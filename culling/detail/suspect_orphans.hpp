@@ -1,6 +1,7 @@
 // Lists the orphans of which all pairs of incident elements may touch.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -8,20 +9,22 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/culling/assignment.hpp>
-#include <volccd/mesh/topology.hpp>
+#include <volccd/mesh/topology_delta.hpp>
 #include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {
 
-/// The feature pairs without a common vertex of which all pairs of incident elements are given as suspect. update() is
-/// not thread-safe and uses the executor; append() may be called by several threads.
+/// The feature pairs without a common vertex of which all pairs of incident elements are given as suspect. From step to
+/// step few pairs of elements become suspect or cease to be: the orphans of elements all of whose neighbours have the
+/// same partners as at the last update are kept. update() is not thread-safe and uses the executor; append() may be
+/// called by several threads.
 class SuspectOrphans {
  public:
-  /// `pairs`: adjacent pairs of elements, and pairs of an element and itself, each once. The topology must exist as
-  /// long as append() is called. O(slots + features of the elements of all pairs).
+  /// `pairs`: adjacent pairs of elements, and pairs of an element and itself, each once, in any order.
+  /// O(slots + pairs + features of the elements of new pairs, and of their neighbours).
   void update(const Topology& topology, std::span<const ElementPair> pairs, Executor& executor);
 
-  std::size_t blocks() const { return (elements_.size() + kBlockElements - 1) / kBlockElements; }
+  std::size_t blocks() const { return (now_.elements.size() + kBlockElements - 1) / kBlockElements; }
   /// Appends the orphans of a block. Each orphan is in one block.
   void append(std::size_t block, TestBatch& out) const;
 
@@ -38,9 +41,33 @@ class SuspectOrphans {
     std::uint64_t vertices = 0, edges = 0, triangles = 0;
   };
 
-  std::span<const Partner> partners(Index o) const;
+  /// The orphans of consecutive elements with their partners of equal or higher slots.
+  struct Block {
+    TestBatch tests;
+    std::array<std::size_t, kBlockElements + 1> vf, ee;  ///< by element of the block: where its tests begin
+  };
+
+  /// The result of an update.
+  struct Lists {
+    std::vector<Index> elements, places;  ///< elements with partners, and by slot: the place in this list, or kNone
+    std::vector<std::size_t> begins;      ///< by place: where the element's partners begin in `partners`
+    std::vector<Partner> partners;        ///< of an element: ascending
+    std::vector<Block> blocks;            ///< there may be more than necessary
+
+    Index place(Index o) const { return o < places.size() ? places[o] : kNone; }
+    std::span<const Partner> of(Index o) const;
+    std::size_t bytes() const;
+  };
+
+  void set_partners(std::span<const ElementPair> pairs);
+  bool keeps_partners(std::size_t place);
+  void find_candidates(std::size_t place, std::vector<Index>& partner_of);
+  void mark_fresh();
+  void mark_near();
+  void fill(Block& block, std::size_t begin, std::size_t end) const;
+  void keep(Index o, Block& block) const;
+
   const Partner* find(Index o, Index partner) const;
-  void find_candidates(Index o, std::vector<Index>& partner_of);
   template <std::uint64_t Partner::*kSet, class Visit>
   void visit_partners(std::span<const Index> elements, std::span<const Index> features, Index other,
                       Visit&& visit) const;
@@ -48,9 +75,11 @@ class SuspectOrphans {
   void vertices_and_triangles(Index a, Index b, TestBatch& out) const;
 
   const Topology* topology_ = nullptr;
-  std::vector<Index> elements_, places_;  ///< elements with partners, and by slot: the place in this list, or kNone
-  std::vector<std::size_t> begins_;       ///< by place: where the element's partners begin in partners_
-  std::vector<Partner> partners_;
+  TopologyDelta delta_;
+  Lists now_, before_;
+  std::vector<std::uint8_t> fresh_;    ///< by element slot: whether a vertex of the element has other elements
+  std::vector<std::uint8_t> renewed_;  ///< by place: whether the element has other partners, or fresh ones
+  std::vector<std::uint8_t> near_;     ///< by vertex: whether it belongs to a renewed element
   std::vector<std::vector<Index>>
       partner_of_;  ///< by worker and element slot: the last element that it is a partner of
 };
