@@ -1,4 +1,6 @@
 // Query motion in experiments: a sequence with stored queries is measured on them, with their separation.
+#include <map>
+
 #include <volccd/experiments/tables/table1.hpp>
 #include <volccd/mesh/sequence/writer.hpp>
 
@@ -90,6 +92,13 @@ TEST_F(QueryMotion, RowsHaveTheContactsWithinTheSeparation) {
   const json summary = table1_summary(record);
   ASSERT_EQ(summary.size(), 2u);
   EXPECT_EQ(summary[1].at("motion_model"), "query");
+  std::map<std::string, double> tests;
+  for (const json& row : rows)
+    if (row.at("pipeline") == "NavCCD" && row.at("motion_model") == "query")
+      tests[row.at("variant")] = row.at("vf_tests").get<double>() + row.at("ee_tests").get<double>();
+  EXPECT_EQ(tests.size(), 3u) << "alone, without adjacent pairs, filtered";
+  EXPECT_LT(tests.at("feature-filter=feature-kdop,coplanarity"), tests.at(""));
+  EXPECT_GT(summary[1].at("speedup_navccd_filtered_plus").get<double>(), 0);
 }
 
 /// The summary's keys are those that docs/reproducing.md promises to scripts.
