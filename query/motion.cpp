@@ -52,18 +52,6 @@ Motion Motion::quadratic(std::span<const Vec3> x0, std::span<const Vec3> xm, std
   return motion;
 }
 
-Motion Motion::linear_with_new(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const char> is_new,
-                               std::span<const Vec3> velocity, double step_length) {
-  check_positions(x1, x1.size(), "x1");
-  check_positions(velocity, x1.size(), "velocity");
-  if (x0.size() != x1.size() || is_new.size() != x1.size())
-    throw InputError("motion", "x0", "arrays of different lengths");
-  std::vector<Vec3> start(x0.begin(), x0.end());
-  for (std::size_t v = 0; v < start.size(); ++v)
-    if (is_new[v]) start[v] = x1[v] - step_length * velocity[v];
-  return linear(start, x1);
-}
-
 Vec3 Motion::position(Index v, double t) const {
   if (t == 0) return point(v, 0);
   if (t == 1) return point(v, control_points_ - 1);

@@ -24,10 +24,6 @@ class Motion {
   void set_linear(std::span<const Vec3> x0, std::span<const Vec3> x1);
   /// Quadratic Bezier curves with middle control points xm (which are not points of the curves).
   static Motion quadratic(std::span<const Vec3> x0, std::span<const Vec3> xm, std::span<const Vec3> x1);
-  /// Section 6.3: a vertex that does not exist in the previous step starts from p' = p - s v. `is_new` marks these
-  /// vertices.
-  static Motion linear_with_new(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const char> is_new,
-                                std::span<const Vec3> velocity, double step_length);
 
   Index vertex_count() const { return vertices_; }
   int control_points() const { return control_points_; }
