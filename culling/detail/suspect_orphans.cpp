@@ -60,7 +60,8 @@ void SuspectOrphans::mark_fresh() {
 }
 
 void SuspectOrphans::set_partners(std::span<const ElementPair> pairs) {
-  auto& [elements, places, begins, partners, blocks] = now_;
+  std::vector<Index>&elements = now_.elements, &places = now_.places;
+  std::vector<std::size_t>& begins = now_.begins;
   elements.clear();
   begins.clear();
   places.assign(fresh_.size(), kNone);
@@ -79,10 +80,10 @@ void SuspectOrphans::set_partners(std::span<const ElementPair> pairs) {
   std::size_t end = 0;
   for (std::size_t& begin : begins) begin = end += begin;  // the ends; filling moves them to the beginnings
   begins.push_back(end);
-  partners.resize(end);
+  now_.partners.resize(end);
   for (const ElementPair pair : pairs) {
-    partners[--begins[places[pair.a]]].element = pair.b;
-    if (pair.a != pair.b) partners[--begins[places[pair.b]]].element = pair.a;
+    now_.partners[--begins[places[pair.a]]].element = pair.b;
+    if (pair.a != pair.b) now_.partners[--begins[places[pair.b]]].element = pair.a;
   }
 }
 

@@ -1,6 +1,8 @@
 """Appearance of figures: sizes, colours, marks, axes, and a page with its legend and caption."""
 
 import math
+import pathlib
+import re
 import textwrap
 
 from PIL import Image
@@ -21,7 +23,7 @@ MARKERS = ["o", "s", "^", "v", "D", "P", "X", "<", ">"]
 LINES = ["-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1))]
 # light colours, on which hatches are visible
 BAR_COLOURS = ["#F0E442", "#56B4E9", "#E69F00", "#FFFFFF", "#CC79A7", "#009E73", "#D55E00", "#BBBBBB"]
-HATCHES = ["", "////", "....", "\\\\\\\\", "xxxx", "----", "++++", "||||", "oo"]
+HATCHES = ["", "////", "||||", "\\\\\\\\", "xxxx", "----", "++++", "//--", "oo"]  # dots would be 250 kB of each SVG
 PAPER_MARK = {"marker": "D", "color": "white", "markeredgecolor": "black", "markeredgewidth": 0.8, "linestyle": "none"}
 
 
@@ -108,9 +110,17 @@ class Page:
         self.figure.draw_without_rendering()
         self.figure.set_layout_engine("none")
         self.figure.savefig(f"{path}.svg", metadata={"Date": None, "Creator": None})
+        shorten_paths(f"{path}.svg")
         self.figure.savefig(f"{path}.png", dpi=130, metadata={"Software": None})
         with Image.open(f"{path}.png") as image:  # 64 colours are enough for a figure, and take half of the room
             image.convert("RGB").quantize(64).save(f"{path}.png", optimize=True)
+
+
+def shorten_paths(path):
+    """Coordinates of outlines with two decimals, hundredths of a point."""
+    text = pathlib.Path(path).read_text(encoding="utf-8")
+    text = re.sub(r' d="[^"]*"', lambda outline: re.sub(r"(\.\d\d)\d+", r"\1", outline.group()), text)
+    pathlib.Path(path).write_text(text, encoding="utf-8")
 
 
 def number(value, digits=3):
