@@ -103,12 +103,15 @@ Flood::Front propose(BoundaryFloodState& state) {
   if (state.phase != Phase::flood) {
     detail::FloodFront at_start(step, state.stars, state.suspects, state.seen_at_start, state.front);
     if (state.phase == Phase::idle) {
-      if (!state.parts_valid) detail::FloodFront::one_of_each_part(step, state.parts, state.parents);
+      if (!state.parts_valid) {
+        detail::FloodFront::one_of_each_part(step, state.parts, state.parents);
+        state.start_scratch.neighbours.clear(step.mesh().element_slots());
+      }
       state.parts_valid = true;
       at_start.from_start(state.parts, state.start_scratch);
       for (const ElementPair pair : fresh) at_start.again(pair);
     } else {
-      for (const ElementPair pair : fresh) at_start.around_at_start(pair);
+      for (const ElementPair pair : fresh) at_start.around_at_start(pair, state.start_scratch);
     }
     state.phase = Phase::start;
     state.counters.looked_at_start += state.front.size();
@@ -154,7 +157,6 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   state.taken = false;
   state.phase = Phase::idle;
   state.counters = {};
-  if (step.separation > 0) return;
   if (state.counted.sync(step.topology) != TopologyDelta::Extent::none) {
     state.boundary_share = boundary_share(step.topology);
     state.divided_share = divided_share(step.mesh());
@@ -166,7 +168,7 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   // Object ids change along a chain of pairs only where objects share vertices. In that case only the tests are
   // filtered.
   state.filter = topology.objects_share_vertices() ? ObjectFilter() : step.filter;
-  state.step.emplace(Step{topology, step.motion, state.filter, 0, step.t_max, &state.outer});
+  state.step.emplace(Step{topology, step.motion, state.filter, step.separation, step.t_max, &state.outer});
   const TopologyDelta::Extent changed = state.stars.update(topology, executor);
   if (changed != TopologyDelta::Extent::none) state.parts_valid = false;
   state.classes.update(*state.step, state.stars, changed, executor);

@@ -8,7 +8,8 @@ namespace volccd {
 /// Classifies the simplices of a step. The broad phase pairs only boundary faces, and simplices whose volume is not
 /// proven to keep its sign (set D). From the pairs that element culling keeps, and from suspect pairs of adjacent
 /// simplices, the flood proceeds across faces to pairs with simplices inside the volume. Of the O-Set, it omits every
-/// feature pair that is covered by two adjacent simplices which are proven to have no double points.
+/// feature pair that is covered by two adjacent simplices which are proven to have no double points. With a separation,
+/// all this is proven for vertices that are displaced by up to half of it.
 ///
 /// Accepts a step unless
 ///  - the share of elements that have a boundary face or are shells exceeds `most_boundary`: almost everything is
@@ -17,7 +18,6 @@ namespace volccd {
 ///    for each of them, and their topology has to be edited with the mesh;
 ///  - the share of vertices with suspect stars exceeds `most_suspect`, as in rubble: the flood would test more pairs
 ///    than a broad phase over all elements (docs/performance.md has the measurements for these limits);
-///  - the separation is greater than 0: the theorem's conditions on stars are about contact only;
 ///  - initial overlaps are requested and the mesh is not simplicial: the hulls of other elements may overlap where
 ///    their simplices do not.
 ///

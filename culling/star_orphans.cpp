@@ -88,7 +88,7 @@ void StarOrphans::prepare(const Step& step, StageState& stage_state, Executor& e
   state.counters = {};
   if (state.counted.sync(step.topology) != TopologyDelta::Extent::none) state.volumes = has_volumes(step.mesh());
   state.counted.confirm();
-  if (state.volumes && step.separation == 0) {
+  if (state.volumes) {
     state.stars.update(step, executor);
     state.counters.suspect_vertices = state.stars.suspects().size();
     state.counters.by_stars = static_cast<double>(state.counters.suspect_vertices) <=

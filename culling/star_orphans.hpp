@@ -7,12 +7,12 @@ namespace volccd {
 
 /// Every orphan has its features in elements that share a vertex. If the star of that vertex, which consists of all
 /// elements at it, is proven to remain embedded throughout the step, features of the star without a common vertex
-/// cannot touch. In solids that neither invert nor fold, nearly all stars are, so that hardly any orphan has to be
-/// listed or tested, and no O-Set is stored.
+/// cannot touch, or with a separation come within it. In solids that neither invert nor fold, nearly all stars are, so
+/// that hardly any orphan has to be listed or tested, and no O-Set is stored.
 ///
-/// The state contains an OSet as well, which provides the orphans if stars decide too little: if the separation is
-/// above 0, if the mesh has no volume elements, or if more than the fraction `most_suspect` of the vertices have stars
-/// that may fold. It is built, and updated, only for such steps.
+/// The state contains an OSet as well, which provides the orphans if stars decide too little: if the mesh has no volume
+/// elements, or if more than the fraction `most_suspect` of the vertices have stars that may fold. It is built, and
+/// updated, only for such steps.
 class StarOrphans final : public OrphanSource {
  public:
   struct Config {

@@ -36,9 +36,13 @@ class Normals {
     }
   }
 
-  void compute() {
-    for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(Tag())) compute_lanes(lane);
+  void compute(bool edges) {
+    for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(Tag())) {
+      compute_lanes(lane);
+      if (edges) find_longest_edges(lane);
+    }
   }
+  double longest_edge(std::size_t lane) const { return longest_edge_[lane]; }
 
   template <int kLanes>
   void store(std::size_t lane, FaceNormal<kLanes>& out) const {
@@ -79,25 +83,44 @@ class Normals {
     store3(add(unit(normal[0]), unit(normal[2 * kDegree])), unit_, lane);
   }
 
+  /// Upper bounds. A length at any time is less than the greatest one at a control point.
+  void find_longest_edges(std::size_t lane) {
+    Lanes longest = hn::Zero(Tag());
+    for (int c = 0; c < kControlPoints; ++c)
+      for (std::size_t v = 0; v < 3; ++v)
+        longest = hn::Max(longest, length(sub(point((v + 1) % 3, c, lane), point(v, c, lane))));
+    hn::Store(hn::Mul(longest, broadcast(kLengthSlack)), Tag(), longest_edge_ + lane);
+  }
+
   alignas(64) double points_[3][3 * kControlPoints][8] = {};
-  alignas(64) double normal_[kCoefficients][3][8], unit_[3][8], bound_[8];
+  alignas(64) double normal_[kCoefficients][3][8], unit_[3][8], bound_[8], longest_edge_[8];
 };
 
 template <int kControlPoints, int kLanes>
 void normals_of(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
-                FaceNormal<kLanes>* out) {
+                FaceNormal<kLanes>* out, double* longest_edges) {
   Normals<kControlPoints> normals;
   for (std::size_t first = begin; first < end; first += 8) {
     const std::size_t count = std::min<std::size_t>(8, end - first);
     for (std::size_t lane = 0; lane < count; ++lane) normals.gather(step, faces[first + lane], lane);
-    normals.compute();
+    normals.compute(longest_edges != nullptr);
     for (std::size_t lane = 0; lane < count; ++lane) normals.store(lane, out[first + lane]);
+    if (!longest_edges) continue;
+    for (std::size_t lane = 0; lane < count; ++lane) longest_edges[first + lane] = normals.longest_edge(lane);
   }
 }
 
-/// Whether a ring folds; sets `up` to the sum of the unit normals of its triangles.
+/// The binomials of the coefficients of a FaceNormal.
 template <int kLanes>
-bool folds_at(std::span<const RingCorner> corners, const FaceNormal<kLanes>* normals, Vec3& up) {
+HWY_INLINE const double* binomials() {
+  alignas(64) static constexpr double linear[4] = {1, 2, 1, 1}, quadratic[8] = {1, 4, 6, 4, 1, 1, 1, 1};
+  return kLanes == 4 ? linear : quadratic;
+}
+
+/// Whether a ring folds; sets `up` to the sum of the unit normals of its triangles. kApart: with a separation.
+template <int kLanes, bool kApart>
+HWY_INLINE bool folds_at(const Rings& rings, std::span<const RingCorner> corners, const FaceNormal<kLanes>* normals,
+                         Vec3& up) {
   const hn::CappedTag<double, kLanes> tag;
   double x = 0, y = 0, z = 0;
   for (const RingCorner& c : corners) {
@@ -107,31 +130,43 @@ bool folds_at(std::span<const RingCorner> corners, const FaceNormal<kLanes>* nor
   }
   up = {x, y, z};
   const double size = std::abs(x) + std::abs(y) + std::abs(z);
+  const double gap = kApart ? separation_gap(rings.separation, x, y, z) : 0;
   const LaneVector<hn::Vec<decltype(tag)>> direction{hn::Set(tag, x), hn::Set(tag, y), hn::Set(tag, z)};
   for (const RingCorner& c : corners) {
     if (!c.tested) continue;
     const FaceNormal<kLanes>& normal = normals[c.face];
-    const auto bound = hn::Set(tag, normal.bound * size);
-    for (int k = 0; k < kLanes; k += static_cast<int>(hn::Lanes(tag)))
+    const auto rounding = hn::Set(tag, normal.bound * size);
+    const double area = kApart ? gap * rings.longest_edges[c.face] : 0;
+    for (int k = 0; k < kLanes; k += static_cast<int>(hn::Lanes(tag))) {
+      auto bound = rounding;
+      if (kApart) bound = hn::Add(bound, hn::Mul(hn::Set(tag, area), hn::Load(tag, binomials<kLanes>() + k)));
       if (!hn::AllTrue(tag, hn::Gt(dot(direction, load3(tag, normal.coefficients[0] + k, kLanes)), bound))) return true;
+    }
   }
   return false;
 }
 
+template <int kLanes, bool kApart>
+void folds_of(const Rings& rings, const FaceNormal<kLanes>* normals, std::size_t begin, std::size_t end) {
+  for (std::size_t v = begin; v < end; ++v) {
+    const std::span<const RingCorner> corners(rings.corners + rings.begins[v], rings.corners + rings.begins[v + 1]);
+    rings.folds[v] = folds_at<kLanes, kApart>(rings, corners, normals, rings.ups[v]) ? 1 : 0;
+  }
+}
+
 template <int kLanes>
 void folds_of(const Rings& rings, const FaceNormal<kLanes>* normals, std::size_t begin, std::size_t end) {
-  for (std::size_t v = begin; v < end; ++v)
-    rings.folds[v] =
-        folds_at({rings.corners + rings.begins[v], rings.corners + rings.begins[v + 1]}, normals, rings.ups[v]) ? 1 : 0;
+  if (rings.separation > 0) return folds_of<kLanes, true>(rings, normals, begin, end);
+  folds_of<kLanes, false>(rings, normals, begin, end);
 }
 
 void linear_normals(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
-                    FaceNormal<4>* out) {
-  normals_of<2>(step, faces, begin, end, out);
+                    FaceNormal<4>* out, double* longest_edges) {
+  normals_of<2>(step, faces, begin, end, out, longest_edges);
 }
 void quadratic_normals(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
-                       FaceNormal<8>* out) {
-  normals_of<3>(step, faces, begin, end, out);
+                       FaceNormal<8>* out, double* longest_edges) {
+  normals_of<3>(step, faces, begin, end, out, longest_edges);
 }
 void linear_folds(const Rings& rings, const FaceNormal<4>* normals, std::size_t begin, std::size_t end) {
   folds_of(rings, normals, begin, end);
@@ -176,13 +211,15 @@ template <int kLanes>
 void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector<FaceNormal<kLanes>>& normals,
                                std::uint8_t* folds) {
   normals.resize(faces_.size());
+  if (step.separation > 0) longest_edges_.resize(faces_.size());
+  double* const longest = step.separation > 0 ? longest_edges_.data() : nullptr;
   executor.parallel_for(faces_.size(), kFaceGrain, [&](std::size_t begin, std::size_t end, unsigned) {
     if constexpr (kLanes == 4)
-      HWY_DYNAMIC_DISPATCH(linear_normals)(step, faces_, begin, end, normals.data());
+      HWY_DYNAMIC_DISPATCH(linear_normals)(step, faces_, begin, end, normals.data(), longest);
     else
-      HWY_DYNAMIC_DISPATCH(quadratic_normals)(step, faces_, begin, end, normals.data());
+      HWY_DYNAMIC_DISPATCH(quadratic_normals)(step, faces_, begin, end, normals.data(), longest);
   });
-  const Rings rings{corners_.data(), begins_.data(), ups_.data(), folds};
+  const Rings rings{corners_.data(), begins_.data(), ups_.data(), folds, step.separation, longest};
   executor.parallel_for(ups_.size(), kRingGrain, [&](std::size_t begin, std::size_t end, unsigned) {
     if constexpr (kLanes == 4)
       HWY_DYNAMIC_DISPATCH(linear_folds)(rings, normals.data(), begin, end);
@@ -201,8 +238,8 @@ void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector
 
 std::size_t BoundaryRings::bytes() const {
   return faces_.capacity() * sizeof(faces_[0]) + linear_.capacity() * sizeof(linear_[0]) +
-         quadratic_.capacity() * sizeof(quadratic_[0]) + ups_.capacity() * sizeof(Vec3) +
-         begins_.capacity() * sizeof(Index) + corners_.capacity() * sizeof(RingCorner);
+         quadratic_.capacity() * sizeof(quadratic_[0]) + longest_edges_.capacity() * sizeof(double) +
+         ups_.capacity() * sizeof(Vec3) + begins_.capacity() * sizeof(Index) + corners_.capacity() * sizeof(RingCorner);
 }
 
 }  // namespace volccd::detail

@@ -15,13 +15,19 @@ namespace volccd::detail {
 struct CertifiedDeterminant {
   double value, bound;  ///< |value - exact value| < bound; infinite if an overflow is possible
 
-  CertifiedDeterminant(const Vec3& a, const Vec3& b, const Vec3& c) : value(a.dot(b.cross(c))) {
+  /// `displacement`: the value for vectors that are changed by up to this length each is within the bound, too.
+  CertifiedDeterminant(const Vec3& a, const Vec3& b, const Vec3& c, double displacement = 0)
+      : value(a.dot(b.cross(c))) {
     // At most 9 roundings in each of the 6 products; the sum of their magnitudes is less than the product of the
     // 1-norms.
     const double product = norm1(a) * norm1(b) * norm1(c);
     bound = product < kGreatestMagnitude && norm1(b) * norm1(c) < kGreatestMagnitude
                 ? 32 * kUnitRoundoff * product + kDeterminantUnderflow * (1 + norm1(a))
                 : std::numeric_limits<double>::infinity();
+    if (displacement > 0) {
+      const double x = norm1(a), y = norm1(b), z = norm1(c), d = displacement;
+      bound += d * (x * y + y * z + z * x + d * (x + y + z) + d * d) * kAreaSlack;
+    }
   }
   bool positive() const { return value > bound; }
   bool negative() const { return value < -bound; }

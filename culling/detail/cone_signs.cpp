@@ -9,96 +9,32 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/detail/cone_signs.cpp"
 #include <hwy/foreach_target.h>
-#include <volccd/query/vector_lanes-inl.hpp>
-
-#ifndef VOLCCD_CONE_SIGNS_FACES
-#define VOLCCD_CONE_SIGNS_FACES
-namespace volccd::detail {
-
-/// A face, and the corners of the element that are not on it, as local vertex numbers.
-struct ConeFace {
-  std::uint8_t size = 0, corner_count = 0;
-  std::array<std::uint8_t, 4> vertices{}, corners{};
-};
-struct ConeFaces {
-  std::uint8_t vertices = 0, count = 0;
-  std::array<ConeFace, 6> faces{};
-};
-
-inline ConeFaces make_cone_faces(ElementType type) {
-  ConeFaces found;
-  found.vertices = static_cast<std::uint8_t>(vertex_count(type));
-  volccd::visit_faces(face_stream(type), [&](std::span<const std::uint8_t> vertices) {
-    ConeFace& face = found.faces[found.count++];
-    face.size = static_cast<std::uint8_t>(vertices.size());
-    std::copy(vertices.begin(), vertices.end(), face.vertices.begin());
-    for (std::uint8_t v = 0; v < found.vertices; ++v)
-      if (std::find(vertices.begin(), vertices.end(), v) == vertices.end()) face.corners[face.corner_count++] = v;
-  });
-  return found;
-}
-
-/// Null for types without cones. All cones of a tetrahedron are the tetrahedron, so that one of its faces is enough.
-inline const ConeFaces* cone_faces(ElementType type) {
-  static const ConeFaces hexahedron = make_cone_faces(ElementType::hexahedron),
-                         wedge = make_cone_faces(ElementType::wedge), pyramid = make_cone_faces(ElementType::pyramid),
-                         tetrahedron = [] {
-                           ConeFaces faces = make_cone_faces(ElementType::tetrahedron);
-                           faces.count = 1;
-                           return faces;
-                         }();
-  switch (type) {
-    case ElementType::hexahedron: return &hexahedron;
-    case ElementType::wedge: return &wedge;
-    case ElementType::pyramid: return &pyramid;
-    case ElementType::tetrahedron: return &tetrahedron;
-    default: return nullptr;
-  }
-}
-
-}  // namespace volccd::detail
-#endif
+#include <volccd/culling/detail/determinant-inl.hpp>
+#include <volccd/culling/detail/middle_shape-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-/// Processes 8 elements of one type.
+/// The polynomials of all cones of eight elements of one type.
 template <int kControlPoints>
 class Cones {
  public:
-  void gather(const Motion& motion, std::span<const Index> vertices, const ConeFaces& faces, std::size_t lane) {
-    for (std::size_t v = 0; v < faces.vertices; ++v) {
-      const double* const from = motion.at(vertices[v]);
-      for (std::size_t k = 0; k < 3 * kControlPoints; ++k) points_[v][k][lane] = from[k];
-    }
-    for (std::size_t f = 0; f < faces.count; ++f) {
-      const ConeFace& face = faces.faces[f];
-      if (face.size < 4) continue;
-      // The diagonal contains the vertex of smallest slot (mesh/features.hpp).
-      std::size_t least = 0;
-      for (std::size_t i = 1; i < 4; ++i)
-        if (vertices[face.vertices[i]] < vertices[face.vertices[least]]) least = i;
-      turned_[f][lane] = least % 2 == 0 ? 0 : 1;
-    }
-  }
+  explicit Cones(const ElementLanes<kControlPoints>& elements) : elements_(elements) {}
 
-  void signs(const ConeFaces& faces, ConeSigns (&out)[8]) const {
+  void signs(const ConeFaces& faces, double separation, ConeSigns (&out)[8]) const {
     for (ConeSigns& s : out) s = {0xff, 0xff};
     for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(Tag()))
-      for (std::size_t f = 0; f < faces.count; ++f) over_face(faces, f, lane, out + lane);
+      for (std::size_t f = 0; f < faces.count; ++f) over_face(faces, f, separation, lane, out + lane);
   }
 
  private:
   static constexpr int kDegree = kControlPoints - 1;
-  using Path = Lanes3[kControlPoints];
+  using Path = typename ElementLanes<kControlPoints>::Path;
   using Normal = Lanes3[2 * kDegree + 1];
   /// Sum of the weights of a coefficient, at most.
   static constexpr double kWeights = kControlPoints == 2 ? 3 : 20;
   static constexpr double weight(int i) { return kDegree == 2 && i == 1 ? 2 : 1; }
 
-  HWY_INLINE void load(std::size_t v, std::size_t lane, Path& path) const {
-    for (int c = 0; c < kControlPoints; ++c) path[c] = load3(Tag(), points_[v][3 * c] + lane, 8);
-  }
   static HWY_INLINE Lanes subtract(const Path& from, Path& path) {
     Lanes size = broadcast(kLeastExtent);
     for (int c = 0; c < kControlPoints; ++c) {
@@ -122,50 +58,107 @@ class Cones {
                    hn::Mul(broadcast(kDeterminantUnderflow), hn::Add(broadcast(1), extent)));
   }
 
-  static HWY_INLINE void judge(const Path& way, const Normal& normal, Lanes bound, LaneMask& positive,
-                               LaneMask& negative) {
+  /// Clears the bits of volumes that are not proven to have the sign. A coefficient has to exceed `rounding` by
+  /// `allowance` times its binomial.
+  static HWY_INLINE void judge(const Path& way, const Normal& normal, Lanes rounding, Lanes allowance,
+                               LaneMask& positive, LaneMask& negative) {
     for (int k = 0; k <= 3 * kDegree; ++k) {
       Lanes sum = hn::Zero(Tag());
       for (int i = std::max(0, k - 2 * kDegree); i <= std::min(k, kDegree); ++i)
         sum = hn::Add(sum, hn::Mul(dot(way[i], normal[k - i]), broadcast(weight(i))));
+      const Lanes bound = hn::Add(rounding, hn::Mul(allowance, broadcast(binomial(3 * kDegree, k))));
       positive = hn::And(positive, hn::Gt(sum, bound));
       negative = hn::And(negative, hn::Lt(sum, hn::Neg(bound)));
     }
   }
 
-  /// Loads vertex i of a face, counted from one end of its diagonal.
-  HWY_INLINE void load_turned(const ConeFace& face, std::size_t f, std::size_t i, std::size_t lane, Path& path) const {
-    load(face.vertices[i], lane, path);
-    if (face.size < 4) return;
-    const LaneMask turned = hn::Gt(hn::Load(Tag(), turned_[f] + lane), hn::Zero(Tag()));
-    Path next;
-    load(face.vertices[(i + 1) % 4], lane, next);
-    for (int c = 0; c < kControlPoints; ++c)
-      path[c] = {hn::IfThenElse(turned, next[c].x, path[c].x), hn::IfThenElse(turned, next[c].y, path[c].y),
-                 hn::IfThenElse(turned, next[c].z, path[c].z)};
+  static HWY_INLINE Lanes longest(const Path& path) {
+    Lanes square = hn::Zero(Tag());
+    for (int c = 0; c < kControlPoints; ++c) square = hn::Max(square, dot(path[c], path[c]));
+    // The square of a short vector may have lost digits by underflow.
+    return hn::Sqrt(hn::Max(square, broadcast(kLeastSquare)));
+  }
+  /// An upper bound, except for rounding, on the length of a normal throughout the step.
+  static HWY_INLINE Lanes longest(const Normal& normal) {
+    Lanes square = hn::Zero(Tag());
+    for (int k = 0; k <= 2 * kDegree; ++k) {
+      const Lanes3 coefficient = scaled(normal[k], broadcast(1 / binomial(2 * kDegree, k)));
+      square = hn::Max(square, dot(coefficient, coefficient));
+    }
+    return hn::Sqrt(hn::Max(square, broadcast(kLeastSquare)));
   }
 
-  void over_face(const ConeFaces& faces, std::size_t f, std::size_t lane, ConeSigns* out) const {
-    const ConeFace& face = faces.faces[f];
+  /// A face as a fan of triangles: edges from one end of its diagonal, and bounds on them.
+  struct Fan {
+    std::size_t triangles;
     Path from, edge[3];
     Normal normal[2];
-    Lanes area[2], size[3];
-    load_turned(face, f, 0, lane, from);
-    const std::size_t triangles = face.size - std::size_t{2};
-    for (std::size_t i = 0; i <= triangles; ++i) {
-      load_turned(face, f, i + 1, lane, edge[i]);
-      size[i] = subtract(from, edge[i]);
+    Lanes area[2];    ///< products of 1-norms
+    Lanes length[3];  ///< of the edges; with a separation only
+  };
+
+  /// Which volumes between the fan and `way` have a sign that no separation d changes (volume_signs()): if they exceed
+  /// d times an upper bound of greatest_area(). kExactly: half of the sum of the areas of the four faces; otherwise the
+  /// sum of the products of lengths of three edges.
+  template <bool kExactly>
+  static HWY_INLINE void judge_apart(const Fan& fan, const Path& way, Lanes extent, double separation,
+                                     LaneMask& positive, LaneMask& negative) {
+    const Lanes d = broadcast(separation * kAreaSlack * kAreaSlack);
+    const Lanes to_corner = longest(way);
+    Normal side[3];
+    if (kExactly)
+      for (std::size_t i = 0; i <= fan.triangles; ++i) inward_normal(fan.edge[i], way, side[i]);
+    for (std::size_t i = 0; i < fan.triangles; ++i) {
+      const Lanes& a = fan.length[i];
+      const Lanes& b = fan.length[i + 1];
+      Lanes area = hn::Add(hn::Mul(a, b), hn::Mul(to_corner, hn::Add(a, b)));
+      if (kExactly) {
+        Normal third;  // the sum of the normals of all four faces is 0
+        for (int k = 0; k <= 2 * kDegree; ++k) third[k] = sub(add(fan.normal[i][k], side[i + 1][k]), side[i][k]);
+        const Lanes sum =
+            hn::Add(hn::Add(longest(fan.normal[i]), longest(third)), hn::Add(longest(side[i]), longest(side[i + 1])));
+        // The third normal may have lost digits: 2^-40 of the products is more.
+        area = hn::Add(hn::Mul(broadcast(0.5), sum), hn::Mul(broadcast(0x1p-40), area));
+      }
+      judge(way, fan.normal[i], error(extent, fan.area[i]), hn::Mul(d, area), positive, negative);
     }
-    for (std::size_t i = 0; i < triangles; ++i) {
-      inward_normal(edge[i], edge[i + 1], normal[i]);
-      area[i] = trusted(hn::Mul(trusted(size[i]), trusted(size[i + 1])));
+  }
+
+  HWY_INLINE void load_fan(const ConeFace& face, std::size_t f, double separation, std::size_t lane, Fan& fan) const {
+    Lanes size[3];
+    elements_.load_turned(face, f, 0, lane, fan.from);
+    fan.triangles = face.size - std::size_t{2};
+    for (std::size_t i = 0; i <= fan.triangles; ++i) {
+      elements_.load_turned(face, f, i + 1, lane, fan.edge[i]);
+      size[i] = subtract(fan.from, fan.edge[i]);
+      if (separation > 0) fan.length[i] = longest(fan.edge[i]);
     }
+    for (std::size_t i = 0; i < fan.triangles; ++i) {
+      inward_normal(fan.edge[i], fan.edge[i + 1], fan.normal[i]);
+      fan.area[i] = trusted(hn::Mul(trusted(size[i]), trusted(size[i + 1])));
+    }
+  }
+
+  void over_face(const ConeFaces& faces, std::size_t f, double separation, std::size_t lane, ConeSigns* out) const {
+    const ConeFace& face = faces.faces[f];
+    Fan fan;
+    load_fan(face, f, separation, lane, fan);
     for (std::size_t j = 0; j < face.corner_count; ++j) {
       Path way;
-      load(face.corners[j], lane, way);
-      const Lanes extent = subtract(from, way);
-      LaneMask positive = hn::Ge(extent, hn::Zero(Tag())), negative = positive;
-      for (std::size_t i = 0; i < triangles; ++i) judge(way, normal[i], error(extent, area[i]), positive, negative);
+      elements_.load(face.corners[j], lane, way);
+      const Lanes extent = subtract(fan.from, way);
+      const LaneMask all = hn::Ge(extent, hn::Zero(Tag()));
+      LaneMask positive = all, negative = all;
+      if (separation > 0) {
+        judge_apart<false>(fan, way, extent, separation, positive, negative);
+        if (!hn::AllTrue(Tag(), hn::Or(positive, negative))) {
+          positive = negative = all;
+          judge_apart<true>(fan, way, extent, separation, positive, negative);
+        }
+      } else {
+        for (std::size_t i = 0; i < fan.triangles; ++i)
+          judge(way, fan.normal[i], error(extent, fan.area[i]), hn::Zero(Tag()), positive, negative);
+      }
       note(positive, negative, faces.vertices == 4 ? 0xf : 1u << face.corners[j], out);
     }
   }
@@ -180,33 +173,62 @@ class Cones {
     }
   }
 
-  alignas(64) double points_[8][3 * kControlPoints][8] = {};
-  alignas(64) double turned_[6][8] = {};
+  const ElementLanes<kControlPoints>& elements_;
 };
 
 /// Elements of one type that are collected until there are eight, which are then tested together.
 template <int kControlPoints>
 struct WaitingElements {
+  struct Block {
+    std::size_t count = 0;
+    Index slots[8] = {};
+    ElementLanes<kControlPoints> elements;
+  };
   const ConeFaces* faces = nullptr;
-  std::size_t count = 0;
-  Index slots[8] = {};
-  Cones<kControlPoints> cones;
+  Block fresh, open;  ///< before and after the quick test
 
   void add(const Step& step, Index o, ConeSigns* signs) {
-    cones.gather(step.motion, step.mesh().vertices(o), *faces, count);
-    slots[count++] = o;
-    if (count == 8) finish(signs);
+    fresh.elements.gather(step.motion, step.mesh().vertices(o), *faces, fresh.count);
+    fresh.slots[fresh.count++] = o;
+    if (fresh.count == 8) decide_quickly(step.separation, signs);
   }
-  void finish(ConeSigns* signs) {
-    if (count == 0) return;
+  void decide_quickly(double separation, ConeSigns* signs) {
+    const std::uint32_t positive = stay_positive(fresh.elements, separation);
+    for (std::size_t i = 0; i < fresh.count; ++i) {
+      if ((positive >> i & 1) != 0) {
+        signs[fresh.slots[i]] = {bits(), 0};
+        continue;
+      }
+      open.elements.take(fresh.elements, i, open.count);
+      open.slots[open.count++] = fresh.slots[i];
+      if (open.count == 8) decide(separation, signs);
+    }
+    fresh.count = 0;
+  }
+  void decide(double separation, ConeSigns* signs) {
     ConeSigns found[8];
-    cones.signs(*faces, found);
-    const auto bits = static_cast<std::uint8_t>((1u << faces->vertices) - 1);
-    for (std::size_t i = 0; i < count; ++i)
-      signs[slots[i]] = {static_cast<std::uint8_t>(found[i].positive & bits),
-                         static_cast<std::uint8_t>(found[i].negative & bits)};
-    count = 0;
+    Cones<kControlPoints>(open.elements).signs(*faces, separation, found);
+    for (std::size_t i = 0; i < open.count; ++i)
+      signs[open.slots[i]] = {static_cast<std::uint8_t>(found[i].positive & bits()),
+                              static_cast<std::uint8_t>(found[i].negative & bits())};
+    open.count = 0;
   }
+  void finish(double separation, ConeSigns* signs) {
+    if (fresh.count > 0) decide_quickly(separation, signs);
+    if (open.count > 0) decide(separation, signs);
+  }
+  /// Bit i: all cones of element i are proven to be positive by its shape in the middle of the step.
+  std::uint32_t stay_positive(const ElementLanes<kControlPoints>& elements, double separation) const {
+    std::uint32_t found = 0;
+    for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(Tag())) {
+      std::uint8_t positive[8] = {};
+      const MiddleShape<kControlPoints> shape(elements, *faces, lane);
+      hn::StoreMaskBits(Tag(), shape.stays_positive(separation), positive);
+      found |= std::uint32_t{positive[0]} << lane;
+    }
+    return found;
+  }
+  std::uint8_t bits() const { return static_cast<std::uint8_t>((1u << faces->vertices) - 1); }
 };
 
 template <int kControlPoints>
@@ -221,7 +243,7 @@ void signs_of_cones(const Step& step, Index begin, Index end, ConeSigns* signs) 
     list->faces = faces;
     list->add(step, o, signs);
   }
-  for (auto& list : waiting) list.finish(signs);
+  for (auto& list : waiting) list.finish(step.separation, signs);
 }
 
 void signs_of_all_cones(const Step& step, Index begin, Index end, ConeSigns* signs) {

@@ -40,22 +40,24 @@ HWY_INLINE LowestVector lowest(const CornerVectors& corner, const double* direct
   return found;
 }
 
-/// Whether the products of all vectors are certainly positive. Each has a rounded difference, a product and two sums.
-HWY_INLINE bool all_positive(const CornerVectors& corner, const double* direction) {
-  constexpr double kLeast = 0x1p-1000;  // more than what underflows in a dot product
+/// Whether the products of all vectors are certainly positive, also if the vectors are changed by up to the separation.
+/// Each has a rounded difference, a product and two sums.
+HWY_INLINE bool all_positive(const CornerVectors& corner, const double* direction, double separation) {
+  constexpr double kUnderflow = 0x1p-1000;  // more than what underflows in a dot product
+  const double least = kUnderflow + separation_gap(separation, direction[0], direction[1], direction[2]);
   const CornerTag tag;
   for (std::size_t lane = 0; lane < CornerVectors::kLanes; lane += hn::Lanes(tag)) {
     const auto magnitude = [&](std::size_t k) HWY_ATTR {
       return hn::Abs(hn::Mul(hn::Set(tag, direction[k]), hn::Load(tag, corner.x[k] + lane)));
     };
     const CornerLanes sum = hn::Add(hn::Add(magnitude(0), magnitude(1)), magnitude(2));
-    const CornerLanes bound = hn::Add(hn::Mul(sum, hn::Set(tag, 8 * kUnitRoundoff)), hn::Set(tag, kLeast));
+    const CornerLanes bound = hn::Add(hn::Mul(sum, hn::Set(tag, 8 * kUnitRoundoff)), hn::Set(tag, least));
     if (!hn::AllTrue(tag, hn::Gt(products(corner, direction, lane), bound))) return false;
   }
   return true;
 }
 
-HWY_INLINE bool separated(const CornerVectors& a, const CornerVectors& b) {
+HWY_INLINE bool separated(const CornerVectors& a, const CornerVectors& b, double separation) {
   constexpr int kMostRounds = 6;
   double direction[3], back[3];
   for (std::size_t k = 0; k < 3; ++k) {
@@ -66,7 +68,9 @@ HWY_INLINE bool separated(const CornerVectors& a, const CornerVectors& b) {
   for (int round = 0; round < kMostRounds; ++round) {
     for (std::size_t k = 0; k < 3; ++k) back[k] = -direction[k];
     const LowestVector in_a = lowest(a, back), in_b = lowest(b, direction);
-    if (in_a.product > 0 && in_b.product > 0) return all_positive(a, back) && all_positive(b, direction);
+    if (in_a.product > 0 && in_b.product > 0 && all_positive(a, back, separation) &&
+        all_positive(b, direction, separation))
+      return true;
     const bool from_b = in_b.product < in_a.product;
     double along = 0, square = 0, way[3];
     for (std::size_t k = 0; k < 3; ++k) {
@@ -81,10 +85,10 @@ HWY_INLINE bool separated(const CornerVectors& a, const CornerVectors& b) {
   return false;
 }
 
-void separate(std::span<const CornerVectors> corners, std::span<const std::array<std::uint16_t, 2>> pairs,
-              std::uint8_t* apart) {
+void separate(std::span<const CornerVectors> corners, double separation,
+              std::span<const std::array<std::uint16_t, 2>> pairs, std::uint8_t* apart) {
   for (std::size_t n = 0; n < pairs.size(); ++n)
-    apart[n] = separated(corners[pairs[n][0]], corners[pairs[n][1]]) ? 1 : 0;
+    apart[n] = separated(corners[pairs[n][0]], corners[pairs[n][1]], separation) ? 1 : 0;
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE
@@ -108,9 +112,9 @@ CornerVectors::CornerVectors(const Motion& motion, std::span<const Index> vertic
     for (std::size_t i = size; i < kLanes; ++i) x[k][i] = x[k][i - size];
 }
 
-void separate_corners(std::span<const CornerVectors> corners, std::span<const std::array<std::uint16_t, 2>> pairs,
-                      std::uint8_t* apart) {
-  HWY_DYNAMIC_DISPATCH(separate)(corners, pairs, apart);
+void separate_corners(std::span<const CornerVectors> corners, double separation,
+                      std::span<const std::array<std::uint16_t, 2>> pairs, std::uint8_t* apart) {
+  HWY_DYNAMIC_DISPATCH(separate)(corners, separation, pairs, apart);
 }
 
 }  // namespace volccd::detail

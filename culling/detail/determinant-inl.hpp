@@ -63,6 +63,36 @@ struct DeterminantError {
   }
 };
 
+/// An upper bound on the areas of a tetrahedron with the edges a, b and c at one vertex, throughout the step: twice its
+/// faces, and the cross products of opposite edges. Its volume times 6, divided by these seven areas, is its four
+/// heights and the three distances between opposite edges. Infinite, or NaN, if an overflow is possible.
+template <int kControlPoints>
+HWY_INLINE Lanes greatest_area(const Lanes3 (&a)[kControlPoints], const Lanes3 (&b)[kControlPoints],
+                               const Lanes3 (&c)[kControlPoints]) {
+  constexpr double kLeastArea = 0x1p-449;  // more than the length of a vector whose square underflows
+  Lanes square = hn::Zero(Tag()), size = square;
+  const auto include = [&](const Lanes3& first, const Lanes3& second) HWY_ATTR {
+    const Lanes3 area = cross(first, second);
+    square = hn::Max(square, dot(area, area));
+  };
+  for (int i = 0; i < kControlPoints; ++i) {
+    const Lanes3 ab = sub(b[i], a[i]), bc = sub(c[i], b[i]), ca = sub(a[i], c[i]);
+    size = hn::Max(size, add3(norm1(a[i]), norm1(b[i]), norm1(c[i])));
+    // The vectors at other times are averages of those at the control points, independently of each other.
+    for (int j = 0; j < kControlPoints; ++j) {
+      include(a[i], b[j]);
+      include(b[i], c[j]);
+      include(c[i], a[j]);
+      include(ab, sub(c[j], a[j]));
+      include(ab, c[j]);
+      include(bc, a[j]);
+      include(ca, b[j]);
+    }
+  }
+  const Lanes rounding = hn::Mul(broadcast(64 * kUnitRoundoff), hn::Mul(trusted(size), trusted(size)));
+  return hn::Add(hn::Add(hn::Mul(hn::Sqrt(square), broadcast(kAreaSlack)), broadcast(kLeastArea)), trusted(rounding));
+}
+
 /// Whether all coefficients, and therefore the polynomial throughout [0, 1], are proven to have the same sign.
 struct DeterminantSigns {
   LaneMask positive, negative;

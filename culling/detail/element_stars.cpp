@@ -109,7 +109,7 @@ void ElementStars::keep_known(const Step& step, TopologyDelta::Extent changed, E
   for (Index v = 0; v < vertices; ++v)
     if (folds_[v] != 0) once_[v] = Known::no;
   for (Index o = 0; o < signs_.size(); ++o)
-    if (gap_signs_[o] != signs_[o])
+    if (!gap_signs_[o].include(signs_[o]))  // stars that need the other signs are suspect in this step
       for (const Index v : step.mesh().vertices(o)) once_[v] = Known::no;
 }
 

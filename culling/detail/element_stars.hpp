@@ -14,9 +14,10 @@
 
 namespace volccd::detail {
 
-/// A star is clear if no two features of its elements that have no common vertex can touch at any time of the step. The
-/// conditions, and the proof that they are sufficient, are in docs/star_orphans.md. All predicates are certified: a
-/// rounding error can only make a star suspect. Not thread-safe; uses the executor.
+/// A star is clear if no two features of its elements that have no common vertex can touch, or come within the
+/// separation, at any time of the step. The conditions, and the proof that they are sufficient, are in
+/// docs/star_orphans.md. All predicates are certified: a rounding error can only make a star suspect. Not thread-safe;
+/// uses the executor.
 class ElementStars {
  public:
   void update(const Step& step, Executor& executor);

@@ -1,6 +1,7 @@
 #include <volccd/culling/detail/flood_front.hpp>
 
 #include <algorithm>
+#include <cmath>
 
 #include <volccd/culling/detail/certified_sign.hpp>
 
@@ -10,7 +11,45 @@ namespace {
 
 bool is_volume(const Mesh& mesh, Index o) { return mesh.type(o) == ElementType::tetrahedron; }
 
+/// Whether no tetrahedron at v is outer as a whole.
+bool has_faces_alone(const Step& step, Index v) {
+  const std::span<const Index> star = step.features().vertex_elements(v);
+  return std::none_of(star.begin(), star.end(),
+                      [&](Index o) { return is_volume(step.mesh(), o) && step.subset->contains_whole(o); });
+}
+
+/// The number of vertices of `part` that belong to the outer part of o, if there is one.
+std::size_t common_part_vertices(const Step& step, std::span<const Index> part, Index o) {
+  if (!step.subset->contains(o)) return 0;
+  const std::span<const Index> other = step.part(o);
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < part.size(); ++i) {
+    const bool repeated = std::find(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(i), part[i]) !=
+                          part.begin() + static_cast<std::ptrdiff_t>(i);
+    count += !repeated && std::find(other.begin(), other.end(), part[i]) != other.end() ? 1 : 0;
+  }
+  return count;
+}
+
 }  // namespace
+
+std::span<const Index> OuterNeighbours::of(const Step& step, const StarTable& stars, Index o) {
+  auto& [begin, end] = ranges_[o];
+  if (begin == kNone) {
+    begin = static_cast<Index>(list_.size());
+    const std::span<const Index> part = step.part(o);
+    for (const Index v : part) {
+      const bool by_edges = stars.kind(v) == StarKind::ring && has_faces_alone(step, v);
+      for (const Index next : step.features().vertex_elements(v)) {
+        const std::size_t common = common_part_vertices(step, part, next);
+        const bool listed = std::find(list_.begin() + begin, list_.end(), next) != list_.end();
+        if (next != o && !listed && common >= (by_edges ? 2u : 1u)) list_.push_back(next);
+      }
+    }
+    end = static_cast<Index>(list_.size());
+  }
+  return std::span(list_).subspan(begin, end - begin);
+}
 
 void FloodFront::propose(Index a, Index b) {
   if (a == b || step_.topology.adjacency().adjacent(a, b)) return;
@@ -41,8 +80,9 @@ void FloodFront::around_suspect_pairs() {
     if (pair.a != pair.b) around(pair);
 }
 
-/// Whether at t = 0 all vertices of b, except those of a face of a, are beyond that face. Then a and b have no common
-/// points except the convex hull of their common vertices.
+/// Whether at t = 0 all vertices of b, except those of a face of a, are beyond that face, also if vertices are
+/// displaced by half of the separation. Then a and b have no common points except the convex hull of their common
+/// vertices.
 bool FloodFront::beyond_a_face_at_start(Index a, Index b) const {
   if (!is_volume(step_.mesh(), a)) return false;
   const std::span<const Index> of_a = step_.mesh().vertices(a), of_b = step_.mesh().vertices(b);
@@ -50,7 +90,9 @@ bool FloodFront::beyond_a_face_at_start(Index a, Index b) const {
     const Index x = of_a[i == 0 ? 1 : 0], y = of_a[i <= 1 ? 2 : 1], z = of_a[i <= 2 ? 3 : 2];
     const Vec3 at = step_.motion.point(x, 0);
     const Vec3 e = step_.motion.point(y, 0) - at, f = step_.motion.point(z, 0) - at;
-    const auto side = [&](Index v) { return CertifiedDeterminant(e, f, step_.motion.point(v, 0) - at); };
+    const auto side = [&](Index v) {
+      return CertifiedDeterminant(e, f, step_.motion.point(v, 0) - at, step_.separation);
+    };
     const CertifiedDeterminant own = side(of_a[i]);
     if (!own.positive() && !own.negative()) continue;
     const bool beyond = std::all_of(of_b.begin(), of_b.end(), [&](Index v) {
@@ -65,8 +107,19 @@ bool FloodFront::may_overlap_at_start(Index a, Index b) const {
   return !beyond_a_face_at_start(a, b) && !beyond_a_face_at_start(b, a);
 }
 
-/// Proposes pairs with the elements whose boxes contain one of the vertices. Most elements lie between two of these
-/// vertices in the order of the first coordinates, which is found for each vertex of the mesh.
+/// A coordinate minus, and plus, the separation. The sum has one rounding, for which the last term compensates.
+double FloodFront::below(double coordinate) const {
+  const double sum = coordinate - step_.separation;
+  return step_.separation > 0 ? sum - 2 * kUnitRoundoff * std::abs(sum) : coordinate;
+}
+double FloodFront::above(double coordinate) const {
+  const double sum = coordinate + step_.separation;
+  return step_.separation > 0 ? sum + 2 * kUnitRoundoff * std::abs(sum) : coordinate;
+}
+
+/// Proposes pairs with the elements whose boxes, with the separation around them, contain one of the vertices. Most
+/// elements lie between two of these vertices in the order of the first coordinates, which is found for each vertex of
+/// the mesh.
 void FloodFront::from_contained(std::span<const Index> vertices, StartScratch& scratch) {
   const Mesh& mesh = step_.mesh();
   auto& along_x = scratch.along_x;
@@ -75,10 +128,11 @@ void FloodFront::from_contained(std::span<const Index> vertices, StartScratch& s
   std::sort(along_x.begin(), along_x.end());
   scratch.ranks.resize(mesh.vertex_count());
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
-    const double x = step_.motion.at(v)[0];
-    const auto below = std::partition_point(along_x.begin(), along_x.end(), [&](const auto& p) { return p.first < x; });
-    const auto above = std::partition_point(below, along_x.end(), [&](const auto& p) { return p.first <= x; });
-    scratch.ranks[v] = {static_cast<Index>(below - along_x.begin()), static_cast<Index>(above - along_x.begin())};
+    const double low = below(step_.motion.at(v)[0]), high = above(step_.motion.at(v)[0]);
+    const auto begin =
+        std::partition_point(along_x.begin(), along_x.end(), [&](const auto& p) { return p.first < low; });
+    const auto end = std::partition_point(begin, along_x.end(), [&](const auto& p) { return p.first <= high; });
+    scratch.ranks[v] = {static_cast<Index>(begin - along_x.begin()), static_cast<Index>(end - along_x.begin())};
   }
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     if (!mesh.is_live(o) || !has_inside(o)) continue;
@@ -98,24 +152,35 @@ void FloodFront::from_contained(Index v, Index o) {
   for (const int axis : {1, 2}) {
     const auto at = [&](std::size_t i) { return step_.motion.at(corners[i])[axis]; };
     const auto [low, high] = std::minmax({at(0), at(1), at(2), at(3)});
-    if (step_.motion.at(v)[axis] < low || step_.motion.at(v)[axis] > high) return;
+    if (step_.motion.at(v)[axis] < below(low) || step_.motion.at(v)[axis] > above(high)) return;
   }
   for (const Index element : step_.features().vertex_elements(v))
     if (outer_at(element, v)) propose(element, o);
 }
 
-void FloodFront::proceed_at_start(Index outer_element, Index other) {
+void FloodFront::proceed_at_start(Index outer_element, Index other, StartScratch& scratch) {
   if (!outer(outer_element)) return;
   inner_neighbours(other, outer_element);
   if (!has_inside(other)) return;
-  for (const Index v : step_.part(outer_element))
-    for (const Index next : step_.features().vertex_elements(v))
-      if (outer_at(next, v)) propose(next, other);
+  const Eigen::AlignedBox3d box = box_at_start(step_.mesh().vertices(other), step_.separation);
+  for (const Index next : scratch.neighbours.of(step_, stars_, outer_element))
+    if (box.intersects(box_at_start(step_.part(next), 0))) propose(next, other);
 }
 
-void FloodFront::around_at_start(ElementPair pair) {
-  proceed_at_start(pair.a, pair.b);
-  proceed_at_start(pair.b, pair.a);
+Eigen::AlignedBox3d FloodFront::box_at_start(std::span<const Index> vertices, double separation) const {
+  Eigen::AlignedBox3d box;
+  for (const Index v : vertices) box.extend(step_.motion.point(v, 0));
+  if (separation > 0)
+    for (int axis = 0; axis < 3; ++axis) {
+      box.min()[axis] = below(box.min()[axis]);
+      box.max()[axis] = above(box.max()[axis]);
+    }
+  return box;
+}
+
+void FloodFront::around_at_start(ElementPair pair, StartScratch& scratch) {
+  proceed_at_start(pair.a, pair.b, scratch);
+  proceed_at_start(pair.b, pair.a, scratch);
 }
 
 void FloodFront::from_start(std::span<const Index> vertices, StartScratch& scratch) {
@@ -123,7 +188,7 @@ void FloodFront::from_start(std::span<const Index> vertices, StartScratch& scrat
   for (const ElementPair pair : suspects_.pairs()) {
     const auto proceeds = [&](Index a, Index b) { return outer(a) && has_inside(b); };
     const bool both = proceeds(pair.a, pair.b) || proceeds(pair.b, pair.a);
-    if (pair.a != pair.b && both && may_overlap_at_start(pair.a, pair.b)) around_at_start(pair);
+    if (pair.a != pair.b && both && may_overlap_at_start(pair.a, pair.b)) around_at_start(pair, scratch);
   }
 }
 

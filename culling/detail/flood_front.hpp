@@ -6,18 +6,43 @@
 #include <utility>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include <volccd/culling/detail/pair_set.hpp>
 #include <volccd/culling/detail/star_classes.hpp>
 #include <volccd/culling/detail/suspect_pairs.hpp>
 
 namespace volccd::detail {
 
-/// Memory for FloodFront::from_start(), to be reused.
+/// The outer parts next to given ones: at a vertex with a ring that has faces alone, those with a common edge; at any
+/// other vertex, all others. A path through outer parts that are next to each other exists wherever one exists through
+/// parts with common vertices, because it can go around a vertex with a ring. Not thread-safe.
+class OuterNeighbours {
+ public:
+  /// Forgets what was found; for another topology or subset.
+  void clear(Index slots) {
+    ranges_.assign(slots, {kNone, 0});
+    list_.clear();
+  }
+  /// Pre: o has an outer part. Found when it is asked for, and kept until clear(). Valid until the next call.
+  std::span<const Index> of(const Step& step, const StarTable& stars, Index o);
+
+  std::size_t bytes() const { return ranges_.capacity() * sizeof(ranges_[0]) + list_.capacity() * sizeof(Index); }
+
+ private:
+  std::vector<std::array<Index, 2>> ranges_;  ///< by element slot: part of the list; begins with kNone if not known
+  std::vector<Index> list_;
+};
+
+/// Memory for the flood at t = 0, to be reused.
 struct StartScratch {
   std::vector<std::pair<double, Index>> along_x;
   std::vector<std::array<Index, 2>> ranks;
+  OuterNeighbours neighbours;
 
-  std::size_t bytes() const { return along_x.capacity() * sizeof(along_x[0]) + ranks.capacity() * sizeof(ranks[0]); }
+  std::size_t bytes() const {
+    return along_x.capacity() * sizeof(along_x[0]) + ranks.capacity() * sizeof(ranks[0]) + neighbours.bytes();
+  }
 };
 
 /// Pairs of non-adjacent simplices, each proposed once. The subset of the step holds the outer part of each simplex:
@@ -37,12 +62,13 @@ class FloodFront {
   void around_suspect_pairs();
 
   /// For t = 0: forms the pairs of an element whose inside may contain one of the vertices and an element whose outer
-  /// part has that vertex. Then proceeds from adjacent pairs that may overlap, as around_at_start() does.
+  /// part has that vertex. Then proceeds from adjacent pairs that may overlap, as around_at_start() does. Pre for both:
+  /// the neighbours in `scratch` are those of this subset.
   void from_start(std::span<const Index> vertices, StartScratch& scratch);
   /// For each element of the pair that has an outer part: proposes pairs with this element replaced by others whose
-  /// outer parts share a vertex with it, if the other element has an inside; and pairs with the other element replaced
-  /// by neighbours across faces that have an inside.
-  void around_at_start(ElementPair pair);
+  /// outer parts are next to it and whose boxes meet, if the other element has an inside; and pairs with the other
+  /// element replaced by neighbours across faces that have an inside.
+  void around_at_start(ElementPair pair, StartScratch& scratch);
 
   /// One vertex, the smallest, of each set of outer parts that is connected by common vertices. The memory of
   /// `scratch` is reused.
@@ -52,9 +78,12 @@ class FloodFront {
   bool outer(Index o) const { return step_.subset->contains(o); }
   bool has_inside(Index o) const { return !step_.subset->contains_whole(o); }
   bool outer_at(Index o, Index v) const;
-  void proceed_at_start(Index outer_element, Index other);
+  void proceed_at_start(Index outer_element, Index other, StartScratch& scratch);
   bool may_overlap_at_start(Index a, Index b) const;
   bool beyond_a_face_at_start(Index a, Index b) const;
+  double below(double coordinate) const;
+  double above(double coordinate) const;
+  Eigen::AlignedBox3d box_at_start(std::span<const Index> vertices, double separation) const;
   void from_contained(std::span<const Index> vertices, StartScratch& scratch);
   void from_contained(Index v, Index o);
   void inner_neighbours(Index of, Index other);

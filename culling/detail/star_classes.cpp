@@ -81,7 +81,7 @@ void StarClasses::keep_known(const Step& step, const StarTable& stars, TopologyD
     volume_signs(way, static_cast<Index>(begin), static_cast<Index>(end), gap_signs_.data());
   });
   for (Index o = 0; o < signs_.size(); ++o)
-    if (gap_signs_[o] != signs_[o]) forget_around(step, o);
+    if (signs_[o] != 0 && gap_signs_[o] != signs_[o]) forget_around(step, o);  // update() does for those in D
   rings_.find_folds(way, executor, folds_);
   for (Index v = 0; v < vertices; ++v)
     if (folds_[v] != 0) embedded_[v] = Known::no;

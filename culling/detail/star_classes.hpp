@@ -16,7 +16,8 @@
 namespace volccd::detail {
 
 /// Classifies the elements and vertices of the complex for one step (docs/boundary_flood.md). All predicates are
-/// certified: a rounding error can only add an element to D, or make a star suspect. Not thread-safe; uses
+/// certified: a rounding error can only add an element to D, or make a star suspect. With a separation they hold for
+/// vertices that are displaced by up to half of it. Not thread-safe; uses
 /// the executor.
 class StarClasses {
  public:

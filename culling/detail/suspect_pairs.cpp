@@ -71,7 +71,7 @@ void SuspectPairs::decide_at_corner(const Step& step, Index v, Worker& worker) {
   worker.corners.clear();
   for (const Index o : star) worker.corners.emplace_back(step.motion, step.mesh().vertices(o), v);
   worker.apart.resize(worker.corner_pairs.size());
-  separate_corners(worker.corners, worker.corner_pairs, worker.apart.data());
+  separate_corners(worker.corners, step.separation, worker.corner_pairs, worker.apart.data());
   for (std::size_t n = 0; n < worker.corner_pairs.size(); ++n)
     if (worker.apart[n] == 0)
       worker.found.push_back({star[worker.corner_pairs[n][0]], star[worker.corner_pairs[n][1]]});
@@ -81,7 +81,7 @@ void SuspectPairs::decide_at_edges(const Step& step, Worker& worker) {
   worker.tetrahedra.clear();
   for (const ElementPair pair : worker.edge_pairs) append_volumes(step.topology, pair, worker.tetrahedra);
   worker.signs.resize(worker.tetrahedra.size());
-  volume_signs(step.motion, worker.tetrahedra, worker.signs.data());
+  volume_signs(step, worker.tetrahedra, worker.signs.data());
   for (std::size_t i = 0; i < worker.edge_pairs.size(); ++i)
     if (!separated_by_a_face(worker.signs.data() + i * kEdgeVolumes)) worker.found.push_back(worker.edge_pairs[i]);
   worker.edge_pairs.clear();

@@ -21,13 +21,11 @@ struct Volumes {
     }
   }
 
-  void signs(std::uint8_t& positive, std::uint8_t& negative) const {
+  void signs(double separation, std::uint8_t& positive, std::uint8_t& negative) const {
     const Tag tag;
     positive = negative = 0;
     for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(tag)) {
-      const Differences<kControlPoints> e(Columns<8>{rows + lane}, StepPart(1, kControlPoints));
-      const DeterminantSigns found(Determinant<kControlPoints>(e.at),
-                                   DeterminantError(e.extent, determinant_error_factor(kControlPoints, 0)));
+      const DeterminantSigns found = signs_at(lane, separation);
       std::uint8_t bits[8] = {};
       hn::StoreMaskBits(tag, found.positive, bits);
       positive |= static_cast<std::uint8_t>(bits[0] << lane);
@@ -36,13 +34,30 @@ struct Volumes {
       negative |= static_cast<std::uint8_t>(bits[0] << lane);
     }
   }
+
+ private:
+  HWY_INLINE DeterminantSigns signs_at(std::size_t lane, double separation) const {
+    const Differences<kControlPoints> e(Columns<8>{rows + lane}, StepPart(1, kControlPoints));
+    const Determinant<kControlPoints> det(e.at);
+    const DeterminantError rounding(e.extent, determinant_error_factor(kControlPoints, 0));
+    if (separation == 0) return {det, rounding};
+    // First with an upper bound of greatest_area(), which is sufficient for most tetrahedra.
+    const Lanes d = broadcast(separation * kAreaSlack * kAreaSlack);
+    const Lanes a = length(e.extent[0]), b = length(e.extent[1]), c = length(e.extent[2]);
+    DeterminantError error = rounding;
+    error.scaled = hn::Add(error.scaled, hn::Mul(d, add3(hn::Mul(a, b), hn::Mul(b, c), hn::Mul(c, a))));
+    const DeterminantSigns found(det, error);
+    if (hn::AllTrue(Tag(), hn::Or(found.positive, found.negative))) return found;
+    error.scaled = hn::Add(rounding.scaled, hn::Mul(d, greatest_area(e.at[0], e.at[1], e.at[2])));
+    return {det, error};
+  }
 };
 
 /// Calls vertices_of(i) for i in [begin, end); it returns the four vertices of a tetrahedron, or nothing for a sign
 /// of 1.
 template <int kControlPoints, class VerticesOf>
-HWY_INLINE void signs_of(const Motion& motion, std::size_t begin, std::size_t end, VerticesOf&& vertices_of,
-                         std::int8_t* signs) {
+HWY_INLINE void signs_of(const Motion& motion, double separation, std::size_t begin, std::size_t end,
+                         VerticesOf&& vertices_of, std::int8_t* signs) {
   Volumes<kControlPoints> volumes;
   for (std::size_t first = begin; first < end; first += 8) {
     const std::size_t count = std::min<std::size_t>(8, end - first);
@@ -53,7 +68,7 @@ HWY_INLINE void signs_of(const Motion& motion, std::size_t begin, std::size_t en
       volumes.gather(motion, vertices, k);
       given |= static_cast<std::uint8_t>(1u << k);
     }
-    volumes.signs(positive, negative);
+    volumes.signs(separation, positive, negative);
     for (std::size_t k = 0; k < count; ++k)
       signs[first + k] =
           (given >> k & 1) == 0 ? std::int8_t{1} : static_cast<std::int8_t>((positive >> k & 1) - (negative >> k & 1));
@@ -61,10 +76,10 @@ HWY_INLINE void signs_of(const Motion& motion, std::size_t begin, std::size_t en
 }
 
 template <class VerticesOf>
-HWY_INLINE void signs_of(const Motion& motion, std::size_t begin, std::size_t end, VerticesOf&& vertices_of,
-                         std::int8_t* signs) {
-  if (motion.control_points() == 2) return signs_of<2>(motion, begin, end, vertices_of, signs);
-  signs_of<3>(motion, begin, end, vertices_of, signs);
+HWY_INLINE void signs_of(const Motion& motion, double separation, std::size_t begin, std::size_t end,
+                         VerticesOf&& vertices_of, std::int8_t* signs) {
+  if (motion.control_points() == 2) return signs_of<2>(motion, separation, begin, end, vertices_of, signs);
+  signs_of<3>(motion, separation, begin, end, vertices_of, signs);
 }
 
 void signs_of_elements(const Step& step, Index begin, Index end, std::int8_t* signs) {
@@ -72,12 +87,13 @@ void signs_of_elements(const Step& step, Index begin, Index end, std::int8_t* si
     const bool volume = step.mesh().type(static_cast<Index>(o)) == ElementType::tetrahedron;
     return volume ? step.topology.adjacency().vertices(static_cast<Index>(o)) : std::span<const Index>();
   };
-  signs_of(step.motion, begin, end, vertices_of, signs);
+  signs_of(step.motion, step.separation, begin, end, vertices_of, signs);
 }
 
-void signs_of_tetrahedra(const Motion& motion, std::span<const std::array<Index, 4>> tetrahedra, std::int8_t* signs) {
+void signs_of_tetrahedra(const Step& step, std::span<const std::array<Index, 4>> tetrahedra, std::int8_t* signs) {
   signs_of(
-      motion, 0, tetrahedra.size(), [&](std::size_t i) { return std::span<const Index>(tetrahedra[i]); }, signs);
+      step.motion, step.separation, 0, tetrahedra.size(),
+      [&](std::size_t i) { return std::span<const Index>(tetrahedra[i]); }, signs);
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE
@@ -93,8 +109,8 @@ void volume_signs(const Step& step, Index begin, Index end, std::int8_t* signs) 
   HWY_DYNAMIC_DISPATCH(signs_of_elements)(step, begin, end, signs);
 }
 
-void volume_signs(const Motion& motion, std::span<const std::array<Index, 4>> tetrahedra, std::int8_t* signs) {
-  HWY_DYNAMIC_DISPATCH(signs_of_tetrahedra)(motion, tetrahedra, signs);
+void volume_signs(const Step& step, std::span<const std::array<Index, 4>> tetrahedra, std::int8_t* signs) {
+  HWY_DYNAMIC_DISPATCH(signs_of_tetrahedra)(step, tetrahedra, signs);
 }
 
 }  // namespace volccd::detail

@@ -23,28 +23,38 @@ namespace {
 
 const ObjectFilter kEveryObject;
 
-bool boxes_meet(const Motion& motion, const std::array<Index, 4>& v, std::size_t of_first) {
+bool boxes_meet(const Motion& motion, const std::array<Index, 4>& v, std::size_t of_first, double separation) {
   const auto bounds = [&](std::size_t begin, std::size_t end) {
     Eigen::AlignedBox3d box;
     for (std::size_t i = begin; i < end; ++i)
-      for (int c = 0; c < motion.control_points(); ++c) box.extend(motion.point(v[i], c));
+      for (int c = 0; c < motion.control_points(); ++c)
+        for (const double d : {-separation, separation}) box.extend(Vec3(motion.point(v[i], c) + Vec3(d, d, d)));
     return box;
   };
   return bounds(0, of_first).intersects(bounds(of_first, 4));
 }
 
-/// Calls visit(elements of a, elements of b) for each pair of features without a common vertex that touches, in exact
-/// arithmetic.
+/// Whether the features touch, or are within the separation at one of some times; in exact arithmetic.
+bool in_contact(const TestMotion& moving, double separation) {
+  if (separation == 0) return exact_first_touch(moving).touches;
+  constexpr int kTimes = 2;
+  for (int i = 0; i <= kTimes; ++i)
+    if (compare_distance(moving, static_cast<double>(i) / kTimes, separation) <= 0) return true;
+  return false;
+}
+
+/// Calls visit(elements of a, elements of b) for each pair of features without a common vertex that is in contact.
 template <class Visit>
-void visit_touching(const Topology& topology, const Motion& motion, Visit&& visit) {
-  const Features& features = topology.features();
+void visit_touching(const Step& step, Visit&& visit) {
+  const Motion& motion = step.motion;
+  const Features& features = step.features();
   const auto touches = [&](FeatureKind kind, FeaturePair test) {
     if (!is_test(features, kind, test)) return false;
     const auto vertices = test_vertices(features, kind, test);
-    if (!boxes_meet(motion, vertices, kind == FeatureKind::vf ? 1 : 2)) return false;
+    if (!boxes_meet(motion, vertices, kind == FeatureKind::vf ? 1 : 2, step.separation)) return false;
     TestMotion moving{kind, motion.control_points(), {}};
     for (std::size_t i = 0; i < 4; ++i) moving.points[i] = motion.at(vertices[i]);
-    return exact_first_touch(moving).touches;
+    return in_contact(moving, step.separation);
   };
   for (Index v = 0; v < features.vertex_slots(); ++v)
     for (Index f = 0; f < features.triangle_slots(); ++f)
@@ -90,7 +100,8 @@ struct Seen {
 };
 
 /// A few steps of a deforming mesh that loses elements and sometimes jumps.
-void expect_clear_stars_do_not_touch(ElementType type, std::uint64_t seed, bool quadratic, Seen& seen) {
+void expect_clear_stars_do_not_touch(ElementType type, std::uint64_t seed, bool quadratic, double most_separation,
+                                     Seen& seen) {
   Random random(seed);
   SerialExecutor serial;
   const auto size = [&] { return 1 + static_cast<int>(random.uniform() * 2); };
@@ -106,10 +117,11 @@ void expect_clear_stars_do_not_touch(ElementType type, std::uint64_t seed, bool 
     const std::vector<Vec3> to = deformed(at, random, 0.3, random.uniform() * 0.4),
                             middle = deformed(at, random, 0.2, 0);
     const Motion motion = quadratic ? Motion::quadratic(at, middle, to) : Motion::linear(at, to);
-    stars.update({topology, motion, kEveryObject}, serial);
+    const Step now{topology, motion, kEveryObject, most_separation * random.uniform()};
+    stars.update(now, serial);
     for (Index v = 0; v < motion.vertex_count(); ++v)
       if (!topology.features().vertex_elements(v).empty()) ++(stars.suspect(v) ? seen.suspect : seen.clear);
-    visit_touching(topology, motion, [&](std::span<const Index> a, std::span<const Index> b) {
+    visit_touching(now, [&](std::span<const Index> a, std::span<const Index> b) {
       ++seen.touching;
       EXPECT_FALSE(in_a_clear_star(topology.mesh(), stars, a, b)) << to_string(type) << ' ' << seed << ' ' << step;
     });
@@ -117,16 +129,22 @@ void expect_clear_stars_do_not_touch(ElementType type, std::uint64_t seed, bool 
   }
 }
 
-TEST(ElementStars, ClearOnesHaveNoContacts) {
+void expect_clear_stars_do_not_touch(double most_separation) {
   for (const ElementType type : {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge,
                                  ElementType::pyramid, ElementType::none}) {
     Seen seen;
-    for (std::uint64_t seed = 1; seed <= 60; ++seed) expect_clear_stars_do_not_touch(type, seed, seed % 4 == 0, seen);
+    for (std::uint64_t seed = 1; seed <= 60; ++seed)
+      expect_clear_stars_do_not_touch(type, seed, seed % 4 == 0, most_separation, seen);
     EXPECT_GT(seen.clear, 100u) << to_string(type);
     EXPECT_GT(seen.suspect, 100u) << to_string(type);
     EXPECT_GT(seen.touching, 100u) << to_string(type);
   }
 }
+
+TEST(ElementStars, ClearOnesHaveNoContacts) { expect_clear_stars_do_not_touch(0); }
+
+/// Separations of up to a tenth of an edge.
+TEST(ElementStars, ClearOnesStayApart) { expect_clear_stars_do_not_touch(0.1); }
 
 /// In a body at rest, or that turns and is bent a little, nothing is suspect but where shells or polytopes are.
 TEST(ElementStars, AllOfASoundBodyAreClear) {
@@ -145,6 +163,65 @@ TEST(ElementStars, AllOfASoundBodyAreClear) {
     for (Vec3& p : mirrored) p[0] = -p[0];
     stars.update({topology, Motion::linear(mirrored, mirrored), kEveryObject}, serial);
     EXPECT_TRUE(stars.suspects().empty()) << to_string(type) << ", mirrored: " << stars.suspects().size();
+  }
+}
+
+/// A flat block at rest: opposite features of each element are 1/20 apart.
+TEST(ElementStars, OfElementsThinnerThanTheSeparationAreSuspect) {
+  SerialExecutor serial;
+  for (const ElementType type :
+       {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge, ElementType::pyramid}) {
+    Shape shape = block(type, 3, 3, 2);
+    for (Vec3& p : shape.positions) p[2] /= 20;
+    const Topology topology(shape.mesh());
+    const Motion rest = Motion::linear(shape.positions, shape.positions);
+    for (const double separation : {0.0, 0.001, 0.051}) {
+      ElementStars stars;
+      stars.update({topology, rest, kEveryObject, separation}, serial);
+      EXPECT_EQ(stars.suspects().size(), separation < 0.05 ? 0 : shape.positions.size())
+          << to_string(type) << ", separation " << separation;
+    }
+  }
+}
+
+/// A block that is split from above, down to its middle; the gap is 0.04 wide at the top.
+Shape notched_block(ElementType type) {
+  Shape shape = block(type, 2, 2, 2);
+  const auto count = static_cast<Index>(shape.positions.size());
+  std::vector<Index> right(count, kNone);
+  for (Index v = 0; v < count; ++v) {
+    if (shape.positions[v][0] != 1 || shape.positions[v][2] != 2) continue;
+    right[v] = static_cast<Index>(shape.positions.size());
+    shape.positions.push_back(shape.positions[v] + Vec3(0.02, 0, 0));
+    shape.positions[v][0] -= 0.02;
+  }
+  for (ElementSpec& e : shape.elements) {
+    const bool on_the_right =
+        std::any_of(e.vertices.begin(), e.vertices.end(), [&](Index v) { return shape.positions[v][0] > 1.5; });
+    if (on_the_right) e.renumber([&](Index v) { return v < count && right[v] != kNone ? right[v] : v; });
+  }
+  return shape;
+}
+
+/// What comes within the separation here does so across the outside, while all elements are thick.
+TEST(ElementStars, OfNotchesNarrowerThanTheSeparationAreSuspect) {
+  SerialExecutor serial;
+  for (const ElementType type : {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge}) {
+    const Shape shape = notched_block(type);
+    const Topology topology(shape.mesh());
+    const Motion rest = Motion::linear(shape.positions, shape.positions);
+    for (const double separation : {0.01, 0.05}) {
+      const Step step{topology, rest, kEveryObject, separation};
+      ElementStars stars;
+      stars.update(step, serial);
+      std::size_t in_contact = 0;
+      visit_touching(step, [&](std::span<const Index> a, std::span<const Index> b) {
+        ++in_contact;
+        EXPECT_FALSE(in_a_clear_star(topology.mesh(), stars, a, b)) << to_string(type) << ' ' << separation;
+      });
+      EXPECT_EQ(in_contact > 0, separation > 0.02) << to_string(type);
+      EXPECT_LT(stars.suspects().size(), shape.positions.size() / 2) << to_string(type);
+    }
   }
 }
 
@@ -305,7 +382,8 @@ TEST(StarOrphans, LeavesSomeStepsToTheOSet) {
   };
   const Shape solid = block(ElementType::hexahedron, 3, 3, 3), sheet = block(ElementType::triangle, 3, 3, 1);
   EXPECT_TRUE(by_stars(solid, 0.05, 0));
-  EXPECT_FALSE(by_stars(solid, 0.05, 0.01)) << "separation";
+  EXPECT_TRUE(by_stars(solid, 0.05, 0.01)) << "separation";
+  EXPECT_FALSE(by_stars(solid, 0.05, 0.9)) << "separation";
   EXPECT_FALSE(by_stars(solid, 3, 0)) << "most stars fold";
   EXPECT_FALSE(by_stars(sheet, 0, 0)) << "no volumes";
 }

@@ -211,8 +211,13 @@ std::size_t compare_scenes(std::uint64_t first_seed, int count) {
     const std::string what = "seed " + std::to_string(seed) + ": " + scene.what;
     contacts += contest.compare({scene.topology, scene.linear, kNoFilter}, what);
     const ObjectFilter inter(PairScope::inter);
+    constexpr std::array separations = {0.003, 0.03, 0.1, 0.3};
+    const double separation = separations[Random(seed).below(separations.size())];
+    const std::string apart = what + ", separation " + std::to_string(separation);
+    if (i % 3 == 0) contest.compare({scene.topology, scene.linear, kNoFilter, separation}, apart);
     if (i % 4 == 0) contest.compare({scene.topology, scene.linear, kNoFilter, 0, 0.4}, what + ", t_max 0.4");
     if (i % 4 == 1) contest.compare({scene.topology, scene.quadratic, kNoFilter}, what + ", quadratic");
+    if (i % 9 == 1) contest.compare({scene.topology, scene.quadratic, kNoFilter, separation}, apart + ", quadratic");
     if (i % 4 == 2) contest.compare({scene.topology, scene.linear, inter}, what + ", pairs of different objects");
     if (i % 4 == 3) contest.compare({scene.topology, scene.linear, kNoFilter}, what + ", first", Query::first);
     TopologyEdit edit;
