@@ -52,7 +52,8 @@ inline double separation_gap(double separation, double lx, double ly, double lz)
 constexpr double determinant_error_factor(int points, int levels) {
   return (4 * points + 6 + 9 * levels) * kUnitRoundoff;
 }
-inline constexpr double kDeterminantUnderflow = 0x1p-1060;
+/// A normal number, although 2^-1060 would do: products with a denormal one take over a hundred cycles.
+inline constexpr double kDeterminantUnderflow = 0x1p-1020;
 /// Difference of two sums of three coordinates with magnitudes of at most Mx, My, Mz, interpolated by n levels of de
 /// Casteljau's algorithm: the error is less than sum_error_factor(n) * (Mx + My + Mz). Derivation: section "Bounds
 /// along fixed axes".

@@ -78,14 +78,31 @@ class Cones {
     // The square of a short vector may have lost digits by underflow.
     return hn::Sqrt(hn::Max(square, broadcast(kLeastSquare)));
   }
-  /// An upper bound, except for rounding, on the length of a normal throughout the step.
-  static HWY_INLINE Lanes longest(const Normal& normal) {
-    Lanes square = hn::Zero(Tag());
+  /// Sets `greatest` to at least the square of the length of the normal throughout the step, except for rounding.
+  static HWY_INLINE void include(const Normal& normal, Lanes& greatest) {
     for (int k = 0; k <= 2 * kDegree; ++k) {
       const Lanes3 coefficient = scaled(normal[k], broadcast(1 / binomial(2 * kDegree, k)));
-      square = hn::Max(square, dot(coefficient, coefficient));
+      greatest = hn::Max(greatest, dot(coefficient, coefficient));
     }
-    return hn::Sqrt(hn::Max(square, broadcast(kLeastSquare)));
+  }
+  /// greatest_area() of a cone: from the normals of its base, and of way x first edge and way x second edge.
+  static HWY_INLINE Lanes greatest_area_of(const Normal& base, const Normal& a, const Normal& b) {
+    Lanes square = broadcast(kLeastSquare);
+    Normal third, with_a, with_b, opposite;  // the sum of the normals of all four faces is 0
+    for (int k = 0; k <= 2 * kDegree; ++k) {
+      with_a[k] = sub(base[k], a[k]);
+      with_b[k] = add(base[k], b[k]);
+      opposite[k] = sub(b[k], a[k]);
+      third[k] = add(base[k], opposite[k]);
+    }
+    include(base, square);
+    include(a, square);
+    include(b, square);
+    include(third, square);
+    include(with_a, square);
+    include(with_b, square);
+    include(opposite, square);
+    return hn::Sqrt(square);
   }
 
   /// A face as a fan of triangles: edges from one end of its diagonal, and bounds on them.
@@ -98,8 +115,7 @@ class Cones {
   };
 
   /// Which volumes between the fan and `way` have a sign that no separation d changes (volume_signs()): if they exceed
-  /// d times an upper bound of greatest_area(). kExactly: half of the sum of the areas of the four faces; otherwise the
-  /// sum of the products of lengths of three edges.
+  /// d times greatest_area(), or if not kExactly, the sum of the products of lengths of three edges.
   template <bool kExactly>
   static HWY_INLINE void judge_apart(const Fan& fan, const Path& way, Lanes extent, double separation,
                                      LaneMask& positive, LaneMask& negative) {
@@ -112,14 +128,8 @@ class Cones {
       const Lanes& a = fan.length[i];
       const Lanes& b = fan.length[i + 1];
       Lanes area = hn::Add(hn::Mul(a, b), hn::Mul(to_corner, hn::Add(a, b)));
-      if (kExactly) {
-        Normal third;  // the sum of the normals of all four faces is 0
-        for (int k = 0; k <= 2 * kDegree; ++k) third[k] = sub(add(fan.normal[i][k], side[i + 1][k]), side[i][k]);
-        const Lanes sum =
-            hn::Add(hn::Add(longest(fan.normal[i]), longest(third)), hn::Add(longest(side[i]), longest(side[i + 1])));
-        // The third normal may have lost digits: 2^-40 of the products is more.
-        area = hn::Add(hn::Mul(broadcast(0.5), sum), hn::Mul(broadcast(0x1p-40), area));
-      }
+      if (kExactly)  // Sums of normals may have lost digits: 2^-40 of the products is more.
+        area = hn::Add(greatest_area_of(fan.normal[i], side[i], side[i + 1]), hn::Mul(broadcast(0x1p-40), area));
       judge(way, fan.normal[i], error(extent, fan.area[i]), hn::Mul(d, area), positive, negative);
     }
   }

@@ -83,7 +83,7 @@ std::vector<RingFace> ElementStarTable::boundary_faces(const Topology& topology)
   const Mesh& mesh = topology.mesh();
   std::vector<RingFace> found;
   for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.is_live(o) || !has_cones(mesh.type(o))) continue;
+    if (std::find(faces_[o].begin(), faces_[o].end(), Face::boundary) == faces_[o].end()) continue;
     visit_faces(mesh, o, [&](std::span<const Index> f, std::size_t number) {
       if (faces_[o][number] != Face::boundary) return;
       if (std::none_of(f.begin(), f.end(), [&](Index v) { return kinds_[v] == StarKind::ring; })) return;
