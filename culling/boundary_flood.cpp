@@ -29,7 +29,9 @@ struct BoundaryFloodState final : StageState {
   ElementSubset outer;
   ObjectFilter filter;
   std::optional<Step> step;  ///< the step of the complex
-  bool taken = false, parts_valid = false;
+  bool taken = false;
+  bool outer_valid = false;  ///< whether `outer` is of these elements
+  bool parts_valid = false;  ///< whether `parts` is of this `outer`
   std::vector<Index> parts, parents;
   detail::StartScratch start_scratch;
   detail::PairSet seen, seen_at_start;
@@ -81,12 +83,13 @@ double divided_share(const Mesh& mesh) {
 void choose_outer(const Step& step, BoundaryFloodState& state) {
   const Mesh& mesh = step.mesh();
   const std::uint64_t version = state.outer.version();
-  state.outer.assign(mesh, [&](Index o) {
+  state.outer.assign(mesh, state.outer_valid, [&](Index o) {
     if (!mesh.is_live(o)) return ElementSubset::kNoPart;
     return state.classes.degenerate(o) || state.classes.has_wound_vertex(step.topology, o)
                ? ElementSubset::kWhole
                : state.stars.boundary_part(o);
   });
+  state.outer_valid = true;
   if (state.outer.version() != version) state.parts_valid = false;
 }
 
@@ -170,7 +173,7 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   state.filter = topology.objects_share_vertices() ? ObjectFilter() : step.filter;
   state.step.emplace(Step{topology, step.motion, state.filter, step.separation, step.t_max, &state.outer});
   const TopologyDelta::Extent changed = state.stars.update(topology, executor);
-  if (changed != TopologyDelta::Extent::none) state.parts_valid = false;
+  if (changed != TopologyDelta::Extent::none) state.outer_valid = state.parts_valid = false;
   state.classes.update(*state.step, state.stars, changed, executor);
   state.counters.simplices = topology.mesh().element_count();
   state.counters.degenerate = state.classes.degenerate_count();

@@ -30,12 +30,14 @@ class ElementSubset {
   std::span<const Index> part(Index o) const { return vertices_[o]; }
   Index size() const { return size_; }
 
-  /// Replaces the set: element o of the mesh is in it with the part part_of(o). O(slots).
+  /// Replaces the set: element o of the mesh is in it with the part part_of(o). O(slots). same_mesh: no element has
+  /// changed since the last call.
   template <class PartOf>
-  void assign(const Mesh& mesh, PartOf&& part_of) {
+  void assign(const Mesh& mesh, bool same_mesh, PartOf&& part_of) {
     begin_change(mesh.element_slots());
     for (Index o = 0; o < mesh.element_slots(); ++o) {
       const std::uint8_t part = part_of(o);
+      if (same_mesh && part == parts_[o]) continue;
       const bool other_vertices = part != kNoPart && part != kWhole && set_vertices(mesh, o, part);
       if (part != parts_[o] || other_vertices) change(o, part);
     }

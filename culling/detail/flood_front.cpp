@@ -1,7 +1,9 @@
 #include <volccd/culling/detail/flood_front.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 
 #include <volccd/culling/detail/certified_sign.hpp>
 
@@ -137,6 +139,9 @@ void FloodFront::from_contained(std::span<const Index> vertices, StartScratch& s
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     if (!mesh.is_live(o) || !has_inside(o)) continue;
     const std::span<const Index> corners = step_.topology.adjacency().vertices(o);
+    const auto packed = [&](std::size_t i) { return std::bit_cast<std::uint64_t>(scratch.ranks[corners[i]]); };
+    const bool between_the_same = packed(0) == packed(1) && packed(0) == packed(2) && packed(0) == packed(3);
+    if (between_the_same && scratch.ranks[corners[0]][0] == scratch.ranks[corners[0]][1]) continue;
     Index begin = kNone, end = 0;
     for (std::size_t i = 0; i < 4; ++i) {
       begin = std::min(begin, scratch.ranks[corners[i]][0]);

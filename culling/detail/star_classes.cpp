@@ -37,27 +37,31 @@ bool goes_once_around(const Step& step, Index v, const std::vector<std::int8_t>&
 }  // namespace
 
 void StarClasses::find_degenerate(const Step& step, const StarTable& stars, Executor& executor) {
-  const Mesh& mesh = step.mesh();
-  const Index slots = mesh.element_slots();
+  const Index slots = step.mesh().element_slots();
   signs_.resize(slots);
   degenerate_.resize(slots);
   regular_.resize(slots);
   executor.parallel_for(slots, kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
     volume_signs(step, static_cast<Index>(begin), static_cast<Index>(end), signs_.data());
   });
+  const bool negative = std::find(signs_.begin(), signs_.end(), std::int8_t{-1}) != signs_.end();
   executor.parallel_for(slots, kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t o = begin; o < end; ++o) {
-      bool in_d = signs_[o] == 0;
-      if (!in_d && mesh.type(static_cast<Index>(o)) == ElementType::tetrahedron)
-        for (const StarTable::Neighbour& across : stars.neighbours(static_cast<Index>(o)))
-          in_d = in_d || (across.element != kNone && signs_[o] * signs_[across.element] == (across.opposite ? -1 : 1));
-      degenerate_[o] = in_d ? 1 : 0;
-      regular_[o] = !in_d && mesh.type(static_cast<Index>(o)) == ElementType::tetrahedron &&
-                            !stars.shares_a_face_with_several(static_cast<Index>(o))
-                        ? 1
-                        : 0;
+      const StarTable::Fit fit =
+          negative ? fit_with_signs(stars, static_cast<Index>(o)) : stars.fit(static_cast<Index>(o));
+      degenerate_[o] = signs_[o] == 0 || fit == StarTable::Fit::folded ? 1 : 0;
+      regular_[o] = signs_[o] != 0 && fit == StarTable::Fit::regular ? 1 : 0;
     }
   });
+}
+
+/// How a tetrahedron fits to its neighbours if the signs of volumes differ. A neighbour without a sign is in D itself.
+StarTable::Fit StarClasses::fit_with_signs(const StarTable& stars, Index o) const {
+  if (stars.fit(o) == StarTable::Fit::other && !stars.shares_a_face_with_several(o)) return StarTable::Fit::other;
+  for (const StarTable::Neighbour& across : stars.neighbours(o))
+    if (across.element != kNone && signs_[o] * signs_[across.element] == (across.opposite ? -1 : 1))
+      return StarTable::Fit::folded;
+  return stars.shares_a_face_with_several(o) ? StarTable::Fit::other : StarTable::Fit::regular;
 }
 
 /// The known property of a star (that the star and its ring surround the vertex once) can change only at times when one

@@ -70,6 +70,7 @@ class StarClasses {
   enum class Known : std::uint8_t { no, yes };
 
   void find_degenerate(const Step& step, const StarTable& stars, Executor& executor);
+  StarTable::Fit fit_with_signs(const StarTable& stars, Index o) const;
   void keep_known(const Step& step, const StarTable& stars, TopologyDelta::Extent changed, Executor& executor);
   void forget_around(const Step& step, Index element);
   void classify(const Step& step, const StarTable& stars, Index v, StarTable::Ring& scratch);

@@ -152,22 +152,30 @@ void StarTable::set_kinds(const Topology& topology, std::size_t count, const Ind
   });
 }
 
-void StarTable::set_boundary(const Topology& topology, Index o) {
-  const Mesh& mesh = topology.mesh();
-  boundary_parts_[o] = ElementSubset::kNoPart;
-  if (!mesh.is_live(o)) return;
+std::uint8_t StarTable::boundary_part_of(const Mesh& mesh, Index o) const {
+  if (!mesh.is_live(o)) return ElementSubset::kNoPart;
   const std::span<const Index> vertices = mesh.vertices(o);
   const bool irregular =
       std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return kinds_[v] == StarKind::irregular; });
-  if (mesh.type(o) != ElementType::tetrahedron || irregular) {
-    boundary_parts_[o] = ElementSubset::kWhole;
-    return;
-  }
+  if (mesh.type(o) != ElementType::tetrahedron || irregular) return ElementSubset::kWhole;
+  std::uint8_t part = ElementSubset::kNoPart;
   for (unsigned i = 0; i < 4; ++i) {
     if (neighbours_[o][i].element != kNone) continue;
-    const bool first = boundary_parts_[o] == ElementSubset::kNoPart;
-    boundary_parts_[o] = first ? static_cast<std::uint8_t>(0xf & ~(1u << i)) : ElementSubset::kWhole;
+    part = part == ElementSubset::kNoPart ? static_cast<std::uint8_t>(0xf & ~(1u << i)) : ElementSubset::kWhole;
   }
+  return part;
+}
+
+StarTable::Fit StarTable::fit_of(const Mesh& mesh, Index o) const {
+  if (!mesh.is_live(o) || mesh.type(o) != ElementType::tetrahedron) return Fit::other;
+  for (const Neighbour& across : neighbours_[o])
+    if (across.element != kNone && !across.opposite) return Fit::folded;
+  return shares_a_face_with_several(o) ? Fit::other : Fit::regular;
+}
+
+void StarTable::set_element(const Topology& topology, Index o) {
+  boundary_parts_[o] = boundary_part_of(topology.mesh(), o);
+  fits_[o] = fit_of(topology.mesh(), o);
 }
 
 std::vector<RingFace> StarTable::boundary_faces(const Topology& topology) const {
@@ -198,13 +206,15 @@ TopologyDelta::Extent StarTable::update(const Topology& topology, Executor& exec
   if (changed == TopologyDelta::Extent::everything) {
     neighbours_.assign(slots, {});
     boundary_parts_.assign(slots, 0);
+    fits_.assign(slots, Fit::other);
     kinds_.assign(features.vertex_slots(), StarKind::unused);
     for (Index f = 0; f < features.triangle_slots(); ++f) set_neighbours(topology, f);
     set_kinds(topology, features.vertex_slots(), nullptr, executor);
-    for (Index o = 0; o < slots; ++o) set_boundary(topology, o);
+    for (Index o = 0; o < slots; ++o) set_element(topology, o);
   } else if (changed == TopologyDelta::Extent::edits) {
     neighbours_.resize(slots);
     boundary_parts_.resize(slots, 0);
+    fits_.resize(slots, Fit::other);
     kinds_.resize(features.vertex_slots(), StarKind::unused);
     for (const TopologyChange* change : delta_.changes()) {
       const FeatureChange& f = change->features;
@@ -216,8 +226,8 @@ TopologyDelta::Extent StarTable::update(const Topology& topology, Executor& exec
     sort_unique(changed_vertices_);
     set_kinds(topology, changed_vertices_.size(), changed_vertices_.data(), executor);
     for (const Index v : changed_vertices_)
-      for (const Index o : features.vertex_elements(v)) set_boundary(topology, o);
-    for (const Index o : delta_.changed_slots()) set_boundary(topology, o);
+      for (const Index o : features.vertex_elements(v)) set_element(topology, o);
+    for (const Index o : delta_.changed_slots()) set_element(topology, o);
   }
   delta_.confirm();
   return changed;
@@ -225,7 +235,7 @@ TopologyDelta::Extent StarTable::update(const Topology& topology, Executor& exec
 
 std::size_t StarTable::bytes() const {
   std::size_t sum = delta_.bytes() + neighbours_.capacity() * sizeof(neighbours_[0]) + boundary_parts_.capacity() +
-                    kinds_.capacity() + changed_vertices_.capacity() * sizeof(Index);
+                    fits_.capacity() + kinds_.capacity() + changed_vertices_.capacity() * sizeof(Index);
   for (const Scratch& s : scratch_)
     sum += (s.places.capacity() + s.corners.capacity() + s.parents.capacity()) * sizeof(Index) +
            s.open.capacity() * sizeof(s.open[0]);

@@ -68,6 +68,13 @@ class StarTable {
       if (across.element == kNone && across.opposite) return true;
     return false;
   }
+  /// How an element fits to its neighbours if the volumes of all of them have the same sign.
+  enum class Fit : std::uint8_t {
+    other,    ///< it is no tetrahedron, or shares a face with several
+    regular,  ///< it and its neighbours lie on different sides of their common faces
+    folded    ///< it and a neighbour do not
+  };
+  Fit fit(Index o) const { return fits_[o]; }
   /// The part of o, as bits of its vertices (ElementSubset), that is on the boundary. Boundary faces of a tetrahedron
   /// are those that do not have exactly two tetrahedra: one such face; the whole tetrahedron if there are several, or
   /// if a vertex has an irregular star; the whole element if it is a triangle.
@@ -92,11 +99,14 @@ class StarTable {
   bool joins_up(const Topology& topology, Index v, Scratch& scratch) const;
   void find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const;
   void set_kinds(const Topology& topology, std::size_t count, const Index* vertices, Executor& executor);
-  void set_boundary(const Topology& topology, Index o);
+  void set_element(const Topology& topology, Index o);
+  std::uint8_t boundary_part_of(const Mesh& mesh, Index o) const;
+  Fit fit_of(const Mesh& mesh, Index o) const;
 
   TopologyDelta delta_;
   std::vector<std::array<Neighbour, 4>> neighbours_;  ///< by element slot
   std::vector<std::uint8_t> boundary_parts_;          ///< by element slot
+  std::vector<Fit> fits_;                             ///< by element slot
   std::vector<StarKind> kinds_;                       ///< by vertex
   std::vector<Index> changed_vertices_;
   std::vector<Scratch> scratch_;
