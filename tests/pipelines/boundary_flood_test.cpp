@@ -247,6 +247,32 @@ TEST(BoundaryFlood, FindsContactsDeepInAPenetration) {
     }
 }
 
+/// An object inside another one, of two parts that have one vertex in common. At the start, the flood begins at a vertex
+/// of the first part, and reaches the second one over the common vertex alone.
+TEST(BoundaryFlood, FindsContactsOfAnObjectInsideThatIsJoinedAtAVertex) {
+  for (const double separation : {0.0, 0.02}) {
+    Shape all = block(ElementType::tetrahedron, 5, 5, 5);
+    const auto outside = static_cast<Index>(all.positions.size());
+    Shape inside = block(ElementType::tetrahedron, 2, 2, 2);
+    for (Vec3& p : inside.positions) p = 0.6 * p + Vec3(1.1, 1.2, 1.3);
+    const Vec3 joint = Vec3(1.2, 1.2, 1.2) + Vec3(1.1, 1.2, 1.3);
+    all.append(inside, 2);
+    for (Vec3& p : inside.positions) p += Vec3(1.2, 1.2, 1.2);
+    all.append(inside, 2);
+    Index first = kNone;
+    for (Index v = outside; v < all.positions.size(); ++v) {
+      if ((all.positions[v] - joint).norm() > 1e-9) continue;
+      if (first == kNone) first = v;
+      for (ElementSpec& e : all.elements) e.renumber([&](Index w) { return w == v ? first : w; });
+    }
+    std::vector<Vec3> end = all.positions;
+    for (std::size_t v = outside; v < end.size(); ++v) end[v] += Vec3(0.11, 0.07, 0.05);
+    const Topology topology(all.mesh());
+    const Step step{topology, Motion::linear(all.positions, end), kNoFilter, separation};
+    EXPECT_GT(Contest().compare(step, "separation " + std::to_string(separation)), 50u);
+  }
+}
+
 /// A vertex at the origin whose tetrahedra surround the z axis once or twice. Inside the volume, the ring is between a
 /// pole below and a pole above. On the boundary, there is a pole below only, so that faces with upward normals form a
 /// ring that surrounds the axis twice, with its first turn above the second.
