@@ -23,38 +23,41 @@ namespace {
 
 const ObjectFilter kEveryObject;
 
-bool boxes_meet(const Motion& motion, const std::array<Index, 4>& v, std::size_t of_first, double separation) {
+/// Whether the boxes of the features, with the separation around them, meet at t; for the whole step if t < 0.
+bool boxes_meet(const Motion& motion, const std::array<Index, 4>& v, std::size_t of_first, double separation,
+                double t = -1) {
   const auto bounds = [&](std::size_t begin, std::size_t end) {
     Eigen::AlignedBox3d box;
     for (std::size_t i = begin; i < end; ++i)
-      for (int c = 0; c < motion.control_points(); ++c)
-        for (const double d : {-separation, separation}) box.extend(Vec3(motion.point(v[i], c) + Vec3(d, d, d)));
+      for (int c = 0; c < (t < 0 ? motion.control_points() : 1); ++c) {
+        const Vec3 at = t < 0 ? motion.point(v[i], c) : motion.position(v[i], t);
+        for (const double d : {-separation, separation}) box.extend(Vec3(at + Vec3(d, d, d)));
+      }
     return box;
   };
   return bounds(0, of_first).intersects(bounds(of_first, 4));
 }
 
 /// Whether the features touch, or are within the separation at one of some times; in exact arithmetic.
-bool in_contact(const TestMotion& moving, double separation) {
-  if (separation == 0) return exact_first_touch(moving).touches;
-  constexpr int kTimes = 2;
-  for (int i = 0; i <= kTimes; ++i)
-    if (compare_distance(moving, static_cast<double>(i) / kTimes, separation) <= 0) return true;
+bool in_contact(const Step& step, FeatureKind kind, const std::array<Index, 4>& vertices) {
+  const std::size_t of_first = kind == FeatureKind::vf ? 1 : 2;
+  if (!boxes_meet(step.motion, vertices, of_first, step.separation)) return false;
+  TestMotion moving{kind, step.motion.control_points(), {}};
+  for (std::size_t i = 0; i < 4; ++i) moving.points[i] = step.motion.at(vertices[i]);
+  if (step.separation == 0) return exact_first_touch(moving).touches;
+  for (const double t : {0.0, 0.5, 1.0})
+    if (boxes_meet(step.motion, vertices, of_first, step.separation, t) &&
+        compare_distance(moving, t, step.separation) <= 0)
+      return true;
   return false;
 }
 
 /// Calls visit(elements of a, elements of b) for each pair of features without a common vertex that is in contact.
 template <class Visit>
 void visit_touching(const Step& step, Visit&& visit) {
-  const Motion& motion = step.motion;
   const Features& features = step.features();
   const auto touches = [&](FeatureKind kind, FeaturePair test) {
-    if (!is_test(features, kind, test)) return false;
-    const auto vertices = test_vertices(features, kind, test);
-    if (!boxes_meet(motion, vertices, kind == FeatureKind::vf ? 1 : 2, step.separation)) return false;
-    TestMotion moving{kind, motion.control_points(), {}};
-    for (std::size_t i = 0; i < 4; ++i) moving.points[i] = motion.at(vertices[i]);
-    return in_contact(moving, step.separation);
+    return is_test(features, kind, test) && in_contact(step, kind, test_vertices(features, kind, test));
   };
   for (Index v = 0; v < features.vertex_slots(); ++v)
     for (Index f = 0; f < features.triangle_slots(); ++f)

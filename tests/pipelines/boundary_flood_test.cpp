@@ -247,8 +247,8 @@ TEST(BoundaryFlood, FindsContactsDeepInAPenetration) {
     }
 }
 
-/// An object inside another one, of two parts that have one vertex in common. At the start, the flood begins at a vertex
-/// of the first part, and reaches the second one over the common vertex alone.
+/// An object inside another one, of two parts that have one vertex in common. At the start, the flood begins at a
+/// vertex of the first part, and reaches the second one over the common vertex alone.
 TEST(BoundaryFlood, FindsContactsOfAnObjectInsideThatIsJoinedAtAVertex) {
   for (const double separation : {0.0, 0.02}) {
     Shape all = block(ElementType::tetrahedron, 5, 5, 5);
