@@ -54,8 +54,8 @@ class BoundaryRings {
   /// Sets folds[v] to 1 for each vertex v of the faces, unless the normals of all faces that are tested for v have
   /// positive dot products with the direction up(v), the sum of the unit normals of its triangles, throughout the step.
   /// With a separation d > 0, also if some vertices are displaced by w/2, others by -w/2, and the rest not, for any w
-  /// with |w| <= d: this changes a normal by the cross product of w and a vector that is no longer than its longest edge.
-  /// Sets all others to 0.
+  /// with |w| <= d: this changes a normal by the cross product of w and a vector that is no longer than its longest
+  /// edge. Sets all others to 0.
   void find_folds(const Step& step, Executor& executor, std::vector<std::uint8_t>& folds);
   const Vec3& up(Index v) const { return ups_[v]; }
 
@@ -69,9 +69,9 @@ class BoundaryRings {
   std::vector<FaceNormal<4>> linear_;
   std::vector<FaceNormal<8>> quadratic_;
   std::vector<double> longest_edges_;  ///< by face; for a step with a separation
-  std::vector<Vec3> ups_;            ///< by vertex
-  std::vector<Index> begins_;        ///< by vertex: where its corners begin
-  std::vector<RingCorner> corners_;  ///< of one vertex after the other
+  std::vector<Vec3> ups_;              ///< by vertex
+  std::vector<Index> begins_;          ///< by vertex: where its corners begin
+  std::vector<RingCorner> corners_;    ///< of one vertex after the other
 };
 
 }  // namespace volccd::detail

@@ -78,33 +78,6 @@ class Cones {
     // The square of a short vector may have lost digits by underflow.
     return hn::Sqrt(hn::Max(square, broadcast(kLeastSquare)));
   }
-  /// Sets `greatest` to at least the square of the length of the normal throughout the step, except for rounding.
-  static HWY_INLINE void include(const Normal& normal, Lanes& greatest) {
-    for (int k = 0; k <= 2 * kDegree; ++k) {
-      const Lanes3 coefficient = scaled(normal[k], broadcast(1 / binomial(2 * kDegree, k)));
-      greatest = hn::Max(greatest, dot(coefficient, coefficient));
-    }
-  }
-  /// greatest_area() of a cone: from the normals of its base, and of way x first edge and way x second edge.
-  static HWY_INLINE Lanes greatest_area_of(const Normal& base, const Normal& a, const Normal& b) {
-    Lanes square = broadcast(kLeastSquare);
-    Normal third, with_a, with_b, opposite;  // the sum of the normals of all four faces is 0
-    for (int k = 0; k <= 2 * kDegree; ++k) {
-      with_a[k] = sub(base[k], a[k]);
-      with_b[k] = add(base[k], b[k]);
-      opposite[k] = sub(b[k], a[k]);
-      third[k] = add(base[k], opposite[k]);
-    }
-    include(base, square);
-    include(a, square);
-    include(b, square);
-    include(third, square);
-    include(with_a, square);
-    include(with_b, square);
-    include(opposite, square);
-    return hn::Sqrt(square);
-  }
-
   /// A face as a fan of triangles: edges from one end of its diagonal, and bounds on them.
   struct Fan {
     std::size_t triangles;
@@ -121,15 +94,11 @@ class Cones {
                                      LaneMask& positive, LaneMask& negative) {
     const Lanes d = broadcast(separation * kAreaSlack * kAreaSlack);
     const Lanes to_corner = longest(way);
-    Normal side[3];
-    if (kExactly)
-      for (std::size_t i = 0; i <= fan.triangles; ++i) inward_normal(fan.edge[i], way, side[i]);
     for (std::size_t i = 0; i < fan.triangles; ++i) {
       const Lanes& a = fan.length[i];
       const Lanes& b = fan.length[i + 1];
-      Lanes area = hn::Add(hn::Mul(a, b), hn::Mul(to_corner, hn::Add(a, b)));
-      if (kExactly)  // Sums of normals may have lost digits: 2^-40 of the products is more.
-        area = hn::Add(greatest_area_of(fan.normal[i], side[i], side[i + 1]), hn::Mul(broadcast(0x1p-40), area));
+      const Lanes area = kExactly ? greatest_area(way, fan.edge[i], fan.edge[i + 1])
+                                  : hn::Add(hn::Mul(a, b), hn::Mul(to_corner, hn::Add(a, b)));
       judge(way, fan.normal[i], error(extent, fan.area[i]), hn::Mul(d, area), positive, negative);
     }
   }

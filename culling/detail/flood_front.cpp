@@ -167,19 +167,16 @@ void FloodFront::proceed_at_start(Index outer_element, Index other, StartScratch
   if (!outer(outer_element)) return;
   inner_neighbours(other, outer_element);
   if (!has_inside(other)) return;
-  const Eigen::AlignedBox3d box = box_at_start(step_.mesh().vertices(other), step_.separation);
+  Eigen::AlignedBox3d box = box_at_start(step_.mesh().vertices(other));
+  box.min() = box.min().unaryExpr([&](double low) { return below(low); }).eval();
+  box.max() = box.max().unaryExpr([&](double high) { return above(high); }).eval();
   for (const Index next : scratch.neighbours.of(step_, stars_, outer_element))
-    if (box.intersects(box_at_start(step_.part(next), 0))) propose(next, other);
+    if (box.intersects(box_at_start(step_.part(next)))) propose(next, other);
 }
 
-Eigen::AlignedBox3d FloodFront::box_at_start(std::span<const Index> vertices, double separation) const {
+Eigen::AlignedBox3d FloodFront::box_at_start(std::span<const Index> vertices) const {
   Eigen::AlignedBox3d box;
   for (const Index v : vertices) box.extend(step_.motion.point(v, 0));
-  if (separation > 0)
-    for (int axis = 0; axis < 3; ++axis) {
-      box.min()[axis] = below(box.min()[axis]);
-      box.max()[axis] = above(box.max()[axis]);
-    }
   return box;
 }
 

@@ -83,7 +83,7 @@ class FloodFront {
   bool beyond_a_face_at_start(Index a, Index b) const;
   double below(double coordinate) const;
   double above(double coordinate) const;
-  Eigen::AlignedBox3d box_at_start(std::span<const Index> vertices, double separation) const;
+  Eigen::AlignedBox3d box_at_start(std::span<const Index> vertices) const;
   void from_contained(std::span<const Index> vertices, StartScratch& scratch);
   void from_contained(Index v, Index o);
   void inner_neighbours(Index of, Index other);

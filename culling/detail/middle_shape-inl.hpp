@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
 /// Elements in the middle of the step, and how far their vertices move from there if the translation of the whole
-/// element is left out.
+/// element is left out. One element in each lane from `lane` on.
 template <int kControlPoints>
 class MiddleShape {
   using Elements = ElementLanes<kControlPoints>;
@@ -28,16 +28,14 @@ class MiddleShape {
     const Lanes share = broadcast(1.0 / faces.vertices), half = broadcast(0.5);
     Path base, shift;
     elements.load(0, lane, base);
-    Lanes3 centre{hn::Zero(Tag()), hn::Zero(Tag()), hn::Zero(Tag())};
-    for (Lanes3& s : shift) s = centre;
+    for (Lanes3& s : shift) s = {hn::Zero(Tag()), hn::Zero(Tag()), hn::Zero(Tag())};
     for (std::size_t v = 0; v < faces.vertices; ++v) {
       Path path;
       load_from(base, v, path);
       at_[v] = scaled(add(path[0], path[kControlPoints - 1]), half);
-      centre = add(centre, scaled(at_[v], share));
       for (int c = 0; c < kControlPoints; ++c) shift[c] = add(shift[c], scaled(sub(path[c], at_[v]), share));
     }
-    Lanes away = hn::Zero(Tag());
+    Lanes away = hn::Zero(Tag()), sum = away;
     const Lanes most = broadcast(std::numeric_limits<double>::infinity()), least = hn::Neg(most);
     Lanes3 low{most, most, most}, high{least, least, least};
     for (std::size_t v = 0; v < faces.vertices; ++v) {
@@ -47,9 +45,13 @@ class MiddleShape {
       high = max(high, at_[v]);
       for (int c = 0; c < kControlPoints; ++c) {
         const Lanes3 moved = sub(sub(path[c], at_[v]), shift[c]);
-        away = hn::Max(away, dot(moved, moved));
+        const Lanes square = dot(moved, moved);
+        away = hn::Max(away, square);
+        sum = hn::Add(sum, square);
       }
     }
+    // The maximum may discard NaN, which a difference of infinite coordinates is. The sum does not.
+    away = hn::IfThenElse(hn::Lt(sum, most), away, most);
     away_ = hn::Mul(broadcast(kAreaSlack), hn::Sqrt(hn::Add(away, broadcast(kLeastSquare))));
     const Lanes3 box = sub(high, low);
     const Lanes3 areas{hn::Mul(box.y, box.z), hn::Mul(box.z, box.x), hn::Mul(box.x, box.y)};
@@ -57,6 +59,9 @@ class MiddleShape {
     three_areas_ = hn::Mul(broadcast(3 * kAreaSlack), hn::Sqrt(hn::Add(dot(areas, areas), broadcast(kLeastSquare))));
   }
 
+  /// Whether all tetrahedra of all cones are proven to have a positive volume at all t in [0, 1], with a separation
+  /// also for displaced vertices (volume_signs()). False if an overflow is possible.
+  ///
   /// If vertices are displaced by at most d each, a volume changes by at most d times the sum of the areas of its four
   /// faces, plus 12 d^2 size + 8 d^3 (docs/star_orphans.md). No area of a triangle is greater than that in the box.
   HWY_INLINE LaneMask stays_positive(double separation) const {

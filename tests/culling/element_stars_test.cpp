@@ -187,6 +187,24 @@ TEST(ElementStars, OfElementsThinnerThanTheSeparationAreSuspect) {
   }
 }
 
+/// The middle of a quadratic motion is so far away that differences overflow: nothing is proven, for any vertex.
+TEST(ElementStars, OfOverflowingMotionsAreSuspect) {
+  SerialExecutor serial;
+  for (const ElementType type :
+       {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge, ElementType::pyramid}) {
+    const Shape shape = block(type, 1, 1, 1);
+    const Topology topology(shape.mesh());
+    for (std::size_t far = 1; far < shape.positions.size(); ++far) {
+      std::vector<Vec3> middle = shape.positions;
+      for (std::size_t v = 0; v < middle.size(); ++v) middle[v][0] = v == far ? 1.7e308 : -1e308;
+      const Motion motion = Motion::quadratic(shape.positions, middle, shape.positions);
+      ElementStars stars;
+      stars.update({topology, motion, kEveryObject}, serial);
+      EXPECT_TRUE(stars.suspect(static_cast<Index>(far))) << to_string(type) << ' ' << far;
+    }
+  }
+}
+
 /// A block that is split from above, down to its middle; the gap is 0.04 wide at the top.
 Shape notched_block(ElementType type) {
   Shape shape = block(type, 2, 2, 2);

@@ -268,8 +268,9 @@ TEST(BoundaryFlood, FindsContactsOfAnObjectInsideThatIsJoinedAtAVertex) {
     std::vector<Vec3> end = all.positions;
     for (std::size_t v = outside; v < end.size(); ++v) end[v] += Vec3(0.11, 0.07, 0.05);
     const Topology topology(all.mesh());
-    const Step step{topology, Motion::linear(all.positions, end), kNoFilter, separation};
-    EXPECT_GT(Contest().compare(step, "separation " + std::to_string(separation)), 50u);
+    const Motion motion = Motion::linear(all.positions, end);
+    EXPECT_GT(Contest().compare({topology, motion, kNoFilter, separation}, "separation " + std::to_string(separation)),
+              50u);
   }
 }
 
