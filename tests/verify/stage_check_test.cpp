@@ -20,6 +20,7 @@
 #include <volccd/narrowphase/inclusion.hpp>
 
 #include "support/allocations.hpp"
+#include "verify/made_stage.hpp"
 
 namespace volccd {
 namespace {
@@ -42,107 +43,6 @@ std::uint64_t hash(const Step& step, ElementPair pair) {
              b = step.motion.point(step.mesh().vertices(pair.b)[0], 0);
   return hash({a.x(), a.y(), a.z(), b.x(), b.y(), b.z()});
 }
-
-/// A stage made of a function.
-template <class Interface, class Run>
-class Made;
-
-template <class Run>
-class Made<FeatureFilter, Run> final : public FeatureFilter {
- public:
-  explicit Made(Run run) : run_(run) {}
-  void run(const Step& step, StageState&, unsigned worker, const TestBlock& block,
-           std::span<std::uint8_t> keep) const override {
-    run_(step, worker, block, keep);
-  }
-
- private:
-  Run run_;
-};
-
-template <class Run>
-class Made<ElementCulling, Run> final : public ElementCulling {
- public:
-  explicit Made(Run run) : run_(run) {}
-  void run(const Step& step, StageState&, unsigned worker, PairBatch& batch) const override {
-    run_(step, worker, batch);
-  }
-
- private:
-  Run run_;
-};
-
-template <class Run>
-class Made<NarrowPhase, Run> final : public NarrowPhase {
- public:
-  explicit Made(Run run) : run_(run) {}
-  int max_control_points() const override { return 3; }
-  double time_tolerance() const override { return Inclusion(Inclusion::Config{}).time_tolerance(); }
-  void run(const Step& step, StageState&, unsigned worker, const TestBlock& block, std::vector<Contact>& contacts,
-           NarrowCounters& counters) const override {
-    run_(step, worker, block, contacts, counters);
-  }
-
- private:
-  Run run_;
-};
-
-template <class Run>
-class Made<Assignment, Run> final : public Assignment {
- public:
-  explicit Made(Run run) : run_(run) {}
-  std::unique_ptr<StageState> make_state() const override { return all_.make_state(); }
-  void prepare(const Step& step, StageState& state, Executor& executor) const override {
-    all_.prepare(step, state, executor);
-  }
-  void run(const Step& step, StageState& state, unsigned worker, const PairBatch& batch,
-           TestBatch& out) const override {
-    const std::size_t begin = out.vf.size();
-    all_.run(step, state, worker, batch, out);
-    run_(begin, out);
-  }
-
- private:
-  AllPairs all_{AllPairs::Config{}};
-  Run run_;
-};
-
-template <class Run>
-class Made<OrphanSource, Run> final : public OrphanSource {
- public:
-  explicit Made(Run run) : run_(run) {}
-  std::unique_ptr<StageState> make_state() const override { return set_.make_state(); }
-  void prepare(const Step& step, StageState& state, Executor& executor) const override {
-    set_.prepare(step, state, executor);
-  }
-  std::size_t blocks(const StageState& state) const override { return set_.blocks(state); }
-  void run(const Step& step, StageState& state, unsigned worker, std::size_t block, TestBatch& out) const override {
-    set_.run(step, state, worker, block, out);
-    run_(block, out);
-  }
-
- private:
-  OSetSource set_{OSetSource::Config{}};
-  Run run_;
-};
-
-template <class Run>
-class Made<BroadPhase, Run> final : public BroadPhase {
- public:
-  explicit Made(Run run) : run_(run) {}
-  std::unique_ptr<StageState> make_state() const override { return tree_.make_state(); }
-  void prepare(const Step& step, StageState& state, Executor& executor) const override {
-    tree_.prepare(step, state, executor);
-  }
-  void run(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const override {
-    tree_.run(step, state, range, executor,
-              [&](std::span<const ElementPair> pairs, unsigned worker) { run_(step, executor, pairs, worker, sink); });
-  }
-
- private:
-  KdopBvh tree_{KdopBvh::Config{}};
-  Run run_;
-};
 
 StageCheckConfig quick(int trials) {
   StageCheckConfig config;
@@ -167,7 +67,7 @@ StageReport check(Run run, Guarantee guarantee = Guarantee::conservative, int tr
   StageDescriptor<Interface> descriptor;
   descriptor.name = "made";
   descriptor.guarantee = guarantee;
-  descriptor.make = [run](const OptionValues&) { return std::make_unique<Made<Interface, Run>>(run); };
+  descriptor.make = [run](const OptionValues&) { return std::make_unique<test::Made<Interface, Run>>(run); };
   registry.add(descriptor);
   StageCheckConfig config = quick(trials);
   config.pipelines = pipelines;
@@ -278,7 +178,7 @@ TEST(StageCheck, FindsThatAViolationRepeatsFromItsSeed) {
     descriptor.name = "made";
     descriptor.guarantee = Guarantee::conservative;
     descriptor.make = [](const OptionValues&) {
-      return std::make_unique<Made<FeatureFilter, decltype(drop_one_in_a_thousand)>>(drop_one_in_a_thousand);
+      return std::make_unique<test::Made<FeatureFilter, decltype(drop_one_in_a_thousand)>>(drop_one_in_a_thousand);
     };
     registry.add(descriptor);
     const StageReport again = check_stage(registry, "made", config);
