@@ -1,5 +1,7 @@
 #include <volccd/culling/element_kdop.hpp>
 
+#include <atomic>
+#include <cstdint>
 #include <vector>
 
 #include <volccd/culling/detail/vertex_rows.hpp>
@@ -22,6 +24,16 @@ struct ElementWidening {
   alignas(32) float separation[kRowAxisCount];
 };
 
+/// The bounds of the elements in a step. Row c of element o is at rows[o * control_points + c].
+struct ElementRows {
+  static constexpr std::uint8_t kMissing = 0, kBegun = 1, kReady = 2;
+
+  std::vector<ElementRow> rows;
+  bool all_made;                       ///< otherwise rows are made when they are first asked for
+  std::vector<std::uint8_t> progress;  ///< by element, unless all are made; atomic
+  ElementWidening wide;
+};
+
 }  // namespace volccd::detail
 #endif
 
@@ -30,39 +42,67 @@ namespace volccd::detail::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using AxisTag = hn::CappedTag<float, kRowAxisCount>;
-using AxisLanes = hn::Vec<AxisTag>;
 
-/// Projections are within 2^-23 |f| of their values f in a row, apart from underflow; the two roundings below add less
-/// than 2^-22 (|f| + separation). An overflow gives an infinite bound on one side and NaN on the other, and neither
-/// separates.
-HWY_INLINE AxisLanes widening(AxisLanes bound, AxisLanes separation) {
-  const AxisTag tag;
-  const AxisLanes size = hn::Add(hn::Abs(bound), separation);
+/// Projections are within 2^-23 |f| of their values f in a row (VertexRow), apart from underflow; the two roundings
+/// below add less than 2^-22 (|f| + separation). An overflow gives an infinite bound on one side and NaN on the other,
+/// and neither separates.
+template <class V>
+HWY_INLINE V widening(V bound, V separation) {
+  const hn::DFromV<V> tag;
+  const V size = hn::Add(hn::Abs(bound), separation);
   return hn::Add(hn::Mul(size, hn::Set(tag, 0x1p-21f)), hn::Set(tag, 0x1p-120f));
 }
 
-/// Row c of element o is rows[o * control_points + c].
-void bound_element_rows(const Step& step, const VertexRow* vertices, const ElementWidening& wide, std::size_t begin,
-                        std::size_t end, ElementRow* rows) {
-  const AxisTag tag;
-  const auto controls = static_cast<std::size_t>(step.motion.control_points());
-  for (std::size_t o = begin; o < end; ++o) {
-    if (!step.takes_part(static_cast<Index>(o))) continue;
-    const std::span<const Index> part = step.part(static_cast<Index>(o));
-    for (std::size_t c = 0; c < controls; ++c)
-      for (std::size_t i = 0; i < kRowAxisCount; i += hn::Lanes(tag)) {
-        AxisLanes low = hn::Load(tag, vertices[part[0] * controls + c].at + i), high = low;
-        for (const Index v : part.subspan(1)) {
-          const AxisLanes x = hn::Load(tag, vertices[v * controls + c].at + i);
-          low = hn::Min(low, x);
-          high = hn::Max(high, x);
-        }
-        const AxisLanes separation = hn::Load(tag, wide.separation + i);
-        ElementRow& row = rows[o * controls + c];
-        hn::Store(hn::Sub(hn::Sub(low, separation), widening(low, separation)), tag, row.low + i);
-        hn::Store(hn::Add(hn::Add(high, separation), widening(high, separation)), tag, row.high + i);
+/// Makes the rows of one element.
+void bound_element(const Step& step, const ElementWidening& wide, Index o, ElementRow* rows) {
+  const hn::CappedTag<double, kRowAxisCount> tag;
+  const hn::Rebind<float, decltype(tag)> narrow;
+  alignas(64) static constexpr auto axes = row_axes_by_coordinate();
+  const std::span<const Index> part = step.part(o);
+  for (int c = 0; c < step.motion.control_points(); ++c)
+    for (std::size_t i = 0; i < kRowAxisCount; i += hn::Lanes(tag)) {
+      const auto x = hn::Load(tag, axes[0].data() + i), y = hn::Load(tag, axes[1].data() + i),
+                 z = hn::Load(tag, axes[2].data() + i);
+      const auto project = [&](Index v) HWY_ATTR {
+        const double* const p = step.motion.at(v) + 3 * c;
+        return hn::MulAdd(hn::Set(tag, p[2]), z, hn::MulAdd(hn::Set(tag, p[1]), y, hn::Mul(hn::Set(tag, p[0]), x)));
+      };
+      auto least = project(part[0]), most = least;
+      for (const Index v : part.subspan(1)) {
+        const auto at = project(v);
+        least = hn::Min(least, at);
+        most = hn::Max(most, at);
       }
+      const auto low = hn::DemoteTo(narrow, least), high = hn::DemoteTo(narrow, most);
+      const auto separation = hn::Load(narrow, wide.separation + i);
+      hn::Store(hn::Sub(hn::Sub(low, separation), widening(low, separation)), narrow, rows[c].low + i);
+      hn::Store(hn::Add(hn::Add(high, separation), widening(high, separation)), narrow, rows[c].high + i);
+    }
+}
+
+/// The rows of an element. If another worker is just making them, they are made in `own` as well.
+template <std::size_t kControlPoints>
+HWY_INLINE const ElementRow* rows_of(const Step& step, ElementRows& all, Index o, ElementRow (&own)[kControlPoints]) {
+  const std::atomic_ref progress(all.progress[o]);
+  ElementRow* rows = all.rows.data() + o * kControlPoints;
+  if (all.all_made) return rows;
+  std::uint8_t seen = progress.load(std::memory_order_acquire);
+  if (seen == ElementRows::kReady) return rows;
+  if (seen == ElementRows::kMissing &&
+      progress.compare_exchange_strong(seen, ElementRows::kBegun, std::memory_order_relaxed)) {
+    bound_element(step, all.wide, o, rows);
+    progress.store(ElementRows::kReady, std::memory_order_release);
+    return rows;
   }
+  bound_element(step, all.wide, o, own);
+  return own;
+}
+
+void bound_elements(const Step& step, ElementRows& all, std::size_t begin, std::size_t end) {
+  const auto controls = static_cast<std::size_t>(step.motion.control_points());
+  for (std::size_t o = begin; o < end; ++o)
+    if (step.takes_part(static_cast<Index>(o)))
+      bound_element(step, all.wide, static_cast<Index>(o), all.rows.data() + o * controls);
 }
 
 template <std::size_t kControlPoints>
@@ -82,15 +122,17 @@ HWY_INLINE bool apart(const ElementRow* a, const ElementRow* b) {
 }
 
 template <std::size_t kControlPoints>
-void cull_pairs(const ElementRow* rows, PairBatch& batch) {
+void cull_pairs(const Step& step, ElementRows& rows, PairBatch& batch) {
+  ElementRow of_a[kControlPoints], of_b[kControlPoints];
   batch.cull([&](ElementPair pair, FeatureMask&) HWY_ATTR {
-    return apart<kControlPoints>(rows + pair.a * kControlPoints, rows + pair.b * kControlPoints) ? PairVerdict::disjoint
-                                                                                                 : PairVerdict::keep;
+    return apart<kControlPoints>(rows_of(step, rows, pair.a, of_a), rows_of(step, rows, pair.b, of_b))
+               ? PairVerdict::disjoint
+               : PairVerdict::keep;
   });
 }
 
-void cull_by_rows(const ElementRow* rows, int control_points, PairBatch& batch) {
-  control_points == 2 ? cull_pairs<2>(rows, batch) : cull_pairs<3>(rows, batch);
+void cull_by_rows(const Step& step, ElementRows& rows, PairBatch& batch) {
+  step.motion.control_points() == 2 ? cull_pairs<2>(step, rows, batch) : cull_pairs<3>(step, rows, batch);
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE
@@ -99,7 +141,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace volccd {
 namespace detail {
-HWY_EXPORT(bound_element_rows);
+HWY_EXPORT(bound_elements);
 HWY_EXPORT(cull_by_rows);
 }  // namespace detail
 
@@ -109,13 +151,18 @@ using namespace detail;
 
 constexpr std::size_t kElementGrain = 512;
 
+struct alignas(64) Worker {
+  std::size_t pairs = 0;
+};
+
 struct ElementKdopState final : StageState {
-  std::vector<VertexRow> vertices;
-  std::vector<ElementRow> elements;
+  ElementRows elements;
+  std::vector<Worker> workers;
   const ElementSubset* subset = nullptr;
 
   std::size_t bytes() const override {
-    return vertices.capacity() * sizeof(VertexRow) + elements.capacity() * sizeof(ElementRow);
+    return elements.rows.capacity() * sizeof(ElementRow) + elements.progress.capacity() +
+           workers.capacity() * sizeof(Worker);
   }
 };
 
@@ -131,21 +178,27 @@ std::unique_ptr<StageState> ElementKdop::make_state() const { return std::make_u
 
 void ElementKdop::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   ElementKdopState& state = static_cast<ElementKdopState&>(stage_state);
-  const int controls = step.motion.control_points();
+  const std::size_t slots = step.mesh().element_slots();
+  ElementRows& elements = state.elements;
+  std::size_t pairs = 0;  // of the last step
+  for (const Worker& worker : state.workers) pairs += worker.pairs;
+  state.workers.assign(executor.workers(), {});
   state.subset = step.subset;
-  project_vertices(step.motion, executor, state.vertices);
-  state.elements.resize(step.mesh().element_slots() * static_cast<std::size_t>(controls));
-  const ElementWidening wide = widening_for(step.separation);
-  executor.parallel_for(step.mesh().element_slots(), kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
-    HWY_DYNAMIC_DISPATCH(bound_element_rows)
-    (step, state.vertices.data(), wide, begin, end, state.elements.data());
+  elements.wide = widening_for(step.separation);
+  elements.all_made = pairs > (step.subset ? step.subset->size() : step.mesh().element_count());
+  elements.rows.resize(slots * static_cast<std::size_t>(step.motion.control_points()));
+  elements.progress.assign(slots, ElementRows::kMissing);
+  if (!elements.all_made) return;
+  executor.parallel_for(slots, kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+    HWY_DYNAMIC_DISPATCH(bound_elements)(step, elements, begin, end);
   });
 }
 
-void ElementKdop::run(const Step& step, StageState& stage_state, unsigned, PairBatch& batch) const {
-  const ElementKdopState& state = static_cast<const ElementKdopState&>(stage_state);
+void ElementKdop::run(const Step& step, StageState& stage_state, unsigned worker, PairBatch& batch) const {
+  ElementKdopState& state = static_cast<ElementKdopState&>(stage_state);
   if (step.subset != state.subset) return;
-  HWY_DYNAMIC_DISPATCH(cull_by_rows)(state.elements.data(), step.motion.control_points(), batch);
+  state.workers[worker].pairs += batch.size();
+  HWY_DYNAMIC_DISPATCH(cull_by_rows)(step, state.elements, batch);
 }
 
 StageDescriptor<ElementCulling> describe_element_kdop() {

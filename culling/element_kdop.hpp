@@ -9,9 +9,10 @@ namespace volccd {
 /// apart, and in the same order. In contrast to swept bounds, these are not affected by common motion, so that the
 /// stage drops most pairs of a broad phase for a fraction of the time of `csat`.
 ///
-/// prepare(): bounds of all elements that take part in the step, in single precision, in O(elements) on all threads;
-/// 64 bytes for each control point of an element. run() keeps all pairs if the step has another subset of elements than
-/// that of prepare().
+/// Bounds are in single precision, 64 bytes for each control point of an element. prepare() computes those of all
+/// elements that take part in the step, on all threads, if the last step had more pairs than elements; otherwise run()
+/// computes them when a pair first contains the element. run() keeps all pairs if the step has another subset of
+/// elements than that of prepare().
 ///
 /// Guarantee: conservative in floating point for any finite coordinates: bounds are widened by more than all rounding
 /// errors. They hold over [0, 1] for every t_max.

@@ -18,7 +18,7 @@ namespace volccd {
 ///  - prepare() runs alone.
 ///  - run() is called concurrently by the workers of the executor that was given to prepare(); each call gets the
 ///    number of its worker in [0, executor.workers()). It may read the whole state and may write only the part of its
-///    worker.
+///    worker, or what the stage synchronises itself.
 ///  - The step given to run() is that of the last prepare(), except that t_max may be smaller.
 /// prepare() and run() throw std::bad_alloc if memory is exhausted, and the errors that their own headers list. After
 /// an exception the state must not be used again.

@@ -161,12 +161,18 @@ class Traversal {
     std::uint64_t wanted = all_pairs(a, b, pair.a == pair.b) & ~adjacent_pairs(a.begin, b.begin);
     if (wanted == 0) return;
     const bool mixed = rules_.keys && (a.key == FilterKeys::kMixed || b.key == FilterKeys::kMixed);
+    std::uint64_t hits = 0;
+    for (Index i = a.begin; i < a.end; ++i)
+      for (Index j = b.begin; j < b.end; j += kLanes)
+        hits |= std::uint64_t{overlaps(i, j)} << (AdjacentLeaves::kMaskRow * (i - a.begin) + (j - b.begin));
+    hits &= wanted;
+    if (hits == 0) return;
     ElementPair* next = out.room();
-    for (Index i = a.begin; i < a.end; ++i, wanted >>= AdjacentLeaves::kMaskRow)
+    for (Index i = a.begin; i < a.end; ++i, hits >>= AdjacentLeaves::kMaskRow)
       for (Index j = b.begin; j < b.end; j += kLanes) {
-        unsigned hits = overlaps(i, j) & static_cast<unsigned>(wanted >> (j - b.begin)) & ((1u << kLanes) - 1);
-        if (mixed && hits != 0) hits &= ~dropped(i, j);
-        next = emit(hits, i, j, next);
+        unsigned row = static_cast<unsigned>(hits >> (j - b.begin)) & ((1u << kLanes) - 1);
+        if (mixed && row != 0) row &= ~dropped(i, j);
+        next = emit(row, i, j, next);
       }
     out.written(next);
   }

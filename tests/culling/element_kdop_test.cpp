@@ -156,5 +156,29 @@ TEST(ElementKdop, KeepsAllPairsOfAnotherSubset) {
   EXPECT_EQ(batch.size(), bench.pairs());
 }
 
+// After a step with more pairs than elements, bounds are made in advance, and after a step with fewer when they are
+// asked for.
+TEST(ElementKdop, WhenBoundsAreMadeDoesNotMatter) {
+  for (const int control_points : {2, 3}) {
+    PairBench bench(ElementType::hexahedron, control_points);
+    const ElementKdop stage({});
+    const auto state = stage.make_state();
+    SerialExecutor executor;
+    Random random(11);
+    for (int step = 0; step < 6; ++step) {
+      set_on_lattice(bench, random, 1);
+      stage.prepare(bench.step(), *state, executor);
+      PairBatch fresh = bench.batch();
+      run_stage(stage, bench.step(), fresh);
+      for (int repeat = 0; repeat < (step % 2 == 0 ? 5 : 1); ++repeat) {
+        PairBatch batch = bench.batch();
+        stage.run(bench.step(), *state, 0, batch);
+        EXPECT_EQ(batch.pairs, fresh.pairs) << "step " << step;
+      }
+      EXPECT_LT(fresh.size(), bench.pairs());
+    }
+  }
+}
+
 }  // namespace
 }  // namespace volccd::test
