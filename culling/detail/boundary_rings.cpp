@@ -11,12 +11,16 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
+HWY_INLINE void store_float(Lanes x, float* row) {
+  const hn::Rebind<float, Tag> narrow;
+  hn::Store(hn::DemoteTo(narrow, x), narrow, row);
+}
+
 /// Stores the coordinates in three rows of eight.
-HWY_INLINE void store3(const Lanes3& a, double (*rows)[8], std::size_t lane) {
-  const Tag tag;
-  hn::Store(a.x, tag, rows[0] + lane);
-  hn::Store(a.y, tag, rows[1] + lane);
-  hn::Store(a.z, tag, rows[2] + lane);
+HWY_INLINE void store3(const Lanes3& a, float (*rows)[8], std::size_t lane) {
+  store_float(a.x, rows[0] + lane);
+  store_float(a.y, rows[1] + lane);
+  store_float(a.z, rows[2] + lane);
 }
 
 HWY_INLINE Lanes3 unit(const Lanes3& a) {
@@ -62,7 +66,7 @@ class Normals {
 
   void compute_lanes(std::size_t lane) {
     Lanes3 a[kControlPoints], b[kControlPoints], normal[kCoefficients];
-    Lanes of_a = broadcast(kLeastExtent), of_b = of_a;
+    Lanes of_a = broadcast(kLeastExtent), of_b = of_a, greatest = hn::Zero(Tag());
     for (int c = 0; c < kControlPoints; ++c) {
       const Lanes3 origin = point(0, c, lane);
       a[c] = sub(point(1, c, lane), origin);
@@ -76,10 +80,16 @@ class Normals {
         const double weight = (kDegree == 2 && i == 1 ? 2 : 1) * (kDegree == 2 && j == 1 ? 2 : 1);
         normal[i + j] = add(normal[i + j], scaled(cross(a[i], b[j]), broadcast(weight)));
       }
-    for (int k = 0; k < kCoefficients; ++k) store3(normal[k], normal_[k], lane);
+    for (const Lanes3& n : normal)
+      greatest = hn::Max(greatest, hn::Max(hn::Abs(n.x), hn::Max(hn::Abs(n.y), hn::Abs(n.z))));
+    const Lanes scale = hn::Div(broadcast(1), greatest);
+    for (int k = 0; k < kCoefficients; ++k) store3(scaled(normal[k], scale), normal_[k], lane);
     // The weights of a coefficient sum to at most 6; a term has fewer than 16 rounding errors (docs/boundary_flood.md).
-    const Lanes bound = hn::Mul(broadcast(6 * 32 * kUnitRoundoff), trusted(hn::Mul(trusted(of_a), trusted(of_b))));
-    hn::Store(hn::Add(bound, broadcast(kDeterminantUnderflow)), Tag(), bound_ + lane);
+    const Lanes product = hn::Mul(broadcast(6 * 32 * kUnitRoundoff), trusted(hn::Mul(trusted(of_a), trusted(of_b))));
+    const Lanes bound = hn::Mul(hn::Add(product, broadcast(kDeterminantUnderflow)), scale);
+    // For single precision, in which the bound itself is rounded as well.
+    store_float(hn::Mul(hn::Add(bound, broadcast(0x1p-23)), broadcast(1 + 0x1p-20)), bound_ + lane);
+    hn::Store(scale, Tag(), scale_ + lane);
     store3(add(unit(normal[0]), unit(normal[2 * kDegree])), unit_, lane);
   }
 
@@ -89,11 +99,13 @@ class Normals {
     for (int c = 0; c < kControlPoints; ++c)
       for (std::size_t v = 0; v < 3; ++v)
         longest = hn::Max(longest, length(sub(point((v + 1) % 3, c, lane), point(v, c, lane))));
-    hn::Store(hn::Mul(longest, broadcast(kLengthSlack)), Tag(), longest_edge_ + lane);
+    const Lanes slack = hn::Mul(broadcast(kLengthSlack), hn::Load(Tag(), scale_ + lane));
+    hn::Store(hn::Mul(longest, slack), Tag(), longest_edge_ + lane);
   }
 
   alignas(64) double points_[3][3 * kControlPoints][8] = {};
-  alignas(64) double normal_[kCoefficients][3][8], unit_[3][8], bound_[8], longest_edge_[8];
+  alignas(64) float normal_[kCoefficients][3][8], unit_[3][8], bound_[8];
+  alignas(64) double scale_[8], longest_edge_[8];
 };
 
 template <int kControlPoints, int kLanes>
@@ -125,8 +137,8 @@ HWY_INLINE bool folds_at(const Rings& rings, std::span<const RingCorner> corners
   double x = 0, y = 0, z = 0;
   for (const RingCorner& c : corners) {
     if (!c.of_triangle) continue;
-    const double* const unit = normals[c.face].unit;
-    x += unit[0], y += unit[1], z += unit[2];
+    const float* const unit = normals[c.face].unit;
+    x += double{unit[0]}, y += double{unit[1]}, z += double{unit[2]};
   }
   up = {x, y, z};
   const double size = std::abs(x) + std::abs(y) + std::abs(z);
@@ -135,12 +147,15 @@ HWY_INLINE bool folds_at(const Rings& rings, std::span<const RingCorner> corners
   for (const RingCorner& c : corners) {
     if (!c.tested) continue;
     const FaceNormal<kLanes>& normal = normals[c.face];
-    const auto rounding = hn::Set(tag, normal.bound * size);
+    const auto rounding = hn::Set(tag, double{normal.bound} * size);
     const double area = kApart ? gap * rings.longest_edges[c.face] : 0;
     for (int k = 0; k < kLanes; k += static_cast<int>(hn::Lanes(tag))) {
       auto bound = rounding;
       if (kApart) bound = hn::Add(bound, hn::Mul(hn::Set(tag, area), hn::Load(tag, binomials<kLanes>() + k)));
-      if (!hn::AllTrue(tag, hn::Gt(dot(direction, load3(tag, normal.coefficients[0] + k, kLanes)), bound))) return true;
+      const auto axis = [&](int i) HWY_ATTR {
+        return hn::PromoteTo(tag, hn::Load(hn::Rebind<float, decltype(tag)>(), normal.coefficients[i] + k));
+      };
+      if (!hn::AllTrue(tag, hn::Gt(dot(direction, {axis(0), axis(1), axis(2)}), bound))) return true;
     }
   }
   return false;

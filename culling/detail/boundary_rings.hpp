@@ -27,12 +27,12 @@ struct RingCorner {
 };
 
 /// The normal of a moving face as Bernstein coefficients, each times its binomial: three for linear motion, five for
-/// quadratic. Copies of the first fill kLanes.
+/// quadratic. All are divided by about the greatest magnitude among them. Copies of the first fill kLanes.
 template <int kLanes>
 struct alignas(64) FaceNormal {
-  double coefficients[3][kLanes];  ///< [axis][coefficient]
-  double unit[3];                  ///< sum of the unit normals at both ends
-  double bound;  ///< for any vector n, the error of dot(n, coefficient) is less than |n|_1 times this bound
+  float coefficients[3][kLanes];  ///< [axis][coefficient]
+  float unit[3];                  ///< sum of the unit normals at both ends
+  float bound;  ///< for any vector n, the error of dot(n, coefficient) is less than |n|_1 times this bound
 };
 
 /// The rings of all vertices, for the kernels: the corners of vertex v are corners[begins[v] .. begins[v + 1]).
@@ -42,7 +42,7 @@ struct Rings {
   Vec3* ups;
   std::uint8_t* folds;
   double separation;
-  const double* longest_edges;  ///< by face, throughout the step; null without a separation
+  const double* longest_edges;  ///< by face, throughout the step, divided as its normal; null without a separation
 };
 
 /// The boundary faces of a mesh. Not thread-safe; uses the executor.
@@ -68,7 +68,7 @@ class BoundaryRings {
   std::vector<RingFace> faces_;
   std::vector<FaceNormal<4>> linear_;
   std::vector<FaceNormal<8>> quadratic_;
-  std::vector<double> longest_edges_;  ///< by face; for a step with a separation
+  std::vector<double> longest_edges_;  ///< by face, as in Rings; for a step with a separation
   std::vector<Vec3> ups_;              ///< by vertex
   std::vector<Index> begins_;          ///< by vertex: where its corners begin
   std::vector<RingCorner> corners_;    ///< of one vertex after the other
