@@ -5,6 +5,7 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/detail/boundary_rings.cpp"
+#include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <volccd/query/vector_lanes-inl.hpp>
 
@@ -163,7 +164,11 @@ HWY_INLINE bool folds_at(const Rings& rings, std::span<const RingCorner> corners
 
 template <int kLanes, bool kApart>
 void folds_of(const Rings& rings, const FaceNormal<kLanes>* normals, std::size_t begin, std::size_t end) {
+  constexpr Index ahead = 16;  // corners, whose normals are prefetched
+  const Index last = rings.begins[end];
   for (std::size_t v = begin; v < end; ++v) {
+    for (Index i = rings.begins[v] + ahead; i < std::min(rings.begins[v + 1] + ahead, last); ++i)
+      hwy::Prefetch(normals + rings.corners[i].face);
     const std::span<const RingCorner> corners(rings.corners + rings.begins[v], rings.corners + rings.begins[v + 1]);
     rings.folds[v] = folds_at<kLanes, kApart>(rings, corners, normals, rings.ups[v]) ? 1 : 0;
   }
