@@ -9,7 +9,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/element_kdop.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+#include <volccd/culling/detail/row_projection-inl.hpp>
 
 #ifndef VOLCCD_ELEMENT_KDOP_ROWS
 #define VOLCCD_ELEMENT_KDOP_ROWS
@@ -39,7 +39,6 @@ struct ElementRows {
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
-namespace hn = hwy::HWY_NAMESPACE;
 
 using AxisTag = hn::CappedTag<float, kRowAxisCount>;
 
@@ -55,21 +54,14 @@ HWY_INLINE V widening(V bound, V separation) {
 
 /// Makes the rows of one element.
 void bound_element(const Step& step, const ElementWidening& wide, Index o, ElementRow* rows) {
-  const hn::CappedTag<double, kRowAxisCount> tag;
-  const hn::Rebind<float, decltype(tag)> narrow;
-  alignas(64) static constexpr auto axes = row_axes_by_coordinate();
+  const hn::Rebind<float, ProjectionTag> narrow;
   const std::span<const Index> part = step.part(o);
   for (int c = 0; c < step.motion.control_points(); ++c)
-    for (std::size_t i = 0; i < kRowAxisCount; i += hn::Lanes(tag)) {
-      const auto x = hn::Load(tag, axes[0].data() + i), y = hn::Load(tag, axes[1].data() + i),
-                 z = hn::Load(tag, axes[2].data() + i);
-      const auto project = [&](Index v) HWY_ATTR {
-        const double* const p = step.motion.at(v) + 3 * c;
-        return hn::MulAdd(hn::Set(tag, p[2]), z, hn::MulAdd(hn::Set(tag, p[1]), y, hn::Mul(hn::Set(tag, p[0]), x)));
-      };
-      auto least = project(part[0]), most = least;
+    for (std::size_t i = 0; i < kRowAxisCount; i += hn::Lanes(narrow)) {
+      const RowAxes axes(i);
+      auto least = axes.project(step.motion.at(part[0]) + 3 * c), most = least;
       for (const Index v : part.subspan(1)) {
-        const auto at = project(v);
+        const auto at = axes.project(step.motion.at(v) + 3 * c);
         least = hn::Min(least, at);
         most = hn::Max(most, at);
       }

@@ -6,8 +6,6 @@
 #include <chrono>
 #include <cmath>
 #include <limits>
-#include <type_traits>
-#include <utility>
 
 #include <volccd/query/kdop.hpp>
 
@@ -41,77 +39,74 @@ HWY_INLINE auto round_outward(DD dd, VD x) {
   return hn::IfThenElse(wrong_f, next, nearest);
 }
 
+/// The axes of the k-DOP, one in each lane, and by how much bounds are widened along them: by `length`, and by `margin`
+/// times the greatest 1-norm of a control point. The padding has zeros.
 template <int kWidth>
-HWY_INLINE void store_outward(const double* lo, const double* hi, float* out) {
-  const hn::CappedTag<double, 4> dd;
-  const hn::Rebind<float, decltype(dd)> df;
-  const auto most = hn::Set(dd, static_cast<double>(std::numeric_limits<float>::max()));
-  const auto least = hn::Neg(most);
-  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(dd)) {
-    hn::Store(round_outward<true>(dd, hn::Min(hn::Max(hn::Load(dd, lo + i), least), most)), df, out + i);
-    hn::Store(round_outward<false>(dd, hn::Min(hn::Max(hn::Load(dd, hi + i), least), most)), df, out + kWidth + i);
+struct AxisLanes {
+  alignas(64) double x[kWidth] = {}, y[kWidth] = {}, z[kWidth] = {}, length[kWidth] = {}, margin[kWidth] = {};
+
+  template <std::size_t kAxes>
+  AxisLanes(const std::array<std::array<int, 3>, kAxes>& axes, const double* length_of_terms,
+            const double* margin_of_terms) {
+    for (std::size_t i = 0; i < kAxes; ++i) {
+      x[i] = axes[i][0], y[i] = axes[i][1], z[i] = axes[i][2];
+      length[i] = length_of_terms[axis_terms(axes[i])];
+      margin[i] = margin_of_terms[axis_terms(axes[i])];
+    }
   }
-}
-
-template <int kK, int kAxis>
-HWY_INLINE double project(double x, double y, double z) {
-  constexpr std::array<int, 3> axis = kdop_axes<kK>()[kAxis];
-  if constexpr (axis_terms(axis) == 1) return axis[0] ? x : axis[1] ? y : z;
-  const double xy = axis[0] == 0 ? y : axis[1] == 0 ? x : axis[1] > 0 ? x + y : x - y;
-  return axis[2] == 0 ? xy : axis[2] > 0 ? xy + z : xy - z;
-}
-
-/// The widening of bounds along axes of one, two and three terms, and the factor of the rounding margin for each.
-struct Widening {
-  double length[4], margin[4];
 };
 
-template <int kK, int kWidth>
-HWY_INLINE void bound_vertex(const double* points, int control_points, const Widening& widening, float* out) {
-  constexpr int axes = kK / 2;
-  constexpr double finite = std::numeric_limits<double>::max();
-  HWY_ALIGN double lo[kWidth] = {}, hi[kWidth] = {};
-  for (int i = 0; i < axes; ++i) lo[i] = finite, hi[i] = -finite;
+template <int kWidth>
+HWY_INLINE void bound_vertex(const double* points, int control_points, const AxisLanes<kWidth>& axes, float* out) {
+  const hn::CappedTag<double, kWidth> dd;
+  const hn::Rebind<float, decltype(dd)> df;
+  const auto finite = hn::Set(dd, std::numeric_limits<double>::max());
+  const auto most = hn::Set(dd, static_cast<double>(std::numeric_limits<float>::max()));
+  const auto clamped = [&](auto value, auto limit) HWY_ATTR { return hn::Min(hn::Max(value, hn::Neg(limit)), limit); };
   double reach = 0;
-  for (int c = 0; c < control_points; ++c) {
-    const double x = points[3 * c], y = points[3 * c + 1], z = points[3 * c + 2];
-    reach = std::max(reach, std::abs(x) + std::abs(y) + std::abs(z));
-    [&]<int... kAxis>(std::integer_sequence<int, kAxis...>) {
-      ((lo[kAxis] = std::min(lo[kAxis], project<kK, kAxis>(x, y, z)),
-        hi[kAxis] = std::max(hi[kAxis], project<kK, kAxis>(x, y, z))),
-       ...);
-    }(std::make_integer_sequence<int, axes>{});
-  }
-  double by[4];
-  for (int t = 1; t <= 3; ++t) by[t] = widening.length[t] + (widening.margin[t] > 0 ? widening.margin[t] * reach : 0);
-  [&]<int... kAxis>(std::integer_sequence<int, kAxis...>) {
-    constexpr auto terms = [](int axis) { return axis_terms(kdop_axes<kK>()[static_cast<std::size_t>(axis)]); };
+  for (int c = 0; c < control_points; ++c)
+    reach = std::max(reach, std::abs(points[3 * c]) + std::abs(points[3 * c + 1]) + std::abs(points[3 * c + 2]));
+  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(dd)) {
+    const auto x = hn::Load(dd, axes.x + i), y = hn::Load(dd, axes.y + i), z = hn::Load(dd, axes.z + i);
+    auto lo = finite, hi = hn::Neg(finite);
+    for (int c = 0; c < control_points; ++c) {
+      const double* const p = points + 3 * c;
+      // Products with 1, -1 and 0 are exact, so that a sum is rounded once for each term after the first.
+      const auto at =
+          hn::MulAdd(hn::Set(dd, p[2]), z, hn::MulAdd(hn::Set(dd, p[1]), y, hn::Mul(hn::Set(dd, p[0]), x)));
+      lo = hn::Min(lo, at);
+      hi = hn::Max(hi, at);
+    }
+    const auto margin = hn::Load(dd, axes.margin + i);
+    const auto wider = hn::IfThenElseZero(hn::Gt(margin, hn::Zero(dd)), hn::Mul(margin, hn::Set(dd, reach)));
+    const auto by = hn::Add(hn::Load(dd, axes.length + i), wider);
     // Sums that overflowed become finite by the initial values of minimum and maximum and by this operation, so that
     // inf - inf does not occur.
-    ((lo[kAxis] = std::max(lo[kAxis], -finite) - by[terms(kAxis)],
-      hi[kAxis] = std::min(hi[kAxis], finite) + by[terms(kAxis)]),
-     ...);
-  }(std::make_integer_sequence<int, axes>{});
-  store_outward<kWidth>(lo, hi, out);
+    lo = hn::Sub(clamped(lo, finite), by);
+    hi = hn::Add(clamped(hi, finite), by);
+    hn::Store(round_outward<true>(dd, clamped(lo, most)), df, out + i);
+    hn::Store(round_outward<false>(dd, clamped(hi, most)), df, out + kWidth + i);
+  }
 }
 
 template <int kK>
-void bound_vertex_range(const Motion& motion, const Widening& widening, std::size_t begin, std::size_t end,
-                        BoundsTable& out) {
+void bound_vertex_range(const Motion& motion, const double* length, const double* margin, std::size_t begin,
+                        std::size_t end, BoundsTable& out) {
+  const AxisLanes<padded_axes(kK)> axes(kdop_axes<kK>(), length, margin);
   for (std::size_t v = begin; v < end; ++v)
-    bound_vertex<kK, padded_axes(kK)>(motion.at(static_cast<Index>(v)), motion.control_points(), widening, out.row(v));
+    bound_vertex(motion.at(static_cast<Index>(v)), motion.control_points(), axes, out.row(v));
 }
 
+/// `length` and `margin` as in AxisLanes, for axes of one, two and three terms.
 void bound_vertex_kernel(const Motion& motion, int k, const double* length, const double* margin, std::size_t begin,
                          std::size_t end, BoundsTable& out) {
-  const Widening w{{length[0], length[1], length[2], length[3]}, {margin[0], margin[1], margin[2], margin[3]}};
   switch (k) {
-    case 6: return bound_vertex_range<6>(motion, w, begin, end, out);
-    case 14: return bound_vertex_range<14>(motion, w, begin, end, out);
-    case 16: return bound_vertex_range<16>(motion, w, begin, end, out);
-    case 18: return bound_vertex_range<18>(motion, w, begin, end, out);
-    case 24: return bound_vertex_range<24>(motion, w, begin, end, out);
-    default: return bound_vertex_range<26>(motion, w, begin, end, out);
+    case 6: return bound_vertex_range<6>(motion, length, margin, begin, end, out);
+    case 14: return bound_vertex_range<14>(motion, length, margin, begin, end, out);
+    case 16: return bound_vertex_range<16>(motion, length, margin, begin, end, out);
+    case 18: return bound_vertex_range<18>(motion, length, margin, begin, end, out);
+    case 24: return bound_vertex_range<24>(motion, length, margin, begin, end, out);
+    default: return bound_vertex_range<26>(motion, length, margin, begin, end, out);
   }
 }
 
