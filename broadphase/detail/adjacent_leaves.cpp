@@ -17,21 +17,21 @@ void AdjacentLeaves::clear() {
 
 void AdjacentLeaves::update(const ElementList& list, Index elements, Index leaf_size, const Topology& topology,
                             Executor& executor) {
-  const Index leaves = (elements + leaf_size - 1) / leaf_size, blocks = (leaves + kBlock - 1) / kBlock;
+  const Index leaves = (elements + leaf_size - 1) / leaf_size, blocks = (elements + kBlock - 1) / kBlock;
   if (elements_ == elements && forgotten_ <= leaves / kForgottenDenominator) return;
   elements_ = elements;
   leaf_size_ = leaf_size;
   forgotten_ = 0;
-  known_.assign(leaves, 1);
-  begins_.resize(leaves);
-  sizes_.resize(leaves);
+  known_.assign(elements, 1);
+  begins_.resize(elements);
+  sizes_.resize(elements);
   if (blocks_.size() < blocks) blocks_.resize(blocks);
   places_.assign(topology.mesh().element_slots(), kNone);
-  for (Index leaf = 0; leaf < leaves; ++leaf)
-    for (Index p = leaf * leaf_size; p < std::min((leaf + 1) * leaf_size, elements); ++p)
-      if (list.slot(p) != kNone) places_[list.slot(p)] = leaf * kMaskRow + (p - leaf * leaf_size);
+  for (Index leaf = 0; leaf < elements; leaf += leaf_size)
+    for (Index p = leaf; p < std::min(leaf + leaf_size, elements); ++p)
+      if (list.slot(p) != kNone) places_[list.slot(p)] = leaf * kMaskRow + (p - leaf);
   if (scratch_.size() < executor.workers()) scratch_.resize(executor.workers());
-  for (Scratch& scratch : scratch_) scratch.entries.assign(leaves, kNone);
+  for (Scratch& scratch : scratch_) scratch.entries.assign(elements, kNone);
   executor.parallel_for(blocks, 1, [&](std::size_t begin, std::size_t end, unsigned worker) {
     for (std::size_t b = begin; b < end; ++b)
       make_block(list, topology.features(), static_cast<Index>(b), scratch_[worker]);
@@ -41,13 +41,13 @@ void AdjacentLeaves::update(const ElementList& list, Index elements, Index leaf_
 /// Sets scratch.vertices to the vertices of a leaf, each with bit 8 i for every element i that has it.
 void AdjacentLeaves::collect_vertices(const ElementList& list, Index leaf, Scratch& scratch) const {
   scratch.vertices.clear();
-  const Index begin = leaf * leaf_size_, end = std::min(begin + leaf_size_, elements_);
-  for (Index p = begin; p < end; ++p) {
+  const Index end = std::min(leaf + leaf_size_, elements_);
+  for (Index p = leaf; p < end; ++p) {
     if (list.slot(p) == kNone) continue;
     for (const Index v : list.vertices(p)) {
       const auto at = std::find_if(scratch.vertices.begin(), scratch.vertices.end(),
                                    [&](const LeafVertex& listed) { return listed.vertex == v; });
-      const std::uint64_t bit = std::uint64_t{1} << kMaskRow * (p - begin);
+      const std::uint64_t bit = std::uint64_t{1} << kMaskRow * (p - leaf);
       if (at == scratch.vertices.end())
         scratch.vertices.push_back({v, bit});
       else
@@ -61,8 +61,9 @@ void AdjacentLeaves::make_block(const ElementList& list, const Features& feature
   Block& block = blocks_[number];
   block.leaves.clear();
   block.masks.clear();
-  const Index last = std::min<Index>((number + 1) * kBlock, static_cast<Index>(begins_.size()));
-  for (Index leaf = number * kBlock; leaf < last; ++leaf) {
+  const Index first = (number * kBlock + leaf_size_ - 1) / leaf_size_ * leaf_size_;
+  const Index last = std::min((number + 1) * kBlock, elements_);
+  for (Index leaf = first; leaf < last; leaf += leaf_size_) {
     const std::size_t row = block.leaves.size();
     begins_[leaf] = static_cast<Index>(row);
     collect_vertices(list, leaf, scratch);
@@ -88,8 +89,8 @@ void AdjacentLeaves::make_block(const ElementList& list, const Features& feature
 
 void AdjacentLeaves::forget(Index begin, Index end) {
   for (Index p = begin; p < std::min(end, elements_); p += leaf_size_) {
-    forgotten_ += known_[p / leaf_size_];
-    known_[p / leaf_size_] = 0;
+    forgotten_ += known_[p];
+    known_[p] = 0;
   }
 }
 

@@ -10,8 +10,8 @@
 
 namespace volccd::detail {
 
-/// For each leaf, the leaves at or after it that have elements adjacent to its own. Leaf l has the positions l *
-/// leaf_size .. of a list in leaf order. The table stays valid while elements keep their positions and vertices; other
+/// For each leaf, the leaves at or after it that have elements adjacent to its own. A leaf is named by its first position
+/// in a list in leaf order, which is a multiple of the leaf size. The table stays valid while elements keep their positions and vertices; other
 /// elements may be removed, or added at later positions. Read-only use is thread-safe.
 class AdjacentLeaves {
  public:
@@ -37,10 +37,7 @@ class AdjacentLeaves {
   /// Removes the leaves of these positions, whose elements were reordered, from the table.
   void forget(Index begin, Index end);
 
-  /// Number of the leaf at this position, which is a leaf's first one; kNone if the table does not have the leaf.
-  Index leaf(Index position) const {
-    return position < elements_ && known_[position / leaf_size_] != 0 ? position / leaf_size_ : kNone;
-  }
+  bool has(Index leaf) const { return leaf < elements_ && known_[leaf] != 0; }
 
   Row row(Index leaf) const {
     const Block& block = blocks_[leaf / kBlock];
@@ -50,7 +47,7 @@ class AdjacentLeaves {
   std::size_t bytes() const;
 
  private:
-  static constexpr Index kBlock = 256;  ///< number of leaves whose rows are stored together
+  static constexpr Index kBlock = 1024;  ///< number of positions; the rows of the leaves there are stored together
 
   struct Block {
     std::vector<Index> leaves;
@@ -70,8 +67,8 @@ class AdjacentLeaves {
 
   Index elements_ = 0, leaf_size_ = 1, forgotten_ = 0;
   std::vector<Block> blocks_;
-  std::vector<Index> begins_, sizes_;  ///< of each leaf's row in its block
-  std::vector<std::uint8_t> known_;
+  std::vector<Index> begins_, sizes_;  ///< by leaf: of its row in its block
+  std::vector<std::uint8_t> known_;    ///< by leaf
   std::vector<Index> places_;     ///< by slot: kMaskRow times its leaf, plus its place there; kNone if not in the table
   std::vector<Scratch> scratch_;  ///< by worker
 };

@@ -132,14 +132,14 @@ class Traversal {
   }
 
   HWY_INLINE bool known(NodePair pair) const {
-    return adjacent_.leaf(nodes_[pair.a].begin) != kNone && adjacent_.leaf(nodes_[pair.b].begin) != kNone;
+    return adjacent_.has(nodes_[pair.a].begin) && adjacent_.has(nodes_[pair.b].begin);
   }
 
   /// The mask of adjacent pairs of two leaves in the table.
   HWY_INLINE std::uint64_t adjacent_pairs(Index a, Index b) const {
-    const AdjacentLeaves::Row row = adjacent_.row(adjacent_.leaf(a));
+    const AdjacentLeaves::Row row = adjacent_.row(a);
     const hn::CappedTag<std::uint32_t, AdjacentLeaves::kPadding> d;
-    const auto leaf = hn::Set(d, adjacent_.leaf(b));
+    const auto leaf = hn::Set(d, b);
     for (std::size_t k = 0; k < row.size; k += hn::Lanes(d)) {
       const auto at = hn::FindFirstTrue(d, hn::Eq(leaf, hn::LoadU(d, row.leaves + k)));
       if (at >= 0) return row.masks[k + static_cast<std::size_t>(at)];
