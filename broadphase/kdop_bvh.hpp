@@ -38,10 +38,10 @@ class KdopBvh final : public BroadPhase {
 
   struct Config {
     int k = 16;         ///< 6, 14, 16, 18, 24 or 26; the constructor throws ConfigError for others
-    int leaf_size = 4;  ///< maximum number of elements per leaf, 1 .. 8
+    int leaf_size = 8;  ///< maximum number of elements per leaf, 1 .. 8
     AdjacentPairs adjacent_pairs = AdjacentPairs::table;  ///< `vertices` if the tree is built at every step
     Restructure restructure = Restructure::subtrees;
-    double degradation = 1.3;  ///< a subtree is rebuilt when its cost has grown by more than this factor
+    double degradation = 2;  ///< a subtree is rebuilt when its cost has grown by more than this factor
   };
   static const Options<Config>& options();
 

@@ -162,9 +162,11 @@ class Traversal {
     if (wanted == 0) return;
     const bool mixed = rules_.keys && (a.key == FilterKeys::kMixed || b.key == FilterKeys::kMixed);
     std::uint64_t hits = 0;
-    for (Index i = a.begin; i < a.end; ++i)
+    for (Index i = a.begin; i < a.end; ++i) {
+      if (!overlap<kWidth>(element_row(i), node_row(pair.b))) continue;
       for (Index j = b.begin; j < b.end; j += kLanes)
         hits |= std::uint64_t{overlaps(i, j)} << (AdjacentLeaves::kMaskRow * (i - a.begin) + (j - b.begin));
+    }
     hits &= wanted;
     if (hits == 0) return;
     ElementPair* next = out.room();
@@ -185,7 +187,8 @@ class Traversal {
     const bool itself = pair.a == pair.b;
     const bool mixed = rules_.keys && (a.key == FilterKeys::kMixed || b.key == FilterKeys::kMixed);
     ElementPair* next = out.room();
-    for (Index i = a.begin; i < a.end; ++i)
+    for (Index i = a.begin; i < a.end; ++i) {
+      if (!overlap<kWidth>(element_row(i), node_row(pair.b))) continue;
       for (Index j = b.begin; j < b.end; j += kLanes) {
         unsigned hits = overlaps(i, j) & ((1u << std::min(b.end - j, kLanes)) - 1);
         if (itself) hits = after(hits, i, j);
@@ -194,6 +197,7 @@ class Traversal {
         if (kFour || hits != 0) hits &= ~excluded(i, j, mixed);
         next = emit(hits, i, j, next);
       }
+    }
     out.written(next);
   }
 
