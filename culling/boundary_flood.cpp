@@ -31,6 +31,7 @@ struct BoundaryFloodState final : StageState {
   std::optional<Step> step;  ///< the step of the complex
   bool taken = false;
   bool outer_valid = false;  ///< whether `outer` is of these elements
+  bool outer_sound = false;  ///< whether no element was outer as a whole because of its motion
   bool parts_valid = false;  ///< whether `parts` is of this `outer`
   std::vector<Index> parts, parents;
   detail::StartScratch start_scratch;
@@ -82,6 +83,9 @@ double divided_share(const Mesh& mesh) {
 /// surrounds more than once.
 void choose_outer(const Step& step, BoundaryFloodState& state) {
   const Mesh& mesh = step.mesh();
+  const bool sound = state.classes.all_sound();
+  if (state.outer_valid && state.outer_sound && sound) return;
+  state.outer_sound = sound;
   const std::uint64_t version = state.outer.version();
   state.outer.assign(mesh, state.outer_valid, [&](Index o) {
     if (!mesh.is_live(o)) return ElementSubset::kNoPart;

@@ -7,70 +7,15 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/query/test_block.cpp"
 #include <hwy/foreach_target.h>
-#include <hwy/highway.h>
+#include <volccd/query/vertex_records-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using RecordTag = hn::CappedTag<double, 4>;
-constexpr int kLanes = static_cast<int>(hn::MaxLanes(RecordTag()));
-
-/// Offset of double k of a vertex's record in Motion, relative to the first row of that vertex in the tests.
-constexpr std::size_t row_offset(int k) { return static_cast<std::size_t>(k / 3 * 12 + k % 3) * TestBlock::kCapacity; }
-
-/// Transposes the doubles kFirst .. kFirst + kLanes - 1 of kLanes records, and stores those with numbers from kFrom on.
-template <int kFirst, int kFrom>
-HWY_INLINE void transpose(const double* const (&records)[4], double* rows) {
-  const RecordTag d;
-  const auto load = [&](int i) HWY_ATTR { return hn::LoadU(d, records[i] + kFirst); };
-  const auto store = [&](hn::Vec<RecordTag> values, int k)
-                         HWY_ATTR { if (k >= kFrom) hn::Store(values, d, rows + row_offset(kFirst + k)); };
-#if HWY_TARGET == HWY_SCALAR
-  store(load(0), 0);
-#else
-  if constexpr (kLanes == 2) {
-    const auto a = load(0), b = load(1);
-    store(hn::InterleaveLower(d, a, b), 0);
-    store(hn::InterleaveUpper(d, a, b), 1);
-  } else {
-    const auto a = load(0), b = load(1), c = load(2), e = load(3);
-    const auto even0 = hn::InterleaveLower(d, a, b), even1 = hn::InterleaveLower(d, c, e);
-    const auto odd0 = hn::InterleaveUpper(d, a, b), odd1 = hn::InterleaveUpper(d, c, e);
-    store(hn::ConcatLowerLower(d, even1, even0), 0);
-    store(hn::ConcatLowerLower(d, odd1, odd0), 1);
-    store(hn::ConcatUpperUpper(d, even1, even0), 2);
-    store(hn::ConcatUpperUpper(d, odd1, odd0), 3);
-  }
-#endif
-}
-
-/// Transposes records of kDoubles doubles, beginning with double kFirst.
-template <int kDoubles, int kFirst = 0>
-HWY_INLINE void transpose_records(const double* const (&records)[4], double* rows) {
-  if constexpr (kFirst + kLanes <= kDoubles) {
-    transpose<kFirst, 0>(records, rows);
-    transpose_records<kDoubles, kFirst + kLanes>(records, rows);
-  } else if constexpr (kFirst < kDoubles) {
-    transpose<kDoubles - kLanes, kFirst - (kDoubles - kLanes)>(records, rows);
-  }
-}
-
-template <int kDoubles>
-void gather_records(const Motion& motion, std::span<const std::array<Index, 4>> tests, double* rows) {
-  const double* all = motion.at(0);
-  for (std::size_t i = 0; i < tests.size(); i += kLanes)
-    for (std::size_t p = 0; p < 4; ++p) {
-      const double* records[4] = {};
-      for (std::size_t k = 0; k < kLanes; ++k) records[k] = all + std::size_t{tests[i + k][p]} * kDoubles;
-      transpose_records<kDoubles>(records, rows + p * 3 * TestBlock::kCapacity + i);
-    }
-}
-
 /// Pre: the number of tests is a multiple of 4.
 void gather_rows(const Motion& motion, std::span<const std::array<Index, 4>> tests, double* rows) {
-  (motion.control_points() == 2 ? gather_records<6> : gather_records<9>)(motion, tests, rows);
+  (motion.control_points() == 2 ? gather_tests<TestBlock::kCapacity, 2>
+                                : gather_tests<TestBlock::kCapacity, 3>)(motion, tests, rows);
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE

@@ -8,6 +8,7 @@
 #include <hwy/cache_control.h>
 #include <hwy/foreach_target.h>
 #include <volccd/query/vector_lanes-inl.hpp>
+#include <volccd/query/vertex_records-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
@@ -34,11 +35,12 @@ HWY_INLINE Lanes3 unit(const Lanes3& a) {
 template <int kControlPoints>
 class Normals {
  public:
-  void gather(const Step& step, const RingFace& face, std::size_t lane) {
-    for (std::size_t v = 0; v < 3; ++v) {
-      const double* const from = step.motion.at(face.triangle[v]);
-      for (std::size_t k = 0; k < 3 * kControlPoints; ++k) points_[v][k][lane] = from[k];
-    }
+  /// At most 8 faces, and at least one.
+  void gather(const Motion& motion, std::span<const RingFace> faces) {
+    for (std::size_t v = 0; v < 3; ++v)
+      gather_records<PointRows, kControlPoints>(
+          motion, 8, [&](std::size_t i) HWY_ATTR { return faces[std::min(i, faces.size() - 1)].triangle[v]; },
+          points_[v][0]);
   }
 
   void compute(bool edges) {
@@ -60,6 +62,9 @@ class Normals {
 
  private:
   static constexpr int kDegree = kControlPoints - 1, kCoefficients = 2 * kDegree + 1;
+  struct PointRows {
+    static constexpr std::size_t offset(int k) { return static_cast<std::size_t>(k) * 8; }
+  };
 
   Lanes3 point(std::size_t vertex, int control_point, std::size_t lane) const {
     return load3(Tag(), points_[vertex][3 * control_point] + lane, 8);
@@ -115,7 +120,7 @@ void normals_of(const Step& step, std::span<const RingFace> faces, std::size_t b
   Normals<kControlPoints> normals;
   for (std::size_t first = begin; first < end; first += 8) {
     const std::size_t count = std::min<std::size_t>(8, end - first);
-    for (std::size_t lane = 0; lane < count; ++lane) normals.gather(step, faces[first + lane], lane);
+    normals.gather(step.motion, faces.subspan(first, count));
     normals.compute(longest_edges != nullptr);
     for (std::size_t lane = 0; lane < count; ++lane) normals.store(lane, out[first + lane]);
     if (!longest_edges) continue;

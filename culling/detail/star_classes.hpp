@@ -31,6 +31,8 @@ class StarClasses {
   /// Whether the star is not clear: it is not proven to map injectively to space at all times of the step.
   bool suspect(Index v) const { return suspect_[v] != 0; }
   const std::vector<Index>& suspects() const { return suspects_; }  ///< suspect vertices, ascending
+  /// Whether no element is in D or has a wound vertex.
+  bool all_sound() const { return degenerate_count_ == 0 && wound_count_ == 0; }
   /// Whether a vertex of o is an interior vertex with a connected star outside of D that is not proven to surround the
   /// vertex exactly once.
   bool has_wound_vertex(const Topology& topology, Index o) const {

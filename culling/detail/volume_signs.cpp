@@ -1,9 +1,12 @@
 #include <volccd/culling/detail/volume_signs.hpp>
 
+#include <algorithm>
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/detail/volume_signs.cpp"
 #include <hwy/foreach_target.h>
 #include <volccd/culling/detail/determinant-inl.hpp>
+#include <volccd/query/vertex_records-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
@@ -13,12 +16,8 @@ template <int kControlPoints>
 struct Volumes {
   alignas(64) double rows[12 * kControlPoints * 8] = {};
 
-  void gather(const Motion& motion, std::span<const Index> vertices, std::size_t lane) {
-    for (std::size_t v = 0; v < 4; ++v) {
-      const double* const from = motion.at(vertices[v]);
-      for (std::size_t c = 0; c < kControlPoints; ++c)
-        for (std::size_t axis = 0; axis < 3; ++axis) rows[((c * 4 + v) * 3 + axis) * 8 + lane] = from[3 * c + axis];
-    }
+  void gather(const Motion& motion, const std::array<std::array<Index, 4>, 8>& tetrahedra) {
+    gather_tests<8, kControlPoints>(motion, tetrahedra, rows);
   }
 
   void signs(double separation, std::uint8_t& positive, std::uint8_t& negative) const {
@@ -62,12 +61,18 @@ HWY_INLINE void signs_of(const Motion& motion, double separation, std::size_t be
   for (std::size_t first = begin; first < end; first += 8) {
     const std::size_t count = std::min<std::size_t>(8, end - first);
     std::uint8_t given = 0, positive, negative;
+    std::array<std::array<Index, 4>, 8> tetrahedra{};
     for (std::size_t k = 0; k < count; ++k) {
       const std::span<const Index> vertices = vertices_of(first + k);
       if (vertices.empty()) continue;
-      volumes.gather(motion, vertices, k);
+      std::copy_n(vertices.begin(), 4, tetrahedra[k].begin());
       given |= static_cast<std::uint8_t>(1u << k);
     }
+    if (given == 0) {
+      std::fill_n(signs + first, count, std::int8_t{1});
+      continue;
+    }
+    volumes.gather(motion, tetrahedra);
     volumes.signs(separation, positive, negative);
     for (std::size_t k = 0; k < count; ++k)
       signs[first + k] =
