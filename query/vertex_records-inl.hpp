@@ -1,5 +1,5 @@
-// Gathers the coordinates of moving vertices into rows of lanes, by transposition. Included once for each instruction set
-// by foreach_target.h of Highway.
+// Gathers the coordinates of moving vertices into rows of lanes, by transposition. Included once for each instruction
+// set by foreach_target.h of Highway.
 #include <array>
 #include <cstddef>
 #include <span>
@@ -22,14 +22,15 @@ namespace hn = hwy::HWY_NAMESPACE;
 using RecordTag = hn::CappedTag<double, 4>;
 constexpr int kRecordLanes = static_cast<int>(hn::MaxLanes(RecordTag()));
 
-/// Transposes the doubles kFirst .. kFirst + kRecordLanes - 1 of kRecordLanes records, and stores those with numbers from
-/// kFrom on: double k at rows + Rows::offset(k).
+/// Transposes the doubles kFirst .. kFirst + kRecordLanes - 1 of kRecordLanes records, and stores those with numbers
+/// from kFrom on: double k at rows + Rows::offset(k).
 template <class Rows, int kFirst, int kFrom>
 HWY_INLINE void transpose(const double* const (&records)[4], double* rows) {
   const RecordTag d;
   const auto load = [&](int i) HWY_ATTR { return hn::LoadU(d, records[i] + kFirst); };
-  const auto store = [&](hn::Vec<RecordTag> values, int k)
-                         HWY_ATTR { if (k >= kFrom) hn::Store(values, d, rows + Rows::offset(kFirst + k)); };
+  const auto store = [&](hn::Vec<RecordTag> values, int k) HWY_ATTR {
+    if (k >= kFrom) hn::Store(values, d, rows + Rows::offset(kFirst + k));
+  };
 #if HWY_TARGET == HWY_SCALAR
   store(load(0), 0);
 #else
@@ -60,8 +61,8 @@ HWY_INLINE void transpose_records(const double* const (&records)[4], double* row
   }
 }
 
-/// Stores coordinate k % 3 of control point k / 3 of the vertex vertex_of(i), for i < count, at rows[Rows::offset(k) + i].
-/// Pre: the motion has kControlPoints, count is a multiple of 4, and rows are aligned to four doubles.
+/// Stores coordinate k % 3 of control point k / 3 of the vertex vertex_of(i), for i < count, at rows[Rows::offset(k) +
+/// i]. Pre: the motion has kControlPoints, count is a multiple of 4, and rows are aligned to four doubles.
 template <class Rows, int kControlPoints, class VertexOf>
 HWY_INLINE void gather_records(const Motion& motion, std::size_t count, VertexOf&& vertex_of, double* rows) {
   constexpr int doubles = 3 * kControlPoints;

@@ -10,9 +10,10 @@
 
 namespace volccd::detail {
 
-/// For each leaf, the leaves at or after it that have elements adjacent to its own. A leaf is named by its first position
-/// in a list in leaf order, which is a multiple of the leaf size. The table stays valid while elements keep their positions and vertices; other
-/// elements may be removed, or added at later positions. Read-only use is thread-safe.
+/// For each leaf, the leaves at or after it that have elements adjacent to its own. A leaf is named by its first
+/// position in a list in leaf order, which is a multiple of the leaf size. The table stays valid while elements keep
+/// their positions and vertices; other elements may be removed, or added at later positions. Read-only use is
+/// thread-safe.
 class AdjacentLeaves {
  public:
   /// Bit 8 i + j of a mask: element i of the earlier leaf is adjacent to element j of the later one.

@@ -155,7 +155,7 @@ class Traversal {
     return itself ? all & after : all;
   }
 
-  /// leaves() for two leaves in the table of adjacent leaves.
+  /// leaves() for two leaves in the table of adjacent leaves. Most such pairs have nothing to write.
   HWY_INLINE void known_leaves(NodePair pair, PairWriter& out) {
     const TreeNode &a = nodes_[pair.a], &b = nodes_[pair.b];
     std::uint64_t wanted = all_pairs(a, b, pair.a == pair.b) & ~adjacent_pairs(a.begin, b.begin);
@@ -179,8 +179,9 @@ class Traversal {
     out.written(next);
   }
 
-  /// Tests each element of the first leaf against four elements of the second at a time, mostly without branches, since
-  /// most of these pairs overlap, but not predictably. kFour: elements have at most four vertices.
+  /// Tests each element of the first leaf that overlaps the second against four elements of the latter at a time, mostly
+  /// without branches, since many of these pairs overlap, but not predictably. kFour: elements have at most four
+  /// vertices.
   template <bool kFour>
   HWY_INLINE void leaves(NodePair pair, PairWriter& out) {
     const TreeNode &a = nodes_[pair.a], &b = nodes_[pair.b];
