@@ -179,8 +179,8 @@ class Traversal {
     out.written(next);
   }
 
-  /// Tests each element of the first leaf that overlaps the second against four elements of the latter at a time, mostly
-  /// without branches, since many of these pairs overlap, but not predictably. kFour: elements have at most four
+  /// Tests each element of the first leaf that overlaps the second against four elements of the latter at a time,
+  /// mostly without branches, since many of these pairs overlap, but not predictably. kFour: elements have at most four
   /// vertices.
   template <bool kFour>
   HWY_INLINE void leaves(NodePair pair, PairWriter& out) {
