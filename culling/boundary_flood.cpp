@@ -98,7 +98,7 @@ void choose_outer(const Step& step, BoundaryFloodState& state) {
 }
 
 /// The pairs to process next.
-Flood::Front propose(BoundaryFloodState& state) {
+Flood::Front propose(BoundaryFloodState& state, Executor& executor) {
   const Step& step = *state.step;
   state.front.clear();
   const std::size_t begin = state.reached.size();
@@ -115,7 +115,7 @@ Flood::Front propose(BoundaryFloodState& state) {
         state.start_scratch.neighbours.clear(step.mesh().element_slots());
       }
       state.parts_valid = true;
-      at_start.from_start(state.parts, state.start_scratch);
+      at_start.from_start(state.parts, state.start_scratch, executor);
       for (const ElementPair pair : fresh) at_start.again(pair);
     } else {
       for (const ElementPair pair : fresh) at_start.around_at_start(pair, state.start_scratch);
@@ -208,8 +208,8 @@ void BoundaryFlood::reach(StageState& state, unsigned worker, const std::vector<
   reached.insert(reached.end(), pairs.begin(), pairs.end());
 }
 
-Flood::Front BoundaryFlood::next(StageState& state, Executor&) const {
-  const Front front = propose(own(state));
+Flood::Front BoundaryFlood::next(StageState& state, Executor& executor) const {
+  const Front front = propose(own(state), executor);
   const Counters& counters = own(state).counters;
   const double most = config_.most_pairs * static_cast<double>(counters.simplices);
   return {front.pairs, front.at_start, static_cast<double>(counters.looked_at) > most};

@@ -102,7 +102,7 @@ void ElementStars::keep_known(const Step& step, TopologyDelta::Extent changed, E
   once_.resize(vertices, Known::no);
   if (changed == TopologyDelta::Extent::edits)
     for (const Index v : table_.changed_vertices()) once_[v] = Known::no;
-  if (!gap_.update(step.motion)) return;
+  if (!gap_.update(step.motion, executor)) return;
   const Step way{step.topology, gap_.way(), step.filter};
   find_signs(way, gap_signs_, executor);
   rings_.find_folds(way, executor, folds_);

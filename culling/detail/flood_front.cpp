@@ -11,6 +11,8 @@ namespace volccd::detail {
 
 namespace {
 
+constexpr std::size_t kGrain = 4096;
+
 bool is_volume(const Mesh& mesh, Index o) { return mesh.type(o) == ElementType::tetrahedron; }
 
 /// Whether no tetrahedron at v is outer as a whole.
@@ -119,48 +121,67 @@ double FloodFront::above(double coordinate) const {
   return step_.separation > 0 ? sum + 2 * kUnitRoundoff * std::abs(sum) : coordinate;
 }
 
+/// Finds, for each vertex of the mesh, the vertices among along_x that have its first coordinate, as a range; in the
+/// range of a vertex without any, both ends say where it would be.
+void FloodFront::rank_vertices(StartScratch& scratch, Executor& executor) const {
+  const auto& along_x = scratch.along_x;
+  scratch.ranks.resize(step_.motion.vertex_count());
+  executor.parallel_for(scratch.ranks.size(), kGrain, [&](std::size_t first, std::size_t last, unsigned) {
+    for (std::size_t v = first; v < last; ++v) {
+      const double x = step_.motion.at(static_cast<Index>(v))[0], low = below(x), high = above(x);
+      const auto begin =
+          std::partition_point(along_x.begin(), along_x.end(), [&](const auto& p) { return p.first < low; });
+      const auto end = std::partition_point(begin, along_x.end(), [&](const auto& p) { return p.first <= high; });
+      scratch.ranks[v] = {static_cast<Index>(begin - along_x.begin()), static_cast<Index>(end - along_x.begin())};
+    }
+  });
+}
+
 /// Proposes pairs with the elements whose boxes, with the separation around them, contain one of the vertices. Most
-/// elements lie between two of these vertices in the order of the first coordinates, which is found for each vertex of
-/// the mesh.
-void FloodFront::from_contained(std::span<const Index> vertices, StartScratch& scratch) {
+/// elements lie between two of these vertices in the order of the first coordinates.
+void FloodFront::from_contained(std::span<const Index> vertices, StartScratch& scratch, Executor& executor) {
   const Mesh& mesh = step_.mesh();
   auto& along_x = scratch.along_x;
   along_x.clear();
   for (const Index v : vertices) along_x.emplace_back(step_.motion.at(v)[0], v);
   std::sort(along_x.begin(), along_x.end());
-  scratch.ranks.resize(mesh.vertex_count());
-  for (Index v = 0; v < mesh.vertex_count(); ++v) {
-    const double low = below(step_.motion.at(v)[0]), high = above(step_.motion.at(v)[0]);
-    const auto begin =
-        std::partition_point(along_x.begin(), along_x.end(), [&](const auto& p) { return p.first < low; });
-    const auto end = std::partition_point(begin, along_x.end(), [&](const auto& p) { return p.first <= high; });
-    scratch.ranks[v] = {static_cast<Index>(begin - along_x.begin()), static_cast<Index>(end - along_x.begin())};
-  }
-  for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.is_live(o) || !has_inside(o)) continue;
-    const std::span<const Index> corners = step_.topology.adjacency().vertices(o);
-    const auto packed = [&](std::size_t i) { return std::bit_cast<std::uint64_t>(scratch.ranks[corners[i]]); };
-    const bool between_the_same = packed(0) == packed(1) && packed(0) == packed(2) && packed(0) == packed(3);
-    if (between_the_same && scratch.ranks[corners[0]][0] == scratch.ranks[corners[0]][1]) continue;
-    Index begin = kNone, end = 0;
-    for (std::size_t i = 0; i < 4; ++i) {
-      begin = std::min(begin, scratch.ranks[corners[i]][0]);
-      end = std::max(end, scratch.ranks[corners[i]][1]);
+  rank_vertices(scratch, executor);
+  scratch.contained.resize(executor.workers());
+  for (auto& list : scratch.contained) list.clear();
+  executor.parallel_for(mesh.element_slots(), kGrain, [&](std::size_t first, std::size_t last, unsigned w) {
+    for (Index o = static_cast<Index>(first); o < last; ++o) {
+      if (!mesh.is_live(o) || !has_inside(o)) continue;
+      const std::span<const Index> corners = step_.topology.adjacency().vertices(o);
+      const auto packed = [&](std::size_t i) { return std::bit_cast<std::uint64_t>(scratch.ranks[corners[i]]); };
+      const bool between_the_same = packed(0) == packed(1) && packed(0) == packed(2) && packed(0) == packed(3);
+      if (between_the_same && scratch.ranks[corners[0]][0] == scratch.ranks[corners[0]][1]) continue;
+      Index begin = kNone, end = 0;
+      for (const Index corner : corners) {
+        begin = std::min(begin, scratch.ranks[corner][0]);
+        end = std::max(end, scratch.ranks[corner][1]);
+      }
+      for (Index i = begin; i < end; ++i)
+        if (box_contains(o, along_x[i].second)) scratch.contained[w].push_back({o, along_x[i].second});
     }
-    for (Index i = begin; i < end; ++i) from_contained(along_x[i].second, o);
-  }
+  });
+  auto& all = scratch.contained[0];
+  for (std::size_t w = 1; w < scratch.contained.size(); ++w)
+    all.insert(all.end(), scratch.contained[w].begin(), scratch.contained[w].end());
+  std::sort(all.begin(), all.end());
+  for (const auto& [o, v] : all)
+    for (const Index element : step_.features().vertex_elements(v))
+      if (outer_at(element, v)) propose(element, o);
 }
 
-/// Does this for one vertex and one element, of which the first coordinates are known to overlap.
-void FloodFront::from_contained(Index v, Index o) {
+/// Whether the box of o, with the separation around it, contains the vertex. Pre: it does so along the first axis.
+bool FloodFront::box_contains(Index o, Index v) const {
   const std::span<const Index> corners = step_.topology.adjacency().vertices(o);
   for (const int axis : {1, 2}) {
     const auto at = [&](std::size_t i) { return step_.motion.at(corners[i])[axis]; };
     const auto [low, high] = std::minmax({at(0), at(1), at(2), at(3)});
-    if (step_.motion.at(v)[axis] < below(low) || step_.motion.at(v)[axis] > above(high)) return;
+    if (step_.motion.at(v)[axis] < below(low) || step_.motion.at(v)[axis] > above(high)) return false;
   }
-  for (const Index element : step_.features().vertex_elements(v))
-    if (outer_at(element, v)) propose(element, o);
+  return true;
 }
 
 void FloodFront::proceed_at_start(Index outer_element, Index other, StartScratch& scratch) {
@@ -185,8 +206,8 @@ void FloodFront::around_at_start(ElementPair pair, StartScratch& scratch) {
   proceed_at_start(pair.b, pair.a, scratch);
 }
 
-void FloodFront::from_start(std::span<const Index> vertices, StartScratch& scratch) {
-  from_contained(vertices, scratch);
+void FloodFront::from_start(std::span<const Index> vertices, StartScratch& scratch, Executor& executor) {
+  from_contained(vertices, scratch, executor);
   for (const ElementPair pair : suspects_.pairs()) {
     const auto proceeds = [&](Index a, Index b) { return outer(a) && has_inside(b); };
     const bool both = proceeds(pair.a, pair.b) || proceeds(pair.b, pair.a);

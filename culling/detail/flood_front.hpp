@@ -8,6 +8,7 @@
 
 #include <Eigen/Geometry>
 
+#include <volccd/core/executor.hpp>
 #include <volccd/culling/detail/pair_set.hpp>
 #include <volccd/culling/detail/star_classes.hpp>
 #include <volccd/culling/detail/suspect_pairs.hpp>
@@ -38,10 +39,14 @@ class OuterNeighbours {
 struct StartScratch {
   std::vector<std::pair<double, Index>> along_x;
   std::vector<std::array<Index, 2>> ranks;
+  std::vector<std::vector<std::array<Index, 2>>> contained;  ///< by worker: an element and a vertex in its box
   OuterNeighbours neighbours;
 
   std::size_t bytes() const {
-    return along_x.capacity() * sizeof(along_x[0]) + ranks.capacity() * sizeof(ranks[0]) + neighbours.bytes();
+    std::size_t sum =
+        along_x.capacity() * sizeof(along_x[0]) + ranks.capacity() * sizeof(ranks[0]) + neighbours.bytes();
+    for (const auto& list : contained) sum += sizeof list + list.capacity() * sizeof(list[0]);
+    return sum;
   }
 };
 
@@ -64,7 +69,7 @@ class FloodFront {
   /// For t = 0: forms the pairs of an element whose inside may contain one of the vertices and an element whose outer
   /// part has that vertex. Then proceeds from adjacent pairs that may overlap, as around_at_start() does. Pre for both:
   /// the neighbours in `scratch` are those of this subset.
-  void from_start(std::span<const Index> vertices, StartScratch& scratch);
+  void from_start(std::span<const Index> vertices, StartScratch& scratch, Executor& executor);
   /// For each element of the pair that has an outer part: proposes pairs with this element replaced by others whose
   /// outer parts are next to it and whose boxes meet, if the other element has an inside; and pairs with the other
   /// element replaced by neighbours across faces that have an inside.
@@ -84,8 +89,9 @@ class FloodFront {
   double below(double coordinate) const;
   double above(double coordinate) const;
   Eigen::AlignedBox3d box_at_start(std::span<const Index> vertices) const;
-  void from_contained(std::span<const Index> vertices, StartScratch& scratch);
-  void from_contained(Index v, Index o);
+  void rank_vertices(StartScratch& scratch, Executor& executor) const;
+  void from_contained(std::span<const Index> vertices, StartScratch& scratch, Executor& executor);
+  bool box_contains(Index o, Index v) const;
   void inner_neighbours(Index of, Index other);
   void propose(Index a, Index b);
 

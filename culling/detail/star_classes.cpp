@@ -78,7 +78,7 @@ void StarClasses::keep_known(const Step& step, const StarTable& stars, TopologyD
   embedded_.resize(vertices, Known::no);
   if (changed == TopologyDelta::Extent::edits)
     for (const Index v : stars.changed_vertices()) embedded_[v] = Known::no;
-  if (!gap_.update(step.motion)) return;
+  if (!gap_.update(step.motion, executor)) return;
   const Step way{step.topology, gap_.way(), step.filter};
   gap_signs_.resize(signs_.size());
   executor.parallel_for(signs_.size(), kElementGrain, [&](std::size_t begin, std::size_t end, unsigned) {
