@@ -9,7 +9,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/element_kdop.cpp"
 #include <hwy/foreach_target.h>
-#include <volccd/culling/detail/row_projection-inl.hpp>
+#include <volccd/query/kdop_lanes-inl.hpp>
 
 #ifndef VOLCCD_ELEMENT_KDOP_ROWS
 #define VOLCCD_ELEMENT_KDOP_ROWS
@@ -54,11 +54,12 @@ HWY_INLINE V widening(V bound, V separation) {
 
 /// Makes the rows of one element.
 void bound_element(const Step& step, const ElementWidening& wide, Index o, ElementRow* rows) {
-  const hn::Rebind<float, ProjectionTag> narrow;
+  using Axes = KdopAxes<16, kRowAxisCount>;
+  const hn::Rebind<float, Axes::Tag> narrow;
   const std::span<const Index> part = step.part(o);
   for (int c = 0; c < step.motion.control_points(); ++c)
     for (std::size_t i = 0; i < kRowAxisCount; i += hn::Lanes(narrow)) {
-      const RowAxes axes(i);
+      const Axes axes(i);
       auto least = axes.project(step.motion.at(part[0]) + 3 * c), most = least;
       for (const Index v : part.subspan(1)) {
         const auto at = axes.project(step.motion.at(v) + 3 * c);

@@ -15,6 +15,7 @@
 #include <hwy/highway.h>
 
 #include <volccd/broadphase/detail/bounds-inl.hpp>
+#include <volccd/query/kdop_lanes-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
@@ -39,27 +40,27 @@ HWY_INLINE auto round_outward(DD dd, VD x) {
   return hn::IfThenElse(wrong_f, next, nearest);
 }
 
-/// The axes of the k-DOP, one in each lane, and by how much bounds are widened along them: by `length`, and by `margin`
-/// times the greatest 1-norm of a control point. The padding has zeros.
-template <int kWidth>
-struct AxisLanes {
-  alignas(64) double x[kWidth] = {}, y[kWidth] = {}, z[kWidth] = {}, length[kWidth] = {}, margin[kWidth] = {};
+/// By how much bounds are widened along each axis: by `length`, and by `margin` times the greatest 1-norm of a control
+/// point. Zero in the padding.
+template <int kK>
+struct Widening {
+  static constexpr int kWidth = padded_axes(kK);
+  alignas(64) double length[kWidth] = {}, margin[kWidth] = {};
 
-  template <std::size_t kAxes>
-  AxisLanes(const std::array<std::array<int, 3>, kAxes>& axes, const double* length_of_terms,
-            const double* margin_of_terms) {
-    for (std::size_t i = 0; i < kAxes; ++i) {
-      x[i] = axes[i][0], y[i] = axes[i][1], z[i] = axes[i][2];
-      length[i] = length_of_terms[axis_terms(axes[i])];
-      margin[i] = margin_of_terms[axis_terms(axes[i])];
+  Widening(const double* length_of_terms, const double* margin_of_terms) {
+    for (std::size_t i = 0; i < kK / 2; ++i) {
+      length[i] = length_of_terms[axis_terms(kdop_axes<kK>()[i])];
+      margin[i] = margin_of_terms[axis_terms(kdop_axes<kK>()[i])];
     }
   }
 };
 
-template <int kWidth>
-HWY_INLINE void bound_vertex(const double* points, int control_points, const AxisLanes<kWidth>& axes, float* out) {
-  const hn::CappedTag<double, kWidth> dd;
-  const hn::Rebind<float, decltype(dd)> df;
+template <int kK>
+HWY_INLINE void bound_vertex(const double* points, int control_points, const Widening<kK>& widening, float* out) {
+  constexpr int kWidth = Widening<kK>::kWidth;
+  using Axes = KdopAxes<kK, kWidth>;
+  const typename Axes::Tag dd;
+  const hn::Rebind<float, typename Axes::Tag> df;
   const auto finite = hn::Set(dd, std::numeric_limits<double>::max());
   const auto most = hn::Set(dd, static_cast<double>(std::numeric_limits<float>::max()));
   const auto clamped = [&](auto value, auto limit) HWY_ATTR { return hn::Min(hn::Max(value, hn::Neg(limit)), limit); };
@@ -67,19 +68,16 @@ HWY_INLINE void bound_vertex(const double* points, int control_points, const Axi
   for (int c = 0; c < control_points; ++c)
     reach = std::max(reach, std::abs(points[3 * c]) + std::abs(points[3 * c + 1]) + std::abs(points[3 * c + 2]));
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(dd)) {
-    const auto x = hn::Load(dd, axes.x + i), y = hn::Load(dd, axes.y + i), z = hn::Load(dd, axes.z + i);
+    const Axes axes(i);
     auto lo = finite, hi = hn::Neg(finite);
     for (int c = 0; c < control_points; ++c) {
-      const double* const p = points + 3 * c;
-      // Products with 1, -1 and 0 are exact, so that a sum is rounded once for each term after the first.
-      const auto at =
-          hn::MulAdd(hn::Set(dd, p[2]), z, hn::MulAdd(hn::Set(dd, p[1]), y, hn::Mul(hn::Set(dd, p[0]), x)));
+      const auto at = axes.project(points + 3 * c);
       lo = hn::Min(lo, at);
       hi = hn::Max(hi, at);
     }
-    const auto margin = hn::Load(dd, axes.margin + i);
+    const auto margin = hn::Load(dd, widening.margin + i);
     const auto wider = hn::IfThenElseZero(hn::Gt(margin, hn::Zero(dd)), hn::Mul(margin, hn::Set(dd, reach)));
-    const auto by = hn::Add(hn::Load(dd, axes.length + i), wider);
+    const auto by = hn::Add(hn::Load(dd, widening.length + i), wider);
     // Sums that overflowed become finite by the initial values of minimum and maximum and by this operation, so that
     // inf - inf does not occur.
     lo = hn::Sub(clamped(lo, finite), by);
@@ -92,12 +90,12 @@ HWY_INLINE void bound_vertex(const double* points, int control_points, const Axi
 template <int kK>
 void bound_vertex_range(const Motion& motion, const double* length, const double* margin, std::size_t begin,
                         std::size_t end, BoundsTable& out) {
-  const AxisLanes<padded_axes(kK)> axes(kdop_axes<kK>(), length, margin);
+  const Widening<kK> widening(length, margin);
   for (std::size_t v = begin; v < end; ++v)
-    bound_vertex(motion.at(static_cast<Index>(v)), motion.control_points(), axes, out.row(v));
+    bound_vertex(motion.at(static_cast<Index>(v)), motion.control_points(), widening, out.row(v));
 }
 
-/// `length` and `margin` as in AxisLanes, for axes of one, two and three terms.
+/// `length` and `margin` as in Widening, for axes of one, two and three terms.
 void bound_vertex_kernel(const Motion& motion, int k, const double* length, const double* margin, std::size_t begin,
                          std::size_t end, BoundsTable& out) {
   switch (k) {

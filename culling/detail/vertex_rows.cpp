@@ -3,14 +3,15 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/detail/vertex_rows.cpp"
 #include <hwy/foreach_target.h>
-#include <volccd/culling/detail/row_projection-inl.hpp>
+#include <volccd/query/kdop_lanes-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 void project_points(const Motion& motion, std::size_t begin, std::size_t end, VertexRow* rows) {
-  const hn::Rebind<float, ProjectionTag> narrow;
+  using Axes = KdopAxes<16, kRowAxisCount>;
+  const hn::Rebind<float, Axes::Tag> narrow;
   for (std::size_t i = 0; i < kRowAxisCount; i += hn::Lanes(narrow)) {
-    const RowAxes axes(i);
+    const Axes axes(i);
     for (std::size_t row = begin; row < end; ++row)
       hn::Store(hn::DemoteTo(narrow, axes.project(motion.at(0) + 3 * row)), narrow, rows[row].at + i);
   }

@@ -1,7 +1,6 @@
 // Projections of all vertices on the eight axes of the 16-DOP (query/kdop.hpp) at each control point.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <vector>
 
@@ -13,14 +12,6 @@ namespace volccd::detail {
 
 inline constexpr auto kRowAxes = kdop_axes<16>();
 inline constexpr std::size_t kRowAxisCount = kRowAxes.size();
-
-/// The x components of all axes of a row, the y components, and the z components.
-constexpr std::array<std::array<double, kRowAxisCount>, 3> row_axes_by_coordinate() {
-  std::array<std::array<double, kRowAxisCount>, 3> components{};
-  for (std::size_t i = 0; i < kRowAxisCount; ++i)
-    for (std::size_t c = 0; c < 3; ++c) components[c][i] = kRowAxes[i][c];
-  return components;
-}
 
 /// The length of an axis of a row, rounded upward.
 constexpr double row_axis_length(std::size_t axis) {
