@@ -111,7 +111,7 @@ class Normals {
 
   alignas(64) double points_[3][3 * kControlPoints][8] = {};
   alignas(64) float normal_[kCoefficients][3][8], unit_[3][8], bound_[8];
-  alignas(64) double scale_[8], longest_edge_[8];
+  alignas(64) double scale_[8], longest_edge_[8];  // scale_: by what the coefficients were multiplied
 };
 
 template <int kControlPoints, int kLanes>
