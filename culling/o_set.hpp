@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <memory>
 
+#include <volccd/core/executor.hpp>
 #include <volccd/culling/assignment.hpp>
 #include <volccd/mesh/topology.hpp>
 
@@ -40,13 +41,13 @@ class OSet {
   OSetKind kind() const;
 
   /// Computes the whole set. The expected time is proportional to the number of incident elements, summed over all
-  /// edges and vertices.
-  void build(const Topology& topology);
+  /// edges and vertices. The same set, in the same blocks, for any number of threads.
+  void build(const Topology& topology, Executor& executor);
 
   /// Updates the set after topology edits; the result is the same set as that of build(). Calls build() at first, and
   /// if the topology's history does not contain the last update. Otherwise the amortised cost is proportional to the
   /// number of pairs that contain a feature of a changed element.
-  void update(const Topology& topology);
+  void update(const Topology& topology, Executor& executor);
 
   std::size_t blocks() const;
   /// Appends the pairs of a block: its VF pairs to out.vf, its EE pairs to out.ee.

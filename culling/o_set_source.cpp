@@ -22,8 +22,8 @@ const Options<OSetSource::Config>& OSetSource::options() {
 
 std::unique_ptr<StageState> OSetSource::make_state() const { return std::make_unique<OSetState>(config_.kind); }
 
-void OSetSource::prepare(const Step& step, StageState& state, Executor&) const {
-  static_cast<OSetState&>(state).set.update(step.topology);
+void OSetSource::prepare(const Step& step, StageState& state, Executor& executor) const {
+  static_cast<OSetState&>(state).set.update(step.topology, executor);
 }
 
 std::size_t OSetSource::blocks(const StageState& state) const {

@@ -94,7 +94,7 @@ void StarOrphans::prepare(const Step& step, StageState& stage_state, Executor& e
     state.counters.by_stars = static_cast<double>(state.counters.suspect_vertices) <=
                               config_.most_suspect * static_cast<double>(step.features().vertex_count());
   }
-  if (!state.counters.by_stars) return state.set.update(step.topology);
+  if (!state.counters.by_stars) return state.set.update(step.topology, executor);
   list_pairs(step, state, executor);
   state.counters.pairs = state.pairs.size();
 }

@@ -1,6 +1,7 @@
 #include <volccd/culling/detail/o_set_blocks.hpp>
 
 #include <algorithm>
+#include <iterator>
 
 namespace volccd::detail {
 
@@ -12,10 +13,21 @@ void OSetBlocks::Writer::break_row() {
 }
 
 void OSetBlocks::Writer::flush() {
-  if (pairs_ != 0) blocks_.blocks_.push_back({{rows_.begin(), rows_.end()}, pairs_, blocks_.epoch_, kind_});
-  blocks_.written_ += pairs_;
+  if (pairs_ != 0) part_.blocks_.push_back({{rows_.begin(), rows_.end()}, pairs_, part_.epoch_, kind_});
+  part_.written_ += pairs_;
   rows_.clear();
   pairs_ = 0;
+}
+
+OSetBlocks::Part OSetBlocks::new_part() const {
+  Part part;
+  part.epoch_ = epoch_;
+  return part;
+}
+
+void OSetBlocks::append(Part&& part) {
+  std::move(part.blocks_.begin(), part.blocks_.end(), std::back_inserter(blocks_));
+  written_ += part.written_;
 }
 
 void OSetBlocks::start_over(const Features& features) {
@@ -105,7 +117,8 @@ void OSetBlocks::compact() {
   std::vector<Block> old;
   old.swap(blocks_);
   written_ = 0;
-  Writer writers[] = {{*this, Rows::vertex}, {*this, Rows::triangle}, {*this, Rows::edge}};
+  Part part = new_part();
+  Writer writers[] = {{part, Rows::vertex}, {part, Rows::triangle}, {part, Rows::edge}};
   for (Block& block : old) {
     Writer& writer = writers[static_cast<std::size_t>(block.kind)];
     Index row = kNone;
@@ -120,6 +133,7 @@ void OSetBlocks::compact() {
     block = {};
   }
   for (Writer& writer : writers) writer.flush();
+  append(std::move(part));
   for (Block& block : blocks_) block.epoch = 0;
   epoch_ = 0;
   for (auto* epochs : {&vertices_, &triangles_, &edges_}) std::fill(epochs->begin(), epochs->end(), Epoch{0});

@@ -20,6 +20,7 @@ class OSetBlocks {
 
   /// The kind of feature to which a row belongs: vertex and triangle rows contain VF pairs, edge rows contain EE pairs.
   enum class Rows : std::uint8_t { vertex, triangle, edge };
+  class Part;
   class Writer;
 
   /// Removes all pairs and begins epoch 0.
@@ -29,6 +30,9 @@ class OSetBlocks {
   /// Begins the epoch of a new update.
   void next_epoch(const Features& features);
   void compact_if_stale(const Features& features);
+  /// Blocks that a thread writes on its own; the pairs belong to the set after append().
+  Part new_part() const;
+  void append(Part&& part);
 
   /// Invalidates all pairs of the feature that were written in earlier epochs.
   void renew_vertex(Index v) { renew(vertices_, v); }
@@ -72,11 +76,21 @@ class OSetBlocks {
   std::size_t baseline_blocks_ = 0;  ///< blocks after the last compaction
 };
 
+class OSetBlocks::Part {
+ private:
+  friend class OSetBlocks;
+  friend class OSetBlocks::Writer;
+
+  std::vector<Block> blocks_;
+  std::size_t written_ = 0;
+  Epoch epoch_ = 0;
+};
+
 /// Writes blocks of one kind. Empty rows are dropped; a row that exceeds a block continues in the next block. Rows must
 /// be flushed, otherwise they are lost.
 class OSetBlocks::Writer {
  public:
-  Writer(OSetBlocks& blocks, Rows kind) : blocks_(blocks), kind_(kind) {}
+  Writer(Part& part, Rows kind) : part_(part), kind_(kind) {}
 
   void begin_row(Index owner) {
     row_ = rows_.size();
@@ -98,7 +112,7 @@ class OSetBlocks::Writer {
  private:
   void break_row();
 
-  OSetBlocks& blocks_;
+  Part& part_;
   Rows kind_;
   std::vector<Index> rows_;
   std::size_t row_ = 0;

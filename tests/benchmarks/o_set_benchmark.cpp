@@ -25,6 +25,11 @@
 namespace volccd {
 namespace {
 
+Executor& serial() {
+  static SerialExecutor executor;
+  return executor;
+}
+
 enum Model { octopus, slender, hexahedra };
 
 const Mesh& model(std::int64_t which) {
@@ -61,7 +66,7 @@ void build(benchmark::State& state, OSetKind kind) {
   if (absent(state, mesh)) return;
   const Topology topology(mesh);
   OSet set(kind);
-  for (auto _ : state) set.build(topology);
+  for (auto _ : state) set.build(topology, serial());
   const OSetCounts counts = set.counts();
   state.counters["vf"] = static_cast<double>(counts.vf);
   state.counters["ee"] = static_cast<double>(counts.ee);
@@ -103,7 +108,7 @@ void change(benchmark::State& state, bool scattered, bool removal) {
     Topology topology(mesh);
     Features fresh;
     OSet set;
-    built += seconds_of([&] { fresh.build(mesh); }) + seconds_of([&] { set.build(topology); });
+    built += seconds_of([&] { fresh.build(mesh); }) + seconds_of([&] { set.build(topology, serial()); });
     TopologyEdit removed, added;
     removed.removed = one_percent(topology, scattered, random);
     for (Index o : removed.removed) {
@@ -112,10 +117,10 @@ void change(benchmark::State& state, bool scattered, bool removal) {
     }
     if (!removal) {
       topology.apply(removed);
-      set.build(topology);
+      set.build(topology, serial());
     }
     const double a = seconds_of([&] { topology.apply(removal ? removed : added); });
-    const double b = seconds_of([&] { set.update(topology); });
+    const double b = seconds_of([&] { set.update(topology, serial()); });
     state.SetIterationTime(a + b);
     features += a;
     o_set += b;
@@ -153,7 +158,7 @@ void orphans(benchmark::State& state) {
   if (absent(state, mesh)) return;
   const Topology topology(mesh);
   OSet set;
-  set.build(topology);
+  set.build(topology, serial());
   TestBatch batch;
   std::int64_t pairs = 0;
   for (auto _ : state)

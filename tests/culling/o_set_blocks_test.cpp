@@ -19,11 +19,13 @@ class OSetBlocksTest : public ::testing::Test {
   const Features& features() const { return topology_.features(); }
 
   void write(Rows kind, Index owner, Index first, Index end) {
-    detail::OSetBlocks::Writer rows(blocks_, kind);
+    detail::OSetBlocks::Part part = blocks_.new_part();
+    detail::OSetBlocks::Writer rows(part, kind);
     rows.begin_row(owner);
     for (Index i = first; i < end; ++i) rows.add(i);
     rows.end_row();
     rows.flush();
+    blocks_.append(std::move(part));
   }
   std::set<std::pair<Index, Index>> pairs(FeatureKind kind) const {
     TestBatch batch;

@@ -20,6 +20,11 @@
 namespace volccd {
 namespace {
 
+Executor& serial() {
+  static SerialExecutor executor;
+  return executor;
+}
+
 /// A test identified by its kind and vertices (test_vertices()).
 using Key = std::array<Index, 5>;
 
@@ -57,7 +62,7 @@ std::vector<Key> keys(const OSet& set, const Features& features) {
 
 std::vector<Key> built(const Topology& topology, OSetKind kind = OSetKind::minimal) {
   OSet set(kind);
-  set.build(topology);
+  set.build(topology, serial());
   return keys(set, topology.features());
 }
 
@@ -169,21 +174,21 @@ TEST(OSet, OneAloneAndTwoApart) {
   mesh.add_element({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 0, 0});
   Topology topology(std::move(mesh));
   OSet set;
-  set.update(topology);
+  set.update(topology, serial());
   EXPECT_EQ(set.counts(), (OSetCounts{4, 3})) << "all that there is inside a tetrahedron";
 
   TopologyEdit edit;
   edit.added.push_back({ElementType::tetrahedron, {4, 5, 6, 7}, {}, 0, 1});
   topology.apply(edit);
-  set.update(topology);
+  set.update(topology, serial());
   EXPECT_EQ(set.counts(), (OSetCounts{8, 6})) << "nothing between elements that are not adjacent";
 
   const Topology other(block(ElementType::hexahedron, 2, 1, 1).mesh());
-  set.update(other);
+  set.update(other, serial());
   EXPECT_EQ(keys(set, other.features()), built(other)) << "another topology";
 
   const Topology empty{Mesh()};
-  set.update(empty);
+  set.update(empty, serial());
   EXPECT_EQ(set.counts(), OSetCounts{});
 }
 
@@ -196,7 +201,7 @@ void expect_updates_equal_rebuilds(Mesh mesh, std::vector<ElementType> types, st
   Random& random = editor.random();
   OSet set(kind);
   for (int round = 0; round < rounds; ++round) {
-    set.update(topology);
+    set.update(topology, serial());
     ASSERT_EQ(keys(set, topology.features()), built(topology, kind)) << "seed " << seed << ", round " << round;
     const std::uint64_t edits = random.below(10) == 0 ? Topology::kHistory + 2 : 1 + random.below(3);
     for (std::uint64_t i = 0; i < edits; ++i) editor.edit_at_random();
@@ -264,20 +269,50 @@ TEST(OSetUpdate, NothingPilesUp) {
   const std::vector<Key> before = built(topology);
   TopologyEditor editor(topology, 8, {ElementType::tetrahedron});
   OSet set;
-  set.update(topology);
+  set.update(topology, serial());
   std::size_t most = 0;
   for (int round = 0; round < 150; ++round) {
     editor.edit(6, 0, 0);
-    set.update(topology);
+    set.update(topology, serial());
     editor.put_everything_back();
-    set.update(topology);
+    set.update(topology, serial());
     most = std::max(most, set.blocks());
   }
   EXPECT_EQ(keys(set, topology.features()), before);
   OSet fresh;
-  fresh.build(topology);
+  fresh.build(topology, serial());
   EXPECT_LE(most, 3 * fresh.blocks() + 80);
   EXPECT_LE(set.bytes(), 4 * fresh.bytes() + 200'000);
+}
+
+/// The pairs of all blocks, in their order.
+std::vector<std::pair<std::vector<FeaturePair>, std::vector<FeaturePair>>> contents(const OSet& set) {
+  std::vector<std::pair<std::vector<FeaturePair>, std::vector<FeaturePair>>> blocks;
+  for (std::size_t b = 0; b < set.blocks(); ++b) {
+    TestBatch batch;
+    set.append(b, batch);
+    blocks.emplace_back(batch.vf, batch.ee);
+  }
+  return blocks;
+}
+
+// The mesh has more features than the threads process in one part.
+TEST(ThreadsOSet, TheSameBlocksForAnyNumberOfThreads) {
+  Topology topology(permuted(block(ElementType::tetrahedron, 12, 12, 40), 5).mesh());
+  TopologyEditor editor(topology, 10, {ElementType::tetrahedron});
+  std::vector<std::unique_ptr<Executor>> executors;
+  for (const unsigned threads : {2, 3, 8}) executors.push_back(make_thread_executor(threads));
+  OSet expected;
+  std::vector<OSet> sets(executors.size());
+  for (int round = 0; round < 4; ++round) {
+    expected.update(topology, serial());
+    ASSERT_GT(expected.blocks(), 40u);
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+      sets[i].update(topology, *executors[i]);
+      EXPECT_TRUE(contents(sets[i]) == contents(expected)) << "round " << round << ", executor " << i;
+    }
+    editor.edit(400, 0, 0);
+  }
 }
 
 TEST(OSetUpdate, DownToNothingAndBack) {
@@ -285,13 +320,13 @@ TEST(OSetUpdate, DownToNothingAndBack) {
   const std::vector<Key> before = built(topology);
   TopologyEditor editor(topology, 9, {ElementType::tetrahedron});
   OSet set;
-  set.update(topology);
+  set.update(topology, serial());
   editor.remove_region(1000);
   ASSERT_EQ(topology.mesh().element_count(), 0u);
-  set.update(topology);
+  set.update(topology, serial());
   EXPECT_EQ(set.counts(), OSetCounts{});
   editor.put_everything_back();
-  set.update(topology);
+  set.update(topology, serial());
   EXPECT_EQ(keys(set, topology.features()), before);
 }
 
