@@ -24,6 +24,7 @@ std::size_t Workspace::bytes() const {
   for (const auto& state : data_->states) sum += state->bytes();
   if (data_->flood_broad_phase) sum += data_->flood_broad_phase->bytes();
   for (const auto& worker : data_->workers) sum += worker->bytes();
+  sum += data_->order.bytes();
   return sum;
 }
 

@@ -10,21 +10,6 @@ namespace volccd {
 
 using detail::WorkerScratch;
 
-namespace {
-
-/// Sorts contacts into canonical order and keeps each feature pair once. Returns the number of removed duplicates.
-std::size_t make_canonical(std::vector<Contact>& contacts) {
-  const std::size_t found = contacts.size();
-  std::sort(contacts.begin(), contacts.end(), canonical_less);
-  contacts.erase(
-      std::unique(contacts.begin(), contacts.end(),
-                  [](const Contact& x, const Contact& y) { return x.kind == y.kind && x.vertices == y.vertices; }),
-      contacts.end());
-  return found - contacts.size();
-}
-
-}  // namespace
-
 Pipeline::Run::Run(const Pipeline& pipeline, const Step& step, Workspace::Data& data, Executor& executor,
                    const Request& request)
     : pipeline_(pipeline),
@@ -368,9 +353,10 @@ void Pipeline::Run::note_first(WorkerScratch& worker, std::size_t old_contacts) 
 }
 
 void Pipeline::Run::collect(StepResult& result) {
-  result.contacts.clear();
-  result.left_out.clear();
   result.statistics = {};
+  std::vector<std::span<const Contact>>&contacts_of = data_.contacts_of, &left_out_of = data_.left_out_of;
+  contacts_of.clear();
+  left_out_of.clear();
   for (const auto& worker : data_.workers) {
     TestChain& chain = worker->chain;
     worker->sums.vf_tests = chain.tests(FeatureKind::vf);
@@ -378,12 +364,12 @@ void Pipeline::Run::collect(StepResult& result) {
     worker->sums.degenerate = chain.counters().degenerate;
     worker->sums.undecided = chain.counters().undecided;
     result.statistics += worker->sums;
-    result.contacts.insert(result.contacts.end(), chain.contacts().begin(), chain.contacts().end());
-    result.left_out.insert(result.left_out.end(), worker->left_out.begin(), worker->left_out.end());
+    contacts_of.push_back(chain.contacts());
+    left_out_of.push_back(worker->left_out);
   }
   std::vector<Contact>& contacts = result.contacts;
-  result.statistics.duplicates = make_canonical(contacts);
-  result.statistics.duplicates += make_canonical(result.left_out);
+  result.statistics.duplicates = data_.order.collect(contacts_of, executor_, contacts);
+  result.statistics.duplicates += data_.order.collect(left_out_of, executor_, result.left_out);
   if (query_ == Query::first && !contacts.empty()) {
     const auto earliest = std::min_element(contacts.begin(), contacts.end(), [](const Contact& x, const Contact& y) {
       return x.toi != y.toi ? x.toi < y.toi : canonical_less(x, y);

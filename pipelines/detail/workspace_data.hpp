@@ -2,9 +2,11 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include <volccd/narrowphase/initial_overlap.hpp>
+#include <volccd/pipelines/detail/contact_order.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 #include <volccd/pipelines/test_chain.hpp>
 
@@ -40,6 +42,8 @@ struct Workspace::Data {
   std::vector<std::unique_ptr<StageState>> states;  ///< in the order of the stages
   std::unique_ptr<StageState> flood_broad_phase;    ///< state of the broad phase for steps that a flood accepts
   std::vector<std::unique_ptr<detail::WorkerScratch>> workers;
+  detail::ContactOrder order;
+  std::vector<std::span<const Contact>> contacts_of, left_out_of;  ///< by worker, when a run collects its result
 };
 
 }  // namespace volccd
