@@ -22,14 +22,14 @@ struct StarOrphansState final : StageState {
   detail::ElementStars stars;
   TopologyDelta counted;  ///< the topology for which `volumes` was determined
   bool volumes = false;
-  std::vector<ElementPair> pairs;
   detail::SuspectOrphans orphans;
   std::vector<OrphanWorker> workers;
+  std::vector<std::span<const ElementPair>> pairs;  ///< what the workers have found
   StarOrphans::Counters counters;
 
   std::size_t bytes() const override {
     std::size_t sum =
-        set.bytes() + stars.bytes() + counted.bytes() + pairs.capacity() * sizeof(ElementPair) + orphans.bytes();
+        set.bytes() + stars.bytes() + counted.bytes() + pairs.capacity() * sizeof(pairs[0]) + orphans.bytes();
     for (const OrphanWorker& w : workers) sum += sizeof w + w.found.capacity() * sizeof(ElementPair);
     return sum;
   }
@@ -67,8 +67,10 @@ void list_pairs(const Step& step, StarOrphansState& state, Executor& executor) {
     }
   });
   state.pairs.clear();
-  for (const OrphanWorker& worker : state.workers)
-    state.pairs.insert(state.pairs.end(), worker.found.begin(), worker.found.end());
+  for (const OrphanWorker& worker : state.workers) {
+    state.pairs.push_back(worker.found);
+    state.counters.pairs += worker.found.size();
+  }
   state.orphans.update(step.topology, state.pairs, executor);
 }
 
@@ -96,7 +98,6 @@ void StarOrphans::prepare(const Step& step, StageState& stage_state, Executor& e
   }
   if (!state.counters.by_stars) return state.set.update(step.topology, executor);
   list_pairs(step, state, executor);
-  state.counters.pairs = state.pairs.size();
 }
 
 std::size_t StarOrphans::blocks(const StageState& stage_state) const {

@@ -1,6 +1,7 @@
 #include <volccd/culling/detail/suspect_orphans.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <utility>
 
@@ -24,7 +25,7 @@ const SuspectOrphans::Partner* SuspectOrphans::find(Index o, Index partner) cons
   return nullptr;
 }
 
-void SuspectOrphans::update(const Topology& topology, std::span<const ElementPair> pairs, Executor& executor) {
+void SuspectOrphans::update(const Topology& topology, PairLists lists, Executor& executor) {
   topology_ = &topology;
   const TopologyDelta::Extent changed = delta_.sync(topology);
   std::swap(now_, before_);
@@ -32,7 +33,7 @@ void SuspectOrphans::update(const Topology& topology, std::span<const ElementPai
   fresh_.assign(topology.mesh().element_slots(), 0);
   near_.assign(topology.features().vertex_slots(), 0);
   if (changed == TopologyDelta::Extent::edits) mark_fresh();
-  set_partners(pairs);
+  set_partners(lists, executor);
   renewed_.resize(now_.elements.size());
   partner_of_.resize(executor.workers());
   for (std::vector<Index>& partner_of : partner_of_) partner_of.assign(topology.mesh().element_slots(), kNone);
@@ -42,7 +43,7 @@ void SuspectOrphans::update(const Topology& topology, std::span<const ElementPai
       if (renewed_[i]) find_candidates(i, partner_of_[w]);
     }
   });
-  mark_near();
+  mark_near(executor);
   now_.blocks.resize(std::max(now_.blocks.size(), blocks()));
   executor.parallel_for(blocks(), 4, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t i = begin; i < end; ++i)
@@ -59,32 +60,35 @@ void SuspectOrphans::mark_fresh() {
       for (const Index o : topology_->features().vertex_elements(v)) fresh_[o] = 1;
 }
 
-void SuspectOrphans::set_partners(std::span<const ElementPair> pairs) {
-  std::vector<Index>&elements = now_.elements, &places = now_.places;
-  std::vector<std::size_t>& begins = now_.begins;
-  elements.clear();
-  begins.clear();
-  places.assign(fresh_.size(), kNone);
-  const auto count = [&](Index o) {
-    if (places[o] == kNone) {
-      places[o] = static_cast<Index>(elements.size());
-      elements.push_back(o);
-      begins.push_back(0);
-    }
-    ++begins[places[o]];
+/// Each worker reads all pairs, and writes what belongs to its own range of slots: a pass over the pairs takes less time
+/// than atomic counters would.
+void SuspectOrphans::set_partners(PairLists lists, Executor& executor) {
+  const std::size_t slots = fresh_.size(), ranges = executor.workers();
+  const auto visit = [&](auto&& add) {
+    executor.parallel_for(ranges, 1, [&](std::size_t begin, std::size_t end, unsigned) {
+      const Index low = static_cast<Index>(slots * begin / ranges), high = static_cast<Index>(slots * end / ranges);
+      for (const std::span<const ElementPair> pairs : lists)
+        for (const ElementPair pair : pairs) {
+          if (pair.a >= low && pair.a < high) add(pair.a, pair.b);
+          if (pair.b >= low && pair.b < high && pair.a != pair.b) add(pair.b, pair.a);
+        }
+    });
   };
-  for (const ElementPair pair : pairs) {
-    count(pair.a);
-    if (pair.a != pair.b) count(pair.b);
-  }
+  counts_.assign(slots, 0);
+  visit([&](Index o, Index) { ++counts_[o]; });
+  now_.elements.clear();
+  now_.begins.clear();
+  now_.places.assign(slots, kNone);
   std::size_t end = 0;
-  for (std::size_t& begin : begins) begin = end += begin;  // the ends; filling moves them to the beginnings
-  begins.push_back(end);
-  now_.partners.resize(end);
-  for (const ElementPair pair : pairs) {
-    now_.partners[--begins[places[pair.a]]].element = pair.b;
-    if (pair.a != pair.b) now_.partners[--begins[places[pair.b]]].element = pair.a;
+  for (Index o = 0; o < slots; ++o) {
+    if (counts_[o] == 0) continue;
+    now_.places[o] = static_cast<Index>(now_.elements.size());
+    now_.elements.push_back(o);
+    now_.begins.push_back(end += counts_[o]);  // the end; filling moves it to the beginning
   }
+  now_.begins.push_back(end);
+  now_.partners.resize(end);
+  visit([&](Index o, Index partner) { now_.partners[--now_.begins[now_.places[o]]].element = partner; });
 }
 
 /// Sorts the partners of an element, and takes their bits from the last update if they are the same, and none is fresh.
@@ -127,10 +131,13 @@ void SuspectOrphans::find_candidates(std::size_t place, std::vector<Index>& part
 /// Marks the vertices of the elements that have other partners, or fresh ones. The tests of elements a and b depend on
 /// the bits of a, of b, and of elements that have a vertex in common with both. Partners are mutual: if one of these
 /// lost all of its partners, a or b has lost one, too.
-void SuspectOrphans::mark_near() {
-  for (std::size_t i = 0; i < now_.elements.size(); ++i)
-    if (renewed_[i])
-      for (const Index v : topology_->mesh().vertices(now_.elements[i])) near_[v] = 1;
+void SuspectOrphans::mark_near(Executor& executor) {
+  executor.parallel_for(now_.elements.size(), 64 * kBlockElements, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (renewed_[i])
+        for (const Index v : topology_->mesh().vertices(now_.elements[i]))
+          std::atomic_ref(near_[v]).store(1, std::memory_order_relaxed);
+  });
 }
 
 /// Lists the orphans of the elements at the places [begin, end), or takes them from the last update.
@@ -230,7 +237,8 @@ std::size_t SuspectOrphans::Lists::bytes() const {
 
 std::size_t SuspectOrphans::bytes() const {
   std::size_t sum =
-      delta_.bytes() + now_.bytes() + before_.bytes() + fresh_.capacity() + renewed_.capacity() + near_.capacity();
+      delta_.bytes() + now_.bytes() + before_.bytes() + fresh_.capacity() + renewed_.capacity() + near_.capacity() +
+                    counts_.capacity() * sizeof(Index);
   for (const std::vector<Index>& partner_of : partner_of_) sum += partner_of.capacity() * sizeof(Index);
   return sum;
 }

@@ -20,9 +20,10 @@ namespace volccd::detail {
 /// called by several threads.
 class SuspectOrphans {
  public:
-  /// `pairs`: adjacent pairs of elements, and pairs of an element and itself, each once, in any order.
+  /// Lists of adjacent pairs of elements, and pairs of an element and itself, each pair in one list, in any order.
   /// O(slots + pairs + features of the elements of new pairs, and of their neighbours).
-  void update(const Topology& topology, std::span<const ElementPair> pairs, Executor& executor);
+  using PairLists = std::span<const std::span<const ElementPair>>;
+  void update(const Topology& topology, PairLists lists, Executor& executor);
 
   std::size_t blocks() const { return (now_.elements.size() + kBlockElements - 1) / kBlockElements; }
   /// Appends the orphans of a block. Each orphan is in one block.
@@ -49,7 +50,7 @@ class SuspectOrphans {
 
   /// The result of an update.
   struct Lists {
-    std::vector<Index> elements, places;  ///< elements with partners, and by slot: the place in this list, or kNone
+    std::vector<Index> elements, places;  ///< elements with partners, ascending; by slot: the place there, or kNone
     std::vector<std::size_t> begins;      ///< by place: where the element's partners begin in `partners`
     std::vector<Partner> partners;        ///< of an element: ascending
     std::vector<Block> blocks;            ///< there may be more than necessary
@@ -59,11 +60,11 @@ class SuspectOrphans {
     std::size_t bytes() const;
   };
 
-  void set_partners(std::span<const ElementPair> pairs);
+  void set_partners(PairLists lists, Executor& executor);
   bool keeps_partners(std::size_t place);
   void find_candidates(std::size_t place, std::vector<Index>& partner_of);
   void mark_fresh();
-  void mark_near();
+  void mark_near(Executor& executor);
   void fill(Block& block, std::size_t begin, std::size_t end) const;
   void keep(Index o, Block& block) const;
 
@@ -80,6 +81,7 @@ class SuspectOrphans {
   std::vector<std::uint8_t> fresh_;    ///< by element slot: whether a vertex of the element has other elements
   std::vector<std::uint8_t> renewed_;  ///< by place: whether the element has other partners, or fresh ones
   std::vector<std::uint8_t> near_;     ///< by vertex: whether it belongs to a renewed element
+  std::vector<Index> counts_;          ///< by element slot: number of partners
   std::vector<std::vector<Index>>
       partner_of_;  ///< by worker and element slot: the last element that it is a partner of
 };
