@@ -60,8 +60,8 @@ void SuspectOrphans::mark_fresh() {
       for (const Index o : topology_->features().vertex_elements(v)) fresh_[o] = 1;
 }
 
-/// Each worker reads all pairs, and writes what belongs to its own range of slots: a pass over the pairs takes less time
-/// than atomic counters would.
+/// Each worker reads all pairs, and writes what belongs to its own range of slots: a pass over the pairs takes less
+/// time than atomic counters would.
 void SuspectOrphans::set_partners(PairLists lists, Executor& executor) {
   const std::size_t slots = fresh_.size(), ranges = executor.workers();
   const auto visit = [&](auto&& add) {
@@ -236,9 +236,8 @@ std::size_t SuspectOrphans::Lists::bytes() const {
 }
 
 std::size_t SuspectOrphans::bytes() const {
-  std::size_t sum =
-      delta_.bytes() + now_.bytes() + before_.bytes() + fresh_.capacity() + renewed_.capacity() + near_.capacity() +
-                    counts_.capacity() * sizeof(Index);
+  std::size_t sum = delta_.bytes() + now_.bytes() + before_.bytes() + fresh_.capacity() + renewed_.capacity() +
+                    near_.capacity() + counts_.capacity() * sizeof(Index);
   for (const std::vector<Index>& partner_of : partner_of_) sum += partner_of.capacity() * sizeof(Index);
   return sum;
 }
