@@ -3,8 +3,8 @@
 
 #include <algorithm>
 #include <array>
-#include <span>
 #include <set>
+#include <span>
 #include <stdexcept>
 #include <vector>
 
