@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include <volccd/core/executor.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/detail/incidences.hpp>
 #include <volccd/mesh/detail/slot_table.hpp>
@@ -106,11 +107,12 @@ TEST(IncidencePool, EqualsAVectorOfSets) {
     Random random(seed);
     const std::vector<Index> lengths = {3, 0, 7, 1};
     IncidencePool pool;
-    pool.layout(lengths);
+    SerialExecutor executor;
+    pool.set_lengths(lengths, executor);
     std::vector<std::set<Index>> reference(lengths.size());
-    for (std::size_t i = 0; i < lengths.size(); ++i)
+    for (std::size_t i = 0, at = 0; i < lengths.size(); ++i)
       for (Index k = 0; k < lengths[i]; ++k) {
-        pool.append(i, 10 * k);
+        pool.entries()[at++] = 10 * k;
         reference[i].insert(10 * k);
       }
     std::size_t most = 0;
