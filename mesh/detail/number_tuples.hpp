@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
+#include <cstdint>
 #include <span>
-#include <utility>
 #include <vector>
 
 #include <volccd/mesh/detail/distribution.hpp>
@@ -46,19 +46,26 @@ struct TupleRecord {
   }
   /// Whether this record precedes another one with the same first vertex. An element has each tuple at most once.
   bool precedes(const TupleRecord& other) const {
-    if (tuple[1] != other.tuple[1]) return tuple[1] < other.tuple[1];
-    if (tuple[N - 1] != other.tuple[N - 1]) return tuple[N - 1] < other.tuple[N - 1];
-    return element < other.element;
+    if constexpr (N == 2) {
+      return joined(tuple[1], element) < joined(other.tuple[1], other.element);
+    } else {
+      const std::uint64_t x = joined(tuple[1], tuple[2]), y = joined(other.tuple[1], other.tuple[2]);
+      return x != y ? x < y : element < other.element;
+    }
   }
+  static std::uint64_t joined(Index high, Index low) { return std::uint64_t{high} << 32 | low; }
 };
 
-/// Sorts by tuple and element; first vertices are in [first, last). Moves the records to the buckets of their first
-/// vertices within the given memory, and sorts each bucket: O(n log n) in the worst case, linear in practice.
+inline constexpr std::size_t kMaxBucketed = std::size_t{1} << 20;
+
+/// Sorts by tuple and element; first vertices are in [first, last). Distributes the records to buckets by their first
+/// vertices and sorts each bucket: O(n log n) in the worst case, linear in practice. `scratch` is overwritten.
 template <std::size_t N>
 void sort_records(std::span<TupleRecord<N>> records, std::size_t first, std::size_t last,
                   RawVector<TupleRecord<N>>& scratch) {
   const auto precedes = [](const TupleRecord<N>& x, const TupleRecord<N>& y) { return x.precedes(y); };
-  if (records.size() < last - first) {  // so that memory does not depend on the number of unused vertices
+  // Memory for buckets is limited if there are many unused vertices, or if almost all records have few first vertices.
+  if (records.size() < last - first || records.size() > kMaxBucketed) {
     std::sort(records.begin(), records.end(), [](const TupleRecord<N>& x, const TupleRecord<N>& y) {
       return x.key() != y.key() ? x.key() < y.key() : x.precedes(y);
     });
@@ -67,9 +74,8 @@ void sort_records(std::span<TupleRecord<N>> records, std::size_t first, std::siz
   std::vector<Index> end(last - first + 1);  // end[b]: end of bucket b, after filling
   for (const TupleRecord<N>& record : records) ++end[record.key() - first + 1];
   for (std::size_t b = 1; b < end.size(); ++b) end[b] += end[b - 1];
-  scratch.resize(records.size());
-  for (const TupleRecord<N>& record : records) scratch[end[record.key() - first]++] = record;
-  std::copy(scratch.begin(), scratch.end(), records.begin());
+  scratch.assign(records.begin(), records.end());
+  for (const TupleRecord<N>& record : scratch) records[end[record.key() - first]++] = record;
   for (std::size_t b = 0, begin = 0; b + 1 < end.size(); begin = end[b++])
     std::sort(records.begin() + static_cast<std::ptrdiff_t>(begin),
               records.begin() + static_cast<std::ptrdiff_t>(end[b]), precedes);
