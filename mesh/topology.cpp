@@ -54,8 +54,7 @@ std::vector<Index> vertices_of(const Mesh& mesh, const TopologyEdit& edit) {
 
 }  // namespace
 
-Topology::Topology(Mesh mesh, EdgeSet edge_set)
-    : Topology(std::move(mesh), calling_thread(), edge_set) {}
+Topology::Topology(Mesh mesh, EdgeSet edge_set) : Topology(std::move(mesh), calling_thread(), edge_set) {}
 
 Topology::Topology(Mesh mesh, Executor& executor, EdgeSet edge_set)
     : mesh_(std::move(mesh)), features_(edge_set), version_(next_version()), base_version_(version_) {

@@ -85,15 +85,14 @@ void sort_records(std::span<TupleRecord<N>> records, std::size_t first, std::siz
 template <std::size_t N>
 Distribution<TupleRecord<N>> distribute(Occurrences<N>& all, std::size_t vertices, const IncidencePool& of_element,
                                         Executor& executor) {
-  Distribution<TupleRecord<N>> records(
-      of_element.size(), vertices, of_element.entries().size(), executor,
-      [&](std::size_t chunk, std::size_t begin, std::size_t end, auto&& add) {
-        const std::array<Index, N>* tuple = all.tuples.data() + all.begin[chunk];
-        Index occurrence = static_cast<Index>(of_element[begin].data() - of_element.entries().data());
-        for (std::size_t o = begin; o < end; ++o)
-          for (std::size_t n = of_element[o].size(); n != 0; --n)
-            add(TupleRecord<N>{*tuple++, static_cast<Index>(o), occurrence++});
-      });
+  const auto add_records = [&](std::size_t chunk, std::size_t begin, std::size_t end, auto&& add) {
+    const std::array<Index, N>* tuple = all.tuples.data() + all.begin[chunk];
+    Index occurrence = static_cast<Index>(of_element[begin].data() - of_element.entries().data());
+    for (std::size_t o = begin; o < end; ++o)
+      for (std::size_t n = of_element[o].size(); n != 0; --n)
+        add(TupleRecord<N>{*tuple++, static_cast<Index>(o), occurrence++});
+  };
+  Distribution<TupleRecord<N>> records(of_element.size(), vertices, of_element.entries().size(), executor, add_records);
   all = {};
   return records;
 }

@@ -65,6 +65,28 @@ TEST(SlotTable, EqualsAMap) {
   }
 }
 
+TEST(SlotTableThreads, FillingEqualsInserting) {
+  using Hash = std::uint32_t (*)(Index);
+  const Hash hashes[] = {[](Index slot) { return static_cast<std::uint32_t>(mix(slot)); },
+                         [](Index slot) { return slot % 3 * 0x55555555u; },
+                         [](Index) { return ~0u; },  // every probe continues at the beginning
+                         [](Index slot) { return (slot % 7 << 28) - slot % 2; }};
+  const auto executor = make_thread_executor(3);
+  for (const Hash hash : hashes)
+    for (const Index n : {0u, 1u, 2u, 1000u, hash == hashes[0] ? 100000u : 3000u}) {
+      SlotTable table;
+      table.find_or_insert(
+          5, 7, [](Index) { return false; }, hash);
+      table.fill(n, hash, *executor);
+      ASSERT_EQ(table.size(), n);
+      for (Index slot = 0; slot < n; ++slot)
+        ASSERT_EQ(table.find(hash(slot), [&](Index other) { return other == slot; }), slot);
+      for (Index slot = 0; slot < n; slot += 2) table.erase(slot, hash);
+      for (Index slot = 0; slot < n; ++slot)
+        ASSERT_EQ(table.find(hash(slot), [&](Index other) { return other == slot; }), slot % 2 == 0 ? kNone : slot);
+    }
+}
+
 TEST(SlotTable, StaysSmall) {
   SlotTable table;
   const auto hash = [](Index slot) { return static_cast<std::uint32_t>(mix(slot) >> 32); };
