@@ -146,7 +146,7 @@ TEST_F(TopologyThreads, SameTablesForMixedTypesAndObjects) {
 TEST_F(TopologyThreads, SameTablesForLargePolytopes) {
   // From 3 to 12 sides, in a chain: neighbours share the vertices in which their ranges overlap.
   Mesh mesh;
-  mesh.add_vertices(30000);
+  mesh.add_vertices(12000);
   Index vertex = 0;
   for (Index o = 0; vertex + 24 < mesh.vertex_count(); ++o, vertex += 5) mesh.add_element(prism(3 + o % 10, vertex, o));
   compare(mesh, "prisms");
