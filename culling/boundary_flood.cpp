@@ -170,7 +170,7 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   }
   state.counted.confirm();
   if (state.boundary_share > config_.most_boundary || state.divided_share > config_.most_divided) return;
-  state.complex.update(step.topology);
+  state.complex.update(step.topology, executor);
   const Topology& topology = state.complex.topology();
   // Object ids change along a chain of pairs only where objects share vertices. In that case only the tests are
   // filtered.

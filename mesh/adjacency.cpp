@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
+#include <volccd/core/executor.hpp>
+#include <volccd/mesh/detail/chunks.hpp>
 #include <volccd/mesh/detail/reserve.hpp>
 
 namespace volccd {
@@ -18,15 +21,45 @@ std::size_t largest(std::span<const ElementSpec> elements) {
 }  // namespace
 
 void Adjacency::build(const Mesh& mesh) {
+  SerialExecutor executor;
+  build(mesh, executor);
+}
+
+void Adjacency::build(const Mesh& mesh, Executor& executor) {
   *this = Adjacency();
-  std::size_t most = 0;
-  for (Index o = 0; o < mesh.element_slots(); ++o) most = std::max(most, mesh.vertices(o).size());
+  const detail::Chunks chunks(mesh.element_slots());
+  std::vector<std::size_t> sizes(chunks.count());  // largest number of vertices in each chunk
+  chunks.for_each(executor, [&](std::size_t c, std::size_t begin, std::size_t end) {
+    std::size_t size = 0;
+    for (Index o = static_cast<Index>(begin); o < end; ++o) size = std::max(size, mesh.vertices(o).size());
+    sizes[c] = size;
+  });
+  const std::size_t most = sizes.empty() ? 0 : *std::max_element(sizes.begin(), sizes.end());
   if (most > block_) block_ = kMaxBlock;
   const std::size_t size = std::size_t{mesh.element_slots()} * block_;
   ids_.reserve(detail::with_spare(size));
   ids_.resize(size);
-  if (most > kMaxBlock) large_.clear(mesh.element_slots(), 0);
-  for (Index o = 0; o < mesh.element_slots(); ++o) store(o, mesh.vertices(o));
+  chunks.for_each(executor, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (Index o = static_cast<Index>(begin); o < end; ++o) store_block(o, mesh.vertices(o));
+  });
+  if (most > kMaxBlock) build_large(mesh, executor);
+}
+
+void Adjacency::build_large(const Mesh& mesh, Executor& executor) {
+  const auto listed = [&](std::size_t o) {
+    const std::span<const Index> vertices = mesh.vertices(static_cast<Index>(o));
+    return vertices.size() > kMaxBlock ? vertices : std::span<const Index>();
+  };
+  const detail::Chunks chunks(mesh.element_slots());
+  detail::RawVector<Index> lengths(mesh.element_slots());
+  chunks.for_each(executor, [&](std::size_t, std::size_t begin, std::size_t end) {
+    for (std::size_t o = begin; o < end; ++o) lengths[o] = static_cast<Index>(listed(o).size());
+  });
+  large_.set_lengths(lengths, executor);
+  chunks.for_each(executor, [&](std::size_t, std::size_t begin, std::size_t end) {
+    Index* to = large_.entries().data() + (large_[begin].data() - large_.entries().data());
+    for (std::size_t o = begin; o < end; ++o) to = std::copy(listed(o).begin(), listed(o).end(), to);
+  });
 }
 
 void Adjacency::prepare(std::span<const ElementSpec> added, std::span<const Index> slots, Index element_slots) {
@@ -45,16 +78,19 @@ void Adjacency::commit(std::span<const Index> removed, std::span<const ElementSp
   if (most > block_ && block_ != kMaxBlock) widen();
   ids_.resize(std::size_t{element_slots} * block_);
   if (most > kMaxBlock || large_.size() != 0) large_.extend(element_slots);
+  const auto store = [&](Index o, std::span<const Index> vertices) {
+    store_block(o, vertices);
+    if (large_.size() != 0) large_.assign(o, vertices.size() > kMaxBlock ? vertices : std::span<const Index>());
+  };
   for (const Index o : removed) store(o, {});
   for (std::size_t k = 0; k < added.size(); ++k) store(slots[k], added[k].vertices);
   large_.compact_if_sparse();
 }
 
-void Adjacency::store(Index o, std::span<const Index> vertices) {
+void Adjacency::store_block(Index o, std::span<const Index> vertices) {
   Index* const block = ids_.data() + std::size_t{o} * block_;
   const std::size_t held = std::min<std::size_t>(vertices.size(), block_);
   std::fill(std::copy_n(vertices.begin(), held, block), block + block_, vertices.empty() ? kNone : vertices[0]);
-  if (large_.size() != 0) large_.assign(o, vertices.size() > kMaxBlock ? vertices : std::span<const Index>());
 }
 
 /// Changes blocks of four to blocks of eight, in the memory that prepare() has reserved. Proceeds from the last block

@@ -5,20 +5,24 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
+#include <volccd/mesh/detail/raw_vector.hpp>
 #include <volccd/mesh/detail/share_id.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/mesh.hpp>
 
 namespace volccd {
 
+class Executor;
+
 /// Stores the vertices of all elements in blocks of four ids, or of eight ids if some element has more than four
 /// vertices. Polytopes with more than eight vertices have separate lists. Two elements are compared block by block in
 /// vector registers, in about a nanosecond for tetrahedra. Read-only use is thread-safe.
 class Adjacency {
  public:
-  /// Replaces the contents by the live elements of `mesh`. O(elements).
+  /// Replaces the contents by the live elements of `mesh`. O(elements). All workers of the executor take part; without
+  /// an executor, the calling thread does all the work.
+  void build(const Mesh& mesh, Executor& executor);
   void build(const Mesh& mesh);
 
   /// An edit in two phases, as in Mesh. The added elements take `slots`; afterwards the mesh has `element_slots` slots.
@@ -50,11 +54,12 @@ class Adjacency {
 
   const Index* block(Index o) const { return ids_.data() + std::size_t{o} * block_; }
   bool adjacent_large(Index a, Index b) const;
-  void store(Index o, std::span<const Index> vertices);
+  void build_large(const Mesh& mesh, Executor& executor);
+  void store_block(Index o, std::span<const Index> vertices);
   void widen() noexcept;
 
   std::uint32_t block_ = 4;      ///< number of ids per slot in ids_: 4 or 8
-  std::vector<Index> ids_;       ///< blocks padded with the first vertex of the element; kNone in empty slots
+  detail::RawVector<Index> ids_;  ///< blocks padded with the first vertex of the element; kNone in empty slots
   detail::IncidencePool large_;  ///< vertices of the elements with more than 8; without lists if there never was such
                                  ///< an element
 };

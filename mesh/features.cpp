@@ -1,8 +1,12 @@
 #include <volccd/mesh/features.hpp>
 
 #include <algorithm>
+#include <atomic>
 
+#include <volccd/core/executor.hpp>
 #include <volccd/core/sort_unique.hpp>
+#include <volccd/mesh/detail/chunks.hpp>
+#include <volccd/mesh/detail/group_by_key.hpp>
 #include <volccd/mesh/detail/number_tuples.hpp>
 
 namespace volccd {
@@ -40,9 +44,9 @@ struct BoundarySize {
   std::size_t edges = 0, triangles = 0;
 };
 
-BoundarySize boundary_size(const Mesh& mesh, EdgeSet edge_set) {
+BoundarySize boundary_size(const Mesh& mesh, std::size_t begin, std::size_t end, EdgeSet edge_set) {
   BoundarySize size;
-  for (Index o = 0; o < mesh.element_slots(); ++o) {
+  for (Index o = static_cast<Index>(begin); o < end; ++o) {
     const detail::ElementTable& table = detail::element_table(mesh.type(o));
     size.edges += table.edges + (edge_set == EdgeSet::triangulated ? table.quads : 0u);
     size.triangles += table.triangles + 2u * table.quads;
@@ -54,57 +58,85 @@ BoundarySize boundary_size(const Mesh& mesh, EdgeSet edge_set) {
   return size;
 }
 
-void fill_first(detail::Incidence& incidence) {
-  const std::size_t features = incidence.elements.size();
-  incidence.first.reserve(detail::with_spare(features));
-  for (std::size_t i = 0; i < features; ++i)
-    incidence.first.push_back(incidence.elements[i].empty() ? kNone : incidence.elements[i].front());
+/// Lists the boundaries of all elements.
+void list_boundaries(const Mesh& mesh, EdgeSet edge_set, Executor& executor, detail::Occurrences<2>& edges,
+                     detail::Occurrences<3>& triangles) {
+  const detail::Chunks chunks(mesh.element_slots());
+  std::vector<std::size_t> most_edges(chunks.count()), most_triangles(chunks.count());
+  chunks.for_each(executor, [&](std::size_t c, std::size_t begin, std::size_t end) {
+    const BoundarySize most = boundary_size(mesh, begin, end, edge_set);
+    most_edges[c] = most.edges;
+    most_triangles[c] = most.triangles;
+  });
+  edges.allocate(mesh.element_slots(), most_edges);
+  triangles.allocate(mesh.element_slots(), most_triangles);
+  chunks.for_each(executor, [&](std::size_t c, std::size_t begin, std::size_t end) {
+    std::array<Index, 2>* edge = edges.tuples.data() + edges.begin[c];
+    std::array<Index, 3>* triangle = triangles.tuples.data() + triangles.begin[c];
+    for (Index o = static_cast<Index>(begin); o < end; ++o) {
+      const std::array<Index, 2>* const first_edge = edge;
+      const std::array<Index, 3>* const first_triangle = triangle;
+      if (mesh.is_live(o))
+        visit_boundary(
+            mesh, o, edge_set, [&](Index v0, Index v1) { *edge++ = ascending(v0, v1); },
+            [&](Index v0, Index v1, Index v2) { *triangle++ = ascending(v0, v1, v2); });
+      edges.lengths[o] = static_cast<Index>(edge - first_edge);
+      triangles.lengths[o] = static_cast<Index>(triangle - first_triangle);
+    }
+  });
 }
 
-/// Builds the tables of the edges or the triangles from their occurrences.
+/// Sets the incident elements of all vertices. Returns the number of live vertices.
+Index build_vertices(const Mesh& mesh, Executor& executor, detail::Incidence& incidence) {
+  const auto add_vertices = [&](std::size_t, std::size_t begin, std::size_t end, auto&& add) {
+    for (Index o = static_cast<Index>(begin); o < end; ++o)
+      for (const Index v : mesh.vertices(o)) add(detail::KeyValue{v, o});
+  };
+  detail::group_by_key(mesh.element_slots(), mesh.vertex_count(), std::size_t{4} * mesh.element_slots(), executor,
+                       add_vertices, incidence.elements);
+  incidence.first.reserve(detail::with_spare(mesh.vertex_count()));
+  incidence.first.resize(mesh.vertex_count());
+  std::atomic<Index> live{0};
+  detail::Chunks(mesh.vertex_count()).for_each(executor, [&](std::size_t, std::size_t begin, std::size_t end) {
+    Index count = 0;
+    for (std::size_t v = begin; v < end; ++v) {
+      const std::span<const Index> elements = incidence.elements[v];
+      incidence.first[v] = elements.empty() ? kNone : elements.front();
+      count += !elements.empty();
+    }
+    live += count;
+  });
+  return live;
+}
+
+/// Builds the tables of the edges or the triangles from their occurrences, whose memory it releases.
 template <std::size_t N>
-void build_kind(const detail::Occurrences<N>& occurrences, const Mesh& mesh, std::vector<std::array<Index, N>>& tuples,
-                detail::TupleTable<N>& table, detail::Incidence& incidence, detail::IncidencePool& of_element) {
-  of_element.clear(mesh.element_slots(), occurrences.tuples.size());
-  std::vector<Index> numbers;
-  detail::number_tuples(occurrences, mesh.vertex_count(), tuples, incidence.elements, numbers);
-  for (std::size_t k = 0; k < numbers.size(); ++k) of_element.push_back(occurrences.elements[k], numbers[k]);
-  table.fill(tuples);
-  fill_first(incidence);
-  std::vector<Index> lengths(mesh.element_slots());
-  for (const Index o : incidence.first) ++lengths[o];
-  incidence.own.layout(lengths);
-  for (Index i = 0; i < incidence.first.size(); ++i) incidence.own.append(incidence.first[i], i);
+void build_kind(detail::Occurrences<N>& occurrences, const Mesh& mesh, Executor& executor,
+                detail::RawVector<std::array<Index, N>>& tuples, detail::TupleTable<N>& table,
+                detail::Incidence& incidence, detail::IncidencePool& of_element) {
+  detail::number_tuples(occurrences, mesh.vertex_count(), executor, tuples, incidence, of_element);
+  table.fill(tuples, executor);
+  const auto add_features = [&](std::size_t, std::size_t begin, std::size_t end, auto&& add) {
+    for (Index i = static_cast<Index>(begin); i < end; ++i) add(detail::KeyValue{incidence.first[i], i});
+  };
+  detail::group_by_key(tuples.size(), mesh.element_slots(), tuples.size(), executor, add_features, incidence.own);
 }
 
 }  // namespace
 
 void Features::build(const Mesh& mesh) {
+  SerialExecutor executor;
+  build(mesh, executor);
+}
+
+void Features::build(const Mesh& mesh, Executor& executor) {
   *this = Features(edge_set_);
-  const BoundarySize most = boundary_size(mesh, edge_set_);
+  live_vertices_ = build_vertices(mesh, executor, vertex_incidence_);
   detail::Occurrences<2> edges;
   detail::Occurrences<3> triangles;
-  edges.reserve(most.edges);
-  triangles.reserve(most.triangles);
-  std::vector<Index> vertex_lengths(mesh.vertex_count());
-  for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.is_live(o)) continue;
-    for (Index v : mesh.vertices(o)) ++vertex_lengths[v];
-    visit_boundary(
-        mesh, o, edge_set_, [&](Index a, Index b) { edges.add(ascending(a, b), o); },
-        [&](Index a, Index b, Index c) { triangles.add(ascending(a, b, c), o); });
-  }
-
-  live_vertices_ =
-      mesh.vertex_count() - static_cast<Index>(std::count(vertex_lengths.begin(), vertex_lengths.end(), Index{0}));
-  vertex_incidence_.elements.layout(vertex_lengths);
-  for (Index o = 0; o < mesh.element_slots(); ++o)
-    for (Index v : mesh.vertices(o)) vertex_incidence_.elements.append(v, o);
-  fill_first(vertex_incidence_);
-
-  build_kind(edges, mesh, edges_, edge_table_, edge_incidence_, element_edges_);
-  edges = {};  // releases memory, because both at once would determine the peak of memory use
-  build_kind(triangles, mesh, triangles_, triangle_table_, triangle_incidence_, element_triangles_);
+  list_boundaries(mesh, edge_set_, executor, edges, triangles);
+  build_kind(edges, mesh, executor, edges_, edge_table_, edge_incidence_, element_edges_);
+  build_kind(triangles, mesh, executor, triangles_, triangle_table_, triangle_incidence_, element_triangles_);
 }
 
 Index Features::find_edge(Index v0, Index v1) const { return edge_table_.find(ascending(v0, v1), edges_); }

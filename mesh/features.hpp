@@ -11,11 +11,14 @@
 #include <span>
 #include <vector>
 
+#include <volccd/mesh/detail/raw_vector.hpp>
 #include <volccd/mesh/detail/tuple_table.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/mesh.hpp>
 
 namespace volccd {
+
+class Executor;
 
 namespace detail {
 class FeatureEdit;
@@ -23,7 +26,7 @@ class FeatureEdit;
 /// The incident elements of all features of one kind.
 struct Incidence {
   IncidencePool elements;    ///< incident elements of each feature, ascending
-  std::vector<Index> first;  ///< elements[i].front(), or kNone
+  RawVector<Index> first;    ///< elements[i].front(), or kNone
   IncidencePool own;         ///< for each element, the features i with first[i] == element, ascending; empty for
                              ///< vertices
 };
@@ -52,7 +55,9 @@ class Features {
   EdgeSet edge_set() const { return edge_set_; }
 
   /// Replaces the contents by the features of `mesh`. Expected time O(elements). After edits, Topology::apply() updates
-  /// the features together with their mesh.
+  /// the features together with their mesh. All workers of the executor take part; the features do not depend on it.
+  /// Without an executor, the calling thread does all the work.
+  void build(const Mesh& mesh, Executor& executor);
   void build(const Mesh& mesh);
 
   /// Numbers of slots, including those without a live feature.
@@ -98,8 +103,8 @@ class Features {
   friend class detail::FeatureEdit;
 
   EdgeSet edge_set_;
-  std::vector<std::array<Index, 2>> edges_;
-  std::vector<std::array<Index, 3>> triangles_;
+  detail::RawVector<std::array<Index, 2>> edges_;
+  detail::RawVector<std::array<Index, 3>> triangles_;
   detail::TupleTable<2> edge_table_;
   detail::TupleTable<3> triangle_table_;
   detail::Incidence vertex_incidence_, edge_incidence_, triangle_incidence_;

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cassert>
 #include <new>
+#include <utility>
+#include <vector>
 
 #include <volccd/core/error.hpp>
+#include <volccd/mesh/detail/chunks.hpp>
 #include <volccd/mesh/detail/reserve.hpp>
 
 namespace volccd::detail {
@@ -20,24 +23,31 @@ constexpr std::size_t kLong = 32;     // from this length on a binary search is 
 
 }  // namespace
 
-void IncidencePool::layout(std::span<const Index> capacities) {
+void IncidencePool::set_lengths(std::span<const Index> lengths, Executor& executor) {
+  const Chunks chunks(lengths.size());
+  std::vector<std::size_t> sums(chunks.count());
+  chunks.for_each(executor, [&](std::size_t c, std::size_t begin, std::size_t end) {
+    std::size_t sum = 0;
+    for (std::size_t i = begin; i < end; ++i) sum += lengths[i];
+    sums[c] = sum;
+  });
   std::size_t total = 0;
-  for (Index capacity : capacities) total += capacity;
-  clear(capacities.size(), total);
-  data_.resize(total);
-  Index begin = 0;
-  for (std::size_t i = 0; i < capacities.size(); ++i) {
-    lists_[i] = {begin, 0, capacities[i]};
-    begin += capacities[i];
-  }
+  for (std::size_t& sum : sums) total += std::exchange(sum, total);
+  allocate(lengths.size(), total);
+  chunks.for_each(executor, [&](std::size_t c, std::size_t begin, std::size_t end) {
+    std::size_t position = sums[c];
+    for (std::size_t i = begin; i < end; position += lengths[i++]) place(i, position, lengths[i]);
+  });
 }
 
-void IncidencePool::clear(std::size_t lists, std::size_t entries) {
+void IncidencePool::allocate(std::size_t lists, std::size_t entries) {
   check_size(entries);
   *this = IncidencePool();
   lists_.reserve(with_spare(lists));
   lists_.resize(lists);
   data_.reserve(entries + entries / 8);
+  data_.resize(entries);
+  used_ = entries;
 }
 
 void IncidencePool::reserve(std::size_t n, std::size_t entries) {
@@ -95,14 +105,14 @@ void IncidencePool::relocate(std::size_t i, std::size_t capacity) {
   const bool at_end = old.capacity != 0 && std::size_t{old.begin} + old.capacity == data_.size();
   const std::size_t begin = at_end ? old.begin : data_.size();
   check_size(begin + capacity);
-  data_.resize(begin + capacity);
+  data_.resize(begin + capacity, 0);
   if (!at_end) std::copy_n(data_.begin() + old.begin, old.size, data_.begin() + static_cast<std::ptrdiff_t>(begin));
   lists_[i] = {static_cast<Index>(begin), old.size, static_cast<Index>(capacity)};
 }
 
 void IncidencePool::compact_if_sparse() noexcept {
   if (data_.size() < kSmall || data_.size() / 2 <= used_) return;
-  std::vector<Index> data;
+  RawVector<Index> data;
   try {
     data.reserve(used_ + used_ / 8);
   } catch (const std::bad_alloc&) {

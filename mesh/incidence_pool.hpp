@@ -3,9 +3,13 @@
 
 #include <cstddef>
 #include <span>
-#include <vector>
 
+#include <volccd/mesh/detail/raw_vector.hpp>
 #include <volccd/mesh/types.hpp>
+
+namespace volccd {
+class Executor;
+}
 
 namespace volccd::detail {
 
@@ -21,29 +25,23 @@ class IncidencePool {
   std::size_t size() const { return lists_.size(); }
   std::span<const Index> operator[](std::size_t i) const { return {data_.data() + lists_[i].begin, lists_[i].size}; }
 
-  /// Replaces all lists by empty lists with the given capacities, to be filled with append().
-  void layout(std::span<const Index> capacities);
-  /// Replaces all lists by `lists` empty lists, with memory for `entries` entries in total, to be filled with
-  /// push_back().
-  void clear(std::size_t lists, std::size_t entries);
+  /// Replaces all lists by `lists` lists with `entries` entries in total, all of which are uninitialized. place() and
+  /// entries() must set each of them.
+  void allocate(std::size_t lists, std::size_t entries);
+  /// After allocate(): list i consists of `size` entries from `begin` on. Threads may place different lists.
+  void place(std::size_t i, std::size_t begin, std::size_t size) {
+    lists_[i] = {static_cast<Index>(begin), static_cast<Index>(size), static_cast<Index>(size)};
+  }
+  /// Replaces all lists by lists of these lengths, placed one after another; their entries are uninitialized.
+  void set_lengths(std::span<const Index> lengths, Executor& executor);
+  /// The entries of all lists, in the order in which these were placed, until the first change.
+  std::span<Index> entries() { return data_; }
+  std::span<const Index> entries() const { return data_; }
   /// Appends empty lists until there are n.
   void extend(std::size_t n) {
-    if (n > lists_.size()) lists_.resize(n);
+    if (n > lists_.size()) lists_.resize(n, List{0, 0, 0});
   }
 
-  /// Appends a value to list i. All lists after i must be empty. This is the fastest way to fill the lists one after
-  /// another.
-  void push_back(std::size_t i, Index value) {
-    if (lists_[i].capacity == 0) lists_[i].begin = static_cast<Index>(data_.size());
-    data_.push_back(value);
-    lists_[i].capacity = ++lists_[i].size;
-    ++used_;
-  }
-  /// Appends a value to list i, which must have free capacity.
-  void append(std::size_t i, Index value) {
-    data_[lists_[i].begin + lists_[i].size++] = value;
-    ++used_;
-  }
   /// Reserves memory for n lists and for `entries` more entries: the sum of room_for() over all lists that a change
   /// enlarges. Changes within this reserve do not throw.
   void reserve(std::size_t n, std::size_t entries);
@@ -64,12 +62,12 @@ class IncidencePool {
 
  private:
   struct List {
-    Index begin = 0, size = 0, capacity = 0;
+    Index begin, size, capacity;
   };
   void relocate(std::size_t i, std::size_t capacity);
 
-  std::vector<List> lists_;
-  std::vector<Index> data_;
+  RawVector<List> lists_;
+  RawVector<Index> data_;
   std::size_t used_ = 0;  ///< total length of all lists
 };
 

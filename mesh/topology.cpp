@@ -8,8 +8,10 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
+#include <volccd/core/executor.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/mesh/detail/check_element.hpp>
+#include <volccd/mesh/detail/chunks.hpp>
 #include <volccd/mesh/detail/feature_edit.hpp>
 
 namespace volccd {
@@ -19,6 +21,12 @@ namespace {
 std::uint64_t next_version() {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
+}
+
+/// An executor without state, hence safe to use from any thread.
+Executor& calling_thread() {
+  static SerialExecutor executor;
+  return executor;
 }
 
 [[noreturn]] void refuse(const char* dataset, std::size_t index, const std::string& problem) {
@@ -46,14 +54,15 @@ std::vector<Index> vertices_of(const Mesh& mesh, const TopologyEdit& edit) {
 
 }  // namespace
 
-Topology::Topology(Mesh mesh, EdgeSet edge_set)
+Topology::Topology(Mesh mesh, EdgeSet edge_set) : Topology(std::move(mesh), calling_thread(), edge_set) {}
+
+Topology::Topology(Mesh mesh, Executor& executor, EdgeSet edge_set)
     : mesh_(std::move(mesh)), features_(edge_set), version_(next_version()), base_version_(version_) {
-  features_.build(mesh_);
-  adjacency_.build(mesh_);
+  features_.build(mesh_, executor);
+  adjacency_.build(mesh_, executor);
   for (Index o = 0; o < mesh_.element_slots(); ++o)
     if (mesh_.is_live(o)) note_object(mesh_.object(o));
-  if (several_objects_)
-    for (Index v = 0; v < mesh_.vertex_count(); ++v) shared_vertices_ += is_shared(v);
+  if (several_objects_) shared_vertices_ = count_all_shared(executor);
 }
 
 const TopologyChange& Topology::apply(const TopologyEdit& edit) {
@@ -177,6 +186,16 @@ Index Topology::count_shared(std::span<const Index> vertices) const {
   for (Index v : vertices)
     if (v < features_.vertex_slots()) count += is_shared(v);
   return count;
+}
+
+Index Topology::count_all_shared(Executor& executor) const {
+  std::atomic<Index> all{0};
+  detail::Chunks(mesh_.vertex_count()).for_each(executor, [&](std::size_t, std::size_t begin, std::size_t end) {
+    Index count = 0;
+    for (Index v = static_cast<Index>(begin); v < end; ++v) count += is_shared(v);
+    all += count;
+  });
+  return all;
 }
 
 std::size_t Topology::bytes() const {

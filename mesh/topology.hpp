@@ -14,6 +14,8 @@
 
 namespace volccd {
 
+class Executor;
+
 /// Elements to remove, then vertices and elements to add, between two steps (Section 5.1: O' = O + A_s - A_t).
 struct TopologyEdit {
   std::vector<Index> removed;                ///< slots of live elements, each once
@@ -36,6 +38,8 @@ struct TopologyChange {
 class Topology {
  public:
   explicit Topology(Mesh mesh, EdgeSet edge_set = EdgeSet::triangulated);
+  /// The same topology, built by all workers of the executor, which is not stored. Expected time O(elements).
+  Topology(Mesh mesh, Executor& executor, EdgeSet edge_set = EdgeSet::triangulated);
 
   const Mesh& mesh() const { return mesh_; }
   const Features& features() const { return features_; }
@@ -69,6 +73,7 @@ class Topology {
   void note_object(std::int32_t object);
   bool makes_several(std::span<const ElementSpec> added) const;
   Index count_shared(std::span<const Index> vertices) const;
+  Index count_all_shared(Executor& executor) const;
 
   Mesh mesh_;
   Features features_;

@@ -147,7 +147,7 @@ class Detection {
   }
 
   void run_step(int k) {
-    stepper_.go_to(k);
+    stepper_.go_to(k, *executor_);
     if (k == range_.begin) options_.query.check(stepper_);
     const Step step{stepper_.topology(), stepper_.motion(), filter_, options_.query.separation_in(stepper_)};
     pipeline_.run(step, workspace_, *executor_, result_, request_);

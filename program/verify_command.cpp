@@ -231,7 +231,7 @@ class Verification {
   }
 
   void run_step(int k) {
-    stepper_.go_to(k);
+    stepper_.go_to(k, *executor_);
     if (k == range_.begin) options_.query.check(stepper_);
     const Mesh& mesh = stepper_.topology().mesh();
     std::vector<Contact> contacts;

@@ -60,7 +60,7 @@ bool same(const ElementSpec& spec, const Mesh& mesh, Index o) {
 }  // namespace
 
 ContactDetection::ContactDetection(const Topology& model, std::span<const double> thickness,
-                                   std::span<const Vec3> reference, Config config)
+                                   std::span<const Vec3> reference, Config config, Executor& executor)
     : model_(model),
       thickness_(thickness.begin(), thickness.end()),
       reference_(reference.begin(), reference.end()),
@@ -71,7 +71,7 @@ ContactDetection::ContactDetection(const Topology& model, std::span<const double
   for (const auto& [a, b] : config_.excluded) filter_.exclude(a, b);
   if (has_shells(model.mesh())) {
     thickener_.emplace(model.mesh());
-    solid_ = std::make_unique<Topology>(thickener_->solid_mesh(model.mesh()));
+    solid_ = std::make_unique<Topology>(thickener_->solid_mesh(model.mesh()), executor);
     // Otherwise edits would not have the same slots in both meshes.
     if (solid_->mesh().element_slots() != model.mesh().element_slots())
       throw InputError("model", "mesh", "a mesh with shells has empty element slots");

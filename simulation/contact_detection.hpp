@@ -44,9 +44,10 @@ class ContactDetection {
   };
 
   /// `model` must outlive this object, and follow() must be called after each change of it. `thickness`: by element
-  /// slot. `reference`: positions at rest, by vertex. Throws ConfigError for an invalid configuration.
+  /// slot. `reference`: positions at rest, by vertex. The executor builds the topology of thickened shells and is not
+  /// stored. Throws ConfigError for an invalid configuration.
   ContactDetection(const Topology& model, std::span<const double> thickness, std::span<const Vec3> reference,
-                   Config config);
+                   Config config, Executor& executor);
   ~ContactDetection();
 
   /// To be called after the edit has been applied to the model's topology. Removes the pairs of the last query.

@@ -43,7 +43,7 @@ Simulation::State::State(Model m, SimulationOptions o, Executor& e)
     : model((detail::check_model(m), std::move(m))),
       options((detail::check_options(o), std::move(o))),
       executor(e),
-      topology(model.mesh),
+      topology(std::in_place, model.mesh, e),
       solids(make_solid_forces(model)),
       shells(make_shell_forces(model)),
       pressure(model),
@@ -114,7 +114,7 @@ void Simulation::State::make_detection() {
     const bool prisms = std::any_of(h.begin(), h.end(), [](double t) { return t > 0; });
     config.least_margin = kLeastMargin * chosen;
     config.most_margin = (prisms ? kLeastMargin : kMostMargin) * chosen;
-    detection = std::make_unique<ContactDetection>(*topology, h, reference, config);
+    detection = std::make_unique<ContactDetection>(*topology, h, reference, config, executor);
   }
   contacts = std::make_unique<ContactResponse>(
       std::move(detection), model.parts, model.walls,

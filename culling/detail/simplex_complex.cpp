@@ -54,7 +54,7 @@ void SimplexComplex::append_fan(const Mesh& mesh, Index element, std::vector<Ele
   fans_[element] = {first_id, static_cast<int>(out.size() - before)};
 }
 
-void SimplexComplex::build(const Topology& topology) {
+void SimplexComplex::build(const Topology& topology, Executor& executor) {
   const Mesh& mesh = topology.mesh();
   bool simplices = true;
   for (Index o = 0; o < mesh.element_slots() && simplices; ++o)
@@ -69,7 +69,7 @@ void SimplexComplex::build(const Topology& topology) {
   Mesh complex;
   complex.add_vertices(mesh.vertex_ids());
   for (const ElementSpec& spec : specs) complex.add_element(spec);
-  own_ = std::make_unique<Topology>(std::move(complex));
+  own_ = std::make_unique<Topology>(std::move(complex), executor);
   const Features& features = own_->features();
   edges_.assign(features.edge_slots(), kNone);
   triangles_.assign(features.triangle_slots(), kNone);
@@ -106,7 +106,7 @@ void SimplexComplex::edit(const Topology& topology) {
     }
 }
 
-void SimplexComplex::update(const Topology& topology) {
+void SimplexComplex::update(const Topology& topology, Executor& executor) {
   const TopologyDelta::Extent changed = delta_.sync(topology);
   mesh_ = &topology;
   bool anew = changed == TopologyDelta::Extent::everything;
@@ -114,7 +114,7 @@ void SimplexComplex::update(const Topology& topology) {
     for (const Index o : delta_.changed_slots())
       anew = anew || (topology.mesh().is_live(o) && !is_simplex(topology.mesh().type(o)));
   if (anew)
-    build(topology);
+    build(topology, executor);
   else if (changed == TopologyDelta::Extent::edits && own_)
     edit(topology);
   delta_.confirm();

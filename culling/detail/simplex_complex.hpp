@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include <volccd/core/executor.hpp>
 #include <volccd/culling/assignment.hpp>
 #include <volccd/mesh/topology_delta.hpp>
 
@@ -21,8 +22,9 @@ namespace volccd::detail {
 /// A mesh of tetrahedra and triangles is its own complex and is not copied. Not thread-safe.
 class SimplexComplex {
  public:
-  /// Updates the complex for the topology. The time is proportional to the size of the change.
-  void update(const Topology& topology);
+  /// Updates the complex for the topology. The time is proportional to the size of the change. Where the complex is
+  /// built anew, all workers of the executor build its features.
+  void update(const Topology& topology, Executor& executor);
 
   /// The topology of the complex; its elements are the simplices.
   const Topology& topology() const { return own_ ? *own_ : *mesh_; }
@@ -40,7 +42,7 @@ class SimplexComplex {
     int count = 0;
   };
 
-  void build(const Topology& topology);
+  void build(const Topology& topology, Executor& executor);
   void edit(const Topology& topology);
   void append_fan(const Mesh& mesh, Index element, std::vector<ElementSpec>& out);
 

@@ -104,7 +104,7 @@ class Runner {
   }
 
   void go_to(int motion) {
-    stepper_->go_to(motion);
+    stepper_->go_to(motion, executor_);
     topology_ = &stepper_->topology();
     motion_ = stepper_->motion();
     if (run_.motion_scale != 1) scale(motion_);
@@ -122,7 +122,8 @@ class Runner {
     RefinedStep refined = refine(*topology_, motion_, run_.subdivisions,
                                  run_.config.shells == ShellModel::solid ? Division::in_plane : Division::everywhere);
     motion_ = std::move(refined.motion);
-    if (!refined_ || stepper_->topology().version() != refined_version_) refined_.emplace(std::move(refined.mesh));
+    if (!refined_ || stepper_->topology().version() != refined_version_)
+      refined_.emplace(std::move(refined.mesh), executor_);
     refined_version_ = stepper_->topology().version();
     topology_ = &*refined_;
   }

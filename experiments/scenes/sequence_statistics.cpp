@@ -84,7 +84,7 @@ std::vector<MotionStatistics> sequence_statistics(SequenceReader& reader, Execut
       motion.added = edit.added.size();
     }
     std::swap(before, cells);
-    stepper.go_to(k);
+    stepper.go_to(k, executor);
     const Topology& topology = stepper.topology();
     measure_motion(topology.features(), stepper.motion(), motion);
     pipeline.run(Step{topology, stepper.motion(), filter}, workspace, executor, result,

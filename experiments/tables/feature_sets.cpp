@@ -63,7 +63,7 @@ class Observer {
   }
 
   json motion(int k) {
-    stepper_.go_to(k);
+    stepper_.go_to(k, executor_);
     const Mesh& mesh = stepper_.topology().mesh();
     pipeline_.run({stepper_.topology(), stepper_.motion(), filter_}, workspace_, executor_, result_,
                   {Query::all, true});

@@ -88,7 +88,7 @@ void add_rows(const PlanContext& context, const TableScene& scene, MotionModel m
   StepResult result;
   for (int k = 0; k < stepper.motion_count(); ++k) {
     check();
-    stepper.go_to(k);
+    stepper.go_to(k, executor);
     const Step step{stepper.topology(), stepper.motion(), everything};
     pipeline.run(step, workspace, executor, result, request);
     rows.push_back({{"scene", scene.name},

@@ -50,7 +50,7 @@ class IncidenceEdit {
   void commit(std::size_t features) noexcept;
 
  private:
-  std::vector<Index>& first_;
+  RawVector<Index>& first_;
   ListEdit elements_;
   std::vector<First> new_firsts_;
 };
@@ -62,7 +62,7 @@ class TupleEdit {
  public:
   using Tuple = std::array<Index, N>;
 
-  TupleEdit(std::vector<Tuple>& tuples, TupleTable<N>& table, std::vector<Index>& free)
+  TupleEdit(RawVector<Tuple>& tuples, TupleTable<N>& table, std::vector<Index>& free)
       : tuples_(tuples), table_(table), free_(free) {}
   ~TupleEdit() {
     if (!kept_) undo();
@@ -82,7 +82,7 @@ class TupleEdit {
  private:
   void undo() noexcept;
 
-  std::vector<Tuple>& tuples_;
+  RawVector<Tuple>& tuples_;
   TupleTable<N>& table_;
   std::vector<Index>& free_;
   std::vector<Index> erased_slots_;
@@ -113,7 +113,7 @@ class FeatureEdit {
  private:
   template <std::size_t N>
   struct Kind {
-    Kind(std::vector<std::array<Index, N>>& all, TupleTable<N>& table, Incidence& incidence, std::vector<Index>& free,
+    Kind(RawVector<std::array<Index, N>>& all, TupleTable<N>& table, Incidence& incidence, std::vector<Index>& free,
          IncidencePool& by_element)
         : tuples(all, table, free), incident(incidence), own(incidence.own), of_element(by_element) {}
 

@@ -5,8 +5,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
+#include <volccd/mesh/detail/distribution.hpp>
+#include <volccd/mesh/detail/raw_vector.hpp>
 #include <volccd/mesh/types.hpp>
 
 namespace volccd::detail {
@@ -67,24 +71,63 @@ class SlotTable {
     if (!fits(size_ + n)) resize(places_for(std::max(size_ + n, size_ + size_ / 2 + 16)), hash_of);
   }
 
-  /// Reserves places for n slots in total.
+  /// Replaces the contents by the slots 0 .. n-1, whose keys are distinct. The table does not depend on the number of
+  /// threads. Each thread fills ranges of places, which fit into its cache.
   template <class HashOf>
-  void reserve(std::size_t n, HashOf&& hash_of) {
-    if (!fits(n)) resize(places_for(n), hash_of);
+  void fill(Index n, HashOf&& hash_of, Executor& executor) {
+    clear();
+    if (n == 0) return;
+    places_.resize(places_for(n));
+    size_ = n;
+    Distribution<Entry> entries(n, std::uint64_t{1} << 32, n, executor,
+                                [&](std::size_t, std::size_t begin, std::size_t end, auto&& add) {
+                                  for (std::size_t i = begin; i < end; ++i)
+                                    add(Entry{hash_of(static_cast<Index>(i)), static_cast<Index>(i)});
+                                });
+    std::vector<std::vector<Entry>> others(entries.ranges());
+    entries.for_each_range(executor, [&](std::size_t r, unsigned) {
+      others[r] = fill_places(entries[r], home(entries.first_key(r)), home(entries.first_key(r + 1)));
+    });
+    for (const std::vector<Entry>& list : others)
+      for (const Entry& entry : list) {
+        std::size_t i = home(entry.hash);
+        while (places_[i] != kNone) i = next(i);
+        places_[i] = entry.slot;
+      }
   }
 
  private:
+  struct Entry {
+    std::uint32_t hash;
+    Index slot;
+    std::uint32_t key() const { return hash; }
+  };
+
   bool fits(std::size_t n) const { return n * 2 <= places_.size(); }  // at most half full
   static std::size_t places_for(std::size_t n) { return 2 * n + n / 16 + 8; }
 
-  std::size_t home(std::uint32_t hash) const {
-    return static_cast<std::size_t>((std::uint64_t{hash} * places_.size()) >> 32);
-  }
+  std::size_t home(std::uint64_t hash) const { return static_cast<std::size_t>((hash * places_.size()) >> 32); }
   std::size_t next(std::size_t i) const { return i + 1 == places_.size() ? 0 : i + 1; }
+
+  /// Sets the places [begin, end) to the entries whose homes are among them and after which there is a free place.
+  /// Returns the other entries.
+  std::vector<Entry> fill_places(std::span<const Entry> entries, std::size_t begin, std::size_t end) {
+    std::fill(places_.data() + begin, places_.data() + end, kNone);
+    std::vector<Entry> others;
+    for (const Entry& entry : entries) {
+      std::size_t i = home(entry.hash);
+      while (i < end && places_[i] != kNone) ++i;
+      if (i < end)
+        places_[i] = entry.slot;
+      else
+        others.push_back(entry);
+    }
+    return others;
+  }
 
   template <class HashOf>
   void resize(std::size_t places, HashOf&& hash_of) {
-    std::vector<Index> old(places, kNone);
+    RawVector<Index> old(places, kNone);
     old.swap(places_);
     for (Index slot : old) {
       if (slot == kNone) continue;
@@ -94,7 +137,7 @@ class SlotTable {
     }
   }
 
-  std::vector<Index> places_;
+  RawVector<Index> places_;
   std::size_t size_ = 0;
 };
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <span>
 
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/detail/slot_table.hpp>
@@ -14,33 +15,29 @@ template <std::size_t N>
 requires(N == 2 || N == 3) class TupleTable {
  public:
   using Tuple = std::array<Index, N>;
-  using Tuples = std::vector<Tuple>;
+  using Tuples = std::span<const Tuple>;
 
-  Index find(const Tuple& tuple, const Tuples& tuples) const {
+  Index find(const Tuple& tuple, Tuples tuples) const {
     return table_.find(hash(tuple), [&](Index slot) { return same(tuples[slot], tuple); });
   }
 
   /// Slot of the tuple. If the tuple is not in the table, it gets `slot`, and the caller must store it at tuples[slot]
   /// before the next call.
-  Index find_or_insert(const Tuple& tuple, Index slot, const Tuples& tuples) {
+  Index find_or_insert(const Tuple& tuple, Index slot, Tuples tuples) {
     return table_.find_or_insert(
         hash(tuple), slot, [&](Index other) { return same(tuples[other], tuple); },
         [&](Index other) { return hash(tuples[other]); });
   }
 
   /// Removes a slot, which must be in the table.
-  void erase(Index slot, const Tuples& tuples) {
+  void erase(Index slot, Tuples tuples) {
     table_.erase(slot, [&](Index other) { return hash(tuples[other]); });
   }
 
-  /// Replaces the contents by all of `tuples`, which are distinct.
-  void fill(const Tuples& tuples) {
-    table_.clear();
-    const auto hash_of = [&](Index slot) { return hash(tuples[slot]); };
-    table_.reserve(tuples.size(), hash_of);
-    for (Index slot = 0; slot < tuples.size(); ++slot)
-      table_.find_or_insert(
-          hash_of(slot), slot, [](Index) { return false; }, hash_of);
+  /// Replaces the contents by all of `tuples`, which are distinct. The table does not depend on the number of threads.
+  void fill(Tuples tuples, Executor& executor) {
+    table_.fill(
+        static_cast<Index>(tuples.size()), [&](Index slot) { return hash(tuples[slot]); }, executor);
   }
 
   std::size_t size() const { return table_.size(); }

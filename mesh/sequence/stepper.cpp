@@ -5,6 +5,7 @@
 #include <string>
 
 #include <volccd/core/error.hpp>
+#include <volccd/core/executor.hpp>
 #include <volccd/mesh/sequence/detail/shell_solids.hpp>
 #include <volccd/mesh/shells.hpp>
 
@@ -45,6 +46,11 @@ SequenceStepper::SequenceStepper(SequenceReader& reader, Config config) : reader
 SequenceStepper::~SequenceStepper() = default;
 
 void SequenceStepper::go_to(int motion) {
+  SerialExecutor executor;
+  go_to(motion, executor);
+}
+
+void SequenceStepper::go_to(int motion, Executor& executor) {
   if (motion < 0 || motion >= motion_count())
     throw InputError(reader_.file(), "VTKHDF/Steps", motion,
                      "there is no such motion, the file has " + std::to_string(motion_count()));
@@ -65,7 +71,7 @@ void SequenceStepper::go_to(int motion) {
     solids_->set_steps(query ? motion + 1 : motion, cells_step(motion));
     without_normal = solids_->positions(x0, x1, solid0_, solid1_);
   }
-  set_topology(cells_step(motion));
+  set_topology(cells_step(motion), executor);
   if (solids_) {
     if (config_.motion == MotionModel::quadratic) set_solid_middle(x0, x1);
     set_motion(solid0_, solid1_, solid_middle_);
@@ -173,12 +179,12 @@ void SequenceStepper::read_cells(int step) {
   cells_step_ = step;
 }
 
-void SequenceStepper::set_topology(int step) {
+void SequenceStepper::set_topology(int step, Executor& executor) {
   const SequenceCells& cells = solids_ ? solids_->cells() : cells_;
   edit_seconds_ = 0;
   if (!topology_) {
     const std::span<const std::int64_t> ids = solids_ ? solids_->vertex_ids() : reader_.point_ids();
-    topology_.emplace(mesh_of(ids, cells), config_.edge_set);
+    topology_.emplace(mesh_of(ids, cells), executor, config_.edge_set);
   } else if (!reader_.same_cells(step, topology_step_)) {
     const TopologyEdit edit = edit_to(topology_->mesh(), cells);
     if (!edit.empty()) {

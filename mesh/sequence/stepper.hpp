@@ -15,6 +15,8 @@
 
 namespace volccd {
 
+class Executor;
+
 namespace detail {
 class ShellSolids;
 }
@@ -106,7 +108,9 @@ class SequenceStepper {
   /// Makes a motion the current one. Throws InputError if there is no such motion or its data are invalid, for example
   /// if a control point that is computed from velocities or three steps overflows for a vertex in use; then topology()
   /// and motion() are unchanged. Without reading, the time is proportional to the number of points and cells and to the
-  /// number of features of the changed cells.
+  /// number of features of the changed cells. The first call builds the topology: on all workers of the executor, or,
+  /// without an executor, on the calling thread. The result is the same.
+  void go_to(int motion, Executor& executor);
   void go_to(int motion);
 
   /// The motion of the last successful go_to(), or -1. The members below require one.
@@ -139,7 +143,7 @@ class SequenceStepper {
   void read_tentative(int motion);
   void mark_used(int step);
   void set_solid_middle(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1);
-  void set_topology(int step);
+  void set_topology(int step, Executor& executor);
   void set_motion(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1, const std::vector<Vec3>& middle);
 
   SequenceReader& reader_;

@@ -83,7 +83,7 @@ class Detector {
       shells_.emplace(std::move(mesh), std::vector<double>(values.begin(), values.end()));
       mesh = shells_->solids();
     }
-    topology_.emplace(std::move(mesh), edge_set);
+    topology_.emplace(std::move(mesh), runner_.executor(), edge_set);
   }
 
   std::shared_ptr<Result> step(const DoubleArray& points0, const DoubleArray& points1,

@@ -59,9 +59,9 @@ Sequence::Sequence(const std::string& file, const py::dict& options)
       config_(stepper_config(options)),
       stepper_(reader_.step_count() > 1 ? std::make_unique<SequenceStepper>(reader_, config_) : nullptr) {}
 
-void Sequence::go_to(int motion) {
+void Sequence::go_to(int motion, Executor& executor) {
   if (!stepper_) throw InputError(reader_.file(), "VTKHDF/Steps", "has one step only: no motion to look at");
-  stepper_->go_to(motion);
+  stepper_->go_to(motion, executor);
 }
 
 std::shared_ptr<Result> SequenceRunner::run(Sequence& sequence, int motion, const StepRequest& request,
@@ -69,7 +69,7 @@ std::shared_ptr<Result> SequenceRunner::run(Sequence& sequence, int motion, cons
   const BusyGuard guard(busy_, "run of a sequence");
   const BusyGuard sequence_guard(sequence.busy, "Sequence");
   const py::gil_scoped_release without_gil;
-  sequence.go_to(motion);
+  sequence.go_to(motion, runner_.executor());
   return runner_.run(sequence.stepper().topology(), sequence.stepper().motion(), request,
                      sequence.config().shells == ShellModel::solid && !neighbours);
 }

@@ -23,8 +23,8 @@ class Sequence {
   const SequenceStepper::Config& config() const { return config_; }
   /// The motion of the last go_to(), or -1.
   int motion() const { return stepper_ ? stepper_->current() : -1; }
-  /// Throws InputError if there is no such motion.
-  void go_to(int motion);
+  /// Throws InputError if there is no such motion. The executor builds the topology in the first call.
+  void go_to(int motion, Executor& executor);
 
   bool busy = false;  ///< BusyGuard
 

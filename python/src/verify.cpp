@@ -57,7 +57,7 @@ class Verification {
     StepVerdict verdict;
     {
       const py::gil_scoped_release without_gil;
-      sequence.go_to(motion);
+      sequence.go_to(motion, *executor_);
       const SequenceStepper& stepper = sequence.stepper();
       verdict = verifier_.check({stepper.topology(), stepper.motion(), filter_, separation_}, *executor_);
     }

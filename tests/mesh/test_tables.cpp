@@ -4,6 +4,7 @@
 #include <map>
 #include <set>
 
+#include <volccd/core/executor.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/detail/incidences.hpp>
 #include <volccd/mesh/detail/slot_table.hpp>
@@ -64,6 +65,28 @@ TEST(SlotTable, EqualsAMap) {
   }
 }
 
+TEST(SlotTableThreads, FillingEqualsInserting) {
+  using Hash = std::uint32_t (*)(Index);
+  const Hash hashes[] = {[](Index slot) { return static_cast<std::uint32_t>(mix(slot)); },
+                         [](Index slot) { return slot % 3 * 0x55555555u; },
+                         [](Index) { return ~0u; },  // every probe continues at the beginning
+                         [](Index slot) { return (slot % 7 << 28) - slot % 2; }};
+  const auto executor = make_thread_executor(3);
+  for (const Hash hash : hashes)
+    for (const Index n : {0u, 1u, 2u, 1000u, hash == hashes[0] ? 100000u : 3000u}) {
+      SlotTable table;
+      table.find_or_insert(
+          5, 7, [](Index) { return false; }, hash);
+      table.fill(n, hash, *executor);
+      ASSERT_EQ(table.size(), n);
+      for (Index slot = 0; slot < n; ++slot)
+        ASSERT_EQ(table.find(hash(slot), [&](Index other) { return other == slot; }), slot);
+      for (Index slot = 0; slot < n; slot += 2) table.erase(slot, hash);
+      for (Index slot = 0; slot < n; ++slot)
+        ASSERT_EQ(table.find(hash(slot), [&](Index other) { return other == slot; }), slot % 2 == 0 ? kNone : slot);
+    }
+}
+
 TEST(SlotTable, StaysSmall) {
   SlotTable table;
   const auto hash = [](Index slot) { return static_cast<std::uint32_t>(mix(slot) >> 32); };
@@ -106,11 +129,12 @@ TEST(IncidencePool, EqualsAVectorOfSets) {
     Random random(seed);
     const std::vector<Index> lengths = {3, 0, 7, 1};
     IncidencePool pool;
-    pool.layout(lengths);
+    SerialExecutor executor;
+    pool.set_lengths(lengths, executor);
     std::vector<std::set<Index>> reference(lengths.size());
-    for (std::size_t i = 0; i < lengths.size(); ++i)
+    for (std::size_t i = 0, at = 0; i < lengths.size(); ++i)
       for (Index k = 0; k < lengths[i]; ++k) {
-        pool.append(i, 10 * k);
+        pool.entries()[at++] = 10 * k;
         reference[i].insert(10 * k);
       }
     std::size_t most = 0;

@@ -156,9 +156,9 @@ TEST(ContactAtStart, FacesInTouchGetTheirNormalFromTheElements) {
   for (double lateral : {0.0, 0.03}) {
     const Model model = blocks({{}, {.at = Vec3(0.2, lateral, lateral)}});
     const Topology topology(model.mesh);
-    ContactDetection detection(topology, std::vector<double>(topology.mesh().element_slots(), 0.0), model.positions,
-                               {"VolCCD+", ContactFeatures::all, true, {}, 1e-3, 4e-3, 4e-3});
     SerialExecutor executor;
+    ContactDetection detection(topology, std::vector<double>(topology.mesh().element_slots(), 0.0), model.positions,
+                               {"VolCCD+", ContactFeatures::all, true, {}, 1e-3, 4e-3, 4e-3}, executor);
     std::vector<FoundContact> found;
     detection.query(model.positions, model.positions, {}, executor);
     detection.contacts(model.positions, model.positions, 1e-3, executor, found);
@@ -206,7 +206,7 @@ TEST(ContactAdjacent, TurningOverIsResistedAndTurningBackIsNot) {
   SerialExecutor executor;
   const auto verdict = [&](bool adjacent, std::span<const Vec3> x0, std::span<const Vec3> x1) {
     ContactDetection detection(topology, std::vector<double>(1, 0.0), shape.positions,
-                               {"VolCCD+", ContactFeatures::all, adjacent, {}, 0.01, 0.02, 0.02});
+                               {"VolCCD+", ContactFeatures::all, adjacent, {}, 0.01, 0.02, 0.02}, executor);
     std::vector<FoundContact> found;
     detection.query(x0, x1, {}, executor);
     detection.contacts(x0, x1, 0.01, executor, found);

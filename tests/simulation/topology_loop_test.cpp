@@ -122,12 +122,12 @@ struct Parted {
 
 std::size_t resisted(ContactFeatures features, bool vf, const Vec3& from, const Vec3& to) {
   Parted parted;
+  SerialExecutor executor;
   ContactDetection detection(parted.topology, std::vector<double>(2, 0.0), parted.shape.positions,
-                             {"VolCCD+", features, true, {}, 0.01, 0.05, 0.05});
+                             {"VolCCD+", features, true, {}, 0.01, 0.05, 0.05}, executor);
   parted.topology.apply(parted.edit);
   detection.follow(parted.edit, std::vector<double>(parted.topology.mesh().element_slots(), 0.0), parted.x,
                    parted.origins);
-  SerialExecutor executor;
   std::vector<FoundContact> found;
   const std::vector<Vec3> x0 = parted.moved(from), x1 = parted.moved(to);
   detection.query(x0, x1, {}, executor);
