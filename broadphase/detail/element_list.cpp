@@ -1,8 +1,14 @@
 #include <volccd/broadphase/detail/element_list.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace volccd::detail {
+
+namespace {
+/// Number of elements that one task lists.
+constexpr std::size_t kChunk = 4096;
+}  // namespace
 
 void ElementList::truncate(std::size_t size) {
   slots_.resize(size);
@@ -35,15 +41,50 @@ bool ElementList::replace_part(const Step& step, std::size_t position) {
   return true;
 }
 
-void ElementList::assign(const Step& step) {
+/// Calls body(start, i) for all i < count, ascending in each chunk, with the start of the chunk, which it may change.
+template <class Body>
+void ElementList::in_chunks(std::size_t count, Executor& executor, Body&& body) {
+  starts_.resize((count + kChunk - 1) / kChunk);
+  executor.parallel_for(starts_.size(), 1, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t c = begin; c < end; ++c) {
+      Start start = starts_[c];
+      for (std::size_t i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i) body(start, static_cast<Index>(i));
+      starts_[c] = start;
+    }
+  });
+}
+
+/// Replaces the sizes of all chunks by their starts, of which the first is given. Returns the end of the last one.
+ElementList::Start ElementList::add_up(Start next) {
+  for (Start& start : starts_) {
+    const Start size = std::exchange(start, next);
+    next = {next.elements + size.elements, next.vertices + size.vertices};
+  }
+  return next;
+}
+
+void ElementList::assign(const Step& step, Executor& executor) {
   const Mesh& mesh = step.mesh();
-  clear();
-  const std::size_t count = step.subset ? step.subset->size() : mesh.element_count();
-  slots_.reserve(count);
-  part_sizes_.reserve(count);
-  begins_.reserve(count + 1);
-  for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (step.takes_part(o)) append(step, o);
+  starts_.clear();
+  in_chunks(mesh.element_slots(), executor, [&](Start& size, Index o) {
+    if (!step.takes_part(o)) return;
+    ++size.elements;
+    size.vertices += mesh.vertices(o).size();
+  });
+  const Start end = add_up({0, 0});
+  slots_.resize(end.elements);
+  part_sizes_.resize(end.elements);
+  begins_.resize(end.elements + 1);
+  vertices_.resize(end.vertices);
+  in_chunks(mesh.element_slots(), executor, [&](Start& next, Index o) {
+    if (!step.takes_part(o)) return;
+    slots_[next.elements] = o;
+    begins_[next.elements] = next.vertices;
+    part_sizes_[next.elements] = put(step, o, vertices_.data() + next.vertices);
+    ++next.elements;
+    next.vertices += mesh.vertices(o).size();
+  });
+  begins_.back() = end.vertices;
 }
 
 void ElementList::update(const Step& step, std::span<const Index> touched) {
@@ -56,32 +97,39 @@ void ElementList::update(const Step& step, std::span<const Index> touched) {
   for (const Index slot : slots_scratch_) append(step, slot);
 }
 
-void ElementList::permute(std::size_t begin, std::span<const Index> order) {
-  const std::size_t end = begin + order.size(), base = begins_[begin];
-  slots_scratch_.assign(slots_.begin() + static_cast<std::ptrdiff_t>(begin),
-                        slots_.begin() + static_cast<std::ptrdiff_t>(end));
-  part_sizes_scratch_.assign(part_sizes_.begin() + static_cast<std::ptrdiff_t>(begin),
-                             part_sizes_.begin() + static_cast<std::ptrdiff_t>(end));
-  begins_scratch_.assign(begins_.begin() + static_cast<std::ptrdiff_t>(begin),
-                         begins_.begin() + static_cast<std::ptrdiff_t>(end) + 1);
-  vertices_scratch_.assign(vertices_.begin() + static_cast<std::ptrdiff_t>(base),
-                           vertices_.begin() + static_cast<std::ptrdiff_t>(begins_[end]));
-  std::size_t next = base;
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    const std::size_t from = order[i] - begin;
+void ElementList::permute(std::size_t begin, std::span<const Index> order, Executor& executor) {
+  const std::size_t count = order.size(), base = begins_[begin];
+  slots_scratch_.resize(count);
+  part_sizes_scratch_.resize(count);
+  begins_scratch_.resize(count + 1);
+  vertices_scratch_.resize(begins_[begin + count] - base);
+  starts_.clear();
+  in_chunks(count, executor, [&](Start& size, Index i) {
+    slots_scratch_[i] = slots_[begin + i];
+    part_sizes_scratch_[i] = part_sizes_[begin + i];
+    begins_scratch_[i] = begins_[begin + i];
+    const std::span<const Index> listed = vertices(begin + i);
+    std::copy(listed.begin(), listed.end(), vertices_scratch_.data() + (begins_scratch_[i] - base));
+    size.vertices += vertices(order[i]).size();
+  });
+  begins_scratch_[count] = begins_[begin + count];
+  add_up({0, base});
+  in_chunks(count, executor, [&](Start& next, Index i) {
+    const std::size_t from = order[i] - begin, size = begins_scratch_[from + 1] - begins_scratch_[from];
     slots_[begin + i] = slots_scratch_[from];
     part_sizes_[begin + i] = part_sizes_scratch_[from];
-    begins_[begin + i] = next;
-    for (std::size_t v = begins_scratch_[from]; v < begins_scratch_[from + 1]; ++v)
-      vertices_[next++] = vertices_scratch_[v - base];
-  }
+    begins_[begin + i] = next.vertices;
+    std::copy_n(vertices_scratch_.data() + (begins_scratch_[from] - base), size, vertices_.data() + next.vertices);
+    next.vertices += size;
+  });
 }
 
 std::size_t ElementList::bytes() const {
   return (slots_.capacity() + part_sizes_.capacity() + vertices_.capacity() + slots_scratch_.capacity() +
           part_sizes_scratch_.capacity() + vertices_scratch_.capacity()) *
              sizeof(Index) +
-         (begins_.capacity() + begins_scratch_.capacity()) * sizeof(std::size_t);
+         (begins_.capacity() + begins_scratch_.capacity()) * sizeof(std::size_t) +
+         starts_.capacity() * sizeof(Start);
 }
 
 }  // namespace volccd::detail

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include <volccd/core/executor.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::detail {
@@ -16,7 +17,7 @@ class ElementList {
   void truncate(std::size_t size);
   void append(const Step& step, Index slot);
   /// Sets the list to all elements that take part in the step, in ascending order of slots.
-  void assign(const Step& step);
+  void assign(const Step& step, Executor& executor);
   /// Removes the slots `touched` (ascending) and appends those whose element takes part in the step.
   void update(const Step& step, std::span<const Index> touched);
 
@@ -41,7 +42,7 @@ class ElementList {
 
   /// Reorders the positions [begin, begin + order.size()): position begin + i gets the former contents of position
   /// order[i].
-  void permute(std::size_t begin, std::span<const Index> order);
+  void permute(std::size_t begin, std::span<const Index> order, Executor& executor);
 
   std::size_t bytes() const;
 
@@ -49,12 +50,21 @@ class ElementList {
   /// Writes the vertices of an element to `out`, those of its part first. Returns the number of these.
   static Index put(const Step& step, Index slot, Index* out);
 
+  /// Where a chunk of elements begins in slots_ and in vertices_; while it is counted, its size there.
+  struct Start {
+    std::size_t elements, vertices;
+  };
+  template <class Body>
+  void in_chunks(std::size_t count, Executor& executor, Body&& body);
+  Start add_up(Start first);
+
   std::vector<Index> slots_;
   std::vector<std::size_t> begins_{0};
   std::vector<Index> part_sizes_;
   std::vector<Index> vertices_;
   std::vector<Index> slots_scratch_, part_sizes_scratch_, vertices_scratch_;
   std::vector<std::size_t> begins_scratch_;
+  std::vector<Start> starts_;
 };
 
 }  // namespace volccd::detail
