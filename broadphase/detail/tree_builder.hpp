@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include <volccd/broadphase/detail/build_kernels.hpp>
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/broadphase/detail/swept_bounds.hpp>
 #include <volccd/core/executor.hpp>
@@ -25,9 +26,6 @@ inline Index tree_nodes(Index elements, Index leaf_size) { return 2 * ((elements
 /// Makes subtrees. The object is kept for its memory, and for the order that a build leaves.
 class TreeBuilder {
  public:
-  TreeBuilder();
-  ~TreeBuilder();
-
   struct Subtree {
     Index node, begin, end;  ///< its root, and the positions of its elements in the list, of which there is at least one
     int depth;               ///< of its root
@@ -45,9 +43,12 @@ class TreeBuilder {
   std::size_t bytes() const;
 
  private:
-  struct Item;
-  struct Chunk;
-  struct Bins;
+  /// A part of a range, and what one thread finds out about it.
+  struct Chunk {
+    BuildBox keys;
+    BuildBins::Contents bins;
+    std::array<Index, 3> places;  ///< where the first of its items goes in each of the three parts of partition()
+  };
   /// A node to be made, of items that are now in items_[side].
   struct Range {
     Index node, begin, end;
@@ -58,14 +59,14 @@ class TreeBuilder {
   int build_range(Range range, Chunk& chunk, TreeNode* nodes);
   Range split(Range& range, std::span<Chunk> chunks, TreeNode* nodes, Executor& executor);
   Index split_at_median(const Range& range, std::size_t axis);
-  Index split_bins(const Range& range, const Bins& bins, std::span<Chunk> chunks, Executor& executor);
-  void partition(const Range& range, const Bins& bins, std::size_t axis, Index middle, std::span<Chunk> chunks,
+  Index split_bins(const Range& range, const BuildBins& bins, std::span<Chunk> chunks, Executor& executor);
+  void partition(const Range& range, const BuildBins& bins, std::size_t axis, Index middle, std::span<Chunk> chunks,
                  Executor& executor);
   template <class Body>
   void in_chunks(const Range& range, std::span<Chunk> chunks, Executor& executor, Body&& body);
 
   Index leaf_size_ = 1, offset_ = 0;
-  std::array<std::unique_ptr<Item[]>, 2> items_;
+  std::array<std::unique_ptr<BuildItem[]>, 2> items_;
   std::size_t capacity_ = 0;
   std::vector<Index> order_;
   std::vector<Range> tasks_;
