@@ -19,8 +19,11 @@ void ElementList::truncate(std::size_t size) {
 
 Index ElementList::put(const Step& step, Index slot, Index* out) {
   const std::span<const Index> vertices = step.mesh().vertices(slot), part = step.part(slot);
-  const bool whole = part.data() == vertices.data();
-  const auto in_part = [&](Index v) { return whole || std::find(part.begin(), part.end(), v) != part.end(); };
+  if (part.data() == vertices.data()) {  // the whole element
+    for (const Index v : vertices) *out++ = v;
+    return static_cast<Index>(vertices.size());
+  }
+  const auto in_part = [&](Index v) { return std::find(part.begin(), part.end(), v) != part.end(); };
   Index* const rest = std::copy_if(vertices.begin(), vertices.end(), out, in_part);
   std::copy_if(vertices.begin(), vertices.end(), rest, [&](Index v) { return !in_part(v); });
   return static_cast<Index>(rest - out);
@@ -108,19 +111,18 @@ void ElementList::permute(std::size_t begin, std::span<const Index> order, Execu
     slots_scratch_[i] = slots_[begin + i];
     part_sizes_scratch_[i] = part_sizes_[begin + i];
     begins_scratch_[i] = begins_[begin + i];
-    const std::span<const Index> listed = vertices(begin + i);
-    std::copy(listed.begin(), listed.end(), vertices_scratch_.data() + (begins_scratch_[i] - base));
+    for (std::size_t v = begins_[begin + i]; v < begins_[begin + i + 1]; ++v) vertices_scratch_[v - base] = vertices_[v];
     size.vertices += vertices(order[i]).size();
   });
   begins_scratch_[count] = begins_[begin + count];
   add_up({0, base});
   in_chunks(count, executor, [&](Start& next, Index i) {
-    const std::size_t from = order[i] - begin, size = begins_scratch_[from + 1] - begins_scratch_[from];
+    const std::size_t from = order[i] - begin;
     slots_[begin + i] = slots_scratch_[from];
     part_sizes_[begin + i] = part_sizes_scratch_[from];
     begins_[begin + i] = next.vertices;
-    std::copy_n(vertices_scratch_.data() + (begins_scratch_[from] - base), size, vertices_.data() + next.vertices);
-    next.vertices += size;
+    for (std::size_t v = begins_scratch_[from]; v < begins_scratch_[from + 1]; ++v)
+      vertices_[next.vertices++] = vertices_scratch_[v - base];
   });
 }
 

@@ -176,10 +176,10 @@ Index TreeBuilder::split_bins(const Range& range, const BuildBins& bins, std::sp
   std::array<BuildBins::Bin, kBins> sums;
   for (std::size_t c = 0; c < 3; ++c) {
     if (bins.scale[c] == 0) continue;
-    sums = chunks[0].bins[c];
+    if (chunks.size() > 1) sums = chunks[0].bins[c];
     for (const Chunk& chunk : chunks.subspan(1))
       for (std::size_t b = 0; b < kBins; ++b) add(sums[b], chunk.bins[c][b]);
-    sweep_bins(sums, c, leaf_size_, best);
+    sweep_bins(chunks.size() > 1 ? sums : chunks[0].bins[c], c, leaf_size_, best);
   }
   const Index least = std::max<Index>(1, leaves / 8);
   const Index middle = range.begin + std::clamp(best.left_leaves, least, leaves - least) * leaf_size_;
