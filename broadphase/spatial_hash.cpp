@@ -68,7 +68,8 @@ void list_in_space(const Step& step, SpatialHashState& state, Executor& executor
   std::sort(codes.begin(), codes.end());
   std::vector<Index> order(count);
   for (std::size_t p = 0; p < count; ++p) order[p] = codes[p].second;
-  state.list.permute(0, order, executor);
+  detail::ElementList::Scratch scratch;
+  state.list.permute(0, order, scratch, executor);
 }
 
 }  // namespace

@@ -61,7 +61,8 @@ void fill_bins_kernel(std::span<const BuildItem> items, const BuildBins& bins, B
     std::int32_t at[4];
     for (std::size_t c = 0; c < 4; c += hn::Lanes(d)) {
       const auto key = hn::Sub(hn::LoadU(d, ends + c), hn::LoadU(d, ends + 4 + c));
-      const auto place = hn::Mul(hn::Sub(key, hn::LoadU(d, bins.first.data() + c)), hn::LoadU(d, bins.scale.data() + c));
+      const auto place =
+          hn::Mul(hn::Sub(key, hn::LoadU(d, bins.first.data() + c)), hn::LoadU(d, bins.scale.data() + c));
       hn::StoreU(hn::ConvertTo(di, hn::Min(place, hn::Set(d, BuildBins::kCount - 1.0f))), di, at + c);
     }
     for (std::size_t axis = 0; axis < 3; ++axis) {

@@ -68,12 +68,11 @@ struct BuildBins {
   }
 };
 
-/// Sets out[i] to the element at position begin + i of the list; gaps get the box of a live element, or 0 if there is
-/// none.
+/// Sets out[i] to the element at position begin + i of the list, with the box `gap` for a gap.
 void make_items(const ElementList& list, const BoundsTable& vertices, Index begin, Index end, const BuildBox& gap,
                 BuildItem* out);
 
-/// The range of the keys of items along each axis.
+/// The range of the keys of items along each axis, for at least one item.
 BuildBox range_of_keys(std::span<const BuildItem> items);
 
 /// Sets `contents` to the bins of these items.

@@ -13,6 +13,19 @@ namespace volccd::detail {
 /// Positions 0 .. size()-1 contain element slots, or kNone for the gap that a removed element left.
 class ElementList {
  public:
+  /// Where a chunk of elements begins in the list and in its vertices; while it is counted, its size there.
+  struct Start {
+    std::size_t elements, vertices;
+  };
+  /// Memory of permute(), which its caller keeps from call to call.
+  struct Scratch {
+    std::vector<Index> slots, part_sizes, vertices;
+    std::vector<std::size_t> begins;
+    std::vector<Start> starts;
+
+    std::size_t bytes() const;
+  };
+
   void clear() { truncate(0); }
   void truncate(std::size_t size);
   void append(const Step& step, Index slot);
@@ -41,8 +54,8 @@ class ElementList {
   void make_gap(std::size_t position) { slots_[position] = kNone; }
 
   /// Reorders the positions [begin, begin + order.size()): position begin + i gets the former contents of position
-  /// order[i].
-  void permute(std::size_t begin, std::span<const Index> order, Executor& executor);
+  /// order[i]. Disjoint ranges may be reordered at the same time, each with its own scratch memory.
+  void permute(std::size_t begin, std::span<const Index> order, Scratch& scratch, Executor& executor);
 
   std::size_t bytes() const;
 
@@ -50,21 +63,11 @@ class ElementList {
   /// Writes the vertices of an element to `out`, those of its part first. Returns the number of these.
   static Index put(const Step& step, Index slot, Index* out);
 
-  /// Where a chunk of elements begins in slots_ and in vertices_; while it is counted, its size there.
-  struct Start {
-    std::size_t elements, vertices;
-  };
-  template <class Body>
-  void in_chunks(std::size_t count, Executor& executor, Body&& body);
-  Start add_up(Start first);
-
   std::vector<Index> slots_;
   std::vector<std::size_t> begins_{0};
   std::vector<Index> part_sizes_;
   std::vector<Index> vertices_;
-  std::vector<Index> slots_scratch_, part_sizes_scratch_, vertices_scratch_;
-  std::vector<std::size_t> begins_scratch_;
-  std::vector<Start> starts_;
+  Scratch scratch_;
 };
 
 }  // namespace volccd::detail

@@ -35,7 +35,7 @@ void KdopTree::build(const Step& step, int leaf_size, const BoundsTable& vertice
   node_bounds_.resize(nodes_.size(), vertices.width());
   if (count > 0) {
     roots_.push_back(0);
-    build_subtree({0, 0, count, 0}, vertices, executor);
+    depth_ = build_subtree({0, 0, count, 0}, vertices, scratch_[0], executor);
   }
   costs_.resize(nodes_.size());
   built_ratios_.resize(nodes_.size());
@@ -76,21 +76,25 @@ bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const B
   built_ratios_.resize(nodes_.size());
   if (end > built_elements_) {
     roots_.push_back(first);
-    build_subtree({first, built_elements_, end, 0}, vertices, executor);
+    const int depth = build_subtree({first, built_elements_, end, 0}, vertices, scratch_[0], executor);
+    depth_ = std::max(depth_, depth);
   }
   find_blocks();
   make_lanes(executor);
   return true;
 }
 
-/// Makes the nodes of a subtree, and reorders the list accordingly.
-void KdopTree::build_subtree(const TreeBuilder::Subtree& subtree, const BoundsTable& vertices, Executor& executor) {
-  depth_ = std::max(depth_, builder_.build(list_, vertices, subtree, leaf_size_, nodes_.data(), executor));
-  list_.permute(subtree.begin, builder_.order(), executor);
-  executor.parallel_for(subtree.end - subtree.begin, kElementsPerTask, [&](std::size_t begin, std::size_t end, unsigned) {
-    for (std::size_t p = subtree.begin + begin; p < subtree.begin + end; ++p)
+/// Makes the nodes of a subtree, and reorders the list accordingly. Returns the depth of the deepest leaf.
+int KdopTree::build_subtree(const TreeBuilder::Subtree& subtree, const BoundsTable& vertices, BuildScratch& scratch,
+                            Executor& executor) {
+  const int depth = scratch.builder.build(list_, vertices, subtree, leaf_size_, nodes_.data(), executor);
+  list_.permute(subtree.begin, scratch.builder.order(), scratch.list, executor);
+  const Index offset = subtree.begin, count = subtree.end - offset;
+  executor.parallel_for(count, kElementsPerTask, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t p = offset + begin; p < offset + end; ++p)
       if (list_.slot(p) != kNone) positions_[list_.slot(p)] = static_cast<Index>(p);
   });
+  return depth;
 }
 
 LeafLanes KdopTree::lanes() const {
@@ -176,11 +180,20 @@ void KdopTree::collect_degraded(Index node, double degradation) {
     const bool large = nodes_[culprit].end - nodes_[culprit].begin >= kLeastRestructured;
     if (large && degraded(culprit) && excess(culprit) >= 0.75 * excess(node))
       return collect_degraded(culprit, degradation);
-    degraded_.push_back(node);
+    degraded_.push_back({node, 0});
     return;
   }
   collect_degraded(node + 1, degradation);
   collect_degraded(n.right, degradation);
+}
+
+void KdopTree::rebuild(Degraded& degraded, const BoundsTable& vertices, BuildScratch& scratch, Executor& executor) {
+  const Index node = degraded.node, begin = nodes_[node].begin, end = nodes_[node].end;
+  degraded.depth = build_subtree({node, begin, end, depth_of(node)}, vertices, scratch, executor);
+  fill_lanes(begin, end, executor);
+  const RefitArrays arrays{nodes_.data(), &list_, &vertices, &node_bounds_, &element_bounds_, costs_.data()};
+  refit_range(arrays, node, node + nodes_of(end - begin));
+  note_costs(node);
 }
 
 std::size_t KdopTree::restructure(double degradation, const BoundsTable& vertices, Executor& executor) {
@@ -188,16 +201,23 @@ std::size_t KdopTree::restructure(double degradation, const BoundsTable& vertice
   degraded_.clear();
   collect_degraded(0, degradation);
   if (degraded_.empty()) return 0;
-  const RefitArrays arrays{nodes_.data(), &list_, &vertices, &node_bounds_, &element_bounds_, costs_.data()};
+  if (scratch_.size() < executor.workers()) scratch_.resize(executor.workers());
+  // All threads rebuild a large subtree together, and one thread a small one.
+  const auto size = [&](const Degraded& d) { return nodes_[d.node].end - nodes_[d.node].begin; };
+  const auto small =
+      std::partition(degraded_.begin(), degraded_.end(), [&](const Degraded& d) { return size(d) > kElementsPerTask; });
+  for (auto d = degraded_.begin(); d != small; ++d) rebuild(*d, vertices, scratch_[0], executor);
+  const auto count = static_cast<std::size_t>(degraded_.end() - small);
+  executor.parallel_for(count, 1, [&](std::size_t first, std::size_t last, unsigned worker) {
+    SerialExecutor serial;
+    for (std::size_t i = first; i < last; ++i)
+      rebuild(small[static_cast<std::ptrdiff_t>(i)], vertices, scratch_[worker], serial);
+  });
   std::size_t elements = 0;
-  for (const Index node : degraded_) {
-    const Index begin = nodes_[node].begin, end = nodes_[node].end;
-    elements += end - begin;
-    build_subtree({node, begin, end, depth_of(node)}, vertices, executor);
-    adjacent_leaves_.forget(begin, end);
-    fill_lanes(begin, end, executor);
-    refit_range(arrays, node, node + nodes_of(end - begin));
-    note_costs(node);
+  for (const Degraded& d : degraded_) {
+    adjacent_leaves_.forget(nodes_[d.node].begin, nodes_[d.node].end);
+    depth_ = std::max(depth_, d.depth);
+    elements += size(d);
   }
   find_blocks();
   return elements;
@@ -224,11 +244,13 @@ void KdopTree::set_keys(const FilterKeys& keys) {
 }
 
 std::size_t KdopTree::bytes() const {
-  return list_.bytes() + nodes_.capacity() * sizeof(TreeNode) + costs_.capacity() * sizeof(TreeCost) +
+  std::size_t scratch = 0;
+  for (const BuildScratch& s : scratch_) scratch += s.builder.bytes() + s.list.bytes();
+  return scratch + list_.bytes() + nodes_.capacity() * sizeof(TreeNode) + costs_.capacity() * sizeof(TreeCost) +
          built_ratios_.capacity() * sizeof(float) + node_bounds_.bytes() + element_bounds_.bytes() +
          (positions_.capacity() + lanes_.capacity() + blocks_.capacity() + upper_.capacity() + added_.capacity()) *
              sizeof(Index) +
-         builder_.bytes() + adjacent_leaves_.bytes();
+         adjacent_leaves_.bytes();
 }
 
 }  // namespace volccd::detail

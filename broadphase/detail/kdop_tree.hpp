@@ -79,7 +79,19 @@ class KdopTree {
 
  private:
   Index nodes_of(Index elements) const { return tree_nodes(elements, leaf_size_); }
-  void build_subtree(const TreeBuilder::Subtree& subtree, const BoundsTable& vertices, Executor& executor);
+  /// Scratch memory for building a subtree.
+  struct BuildScratch {
+    TreeBuilder builder;
+    ElementList::Scratch list;
+  };
+  /// A subtree to be rebuilt, and then the depth of its deepest leaf.
+  struct Degraded {
+    Index node;
+    int depth;
+  };
+  int build_subtree(const TreeBuilder::Subtree& subtree, const BoundsTable& vertices, BuildScratch& scratch,
+                    Executor& executor);
+  void rebuild(Degraded& degraded, const BoundsTable& vertices, BuildScratch& scratch, Executor& executor);
   void find_blocks();
   void fill_lanes(std::size_t begin, std::size_t end, Executor& executor);
   void make_lanes(Executor& executor);
@@ -105,8 +117,9 @@ class KdopTree {
   std::vector<Index> upper_;      ///< the nodes above `blocks_`, in preorder
   AdjacentLeaves adjacent_leaves_;
   // Scratch memory.
-  TreeBuilder builder_;
-  std::vector<Index> added_, degraded_;
+  std::vector<Index> added_;
+  std::vector<Degraded> degraded_;
+  std::vector<BuildScratch> scratch_{1};  ///< by worker
 };
 
 }  // namespace volccd::detail

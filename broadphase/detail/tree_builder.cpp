@@ -96,7 +96,8 @@ void TreeBuilder::gather(const ElementList& list, const BoundsTable& vertices, c
 int TreeBuilder::build_range(Range range, Chunk& chunk, TreeNode* nodes) {
   if (range.end - range.begin <= leaf_size_) {
     nodes[range.node] = {offset_ + range.begin, offset_ + range.end, 0, FilterKeys::kMixed};
-    for (Index i = range.begin; i < range.end; ++i) order_[i] = items_[static_cast<std::size_t>(range.side)][i].position;
+    for (Index i = range.begin; i < range.end; ++i)
+      order_[i] = items_[static_cast<std::size_t>(range.side)][i].position;
     return range.depth;
   }
   SerialExecutor serial;

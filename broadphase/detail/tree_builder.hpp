@@ -26,14 +26,15 @@ inline Index tree_nodes(Index elements, Index leaf_size) { return 2 * ((elements
 /// Makes subtrees. The object is kept for its memory, and for the order that a build leaves.
 class TreeBuilder {
  public:
+  /// A root, the positions [begin, end) of its elements, begin < end, and its depth.
   struct Subtree {
-    Index node, begin, end;  ///< its root, and the positions of its elements in the list, of which there is at least one
-    int depth;               ///< of its root
+    Index node, begin, end;
+    int depth;
   };
 
   /// Writes the nodes of a subtree, in preorder, to nodes[subtree.node] and after it, and sets order(). The elements
   /// are divided by their bounds along x, y and z, gaps by those of another element. Returns the depth of the deepest
-  /// leaf. The result does not depend on the number of threads. Pre: subtrees have been made with this leaf size alone.
+  /// leaf. The result does not depend on the number of threads.
   int build(const ElementList& list, const BoundsTable& vertices, const Subtree& subtree, Index leaf_size,
             TreeNode* nodes, Executor& executor);
 
