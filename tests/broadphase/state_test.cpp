@@ -216,11 +216,11 @@ Shape bricks(int side) {
   return shape;
 }
 
-/// Exchanges the positions of bricks at random: of all bricks, or of those whose number is below `end`.
-void exchange(std::vector<Vec3>& positions, std::size_t end, std::mt19937_64& random) {
-  for (std::size_t i = 1; i < end; ++i) {
+/// Exchanges the positions of the bricks `first` <= i < `end` at random.
+void exchange(std::vector<Vec3>& positions, std::size_t first, std::size_t end, std::mt19937_64& random) {
+  for (std::size_t i = first + 1; i < end; ++i) {
     const auto a = positions.begin() + static_cast<std::ptrdiff_t>(27 * i);
-    std::swap_ranges(a, a + 27, positions.begin() + static_cast<std::ptrdiff_t>(27 * (random() % i)));
+    std::swap_ranges(a, a + 27, positions.begin() + static_cast<std::ptrdiff_t>(27 * (first + random() % (i - first))));
   }
 }
 
@@ -253,7 +253,7 @@ void expect_tree_follows_edits_of_many(int side, int steps, std::size_t addition
             << "step " << step;
       }
       if (step == steps) break;
-      exchange(at, step == 2 ? number : number / 8, random);
+      exchange(at, 0, step == 2 ? number : number / 8, random);
       const double c = 2 * side * (0.2 + 0.6 * step / steps);
       scene.topology->apply(
           edit_of_many(*scene.topology, at, Vec3(c, side, side * 0.7), 1.7, stride, additions, next_id));
@@ -292,7 +292,7 @@ TEST(AdjacentPairs, AreThoseOfTheMeshAfterPartsOfTheTreeAreRebuilt) {
     scene.motion = Motion::linear(at, jittered(at, 0.3, static_cast<std::uint64_t>(step)));
     EXPECT_EQ(run(phase, scene.step(), *state, PairRange::nonadjacent, executor),
               run_fresh(slow, scene.step(), PairRange::nonadjacent));
-    exchange(at, moving, random);
+    exchange(at, 0, moving, random);
   }
   EXPECT_EQ(KdopBvh::counters(*state).builds, 1u);
   EXPECT_GT(KdopBvh::counters(*state).restructured_elements, 0u);
@@ -433,7 +433,7 @@ TEST(TreeThreads, AnyNumberMakesTheSameTree) {
   }
   std::mt19937_64 random(4);
   std::int64_t next_id = 10000000;
-  for (int step = 0; step < 3; ++step) {
+  for (int step = 0; step < 4; ++step) {
     scene.motion = Motion::linear(at, jittered(at, 0.1, static_cast<std::uint64_t>(step)));
     std::vector<Pairs> pairs(states.size());
     for (std::size_t i = 0; i < states.size(); ++i) {
@@ -445,8 +445,11 @@ TEST(TreeThreads, AnyNumberMakesTheSameTree) {
       EXPECT_TRUE(pairs[i] == pairs[0]) << executors[i]->workers() << " threads, step " << step;
     }
     EXPECT_GT(pairs[0].size(), 10000u);
-    exchange(at, 200, random);
-    scene.topology->apply(edit_of_many(*scene.topology, at, Vec3(7, 7, 6), 3, step == 1 ? 3 : 997, 300, next_id));
+    if (step == 0)  // first several small subtrees degrade, and then a large one
+      for (std::size_t first = 0; first < 340; first += 21) exchange(at, first, first + 3, random);
+    else
+      exchange(at, 0, 200, random);
+    scene.topology->apply(edit_of_many(*scene.topology, at, Vec3(7, 7, 6), 3, step == 2 ? 3 : 997, 100, next_id));
   }
   EXPECT_EQ(KdopBvh::counters(*states[0]).builds, 2u);
   EXPECT_GT(KdopBvh::counters(*states[0]).restructured_elements, 4096u);
