@@ -41,7 +41,7 @@ std::unique_ptr<StageState> BruteForce::make_state() const { return std::make_un
 void BruteForce::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   BruteForceState& state = static_cast<BruteForceState&>(stage_state);
   const bool changed = state.delta.sync(step) != ElementDelta::Extent::none;
-  if (changed) state.list.assign(step);
+  if (changed) state.list.assign(step, executor);
   state.keys.update(step, changed);
   if (config_.bounds == Bounds::aabb) state.boxes.update(step, state.list, executor);
   state.delta.confirm();

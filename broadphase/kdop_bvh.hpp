@@ -20,7 +20,7 @@ namespace volccd {
 /// run(): tests the tree against itself, starting from a list of node pairs that does not depend on the number of
 /// workers. The first query without adjacent pairs after a build makes a table of them, which stays valid for elements
 /// that are neither added nor in rebuilt subtrees; the vertices of other elements are compared pair by pair. Memory:
-/// about 270 bytes per element for k = 16 and tetrahedra, and 55 to 70 for the table. Bounds cover [0, 1] for every
+/// about 280 bytes per element for k = 16 and tetrahedra, and 55 to 70 for the table. Bounds cover [0, 1] for every
 /// t_max.
 class KdopBvh final : public BroadPhase {
  public:

@@ -47,8 +47,8 @@ std::uint64_t spread(std::uint64_t x) {
 
 /// Lists the elements in the order of a Morton curve through their first vertices, so that elements that share cells
 /// are close in memory. The order affects only speed; therefore it is not updated afterwards.
-void list_in_space(const Step& step, SpatialHashState& state) {
-  state.list.assign(step);
+void list_in_space(const Step& step, SpatialHashState& state, Executor& executor) {
+  state.list.assign(step, executor);
   const std::size_t count = state.list.size();
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
   for (Index v = 0; v < step.motion.vertex_count(); ++v) {
@@ -68,7 +68,8 @@ void list_in_space(const Step& step, SpatialHashState& state) {
   std::sort(codes.begin(), codes.end());
   std::vector<Index> order(count);
   for (std::size_t p = 0; p < count; ++p) order[p] = codes[p].second;
-  state.list.permute(0, order);
+  detail::ElementList::Scratch scratch;
+  state.list.permute(0, order, scratch, executor);
 }
 
 }  // namespace
@@ -93,7 +94,7 @@ void SpatialHash::prepare(const Step& step, StageState& stage_state, Executor& e
   SpatialHashState& state = static_cast<SpatialHashState&>(stage_state);
   const ElementDelta::Extent changed = state.delta.sync(step);
   if (changed == ElementDelta::Extent::everything)
-    list_in_space(step, state);
+    list_in_space(step, state, executor);
   else if (changed == ElementDelta::Extent::edits)
     state.list.update(step, state.delta.changed_slots());
   state.keys.update(step, changed != ElementDelta::Extent::none);

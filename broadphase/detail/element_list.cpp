@@ -1,8 +1,37 @@
 #include <volccd/broadphase/detail/element_list.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace volccd::detail {
+
+namespace {
+/// Number of elements that one task lists.
+constexpr std::size_t kChunk = 4096;
+
+/// Calls body(start, i) for all i < count, ascending in each chunk, with the start of the chunk, which it may change.
+template <class Body>
+void in_element_chunks(std::size_t count, std::vector<ElementList::Start>& starts, Executor& executor, Body&& body) {
+  starts.resize((count + kChunk - 1) / kChunk);
+  executor.parallel_for(starts.size(), 1, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t c = begin; c < end; ++c) {
+      ElementList::Start start = starts[c];
+      for (std::size_t i = c * kChunk; i < std::min(count, (c + 1) * kChunk); ++i) body(start, static_cast<Index>(i));
+      starts[c] = start;
+    }
+  });
+}
+
+/// Replaces the sizes of all chunks by their starts, of which the first is given. Returns the end of the last one.
+ElementList::Start add_up(std::vector<ElementList::Start>& starts, ElementList::Start next) {
+  for (ElementList::Start& start : starts) {
+    const ElementList::Start size = std::exchange(start, next);
+    next = {next.elements + size.elements, next.vertices + size.vertices};
+  }
+  return next;
+}
+
+}  // namespace
 
 void ElementList::truncate(std::size_t size) {
   slots_.resize(size);
@@ -13,8 +42,11 @@ void ElementList::truncate(std::size_t size) {
 
 Index ElementList::put(const Step& step, Index slot, Index* out) {
   const std::span<const Index> vertices = step.mesh().vertices(slot), part = step.part(slot);
-  const bool whole = part.data() == vertices.data();
-  const auto in_part = [&](Index v) { return whole || std::find(part.begin(), part.end(), v) != part.end(); };
+  if (part.data() == vertices.data()) {  // the whole element
+    for (const Index v : vertices) *out++ = v;
+    return static_cast<Index>(vertices.size());
+  }
+  const auto in_part = [&](Index v) { return std::find(part.begin(), part.end(), v) != part.end(); };
   Index* const rest = std::copy_if(vertices.begin(), vertices.end(), out, in_part);
   std::copy_if(vertices.begin(), vertices.end(), rest, [&](Index v) { return !in_part(v); });
   return static_cast<Index>(rest - out);
@@ -35,53 +67,74 @@ bool ElementList::replace_part(const Step& step, std::size_t position) {
   return true;
 }
 
-void ElementList::assign(const Step& step) {
+void ElementList::assign(const Step& step, Executor& executor) {
   const Mesh& mesh = step.mesh();
-  clear();
-  const std::size_t count = step.subset ? step.subset->size() : mesh.element_count();
-  slots_.reserve(count);
-  part_sizes_.reserve(count);
-  begins_.reserve(count + 1);
-  for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (step.takes_part(o)) append(step, o);
+  scratch_.starts.clear();
+  in_element_chunks(mesh.element_slots(), scratch_.starts, executor, [&](Start& size, Index o) {
+    if (!step.takes_part(o)) return;
+    ++size.elements;
+    size.vertices += mesh.vertices(o).size();
+  });
+  const Start end = add_up(scratch_.starts, {0, 0});
+  slots_.resize(end.elements);
+  part_sizes_.resize(end.elements);
+  begins_.resize(end.elements + 1);
+  vertices_.resize(end.vertices);
+  in_element_chunks(mesh.element_slots(), scratch_.starts, executor, [&](Start& next, Index o) {
+    if (!step.takes_part(o)) return;
+    slots_[next.elements] = o;
+    begins_[next.elements] = next.vertices;
+    part_sizes_[next.elements] = put(step, o, vertices_.data() + next.vertices);
+    ++next.elements;
+    next.vertices += mesh.vertices(o).size();
+  });
+  begins_.back() = end.vertices;
 }
 
 void ElementList::update(const Step& step, std::span<const Index> touched) {
-  slots_scratch_.clear();
+  scratch_.slots.clear();
   for (const Index slot : slots_)
-    if (slot != kNone && !std::binary_search(touched.begin(), touched.end(), slot)) slots_scratch_.push_back(slot);
+    if (slot != kNone && !std::binary_search(touched.begin(), touched.end(), slot)) scratch_.slots.push_back(slot);
   for (const Index slot : touched)
-    if (step.takes_part(slot)) slots_scratch_.push_back(slot);
+    if (step.takes_part(slot)) scratch_.slots.push_back(slot);
   clear();
-  for (const Index slot : slots_scratch_) append(step, slot);
+  for (const Index slot : scratch_.slots) append(step, slot);
 }
 
-void ElementList::permute(std::size_t begin, std::span<const Index> order) {
-  const std::size_t end = begin + order.size(), base = begins_[begin];
-  slots_scratch_.assign(slots_.begin() + static_cast<std::ptrdiff_t>(begin),
-                        slots_.begin() + static_cast<std::ptrdiff_t>(end));
-  part_sizes_scratch_.assign(part_sizes_.begin() + static_cast<std::ptrdiff_t>(begin),
-                             part_sizes_.begin() + static_cast<std::ptrdiff_t>(end));
-  begins_scratch_.assign(begins_.begin() + static_cast<std::ptrdiff_t>(begin),
-                         begins_.begin() + static_cast<std::ptrdiff_t>(end) + 1);
-  vertices_scratch_.assign(vertices_.begin() + static_cast<std::ptrdiff_t>(base),
-                           vertices_.begin() + static_cast<std::ptrdiff_t>(begins_[end]));
-  std::size_t next = base;
-  for (std::size_t i = 0; i < order.size(); ++i) {
+void ElementList::permute(std::size_t begin, std::span<const Index> order, Scratch& scratch, Executor& executor) {
+  const std::size_t count = order.size(), base = begins_[begin];
+  scratch.slots.resize(count);
+  scratch.part_sizes.resize(count);
+  scratch.begins.resize(count + 1);
+  scratch.vertices.resize(begins_[begin + count] - base);
+  scratch.starts.clear();
+  in_element_chunks(count, scratch.starts, executor, [&](Start& size, Index i) {
+    scratch.slots[i] = slots_[begin + i];
+    scratch.part_sizes[i] = part_sizes_[begin + i];
+    scratch.begins[i] = begins_[begin + i];
+    for (std::size_t v = begins_[begin + i]; v < begins_[begin + i + 1]; ++v) scratch.vertices[v - base] = vertices_[v];
+    size.vertices += vertices(order[i]).size();
+  });
+  scratch.begins[count] = begins_[begin + count];
+  add_up(scratch.starts, {0, base});
+  in_element_chunks(count, scratch.starts, executor, [&](Start& next, Index i) {
     const std::size_t from = order[i] - begin;
-    slots_[begin + i] = slots_scratch_[from];
-    part_sizes_[begin + i] = part_sizes_scratch_[from];
-    begins_[begin + i] = next;
-    for (std::size_t v = begins_scratch_[from]; v < begins_scratch_[from + 1]; ++v)
-      vertices_[next++] = vertices_scratch_[v - base];
-  }
+    slots_[begin + i] = scratch.slots[from];
+    part_sizes_[begin + i] = scratch.part_sizes[from];
+    if (i > 0) begins_[begin + i] = next.vertices;  // the first does not change, and the preceding range reads it
+    for (std::size_t v = scratch.begins[from]; v < scratch.begins[from + 1]; ++v)
+      vertices_[next.vertices++] = scratch.vertices[v - base];
+  });
+}
+
+std::size_t ElementList::Scratch::bytes() const {
+  return (slots.capacity() + part_sizes.capacity() + vertices.capacity()) * sizeof(Index) +
+         begins.capacity() * sizeof(std::size_t) + starts.capacity() * sizeof(Start);
 }
 
 std::size_t ElementList::bytes() const {
-  return (slots_.capacity() + part_sizes_.capacity() + vertices_.capacity() + slots_scratch_.capacity() +
-          part_sizes_scratch_.capacity() + vertices_scratch_.capacity()) *
-             sizeof(Index) +
-         (begins_.capacity() + begins_scratch_.capacity()) * sizeof(std::size_t);
+  return (slots_.capacity() + part_sizes_.capacity() + vertices_.capacity()) * sizeof(Index) +
+         begins_.capacity() * sizeof(std::size_t) + scratch_.bytes();
 }
 
 }  // namespace volccd::detail

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include <volccd/core/executor.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::detail {
@@ -12,11 +13,24 @@ namespace volccd::detail {
 /// Positions 0 .. size()-1 contain element slots, or kNone for the gap that a removed element left.
 class ElementList {
  public:
+  /// Where a chunk of elements begins in the list and in its vertices; while it is counted, its size there.
+  struct Start {
+    std::size_t elements, vertices;
+  };
+  /// Memory of permute(), which its caller keeps from call to call.
+  struct Scratch {
+    std::vector<Index> slots, part_sizes, vertices;
+    std::vector<std::size_t> begins;
+    std::vector<Start> starts;
+
+    std::size_t bytes() const;
+  };
+
   void clear() { truncate(0); }
   void truncate(std::size_t size);
   void append(const Step& step, Index slot);
   /// Sets the list to all elements that take part in the step, in ascending order of slots.
-  void assign(const Step& step);
+  void assign(const Step& step, Executor& executor);
   /// Removes the slots `touched` (ascending) and appends those whose element takes part in the step.
   void update(const Step& step, std::span<const Index> touched);
 
@@ -40,8 +54,8 @@ class ElementList {
   void make_gap(std::size_t position) { slots_[position] = kNone; }
 
   /// Reorders the positions [begin, begin + order.size()): position begin + i gets the former contents of position
-  /// order[i].
-  void permute(std::size_t begin, std::span<const Index> order);
+  /// order[i]. Disjoint ranges may be reordered at the same time, each with its own scratch memory.
+  void permute(std::size_t begin, std::span<const Index> order, Scratch& scratch, Executor& executor);
 
   std::size_t bytes() const;
 
@@ -53,8 +67,7 @@ class ElementList {
   std::vector<std::size_t> begins_{0};
   std::vector<Index> part_sizes_;
   std::vector<Index> vertices_;
-  std::vector<Index> slots_scratch_, part_sizes_scratch_, vertices_scratch_;
-  std::vector<std::size_t> begins_scratch_;
+  Scratch scratch_;
 };
 
 }  // namespace volccd::detail

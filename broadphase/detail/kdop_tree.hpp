@@ -8,23 +8,16 @@
 // Elements that were added later follow the others, in a second tree in the same arrays.
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <vector>
 
 #include <volccd/broadphase/detail/adjacent_leaves.hpp>
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/broadphase/detail/filter_keys.hpp>
 #include <volccd/broadphase/detail/swept_bounds.hpp>
+#include <volccd/broadphase/detail/tree_builder.hpp>
 #include <volccd/core/executor.hpp>
 
 namespace volccd::detail {
-
-/// A node with the elements at positions [begin, end) of the list. `right` is the right child, or 0 for a leaf.
-struct TreeNode {
-  Index begin, end, right;
-  std::int32_t key;  ///< common filter key of its elements, or FilterKeys::kMixed
-};
 
 /// The cost of a subtree: the squared half perimeters of the bounds, summed over its nodes and over its live elements.
 /// The ratio of the two sums is independent of scale, and grows when elements move apart.
@@ -85,28 +78,23 @@ class KdopTree {
   std::size_t bytes() const;
 
  private:
-  struct BuildItem {
-    std::array<float, 3> lo, hi;
-    Index position;
+  Index nodes_of(Index elements) const { return tree_nodes(elements, leaf_size_); }
+  /// Scratch memory for building a subtree.
+  struct BuildScratch {
+    TreeBuilder builder;
+    ElementList::Scratch list;
   };
-  struct Range {
-    Index node, begin, end;
+  /// A subtree to be rebuilt, and then the depth of its deepest leaf.
+  struct Degraded {
+    Index node;
     int depth;
   };
-  struct Box;
-  struct Split;
-
-  Index nodes_of(Index elements) const { return 2 * ((elements + leaf_size_ - 1) / leaf_size_) - 1; }
-  void build_range(Range range, Executor& executor);
-  Range split(Range& range, Index offset);
-  int build_subtree(Range range, Index offset);
-  Index split_position(Range range, int& axis) const;
-  void sweep_bins(Range range, int axis, const Box& centres, Split& best) const;
-  static double centre(const BuildItem& item, std::size_t axis);
-  void gather_items(Index begin, Index end);
+  int build_subtree(const TreeBuilder::Subtree& subtree, const BoundsTable& vertices, BuildScratch& scratch,
+                    Executor& executor);
+  void rebuild(Degraded& degraded, const BoundsTable& vertices, BuildScratch& scratch, Executor& executor);
   void find_blocks();
-  void fill_lanes(std::size_t begin, std::size_t end);
-  void make_lanes();
+  void fill_lanes(std::size_t begin, std::size_t end, Executor& executor);
+  void make_lanes(Executor& executor);
   int depth_of(Index node) const;
   void note_costs(Index node);
   void collect_degraded(Index node, double degradation);
@@ -129,9 +117,9 @@ class KdopTree {
   std::vector<Index> upper_;      ///< the nodes above `blocks_`, in preorder
   AdjacentLeaves adjacent_leaves_;
   // Scratch memory.
-  std::vector<BuildItem> items_;
-  std::vector<Index> order_, degraded_;
-  std::vector<Range> tasks_;
+  std::vector<Index> added_;
+  std::vector<Degraded> degraded_;
+  std::vector<BuildScratch> scratch_{1};  ///< by worker
 };
 
 }  // namespace volccd::detail

@@ -216,11 +216,11 @@ Shape bricks(int side) {
   return shape;
 }
 
-/// Exchanges the positions of bricks at random: of all bricks, or of those whose number is below `end`.
-void exchange(std::vector<Vec3>& positions, std::size_t end, std::mt19937_64& random) {
-  for (std::size_t i = 1; i < end; ++i) {
+/// Exchanges the positions of the bricks `first` <= i < `end` at random.
+void exchange(std::vector<Vec3>& positions, std::size_t first, std::size_t end, std::mt19937_64& random) {
+  for (std::size_t i = first + 1; i < end; ++i) {
     const auto a = positions.begin() + static_cast<std::ptrdiff_t>(27 * i);
-    std::swap_ranges(a, a + 27, positions.begin() + static_cast<std::ptrdiff_t>(27 * (random() % i)));
+    std::swap_ranges(a, a + 27, positions.begin() + static_cast<std::ptrdiff_t>(27 * (first + random() % (i - first))));
   }
 }
 
@@ -253,7 +253,7 @@ void expect_tree_follows_edits_of_many(int side, int steps, std::size_t addition
             << "step " << step;
       }
       if (step == steps) break;
-      exchange(at, step == 2 ? number : number / 8, random);
+      exchange(at, 0, step == 2 ? number : number / 8, random);
       const double c = 2 * side * (0.2 + 0.6 * step / steps);
       scene.topology->apply(
           edit_of_many(*scene.topology, at, Vec3(c, side, side * 0.7), 1.7, stride, additions, next_id));
@@ -292,7 +292,7 @@ TEST(AdjacentPairs, AreThoseOfTheMeshAfterPartsOfTheTreeAreRebuilt) {
     scene.motion = Motion::linear(at, jittered(at, 0.3, static_cast<std::uint64_t>(step)));
     EXPECT_EQ(run(phase, scene.step(), *state, PairRange::nonadjacent, executor),
               run_fresh(slow, scene.step(), PairRange::nonadjacent));
-    exchange(at, moving, random);
+    exchange(at, 0, moving, random);
   }
   EXPECT_EQ(KdopBvh::counters(*state).builds, 1u);
   EXPECT_GT(KdopBvh::counters(*state).restructured_elements, 0u);
@@ -416,6 +416,43 @@ TEST(Restructuring, TwistedBlock) {
   Scene scene = make_scene("twist", shape, shape.positions);
   const Cost kept = long_motion(KdopBvh::Restructure::subtrees, scene, frames);
   EXPECT_LT(kept.kept, 1.3 * kept.fresh);
+}
+
+// A serial query writes the pairs in the order of the tree, so that they show every difference of two trees.
+TEST(TreeThreads, AnyNumberMakesTheSameTree) {
+  const Shape shape = bricks(7);  // enough elements for several tasks and chunks
+  Scene scene = make_scene("bricks", shape, shape.positions);
+  std::vector<Vec3> at = shape.positions;
+  const KdopBvh phase{{}};
+  SerialExecutor serial;
+  std::vector<std::unique_ptr<Executor>> executors;
+  std::vector<std::unique_ptr<StageState>> states;
+  for (const unsigned threads : {1u, 2u, 3u, 8u}) {
+    executors.push_back(make_thread_executor(threads));
+    states.push_back(phase.make_state());
+  }
+  std::mt19937_64 random(4);
+  std::int64_t next_id = 10000000;
+  for (int step = 0; step < 4; ++step) {
+    scene.motion = Motion::linear(at, jittered(at, 0.1, static_cast<std::uint64_t>(step)));
+    std::vector<Pairs> pairs(states.size());
+    for (std::size_t i = 0; i < states.size(); ++i) {
+      phase.prepare(scene.step(), *states[i], *executors[i]);
+      phase.run(scene.step(), *states[i], PairRange::nonadjacent, serial,
+                [&](std::span<const ElementPair> batch, unsigned) {
+                  pairs[i].insert(pairs[i].end(), batch.begin(), batch.end());
+                });
+      EXPECT_TRUE(pairs[i] == pairs[0]) << executors[i]->workers() << " threads, step " << step;
+    }
+    EXPECT_GT(pairs[0].size(), 10000u);
+    if (step == 0)  // first several small subtrees degrade, and then a large one
+      for (std::size_t first = 0; first < 340; first += 21) exchange(at, first, first + 3, random);
+    else
+      exchange(at, 0, 200, random);
+    scene.topology->apply(edit_of_many(*scene.topology, at, Vec3(7, 7, 6), 3, step == 2 ? 3 : 997, 100, next_id));
+  }
+  EXPECT_EQ(KdopBvh::counters(*states[0]).builds, 2u);
+  EXPECT_GT(KdopBvh::counters(*states[0]).restructured_elements, 4096u);
 }
 
 TEST(SteadyState, AllocatesNothing) {

@@ -27,7 +27,7 @@ float PeerState::safe_scale() const {
 void PeerPhase::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   PeerState& state = static_cast<PeerState&>(stage_state);
   const bool changed = state.delta.sync(step) != ElementDelta::Extent::none;
-  if (changed) state.list.assign(step);
+  if (changed) state.list.assign(step, executor);
   state.keys.update(step, changed);
   state.bounds_seconds = bound_vertices(step, kBoxes, executor, state.vertices);
   bound_elements(state.vertices, state.list, executor, state.boxes);
