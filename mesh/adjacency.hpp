@@ -58,10 +58,10 @@ class Adjacency {
   void store_block(Index o, std::span<const Index> vertices);
   void widen() noexcept;
 
-  std::uint32_t block_ = 4;      ///< number of ids per slot in ids_: 4 or 8
+  std::uint32_t block_ = 4;       ///< number of ids per slot in ids_: 4 or 8
   detail::RawVector<Index> ids_;  ///< blocks padded with the first vertex of the element; kNone in empty slots
-  detail::IncidencePool large_;  ///< vertices of the elements with more than 8; without lists if there never was such
-                                 ///< an element
+  detail::IncidencePool large_;   ///< vertices of the elements with more than 8; without lists if there never was such
+                                  ///< an element
 };
 
 }  // namespace volccd

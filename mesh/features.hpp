@@ -25,10 +25,10 @@ class FeatureEdit;
 
 /// The incident elements of all features of one kind.
 struct Incidence {
-  IncidencePool elements;    ///< incident elements of each feature, ascending
-  RawVector<Index> first;    ///< elements[i].front(), or kNone
-  IncidencePool own;         ///< for each element, the features i with first[i] == element, ascending; empty for
-                             ///< vertices
+  IncidencePool elements;  ///< incident elements of each feature, ascending
+  RawVector<Index> first;  ///< elements[i].front(), or kNone
+  IncidencePool own;       ///< for each element, the features i with first[i] == element, ascending; empty for
+                           ///< vertices
 };
 
 }  // namespace detail
