@@ -1,8 +1,11 @@
 #include <volccd/culling/star_orphans.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cstdint>
 #include <vector>
 
+#include <volccd/culling/detail/corner_planes.hpp>
 #include <volccd/culling/detail/element_stars.hpp>
 #include <volccd/culling/detail/suspect_orphans.hpp>
 #include <volccd/culling/o_set.hpp>
@@ -11,10 +14,19 @@ namespace volccd {
 
 namespace {
 
-constexpr std::size_t kOrphanStars = 16;
+constexpr std::size_t kOrphanStars = 16, kMostCorners = 0xffff;
 
+/// Scratch memory of one worker, and what it has found.
 struct alignas(64) OrphanWorker {
   std::vector<ElementPair> found;
+  std::vector<detail::CornerVectors> corners;
+  std::vector<std::array<std::uint16_t, 2>> corner_pairs;  ///< pairs at one vertex, as places in its star
+  std::vector<std::uint8_t> apart;
+
+  std::size_t bytes() const {
+    return sizeof *this + found.capacity() * sizeof(ElementPair) + corners.capacity() * sizeof(corners[0]) +
+           corner_pairs.capacity() * sizeof(corner_pairs[0]) + apart.capacity();
+  }
 };
 
 struct StarOrphansState final : StageState {
@@ -30,7 +42,7 @@ struct StarOrphansState final : StageState {
   std::size_t bytes() const override {
     std::size_t sum =
         set.bytes() + stars.bytes() + counted.bytes() + pairs.capacity() * sizeof(pairs[0]) + orphans.bytes();
-    for (const OrphanWorker& w : workers) sum += sizeof w + w.found.capacity() * sizeof(ElementPair);
+    for (const OrphanWorker& w : workers) sum += w.bytes();
     return sum;
   }
 };
@@ -44,12 +56,45 @@ bool has_volumes(const Mesh& mesh) {
   return false;
 }
 
-/// Whether v is the first common vertex of a and b, and all their common vertices are suspect.
-bool first_of_suspects(const Mesh& mesh, const detail::ElementStars& stars, Index a, Index b, Index v) {
-  const std::span<const Index> of_a = mesh.vertices(a), of_b = mesh.vertices(b);
-  return std::none_of(of_a.begin(), of_a.end(), [&](Index w) {
-    return (w < v || !stars.suspect(w)) && std::find(of_b.begin(), of_b.end(), w) != of_b.end();
-  });
+/// The number of common vertices of a and b if v is the first of them and all are suspect, otherwise 0.
+std::size_t suspect_vertices(const Mesh& mesh, const detail::ElementStars& stars, Index a, Index b, Index v) {
+  const std::span<const Index> of_b = mesh.vertices(b);
+  std::size_t count = 0;
+  for (const Index w : mesh.vertices(a)) {
+    if (std::find(of_b.begin(), of_b.end(), w) == of_b.end()) continue;
+    if (w < v || !stars.suspect(w)) return 0;
+    ++count;
+  }
+  return count;
+}
+
+/// Lists the pairs of which v is the first common vertex, except those that have no other one and lie on different
+/// sides of a plane through v.
+void list_pairs_at(const Step& step, const detail::ElementStars& stars, Index v, OrphanWorker& worker) {
+  const Mesh& mesh = step.mesh();
+  const std::span<const Index> star = step.features().vertex_elements(v);
+  const auto fits = [&](Index o) {
+    return (mesh.vertices(o).size() - 1) * static_cast<std::size_t>(step.motion.control_points()) <=
+           detail::CornerVectors::kLanes;
+  };
+  worker.corner_pairs.clear();
+  for (std::size_t i = 0; i < star.size(); ++i)
+    for (std::size_t j = i; j < star.size(); ++j) {
+      const std::size_t common = suspect_vertices(mesh, stars, star[i], star[j], v);
+      if (common == 1 && j <= kMostCorners && fits(star[i]) && fits(star[j]))
+        worker.corner_pairs.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j)});
+      else if (common != 0)
+        worker.found.push_back({star[i], star[j]});
+    }
+  if (worker.corner_pairs.empty()) return;
+  worker.corners.clear();
+  for (const Index o : star)
+    worker.corners.emplace_back(step.motion, fits(o) ? mesh.vertices(o) : mesh.vertices(o).first(2), v);
+  worker.apart.resize(worker.corner_pairs.size());
+  detail::separate_corners(worker.corners, step.separation, worker.corner_pairs, worker.apart.data());
+  for (std::size_t n = 0; n < worker.corner_pairs.size(); ++n)
+    if (worker.apart[n] == 0)
+      worker.found.push_back({star[worker.corner_pairs[n][0]], star[worker.corner_pairs[n][1]]});
 }
 
 /// Lists the pairs of elements, each with itself too, all of whose common vertices are suspect.
@@ -58,13 +103,7 @@ void list_pairs(const Step& step, StarOrphansState& state, Executor& executor) {
   for (OrphanWorker& worker : state.workers) worker.found.clear();
   const std::vector<Index>& suspects = state.stars.suspects();
   executor.parallel_for(suspects.size(), kOrphanStars, [&](std::size_t begin, std::size_t end, unsigned w) {
-    for (std::size_t n = begin; n < end; ++n) {
-      const std::span<const Index> star = step.features().vertex_elements(suspects[n]);
-      for (std::size_t i = 0; i < star.size(); ++i)
-        for (std::size_t j = i; j < star.size(); ++j)
-          if (first_of_suspects(step.mesh(), state.stars, star[i], star[j], suspects[n]))
-            state.workers[w].found.push_back({star[i], star[j]});
-    }
+    for (std::size_t n = begin; n < end; ++n) list_pairs_at(step, state.stars, suspects[n], state.workers[w]);
   });
   state.pairs.clear();
   for (const OrphanWorker& worker : state.workers) {
