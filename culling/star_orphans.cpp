@@ -1,8 +1,6 @@
 #include <volccd/culling/star_orphans.hpp>
 
 #include <algorithm>
-#include <array>
-#include <cstdint>
 #include <vector>
 
 #include <volccd/culling/detail/corner_planes.hpp>
@@ -14,19 +12,12 @@ namespace volccd {
 
 namespace {
 
-constexpr std::size_t kOrphanStars = 16, kMostCorners = 0xffff;
+constexpr std::size_t kOrphanStars = 16;
 
 /// Scratch memory of one worker, and what it has found.
 struct alignas(64) OrphanWorker {
   std::vector<ElementPair> found;
-  std::vector<detail::CornerVectors> corners;
-  std::vector<std::array<std::uint16_t, 2>> corner_pairs;  ///< pairs at one vertex, as places in its star
-  std::vector<std::uint8_t> apart;
-
-  std::size_t bytes() const {
-    return sizeof *this + found.capacity() * sizeof(ElementPair) + corners.capacity() * sizeof(corners[0]) +
-           corner_pairs.capacity() * sizeof(corner_pairs[0]) + apart.capacity();
-  }
+  detail::CornerPairs corners;
 };
 
 struct StarOrphansState final : StageState {
@@ -42,7 +33,8 @@ struct StarOrphansState final : StageState {
   std::size_t bytes() const override {
     std::size_t sum =
         set.bytes() + stars.bytes() + counted.bytes() + pairs.capacity() * sizeof(pairs[0]) + orphans.bytes();
-    for (const OrphanWorker& w : workers) sum += w.bytes();
+    for (const OrphanWorker& w : workers)
+      sum += sizeof w + w.found.capacity() * sizeof(ElementPair) + w.corners.bytes();
     return sum;
   }
 };
@@ -73,28 +65,14 @@ std::size_t suspect_vertices(const Mesh& mesh, const detail::ElementStars& stars
 void list_pairs_at(const Step& step, const detail::ElementStars& stars, Index v, OrphanWorker& worker) {
   const Mesh& mesh = step.mesh();
   const std::span<const Index> star = step.features().vertex_elements(v);
-  const auto fits = [&](Index o) {
-    return (mesh.vertices(o).size() - 1) * static_cast<std::size_t>(step.motion.control_points()) <=
-           detail::CornerVectors::kLanes;
-  };
-  worker.corner_pairs.clear();
+  worker.corners.begin();
   for (std::size_t i = 0; i < star.size(); ++i)
     for (std::size_t j = i; j < star.size(); ++j) {
       const std::size_t common = suspect_vertices(mesh, stars, star[i], star[j], v);
-      if (common == 1 && j <= kMostCorners && fits(star[i]) && fits(star[j]))
-        worker.corner_pairs.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j)});
-      else if (common != 0)
-        worker.found.push_back({star[i], star[j]});
+      if (common == 0 || (common == 1 && worker.corners.add(step, star, i, j))) continue;
+      worker.found.push_back({star[i], star[j]});
     }
-  if (worker.corner_pairs.empty()) return;
-  worker.corners.clear();
-  for (const Index o : star)
-    worker.corners.emplace_back(step.motion, fits(o) ? mesh.vertices(o) : mesh.vertices(o).first(2), v);
-  worker.apart.resize(worker.corner_pairs.size());
-  detail::separate_corners(worker.corners, step.separation, worker.corner_pairs, worker.apart.data());
-  for (std::size_t n = 0; n < worker.corner_pairs.size(); ++n)
-    if (worker.apart[n] == 0)
-      worker.found.push_back({star[worker.corner_pairs[n][0]], star[worker.corner_pairs[n][1]]});
+  worker.corners.decide(step, star, v, [&](Index a, Index b) { worker.found.push_back({a, b}); });
 }
 
 /// Lists the pairs of elements, each with itself too, all of whose common vertices are suspect.

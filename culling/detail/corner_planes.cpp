@@ -100,6 +100,7 @@ namespace volccd::detail {
 HWY_EXPORT(separate);
 
 CornerVectors::CornerVectors(const Motion& motion, std::span<const Index> vertices, Index corner) {
+  if (!fit(motion, vertices)) return;
   const auto points = static_cast<std::size_t>(motion.control_points());
   const double* const at = motion.at(corner);
   std::size_t size = 0;

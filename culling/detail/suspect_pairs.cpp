@@ -11,8 +11,6 @@ namespace volccd::detail {
 namespace {
 
 constexpr std::size_t kSuspectGrain = 16;
-/// Simplices of larger stars are not tested for planes.
-constexpr std::size_t kMostCorners = 0xffff;
 
 /// Vertices of a that b has, if `common`, or else those that b does not have. Pre: a and b are tetrahedra with two
 /// common vertices.
@@ -49,32 +47,20 @@ bool separated_by_a_face(const std::int8_t* sign) {
 void SuspectPairs::at_vertex(const Step& step, const StarClasses& classes, Index v, Worker& worker) {
   const Mesh& mesh = step.mesh();
   const std::span<const Index> star = step.features().vertex_elements(v);
-  worker.corner_pairs.clear();
+  worker.corners.begin();
   for (std::size_t i = 0; i < star.size(); ++i)
     for (std::size_t j = i; j < star.size(); ++j) {
       const Index a = star[i], b = star[j];
       if (classes.first_common_suspect(step.topology, a, b) != v) continue;
       const bool volumes = mesh.type(a) == ElementType::tetrahedron && mesh.type(b) == ElementType::tetrahedron;
       const int common = a == b ? 4 : std::popcount(StarClasses::common_vertices(step.topology, a, b));
-      if (common == 1 && star.size() <= kMostCorners)
-        worker.corner_pairs.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j)});
-      else if (common == 2 && volumes)
+      if (common == 1 && worker.corners.add(step, star, i, j)) continue;
+      if (common == 2 && volumes)
         worker.edge_pairs.push_back({a, b});
       else
         worker.found.push_back({a, b});
     }
-  if (!worker.corner_pairs.empty()) decide_at_corner(step, v, worker);
-}
-
-void SuspectPairs::decide_at_corner(const Step& step, Index v, Worker& worker) {
-  const std::span<const Index> star = step.features().vertex_elements(v);
-  worker.corners.clear();
-  for (const Index o : star) worker.corners.emplace_back(step.motion, step.mesh().vertices(o), v);
-  worker.apart.resize(worker.corner_pairs.size());
-  separate_corners(worker.corners, step.separation, worker.corner_pairs, worker.apart.data());
-  for (std::size_t n = 0; n < worker.corner_pairs.size(); ++n)
-    if (worker.apart[n] == 0)
-      worker.found.push_back({star[worker.corner_pairs[n][0]], star[worker.corner_pairs[n][1]]});
+  worker.corners.decide(step, star, v, [&](Index a, Index b) { worker.found.push_back({a, b}); });
 }
 
 void SuspectPairs::decide_at_edges(const Step& step, Worker& worker) {
@@ -109,8 +95,7 @@ std::size_t SuspectPairs::bytes() const {
   for (const Worker& worker : workers_)
     sum += sizeof worker + (worker.found.capacity() + worker.edge_pairs.capacity()) * sizeof(ElementPair) +
            worker.tetrahedra.capacity() * sizeof(worker.tetrahedra[0]) + worker.signs.capacity() +
-           worker.corners.capacity() * sizeof(CornerVectors) +
-           worker.corner_pairs.capacity() * sizeof(worker.corner_pairs[0]) + worker.apart.capacity();
+           worker.corners.bytes();
   return sum;
 }
 

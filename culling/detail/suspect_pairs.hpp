@@ -35,16 +35,13 @@ class SuspectPairs {
   /// Scratch memory of one worker, and what it has found.
   struct Worker {
     std::vector<ElementPair> found;
-    std::vector<CornerVectors> corners;
-    std::vector<std::array<std::uint16_t, 2>> corner_pairs;  ///< pairs at one vertex, as places in its star
-    std::vector<std::uint8_t> apart;
+    CornerPairs corners;
     std::vector<ElementPair> edge_pairs;
     std::vector<std::array<Index, 4>> tetrahedra;
     std::vector<std::int8_t> signs;
   };
 
   static void at_vertex(const Step& step, const StarClasses& classes, Index v, Worker& worker);
-  static void decide_at_corner(const Step& step, Index v, Worker& worker);
   static void decide_at_edges(const Step& step, Worker& worker);
 
   std::vector<ElementPair> pairs_;
