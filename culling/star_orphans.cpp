@@ -1,6 +1,7 @@
 #include <volccd/culling/star_orphans.hpp>
 
 #include <algorithm>
+#include <cstdint>
 #include <vector>
 
 #include <volccd/culling/detail/corner_planes.hpp>
@@ -12,7 +13,11 @@ namespace volccd {
 
 namespace {
 
-constexpr std::size_t kOrphanStars = 16;
+constexpr std::size_t kOrphanStars = 16, kCountedElements = 1024;
+
+/// Pairs of elements with a common edge are tested for a plane if the product of their numbers of edges that no other
+/// element has is at least this. Other pairs, those of sheets above all, have few orphans, whose tests take less time.
+constexpr int kLeastFreeEdges = 10;
 
 /// Scratch memory of one worker, and what it has found.
 struct alignas(64) OrphanWorker {
@@ -23,16 +28,17 @@ struct alignas(64) OrphanWorker {
 struct StarOrphansState final : StageState {
   OSet set;
   detail::ElementStars stars;
-  TopologyDelta counted;  ///< the topology for which `volumes` was determined
+  TopologyDelta counted;  ///< the topology for which the following was determined
   bool volumes = false;
+  std::vector<std::uint8_t> free_edges;  ///< by element slot: edges that no other element has, up to 255
   detail::SuspectOrphans orphans;
   std::vector<OrphanWorker> workers;
   std::vector<std::span<const ElementPair>> pairs;  ///< what the workers have found
   StarOrphans::Counters counters;
 
   std::size_t bytes() const override {
-    std::size_t sum =
-        set.bytes() + stars.bytes() + counted.bytes() + pairs.capacity() * sizeof(pairs[0]) + orphans.bytes();
+    std::size_t sum = set.bytes() + stars.bytes() + counted.bytes() + free_edges.capacity() +
+                      pairs.capacity() * sizeof(pairs[0]) + orphans.bytes();
     for (const OrphanWorker& w : workers)
       sum += sizeof w + w.found.capacity() * sizeof(ElementPair) + w.corners.bytes();
     return sum;
@@ -48,31 +54,56 @@ bool has_volumes(const Mesh& mesh) {
   return false;
 }
 
-/// The number of common vertices of a and b if v is the first of them and all are suspect, otherwise 0.
-std::size_t suspect_vertices(const Mesh& mesh, const detail::ElementStars& stars, Index a, Index b, Index v) {
-  const std::span<const Index> of_b = mesh.vertices(b);
-  std::size_t count = 0;
-  for (const Index w : mesh.vertices(a)) {
-    if (std::find(of_b.begin(), of_b.end(), w) == of_b.end()) continue;
-    if (w < v || !stars.suspect(w)) return 0;
-    ++count;
-  }
-  return count;
+/// Determines what depends on the topology alone.
+void count_elements(const Topology& topology, StarOrphansState& state, Executor& executor) {
+  if (state.counted.sync(topology) == TopologyDelta::Extent::none) return;
+  state.volumes = has_volumes(topology.mesh());
+  state.free_edges.resize(topology.mesh().element_slots());
+  const Features& features = topology.features();
+  executor.parallel_for(state.free_edges.size(), kCountedElements, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t o = begin; o < end; ++o) {
+      const std::span<const Index> edges = features.own_edges(static_cast<Index>(o));
+      const auto count =
+          std::count_if(edges.begin(), edges.end(), [&](Index e) { return features.edge_elements(e).size() == 1; });
+      state.free_edges[o] = static_cast<std::uint8_t>(std::min<std::ptrdiff_t>(count, 255));
+    }
+  });
+  state.counted.confirm();
 }
 
-/// Lists the pairs of which v is the first common vertex, except those that have no other one and lie on different
-/// sides of a plane through v.
-void list_pairs_at(const Step& step, const detail::ElementStars& stars, Index v, OrphanWorker& worker) {
-  const Mesh& mesh = step.mesh();
+struct CommonVertices {
+  std::size_t count;
+  Index last;  ///< in the order of a's vertices
+};
+
+/// The common vertices of a and b if v is the first of them, by slot, and all are suspect, otherwise none.
+CommonVertices suspect_vertices(const Mesh& mesh, const detail::ElementStars& stars, Index a, Index b, Index v) {
+  const std::span<const Index> of_b = mesh.vertices(b);
+  CommonVertices common{0, v};
+  for (const Index w : mesh.vertices(a)) {
+    if (std::find(of_b.begin(), of_b.end(), w) == of_b.end()) continue;
+    if (w < v || !stars.suspect(w)) return {0, v};
+    ++common.count;
+    if (w != v) common.last = w;
+  }
+  return common;
+}
+
+/// Lists the pairs of which v is the first common vertex, except those that have at most one other and lie on different
+/// sides of a plane through their common vertices.
+void list_pairs_at(const Step& step, const StarOrphansState& state, Index v, OrphanWorker& worker) {
   const std::span<const Index> star = step.features().vertex_elements(v);
   worker.corners.begin();
   for (std::size_t i = 0; i < star.size(); ++i)
     for (std::size_t j = i; j < star.size(); ++j) {
-      const std::size_t common = suspect_vertices(mesh, stars, star[i], star[j], v);
-      if (common == 0 || (common == 1 && worker.corners.add(step, star, i, j))) continue;
+      const CommonVertices common = suspect_vertices(step.mesh(), state.stars, star[i], star[j], v);
+      const bool edge = common.count == 2 && state.free_edges[star[i]] * state.free_edges[star[j]] >= kLeastFreeEdges;
+      if (common.count == 0 || (common.count == 1 && worker.corners.add(step, v, i, j)) ||
+          (edge && worker.corners.add(step, v, i, j, common.last)))
+        continue;
       worker.found.push_back({star[i], star[j]});
     }
-  worker.corners.decide(step, star, v, [&](Index a, Index b) { worker.found.push_back({a, b}); });
+  worker.corners.decide(step, v, [&](Index a, Index b) { worker.found.push_back({a, b}); });
 }
 
 /// Lists the pairs of elements, each with itself too, all of whose common vertices are suspect.
@@ -81,7 +112,7 @@ void list_pairs(const Step& step, StarOrphansState& state, Executor& executor) {
   for (OrphanWorker& worker : state.workers) worker.found.clear();
   const std::vector<Index>& suspects = state.stars.suspects();
   executor.parallel_for(suspects.size(), kOrphanStars, [&](std::size_t begin, std::size_t end, unsigned w) {
-    for (std::size_t n = begin; n < end; ++n) list_pairs_at(step, state.stars, suspects[n], state.workers[w]);
+    for (std::size_t n = begin; n < end; ++n) list_pairs_at(step, state, suspects[n], state.workers[w]);
   });
   state.pairs.clear();
   for (const OrphanWorker& worker : state.workers) {
@@ -105,8 +136,7 @@ std::unique_ptr<StageState> StarOrphans::make_state() const { return std::make_u
 void StarOrphans::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   StarOrphansState& state = state_of(stage_state);
   state.counters = {};
-  if (state.counted.sync(step.topology) != TopologyDelta::Extent::none) state.volumes = has_volumes(step.mesh());
-  state.counted.confirm();
+  count_elements(step.topology, state, executor);
   if (state.volumes) {
     state.stars.update(step, executor);
     state.counters.suspect_vertices = state.stars.suspects().size();

@@ -3,7 +3,6 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -58,12 +57,6 @@ class StarClasses {
     const std::uint32_t but_one = common & (common - 1);
     const bool three = (but_one & (but_one - 1)) != 0;
     return regular_[a] != 0 && regular_[b] != 0 && three ? 0 : common;
-  }
-  /// The first of these vertices in the order of a's vertices, or kNone. A pair that is in several suspect stars is
-  /// visited once, at this vertex.
-  Index first_common_suspect(const Topology& topology, Index a, Index b) const {
-    const std::uint32_t bits = common_suspects(topology, a, b);
-    return bits == 0 ? kNone : topology.adjacency().vertices(a)[static_cast<std::size_t>(std::countr_zero(bits))];
   }
 
   std::size_t bytes() const;

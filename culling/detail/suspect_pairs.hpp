@@ -1,7 +1,6 @@
 // The adjacent pairs of simplices that may have a double point.
 #pragma once
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -36,13 +35,9 @@ class SuspectPairs {
   struct Worker {
     std::vector<ElementPair> found;
     CornerPairs corners;
-    std::vector<ElementPair> edge_pairs;
-    std::vector<std::array<Index, 4>> tetrahedra;
-    std::vector<std::int8_t> signs;
   };
 
   static void at_vertex(const Step& step, const StarClasses& classes, Index v, Worker& worker);
-  static void decide_at_edges(const Step& step, Worker& worker);
 
   std::vector<ElementPair> pairs_;
   PairSet set_;

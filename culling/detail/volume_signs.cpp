@@ -52,53 +52,33 @@ struct Volumes {
   }
 };
 
-/// Calls vertices_of(i) for i in [begin, end); it returns the four vertices of a tetrahedron, or nothing for a sign
-/// of 1.
-template <int kControlPoints, class VerticesOf>
-HWY_INLINE void signs_of(const Motion& motion, double separation, std::size_t begin, std::size_t end,
-                         VerticesOf&& vertices_of, std::int8_t* signs) {
+template <int kControlPoints>
+void signs_of(const Step& step, std::size_t begin, std::size_t end, std::int8_t* signs) {
   Volumes<kControlPoints> volumes;
   for (std::size_t first = begin; first < end; first += 8) {
     const std::size_t count = std::min<std::size_t>(8, end - first);
     std::uint8_t given = 0, positive, negative;
     std::array<std::array<Index, 4>, 8> tetrahedra{};
     for (std::size_t k = 0; k < count; ++k) {
-      const std::span<const Index> vertices = vertices_of(first + k);
-      if (vertices.empty()) continue;
-      std::copy_n(vertices.begin(), 4, tetrahedra[k].begin());
+      const Index o = static_cast<Index>(first + k);
+      if (step.mesh().type(o) != ElementType::tetrahedron) continue;
+      std::copy_n(step.topology.adjacency().vertices(o).begin(), 4, tetrahedra[k].begin());
       given |= static_cast<std::uint8_t>(1u << k);
     }
     if (given == 0) {
       std::fill_n(signs + first, count, std::int8_t{1});
       continue;
     }
-    volumes.gather(motion, tetrahedra);
-    volumes.signs(separation, positive, negative);
+    volumes.gather(step.motion, tetrahedra);
+    volumes.signs(step.separation, positive, negative);
     for (std::size_t k = 0; k < count; ++k)
       signs[first + k] =
           (given >> k & 1) == 0 ? std::int8_t{1} : static_cast<std::int8_t>((positive >> k & 1) - (negative >> k & 1));
   }
 }
 
-template <class VerticesOf>
-HWY_INLINE void signs_of(const Motion& motion, double separation, std::size_t begin, std::size_t end,
-                         VerticesOf&& vertices_of, std::int8_t* signs) {
-  if (motion.control_points() == 2) return signs_of<2>(motion, separation, begin, end, vertices_of, signs);
-  signs_of<3>(motion, separation, begin, end, vertices_of, signs);
-}
-
 void signs_of_elements(const Step& step, Index begin, Index end, std::int8_t* signs) {
-  const auto vertices_of = [&](std::size_t o) {
-    const bool volume = step.mesh().type(static_cast<Index>(o)) == ElementType::tetrahedron;
-    return volume ? step.topology.adjacency().vertices(static_cast<Index>(o)) : std::span<const Index>();
-  };
-  signs_of(step.motion, step.separation, begin, end, vertices_of, signs);
-}
-
-void signs_of_tetrahedra(const Step& step, std::span<const std::array<Index, 4>> tetrahedra, std::int8_t* signs) {
-  signs_of(
-      step.motion, step.separation, 0, tetrahedra.size(),
-      [&](std::size_t i) { return std::span<const Index>(tetrahedra[i]); }, signs);
+  (step.motion.control_points() == 2 ? signs_of<2> : signs_of<3>)(step, begin, end, signs);
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE
@@ -108,14 +88,9 @@ HWY_AFTER_NAMESPACE();
 namespace volccd::detail {
 
 HWY_EXPORT(signs_of_elements);
-HWY_EXPORT(signs_of_tetrahedra);
 
 void volume_signs(const Step& step, Index begin, Index end, std::int8_t* signs) {
   HWY_DYNAMIC_DISPATCH(signs_of_elements)(step, begin, end, signs);
-}
-
-void volume_signs(const Step& step, std::span<const std::array<Index, 4>> tetrahedra, std::int8_t* signs) {
-  HWY_DYNAMIC_DISPATCH(signs_of_tetrahedra)(step, tetrahedra, signs);
 }
 
 }  // namespace volccd::detail

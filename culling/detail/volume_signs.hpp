@@ -1,9 +1,7 @@
 // Signs of the volumes of tetrahedra throughout a step.
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <span>
 
 #include <volccd/query/step.hpp>
 
@@ -16,7 +14,5 @@ namespace volccd::detail {
 /// slots get 1. The mesh has no other elements. Compiled for each instruction set, with the same results on all of
 /// them.
 void volume_signs(const Step& step, Index begin, Index end, std::int8_t* signs);
-/// The same for tetrahedra that are given by their vertices; signs[i] is that of tetrahedra[i].
-void volume_signs(const Step& step, std::span<const std::array<Index, 4>> tetrahedra, std::int8_t* signs);
 
 }  // namespace volccd::detail

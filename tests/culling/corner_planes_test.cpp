@@ -1,0 +1,163 @@
+// Pairs of elements that a plane through their common vertex or edge separates touch nowhere else.
+#include <volccd/culling/detail/corner_planes.hpp>
+
+#include <array>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <volccd/core/executor.hpp>
+#include <volccd/core/random.hpp>
+#include <volccd/culling/detail/suspect_pairs.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
+
+#include "culling/exact_contacts.hpp"
+
+namespace volccd::detail {
+namespace {
+
+const ObjectFilter kAnyObject;
+
+struct Pair {
+  Topology topology;
+  Motion motion;
+};
+
+Vec3 random_vector(Random& random) { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); }
+
+/// Two elements with one or two common vertices, an edge, at random positions. The other vertices of each are mostly on
+/// one side. Everything turns by up to 40 degrees, and vertices move a little by themselves. The edge is sometimes as
+/// short as a separation.
+Pair random_pair(Random& random, const std::array<ElementType, 2>& types, Index common, bool quadratic) {
+  Shape shape;
+  std::vector<double> sides(common, 0.0);
+  for (const std::size_t e : {0, 1}) {
+    ElementSpec element;
+    element.type = types[e];
+    element.id = static_cast<std::int64_t>(e);
+    for (Index v = 0; v < common; ++v) element.vertices.push_back(v);
+    while (element.vertices.size() < static_cast<std::size_t>(vertex_count(types[e]))) {
+      element.vertices.push_back(static_cast<Index>(sides.size()));
+      sides.push_back(e == 0 ? -1 : 1);
+    }
+    shape.elements.push_back(element);
+  }
+  std::vector<Vec3> x[3];
+  const double edge = random.uniform() < 0.3 ? 0.04 : 1;
+  const double distance = random.uniform(0.3, 1), amount = random.uniform(0, 0.3), turn = random.uniform(-0.7, 0.7);
+  const Vec3 axis = random_vector(random).normalized();
+  for (std::size_t v = 0; v < sides.size(); ++v) {
+    const bool is_common = sides[v] == 0;
+    const Vec3 place = is_common ? Vec3(0, 0, v == 0 ? 0 : edge) : Vec3(distance * sides[v], 0, 0.5);
+    const Vec3 at = place + (is_common ? 0.2 * edge : 1) * random_vector(random);
+    x[0].push_back(at);
+    for (int c : {1, 2})
+      x[c].push_back(Eigen::AngleAxisd(turn * (quadratic ? 0.5 * c : 1), axis) * at + amount * random_vector(random));
+  }
+  shape.positions = x[0];
+  return {Topology(shape.mesh()), quadratic ? Motion::quadratic(x[0], x[1], x[2]) : Motion::linear(x[0], x[1])};
+}
+
+/// Whether features of two elements that have no common vertex touch, or come within the separation.
+bool elements_touch(const Step& step) {
+  bool touch = false;
+  visit_touching(step, [&](std::span<const Index> a, std::span<const Index> b) {
+    touch = touch || (a.size() == 1 && b.size() == 1 && a[0] != b[0]);
+  });
+  return touch;
+}
+
+bool left_out_of_corners(const Step& step, Index common) {
+  CornerPairs pairs;
+  bool remains = false;
+  pairs.begin();
+  if (!pairs.add(step, 0, 0, 1, common == 2 ? 1 : kNone)) return false;
+  pairs.decide(step, 0, [&](Index, Index) { remains = true; });
+  return !remains;
+}
+
+/// The same by the list of the flood, which visits the pairs of a star.
+bool left_out_of_list(const Step& step) {
+  SerialExecutor serial;
+  StarTable stars;
+  StarClasses classes;
+  SuspectPairs suspects;
+  classes.update(step, stars, stars.update(step.topology, serial), serial);
+  suspects.update(step, classes, serial);
+  return !suspects.contains(0, 1);
+}
+
+struct Decided {
+  std::size_t left_out = 0, touching = 0, apart = 0;
+};
+
+/// Some pairs touch; of those that are apart at least an eighth is left out.
+void expect_enough(const Decided& seen) {
+  EXPECT_GT(seen.touching, 10u);
+  EXPECT_GT(seen.left_out, 10u);
+  EXPECT_GT(8 * seen.left_out, seen.apart);
+}
+
+constexpr std::array<std::array<ElementType, 2>, 4> kTypes{{{ElementType::hexahedron, ElementType::hexahedron},
+                                                            {ElementType::tetrahedron, ElementType::tetrahedron},
+                                                            {ElementType::wedge, ElementType::hexahedron},
+                                                            {ElementType::triangle, ElementType::tetrahedron}}};
+
+template <class LeftOut>
+void expect_left_out_do_not_touch(std::span<const std::array<ElementType, 2>> types, double most_separation,
+                                  LeftOut&& left_out) {
+  for (const auto& type : types)
+    for (const Index common : {1, 2}) {
+      SCOPED_TRACE(to_string(type[0]) + std::string(" and ") + to_string(type[1]) + ", " + std::to_string(common));
+      Random random(common);
+      Decided seen;
+      for (int i = 0; i < 250; ++i) {
+        const bool linear = type[0] == ElementType::hexahedron || type[1] == ElementType::hexahedron || i % 3 != 0;
+        const Pair pair = random_pair(random, type, common, !linear);
+        const Step step{pair.topology, pair.motion, kAnyObject, most_separation * random.uniform()};
+        const bool touch = elements_touch(step), left = left_out(step, common);
+        ASSERT_FALSE(touch && left) << "pair " << i;
+        seen.left_out += left ? 1 : 0;
+        ++(touch ? seen.touching : seen.apart);
+      }
+      expect_enough(seen);
+    }
+}
+
+TEST(CornerPairs, LeaveOutOnlyWhatDoesNotTouch) {
+  expect_left_out_do_not_touch(kTypes, 0,
+                               [](const Step& step, Index common) { return left_out_of_corners(step, common); });
+}
+
+TEST(CornerPairs, LeaveOutOnlyWhatStaysApart) {
+  expect_left_out_do_not_touch(kTypes, 0.05,
+                               [](const Step& step, Index common) { return left_out_of_corners(step, common); });
+}
+
+TEST(SuspectPairs, LeaveOutOnlyWhatDoesNotTouch) {
+  constexpr std::array simplices{kTypes[1], kTypes[3]};
+  expect_left_out_do_not_touch(simplices, 0, [](const Step& step, Index) { return left_out_of_list(step); });
+}
+
+/// Planes that turn with the edge, at values near the ends of the range of doubles.
+TEST(CornerPairs, AreLeftOutOnlyWithinTheRangeOfDoubles) {
+  Random random(7);
+  std::size_t left_out[3] = {};
+  for (int i = 0; i < 250; ++i) {
+    const Pair pair = random_pair(random, kTypes[0], 2, false);
+    const std::array<double, 3> scales{1, 0x1p-560, 0x1p600};
+    for (std::size_t k = 0; k < 3; ++k) {
+      std::vector<Vec3> x[2];
+      for (int c : {0, 1})
+        for (Index v = 0; v < pair.motion.vertex_count(); ++v) x[c].push_back(scales[k] * pair.motion.point(v, c));
+      const Motion motion = Motion::linear(x[0], x[1]);
+      left_out[k] += left_out_of_corners({pair.topology, motion, kAnyObject}, 2) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(left_out[0], 30u);
+  EXPECT_EQ(left_out[1], 0u);
+  EXPECT_EQ(left_out[2], 0u);
+}
+
+}  // namespace
+}  // namespace volccd::detail
