@@ -1,6 +1,7 @@
 #include <volccd/culling/star_orphans.hpp>
 
 #include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -54,20 +55,27 @@ bool has_volumes(const Mesh& mesh) {
   return false;
 }
 
-/// Determines what depends on the topology alone.
+std::uint8_t count_free_edges(const Features& features, Index o) {
+  const std::span<const Index> edges = features.own_edges(o);
+  const auto is_free = [&](Index e) { return features.edge_elements(e).size() == 1; };
+  return static_cast<std::uint8_t>(std::min<std::ptrdiff_t>(std::count_if(edges.begin(), edges.end(), is_free), 255));
+}
+
+/// Determines what depends on the topology alone: after edits, for the elements at vertices whose elements changed.
 void count_elements(const Topology& topology, StarOrphansState& state, Executor& executor) {
-  if (state.counted.sync(topology) == TopologyDelta::Extent::none) return;
+  const TopologyDelta::Extent changed = state.counted.sync(topology);
+  if (changed == TopologyDelta::Extent::none) return;
   state.volumes = has_volumes(topology.mesh());
   state.free_edges.resize(topology.mesh().element_slots());
-  const Features& features = topology.features();
-  executor.parallel_for(state.free_edges.size(), kCountedElements, [&](std::size_t begin, std::size_t end, unsigned) {
-    for (std::size_t o = begin; o < end; ++o) {
-      const std::span<const Index> edges = features.own_edges(static_cast<Index>(o));
-      const auto count =
-          std::count_if(edges.begin(), edges.end(), [&](Index e) { return features.edge_elements(e).size() == 1; });
-      state.free_edges[o] = static_cast<std::uint8_t>(std::min<std::ptrdiff_t>(count, 255));
-    }
-  });
+  const auto count = [&](Index o) { state.free_edges[o] = count_free_edges(topology.features(), o); };
+  if (changed == TopologyDelta::Extent::everything)
+    executor.parallel_for(state.free_edges.size(), kCountedElements, [&](std::size_t begin, std::size_t end, unsigned) {
+      for (std::size_t o = begin; o < end; ++o) count(static_cast<Index>(o));
+    });
+  for (const Index o : state.counted.changed_slots()) count(o);
+  for (const TopologyChange* change : state.counted.changes())
+    for (const Index v : change->features.touched_vertices)
+      for (const Index o : topology.features().vertex_elements(v)) count(o);
   state.counted.confirm();
 }
 
