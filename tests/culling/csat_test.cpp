@@ -418,9 +418,9 @@ TEST(CsatSimd, AllInstructionSetsAgree) {
       set_apart(bench, random, -0.5);
       const Step step = bench.step(0.01, control_points == 2 ? 1 : 0.8);
       for (const auto& [name, stage] : all_cullings()) {
-        const auto run = [&] {
+        const auto run = [&, &culling = stage] {
           PairBatch batch = bench.batch();
-          test::run_stage(*stage, step, batch);
+          test::run_stage(*culling, step, batch);
           return batch;
         };
         const PairBatch expected = run();
