@@ -139,6 +139,36 @@ TEST(SuspectPairs, LeaveOutOnlyWhatDoesNotTouch) {
   expect_left_out_do_not_touch(simplices, 0, [](const Step& step, Index) { return left_out_of_list(step); });
 }
 
+/// Two tetrahedra of which one has a vertex that moves in a face of the other, apart from rounding, and otherwise lies on
+/// the other side of it: rounding decides whether they touch.
+TEST(CornerPairs, AreLeftOutOnlyIfCertain) {
+  for (const Index common : {1, 2}) {
+    Random random(common);
+    std::size_t touching = 0;
+    for (int i = 0; i < 3000; ++i) {
+      const Pair pair = random_pair(random, kTypes[1], common, false);
+      std::vector<Vec3> x;
+      for (Index v = 0; v < pair.motion.vertex_count(); ++v) x.push_back(random_vector(random));
+      // The first element has the vertices 0 to 3, the second one the common ones and the rest.
+      const Vec3 u = x[1] - x[0], w = x[2] - x[0], normal = u.cross(w);
+      for (Index v = 3; v < x.size(); ++v) {
+        const double side = normal.dot(x[v] - x[0]);
+        if (v == 3 ? side > 0 : side < 0) x[v] -= 2 * side / normal.squaredNorm() * normal;
+      }
+      const auto in_face = [&] { return x[0] + random.uniform(0.2, 0.5) * u + random.uniform(0.2, 0.4) * w; };
+      x.back() = in_face();
+      std::vector<Vec3> to = x;
+      to.back() = in_face();
+      const Motion motion = Motion::linear(x, to);
+      const Step step{pair.topology, motion, kAnyObject};
+      const bool touch = elements_touch(step);
+      ASSERT_FALSE(touch && left_out_of_corners(step, common)) << "pair " << i;
+      touching += touch ? 1 : 0;
+    }
+    EXPECT_GT(touching, 100u);
+  }
+}
+
 /// Planes that turn with the edge, at values near the ends of the range of doubles.
 TEST(CornerPairs, AreLeftOutOnlyWithinTheRangeOfDoubles) {
   Random random(7);
