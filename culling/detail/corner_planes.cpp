@@ -213,8 +213,8 @@ bool CornerPairs::add(const Step& step, Index v, std::size_t i, std::size_t j, I
     return false;
   const auto lane = [&](std::span<const Index> vertices) {
     if (other == kNone) return CornerPair::kNoEdge;
-    std::ptrdiff_t place = std::find(vertices.begin(), vertices.end(), other) - vertices.begin();
-    if (std::find(vertices.begin(), vertices.begin() + place, v) != vertices.begin() + place) --place;
+    const auto at = std::find(vertices.begin(), vertices.end(), other);
+    const std::ptrdiff_t place = at - vertices.begin() - std::count(vertices.begin(), at, v);
     return static_cast<std::uint16_t>(place * step.motion.control_points());
   };
   pairs_.push_back({static_cast<std::uint16_t>(i), static_cast<std::uint16_t>(j), lane(a), lane(b)});
