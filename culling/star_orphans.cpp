@@ -66,16 +66,19 @@ void count_elements(const Topology& topology, StarOrphansState& state, Executor&
   const TopologyDelta::Extent changed = state.counted.sync(topology);
   if (changed == TopologyDelta::Extent::none) return;
   state.volumes = has_volumes(topology.mesh());
-  state.free_edges.resize(topology.mesh().element_slots());
+  const bool all = changed == TopologyDelta::Extent::everything || state.free_edges.empty();
+  state.free_edges.resize(state.volumes ? topology.mesh().element_slots() : 0);  // surfaces have no use for it
   const auto count = [&](Index o) { state.free_edges[o] = count_free_edges(topology.features(), o); };
-  if (changed == TopologyDelta::Extent::everything)
+  if (all) {
     executor.parallel_for(state.free_edges.size(), kCountedElements, [&](std::size_t begin, std::size_t end, unsigned) {
       for (std::size_t o = begin; o < end; ++o) count(static_cast<Index>(o));
     });
-  for (const Index o : state.counted.changed_slots()) count(o);
-  for (const TopologyChange* change : state.counted.changes())
-    for (const Index v : change->features.touched_vertices)
-      for (const Index o : topology.features().vertex_elements(v)) count(o);
+  } else if (state.volumes) {
+    for (const Index o : state.counted.changed_slots()) count(o);
+    for (const TopologyChange* change : state.counted.changes())
+      for (const Index v : change->features.touched_vertices)
+        for (const Index o : topology.features().vertex_elements(v)) count(o);
+  }
   state.counted.confirm();
 }
 

@@ -362,5 +362,33 @@ TEST(StarOrphans, LeavesSomeStepsToTheOSet) {
   EXPECT_FALSE(by_stars(sheet, 0, 0)) << "no volumes";
 }
 
+/// While a block falls to pieces, a state that is kept lists the same orphans as a new one.
+TEST(StarOrphans, FollowEdits) {
+  SerialExecutor serial;
+  const StarOrphans source({.most_suspect = 1});
+  const Shape shape = block(ElementType::hexahedron, 4, 4, 4);
+  Topology topology(shape.mesh());
+  const Motion motion = Motion::linear(shape.positions, jittered(shape.positions, 0.3, 5));
+  const Step step{topology, motion, kEveryObject};
+  const auto orphans = [&](StageState& state) {
+    TestBatch all;
+    source.prepare(step, state, serial);
+    for (std::size_t block = 0; block < source.blocks(state); ++block) source.run(step, state, 0, block, all);
+    std::sort(all.vf.begin(), all.vf.end());
+    std::sort(all.ee.begin(), all.ee.end());
+    return all;
+  };
+  const auto kept = source.make_state();
+  Random random(3);
+  for (int edit = 0; edit < 8; ++edit) {
+    if (edit > 0) topology.apply({some_elements(topology.mesh(), random, 0.15), {}, {}});
+    const auto fresh = source.make_state();
+    const TestBatch expected = orphans(*fresh), found = orphans(*kept);
+    EXPECT_GT(expected.ee.size(), 20u) << edit;
+    EXPECT_EQ(found.vf, expected.vf) << edit;
+    EXPECT_EQ(found.ee, expected.ee) << edit;
+  }
+}
+
 }  // namespace
 }  // namespace volccd::detail
