@@ -125,18 +125,20 @@ HWY_INLINE CornerVectors across(const CornerVectors& corner, const double* unit)
 
 /// The normal edge x way of a plane that contains both, and a bound on the error of its dot products with vectors x:
 /// each term edge[i] way[j] x[k] has two rounded differences, two products and three sums. If edge and x change by up
-/// to d, the product changes by up to d |normal| + d |way| (|x| + d).
+/// to d, the product changes by up to d |normal| + d |way| (|x| + d), for the normal without rounding errors.
 HWY_INLINE ProductBound plane_normal(const Vec3& edge, const Vec3& way, double separation, Vec3& normal) {
   ProductBound error;
   const double turn = separation_gap(separation, way[0], way[1], way[2]);
+  double rounding = 0;
   for (int k = 0; k < 3; ++k) {
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     normal[k] = edge[i] * way[j] - edge[j] * way[i];
-    error.factor[k] = 16 * kUnitRoundoff * (std::abs(edge[i] * way[j]) + std::abs(edge[j] * way[i])) +
-                      turn * kAreaSlack + kLeastProduct;
+    const double of_normal = 16 * kUnitRoundoff * (std::abs(edge[i] * way[j]) + std::abs(edge[j] * way[i]));
+    error.factor[k] = of_normal + turn * kAreaSlack + kLeastProduct;
+    rounding += of_normal;
   }
-  error.least =
-      kLeastProduct + separation_gap(separation, normal[0], normal[1], normal[2]) + separation * turn * kAreaSlack;
+  error.least = kLeastProduct + separation_gap(separation, normal[0], normal[1], normal[2]) +
+                separation * (rounding + turn * kAreaSlack);
   return error;
 }
 

@@ -1,6 +1,7 @@
 #include <volccd/culling/detail/volume_signs.hpp>
 
 #include <algorithm>
+#include <array>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/detail/volume_signs.cpp"
