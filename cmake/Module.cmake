@@ -14,6 +14,18 @@ target_compile_options(volccd_flags INTERFACE
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
   $<$<BOOL:${VOLCCD_WERROR}>:-Werror>)
 
+# By default GCC collects garbage from 128 MB on, a sixth of the time of a build with precompiled headers (decision 199).
+# With these it does so beyond 2 GB for each compiler process, where the machine has memory for a process for each core and
+# two more, as Ninja starts. The compiled code is the same.
+cmake_host_system_information(RESULT memory QUERY TOTAL_PHYSICAL_MEMORY)  # in MiB
+cmake_host_system_information(RESULT cores QUERY NUMBER_OF_LOGICAL_CORES)
+math(EXPR needed "2048 * (${cores} + 2)")
+if(memory GREATER_EQUAL needed)
+  target_compile_options(volccd_flags INTERFACE
+    $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-heapsize=2000000>
+    $<$<CXX_COMPILER_ID:GNU>:--param=ggc-min-expand=1000>)
+endif()
+
 # volccd_quick_to_compile(target): for code whose own speed does not matter (tests, command lines). Compiles in a third
 # less time.
 function(volccd_quick_to_compile target)
