@@ -145,26 +145,25 @@ class ElementaryTest {
   Touch touch_{};
 };
 
-Contact make_contact(FeatureKind kind, const CoplanarityBlock& block, std::size_t i, const MovingPoints& points,
-                     const ElementaryTest& test) {
+Contact make_contact(FeatureKind kind, const std::array<Index, 4>& vertices, const TestPoints& x,
+                     const MovingPoints& points, const ElementaryTest& test) {
   Contact contact;
   contact.kind = kind;
-  contact.vertices = block.vertices(i);
+  contact.vertices = vertices;
   contact.toi = test.time();
   contact.at_start = contact.toi == 0;
   contact.normal = contact_normal(kind, points, test.time(), test.side());
   contact.weights = test.weights();
-  contact.point = contact_point(kind, block.coordinates(i), test.time(), test.weights());
+  contact.point = contact_point(kind, x, test.time(), test.weights());
   return contact;
 }
 
 /// Second pass: processes one test that may touch.
-void test_open(FeatureKind kind, const CoplanarityBlock& block, std::size_t i, double tolerance, double t_max,
-               std::vector<Contact>& contacts, NarrowCounters& counters) {
-  const TestPoints& x = block.coordinates(i);
-  const CoplanarityCubic cubic = block.cubic(i);
-  MovingPoints points = block.points(i);
-  ElementaryTest test(kind, points, tolerance, t_max);
+void test_open(const Step& step, FeatureKind kind, const std::array<Index, 4>& vertices, const CoplanarityCubic& cubic,
+               double tolerance, std::vector<Contact>& contacts, NarrowCounters& counters) {
+  const TestPoints x = test_points(step.motion, vertices);
+  MovingPoints points = moving_points(x, 1);
+  ElementaryTest test(kind, points, tolerance, step.t_max);
   Verdict verdict = test.solve(cubic, false);
   if (verdict == Verdict::unclear) {
     const double scale = range_scale(x);
@@ -177,7 +176,7 @@ void test_open(FeatureKind kind, const CoplanarityBlock& block, std::size_t i, d
                                                                      : test.solve(refined_coplanarity(x, scale), true);
     counters.degenerate += test.degenerate() ? 1 : 0;
   }
-  if (verdict == Verdict::touch) contacts.push_back(make_contact(kind, block, i, points, test));
+  if (verdict == Verdict::touch) contacts.push_back(make_contact(kind, vertices, x, points, test));
 }
 
 }  // namespace
@@ -199,10 +198,10 @@ void Cubic::run(const Step& step, StageState&, unsigned, const TestBlock& block,
                 NarrowCounters& counters) const {
   assert(step.motion.control_points() == 2 && step.separation == 0);
   CoplanarityBlock cubics;
-  cubics.gather(step.motion, block);
-  cubics.compute(config_.axis_test, config_.coplanarity);
-  for (std::size_t i = 0; i < cubics.size(); ++i)
-    if (cubics.open(i)) test_open(block.kind(), cubics, i, config_.tolerance, step.t_max, contacts, counters);
+  cubics.compute(block, config_.axis_test, config_.coplanarity);
+  for (std::size_t i = 0; i < block.size(); ++i)
+    if (cubics.open(i))
+      test_open(step, block.kind(), block.vertices(i), cubics.cubic(i), config_.tolerance, contacts, counters);
 }
 
 StageDescriptor<NarrowPhase> describe_cubic() {

@@ -13,7 +13,7 @@ void Exact::run(const Step& step, StageState&, unsigned, const TestBlock& block,
   TestMotion motion{block.kind(), step.motion.control_points(), {}};
   for (std::size_t test = 0; test < block.size(); ++test) {
     const std::array<Index, 4>& vertices = block.vertices(test);
-    for (std::size_t i = 0; i < 4; ++i) motion.points[i] = step.motion.at(vertices[i]);
+    motion.points = detail::test_points(step.motion, vertices);
     const ExactAnswer answer = exact_first_touch(motion, step.t_max);
     counters.degenerate += answer.degenerate ? 1 : 0;
     if (!answer.touches) continue;

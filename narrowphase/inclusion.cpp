@@ -28,8 +28,7 @@ const Options<Inclusion::Config>& Inclusion::options() {
 
 void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<Index, 4>& vertices,
                          std::vector<Contact>& contacts, NarrowCounters& counters) const {
-  TestPoints x;
-  for (std::size_t i = 0; i < 4; ++i) x[i] = step.motion.at(vertices[i]);
+  const TestPoints x = test_points(step.motion, vertices);
   const int points = step.motion.control_points();
   InclusionAnswer answer =
       inclusion_search(kind, x, points, step.separation, config_.time_tolerance, config_.most_parts, step.t_max);
@@ -62,18 +61,17 @@ void Inclusion::run(const Step& step, StageState&, unsigned, const TestBlock& bl
   }
   CoplanarityBlock cubics;
   CrossingBlock crossings;
-  cubics.gather(step.motion, block);
-  cubics.compute(true);
-  crossings.gather(cubics);
+  cubics.compute(block, true);
+  crossings.gather(block, cubics);
   crossings.decide(config_.time_tolerance);
   for (std::size_t i = 0; i < crossings.size(); ++i) {
     if (crossings.apart(i)) continue;
-    const std::size_t source = crossings.source(i);
+    const std::array<Index, 4>& vertices = block.vertices(crossings.source(i));
     if (!crossings.touches(i))
-      test_one(step, kind, block.vertices(source), contacts, counters);
+      test_one(step, kind, vertices, contacts, counters);
     else if (crossings.toi(i) <= step.t_max)
-      contacts.push_back(contact_at(kind, block.vertices(source), cubics.coordinates(source), 2, crossings.toi(i),
-                                    crossings.side(i)));
+      contacts.push_back(
+          contact_at(kind, vertices, test_points(step.motion, vertices), 2, crossings.toi(i), crossings.side(i)));
   }
 }
 

@@ -31,8 +31,7 @@ void Provot::run(const Step& step, StageState&, unsigned, const TestBlock& block
                  NarrowCounters& counters) const {
   assert(step.motion.control_points() == 2 && step.separation == 0);
   for (std::size_t i = 0; i < block.size(); ++i) {
-    detail::TestPoints x;
-    for (std::size_t p = 0; p < 4; ++p) x[p] = step.motion.at(block.vertices(i)[p]);
+    const detail::TestPoints x = detail::test_points(step.motion, block.vertices(i));
     const auto answer = reference::provot_test(block.kind(), points_of(x), config_.tolerance, step.t_max);
     counters.degenerate += answer.degenerate ? 1 : 0;
     if (!answer.touches) continue;

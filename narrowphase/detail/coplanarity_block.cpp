@@ -51,17 +51,19 @@ HWY_ATTR HWY_INLINE Lanes error_bound(const Lanes3 (&start)[3], const Lanes3 (&e
   return hn::IfThenElse(ordinary, bound, hn::Inf(d));
 }
 
-HWY_ATTR void compute_rows(const CoplanarityBlock::Rows& rows) {
+HWY_ATTR void compute_rows(const TestBlock& tests, bool axis_test, bool coplanarity,
+                           const CoplanarityBlock::Rows& rows) {
   const Tag d;
-  constexpr std::size_t kCapacity = CoplanarityBlock::kCapacity;
-  const bool edges = rows.kind == FeatureKind::ee;
-  for (std::size_t i = 0; i < rows.padded_size; i += hn::Lanes(d)) {
-    Lanes3 p[2][3];
-    for (std::size_t time = 0; time < 2; ++time)
-      for (std::size_t j = 0; j < 3; ++j)
-        p[time][j] = load3(d, rows.differences + (time * 3 + j) * 3 * kCapacity + i, kCapacity);
+  const bool edges = tests.kind() == FeatureKind::ee;
+  for (std::size_t i = 0; i < tests.padded_size(); i += hn::Lanes(d)) {
+    Lanes3 p[2][3];  // points 1, 2, 3 relative to point 0
+    for (int time = 0; time < 2; ++time) {
+      const auto point = [&](int v) HWY_ATTR { return load3(d, tests.row(time, v, 0) + i, TestBlock::kCapacity); };
+      const Lanes3 origin = point(0);
+      for (int j = 0; j < 3; ++j) p[time][j] = sub(point(j + 1), origin);
+    }
     LaneMask closed = hn::MaskFromVec(hn::Zero(d));
-    if (rows.axis_test) {
+    if (axis_test) {
       closed = axis_apart(edges, p[0], p[1]);
       if (hn::AllTrue(d, closed)) {
         hn::Store(hn::Zero(d), d, rows.open + i);
@@ -76,7 +78,7 @@ HWY_ATTR void compute_rows(const CoplanarityBlock::Rows& rows) {
     const auto positive = hn::And(hn::Gt(hn::Min(b0, b3), error), hn::Gt(hn::Min(b1, b2), error3));
     const auto negative =
         hn::And(hn::Lt(hn::Max(b0, b3), hn::Sub(zero, error)), hn::Lt(hn::Max(b1, b2), hn::Sub(zero, error3)));
-    if (rows.coplanarity) closed = hn::Or(closed, hn::Or(positive, negative));
+    if (coplanarity) closed = hn::Or(closed, hn::Or(positive, negative));
     hn::Store(b0, d, rows.b[0] + i);
     hn::Store(b1, d, rows.b[1] + i);
     hn::Store(b2, d, rows.b[2] + i);
@@ -94,28 +96,10 @@ namespace volccd::detail {
 
 HWY_EXPORT(compute_rows);
 
-void CoplanarityBlock::gather(const Motion& motion, const TestBlock& tests) {
-  size_ = tests.size();
-  kind_ = tests.kind();
-  for (std::size_t i = 0; i < size_; ++i) {
-    vertices_[i] = tests.vertices(i);
-    for (std::size_t p = 0; p < 4; ++p) coordinates_[i][p] = motion.at(vertices_[i][p]);
-  }
-  for (int time = 0; time < 2; ++time)
-    for (int j = 0; j < 3; ++j)
-      for (int axis = 0; axis < 3; ++axis) {
-        const double *x = tests.row(time, j + 1, axis), *origin = tests.row(time, 0, axis);
-        double* difference = differences_ + row(std::size_t(time), std::size_t(j), std::size_t(axis));
-        for (std::size_t i = 0; i < tests.padded_size(); ++i) difference[i] = x[i] - origin[i];
-      }
-}
-
-void CoplanarityBlock::compute(bool axis_test, bool coplanarity) {
+void CoplanarityBlock::compute(const TestBlock& tests, bool axis_test, bool coplanarity) {
   HWY_DYNAMIC_DISPATCH(compute_rows)
-  ({differences_, {b_[0], b_[1], b_[2], b_[3]}, error_, open_, (size_ + 7) / 8 * 8, kind_, axis_test, coplanarity});
+  (tests, axis_test, coplanarity, {{b_[0], b_[1], b_[2], b_[3]}, error_, open_});
 }
-
-MovingPoints CoplanarityBlock::points(std::size_t i) const { return moving_points(coordinates_[i], 1); }
 
 }  // namespace volccd::detail
 #endif

@@ -290,16 +290,19 @@ namespace volccd::detail {
 
 HWY_EXPORT(decide_crossings);
 
-void CrossingBlock::gather(const CoplanarityBlock& block) {
+void CrossingBlock::gather(const TestBlock& tests, const CoplanarityBlock& cubics) {
   size_ = 0;
-  edges_ = block.kind() == FeatureKind::ee;
-  for (std::size_t i = 0; i < block.size(); ++i) {
-    if (!block.open(i)) continue;
-    const CoplanarityCubic cubic = block.cubic(i);
+  edges_ = tests.kind() == FeatureKind::ee;
+  for (std::size_t i = 0; i < tests.size(); ++i) {
+    if (!cubics.open(i)) continue;
+    const CoplanarityCubic cubic = cubics.cubic(i);
     for (std::size_t k = 0; k < 4; ++k) b_[k][size_] = cubic.b[k];
     error_[size_] = cubic.error;
-    for (std::size_t row = 0; row < 18; ++row)
-      differences_[row * kCapacity + size_] = block.difference(i, row / 9, row / 3 % 3, row % 3);
+    double* difference = differences_ + size_;
+    for (int time = 0; time < 2; ++time)
+      for (int point = 1; point < 4; ++point)
+        for (int axis = 0; axis < 3; ++axis, difference += kCapacity)
+          *difference = tests.row(time, point, axis)[i] - tests.row(time, 0, axis)[i];
     source_[size_++] = static_cast<std::uint8_t>(i);
   }
   const std::size_t padded = (size_ + 7) / 8 * 8;

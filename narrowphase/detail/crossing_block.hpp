@@ -10,12 +10,12 @@
 
 namespace volccd::detail {
 
-/// The open tests of a CoplanarityBlock. Stored on the stack, without allocation.
+/// The tests of a block that the first pass left open. Stored on the stack, without allocation.
 class CrossingBlock {
  public:
   static constexpr std::size_t kCapacity = CoplanarityBlock::kCapacity;
 
-  void gather(const CoplanarityBlock& block);
+  void gather(const TestBlock& tests, const CoplanarityBlock& cubics);
 
   /// Decides as many tests as possible; the others remain open. Bernstein coefficients prove that the coplanarity cubic
   /// has no root outside of short parts around one or two roots, in which the features are examined as by MotionPiece
@@ -24,7 +24,7 @@ class CrossingBlock {
   void decide(double tolerance);
 
   std::size_t size() const { return size_; }
-  /// Index of test i in the CoplanarityBlock.
+  /// Index of test i in the TestBlock.
   std::size_t source(std::size_t i) const { return source_[i]; }
   bool apart(std::size_t i) const { return apart_[i] != 0; }
   bool touches(std::size_t i) const { return touch_[i] != 0; }

@@ -5,13 +5,17 @@
 #include <array>
 #include <cmath>
 
-#include <volccd/mesh/types.hpp>
+#include <volccd/query/motion.hpp>
 
 namespace volccd::detail {
 
 /// Pointers to the coordinates of a test: for each point, in the order of test_vertices(), {x, y, z} of each control
 /// point. Two control points are the positions at t = 0 and t = 1.
 using TestPoints = std::array<const double*, 4>;
+
+inline TestPoints test_points(const Motion& motion, const std::array<Index, 4>& vertices) {
+  return {motion.at(vertices[0]), motion.at(vertices[1]), motion.at(vertices[2]), motion.at(vertices[3])};
+}
 
 /// Differences of the points 1, 2, 3 and point 0 at one time. VF: the triangle relative to the vertex. EE: the other
 /// end of edge 1, and edge 2, relative to the first end of edge 1.

@@ -143,10 +143,9 @@ void first_pass(benchmark::State& state, FeatureKind kind, Pairs wanted, bool ga
     for (std::size_t i = 0; i < pairs.size(); i += detail::CoplanarityBlock::kCapacity) {
       const std::size_t n = std::min(detail::CoplanarityBlock::kCapacity, pairs.size() - i);
       tests.gather(Scene::get().step(), kind, std::span(pairs).subspan(i, n));
-      block.gather(Scene::get().step().motion, tests);
       benchmark::ClobberMemory();
       if (gather_only) continue;
-      block.compute(true);
+      block.compute(tests, true);
       for (std::size_t j = 0; j < n; ++j) open += block.open(j) ? 1 : 0;
     }
     benchmark::DoNotOptimize(open);

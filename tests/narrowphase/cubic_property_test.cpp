@@ -104,9 +104,8 @@ TEST(CubicProperty, CoplanarityFilterDoesNotMatter) {
     std::size_t open[2] = {};
     for (const bool coplanarity : {false, true}) {
       detail::CoplanarityBlock block;
-      block.gather(set.step().motion, tests);
-      block.compute(false, coplanarity);
-      for (std::size_t i = 0; i < block.size(); ++i) open[coplanarity] += block.open(i) ? 1 : 0;
+      block.compute(tests, false, coplanarity);
+      for (std::size_t i = 0; i < tests.size(); ++i) open[coplanarity] += block.open(i) ? 1 : 0;
     }
     EXPECT_EQ(open[false], TestBlock::kCapacity);
     EXPECT_LT(open[true], TestBlock::kCapacity - 5);

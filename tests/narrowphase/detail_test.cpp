@@ -55,9 +55,10 @@ TEST(Coplanarity, ErrorBoundsHold) {
   static constexpr double binomial[] = {1, 3, 3, 1};
   for (std::size_t i = 0; i < queries.size(); ++i) {
     tests.gather(set.step(), FeatureKind::vf, std::span(set.pairs()).subspan(i, 1));
-    block.gather(set.step().motion, tests);
-    block.compute(false);
-    const CoplanarityCubic cubic = block.cubic(0), refined = detail::refined_coplanarity(block.coordinates(0), 1);
+    block.compute(tests, false);
+    const CoplanarityCubic cubic = block.cubic(0);
+    const CoplanarityCubic refined =
+        detail::refined_coplanarity(detail::test_points(set.step().motion, tests.vertices(0)), 1);
     const std::array<Integer, 4> exact = exact_coefficients(queries[i]);
     ASSERT_LT(refined.error, std::max(cubic.error, 1e-200));
     for (std::size_t k = 0; k < 4; ++k) {
@@ -84,8 +85,7 @@ TEST(Coplanarity, ClosedTestsHaveNoRoot) {
     std::size_t closed = 0;
     for (std::size_t i = 0; i < queries.size(); i += 50) {
       tests.gather(set.step(), kind, std::span(set.pairs()).subspan(i, 50));
-      block.gather(set.step().motion, tests);
-      block.compute(false);
+      block.compute(tests, false);
       for (std::size_t j = 0; j < 50; ++j) {
         if (block.open(j)) continue;
         ++closed;
@@ -113,10 +113,8 @@ TEST(Coplanarity, AxisTestClosesOnlySeparatedTests) {
       CoplanarityBlock with, without;
       const auto batch = std::span(set.pairs()).subspan(i, std::min<std::size_t>(64, queries.size() - i));
       tests.gather(set.step(), kind, batch);
-      with.gather(set.step().motion, tests);
-      with.compute(true);
-      without.gather(set.step().motion, tests);
-      without.compute(false);
+      with.compute(tests, true);
+      without.compute(tests, false);
       for (std::size_t j = 0; j < batch.size(); ++j) {
         const std::size_t split = kind == FeatureKind::vf ? 1 : 2;
         bool apart = false;
