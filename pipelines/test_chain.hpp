@@ -51,7 +51,6 @@ class TestChain {
   void finish();
 
   std::vector<Contact>& contacts() { return contacts_; }
-  const std::vector<Contact>& contacts() const { return contacts_; }
   const NarrowCounters& counters() const { return counters_; }
   /// Number of tests of a kind that the narrow phase performed.
   std::uint64_t tests(FeatureKind kind) const { return tests_[static_cast<std::size_t>(kind)]; }
@@ -63,14 +62,11 @@ class TestChain {
 
   Blocks& blocks(FeatureKind kind) { return blocks_[static_cast<std::size_t>(kind)]; }
   Step pruned_step() const;
-  std::span<FeaturePair> select(FeatureKind kind, std::span<FeaturePair> tests);
-  std::size_t partition_included(FeatureKind kind, std::span<FeaturePair> tests) const;
   void run(FeatureKind kind, std::size_t stage);
   void run_filter(FeatureKind kind, std::size_t stage);
   void run_narrow_phase(const TestBlock& block);
   void observe(std::size_t stage, const TestBlock& block, std::span<const std::uint8_t> keep);
   void observe_contacts(const TestBlock& block, std::size_t old_contacts);
-  void keep_included(const TestBlock& block, std::span<std::uint8_t> keep) const;
 
   const Step* step_ = nullptr;
   const TestStages* stages_ = nullptr;
