@@ -172,11 +172,7 @@ class PairSearch {
     return open;
   }
 
-  static HWY_INLINE std::uint32_t lane_bits(PairMask mask) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(PairTag(), mask, bytes);
-    return bytes[0];
-  }
+  static HWY_INLINE std::uint32_t lane_bits(PairMask mask) { return mask_bits(PairTag(), mask); }
 
   /// Outside of this range of sizes, products of the search could underflow or overflow; these pairs are tested in
   /// doubles.
