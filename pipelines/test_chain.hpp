@@ -51,6 +51,7 @@ class TestChain {
   void finish();
 
   std::vector<Contact>& contacts() { return contacts_; }
+  const std::vector<Contact>& contacts() const { return contacts_; }
   const NarrowCounters& counters() const { return counters_; }
   /// Number of tests of a kind that the narrow phase performed.
   std::uint64_t tests(FeatureKind kind) const { return tests_[static_cast<std::size_t>(kind)]; }
