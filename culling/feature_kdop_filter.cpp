@@ -266,24 +266,16 @@ HWY_EXPORT(select_by_rows);
 namespace {
 
 template <int K>
-unsigned among_all() {
+constexpr unsigned among_all() {
   constexpr auto all = kdop_axes<26>();
   unsigned axes = 0;
   for (const auto& axis : kdop_axes<K>()) axes |= 1u << (std::find(all.begin(), all.end(), axis) - all.begin());
   return axes;
 }
 
-unsigned axes_of(FeatureKdopFilter::Axes k) {
-  switch (k) {
-    case FeatureKdopFilter::Axes::k6: return among_all<6>();
-    case FeatureKdopFilter::Axes::k14: return among_all<14>();
-    case FeatureKdopFilter::Axes::k16: return among_all<16>();
-    case FeatureKdopFilter::Axes::k18: return among_all<18>();
-    case FeatureKdopFilter::Axes::k24: return among_all<24>();
-    case FeatureKdopFilter::Axes::k26: break;
-  }
-  return among_all<26>();
-}
+/// By FeatureKdopFilter::Axes.
+constexpr unsigned kAxesOf[] = {among_all<6>(),  among_all<14>(), among_all<16>(),
+                                among_all<18>(), among_all<24>(), among_all<26>()};
 
 struct FeatureKdopState final : StageState {
   std::vector<VertexRow> rows;
@@ -310,7 +302,7 @@ const Options<FeatureKdopFilter::Config>& FeatureKdopFilter::options() {
 }
 
 FeatureKdopFilter::FeatureKdopFilter(const Config& config)
-    : axes_(detail::axes_of(config.k)),
+    : axes_(detail::kAxesOf[static_cast<std::size_t>(config.k)]),
       selects_(config.bounds == KdopBounds::relative && (axes_ & detail::among_all<16>()) == detail::among_all<16>()),
       bounds_(config.bounds) {}
 

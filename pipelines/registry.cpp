@@ -183,16 +183,9 @@ Registry Registry::standard() {
 }
 
 void Registry::check_new(const std::string& name) const {
-  std::apply(
-      [&](const auto&... lists) {
-        (std::for_each(lists.begin(), lists.end(),
-                       [&](const auto& descriptor) {
-                         if (descriptor.name == name)
-                           throw ConfigError(fmt::format("a stage '{}' is registered already", name));
-                       }),
-         ...);
-      },
-      stages_);
+  const auto named = [&](const auto& descriptor) { return descriptor.name == name; };
+  if (std::apply([&](const auto&... lists) { return (std::ranges::any_of(lists, named) || ...); }, stages_))
+    throw ConfigError(fmt::format("a stage '{}' is registered already", name));
 }
 
 void Registry::unknown(const char* what, const std::string& name, const std::string& known) {
@@ -203,15 +196,6 @@ void Registry::add_pipeline(PipelineSpec spec) {
   for (const PipelineSpec& other : pipelines_)
     if (other.name == spec.name) throw ConfigError(fmt::format("a pipeline '{}' is registered already", spec.name));
   pipelines_.push_back(std::move(spec));
-}
-
-const PipelineSpec& Registry::pipeline(const std::string& name) const {
-  std::string known;
-  for (const PipelineSpec& spec : pipelines_) {
-    if (spec.name == name) return spec;
-    known += (known.empty() ? "" : ", ") + spec.name;
-  }
-  unknown("pipeline", name, known);
 }
 
 PipelineSpec Registry::resolved(PipelineSpec spec) const {

@@ -101,7 +101,7 @@ class PairSearch {
     if (list_.size == 0) return;
     group_.gather(list_);
     std::uint32_t left = (1u << list_.size) - 1;
-    if (!search) left &= ~first_axis();
+    if (!search) left &= ~(group_.count() == 4 ? first_axis<4>() : first_axis<0>());
     for (std::size_t lane = 0; left >> lane != 0 && rounds_ > 1; lane += hn::Lanes(PairTag())) {
       std::uint32_t bits = left >> lane & ((1u << hn::Lanes(PairTag())) - 1);
       if (search || std::popcount(bits) >= kEnough)
@@ -117,8 +117,6 @@ class PairSearch {
   }
 
   /// Tests the line between the centroids. Returns the bits of the lanes that it separates.
-  std::uint32_t first_axis() { return group_.count() == 4 ? first_axis<4>() : first_axis<0>(); }
-
   template <std::size_t kCount>
   std::uint32_t first_axis() {
     std::uint32_t apart = 0, missed = 0;

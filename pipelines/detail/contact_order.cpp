@@ -11,9 +11,9 @@ void ContactOrder::sort_lists(std::span<const std::span<const Contact>> lists, E
   merged_.resize(lists.size() > 1 ? keys_.size() : 0);
   executor.parallel_for(lists.size(), 1, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t l = begin; l < end; ++l) {
-      const auto first = keys_.begin() + static_cast<std::ptrdiff_t>(begins_[l]);
-      for (std::size_t i = 0; i < lists[l].size(); ++i) first[static_cast<std::ptrdiff_t>(i)] = {lists[l][i], l, i};
-      std::sort(first, first + static_cast<std::ptrdiff_t>(lists[l].size()));
+      const std::span<Key> keys = std::span(keys_).subspan(begins_[l], lists[l].size());
+      for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = {lists[l][i], l, i};
+      std::sort(keys.begin(), keys.end());
     }
   });
 }
