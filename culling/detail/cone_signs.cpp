@@ -170,7 +170,11 @@ struct WaitingElements {
     if (fresh.count == 8) decide_quickly(step.separation, signs);
   }
   void decide_quickly(double separation, ConeSigns* signs) {
-    const std::uint32_t positive = stay_positive(fresh.elements, separation);
+    std::uint32_t positive = 0;  // bit i: proven for all cones of element i by its shape in the middle of the step
+    for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(Tag())) {
+      const MiddleShape<kControlPoints> shape(fresh.elements, *faces, lane);
+      positive |= mask_bits(Tag(), shape.stays_positive(separation)) << lane;
+    }
     for (std::size_t i = 0; i < fresh.count; ++i) {
       if ((positive >> i & 1) != 0) {
         signs[fresh.slots[i]] = {bits(), 0};
@@ -193,15 +197,6 @@ struct WaitingElements {
   void finish(double separation, ConeSigns* signs) {
     if (fresh.count > 0) decide_quickly(separation, signs);
     if (open.count > 0) decide(separation, signs);
-  }
-  /// Bit i: all cones of element i are proven to be positive by its shape in the middle of the step.
-  std::uint32_t stay_positive(const ElementLanes<kControlPoints>& elements, double separation) const {
-    std::uint32_t found = 0;
-    for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(Tag())) {
-      const MiddleShape<kControlPoints> shape(elements, *faces, lane);
-      found |= mask_bits(Tag(), shape.stays_positive(separation)) << lane;
-    }
-    return found;
   }
   std::uint8_t bits() const { return static_cast<std::uint8_t>((1u << faces->vertices) - 1); }
 };
