@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include <volccd/core/options.hpp>
@@ -56,13 +57,17 @@ const Options<typename T::Config>& options_of() {
   }
 }
 
-/// Descriptor of a stage `T : Stage` that has `struct T::Config` and a constructor with a Config parameter; if there are
-/// options, `static const Options<Config>& T::options()`.
+/// Descriptor of a stage `T : Stage` that has `struct T::Config`. If there are options, it has a constructor with a
+/// Config parameter and `static const Options<Config>& T::options()`.
 template <class Stage, class T>
 StageDescriptor<Stage> describe_stage(std::string name, std::string description, Guarantee guarantee) {
   return {std::move(name), std::move(description), guarantee, options_of<T>().describe(),
           [](const OptionValues& values) -> std::unique_ptr<Stage> {
-            return std::make_unique<T>(options_of<T>().parse(values));
+            const auto config = options_of<T>().parse(values);
+            if constexpr (std::is_constructible_v<T, const typename T::Config&>)
+              return std::make_unique<T>(config);
+            else
+              return std::make_unique<T>();
           }};
 }
 

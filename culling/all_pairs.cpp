@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include <volccd/culling/detail/append_tests.hpp>
-#include <volccd/culling/detail/masked_features.hpp>
 
 namespace volccd {
 

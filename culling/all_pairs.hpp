@@ -14,9 +14,6 @@ namespace volccd {
 /// the effect of O-Sets without assignment.
 class AllPairs final : public Assignment {
  public:
-  struct Config {};
-  explicit AllPairs(const Config&) {}
-
   void run(const Step& step, StageState& state, unsigned worker, const PairBatch& batch, TestBatch& out) const override;
 };
 

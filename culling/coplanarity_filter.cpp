@@ -26,15 +26,13 @@ HWY_INLINE Lanes greatest_area(bool vf, BlockColumns tests) {
 
 template <int kControlPoints>
 HWY_INLINE LaneMask never_coplanar(bool vf, BlockColumns tests, double separation, const StepPart& part) {
-  using Polynomial = Determinant<kControlPoints>;
   const Differences<kControlPoints> e(tests, part);
   DeterminantError error(e.extent, determinant_error_factor(kControlPoints, part.levels));
   if (separation > 0) {
     const Lanes area = greatest_area<kControlPoints>(vf, tests);
     error.scaled = hn::Add(error.scaled, hn::Mul(broadcast(separation * kAreaSlack), area));
   }
-  const Polynomial det(e.at);
-  const DeterminantSigns signs(det, error);
+  const DeterminantSigns signs(Determinant<kControlPoints>(e.at), error);
   return hn::Or(signs.positive, signs.negative);
 }
 

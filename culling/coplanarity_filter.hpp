@@ -20,9 +20,6 @@ namespace volccd {
 /// t_max].
 class CoplanarityFilter final : public FeatureFilter {
  public:
-  struct Config {};
-  explicit CoplanarityFilter(const Config&) {}
-
   void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,
            std::span<std::uint8_t> keep) const override;
 };

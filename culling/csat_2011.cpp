@@ -2,7 +2,7 @@
 
 #include <volccd/culling/csat_reference.hpp>
 #include <volccd/culling/detail/csat_axes.hpp>
-#include <volccd/query/reference_points.hpp>
+#include <volccd/query/reference_vectors.hpp>
 
 namespace volccd {
 namespace {

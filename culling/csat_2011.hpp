@@ -19,9 +19,6 @@ namespace volccd {
 /// edges. t_max is ignored: features that are separated throughout the step are separated until t_max.
 class Csat2011 final : public ElementCulling {
  public:
-  struct Config {};
-  explicit Csat2011(const Config&) {}
-
   void run(const Step& step, StageState& state, unsigned worker, PairBatch& batch) const override;
 };
 
@@ -29,9 +26,6 @@ class Csat2011 final : public ElementCulling {
 /// t = 0, with 4 and 5 dot products as in the paper. Guarantee and limits are those of Csat2011.
 class CsatFilter2011 final : public FeatureFilter {
  public:
-  struct Config {};
-  explicit CsatFilter2011(const Config&) {}
-
   void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block,
            std::span<std::uint8_t> keep) const override;
 };

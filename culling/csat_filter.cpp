@@ -56,14 +56,7 @@ class SeparatingAxes {
         behind = hn::Min(hn::Sub(hn::Min(p1, zero), high23), behind);
       }
     }
-    return hn::Gt(hn::Max(ahead, behind), threshold(axis));
-  }
-
-  HWY_INLINE Lanes threshold(const Lanes3& axis) const {
-    const Lanes sum = trusted(dot(abs(axis), extent_));
-    const Lanes rounding = hn::Add(hn::Mul(sum, broadcast(factor_)), broadcast(kGapUnderflow));
-    if (separation_ == 0) return rounding;
-    return hn::Add(rounding, hn::Mul(hn::Mul(length(axis), broadcast(kLengthSlack)), broadcast(separation_)));
+    return hn::Gt(hn::Max(ahead, behind), gap_threshold(axis, extent_, factor_, separation_));
   }
 
   Differences<kControlPoints> e_;

@@ -15,9 +15,6 @@ namespace volccd {
 /// pairs, unless neighbours of one element are adjacent to neighbours of the other.
 class DynamicAssignment final : public Assignment {
  public:
-  struct Config {};
-  explicit DynamicAssignment(const Config&) {}
-
   std::string incomplete_on_every() const override;
   std::unique_ptr<StageState> make_state() const override;
   void prepare(const Step& step, StageState& state, Executor& executor) const override;

@@ -19,10 +19,6 @@ namespace volccd::detail {
 struct alignas(64) ElementRow {
   float low[kRowAxisCount], high[kRowAxisCount];
 };
-/// By how much a bound is widened: by `separation` (half of it, times the length of the axis) and for rounding.
-struct ElementWidening {
-  alignas(32) float separation[kRowAxisCount];
-};
 
 /// The bounds of the elements in a step. Row c of element o is at rows[o * control_points + c].
 struct ElementRows {
@@ -31,7 +27,7 @@ struct ElementRows {
   std::vector<ElementRow> rows;
   bool all_made;                       ///< otherwise rows are made when they are first asked for
   std::vector<std::uint8_t> progress;  ///< by element, unless all are made; atomic
-  ElementWidening wide;
+  VertexRow half_separation;           ///< by which bounds are widened
 };
 
 }  // namespace volccd::detail
@@ -53,7 +49,7 @@ HWY_INLINE V widening(V bound, V separation) {
 }
 
 /// Makes the rows of one element.
-void bound_element(const Step& step, const ElementWidening& wide, Index o, ElementRow* rows) {
+void bound_element(const Step& step, const VertexRow& half_separation, Index o, ElementRow* rows) {
   using Axes = KdopAxes<16, kRowAxisCount>;
   const hn::Rebind<float, Axes::Tag> narrow;
   const std::span<const Index> part = step.part(o);
@@ -67,7 +63,7 @@ void bound_element(const Step& step, const ElementWidening& wide, Index o, Eleme
         most = hn::Max(most, at);
       }
       const auto low = hn::DemoteTo(narrow, least), high = hn::DemoteTo(narrow, most);
-      const auto separation = hn::Load(narrow, wide.separation + i);
+      const auto separation = hn::Load(narrow, half_separation.at + i);
       hn::Store(hn::Sub(hn::Sub(low, separation), widening(low, separation)), narrow, rows[c].low + i);
       hn::Store(hn::Add(hn::Add(high, separation), widening(high, separation)), narrow, rows[c].high + i);
     }
@@ -83,11 +79,11 @@ HWY_INLINE const ElementRow* rows_of(const Step& step, ElementRows& all, Index o
   if (seen == ElementRows::kReady) return rows;
   if (seen == ElementRows::kMissing &&
       progress.compare_exchange_strong(seen, ElementRows::kBegun, std::memory_order_relaxed)) {
-    bound_element(step, all.wide, o, rows);
+    bound_element(step, all.half_separation, o, rows);
     progress.store(ElementRows::kReady, std::memory_order_release);
     return rows;
   }
-  bound_element(step, all.wide, o, own);
+  bound_element(step, all.half_separation, o, own);
   return own;
 }
 
@@ -95,7 +91,7 @@ void bound_elements(const Step& step, ElementRows& all, std::size_t begin, std::
   const auto controls = static_cast<std::size_t>(step.motion.control_points());
   for (std::size_t o = begin; o < end; ++o)
     if (step.takes_part(static_cast<Index>(o)))
-      bound_element(step, all.wide, static_cast<Index>(o), all.rows.data() + o * controls);
+      bound_element(step, all.half_separation, static_cast<Index>(o), all.rows.data() + o * controls);
 }
 
 template <std::size_t kControlPoints>
@@ -159,12 +155,6 @@ struct ElementKdopState final : StageState {
   }
 };
 
-ElementWidening widening_for(double separation) {
-  ElementWidening wide;
-  for (std::size_t i = 0; i < kRowAxisCount; ++i) wide.separation[i] = float_above(separation / 2 * row_axis_length(i));
-  return wide;
-}
-
 }  // namespace
 
 std::unique_ptr<StageState> ElementKdop::make_state() const { return std::make_unique<ElementKdopState>(); }
@@ -177,7 +167,7 @@ void ElementKdop::prepare(const Step& step, StageState& stage_state, Executor& e
   for (const Worker& worker : state.workers) pairs += worker.pairs;
   state.workers.assign(executor.workers(), {});
   state.subset = step.subset;
-  elements.wide = widening_for(step.separation);
+  elements.half_separation = row_of_distance(step.separation / 2);
   elements.all_made = pairs > (step.subset ? step.subset->size() : step.mesh().element_count());
   elements.rows.resize(slots * static_cast<std::size_t>(step.motion.control_points()));
   elements.progress.assign(slots, ElementRows::kMissing);

@@ -18,9 +18,6 @@ namespace volccd {
 /// errors. They hold over [0, 1] for every t_max.
 class ElementKdop final : public ElementCulling {
  public:
-  struct Config {};
-  explicit ElementKdop(const Config&) {}
-
   std::unique_ptr<StageState> make_state() const override;
   void prepare(const Step& step, StageState& state, Executor& executor) const override;
   void run(const Step& step, StageState& state, unsigned worker, PairBatch& batch) const override;

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <utility>
+#include <vector>
 
-#include <volccd/culling/detail/feature_rows.hpp>
-#include <volccd/query/kdop.hpp>
+#include <volccd/culling/detail/vertex_rows.hpp>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/feature_kdop_filter.cpp"
@@ -180,6 +180,80 @@ void feature_kdop(const TestBlock& block, double separation, double t_max, unsig
     (vf ? filter_block<FeatureKind::vf, 3> : filter_block<FeatureKind::ee, 3>)(job, block, keep);
 }
 
+// Selection by rows: a test is dropped if the projections of the two features on an axis are apart at each control
+// point, in the same order, by more than the separation.
+
+using RowTag = hn::CappedTag<float, kRowAxisCount>;
+using RowLanes = hn::Vec<RowTag>;
+using RowMask = hn::Mask<RowTag>;
+
+/// Lanes in which `from` is certainly below `to`, by more than the separation. Without a separation the order of
+/// rounded values is enough; with one, values have errors below 2^-23 of their magnitudes.
+template <bool kSeparation>
+HWY_INLINE RowMask below(RowLanes from, RowLanes to, const float* separation) {
+  if constexpr (!kSeparation) return hn::Lt(from, to);
+  const RowTag tag;
+  const RowLanes size = hn::Add(hn::Abs(from), hn::Abs(to));
+  const RowLanes error = hn::Add(hn::Mul(size, hn::Set(tag, 0x1p-21f)), hn::Set(tag, 0x1p-120f));
+  return hn::Gt(hn::Sub(to, from), hn::Add(hn::Load(tag, separation), error));
+}
+
+template <bool kSeparation, std::size_t kControlPoints, FeatureKind kKind>
+HWY_INLINE bool features_apart(const VertexRow* const (&rows)[4], const VertexRow& separation) {
+  const RowTag tag;
+  bool found = false;
+  for (std::size_t i = 0; i < kRowAxisCount; i += hn::Lanes(tag)) {
+    RowMask ahead = hn::FirstN(tag, kRowAxisCount), behind = ahead;
+    for (std::size_t c = 0; c < kControlPoints; ++c) {
+      const auto load = [&](std::size_t v) HWY_ATTR { return hn::Load(tag, rows[v][c].at + i); };
+      const RowLanes p0 = load(0), p1 = load(1), low = hn::Min(load(2), load(3)), high = hn::Max(load(2), load(3));
+      constexpr bool vf = kKind == FeatureKind::vf;
+      ahead =
+          hn::And(ahead, below<kSeparation>(vf ? p0 : hn::Max(p0, p1), vf ? hn::Min(low, p1) : low, separation.at + i));
+      behind = hn::And(behind,
+                       below<kSeparation>(vf ? hn::Max(high, p1) : high, vf ? p0 : hn::Min(p0, p1), separation.at + i));
+    }
+    found = found || !hn::AllFalse(tag, hn::Or(ahead, behind));
+  }
+  return found;
+}
+
+template <bool kSeparation, std::size_t kControlPoints, FeatureKind kKind>
+std::size_t select_apart(const VertexRow* rows, const Features& features, const VertexRow& separation,
+                         std::span<FeaturePair> tests) {
+  const auto row = [&](Index v) { return rows + v * kControlPoints; };
+  std::size_t kept = 0;
+  for (const FeaturePair test : tests) {
+    const VertexRow* of[4];
+    if constexpr (kKind == FeatureKind::vf) {
+      const auto& triangle = features.triangle(test.b);
+      of[0] = row(test.a), of[1] = row(triangle[0]), of[2] = row(triangle[1]), of[3] = row(triangle[2]);
+    } else {
+      const auto &a = features.edge(test.a), &b = features.edge(test.b);
+      of[0] = row(a[0]), of[1] = row(a[1]), of[2] = row(b[0]), of[3] = row(b[1]);
+    }
+    tests[kept] = test;
+    kept += features_apart<kSeparation, kControlPoints, kKind>(of, separation) ? 0 : 1;
+  }
+  return kept;
+}
+
+template <bool kSeparation, std::size_t kControlPoints>
+std::size_t select_of_kind(const VertexRow* rows, const Step& step, FeatureKind kind, const VertexRow& separation,
+                           std::span<FeaturePair> tests) {
+  return (kind == FeatureKind::vf
+              ? select_apart<kSeparation, kControlPoints, FeatureKind::vf>
+              : select_apart<kSeparation, kControlPoints, FeatureKind::ee>)(rows, step.features(), separation, tests);
+}
+
+std::size_t select_by_rows(const VertexRow* rows, const Step& step, FeatureKind kind, const VertexRow& separation,
+                           std::span<FeaturePair> tests) {
+  const bool linear = step.motion.control_points() == 2;
+  if (step.separation == 0)
+    return (linear ? select_of_kind<false, 2> : select_of_kind<false, 3>)(rows, step, kind, separation, tests);
+  return (linear ? select_of_kind<true, 2> : select_of_kind<true, 3>)(rows, step, kind, separation, tests);
+}
+
 }  // namespace volccd::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -187,32 +261,25 @@ HWY_AFTER_NAMESPACE();
 namespace volccd {
 namespace detail {
 HWY_EXPORT(feature_kdop);
+HWY_EXPORT(select_by_rows);
 
 namespace {
 
 template <int K>
-unsigned among_all() {
+constexpr unsigned among_all() {
   constexpr auto all = kdop_axes<26>();
   unsigned axes = 0;
   for (const auto& axis : kdop_axes<K>()) axes |= 1u << (std::find(all.begin(), all.end(), axis) - all.begin());
   return axes;
 }
 
-unsigned axes_of(FeatureKdopFilter::Axes k) {
-  switch (k) {
-    case FeatureKdopFilter::Axes::k6: return among_all<6>();
-    case FeatureKdopFilter::Axes::k14: return among_all<14>();
-    case FeatureKdopFilter::Axes::k16: return among_all<16>();
-    case FeatureKdopFilter::Axes::k18: return among_all<18>();
-    case FeatureKdopFilter::Axes::k24: return among_all<24>();
-    case FeatureKdopFilter::Axes::k26: break;
-  }
-  return among_all<26>();
-}
+/// By FeatureKdopFilter::Axes.
+constexpr unsigned kAxesOf[] = {among_all<6>(),  among_all<14>(), among_all<16>(),
+                                among_all<18>(), among_all<24>(), among_all<26>()};
 
 struct FeatureKdopState final : StageState {
-  FeatureRows rows;
-  std::size_t bytes() const override { return rows.bytes(); }
+  std::vector<VertexRow> rows;
+  std::size_t bytes() const override { return rows.capacity() * sizeof(VertexRow); }
 };
 
 }  // namespace
@@ -235,7 +302,7 @@ const Options<FeatureKdopFilter::Config>& FeatureKdopFilter::options() {
 }
 
 FeatureKdopFilter::FeatureKdopFilter(const Config& config)
-    : axes_(detail::axes_of(config.k)),
+    : axes_(detail::kAxesOf[static_cast<std::size_t>(config.k)]),
       selects_(config.bounds == KdopBounds::relative && (axes_ & detail::among_all<16>()) == detail::among_all<16>()),
       bounds_(config.bounds) {}
 
@@ -244,12 +311,16 @@ std::unique_ptr<StageState> FeatureKdopFilter::make_state() const {
 }
 
 void FeatureKdopFilter::prepare(const Step& step, StageState& state, Executor& executor) const {
-  if (selects_) static_cast<detail::FeatureKdopState&>(state).rows.update(step, executor);
+  if (selects_) detail::project_vertices(step.motion, executor, static_cast<detail::FeatureKdopState&>(state).rows);
 }
 
 std::size_t FeatureKdopFilter::select(const Step& step, StageState& state, unsigned, FeatureKind kind,
                                       std::span<FeaturePair> tests) const {
-  return selects_ ? static_cast<detail::FeatureKdopState&>(state).rows.select(step, kind, tests) : tests.size();
+  if (!selects_) return tests.size();
+  using namespace detail;
+  const VertexRow separation = row_of_distance(step.separation * (1 + 0x1p-20));  // for the rounding of gap and bound
+  const VertexRow* const rows = static_cast<FeatureKdopState&>(state).rows.data();
+  return HWY_DYNAMIC_DISPATCH(select_by_rows)(rows, step, kind, separation, tests);
 }
 
 void FeatureKdopFilter::run(const Step& step, StageState&, unsigned, const TestBlock& block,

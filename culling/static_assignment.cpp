@@ -1,7 +1,6 @@
 #include <volccd/culling/static_assignment.hpp>
 
 #include <volccd/culling/detail/append_tests.hpp>
-#include <volccd/culling/detail/masked_features.hpp>
 
 namespace volccd {
 

@@ -14,9 +14,6 @@ namespace volccd {
 /// belongs to one of them, but is covered by other, non-adjacent elements, is not in the O-Set.
 class StaticAssignment final : public Assignment {
  public:
-  struct Config {};
-  explicit StaticAssignment(const Config&) {}
-
   std::string incomplete_on_nonadjacent() const override;
   void run(const Step& step, StageState& state, unsigned worker, const PairBatch& batch, TestBatch& out) const override;
 };

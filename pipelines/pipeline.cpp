@@ -5,10 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <volccd/core/floating_point.hpp>
-#include <volccd/pipelines/detail/checked_executor.hpp>
-#include <volccd/pipelines/detail/completeness.hpp>
-#include <volccd/pipelines/detail/pipeline_run.hpp>
 #include <volccd/pipelines/detail/workspace_data.hpp>
 
 namespace volccd {
@@ -24,8 +20,7 @@ std::size_t Workspace::bytes() const {
   for (const auto& state : data_->states) sum += state->bytes();
   if (data_->flood_broad_phase) sum += data_->flood_broad_phase->bytes();
   for (const auto& worker : data_->workers) sum += worker->bytes();
-  sum += data_->order.bytes();
-  return sum;
+  return sum + data_->order.bytes();
 }
 
 namespace {
@@ -39,16 +34,20 @@ std::string narrow_phases_that(const Registry& registry, Predicate handles) {
   return names.empty() ? "none does" : "these do: " + names;
 }
 
-/// Creates the stage and combines its guarantee with the pipeline's.
-template <class Stage>
-std::unique_ptr<Stage> make_stage(const Registry& registry, const StageChoice& choice, Guarantee& guarantee) {
-  const StageDescriptor<Stage>& descriptor = registry.stage<Stage>(choice.name);
-  guarantee = weakest(guarantee, descriptor.guarantee);
-  try {
-    return descriptor.make(choice.options);
-  } catch (const ConfigError& error) {
-    throw ConfigError(fmt::format("stage {}: {}", choice.name, error.what()));
-  }
+/// Decides whether the tests of a pipeline contain every feature pair; no other code decides this (docs/pipelines.md).
+/// Returns the element pairs that the broad phase must emit so that their tests, together with those of an orphan
+/// source if there is one, contain every feature pair without a common vertex that touches. Throws ConfigError, with
+/// the reason, if this holds for no range, or if a flood has no orphan source for the steps that it does not accept.
+PairRange required_range(const PipelineSpec& spec, const Assignment& assignment) {
+  const std::string reason = spec.orphans ? assignment.incomplete_on_nonadjacent() : assignment.incomplete_on_every();
+  if (!reason.empty())
+    throw ConfigError(fmt::format("pipeline {}: {} would lose contacts: {}", spec.name, spec.assignment.name, reason));
+  if (spec.flood && !spec.orphans)
+    throw ConfigError(
+        fmt::format("pipeline {}: {} needs an assignment and an O-Set for the steps that it does not take; use "
+                    "orphans=o-set, or flood=none",
+                    spec.name, spec.flood->name));
+  return spec.orphans ? PairRange::nonadjacent : PairRange::every;
 }
 
 std::uint64_t next_id() {
@@ -61,7 +60,13 @@ std::uint64_t next_id() {
 Pipeline::Pipeline(const Registry& registry, const PipelineSpec& spec)
     : spec_(registry.resolved(spec)), id_(next_id()) {
   const auto make = [&]<class Interface>(std::unique_ptr<Interface>& stage, const StageChoice& choice) {
-    stage = make_stage<Interface>(registry, choice, guarantee_);
+    const StageDescriptor<Interface>& descriptor = registry.stage<Interface>(choice.name);
+    guarantee_ = weakest(guarantee_, descriptor.guarantee);
+    try {
+      stage = descriptor.make(choice.options);
+    } catch (const ConfigError& error) {
+      throw ConfigError(fmt::format("stage {}: {}", choice.name, error.what()));
+    }
     stages_.push_back(stage.get());
   };
   make(broad_phase_, spec.broad_phase);
@@ -71,8 +76,7 @@ Pipeline::Pipeline(const Registry& registry, const PipelineSpec& spec)
   if (spec.flood) make(flood_, *spec.flood);
   for (const StageChoice& choice : spec.feature_filters) make(feature_filters_.emplace_back(), choice);
   make(narrow_phase_, spec.narrow_phase);
-  range_ = detail::required_range(spec.name, spec.assignment.name, *assignment_, orphans_ != nullptr);
-  if (flood_) detail::require_orphans_for(spec.name, spec.flood->name, orphans_ != nullptr);
+  range_ = required_range(spec, *assignment_);
   curved_narrow_phases_ = narrow_phases_that(registry, [](const NarrowPhase& n) { return n.max_control_points() > 2; });
   separating_narrow_phases_ = narrow_phases_that(registry, [](const NarrowPhase& n) { return n.handles_separation(); });
 }
@@ -109,28 +113,6 @@ void Pipeline::check(const Step& step) const {
   if (step.separation > 0 && !narrow_phase_->handles_separation())
     throw ConfigError(fmt::format("narrow phase {} does not handle a separation; {}", spec_.narrow_phase.name,
                                   separating_narrow_phases_));
-}
-
-void Pipeline::run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result,
-                   const Request& request) const {
-  require_standard_floating_point();
-  if (!workspace.data_ || workspace.data_->pipeline != id_)
-    throw ConfigError(
-        fmt::format("pipeline {}: the workspace is not one of this pipeline; make it with make_workspace() of the "
-                    "pipeline that runs",
-                    spec_.name));
-  check(step);
-  if (request.leave_out_shell_neighbours && step.mesh().vertex_count() % 3 != 0)
-    throw ConfigError(
-        fmt::format("shell neighbours can be left out of thickened shells only: the mesh has {} vertices, "
-                    "not three for each vertex of a shell mesh",
-                    step.mesh().vertex_count()));
-  Workspace::Data& data = *workspace.data_;
-  if (!data.intact) make_states(data);
-  data.intact = false;
-  detail::CheckedExecutor checked(executor);
-  Run(*this, step, data, checked, request).execute(result, workspace);
-  data.intact = true;
 }
 
 }  // namespace volccd

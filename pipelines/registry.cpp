@@ -111,14 +111,6 @@ void set_option(PipelineSpec& spec, const std::string& stage, const std::string&
                                        did_you_mean(stage, known)));
 }
 
-[[noreturn]] void unknown_role(const std::string& role) {
-  const std::vector<std::string> known = {BroadPhase::kRole,    ElementCulling::kRole, Assignment::kRole,
-                                          OrphanSource::kRole,  Flood::kRole,          FeatureFilter::kRole,
-                                          NarrowPhase::kRole};
-  throw ConfigError(fmt::format("no role '{}'; there are {}, or stage.option=value{}", role, fmt::join(known, ", "),
-                                did_you_mean(role, known)));
-}
-
 void set_role(PipelineSpec& spec, const std::string& role, const std::string& value) {
   std::vector<StageChoice> stages;
   for (const std::string& name : names_in(value)) stages.push_back(named(spec, name));
@@ -131,8 +123,13 @@ void set_role(PipelineSpec& spec, const std::string& role, const std::string& va
   if (role == Assignment::kRole) return one(spec.assignment);
   if (role == FeatureFilter::kRole) return spec.feature_filters.swap(stages);
   if (role == NarrowPhase::kRole) return one(spec.narrow_phase);
-  if (role != OrphanSource::kRole && role != Flood::kRole)
-    unknown_role(role);
+  if (role != OrphanSource::kRole && role != Flood::kRole) {
+    const std::vector<std::string> known = {BroadPhase::kRole,   ElementCulling::kRole, Assignment::kRole,
+                                            OrphanSource::kRole, Flood::kRole,          FeatureFilter::kRole,
+                                            NarrowPhase::kRole};
+    throw ConfigError(fmt::format("no role '{}'; there are {}, or stage.option=value{}", role, fmt::join(known, ", "),
+                                  did_you_mean(role, known)));
+  }
   std::optional<StageChoice>& choice = role == Flood::kRole ? spec.flood : spec.orphans;
   choice.reset();
   if (!stages.empty()) one(choice.emplace());
@@ -186,16 +183,9 @@ Registry Registry::standard() {
 }
 
 void Registry::check_new(const std::string& name) const {
-  std::apply(
-      [&](const auto&... lists) {
-        (std::for_each(lists.begin(), lists.end(),
-                       [&](const auto& descriptor) {
-                         if (descriptor.name == name)
-                           throw ConfigError(fmt::format("a stage '{}' is registered already", name));
-                       }),
-         ...);
-      },
-      stages_);
+  const auto named = [&](const auto& descriptor) { return descriptor.name == name; };
+  if (std::apply([&](const auto&... lists) { return (std::ranges::any_of(lists, named) || ...); }, stages_))
+    throw ConfigError(fmt::format("a stage '{}' is registered already", name));
 }
 
 void Registry::unknown(const char* what, const std::string& name, const std::string& known) {
@@ -206,15 +196,6 @@ void Registry::add_pipeline(PipelineSpec spec) {
   for (const PipelineSpec& other : pipelines_)
     if (other.name == spec.name) throw ConfigError(fmt::format("a pipeline '{}' is registered already", spec.name));
   pipelines_.push_back(std::move(spec));
-}
-
-const PipelineSpec& Registry::pipeline(const std::string& name) const {
-  std::string known;
-  for (const PipelineSpec& spec : pipelines_) {
-    if (spec.name == name) return spec;
-    known += (known.empty() ? "" : ", ") + spec.name;
-  }
-  unknown("pipeline", name, known);
 }
 
 PipelineSpec Registry::resolved(PipelineSpec spec) const {

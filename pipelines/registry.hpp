@@ -65,16 +65,11 @@ class Registry {
   /// The stage with this name. Throws ConfigError, listing the known names, if there is none.
   template <class Stage>
   const StageDescriptor<Stage>& stage(const std::string& name) const {
-    std::string known;
-    for (const StageDescriptor<Stage>& descriptor : stages<Stage>()) {
-      if (descriptor.name == name) return descriptor;
-      known += (known.empty() ? "" : ", ") + descriptor.name;
-    }
-    unknown("stage", name, known);
+    return find("stage", stages<Stage>(), name);
   }
 
   const std::vector<PipelineSpec>& pipelines() const { return pipelines_; }
-  const PipelineSpec& pipeline(const std::string& name) const;
+  const PipelineSpec& pipeline(const std::string& name) const { return find("pipeline", pipelines_, name); }
   /// The same specification with every option of its stages, including defaults. Throws ConfigError for an unknown
   /// stage or option.
   PipelineSpec resolved(PipelineSpec spec) const;
@@ -90,6 +85,15 @@ class Registry {
   template <class Stage>
   using Stages = std::vector<StageDescriptor<Stage>>;
 
+  template <class Entry>
+  static const Entry& find(const char* what, const std::vector<Entry>& entries, const std::string& name) {
+    std::string known;
+    for (const Entry& entry : entries) {
+      if (entry.name == name) return entry;
+      known += (known.empty() ? "" : ", ") + entry.name;
+    }
+    unknown(what, name, known);
+  }
   void check_new(const std::string& name) const;
   [[noreturn]] static void unknown(const char* what, const std::string& name, const std::string& known);
 

@@ -31,10 +31,16 @@ void TestChain::add(FeatureKind kind, std::span<FeaturePair> tests) {
   const ObjectFilter& rule = step_->filter;
   // If only some pairs of objects are excluded, most tests are included; fewer tests need to be looked up after the
   // filters.
-  if (!rule.trivial() && (rule.scope() != PairScope::all || stages_->filters.empty()))
-    tests = tests.first(partition_included(kind, tests));
+  if (!rule.trivial() && (rule.scope() != PairScope::all || stages_->filters.empty())) {
+    const auto excluded = [&](FeaturePair pair) { return !rule.asks_for(step_->topology, kind, pair); };
+    tests = {tests.begin(), std::remove_if(tests.begin(), tests.end(), excluded)};
+  }
   StageTimer timer(clock_, statistics_[0].seconds);
-  if (!stages_->filters.empty() && !stages_->observer) tests = select(kind, tests);
+  if (!stages_->filters.empty() && !stages_->observer) {
+    const std::size_t left = stages_->filters[0]->select(pruned_step(), *stages_->states[0], worker_, kind, tests);
+    statistics_[0].in += tests.size() - left;
+    tests = tests.first(left);
+  }
   while (!tests.empty()) {
     const std::size_t taken = std::min(tests.size(), TestBlock::kCapacity);
     blocks(kind)[0].gather(*step_, kind, tests.first(taken));
@@ -47,18 +53,6 @@ Step TestChain::pruned_step() const {
   Step step = *step_;
   step.t_max = t_max_;
   return step;
-}
-
-/// The tests that the first filter has to see.
-std::span<FeaturePair> TestChain::select(FeatureKind kind, std::span<FeaturePair> tests) {
-  const std::size_t left = stages_->filters[0]->select(pruned_step(), *stages_->states[0], worker_, kind, tests);
-  statistics_[0].in += tests.size() - left;
-  return tests.first(left);
-}
-
-std::size_t TestChain::partition_included(FeatureKind kind, std::span<FeaturePair> tests) const {
-  const auto excluded = [&](FeaturePair pair) { return !step_->filter.asks_for(step_->topology, kind, pair); };
-  return static_cast<std::size_t>(std::remove_if(tests.begin(), tests.end(), excluded) - tests.begin());
 }
 
 void TestChain::finish() {
@@ -88,17 +82,14 @@ void TestChain::run_filter(FeatureKind kind, std::size_t stage) {
   statistics_[stage].out += block.size() - static_cast<std::size_t>(dropped);
   observe(stage, block, keep);
   const bool last = stage + 1 == stages_->filters.size();
-  if (last && !step_->filter.trivial() && step_->filter.scope() == PairScope::all) keep_included(block, keep);
+  if (last && !step_->filter.trivial() && step_->filter.scope() == PairScope::all)
+    for (std::size_t i = 0; i < block.size(); ++i)
+      if (keep[i] != 0 && !step_->filter.asks_for(step_->topology, kind, block.pair(i))) keep[i] = 0;
   TestBlock& next = blocks(kind)[stage + 1];
   for (std::size_t begin = 0; begin < block.size();) {
     begin = next.append_kept(block, keep, begin);
     if (next.full()) run(kind, stage + 1);
   }
-}
-
-void TestChain::keep_included(const TestBlock& block, std::span<std::uint8_t> keep) const {
-  for (std::size_t i = 0; i < block.size(); ++i)
-    if (keep[i] != 0 && !step_->filter.asks_for(step_->topology, block.kind(), block.pair(i))) keep[i] = 0;
 }
 
 void TestChain::run_narrow_phase(const TestBlock& block) {

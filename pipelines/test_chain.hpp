@@ -63,14 +63,11 @@ class TestChain {
 
   Blocks& blocks(FeatureKind kind) { return blocks_[static_cast<std::size_t>(kind)]; }
   Step pruned_step() const;
-  std::span<FeaturePair> select(FeatureKind kind, std::span<FeaturePair> tests);
-  std::size_t partition_included(FeatureKind kind, std::span<FeaturePair> tests) const;
   void run(FeatureKind kind, std::size_t stage);
   void run_filter(FeatureKind kind, std::size_t stage);
   void run_narrow_phase(const TestBlock& block);
   void observe(std::size_t stage, const TestBlock& block, std::span<const std::uint8_t> keep);
   void observe_contacts(const TestBlock& block, std::size_t old_contacts);
-  void keep_included(const TestBlock& block, std::span<std::uint8_t> keep) const;
 
   const Step* step_ = nullptr;
   const TestStages* stages_ = nullptr;

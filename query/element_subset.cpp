@@ -20,12 +20,6 @@ std::uint64_t next_version() {
 
 ElementSubset::ElementSubset() : version_(next_version()) {}
 
-void ElementSubset::begin_change(Index slots) {
-  parts_.resize(slots, kNoPart);
-  vertices_.resize(slots);
-  next_.clear();
-}
-
 bool ElementSubset::set_vertices(const Mesh& mesh, Index o, std::uint8_t part) {
   const std::span<const Index> vertices = mesh.vertices(o);
   std::array<Index, 4> chosen{};

@@ -34,12 +34,17 @@ class ElementSubset {
   /// changed since the last call.
   template <class PartOf>
   void assign(const Mesh& mesh, bool same_mesh, PartOf&& part_of) {
-    begin_change(mesh.element_slots());
+    parts_.resize(mesh.element_slots(), kNoPart);
+    vertices_.resize(mesh.element_slots());
+    next_.clear();
     for (Index o = 0; o < mesh.element_slots(); ++o) {
       const std::uint8_t part = part_of(o);
       if (same_mesh && part == parts_[o]) continue;
       const bool other_vertices = part != kNoPart && part != kWhole && set_vertices(mesh, o, part);
-      if (part != parts_[o] || other_vertices) change(o, part);
+      if (part == parts_[o] && !other_vertices) continue;
+      size_ += (part != kNoPart ? 1 : 0) - (parts_[o] != kNoPart ? 1 : 0);
+      parts_[o] = part;
+      next_.push_back(o);
     }
     end_change();
   }
@@ -56,14 +61,8 @@ class ElementSubset {
   }
 
  private:
-  void begin_change(Index slots);
   /// Returns whether the vertices of the part have changed.
   bool set_vertices(const Mesh& mesh, Index o, std::uint8_t part);
-  void change(Index o, std::uint8_t part) {
-    size_ += (part != kNoPart ? 1 : 0) - (parts_[o] != kNoPart ? 1 : 0);
-    parts_[o] = part;
-    next_.push_back(o);
-  }
   void end_change();
 
   std::vector<std::uint8_t> parts_;             ///< by slot

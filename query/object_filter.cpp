@@ -1,25 +1,17 @@
 #include <volccd/query/object_filter.hpp>
 
 #include <algorithm>
-#include <span>
 
 namespace volccd {
-
-namespace {
-
-/// Whether no vertex of the element belongs to an element of another object.
-bool is_pure(const Topology& topology, Index o) {
-  const std::span<const Index> vertices = topology.mesh().vertices(o);
-  return std::none_of(vertices.begin(), vertices.end(), [&](Index v) { return topology.is_shared(v); });
-}
-
-}  // namespace
 
 bool ObjectFilter::drops(const Topology& topology, ElementPair pair) const {
   if (trivial()) return false;
   const Mesh& mesh = topology.mesh();
   if (allows(mesh.object(pair.a), mesh.object(pair.b))) return false;
-  return !topology.objects_share_vertices() || (is_pure(topology, pair.a) && is_pure(topology, pair.b));
+  const auto pure = [&](Index o) {  // no vertex belongs to an element of another object
+    return std::ranges::none_of(mesh.vertices(o), [&](Index v) { return topology.is_shared(v); });
+  };
+  return !topology.objects_share_vertices() || (pure(pair.a) && pure(pair.b));
 }
 
 bool ObjectFilter::asks_for(const Topology& topology, FeatureKind kind, FeaturePair pair) const {

@@ -45,6 +45,13 @@ inline std::array<Index, 4> test_vertices(const Features& features, FeatureKind 
 }
 
 /// Whether the two features have no vertex in common; pairs with a common vertex are not tested.
-bool is_test(const Features& features, FeatureKind kind, FeaturePair pair);
+inline bool is_test(const Features& features, FeatureKind kind, FeaturePair pair) {
+  if (kind == FeatureKind::vf) {
+    const std::array<Index, 3>& f = features.triangle(pair.b);
+    return pair.a != f[0] && pair.a != f[1] && pair.a != f[2];
+  }
+  const std::array<Index, 2>&a = features.edge(pair.a), &b = features.edge(pair.b);
+  return a[0] != b[0] && a[0] != b[1] && a[1] != b[0] && a[1] != b[1];
+}
 
 }  // namespace volccd

@@ -24,6 +24,8 @@ namespace volccd {
 /// an exception the state must not be used again.
 class Stage {
  public:
+  /// The options of a stage that has none, which needs no constructor with a parameter either.
+  struct Config {};
   virtual ~Stage() = default;
 
   virtual std::unique_ptr<StageState> make_state() const { return std::make_unique<StageState>(); }

@@ -1,6 +1,5 @@
 #include <volccd/query/test_block.hpp>
 
-#include <algorithm>
 #include <cassert>
 #include <utility>
 
@@ -47,10 +46,8 @@ void TestBlock::gather(const Step& step, FeatureKind kind, std::span<const Featu
 
 void TestBlock::compact(std::span<const std::uint8_t> keep) {
   assert(keep.size() >= size_);
-  const auto end = keep.begin() + static_cast<std::ptrdiff_t>(size_);
-  const auto first = static_cast<std::size_t>(std::find(keep.begin(), end, 0) - keep.begin());
-  const std::size_t size = std::exchange(size_, first);
-  take(*this, keep, first, size);
+  const std::size_t size = std::exchange(size_, 0);
+  take(*this, keep, 0, size);
 }
 
 std::size_t TestBlock::append_kept(const TestBlock& from, std::span<const std::uint8_t> keep, std::size_t begin) {

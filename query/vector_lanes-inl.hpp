@@ -1,6 +1,7 @@
 // Three-dimensional vectors as structures of arrays, for the vector kernels of all modules: each lane holds the
 // coordinates of another test, element or vertex. Included once for each instruction set by foreach_target.h of
 // Highway.
+#include <cstdint>
 #include <limits>
 
 #include <volccd/query/rounding.hpp>
@@ -38,8 +39,19 @@ using Lanes3 = LaneVector<Lanes>;
 
 /// Loads coordinates from three rows at the given distance from each other. The rows need only the alignment of V.
 template <class D>
-HWY_INLINE LaneVector<hn::Vec<D>> load3(D d, const double* x, std::size_t distance) {
+HWY_INLINE LaneVector<hn::Vec<D>> load3(D d, const hn::TFromD<D>* x, std::size_t distance) {
   return {hn::Load(d, x), hn::Load(d, x + distance), hn::Load(d, x + 2 * distance)};
+}
+template <class M, class V>
+HWY_INLINE LaneVector<V> select(M mask, const LaneVector<V>& yes, const LaneVector<V>& no) {
+  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
+}
+/// Bit i: lane i of at most eight.
+template <class D>
+HWY_INLINE std::uint32_t mask_bits(D d, hn::Mask<D> mask) {
+  std::uint8_t bits[8] = {};
+  hn::StoreMaskBits(d, mask, bits);
+  return bits[0];
 }
 
 // Products and sums are written out in a fixed order, on which the rounding bounds rely. Fused multiply-add would make
@@ -108,6 +120,14 @@ template <class V>
 HWY_INLINE V length(const LaneVector<V>& a) {
   const V square = dot(a, a);
   return hn::IfThenElse(hn::Gt(square, broadcast<V>(kLeastSquare)), hn::Sqrt(square), norm1(a));
+}
+/// The threshold T of a gap along an axis, for factor = gap_error_factor(n) and trusted extents D.
+template <class V>
+HWY_INLINE V gap_threshold(const LaneVector<V>& axis, const LaneVector<V>& extent, double factor, double separation) {
+  const V sum = trusted(dot(abs(axis), extent));
+  const V rounding = hn::Add(hn::Mul(sum, broadcast<V>(factor)), broadcast<V>(kGapUnderflow));
+  if (separation == 0) return rounding;
+  return hn::Add(rounding, hn::Mul(hn::Mul(length(axis), broadcast<V>(kLengthSlack)), broadcast<V>(separation)));
 }
 
 /// Replaces the control points by those of the motion over the part of the step.

@@ -1,13 +1,23 @@
-// Appends the tests of all features of one list against all features of another list.
+// What assignments do with lists of features: visit those that a mask does not exclude, and append tests.
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <span>
 #include <vector>
 
 #include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {
+
+/// Calls visit(feature) for each feature whose bit in `mask` is not set. Features beyond the number of bits are always
+/// visited (FeatureMask).
+template <class Mask, class Visit>
+void for_each_unmasked(std::span<const Index> features, Mask mask, Visit&& visit) {
+  constexpr std::size_t bits = 8 * sizeof(Mask);
+  for (std::size_t i = 0; i < features.size(); ++i)
+    if (i >= bits || (mask >> i & 1) == 0) visit(features[i]);
+}
 
 /// Appends the VF tests of all pairs in vertices x triangles.
 inline void append_vf(std::span<const Index> vertices, std::span<const Index> triangles,

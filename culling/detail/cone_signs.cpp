@@ -10,7 +10,7 @@
 #define HWY_TARGET_INCLUDE "volccd/culling/detail/cone_signs.cpp"
 #include <hwy/foreach_target.h>
 #include <volccd/culling/detail/determinant-inl.hpp>
-#include <volccd/culling/detail/middle_shape-inl.hpp>
+#include <volccd/culling/detail/element_lanes-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
@@ -143,12 +143,10 @@ class Cones {
   }
 
   static HWY_INLINE void note(LaneMask positive, LaneMask negative, unsigned bits, ConeSigns* out) {
-    std::uint8_t is_positive[8] = {}, is_negative[8] = {};
-    hn::StoreMaskBits(Tag(), positive, is_positive);
-    hn::StoreMaskBits(Tag(), negative, is_negative);
+    const std::uint32_t is_positive = mask_bits(Tag(), positive), is_negative = mask_bits(Tag(), negative);
     for (std::size_t i = 0; i < hn::Lanes(Tag()); ++i) {
-      if ((is_positive[0] >> i & 1) == 0) out[i].positive &= static_cast<std::uint8_t>(~bits);
-      if ((is_negative[0] >> i & 1) == 0) out[i].negative &= static_cast<std::uint8_t>(~bits);
+      if ((is_positive >> i & 1) == 0) out[i].positive &= static_cast<std::uint8_t>(~bits);
+      if ((is_negative >> i & 1) == 0) out[i].negative &= static_cast<std::uint8_t>(~bits);
     }
   }
 
@@ -172,7 +170,11 @@ struct WaitingElements {
     if (fresh.count == 8) decide_quickly(step.separation, signs);
   }
   void decide_quickly(double separation, ConeSigns* signs) {
-    const std::uint32_t positive = stay_positive(fresh.elements, separation);
+    std::uint32_t positive = 0;  // bit i: proven for all cones of element i by its shape in the middle of the step
+    for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(Tag())) {
+      const MiddleShape<kControlPoints> shape(fresh.elements, *faces, lane);
+      positive |= mask_bits(Tag(), shape.stays_positive(separation)) << lane;
+    }
     for (std::size_t i = 0; i < fresh.count; ++i) {
       if ((positive >> i & 1) != 0) {
         signs[fresh.slots[i]] = {bits(), 0};
@@ -195,17 +197,6 @@ struct WaitingElements {
   void finish(double separation, ConeSigns* signs) {
     if (fresh.count > 0) decide_quickly(separation, signs);
     if (open.count > 0) decide(separation, signs);
-  }
-  /// Bit i: all cones of element i are proven to be positive by its shape in the middle of the step.
-  std::uint32_t stay_positive(const ElementLanes<kControlPoints>& elements, double separation) const {
-    std::uint32_t found = 0;
-    for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(Tag())) {
-      std::uint8_t positive[8] = {};
-      const MiddleShape<kControlPoints> shape(elements, *faces, lane);
-      hn::StoreMaskBits(Tag(), shape.stays_positive(separation), positive);
-      found |= std::uint32_t{positive[0]} << lane;
-    }
-    return found;
   }
   std::uint8_t bits() const { return static_cast<std::uint8_t>((1u << faces->vertices) - 1); }
 };

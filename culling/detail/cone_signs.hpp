@@ -19,9 +19,8 @@ struct ConeSigns {
 /// faces that do not contain the corner. Sets bit i of signs[o].positive if all tetrahedra of the cone of vertex i are
 /// proven to have a positive volume at all t in [0, 1], as in an element that is not inverted and has VTK's node order;
 /// of signs[o].negative if all are proven to have a negative volume. With a separation also for displaced vertices, as
-/// volume_signs() says. Only for tetrahedra, hexahedra, wedges and
-/// pyramids; no bit is set for other elements. For element slots [begin, end). Compiled for each instruction set, with
-/// the same results on all of them.
+/// volume_signs() says. Only for tetrahedra, hexahedra, wedges and pyramids; no bit is set for other elements. For
+/// element slots [begin, end). Compiled for each instruction set, with the same results on all of them.
 void cone_signs(const Step& step, Index begin, Index end, ConeSigns* signs);
 
 }  // namespace volccd::detail

@@ -31,16 +31,11 @@ inline Vec3 csat_face_normal(const Step& step, Index o, std::uint64_t hash) {
   return csat_scaled((step.motion.point(f[1], 0) - p).cross(step.motion.point(f[2], 0) - p));
 }
 
-/// Direction at t = 0 of edge e.
-inline Vec3 csat_edge_direction(const Step& step, Index e) {
-  const auto& edge = step.features().edge(e);
-  return step.motion.point(edge[1], 0) - step.motion.point(edge[0], 0);
-}
-
 /// Direction at t = 0 of the edge of element o that `hash` selects.
 inline Vec3 csat_picked_edge(const Step& step, Index o, std::uint64_t hash) {
   const auto edges = step.features().element_edges(o);
-  return csat_edge_direction(step, edges[hash % edges.size()]);
+  const auto& edge = step.features().edge(edges[hash % edges.size()]);
+  return step.motion.point(edge[1], 0) - step.motion.point(edge[0], 0);
 }
 
 /// Mean of the vertices at one control point.

@@ -100,8 +100,7 @@ class PairGroup {
 
   HWY_INLINE const double* at(Index v) const { return points_ + std::size_t{v} * (3 * kControlPoints); }
   HWY_INLINE PairLanes3 load(std::size_t side, std::size_t triple, std::size_t lane) const {
-    const float* from = rows_ + ((side * kTriples + triple) * 3) * kPairs + lane;
-    return {hn::Load(PairTag(), from), hn::Load(PairTag(), from + kPairs), hn::Load(PairTag(), from + 2 * kPairs)};
+    return load3(PairTag(), rows_ + ((side * kTriples + triple) * 3) * kPairs + lane, kPairs);
   }
   HWY_INLINE PairLanes3 point(std::size_t side, std::size_t v, int c, std::size_t lane) const {
     return load(side, kPoints + v * kControlPoints + static_cast<std::size_t>(c), lane);
@@ -152,7 +151,7 @@ class PairGroup {
       PairLanes3 x[kControlPoints];
       load_points(v, x);
       for (int c = 0; c < kControlPoints; ++c) extent = max(extent, abs(x[c]));
-      restrict_points(x);
+      restrict_to<kControlPoints>(part_, x);
       for (int c = 0; c < kControlPoints; ++c) {
         total = add(total, x[c]);
         store(x[c], side, kPoints + v * kControlPoints + static_cast<std::size_t>(c), lane);
@@ -160,12 +159,6 @@ class PairGroup {
     }
     store(extent, side, kExtent, lane);
     store(total, side, kTotal, lane);
-  }
-
-  HWY_INLINE void restrict_points(PairLanes3 (&x)[kControlPoints]) const {
-    const PairLanes rest = in_lanes(static_cast<float>(part_.rest)), s = in_lanes(static_cast<float>(part_.s));
-    for (int level = 1; level <= part_.levels; ++level)
-      for (int c = kControlPoints - 1; c >= level; --c) x[c] = add(scaled(x[c - 1], rest), scaled(x[c], s));
   }
 
   /// Smallest projection of the vertices at one control point, and the position of that vertex.

@@ -1,9 +1,10 @@
 // Points and rounding bounds of CSAT in single precision; each vector lane holds one element pair. Included once for
-// each instruction set by foreach_target.h of Highway.
+// each instruction set by foreach_target.h of Highway. Derivation of the bounds: docs/numerics.md, "Single precision".
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
-#include <volccd/culling/detail/csat_float_bounds.hpp>
 #include <volccd/query/pairs.hpp>
 #include <volccd/query/vector_lanes-inl.hpp>
 
@@ -17,15 +18,39 @@
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
 
+/// Half the distance from 1 to the next float.
+constexpr float kFloatRoundoff = 0x1p-24f;
+/// A lane whose sum of magnitudes exceeds this value is regarded as not separated.
+constexpr float kFloatGreatestMagnitude = 0x1p100f;
+
+/// Gap along an axis L as in query/rounding.hpp, for differences that are computed in doubles and rounded once to
+/// floats:
+///     T = float_gap_error_factor(n) * S + kFloatGapUnderflow [+ separation term],   S = |Lx| Dx + |Ly| Dy + |Lz| Dz
+/// where Dk = max(kFloatLeastExtent, max |xk - rk| as a float), and n levels of de Casteljau's algorithm are applied to
+/// the floats.
+constexpr float float_gap_error_factor(int levels) { return static_cast<float>(10 + 6 * levels) * kFloatRoundoff; }
+constexpr float kFloatGapUnderflow = 0x1p-145f;
+constexpr float kFloatLeastExtent = 0x1p-126f;
+
+/// Compensates for rounding when a length is multiplied by a separation and added to a sum.
+constexpr float kFloatLengthSlack = 1 + 16 * kFloatRoundoff;
+/// For sums of squares below this value, the sum of absolute values replaces the length.
+constexpr float kFloatLeastSquare = 0x1p-100f;
+
+/// The separation as a float: at least `separation`, except for one relative rounding; infinite beyond the range of the
+/// kernels.
+HWY_INLINE float float_separation(double separation) {
+  if (separation == 0) return 0;
+  if (!(separation < kFloatGreatestMagnitude)) return std::numeric_limits<float>::infinity();
+  return std::max(static_cast<float>(separation), std::numeric_limits<float>::min());
+}
+
 using PairTag = hn::CappedTag<float, 8>;
 using PairLanes = hn::Vec<PairTag>;
 using PairMask = hn::Mask<PairTag>;
 using PairLanes3 = LaneVector<PairLanes>;
 
 HWY_INLINE PairLanes in_lanes(float x) { return hn::Set(PairTag(), x); }
-HWY_INLINE PairLanes3 select(PairMask mask, const PairLanes3& yes, const PairLanes3& no) {
-  return {hn::IfThenElse(mask, yes.x, no.x), hn::IfThenElse(mask, yes.y, no.y), hn::IfThenElse(mask, yes.z, no.z)};
-}
 
 #if HWY_TARGET == HWY_SCALAR
 /// The same as load_differences() for vectors below, for targets without vectors.
@@ -100,7 +125,7 @@ struct PairList {
   }
 };
 
-/// The threshold that a gap along an axis must exceed. Dk in csat_float_bounds.hpp are the coordinates of `extent`.
+/// The threshold that a gap along an axis must exceed. The Dk are the coordinates of `extent`.
 struct PairThreshold {
   PairLanes error, separation;
   PairMask trusted;  ///< lanes without overflow
@@ -127,8 +152,7 @@ struct PairThreshold {
   /// An upper bound on the length, except for a rounding error for which kFloatLengthSlack compensates.
   static HWY_INLINE PairLanes length_bound(const PairLanes3& axis) {
     const PairLanes square = dot(axis, axis);
-    const PairLanes3 m = abs(axis);
-    return hn::IfThenElse(hn::Gt(square, in_lanes(kFloatLeastSquare)), hn::Sqrt(square), add3(m.x, m.y, m.z));
+    return hn::IfThenElse(hn::Gt(square, in_lanes(kFloatLeastSquare)), hn::Sqrt(square), norm1(axis));
   }
 };
 

@@ -101,7 +101,7 @@ class PairSearch {
     if (list_.size == 0) return;
     group_.gather(list_);
     std::uint32_t left = (1u << list_.size) - 1;
-    if (!search) left &= ~first_axis();
+    if (!search) left &= ~(group_.count() == 4 ? first_axis<4>() : first_axis<0>());
     for (std::size_t lane = 0; left >> lane != 0 && rounds_ > 1; lane += hn::Lanes(PairTag())) {
       std::uint32_t bits = left >> lane & ((1u << hn::Lanes(PairTag())) - 1);
       if (search || std::popcount(bits) >= kEnough)
@@ -117,8 +117,6 @@ class PairSearch {
   }
 
   /// Tests the line between the centroids. Returns the bits of the lanes that it separates.
-  std::uint32_t first_axis() { return group_.count() == 4 ? first_axis<4>() : first_axis<0>(); }
-
   template <std::size_t kCount>
   std::uint32_t first_axis() {
     std::uint32_t apart = 0, missed = 0;
@@ -172,11 +170,7 @@ class PairSearch {
     return open;
   }
 
-  static HWY_INLINE std::uint32_t lane_bits(PairMask mask) {
-    std::uint8_t bytes[8] = {};
-    hn::StoreMaskBits(PairTag(), mask, bytes);
-    return bytes[0];
-  }
+  static HWY_INLINE std::uint32_t lane_bits(PairMask mask) { return mask_bits(PairTag(), mask); }
 
   /// Outside of this range of sizes, products of the search could underflow or overflow; these pairs are tested in
   /// doubles.

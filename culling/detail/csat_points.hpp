@@ -40,44 +40,46 @@ struct CsatPoints {
   double at(int control_point, int axis, int i) const { return row(control_point, axis)[i]; }
 
   template <int kControlPoints>
-  void gather(const CsatFrame& frame, const Motion& motion, std::span<const Index> vertices);
-  /// The same, with the number of control points determined at run time.
   void gather(const CsatFrame& frame, const Motion& motion, std::span<const Index> vertices) {
-    if (frame.control_points == 2) return gather<2>(frame, motion, vertices);
-    gather<3>(frame, motion, vertices);
+    constexpr int n = 3 * kControlPoints;
+    count = static_cast<int>(vertices.size());
+    stride = (count + 3) / 4 * 4;
+    double greatest[n] = {}, sum[n] = {};
+    for (int i = 0; i < count; ++i) {
+      const double* p = motion.at(vertices[static_cast<std::size_t>(i)]);
+      for (int k = 0; k < n; ++k) {
+        const double difference = p[k] - frame.reference[k];
+        rows[k * stride + i] = difference;
+        greatest[k] = std::max(greatest[k], std::abs(difference));
+        sum[k] += difference;
+      }
+    }
+    for (int k = 0; k < n; ++k)
+      for (int i = count; i < stride; ++i) rows[k * stride + i] = rows[k * stride];
+    for (int k = 0; k < 3; ++k) {
+      extent[k] = kLeastExtent;
+      total[k] = 0;
+      for (int c = k; c < n; c += 3) {
+        extent[k] = std::max(extent[k], greatest[c]);
+        total[k] += sum[c];
+      }
+    }
   }
   /// Copies the vertices i0 and i1 of `from`; the extents are those of all vertices.
-  void take(const CsatPoints& from, int control_points, int i0, int i1);
-  /// Recomputes `total` after a change of the rows.
-  void sum_up(int control_points);
+  void take(const CsatPoints& from, int control_points, int i0, int i1) {
+    count = i0 == i1 ? 1 : 2;
+    stride = 4;
+    std::copy(from.extent, from.extent + 3, extent);
+    std::fill(total, total + 3, 0.0);
+    for (int k = 0; k < 3 * control_points; ++k) {
+      const double* source = from.rows + k * from.stride;
+      double* to = rows + 4 * k;
+      to[0] = to[2] = source[i0];
+      to[1] = to[3] = source[i1];
+      total[k % 3] += count == 1 ? source[i0] : source[i0] + source[i1];
+    }
+  }
 };
-
-template <int kControlPoints>
-void CsatPoints::gather(const CsatFrame& frame, const Motion& motion, std::span<const Index> vertices) {
-  constexpr int n = 3 * kControlPoints;
-  count = static_cast<int>(vertices.size());
-  stride = (count + 3) / 4 * 4;
-  double greatest[n] = {}, sum[n] = {};
-  for (int i = 0; i < count; ++i) {
-    const double* p = motion.at(vertices[static_cast<std::size_t>(i)]);
-    for (int k = 0; k < n; ++k) {
-      const double difference = p[k] - frame.reference[k];
-      rows[k * stride + i] = difference;
-      greatest[k] = std::max(greatest[k], std::abs(difference));
-      sum[k] += difference;
-    }
-  }
-  for (int k = 0; k < n; ++k)
-    for (int i = count; i < stride; ++i) rows[k * stride + i] = rows[k * stride];
-  for (int k = 0; k < 3; ++k) {
-    extent[k] = kLeastExtent;
-    total[k] = 0;
-    for (int c = k; c < n; c += 3) {
-      extent[k] = std::max(extent[k], greatest[c]);
-      total[k] += sum[c];
-    }
-  }
-}
 
 /// The edges of an element, in a layout for testing all of them together: the local vertex numbers of their ends, and
 /// their directions at t = 0. Padded to a multiple of 4 with copies of the last edge.
@@ -102,27 +104,5 @@ struct CsatEdges {
     }
   }
 };
-
-inline void CsatPoints::sum_up(int control_points) {
-  for (int k = 0; k < 3; ++k) {
-    total[k] = 0;
-    for (int c = 0; c < control_points; ++c)
-      for (int i = 0; i < count; ++i) total[k] += at(c, k, i);
-  }
-}
-
-inline void CsatPoints::take(const CsatPoints& from, int control_points, int i0, int i1) {
-  count = i0 == i1 ? 1 : 2;
-  stride = 4;
-  std::copy(from.extent, from.extent + 3, extent);
-  std::fill(total, total + 3, 0.0);
-  for (int k = 0; k < 3 * control_points; ++k) {
-    const double* source = from.rows + k * from.stride;
-    double* to = rows + 4 * k;
-    to[0] = to[2] = source[i0];
-    to[1] = to[3] = source[i1];
-    total[k % 3] += count == 1 ? source[i0] : source[i0] + source[i1];
-  }
-}
 
 }  // namespace volccd::detail

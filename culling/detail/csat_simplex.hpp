@@ -2,7 +2,10 @@
 // origin to the nearest point of their convex hull.
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cstddef>
+#include <initializer_list>
 
 #include <volccd/mesh/types.hpp>
 
@@ -12,9 +15,10 @@ namespace volccd::detail {
 /// itself.
 class CsatSimplex {
  public:
-  void clear() { size_ = 0; }
-  bool contains(const Vec3& p) const;
-  void add(const Vec3& p) { points_[static_cast<std::size_t>(size_++)] = p; }
+  bool contains(const Vec3& p) const {
+    return std::find(points_.begin(), points_.begin() + size_, p) != points_.begin() + size_;
+  }
+  void add(const Vec3& p) { points_[size_++] = p; }
 
   /// Reduces the simplex to the face nearest to the origin, and sets `direction` to a positive multiple of the nearest
   /// point of that face, computed so that small distances are accurate. Returns false, with `direction` undefined, if
@@ -25,10 +29,10 @@ class CsatSimplex {
   bool segment(Vec3& direction);
   bool triangle(Vec3& direction);
   bool tetrahedron(Vec3& direction);
-  void keep(int i);
-  void keep(int i, int j);
+  /// Removes the points without these indices, which ascend.
+  void keep(std::initializer_list<std::size_t> indices);
 
-  int size_ = 0;
+  std::size_t size_ = 0;
   std::array<Vec3, 4> points_;
 };
 

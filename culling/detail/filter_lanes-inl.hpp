@@ -55,13 +55,9 @@ struct Differences {
 /// Bit k: whether test k of 8 is dropped. dropped(tests from k on) returns a mask for one register of tests.
 template <std::size_t kDistance, class Dropped>
 HWY_INLINE std::uint32_t dropped_bits(Columns<kDistance> tests, Dropped&& dropped) {
-  const Tag tag;
   std::uint32_t bits = 0;
-  for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(tag)) {
-    std::uint8_t mask[8] = {};
-    hn::StoreMaskBits(tag, dropped(Columns<kDistance>{tests.rows + lane}), mask);
-    bits |= std::uint32_t{mask[0]} << lane;
-  }
+  for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(Tag()))
+    bits |= mask_bits(Tag(), dropped(Columns<kDistance>{tests.rows + lane})) << lane;
   return bits;
 }
 

@@ -10,13 +10,7 @@
 
 namespace volccd::detail {
 
-inline constexpr auto kRowAxes = kdop_axes<16>();
-inline constexpr std::size_t kRowAxisCount = kRowAxes.size();
-
-/// The length of an axis of a row, rounded upward.
-constexpr double row_axis_length(std::size_t axis) {
-  return axis_terms(kRowAxes[axis]) == 1 ? 1 : 0x1.6a09e667f3bcdp+0;
-}
+inline constexpr std::size_t kRowAxisCount = 8;
 
 /// The projections of a vertex at one control point, each rounded to double precision and then to the nearest float.
 /// All axes have one or two terms. Both roundings are monotone: projections are in the order of their rounded values.
@@ -25,6 +19,15 @@ constexpr double row_axis_length(std::size_t axis) {
 struct alignas(32) VertexRow {
   float at[kRowAxisCount];
 };
+
+/// A distance times the lengths of the axes, rounded upward.
+inline VertexRow row_of_distance(double distance) {
+  constexpr auto axes = kdop_axes<16>();
+  VertexRow row;
+  for (std::size_t i = 0; i < kRowAxisCount; ++i)
+    row.at[i] = float_above(distance * (axis_terms(axes[i]) == 1 ? 1 : 0x1.6a09e667f3bcdp+0));
+  return row;
+}
 
 /// Row c of vertex v is rows[v * control_points + c]. Compiled for each instruction set.
 void project_vertices(const Motion& motion, Executor& executor, std::vector<VertexRow>& rows);

@@ -17,21 +17,12 @@ template <int kControlPoints>
 struct Volumes {
   alignas(64) double rows[12 * kControlPoints * 8] = {};
 
-  void gather(const Motion& motion, const std::array<std::array<Index, 4>, 8>& tetrahedra) {
-    gather_tests<8, kControlPoints>(motion, tetrahedra, rows);
-  }
-
-  void signs(double separation, std::uint8_t& positive, std::uint8_t& negative) const {
-    const Tag tag;
+  void signs(double separation, std::uint32_t& positive, std::uint32_t& negative) const {
     positive = negative = 0;
-    for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(tag)) {
+    for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(Tag())) {
       const DeterminantSigns found = signs_at(lane, separation);
-      std::uint8_t bits[8] = {};
-      hn::StoreMaskBits(tag, found.positive, bits);
-      positive |= static_cast<std::uint8_t>(bits[0] << lane);
-      bits[0] = 0;
-      hn::StoreMaskBits(tag, found.negative, bits);
-      negative |= static_cast<std::uint8_t>(bits[0] << lane);
+      positive |= mask_bits(Tag(), found.positive) << lane;
+      negative |= mask_bits(Tag(), found.negative) << lane;
     }
   }
 
@@ -58,19 +49,19 @@ void signs_of(const Step& step, std::size_t begin, std::size_t end, std::int8_t*
   Volumes<kControlPoints> volumes;
   for (std::size_t first = begin; first < end; first += 8) {
     const std::size_t count = std::min<std::size_t>(8, end - first);
-    std::uint8_t given = 0, positive, negative;
+    std::uint32_t given = 0, positive, negative;
     std::array<std::array<Index, 4>, 8> tetrahedra{};
     for (std::size_t k = 0; k < count; ++k) {
       const Index o = static_cast<Index>(first + k);
       if (step.mesh().type(o) != ElementType::tetrahedron) continue;
       std::copy_n(step.topology.adjacency().vertices(o).begin(), 4, tetrahedra[k].begin());
-      given |= static_cast<std::uint8_t>(1u << k);
+      given |= 1u << k;
     }
     if (given == 0) {
       std::fill_n(signs + first, count, std::int8_t{1});
       continue;
     }
-    volumes.gather(step.motion, tetrahedra);
+    gather_tests<8, kControlPoints>(step.motion, tetrahedra, volumes.rows);
     volumes.signs(step.separation, positive, negative);
     for (std::size_t k = 0; k < count; ++k)
       signs[first + k] =

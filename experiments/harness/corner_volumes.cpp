@@ -6,7 +6,7 @@
 #include <Eigen/Geometry>
 
 #include <volccd/narrowphase/provot_test.hpp>
-#include <volccd/query/reference_points.hpp>
+#include <volccd/query/reference_vectors.hpp>
 
 namespace volccd {
 

@@ -6,7 +6,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/tables/counted_operation.hpp>
 #include <volccd/experiments/tables/moving_obb.hpp>
-#include <volccd/query/reference_points.hpp>
+#include <volccd/query/reference_vectors.hpp>
 
 namespace volccd {
 

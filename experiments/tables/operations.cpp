@@ -9,7 +9,7 @@
 #include <volccd/experiments/tables/coplanarity_reference.hpp>
 #include <volccd/experiments/tables/counted_operation.hpp>
 #include <volccd/narrowphase/provot_test.hpp>
-#include <volccd/query/reference_points.hpp>
+#include <volccd/query/reference_vectors.hpp>
 
 namespace volccd {
 

@@ -81,7 +81,7 @@ class Candidates {
     KdopBvh::Config boxes_alone;
     boxes_alone.k = 6;  // more axes would drop pairs whose boxes overlap
     const KdopBvh broad(boxes_alone);
-    const DynamicAssignment assignment{DynamicAssignment::Config{}};
+    const DynamicAssignment assignment;
     const OSetSource orphans{OSetSource::Config{}};
     SerialExecutor executor;
     const auto boxes = broad.make_state(), owners = assignment.make_state(), o_set = orphans.make_state();

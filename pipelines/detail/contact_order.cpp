@@ -4,19 +4,6 @@
 
 namespace volccd::detail {
 
-namespace {
-
-constexpr std::size_t kCopiedContacts = 2048;
-
-}  // namespace
-
-ContactOrder::Key::Key(const Contact& c, std::size_t in_list, std::size_t at)
-    : kind_and_first(std::uint64_t{c.kind == FeatureKind::ee} << 32 | c.vertices[0]),
-      second_and_third(std::uint64_t{c.vertices[1]} << 32 | c.vertices[2]),
-      fourth(c.vertices[3]),
-      list(static_cast<std::uint32_t>(in_list)),
-      place(at) {}
-
 void ContactOrder::sort_lists(std::span<const std::span<const Contact>> lists, Executor& executor) {
   begins_.assign(1, 0);
   for (const std::span<const Contact> list : lists) begins_.push_back(begins_.back() + list.size());
@@ -24,10 +11,9 @@ void ContactOrder::sort_lists(std::span<const std::span<const Contact>> lists, E
   merged_.resize(lists.size() > 1 ? keys_.size() : 0);
   executor.parallel_for(lists.size(), 1, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t l = begin; l < end; ++l) {
-      const auto first = keys_.begin() + static_cast<std::ptrdiff_t>(begins_[l]);
-      for (std::size_t i = 0; i < lists[l].size(); ++i) first[static_cast<std::ptrdiff_t>(i)] = {lists[l][i], l, i};
-      std::sort(first, first + static_cast<std::ptrdiff_t>(lists[l].size()),
-                [](const Key& a, const Key& b) { return a.features() < b.features(); });
+      const std::span<Key> keys = std::span(keys_).subspan(begins_[l], lists[l].size());
+      for (std::size_t i = 0; i < keys.size(); ++i) keys[i] = {lists[l][i], l, i};
+      std::sort(keys.begin(), keys.end());
     }
   });
 }
@@ -42,8 +28,7 @@ void ContactOrder::merge_lists(Executor& executor) {
     executor.parallel_for(pairs, 1, [&](std::size_t begin, std::size_t end, unsigned) {
       for (std::size_t p = begin; p < end; ++p)
         std::merge(at(2 * p), at(2 * p + 1), at(2 * p + 1), at(2 * p + 2),
-                   merged_.begin() + static_cast<std::ptrdiff_t>(begins_[2 * p]),
-                   [](const Key& a, const Key& b) { return a.features() < b.features(); });
+                   merged_.begin() + static_cast<std::ptrdiff_t>(begins_[2 * p]));
     });
     keys_.swap(merged_);
     for (std::size_t p = 1; p < pairs; ++p) begins_[p] = begins_[2 * p];
@@ -57,11 +42,10 @@ std::size_t ContactOrder::collect(std::span<const std::span<const Contact>> list
   sort_lists(lists, executor);
   merge_lists(executor);
   const std::size_t found = keys_.size();
-  keys_.erase(
-      std::unique(keys_.begin(), keys_.end(), [](const Key& a, const Key& b) { return a.features() == b.features(); }),
-      keys_.end());
+  keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
   out.resize(keys_.size());
-  executor.parallel_for(keys_.size(), kCopiedContacts, [&](std::size_t begin, std::size_t end, unsigned) {
+  constexpr std::size_t grain = 2048;
+  executor.parallel_for(keys_.size(), grain, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t i = begin; i < end; ++i) out[i] = lists[keys_[i].list][keys_[i].place];
   });
   return found - keys_.size();

@@ -31,8 +31,17 @@ class ContactOrder {
     std::size_t place;
 
     Key() = default;
-    Key(const Contact& c, std::size_t in_list, std::size_t at);
+    Key(const Contact& c, std::size_t in_list, std::size_t at)
+        : kind_and_first(std::uint64_t{c.kind == FeatureKind::ee} << 32 | c.vertices[0]),
+          second_and_third(std::uint64_t{c.vertices[1]} << 32 | c.vertices[2]),
+          fourth(c.vertices[3]),
+          list(static_cast<std::uint32_t>(in_list)),
+          place(at) {}
+
+    // Comparisons of the features.
     auto features() const { return std::tuple(kind_and_first, second_and_third, fourth); }
+    bool operator<(const Key& b) const { return features() < b.features(); }
+    bool operator==(const Key& b) const { return features() == b.features(); }
   };
 
   void sort_lists(std::span<const std::span<const Contact>> lists, Executor& executor);

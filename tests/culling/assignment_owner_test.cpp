@@ -131,7 +131,7 @@ std::vector<std::pair<std::string, Shape>> owner_shapes() {
 
 /// A stage and its state, as a pipeline has them.
 struct AssignmentWithState {
-  DynamicAssignment assignment{{}};
+  DynamicAssignment assignment;
   std::unique_ptr<StageState> state = assignment.make_state();
   ObjectFilter filter;
 

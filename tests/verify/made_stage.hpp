@@ -72,7 +72,7 @@ class Made<Assignment, Run> final : public Assignment {
   }
 
  private:
-  AllPairs all_{AllPairs::Config{}};
+  AllPairs all_;
   Run run_;
 };
 
