@@ -186,8 +186,7 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
       config_.most_suspect * static_cast<double>(topology.features().vertex_count()))
     return;
   state.suspects.update(*state.step, state.classes, executor);
-  const std::span<const ElementPair> suspects = state.suspects.pairs();
-  state.orphans.update(topology, {&suspects, 1}, executor);
+  state.orphans.update(topology, state.suspects.pairs(), executor);
   choose_outer(*state.step, state);
   state.counters.paired = state.outer.size();
   state.workers.resize(executor.workers());

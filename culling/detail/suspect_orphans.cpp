@@ -25,7 +25,7 @@ const SuspectOrphans::Partner* SuspectOrphans::find(Index o, Index partner) cons
   return nullptr;
 }
 
-void SuspectOrphans::update(const Topology& topology, PairLists lists, Executor& executor) {
+void SuspectOrphans::update(const Topology& topology, std::span<const ElementPair> pairs, Executor& executor) {
   topology_ = &topology;
   const TopologyDelta::Extent changed = delta_.sync(topology);
   std::swap(now_, before_);
@@ -33,7 +33,7 @@ void SuspectOrphans::update(const Topology& topology, PairLists lists, Executor&
   fresh_.assign(topology.mesh().element_slots(), 0);
   near_.assign(topology.features().vertex_slots(), 0);
   if (changed == TopologyDelta::Extent::edits) mark_fresh();
-  set_partners(lists, executor);
+  set_partners(pairs, executor);
   renewed_.resize(now_.elements.size());
   partner_of_.resize(executor.workers());
   for (std::vector<Index>& partner_of : partner_of_) partner_of.assign(topology.mesh().element_slots(), kNone);
@@ -62,16 +62,15 @@ void SuspectOrphans::mark_fresh() {
 
 /// Each worker reads all pairs, and writes what belongs to its own range of slots: a pass over the pairs takes less
 /// time than atomic counters would.
-void SuspectOrphans::set_partners(PairLists lists, Executor& executor) {
+void SuspectOrphans::set_partners(std::span<const ElementPair> pairs, Executor& executor) {
   const std::size_t slots = fresh_.size(), ranges = executor.workers();
   const auto visit = [&](auto&& add) {
     executor.parallel_for(ranges, 1, [&](std::size_t begin, std::size_t end, unsigned) {
       const Index low = static_cast<Index>(slots * begin / ranges), high = static_cast<Index>(slots * end / ranges);
-      for (const std::span<const ElementPair> pairs : lists)
-        for (const ElementPair pair : pairs) {
-          if (pair.a >= low && pair.a < high) add(pair.a, pair.b);
-          if (pair.b >= low && pair.b < high && pair.a != pair.b) add(pair.b, pair.a);
-        }
+      for (const ElementPair pair : pairs) {
+        if (pair.a >= low && pair.a < high) add(pair.a, pair.b);
+        if (pair.b >= low && pair.b < high && pair.a != pair.b) add(pair.b, pair.a);
+      }
     });
   };
   counts_.assign(slots, 0);

@@ -20,10 +20,9 @@ namespace volccd::detail {
 /// called by several threads.
 class SuspectOrphans {
  public:
-  /// Lists of adjacent pairs of elements, and pairs of an element and itself, each pair in one list, in any order.
+  /// `pairs`: adjacent pairs of elements, and pairs of an element and itself, each once, in any order.
   /// O(slots + pairs + features of the elements of new pairs, and of their neighbours).
-  using PairLists = std::span<const std::span<const ElementPair>>;
-  void update(const Topology& topology, PairLists lists, Executor& executor);
+  void update(const Topology& topology, std::span<const ElementPair> pairs, Executor& executor);
 
   std::size_t blocks() const { return (now_.elements.size() + kBlockElements - 1) / kBlockElements; }
   /// Appends the orphans of a block. Each orphan is in one block.
@@ -60,7 +59,7 @@ class SuspectOrphans {
     std::size_t bytes() const;
   };
 
-  void set_partners(PairLists lists, Executor& executor);
+  void set_partners(std::span<const ElementPair> pairs, Executor& executor);
   bool keeps_partners(std::size_t place);
   void find_candidates(std::size_t place, std::vector<Index>& partner_of);
   void mark_fresh();
