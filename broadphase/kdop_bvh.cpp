@@ -6,6 +6,7 @@
 #include <volccd/broadphase/detail/kdop_tree.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
 #include <volccd/broadphase/detail/tree_kernels.hpp>
+#include <volccd/core/heap_bytes.hpp>
 
 namespace volccd {
 
@@ -20,6 +21,7 @@ constexpr std::size_t kTasks = 1024;
 struct alignas(64) Worker {
   std::vector<NodePair> stack;
   std::uint64_t node_tests = 0;
+  std::size_t bytes() const { return heap_bytes(stack); }
 };
 
 struct KdopBvhState final : StageState {
@@ -34,10 +36,7 @@ struct KdopBvhState final : StageState {
   KdopBvh::Counters counters;
 
   std::size_t bytes() const override {
-    std::size_t sum = delta.bytes() + keys.bytes() + vertices.bytes() + tree.bytes() + writers.bytes() +
-                      (tasks.capacity() + expanded.capacity()) * sizeof(NodePair);
-    for (const Worker& worker : workers) sum += sizeof(Worker) + worker.stack.capacity() * sizeof(NodePair);
-    return sum;
+    return heap_bytes(delta, keys, vertices, tree, writers, tasks, expanded, workers);
   }
 };
 

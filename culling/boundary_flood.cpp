@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/flood_front.hpp>
 #include <volccd/culling/detail/simplex_complex.hpp>
 #include <volccd/culling/detail/suspect_orphans.hpp>
@@ -16,6 +17,7 @@ enum class Phase { idle, start, flood };
 
 struct alignas(64) Worker {
   std::vector<ElementPair> reached;
+  std::size_t bytes() const { return heap_bytes(reached); }
 };
 
 struct BoundaryFloodState final : StageState {
@@ -42,12 +44,8 @@ struct BoundaryFloodState final : StageState {
   BoundaryFlood::Counters counters;
 
   std::size_t bytes() const override {
-    std::size_t sum = complex.bytes() + stars.bytes() + classes.bytes() + suspects.bytes() + orphans.bytes() +
-                      outer.bytes() + seen.bytes() + seen_at_start.bytes() +
-                      (front.capacity() + reached.capacity()) * sizeof(ElementPair) +
-                      (parts.capacity() + parents.capacity()) * sizeof(Index) + counted.bytes() + start_scratch.bytes();
-    for (const Worker& w : workers) sum += sizeof w + w.reached.capacity() * sizeof(ElementPair);
-    return sum;
+    return heap_bytes(complex, stars, classes, suspects, orphans, counted, outer, parts, parents, start_scratch, seen,
+                      seen_at_start, front, reached, workers);
   }
 };
 

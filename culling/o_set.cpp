@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/culling/detail/o_set_blocks.hpp>
 #include <volccd/culling/detail/o_set_partners.hpp>
@@ -53,6 +54,7 @@ struct OSet::Impl {
   struct Worker {
     detail::ElementTouch touch;
     std::vector<Index> covering;
+    std::size_t bytes() const { return heap_bytes(touch, covering); }
   };
 
   explicit Impl(OSetKind set_kind) : kind(set_kind) {}
@@ -176,11 +178,6 @@ void OSet::append(std::size_t block, TestBatch& out) const { impl_->blocks.appen
 
 OSetCounts OSet::counts() const { return impl_->blocks.counts(); }
 
-std::size_t OSet::bytes() const {
-  std::size_t sum = impl_->delta.bytes() + impl_->blocks.bytes();
-  for (const Impl::Worker& worker : impl_->workers)
-    sum += worker.touch.bytes() + worker.covering.capacity() * sizeof(Index);
-  return sum;
-}
+std::size_t OSet::bytes() const { return heap_bytes(impl_->delta, impl_->blocks, impl_->workers); }
 
 }  // namespace volccd

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/corner_planes.hpp>
 #include <volccd/culling/detail/element_stars.hpp>
 #include <volccd/culling/detail/suspect_orphans.hpp>
@@ -30,9 +31,7 @@ struct StarOrphansState final : StageState {
   detail::SuspectOrphans orphans;
   StarOrphans::Counters counters;
 
-  std::size_t bytes() const override {
-    return set.bytes() + stars.bytes() + counted.bytes() + free_edges.capacity() + pairs.bytes() + orphans.bytes();
-  }
+  std::size_t bytes() const override { return heap_bytes(set, stars, counted, free_edges, pairs, orphans); }
 };
 
 StarOrphansState& state_of(StageState& state) { return static_cast<StarOrphansState&>(state); }

@@ -243,14 +243,4 @@ void KdopTree::set_keys(const FilterKeys& keys) {
   }
 }
 
-std::size_t KdopTree::bytes() const {
-  std::size_t scratch = 0;
-  for (const BuildScratch& s : scratch_) scratch += s.builder.bytes() + s.list.bytes();
-  return scratch + list_.bytes() + nodes_.capacity() * sizeof(TreeNode) + costs_.capacity() * sizeof(TreeCost) +
-         built_ratios_.capacity() * sizeof(float) + node_bounds_.bytes() + element_bounds_.bytes() +
-         (positions_.capacity() + lanes_.capacity() + blocks_.capacity() + upper_.capacity() + added_.capacity()) *
-             sizeof(Index) +
-         adjacent_leaves_.bytes();
-}
-
 }  // namespace volccd::detail

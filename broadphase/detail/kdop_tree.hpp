@@ -16,6 +16,7 @@
 #include <volccd/broadphase/detail/swept_bounds.hpp>
 #include <volccd/broadphase/detail/tree_builder.hpp>
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 
 namespace volccd::detail {
 
@@ -75,7 +76,10 @@ class KdopTree {
   /// Root nodes: none, one or two.
   std::vector<Index> const& roots() const { return roots_; }
   int depth() const { return depth_; }
-  std::size_t bytes() const;
+  std::size_t bytes() const {
+    return heap_bytes(list_, nodes_, costs_, built_ratios_, node_bounds_, element_bounds_, lanes_, positions_, blocks_,
+                      upper_, adjacent_leaves_, added_, scratch_);
+  }
 
  private:
   Index nodes_of(Index elements) const { return tree_nodes(elements, leaf_size_); }
@@ -83,6 +87,7 @@ class KdopTree {
   struct BuildScratch {
     TreeBuilder builder;
     ElementList::Scratch list;
+    std::size_t bytes() const { return heap_bytes(builder, list); }
   };
   /// A subtree to be rebuilt, and then the depth of its deepest leaf.
   struct Degraded {

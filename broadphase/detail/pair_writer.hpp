@@ -8,6 +8,7 @@
 #include <volccd/broadphase/broad_phase.hpp>
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/broadphase/detail/filter_keys.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {
@@ -88,7 +89,7 @@ class PairWriters {
     for (PairWriter& writer : writers_) writer.flush();
   }
 
-  std::size_t bytes() const { return writers_.capacity() * sizeof(PairWriter); }
+  std::size_t bytes() const { return heap_bytes(writers_); }
 
  private:
   std::vector<PairWriter> writers_;

@@ -217,9 +217,4 @@ void TreeBuilder::partition(const Range& range, const BuildBins& bins, std::size
                      [axis](const BuildItem& x, const BuildItem& y) { return x.box.key(axis) < y.box.key(axis); });
 }
 
-std::size_t TreeBuilder::bytes() const {
-  return 2 * capacity_ * sizeof(BuildItem) + order_.capacity() * sizeof(Index) + tasks_.capacity() * sizeof(Range) +
-         chunks_.capacity() * sizeof(Chunk);
-}
-
 }  // namespace volccd::detail

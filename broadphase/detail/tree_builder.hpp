@@ -11,6 +11,7 @@
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/broadphase/detail/swept_bounds.hpp>
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 
 namespace volccd::detail {
 
@@ -41,7 +42,7 @@ class TreeBuilder {
   /// The former positions of the elements of the last subtree, in the order of its leaves.
   std::span<const Index> order() const { return order_; }
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return 2 * capacity_ * sizeof(BuildItem) + heap_bytes(order_, tasks_, chunks_); }
 
  private:
   /// A part of a range, and what one thread finds out about it.

@@ -8,6 +8,8 @@
 
 #include <volccd/broadphase/peers/detail/peer_phase.hpp>
 
+#include <volccd/core/heap_bytes.hpp>
+
 namespace volccd::detail {
 
 namespace {
@@ -19,7 +21,7 @@ struct BulletState final : PeerState {
   float scale = 1;
 
   std::size_t peer_bytes() const override {
-    return 2 * leaves.size() * sizeof(btDbvtNode) + (leaves.capacity() + inner.capacity()) * sizeof(btDbvtNode*) +
+    return 2 * leaves.size() * sizeof(btDbvtNode) + heap_bytes(leaves, inner) +
            static_cast<std::size_t>(tree.m_stkStack.capacity()) * sizeof(btDbvt::sStkNN);
   }
 
@@ -71,8 +73,7 @@ class BulletDbvt final : public PeerPhase {
   static const Options<Config>& options() {
     static const Options<Config> options = [] {
       Options<Config> o;
-      o.add("update", &Config::update,
-            {{"refit", Update::refit}, {"leaves", Update::leaves}, {"build", Update::build}},
+      o.add("update", &Config::update, {{"refit", Update::refit}, {"leaves", Update::leaves}, {"build", Update::build}},
             "from step to step: all nodes are refitted as in btSoftBody, each leaf is inserted anew by btDbvt::update, "
             "or the tree is built by optimizeTopDown");
       o.add("bottom_up", &Config::bottom_up, 3, 1024,

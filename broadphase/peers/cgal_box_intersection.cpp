@@ -8,6 +8,8 @@
 
 #include <volccd/broadphase/peers/detail/peer_phase.hpp>
 
+#include <volccd/core/heap_bytes.hpp>
+
 namespace volccd::detail {
 
 namespace {
@@ -30,7 +32,7 @@ struct CgalState final : PeerState {
   std::vector<CgalBox> intervals, points;  ///< the same boxes twice, because CGAL reorders them
   float scale = 1;
 
-  std::size_t peer_bytes() const override { return (intervals.capacity() + points.capacity()) * sizeof(CgalBox); }
+  std::size_t peer_bytes() const override { return heap_bytes(intervals, points); }
 };
 
 class CgalBoxIntersection final : public PeerPhase {

@@ -228,16 +228,5 @@ void CornerPairs::decide_apart(const Step& step, Index v) {
   HWY_DYNAMIC_DISPATCH(separate)(corners_, step.motion.control_points(), step.separation, pairs_, apart_.data());
 }
 
-std::size_t CornerPairs::bytes() const {
-  return corners_.capacity() * sizeof(corners_[0]) + pairs_.capacity() * sizeof(pairs_[0]) + apart_.capacity();
-}
-
-std::size_t CornerPairList::bytes() const {
-  std::size_t sum = pairs_.capacity() * sizeof(ElementPair);
-  for (const Worker& worker : workers_)
-    sum += sizeof worker + worker.found.capacity() * sizeof(ElementPair) + worker.corners.bytes();
-  return sum;
-}
-
 }  // namespace volccd::detail
 #endif

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/query/pairs.hpp>
 #include <volccd/query/step.hpp>
 
@@ -62,7 +63,7 @@ class CornerPairs {
       if (apart_[n] == 0) remain(star[pairs_[n].a], star[pairs_[n].b]);
   }
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return heap_bytes(corners_, pairs_, apart_); }
 
  private:
   void decide_apart(const Step& step, Index v);
@@ -99,13 +100,14 @@ class CornerPairList {
   /// Their order depends on the executor.
   std::span<const ElementPair> pairs() const { return pairs_; }
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return heap_bytes(pairs_, workers_); }
 
  private:
   /// Scratch memory of one worker, and what it has found.
   struct alignas(64) Worker {
     std::vector<ElementPair> found;
     CornerPairs corners;
+    std::size_t bytes() const { return heap_bytes(found, corners); }
   };
 
   template <class How>

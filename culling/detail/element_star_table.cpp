@@ -107,10 +107,4 @@ TopologyDelta::Extent ElementStarTable::update(const Topology& topology, Executo
   return changed;
 }
 
-std::size_t ElementStarTable::bytes() const {
-  std::size_t sum = kinds_bytes() + faces_.capacity() * sizeof(faces_[0]);
-  for (const Ring& ring : scratch_) sum += ring.bytes();
-  return sum;
-}
-
 }  // namespace volccd::detail

@@ -26,7 +26,7 @@ class ElementStarTable final : public StarKinds {
   /// with the two triangles of the mesh and with the two that have it in common.
   std::vector<RingFace> boundary_faces(const Topology& topology) const;
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return kinds_bytes() + heap_bytes(faces_, scratch_); }
 
  private:
   enum class Face : std::uint8_t { none, inner, boundary, irregular };

@@ -126,9 +126,4 @@ void ElementStars::update(const Step& step, Executor& executor) {
   finish();
 }
 
-std::size_t ElementStars::bytes() const {
-  return stars_bytes() + table_.bytes() + (signs_.capacity() + gap_signs_.capacity()) * sizeof(ConeSigns) +
-         all_positive_.capacity();
-}
-
 }  // namespace volccd::detail

@@ -20,7 +20,7 @@ class ElementStars : public SuspectStars {
  public:
   void update(const Step& step, Executor& executor);
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return stars_bytes() + heap_bytes(table_, signs_, gap_signs_, all_positive_); }
 
  private:
   void find_signs(const Step& step, std::vector<ConeSigns>& signs, Executor& executor) const;

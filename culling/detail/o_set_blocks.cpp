@@ -96,13 +96,6 @@ OSetCounts OSetBlocks::counts() const {
   return counts;
 }
 
-std::size_t OSetBlocks::bytes() const {
-  std::size_t bytes = blocks_.capacity() * sizeof(Block);
-  for (const Block& block : blocks_) bytes += block.rows.capacity() * sizeof(Index);
-  for (const std::vector<Epoch>& epochs : epochs_) bytes += epochs.capacity() * sizeof(Epoch);
-  return bytes;
-}
-
 void OSetBlocks::compact_if_stale(const Features& features) {
   const std::size_t live = std::size_t{features.vertex_count()} + features.triangle_count() + features.edge_count();
   const bool stale = renewals_ > live / 4 + 1024;

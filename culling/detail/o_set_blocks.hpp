@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/o_set.hpp>
 
 namespace volccd::detail {
@@ -27,6 +28,7 @@ class OSetBlocks {
     std::uint32_t pairs = 0;
     Owner kind = Owner::vertex;
     Epoch epoch = 0;
+    std::size_t bytes() const { return heap_bytes(rows); }
   };
   /// Blocks that a thread writes on its own; the pairs belong to the set after append(), in the present epoch.
   using Part = std::vector<Block>;
@@ -53,7 +55,7 @@ class OSetBlocks {
   void append(std::size_t block, TestBatch& out) const;
   /// Numbers of valid pairs.
   OSetCounts counts() const;
-  std::size_t bytes() const;
+  std::size_t bytes() const { return heap_bytes(blocks_, epochs_[0], epochs_[1], epochs_[2]); }
 
  private:
   static constexpr Epoch kLastEpoch = 0xffff;

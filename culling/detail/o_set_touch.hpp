@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/mesh/adjacency.hpp>
 
 namespace volccd::detail {
@@ -57,10 +58,7 @@ class ElementTouch {
   void reject(Index o) { marks_[o] = mark_; }
   bool accepted(Index o) const { return marks_[o] == mark_ + 1; }
 
-  std::size_t bytes() const {
-    return bits_.capacity() * sizeof(bits_[0]) + marks_.capacity() * sizeof(marks_[0]) +
-           touched_.capacity() * sizeof(Index);
-  }
+  std::size_t bytes() const { return heap_bytes(bits_, touched_, marks_); }
 
  private:
   static constexpr std::uint32_t kLastMark = std::numeric_limits<std::uint32_t>::max() - 1;

@@ -118,9 +118,4 @@ void StarClasses::update(const Step& step, const StarTable& stars, TopologyDelta
     }
 }
 
-std::size_t StarClasses::bytes() const {
-  return stars_bytes() + signs_.capacity() + gap_signs_.capacity() + degenerate_.capacity() + regular_.capacity() +
-         suspect_places_.capacity() + wound_.capacity();
-}
-
 }  // namespace volccd::detail

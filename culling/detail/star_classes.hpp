@@ -54,7 +54,9 @@ class StarClasses : public SuspectStars {
     return regular_[a] != 0 && regular_[b] != 0 && three ? 0 : common;
   }
 
-  std::size_t bytes() const;
+  std::size_t bytes() const {
+    return stars_bytes() + heap_bytes(signs_, gap_signs_, degenerate_, regular_, wound_, suspect_places_);
+  }
 
  private:
   void find_signs(const Step& step, std::vector<std::int8_t>& signs, Executor& executor) const;

@@ -232,12 +232,4 @@ TopologyDelta::Extent StarTable::update(const Topology& topology, Executor& exec
   return changed;
 }
 
-std::size_t StarTable::bytes() const {
-  std::size_t sum =
-      kinds_bytes() + neighbours_.capacity() * sizeof(neighbours_[0]) + boundary_parts_.capacity() + fits_.capacity();
-  for (const Scratch& s : scratch_)
-    sum += (s.places.capacity() + s.corners.capacity() + s.parents.capacity()) * sizeof(Index) + s.ring.bytes();
-  return sum;
-}
-
 }  // namespace volccd::detail

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/boundary_rings.hpp>
 #include <volccd/mesh/topology_delta.hpp>
 #include <volccd/query/element_subset.hpp>
@@ -30,7 +31,7 @@ struct Ring {
   /// Sorts the sides into a sequence, the ring of their first vertices. Returns false if they are not one closed ring
   /// with consistent orientation. Pre: there is at least one side.
   bool order();
-  std::size_t bytes() const { return open.capacity() * sizeof(open[0]) + vertices.capacity() * sizeof(Index); }
+  std::size_t bytes() const { return heap_bytes(open, vertices); }
 };
 
 /// Base of the tables of stars: their kinds. Not thread-safe; uses the executor.
@@ -63,9 +64,7 @@ class StarKinds {
         kinds_[changed_vertices_[i]] = kind_of(changed_vertices_[i], scratch[w]);
     });
   }
-  std::size_t kinds_bytes() const {
-    return delta_.bytes() + kinds_.capacity() + changed_vertices_.capacity() * sizeof(Index);
-  }
+  std::size_t kinds_bytes() const { return heap_bytes(delta_, kinds_, changed_vertices_); }
 
   TopologyDelta delta_;
   std::vector<StarKind> kinds_;  ///< by vertex
@@ -115,7 +114,7 @@ class StarTable final : public StarKinds {
   /// The boundary faces that have a vertex with a ring.
   std::vector<RingFace> boundary_faces(const Topology& topology) const;
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return kinds_bytes() + heap_bytes(neighbours_, boundary_parts_, fits_, scratch_); }
 
  private:
   /// Scratch memory of one worker.
@@ -124,6 +123,7 @@ class StarTable final : public StarKinds {
     std::vector<Index> corners;  ///< by vertex: one of its corners in the current star
     std::vector<Index> parents;
     Ring ring;
+    std::size_t bytes() const { return heap_bytes(places, corners, parents, ring); }
   };
 
   void set_neighbours(const Topology& topology, Index triangle);

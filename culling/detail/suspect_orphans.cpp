@@ -226,19 +226,4 @@ void SuspectOrphans::append(std::size_t block, TestBatch& out) const {
   out.ee.insert(out.ee.end(), tests.ee.begin(), tests.ee.end());
 }
 
-std::size_t SuspectOrphans::Lists::bytes() const {
-  std::size_t sum = (elements.capacity() + places.capacity()) * sizeof(Index) + partners.capacity() * sizeof(Partner) +
-                    begins.capacity() * sizeof(std::size_t) + blocks.capacity() * sizeof(Block);
-  for (const Block& block : blocks)
-    sum += (block.tests.vf.capacity() + block.tests.ee.capacity()) * sizeof(FeaturePair);
-  return sum;
-}
-
-std::size_t SuspectOrphans::bytes() const {
-  std::size_t sum = delta_.bytes() + now_.bytes() + before_.bytes() + fresh_.capacity() + renewed_.capacity() +
-                    near_.capacity() + counts_.capacity() * sizeof(Index);
-  for (const std::vector<Index>& partner_of : partner_of_) sum += partner_of.capacity() * sizeof(Index);
-  return sum;
-}
-
 }  // namespace volccd::detail

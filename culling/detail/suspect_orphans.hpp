@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/assignment.hpp>
 #include <volccd/mesh/topology_delta.hpp>
 #include <volccd/query/pairs.hpp>
@@ -28,7 +29,7 @@ class SuspectOrphans {
   /// Appends the orphans of a block. Each orphan is in one block.
   void append(std::size_t block, TestBatch& out) const;
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return heap_bytes(delta_, now_, before_, fresh_, renewed_, near_, counts_, partner_of_); }
 
  private:
   static constexpr std::size_t kBlockElements = 16;
@@ -45,6 +46,7 @@ class SuspectOrphans {
   struct Block {
     TestBatch tests;
     std::array<std::size_t, kBlockElements + 1> vf, ee;  ///< by element of the block: where its tests begin
+    std::size_t bytes() const { return heap_bytes(tests.vf, tests.ee); }
   };
 
   /// The result of an update.
@@ -56,7 +58,7 @@ class SuspectOrphans {
 
     Index place(Index o) const { return o < places.size() ? places[o] : kNone; }
     std::span<const Partner> of(Index o) const;
-    std::size_t bytes() const;
+    std::size_t bytes() const { return heap_bytes(elements, places, begins, partners, blocks); }
   };
 
   void set_partners(std::span<const ElementPair> pairs, Executor& executor);

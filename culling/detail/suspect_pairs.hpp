@@ -5,6 +5,7 @@
 #include <span>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/corner_planes.hpp>
 #include <volccd/culling/detail/pair_set.hpp>
 #include <volccd/culling/detail/star_classes.hpp>
@@ -26,7 +27,7 @@ class SuspectPairs {
   std::span<const ElementPair> pairs() const { return list_.pairs(); }
   bool contains(Index a, Index b) const { return set_.contains({a, b}); }
 
-  std::size_t bytes() const { return list_.bytes() + set_.bytes(); }
+  std::size_t bytes() const { return heap_bytes(list_, set_); }
 
  private:
   CornerPairList list_;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/boundary_rings.hpp>
 #include <volccd/culling/detail/star_table.hpp>
 #include <volccd/query/step.hpp>
@@ -65,11 +66,7 @@ class SuspectStars {
   }
 
   std::size_t stars_bytes() const {
-    std::size_t sum = rings_.bytes() + folds_.capacity() + suspect_.capacity() + known_.capacity() +
-                      suspects_.capacity() * sizeof(Index) + way_.bytes() +
-                      (last_.capacity() + start_.capacity() + end_.capacity()) * sizeof(Vec3);
-    for (const Ring& ring : scratch_) sum += ring.bytes();
-    return sum;
+    return heap_bytes(rings_, folds_, suspect_, known_, scratch_, last_, start_, end_, way_, suspects_);
   }
 
   BoundaryRings rings_;

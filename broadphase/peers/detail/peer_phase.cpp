@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <volccd/core/heap_bytes.hpp>
+
 namespace volccd::detail {
 
 namespace {
@@ -11,10 +13,7 @@ constexpr int kBoxes = 6;
 
 }  // namespace
 
-std::size_t PeerState::bytes() const {
-  return delta.bytes() + keys.bytes() + list.bytes() + vertices.bytes() + boxes.bytes() + writers.bytes() +
-         peer_bytes();
-}
+std::size_t PeerState::bytes() const { return heap_bytes(delta, keys, list, vertices, boxes, writers) + peer_bytes(); }
 
 float PeerState::safe_scale() const {
   float reach = 0;
