@@ -46,7 +46,12 @@ std::uint64_t make_tasks(KdopBvhState& state, const detail::PairRules& rules) {
   state.tasks.clear();
   state.tasks.reserve(4 * kTasks);
   state.expanded.reserve(4 * kTasks);
-  std::uint64_t tests = detail::start_pairs(state.tree, rules, state.tasks);
+  const std::vector<Index>& roots = state.tree.roots();
+  for (std::size_t i = 0; i < roots.size(); ++i)
+    for (std::size_t j = i; j < roots.size(); ++j)
+      if (rules.may_want(state.tree.nodes()[roots[i]].key, state.tree.nodes()[roots[j]].key))
+        state.tasks.push_back({roots[i], roots[j]});
+  std::uint64_t tests = 0;
   for (bool grows = true; grows && state.tasks.size() < kTasks;) {
     state.expanded.clear();
     const std::uint64_t more = detail::expand_pairs(state.tree, rules, state.tasks, state.expanded);

@@ -14,7 +14,6 @@ constexpr std::size_t kGapDenominator = 4, kAddedDenominator = 32, kAddedAllowan
 /// Subtrees with fewer elements are not restructured separately.
 constexpr Index kLeastRestructured = 64;
 constexpr std::size_t kElementsPerTask = 4096;
-constexpr int kMixedKey = FilterKeys::kMixed;
 
 double ratio(const TreeCost& cost) { return cost.elements > 0 ? cost.nodes / cost.elements : 0; }
 
@@ -142,15 +141,18 @@ void KdopTree::find_blocks() {
   }
 }
 
+void KdopTree::refit_nodes(const BoundsTable& vertices, Index begin, Index end) {
+  refit_range({nodes_.data(), &list_, &vertices, &node_bounds_, &element_bounds_, costs_.data()}, begin, end);
+}
+
 void KdopTree::refit(const BoundsTable& vertices, Executor& executor) {
-  const RefitArrays arrays{nodes_.data(), &list_, &vertices, &node_bounds_, &element_bounds_, costs_.data()};
   executor.parallel_for(blocks_.size(), 1, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t i = begin; i < end; ++i) {
       const TreeNode& node = nodes_[blocks_[i]];
-      refit_range(arrays, blocks_[i], blocks_[i] + nodes_of(node.end - node.begin));
+      refit_nodes(vertices, blocks_[i], blocks_[i] + nodes_of(node.end - node.begin));
     }
   });
-  for (std::size_t i = upper_.size(); i-- > 0;) refit_range(arrays, upper_[i], upper_[i] + 1);
+  for (std::size_t i = upper_.size(); i-- > 0;) refit_nodes(vertices, upper_[i], upper_[i] + 1);
 }
 
 int KdopTree::depth_of(Index node) const {
@@ -191,8 +193,7 @@ void KdopTree::rebuild(Degraded& degraded, const BoundsTable& vertices, BuildScr
   const Index node = degraded.node, begin = nodes_[node].begin, end = nodes_[node].end;
   degraded.depth = build_subtree({node, begin, end, depth_of(node)}, vertices, scratch, executor);
   fill_lanes(begin, end, executor);
-  const RefitArrays arrays{nodes_.data(), &list_, &vertices, &node_bounds_, &element_bounds_, costs_.data()};
-  refit_range(arrays, node, node + nodes_of(end - begin));
+  refit_nodes(vertices, node, node + nodes_of(end - begin));
   note_costs(node);
 }
 
@@ -228,17 +229,17 @@ void KdopTree::set_keys(const FilterKeys& keys) {
     TreeNode& node = nodes_[i];
     if (node.right != 0) {
       const std::int32_t left = nodes_[i + 1].key, right = nodes_[node.right].key;
-      node.key = left == right ? left : kMixedKey;
+      node.key = left == right ? left : FilterKeys::kMixed;
       continue;
     }
     bool first = true;
-    node.key = kMixedKey;
+    node.key = FilterKeys::kMixed;
     for (Index p = node.begin; p < node.end; ++p) {
       if (list_.slot(p) == kNone) continue;
       const std::int32_t key = keys.key(list_.slot(p));
-      node.key = first || key == node.key ? key : kMixedKey;
+      node.key = first || key == node.key ? key : FilterKeys::kMixed;
       first = false;
-      if (node.key == kMixedKey) break;
+      if (node.key == FilterKeys::kMixed) break;
     }
   }
 }

@@ -66,7 +66,6 @@ class KdopTree {
   /// Sets the keys of all nodes.
   void set_keys(const FilterKeys& keys);
 
-  int leaf_size() const { return static_cast<int>(leaf_size_); }
   const ElementList& list() const { return list_; }
   const std::vector<TreeNode>& nodes() const { return nodes_; }
   const BoundsTable& node_bounds() const { return node_bounds_; }
@@ -97,6 +96,7 @@ class KdopTree {
   int build_subtree(const TreeBuilder::Subtree& subtree, const BoundsTable& vertices, BuildScratch& scratch,
                     Executor& executor);
   void rebuild(Degraded& degraded, const BoundsTable& vertices, BuildScratch& scratch, Executor& executor);
+  void refit_nodes(const BoundsTable& vertices, Index begin, Index end);
   void find_blocks();
   void fill_lanes(std::size_t begin, std::size_t end, Executor& executor);
   void make_lanes(Executor& executor);

@@ -28,6 +28,8 @@ struct PairRules {
     if (adjacency && adjacency->adjacent(a, b)) return false;
     return !keys || keys->allowed(keys->key(a), keys->key(b));
   }
+  /// Whether the filter may include pairs of elements with these keys.
+  bool may_want(std::int32_t a, std::int32_t b) const { return !keys || keys->allowed(a, b); }
 };
 
 /// The pair with a <= b, computed without a branch, because it would be mispredicted half of the time.

@@ -8,8 +8,6 @@
 
 #include <volccd/broadphase/peers/detail/peer_phase.hpp>
 
-#include <volccd/core/heap_bytes.hpp>
-
 namespace volccd::detail {
 
 namespace {
@@ -18,7 +16,6 @@ struct BulletState final : PeerState {
   btDbvt tree;
   std::vector<btDbvtNode*> leaves;  ///< indexed by position
   std::vector<btDbvtNode*> inner;   ///< children before parents
-  float scale = 1;
 
   std::size_t peer_bytes() const override {
     return 2 * leaves.size() * sizeof(btDbvtNode) + heap_bytes(leaves, inner) +
@@ -71,15 +68,14 @@ class BulletDbvt final : public PeerPhase {
     int bottom_up = 3;
   };
   static const Options<Config>& options() {
-    static const Options<Config> options = [] {
-      Options<Config> o;
-      o.add("update", &Config::update, {{"refit", Update::refit}, {"leaves", Update::leaves}, {"build", Update::build}},
-            "from step to step: all nodes are refitted as in btSoftBody, each leaf is inserted anew by btDbvt::update, "
-            "or the tree is built by optimizeTopDown");
-      o.add("bottom_up", &Config::bottom_up, 3, 1024,
-            "leaves below which optimizeTopDown clusters bottom-up, in cubic time; Bullet's default is 128");
-      return o;
-    }();
+    static const Options<Config> options =
+        Options<Config>()
+            .add("update", &Config::update,
+                 {{"refit", Update::refit}, {"leaves", Update::leaves}, {"build", Update::build}},
+                 "from step to step: all nodes are refitted as in btSoftBody, each leaf is inserted anew by "
+                 "btDbvt::update, or the tree is built by optimizeTopDown")
+            .add("bottom_up", &Config::bottom_up, 3, 1024,
+                 "leaves below which optimizeTopDown clusters bottom-up, in cubic time; Bullet's default is 128");
     return options;
   }
 
@@ -90,7 +86,7 @@ class BulletDbvt final : public PeerPhase {
  protected:
   void update(PeerState& peer, bool changed, Executor&) const override {
     BulletState& state = static_cast<BulletState&>(peer);
-    state.scale = state.safe_scale();
+    state.set_scale();
     if (changed)
       make_leaves(state);
     else if (config_.update == Update::refit)

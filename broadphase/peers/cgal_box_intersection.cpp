@@ -8,8 +8,6 @@
 
 #include <volccd/broadphase/peers/detail/peer_phase.hpp>
 
-#include <volccd/core/heap_bytes.hpp>
-
 namespace volccd::detail {
 
 namespace {
@@ -30,7 +28,6 @@ struct CgalBox {
 
 struct CgalState final : PeerState {
   std::vector<CgalBox> intervals, points;  ///< the same boxes twice, because CGAL reorders them
-  float scale = 1;
 
   std::size_t peer_bytes() const override { return heap_bytes(intervals, points); }
 };
@@ -41,11 +38,8 @@ class CgalBoxIntersection final : public PeerPhase {
     int cutoff = 10;
   };
   static const Options<Config>& options() {
-    static const Options<Config> options = [] {
-      Options<Config> o;
-      o.add("cutoff", &Config::cutoff, 1, 100000, "boxes below which CGAL scans a list in place of a segment tree");
-      return o;
-    }();
+    static const Options<Config> options = Options<Config>().add(
+        "cutoff", &Config::cutoff, 1, 100000, "boxes below which CGAL scans a list in place of a segment tree");
     return options;
   }
 
@@ -56,7 +50,7 @@ class CgalBoxIntersection final : public PeerPhase {
  protected:
   void update(PeerState& peer, bool, Executor&) const override {
     CgalState& state = static_cast<CgalState&>(peer);
-    state.scale = state.safe_scale();
+    state.set_scale();
     state.intervals.resize(state.list.size());
     for (std::size_t p = 0; p < state.list.size(); ++p) {
       CgalBox& box = state.intervals[p];

@@ -65,7 +65,6 @@ struct EmbreeState final : PeerState {
   RTCScene scene = nullptr;
   RTCGeometry geometry = nullptr;
   std::atomic<std::ptrdiff_t> device_bytes{0};
-  float scale = 1;
   std::optional<tbb::task_arena> arena;
   unsigned arena_workers = 0;
 };
@@ -128,14 +127,13 @@ class EmbreeCollide final : public PeerPhase {
     Quality quality = Quality::medium;
   };
   static const Options<Config>& options() {
-    static const Options<Config> options = [] {
-      Options<Config> o;
-      o.add("update", &Config::update, {{"refit", Update::refit}, {"build", Update::build}},
-            "from step to step: RTC_BUILD_QUALITY_REFIT, or a new tree");
-      o.add("quality", &Config::quality, {{"low", Quality::low}, {"medium", Quality::medium}, {"high", Quality::high}},
-            "of trees that are built: RTC_BUILD_QUALITY_LOW, _MEDIUM or _HIGH");
-      return o;
-    }();
+    static const Options<Config> options =
+        Options<Config>()
+            .add("update", &Config::update, {{"refit", Update::refit}, {"build", Update::build}},
+                 "from step to step: RTC_BUILD_QUALITY_REFIT, or a new tree")
+            .add("quality", &Config::quality,
+                 {{"low", Quality::low}, {"medium", Quality::medium}, {"high", Quality::high}},
+                 "of trees that are built: RTC_BUILD_QUALITY_LOW, _MEDIUM or _HIGH");
     return options;
   }
 
@@ -148,7 +146,7 @@ class EmbreeCollide final : public PeerPhase {
     EmbreeState& state = static_cast<EmbreeState&>(peer);
     if (changed) make_scene(state);
     if (!state.scene) return;
-    state.scale = state.safe_scale();
+    state.set_scale();
     rtcCommitGeometry(state.geometry);
     arena_of(state, executor.workers()).execute([&] { rtcCommitScene(state.scene); });
     state.check();

@@ -78,12 +78,9 @@ class FclDynamicTree final : public PeerPhase {
     Update update = Update::refit;
   };
   static const Options<Config>& options() {
-    static const Options<Config> options = [] {
-      Options<Config> o;
-      o.add("update", &Config::update, {{"refit", Update::refit}, {"build", Update::build}},
-            "from step to step: update() of the manager, which refits, or a new tree");
-      return o;
-    }();
+    static const Options<Config> options =
+        Options<Config>().add("update", &Config::update, {{"refit", Update::refit}, {"build", Update::build}},
+                              "from step to step: update() of the manager, which refits, or a new tree");
     return options;
   }
 

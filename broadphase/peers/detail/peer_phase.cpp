@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include <volccd/core/heap_bytes.hpp>
-
 namespace volccd::detail {
 
 namespace {
@@ -15,12 +13,12 @@ constexpr int kBoxes = 6;
 
 std::size_t PeerState::bytes() const { return heap_bytes(delta, keys, list, vertices, boxes, writers) + peer_bytes(); }
 
-float PeerState::safe_scale() const {
+void PeerState::set_scale() {
   float reach = 0;
   for (std::size_t p = 0; p < list.size(); ++p)
     for (std::size_t axis = 0; axis < 3; ++axis)
       reach = std::max({reach, std::abs(low(p)[axis]), std::abs(high(p)[axis])});
-  return reach > 1e12f ? 0x1p-90f : 1;
+  scale = reach > 1e12f ? 0x1p-90f : 1;
 }
 
 void PeerPhase::prepare(const Step& step, StageState& stage_state, Executor& executor) const {

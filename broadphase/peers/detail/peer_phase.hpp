@@ -9,6 +9,7 @@
 #include <volccd/broadphase/detail/filter_keys.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
 #include <volccd/broadphase/detail/swept_bounds.hpp>
+#include <volccd/core/heap_bytes.hpp>
 
 namespace volccd::detail {
 
@@ -16,10 +17,11 @@ namespace volccd::detail {
 struct PeerState : StageState {
   ElementDelta delta;
   FilterKeys keys;
-  ElementList list;  ///< live elements by slot, without gaps
+  ElementList list;             ///< live elements by slot, without gaps
   BoundsTable vertices, boxes;  ///< k = 6; row p of `boxes` is the swept box of the element at position p of the list
   PairWriters writers;
   double bounds_seconds = 0;
+  float scale = 1;
 
   const float* low(std::size_t position) const { return boxes.row(position); }
   const float* high(std::size_t position) const { return boxes.row(position) + boxes.width(); }
@@ -30,10 +32,10 @@ struct PeerState : StageState {
     return a[0] <= d[0] && b[0] <= c[0] && a[1] <= d[1] && b[1] <= c[1] && a[2] <= d[2] && b[2] <= c[2];
   }
 
-  /// A scale factor for libraries that compute volumes in floats: 1, or if some coordinate exceeds 1e12, a power of two
-  /// that makes all floats smaller. Scaled boxes of overlapping boxes overlap; other boxes may overlap too, because
+  /// Sets `scale` for libraries that compute volumes in floats: to 1, or if some coordinate exceeds 1e12, to a power of
+  /// two that makes all floats smaller. Scaled boxes of overlapping boxes overlap; other boxes may overlap too, because
   /// small coordinates lose digits.
-  float safe_scale() const;
+  void set_scale();
 
   /// Bytes of the other library's data structure, as far as they can be determined.
   virtual std::size_t peer_bytes() const = 0;
