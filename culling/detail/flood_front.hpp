@@ -78,12 +78,9 @@ class FloodFront {
  private:
   bool outer(Index o) const { return step_.subset->contains(o); }
   bool has_inside(Index o) const { return !step_.subset->contains_whole(o); }
-  bool outer_at(Index o, Index v) const;
   void proceed_at_start(Index outer_element, Index other, StartScratch& scratch);
-  bool may_overlap_at_start(Index a, Index b) const;
   bool beyond_a_face_at_start(Index a, Index b) const;
-  double below(double coordinate) const;
-  double above(double coordinate) const;
+  double moved(double coordinate, int outward) const;
   Eigen::AlignedBox3d box_at_start(std::span<const Index> vertices) const;
   void rank_vertices(StartScratch& scratch, Executor& executor) const;
   void from_contained(std::span<const Index> vertices, StartScratch& scratch, Executor& executor);
