@@ -34,7 +34,7 @@ class OSetPartners {
   /// Calls take(f) once for each triangle f that forms an O-Set pair with vertex v.
   template <class Take>
   void triangles_of_vertex(Index v, Take&& take) {
-    const auto apart = [&](Index f) {
+    const auto apart = [&](Index f, Index) {
       const auto& t = features_.triangle(f);
       return t[0] != v && t[1] != v && t[2] != v;
     };
@@ -49,7 +49,10 @@ class OSetPartners {
   template <class Wanted, class Take>
   void vertices_of_triangle(Index f, Wanted&& wanted, Take&& take) {
     const std::array<Index, 3> t = features_.triangle(f);
-    const auto apart = [&](Index v) { return v != t[0] && v != t[1] && v != t[2] && wanted(v); };
+    const auto apart = [&](Index v, Index o) {
+      const bool once = literal_ || features_.first_element_of_vertex(v) == o;
+      return once && v != t[0] && v != t[1] && v != t[2] && wanted(v);
+    };
     const auto of_element = [&](Index o) { return mesh_.vertices(o); };
     const auto incident = [&](Index v) { return features_.vertex_elements(v); };
     visit(t, features_.triangle_elements(f), of_element, incident, apart, take);
@@ -59,7 +62,7 @@ class OSetPartners {
   template <class Wanted, class Take>
   void edges_of_edge(Index e, Wanted&& wanted, Take&& take) {
     const std::array<Index, 2> a = features_.edge(e);
-    const auto apart = [&](Index e2) {
+    const auto apart = [&](Index e2, Index) {
       if (!wanted(e2)) return false;
       const auto& b = features_.edge(e2);
       return b[0] != a[0] && b[0] != a[1] && b[1] != a[0] && b[1] != a[1];
@@ -83,14 +86,12 @@ class OSetPartners {
     find_covering(vertices, inc_a);
     for (Index o : covering_)
       for (Index b : of_element(o)) {
-        if (!wanted(b)) continue;
+        if (!wanted(b, o)) continue;
         const std::span<const Index> inc = incident(b);
-        if (literal_ ? first_covering(inc) == o && some_touches_all(inc_a, inc) : covered_from(o, inc)) take(b);
+        if (literal_ ? first_covering(inc) == o && some_touches_all(inc_a, inc) : others_cover(inc)) take(b);
       }
   }
-  /// Whether o is the first incident element and all of them cover.
-  bool covered_from(Index o, std::span<const Index> inc) const {
-    if (inc[0] != o) return false;
+  bool others_cover(std::span<const Index> inc) const {
     for (std::size_t i = 1; i < inc.size(); ++i)
       if (!touch_.accepted(inc[i])) return false;
     return true;
