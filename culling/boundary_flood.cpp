@@ -119,11 +119,7 @@ Flood::Front propose(BoundaryFloodState& state, Executor& executor) {
       for (const ElementPair pair : fresh) at_start.around_at_start(pair, state.start_scratch);
     }
     state.phase = Phase::start;
-    state.counters.looked_at_start += state.front.size();
-    if (!state.front.empty()) {
-      state.counters.looked_at += state.front.size();
-      return {state.front, true};
-    }
+    if (!state.front.empty()) return {state.front, true};
   }
   detail::FloodFront front(step, state.stars, state.suspects, state.seen, state.front);
   if (state.phase == Phase::start) {
@@ -134,7 +130,6 @@ Flood::Front propose(BoundaryFloodState& state, Executor& executor) {
   } else {
     for (const ElementPair pair : fresh) front.around(pair);
   }
-  state.counters.looked_at += state.front.size();
   return {state.front, false};
 }
 
@@ -207,10 +202,13 @@ void BoundaryFlood::reach(StageState& state, unsigned worker, const std::vector<
 }
 
 Flood::Front BoundaryFlood::next(StageState& state, Executor& executor) const {
-  const Front front = propose(own(state), executor);
-  const Counters& counters = own(state).counters;
+  Front front = propose(own(state), executor);
+  Counters& counters = own(state).counters;
+  counters.looked_at += front.pairs.size();
+  if (front.at_start) counters.looked_at_start += front.pairs.size();
   const double most = config_.most_pairs * static_cast<double>(counters.simplices);
-  return {front.pairs, front.at_start, static_cast<double>(counters.looked_at) > most};
+  front.given_up = static_cast<double>(counters.looked_at) > most;
+  return front;
 }
 
 void BoundaryFlood::to_mesh_features(const StageState& state, TestBatch& tests, std::size_t vf_begin,

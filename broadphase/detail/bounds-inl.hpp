@@ -34,16 +34,6 @@ HWY_INLINE bool overlap(const float* a, const float* b) {
   return hn::AllTrue(d, inside);
 }
 
-/// Sets out to the bound of a and b.
-template <int kWidth>
-HWY_INLINE void unite(const float* a, const float* b, float* out) {
-  const RowTag<kWidth> d;
-  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(d)) {
-    hn::Store(hn::Min(hn::Load(d, a + i), hn::Load(d, b + i)), d, out + i);
-    hn::Store(hn::Max(hn::Load(d, a + kWidth + i), hn::Load(d, b + kWidth + i)), d, out + kWidth + i);
-  }
-}
-
 template <int kWidth>
 HWY_INLINE void make_empty(float* out) {
   const RowTag<kWidth> d;

@@ -35,7 +35,6 @@ class FilterKeys {
 
  private:
   void make_keys(const Topology& topology);
-  void make_table();
 
   ObjectFilter filter_;
   bool keys_valid_ = false;

@@ -155,12 +155,6 @@ void KdopTree::refit(const BoundsTable& vertices, Executor& executor) {
   for (std::size_t i = upper_.size(); i-- > 0;) refit_nodes(vertices, upper_[i], upper_[i] + 1);
 }
 
-int KdopTree::depth_of(Index node) const {
-  int depth = 0;
-  for (Index i = 0; i != node; ++depth) i = node < nodes_[i].right ? i + 1 : nodes_[i].right;
-  return depth;
-}
-
 void KdopTree::note_costs(Index node) {
   const Index end = node + nodes_of(nodes_[node].end - nodes_[node].begin);
   for (Index i = node; i < end; ++i) built_ratios_[i] = static_cast<float>(ratio(costs_[i]));
@@ -168,7 +162,7 @@ void KdopTree::note_costs(Index node) {
 
 /// Appends the roots of the subtrees below `node` that must be rebuilt to degraded_: the node itself if its cost has
 /// grown too much, unless only one child is the cause.
-void KdopTree::collect_degraded(Index node, double degradation) {
+void KdopTree::collect_degraded(Index node, int depth, double degradation) {
   const TreeNode& n = nodes_[node];
   if (n.right == 0 || n.end - n.begin < kLeastRestructured) return;
   const auto excess = [&](Index i) {
@@ -181,17 +175,17 @@ void KdopTree::collect_degraded(Index node, double degradation) {
     const Index culprit = excess(node + 1) > excess(n.right) ? node + 1 : n.right;
     const bool large = nodes_[culprit].end - nodes_[culprit].begin >= kLeastRestructured;
     if (large && degraded(culprit) && excess(culprit) >= 0.75 * excess(node))
-      return collect_degraded(culprit, degradation);
-    degraded_.push_back({node, 0});
+      return collect_degraded(culprit, depth + 1, degradation);
+    degraded_.push_back({node, depth});
     return;
   }
-  collect_degraded(node + 1, degradation);
-  collect_degraded(n.right, degradation);
+  collect_degraded(node + 1, depth + 1, degradation);
+  collect_degraded(n.right, depth + 1, degradation);
 }
 
 void KdopTree::rebuild(Degraded& degraded, const BoundsTable& vertices, BuildScratch& scratch, Executor& executor) {
   const Index node = degraded.node, begin = nodes_[node].begin, end = nodes_[node].end;
-  degraded.depth = build_subtree({node, begin, end, depth_of(node)}, vertices, scratch, executor);
+  degraded.depth = build_subtree({node, begin, end, degraded.depth}, vertices, scratch, executor);
   fill_lanes(begin, end, executor);
   refit_nodes(vertices, node, node + nodes_of(end - begin));
   note_costs(node);
@@ -200,7 +194,7 @@ void KdopTree::rebuild(Degraded& degraded, const BoundsTable& vertices, BuildScr
 std::size_t KdopTree::restructure(double degradation, const BoundsTable& vertices, Executor& executor) {
   if (built_elements_ == 0) return 0;
   degraded_.clear();
-  collect_degraded(0, degradation);
+  collect_degraded(0, 0, degradation);
   if (degraded_.empty()) return 0;
   if (scratch_.size() < executor.workers()) scratch_.resize(executor.workers());
   // All threads rebuild a large subtree together, and one thread a small one.

@@ -88,7 +88,7 @@ class KdopTree {
     ElementList::Scratch list;
     std::size_t bytes() const { return heap_bytes(builder, list); }
   };
-  /// A subtree to be rebuilt, and then the depth of its deepest leaf.
+  /// A subtree to be rebuilt, and the depth of its root; after that, of its deepest leaf.
   struct Degraded {
     Index node;
     int depth;
@@ -100,9 +100,8 @@ class KdopTree {
   void find_blocks();
   void fill_lanes(std::size_t begin, std::size_t end, Executor& executor);
   void make_lanes(Executor& executor);
-  int depth_of(Index node) const;
   void note_costs(Index node);
-  void collect_degraded(Index node, double degradation);
+  void collect_degraded(Index node, int depth, double degradation);
 
   Index leaf_size_ = 4;
   ElementList list_;

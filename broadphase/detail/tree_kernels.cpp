@@ -51,7 +51,8 @@ void refit_kernel(const RefitArrays& t, Index begin, Index end) {
         refit_leaf<width>(t, node);
         continue;
       }
-      unite<width>(t.node_bounds->row(left), t.node_bounds->row(right), t.node_bounds->row(node));
+      const float* const halves[] = {t.node_bounds->row(left), t.node_bounds->row(right)};
+      unite_rows<width>(2, [&](std::size_t i) HWY_ATTR { return halves[i]; }, t.node_bounds->row(node));
       t.costs[node] = {size_of<width>(t.node_bounds->row(node)) + t.costs[left].nodes + t.costs[right].nodes,
                        t.costs[left].elements + t.costs[right].elements};
     }

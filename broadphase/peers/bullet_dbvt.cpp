@@ -49,14 +49,13 @@ void refit(BulletState& state) {
 }
 
 struct TakePair final : btDbvt::ICollide {
-  TakePair(const BulletState& state_, const PeerOutput& output_) : state(state_), output(output_) {}
+  explicit TakePair(BulletState& state_) : state(state_) {}
   using btDbvt::ICollide::Process;
   void Process(const btDbvtNode* a, const btDbvtNode* b) override {
     const Index p = static_cast<Index>(a->dataAsInt), q = static_cast<Index>(b->dataAsInt);
-    if (state.scale == 1 || state.overlap(p, q)) output.push(p, q);
+    if (state.scale == 1 || state.overlap(p, q)) state.push(p, q);
   }
-  const BulletState& state;
-  PeerOutput output;
+  BulletState& state;
 };
 
 class BulletDbvt final : public PeerPhase {
@@ -100,9 +99,9 @@ class BulletDbvt final : public PeerPhase {
       build(state);
   }
 
-  void collide(PeerState& peer, const PairRules& rules, Executor&) const override {
+  void collide(PeerState& peer, Executor&) const override {
     BulletState& state = static_cast<BulletState&>(peer);
-    TakePair take(state, PeerOutput(rules, state.list.slots(), state.writers[0]));
+    TakePair take(state);
     state.tree.collideTTpersistentStack(state.tree.m_root, state.tree.m_root, take);
   }
 

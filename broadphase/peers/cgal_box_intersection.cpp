@@ -63,14 +63,13 @@ class CgalBoxIntersection final : public PeerPhase {
     state.points = state.intervals;
   }
 
-  void collide(PeerState& peer, const PairRules& rules, Executor&) const override {
+  void collide(PeerState& peer, Executor&) const override {
     CgalState& state = static_cast<CgalState&>(peer);
-    const PeerOutput output(rules, state.list.slots(), state.writers[0]);
     // The same as box_self_intersection_d, without the copy that it makes in each call.
     CGAL::box_intersection_d(
         state.intervals.begin(), state.intervals.end(), state.points.begin(), state.points.end(),
         [&](const CgalBox& a, const CgalBox& b) {
-          if (state.scale == 1 || state.overlap(a.position, b.position)) output.push(a.position, b.position);
+          if (state.scale == 1 || state.overlap(a.position, b.position)) state.push(a.position, b.position);
         },
         CGAL::Box_intersection_d::Box_traits_d<CgalBox>(), config_.cutoff, CGAL::Box_intersection_d::CLOSED,
         CGAL::Box_intersection_d::COMPLETE);

@@ -219,13 +219,15 @@ bool CornerPairs::add(const Step& step, Index v, std::size_t i, std::size_t j, I
   return true;
 }
 
-/// Sets apart_.
-void CornerPairs::decide_apart(const Step& step, Index v) {
+void CornerPairs::decide(const Step& step, Index v, std::vector<ElementPair>& found) {
+  if (pairs_.empty()) return;
+  const std::span<const Index> star = step.features().vertex_elements(v);
   corners_.clear();
-  for (const Index o : step.features().vertex_elements(v))
-    corners_.emplace_back(step.motion, step.mesh().vertices(o), v);
+  for (const Index o : star) corners_.emplace_back(step.motion, step.mesh().vertices(o), v);
   apart_.resize(pairs_.size());
   HWY_DYNAMIC_DISPATCH(separate)(corners_, step.motion.control_points(), step.separation, pairs_, apart_.data());
+  for (std::size_t n = 0; n < pairs_.size(); ++n)
+    if (apart_[n] == 0) found.push_back({star[pairs_[n].a], star[pairs_[n].b]});
 }
 
 }  // namespace volccd::detail

@@ -47,27 +47,18 @@ class CornerPairs {
   /// `other`, if it is given. Returns false if it cannot be tested.
   bool add(const Step& step, Index v, std::size_t i, std::size_t j, Index other = kNone);
 
-  /// Calls remain(a, b) for the elements of those pairs at v that are not proven to have only v, or the edge of both
-  /// common vertices, in common at all t in [0, 1], also if vectors are changed by up to the separation of the step.
-  /// Proven by a direction, for an edge by the normal of the plane through the moving edge and a fixed direction: all
-  /// vectors of one corner to vertices that are not common have positive dot products with it, and those of the other
-  /// one have negative ones, far enough from 0. It is found by approaching the point of the convex hull of all these
-  /// vectors, one set negated, that is nearest to the origin (Gilbert, Johnson, Keerthi 1988). Compiled for each
-  /// instruction set, with the same results on all of them.
-  template <class Remain>
-  void decide(const Step& step, Index v, Remain&& remain) {
-    if (pairs_.empty()) return;
-    decide_apart(step, v);
-    const std::span<const Index> star = step.features().vertex_elements(v);
-    for (std::size_t n = 0; n < pairs_.size(); ++n)
-      if (apart_[n] == 0) remain(star[pairs_[n].a], star[pairs_[n].b]);
-  }
+  /// Appends to `found` the elements of those pairs at v that are not proven to have only v, or the edge of both common
+  /// vertices, in common at all t in [0, 1], also if vectors are changed by up to the separation of the step. Proven by
+  /// a direction, for an edge by the normal of the plane through the moving edge and a fixed direction: all vectors of
+  /// one corner to vertices that are not common have positive dot products with it, and those of the other one have
+  /// negative ones, far enough from 0. It is found by approaching the point of the convex hull of all these vectors,
+  /// one set negated, that is nearest to the origin (Gilbert, Johnson, Keerthi 1988). Compiled for each instruction
+  /// set, with the same results on all of them.
+  void decide(const Step& step, Index v, std::vector<ElementPair>& found);
 
   std::size_t bytes() const { return heap_bytes(corners_, pairs_, apart_); }
 
  private:
-  void decide_apart(const Step& step, Index v);
-
   std::vector<CornerVectors> corners_;
   std::vector<CornerPair> pairs_;
   std::vector<std::uint8_t> apart_;
@@ -120,7 +111,7 @@ class CornerPairList {
         if (pair.listed && !(pair.tested && worker.corners.add(step, v, i, j, pair.other)))
           worker.found.push_back({star[i], star[j]});
       }
-    worker.corners.decide(step, v, [&](Index a, Index b) { worker.found.push_back({a, b}); });
+    worker.corners.decide(step, v, worker.found);
   }
 
   std::vector<ElementPair> pairs_;

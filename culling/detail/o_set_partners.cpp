@@ -9,13 +9,7 @@ namespace {
 constexpr std::size_t kBits = ElementTouch::kBits;
 
 bool contains(std::span<const Index> values, Index value) {
-  for (Index v : values)
-    if (v == value) return true;
-  return false;
-}
-
-bool share_vertex(std::span<const Index> a, std::span<const Index> b) {
-  return std::any_of(a.begin(), a.end(), [&](Index v) { return contains(b, v); });
+  return std::find(values.begin(), values.end(), value) != values.end();
 }
 
 }  // namespace
@@ -82,8 +76,7 @@ void OSetPartners::find_far(std::span<const Index> vertices, std::span<const Ind
 
 bool OSetPartners::some_touches_all(std::span<const Index> some, std::span<const Index> all) const {
   return std::any_of(some.begin(), some.end(), [&](Index o) {
-    return std::all_of(all.begin(), all.end(),
-                       [&](Index other) { return share_vertex(adjacency_.vertices(o), adjacency_.vertices(other)); });
+    return std::all_of(all.begin(), all.end(), [&](Index other) { return adjacency_.adjacent(o, other); });
   });
 }
 

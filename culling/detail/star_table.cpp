@@ -133,21 +133,22 @@ bool StarTable::joins_up(const Topology& topology, Index v, Scratch& scratch) co
   return !shared && parts == 1 && fans == others;
 }
 
+/// Calls visit(face) for the boundary faces of an element.
+template <class Visit>
+void StarTable::visit_boundary(const Mesh& mesh, Index o, Visit&& visit) const {
+  const std::span<const Index> v = mesh.vertices(o);
+  if (v.size() == 3) return visit(std::array{v[0], v[1], v[2]});
+  for (std::size_t i = 0; i < 4; ++i)
+    if (neighbours_[o][i].element == kNone) visit(face_of(v, i));
+}
+
 bool StarTable::find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const {
   open.clear();
-  for (const Index o : topology.features().vertex_elements(v)) {
-    const std::span<const Index> vertices = topology.mesh().vertices(o);
-    const auto add = [&](const std::array<Index, 3>& face) {
+  for (const Index o : topology.features().vertex_elements(v))
+    visit_boundary(topology.mesh(), o, [&](const std::array<Index, 3>& face) {
       const auto i = static_cast<std::size_t>(std::find(face.begin(), face.end(), v) - face.begin());
-      open.push_back({face[(i + 1) % 3], face[(i + 2) % 3]});
-    };
-    if (vertices.size() == 3) {
-      add({vertices[0], vertices[1], vertices[2]});
-      continue;
-    }
-    for (std::size_t i = 0; i < 4; ++i)
-      if (vertices[i] != v && neighbours_[o][i].element == kNone) add(face_of(vertices, i));
-  }
+      if (i < 3) open.push_back({face[(i + 1) % 3], face[(i + 2) % 3]});
+    });
   return true;
 }
 
@@ -190,20 +191,12 @@ void StarTable::set_element(const Topology& topology, Index o) {
 std::vector<RingFace> StarTable::boundary_faces(const Topology& topology) const {
   const Mesh& mesh = topology.mesh();
   std::vector<RingFace> faces;
-  const auto add = [&](const std::array<Index, 3>& face) {
-    if (std::any_of(face.begin(), face.end(), [&](Index v) { return kinds_[v] == StarKind::ring; }))
-      faces.push_back({face});
-  };
-  for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.is_live(o)) continue;
-    const std::span<const Index> v = mesh.vertices(o);
-    if (mesh.type(o) == ElementType::triangle) {
-      add({v[0], v[1], v[2]});
-      continue;
-    }
-    for (std::size_t i = 0; i < 4; ++i)
-      if (neighbours_[o][i].element == kNone) add(face_of(v, i));
-  }
+  for (Index o = 0; o < mesh.element_slots(); ++o)
+    if (mesh.is_live(o))
+      visit_boundary(mesh, o, [&](const std::array<Index, 3>& face) {
+        if (std::any_of(face.begin(), face.end(), [&](Index v) { return kinds_[v] == StarKind::ring; }))
+          faces.push_back({face});
+      });
   return faces;
 }
 

@@ -127,6 +127,8 @@ class StarTable final : public StarKinds {
   };
 
   void set_neighbours(const Topology& topology, Index triangle);
+  template <class Visit>
+  void visit_boundary(const Mesh& mesh, Index o, Visit&& visit) const;
   StarKind kind_of(const Topology& topology, Index v, Scratch& scratch) const;
   bool joins_up(const Topology& topology, Index v, Scratch& scratch) const;
   bool find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const override;

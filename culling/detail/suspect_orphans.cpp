@@ -32,7 +32,11 @@ void SuspectOrphans::update(const Topology& topology, std::span<const ElementPai
   if (changed == TopologyDelta::Extent::everything) before_.elements.clear(), before_.places.clear();
   fresh_.assign(topology.mesh().element_slots(), 0);
   near_.assign(topology.features().vertex_slots(), 0);
-  if (changed == TopologyDelta::Extent::edits) mark_fresh();
+  // The features of elements without vertices whose elements changed, and the elements of these features, are as
+  // before.
+  for (const TopologyChange* change : delta_.changes())
+    for (const Index v : change->features.touched_vertices)
+      for (const Index o : topology.features().vertex_elements(v)) fresh_[o] = 1;
   set_partners(pairs, executor);
   renewed_.resize(now_.elements.size());
   partner_of_.resize(executor.workers());
@@ -43,21 +47,20 @@ void SuspectOrphans::update(const Topology& topology, std::span<const ElementPai
       if (renewed_[i]) find_candidates(i, partner_of_[w]);
     }
   });
-  mark_near(executor);
+  // The tests of elements a and b depend on the bits of a, of b, and of elements that have a vertex in common with
+  // both. Partners are mutual: if one of these lost all of its partners, a or b has lost one, too.
+  executor.parallel_for(now_.elements.size(), 64 * kBlockElements, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (renewed_[i])
+        for (const Index v : topology.mesh().vertices(now_.elements[i]))
+          std::atomic_ref(near_[v]).store(1, std::memory_order_relaxed);
+  });
   now_.blocks.resize(std::max(now_.blocks.size(), blocks()));
   executor.parallel_for(blocks(), 4, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t i = begin; i < end; ++i)
       fill(now_.blocks[i], i * kBlockElements, std::min((i + 1) * kBlockElements, now_.elements.size()));
   });
   delta_.confirm();
-}
-
-/// Marks the elements at vertices whose elements changed. The features of other elements, and their elements, are as
-/// before.
-void SuspectOrphans::mark_fresh() {
-  for (const TopologyChange* change : delta_.changes())
-    for (const Index v : change->features.touched_vertices)
-      for (const Index o : topology_->features().vertex_elements(v)) fresh_[o] = 1;
 }
 
 /// Each worker reads all pairs, and writes what belongs to its own range of slots: a pass over the pairs takes less
@@ -125,18 +128,6 @@ void SuspectOrphans::find_candidates(std::size_t place, std::vector<Index>& part
     p.triangles = bits(features.own_triangles(p.element), [&](Index f) { return features.triangle_elements(f); });
     p.vertices = bits(topology_->mesh().vertices(p.element), [&](Index v) { return features.vertex_elements(v); });
   }
-}
-
-/// Marks the vertices of the elements that have other partners, or fresh ones. The tests of elements a and b depend on
-/// the bits of a, of b, and of elements that have a vertex in common with both. Partners are mutual: if one of these
-/// lost all of its partners, a or b has lost one, too.
-void SuspectOrphans::mark_near(Executor& executor) {
-  executor.parallel_for(now_.elements.size(), 64 * kBlockElements, [&](std::size_t begin, std::size_t end, unsigned) {
-    for (std::size_t i = begin; i < end; ++i)
-      if (renewed_[i])
-        for (const Index v : topology_->mesh().vertices(now_.elements[i]))
-          std::atomic_ref(near_[v]).store(1, std::memory_order_relaxed);
-  });
 }
 
 /// Lists the orphans of the elements at the places [begin, end), or takes them from the last update.

@@ -64,8 +64,6 @@ class SuspectOrphans {
   void set_partners(std::span<const ElementPair> pairs, Executor& executor);
   bool keeps_partners(std::size_t place);
   void find_candidates(std::size_t place, std::vector<Index>& partner_of);
-  void mark_fresh();
-  void mark_near(Executor& executor);
   void fill(Block& block, std::size_t begin, std::size_t end) const;
   void keep(Index o, Block& block) const;
 

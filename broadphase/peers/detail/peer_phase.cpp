@@ -36,8 +36,9 @@ void PeerPhase::run(const Step& step, StageState& stage_state, PairRange range, 
                     PairSink sink) const {
   PeerState& state = static_cast<PeerState&>(stage_state);
   const PairRules rules(range, step.topology, state.keys);
+  state.rules = &rules;
   state.writers.start(executor.workers(), sink);
-  if (state.list.size() > 1) collide(state, rules, executor);
+  if (state.list.size() > 1) collide(state, executor);
   write_self_pairs(state.list, rules, executor, state.writers);
   state.writers.finish();
 }
