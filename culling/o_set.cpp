@@ -50,13 +50,6 @@ FeatureLists in_near_order(const Mesh& mesh, const Features& features) {
 }  // namespace
 
 struct OSet::Impl {
-  /// Scratch memory of one worker.
-  struct Worker {
-    detail::ElementTouch touch;
-    std::vector<Index> covering;
-    std::size_t bytes() const { return heap_bytes(touch, covering); }
-  };
-
   explicit Impl(OSetKind set_kind) : kind(set_kind) {}
 
   void build(const Topology& topology, Executor& executor);
@@ -69,7 +62,7 @@ struct OSet::Impl {
   OSetKind kind;
   TopologyDelta delta;
   OSetBlocks blocks;
-  std::vector<Worker> workers;
+  std::vector<detail::ElementTouch> scratch;  ///< by worker
 };
 
 /// Calls find(item, partners, add) for all items, which adds the partners of an item. Items are distributed to threads
@@ -78,12 +71,11 @@ template <class Find>
 void OSet::Impl::write_rows(const Topology& topology, Owner owner, std::span<const Index> items, Executor& executor,
                             Find&& find) {
   constexpr std::size_t kPartItems = 2048;
-  workers.resize(executor.workers());
+  scratch.resize(executor.workers());
   std::vector<OSetBlocks::Part> parts((items.size() + kPartItems - 1) / kPartItems);
   executor.parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end, unsigned w) {
-    Worker& scratch = workers[w];
-    scratch.touch.fit(topology.features().vertex_slots(), topology.mesh().element_slots());
-    OSetPartners partners(topology, kind == OSetKind::literal, scratch.touch, scratch.covering);
+    scratch[w].fit(topology.features().vertex_slots(), topology.mesh().element_slots());
+    OSetPartners partners(topology, kind == OSetKind::literal, scratch[w]);
     for (std::size_t p = begin; p < end; ++p) {
       OSetBlocks::Writer rows(parts[p], owner);
       const std::size_t first = p * kPartItems;
@@ -98,7 +90,7 @@ void OSet::Impl::write_rows(const Topology& topology, Owner owner, std::span<con
 }
 
 void OSet::Impl::build(const Topology& topology, Executor& executor) {
-  for (Worker& worker : workers) worker = {};
+  for (detail::ElementTouch& touch : scratch) touch = {};
   blocks.start_over(topology.features());
   find_pairs(topology, in_near_order(topology.mesh(), topology.features()), executor);
   blocks.settle();
@@ -178,6 +170,6 @@ void OSet::append(std::size_t block, TestBatch& out) const { impl_->blocks.appen
 
 OSetCounts OSet::counts() const { return impl_->blocks.counts(); }
 
-std::size_t OSet::bytes() const { return heap_bytes(impl_->delta, impl_->blocks, impl_->workers); }
+std::size_t OSet::bytes() const { return heap_bytes(impl_->delta, impl_->blocks, impl_->scratch); }
 
 }  // namespace volccd

@@ -70,7 +70,7 @@ class KdopTree {
   const std::vector<TreeNode>& nodes() const { return nodes_; }
   const BoundsTable& node_bounds() const { return node_bounds_; }
   const BoundsTable& element_bounds() const { return element_bounds_; }
-  LeafLanes lanes() const;
+  LeafLanes lanes() const { return {lanes_.data() + lane_stride_, lanes_.data(), lane_stride_, lane_vertices_}; }
   const AdjacentLeaves& adjacent_leaves() const { return adjacent_leaves_; }
   /// Root nodes: none, one or two.
   std::vector<Index> const& roots() const { return roots_; }
@@ -82,6 +82,8 @@ class KdopTree {
 
  private:
   Index nodes_of(Index elements) const { return tree_nodes(elements, leaf_size_); }
+  /// The next node, in preorder, outside of the subtree.
+  Index subtree_end(Index node) const { return node + nodes_of(nodes_[node].size()); }
   /// Scratch memory for building a subtree.
   struct BuildScratch {
     TreeBuilder builder;
@@ -93,6 +95,7 @@ class KdopTree {
     Index node;
     int depth;
   };
+  void add_tree(Index begin, const BoundsTable& vertices, Executor& executor);
   int build_subtree(const TreeBuilder::Subtree& subtree, const BoundsTable& vertices, BuildScratch& scratch,
                     Executor& executor);
   void rebuild(Degraded& degraded, const BoundsTable& vertices, BuildScratch& scratch, Executor& executor);

@@ -19,6 +19,8 @@ namespace volccd::detail {
 struct TreeNode {
   Index begin, end, right;
   std::int32_t key;  ///< common filter key of its elements, or FilterKeys::kMixed
+
+  Index size() const { return end - begin; }
 };
 
 /// Number of nodes of a subtree with this number of elements, which is not 0.

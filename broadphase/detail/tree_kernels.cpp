@@ -316,10 +316,9 @@ std::uint64_t with_traversal(const KdopTree& tree, const PairRules& rules, F&& f
 std::uint64_t expand_kernel(const KdopTree& tree, const PairRules& rules, const std::vector<NodePair>& pairs,
                             std::vector<NodePair>& out) {
   constexpr Index small = 64;  // limit for the number of elements of both nodes together
-  const auto count = [&](Index node) { return tree.nodes()[node].end - tree.nodes()[node].begin; };
   return with_traversal(tree, rules, [&](auto& traversal) {
     for (const NodePair pair : pairs)
-      if (count(pair.a) + count(pair.b) <= small)
+      if (tree.nodes()[pair.a].size() + tree.nodes()[pair.b].size() <= small)
         out.push_back(pair);
       else
         traversal.descend(pair, [&](Index a, Index b) { out.push_back({a, b}); });

@@ -23,13 +23,12 @@ namespace volccd::detail {
 /// I(a), for its first incident element in I(a).
 class OSetPartners {
  public:
-  OSetPartners(const Topology& topology, bool literal, ElementTouch& touch, std::vector<Index>& covering)
+  OSetPartners(const Topology& topology, bool literal, ElementTouch& touch)
       : mesh_(topology.mesh()),
         features_(topology.features()),
         adjacency_(topology.adjacency()),
         literal_(literal),
-        touch_(touch),
-        covering_(covering) {}
+        touch_(touch) {}
 
   /// Calls take(f) once for each triangle f that forms an O-Set pair with vertex v.
   template <class Take>
@@ -73,8 +72,7 @@ class OSetPartners {
   }
 
  private:
-  /// Sets covering_ to I(a) for a feature with these vertices and incident elements, and accepts each of its elements
-  /// in touch_.
+  /// Accepts the elements of I(a) in touch_, for a feature with these vertices and incident elements.
   void find_covering(std::span<const Index> vertices, std::span<const Index> inc);
   void find_far(std::span<const Index> vertices, std::span<const Index> inc);
   Index pivot(std::span<const Index> vertices, std::span<const Index> inc) const;
@@ -84,7 +82,7 @@ class OSetPartners {
   void visit(std::span<const Index> vertices, std::span<const Index> inc_a, OfElement&& of_element, Incident&& incident,
              Wanted&& wanted, Take&& take) {
     find_covering(vertices, inc_a);
-    for (Index o : covering_)
+    for (Index o : touch_.accepted_elements())
       for (Index b : of_element(o)) {
         if (!wanted(b, o)) continue;
         const std::span<const Index> inc = incident(b);
@@ -106,7 +104,6 @@ class OSetPartners {
   const Adjacency& adjacency_;
   const bool literal_;
   ElementTouch& touch_;
-  std::vector<Index>& covering_;
 };
 
 }  // namespace volccd::detail
