@@ -5,6 +5,7 @@
 
 #include <volccd/broadphase/detail/box_rows.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
+#include <volccd/core/heap_bytes.hpp>
 
 namespace volccd {
 
@@ -20,11 +21,7 @@ struct BruteForceState final : StageState {
   detail::PairWriters writers;
   std::vector<std::vector<Index>> hits;  ///< one list for each worker
 
-  std::size_t bytes() const override {
-    std::size_t sum = delta.bytes() + keys.bytes() + list.bytes() + boxes.bytes() + writers.bytes();
-    for (const std::vector<Index>& h : hits) sum += sizeof h + h.capacity() * sizeof(Index);
-    return sum;
-  }
+  std::size_t bytes() const override { return heap_bytes(delta, keys, list, boxes, writers, hits); }
 };
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include <volccd/broadphase/detail/kdop_tree.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
 #include <volccd/broadphase/detail/tree_kernels.hpp>
+#include <volccd/core/heap_bytes.hpp>
 
 namespace volccd {
 
@@ -20,6 +21,7 @@ constexpr std::size_t kTasks = 1024;
 struct alignas(64) Worker {
   std::vector<NodePair> stack;
   std::uint64_t node_tests = 0;
+  std::size_t bytes() const { return heap_bytes(stack); }
 };
 
 struct KdopBvhState final : StageState {
@@ -34,10 +36,7 @@ struct KdopBvhState final : StageState {
   KdopBvh::Counters counters;
 
   std::size_t bytes() const override {
-    std::size_t sum = delta.bytes() + keys.bytes() + vertices.bytes() + tree.bytes() + writers.bytes() +
-                      (tasks.capacity() + expanded.capacity()) * sizeof(NodePair);
-    for (const Worker& worker : workers) sum += sizeof(Worker) + worker.stack.capacity() * sizeof(NodePair);
-    return sum;
+    return heap_bytes(delta, keys, vertices, tree, writers, tasks, expanded, workers);
   }
 };
 
@@ -47,7 +46,12 @@ std::uint64_t make_tasks(KdopBvhState& state, const detail::PairRules& rules) {
   state.tasks.clear();
   state.tasks.reserve(4 * kTasks);
   state.expanded.reserve(4 * kTasks);
-  std::uint64_t tests = detail::start_pairs(state.tree, rules, state.tasks);
+  const std::vector<Index>& roots = state.tree.roots();
+  for (std::size_t i = 0; i < roots.size(); ++i)
+    for (std::size_t j = i; j < roots.size(); ++j)
+      if (rules.may_want(state.tree.nodes()[roots[i]].key, state.tree.nodes()[roots[j]].key))
+        state.tasks.push_back({roots[i], roots[j]});
+  std::uint64_t tests = 0;
   for (bool grows = true; grows && state.tasks.size() < kTasks;) {
     state.expanded.clear();
     const std::uint64_t more = detail::expand_pairs(state.tree, rules, state.tasks, state.expanded);

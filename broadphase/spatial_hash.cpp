@@ -10,6 +10,7 @@
 #include <volccd/broadphase/detail/hash_kernels.hpp>
 #include <volccd/broadphase/detail/kdop_option.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
+#include <volccd/core/heap_bytes.hpp>
 
 namespace volccd {
 
@@ -28,10 +29,7 @@ struct SpatialHashState final : StageState {
   std::vector<detail::BucketScratch> scratch;
 
   std::size_t bytes() const override {
-    std::size_t sum = delta.bytes() + keys.bytes() + list.bytes() + vertices.bytes() + elements.bytes() + grid.bytes() +
-                      writers.bytes();
-    for (const detail::BucketScratch& s : scratch) sum += sizeof s + s.bytes();
-    return sum;
+    return heap_bytes(delta, keys, list, vertices, elements, grid, writers, scratch);
   }
 };
 
@@ -99,7 +97,6 @@ void SpatialHash::prepare(const Step& step, StageState& stage_state, Executor& e
     state.list.update(step, state.delta.changed_slots());
   state.keys.update(step, changed != ElementDelta::Extent::none);
   state.bounds_seconds = detail::bound_vertices(step, config_.k, executor, state.vertices);
-  state.elements.resize(state.list.size(), state.vertices.width());
   detail::bound_elements(state.vertices, state.list, executor, state.elements);
   state.grid.build(state.elements, state.list.size(), config_.cell_size, kMostCells, executor);
   state.delta.confirm();

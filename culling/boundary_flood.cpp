@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <optional>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/flood_front.hpp>
 #include <volccd/culling/detail/simplex_complex.hpp>
 #include <volccd/culling/detail/suspect_orphans.hpp>
@@ -16,6 +17,7 @@ enum class Phase { idle, start, flood };
 
 struct alignas(64) Worker {
   std::vector<ElementPair> reached;
+  std::size_t bytes() const { return heap_bytes(reached); }
 };
 
 struct BoundaryFloodState final : StageState {
@@ -42,12 +44,8 @@ struct BoundaryFloodState final : StageState {
   BoundaryFlood::Counters counters;
 
   std::size_t bytes() const override {
-    std::size_t sum = complex.bytes() + stars.bytes() + classes.bytes() + suspects.bytes() + orphans.bytes() +
-                      outer.bytes() + seen.bytes() + seen_at_start.bytes() +
-                      (front.capacity() + reached.capacity()) * sizeof(ElementPair) +
-                      (parts.capacity() + parents.capacity()) * sizeof(Index) + counted.bytes() + start_scratch.bytes();
-    for (const Worker& w : workers) sum += sizeof w + w.reached.capacity() * sizeof(ElementPair);
-    return sum;
+    return heap_bytes(complex, stars, classes, suspects, orphans, counted, outer, parts, parents, start_scratch, seen,
+                      seen_at_start, front, reached, workers);
   }
 };
 
@@ -121,11 +119,7 @@ Flood::Front propose(BoundaryFloodState& state, Executor& executor) {
       for (const ElementPair pair : fresh) at_start.around_at_start(pair, state.start_scratch);
     }
     state.phase = Phase::start;
-    state.counters.looked_at_start += state.front.size();
-    if (!state.front.empty()) {
-      state.counters.looked_at += state.front.size();
-      return {state.front, true};
-    }
+    if (!state.front.empty()) return {state.front, true};
   }
   detail::FloodFront front(step, state.stars, state.suspects, state.seen, state.front);
   if (state.phase == Phase::start) {
@@ -136,7 +130,6 @@ Flood::Front propose(BoundaryFloodState& state, Executor& executor) {
   } else {
     for (const ElementPair pair : fresh) front.around(pair);
   }
-  state.counters.looked_at += state.front.size();
   return {state.front, false};
 }
 
@@ -186,8 +179,7 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
       config_.most_suspect * static_cast<double>(topology.features().vertex_count()))
     return;
   state.suspects.update(*state.step, state.classes, executor);
-  const std::span<const ElementPair> suspects = state.suspects.pairs();
-  state.orphans.update(topology, {&suspects, 1}, executor);
+  state.orphans.update(topology, state.suspects.pairs(), executor);
   choose_outer(*state.step, state);
   state.counters.paired = state.outer.size();
   state.workers.resize(executor.workers());
@@ -210,10 +202,13 @@ void BoundaryFlood::reach(StageState& state, unsigned worker, const std::vector<
 }
 
 Flood::Front BoundaryFlood::next(StageState& state, Executor& executor) const {
-  const Front front = propose(own(state), executor);
-  const Counters& counters = own(state).counters;
+  Front front = propose(own(state), executor);
+  Counters& counters = own(state).counters;
+  counters.looked_at += front.pairs.size();
+  if (front.at_start) counters.looked_at_start += front.pairs.size();
   const double most = config_.most_pairs * static_cast<double>(counters.simplices);
-  return {front.pairs, front.at_start, static_cast<double>(counters.looked_at) > most};
+  front.given_up = static_cast<double>(counters.looked_at) > most;
+  return front;
 }
 
 void BoundaryFlood::to_mesh_features(const StageState& state, TestBatch& tests, std::size_t vf_begin,

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/culling/detail/o_set_blocks.hpp>
 #include <volccd/culling/detail/o_set_partners.hpp>
@@ -16,158 +17,123 @@ namespace {
 
 using detail::OSetBlocks;
 using detail::OSetPartners;
-using Rows = OSetBlocks::Rows;
+using Owner = OSetBlocks::Owner;
 
-/// All used vertices and all elements, in breadth-first order, so that neighbours follow each other closely. The same
-/// elements are examined for nearby features, and the numbering may have scattered them over memory.
-struct NearOrder {
-  std::vector<Index> vertices, elements;
-
-  NearOrder(const Mesh& mesh, const Features& features) {
-    std::vector<char> vertex_seen(features.vertex_slots(), 0), element_seen(mesh.element_slots(), 0);
-    vertices.reserve(features.vertex_count());
-    elements.reserve(mesh.element_count());
-    for (Index start = 0, next = 0; start < features.vertex_slots(); ++start) {
-      if (vertex_seen[start] || features.vertex_elements(start).empty()) continue;
-      vertex_seen[start] = 1;
-      vertices.push_back(start);
-      for (; next < vertices.size(); ++next)
-        for (const Index o : features.vertex_elements(vertices[next])) {
-          if (element_seen[o]) continue;
-          element_seen[o] = 1;
-          elements.push_back(o);
-          for (const Index v : mesh.vertices(o)) {
-            if (vertex_seen[v]) continue;
-            vertex_seen[v] = 1;
-            vertices.push_back(v);
-          }
-        }
-    }
-  }
+/// Features of which pairs are to be computed.
+struct FeatureLists {
+  std::vector<Index> vertices, triangles, edges;
 };
+
+/// All used vertices and all edges, in breadth-first order, so that neighbours follow each other closely. The same
+/// elements are examined for nearby features, and the numbering may have scattered them over memory.
+FeatureLists in_near_order(const Mesh& mesh, const Features& features) {
+  FeatureLists lists;
+  std::vector<char> vertex_seen(features.vertex_slots(), 0), element_seen(mesh.element_slots(), 0);
+  lists.vertices.reserve(features.vertex_count());
+  lists.edges.reserve(features.edge_count());
+  const auto add_vertex = [&](Index v) {
+    if (!std::exchange(vertex_seen[v], 1)) lists.vertices.push_back(v);
+  };
+  for (Index start = 0, next = 0; start < features.vertex_slots(); ++start) {
+    if (!features.vertex_elements(start).empty()) add_vertex(start);
+    for (; next < lists.vertices.size(); ++next)
+      for (const Index o : features.vertex_elements(lists.vertices[next])) {
+        if (std::exchange(element_seen[o], 1)) continue;
+        const std::span<const Index> edges = features.own_edges(o);
+        lists.edges.insert(lists.edges.end(), edges.begin(), edges.end());
+        for (const Index v : mesh.vertices(o)) add_vertex(v);
+      }
+  }
+  return lists;
+}
 
 }  // namespace
 
 struct OSet::Impl {
-  /// Scratch memory of one worker.
-  struct Worker {
-    detail::ElementTouch touch;
-    std::vector<Index> covering;
-  };
-  /// Features whose incident elements changed; all of their pairs are recomputed.
-  struct Renewed {
-    std::vector<Index> vertices, triangles, edges;
-  };
-
   explicit Impl(OSetKind set_kind) : kind(set_kind) {}
 
   void build(const Topology& topology, Executor& executor);
   void update(const Topology& topology, Executor& executor);
-  Renewed renew(const Features& features);
-  void find_pairs(const Topology& topology, const Renewed& renewed, Executor& executor);
-  template <class WriteRow>
-  void write_rows(const Topology& topology, Rows rows, std::span<const Index> items, Executor& executor,
-                  WriteRow&& write_row);
-  void write_vertex_rows(const Topology& topology, std::span<const Index> vertices, Executor& executor);
-
-  bool literal() const { return kind == OSetKind::literal; }
+  FeatureLists renew(const Features& features);
+  void find_pairs(const Topology& topology, const FeatureLists& lists, Executor& executor);
+  template <class Find>
+  void write_rows(const Topology& topology, Owner owner, std::span<const Index> items, Executor& executor, Find&& find);
 
   OSetKind kind;
   TopologyDelta delta;
   OSetBlocks blocks;
-  std::vector<Worker> workers;
+  std::vector<detail::ElementTouch> scratch;  ///< by worker
 };
 
-/// Calls write_row(item, partners, writer) for all items. Items are distributed to threads in parts that do not depend
-/// on their number, and the parts are joined in order.
-template <class WriteRow>
-void OSet::Impl::write_rows(const Topology& topology, Rows rows, std::span<const Index> items, Executor& executor,
-                            WriteRow&& write_row) {
+/// Calls find(item, partners, add) for all items, which adds the partners of an item. Items are distributed to threads
+/// in parts that do not depend on their number, and the parts are joined in order.
+template <class Find>
+void OSet::Impl::write_rows(const Topology& topology, Owner owner, std::span<const Index> items, Executor& executor,
+                            Find&& find) {
   constexpr std::size_t kPartItems = 2048;
-  workers.resize(executor.workers());
-  std::vector<OSetBlocks::Part> parts((items.size() + kPartItems - 1) / kPartItems, blocks.new_part());
+  scratch.resize(executor.workers());
+  std::vector<OSetBlocks::Part> parts((items.size() + kPartItems - 1) / kPartItems);
   executor.parallel_for(parts.size(), 1, [&](std::size_t begin, std::size_t end, unsigned w) {
-    Worker& scratch = workers[w];
-    scratch.touch.fit(topology.features().vertex_slots(), topology.mesh().element_slots());
-    OSetPartners partners(topology, scratch.touch, scratch.covering);
+    scratch[w].fit(topology.features().vertex_slots(), topology.mesh().element_slots());
+    OSetPartners partners(topology, kind == OSetKind::literal, scratch[w]);
     for (std::size_t p = begin; p < end; ++p) {
-      OSetBlocks::Writer writer(parts[p], rows);
+      OSetBlocks::Writer rows(parts[p], owner);
       const std::size_t first = p * kPartItems;
-      for (const Index item : items.subspan(first, std::min(kPartItems, items.size() - first)))
-        write_row(item, partners, writer);
-      writer.flush();
+      for (const Index item : items.subspan(first, std::min(kPartItems, items.size() - first))) {
+        rows.begin_row(item);
+        find(item, partners, [&](Index partner) { rows.add(partner); });
+      }
+      rows.flush();
     }
   });
   for (OSetBlocks::Part& part : parts) blocks.append(std::move(part));
 }
 
-void OSet::Impl::write_vertex_rows(const Topology& topology, std::span<const Index> vertices, Executor& executor) {
-  write_rows(topology, Rows::vertex, vertices, executor,
-             [&](Index v, OSetPartners& partners, OSetBlocks::Writer& rows) {
-               rows.begin_row(v);
-               partners.triangles_of_vertex(literal(), v, [&](Index f) { rows.add(f); });
-               rows.end_row();
-             });
-}
-
 void OSet::Impl::build(const Topology& topology, Executor& executor) {
-  const Features& features = topology.features();
-  for (Worker& worker : workers) worker = {};
-  blocks.start_over(features);
-  const NearOrder order(topology.mesh(), features);
-  write_vertex_rows(topology, order.vertices, executor);
-  write_rows(topology, Rows::edge, order.elements, executor,
-             [&](Index o, OSetPartners& partners, OSetBlocks::Writer& rows) {
-               for (const Index e : features.own_edges(o)) {
-                 rows.begin_row(e);
-                 partners.edges_of_edge(
-                     literal(), e, [e](Index e2) { return e2 > e; }, [&](Index e2) { rows.add(e2); });
-                 rows.end_row();
-               }
-             });
+  for (detail::ElementTouch& touch : scratch) touch = {};
+  blocks.start_over(topology.features());
+  find_pairs(topology, in_near_order(topology.mesh(), topology.features()), executor);
   blocks.settle();
 }
 
-OSet::Impl::Renewed OSet::Impl::renew(const Features& features) {
-  Renewed renewed;
+/// Invalidates the pairs of features whose incident elements changed, and returns those that have elements.
+FeatureLists OSet::Impl::renew(const Features& features) {
+  FeatureLists renewed;
+  const auto collect = [&](Owner owner, const std::vector<Index>& removed, const std::vector<Index>& touched,
+                           std::vector<Index>& list, auto&& incident) {
+    for (const Index i : removed) blocks.renew(owner, i);
+    for (const Index i : touched) {
+      if (incident(i).empty()) continue;
+      blocks.renew(owner, i);
+      list.push_back(i);
+    }
+  };
   for (const TopologyChange* change : delta.changes()) {
     const FeatureChange& f = change->features;
-    for (Index v : f.removed_vertices) blocks.renew_vertex(v);
-    for (Index t : f.removed_triangles) blocks.renew_triangle(t);
-    for (Index e : f.removed_edges) blocks.renew_edge(e);
-    const auto collect = [](const std::vector<Index>& touched, std::vector<Index>& list, auto&& incident) {
-      for (Index i : touched)
-        if (!incident(i).empty()) list.push_back(i);
-    };
-    collect(f.touched_vertices, renewed.vertices, [&](Index v) { return features.vertex_elements(v); });
-    collect(f.touched_triangles, renewed.triangles, [&](Index t) { return features.triangle_elements(t); });
-    collect(f.touched_edges, renewed.edges, [&](Index e) { return features.edge_elements(e); });
+    collect(Owner::vertex, f.removed_vertices, f.touched_vertices, renewed.vertices,
+            [&](Index v) { return features.vertex_elements(v); });
+    collect(Owner::triangle, f.removed_triangles, f.touched_triangles, renewed.triangles,
+            [&](Index t) { return features.triangle_elements(t); });
+    collect(Owner::edge, f.removed_edges, f.touched_edges, renewed.edges,
+            [&](Index e) { return features.edge_elements(e); });
   }
   for (auto* list : {&renewed.vertices, &renewed.triangles, &renewed.edges}) sort_unique(*list);
-  for (Index v : renewed.vertices) blocks.renew_vertex(v);
-  for (Index t : renewed.triangles) blocks.renew_triangle(t);
-  for (Index e : renewed.edges) blocks.renew_edge(e);
   return renewed;
 }
 
-/// Writes all pairs of the renewed features. A pair of two renewed features is written once: VF for its vertex, EE for
-/// its smaller edge.
-void OSet::Impl::find_pairs(const Topology& topology, const Renewed& renewed, Executor& executor) {
-  write_vertex_rows(topology, renewed.vertices, executor);
-  write_rows(topology, Rows::triangle, renewed.triangles, executor,
-             [&](Index f, OSetPartners& partners, OSetBlocks::Writer& rows) {
-               rows.begin_row(f);
-               partners.vertices_of_triangle(
-                   literal(), f, [&](Index v) { return !blocks.vertex_is_new(v); }, [&](Index v) { rows.add(v); });
-               rows.end_row();
-             });
-  write_rows(
-      topology, Rows::edge, renewed.edges, executor, [&](Index e, OSetPartners& partners, OSetBlocks::Writer& rows) {
-        rows.begin_row(e);
-        partners.edges_of_edge(
-            literal(), e, [&](Index e2) { return e2 > e || !blocks.edge_is_new(e2); }, [&](Index e2) { rows.add(e2); });
-        rows.end_row();
-      });
+/// Writes all pairs of the listed features, which are new. A pair of two of them is written once: VF for its vertex, EE
+/// for its smaller edge.
+void OSet::Impl::find_pairs(const Topology& topology, const FeatureLists& lists, Executor& executor) {
+  write_rows(topology, Owner::vertex, lists.vertices, executor,
+             [](Index v, OSetPartners& partners, auto&& add) { partners.triangles_of_vertex(v, add); });
+  write_rows(topology, Owner::triangle, lists.triangles, executor, [&](Index f, OSetPartners& partners, auto&& add) {
+    partners.vertices_of_triangle(
+        f, [&](Index v) { return !blocks.is_new(Owner::vertex, v); }, add);
+  });
+  write_rows(topology, Owner::edge, lists.edges, executor, [&](Index e, OSetPartners& partners, auto&& add) {
+    partners.edges_of_edge(
+        e, [&](Index e2) { return e2 > e || !blocks.is_new(Owner::edge, e2); }, add);
+  });
 }
 
 void OSet::Impl::update(const Topology& topology, Executor& executor) {
@@ -202,17 +168,8 @@ void OSet::update(const Topology& topology, Executor& executor) { impl_->update(
 
 void OSet::append(std::size_t block, TestBatch& out) const { impl_->blocks.append(block, out); }
 
-OSetCounts OSet::counts() const {
-  OSetCounts counts;
-  impl_->blocks.count(counts.vf, counts.ee);
-  return counts;
-}
+OSetCounts OSet::counts() const { return impl_->blocks.counts(); }
 
-std::size_t OSet::bytes() const {
-  std::size_t sum = impl_->delta.bytes() + impl_->blocks.bytes();
-  for (const Impl::Worker& worker : impl_->workers)
-    sum += worker.touch.bytes() + worker.covering.capacity() * sizeof(Index);
-  return sum;
-}
+std::size_t OSet::bytes() const { return heap_bytes(impl_->delta, impl_->blocks, impl_->scratch); }
 
 }  // namespace volccd

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/corner_planes.hpp>
 #include <volccd/culling/detail/element_stars.hpp>
 #include <volccd/culling/detail/suspect_orphans.hpp>
@@ -14,17 +15,11 @@ namespace volccd {
 
 namespace {
 
-constexpr std::size_t kOrphanStars = 16, kCountedElements = 1024;
+constexpr std::size_t kCountedElements = 1024;
 
 /// Pairs of elements with a common edge are tested for a plane if the product of their numbers of edges that no other
 /// element has is at least this. Other pairs, those of sheets above all, have few orphans, whose tests take less time.
 constexpr int kLeastFreeEdges = 10;
-
-/// Scratch memory of one worker, and what it has found.
-struct alignas(64) OrphanWorker {
-  std::vector<ElementPair> found;
-  detail::CornerPairs corners;
-};
 
 struct StarOrphansState final : StageState {
   OSet set;
@@ -32,18 +27,11 @@ struct StarOrphansState final : StageState {
   TopologyDelta counted;  ///< the topology for which the following was determined
   bool volumes = false;
   std::vector<std::uint8_t> free_edges;  ///< by element slot: edges that no other element has, up to 255
+  detail::CornerPairList pairs;          ///< those of which the orphans are listed
   detail::SuspectOrphans orphans;
-  std::vector<OrphanWorker> workers;
-  std::vector<std::span<const ElementPair>> pairs;  ///< what the workers have found
   StarOrphans::Counters counters;
 
-  std::size_t bytes() const override {
-    std::size_t sum = set.bytes() + stars.bytes() + counted.bytes() + free_edges.capacity() +
-                      pairs.capacity() * sizeof(pairs[0]) + orphans.bytes();
-    for (const OrphanWorker& w : workers)
-      sum += sizeof w + w.found.capacity() * sizeof(ElementPair) + w.corners.bytes();
-    return sum;
-  }
+  std::size_t bytes() const override { return heap_bytes(set, stars, counted, free_edges, pairs, orphans); }
 };
 
 StarOrphansState& state_of(StageState& state) { return static_cast<StarOrphansState&>(state); }
@@ -82,55 +70,29 @@ void count_elements(const Topology& topology, StarOrphansState& state, Executor&
   state.counted.confirm();
 }
 
-struct CommonVertices {
-  std::size_t count;
-  Index last;  ///< in the order of a's vertices
-};
-
-/// The common vertices of a and b if v is the first of them, by slot, and all are suspect, otherwise none.
-CommonVertices suspect_vertices(const Mesh& mesh, const detail::ElementStars& stars, Index a, Index b, Index v) {
+/// How the pair of a and b is listed at v: if v is their first common vertex, by slot, and all are suspect. Pairs with
+/// at most one other common vertex are left out if they lie on different sides of a plane through their common
+/// vertices.
+detail::ListedPair listed_at(const Mesh& mesh, const StarOrphansState& state, Index a, Index b, Index v) {
   const std::span<const Index> of_b = mesh.vertices(b);
-  CommonVertices common{0, v};
+  std::size_t common = 0;
+  Index other = kNone;
   for (const Index w : mesh.vertices(a)) {
     if (std::find(of_b.begin(), of_b.end(), w) == of_b.end()) continue;
-    if (w < v || !stars.suspect(w)) return {0, v};
-    ++common.count;
-    if (w != v) common.last = w;
+    if (w < v || !state.stars.suspect(w)) return {};
+    ++common;
+    if (w != v) other = w;
   }
-  return common;
-}
-
-/// Lists the pairs of which v is the first common vertex, except those that have at most one other and lie on different
-/// sides of a plane through their common vertices.
-void list_pairs_at(const Step& step, const StarOrphansState& state, Index v, OrphanWorker& worker) {
-  const std::span<const Index> star = step.features().vertex_elements(v);
-  worker.corners.begin();
-  for (std::size_t i = 0; i < star.size(); ++i)
-    for (std::size_t j = i; j < star.size(); ++j) {
-      const CommonVertices common = suspect_vertices(step.mesh(), state.stars, star[i], star[j], v);
-      const bool edge = common.count == 2 && state.free_edges[star[i]] * state.free_edges[star[j]] >= kLeastFreeEdges;
-      if (common.count == 0 || (common.count == 1 && worker.corners.add(step, v, i, j)) ||
-          (edge && worker.corners.add(step, v, i, j, common.last)))
-        continue;
-      worker.found.push_back({star[i], star[j]});
-    }
-  worker.corners.decide(step, v, [&](Index a, Index b) { worker.found.push_back({a, b}); });
+  const bool edge = common == 2 && state.free_edges[a] * state.free_edges[b] >= kLeastFreeEdges;
+  return {true, common == 1 || edge, other};
 }
 
 /// Lists the pairs of elements, each with itself too, all of whose common vertices are suspect.
 void list_pairs(const Step& step, StarOrphansState& state, Executor& executor) {
-  state.workers.resize(executor.workers());
-  for (OrphanWorker& worker : state.workers) worker.found.clear();
-  const std::vector<Index>& suspects = state.stars.suspects();
-  executor.parallel_for(suspects.size(), kOrphanStars, [&](std::size_t begin, std::size_t end, unsigned w) {
-    for (std::size_t n = begin; n < end; ++n) list_pairs_at(step, state, suspects[n], state.workers[w]);
-  });
-  state.pairs.clear();
-  for (const OrphanWorker& worker : state.workers) {
-    state.pairs.push_back(worker.found);
-    state.counters.pairs += worker.found.size();
-  }
-  state.orphans.update(step.topology, state.pairs, executor);
+  state.pairs.update(step, state.stars.suspects(), executor,
+                     [&](Index a, Index b, Index v) { return listed_at(step.mesh(), state, a, b, v); });
+  state.counters.pairs = state.pairs.pairs().size();
+  state.orphans.update(step.topology, state.pairs.pairs(), executor);
 }
 
 }  // namespace

@@ -95,14 +95,4 @@ void AdjacentLeaves::forget(Index begin, Index end) {
   }
 }
 
-std::size_t AdjacentLeaves::bytes() const {
-  std::size_t sum = (begins_.capacity() + sizes_.capacity() + places_.capacity()) * sizeof(Index) + known_.capacity() +
-                    blocks_.capacity() * sizeof(Block);
-  for (const Block& block : blocks_)
-    sum += block.leaves.capacity() * sizeof(Index) + block.masks.capacity() * sizeof(std::uint64_t);
-  for (const Scratch& scratch : scratch_)
-    sum += scratch.entries.capacity() * sizeof(Index) + scratch.vertices.capacity() * sizeof(LeafVertex);
-  return sum;
-}
-
 }  // namespace volccd::detail

@@ -6,6 +6,7 @@
 
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/mesh/topology.hpp>
 
 namespace volccd::detail {
@@ -45,7 +46,7 @@ class AdjacentLeaves {
     return {block.leaves.data() + begins_[leaf], block.masks.data() + begins_[leaf], sizes_[leaf]};
   }
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return heap_bytes(blocks_, begins_, sizes_, known_, places_, scratch_); }
 
  private:
   static constexpr Index kMostElements = kNone / kMaskRow;  ///< so that places_ do not overflow
@@ -54,6 +55,7 @@ class AdjacentLeaves {
   struct Block {
     std::vector<Index> leaves;
     std::vector<std::uint64_t> masks;
+    std::size_t bytes() const { return heap_bytes(leaves, masks); }
   };
   struct LeafVertex {
     Index vertex;
@@ -62,6 +64,7 @@ class AdjacentLeaves {
   struct Scratch {
     std::vector<Index> entries;  ///< by leaf: its entry in the present row, or kNone
     std::vector<LeafVertex> vertices;
+    std::size_t bytes() const { return heap_bytes(entries, vertices); }
   };
 
   void collect_vertices(const ElementList& list, Index leaf, Scratch& scratch) const;

@@ -9,6 +9,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <span>
 
 #include <hwy/highway.h>
 
@@ -33,16 +34,6 @@ HWY_INLINE bool overlap(const float* a, const float* b) {
   return hn::AllTrue(d, inside);
 }
 
-/// Sets out to the bound of a and b.
-template <int kWidth>
-HWY_INLINE void unite(const float* a, const float* b, float* out) {
-  const RowTag<kWidth> d;
-  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(d)) {
-    hn::Store(hn::Min(hn::Load(d, a + i), hn::Load(d, b + i)), d, out + i);
-    hn::Store(hn::Max(hn::Load(d, a + kWidth + i), hn::Load(d, b + kWidth + i)), d, out + kWidth + i);
-  }
-}
-
 template <int kWidth>
 HWY_INLINE void make_empty(float* out) {
   const RowTag<kWidth> d;
@@ -52,36 +43,28 @@ HWY_INLINE void make_empty(float* out) {
   }
 }
 
-/// Sets out to the bound of rows[indices[0 .. count)], count > 0.
-template <int kWidth>
-HWY_INLINE void unite_rows(const float* rows, const std::uint32_t* indices, std::size_t count, float* out) {
+/// Sets out to the bound of the rows row(0 .. count - 1), count > 0.
+template <int kWidth, class Row>
+HWY_INLINE void unite_rows(std::size_t count, Row&& row, float* out) {
   const RowTag<kWidth> d;
   for (std::size_t i = 0; i < kWidth; i += hn::Lanes(d)) {
-    const float* first = rows + indices[0] * std::size_t{2 * kWidth} + i;
+    const float* const first = row(0) + i;
     auto lo = hn::Load(d, first), hi = hn::Load(d, first + kWidth);
-    for (std::size_t v = 1; v < count; ++v) {
-      const float* row = rows + indices[v] * std::size_t{2 * kWidth} + i;
-      lo = hn::Min(lo, hn::Load(d, row));
-      hi = hn::Max(hi, hn::Load(d, row + kWidth));
+    for (std::size_t r = 1; r < count; ++r) {
+      const float* const next = row(r) + i;
+      lo = hn::Min(lo, hn::Load(d, next));
+      hi = hn::Max(hi, hn::Load(d, next + kWidth));
     }
     hn::Store(lo, d, out + i);
     hn::Store(hi, d, out + kWidth + i);
   }
 }
 
-/// Sets out to the bound of count > 0 consecutive rows.
+/// The same for the rows of the vertices of a part of an element.
 template <int kWidth>
-HWY_INLINE void unite_range(const float* rows, std::size_t count, float* out) {
-  const RowTag<kWidth> d;
-  for (std::size_t i = 0; i < kWidth; i += hn::Lanes(d)) {
-    auto lo = hn::Load(d, rows + i), hi = hn::Load(d, rows + kWidth + i);
-    for (std::size_t r = 1; r < count; ++r) {
-      lo = hn::Min(lo, hn::Load(d, rows + r * 2 * kWidth + i));
-      hi = hn::Max(hi, hn::Load(d, rows + r * 2 * kWidth + kWidth + i));
-    }
-    hn::Store(lo, d, out + i);
-    hn::Store(hi, d, out + kWidth + i);
-  }
+HWY_INLINE void unite_part(const float* rows, std::span<const Index> part, float* out) {
+  unite_rows<kWidth>(
+      part.size(), [&](std::size_t v) HWY_ATTR { return rows + part[v] * std::size_t{2 * kWidth}; }, out);
 }
 
 /// Calls f(std::integral_constant<int, width>) for the run-time width 4, 8 or 16.

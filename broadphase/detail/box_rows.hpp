@@ -6,6 +6,7 @@
 
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::detail {
@@ -27,7 +28,7 @@ class BoxRows {
   /// their number. `out` must have space for end - begin + kPadding entries.
   std::size_t overlapping(std::size_t i, std::size_t begin, std::size_t end, Index* out) const;
 
-  std::size_t bytes() const { return values_.capacity() * sizeof(double); }
+  std::size_t bytes() const { return heap_bytes(values_); }
 
  private:
   std::size_t stride() const { return size_ + kPadding; }

@@ -127,14 +127,4 @@ void ElementList::permute(std::size_t begin, std::span<const Index> order, Scrat
   });
 }
 
-std::size_t ElementList::Scratch::bytes() const {
-  return (slots.capacity() + part_sizes.capacity() + vertices.capacity()) * sizeof(Index) +
-         begins.capacity() * sizeof(std::size_t) + starts.capacity() * sizeof(Start);
-}
-
-std::size_t ElementList::bytes() const {
-  return (slots_.capacity() + part_sizes_.capacity() + vertices_.capacity()) * sizeof(Index) +
-         begins_.capacity() * sizeof(std::size_t) + scratch_.bytes();
-}
-
 }  // namespace volccd::detail

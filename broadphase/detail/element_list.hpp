@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::detail {
@@ -23,7 +24,7 @@ class ElementList {
     std::vector<std::size_t> begins;
     std::vector<Start> starts;
 
-    std::size_t bytes() const;
+    std::size_t bytes() const { return heap_bytes(slots, part_sizes, vertices, begins, starts); }
   };
 
   void clear() { truncate(0); }
@@ -57,7 +58,7 @@ class ElementList {
   /// order[i]. Disjoint ranges may be reordered at the same time, each with its own scratch memory.
   void permute(std::size_t begin, std::span<const Index> order, Scratch& scratch, Executor& executor);
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return heap_bytes(slots_, begins_, part_sizes_, vertices_, scratch_); }
 
  private:
   /// Writes the vertices of an element to `out`, those of its part first. Returns the number of these.

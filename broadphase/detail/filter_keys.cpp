@@ -16,7 +16,10 @@ bool FilterKeys::update(const Step& step, bool topology_changed) {
   if (filter_changed) filter_ = step.filter;
   if (trivial() || (keys_valid_ && !filter_changed)) return filter_changed;
   if (!keys_valid_) make_keys(step.topology);
-  make_table();
+  const std::size_t count = objects_.size();
+  table_.resize(count <= kMostTabled ? count * count : 0);
+  for (std::size_t at = 0; at < table_.size(); ++at)
+    table_[at] = filter_.allows(objects_[at / count], objects_[at % count]);
   keys_valid_ = true;
   return true;
 }
@@ -37,15 +40,6 @@ void FilterKeys::make_keys(const Topology& topology) {
   for (Index v = 0; v < mesh.vertex_count(); ++v)
     if (topology.is_shared(v))
       for (Index o : topology.features().vertex_elements(v)) keys_[o] = kMixed;
-}
-
-void FilterKeys::make_table() {
-  table_.clear();
-  const std::size_t count = objects_.size();
-  if (count > kMostTabled) return;
-  table_.resize(count * count);
-  for (std::size_t i = 0; i < count; ++i)
-    for (std::size_t j = 0; j < count; ++j) table_[i * count + j] = filter_.allows(objects_[i], objects_[j]);
 }
 
 }  // namespace volccd::detail

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::detail {
@@ -30,11 +31,10 @@ class FilterKeys {
     return table_.empty() ? filter_.allows(objects_[i], objects_[j]) : table_[i * objects_.size() + j] != 0;
   }
 
-  std::size_t bytes() const { return keys_.capacity() * 4 + objects_.capacity() * 4 + table_.capacity(); }
+  std::size_t bytes() const { return heap_bytes(keys_, objects_, table_); }
 
  private:
   void make_keys(const Topology& topology);
-  void make_table();
 
   ObjectFilter filter_;
   bool keys_valid_ = false;

@@ -133,9 +133,4 @@ void HashGrid::find_cells(const BoundsTable& bounds, std::size_t elements, std::
   if (entries >= kNone) throw Error("spatial-hash: more cells entered than can be counted; take a larger cell_size");
 }
 
-std::size_t HashGrid::bytes() const {
-  return cells_.capacity() * sizeof(CellRange) + extents_.capacity() * sizeof(double) +
-         (begins_.capacity() + large_.capacity()) * sizeof(Index) + entries_.capacity() * sizeof(HashEntry);
-}
-
 }  // namespace volccd::detail

@@ -8,6 +8,7 @@
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/broadphase/detail/swept_bounds.hpp>
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 
 namespace volccd::detail {
 
@@ -40,7 +41,7 @@ class HashGrid {
   const std::vector<Index>& large() const { return large_; }
   bool is_large(std::size_t position) const { return cells_[position].count[0] == 0; }
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return heap_bytes(cells_, extents_, begins_, large_, entries_); }
 
  private:
   void choose_cell(const BoundsTable& bounds, std::size_t elements, double cell_size, Executor& executor);

@@ -1,7 +1,6 @@
 #include <volccd/broadphase/detail/hash_kernels.hpp>
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <type_traits>
 
@@ -11,27 +10,6 @@
 #include <hwy/highway.h>
 
 #include <volccd/broadphase/detail/bounds-inl.hpp>
-
-#ifndef VOLCCD_HASH_KERNELS_ONCE
-#define VOLCCD_HASH_KERNELS_ONCE
-namespace volccd::detail {
-
-/// The indices of the set bits of a byte in ascending order, and their number.
-struct SetBits {
-  std::uint8_t lanes[8], count;
-};
-
-constexpr std::array<SetBits, 256> all_set_bits() {
-  std::array<SetBits, 256> table{};
-  for (unsigned byte = 0; byte < 256; ++byte)
-    for (std::uint8_t bit = 0; bit < 8; ++bit)
-      if (byte >> bit & 1) table[byte].lanes[table[byte].count++] = bit;
-  return table;
-}
-constexpr std::array<SetBits, 256> kSetBits = all_set_bits();
-
-}  // namespace volccd::detail
-#endif
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
@@ -112,11 +90,8 @@ class BucketKernel {
       for (std::size_t axis = 0; axis < 3; ++axis) narrow(axis);
       if (hn::AllFalse(d, inside)) continue;
       for (std::size_t axis = 3; axis < kWidth; ++axis) narrow(axis);
-      std::uint8_t bits[8] = {};
-      hn::StoreMaskBits(d, inside, bits);
-      const auto lanes = hn::PromoteTo(du, hn::LoadU(hn::Rebind<std::uint8_t, Lanes>(), kSetBits[bits[0]].lanes));
-      hn::StoreU(hn::Add(lanes, hn::Set(du, static_cast<std::uint32_t>(j))), du, scratch_.survivors() + found);
-      found += kSetBits[bits[0]].count;
+      found += hn::CompressStore(hn::Iota(du, static_cast<std::uint32_t>(j)), hn::RebindMask(du, inside), du,
+                                 scratch_.survivors() + found);
     }
     return found;
   }

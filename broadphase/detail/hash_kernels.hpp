@@ -6,6 +6,7 @@
 
 #include <volccd/broadphase/detail/hash_grid.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
+#include <volccd/core/heap_bytes.hpp>
 
 namespace volccd::detail {
 
@@ -25,7 +26,7 @@ class BucketScratch {
   float* row(std::size_t i) { return values_.data() + i * stride_; }
   std::int32_t* marks(std::size_t i) { return marks_.data() + i * stride_; }
   Index* survivors() { return survivors_.data(); }
-  std::size_t bytes() const { return 4 * (values_.capacity() + marks_.capacity() + survivors_.capacity()); }
+  std::size_t bytes() const { return heap_bytes(values_, marks_, survivors_); }
 
  private:
   std::size_t stride_ = 0;

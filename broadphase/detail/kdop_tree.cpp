@@ -14,7 +14,6 @@ constexpr std::size_t kGapDenominator = 4, kAddedDenominator = 32, kAddedAllowan
 /// Subtrees with fewer elements are not restructured separately.
 constexpr Index kLeastRestructured = 64;
 constexpr std::size_t kElementsPerTask = 4096;
-constexpr int kMixedKey = FilterKeys::kMixed;
 
 double ratio(const TreeCost& cost) { return cost.elements > 0 ? cost.nodes / cost.elements : 0; }
 
@@ -23,26 +22,32 @@ double ratio(const TreeCost& cost) { return cost.elements > 0 ? cost.nodes / cos
 void KdopTree::build(const Step& step, int leaf_size, const BoundsTable& vertices, Executor& executor) {
   leaf_size_ = static_cast<Index>(leaf_size);
   list_.assign(step, executor);
-  const Index count = static_cast<Index>(list_.size());
-  built_elements_ = count;
+  built_elements_ = static_cast<Index>(list_.size());
   gaps_ = 0;
   depth_ = 0;
   roots_.clear();
   adjacent_leaves_.clear();
   positions_.assign(step.mesh().element_slots(), kNone);
-  element_bounds_.resize(count + LeafLanes::kPadding, vertices.width());
-  nodes_.resize(count == 0 ? 0 : nodes_of(count));
-  node_bounds_.resize(nodes_.size(), vertices.width());
-  if (count > 0) {
-    roots_.push_back(0);
-    depth_ = build_subtree({0, 0, count, 0}, vertices, scratch_[0], executor);
-  }
+  for (BoundsTable* bounds : {&element_bounds_, &node_bounds_}) bounds->resize(0, vertices.width());
+  add_tree(0, vertices, executor);
+  refit(vertices, executor);
+  if (!roots_.empty()) note_costs(0);
+}
+
+/// Adds a tree over the elements from position `begin` on, if there are any, after a tree over the others.
+void KdopTree::add_tree(Index begin, const BoundsTable& vertices, Executor& executor) {
+  const Index end = static_cast<Index>(list_.size()), first = begin == 0 ? 0 : nodes_of(begin);
+  nodes_.resize(end == begin ? first : first + nodes_of(end - begin));
+  element_bounds_.grow(end + LeafLanes::kPadding, begin);
+  node_bounds_.grow(nodes_.size(), first);
   costs_.resize(nodes_.size());
   built_ratios_.resize(nodes_.size());
+  if (end > begin) {
+    roots_.push_back(first);
+    depth_ = std::max(depth_, build_subtree({first, begin, end, 0}, vertices, scratch_[0], executor));
+  }
   find_blocks();
   make_lanes(executor);
-  refit(vertices, executor);
-  if (count > 0) note_costs(0);
 }
 
 bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const BoundsTable& vertices,
@@ -66,21 +71,8 @@ bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const B
 
   list_.truncate(built_elements_);
   for (const Index slot : added_) list_.append(step, slot);
-  const Index end = static_cast<Index>(list_.size());
-  const Index first = built_elements_ == 0 ? 0 : nodes_of(built_elements_);
-  nodes_.resize(end == built_elements_ ? first : first + nodes_of(end - built_elements_));
   roots_.resize(built_elements_ == 0 ? 0 : 1);
-  element_bounds_.grow(end + LeafLanes::kPadding, built_elements_);
-  node_bounds_.grow(nodes_.size(), first);
-  costs_.resize(nodes_.size());
-  built_ratios_.resize(nodes_.size());
-  if (end > built_elements_) {
-    roots_.push_back(first);
-    const int depth = build_subtree({first, built_elements_, end, 0}, vertices, scratch_[0], executor);
-    depth_ = std::max(depth_, depth);
-  }
-  find_blocks();
-  make_lanes(executor);
+  add_tree(built_elements_, vertices, executor);
   return true;
 }
 
@@ -95,10 +87,6 @@ int KdopTree::build_subtree(const TreeBuilder::Subtree& subtree, const BoundsTab
       if (list_.slot(p) != kNone) positions_[list_.slot(p)] = static_cast<Index>(p);
   });
   return depth;
-}
-
-LeafLanes KdopTree::lanes() const {
-  return {lanes_.data() + lane_stride_, lanes_.data(), lane_stride_, lane_vertices_};
 }
 
 /// Allocates and fills the rows for the whole list.
@@ -132,43 +120,35 @@ void KdopTree::find_blocks() {
   upper_.clear();
   const Index most = std::max<Index>(1024, static_cast<Index>(list_.size() / 64));
   for (Index root = 0; root < nodes_.size();) {
-    const TreeNode& node = nodes_[root];
-    if (node.end - node.begin <= most) {
+    if (nodes_[root].size() <= most) {
       blocks_.push_back(root);
-      root += nodes_of(node.end - node.begin);  // in preorder, the next node outside of the subtree
+      root = subtree_end(root);
     } else {
       upper_.push_back(root++);
     }
   }
 }
 
-void KdopTree::refit(const BoundsTable& vertices, Executor& executor) {
-  const RefitArrays arrays{nodes_.data(), &list_, &vertices, &node_bounds_, &element_bounds_, costs_.data()};
-  executor.parallel_for(blocks_.size(), 1, [&](std::size_t begin, std::size_t end, unsigned) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const TreeNode& node = nodes_[blocks_[i]];
-      refit_range(arrays, blocks_[i], blocks_[i] + nodes_of(node.end - node.begin));
-    }
-  });
-  for (std::size_t i = upper_.size(); i-- > 0;) refit_range(arrays, upper_[i], upper_[i] + 1);
+void KdopTree::refit_nodes(const BoundsTable& vertices, Index begin, Index end) {
+  refit_range({nodes_.data(), &list_, &vertices, &node_bounds_, &element_bounds_, costs_.data()}, begin, end);
 }
 
-int KdopTree::depth_of(Index node) const {
-  int depth = 0;
-  for (Index i = 0; i != node; ++depth) i = node < nodes_[i].right ? i + 1 : nodes_[i].right;
-  return depth;
+void KdopTree::refit(const BoundsTable& vertices, Executor& executor) {
+  executor.parallel_for(blocks_.size(), 1, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t i = begin; i < end; ++i) refit_nodes(vertices, blocks_[i], subtree_end(blocks_[i]));
+  });
+  for (std::size_t i = upper_.size(); i-- > 0;) refit_nodes(vertices, upper_[i], upper_[i] + 1);
 }
 
 void KdopTree::note_costs(Index node) {
-  const Index end = node + nodes_of(nodes_[node].end - nodes_[node].begin);
-  for (Index i = node; i < end; ++i) built_ratios_[i] = static_cast<float>(ratio(costs_[i]));
+  for (Index i = node, end = subtree_end(node); i < end; ++i) built_ratios_[i] = static_cast<float>(ratio(costs_[i]));
 }
 
 /// Appends the roots of the subtrees below `node` that must be rebuilt to degraded_: the node itself if its cost has
 /// grown too much, unless only one child is the cause.
-void KdopTree::collect_degraded(Index node, double degradation) {
+void KdopTree::collect_degraded(Index node, int depth, double degradation) {
   const TreeNode& n = nodes_[node];
-  if (n.right == 0 || n.end - n.begin < kLeastRestructured) return;
+  if (n.right == 0 || n.size() < kLeastRestructured) return;
   const auto excess = [&](Index i) {
     return costs_[i].nodes - static_cast<double>(built_ratios_[i]) * costs_[i].elements;
   };
@@ -177,33 +157,31 @@ void KdopTree::collect_degraded(Index node, double degradation) {
   };
   if (degraded(node)) {
     const Index culprit = excess(node + 1) > excess(n.right) ? node + 1 : n.right;
-    const bool large = nodes_[culprit].end - nodes_[culprit].begin >= kLeastRestructured;
-    if (large && degraded(culprit) && excess(culprit) >= 0.75 * excess(node))
-      return collect_degraded(culprit, degradation);
-    degraded_.push_back({node, 0});
+    if (nodes_[culprit].size() >= kLeastRestructured && degraded(culprit) && excess(culprit) >= 0.75 * excess(node))
+      return collect_degraded(culprit, depth + 1, degradation);
+    degraded_.push_back({node, depth});
     return;
   }
-  collect_degraded(node + 1, degradation);
-  collect_degraded(n.right, degradation);
+  collect_degraded(node + 1, depth + 1, degradation);
+  collect_degraded(n.right, depth + 1, degradation);
 }
 
 void KdopTree::rebuild(Degraded& degraded, const BoundsTable& vertices, BuildScratch& scratch, Executor& executor) {
   const Index node = degraded.node, begin = nodes_[node].begin, end = nodes_[node].end;
-  degraded.depth = build_subtree({node, begin, end, depth_of(node)}, vertices, scratch, executor);
+  degraded.depth = build_subtree({node, begin, end, degraded.depth}, vertices, scratch, executor);
   fill_lanes(begin, end, executor);
-  const RefitArrays arrays{nodes_.data(), &list_, &vertices, &node_bounds_, &element_bounds_, costs_.data()};
-  refit_range(arrays, node, node + nodes_of(end - begin));
+  refit_nodes(vertices, node, subtree_end(node));
   note_costs(node);
 }
 
 std::size_t KdopTree::restructure(double degradation, const BoundsTable& vertices, Executor& executor) {
   if (built_elements_ == 0) return 0;
   degraded_.clear();
-  collect_degraded(0, degradation);
+  collect_degraded(0, 0, degradation);
   if (degraded_.empty()) return 0;
   if (scratch_.size() < executor.workers()) scratch_.resize(executor.workers());
   // All threads rebuild a large subtree together, and one thread a small one.
-  const auto size = [&](const Degraded& d) { return nodes_[d.node].end - nodes_[d.node].begin; };
+  const auto size = [&](const Degraded& d) { return nodes_[d.node].size(); };
   const auto small =
       std::partition(degraded_.begin(), degraded_.end(), [&](const Degraded& d) { return size(d) > kElementsPerTask; });
   for (auto d = degraded_.begin(); d != small; ++d) rebuild(*d, vertices, scratch_[0], executor);
@@ -228,29 +206,19 @@ void KdopTree::set_keys(const FilterKeys& keys) {
     TreeNode& node = nodes_[i];
     if (node.right != 0) {
       const std::int32_t left = nodes_[i + 1].key, right = nodes_[node.right].key;
-      node.key = left == right ? left : kMixedKey;
+      node.key = left == right ? left : FilterKeys::kMixed;
       continue;
     }
     bool first = true;
-    node.key = kMixedKey;
+    node.key = FilterKeys::kMixed;
     for (Index p = node.begin; p < node.end; ++p) {
       if (list_.slot(p) == kNone) continue;
       const std::int32_t key = keys.key(list_.slot(p));
-      node.key = first || key == node.key ? key : kMixedKey;
+      node.key = first || key == node.key ? key : FilterKeys::kMixed;
       first = false;
-      if (node.key == kMixedKey) break;
+      if (node.key == FilterKeys::kMixed) break;
     }
   }
-}
-
-std::size_t KdopTree::bytes() const {
-  std::size_t scratch = 0;
-  for (const BuildScratch& s : scratch_) scratch += s.builder.bytes() + s.list.bytes();
-  return scratch + list_.bytes() + nodes_.capacity() * sizeof(TreeNode) + costs_.capacity() * sizeof(TreeCost) +
-         built_ratios_.capacity() * sizeof(float) + node_bounds_.bytes() + element_bounds_.bytes() +
-         (positions_.capacity() + lanes_.capacity() + blocks_.capacity() + upper_.capacity() + added_.capacity()) *
-             sizeof(Index) +
-         adjacent_leaves_.bytes();
 }
 
 }  // namespace volccd::detail

@@ -16,6 +16,7 @@
 #include <volccd/broadphase/detail/swept_bounds.hpp>
 #include <volccd/broadphase/detail/tree_builder.hpp>
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 
 namespace volccd::detail {
 
@@ -65,39 +66,45 @@ class KdopTree {
   /// Sets the keys of all nodes.
   void set_keys(const FilterKeys& keys);
 
-  int leaf_size() const { return static_cast<int>(leaf_size_); }
   const ElementList& list() const { return list_; }
   const std::vector<TreeNode>& nodes() const { return nodes_; }
   const BoundsTable& node_bounds() const { return node_bounds_; }
   const BoundsTable& element_bounds() const { return element_bounds_; }
-  LeafLanes lanes() const;
+  LeafLanes lanes() const { return {lanes_.data() + lane_stride_, lanes_.data(), lane_stride_, lane_vertices_}; }
   const AdjacentLeaves& adjacent_leaves() const { return adjacent_leaves_; }
   /// Root nodes: none, one or two.
   std::vector<Index> const& roots() const { return roots_; }
   int depth() const { return depth_; }
-  std::size_t bytes() const;
+  std::size_t bytes() const {
+    return heap_bytes(list_, nodes_, costs_, built_ratios_, node_bounds_, element_bounds_, lanes_, positions_, blocks_,
+                      upper_, adjacent_leaves_, added_, scratch_);
+  }
 
  private:
   Index nodes_of(Index elements) const { return tree_nodes(elements, leaf_size_); }
+  /// The next node, in preorder, outside of the subtree.
+  Index subtree_end(Index node) const { return node + nodes_of(nodes_[node].size()); }
   /// Scratch memory for building a subtree.
   struct BuildScratch {
     TreeBuilder builder;
     ElementList::Scratch list;
+    std::size_t bytes() const { return heap_bytes(builder, list); }
   };
-  /// A subtree to be rebuilt, and then the depth of its deepest leaf.
+  /// A subtree to be rebuilt, and the depth of its root; after that, of its deepest leaf.
   struct Degraded {
     Index node;
     int depth;
   };
+  void add_tree(Index begin, const BoundsTable& vertices, Executor& executor);
   int build_subtree(const TreeBuilder::Subtree& subtree, const BoundsTable& vertices, BuildScratch& scratch,
                     Executor& executor);
   void rebuild(Degraded& degraded, const BoundsTable& vertices, BuildScratch& scratch, Executor& executor);
+  void refit_nodes(const BoundsTable& vertices, Index begin, Index end);
   void find_blocks();
   void fill_lanes(std::size_t begin, std::size_t end, Executor& executor);
   void make_lanes(Executor& executor);
-  int depth_of(Index node) const;
   void note_costs(Index node);
-  void collect_degraded(Index node, double degradation);
+  void collect_degraded(Index node, int depth, double degradation);
 
   Index leaf_size_ = 4;
   ElementList list_;

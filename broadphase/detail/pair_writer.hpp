@@ -8,6 +8,7 @@
 #include <volccd/broadphase/broad_phase.hpp>
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/broadphase/detail/filter_keys.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {
@@ -27,6 +28,8 @@ struct PairRules {
     if (adjacency && adjacency->adjacent(a, b)) return false;
     return !keys || keys->allowed(keys->key(a), keys->key(b));
   }
+  /// Whether the filter may include pairs of elements with these keys.
+  bool may_want(std::int32_t a, std::int32_t b) const { return !keys || keys->allowed(a, b); }
 };
 
 /// The pair with a <= b, computed without a branch, because it would be mispredicted half of the time.
@@ -88,7 +91,7 @@ class PairWriters {
     for (PairWriter& writer : writers_) writer.flush();
   }
 
-  std::size_t bytes() const { return writers_.capacity() * sizeof(PairWriter); }
+  std::size_t bytes() const { return heap_bytes(writers_); }
 
  private:
   std::vector<PairWriter> writers_;

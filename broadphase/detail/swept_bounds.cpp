@@ -112,11 +112,10 @@ void bound_element_kernel(const BoundsTable& vertices, const ElementList& list, 
                           BoundsTable& out) {
   with_width(vertices.width(), [&](auto width) {
     for (std::size_t p = begin; p < end; ++p) {
-      const auto ids = list.part(p);
       if (list.slot(p) == kNone)
         make_empty<width>(out.row(p));
       else
-        unite_rows<width>(vertices.row(0), ids.data(), ids.size(), out.row(p));
+        unite_part<width>(vertices.row(0), list.part(p), out.row(p));
     }
   });
 }
@@ -139,7 +138,7 @@ void BoundsTable::grow(std::size_t rows, std::size_t kept) {
   const std::size_t size = rows * stride();
   if (size <= capacity_) return;
   std::unique_ptr<float[], Free> larger(
-      static_cast<float*>(::operator new(size * sizeof(float), std::align_val_t{64})));
+      static_cast<float*>(::operator new (size * sizeof(float), std::align_val_t{64})));
   if (kept > 0) std::copy_n(data_.get(), kept * stride(), larger.get());
   data_ = std::move(larger);
   capacity_ = size;
@@ -164,15 +163,10 @@ double bound_vertices(const Step& step, int k, Executor& executor, BoundsTable& 
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
 }
 
-void bound_elements(const BoundsTable& vertices, const ElementList& list, std::size_t begin, std::size_t end,
-                    BoundsTable& elements) {
-  HWY_DYNAMIC_DISPATCH(bound_element_kernel)(vertices, list, begin, end, elements);
-}
-
 void bound_elements(const BoundsTable& vertices, const ElementList& list, Executor& executor, BoundsTable& elements) {
   elements.resize(list.size(), vertices.width());
   executor.parallel_for(list.size(), 4096, [&](std::size_t begin, std::size_t end, unsigned) {
-    bound_elements(vertices, list, begin, end, elements);
+    HWY_DYNAMIC_DISPATCH(bound_element_kernel)(vertices, list, begin, end, elements);
   });
 }
 

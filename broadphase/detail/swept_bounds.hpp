@@ -39,7 +39,7 @@ class BoundsTable {
 
  private:
   struct Free {
-    void operator()(float* p) const { ::operator delete(p, std::align_val_t{64}); }
+    void operator()(float* p) const { ::operator delete (p, std::align_val_t{64}); }
   };
   std::size_t stride() const { return 2 * static_cast<std::size_t>(width_); }
 
@@ -51,11 +51,8 @@ class BoundsTable {
 /// Computes the bounds of all vertices over the step. k as in query/kdop.hpp. Returns the elapsed seconds.
 double bound_vertices(const Step& step, int k, Executor& executor, BoundsTable& vertices);
 
-/// Computes the bounds of the listed elements [begin, end) into the same rows of `elements`; gaps of the list get empty
-/// bounds.
-void bound_elements(const BoundsTable& vertices, const ElementList& list, std::size_t begin, std::size_t end,
-                    BoundsTable& elements);
-/// The same for the whole list, in parallel; enlarges `elements` if necessary.
+/// Computes the bounds of the listed elements into the same rows of `elements`, which are enlarged if necessary; gaps
+/// of the list get empty bounds.
 void bound_elements(const BoundsTable& vertices, const ElementList& list, Executor& executor, BoundsTable& elements);
 
 }  // namespace volccd::detail

@@ -53,7 +53,7 @@ int TreeBuilder::build(const ElementList& list, const BoundsTable& vertices, con
   gather(list, vertices, subtree, executor);
   // Large ranges are split one after the other by all threads, until there are enough for each thread to take some.
   const Index grain = std::max<Index>(2048, count / (8 * executor.workers()));
-  tasks_.assign(1, {subtree.node, 0, count, subtree.depth, 0});
+  tasks_.assign(1, {subtree.node, 0, count, subtree.depth});
   for (std::size_t i = 0; i < tasks_.size();) {
     const Index size = tasks_[i].end - tasks_[i].begin;
     if (size <= grain) {
@@ -61,7 +61,7 @@ int TreeBuilder::build(const ElementList& list, const BoundsTable& vertices, con
       continue;
     }
     chunks_.resize(std::clamp<Index>(size / kLeastChunk, 1, kMostChunks));
-    const Range right = split(tasks_[i], chunks_, nodes, executor);
+    const Subtree right = split(tasks_[i], chunks_, nodes, executor);
     tasks_.push_back(right);
   }
   executor.parallel_for(tasks_.size(), 1, [&](std::size_t first, std::size_t last, unsigned) {
@@ -69,7 +69,7 @@ int TreeBuilder::build(const ElementList& list, const BoundsTable& vertices, con
     for (std::size_t i = first; i < last; ++i) tasks_[i].depth = build_range(tasks_[i], chunk, nodes);
   });
   int depth = 0;
-  for (const Range& task : tasks_) depth = std::max(depth, task.depth);
+  for (const Subtree& task : tasks_) depth = std::max(depth, task.depth);
   return depth;
 }
 
@@ -93,23 +93,22 @@ void TreeBuilder::gather(const ElementList& list, const BoundsTable& vertices, c
 }
 
 /// Returns the depth of the deepest leaf.
-int TreeBuilder::build_range(Range range, Chunk& chunk, TreeNode* nodes) {
+int TreeBuilder::build_range(Subtree range, Chunk& chunk, TreeNode* nodes) {
   if (range.end - range.begin <= leaf_size_) {
     nodes[range.node] = {offset_ + range.begin, offset_ + range.end, 0, FilterKeys::kMixed};
-    for (Index i = range.begin; i < range.end; ++i)
-      order_[i] = items_[static_cast<std::size_t>(range.side)][i].position;
+    for (Index i = range.begin; i < range.end; ++i) order_[i] = items_[range.side][i].position;
     return range.depth;
   }
   SerialExecutor serial;
-  const Range right = split(range, {&chunk, 1}, nodes, serial);
+  const Subtree right = split(range, {&chunk, 1}, nodes, serial);
   const int depth = build_range(range, chunk, nodes);
   return std::max(depth, build_range(right, chunk, nodes));
 }
 
 /// Calls body(chunk, items) for each chunk of a range.
 template <class Body>
-void TreeBuilder::in_chunks(const Range& range, std::span<Chunk> chunks, Executor& executor, Body&& body) {
-  const BuildItem* const items = items_[static_cast<std::size_t>(range.side)].get() + range.begin;
+void TreeBuilder::in_chunks(const Subtree& range, std::span<Chunk> chunks, Executor& executor, Body&& body) {
+  const BuildItem* const items = items_[range.side].get() + range.begin;
   const std::size_t count = range.end - range.begin, parts = chunks.size();
   executor.parallel_for(parts, 1, [&](std::size_t first, std::size_t last, unsigned) {
     for (std::size_t i = first; i < last; ++i) {
@@ -121,7 +120,7 @@ void TreeBuilder::in_chunks(const Range& range, std::span<Chunk> chunks, Executo
 
 /// Makes an inner node of the range, sets `range` to its left half and returns the right half. Both halves are in the
 /// other array of items.
-TreeBuilder::Range TreeBuilder::split(Range& range, std::span<Chunk> chunks, TreeNode* nodes, Executor& executor) {
+TreeBuilder::Subtree TreeBuilder::split(Subtree& range, std::span<Chunk> chunks, TreeNode* nodes, Executor& executor) {
   in_chunks(range, chunks, executor,
             [](Chunk& chunk, std::span<const BuildItem> items) { chunk.keys = range_of_keys(items); });
   BuildBox keys = chunks[0].keys;
@@ -133,18 +132,18 @@ TreeBuilder::Range TreeBuilder::split(Range& range, std::span<Chunk> chunks, Tre
   const bool binned = range.end - range.begin >= kLeastBinned && !bins.none();
   const Index middle = binned ? split_bins(range, bins, chunks, executor) : split_at_median(range, widest);
   const Index left_nodes = tree_nodes(middle - range.begin, leaf_size_);
-  const Range right{range.node + 1 + left_nodes, middle, range.end, range.depth + 1, 1 - range.side};
+  const Subtree right{range.node + 1 + left_nodes, middle, range.end, range.depth + 1, 1 - range.side};
   nodes[range.node] = {offset_ + range.begin, offset_ + range.end, right.node, FilterKeys::kMixed};
   range = {range.node + 1, range.begin, middle, range.depth + 1, 1 - range.side};
   return right;
 }
 
 /// Moves the items in ascending order of their keys, or, if they are many, only divides them at the median.
-Index TreeBuilder::split_at_median(const Range& range, std::size_t axis) {
+Index TreeBuilder::split_at_median(const Subtree& range, std::size_t axis) {
   const Index count = range.end - range.begin;
   const Index middle = (count + leaf_size_ - 1) / leaf_size_ / 2 * leaf_size_;
-  const BuildItem* const items = items_[static_cast<std::size_t>(range.side)].get() + range.begin;
-  BuildItem* const out = items_[static_cast<std::size_t>(1 - range.side)].get() + range.begin;
+  const BuildItem* const items = items_[range.side].get() + range.begin;
+  BuildItem* const out = items_[1 - range.side].get() + range.begin;
   if (count >= kLeastBinned) {
     std::copy_n(items, count, out);
     std::nth_element(out, out + middle, out + count,
@@ -169,7 +168,8 @@ Index TreeBuilder::split_at_median(const Range& range, std::size_t axis) {
 }
 
 /// Surface-area heuristic. The ratio of the halves is limited to 1 : 7, which bounds the depth.
-Index TreeBuilder::split_bins(const Range& range, const BuildBins& bins, std::span<Chunk> chunks, Executor& executor) {
+Index TreeBuilder::split_bins(const Subtree& range, const BuildBins& bins, std::span<Chunk> chunks,
+                              Executor& executor) {
   in_chunks(range, chunks, executor,
             [&](Chunk& chunk, std::span<const BuildItem> items) { fill_bins(items, bins, chunk.bins); });
   const Index leaves = (range.end - range.begin + leaf_size_ - 1) / leaf_size_;
@@ -190,7 +190,7 @@ Index TreeBuilder::split_bins(const Range& range, const BuildBins& bins, std::sp
 
 /// Moves the items to the other array, those of the bins before the bin with the position `middle` first, and those of
 /// the bins after it last. The order of the chunks, and that in each of them, is kept.
-void TreeBuilder::partition(const Range& range, const BuildBins& bins, std::size_t axis, Index middle,
+void TreeBuilder::partition(const Subtree& range, const BuildBins& bins, std::size_t axis, Index middle,
                             std::span<Chunk> chunks, Executor& executor) {
   std::size_t bin = 0;
   Index before = 0, within = 0;
@@ -204,7 +204,7 @@ void TreeBuilder::partition(const Range& range, const BuildBins& bins, std::size
     chunk.places = next;
     for (std::size_t b = 0; b < kBins; ++b) next[(b >= bin) + (b > bin)] += chunk.bins[axis][b].count;
   }
-  BuildItem* const out = items_[static_cast<std::size_t>(1 - range.side)].get();
+  BuildItem* const out = items_[1 - range.side].get();
   in_chunks(range, chunks, executor, [&](const Chunk& chunk, std::span<const BuildItem> items) {
     std::array<Index, 3> at = chunk.places;
     for (const BuildItem& item : items) {
@@ -215,11 +215,6 @@ void TreeBuilder::partition(const Range& range, const BuildBins& bins, std::size
   if (before < middle)
     std::nth_element(out + before, out + middle, out + before + within,
                      [axis](const BuildItem& x, const BuildItem& y) { return x.box.key(axis) < y.box.key(axis); });
-}
-
-std::size_t TreeBuilder::bytes() const {
-  return 2 * capacity_ * sizeof(BuildItem) + order_.capacity() * sizeof(Index) + tasks_.capacity() * sizeof(Range) +
-         chunks_.capacity() * sizeof(Chunk);
 }
 
 }  // namespace volccd::detail

@@ -11,6 +11,7 @@
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/broadphase/detail/swept_bounds.hpp>
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 
 namespace volccd::detail {
 
@@ -18,6 +19,8 @@ namespace volccd::detail {
 struct TreeNode {
   Index begin, end, right;
   std::int32_t key;  ///< common filter key of its elements, or FilterKeys::kMixed
+
+  Index size() const { return end - begin; }
 };
 
 /// Number of nodes of a subtree with this number of elements, which is not 0.
@@ -26,10 +29,12 @@ inline Index tree_nodes(Index elements, Index leaf_size) { return 2 * ((elements
 /// Makes subtrees. The object is kept for its memory, and for the order that a build leaves.
 class TreeBuilder {
  public:
-  /// A root, the positions [begin, end) of its elements, begin < end, and its depth.
+  /// A root, the positions [begin, end) of its elements, begin < end, and its depth. During a build: a node to be made,
+  /// of items that are now in items_[side].
   struct Subtree {
     Index node, begin, end;
     int depth;
+    std::size_t side = 0;
   };
 
   /// Writes the nodes of a subtree, in preorder, to nodes[subtree.node] and after it, and sets order(). The elements
@@ -41,7 +46,7 @@ class TreeBuilder {
   /// The former positions of the elements of the last subtree, in the order of its leaves.
   std::span<const Index> order() const { return order_; }
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return 2 * capacity_ * sizeof(BuildItem) + heap_bytes(order_, tasks_, chunks_); }
 
  private:
   /// A part of a range, and what one thread finds out about it.
@@ -50,27 +55,22 @@ class TreeBuilder {
     BuildBins::Contents bins;
     std::array<Index, 3> places;  ///< where the first of its items goes in each of the three parts of partition()
   };
-  /// A node to be made, of items that are now in items_[side].
-  struct Range {
-    Index node, begin, end;
-    int depth, side;
-  };
 
   void gather(const ElementList& list, const BoundsTable& vertices, const Subtree& subtree, Executor& executor);
-  int build_range(Range range, Chunk& chunk, TreeNode* nodes);
-  Range split(Range& range, std::span<Chunk> chunks, TreeNode* nodes, Executor& executor);
-  Index split_at_median(const Range& range, std::size_t axis);
-  Index split_bins(const Range& range, const BuildBins& bins, std::span<Chunk> chunks, Executor& executor);
-  void partition(const Range& range, const BuildBins& bins, std::size_t axis, Index middle, std::span<Chunk> chunks,
+  int build_range(Subtree range, Chunk& chunk, TreeNode* nodes);
+  Subtree split(Subtree& range, std::span<Chunk> chunks, TreeNode* nodes, Executor& executor);
+  Index split_at_median(const Subtree& range, std::size_t axis);
+  Index split_bins(const Subtree& range, const BuildBins& bins, std::span<Chunk> chunks, Executor& executor);
+  void partition(const Subtree& range, const BuildBins& bins, std::size_t axis, Index middle, std::span<Chunk> chunks,
                  Executor& executor);
   template <class Body>
-  void in_chunks(const Range& range, std::span<Chunk> chunks, Executor& executor, Body&& body);
+  void in_chunks(const Subtree& range, std::span<Chunk> chunks, Executor& executor, Body&& body);
 
   Index leaf_size_ = 1, offset_ = 0;
   std::array<std::unique_ptr<BuildItem[]>, 2> items_;
   std::size_t capacity_ = 0;
   std::vector<Index> order_;
-  std::vector<Range> tasks_;
+  std::vector<Subtree> tasks_;
   std::vector<Chunk> chunks_;
 };
 

@@ -34,12 +34,12 @@ void refit_leaf(const RefitArrays& t, Index node) {
       make_empty<kWidth>(row);
       continue;
     }
-    const std::span<const Index> vertices = t.list->part(p);
-    unite_rows<kWidth>(t.vertices->row(0), vertices.data(), vertices.size(), row);
+    unite_part<kWidth>(t.vertices->row(0), t.list->part(p), row);
     elements += size_of<kWidth>(row);
   }
   float* const bound = t.node_bounds->row(node);
-  unite_range<kWidth>(t.element_bounds->row(begin), end - begin, bound);
+  const float* const rows = t.element_bounds->row(begin);
+  unite_rows<kWidth>(end - begin, [&](std::size_t r) HWY_ATTR { return rows + r * 2 * kWidth; }, bound);
   t.costs[node] = {size_of<kWidth>(bound), elements};
 }
 
@@ -51,7 +51,8 @@ void refit_kernel(const RefitArrays& t, Index begin, Index end) {
         refit_leaf<width>(t, node);
         continue;
       }
-      unite<width>(t.node_bounds->row(left), t.node_bounds->row(right), t.node_bounds->row(node));
+      const float* const halves[] = {t.node_bounds->row(left), t.node_bounds->row(right)};
+      unite_rows<width>(2, [&](std::size_t i) HWY_ATTR { return halves[i]; }, t.node_bounds->row(node));
       t.costs[node] = {size_of<width>(t.node_bounds->row(node)) + t.costs[left].nodes + t.costs[right].nodes,
                        t.costs[left].elements + t.costs[right].elements};
     }
@@ -114,10 +115,7 @@ class Traversal {
     }
   }
 
-  /// Whether the filter may include a pair of elements below these nodes.
-  HWY_INLINE bool may_include(Index a, Index b) const {
-    return !rules_.keys || rules_.keys->allowed(nodes_[a].key, nodes_[b].key);
-  }
+  HWY_INLINE bool may_include(Index a, Index b) const { return rules_.may_want(nodes_[a].key, nodes_[b].key); }
 
  private:
   static constexpr Index kLanes = 4;
@@ -315,21 +313,12 @@ std::uint64_t with_traversal(const KdopTree& tree, const PairRules& rules, F&& f
   });
 }
 
-std::uint64_t start_kernel(const KdopTree& tree, const PairRules& rules, std::vector<NodePair>& out) {
-  return with_traversal(tree, rules, [&](auto& traversal) {
-    for (Index i = 0; i < tree.roots().size(); ++i)
-      for (Index j = i; j < tree.roots().size(); ++j)
-        if (traversal.may_include(tree.roots()[i], tree.roots()[j])) out.push_back({tree.roots()[i], tree.roots()[j]});
-  });
-}
-
 std::uint64_t expand_kernel(const KdopTree& tree, const PairRules& rules, const std::vector<NodePair>& pairs,
                             std::vector<NodePair>& out) {
   constexpr Index small = 64;  // limit for the number of elements of both nodes together
-  const auto count = [&](Index node) { return tree.nodes()[node].end - tree.nodes()[node].begin; };
   return with_traversal(tree, rules, [&](auto& traversal) {
     for (const NodePair pair : pairs)
-      if (count(pair.a) + count(pair.b) <= small)
+      if (tree.nodes()[pair.a].size() + tree.nodes()[pair.b].size() <= small)
         out.push_back(pair);
       else
         traversal.descend(pair, [&](Index a, Index b) { out.push_back({a, b}); });
@@ -348,16 +337,11 @@ HWY_AFTER_NAMESPACE();
 namespace volccd::detail {
 
 HWY_EXPORT(refit_kernel);
-HWY_EXPORT(start_kernel);
 HWY_EXPORT(expand_kernel);
 HWY_EXPORT(traverse_kernel);
 
 void refit_range(const RefitArrays& arrays, Index begin, Index end) {
   HWY_DYNAMIC_DISPATCH(refit_kernel)(arrays, begin, end);
-}
-
-std::uint64_t start_pairs(const KdopTree& tree, const PairRules& rules, std::vector<NodePair>& out) {
-  return HWY_DYNAMIC_DISPATCH(start_kernel)(tree, rules, out);
 }
 
 std::uint64_t expand_pairs(const KdopTree& tree, const PairRules& rules, const std::vector<NodePair>& pairs,

@@ -26,10 +26,6 @@ struct RefitArrays {
 /// Refits the nodes [begin, end) in descending order. Their children must be in this range or up to date.
 void refit_range(const RefitArrays& arrays, Index begin, Index end);
 
-/// Appends the node pairs at which a traversal of the whole tree starts: each root with itself, and the roots with each
-/// other.
-std::uint64_t start_pairs(const KdopTree& tree, const PairRules& rules, std::vector<NodePair>& out);
-
 /// Appends to `out`, for each pair, the overlapping pairs of children, or the pair itself if it is small. Returns the
 /// number of node tests.
 std::uint64_t expand_pairs(const KdopTree& tree, const PairRules& rules, const std::vector<NodePair>& pairs,

@@ -16,10 +16,9 @@ struct BulletState final : PeerState {
   btDbvt tree;
   std::vector<btDbvtNode*> leaves;  ///< indexed by position
   std::vector<btDbvtNode*> inner;   ///< children before parents
-  float scale = 1;
 
   std::size_t peer_bytes() const override {
-    return 2 * leaves.size() * sizeof(btDbvtNode) + (leaves.capacity() + inner.capacity()) * sizeof(btDbvtNode*) +
+    return 2 * leaves.size() * sizeof(btDbvtNode) + heap_bytes(leaves, inner) +
            static_cast<std::size_t>(tree.m_stkStack.capacity()) * sizeof(btDbvt::sStkNN);
   }
 
@@ -50,14 +49,13 @@ void refit(BulletState& state) {
 }
 
 struct TakePair final : btDbvt::ICollide {
-  TakePair(const BulletState& state_, const PeerOutput& output_) : state(state_), output(output_) {}
+  explicit TakePair(BulletState& state_) : state(state_) {}
   using btDbvt::ICollide::Process;
   void Process(const btDbvtNode* a, const btDbvtNode* b) override {
     const Index p = static_cast<Index>(a->dataAsInt), q = static_cast<Index>(b->dataAsInt);
-    if (state.scale == 1 || state.overlap(p, q)) output.push(p, q);
+    if (state.scale == 1 || state.overlap(p, q)) state.push(p, q);
   }
-  const BulletState& state;
-  PeerOutput output;
+  BulletState& state;
 };
 
 class BulletDbvt final : public PeerPhase {
@@ -69,16 +67,14 @@ class BulletDbvt final : public PeerPhase {
     int bottom_up = 3;
   };
   static const Options<Config>& options() {
-    static const Options<Config> options = [] {
-      Options<Config> o;
-      o.add("update", &Config::update,
-            {{"refit", Update::refit}, {"leaves", Update::leaves}, {"build", Update::build}},
-            "from step to step: all nodes are refitted as in btSoftBody, each leaf is inserted anew by btDbvt::update, "
-            "or the tree is built by optimizeTopDown");
-      o.add("bottom_up", &Config::bottom_up, 3, 1024,
-            "leaves below which optimizeTopDown clusters bottom-up, in cubic time; Bullet's default is 128");
-      return o;
-    }();
+    static const Options<Config> options =
+        Options<Config>()
+            .add("update", &Config::update,
+                 {{"refit", Update::refit}, {"leaves", Update::leaves}, {"build", Update::build}},
+                 "from step to step: all nodes are refitted as in btSoftBody, each leaf is inserted anew by "
+                 "btDbvt::update, or the tree is built by optimizeTopDown")
+            .add("bottom_up", &Config::bottom_up, 3, 1024,
+                 "leaves below which optimizeTopDown clusters bottom-up, in cubic time; Bullet's default is 128");
     return options;
   }
 
@@ -89,7 +85,7 @@ class BulletDbvt final : public PeerPhase {
  protected:
   void update(PeerState& peer, bool changed, Executor&) const override {
     BulletState& state = static_cast<BulletState&>(peer);
-    state.scale = state.safe_scale();
+    state.set_scale();
     if (changed)
       make_leaves(state);
     else if (config_.update == Update::refit)
@@ -103,9 +99,9 @@ class BulletDbvt final : public PeerPhase {
       build(state);
   }
 
-  void collide(PeerState& peer, const PairRules& rules, Executor&) const override {
+  void collide(PeerState& peer, Executor&) const override {
     BulletState& state = static_cast<BulletState&>(peer);
-    TakePair take(state, PeerOutput(rules, state.list.slots(), state.writers[0]));
+    TakePair take(state);
     state.tree.collideTTpersistentStack(state.tree.m_root, state.tree.m_root, take);
   }
 

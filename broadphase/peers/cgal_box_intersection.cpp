@@ -28,9 +28,8 @@ struct CgalBox {
 
 struct CgalState final : PeerState {
   std::vector<CgalBox> intervals, points;  ///< the same boxes twice, because CGAL reorders them
-  float scale = 1;
 
-  std::size_t peer_bytes() const override { return (intervals.capacity() + points.capacity()) * sizeof(CgalBox); }
+  std::size_t peer_bytes() const override { return heap_bytes(intervals, points); }
 };
 
 class CgalBoxIntersection final : public PeerPhase {
@@ -39,11 +38,8 @@ class CgalBoxIntersection final : public PeerPhase {
     int cutoff = 10;
   };
   static const Options<Config>& options() {
-    static const Options<Config> options = [] {
-      Options<Config> o;
-      o.add("cutoff", &Config::cutoff, 1, 100000, "boxes below which CGAL scans a list in place of a segment tree");
-      return o;
-    }();
+    static const Options<Config> options = Options<Config>().add(
+        "cutoff", &Config::cutoff, 1, 100000, "boxes below which CGAL scans a list in place of a segment tree");
     return options;
   }
 
@@ -54,7 +50,7 @@ class CgalBoxIntersection final : public PeerPhase {
  protected:
   void update(PeerState& peer, bool, Executor&) const override {
     CgalState& state = static_cast<CgalState&>(peer);
-    state.scale = state.safe_scale();
+    state.set_scale();
     state.intervals.resize(state.list.size());
     for (std::size_t p = 0; p < state.list.size(); ++p) {
       CgalBox& box = state.intervals[p];
@@ -67,14 +63,13 @@ class CgalBoxIntersection final : public PeerPhase {
     state.points = state.intervals;
   }
 
-  void collide(PeerState& peer, const PairRules& rules, Executor&) const override {
+  void collide(PeerState& peer, Executor&) const override {
     CgalState& state = static_cast<CgalState&>(peer);
-    const PeerOutput output(rules, state.list.slots(), state.writers[0]);
     // The same as box_self_intersection_d, without the copy that it makes in each call.
     CGAL::box_intersection_d(
         state.intervals.begin(), state.intervals.end(), state.points.begin(), state.points.end(),
         [&](const CgalBox& a, const CgalBox& b) {
-          if (state.scale == 1 || state.overlap(a.position, b.position)) output.push(a.position, b.position);
+          if (state.scale == 1 || state.overlap(a.position, b.position)) state.push(a.position, b.position);
         },
         CGAL::Box_intersection_d::Box_traits_d<CgalBox>(), config_.cutoff, CGAL::Box_intersection_d::CLOSED,
         CGAL::Box_intersection_d::COMPLETE);

@@ -65,7 +65,6 @@ struct EmbreeState final : PeerState {
   RTCScene scene = nullptr;
   RTCGeometry geometry = nullptr;
   std::atomic<std::ptrdiff_t> device_bytes{0};
-  float scale = 1;
   std::optional<tbb::task_arena> arena;
   unsigned arena_workers = 0;
 };
@@ -95,7 +94,6 @@ void bound_primitive(const RTCBoundsFunctionArguments* arguments) {
 /// Data that the threads of a query share.
 struct Query {
   EmbreeState* state;
-  const PairRules* rules;
   std::mutex mutex;
   std::exception_ptr failure;  ///< exception of the sink, which Embree would not propagate
   std::atomic<bool> failed{false};
@@ -105,12 +103,11 @@ void take_pairs(void* user, RTCCollision* collisions, unsigned count) {
   Query& query = *static_cast<Query*>(user);
   if (query.failed.load(std::memory_order_relaxed)) return;
   EmbreeState& state = *query.state;
-  const PeerOutput output(*query.rules, state.list.slots(),
-                          state.writers[static_cast<unsigned>(tbb::this_task_arena::current_thread_index())]);
+  const auto worker = static_cast<unsigned>(tbb::this_task_arena::current_thread_index());
   try {
     for (unsigned i = 0; i < count; ++i) {
       const Index p = collisions[i].primID0, q = collisions[i].primID1;
-      if (p < q && state.overlap(p, q)) output.push(p, q);
+      if (p < q && state.overlap(p, q)) state.push(p, q, worker);
     }
   } catch (...) {
     const std::lock_guard lock(query.mutex);
@@ -121,21 +118,21 @@ void take_pairs(void* user, RTCCollision* collisions, unsigned count) {
 class EmbreeCollide final : public PeerPhase {
  public:
   enum class Update { refit, build };
-  enum class Quality { low, medium, high };
 
   struct Config {
     Update update = Update::refit;
-    Quality quality = Quality::medium;
+    RTCBuildQuality quality = RTC_BUILD_QUALITY_MEDIUM;
   };
   static const Options<Config>& options() {
-    static const Options<Config> options = [] {
-      Options<Config> o;
-      o.add("update", &Config::update, {{"refit", Update::refit}, {"build", Update::build}},
-            "from step to step: RTC_BUILD_QUALITY_REFIT, or a new tree");
-      o.add("quality", &Config::quality, {{"low", Quality::low}, {"medium", Quality::medium}, {"high", Quality::high}},
-            "of trees that are built: RTC_BUILD_QUALITY_LOW, _MEDIUM or _HIGH");
-      return o;
-    }();
+    static const Options<Config> options =
+        Options<Config>()
+            .add("update", &Config::update, {{"refit", Update::refit}, {"build", Update::build}},
+                 "from step to step: RTC_BUILD_QUALITY_REFIT, or a new tree")
+            .add("quality", &Config::quality,
+                 {{"low", RTC_BUILD_QUALITY_LOW},
+                  {"medium", RTC_BUILD_QUALITY_MEDIUM},
+                  {"high", RTC_BUILD_QUALITY_HIGH}},
+                 "of trees that are built: RTC_BUILD_QUALITY_LOW, _MEDIUM or _HIGH");
     return options;
   }
 
@@ -148,31 +145,22 @@ class EmbreeCollide final : public PeerPhase {
     EmbreeState& state = static_cast<EmbreeState&>(peer);
     if (changed) make_scene(state);
     if (!state.scene) return;
-    state.scale = state.safe_scale();
+    state.set_scale();
     rtcCommitGeometry(state.geometry);
     arena_of(state, executor.workers()).execute([&] { rtcCommitScene(state.scene); });
     state.check();
   }
 
-  void collide(PeerState& peer, const PairRules& rules, Executor& executor) const override {
+  void collide(PeerState& peer, Executor& executor) const override {
     EmbreeState& state = static_cast<EmbreeState&>(peer);
     Query query;
     query.state = &state;
-    query.rules = &rules;
     arena_of(state, executor.workers()).execute([&] { rtcCollide(state.scene, state.scene, take_pairs, &query); });
     if (query.failure) std::rethrow_exception(query.failure);
     state.check();
   }
 
  private:
-  RTCBuildQuality quality() const {
-    switch (config_.quality) {
-      case Quality::low: return RTC_BUILD_QUALITY_LOW;
-      case Quality::high: return RTC_BUILD_QUALITY_HIGH;
-      default: return RTC_BUILD_QUALITY_MEDIUM;
-    }
-  }
-
   /// Creates a scene with as many primitives as there are elements; no scene if there are none.
   void make_scene(EmbreeState& state) const {
     state.release();
@@ -181,9 +169,9 @@ class EmbreeCollide final : public PeerPhase {
     state.geometry = rtcNewGeometry(state.device, RTC_GEOMETRY_TYPE_USER);
     const bool refit = config_.update == Update::refit;
     // Embree refits only geometries in scenes of low quality, which are trees of trees; here there is one geometry.
-    rtcSetSceneBuildQuality(state.scene, refit ? RTC_BUILD_QUALITY_LOW : quality());
+    rtcSetSceneBuildQuality(state.scene, refit ? RTC_BUILD_QUALITY_LOW : config_.quality);
     if (refit) rtcSetSceneFlags(state.scene, RTC_SCENE_FLAG_DYNAMIC);
-    rtcSetGeometryBuildQuality(state.geometry, refit ? RTC_BUILD_QUALITY_REFIT : quality());
+    rtcSetGeometryBuildQuality(state.geometry, refit ? RTC_BUILD_QUALITY_REFIT : config_.quality);
     rtcSetGeometryUserPrimitiveCount(state.geometry, static_cast<unsigned>(state.list.size()));
     rtcSetGeometryUserData(state.geometry, &state);
     rtcSetGeometryBoundsFunction(state.geometry, bound_primitive, nullptr);

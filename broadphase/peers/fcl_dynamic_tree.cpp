@@ -62,11 +62,11 @@ void set_boxes(FclState& state) {
   }
 }
 
-bool take_pair(Object* a, Object* b, void* output) {
+bool take_pair(Object* a, Object* b, void* state) {
   const auto position = [](const Object* object) {
     return static_cast<Index>(reinterpret_cast<std::uintptr_t>(object->getUserData()));
   };
-  static_cast<const PeerOutput*>(output)->push(position(a), position(b));
+  static_cast<FclState*>(state)->push(position(a), position(b));
   return false;  // continue
 }
 
@@ -78,12 +78,9 @@ class FclDynamicTree final : public PeerPhase {
     Update update = Update::refit;
   };
   static const Options<Config>& options() {
-    static const Options<Config> options = [] {
-      Options<Config> o;
-      o.add("update", &Config::update, {{"refit", Update::refit}, {"build", Update::build}},
-            "from step to step: update() of the manager, which refits, or a new tree");
-      return o;
-    }();
+    static const Options<Config> options =
+        Options<Config>().add("update", &Config::update, {{"refit", Update::refit}, {"build", Update::build}},
+                              "from step to step: update() of the manager, which refits, or a new tree");
     return options;
   }
 
@@ -104,10 +101,9 @@ class FclDynamicTree final : public PeerPhase {
     state.manager.registerObjects(state.addresses);
   }
 
-  void collide(PeerState& peer, const PairRules& rules, Executor&) const override {
+  void collide(PeerState& peer, Executor&) const override {
     FclState& state = static_cast<FclState&>(peer);
-    PeerOutput output(rules, state.list.slots(), state.writers[0]);
-    state.manager.collide(&output, take_pair);
+    state.manager.collide(&state, take_pair);
   }
 
  private:

@@ -25,7 +25,6 @@ class Registry;
 /// Bounds and self pairs use the executor. The other libraries run on one thread, except `embree-collide`, which uses
 /// as many threads as the executor has workers. Embree allocates memory in steady state; Stage::prepare()'s guarantee
 /// of no allocation does not hold for `embree-collide`.
-/// Stage::prepare() does not hold for `embree-collide`.
 std::vector<StageDescriptor<BroadPhase>> describe_peers();
 
 /// Adds all adaptors to the registry. Throws ConfigError if a name is taken.

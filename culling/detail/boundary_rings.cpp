@@ -154,7 +154,7 @@ HWY_INLINE bool folds_at(const Rings& rings, std::span<const RingCorner> corners
     if (!c.tested) continue;
     const FaceNormal<kLanes>& normal = normals[c.face];
     const auto rounding = hn::Set(tag, double{normal.bound} * size);
-    const double area = kApart ? gap * rings.longest_edges[c.face] : 0;
+    const double area = kApart ? gap * rings.normals.longest_edges[c.face] : 0;
     for (int k = 0; k < kLanes; k += static_cast<int>(hn::Lanes(tag))) {
       auto bound = rounding;
       if (kApart) bound = hn::Add(bound, hn::Mul(hn::Set(tag, area), hn::Load(tag, binomials<kLanes>() + k)));
@@ -179,25 +179,20 @@ void folds_of(const Rings& rings, const FaceNormal<kLanes>* normals, std::size_t
   }
 }
 
-template <int kLanes>
-void folds_of(const Rings& rings, const FaceNormal<kLanes>* normals, std::size_t begin, std::size_t end) {
-  if (rings.separation > 0) return folds_of<kLanes, true>(rings, normals, begin, end);
-  folds_of<kLanes, false>(rings, normals, begin, end);
+void find_normals(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
+                  const FaceNormals& out) {
+  if (step.motion.control_points() == 2) return normals_of<2>(step, faces, begin, end, out.linear, out.longest_edges);
+  normals_of<3>(step, faces, begin, end, out.quadratic, out.longest_edges);
 }
 
-void linear_normals(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
-                    FaceNormal<4>* out, double* longest_edges) {
-  normals_of<2>(step, faces, begin, end, out, longest_edges);
-}
-void quadratic_normals(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
-                       FaceNormal<8>* out, double* longest_edges) {
-  normals_of<3>(step, faces, begin, end, out, longest_edges);
-}
-void linear_folds(const Rings& rings, const FaceNormal<4>* normals, std::size_t begin, std::size_t end) {
-  folds_of(rings, normals, begin, end);
-}
-void quadratic_folds(const Rings& rings, const FaceNormal<8>* normals, std::size_t begin, std::size_t end) {
-  folds_of(rings, normals, begin, end);
+void find_ring_folds(const Rings& rings, bool linear, std::size_t begin, std::size_t end) {
+  const FaceNormals& normals = rings.normals;
+  if (rings.separation > 0)
+    linear ? folds_of<4, true>(rings, normals.linear, begin, end)
+           : folds_of<8, true>(rings, normals.quadratic, begin, end);
+  else
+    linear ? folds_of<4, false>(rings, normals.linear, begin, end)
+           : folds_of<8, false>(rings, normals.quadratic, begin, end);
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE
@@ -206,10 +201,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace volccd::detail {
 
-HWY_EXPORT(linear_normals);
-HWY_EXPORT(quadratic_normals);
-HWY_EXPORT(linear_folds);
-HWY_EXPORT(quadratic_folds);
+HWY_EXPORT(find_normals);
+HWY_EXPORT(find_ring_folds);
 
 namespace {
 constexpr std::size_t kFaceGrain = 512, kRingGrain = 256;
@@ -232,39 +225,19 @@ void BoundaryRings::set_faces(const Mesh& mesh, std::vector<RingFace> faces) {
   visit_corners([&](Index v, const RingCorner& corner) { corners_[--begins_[v]] = corner; });
 }
 
-template <int kLanes>
-void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector<FaceNormal<kLanes>>& normals,
-                               std::uint8_t* folds) {
-  normals.resize(faces_.size());
-  if (step.separation > 0) longest_edges_.resize(faces_.size());
-  double* const longest = step.separation > 0 ? longest_edges_.data() : nullptr;
-  executor.parallel_for(faces_.size(), kFaceGrain, [&](std::size_t begin, std::size_t end, unsigned) {
-    if constexpr (kLanes == 4)
-      HWY_DYNAMIC_DISPATCH(linear_normals)(step, faces_, begin, end, normals.data(), longest);
-    else
-      HWY_DYNAMIC_DISPATCH(quadratic_normals)(step, faces_, begin, end, normals.data(), longest);
-  });
-  const Rings rings{corners_.data(), begins_.data(), ups_.data(), folds, step.separation, longest};
-  executor.parallel_for(ups_.size(), kRingGrain, [&](std::size_t begin, std::size_t end, unsigned) {
-    if constexpr (kLanes == 4)
-      HWY_DYNAMIC_DISPATCH(linear_folds)(rings, normals.data(), begin, end);
-    else
-      HWY_DYNAMIC_DISPATCH(quadratic_folds)(rings, normals.data(), begin, end);
-  });
-}
-
 void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector<std::uint8_t>& folds) {
+  const bool linear = step.motion.control_points() == 2;
   folds.resize(ups_.size());
-  if (step.motion.control_points() == 2)
-    find_folds(step, executor, linear_, folds.data());
-  else
-    find_folds(step, executor, quadratic_, folds.data());
-}
-
-std::size_t BoundaryRings::bytes() const {
-  return faces_.capacity() * sizeof(faces_[0]) + linear_.capacity() * sizeof(linear_[0]) +
-         quadratic_.capacity() * sizeof(quadratic_[0]) + longest_edges_.capacity() * sizeof(double) +
-         ups_.capacity() * sizeof(Vec3) + begins_.capacity() * sizeof(Index) + corners_.capacity() * sizeof(RingCorner);
+  linear ? linear_.resize(faces_.size()) : quadratic_.resize(faces_.size());
+  if (step.separation > 0) longest_edges_.resize(faces_.size());
+  const FaceNormals normals{linear_.data(), quadratic_.data(), step.separation > 0 ? longest_edges_.data() : nullptr};
+  executor.parallel_for(faces_.size(), kFaceGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+    HWY_DYNAMIC_DISPATCH(find_normals)(step, faces_, begin, end, normals);
+  });
+  const Rings rings{corners_.data(), begins_.data(), ups_.data(), folds.data(), step.separation, normals};
+  executor.parallel_for(ups_.size(), kRingGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+    HWY_DYNAMIC_DISPATCH(find_ring_folds)(rings, linear, begin, end);
+  });
 }
 
 }  // namespace volccd::detail

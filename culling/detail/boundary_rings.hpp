@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::detail {
@@ -35,6 +36,14 @@ struct alignas(64) FaceNormal {
   float bound;  ///< for any vector n, the error of dot(n, coefficient) is less than |n|_1 times this bound
 };
 
+/// By face: the normals, in the first or the second list, and upper bounds on the longest edges throughout the step,
+/// divided as the normals; null without a separation.
+struct FaceNormals {
+  FaceNormal<4>* linear;
+  FaceNormal<8>* quadratic;
+  double* longest_edges;
+};
+
 /// The rings of all vertices, for the kernels: the corners of vertex v are corners[begins[v] .. begins[v + 1]).
 struct Rings {
   const RingCorner* corners;
@@ -42,7 +51,7 @@ struct Rings {
   Vec3* ups;
   std::uint8_t* folds;
   double separation;
-  const double* longest_edges;  ///< by face, throughout the step, divided as its normal; null without a separation
+  FaceNormals normals;
 };
 
 /// The boundary faces of a mesh. Not thread-safe; uses the executor.
@@ -59,16 +68,13 @@ class BoundaryRings {
   void find_folds(const Step& step, Executor& executor, std::vector<std::uint8_t>& folds);
   const Vec3& up(Index v) const { return ups_[v]; }
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return heap_bytes(faces_, linear_, quadratic_, longest_edges_, ups_, begins_, corners_); }
 
  private:
-  template <int kLanes>
-  void find_folds(const Step& step, Executor& executor, std::vector<FaceNormal<kLanes>>& normals, std::uint8_t* folds);
-
   std::vector<RingFace> faces_;
   std::vector<FaceNormal<4>> linear_;
   std::vector<FaceNormal<8>> quadratic_;
-  std::vector<double> longest_edges_;  ///< by face, as in Rings; for a step with a separation
+  std::vector<double> longest_edges_;  ///< by face, as in FaceNormals
   std::vector<Vec3> ups_;              ///< by vertex
   std::vector<Index> begins_;          ///< by vertex: where its corners begin
   std::vector<RingCorner> corners_;    ///< of one vertex after the other

@@ -168,6 +168,7 @@ HWY_INLINE bool separated_at_edge(const CornerVectors& a, const CornerVectors& b
   return find_direction(across(rest_a, unit.data()), across(rest_b, unit.data()), start, certain);
 }
 
+/// Sets apart[n] to 1 if the elements of pairs[n] are proven to be apart, otherwise to 0.
 void separate(std::span<const CornerVectors> corners, int control_points, double separation,
               std::span<const CornerPair> pairs, std::uint8_t* apart) {
   for (std::size_t n = 0; n < pairs.size(); ++n) {
@@ -203,11 +204,6 @@ CornerVectors::CornerVectors(const Motion& motion, std::span<const Index> vertic
     for (std::size_t i = size; i < kLanes; ++i) x[k][i] = x[k][i - size];
 }
 
-void separate_corners(std::span<const CornerVectors> corners, int control_points, double separation,
-                      std::span<const CornerPair> pairs, std::uint8_t* apart) {
-  HWY_DYNAMIC_DISPATCH(separate)(corners, control_points, separation, pairs, apart);
-}
-
 bool CornerPairs::add(const Step& step, Index v, std::size_t i, std::size_t j, Index other) {
   const std::span<const Index> star = step.features().vertex_elements(v);
   const std::span<const Index> a = step.mesh().vertices(star[i]), b = step.mesh().vertices(star[j]);
@@ -223,17 +219,15 @@ bool CornerPairs::add(const Step& step, Index v, std::size_t i, std::size_t j, I
   return true;
 }
 
-/// Sets apart_.
-void CornerPairs::decide_apart(const Step& step, Index v) {
+void CornerPairs::decide(const Step& step, Index v, std::vector<ElementPair>& found) {
+  if (pairs_.empty()) return;
+  const std::span<const Index> star = step.features().vertex_elements(v);
   corners_.clear();
-  for (const Index o : step.features().vertex_elements(v))
-    corners_.emplace_back(step.motion, step.mesh().vertices(o), v);
+  for (const Index o : star) corners_.emplace_back(step.motion, step.mesh().vertices(o), v);
   apart_.resize(pairs_.size());
-  separate_corners(corners_, step.motion.control_points(), step.separation, pairs_, apart_.data());
-}
-
-std::size_t CornerPairs::bytes() const {
-  return corners_.capacity() * sizeof(corners_[0]) + pairs_.capacity() * sizeof(pairs_[0]) + apart_.capacity();
+  HWY_DYNAMIC_DISPATCH(separate)(corners_, step.motion.control_points(), step.separation, pairs_, apart_.data());
+  for (std::size_t n = 0; n < pairs_.size(); ++n)
+    if (apart_[n] == 0) found.push_back({star[pairs_[n].a], star[pairs_[n].b]});
 }
 
 }  // namespace volccd::detail

@@ -6,6 +6,9 @@
 #include <span>
 #include <vector>
 
+#include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
+#include <volccd/query/pairs.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::detail {
@@ -36,16 +39,6 @@ struct CornerPair {
   std::uint16_t edge_a = kNoEdge, edge_b = kNoEdge;
 };
 
-/// Sets apart[n] to 1 if the elements of pairs[n] are proven to have only the vertex, or the edge, in common at all t
-/// in [0, 1], also if vectors are changed by up to the separation; otherwise to 0. Proven by a direction, for an edge
-/// by the normal of the plane through the moving edge and a fixed direction: all vectors of one corner to vertices that
-/// are not common have positive dot products with it, and those of the other one have negative ones, far enough from 0.
-/// It is found by approaching the point of the convex hull of all these vectors, one set negated, that is nearest to
-/// the origin (Gilbert, Johnson, Keerthi 1988). Compiled for each instruction set, with the same results on all of
-/// them.
-void separate_corners(std::span<const CornerVectors> corners, int control_points, double separation,
-                      std::span<const CornerPair> pairs, std::uint8_t* apart);
-
 /// Pairs of elements at one vertex that have at most one other common vertex, and memory for their tests.
 class CornerPairs {
  public:
@@ -54,25 +47,75 @@ class CornerPairs {
   /// `other`, if it is given. Returns false if it cannot be tested.
   bool add(const Step& step, Index v, std::size_t i, std::size_t j, Index other = kNone);
 
-  /// Calls remain(a, b) for the elements of those pairs at v that are not proven to lie on different sides of a plane
-  /// through v, and through the other common vertex, also with the separation of the step.
-  template <class Remain>
-  void decide(const Step& step, Index v, Remain&& remain) {
-    if (pairs_.empty()) return;
-    decide_apart(step, v);
-    const std::span<const Index> star = step.features().vertex_elements(v);
-    for (std::size_t n = 0; n < pairs_.size(); ++n)
-      if (apart_[n] == 0) remain(star[pairs_[n].a], star[pairs_[n].b]);
-  }
+  /// Appends to `found` the elements of those pairs at v that are not proven to have only v, or the edge of both common
+  /// vertices, in common at all t in [0, 1], also if vectors are changed by up to the separation of the step. Proven by
+  /// a direction, for an edge by the normal of the plane through the moving edge and a fixed direction: all vectors of
+  /// one corner to vertices that are not common have positive dot products with it, and those of the other one have
+  /// negative ones, far enough from 0. It is found by approaching the point of the convex hull of all these vectors,
+  /// one set negated, that is nearest to the origin (Gilbert, Johnson, Keerthi 1988). Compiled for each instruction
+  /// set, with the same results on all of them.
+  void decide(const Step& step, Index v, std::vector<ElementPair>& found);
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return heap_bytes(corners_, pairs_, apart_); }
 
  private:
-  void decide_apart(const Step& step, Index v);
-
   std::vector<CornerVectors> corners_;
   std::vector<CornerPair> pairs_;
   std::vector<std::uint8_t> apart_;
+};
+
+/// How a pair of elements with a common vertex is listed.
+struct ListedPair {
+  bool listed = false;
+  /// Listed only if CornerPairs does not prove it to be apart; `other`: its other common vertex.
+  bool tested = false;
+  Index other = kNone;
+};
+
+/// Lists pairs of elements at vertices, on all threads.
+class CornerPairList {
+ public:
+  /// Lists pairs (a, b), a <= b, of elements at each of the vertices, as how(a, b, v) says, a ListedPair.
+  template <class How>
+  void update(const Step& step, std::span<const Index> vertices, Executor& executor, How&& how) {
+    constexpr std::size_t kGrain = 16;
+    workers_.resize(executor.workers());
+    for (Worker& worker : workers_) worker.found.clear();
+    executor.parallel_for(vertices.size(), kGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
+      for (std::size_t i = begin; i < end; ++i) list_at(step, vertices[i], workers_[w], how);
+    });
+    pairs_.clear();
+    for (const Worker& worker : workers_) pairs_.insert(pairs_.end(), worker.found.begin(), worker.found.end());
+  }
+
+  /// Their order depends on the executor.
+  std::span<const ElementPair> pairs() const { return pairs_; }
+
+  std::size_t bytes() const { return heap_bytes(pairs_, workers_); }
+
+ private:
+  /// Scratch memory of one worker, and what it has found.
+  struct alignas(64) Worker {
+    std::vector<ElementPair> found;
+    CornerPairs corners;
+    std::size_t bytes() const { return heap_bytes(found, corners); }
+  };
+
+  template <class How>
+  static void list_at(const Step& step, Index v, Worker& worker, How&& how) {
+    const std::span<const Index> star = step.features().vertex_elements(v);
+    worker.corners.begin();
+    for (std::size_t i = 0; i < star.size(); ++i)
+      for (std::size_t j = i; j < star.size(); ++j) {
+        const ListedPair pair = how(star[i], star[j], v);
+        if (pair.listed && !(pair.tested && worker.corners.add(step, v, i, j, pair.other)))
+          worker.found.push_back({star[i], star[j]});
+      }
+    worker.corners.decide(step, v, worker.found);
+  }
+
+  std::vector<ElementPair> pairs_;
+  std::vector<Worker> workers_;
 };
 
 }  // namespace volccd::detail

@@ -24,7 +24,7 @@ bool has_reversed(const Mesh& mesh, Index o, std::span<const Index> face) {
   return found;
 }
 
-constexpr std::size_t kTableVertices = 256, kTableElements = 512;
+constexpr std::size_t kTableElements = 512;
 
 }  // namespace
 
@@ -45,8 +45,6 @@ void ElementStarTable::set_faces(const Topology& topology, Index o) {
   });
 }
 
-/// Finds the sides of the boundary faces at v that do not contain v, with the orientation of the faces. Returns false
-/// if the star is irregular.
 bool ElementStarTable::find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const {
   const Mesh& mesh = topology.mesh();
   open.clear();
@@ -63,20 +61,6 @@ bool ElementStarTable::find_open(const Topology& topology, Index v, std::vector<
     });
   }
   return regular;
-}
-
-StarKind ElementStarTable::kind_of(const Topology& topology, Index v, StarTable::Ring& scratch) const {
-  if (topology.features().vertex_elements(v).empty()) return StarKind::unused;
-  if (!find_open(topology, v, scratch.open)) return StarKind::irregular;
-  if (scratch.open.empty()) return StarKind::interior;
-  return order_ring(scratch.open, scratch.vertices) ? StarKind::ring : StarKind::irregular;
-}
-
-std::span<const Index> ElementStarTable::ring(const Topology& topology, Index v, StarTable::Ring& scratch) const {
-  if (kinds_[v] != StarKind::ring) return {};
-  find_open(topology, v, scratch.open);
-  order_ring(scratch.open, scratch.vertices);
-  return scratch.vertices;
 }
 
 std::vector<RingFace> ElementStarTable::boundary_faces(const Topology& topology) const {
@@ -100,54 +84,27 @@ std::vector<RingFace> ElementStarTable::boundary_faces(const Topology& topology)
   return found;
 }
 
-/// Computes the kinds of `count` vertices, or of all slots less than `count` if `vertices` is null.
-void ElementStarTable::set_kinds(const Topology& topology, std::size_t count, const Index* vertices,
-                                 Executor& executor) {
-  scratch_.resize(executor.workers());
-  executor.parallel_for(count, kTableVertices, [&](std::size_t begin, std::size_t end, unsigned w) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const Index v = vertices ? vertices[i] : static_cast<Index>(i);
-      kinds_[v] = kind_of(topology, v, scratch_[w]);
-    }
-  });
-}
-
 TopologyDelta::Extent ElementStarTable::update(const Topology& topology, Executor& executor) {
-  const TopologyDelta::Extent changed = delta_.sync(topology);
+  const TopologyDelta::Extent changed = sync(topology);
   const Features& features = topology.features();
-  const Index slots = topology.mesh().element_slots();
-  changed_vertices_.clear();
+  faces_.resize(topology.mesh().element_slots());
   if (changed == TopologyDelta::Extent::everything) {
-    faces_.assign(slots, {});
-    kinds_.assign(features.vertex_slots(), StarKind::unused);
-    executor.parallel_for(slots, kTableElements, [&](std::size_t begin, std::size_t end, unsigned) {
+    executor.parallel_for(faces_.size(), kTableElements, [&](std::size_t begin, std::size_t end, unsigned) {
       for (std::size_t o = begin; o < end; ++o) set_faces(topology, static_cast<Index>(o));
     });
-    set_kinds(topology, features.vertex_slots(), nullptr, executor);
-  } else if (changed == TopologyDelta::Extent::edits) {
-    faces_.resize(slots);
-    kinds_.resize(features.vertex_slots(), StarKind::unused);
+  } else {
     std::vector<Index> elements = delta_.changed_slots();
-    for (const TopologyChange* change : delta_.changes()) {
-      const FeatureChange& f = change->features;
-      for (const Index triangle : f.touched_triangles)
+    for (const TopologyChange* change : delta_.changes())
+      for (const Index triangle : change->features.touched_triangles)
         for (const Index o : features.triangle_elements(triangle)) elements.push_back(o);
-      for (const auto* list : {&f.removed_vertices, &f.added_vertices, &f.touched_vertices})
-        changed_vertices_.insert(changed_vertices_.end(), list->begin(), list->end());
-    }
-    for (std::vector<Index>* list : {&elements, &changed_vertices_}) sort_unique(*list);
+    sort_unique(elements);
     for (const Index o : elements) set_faces(topology, o);
-    set_kinds(topology, changed_vertices_.size(), changed_vertices_.data(), executor);
   }
+  set_kinds(scratch_, executor, [&](Index v, Ring& scratch) {
+    return features.vertex_elements(v).empty() ? StarKind::unused : kind_by_sides(topology, v, scratch);
+  });
   delta_.confirm();
   return changed;
-}
-
-std::size_t ElementStarTable::bytes() const {
-  std::size_t sum = delta_.bytes() + faces_.capacity() * sizeof(faces_[0]) + kinds_.capacity() +
-                    changed_vertices_.capacity() * sizeof(Index);
-  for (const StarTable::Ring& ring : scratch_) sum += ring.bytes();
-  return sum;
 }
 
 }  // namespace volccd::detail

@@ -16,37 +16,26 @@ namespace volccd::detail {
 /// The star of a vertex consists of all elements at the vertex. Its kind: `interior` if each of their faces at the
 /// vertex has exactly two elements, which have the same vertices in it in opposite order; `ring` if the other faces at
 /// the vertex have one element each, and their sides that do not contain the vertex form one closed ring; `irregular`
-/// for anything else, and if an element of the star is a shell or a polytope. Not thread-safe; uses the executor.
-class ElementStarTable {
+/// for anything else, and if an element of the star is a shell or a polytope.
+class ElementStarTable final : public StarKinds {
  public:
   /// Updates the table for the topology. The time is proportional to the size of the change. Returns the extent of the
   /// change.
   TopologyDelta::Extent update(const Topology& topology, Executor& executor);
-  /// Vertices whose stars changed in the last update that returned `edits`.
-  const std::vector<Index>& changed_vertices() const { return changed_vertices_; }
-
-  StarKind kind(Index v) const { return kinds_[v]; }
-  /// For StarKind::ring: the vertices of the ring in cyclic order. Empty for other kinds.
-  std::span<const Index> ring(const Topology& topology, Index v, StarTable::Ring& scratch) const;
   /// The boundary faces that have a vertex with a ring. A quad becomes four triangles, so that each vertex is tested
   /// with the two triangles of the mesh and with the two that have it in common.
   std::vector<RingFace> boundary_faces(const Topology& topology) const;
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return kinds_bytes() + heap_bytes(faces_, scratch_); }
 
  private:
   enum class Face : std::uint8_t { none, inner, boundary, irregular };
 
   void set_faces(const Topology& topology, Index o);
-  StarKind kind_of(const Topology& topology, Index v, StarTable::Ring& scratch) const;
-  bool find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const;
-  void set_kinds(const Topology& topology, std::size_t count, const Index* vertices, Executor& executor);
+  bool find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const override;
 
-  TopologyDelta delta_;
   std::vector<std::array<Face, 6>> faces_;  ///< by element slot, in the order of face_stream()
-  std::vector<StarKind> kinds_;             ///< by vertex
-  std::vector<Index> changed_vertices_;
-  std::vector<StarTable::Ring> scratch_;
+  std::vector<Ring> scratch_;
 };
 
 /// Calls visit(face, number) for each face of an element with a face stream; `face` contains vertex slots in cyclic

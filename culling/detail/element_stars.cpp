@@ -92,73 +92,38 @@ void ElementStars::find_all_positive(const Step& step, Executor& executor) {
   });
 }
 
-/// What is known of a star remains true until one of its volumes is 0, its ring folds, or the topology changes.
-void ElementStars::keep_known(const Step& step, TopologyDelta::Extent changed, Executor& executor) {
-  const Index vertices = step.motion.vertex_count();
-  if (changed == TopologyDelta::Extent::everything) {
-    once_.assign(vertices, Known::no);
-    gap_.clear();
-  }
-  once_.resize(vertices, Known::no);
-  if (changed == TopologyDelta::Extent::edits)
-    for (const Index v : table_.changed_vertices()) once_[v] = Known::no;
-  if (!gap_.update(step.motion, executor)) return;
-  const Step way{step.topology, gap_.way(), step.filter};
-  find_signs(way, gap_signs_, executor);
-  rings_.find_folds(way, executor, folds_);
-  for (Index v = 0; v < vertices; ++v)
-    if (folds_[v] != 0) once_[v] = Known::no;
-  for (Index o = 0; o < signs_.size(); ++o)
-    if (!gap_signs_[o].include(signs_[o]))  // stars that need the other signs are suspect in this step
-      for (const Index v : step.mesh().vertices(o)) once_[v] = Known::no;
-}
-
-bool ElementStars::is_clear(const Step& step, Index v, StarTable::Ring& scratch) {
+bool ElementStars::is_clear(const Step& step, Index v, Ring& scratch) {
   const bool ring = table_.kind(v) == StarKind::ring;
   const bool excluded = table_.kind(v) == StarKind::irregular || (ring && folds_[v] != 0);
   const int sign = excluded ? 0 : all_positive_[v] != 0 ? 1 : common_sign(step, v, signs_);
   if (sign == 0) {
-    once_[v] = Known::no;
+    known_[v] = 0;
     return false;
   }
-  if (once_[v] == Known::yes) return true;
+  if (known_[v] != 0) return true;
   const bool once = ring ? winds_once(step.motion, v, table_.ring(step.topology, v, scratch), rings_.up(v)) &&
                                cones_exclude(step, v, sign < 0, sign * rings_.up(v))
                          : cones_go_once_around(step, v, sign < 0);
-  if (once) once_[v] = Known::yes;
+  if (once) known_[v] = 1;
   return once;
 }
 
 void ElementStars::update(const Step& step, Executor& executor) {
-  TopologyDelta::Extent changed = table_.update(step.topology, executor);
-  if (!complete_) changed = TopologyDelta::Extent::everything;  // the last update was interrupted: nothing is known
-  complete_ = false;
-  if (changed != TopologyDelta::Extent::none) rings_.set_faces(step.mesh(), table_.boundary_faces(step.topology));
+  const TopologyDelta::Extent changed = begin(table_.update(step.topology, executor));
   find_signs(step, signs_, executor);
   find_all_positive(step, executor);
-  keep_known(step, changed, executor);
-  rings_.find_folds(step, executor, folds_);
-  const Index vertices = step.motion.vertex_count();
-  suspect_.resize(vertices);
-  scratch_.resize(executor.workers());
-  executor.parallel_for(vertices, kStarVertices, [&](std::size_t begin, std::size_t end, unsigned w) {
+  keep_known(step, table_, changed, executor, [&](const Step& way) {
+    find_signs(way, gap_signs_, executor);
+    for (Index o = 0; o < signs_.size(); ++o)  // stars that need the other signs are suspect in this step
+      if (!gap_signs_[o].include(signs_[o])) forget(step.mesh().vertices(o));
+  });
+  executor.parallel_for(suspect_.size(), kStarVertices, [&](std::size_t begin, std::size_t end, unsigned w) {
     for (std::size_t i = begin; i < end; ++i) {
       const Index v = static_cast<Index>(i);
       suspect_[v] = table_.kind(v) != StarKind::unused && !is_clear(step, v, scratch_[w]) ? 1 : 0;
     }
   });
-  suspects_.clear();
-  for (Index v = 0; v < vertices; ++v)
-    if (suspect_[v] != 0) suspects_.push_back(v);
-  complete_ = true;
-}
-
-std::size_t ElementStars::bytes() const {
-  std::size_t sum = table_.bytes() + (signs_.capacity() + gap_signs_.capacity()) * sizeof(ConeSigns) + rings_.bytes() +
-                    folds_.capacity() + all_positive_.capacity() + suspect_.capacity() + once_.capacity() +
-                    gap_.bytes() + suspects_.capacity() * sizeof(Index);
-  for (const StarTable::Ring& ring : scratch_) sum += ring.bytes();
-  return sum;
+  finish();
 }
 
 }  // namespace volccd::detail

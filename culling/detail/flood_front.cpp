@@ -27,11 +27,8 @@ std::size_t common_part_vertices(const Step& step, std::span<const Index> part, 
   if (!step.subset->contains(o)) return 0;
   const std::span<const Index> other = step.part(o);
   std::size_t count = 0;
-  for (std::size_t i = 0; i < part.size(); ++i) {
-    const bool repeated = std::find(part.begin(), part.begin() + static_cast<std::ptrdiff_t>(i), part[i]) !=
-                          part.begin() + static_cast<std::ptrdiff_t>(i);
-    count += !repeated && std::find(other.begin(), other.end(), part[i]) != other.end() ? 1 : 0;
-  }
+  for (std::size_t i = 0; i < part.size(); ++i)  // a face repeats its first vertex at the end
+    count += (i == 0 || part[i] != part[0]) && std::find(other.begin(), other.end(), part[i]) != other.end() ? 1 : 0;
   return count;
 }
 
@@ -59,13 +56,6 @@ void FloodFront::propose(Index a, Index b) {
   if (a == b || step_.topology.adjacency().adjacent(a, b)) return;
   const ElementPair pair{std::min(a, b), std::max(a, b)};
   if (seen_.insert(pair)) out_.push_back(pair);
-}
-
-/// Whether v belongs to the outer part of o.
-bool FloodFront::outer_at(Index o, Index v) const {
-  if (!outer(o)) return false;
-  const std::span<const Index> part = step_.part(o);
-  return std::find(part.begin(), part.end(), v) != part.end();
 }
 
 void FloodFront::inner_neighbours(Index of, Index other) {
@@ -107,18 +97,11 @@ bool FloodFront::beyond_a_face_at_start(Index a, Index b) const {
   return false;
 }
 
-bool FloodFront::may_overlap_at_start(Index a, Index b) const {
-  return !beyond_a_face_at_start(a, b) && !beyond_a_face_at_start(b, a);
-}
-
-/// A coordinate minus, and plus, the separation. The sum has one rounding, for which the last term compensates.
-double FloodFront::below(double coordinate) const {
-  const double sum = coordinate - step_.separation;
-  return step_.separation > 0 ? sum - 2 * kUnitRoundoff * std::abs(sum) : coordinate;
-}
-double FloodFront::above(double coordinate) const {
-  const double sum = coordinate + step_.separation;
-  return step_.separation > 0 ? sum + 2 * kUnitRoundoff * std::abs(sum) : coordinate;
+/// A coordinate plus (outward = 1) or minus (-1) the separation. The sum has one rounding, for which the last term
+/// compensates.
+double FloodFront::moved(double coordinate, int outward) const {
+  const double sum = coordinate + outward * step_.separation;
+  return step_.separation > 0 ? sum + outward * 2 * kUnitRoundoff * std::abs(sum) : coordinate;
 }
 
 /// Finds, for each vertex of the mesh, the vertices among along_x that have its first coordinate, as a range; in the
@@ -128,7 +111,7 @@ void FloodFront::rank_vertices(StartScratch& scratch, Executor& executor) const 
   scratch.ranks.resize(step_.motion.vertex_count());
   executor.parallel_for(scratch.ranks.size(), kGrain, [&](std::size_t first, std::size_t last, unsigned) {
     for (std::size_t v = first; v < last; ++v) {
-      const double x = step_.motion.at(static_cast<Index>(v))[0], low = below(x), high = above(x);
+      const double x = step_.motion.at(static_cast<Index>(v))[0], low = moved(x, -1), high = moved(x, 1);
       const auto begin =
           std::partition_point(along_x.begin(), along_x.end(), [&](const auto& p) { return p.first < low; });
       const auto end = std::partition_point(begin, along_x.end(), [&](const auto& p) { return p.first <= high; });
@@ -170,7 +153,7 @@ void FloodFront::from_contained(std::span<const Index> vertices, StartScratch& s
   std::sort(all.begin(), all.end());
   for (const auto& [o, v] : all)
     for (const Index element : step_.features().vertex_elements(v))
-      if (outer_at(element, v)) propose(element, o);
+      if (outer(element) && std::ranges::count(step_.part(element), v) > 0) propose(element, o);
 }
 
 /// Whether the box of o, with the separation around it, contains the vertex. Pre: it does so along the first axis.
@@ -179,7 +162,7 @@ bool FloodFront::box_contains(Index o, Index v) const {
   for (const int axis : {1, 2}) {
     const auto at = [&](std::size_t i) { return step_.motion.at(corners[i])[axis]; };
     const auto [low, high] = std::minmax({at(0), at(1), at(2), at(3)});
-    if (step_.motion.at(v)[axis] < below(low) || step_.motion.at(v)[axis] > above(high)) return false;
+    if (step_.motion.at(v)[axis] < moved(low, -1) || step_.motion.at(v)[axis] > moved(high, 1)) return false;
   }
   return true;
 }
@@ -189,8 +172,8 @@ void FloodFront::proceed_at_start(Index outer_element, Index other, StartScratch
   inner_neighbours(other, outer_element);
   if (!has_inside(other)) return;
   Eigen::AlignedBox3d box = box_at_start(step_.mesh().vertices(other));
-  box.min() = box.min().unaryExpr([&](double low) { return below(low); }).eval();
-  box.max() = box.max().unaryExpr([&](double high) { return above(high); }).eval();
+  box.min() = box.min().unaryExpr([&](double low) { return moved(low, -1); }).eval();
+  box.max() = box.max().unaryExpr([&](double high) { return moved(high, 1); }).eval();
   for (const Index next : scratch.neighbours.of(step_, stars_, outer_element))
     if (box.intersects(box_at_start(step_.part(next)))) propose(next, other);
 }
@@ -211,7 +194,8 @@ void FloodFront::from_start(std::span<const Index> vertices, StartScratch& scrat
   for (const ElementPair pair : suspects_.pairs()) {
     const auto proceeds = [&](Index a, Index b) { return outer(a) && has_inside(b); };
     const bool both = proceeds(pair.a, pair.b) || proceeds(pair.b, pair.a);
-    if (pair.a != pair.b && both && may_overlap_at_start(pair.a, pair.b)) around_at_start(pair, scratch);
+    if (pair.a != pair.b && both && !beyond_a_face_at_start(pair.a, pair.b) && !beyond_a_face_at_start(pair.b, pair.a))
+      around_at_start(pair, scratch);
   }
 }
 

@@ -9,6 +9,7 @@
 #include <Eigen/Geometry>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/pair_set.hpp>
 #include <volccd/culling/detail/star_classes.hpp>
 #include <volccd/culling/detail/suspect_pairs.hpp>
@@ -28,7 +29,7 @@ class OuterNeighbours {
   /// Pre: o has an outer part. Found when it is asked for, and kept until clear(). Valid until the next call.
   std::span<const Index> of(const Step& step, const StarTable& stars, Index o);
 
-  std::size_t bytes() const { return ranges_.capacity() * sizeof(ranges_[0]) + list_.capacity() * sizeof(Index); }
+  std::size_t bytes() const { return heap_bytes(ranges_, list_); }
 
  private:
   std::vector<std::array<Index, 2>> ranges_;  ///< by element slot: part of the list; begins with kNone if not known
@@ -42,12 +43,7 @@ struct StartScratch {
   std::vector<std::vector<std::array<Index, 2>>> contained;  ///< by worker: an element and a vertex in its box
   OuterNeighbours neighbours;
 
-  std::size_t bytes() const {
-    std::size_t sum =
-        along_x.capacity() * sizeof(along_x[0]) + ranks.capacity() * sizeof(ranks[0]) + neighbours.bytes();
-    for (const auto& list : contained) sum += sizeof list + list.capacity() * sizeof(list[0]);
-    return sum;
-  }
+  std::size_t bytes() const { return heap_bytes(along_x, ranks, contained, neighbours); }
 };
 
 /// Pairs of non-adjacent simplices, each proposed once. The subset of the step holds the outer part of each simplex:
@@ -82,12 +78,9 @@ class FloodFront {
  private:
   bool outer(Index o) const { return step_.subset->contains(o); }
   bool has_inside(Index o) const { return !step_.subset->contains_whole(o); }
-  bool outer_at(Index o, Index v) const;
   void proceed_at_start(Index outer_element, Index other, StartScratch& scratch);
-  bool may_overlap_at_start(Index a, Index b) const;
   bool beyond_a_face_at_start(Index a, Index b) const;
-  double below(double coordinate) const;
-  double above(double coordinate) const;
+  double moved(double coordinate, int outward) const;
   Eigen::AlignedBox3d box_at_start(std::span<const Index> vertices) const;
   void rank_vertices(StartScratch& scratch, Executor& executor) const;
   void from_contained(std::span<const Index> vertices, StartScratch& scratch, Executor& executor);

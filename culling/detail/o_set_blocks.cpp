@@ -1,40 +1,40 @@
 #include <volccd/culling/detail/o_set_blocks.hpp>
 
 #include <algorithm>
-#include <iterator>
+#include <utility>
 
 namespace volccd::detail {
 
 void OSetBlocks::Writer::break_row() {
   const Index owner = rows_[row_];
-  end_row();
   flush();
   begin_row(owner);
 }
 
 void OSetBlocks::Writer::flush() {
-  if (pairs_ != 0) part_.blocks_.push_back({{rows_.begin(), rows_.end()}, pairs_, part_.epoch_, kind_});
-  part_.written_ += pairs_;
+  end_row();
+  if (pairs_ != 0) part_.push_back({{rows_.begin(), rows_.end()}, pairs_, kind_});
   rows_.clear();
   pairs_ = 0;
 }
 
-OSetBlocks::Part OSetBlocks::new_part() const {
-  Part part;
-  part.epoch_ = epoch_;
-  return part;
+void OSetBlocks::append(Part&& part) {
+  for (Block& block : part) {
+    block.epoch = epoch_;
+    written_ += block.pairs;
+    blocks_.push_back(std::move(block));
+  }
 }
 
-void OSetBlocks::append(Part&& part) {
-  std::move(part.blocks_.begin(), part.blocks_.end(), std::back_inserter(blocks_));
-  written_ += part.written_;
+void OSetBlocks::fit(const Features& features) {
+  epochs(Owner::vertex).resize(features.vertex_slots(), 0);
+  epochs(Owner::triangle).resize(features.triangle_slots(), 0);
+  epochs(Owner::edge).resize(features.edge_slots(), 0);
 }
 
 void OSetBlocks::start_over(const Features& features) {
   *this = OSetBlocks();
-  vertices_.resize(features.vertex_slots(), 0);
-  triangles_.resize(features.triangle_slots(), 0);
-  edges_.resize(features.edge_slots(), 0);
+  fit(features);
 }
 
 void OSetBlocks::settle() {
@@ -47,16 +47,14 @@ void OSetBlocks::settle() {
 void OSetBlocks::next_epoch(const Features& features) {
   if (epoch_ == kLastEpoch) compact();
   ++epoch_;
-  vertices_.resize(features.vertex_slots(), 0);
-  triangles_.resize(features.triangle_slots(), 0);
-  edges_.resize(features.edge_slots(), 0);
+  fit(features);
 }
 
 template <class Visit>
 void OSetBlocks::visit(const Block& block, Visit&& pair) const {
-  const bool edges = block.kind == Rows::edge, vertices = block.kind == Rows::vertex;
-  const Epoch* const owners = (edges ? edges_ : vertices ? vertices_ : triangles_).data();
-  const Epoch* const partners = (edges ? edges_ : vertices ? triangles_ : vertices_).data();
+  constexpr Owner kPartners[] = {Owner::triangle, Owner::vertex, Owner::edge};
+  const Epoch* const owners = epochs(block.kind).data();
+  const Epoch* const partners = epochs(kPartners[static_cast<std::size_t>(block.kind)]).data();
   const Epoch epoch = block.epoch;
   const Index* const last = block.rows.data() + block.rows.size();
   for (const Index* row = block.rows.data(); row != last;) {
@@ -74,35 +72,28 @@ void OSetBlocks::visit(const Block& block, Visit&& pair) const {
 
 void OSetBlocks::append(std::size_t block, TestBatch& out) const {
   const Block& source = blocks_[block];
-  std::vector<FeaturePair>& list = source.kind == Rows::edge ? out.ee : out.vf;
+  std::vector<FeaturePair>& list = source.kind == Owner::edge ? out.ee : out.vf;
   const std::size_t before = list.size();
   list.resize(before + source.pairs);
   FeaturePair* next = list.data() + before;  // direct writes, because push_back would take most of the time
   switch (source.kind) {
-    case Rows::vertex: visit(source, [&](Index v, Index f) { *next++ = {v, f}; }); break;
-    case Rows::triangle: visit(source, [&](Index f, Index v) { *next++ = {v, f}; }); break;
-    case Rows::edge: visit(source, [&](Index a, Index b) { *next++ = {std::min(a, b), std::max(a, b)}; }); break;
+    case Owner::vertex: visit(source, [&](Index v, Index f) { *next++ = {v, f}; }); break;
+    case Owner::triangle: visit(source, [&](Index f, Index v) { *next++ = {v, f}; }); break;
+    case Owner::edge: visit(source, [&](Index a, Index b) { *next++ = {std::min(a, b), std::max(a, b)}; }); break;
   }
   list.resize(static_cast<std::size_t>(next - list.data()));
 }
 
-void OSetBlocks::count(std::size_t& vf, std::size_t& ee) const {
-  vf = ee = 0;
+OSetCounts OSetBlocks::counts() const {
+  OSetCounts counts;
   for (const Block& block : blocks_) {
-    std::size_t& count = block.kind == Rows::edge ? ee : vf;
-    if (block.epoch == epoch_) {
+    std::size_t& count = block.kind == Owner::edge ? counts.ee : counts.vf;
+    if (block.epoch == epoch_)
       count += block.pairs;
-    } else {
+    else
       visit(block, [&](Index, Index) { ++count; });
-    }
   }
-}
-
-std::size_t OSetBlocks::bytes() const {
-  std::size_t bytes = blocks_.capacity() * sizeof(Block);
-  for (const Block& block : blocks_) bytes += block.rows.capacity() * sizeof(Index);
-  for (const auto* epochs : {&vertices_, &triangles_, &edges_}) bytes += epochs->capacity() * sizeof(Epoch);
-  return bytes;
+  return counts;
 }
 
 void OSetBlocks::compact_if_stale(const Features& features) {
@@ -117,26 +108,22 @@ void OSetBlocks::compact() {
   std::vector<Block> old;
   old.swap(blocks_);
   written_ = 0;
-  Part part = new_part();
-  Writer writers[] = {{part, Rows::vertex}, {part, Rows::triangle}, {part, Rows::edge}};
+  Part part;
+  Writer writers[] = {{part, Owner::vertex}, {part, Owner::triangle}, {part, Owner::edge}};
   for (Block& block : old) {
     Writer& writer = writers[static_cast<std::size_t>(block.kind)];
     Index row = kNone;
     visit(block, [&](Index owner, Index partner) {
-      if (owner != row) {
-        if (row != kNone) writer.end_row();
-        writer.begin_row(row = owner);
-      }
+      if (owner != row) writer.begin_row(row = owner);
       writer.add(partner);
     });
-    if (row != kNone) writer.end_row();
     block = {};
   }
   for (Writer& writer : writers) writer.flush();
   append(std::move(part));
   for (Block& block : blocks_) block.epoch = 0;
   epoch_ = 0;
-  for (auto* epochs : {&vertices_, &triangles_, &edges_}) std::fill(epochs->begin(), epochs->end(), Epoch{0});
+  for (std::vector<Epoch>& epochs : epochs_) std::fill(epochs.begin(), epochs.end(), Epoch{0});
   settle();
 }
 

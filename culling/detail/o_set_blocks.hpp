@@ -1,12 +1,13 @@
 // The storage of the pairs of an O-Set: an append-only list of blocks; there is no random access.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
 
-#include <volccd/culling/assignment.hpp>
-#include <volccd/mesh/features.hpp>
+#include <volccd/core/heap_bytes.hpp>
+#include <volccd/culling/o_set.hpp>
 
 namespace volccd::detail {
 
@@ -16,12 +17,21 @@ namespace volccd::detail {
 /// amortised over the renewals.
 class OSetBlocks {
  public:
-  static constexpr std::size_t kBlockPairs = 1024;
+  static constexpr std::size_t kBlockPairs = OSet::kBlockPairs;
 
   /// The kind of feature to which a row belongs: vertex and triangle rows contain VF pairs, edge rows contain EE pairs.
-  enum class Rows : std::uint8_t { vertex, triangle, edge };
-  class Part;
+  enum class Owner : std::uint8_t { vertex, triangle, edge };
   class Writer;
+  using Epoch = std::uint16_t;
+  struct Block {
+    std::vector<Index> rows;
+    std::uint32_t pairs = 0;
+    Owner kind = Owner::vertex;
+    Epoch epoch = 0;
+    std::size_t bytes() const { return heap_bytes(rows); }
+  };
+  /// Blocks that a thread writes on its own; the pairs belong to the set after append(), in the present epoch.
+  using Part = std::vector<Block>;
 
   /// Removes all pairs and begins epoch 0.
   void start_over(const Features& features);
@@ -30,45 +40,35 @@ class OSetBlocks {
   /// Begins the epoch of a new update.
   void next_epoch(const Features& features);
   void compact_if_stale(const Features& features);
-  /// Blocks that a thread writes on its own; the pairs belong to the set after append().
-  Part new_part() const;
   void append(Part&& part);
 
   /// Invalidates all pairs of the feature that were written in earlier epochs.
-  void renew_vertex(Index v) { renew(vertices_, v); }
-  void renew_triangle(Index f) { renew(triangles_, f); }
-  void renew_edge(Index e) { renew(edges_, e); }
+  void renew(Owner kind, Index slot) {
+    Epoch& epoch = epochs(kind)[slot];
+    renewals_ += epoch != epoch_;
+    epoch = epoch_;
+  }
   /// Whether the feature was renewed in this epoch.
-  bool vertex_is_new(Index v) const { return vertices_[v] == epoch_; }
-  bool edge_is_new(Index e) const { return edges_[e] == epoch_; }
+  bool is_new(Owner kind, Index slot) const { return epochs(kind)[slot] == epoch_; }
 
   std::size_t size() const { return blocks_.size(); }
   void append(std::size_t block, TestBatch& out) const;
   /// Numbers of valid pairs.
-  void count(std::size_t& vf, std::size_t& ee) const;
-  std::size_t bytes() const;
+  OSetCounts counts() const;
+  std::size_t bytes() const { return heap_bytes(blocks_, epochs_[0], epochs_[1], epochs_[2]); }
 
  private:
-  using Epoch = std::uint16_t;
   static constexpr Epoch kLastEpoch = 0xffff;
 
-  struct Block {
-    std::vector<Index> rows;
-    std::uint32_t pairs = 0;
-    Epoch epoch = 0;
-    Rows kind = Rows::vertex;
-  };
-
-  void renew(std::vector<Epoch>& epochs, Index slot) {
-    renewals_ += epochs[slot] != epoch_;
-    epochs[slot] = epoch_;
-  }
+  std::vector<Epoch>& epochs(Owner kind) { return epochs_[static_cast<std::size_t>(kind)]; }
+  const std::vector<Epoch>& epochs(Owner kind) const { return epochs_[static_cast<std::size_t>(kind)]; }
+  void fit(const Features& features);
   template <class Visit>
   void visit(const Block& block, Visit&& pair) const;
   void compact();
 
   std::vector<Block> blocks_;
-  std::vector<Epoch> vertices_, triangles_, edges_;  ///< by slot: the epoch in which the feature was last renewed
+  std::array<std::vector<Epoch>, 3> epochs_;  ///< by kind and slot: the epoch in which the feature was last renewed
   Epoch epoch_ = 0;
   std::size_t written_ = 0;          ///< pairs written since the last compaction
   std::size_t renewals_ = 0;         ///< renewals since the last compaction
@@ -76,23 +76,14 @@ class OSetBlocks {
   std::size_t baseline_blocks_ = 0;  ///< blocks after the last compaction
 };
 
-class OSetBlocks::Part {
- private:
-  friend class OSetBlocks;
-  friend class OSetBlocks::Writer;
-
-  std::vector<Block> blocks_;
-  std::size_t written_ = 0;
-  Epoch epoch_ = 0;
-};
-
 /// Writes blocks of one kind. Empty rows are dropped; a row that exceeds a block continues in the next block. Rows must
 /// be flushed, otherwise they are lost.
 class OSetBlocks::Writer {
  public:
-  Writer(Part& part, Rows kind) : part_(part), kind_(kind) {}
+  Writer(Part& part, Owner kind) : part_(part), kind_(kind) {}
 
   void begin_row(Index owner) {
+    end_row();
     row_ = rows_.size();
     rows_.push_back(owner);
     rows_.push_back(0);
@@ -102,18 +93,19 @@ class OSetBlocks::Writer {
     rows_.push_back(partner);
     ++pairs_;
   }
+  void flush();
+
+ private:
   void end_row() {
+    if (rows_.empty()) return;
     const std::size_t length = rows_.size() - row_ - 2;
     rows_[row_ + 1] = static_cast<Index>(length);
     if (length == 0) rows_.resize(row_);
   }
-  void flush();
-
- private:
   void break_row();
 
   Part& part_;
-  Rows kind_;
+  Owner kind_;
   std::vector<Index> rows_;
   std::size_t row_ = 0;
   std::uint32_t pairs_ = 0;

@@ -9,13 +9,9 @@ namespace {
 constexpr std::size_t kBits = ElementTouch::kBits;
 
 bool contains(std::span<const Index> values, Index value) {
-  for (Index v : values)
+  for (Index v : values)  // faster for these few values than std::find
     if (v == value) return true;
   return false;
-}
-
-bool share_vertex(std::span<const Index> a, std::span<const Index> b) {
-  return std::any_of(a.begin(), a.end(), [&](Index v) { return contains(b, v); });
 }
 
 }  // namespace
@@ -37,20 +33,17 @@ Index OSetPartners::pivot(std::span<const Index> vertices, std::span<const Index
 
 void OSetPartners::find_covering(std::span<const Index> vertices, std::span<const Index> inc) {
   touch_.next_mark();
-  covering_.clear();
   for (Index w : vertices)
-    for (Index o : features_.vertex_elements(w)) {
-      if (touch_.seen(o)) continue;
-      touch_.accept(o);
-      covering_.push_back(o);
-    }
+    for (Index o : features_.vertex_elements(w))
+      if (!touch_.seen(o)) touch_.accept(o);
   find_far(vertices, inc);
 }
 
 /// Finds the elements without a vertex of a, by their common vertices with the first kBits elements of inc(a). The
 /// remaining elements of inc(a) can only remove some of them.
 void OSetPartners::find_far(std::span<const Index> vertices, std::span<const Index> inc) {
-  const auto near = static_cast<std::ptrdiff_t>(covering_.size());
+  std::vector<Index>& covering = touch_.accepted_elements();
+  const auto near = static_cast<std::ptrdiff_t>(covering.size());
   const std::span<const Index> first = inc.first(std::min(inc.size(), kBits));
   touch_.set_elements(adjacency_, first);
   const std::uint64_t all = ElementTouch::all(first.size());
@@ -58,32 +51,29 @@ void OSetPartners::find_far(std::span<const Index> vertices, std::span<const Ind
     if (contains(vertices, w)) continue;
     for (Index o : features_.vertex_elements(w)) {
       if (touch_.seen(o)) continue;
-      if (touch_.of(adjacency_.vertices(o)) == all) {
+      if (touch_.of(adjacency_.vertices(o)) == all)
         touch_.accept(o);
-        covering_.push_back(o);
-      } else {
+      else
         touch_.reject(o);
-      }
     }
   }
   touch_.clear();
   for (std::size_t k = kBits; k < inc.size(); k += kBits) {
     const std::span<const Index> part = inc.subspan(k, std::min(inc.size() - k, kBits));
     touch_.set_elements(adjacency_, part);
-    const auto end = std::remove_if(covering_.begin() + near, covering_.end(), [&](Index o) {
+    const auto end = std::remove_if(covering.begin() + near, covering.end(), [&](Index o) {
       const bool covers = touch_.of(adjacency_.vertices(o)) == ElementTouch::all(part.size());
       if (!covers) touch_.reject(o);
       return !covers;
     });
-    covering_.erase(end, covering_.end());
+    covering.erase(end, covering.end());
     touch_.clear();
   }
 }
 
 bool OSetPartners::some_touches_all(std::span<const Index> some, std::span<const Index> all) const {
   return std::any_of(some.begin(), some.end(), [&](Index o) {
-    return std::all_of(all.begin(), all.end(),
-                       [&](Index other) { return share_vertex(adjacency_.vertices(o), adjacency_.vertices(other)); });
+    return std::all_of(all.begin(), all.end(), [&](Index other) { return adjacency_.adjacent(o, other); });
   });
 }
 

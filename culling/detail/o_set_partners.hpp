@@ -23,84 +23,70 @@ namespace volccd::detail {
 /// I(a), for its first incident element in I(a).
 class OSetPartners {
  public:
-  OSetPartners(const Topology& topology, ElementTouch& touch, std::vector<Index>& covering)
+  OSetPartners(const Topology& topology, bool literal, ElementTouch& touch)
       : mesh_(topology.mesh()),
         features_(topology.features()),
         adjacency_(topology.adjacency()),
-        touch_(touch),
-        covering_(covering) {}
+        literal_(literal),
+        touch_(touch) {}
 
   /// Calls take(f) once for each triangle f that forms an O-Set pair with vertex v.
   template <class Take>
-  void triangles_of_vertex(bool literal, Index v, Take&& take) {
-    const std::span<const Index> inc = features_.vertex_elements(v);
-    find_covering({&v, 1}, inc);
-    const auto incident = [&](Index f) { return features_.triangle_elements(f); };
-    const auto wanted = [&](Index f) {
+  void triangles_of_vertex(Index v, Take&& take) {
+    const auto apart = [&](Index f, Index) {
       const auto& t = features_.triangle(f);
       return t[0] != v && t[1] != v && t[2] != v;
     };
-    if (literal)
-      return visit_literal(
-          inc, [&](Index o) { return features_.element_triangles(o); }, incident, wanted, take);
-    visit([&](Index o) { return features_.own_triangles(o); }, incident, wanted, take);
+    const auto of_element = [&](Index o) {
+      return literal_ ? features_.element_triangles(o) : features_.own_triangles(o);
+    };
+    const auto incident = [&](Index f) { return features_.triangle_elements(f); };
+    visit({&v, 1}, features_.vertex_elements(v), of_element, incident, apart, take);
   }
 
   /// Calls take(v) once for each vertex v that forms an O-Set pair with triangle f and for which wanted(v) is true.
   template <class Wanted, class Take>
-  void vertices_of_triangle(bool literal, Index f, Wanted&& wanted, Take&& take) {
+  void vertices_of_triangle(Index f, Wanted&& wanted, Take&& take) {
     const std::array<Index, 3> t = features_.triangle(f);
-    const std::span<const Index> inc = features_.triangle_elements(f);
-    find_covering(t, inc);
+    const auto apart = [&](Index v, Index o) {
+      const bool once = literal_ || features_.first_element_of_vertex(v) == o;
+      return once && v != t[0] && v != t[1] && v != t[2] && wanted(v);
+    };
     const auto of_element = [&](Index o) { return mesh_.vertices(o); };
     const auto incident = [&](Index v) { return features_.vertex_elements(v); };
-    const auto apart = [&](Index v) { return v != t[0] && v != t[1] && v != t[2] && wanted(v); };
-    if (literal) return visit_literal(inc, of_element, incident, apart, take);
-    for (Index o : covering_)
-      for (Index v : of_element(o))
-        if (features_.first_element_of_vertex(v) == o && apart(v) && others_cover(incident(v))) take(v);
+    visit(t, features_.triangle_elements(f), of_element, incident, apart, take);
   }
 
   /// Calls take(e2) once for each edge e2 that forms an O-Set pair with edge e and for which wanted(e2) is true.
   template <class Wanted, class Take>
-  void edges_of_edge(bool literal, Index e, Wanted&& wanted, Take&& take) {
+  void edges_of_edge(Index e, Wanted&& wanted, Take&& take) {
     const std::array<Index, 2> a = features_.edge(e);
-    const std::span<const Index> inc = features_.edge_elements(e);
-    find_covering(a, inc);
-    const auto incident = [&](Index e2) { return features_.edge_elements(e2); };
-    const auto apart = [&](Index e2) {
+    const auto apart = [&](Index e2, Index) {
       if (!wanted(e2)) return false;
       const auto& b = features_.edge(e2);
       return b[0] != a[0] && b[0] != a[1] && b[1] != a[0] && b[1] != a[1];
     };
-    if (literal)
-      return visit_literal(
-          inc, [&](Index o) { return features_.element_edges(o); }, incident, apart, take);
-    visit([&](Index o) { return features_.own_edges(o); }, incident, apart, take);
+    const auto of_element = [&](Index o) { return literal_ ? features_.element_edges(o) : features_.own_edges(o); };
+    const auto incident = [&](Index e2) { return features_.edge_elements(e2); };
+    visit(a, features_.edge_elements(e), of_element, incident, apart, take);
   }
 
  private:
-  /// Sets covering_ to I(a) for a feature with these vertices and incident elements, and accepts each of its elements
-  /// in touch_.
+  /// Accepts the elements of I(a) in touch_, for a feature with these vertices and incident elements.
   void find_covering(std::span<const Index> vertices, std::span<const Index> inc);
   void find_far(std::span<const Index> vertices, std::span<const Index> inc);
   Index pivot(std::span<const Index> vertices, std::span<const Index> inc) const;
 
-  template <class Own, class Incident, class Wanted, class Take>
-  void visit(Own&& own, Incident&& incident, Wanted&& wanted, Take&& take) {
-    for (Index o : covering_)
-      for (Index b : own(o))
-        if (wanted(b) && others_cover(incident(b))) take(b);
-  }
+  /// Finds the partners of a feature with these vertices and incident elements, among the features of_element(o).
   template <class OfElement, class Incident, class Wanted, class Take>
-  void visit_literal(std::span<const Index> inc_a, OfElement&& of_element, Incident&& incident, Wanted&& wanted,
-                     Take&& take) {
-    for (Index o : covering_)
+  void visit(std::span<const Index> vertices, std::span<const Index> inc_a, OfElement&& of_element, Incident&& incident,
+             Wanted&& wanted, Take&& take) {
+    find_covering(vertices, inc_a);
+    for (Index o : touch_.accepted_elements())
       for (Index b : of_element(o)) {
-        if (!wanted(b)) continue;
+        if (!wanted(b, o)) continue;
         const std::span<const Index> inc = incident(b);
-        const Index first = *std::find_if(inc.begin(), inc.end(), [&](Index other) { return touch_.accepted(other); });
-        if (first == o && some_touches_all(inc_a, inc)) take(b);
+        if (literal_ ? first_covering(inc) == o && some_touches_all(inc_a, inc) : others_cover(inc)) take(b);
       }
   }
   bool others_cover(std::span<const Index> inc) const {
@@ -108,13 +94,16 @@ class OSetPartners {
       if (!touch_.accepted(inc[i])) return false;
     return true;
   }
+  Index first_covering(std::span<const Index> inc) const {
+    return *std::find_if(inc.begin(), inc.end(), [&](Index o) { return touch_.accepted(o); });
+  }
   bool some_touches_all(std::span<const Index> some, std::span<const Index> all) const;
 
   const Mesh& mesh_;
   const Features& features_;
   const Adjacency& adjacency_;
+  const bool literal_;
   ElementTouch& touch_;
-  std::vector<Index>& covering_;
 };
 
 }  // namespace volccd::detail

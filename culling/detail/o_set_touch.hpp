@@ -9,6 +9,7 @@
 #include <span>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/mesh/adjacency.hpp>
 
 namespace volccd::detail {
@@ -51,22 +52,26 @@ class ElementTouch {
       mark_ = 0;
     }
     mark_ += 2;
+    accepted_.clear();
   }
   bool seen(Index o) const { return marks_[o] >= mark_; }
-  void accept(Index o) { marks_[o] = mark_ + 1; }
+  void accept(Index o) {
+    marks_[o] = mark_ + 1;
+    accepted_.push_back(o);
+  }
+  /// An element that was accepted remains in accepted_elements() until the caller removes it.
   void reject(Index o) { marks_[o] = mark_; }
   bool accepted(Index o) const { return marks_[o] == mark_ + 1; }
+  std::vector<Index>& accepted_elements() { return accepted_; }
 
-  std::size_t bytes() const {
-    return bits_.capacity() * sizeof(bits_[0]) + marks_.capacity() * sizeof(marks_[0]) +
-           touched_.capacity() * sizeof(Index);
-  }
+  std::size_t bytes() const { return heap_bytes(bits_, touched_, accepted_, marks_); }
 
  private:
   static constexpr std::uint32_t kLastMark = std::numeric_limits<std::uint32_t>::max() - 1;
 
-  std::vector<std::uint64_t> bits_;   ///< indexed by vertex
-  std::vector<Index> touched_;        ///< vertices whose bits may be non-zero
+  std::vector<std::uint64_t> bits_;  ///< indexed by vertex
+  std::vector<Index> touched_;       ///< vertices whose bits may be non-zero
+  std::vector<Index> accepted_;
   std::vector<std::uint32_t> marks_;  ///< indexed by element: mark_ (rejected) or mark_ + 1 (accepted) for elements
                                       ///< seen
   std::uint32_t mark_ = 0;            ///< always even

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {
@@ -18,7 +19,7 @@ class PairSet {
     size_ = 0;
   }
   std::size_t size() const { return size_; }
-  std::size_t bytes() const { return places_.capacity() * sizeof(std::uint64_t); }
+  std::size_t bytes() const { return heap_bytes(places_); }
 
   bool contains(ElementPair pair) const { return !places_.empty() && places_[place_of(key_of(pair))] != kEmpty; }
   /// Inserts a pair, in any order of its elements. Returns false if it is already in the set.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/mesh/oriented_boundary.hpp>
 
 namespace volccd::detail {
@@ -138,8 +139,7 @@ void SimplexComplex::to_mesh_features(TestBatch& tests, std::size_t vf_begin, st
 }
 
 std::size_t SimplexComplex::bytes() const {
-  return (own_ ? own_->bytes() : 0) + delta_.bytes() + fans_.capacity() * sizeof(Fan) +
-         (edges_.capacity() + triangles_.capacity()) * sizeof(Index);
+  return (own_ ? own_->bytes() : 0) + heap_bytes(delta_, fans_, edges_, triangles_);
 }
 
 }  // namespace volccd::detail

@@ -7,18 +7,16 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
-#include <volccd/culling/detail/boundary_rings.hpp>
 #include <volccd/culling/detail/star_table.hpp>
-#include <volccd/culling/detail/step_gap.hpp>
+#include <volccd/culling/detail/suspect_stars.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::detail {
 
 /// Classifies the elements and vertices of the complex for one step (docs/boundary_flood.md). All predicates are
 /// certified: a rounding error can only add an element to D, or make a star suspect. With a separation they hold for
-/// vertices that are displaced by up to half of it. Not thread-safe; uses
-/// the executor.
-class StarClasses {
+/// vertices that are displaced by up to half of it.
+class StarClasses : public SuspectStars {
  public:
   /// `changed`: the return value of StarTable::update() for this topology.
   void update(const Step& step, const StarTable& stars, TopologyDelta::Extent changed, Executor& executor);
@@ -27,9 +25,6 @@ class StarClasses {
   /// two tetrahedra are not proven to be on different sides of it.
   bool degenerate(Index o) const { return degenerate_[o] != 0; }
   std::size_t degenerate_count() const { return degenerate_count_; }
-  /// Whether the star is not clear: it is not proven to map injectively to space at all times of the step.
-  bool suspect(Index v) const { return suspect_[v] != 0; }
-  const std::vector<Index>& suspects() const { return suspects_; }  ///< suspect vertices, ascending
   /// Whether no element is in D or has a wound vertex.
   bool all_sound() const { return degenerate_count_ == 0 && wound_count_ == 0; }
   /// Whether a vertex of o is an interior vertex with a connected star outside of D that is not proven to surround the
@@ -59,33 +54,23 @@ class StarClasses {
     return regular_[a] != 0 && regular_[b] != 0 && three ? 0 : common;
   }
 
-  std::size_t bytes() const;
+  std::size_t bytes() const {
+    return stars_bytes() + heap_bytes(signs_, gap_signs_, degenerate_, regular_, wound_, suspect_places_);
+  }
 
  private:
-  enum class Known : std::uint8_t { no, yes };
-
+  void find_signs(const Step& step, std::vector<std::int8_t>& signs, Executor& executor) const;
   void find_degenerate(const Step& step, const StarTable& stars, Executor& executor);
   StarTable::Fit fit_with_signs(const StarTable& stars, Index o) const;
-  void keep_known(const Step& step, const StarTable& stars, TopologyDelta::Extent changed, Executor& executor);
-  void forget_around(const Step& step, Index element);
-  void classify(const Step& step, const StarTable& stars, Index v, StarTable::Ring& scratch);
+  void classify(const Step& step, const StarTable& stars, Index v, Ring& scratch);
 
-  std::vector<std::int8_t> signs_;  ///< signs of volumes, by element slot
+  std::vector<std::int8_t> signs_, gap_signs_;  ///< signs of volumes, by element slot
   /// By element slot. Regular: a tetrahedron outside of D of which each face has at most one other element, a
   /// tetrahedron.
   std::vector<std::uint8_t> degenerate_, regular_;
-  std::vector<std::uint8_t> suspect_, wound_;  ///< by vertex
-  std::vector<std::uint8_t> suspect_places_;   ///< by element slot: bits of the element's suspect vertices
-  /// By vertex: whether its star and its ring surround it exactly once. Valid as long as neither folds.
-  std::vector<Known> embedded_;
-  BoundaryRings rings_;
-  std::vector<std::uint8_t> folds_;
-  StepGap gap_;
-  std::vector<std::int8_t> gap_signs_;
-  std::vector<Index> suspects_;
-  std::vector<StarTable::Ring> scratch_;  ///< by worker
+  std::vector<std::uint8_t> wound_;           ///< by vertex
+  std::vector<std::uint8_t> suspect_places_;  ///< by element slot: bits of the element's suspect vertices
   std::size_t degenerate_count_ = 0, wound_count_ = 0;
-  bool complete_ = false;  ///< whether the last update has ended
 };
 
 }  // namespace volccd::detail

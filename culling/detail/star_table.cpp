@@ -25,18 +25,48 @@ Index root(std::vector<Index>& parents, Index i) {
 
 }  // namespace
 
-bool order_ring(std::vector<std::array<Index, 2>>& sides, std::vector<Index>& ring) {
-  std::sort(sides.begin(), sides.end());
-  ring.clear();
-  Index at = sides[0][0];
+bool Ring::order() {
+  std::sort(open.begin(), open.end());
+  vertices.clear();
+  Index at = open[0][0];
   do {
-    const auto next = std::lower_bound(sides.begin(), sides.end(), std::array{at, Index{0}});
-    if (next == sides.end() || (*next)[0] != at || ring.size() == sides.size()) return false;
-    if (next + 1 != sides.end() && next[1][0] == at) return false;
-    ring.push_back(at);
+    const auto next = std::lower_bound(open.begin(), open.end(), std::array{at, Index{0}});
+    if (next == open.end() || (*next)[0] != at || vertices.size() == open.size()) return false;
+    if (next + 1 != open.end() && next[1][0] == at) return false;
+    vertices.push_back(at);
     at = (*next)[1];
-  } while (at != sides[0][0]);
-  return ring.size() == sides.size();
+  } while (at != open[0][0]);
+  return vertices.size() == open.size();
+}
+
+TopologyDelta::Extent StarKinds::sync(const Topology& topology) {
+  const TopologyDelta::Extent changed = delta_.sync(topology);
+  kinds_.resize(topology.features().vertex_slots(), StarKind::unused);
+  changed_vertices_.clear();
+  for (const TopologyChange* change : delta_.changes()) {
+    const FeatureChange& f = change->features;
+    for (const auto* list : {&f.removed_vertices, &f.added_vertices, &f.touched_vertices})
+      changed_vertices_.insert(changed_vertices_.end(), list->begin(), list->end());
+  }
+  sort_unique(changed_vertices_);
+  if (changed == TopologyDelta::Extent::everything) {
+    changed_vertices_.resize(kinds_.size());
+    std::iota(changed_vertices_.begin(), changed_vertices_.end(), Index{0});
+  }
+  return changed;
+}
+
+std::span<const Index> StarKinds::ring(const Topology& topology, Index v, Ring& scratch) const {
+  if (kinds_[v] != StarKind::ring) return {};
+  find_open(topology, v, scratch.open);
+  scratch.order();
+  return scratch.vertices;
+}
+
+StarKind StarKinds::kind_by_sides(const Topology& topology, Index v, Ring& scratch) const {
+  if (!find_open(topology, v, scratch.open)) return StarKind::irregular;
+  if (scratch.open.empty()) return StarKind::interior;
+  return scratch.order() ? StarKind::ring : StarKind::irregular;
 }
 
 void StarTable::set_neighbours(const Topology& topology, Index triangle) {
@@ -64,6 +94,8 @@ bool StarTable::joins_up(const Topology& topology, Index v, Scratch& scratch) co
   const std::span<const Index> star = topology.features().vertex_elements(v);
   const Mesh& mesh = topology.mesh();
   const Index count = static_cast<Index>(star.size());
+  scratch.places.resize(mesh.element_slots());
+  scratch.corners.resize(mesh.vertex_count(), kNone);
   for (Index k = 0; k < count; ++k) scratch.places[star[k]] = k;
   std::vector<Index>& parents = scratch.parents;
   parents.resize(5 * std::size_t{count});  // corners, then elements
@@ -101,29 +133,23 @@ bool StarTable::joins_up(const Topology& topology, Index v, Scratch& scratch) co
   return !shared && parts == 1 && fans == others;
 }
 
-/// The sides opposite to v of the boundary faces at v, with the orientation of the faces.
-void StarTable::find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const {
-  open.clear();
-  for (const Index o : topology.features().vertex_elements(v)) {
-    const std::span<const Index> vertices = topology.mesh().vertices(o);
-    const auto add = [&](const std::array<Index, 3>& face) {
-      const auto i = static_cast<std::size_t>(std::find(face.begin(), face.end(), v) - face.begin());
-      open.push_back({face[(i + 1) % 3], face[(i + 2) % 3]});
-    };
-    if (vertices.size() == 3) {
-      add({vertices[0], vertices[1], vertices[2]});
-      continue;
-    }
-    for (std::size_t i = 0; i < 4; ++i)
-      if (vertices[i] != v && neighbours_[o][i].element == kNone) add(face_of(vertices, i));
-  }
+/// Calls visit(face) for the boundary faces of an element.
+template <class Visit>
+void StarTable::visit_boundary(const Mesh& mesh, Index o, Visit&& visit) const {
+  const std::span<const Index> v = mesh.vertices(o);
+  if (v.size() == 3) return visit(std::array{v[0], v[1], v[2]});
+  for (std::size_t i = 0; i < 4; ++i)
+    if (neighbours_[o][i].element == kNone) visit(face_of(v, i));
 }
 
-std::span<const Index> StarTable::ring(const Topology& topology, Index v, Ring& scratch) const {
-  if (kinds_[v] != StarKind::ring) return {};
-  find_open(topology, v, scratch.open);
-  order_ring(scratch.open, scratch.vertices);
-  return scratch.vertices;
+bool StarTable::find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const {
+  open.clear();
+  for (const Index o : topology.features().vertex_elements(v))
+    visit_boundary(topology.mesh(), o, [&](const std::array<Index, 3>& face) {
+      const auto i = static_cast<std::size_t>(std::find(face.begin(), face.end(), v) - face.begin());
+      if (i < 3) open.push_back({face[(i + 1) % 3], face[(i + 2) % 3]});
+    });
+  return true;
 }
 
 StarKind StarTable::kind_of(const Topology& topology, Index v, Scratch& scratch) const {
@@ -133,23 +159,7 @@ StarKind StarTable::kind_of(const Topology& topology, Index v, Scratch& scratch)
   const bool alike = std::all_of(star.begin(), star.end(), [&](Index o) { return topology.mesh().type(o) == type; });
   if (!alike) return StarKind::irregular;
   if (type == ElementType::tetrahedron && !joins_up(topology, v, scratch)) return StarKind::irregular;
-  find_open(topology, v, scratch.open);
-  if (scratch.open.empty()) return StarKind::interior;
-  return order_ring(scratch.open, scratch.parents) ? StarKind::ring : StarKind::irregular;
-}
-
-/// Computes the kinds of `count` vertices, or of all slots less than `count` if `vertices` is null.
-void StarTable::set_kinds(const Topology& topology, std::size_t count, const Index* vertices, Executor& executor) {
-  scratch_.resize(executor.workers());
-  executor.parallel_for(count, 256, [&](std::size_t begin, std::size_t end, unsigned w) {
-    Scratch& scratch = scratch_[w];
-    scratch.places.resize(topology.mesh().element_slots());
-    scratch.corners.resize(topology.mesh().vertex_count(), kNone);
-    for (std::size_t i = begin; i < end; ++i) {
-      const Index v = vertices ? vertices[i] : static_cast<Index>(i);
-      kinds_[v] = kind_of(topology, v, scratch);
-    }
-  });
+  return kind_by_sides(topology, v, scratch.ring);
 }
 
 std::uint8_t StarTable::boundary_part_of(const Mesh& mesh, Index o) const {
@@ -181,65 +191,38 @@ void StarTable::set_element(const Topology& topology, Index o) {
 std::vector<RingFace> StarTable::boundary_faces(const Topology& topology) const {
   const Mesh& mesh = topology.mesh();
   std::vector<RingFace> faces;
-  const auto add = [&](const std::array<Index, 3>& face) {
-    if (std::any_of(face.begin(), face.end(), [&](Index v) { return kinds_[v] == StarKind::ring; }))
-      faces.push_back({face});
-  };
-  for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.is_live(o)) continue;
-    const std::span<const Index> v = mesh.vertices(o);
-    if (mesh.type(o) == ElementType::triangle) {
-      add({v[0], v[1], v[2]});
-      continue;
-    }
-    for (std::size_t i = 0; i < 4; ++i)
-      if (neighbours_[o][i].element == kNone) add(face_of(v, i));
-  }
+  for (Index o = 0; o < mesh.element_slots(); ++o)
+    if (mesh.is_live(o))
+      visit_boundary(mesh, o, [&](const std::array<Index, 3>& face) {
+        if (std::any_of(face.begin(), face.end(), [&](Index v) { return kinds_[v] == StarKind::ring; }))
+          faces.push_back({face});
+      });
   return faces;
 }
 
 TopologyDelta::Extent StarTable::update(const Topology& topology, Executor& executor) {
-  const TopologyDelta::Extent changed = delta_.sync(topology);
+  const TopologyDelta::Extent changed = sync(topology);
+  const bool everything = changed == TopologyDelta::Extent::everything;
   const Features& features = topology.features();
   const Index slots = topology.mesh().element_slots();
-  changed_vertices_.clear();
-  if (changed == TopologyDelta::Extent::everything) {
-    neighbours_.assign(slots, {});
-    boundary_parts_.assign(slots, 0);
-    fits_.assign(slots, Fit::other);
-    kinds_.assign(features.vertex_slots(), StarKind::unused);
-    for (Index f = 0; f < features.triangle_slots(); ++f) set_neighbours(topology, f);
-    set_kinds(topology, features.vertex_slots(), nullptr, executor);
+  if (everything) neighbours_.clear();
+  neighbours_.resize(slots);
+  boundary_parts_.resize(slots, 0);
+  fits_.resize(slots, Fit::other);
+  for (Index f = 0; everything && f < features.triangle_slots(); ++f) set_neighbours(topology, f);
+  for (const TopologyChange* change : delta_.changes())
+    for (const auto* list : {&change->features.added_triangles, &change->features.touched_triangles})
+      for (const Index triangle : *list) set_neighbours(topology, triangle);
+  set_kinds(scratch_, executor, [&](Index v, Scratch& scratch) { return kind_of(topology, v, scratch); });
+  if (everything) {
     for (Index o = 0; o < slots; ++o) set_element(topology, o);
-  } else if (changed == TopologyDelta::Extent::edits) {
-    neighbours_.resize(slots);
-    boundary_parts_.resize(slots, 0);
-    fits_.resize(slots, Fit::other);
-    kinds_.resize(features.vertex_slots(), StarKind::unused);
-    for (const TopologyChange* change : delta_.changes()) {
-      const FeatureChange& f = change->features;
-      for (const auto* list : {&f.added_triangles, &f.touched_triangles})
-        for (const Index triangle : *list) set_neighbours(topology, triangle);
-      for (const auto* list : {&f.removed_vertices, &f.added_vertices, &f.touched_vertices})
-        changed_vertices_.insert(changed_vertices_.end(), list->begin(), list->end());
-    }
-    sort_unique(changed_vertices_);
-    set_kinds(topology, changed_vertices_.size(), changed_vertices_.data(), executor);
-    for (const Index v : changed_vertices_)
+  } else {
+    for (const Index v : changed_vertices())
       for (const Index o : features.vertex_elements(v)) set_element(topology, o);
     for (const Index o : delta_.changed_slots()) set_element(topology, o);
   }
   delta_.confirm();
   return changed;
-}
-
-std::size_t StarTable::bytes() const {
-  std::size_t sum = delta_.bytes() + neighbours_.capacity() * sizeof(neighbours_[0]) + boundary_parts_.capacity() +
-                    fits_.capacity() + kinds_.capacity() + changed_vertices_.capacity() * sizeof(Index);
-  for (const Scratch& s : scratch_)
-    sum += (s.places.capacity() + s.corners.capacity() + s.parents.capacity()) * sizeof(Index) +
-           s.open.capacity() * sizeof(s.open[0]);
-  return sum;
 }
 
 }  // namespace volccd::detail

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/boundary_rings.hpp>
 #include <volccd/mesh/topology_delta.hpp>
 #include <volccd/query/element_subset.hpp>
@@ -22,13 +23,58 @@ enum class StarKind : std::uint8_t {
   irregular  ///< anything else
 };
 
-/// Sorts directed sides into a sequence, the ring of their first vertices. Returns false if they are not one closed
-/// ring with consistent orientation. Pre: there is at least one side.
-bool order_ring(std::vector<std::array<Index, 2>>& sides, std::vector<Index>& ring);
+/// Memory for one ring, to be reused.
+struct Ring {
+  std::vector<std::array<Index, 2>> open;  ///< directed sides
+  std::vector<Index> vertices;
 
-/// The table for the elements of a topology of tetrahedra and triangles. Not thread-safe; uses the
-/// executor.
-class StarTable {
+  /// Sorts the sides into a sequence, the ring of their first vertices. Returns false if they are not one closed ring
+  /// with consistent orientation. Pre: there is at least one side.
+  bool order();
+  std::size_t bytes() const { return heap_bytes(open, vertices); }
+};
+
+/// Base of the tables of stars: their kinds. Not thread-safe; uses the executor.
+class StarKinds {
+ public:
+  StarKind kind(Index v) const { return kinds_[v]; }
+  /// Vertices whose stars changed in the last update.
+  const std::vector<Index>& changed_vertices() const { return changed_vertices_; }
+  /// For StarKind::ring: the other vertices of the boundary faces at v in cyclic order, with the same orientation in
+  /// all rings of an orientable part. Consecutive vertices, and the last and the first one, form a triangle with v.
+  /// Empty for other kinds.
+  std::span<const Index> ring(const Topology& topology, Index v, Ring& scratch) const;
+
+ protected:
+  ~StarKinds() = default;
+  /// Finds the sides of the boundary faces at v that do not contain v, with the orientation of the faces. Returns false
+  /// if the star is irregular.
+  virtual bool find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const = 0;
+  /// The kind by these sides.
+  StarKind kind_by_sides(const Topology& topology, Index v, Ring& scratch) const;
+  /// Begins an update, which ends with delta_.confirm(). Returns the extent of the change.
+  TopologyDelta::Extent sync(const Topology& topology);
+  /// Sets the kind of each changed vertex v to kind_of(v, the scratch memory of a worker).
+  template <class Scratch, class KindOf>
+  void set_kinds(std::vector<Scratch>& scratch, Executor& executor, KindOf&& kind_of) {
+    constexpr std::size_t kGrain = 256;
+    scratch.resize(executor.workers());
+    executor.parallel_for(changed_vertices_.size(), kGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
+      for (std::size_t i = begin; i < end; ++i)
+        kinds_[changed_vertices_[i]] = kind_of(changed_vertices_[i], scratch[w]);
+    });
+  }
+  std::size_t kinds_bytes() const { return heap_bytes(delta_, kinds_, changed_vertices_); }
+
+  TopologyDelta delta_;
+  std::vector<StarKind> kinds_;  ///< by vertex
+
+ private:
+  std::vector<Index> changed_vertices_;
+};
+
+/// The table for the elements of a topology of tetrahedra and triangles.
+class StarTable final : public StarKinds {
  public:
   /// The neighbour across the face opposite to vertex i of a tetrahedron.
   struct Neighbour {
@@ -46,21 +92,6 @@ class StarTable {
   /// Updates the table for the topology. The time is proportional to the size of the change. Returns the extent of the
   /// change.
   TopologyDelta::Extent update(const Topology& topology, Executor& executor);
-  /// Vertices whose stars changed in the last update that returned `edits`.
-  const std::vector<Index>& changed_vertices() const { return changed_vertices_; }
-
-  StarKind kind(Index v) const { return kinds_[v]; }
-  /// Memory for one ring, to be reused.
-  struct Ring {
-    std::vector<std::array<Index, 2>> open;
-    std::vector<Index> vertices;
-
-    std::size_t bytes() const { return open.capacity() * sizeof(open[0]) + vertices.capacity() * sizeof(Index); }
-  };
-  /// For StarKind::ring: the other vertices of the boundary faces at v in cyclic order, with the same orientation in
-  /// all rings of an orientable part. Consecutive vertices, and the last and the first one, form a face with v. Empty
-  /// for other kinds.
-  std::span<const Index> ring(const Topology& topology, Index v, Ring& scratch) const;
   const std::array<Neighbour, 4>& neighbours(Index tetrahedron) const { return neighbours_[tetrahedron]; }
   /// Whether a face of the tetrahedron has other elements, but not exactly one other tetrahedron.
   bool shares_a_face_with_several(Index tetrahedron) const {
@@ -83,7 +114,7 @@ class StarTable {
   /// The boundary faces that have a vertex with a ring.
   std::vector<RingFace> boundary_faces(const Topology& topology) const;
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return kinds_bytes() + heap_bytes(neighbours_, boundary_parts_, fits_, scratch_); }
 
  private:
   /// Scratch memory of one worker.
@@ -91,24 +122,23 @@ class StarTable {
     std::vector<Index> places;   ///< by element slot: its position in the current star
     std::vector<Index> corners;  ///< by vertex: one of its corners in the current star
     std::vector<Index> parents;
-    std::vector<std::array<Index, 2>> open;
+    Ring ring;
+    std::size_t bytes() const { return heap_bytes(places, corners, parents, ring); }
   };
 
   void set_neighbours(const Topology& topology, Index triangle);
+  template <class Visit>
+  void visit_boundary(const Mesh& mesh, Index o, Visit&& visit) const;
   StarKind kind_of(const Topology& topology, Index v, Scratch& scratch) const;
   bool joins_up(const Topology& topology, Index v, Scratch& scratch) const;
-  void find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const;
-  void set_kinds(const Topology& topology, std::size_t count, const Index* vertices, Executor& executor);
+  bool find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const override;
   void set_element(const Topology& topology, Index o);
   std::uint8_t boundary_part_of(const Mesh& mesh, Index o) const;
   Fit fit_of(const Mesh& mesh, Index o) const;
 
-  TopologyDelta delta_;
   std::vector<std::array<Neighbour, 4>> neighbours_;  ///< by element slot
   std::vector<std::uint8_t> boundary_parts_;          ///< by element slot
   std::vector<Fit> fits_;                             ///< by element slot
-  std::vector<StarKind> kinds_;                       ///< by vertex
-  std::vector<Index> changed_vertices_;
   std::vector<Scratch> scratch_;
 };
 

@@ -25,15 +25,19 @@ const SuspectOrphans::Partner* SuspectOrphans::find(Index o, Index partner) cons
   return nullptr;
 }
 
-void SuspectOrphans::update(const Topology& topology, PairLists lists, Executor& executor) {
+void SuspectOrphans::update(const Topology& topology, std::span<const ElementPair> pairs, Executor& executor) {
   topology_ = &topology;
   const TopologyDelta::Extent changed = delta_.sync(topology);
   std::swap(now_, before_);
   if (changed == TopologyDelta::Extent::everything) before_.elements.clear(), before_.places.clear();
   fresh_.assign(topology.mesh().element_slots(), 0);
   near_.assign(topology.features().vertex_slots(), 0);
-  if (changed == TopologyDelta::Extent::edits) mark_fresh();
-  set_partners(lists, executor);
+  // The features of elements without vertices whose elements changed, and the elements of these features, are as
+  // before.
+  for (const TopologyChange* change : delta_.changes())
+    for (const Index v : change->features.touched_vertices)
+      for (const Index o : topology.features().vertex_elements(v)) fresh_[o] = 1;
+  set_partners(pairs, executor);
   renewed_.resize(now_.elements.size());
   partner_of_.resize(executor.workers());
   for (std::vector<Index>& partner_of : partner_of_) partner_of.assign(topology.mesh().element_slots(), kNone);
@@ -43,7 +47,14 @@ void SuspectOrphans::update(const Topology& topology, PairLists lists, Executor&
       if (renewed_[i]) find_candidates(i, partner_of_[w]);
     }
   });
-  mark_near(executor);
+  // The tests of elements a and b depend on the bits of a, of b, and of elements that have a vertex in common with
+  // both. Partners are mutual: if one of these lost all of its partners, a or b has lost one, too.
+  executor.parallel_for(now_.elements.size(), 64 * kBlockElements, [&](std::size_t begin, std::size_t end, unsigned) {
+    for (std::size_t i = begin; i < end; ++i)
+      if (renewed_[i])
+        for (const Index v : topology.mesh().vertices(now_.elements[i]))
+          std::atomic_ref(near_[v]).store(1, std::memory_order_relaxed);
+  });
   now_.blocks.resize(std::max(now_.blocks.size(), blocks()));
   executor.parallel_for(blocks(), 4, [&](std::size_t begin, std::size_t end, unsigned) {
     for (std::size_t i = begin; i < end; ++i)
@@ -52,26 +63,17 @@ void SuspectOrphans::update(const Topology& topology, PairLists lists, Executor&
   delta_.confirm();
 }
 
-/// Marks the elements at vertices whose elements changed. The features of other elements, and their elements, are as
-/// before.
-void SuspectOrphans::mark_fresh() {
-  for (const TopologyChange* change : delta_.changes())
-    for (const Index v : change->features.touched_vertices)
-      for (const Index o : topology_->features().vertex_elements(v)) fresh_[o] = 1;
-}
-
 /// Each worker reads all pairs, and writes what belongs to its own range of slots: a pass over the pairs takes less
 /// time than atomic counters would.
-void SuspectOrphans::set_partners(PairLists lists, Executor& executor) {
+void SuspectOrphans::set_partners(std::span<const ElementPair> pairs, Executor& executor) {
   const std::size_t slots = fresh_.size(), ranges = executor.workers();
   const auto visit = [&](auto&& add) {
     executor.parallel_for(ranges, 1, [&](std::size_t begin, std::size_t end, unsigned) {
       const Index low = static_cast<Index>(slots * begin / ranges), high = static_cast<Index>(slots * end / ranges);
-      for (const std::span<const ElementPair> pairs : lists)
-        for (const ElementPair pair : pairs) {
-          if (pair.a >= low && pair.a < high) add(pair.a, pair.b);
-          if (pair.b >= low && pair.b < high && pair.a != pair.b) add(pair.b, pair.a);
-        }
+      for (const ElementPair pair : pairs) {
+        if (pair.a >= low && pair.a < high) add(pair.a, pair.b);
+        if (pair.b >= low && pair.b < high && pair.a != pair.b) add(pair.b, pair.a);
+      }
     });
   };
   counts_.assign(slots, 0);
@@ -126,18 +128,6 @@ void SuspectOrphans::find_candidates(std::size_t place, std::vector<Index>& part
     p.triangles = bits(features.own_triangles(p.element), [&](Index f) { return features.triangle_elements(f); });
     p.vertices = bits(topology_->mesh().vertices(p.element), [&](Index v) { return features.vertex_elements(v); });
   }
-}
-
-/// Marks the vertices of the elements that have other partners, or fresh ones. The tests of elements a and b depend on
-/// the bits of a, of b, and of elements that have a vertex in common with both. Partners are mutual: if one of these
-/// lost all of its partners, a or b has lost one, too.
-void SuspectOrphans::mark_near(Executor& executor) {
-  executor.parallel_for(now_.elements.size(), 64 * kBlockElements, [&](std::size_t begin, std::size_t end, unsigned) {
-    for (std::size_t i = begin; i < end; ++i)
-      if (renewed_[i])
-        for (const Index v : topology_->mesh().vertices(now_.elements[i]))
-          std::atomic_ref(near_[v]).store(1, std::memory_order_relaxed);
-  });
 }
 
 /// Lists the orphans of the elements at the places [begin, end), or takes them from the last update.
@@ -225,21 +215,6 @@ void SuspectOrphans::append(std::size_t block, TestBatch& out) const {
   const TestBatch& tests = now_.blocks[block].tests;
   out.vf.insert(out.vf.end(), tests.vf.begin(), tests.vf.end());
   out.ee.insert(out.ee.end(), tests.ee.begin(), tests.ee.end());
-}
-
-std::size_t SuspectOrphans::Lists::bytes() const {
-  std::size_t sum = (elements.capacity() + places.capacity()) * sizeof(Index) + partners.capacity() * sizeof(Partner) +
-                    begins.capacity() * sizeof(std::size_t) + blocks.capacity() * sizeof(Block);
-  for (const Block& block : blocks)
-    sum += (block.tests.vf.capacity() + block.tests.ee.capacity()) * sizeof(FeaturePair);
-  return sum;
-}
-
-std::size_t SuspectOrphans::bytes() const {
-  std::size_t sum = delta_.bytes() + now_.bytes() + before_.bytes() + fresh_.capacity() + renewed_.capacity() +
-                    near_.capacity() + counts_.capacity() * sizeof(Index);
-  for (const std::vector<Index>& partner_of : partner_of_) sum += partner_of.capacity() * sizeof(Index);
-  return sum;
 }
 
 }  // namespace volccd::detail

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/assignment.hpp>
 #include <volccd/mesh/topology_delta.hpp>
 #include <volccd/query/pairs.hpp>
@@ -20,16 +21,15 @@ namespace volccd::detail {
 /// called by several threads.
 class SuspectOrphans {
  public:
-  /// Lists of adjacent pairs of elements, and pairs of an element and itself, each pair in one list, in any order.
+  /// `pairs`: adjacent pairs of elements, and pairs of an element and itself, each once, in any order.
   /// O(slots + pairs + features of the elements of new pairs, and of their neighbours).
-  using PairLists = std::span<const std::span<const ElementPair>>;
-  void update(const Topology& topology, PairLists lists, Executor& executor);
+  void update(const Topology& topology, std::span<const ElementPair> pairs, Executor& executor);
 
   std::size_t blocks() const { return (now_.elements.size() + kBlockElements - 1) / kBlockElements; }
   /// Appends the orphans of a block. Each orphan is in one block.
   void append(std::size_t block, TestBatch& out) const;
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return heap_bytes(delta_, now_, before_, fresh_, renewed_, near_, counts_, partner_of_); }
 
  private:
   static constexpr std::size_t kBlockElements = 16;
@@ -46,6 +46,7 @@ class SuspectOrphans {
   struct Block {
     TestBatch tests;
     std::array<std::size_t, kBlockElements + 1> vf, ee;  ///< by element of the block: where its tests begin
+    std::size_t bytes() const { return heap_bytes(tests.vf, tests.ee); }
   };
 
   /// The result of an update.
@@ -57,14 +58,12 @@ class SuspectOrphans {
 
     Index place(Index o) const { return o < places.size() ? places[o] : kNone; }
     std::span<const Partner> of(Index o) const;
-    std::size_t bytes() const;
+    std::size_t bytes() const { return heap_bytes(elements, places, begins, partners, blocks); }
   };
 
-  void set_partners(PairLists lists, Executor& executor);
+  void set_partners(std::span<const ElementPair> pairs, Executor& executor);
   bool keeps_partners(std::size_t place);
   void find_candidates(std::size_t place, std::vector<Index>& partner_of);
-  void mark_fresh();
-  void mark_near(Executor& executor);
   void fill(Block& block, std::size_t begin, std::size_t end) const;
   void keep(Index o, Block& block) const;
 

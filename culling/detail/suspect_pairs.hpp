@@ -2,11 +2,10 @@
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <span>
-#include <vector>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/corner_planes.hpp>
 #include <volccd/culling/detail/pair_set.hpp>
 #include <volccd/culling/detail/star_classes.hpp>
@@ -25,23 +24,14 @@ class SuspectPairs {
   void update(const Step& step, const StarClasses& classes, Executor& executor);
 
   /// The pairs, with a <= b, each once. Their order depends on the executor.
-  std::span<const ElementPair> pairs() const { return pairs_; }
+  std::span<const ElementPair> pairs() const { return list_.pairs(); }
   bool contains(Index a, Index b) const { return set_.contains({a, b}); }
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return heap_bytes(list_, set_); }
 
  private:
-  /// Scratch memory of one worker, and what it has found.
-  struct Worker {
-    std::vector<ElementPair> found;
-    CornerPairs corners;
-  };
-
-  static void at_vertex(const Step& step, const StarClasses& classes, Index v, Worker& worker);
-
-  std::vector<ElementPair> pairs_;
+  CornerPairList list_;
   PairSet set_;
-  std::vector<Worker> workers_;
 };
 
 }  // namespace volccd::detail

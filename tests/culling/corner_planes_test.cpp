@@ -69,11 +69,11 @@ bool elements_touch(const Step& step) {
 
 bool left_out_of_corners(const Step& step, Index common) {
   CornerPairs pairs;
-  bool remains = false;
+  std::vector<ElementPair> remaining;
   pairs.begin();
   if (!pairs.add(step, 0, 0, 1, common == 2 ? 1 : kNone)) return false;
-  pairs.decide(step, 0, [&](Index, Index) { remains = true; });
-  return !remains;
+  pairs.decide(step, 0, remaining);
+  return remaining.empty();
 }
 
 /// The same by the list of the flood, which visits the pairs of a star.

@@ -2,7 +2,6 @@
 #include <volccd/culling/detail/suspect_orphans.hpp>
 
 #include <algorithm>
-#include <array>
 #include <set>
 #include <span>
 #include <stdexcept>
@@ -88,14 +87,11 @@ void expect_orphans_follow(Mesh mesh, std::vector<ElementType> types, std::uint6
     Pairs pairs = suspect_pairs(topology, suspect, random.below(3) == 0 ? 1 : 0);
     const TestBatch expected = orphans_of(topology.features(), pairs);
     for (std::size_t i = pairs.size(); i > 1; --i) std::swap(pairs[i - 1], pairs[random.below(i)]);
-    const std::size_t part = random.below(pairs.size() + 1);
-    const std::array<std::span<const ElementPair>, 2> lists = {std::span(pairs).first(part),
-                                                               std::span(pairs).subspan(part)};
     if (random.below(8) == 0) {
       EndsInLoop interrupted(static_cast<int>(random.below(5)));
-      EXPECT_THROW(kept.update(topology, lists, interrupted), std::runtime_error);
+      EXPECT_THROW(kept.update(topology, pairs, interrupted), std::runtime_error);
     }
-    kept.update(topology, lists, round % 2 ? *threads : serial);
+    kept.update(topology, pairs, round % 2 ? *threads : serial);
     expect_same(all_of(kept), expected, round);
     orphans += expected.size();
     const std::uint64_t edits = random.below(10) == 0 ? Topology::kHistory + 2 : random.below(3);

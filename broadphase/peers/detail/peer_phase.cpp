@@ -11,17 +11,14 @@ constexpr int kBoxes = 6;
 
 }  // namespace
 
-std::size_t PeerState::bytes() const {
-  return delta.bytes() + keys.bytes() + list.bytes() + vertices.bytes() + boxes.bytes() + writers.bytes() +
-         peer_bytes();
-}
+std::size_t PeerState::bytes() const { return heap_bytes(delta, keys, list, vertices, boxes, writers) + peer_bytes(); }
 
-float PeerState::safe_scale() const {
+void PeerState::set_scale() {
   float reach = 0;
   for (std::size_t p = 0; p < list.size(); ++p)
     for (std::size_t axis = 0; axis < 3; ++axis)
       reach = std::max({reach, std::abs(low(p)[axis]), std::abs(high(p)[axis])});
-  return reach > 1e12f ? 0x1p-90f : 1;
+  scale = reach > 1e12f ? 0x1p-90f : 1;
 }
 
 void PeerPhase::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
@@ -39,8 +36,9 @@ void PeerPhase::run(const Step& step, StageState& stage_state, PairRange range, 
                     PairSink sink) const {
   PeerState& state = static_cast<PeerState&>(stage_state);
   const PairRules rules(range, step.topology, state.keys);
+  state.rules = &rules;
   state.writers.start(executor.workers(), sink);
-  if (state.list.size() > 1) collide(state, rules, executor);
+  if (state.list.size() > 1) collide(state, executor);
   write_self_pairs(state.list, rules, executor, state.writers);
   state.writers.finish();
 }

@@ -9,6 +9,7 @@
 #include <volccd/broadphase/detail/filter_keys.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
 #include <volccd/broadphase/detail/swept_bounds.hpp>
+#include <volccd/core/heap_bytes.hpp>
 
 namespace volccd::detail {
 
@@ -16,10 +17,12 @@ namespace volccd::detail {
 struct PeerState : StageState {
   ElementDelta delta;
   FilterKeys keys;
-  ElementList list;  ///< live elements by slot, without gaps
+  ElementList list;             ///< live elements by slot, without gaps
   BoundsTable vertices, boxes;  ///< k = 6; row p of `boxes` is the swept box of the element at position p of the list
   PairWriters writers;
+  const PairRules* rules = nullptr;  ///< those of the query that runs
   double bounds_seconds = 0;
+  float scale = 1;
 
   const float* low(std::size_t position) const { return boxes.row(position); }
   const float* high(std::size_t position) const { return boxes.row(position) + boxes.width(); }
@@ -30,32 +33,20 @@ struct PeerState : StageState {
     return a[0] <= d[0] && b[0] <= c[0] && a[1] <= d[1] && b[1] <= c[1] && a[2] <= d[2] && b[2] <= c[2];
   }
 
-  /// A scale factor for libraries that compute volumes in floats: 1, or if some coordinate exceeds 1e12, a power of two
-  /// that makes all floats smaller. Scaled boxes of overlapping boxes overlap; other boxes may overlap too, because
+  /// Passes on a pair of positions whose boxes overlap, if the query requests it.
+  void push(Index p, Index q, unsigned worker = 0) {
+    const Index a = list.slot(p), b = list.slot(q);
+    if (rules->want(a, b)) writers[worker].push(a, b);
+  }
+
+  /// Sets `scale` for libraries that compute volumes in floats: to 1, or if some coordinate exceeds 1e12, to a power of
+  /// two that makes all floats smaller. Scaled boxes of overlapping boxes overlap; other boxes may overlap too, because
   /// small coordinates lose digits.
-  float safe_scale() const;
+  void set_scale();
 
   /// Bytes of the other library's data structure, as far as they can be determined.
   virtual std::size_t peer_bytes() const = 0;
   std::size_t bytes() const final;
-};
-
-/// Receives the pairs that the other library finds, and passes on those that the query requests. Each worker has one.
-class PeerOutput {
- public:
-  PeerOutput(const PairRules& rules, const Index* slots, PairWriter& writer)
-      : rules_(&rules), slots_(slots), writer_(&writer) {}
-
-  /// Two positions whose boxes overlap.
-  void push(Index p, Index q) const {
-    const Index a = slots_[p], b = slots_[q];
-    if (rules_->want(a, b)) writer_->push(a, b);
-  }
-
- private:
-  const PairRules* rules_;
-  const Index* slots_;
-  PairWriter* writer_;
 };
 
 /// Base of the adaptors. Their state objects are of type PeerState.
@@ -70,9 +61,9 @@ class PeerPhase : public BroadPhase {
   /// elements than in the last call, or this is the first call. The list may be empty.
   virtual void update(PeerState& state, bool changed, Executor& executor) const = 0;
 
-  /// Passes each unordered pair of different positions whose boxes overlap or touch to the output of the worker that
-  /// finds it (state.writers), exactly once. The list has at least two elements.
-  virtual void collide(PeerState& state, const PairRules& rules, Executor& executor) const = 0;
+  /// Passes each unordered pair of different positions whose boxes overlap or touch to state.push(), exactly once, with
+  /// the number of the worker that finds it. The list has at least two elements.
+  virtual void collide(PeerState& state, Executor& executor) const = 0;
 };
 
 /// Each function is defined only if its library is available.
