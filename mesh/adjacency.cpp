@@ -4,8 +4,8 @@
 #include <array>
 #include <vector>
 
-#include <volccd/core/executor.hpp>
 #include <volccd/mesh/detail/chunks.hpp>
+#include <volccd/mesh/detail/group_by_key.hpp>
 #include <volccd/mesh/detail/reserve.hpp>
 
 namespace volccd {
@@ -19,11 +19,6 @@ std::size_t largest(std::span<const ElementSpec> elements) {
 }
 
 }  // namespace
-
-void Adjacency::build(const Mesh& mesh) {
-  SerialExecutor executor;
-  build(mesh, executor);
-}
 
 void Adjacency::build(const Mesh& mesh, Executor& executor) {
   *this = Adjacency();
@@ -42,24 +37,14 @@ void Adjacency::build(const Mesh& mesh, Executor& executor) {
   chunks.for_each(executor, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (Index o = static_cast<Index>(begin); o < end; ++o) store_block(o, mesh.vertices(o));
   });
-  if (most > kMaxBlock) build_large(mesh, executor);
-}
-
-void Adjacency::build_large(const Mesh& mesh, Executor& executor) {
-  const auto listed = [&](std::size_t o) {
-    const std::span<const Index> vertices = mesh.vertices(static_cast<Index>(o));
-    return vertices.size() > kMaxBlock ? vertices : std::span<const Index>();
+  if (most <= kMaxBlock) return;
+  const auto add_vertices = [&](std::size_t, std::size_t begin, std::size_t end, auto&& add) {
+    for (Index o = static_cast<Index>(begin); o < end; ++o)
+      if (const std::span<const Index> vertices = mesh.vertices(o); vertices.size() > kMaxBlock)
+        for (const Index v : vertices) add(detail::KeyValue{o, v});
   };
-  const detail::Chunks chunks(mesh.element_slots());
-  detail::RawVector<Index> lengths(mesh.element_slots());
-  chunks.for_each(executor, [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t o = begin; o < end; ++o) lengths[o] = static_cast<Index>(listed(o).size());
-  });
-  large_.set_lengths(lengths, executor);
-  chunks.for_each(executor, [&](std::size_t, std::size_t begin, std::size_t end) {
-    Index* to = large_.entries().data() + (large_[begin].data() - large_.entries().data());
-    for (std::size_t o = begin; o < end; ++o) to = std::copy(listed(o).begin(), listed(o).end(), to);
-  });
+  const std::size_t slots = mesh.element_slots();
+  detail::group_by_key(slots, slots, slots * most, executor, add_vertices, large_);
 }
 
 void Adjacency::prepare(std::span<const ElementSpec> added, std::span<const Index> slots, Index element_slots) {

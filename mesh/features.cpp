@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 
-#include <volccd/core/executor.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/mesh/detail/chunks.hpp>
 #include <volccd/mesh/detail/group_by_key.hpp>
@@ -123,11 +122,6 @@ void build_kind(detail::Occurrences<N>& occurrences, const Mesh& mesh, Executor&
 }
 
 }  // namespace
-
-void Features::build(const Mesh& mesh) {
-  SerialExecutor executor;
-  build(mesh, executor);
-}
 
 void Features::build(const Mesh& mesh, Executor& executor) {
   *this = Features(edge_set_);

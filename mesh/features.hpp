@@ -11,14 +11,13 @@
 #include <span>
 #include <vector>
 
+#include <volccd/core/executor.hpp>
 #include <volccd/mesh/detail/raw_vector.hpp>
 #include <volccd/mesh/detail/tuple_table.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/mesh.hpp>
 
 namespace volccd {
-
-class Executor;
 
 namespace detail {
 class FeatureEdit;
@@ -56,9 +55,7 @@ class Features {
 
   /// Replaces the contents by the features of `mesh`. Expected time O(elements). After edits, Topology::apply() updates
   /// the features together with their mesh. All workers of the executor take part; the features do not depend on it.
-  /// Without an executor, the calling thread does all the work.
-  void build(const Mesh& mesh, Executor& executor);
-  void build(const Mesh& mesh);
+  void build(const Mesh& mesh, Executor& executor = serial_executor());
 
   /// Numbers of slots, including those without a live feature.
   Index vertex_slots() const { return static_cast<Index>(vertex_incidence_.elements.size()); }

@@ -231,9 +231,8 @@ Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double>
 
 Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double> thickness,
                                 std::vector<Vec3>& out) const {
-  SerialExecutor executor;
   Scratch scratch;
-  return positions(x, thickness, out, scratch, executor);
+  return positions(x, thickness, out, scratch, serial_executor());
 }
 
 }  // namespace volccd

@@ -8,7 +8,6 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/core/executor.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/mesh/detail/check_element.hpp>
 #include <volccd/mesh/detail/chunks.hpp>
@@ -21,12 +20,6 @@ namespace {
 std::uint64_t next_version() {
   static std::atomic<std::uint64_t> last{0};
   return ++last;
-}
-
-/// An executor without state, hence safe to use from any thread.
-Executor& calling_thread() {
-  static SerialExecutor executor;
-  return executor;
 }
 
 [[noreturn]] void refuse(const char* dataset, std::size_t index, const std::string& problem) {
@@ -53,8 +46,6 @@ std::vector<Index> vertices_of(const Mesh& mesh, const TopologyEdit& edit) {
 }
 
 }  // namespace
-
-Topology::Topology(Mesh mesh, EdgeSet edge_set) : Topology(std::move(mesh), calling_thread(), edge_set) {}
 
 Topology::Topology(Mesh mesh, Executor& executor, EdgeSet edge_set)
     : mesh_(std::move(mesh)), features_(edge_set), version_(next_version()), base_version_(version_) {

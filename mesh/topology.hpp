@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <volccd/mesh/adjacency.hpp>
@@ -13,8 +14,6 @@
 #include <volccd/mesh/mesh.hpp>
 
 namespace volccd {
-
-class Executor;
 
 /// Elements to remove, then vertices and elements to add, between two steps (Section 5.1: O' = O + A_s - A_t).
 struct TopologyEdit {
@@ -37,7 +36,8 @@ struct TopologyChange {
 /// updated, and determines the changes since then with a TopologyDelta.
 class Topology {
  public:
-  explicit Topology(Mesh mesh, EdgeSet edge_set = EdgeSet::triangulated);
+  explicit Topology(Mesh mesh, EdgeSet edge_set = EdgeSet::triangulated)
+      : Topology(std::move(mesh), serial_executor(), edge_set) {}
   /// The same topology, built by all workers of the executor, which is not stored. Expected time O(elements).
   Topology(Mesh mesh, Executor& executor, EdgeSet edge_set = EdgeSet::triangulated);
 

@@ -36,8 +36,7 @@ class CellReader {
  private:
   /// A cell in which a node occurs twice, and the row of the second occurrence.
   struct Repeated {
-    std::size_t cell;
-    std::int64_t row;
+    std::size_t cell, row;
   };
 
   void read_types(std::size_t step, SequenceCells& cells);
@@ -56,16 +55,13 @@ class CellReader {
   /// Reads `count` + 1 non-descending offsets that begin with 0 and end with `length`.
   void read_monotone(const StepArray& array, std::size_t step, std::int64_t count, std::int64_t length,
                      std::vector<std::int64_t>& out);
-  /// The vertex slot of point `value` of the file, which was read from row `row`. `place()` describes the cell in error
-  /// messages.
-  template <class Place>
-  Index slot(const StepArray& array, std::int64_t row, std::int64_t value, const Place& place) const;
+  /// The vertex slot of a point of the file, which row `row` of the array has for a cell.
+  Index slot(const StepArray& array, std::size_t step, std::size_t row, std::int64_t point, std::size_t cell,
+             const SequenceCells& cells) const;
 
   const SequenceLayout& layout_;
   const PointOrder& order_;
-  std::vector<std::int64_t> numbers_;
-  std::vector<std::int64_t> sorted_ids_;
-  std::vector<std::int64_t> face_connectivity_, face_offsets_, to_faces_, cell_faces_;
+  std::vector<std::int64_t> numbers_, face_connectivity_, face_offsets_, to_faces_, cell_faces_;
   std::vector<Index> used_;
   std::vector<Repeated> repeated_;  ///< in ascending order of cells
   CollapsedCounts collapsed_counts_;

@@ -35,17 +35,11 @@ void ShellSolids::read_thickness() {
     return;
   }
   reader_.read_thickness(end_, thickness1_);
-  if (start_ == end_) {
-    thickness0_ = thickness1_;
-    return;
-  }
-  if (reader_.same_cells(start_, end_)) {
-    reader_.read_thickness(start_, thickness0_);
-    return;
-  }
+  thickness0_ = thickness1_;
+  if (start_ == end_) return;
+  if (reader_.same_cells(start_, end_)) return reader_.read_thickness(start_, thickness0_);
   reader_.read_thickness(start_, thickness_before_);
   reader_.read_cells(start_, before_);
-  thickness0_ = thickness1_;
   for (std::size_t i = 0; i < before_.size(); ++i)
     if (const Index o = mesh_.find_element(before_.ids[i]); o != kNone) thickness0_[o] = thickness_before_[i];
 }
@@ -53,9 +47,8 @@ void ShellSolids::read_thickness() {
 Index ShellSolids::positions(std::span<const Vec3> x0, std::span<const Vec3> x1, std::vector<Vec3>& solid0,
                              std::vector<Vec3>& solid1) {
   read_thickness();
-  SerialExecutor serial;
-  const Index without0 = thickener_->positions(x0, thickness0_, solid0, scratch_, serial);
-  return without0 + thickener_->positions(x1, thickness1_, solid1, scratch_, serial);
+  const Index without0 = thickener_->positions(x0, thickness0_, solid0, scratch_, serial_executor());
+  return without0 + thickener_->positions(x1, thickness1_, solid1, scratch_, serial_executor());
 }
 
 }  // namespace volccd::detail

@@ -15,8 +15,7 @@ namespace {
 
 void check_length(const std::string& file, const std::string& dataset, std::size_t length, std::size_t wanted) {
   if (length != wanted)
-    throw InputError(file, dataset,
-                     "has " + std::to_string(length) + " entries, but must have " + std::to_string(wanted));
+    throw InputError(file, dataset, fmt::format("has {} entries, but must have {}", length, wanted));
 }
 
 /// Checks CSR offsets: one more than there are cells, non-descending, from 0 to `length`.
@@ -29,16 +28,20 @@ void check_offsets(const std::string& file, const std::string& dataset, const st
 
 }  // namespace
 
-void check_ids(const std::string& file, const std::string& dataset, std::span<const std::int64_t> ids) {
+std::optional<WrongId> find_wrong_id(std::span<const std::int64_t> ids) {
   for (std::size_t i = 0; i < ids.size(); ++i)
-    if (ids[i] < 0)
-      throw InputError(file, dataset, static_cast<std::int64_t>(i), "the id is negative: " + std::to_string(ids[i]));
+    if (ids[i] < 0) return WrongId{i, fmt::format("the id is negative: {}", ids[i])};
   std::vector<std::int64_t> sorted(ids.begin(), ids.end());
   std::sort(sorted.begin(), sorted.end());
   const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-  if (twice == sorted.end()) return;
+  if (twice == sorted.end()) return std::nullopt;
   const auto other = std::find(std::find(ids.begin(), ids.end(), *twice) + 1, ids.end(), *twice);
-  throw InputError(file, dataset, other - ids.begin(), "the id " + std::to_string(*twice) + " is there twice");
+  return WrongId{static_cast<std::size_t>(other - ids.begin()), fmt::format("the id {} is there twice", *twice)};
+}
+
+void check_ids(const std::string& file, const std::string& dataset, std::span<const std::int64_t> ids) {
+  if (const std::optional<WrongId> wrong = find_wrong_id(ids))
+    throw InputError(file, dataset, static_cast<std::int64_t>(wrong->index), wrong->problem);
 }
 
 void check_vectors(const std::string& file, const std::string& dataset, std::span<const Vec3> vectors,

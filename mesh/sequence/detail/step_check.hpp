@@ -1,7 +1,8 @@
-// Checks of the data that are given to a writer.
+// Checks of ids, and of the data that are given to a writer.
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 
@@ -10,7 +11,14 @@
 
 namespace volccd::detail {
 
-/// All functions throw InputError with `file`, the dataset, and the index of the invalid entry.
+/// The first negative id or, if there is none, the second occurrence of the smallest repeated id.
+struct WrongId {
+  std::size_t index;
+  std::string problem;
+};
+std::optional<WrongId> find_wrong_id(std::span<const std::int64_t> ids);
+
+/// All functions below throw InputError with `file`, the dataset, and the index of the invalid entry.
 
 /// Checks that the ids are distinct and not negative.
 void check_ids(const std::string& file, const std::string& dataset, std::span<const std::int64_t> ids);
