@@ -6,7 +6,6 @@
 
 #include <volccd/mesh/detail/chunks.hpp>
 #include <volccd/mesh/detail/group_by_key.hpp>
-#include <volccd/mesh/detail/reserve.hpp>
 
 namespace volccd {
 
@@ -31,9 +30,7 @@ void Adjacency::build(const Mesh& mesh, Executor& executor) {
   });
   const std::size_t most = sizes.empty() ? 0 : *std::max_element(sizes.begin(), sizes.end());
   if (most > block_) block_ = kMaxBlock;
-  const std::size_t size = std::size_t{mesh.element_slots()} * block_;
-  ids_.reserve(detail::with_spare(size));
-  ids_.resize(size);
+  detail::resize_with_spare(ids_, std::size_t{mesh.element_slots()} * block_);
   chunks.for_each(executor, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (Index o = static_cast<Index>(begin); o < end; ++o) store_block(o, mesh.vertices(o));
   });

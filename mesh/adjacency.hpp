@@ -44,7 +44,7 @@ class Adjacency {
     return {block(o), block_};
   }
 
-  std::size_t bytes() const { return ids_.capacity() * sizeof(Index) + large_.bytes(); }
+  std::size_t bytes() const { return detail::allocated_bytes(ids_) + large_.bytes(); }
 
  private:
   static constexpr std::uint32_t kMaxBlock = 8;

@@ -13,20 +13,13 @@ namespace volccd {
 namespace detail {
 
 PolytopeBoundary::PolytopeBoundary(std::span<const Index> faces, EdgeSet edge_set) {
-  std::vector<Index> face;
-  visit_faces(faces, [&](std::span<const Index> stored) {
-    face.assign(stored.begin(), stored.end());
-    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
-    const std::size_t n = face.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      const auto [low, high] = std::minmax(face[i], face[(i + 1) % n]);
-      edges.push_back({low, high});
-    }
-    for (std::size_t i = 1; i + 1 < n; ++i) {
-      const auto [low, high] = std::minmax(face[i], face[i + 1]);
-      triangles.push_back({face[0], low, high});
-      if (edge_set == EdgeSet::triangulated && i != 1) edges.push_back({face[0], face[i]});
-    }
+  visit_faces(faces, [&](std::span<const Index> face) {
+    for (std::size_t i = 0; i < face.size(); ++i) edges.push_back(ascending(face[i], face[(i + 1) % face.size()]));
+    visit_fan(face, [&](Index smallest, Index a, Index b) {
+      const auto [low, high] = std::minmax(a, b);
+      triangles.push_back({smallest, low, high});
+      if (edge_set == EdgeSet::triangulated) edges.push_back({smallest, a});  // an edge of the face or a diagonal
+    });
   });
   sort_unique(edges);
   sort_unique(triangles);
@@ -93,8 +86,7 @@ Index build_vertices(const Mesh& mesh, Executor& executor, detail::Incidence& in
   };
   detail::group_by_key(mesh.element_slots(), mesh.vertex_count(), std::size_t{4} * mesh.element_slots(), executor,
                        add_vertices, incidence.elements);
-  incidence.first.reserve(detail::with_spare(mesh.vertex_count()));
-  incidence.first.resize(mesh.vertex_count());
+  detail::resize_with_spare(incidence.first, mesh.vertex_count());
   std::atomic<Index> live{0};
   detail::Chunks(mesh.vertex_count()).for_each(executor, [&](std::size_t, std::size_t begin, std::size_t end) {
     Index count = 0;
@@ -108,17 +100,26 @@ Index build_vertices(const Mesh& mesh, Executor& executor, detail::Incidence& in
   return live;
 }
 
-/// Builds the tables of the edges or the triangles from their occurrences, whose memory it releases.
+/// Builds the edges or the triangles from their occurrences, whose memory it releases.
 template <std::size_t N>
 void build_kind(detail::Occurrences<N>& occurrences, const Mesh& mesh, Executor& executor,
-                detail::RawVector<std::array<Index, N>>& tuples, detail::TupleTable<N>& table,
-                detail::Incidence& incidence, detail::IncidencePool& of_element) {
-  detail::number_tuples(occurrences, mesh.vertex_count(), executor, tuples, incidence, of_element);
-  table.fill(tuples, executor);
+                detail::TupleFeatures<N>& features) {
+  detail::number_tuples(occurrences, mesh.vertex_count(), executor, features);
+  features.table.fill(features.tuples, executor);
   const auto add_features = [&](std::size_t, std::size_t begin, std::size_t end, auto&& add) {
-    for (Index i = static_cast<Index>(begin); i < end; ++i) add(detail::KeyValue{incidence.first[i], i});
+    for (Index i = static_cast<Index>(begin); i < end; ++i) add(detail::KeyValue{features.incidence.first[i], i});
   };
-  detail::group_by_key(tuples.size(), mesh.element_slots(), tuples.size(), executor, add_features, incidence.own);
+  const std::size_t count = features.tuples.size();
+  detail::group_by_key(count, mesh.element_slots(), count, executor, add_features, features.incidence.own);
+}
+
+std::size_t bytes_of(const detail::Incidence& incidence) {
+  return incidence.elements.bytes() + detail::allocated_bytes(incidence.first) + incidence.own.bytes();
+}
+
+template <std::size_t N>
+std::size_t bytes_of(const detail::TupleFeatures<N>& f) {
+  return detail::allocated_bytes(f.tuples, f.free) + f.table.bytes() + bytes_of(f.incidence) + f.of_element.bytes();
 }
 
 }  // namespace
@@ -129,24 +130,16 @@ void Features::build(const Mesh& mesh, Executor& executor) {
   detail::Occurrences<2> edges;
   detail::Occurrences<3> triangles;
   list_boundaries(mesh, edge_set_, executor, edges, triangles);
-  build_kind(edges, mesh, executor, edges_, edge_table_, edge_incidence_, element_edges_);
-  build_kind(triangles, mesh, executor, triangles_, triangle_table_, triangle_incidence_, element_triangles_);
+  build_kind(edges, mesh, executor, edges_);
+  build_kind(triangles, mesh, executor, triangles_);
 }
 
-Index Features::find_edge(Index v0, Index v1) const { return edge_table_.find(ascending(v0, v1), edges_); }
+Index Features::find_edge(Index v0, Index v1) const { return edges_.table.find(ascending(v0, v1), edges_.tuples); }
 
 Index Features::find_triangle(Index v0, Index v1, Index v2) const {
-  return triangle_table_.find(ascending(v0, v1, v2), triangles_);
+  return triangles_.table.find(ascending(v0, v1, v2), triangles_.tuples);
 }
 
-std::size_t Features::bytes() const {
-  std::size_t total = edges_.capacity() * sizeof(edges_[0]) + triangles_.capacity() * sizeof(triangles_[0]) +
-                      edge_table_.bytes() + triangle_table_.bytes() + element_edges_.bytes() +
-                      element_triangles_.bytes() +
-                      (free_edges_.capacity() + free_triangles_.capacity()) * sizeof(Index);
-  for (const auto* incidence : {&vertex_incidence_, &edge_incidence_, &triangle_incidence_})
-    total += incidence->elements.bytes() + incidence->first.capacity() * sizeof(Index) + incidence->own.bytes();
-  return total;
-}
+std::size_t Features::bytes() const { return bytes_of(vertex_incidence_) + bytes_of(edges_) + bytes_of(triangles_); }
 
 }  // namespace volccd

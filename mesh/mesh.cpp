@@ -8,7 +8,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/detail/check_element.hpp>
-#include <volccd/mesh/detail/reserve.hpp>
+#include <volccd/mesh/detail/raw_vector.hpp>
 
 namespace volccd {
 
@@ -141,6 +141,11 @@ Index Mesh::place(const ElementSpec& element) noexcept {
   return slot;
 }
 
+ElementSpec Mesh::spec(Index o) const {
+  const std::span<const Index> nodes = vertices(o), faces = polytope_faces(o);
+  return {types_[o], {nodes.begin(), nodes.end()}, {faces.begin(), faces.end()}, objects_[o], element_ids_[o]};
+}
+
 Index Mesh::find_element(std::int64_t id) const {
   return id_table_.find(id_hash(id), [&](Index slot) { return element_ids_[slot] == id; });
 }
@@ -157,11 +162,9 @@ std::size_t Mesh::allocate(std::size_t length) noexcept {
 }
 
 std::size_t Mesh::bytes() const {
-  std::size_t total = vertex_ids_.capacity() * sizeof(std::int64_t) + types_.capacity() * sizeof(ElementType) +
-                      objects_.capacity() * sizeof(std::int32_t) + element_ids_.capacity() * sizeof(std::int64_t) +
-                      blocks_.capacity() * sizeof(Block) + connectivity_.capacity() * sizeof(Index) +
-                      free_slots_.capacity() * sizeof(Index) + id_table_.bytes();
-  for (const auto& [length, starts] : free_blocks_) total += starts.capacity() * sizeof(std::size_t);
+  std::size_t total = id_table_.bytes() + detail::allocated_bytes(vertex_ids_, types_, objects_, element_ids_, blocks_,
+                                                                  connectivity_, free_slots_);
+  for (const auto& [length, starts] : free_blocks_) total += detail::allocated_bytes(starts);
   return total;
 }
 

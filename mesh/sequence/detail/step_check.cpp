@@ -31,12 +31,9 @@ void check_offsets(const std::string& file, const std::string& dataset, const st
 std::optional<WrongId> find_wrong_id(std::span<const std::int64_t> ids) {
   for (std::size_t i = 0; i < ids.size(); ++i)
     if (ids[i] < 0) return WrongId{i, fmt::format("the id is negative: {}", ids[i])};
-  std::vector<std::int64_t> sorted(ids.begin(), ids.end());
-  std::sort(sorted.begin(), sorted.end());
-  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-  if (twice == sorted.end()) return std::nullopt;
-  const auto other = std::find(std::find(ids.begin(), ids.end(), *twice) + 1, ids.end(), *twice);
-  return WrongId{static_cast<std::size_t>(other - ids.begin()), fmt::format("the id {} is there twice", *twice)};
+  const std::size_t i = find_repeated(ids);
+  if (i == ids.size()) return std::nullopt;
+  return WrongId{i, fmt::format("the id {} is there twice", ids[i])};
 }
 
 void check_ids(const std::string& file, const std::string& dataset, std::span<const std::int64_t> ids) {
