@@ -1,7 +1,7 @@
 #include <volccd/mesh/adjacency.hpp>
 
 #include <algorithm>
-#include <array>
+#include <cstring>
 #include <vector>
 
 #include <volccd/mesh/detail/chunks.hpp>
@@ -81,10 +81,9 @@ void Adjacency::widen() noexcept {
   const std::size_t slots = ids_.size() / 4;
   ids_.resize(slots * kMaxBlock);
   for (std::size_t o = slots; o-- > 0;) {
-    std::array<Index, 4> ids;
-    std::copy_n(ids_.begin() + static_cast<std::ptrdiff_t>(4 * o), 4, ids.begin());
-    const auto to = ids_.begin() + static_cast<std::ptrdiff_t>(kMaxBlock * o);
-    std::fill_n(std::copy(ids.begin(), ids.end(), to), 4, ids[0]);
+    Index* const to = ids_.data() + kMaxBlock * o;
+    std::memmove(to, ids_.data() + 4 * o, 4 * sizeof(Index));
+    std::fill_n(to + 4, 4, to[0]);
   }
   block_ = kMaxBlock;
 }

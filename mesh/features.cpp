@@ -13,13 +13,17 @@ namespace volccd {
 namespace detail {
 
 PolytopeBoundary::PolytopeBoundary(std::span<const Index> faces, EdgeSet edge_set) {
-  visit_faces(faces, [&](std::span<const Index> face) {
-    for (std::size_t i = 0; i < face.size(); ++i) edges.push_back(ascending(face[i], face[(i + 1) % face.size()]));
-    visit_fan(face, [&](Index smallest, Index a, Index b) {
-      const auto [low, high] = std::minmax(a, b);
-      triangles.push_back({smallest, low, high});
-      if (edge_set == EdgeSet::triangulated) edges.push_back({smallest, a});  // an edge of the face or a diagonal
-    });
+  std::vector<Index> face;
+  visit_faces(faces, [&](std::span<const Index> stored) {
+    face.assign(stored.begin(), stored.end());
+    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+    const std::size_t n = face.size();
+    for (std::size_t i = 0; i < n; ++i) edges.push_back(ascending(face[i], face[(i + 1) % n]));
+    for (std::size_t i = 1; i + 1 < n; ++i) {
+      const auto [low, high] = std::minmax(face[i], face[i + 1]);
+      triangles.push_back({face[0], low, high});
+      if (edge_set == EdgeSet::triangulated && i != 1) edges.push_back({face[0], face[i]});
+    }
   });
   sort_unique(edges);
   sort_unique(triangles);
@@ -31,23 +35,16 @@ namespace {
 
 using detail::ascending;
 
-/// Upper bounds on the numbers of features of all elements, with repetition.
-struct BoundarySize {
+/// Upper bounds on the numbers of edges and triangles of some elements, with repetition.
+std::array<std::size_t, 2> boundary_sizes(const Mesh& mesh, std::size_t begin, std::size_t end, EdgeSet edge_set) {
   std::size_t edges = 0, triangles = 0;
-};
-
-BoundarySize boundary_size(const Mesh& mesh, std::size_t begin, std::size_t end, EdgeSet edge_set) {
-  BoundarySize size;
   for (Index o = static_cast<Index>(begin); o < end; ++o) {
     const detail::ElementTable& table = detail::element_table(mesh.type(o));
-    size.edges += table.edges + (edge_set == EdgeSet::triangulated ? table.quads : 0u);
-    size.triangles += table.triangles + 2u * table.quads;
-    if (mesh.type(o) == ElementType::polytope) {
-      size.edges += mesh.polytope_faces(o).size();
-      size.triangles += mesh.polytope_faces(o).size();
-    }
+    const std::size_t faces = mesh.type(o) == ElementType::polytope ? mesh.polytope_faces(o).size() : 0;
+    edges += table.edges + (edge_set == EdgeSet::triangulated ? table.quads : 0u) + faces;
+    triangles += table.triangles + 2u * table.quads + faces;
   }
-  return size;
+  return {edges, triangles};
 }
 
 /// Lists the boundaries of all elements.
@@ -56,9 +53,9 @@ void list_boundaries(const Mesh& mesh, EdgeSet edge_set, Executor& executor, det
   const detail::Chunks chunks(mesh.element_slots());
   std::vector<std::size_t> most_edges(chunks.count()), most_triangles(chunks.count());
   chunks.for_each(executor, [&](std::size_t c, std::size_t begin, std::size_t end) {
-    const BoundarySize most = boundary_size(mesh, begin, end, edge_set);
-    most_edges[c] = most.edges;
-    most_triangles[c] = most.triangles;
+    const auto [edge_count, triangle_count] = boundary_sizes(mesh, begin, end, edge_set);
+    most_edges[c] = edge_count;
+    most_triangles[c] = triangle_count;
   });
   edges.allocate(mesh.element_slots(), most_edges);
   triangles.allocate(mesh.element_slots(), most_triangles);
@@ -141,5 +138,19 @@ Index Features::find_triangle(Index v0, Index v1, Index v2) const {
 }
 
 std::size_t Features::bytes() const { return bytes_of(vertex_incidence_) + bytes_of(edges_) + bytes_of(triangles_); }
+
+std::vector<std::array<Index, 3>> oriented_boundary(const Mesh& mesh, Index o) {
+  std::vector<std::array<Index, 3>> triangles;
+  const auto add = [&](Index a, Index b, Index c) { triangles.push_back({a, b, c}); };
+  if (mesh.type(o) != ElementType::polytope)  // the triangles of fixed types are oriented as their faces
+    visit_boundary(
+        mesh, o, EdgeSet::triangulated, [](Index, Index) {}, add);
+  visit_faces(mesh.polytope_faces(o), [&](std::span<const Index> stored) {
+    std::vector<Index> face(stored.begin(), stored.end());
+    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+    for (std::size_t i = 1; i + 1 < face.size(); ++i) add(face[0], face[i], face[i + 1]);
+  });
+  return triangles;
+}
 
 }  // namespace volccd

@@ -122,6 +122,11 @@ class Features {
 template <class EdgeVisitor, class TriangleVisitor>
 void visit_boundary(const Mesh& mesh, Index o, EdgeSet edge_set, EdgeVisitor&& edge, TriangleVisitor&& triangle);
 
+/// The boundary triangles of live element o, each as three vertex slots in the cyclic order of its face. For a volume
+/// element of positive volume in VTK's node order they are oriented outward; for a polytope they have the orientation
+/// of its stored faces. If two faces of a degenerate polytope have the same triangle, it is returned twice.
+std::vector<std::array<Index, 3>> oriented_boundary(const Mesh& mesh, Index o);
+
 }  // namespace volccd
 
 #include <volccd/mesh/detail/visit_boundary.hpp>

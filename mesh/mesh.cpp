@@ -25,9 +25,9 @@ void check_vertex_number(std::size_t n) {
 void Mesh::add_vertices(std::span<const std::int64_t> ids) {
   check_vertex_number(vertex_ids_.size() + ids.size());
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    const bool first = i == 0 && vertex_ids_.empty();
-    const std::int64_t before = i != 0 ? ids[i - 1] : first ? 0 : vertex_ids_.back();
-    if (!first && ids[i] <= before)
+    if (i == 0 && vertex_ids_.empty()) continue;
+    const std::int64_t before = i == 0 ? vertex_ids_.back() : ids[i - 1];
+    if (ids[i] <= before)
       throw InputError("mesh", "vertex ids", static_cast<std::int64_t>(i),
                        fmt::format("ids must ascend, but {} follows {}", ids[i], before));
   }
@@ -48,7 +48,6 @@ Index Mesh::add_element(const ElementSpec& element) {
     throw InputError("mesh", "elements", element.id, problem);
   if (free_slots_.empty() && types_.size() + 1 >= kNone)
     throw InputError("mesh", "elements", element.id, "more than 2^32 - 2 elements");
-
   if (find_element(element.id) != kNone)
     throw InputError("mesh", "elements", element.id, "another element has this id");
   const std::size_t length = element.vertices.size() + element.faces.size();

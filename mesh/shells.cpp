@@ -148,16 +148,6 @@ Mesh ShellThickener::solid_mesh(const Mesh& mesh) const {
   return solid;
 }
 
-void ShellThickener::check(std::span<const Vec3> x, std::span<const double> thickness) const {
-  if (x.size() != vertices_)
-    throw InputError("shells", "positions", fmt::format("{} for {} vertices", x.size(), vertices_));
-  if (thickness.size() != slots_)
-    throw InputError("shells", "thickness", fmt::format("{} for {} elements", thickness.size(), slots_));
-  for (const Shell& shell : shells_)
-    if (!std::isfinite(thickness[shell.slot]) || thickness[shell.slot] < 0)
-      throw InputError("shells", "thickness", shell.slot, "not a finite number >= 0");
-}
-
 /// The last entry of `runs` is the end of the last run. Returns the number of vertices without a mean normal.
 Index ShellThickener::split_vertices(std::span<const Vec3> x, std::span<const double> thickness,
                                      std::span<const Sheet> sheets, std::span<const Index> runs,
@@ -194,7 +184,13 @@ Index ShellThickener::split_vertices(std::span<const Vec3> x, std::span<const do
 
 Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double> thickness, std::vector<Vec3>& out,
                                 Scratch& scratch, Executor& executor) const {
-  check(x, thickness);
+  if (x.size() != vertices_)
+    throw InputError("shells", "positions", fmt::format("{} for {} vertices", x.size(), vertices_));
+  if (thickness.size() != slots_)
+    throw InputError("shells", "thickness", fmt::format("{} for {} elements", thickness.size(), slots_));
+  for (const Shell& shell : shells_)
+    if (!std::isfinite(thickness[shell.slot]) || thickness[shell.slot] < 0)
+      throw InputError("shells", "thickness", shell.slot, "not a finite number >= 0");
   scratch.sheets_.resize(shells_.size());
   const std::span<Sheet> sheets = scratch.sheets_;
   executor.parallel_for(shells_.size(), kGrain, [&](std::size_t begin, std::size_t end, unsigned) {

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cassert>
-#include <limits>
 
 #include <fmt/format.h>
 

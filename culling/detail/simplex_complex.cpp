@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include <volccd/mesh/oriented_boundary.hpp>
+#include <volccd/mesh/features.hpp>
 
 namespace volccd::detail {
 

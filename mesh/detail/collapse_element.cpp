@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <iterator>
 #include <map>
 #include <utility>
 
@@ -97,38 +96,27 @@ std::string surface_problem(const Faces& faces, const std::vector<Index>& vertic
 
 bool has(const Face& face, Index v) { return std::find(face.begin(), face.end(), v) != face.end(); }
 
-std::vector<Index> without(const std::vector<Index>& vertices, const Face& face) {
-  std::vector<Index> rest;
-  std::copy_if(vertices.begin(), vertices.end(), std::back_inserter(rest), [&](Index v) { return !has(face, v); });
-  return rest;
-}
-
-/// A fixed type and a node order that may have these faces.
-struct Guess {
-  ElementType type = ElementType::none;
-  std::vector<Index> nodes;
-};
-
 /// The base and the apex. VTK's tetrahedron and pyramid begin with their base, in the order seen from inside.
-Guess on_base(ElementType type, const Face& base, const std::vector<Index>& vertices) {
-  Guess guess{type, opposite(base)};
-  guess.nodes.push_back(without(vertices, base).front());
+CollapsedElement on_base(ElementType type, const Face& base, const std::vector<Index>& vertices) {
+  CollapsedElement guess{type, opposite(base), {}, {}};
+  guess.vertices.push_back(*std::find_if(vertices.begin(), vertices.end(), [&](Index v) { return !has(base, v); }));
   return guess;
 }
 
 /// VTK's wedge begins with a triangle, in the order seen from outside. Each of its corners corresponds to the other end
 /// of the third edge at that corner.
-Guess wedge_on(const Face& triangle, const Faces& faces) {
-  Guess guess{ElementType::wedge, triangle};
+CollapsedElement wedge_on(const Face& triangle, const Faces& faces) {
+  CollapsedElement guess{ElementType::wedge, triangle, {}, {}};
   for (const Index corner : triangle)
     for (const Face& face : faces)
       // Of the two quads at the corner, selects the one in which the edge leads away from the triangle.
       if (face.size() == 4 && has(face, corner) && !has(triangle, next(face, corner)))
-        guess.nodes.push_back(next(face, corner));
+        guess.vertices.push_back(next(face, corner));
   return guess;
 }
 
-Guess guess_of(const Faces& faces, const std::vector<Index>& vertices) {
+/// A fixed type and a node order that may have these faces; no type if there is none.
+CollapsedElement guess_of(const Faces& faces, const std::vector<Index>& vertices) {
   const auto triangles = std::count_if(faces.begin(), faces.end(), [](const Face& f) { return f.size() == 3; });
   const auto quads = static_cast<std::ptrdiff_t>(faces.size()) - triangles;
   const auto first_of = [&](std::size_t n) {
@@ -150,10 +138,10 @@ CollapsedElement collapse_solid(ElementType type, std::span<const Index> nodes) 
   if (faces.empty()) return {ElementType::none, {}, {}, "it has no volume"};
   if (std::string problem = surface_problem(faces, vertices); !problem.empty())
     return {ElementType::none, {}, {}, std::move(problem)};
-  const Guess guess = guess_of(faces, vertices);
-  if (guess.type != ElementType::none && guess.nodes.size() == vertices.size() &&
-      faces_of(guess.type, guess.nodes) == faces)
-    return {guess.type, guess.nodes, {}, {}};
+  CollapsedElement guess = guess_of(faces, vertices);
+  if (guess.type != ElementType::none && guess.vertices.size() == vertices.size() &&
+      faces_of(guess.type, guess.vertices) == faces)
+    return guess;
   CollapsedElement polytope{ElementType::polytope, vertices, {}, {}};
   for (const Face& face : faces) {
     polytope.faces.push_back(static_cast<Index>(face.size()));

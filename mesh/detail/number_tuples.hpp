@@ -40,10 +40,6 @@ struct TupleRecord {
   Index element, occurrence;
 
   Index key() const { return tuple[0]; }
-  /// Compares the components explicitly, because g++ calls memcmp for the operator== of std::array.
-  bool same_tuple(const TupleRecord& other) const {
-    return tuple[0] == other.tuple[0] && tuple[1] == other.tuple[1] && tuple[N - 1] == other.tuple[N - 1];
-  }
   /// Whether this record precedes another one with the same first vertex. An element has each tuple at most once.
   bool precedes(const TupleRecord& other) const {
     if constexpr (N == 2) {
@@ -101,7 +97,7 @@ Distribution<TupleRecord<N>> distribute(Occurrences<N>& all, std::size_t vertice
 template <std::size_t N>
 std::size_t count_tuples(std::span<const TupleRecord<N>> records) {
   std::size_t count = !records.empty();
-  for (std::size_t i = 1; i < records.size(); ++i) count += !records[i].same_tuple(records[i - 1]);
+  for (std::size_t i = 1; i < records.size(); ++i) count += !same_tuple(records[i].tuple, records[i - 1].tuple);
   return count;
 }
 
@@ -114,7 +110,7 @@ void store_tuples(std::span<const TupleRecord<N>> records, std::size_t begin, st
   for (std::size_t i = 0, end = 0; i < records.size(); i = end, ++number) {
     features.tuples[number] = records[i].tuple;
     incidence.first[number] = records[i].element;
-    for (end = i; end < records.size() && records[end].same_tuple(records[i]); ++end) {
+    for (end = i; end < records.size() && same_tuple(records[end].tuple, records[i].tuple); ++end) {
       elements[begin + end] = records[end].element;
       numbers[records[end].occurrence] = static_cast<Index>(number);
     }

@@ -40,15 +40,6 @@ inline std::array<Index, 3> ascending(Index a, Index b, Index c) {
   return {a, b, c};
 }
 
-/// Calls triangle(a, b, c) for each triangle of the fan of a face around its smallest vertex a, in the cyclic order of
-/// the face.
-template <class TriangleVisitor>
-void visit_fan(std::span<const Index> face, TriangleVisitor&& triangle) {
-  const std::size_t n = face.size();
-  const std::size_t first = static_cast<std::size_t>(std::min_element(face.begin(), face.end()) - face.begin());
-  for (std::size_t i = 1; i + 1 < n; ++i) triangle(face[first], face[(first + i) % n], face[(first + i + 1) % n]);
-}
-
 /// The same for an element with vertices v; `faces` is the face stream if it is a polytope.
 template <class EdgeVisitor, class TriangleVisitor>
 void visit_boundary(ElementType type, const Index* v, std::span<const Index> faces, EdgeSet edge_set,

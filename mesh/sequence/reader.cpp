@@ -38,7 +38,19 @@ struct SequenceReader::Impl {
     assert(step >= 0 && static_cast<std::size_t>(step) < layout.steps());
     return static_cast<std::size_t>(step);
   }
-  void read_vectors(const detail::StepArray& array, int step, const char* what, std::vector<Vec3>& out);
+  void read_vectors(const detail::StepArray& array, int step, const char* what, std::vector<Vec3>& out) {
+    array.read(index(step), layout.points, numbers);
+    out.resize(static_cast<std::size_t>(layout.points));
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const Vec3 p(numbers.data() + 3 * i);
+      const Index slot = order.slots()[i];
+      if (!p.allFinite())
+        array.fail(index(step), i,
+                   fmt::format("the {} is not finite: {}, {}, {} (point id {}, step {})", what, p[0], p[1], p[2],
+                               order.ids()[slot], step));
+      out[slot] = p;
+    }
+  }
 
   detail::Hdf5File file;
   SequenceMetadata metadata;
@@ -76,21 +88,6 @@ bool SequenceReader::has_velocity() const { return impl_->layout.velocity.has_va
 bool SequenceReader::has_thickness() const { return impl_->layout.thickness.has_value(); }
 bool SequenceReader::has_query() const {
   return impl_->layout.query_start && impl_->layout.query_end && impl_->layout.query_separation;
-}
-
-void SequenceReader::Impl::read_vectors(const detail::StepArray& array, int step, const char* what,
-                                        std::vector<Vec3>& out) {
-  array.read(index(step), layout.points, numbers);
-  out.resize(static_cast<std::size_t>(layout.points));
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const Vec3 p(numbers.data() + 3 * i);
-    const Index slot = order.slots()[i];
-    if (!p.allFinite())
-      array.fail(index(step), i,
-                 fmt::format("the {} is not finite: {}, {}, {} (point id {}, step {})", what, p[0], p[1], p[2],
-                             order.ids()[slot], step));
-    out[slot] = p;
-  }
 }
 
 void SequenceReader::read_points(int step, std::vector<Vec3>& points) {

@@ -13,21 +13,6 @@
 
 namespace volccd {
 
-namespace {
-
-/// Middle control point, over [t0, t1], of the parabola through x0 at time t0, x1 at t1 and x2 at t2: the midpoint of
-/// x0 and x1 minus h^2/2 times the second divided difference.
-struct ParabolaMiddle {
-  ParabolaMiddle(double t0, double t1, double t2) : to_start((t1 - t0) / (t2 - t0)), to_end((t1 - t0) / (t2 - t1)) {}
-  double to_start, to_end;  ///< h divided by the time differences of the third step
-
-  Vec3 operator()(const Vec3& x0, const Vec3& x1, const Vec3& x2) const {
-    return 0.5 * x0 + 0.5 * x1 - 0.5 * to_start * (to_end * (x2 - x1) - (x1 - x0));
-  }
-};
-
-}  // namespace
-
 SequenceStepper::SequenceStepper(SequenceReader& reader, Config config) : reader_(reader), config_(config) {
   if (config.motion == MotionModel::quadratic && reader.step_count() == 2 && !reader.has_velocity())
     throw InputError(reader.file(), "VTKHDF/PointData/Velocity",
@@ -64,10 +49,8 @@ void SequenceStepper::go_to(int motion, Executor& executor) {
   const std::vector<Vec3>& x0 = query ? start_ : points_.at(motion);
   const std::vector<Vec3>& x1 = query || tentative ? end_ : points_.at(motion + 1);
   Index without_normal = 0;
-  if (solids_) {
-    solids_->set_steps(query ? motion + 1 : motion, cells_step(motion));
-    without_normal = solids_->positions(x0, x1, solid0_, solid1_);
-  }
+  if (solids_)
+    without_normal = solids_->positions(query ? motion + 1 : motion, cells_step(motion), x0, x1, solid0_, solid1_);
   set_topology(cells_step(motion), executor);
   if (solids_) {
     if (config_.motion == MotionModel::quadratic) set_solid_middle(x0, x1);
@@ -119,9 +102,13 @@ void SequenceStepper::read_middle(int motion) {
       middle_[v] = used_[v] ? Vec3(x0[v] + half * velocity_[v]) : Vec3(0.5 * x0[v] + 0.5 * x1[v]);
   } else {
     const std::vector<Vec3>& x2 = points_.at(third);
-    const ParabolaMiddle parabola(reader_.time(motion), reader_.time(motion + 1), reader_.time(third));
-    for (std::size_t v = 0; v < x0.size(); ++v)
-      middle_[v] = used_[v] ? parabola(x0[v], x1[v], x2[v]) : Vec3(0.5 * x0[v] + 0.5 * x1[v]);
+    const double t0 = reader_.time(motion), t1 = reader_.time(motion + 1), t2 = reader_.time(third);
+    const double to_start = (t1 - t0) / (t2 - t0), to_end = (t1 - t0) / (t2 - t1);
+    // The middle of the parabola is the midpoint of x0 and x1 minus h^2/2 times the second divided difference.
+    for (std::size_t v = 0; v < x0.size(); ++v) {
+      middle_[v] = 0.5 * x0[v] + 0.5 * x1[v];
+      if (used_[v]) middle_[v] -= 0.5 * to_start * (to_end * (x2[v] - x1[v]) - (x1[v] - x0[v]));
+    }
   }
   mark_used(motion + 1);
   for (std::size_t v = 0; v < middle_.size(); ++v) {

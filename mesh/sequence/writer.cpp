@@ -56,23 +56,21 @@ struct SequenceWriter::Impl {
   }
 
   void check(double time, std::span<const Vec3> points, const SequenceCells& cells, const StepFields& fields) const {
-    const std::string& file = target.name();
     if (!std::isfinite(time) || (!times.empty() && !(time > times.back())))
       fail("VTKHDF/Steps/Values", "the time is not finite or not after that of the step before");
-    const detail::StepPlace place{static_cast<std::int64_t>(times.size()), point_ids};
-    detail::check_vectors(file, "VTKHDF/Points", points, place);
+    const detail::StepPlace place{target.name(), static_cast<std::int64_t>(times.size()), point_ids};
+    detail::check_vectors("VTKHDF/Points", points, place);
     const bool single = form == SequenceForm::single;
     if (single && !times.empty()) fail("VTKHDF/Steps", "is a second step: this form has one");
     if (single && !cells.face_offsets.empty())
-      throw InputError(file, "VTKHDF/Types",
+      throw InputError(target.name(), "VTKHDF/Types",
                        "there are polyhedra, which VTKHDF 1.0 does not have: the temporal form keeps them");
     check_given("PointData/Velocity", !fields.velocity.empty());
     check_given("CellData/Thickness", !fields.thickness.empty());
-    if (!fields.velocity.empty()) detail::check_vectors(file, "VTKHDF/PointData/Velocity", fields.velocity, place);
+    if (!fields.velocity.empty()) detail::check_vectors("VTKHDF/PointData/Velocity", fields.velocity, place);
     check_query(fields, place);
-    if (!fields.thickness.empty())
-      detail::check_thickness(file, "VTKHDF/CellData/Thickness", fields.thickness, cells, place);
-    if (times.empty() || !(cells == last)) detail::check_cells(file, cells, place);
+    if (!fields.thickness.empty()) detail::check_thickness("VTKHDF/CellData/Thickness", fields.thickness, cells, place);
+    if (times.empty() || !(cells == last)) detail::check_cells(cells, place);
   }
 
   void check_given(const std::string& path, bool given) const {
@@ -85,8 +83,8 @@ struct SequenceWriter::Impl {
       fail(fields.query_start.empty() ? start : end, "is missing beside the other");
     check_given("PointData/QueryStart", !fields.query_start.empty());
     if (fields.query_start.empty()) return;
-    detail::check_vectors(target.name(), start, fields.query_start, place);
-    detail::check_vectors(target.name(), end, fields.query_end, place);
+    detail::check_vectors(start, fields.query_start, place);
+    detail::check_vectors(end, fields.query_end, place);
     if (!(std::isfinite(fields.query_separation) && fields.query_separation >= 0))
       fail("VTKHDF/PointData/QuerySeparation", "is negative or not finite");
   }

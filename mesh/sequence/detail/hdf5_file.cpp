@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 #include <new>
+#include <type_traits>
 
 #include <volccd/core/error.hpp>
 
@@ -86,18 +87,6 @@ void Hdf5Dataset::check_size(std::int64_t file_bytes) const {
   if (room == 0) fail("has chunks of more than 1 GiB");
 }
 
-template <class T>
-void Hdf5Dataset::resize(std::vector<T>& out, std::int64_t first, std::int64_t count) const {
-  if (first < 0 || count < 0 || first > rows_ - count)
-    fail(first, "rows " + std::to_string(first) + " .. +" + std::to_string(count) + " are wanted, there are " +
-                    std::to_string(rows_));
-  try {
-    out.resize(static_cast<std::size_t>(count * width()));
-  } catch (const std::bad_alloc&) {
-    fail(first, std::to_string(count) + " rows do not fit into memory");
-  }
-}
-
 void Hdf5Dataset::read_raw(std::int64_t first, std::int64_t count, hid_t type, void* out) const {
   if (count == 0) return;
   const QuietHdf5 quiet;
@@ -111,19 +100,24 @@ void Hdf5Dataset::read_raw(std::int64_t first, std::int64_t count, hid_t type, v
     fail(first, "cannot be read from here on: the file is damaged" + hdf5_reason());
 }
 
-void Hdf5Dataset::read(std::int64_t first, std::int64_t count, std::vector<std::int64_t>& out) const {
-  resize(out, first, count);
-  read_raw(first, count, H5T_NATIVE_INT64, out.data());
+template <class T>
+void Hdf5Dataset::read(std::int64_t first, std::int64_t count, std::vector<T>& out) const {
+  if (first < 0 || count < 0 || first > rows_ - count)
+    fail(first, "rows " + std::to_string(first) + " .. +" + std::to_string(count) + " are wanted, there are " +
+                    std::to_string(rows_));
+  try {
+    out.resize(static_cast<std::size_t>(count * width()));
+  } catch (const std::bad_alloc&) {
+    fail(first, std::to_string(count) + " rows do not fit into memory");
+  }
+  read_raw(first, count, std::is_same_v<T, double> ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64, out.data());
   if (!unsigned64_) return;
   // HDF5 replaces values out of range by the limits of the range.
   const auto clamped = std::find(out.begin(), out.end(), std::numeric_limits<std::int64_t>::max());
   if (clamped != out.end()) fail(first + (clamped - out.begin()) / width(), "exceeds the range of a 64-bit integer");
 }
-
-void Hdf5Dataset::read(std::int64_t first, std::int64_t count, std::vector<double>& out) const {
-  resize(out, first, count);
-  read_raw(first, count, H5T_NATIVE_DOUBLE, out.data());
-}
+template void Hdf5Dataset::read(std::int64_t, std::int64_t, std::vector<std::int64_t>&) const;
+template void Hdf5Dataset::read(std::int64_t, std::int64_t, std::vector<double>&) const;
 
 Hdf5File::Hdf5File(const std::string& name) : name_(name) {
   std::error_code error;

@@ -20,9 +20,9 @@ class Hdf5Dataset {
   std::int64_t rows() const { return rows_; }
 
   /// Replaces `out` by the rows [first, first + count), one row after another. Integers of up to 8 bytes are converted,
-  /// real numbers of up to 8 bytes are widened. Throws if the range is not within [0, rows()].
-  void read(std::int64_t first, std::int64_t count, std::vector<std::int64_t>& out) const;
-  void read(std::int64_t first, std::int64_t count, std::vector<double>& out) const;
+  /// real numbers of up to 8 bytes are widened. T is int64 or double. Throws if the range is not within [0, rows()].
+  template <class T>
+  void read(std::int64_t first, std::int64_t count, std::vector<T>& out) const;
 
   /// Throws an InputError, for one of the rows if `row` is given.
   [[noreturn]] void fail(std::int64_t row, const std::string& problem) const;
@@ -36,8 +36,6 @@ class Hdf5Dataset {
   void check_shape(std::int64_t columns, std::int64_t depth);
   void check_size(std::int64_t file_bytes) const;
   void read_raw(std::int64_t first, std::int64_t count, hid_t type, void* out) const;
-  template <class T>
-  void resize(std::vector<T>& out, std::int64_t first, std::int64_t count) const;
 
   std::string file_, path_;
   Hdf5Id id_;

@@ -77,38 +77,34 @@ herr_t set_eoa(H5FD_t* base, H5FD_mem_t, haddr_t address) {
 
 haddr_t get_eof(const H5FD_t* base, H5FD_mem_t) { return file_of(base).eof; }
 
+/// Calls io, which is pread or pwrite, until all bytes are transferred, the file ends, or the system refuses. Returns
+/// the number of bytes that are left.
+template <class Io, class Byte>
+std::size_t transfer(const DriverFile& file, Io io, Byte* at, std::size_t size, haddr_t address) {
+  while (size > 0) {
+    const ssize_t done = io(file.descriptor, at, size, static_cast<off_t>(address));
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) note_error(file.error);
+    if (done <= 0) break;
+    at += done;
+    address += static_cast<haddr_t>(done);
+    size -= static_cast<std::size_t>(done);
+  }
+  return size;
+}
+
 /// Returns zeros for bytes that have not been written.
 herr_t read_bytes(H5FD_t* base, H5FD_mem_t, hid_t, haddr_t address, std::size_t size, void* buffer) {
-  const DriverFile& file = file_of(base);
-  char* to = static_cast<char*>(buffer);
-  while (size > 0) {
-    const ssize_t got = ::pread(file.descriptor, to, size, static_cast<off_t>(address));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) note_error(file.error);
-    if (got <= 0) break;
-    to += got;
-    address += static_cast<haddr_t>(got);
-    size -= static_cast<std::size_t>(got);
-  }
-  std::memset(to, 0, size);
+  char* const to = static_cast<char*>(buffer);
+  const std::size_t left = transfer(file_of(base), ::pread, to, size, address);
+  std::memset(to + (size - left), 0, left);
   return 0;
 }
 
 herr_t write_bytes(H5FD_t* base, H5FD_mem_t, hid_t, haddr_t address, std::size_t size, const void* buffer) {
   DriverFile& file = file_of(base);
-  const char* from = static_cast<const char*>(buffer);
   file.eof = std::max(file.eof, address + size);
-  while (size > 0) {
-    const ssize_t written = ::pwrite(file.descriptor, from, size, static_cast<off_t>(address));
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) {
-      note_error(file.error);
-      break;
-    }
-    from += written;
-    address += static_cast<haddr_t>(written);
-    size -= static_cast<std::size_t>(written);
-  }
+  transfer(file, ::pwrite, static_cast<const char*>(buffer), size, address);
   return 0;
 }
 

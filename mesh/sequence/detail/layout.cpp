@@ -1,6 +1,5 @@
 #include <volccd/mesh/sequence/detail/layout.hpp>
 
-#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>

@@ -18,24 +18,24 @@ struct WrongId {
 };
 std::optional<WrongId> find_wrong_id(std::span<const std::int64_t> ids);
 
-/// All functions below throw InputError with `file`, the dataset, and the index of the invalid entry.
+/// All functions below throw InputError with the file, the dataset, and the index of the invalid entry.
 
 /// Checks that the ids are distinct and not negative.
 void check_ids(const std::string& file, const std::string& dataset, std::span<const std::int64_t> ids);
-/// The step and the ids of its points, for messages.
+/// The step of a file and the ids of its points, for messages.
 struct StepPlace {
+  const std::string& file;
   std::int64_t step;
   std::span<const std::int64_t> point_ids;
 };
 
 /// Checks that there is one vector per point, and that all are finite.
-void check_vectors(const std::string& file, const std::string& dataset, std::span<const Vec3> vectors,
-                   const StepPlace& place);
+void check_vectors(const std::string& dataset, std::span<const Vec3> vectors, const StepPlace& place);
 /// Checks that there is one value per cell, and that all are finite and not negative.
-void check_thickness(const std::string& file, const std::string& dataset, std::span<const double> values,
-                     const SequenceCells& cells, const StepPlace& place);
+void check_thickness(const std::string& dataset, std::span<const double> values, const SequenceCells& cells,
+                     const StepPlace& place);
 /// Checks that the arrays have consistent lengths, and that a Mesh with these points accepts the cells. The index is
 /// that of the cell.
-void check_cells(const std::string& file, const SequenceCells& cells, const StepPlace& place);
+void check_cells(const SequenceCells& cells, const StepPlace& place);
 
 }  // namespace volccd::detail
