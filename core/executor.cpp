@@ -179,6 +179,11 @@ void SerialExecutor::parallel_for(std::size_t n, std::size_t grain, Body body) {
   for (std::size_t begin = 0; begin < n; begin += grain) body(begin, std::min(n, begin + grain), 0);
 }
 
+Executor& serial_executor() {
+  static SerialExecutor executor;
+  return executor;
+}
+
 std::unique_ptr<Executor> make_executor(unsigned threads) {
   threads = thread_count(threads);
   // More slots than allowed threads would cause a warning of oneTBB.

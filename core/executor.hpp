@@ -33,6 +33,9 @@ class SerialExecutor final : public Executor {
   void parallel_for(std::size_t n, std::size_t grain, Body body) override;
 };
 
+/// A SerialExecutor for any thread: it has no state. The default of functions that need not run on several threads.
+Executor& serial_executor();
+
 /// Largest number of threads that a caller may request.
 inline constexpr unsigned kMaxThreads = 1024;
 

@@ -1,12 +1,11 @@
 #include <volccd/mesh/adjacency.hpp>
 
 #include <algorithm>
-#include <array>
+#include <cstring>
 #include <vector>
 
-#include <volccd/core/executor.hpp>
 #include <volccd/mesh/detail/chunks.hpp>
-#include <volccd/mesh/detail/reserve.hpp>
+#include <volccd/mesh/detail/group_by_key.hpp>
 
 namespace volccd {
 
@@ -20,11 +19,6 @@ std::size_t largest(std::span<const ElementSpec> elements) {
 
 }  // namespace
 
-void Adjacency::build(const Mesh& mesh) {
-  SerialExecutor executor;
-  build(mesh, executor);
-}
-
 void Adjacency::build(const Mesh& mesh, Executor& executor) {
   *this = Adjacency();
   const detail::Chunks chunks(mesh.element_slots());
@@ -36,30 +30,18 @@ void Adjacency::build(const Mesh& mesh, Executor& executor) {
   });
   const std::size_t most = sizes.empty() ? 0 : *std::max_element(sizes.begin(), sizes.end());
   if (most > block_) block_ = kMaxBlock;
-  const std::size_t size = std::size_t{mesh.element_slots()} * block_;
-  ids_.reserve(detail::with_spare(size));
-  ids_.resize(size);
+  detail::resize_with_spare(ids_, std::size_t{mesh.element_slots()} * block_);
   chunks.for_each(executor, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (Index o = static_cast<Index>(begin); o < end; ++o) store_block(o, mesh.vertices(o));
   });
-  if (most > kMaxBlock) build_large(mesh, executor);
-}
-
-void Adjacency::build_large(const Mesh& mesh, Executor& executor) {
-  const auto listed = [&](std::size_t o) {
-    const std::span<const Index> vertices = mesh.vertices(static_cast<Index>(o));
-    return vertices.size() > kMaxBlock ? vertices : std::span<const Index>();
+  if (most <= kMaxBlock) return;
+  const auto add_vertices = [&](std::size_t, std::size_t begin, std::size_t end, auto&& add) {
+    for (Index o = static_cast<Index>(begin); o < end; ++o)
+      if (const std::span<const Index> vertices = mesh.vertices(o); vertices.size() > kMaxBlock)
+        for (const Index v : vertices) add(detail::KeyValue{o, v});
   };
-  const detail::Chunks chunks(mesh.element_slots());
-  detail::RawVector<Index> lengths(mesh.element_slots());
-  chunks.for_each(executor, [&](std::size_t, std::size_t begin, std::size_t end) {
-    for (std::size_t o = begin; o < end; ++o) lengths[o] = static_cast<Index>(listed(o).size());
-  });
-  large_.set_lengths(lengths, executor);
-  chunks.for_each(executor, [&](std::size_t, std::size_t begin, std::size_t end) {
-    Index* to = large_.entries().data() + (large_[begin].data() - large_.entries().data());
-    for (std::size_t o = begin; o < end; ++o) to = std::copy(listed(o).begin(), listed(o).end(), to);
-  });
+  const std::size_t slots = mesh.element_slots();
+  detail::group_by_key(slots, slots, slots * most, executor, add_vertices, large_);
 }
 
 void Adjacency::prepare(std::span<const ElementSpec> added, std::span<const Index> slots, Index element_slots) {
@@ -99,10 +81,9 @@ void Adjacency::widen() noexcept {
   const std::size_t slots = ids_.size() / 4;
   ids_.resize(slots * kMaxBlock);
   for (std::size_t o = slots; o-- > 0;) {
-    std::array<Index, 4> ids;
-    std::copy_n(ids_.begin() + static_cast<std::ptrdiff_t>(4 * o), 4, ids.begin());
-    const auto to = ids_.begin() + static_cast<std::ptrdiff_t>(kMaxBlock * o);
-    std::fill_n(std::copy(ids.begin(), ids.end(), to), 4, ids[0]);
+    Index* const to = ids_.data() + kMaxBlock * o;
+    std::memmove(to, ids_.data() + 4 * o, 4 * sizeof(Index));
+    std::fill_n(to + 4, 4, to[0]);
   }
   block_ = kMaxBlock;
 }

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <span>
 
+#include <volccd/core/executor.hpp>
 #include <volccd/mesh/detail/raw_vector.hpp>
 #include <volccd/mesh/detail/share_id.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
@@ -13,17 +14,13 @@
 
 namespace volccd {
 
-class Executor;
-
 /// Stores the vertices of all elements in blocks of four ids, or of eight ids if some element has more than four
 /// vertices. Polytopes with more than eight vertices have separate lists. Two elements are compared block by block in
 /// vector registers, in about a nanosecond for tetrahedra. Read-only use is thread-safe.
 class Adjacency {
  public:
-  /// Replaces the contents by the live elements of `mesh`. O(elements). All workers of the executor take part; without
-  /// an executor, the calling thread does all the work.
-  void build(const Mesh& mesh, Executor& executor);
-  void build(const Mesh& mesh);
+  /// Replaces the contents by the live elements of `mesh`. O(elements). All workers of the executor take part.
+  void build(const Mesh& mesh, Executor& executor = serial_executor());
 
   /// An edit in two phases, as in Mesh. The added elements take `slots`; afterwards the mesh has `element_slots` slots.
   /// prepare() allocates the memory without an observable change; commit() of the same edit cannot fail. The amortised
@@ -47,14 +44,13 @@ class Adjacency {
     return {block(o), block_};
   }
 
-  std::size_t bytes() const { return ids_.capacity() * sizeof(Index) + large_.bytes(); }
+  std::size_t bytes() const { return detail::allocated_bytes(ids_) + large_.bytes(); }
 
  private:
   static constexpr std::uint32_t kMaxBlock = 8;
 
   const Index* block(Index o) const { return ids_.data() + std::size_t{o} * block_; }
   bool adjacent_large(Index a, Index b) const;
-  void build_large(const Mesh& mesh, Executor& executor);
   void store_block(Index o, std::span<const Index> vertices);
   void widen() noexcept;
 

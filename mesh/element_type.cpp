@@ -26,14 +26,13 @@ constexpr FaceStream make_stream(const detail::ElementTable& table) {
   return stream;
 }
 
-constexpr FaceStream kTriangleFaces = make_stream(detail::kTriangleTable);
-constexpr FaceStream kQuadFaces = make_stream(detail::kQuadTable);
-constexpr FaceStream kTetrahedronFaces = make_stream(detail::kTetrahedronTable);
-constexpr FaceStream kHexahedronFaces = make_stream(detail::kHexahedronTable);
-constexpr FaceStream kWedgeFaces = make_stream(detail::kWedgeTable);
-constexpr FaceStream kPyramidFaces = make_stream(detail::kPyramidTable);
-
-constexpr std::span<const std::uint8_t> view(const FaceStream& stream) { return {stream.data.data(), stream.length}; }
+/// The face streams of the types with a fixed number of vertices, by the value of the type; others are empty.
+constexpr auto kStreams = [] {
+  std::array<FaceStream, static_cast<std::size_t>(ElementType::pyramid) + 1> streams;
+  for (std::size_t type = 0; type < streams.size(); ++type)
+    streams[type] = make_stream(detail::element_table(static_cast<ElementType>(type)));
+  return streams;
+}();
 
 }  // namespace
 
@@ -51,17 +50,9 @@ const char* to_string(ElementType type) {
   return "unknown";
 }
 
-bool is_element_type(int vtk_type) {
-  switch (vtk_type) {
-    case static_cast<int>(ElementType::triangle):
-    case static_cast<int>(ElementType::quad):
-    case static_cast<int>(ElementType::tetrahedron):
-    case static_cast<int>(ElementType::hexahedron):
-    case static_cast<int>(ElementType::wedge):
-    case static_cast<int>(ElementType::pyramid):
-    case static_cast<int>(ElementType::polytope): return true;
-    default: return false;
-  }
+bool is_element_type(std::int64_t vtk_type) {
+  return vtk_type == static_cast<int>(ElementType::polytope) ||
+         (vtk_type > 0 && vtk_type < 256 && vertex_count(static_cast<ElementType>(vtk_type)) != 0);
 }
 
 int vertex_count(ElementType type) { return detail::element_table(type).vertices; }
@@ -69,17 +60,9 @@ int vertex_count(ElementType type) { return detail::element_table(type).vertices
 bool is_shell(ElementType type) { return type == ElementType::triangle || type == ElementType::quad; }
 
 std::span<const std::uint8_t> face_stream(ElementType type) {
-  switch (type) {
-    case ElementType::triangle: return view(kTriangleFaces);
-    case ElementType::quad: return view(kQuadFaces);
-    case ElementType::tetrahedron: return view(kTetrahedronFaces);
-    case ElementType::hexahedron: return view(kHexahedronFaces);
-    case ElementType::wedge: return view(kWedgeFaces);
-    case ElementType::pyramid: return view(kPyramidFaces);
-    case ElementType::none:
-    case ElementType::polytope: break;
-  }
-  return {};
+  const auto at = static_cast<std::size_t>(type);
+  if (at >= kStreams.size()) return {};
+  return {kStreams[at].data.data(), kStreams[at].length};
 }
 
 }  // namespace volccd

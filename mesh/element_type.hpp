@@ -25,7 +25,7 @@ enum class ElementType : std::uint8_t {
 const char* to_string(ElementType type);
 
 /// Whether a VTK cell type can be stored in a mesh; false for `none`.
-bool is_element_type(int vtk_type);
+bool is_element_type(std::int64_t vtk_type);
 
 /// Number of vertices of a type; 0 for a polytope, whose number of vertices varies.
 int vertex_count(ElementType type);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 
-#include <volccd/core/executor.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/mesh/detail/chunks.hpp>
 #include <volccd/mesh/detail/group_by_key.hpp>
@@ -19,10 +18,7 @@ PolytopeBoundary::PolytopeBoundary(std::span<const Index> faces, EdgeSet edge_se
     face.assign(stored.begin(), stored.end());
     std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
     const std::size_t n = face.size();
-    for (std::size_t i = 0; i < n; ++i) {
-      const auto [low, high] = std::minmax(face[i], face[(i + 1) % n]);
-      edges.push_back({low, high});
-    }
+    for (std::size_t i = 0; i < n; ++i) edges.push_back(ascending(face[i], face[(i + 1) % n]));
     for (std::size_t i = 1; i + 1 < n; ++i) {
       const auto [low, high] = std::minmax(face[i], face[i + 1]);
       triangles.push_back({face[0], low, high});
@@ -39,23 +35,16 @@ namespace {
 
 using detail::ascending;
 
-/// Upper bounds on the numbers of features of all elements, with repetition.
-struct BoundarySize {
+/// Upper bounds on the numbers of edges and triangles of some elements, with repetition.
+std::array<std::size_t, 2> boundary_sizes(const Mesh& mesh, std::size_t begin, std::size_t end, EdgeSet edge_set) {
   std::size_t edges = 0, triangles = 0;
-};
-
-BoundarySize boundary_size(const Mesh& mesh, std::size_t begin, std::size_t end, EdgeSet edge_set) {
-  BoundarySize size;
   for (Index o = static_cast<Index>(begin); o < end; ++o) {
     const detail::ElementTable& table = detail::element_table(mesh.type(o));
-    size.edges += table.edges + (edge_set == EdgeSet::triangulated ? table.quads : 0u);
-    size.triangles += table.triangles + 2u * table.quads;
-    if (mesh.type(o) == ElementType::polytope) {
-      size.edges += mesh.polytope_faces(o).size();
-      size.triangles += mesh.polytope_faces(o).size();
-    }
+    const std::size_t faces = mesh.type(o) == ElementType::polytope ? mesh.polytope_faces(o).size() : 0;
+    edges += table.edges + (edge_set == EdgeSet::triangulated ? table.quads : 0u) + faces;
+    triangles += table.triangles + 2u * table.quads + faces;
   }
-  return size;
+  return {edges, triangles};
 }
 
 /// Lists the boundaries of all elements.
@@ -64,9 +53,9 @@ void list_boundaries(const Mesh& mesh, EdgeSet edge_set, Executor& executor, det
   const detail::Chunks chunks(mesh.element_slots());
   std::vector<std::size_t> most_edges(chunks.count()), most_triangles(chunks.count());
   chunks.for_each(executor, [&](std::size_t c, std::size_t begin, std::size_t end) {
-    const BoundarySize most = boundary_size(mesh, begin, end, edge_set);
-    most_edges[c] = most.edges;
-    most_triangles[c] = most.triangles;
+    const auto [edge_count, triangle_count] = boundary_sizes(mesh, begin, end, edge_set);
+    most_edges[c] = edge_count;
+    most_triangles[c] = triangle_count;
   });
   edges.allocate(mesh.element_slots(), most_edges);
   triangles.allocate(mesh.element_slots(), most_triangles);
@@ -94,8 +83,7 @@ Index build_vertices(const Mesh& mesh, Executor& executor, detail::Incidence& in
   };
   detail::group_by_key(mesh.element_slots(), mesh.vertex_count(), std::size_t{4} * mesh.element_slots(), executor,
                        add_vertices, incidence.elements);
-  incidence.first.reserve(detail::with_spare(mesh.vertex_count()));
-  incidence.first.resize(mesh.vertex_count());
+  detail::resize_with_spare(incidence.first, mesh.vertex_count());
   std::atomic<Index> live{0};
   detail::Chunks(mesh.vertex_count()).for_each(executor, [&](std::size_t, std::size_t begin, std::size_t end) {
     Index count = 0;
@@ -109,25 +97,29 @@ Index build_vertices(const Mesh& mesh, Executor& executor, detail::Incidence& in
   return live;
 }
 
-/// Builds the tables of the edges or the triangles from their occurrences, whose memory it releases.
+/// Builds the edges or the triangles from their occurrences, whose memory it releases.
 template <std::size_t N>
 void build_kind(detail::Occurrences<N>& occurrences, const Mesh& mesh, Executor& executor,
-                detail::RawVector<std::array<Index, N>>& tuples, detail::TupleTable<N>& table,
-                detail::Incidence& incidence, detail::IncidencePool& of_element) {
-  detail::number_tuples(occurrences, mesh.vertex_count(), executor, tuples, incidence, of_element);
-  table.fill(tuples, executor);
+                detail::TupleFeatures<N>& features) {
+  detail::number_tuples(occurrences, mesh.vertex_count(), executor, features);
+  features.table.fill(features.tuples, executor);
   const auto add_features = [&](std::size_t, std::size_t begin, std::size_t end, auto&& add) {
-    for (Index i = static_cast<Index>(begin); i < end; ++i) add(detail::KeyValue{incidence.first[i], i});
+    for (Index i = static_cast<Index>(begin); i < end; ++i) add(detail::KeyValue{features.incidence.first[i], i});
   };
-  detail::group_by_key(tuples.size(), mesh.element_slots(), tuples.size(), executor, add_features, incidence.own);
+  const std::size_t count = features.tuples.size();
+  detail::group_by_key(count, mesh.element_slots(), count, executor, add_features, features.incidence.own);
+}
+
+std::size_t bytes_of(const detail::Incidence& incidence) {
+  return incidence.elements.bytes() + detail::allocated_bytes(incidence.first) + incidence.own.bytes();
+}
+
+template <std::size_t N>
+std::size_t bytes_of(const detail::TupleFeatures<N>& f) {
+  return detail::allocated_bytes(f.tuples, f.free) + f.table.bytes() + bytes_of(f.incidence) + f.of_element.bytes();
 }
 
 }  // namespace
-
-void Features::build(const Mesh& mesh) {
-  SerialExecutor executor;
-  build(mesh, executor);
-}
 
 void Features::build(const Mesh& mesh, Executor& executor) {
   *this = Features(edge_set_);
@@ -135,24 +127,30 @@ void Features::build(const Mesh& mesh, Executor& executor) {
   detail::Occurrences<2> edges;
   detail::Occurrences<3> triangles;
   list_boundaries(mesh, edge_set_, executor, edges, triangles);
-  build_kind(edges, mesh, executor, edges_, edge_table_, edge_incidence_, element_edges_);
-  build_kind(triangles, mesh, executor, triangles_, triangle_table_, triangle_incidence_, element_triangles_);
+  build_kind(edges, mesh, executor, edges_);
+  build_kind(triangles, mesh, executor, triangles_);
 }
 
-Index Features::find_edge(Index v0, Index v1) const { return edge_table_.find(ascending(v0, v1), edges_); }
+Index Features::find_edge(Index v0, Index v1) const { return edges_.table.find(ascending(v0, v1), edges_.tuples); }
 
 Index Features::find_triangle(Index v0, Index v1, Index v2) const {
-  return triangle_table_.find(ascending(v0, v1, v2), triangles_);
+  return triangles_.table.find(ascending(v0, v1, v2), triangles_.tuples);
 }
 
-std::size_t Features::bytes() const {
-  std::size_t total = edges_.capacity() * sizeof(edges_[0]) + triangles_.capacity() * sizeof(triangles_[0]) +
-                      edge_table_.bytes() + triangle_table_.bytes() + element_edges_.bytes() +
-                      element_triangles_.bytes() +
-                      (free_edges_.capacity() + free_triangles_.capacity()) * sizeof(Index);
-  for (const auto* incidence : {&vertex_incidence_, &edge_incidence_, &triangle_incidence_})
-    total += incidence->elements.bytes() + incidence->first.capacity() * sizeof(Index) + incidence->own.bytes();
-  return total;
+std::size_t Features::bytes() const { return bytes_of(vertex_incidence_) + bytes_of(edges_) + bytes_of(triangles_); }
+
+std::vector<std::array<Index, 3>> oriented_boundary(const Mesh& mesh, Index o) {
+  std::vector<std::array<Index, 3>> triangles;
+  const auto add = [&](Index a, Index b, Index c) { triangles.push_back({a, b, c}); };
+  if (mesh.type(o) != ElementType::polytope)  // the triangles of fixed types are oriented as their faces
+    visit_boundary(
+        mesh, o, EdgeSet::triangulated, [](Index, Index) {}, add);
+  visit_faces(mesh.polytope_faces(o), [&](std::span<const Index> stored) {
+    std::vector<Index> face(stored.begin(), stored.end());
+    std::rotate(face.begin(), std::min_element(face.begin(), face.end()), face.end());
+    for (std::size_t i = 1; i + 1 < face.size(); ++i) add(face[0], face[i], face[i + 1]);
+  });
+  return triangles;
 }
 
 }  // namespace volccd

@@ -11,14 +11,13 @@
 #include <span>
 #include <vector>
 
+#include <volccd/core/executor.hpp>
 #include <volccd/mesh/detail/raw_vector.hpp>
 #include <volccd/mesh/detail/tuple_table.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/mesh.hpp>
 
 namespace volccd {
-
-class Executor;
 
 namespace detail {
 class FeatureEdit;
@@ -29,6 +28,16 @@ struct Incidence {
   RawVector<Index> first;  ///< elements[i].front(), or kNone
   IncidencePool own;       ///< for each element, the features i with first[i] == element, ascending; empty for
                            ///< vertices
+};
+
+/// The edges (N = 2) or the triangles (N = 3).
+template <std::size_t N>
+struct TupleFeatures {
+  RawVector<std::array<Index, N>> tuples;  ///< vertex slots, ascending
+  TupleTable<N> table;
+  Incidence incidence;
+  IncidencePool of_element;
+  std::vector<Index> free;  ///< slots without a live feature
 };
 
 }  // namespace detail
@@ -56,42 +65,40 @@ class Features {
 
   /// Replaces the contents by the features of `mesh`. Expected time O(elements). After edits, Topology::apply() updates
   /// the features together with their mesh. All workers of the executor take part; the features do not depend on it.
-  /// Without an executor, the calling thread does all the work.
-  void build(const Mesh& mesh, Executor& executor);
-  void build(const Mesh& mesh);
+  void build(const Mesh& mesh, Executor& executor = serial_executor());
 
   /// Numbers of slots, including those without a live feature.
   Index vertex_slots() const { return static_cast<Index>(vertex_incidence_.elements.size()); }
-  Index edge_slots() const { return static_cast<Index>(edges_.size()); }
-  Index triangle_slots() const { return static_cast<Index>(triangles_.size()); }
+  Index edge_slots() const { return static_cast<Index>(edges_.tuples.size()); }
+  Index triangle_slots() const { return static_cast<Index>(triangles_.tuples.size()); }
   /// Numbers of live features.
   Index vertex_count() const { return live_vertices_; }
-  Index edge_count() const { return static_cast<Index>(edge_table_.size()); }
-  Index triangle_count() const { return static_cast<Index>(triangle_table_.size()); }
+  Index edge_count() const { return static_cast<Index>(edges_.table.size()); }
+  Index triangle_count() const { return static_cast<Index>(triangles_.table.size()); }
 
   /// Vertex slots, ascending. The content is undefined if the feature is not live.
-  const std::array<Index, 2>& edge(Index e) const { return edges_[e]; }
-  const std::array<Index, 3>& triangle(Index f) const { return triangles_[f]; }
+  const std::array<Index, 2>& edge(Index e) const { return edges_.tuples[e]; }
+  const std::array<Index, 3>& triangle(Index f) const { return triangles_.tuples[f]; }
 
   /// Incident elements, ascending. Empty if the feature is not live (for a vertex: if no element uses it).
   std::span<const Index> vertex_elements(Index v) const { return vertex_incidence_.elements[v]; }
-  std::span<const Index> edge_elements(Index e) const { return edge_incidence_.elements[e]; }
-  std::span<const Index> triangle_elements(Index f) const { return triangle_incidence_.elements[f]; }
+  std::span<const Index> edge_elements(Index e) const { return edges_.incidence.elements[e]; }
+  std::span<const Index> triangle_elements(Index f) const { return triangles_.incidence.elements[f]; }
 
   /// The first (smallest) incident element, in a separate array for fast random access; kNone if there is none.
   Index first_element_of_vertex(Index v) const { return vertex_incidence_.first[v]; }
-  Index first_element_of_edge(Index e) const { return edge_incidence_.first[e]; }
-  Index first_element_of_triangle(Index f) const { return triangle_incidence_.first[f]; }
+  Index first_element_of_edge(Index e) const { return edges_.incidence.first[e]; }
+  Index first_element_of_triangle(Index f) const { return triangles_.incidence.first[f]; }
 
   /// The features whose first incident element is o, ascending. Each live edge and triangle is in exactly one such
   /// list.
-  std::span<const Index> own_edges(Index o) const { return edge_incidence_.own[o]; }
-  std::span<const Index> own_triangles(Index o) const { return triangle_incidence_.own[o]; }
+  std::span<const Index> own_edges(Index o) const { return edges_.incidence.own[o]; }
+  std::span<const Index> own_triangles(Index o) const { return triangles_.incidence.own[o]; }
 
   /// Edges and triangles of an element, in a local order that its type and vertex order determine; empty for an empty
   /// slot. The vertices of the element are Mesh::vertices.
-  std::span<const Index> element_edges(Index o) const { return element_edges_[o]; }
-  std::span<const Index> element_triangles(Index o) const { return element_triangles_[o]; }
+  std::span<const Index> element_edges(Index o) const { return edges_.of_element[o]; }
+  std::span<const Index> element_triangles(Index o) const { return triangles_.of_element[o]; }
 
   /// Slot of the live edge or triangle with these vertices (in any order), or kNone. O(1) expected.
   Index find_edge(Index v0, Index v1) const;
@@ -103,13 +110,9 @@ class Features {
   friend class detail::FeatureEdit;
 
   EdgeSet edge_set_;
-  detail::RawVector<std::array<Index, 2>> edges_;
-  detail::RawVector<std::array<Index, 3>> triangles_;
-  detail::TupleTable<2> edge_table_;
-  detail::TupleTable<3> triangle_table_;
-  detail::Incidence vertex_incidence_, edge_incidence_, triangle_incidence_;
-  detail::IncidencePool element_edges_, element_triangles_;
-  std::vector<Index> free_edges_, free_triangles_;
+  detail::Incidence vertex_incidence_;
+  detail::TupleFeatures<2> edges_;
+  detail::TupleFeatures<3> triangles_;
   Index live_vertices_ = 0;
 };
 
@@ -118,6 +121,11 @@ class Features {
 /// element is visited once.
 template <class EdgeVisitor, class TriangleVisitor>
 void visit_boundary(const Mesh& mesh, Index o, EdgeSet edge_set, EdgeVisitor&& edge, TriangleVisitor&& triangle);
+
+/// The boundary triangles of live element o, each as three vertex slots in the cyclic order of its face. For a volume
+/// element of positive volume in VTK's node order they are oriented outward; for a polytope they have the orientation
+/// of its stored faces. If two faces of a degenerate polytope have the same triangle, it is returned twice.
+std::vector<std::array<Index, 3>> oriented_boundary(const Mesh& mesh, Index o);
 
 }  // namespace volccd
 

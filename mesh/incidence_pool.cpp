@@ -8,7 +8,6 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/mesh/detail/chunks.hpp>
-#include <volccd/mesh/detail/reserve.hpp>
 
 namespace volccd::detail {
 
@@ -43,8 +42,7 @@ void IncidencePool::set_lengths(std::span<const Index> lengths, Executor& execut
 void IncidencePool::allocate(std::size_t lists, std::size_t entries) {
   check_size(entries);
   *this = IncidencePool();
-  lists_.reserve(with_spare(lists));
-  lists_.resize(lists);
+  resize_with_spare(lists_, lists);
   data_.reserve(entries + entries / 8);
   data_.resize(entries);
   used_ = entries;

@@ -13,9 +13,6 @@ class Executor;
 
 namespace volccd::detail {
 
-/// Capacity of an array that is built with n entries: n plus a reserve, so that the first changes do not reallocate it.
-constexpr std::size_t with_spare(std::size_t n) { return n + n / 16; }
-
 /// List i is pool[i]. A list that outgrows its capacity moves to the end of the array. If compact_if_sparse() is called
 /// after each change, memory stays within a constant factor of the total length of the lists, and a change takes
 /// amortised time proportional to the length of the changed lists. Every change invalidates spans. A member that throws
@@ -58,7 +55,7 @@ class IncidencePool {
   /// Replaces list i.
   void assign(std::size_t i, std::span<const Index> values);
 
-  std::size_t bytes() const { return lists_.capacity() * sizeof(List) + data_.capacity() * sizeof(Index); }
+  std::size_t bytes() const { return allocated_bytes(lists_, data_); }
 
  private:
   struct List {

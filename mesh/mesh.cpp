@@ -8,7 +8,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/detail/check_element.hpp>
-#include <volccd/mesh/detail/reserve.hpp>
+#include <volccd/mesh/detail/raw_vector.hpp>
 
 namespace volccd {
 
@@ -25,9 +25,9 @@ void check_vertex_number(std::size_t n) {
 void Mesh::add_vertices(std::span<const std::int64_t> ids) {
   check_vertex_number(vertex_ids_.size() + ids.size());
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    const bool first = i == 0 && vertex_ids_.empty();
-    const std::int64_t before = i != 0 ? ids[i - 1] : first ? 0 : vertex_ids_.back();
-    if (!first && ids[i] <= before)
+    if (i == 0 && vertex_ids_.empty()) continue;
+    const std::int64_t before = i == 0 ? vertex_ids_.back() : ids[i - 1];
+    if (ids[i] <= before)
       throw InputError("mesh", "vertex ids", static_cast<std::int64_t>(i),
                        fmt::format("ids must ascend, but {} follows {}", ids[i], before));
   }
@@ -48,7 +48,6 @@ Index Mesh::add_element(const ElementSpec& element) {
     throw InputError("mesh", "elements", element.id, problem);
   if (free_slots_.empty() && types_.size() + 1 >= kNone)
     throw InputError("mesh", "elements", element.id, "more than 2^32 - 2 elements");
-
   if (find_element(element.id) != kNone)
     throw InputError("mesh", "elements", element.id, "another element has this id");
   const std::size_t length = element.vertices.size() + element.faces.size();
@@ -141,6 +140,11 @@ Index Mesh::place(const ElementSpec& element) noexcept {
   return slot;
 }
 
+ElementSpec Mesh::spec(Index o) const {
+  const std::span<const Index> nodes = vertices(o), faces = polytope_faces(o);
+  return {types_[o], {nodes.begin(), nodes.end()}, {faces.begin(), faces.end()}, objects_[o], element_ids_[o]};
+}
+
 Index Mesh::find_element(std::int64_t id) const {
   return id_table_.find(id_hash(id), [&](Index slot) { return element_ids_[slot] == id; });
 }
@@ -157,11 +161,9 @@ std::size_t Mesh::allocate(std::size_t length) noexcept {
 }
 
 std::size_t Mesh::bytes() const {
-  std::size_t total = vertex_ids_.capacity() * sizeof(std::int64_t) + types_.capacity() * sizeof(ElementType) +
-                      objects_.capacity() * sizeof(std::int32_t) + element_ids_.capacity() * sizeof(std::int64_t) +
-                      blocks_.capacity() * sizeof(Block) + connectivity_.capacity() * sizeof(Index) +
-                      free_slots_.capacity() * sizeof(Index) + id_table_.bytes();
-  for (const auto& [length, starts] : free_blocks_) total += starts.capacity() * sizeof(std::size_t);
+  std::size_t total = id_table_.bytes() + detail::allocated_bytes(vertex_ids_, types_, objects_, element_ids_, blocks_,
+                                                                  connectivity_, free_slots_);
+  for (const auto& [length, starts] : free_blocks_) total += detail::allocated_bytes(starts);
   return total;
 }
 

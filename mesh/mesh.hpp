@@ -83,6 +83,8 @@ class Mesh {
     return {connectivity_.data() + blocks_[o].begin + blocks_[o].vertices,
             types_[o] == ElementType::none ? 0u : blocks_[o].faces};
   }
+  /// The description of a live element.
+  ElementSpec spec(Index o) const;
   /// Slot of the element with this id, or kNone. Expected time O(1).
   Index find_element(std::int64_t id) const;
 

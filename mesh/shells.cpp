@@ -5,6 +5,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <Eigen/Geometry>
@@ -20,43 +21,37 @@ constexpr double kCancelled = 1e-9;
 /// Number of shells or vertices in a chunk of parallel work.
 constexpr std::size_t kGrain = 4096;
 
-/// Sets of shells that are connected by edges, each with its orientation relative to the representative of its set.
+/// Sets of shells that are connected by edges, each with its orientation relative to the first shell of its set.
 class Sheets {
  public:
-  explicit Sheets(std::size_t n) : parent_(n), flip_(n) {
-    for (Index i = 0; i < n; ++i) parent_[i] = i;
-  }
+  explicit Sheets(std::size_t n) : parent_(n), flip_(n) { std::iota(parent_.begin(), parent_.end(), Index{0}); }
 
   struct Place {
-    Index root;
+    Index first;
     bool flip;
   };
   Place find(Index i) {
-    Place place{i, false};
-    for (; parent_[place.root] != place.root; place.root = parent_[place.root]) place.flip ^= flip_[place.root] != 0;
-    for (bool flip = place.flip; parent_[i] != place.root && i != place.root;) {  // shortens the path
-      const Index next = parent_[i];
-      const bool to_next = flip_[i] != 0;
-      parent_[i] = place.root;
-      flip_[i] = flip;
-      flip ^= to_next;
-      i = next;
+    bool flip = false;
+    for (; parent_[i] != i; i = parent_[i]) {
+      flip_[i] = flip_[i] != flip_[parent_[i]];  // the first shell of a set is not flipped
+      parent_[i] = parent_[parent_[i]];
+      flip ^= flip_[i];
     }
-    return place;
+    return {i, flip};
   }
 
   /// Joins the sheets of i and j, which have the same or the opposite orientation. Does nothing if they are already
   /// joined.
   void join(Index i, Index j, bool opposite) {
     const Place a = find(i), b = find(j);
-    if (a.root == b.root) return;
-    parent_[b.root] = a.root;
-    flip_[b.root] = a.flip ^ b.flip ^ opposite;
+    if (a.first == b.first) return;
+    parent_[std::max(a.first, b.first)] = std::min(a.first, b.first);
+    flip_[std::max(a.first, b.first)] = a.flip ^ b.flip ^ opposite;
   }
 
  private:
   std::vector<Index> parent_;
-  std::vector<char> flip_;
+  std::vector<bool> flip_;
 };
 
 /// Normal multiplied by the area.
@@ -123,25 +118,14 @@ void ShellThickener::orient() {
     // Neighbours with the same orientation traverse their common edge in opposite directions.
     if (i != first) sheets.join(sides[first].shell, sides[i].shell, sides[first].upward == sides[i].upward);
   }
-  std::vector<char> reference(shells_.size(), -1);  // flip of the shell of smallest id of each sheet
-  for (Index s = 0; s < shells_.size(); ++s) {
-    const Sheets::Place place = sheets.find(s);
-    if (reference[place.root] < 0) reference[place.root] = place.flip;
-    shells_[s].flipped = place.flip != (reference[place.root] != 0);
-  }
+  // The first shell is that of smallest id.
+  for (Index s = 0; s < shells_.size(); ++s) shells_[s].flipped = sheets.find(s).flip;
 }
 
 ElementSpec ShellThickener::solid_element(const Mesh& mesh, Index o) const {
   assert(mesh.element_slots() == slots_ && mesh.is_live(o));
-  const std::span<const Index> vertices = mesh.vertices(o);
-  ElementSpec solid;
-  solid.type = mesh.type(o);
-  solid.object = mesh.object(o);
-  solid.id = mesh.element_id(o);
+  ElementSpec solid = mesh.spec(o);
   if (!is_shell(solid.type)) {
-    solid.vertices.assign(vertices.begin(), vertices.end());
-    const std::span<const Index> faces = mesh.polytope_faces(o);
-    solid.faces.assign(faces.begin(), faces.end());
     solid.renumber(solid_middle);
     return solid;
   }
@@ -150,8 +134,9 @@ ElementSpec ShellThickener::solid_element(const Mesh& mesh, Index o) const {
   const bool triangle = solid.type == ElementType::triangle;
   const bool above_first = triangle != std::binary_search(flipped_.begin(), flipped_.end(), o);
   solid.type = triangle ? ElementType::wedge : ElementType::hexahedron;
-  for (Index v : vertices) solid.vertices.push_back(above_first ? solid_above(v) : solid_below(v));
-  for (Index v : vertices) solid.vertices.push_back(above_first ? solid_below(v) : solid_above(v));
+  solid.vertices.clear();
+  for (const auto side : {above_first ? solid_above : solid_below, above_first ? solid_below : solid_above})
+    for (const Index v : mesh.vertices(o)) solid.vertices.push_back(side(v));
   return solid;
 }
 
@@ -161,16 +146,6 @@ Mesh ShellThickener::solid_mesh(const Mesh& mesh) const {
   for (Index o = 0; o < slots_; ++o)
     if (mesh.is_live(o)) solid.add_element(solid_element(mesh, o));
   return solid;
-}
-
-void ShellThickener::check(std::span<const Vec3> x, std::span<const double> thickness) const {
-  if (x.size() != vertices_)
-    throw InputError("shells", "positions", fmt::format("{} for {} vertices", x.size(), vertices_));
-  if (thickness.size() != slots_)
-    throw InputError("shells", "thickness", fmt::format("{} for {} elements", thickness.size(), slots_));
-  for (const Shell& shell : shells_)
-    if (!std::isfinite(thickness[shell.slot]) || thickness[shell.slot] < 0)
-      throw InputError("shells", "thickness", shell.slot, "not a finite number >= 0");
 }
 
 /// The last entry of `runs` is the end of the last run. Returns the number of vertices without a mean normal.
@@ -209,7 +184,13 @@ Index ShellThickener::split_vertices(std::span<const Vec3> x, std::span<const do
 
 Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double> thickness, std::vector<Vec3>& out,
                                 Scratch& scratch, Executor& executor) const {
-  check(x, thickness);
+  if (x.size() != vertices_)
+    throw InputError("shells", "positions", fmt::format("{} for {} vertices", x.size(), vertices_));
+  if (thickness.size() != slots_)
+    throw InputError("shells", "thickness", fmt::format("{} for {} elements", thickness.size(), slots_));
+  for (const Shell& shell : shells_)
+    if (!std::isfinite(thickness[shell.slot]) || thickness[shell.slot] < 0)
+      throw InputError("shells", "thickness", shell.slot, "not a finite number >= 0");
   scratch.sheets_.resize(shells_.size());
   const std::span<Sheet> sheets = scratch.sheets_;
   executor.parallel_for(shells_.size(), kGrain, [&](std::size_t begin, std::size_t end, unsigned) {
@@ -231,9 +212,8 @@ Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double>
 
 Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double> thickness,
                                 std::vector<Vec3>& out) const {
-  SerialExecutor executor;
   Scratch scratch;
-  return positions(x, thickness, out, scratch, executor);
+  return positions(x, thickness, out, scratch, serial_executor());
 }
 
 }  // namespace volccd

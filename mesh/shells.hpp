@@ -78,7 +78,6 @@ class ShellThickener {
     Index vertex, shell;
   };
   void orient();
-  void check(std::span<const Vec3> x, std::span<const double> thickness) const;
   Index split_vertices(std::span<const Vec3> x, std::span<const double> thickness, std::span<const Sheet> sheets,
                        std::span<const Index> runs, std::span<Vec3> out) const;
 

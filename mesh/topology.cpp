@@ -2,13 +2,10 @@
 
 #include <algorithm>
 #include <atomic>
-#include <cassert>
-#include <limits>
 
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/core/executor.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/mesh/detail/check_element.hpp>
 #include <volccd/mesh/detail/chunks.hpp>
@@ -23,23 +20,49 @@ std::uint64_t next_version() {
   return ++last;
 }
 
-/// An executor without state, hence safe to use from any thread.
-Executor& calling_thread() {
-  static SerialExecutor executor;
-  return executor;
-}
-
 [[noreturn]] void refuse(const char* dataset, std::size_t index, const std::string& problem) {
   throw InputError("edit", dataset, static_cast<std::int64_t>(index), problem);
 }
 
-/// Positions of the values in ascending order of value.
-template <class Value>
-std::vector<std::size_t> ascending_order(std::size_t n, Value&& value) {
-  std::vector<std::size_t> order(n);
-  for (std::size_t i = 0; i < n; ++i) order[i] = i;
-  std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) { return value(i) < value(j); });
-  return order;
+void check_removed(const Mesh& mesh, const TopologyEdit& edit) {
+  for (std::size_t i = 0; i < edit.removed.size(); ++i) {
+    const Index o = edit.removed[i];
+    if (o >= mesh.element_slots())
+      refuse("removed", i, fmt::format("element slot {} is out of range, there are {}", o, mesh.element_slots()));
+    if (!mesh.is_live(o)) refuse("removed", i, fmt::format("element slot {} is empty", o));
+  }
+  if (const std::size_t i = detail::find_repeated<Index>(edit.removed); i < edit.removed.size())
+    refuse("removed", i, fmt::format("element slot {} occurs twice", edit.removed[i]));
+}
+
+void check_new_vertices(const Mesh& mesh, const TopologyEdit& edit) {
+  if (std::size_t{mesh.vertex_count()} + edit.new_vertex_ids.size() >= kNone)
+    refuse("new_vertex_ids", 0, "more than 2^32 - 2 vertices");
+  for (std::size_t i = 0; i < edit.new_vertex_ids.size(); ++i) {
+    if (i == 0 && mesh.vertex_count() == 0) continue;
+    const std::int64_t before = i == 0 ? mesh.vertex_ids().back() : edit.new_vertex_ids[i - 1];
+    if (edit.new_vertex_ids[i] <= before)
+      refuse("new_vertex_ids", i, fmt::format("ids must ascend, but {} follows {}", edit.new_vertex_ids[i], before));
+  }
+}
+
+/// `removed` is edit.removed in ascending order.
+void check_added(const Mesh& mesh, const TopologyEdit& edit, std::span<const Index> removed) {
+  const auto vertices = static_cast<Index>(mesh.vertex_count() + edit.new_vertex_ids.size());
+  for (std::size_t i = 0; i < edit.added.size(); ++i)
+    if (const std::string problem = detail::element_problem(edit.added[i], vertices); !problem.empty())
+      refuse("added", i, problem);
+  if (mesh.element_slots() + edit.added.size() >= kNone) refuse("added", 0, "more than 2^32 - 2 elements");
+
+  std::vector<std::int64_t> ids;
+  for (const ElementSpec& spec : edit.added) {
+    const Index holder = mesh.find_element(spec.id);
+    if (holder != kNone && !std::binary_search(removed.begin(), removed.end(), holder))
+      refuse("added", ids.size(), fmt::format("another element has the id {}", spec.id));
+    ids.push_back(spec.id);
+  }
+  if (const std::size_t i = detail::find_repeated<std::int64_t>(ids); i < ids.size())
+    refuse("added", i, fmt::format("element id {} occurs twice", ids[i]));
 }
 
 /// Vertices of the elements that an edit removes or adds, each once.
@@ -54,8 +77,6 @@ std::vector<Index> vertices_of(const Mesh& mesh, const TopologyEdit& edit) {
 
 }  // namespace
 
-Topology::Topology(Mesh mesh, EdgeSet edge_set) : Topology(std::move(mesh), calling_thread(), edge_set) {}
-
 Topology::Topology(Mesh mesh, Executor& executor, EdgeSet edge_set)
     : mesh_(std::move(mesh)), features_(edge_set), version_(next_version()), base_version_(version_) {
   features_.build(mesh_, executor);
@@ -66,13 +87,15 @@ Topology::Topology(Mesh mesh, Executor& executor, EdgeSet edge_set)
 }
 
 const TopologyChange& Topology::apply(const TopologyEdit& edit) {
-  check(edit);
-  // All memory is allocated before the first commit(); until then nothing changes.
   auto change = std::make_unique<TopologyChange>();
   change->removed_elements = edit.removed;
   std::sort(change->removed_elements.begin(), change->removed_elements.end());
-  const bool several = several_objects_ || makes_several(edit.added);
-  const std::vector<Index> vertices = several ? vertices_of(mesh_, edit) : std::vector<Index>();
+  check_removed(mesh_, edit);
+  check_new_vertices(mesh_, edit);
+  check_added(mesh_, edit, change->removed_elements);
+  for (const ElementSpec& spec : edit.added) note_object(spec.object);
+  // All memory is allocated before the first commit(); until then nothing changes but the noted objects.
+  const std::vector<Index> vertices = several_objects_ ? vertices_of(mesh_, edit) : std::vector<Index>();
   history_.reserve(kHistory);
   const std::vector<Index> slots = mesh_.prepare(change->removed_elements, edit.new_vertex_ids.size(), edit.added);
   change->added_elements = slots;
@@ -84,7 +107,6 @@ const TopologyChange& Topology::apply(const TopologyEdit& edit) {
                                change->features);
 
   const Index shared_before = count_shared(vertices);
-  for (const ElementSpec& spec : edit.added) note_object(spec.object);
   mesh_.commit(change->removed_elements, edit.new_vertex_ids, edit.added);
   features.commit();
   adjacency_.commit(change->removed_elements, edit.added, slots, element_slots);
@@ -110,69 +132,9 @@ bool Topology::changes_since(std::uint64_t version, std::vector<const TopologyCh
   return reached;
 }
 
-void Topology::check(const TopologyEdit& edit) const {
-  check_removed(edit);
-  check_new_vertices(edit);
-  check_added(edit);
-}
-
-void Topology::check_removed(const TopologyEdit& edit) const {
-  for (std::size_t i = 0; i < edit.removed.size(); ++i) {
-    const Index o = edit.removed[i];
-    if (o >= mesh_.element_slots())
-      refuse("removed", i, fmt::format("element slot {} is out of range, there are {}", o, mesh_.element_slots()));
-    if (!mesh_.is_live(o)) refuse("removed", i, fmt::format("element slot {} is empty", o));
-  }
-  const auto order = ascending_order(edit.removed.size(), [&](std::size_t i) { return edit.removed[i]; });
-  for (std::size_t i = 1; i < order.size(); ++i)
-    if (edit.removed[order[i]] == edit.removed[order[i - 1]])
-      refuse("removed", order[i], fmt::format("element slot {} occurs twice", edit.removed[order[i]]));
-}
-
-void Topology::check_new_vertices(const TopologyEdit& edit) const {
-  if (std::size_t{mesh_.vertex_count()} + edit.new_vertex_ids.size() >= kNone)
-    refuse("new_vertex_ids", 0, "more than 2^32 - 2 vertices");
-  for (std::size_t i = 0; i < edit.new_vertex_ids.size(); ++i) {
-    if (i == 0 && mesh_.vertex_count() == 0) continue;
-    const std::int64_t before = i == 0 ? mesh_.vertex_ids().back() : edit.new_vertex_ids[i - 1];
-    if (edit.new_vertex_ids[i] <= before)
-      refuse("new_vertex_ids", i, fmt::format("ids must ascend, but {} follows {}", edit.new_vertex_ids[i], before));
-  }
-}
-
-void Topology::check_added(const TopologyEdit& edit) const {
-  const auto vertices = static_cast<Index>(mesh_.vertex_count() + edit.new_vertex_ids.size());
-  for (std::size_t i = 0; i < edit.added.size(); ++i)
-    if (const std::string problem = detail::element_problem(edit.added[i], vertices); !problem.empty())
-      refuse("added", i, problem);
-  if (mesh_.element_slots() + edit.added.size() >= kNone) refuse("added", 0, "more than 2^32 - 2 elements");
-
-  std::vector<Index> removed;
-  for (std::size_t i = 0; i < edit.added.size(); ++i) {
-    const Index holder = mesh_.find_element(edit.added[i].id);
-    if (holder == kNone) continue;
-    if (removed.empty() && !edit.removed.empty()) {
-      removed = edit.removed;
-      std::sort(removed.begin(), removed.end());
-    }
-    if (!std::binary_search(removed.begin(), removed.end(), holder))
-      refuse("added", i, fmt::format("another element has the id {}", edit.added[i].id));
-  }
-  const auto order = ascending_order(edit.added.size(), [&](std::size_t i) { return edit.added[i].id; });
-  for (std::size_t i = 1; i < order.size(); ++i)
-    if (edit.added[order[i]].id == edit.added[order[i - 1]].id)
-      refuse("added", order[i], fmt::format("element id {} occurs twice", edit.added[order[i]].id));
-}
-
 void Topology::note_object(std::int32_t object) {
   if (!first_object_) first_object_ = object;
   several_objects_ |= *first_object_ != object;
-}
-
-bool Topology::makes_several(std::span<const ElementSpec> added) const {
-  return !added.empty() && std::any_of(added.begin(), added.end(), [&](const ElementSpec& spec) {
-    return spec.object != first_object_.value_or(added[0].object);
-  });
 }
 
 bool Topology::is_shared(Index vertex) const {
@@ -200,15 +162,11 @@ Index Topology::count_all_shared(Executor& executor) const {
 
 std::size_t Topology::bytes() const {
   std::size_t total = mesh_.bytes() + features_.bytes() + adjacency_.bytes();
-  const auto add = [&](const auto& list) { total += list.capacity() * sizeof(list[0]); };
   for (const auto& change : history_) {
-    add(change->removed_elements);
-    add(change->added_elements);
     const FeatureChange& f = change->features;
-    for (const auto* list :
-         {&f.removed_vertices, &f.removed_edges, &f.removed_triangles, &f.added_vertices, &f.added_edges,
-          &f.added_triangles, &f.touched_vertices, &f.touched_edges, &f.touched_triangles})
-      add(*list);
+    total += detail::allocated_bytes(change->removed_elements, change->added_elements, f.removed_vertices,
+                                     f.removed_edges, f.removed_triangles, f.added_vertices, f.added_edges,
+                                     f.added_triangles, f.touched_vertices, f.touched_edges, f.touched_triangles);
   }
   return total;
 }

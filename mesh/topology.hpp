@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include <volccd/mesh/adjacency.hpp>
@@ -13,8 +14,6 @@
 #include <volccd/mesh/mesh.hpp>
 
 namespace volccd {
-
-class Executor;
 
 /// Elements to remove, then vertices and elements to add, between two steps (Section 5.1: O' = O + A_s - A_t).
 struct TopologyEdit {
@@ -37,7 +36,8 @@ struct TopologyChange {
 /// updated, and determines the changes since then with a TopologyDelta.
 class Topology {
  public:
-  explicit Topology(Mesh mesh, EdgeSet edge_set = EdgeSet::triangulated);
+  explicit Topology(Mesh mesh, EdgeSet edge_set = EdgeSet::triangulated)
+      : Topology(std::move(mesh), serial_executor(), edge_set) {}
   /// The same topology, built by all workers of the executor, which is not stored. Expected time O(elements).
   Topology(Mesh mesh, Executor& executor, EdgeSet edge_set = EdgeSet::triangulated);
 
@@ -66,12 +66,7 @@ class Topology {
   std::size_t bytes() const;
 
  private:
-  void check(const TopologyEdit& edit) const;
-  void check_removed(const TopologyEdit& edit) const;
-  void check_new_vertices(const TopologyEdit& edit) const;
-  void check_added(const TopologyEdit& edit) const;
   void note_object(std::int32_t object);
-  bool makes_several(std::span<const ElementSpec> added) const;
   Index count_shared(std::span<const Index> vertices) const;
   Index count_all_shared(Executor& executor) const;
 
@@ -82,7 +77,8 @@ class Topology {
   std::uint64_t base_version_;  ///< version before the oldest change in history_
   std::vector<std::unique_ptr<TopologyChange>> history_;
   std::optional<std::int32_t> first_object_;
-  bool several_objects_ = false;  ///< if false, all elements have had the same object, and no vertex can be shared
+  bool several_objects_ = false;  ///< if false, all elements have had the same object, and no vertex can be shared;
+                                  ///< may be true after a failed edit
   Index shared_vertices_ = 0;
 };
 

@@ -4,7 +4,7 @@
 #include <array>
 
 #include <volccd/core/heap_bytes.hpp>
-#include <volccd/mesh/oriented_boundary.hpp>
+#include <volccd/mesh/features.hpp>
 
 namespace volccd::detail {
 

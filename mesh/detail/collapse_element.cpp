@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cassert>
-#include <iterator>
-#include <set>
+#include <map>
 #include <utility>
 
 #include <volccd/core/sort_unique.hpp>
@@ -57,20 +56,27 @@ void cancel_coincident(Faces& faces) {
   }
 }
 
+/// The node that follows `v` in the face.
+Index next(const Face& face, Index v) {
+  const auto at = std::find(face.begin(), face.end(), v);
+  return at + 1 == face.end() ? face.front() : *(at + 1);
+}
+
 /// Describes why a surface is not the boundary of a polyhedron with these vertices; empty if it is. The surface is a
 /// sphere if each edge is in two faces, once in each direction, all faces are connected by edges, and Euler's formula
 /// holds.
 std::string surface_problem(const Faces& faces, const std::vector<Index>& vertices) {
-  std::set<std::array<Index, 2>> edges;
+  std::map<std::array<Index, 2>, std::size_t> edges;  // the face of each directed edge
   std::vector<Index> used;
-  for (const Face& face : faces) {
+  for (std::size_t f = 0; f < faces.size(); ++f) {
+    const Face& face = faces[f];
     if (distinct(face).size() != face.size()) return "a face touches itself";
     used.insert(used.end(), face.begin(), face.end());
-    for (std::size_t i = 0; i < face.size(); ++i)
-      if (!edges.insert({face[i], face[(i + 1) % face.size()]}).second) return "more than two faces meet at an edge";
+    for (const Index v : face)
+      if (!edges.insert({{v, next(face, v)}, f}).second) return "more than two faces meet at an edge";
   }
-  for (const auto& [a, b] : edges)
-    if (!edges.contains({b, a})) return "the faces do not close up";
+  for (const auto& [edge, face] : edges)
+    if (!edges.contains({edge[1], edge[0]})) return "the faces do not close up";
   if (distinct(used) != vertices) return "some nodes are in no face";
   for (const Index v : vertices)
     if (std::count(used.begin(), used.end(), v) < 3) return "fewer than three faces meet at a node";
@@ -79,59 +85,38 @@ std::string surface_problem(const Faces& faces, const std::vector<Index>& vertic
   std::vector<char> seen(faces.size(), 0);
   seen[0] = 1;
   for (std::size_t at = 0; at < reached.size(); ++at)
-    for (std::size_t f = 0; f < faces.size(); ++f) {
-      if (seen[f]) continue;
-      const Face& from = faces[reached[at]];
-      for (std::size_t i = 0; i < from.size() && !seen[f]; ++i)
-        for (std::size_t j = 0; j < faces[f].size() && !seen[f]; ++j)
-          seen[f] = faces[f][j] == from[(i + 1) % from.size()] && faces[f][(j + 1) % faces[f].size()] == from[i];
-      if (seen[f]) reached.push_back(f);
+    for (const Index v : faces[reached[at]]) {
+      const std::size_t other = edges.at({next(faces[reached[at]], v), v});
+      if (!std::exchange(seen[other], 1)) reached.push_back(other);
     }
   if (reached.size() != faces.size() || vertices.size() + faces.size() != edges.size() / 2 + 2)
     return "it is pinched at a node";
   return {};
 }
 
-/// The node that follows `v` in the face.
-Index next(const Face& face, Index v) {
-  const auto at = std::find(face.begin(), face.end(), v);
-  return at + 1 == face.end() ? face.front() : *(at + 1);
-}
-
 bool has(const Face& face, Index v) { return std::find(face.begin(), face.end(), v) != face.end(); }
 
-std::vector<Index> without(const std::vector<Index>& vertices, const Face& face) {
-  std::vector<Index> rest;
-  std::copy_if(vertices.begin(), vertices.end(), std::back_inserter(rest), [&](Index v) { return !has(face, v); });
-  return rest;
-}
-
-/// A fixed type and a node order that may have these faces.
-struct Guess {
-  ElementType type = ElementType::none;
-  std::vector<Index> nodes;
-};
-
 /// The base and the apex. VTK's tetrahedron and pyramid begin with their base, in the order seen from inside.
-Guess on_base(ElementType type, const Face& base, const std::vector<Index>& vertices) {
-  Guess guess{type, opposite(base)};
-  guess.nodes.push_back(without(vertices, base).front());
+CollapsedElement on_base(ElementType type, const Face& base, const std::vector<Index>& vertices) {
+  CollapsedElement guess{type, opposite(base), {}, {}};
+  guess.vertices.push_back(*std::find_if(vertices.begin(), vertices.end(), [&](Index v) { return !has(base, v); }));
   return guess;
 }
 
 /// VTK's wedge begins with a triangle, in the order seen from outside. Each of its corners corresponds to the other end
 /// of the third edge at that corner.
-Guess wedge_on(const Face& triangle, const Faces& faces) {
-  Guess guess{ElementType::wedge, triangle};
+CollapsedElement wedge_on(const Face& triangle, const Faces& faces) {
+  CollapsedElement guess{ElementType::wedge, triangle, {}, {}};
   for (const Index corner : triangle)
     for (const Face& face : faces)
       // Of the two quads at the corner, selects the one in which the edge leads away from the triangle.
       if (face.size() == 4 && has(face, corner) && !has(triangle, next(face, corner)))
-        guess.nodes.push_back(next(face, corner));
+        guess.vertices.push_back(next(face, corner));
   return guess;
 }
 
-Guess guess_of(const Faces& faces, const std::vector<Index>& vertices) {
+/// A fixed type and a node order that may have these faces; no type if there is none.
+CollapsedElement guess_of(const Faces& faces, const std::vector<Index>& vertices) {
   const auto triangles = std::count_if(faces.begin(), faces.end(), [](const Face& f) { return f.size() == 3; });
   const auto quads = static_cast<std::ptrdiff_t>(faces.size()) - triangles;
   const auto first_of = [&](std::size_t n) {
@@ -153,10 +138,10 @@ CollapsedElement collapse_solid(ElementType type, std::span<const Index> nodes) 
   if (faces.empty()) return {ElementType::none, {}, {}, "it has no volume"};
   if (std::string problem = surface_problem(faces, vertices); !problem.empty())
     return {ElementType::none, {}, {}, std::move(problem)};
-  const Guess guess = guess_of(faces, vertices);
-  if (guess.type != ElementType::none && guess.nodes.size() == vertices.size() &&
-      faces_of(guess.type, guess.nodes) == faces)
-    return {guess.type, guess.nodes, {}, {}};
+  CollapsedElement guess = guess_of(faces, vertices);
+  if (guess.type != ElementType::none && guess.vertices.size() == vertices.size() &&
+      faces_of(guess.type, guess.vertices) == faces)
+    return guess;
   CollapsedElement polytope{ElementType::polytope, vertices, {}, {}};
   for (const Face& face : faces) {
     polytope.faces.push_back(static_cast<Index>(face.size()));

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include <volccd/mesh/detail/reserve.hpp>
-
 namespace volccd::detail {
 
 void ListEdit::make_room(std::size_t size) {
@@ -165,10 +163,8 @@ FeatureEdit::FeatureEdit(Features& features, const Mesh& mesh, std::span<const I
       vertices_(vertices),
       elements_(elements),
       vertex_incident_(features.vertex_incidence_),
-      edges_(features.edges_, features.edge_table_, features.edge_incidence_, features.free_edges_,
-             features.element_edges_),
-      triangles_(features.triangles_, features.triangle_table_, features.triangle_incidence_, features.free_triangles_,
-                 features.element_triangles_) {
+      edges_(features.edges_),
+      triangles_(features.triangles_) {
   for (const Index o : removed)
     for (const Index v : mesh.vertices(o)) vertex_incident_.remove(v, o);
   change.removed_vertices = vertex_incident_.emptied();

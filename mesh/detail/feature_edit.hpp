@@ -62,8 +62,8 @@ class TupleEdit {
  public:
   using Tuple = std::array<Index, N>;
 
-  TupleEdit(RawVector<Tuple>& tuples, TupleTable<N>& table, std::vector<Index>& free)
-      : tuples_(tuples), table_(table), free_(free) {}
+  explicit TupleEdit(TupleFeatures<N>& features)
+      : tuples_(features.tuples), table_(features.table), free_(features.free) {}
   ~TupleEdit() {
     if (!kept_) undo();
   }
@@ -113,9 +113,8 @@ class FeatureEdit {
  private:
   template <std::size_t N>
   struct Kind {
-    Kind(RawVector<std::array<Index, N>>& all, TupleTable<N>& table, Incidence& incidence, std::vector<Index>& free,
-         IncidencePool& by_element)
-        : tuples(all, table, free), incident(incidence), own(incidence.own), of_element(by_element) {}
+    explicit Kind(TupleFeatures<N>& f)
+        : tuples(f), incident(f.incidence), own(f.incidence.own), of_element(f.of_element) {}
 
     void remove(std::span<const Index> elements);
     void add(Index element, const std::array<Index, N>& key);

@@ -40,10 +40,6 @@ struct TupleRecord {
   Index element, occurrence;
 
   Index key() const { return tuple[0]; }
-  /// Compares the components explicitly, because g++ calls memcmp for the operator== of std::array.
-  bool same_tuple(const TupleRecord& other) const {
-    return tuple[0] == other.tuple[0] && tuple[1] == other.tuple[1] && tuple[N - 1] == other.tuple[N - 1];
-  }
   /// Whether this record precedes another one with the same first vertex. An element has each tuple at most once.
   bool precedes(const TupleRecord& other) const {
     if constexpr (N == 2) {
@@ -101,19 +97,20 @@ Distribution<TupleRecord<N>> distribute(Occurrences<N>& all, std::size_t vertice
 template <std::size_t N>
 std::size_t count_tuples(std::span<const TupleRecord<N>> records) {
   std::size_t count = !records.empty();
-  for (std::size_t i = 1; i < records.size(); ++i) count += !records[i].same_tuple(records[i - 1]);
+  for (std::size_t i = 1; i < records.size(); ++i) count += !same_tuple(records[i].tuple, records[i - 1].tuple);
   return count;
 }
 
 /// Stores sorted records, which are those from position `begin` on; their first tuple has the number `number`.
 template <std::size_t N>
 void store_tuples(std::span<const TupleRecord<N>> records, std::size_t begin, std::size_t number,
-                  std::span<std::array<Index, N>> tuples, Incidence& incidence, IncidencePool& of_element) {
-  const std::span<Index> elements = incidence.elements.entries(), numbers = of_element.entries();
+                  TupleFeatures<N>& features) {
+  Incidence& incidence = features.incidence;
+  const std::span<Index> elements = incidence.elements.entries(), numbers = features.of_element.entries();
   for (std::size_t i = 0, end = 0; i < records.size(); i = end, ++number) {
-    tuples[number] = records[i].tuple;
+    features.tuples[number] = records[i].tuple;
     incidence.first[number] = records[i].element;
-    for (end = i; end < records.size() && records[end].same_tuple(records[i]); ++end) {
+    for (end = i; end < records.size() && same_tuple(records[end].tuple, records[i].tuple); ++end) {
       elements[begin + end] = records[end].element;
       numbers[records[end].occurrence] = static_cast<Index>(number);
     }
@@ -121,19 +118,17 @@ void store_tuples(std::span<const TupleRecord<N>> records, std::size_t begin, st
   }
 }
 
-/// Sets `tuples` to the distinct tuples in ascending order, incidence.elements[i] to the elements of tuples[i],
-/// ascending, incidence.first[i] to the first of them, and of_element[o] to the numbers of the tuples of element o in
-/// the order of their occurrences. Vertices are less than `vertices`. Releases the memory of `all`. Throws Error if
-/// there are more than 2^32 - 2 occurrences.
+/// Sets the members of `features`, except for the table and incidence.own: `tuples` to the distinct tuples in ascending
+/// order, and of_element[o] to the numbers of the tuples of element o in the order of their occurrences. Vertices are
+/// less than `vertices`. Releases the memory of `all`. Throws Error if there are more than 2^32 - 2 occurrences.
 ///
 /// Distributes the tuples to ranges of their smallest vertices, and sorts and numbers each range in the cache of a
 /// thread; this has fewer cache misses than hashing.
 template <std::size_t N>
-void number_tuples(Occurrences<N>& all, std::size_t vertices, Executor& executor,
-                   RawVector<std::array<Index, N>>& tuples, Incidence& incidence, IncidencePool& of_element) {
+void number_tuples(Occurrences<N>& all, std::size_t vertices, Executor& executor, TupleFeatures<N>& features) {
   using Records = std::span<const TupleRecord<N>>;
-  of_element.set_lengths(all.lengths, executor);
-  Distribution<TupleRecord<N>> records = distribute(all, vertices, of_element, executor);
+  features.of_element.set_lengths(all.lengths, executor);
+  Distribution<TupleRecord<N>> records = distribute(all, vertices, features.of_element, executor);
   std::vector<std::size_t> numbers(records.ranges() + 1);  // of the first tuple of each range
   std::vector<RawVector<TupleRecord<N>>> scratch(executor.workers());
   records.for_each_range(executor, [&](std::size_t r, unsigned worker) {
@@ -142,13 +137,11 @@ void number_tuples(Occurrences<N>& all, std::size_t vertices, Executor& executor
   });
   for (std::size_t r = 0; r < records.ranges(); ++r) numbers[r + 1] += numbers[r];
   const std::size_t distinct = numbers.back();
-  tuples.reserve(with_spare(distinct));
-  tuples.resize(distinct);
-  incidence.first.reserve(with_spare(distinct));
-  incidence.first.resize(distinct);
-  incidence.elements.allocate(distinct, records.size());
+  resize_with_spare(features.tuples, distinct);
+  resize_with_spare(features.incidence.first, distinct);
+  features.incidence.elements.allocate(distinct, records.size());
   records.for_each_range(executor, [&](std::size_t r, unsigned) {
-    store_tuples(Records(records[r]), records.begin(r), numbers[r], std::span(tuples), incidence, of_element);
+    store_tuples(Records(records[r]), records.begin(r), numbers[r], features);
   });
 }
 

@@ -1,6 +1,8 @@
-// A vector for large tables that several threads fill.
+// A vector for large tables that several threads fill, and the memory of vectors.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <memory>
 #include <type_traits>
 #include <utility>
@@ -36,5 +38,26 @@ class RawAllocator : public std::allocator<T> {
 /// that write the elements are the first to access their memory, and the system provides the pages in parallel.
 template <class T>
 using RawVector = std::vector<T, RawAllocator<T>>;
+
+/// Resizes to n elements, with a reserve so that the first changes do not reallocate them.
+template <class T>
+void resize_with_spare(RawVector<T>& vector, std::size_t n) {
+  vector.reserve(n + n / 16);
+  vector.resize(n);
+}
+
+/// Reserves capacity for n more elements, so that adding these cannot fail. The capacity grows geometrically as with
+/// push_back, so that the function may be called before every change.
+template <class T, class Allocator>
+void reserve_more(std::vector<T, Allocator>& vector, std::size_t n) {
+  const std::size_t size = vector.size() + n;
+  if (size > vector.capacity()) vector.reserve(std::max(size, 2 * vector.capacity()));
+}
+
+/// The number of bytes that vectors have allocated.
+template <class... Vectors>
+std::size_t allocated_bytes(const Vectors&... vectors) {
+  return (... + (vectors.capacity() * sizeof(vectors[0])));
+}
 
 }  // namespace volccd::detail

@@ -24,8 +24,6 @@ class SlotTable {
   std::size_t size() const { return size_; }
   std::size_t bytes() const { return places_.capacity() * sizeof(Index); }
 
-  void clear() { *this = SlotTable(); }
-
   /// The stored slot with this hash for which `same(slot)` is true, or kNone.
   template <class Same>
   Index find(std::uint32_t hash, Same&& same) const {
@@ -68,14 +66,14 @@ class SlotTable {
   /// Reserves places for n more slots. It may be called before every change.
   template <class HashOf>
   void reserve_more(std::size_t n, HashOf&& hash_of) {
-    if (!fits(size_ + n)) resize(places_for(std::max(size_ + n, size_ + size_ / 2 + 16)), hash_of);
+    if ((size_ + n) * 2 > places_.size()) resize(places_for(std::max(size_ + n, size_ + size_ / 2 + 16)), hash_of);
   }
 
   /// Replaces the contents by the slots 0 .. n-1, whose keys are distinct. The table does not depend on the number of
   /// threads. Each thread fills ranges of places, which fit into its cache.
   template <class HashOf>
   void fill(Index n, HashOf&& hash_of, Executor& executor) {
-    clear();
+    *this = SlotTable();
     if (n == 0) return;
     places_.resize(places_for(n));
     size_ = n;
@@ -103,7 +101,6 @@ class SlotTable {
     std::uint32_t key() const { return hash; }
   };
 
-  bool fits(std::size_t n) const { return n * 2 <= places_.size(); }  // at most half full
   static std::size_t places_for(std::size_t n) { return 2 * n + n / 16 + 8; }
 
   std::size_t home(std::uint64_t hash) const { return static_cast<std::size_t>((hash * places_.size()) >> 32); }

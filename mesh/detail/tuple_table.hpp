@@ -9,6 +9,12 @@
 
 namespace volccd::detail {
 
+/// Compares the components explicitly, because g++ calls memcmp for the operator== of std::array.
+template <std::size_t N>
+requires(N == 2 || N == 3) bool same_tuple(const std::array<Index, N>& x, const std::array<Index, N>& y) {
+  return x[0] == y[0] && x[1] == y[1] && x[N - 1] == y[N - 1];
+}
+
 /// The tuples themselves are stored in the caller's array, which is an argument of every call: tuples[slot] must be the
 /// tuple of each slot in the table. Expected time O(1) per call.
 template <std::size_t N>
@@ -18,14 +24,14 @@ requires(N == 2 || N == 3) class TupleTable {
   using Tuples = std::span<const Tuple>;
 
   Index find(const Tuple& tuple, Tuples tuples) const {
-    return table_.find(hash(tuple), [&](Index slot) { return same(tuples[slot], tuple); });
+    return table_.find(hash(tuple), [&](Index slot) { return same_tuple(tuples[slot], tuple); });
   }
 
   /// Slot of the tuple. If the tuple is not in the table, it gets `slot`, and the caller must store it at tuples[slot]
   /// before the next call.
   Index find_or_insert(const Tuple& tuple, Index slot, Tuples tuples) {
     return table_.find_or_insert(
-        hash(tuple), slot, [&](Index other) { return same(tuples[other], tuple); },
+        hash(tuple), slot, [&](Index other) { return same_tuple(tuples[other], tuple); },
         [&](Index other) { return hash(tuples[other]); });
   }
 
@@ -48,13 +54,6 @@ requires(N == 2 || N == 3) class TupleTable {
     std::uint64_t h = std::uint64_t{tuple[0]} << 32 | tuple[1];
     if constexpr (N == 3) h = mix(h) + tuple[2];
     return static_cast<std::uint32_t>(mix(h) >> 32);
-  }
-
-  /// Compares the components explicitly, because g++ calls memcmp for the operator== of std::array.
-  static bool same(const Tuple& x, const Tuple& y) {
-    bool equal = x[0] == y[0] && x[1] == y[1];
-    if constexpr (N == 3) equal = equal && x[2] == y[2];
-    return equal;
   }
 
   SlotTable table_;

@@ -43,15 +43,8 @@ void SequenceCells::clear() {
 
 SequenceCells cells_of(const Mesh& mesh) {
   SequenceCells cells;
-  for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (!mesh.is_live(o)) continue;
-    const std::span<const Index> nodes = mesh.vertices(o), stream = mesh.polytope_faces(o);
-    cells.add({mesh.type(o),
-               {nodes.begin(), nodes.end()},
-               {stream.begin(), stream.end()},
-               mesh.object(o),
-               mesh.element_id(o)});
-  }
+  for (Index o = 0; o < mesh.element_slots(); ++o)
+    if (mesh.is_live(o)) cells.add(mesh.spec(o));
   return cells;
 }
 

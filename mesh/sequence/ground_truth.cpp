@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include <volccd/mesh/sequence/detail/hdf5_file.hpp>
 
@@ -10,11 +13,10 @@ namespace volccd {
 
 namespace {
 
-using detail::Hdf5Dataset;
 using detail::Hdf5File;
-using detail::NumberKind;
 
 using IndexPair = std::array<std::int64_t, 2>;
+using FourIds = std::array<std::int64_t, 4>;
 
 class GroundTruthReader {
  public:
@@ -31,22 +33,87 @@ class GroundTruthReader {
   }
 
  private:
-  void read_edges();
-  void read_kind(const std::string& group, FeatureKind kind);
-  std::array<std::int64_t, 4> vertex_face(const Hdf5Dataset& pairs, std::int64_t row, IndexPair pair) const;
-  std::array<std::int64_t, 4> edge_edge(const Hdf5Dataset& pairs, std::int64_t row, IndexPair pair) const;
-  void read_answers(const std::string& group, std::size_t first);
+  std::vector<IndexPair> index_pairs(const std::string& path) const {
+    const detail::Hdf5Dataset data = file_.dataset(path, detail::NumberKind::integer, 2);
+    std::vector<std::int64_t> numbers;
+    data.read(0, data.rows(), numbers);
+    std::vector<IndexPair> pairs(numbers.size() / 2);
+    for (std::size_t i = 0; i < pairs.size(); ++i) pairs[i] = {numbers[2 * i], numbers[2 * i + 1]};
+    return pairs;
+  }
+
+  void check_range(const std::string& path, std::size_t row, const char* what, std::int64_t index,
+                   std::size_t count) const {
+    if (index < 0 || static_cast<std::size_t>(index) >= count)
+      file_.fail(path, row, fmt::format("the {} {} is out of range, there are {}", what, index, count));
+  }
 
   /// Id of a point of the file.
-  std::int64_t id(const Hdf5Dataset& data, std::int64_t row, std::int64_t point) const {
-    check_range(data, row, "point", point, sequence_.point_count());
+  std::int64_t id(const std::string& path, std::size_t row, std::int64_t point) const {
+    check_range(path, row, "point", point, sequence_.point_count());
     return sequence_.point_ids()[sequence_.slot_of_point()[static_cast<std::size_t>(point)]];
   }
-  static void check_range(const Hdf5Dataset& data, std::int64_t row, const char* what, std::int64_t index,
-                          std::size_t count) {
-    if (index < 0 || static_cast<std::size_t>(index) >= count)
-      data.fail(row, std::string("the ") + what + " " + std::to_string(index) + " is out of range, there are " +
-                         std::to_string(count));
+
+  void read_edges() {
+    const std::string path = "GroundTruth/Edges";
+    for (const IndexPair& points : index_pairs(path)) {
+      const std::int64_t a = id(path, edges_.size(), points[0]), b = id(path, edges_.size(), points[1]);
+      if (a == b) file_.fail(path, edges_.size(), "both ends of the edge are the same point");
+      edges_.push_back({std::min(a, b), std::max(a, b)});
+    }
+  }
+
+  FourIds vertex_face(const std::string& path, std::size_t row, IndexPair pair) const {
+    check_range(path, row, "cell", pair[1], cells_.size());
+    const std::size_t cell = static_cast<std::size_t>(pair[1]);
+    if (cells_.types[cell] != ElementType::triangle)
+      file_.fail(path, row, fmt::format("the cell {} is not a triangle", cell));
+    FourIds ids{id(path, row, pair[0]), 0, 0, 0};
+    for (std::size_t i = 0; i < 3; ++i) ids[i + 1] = sequence_.point_ids()[cells_.vertices(cell)[i]];
+    std::sort(ids.begin() + 1, ids.end());
+    return ids;
+  }
+
+  FourIds edge_edge(const std::string& path, std::size_t row, IndexPair pair) const {
+    for (const std::int64_t e : pair) check_range(path, row, "edge", e, edges_.size());
+    const auto [first, second] =
+        std::minmax(edges_[static_cast<std::size_t>(pair[0])], edges_[static_cast<std::size_t>(pair[1])]);
+    return {first[0], first[1], second[0], second[1]};
+  }
+
+  void read_kind(const std::string& group, FeatureKind kind) {
+    const std::string path = group + "/Pairs";
+    const std::size_t first = answers_.size();
+    for (const IndexPair& pair : index_pairs(path)) {
+      const std::size_t row = answers_.size() - first;
+      const FourIds ids = kind == FeatureKind::vf ? vertex_face(path, row, pair) : edge_edge(path, row, pair);
+      FourIds sorted = ids;
+      std::sort(sorted.begin(), sorted.end());
+      if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
+        file_.fail(path, row, "the two features have a common vertex");
+      answers_.push_back({kind, ids, false});
+    }
+    read_answers(group, std::span(answers_).subspan(first));
+  }
+
+  void read_answers(const std::string& group, std::span<KnownAnswer> answers) const {
+    const std::string collides_path = group + "/Collides", toi_path = group + "/TimeOfImpact";
+    const std::int64_t count = static_cast<std::int64_t>(answers.size());
+    const std::vector<std::int64_t> collides = file_.values<std::int64_t>(collides_path, count, " pairs");
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      if (collides[i] != 0 && collides[i] != 1)
+        file_.fail(collides_path, i, fmt::format("is {}, but must be 0 or 1", collides[i]));
+      answers[i].collides = collides[i] == 1;
+    }
+    if (!file_.has(toi_path)) return;
+    const std::vector<double> toi = file_.values<double>(toi_path, count, " pairs");
+    for (std::size_t i = 0; i < answers.size(); ++i) {
+      if (answers[i].collides && !(toi[i] >= 0 && toi[i] <= 1))
+        file_.fail(toi_path, i, "the pair collides, but the time is not in [0, 1]");
+      if (!answers[i].collides && !std::isnan(toi[i]))
+        file_.fail(toi_path, i, "the pair does not collide, but there is a time");
+      answers[i].toi = toi[i];
+    }
   }
 
   const Hdf5File& file_;
@@ -55,86 +122,6 @@ class GroundTruthReader {
   std::vector<IndexPair> edges_;  ///< ids, ascending
   std::vector<KnownAnswer> answers_;
 };
-
-void GroundTruthReader::read_edges() {
-  const Hdf5Dataset data = file_.dataset("GroundTruth/Edges", NumberKind::integer, 2);
-  std::vector<std::int64_t> points;
-  data.read(0, data.rows(), points);
-  edges_.resize(points.size() / 2);
-  for (std::size_t e = 0; e < edges_.size(); ++e) {
-    const std::int64_t row = static_cast<std::int64_t>(e);
-    const std::int64_t a = id(data, row, points[2 * e]), b = id(data, row, points[2 * e + 1]);
-    if (a == b) data.fail(row, "both ends of the edge are the same point");
-    edges_[e] = {std::min(a, b), std::max(a, b)};
-  }
-}
-
-std::array<std::int64_t, 4> GroundTruthReader::vertex_face(const Hdf5Dataset& pairs, std::int64_t row,
-                                                           IndexPair pair) const {
-  check_range(pairs, row, "cell", pair[1], cells_.size());
-  const std::size_t cell = static_cast<std::size_t>(pair[1]);
-  if (cells_.types[cell] != ElementType::triangle)
-    pairs.fail(row, "the cell " + std::to_string(cell) + " is not a triangle");
-  std::array<std::int64_t, 4> ids{id(pairs, row, pair[0]), 0, 0, 0};
-  const std::span<const Index> corners = cells_.vertices(cell);
-  for (std::size_t i = 0; i < 3; ++i) ids[i + 1] = sequence_.point_ids()[corners[i]];
-  std::sort(ids.begin() + 1, ids.end());
-  return ids;
-}
-
-std::array<std::int64_t, 4> GroundTruthReader::edge_edge(const Hdf5Dataset& pairs, std::int64_t row,
-                                                         IndexPair pair) const {
-  for (const std::int64_t e : pair) check_range(pairs, row, "edge", e, edges_.size());
-  const auto [first, second] =
-      std::minmax(edges_[static_cast<std::size_t>(pair[0])], edges_[static_cast<std::size_t>(pair[1])]);
-  return {first[0], first[1], second[0], second[1]};
-}
-
-void GroundTruthReader::read_kind(const std::string& group, FeatureKind kind) {
-  const Hdf5Dataset pairs = file_.dataset(group + "/Pairs", NumberKind::integer, 2);
-  std::vector<std::int64_t> numbers;
-  pairs.read(0, pairs.rows(), numbers);
-  const std::size_t first = answers_.size();
-  for (std::size_t i = 0; i < numbers.size() / 2; ++i) {
-    const std::int64_t row = static_cast<std::int64_t>(i);
-    const IndexPair pair{numbers[2 * i], numbers[2 * i + 1]};
-    const std::array<std::int64_t, 4> ids =
-        kind == FeatureKind::vf ? vertex_face(pairs, row, pair) : edge_edge(pairs, row, pair);
-    std::array<std::int64_t, 4> sorted = ids;
-    std::sort(sorted.begin(), sorted.end());
-    if (std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end())
-      pairs.fail(row, "the two features have a common vertex");
-    answers_.push_back({kind, ids, false});
-  }
-  read_answers(group, first);
-}
-
-void GroundTruthReader::read_answers(const std::string& group, std::size_t first) {
-  const std::int64_t count = static_cast<std::int64_t>(answers_.size() - first);
-  const Hdf5Dataset collides = file_.dataset(group + "/Collides", NumberKind::integer);
-  if (collides.rows() != count)
-    collides.fail("has " + std::to_string(collides.rows()) + " entries for " + std::to_string(count) + " pairs");
-  std::vector<std::int64_t> flags;
-  collides.read(0, count, flags);
-  for (std::int64_t i = 0; i < count; ++i) {
-    const std::int64_t flag = flags[static_cast<std::size_t>(i)];
-    if (flag != 0 && flag != 1) collides.fail(i, "is " + std::to_string(flag) + ", but must be 0 or 1");
-    answers_[first + static_cast<std::size_t>(i)].collides = flag == 1;
-  }
-  if (!file_.has(group + "/TimeOfImpact")) return;
-  const Hdf5Dataset times = file_.dataset(group + "/TimeOfImpact", NumberKind::real);
-  if (times.rows() != count)
-    times.fail("has " + std::to_string(times.rows()) + " entries for " + std::to_string(count) + " pairs");
-  std::vector<double> toi;
-  times.read(0, count, toi);
-  for (std::int64_t i = 0; i < count; ++i) {
-    KnownAnswer& answer = answers_[first + static_cast<std::size_t>(i)];
-    answer.toi = toi[static_cast<std::size_t>(i)];
-    if (answer.collides ? !(answer.toi >= 0 && answer.toi <= 1) : !std::isnan(answer.toi))
-      times.fail(i, answer.collides ? "the pair collides, but the time is not in [0, 1]"
-                                    : "the pair does not collide, but there is a time");
-  }
-}
 
 }  // namespace
 

@@ -1,9 +1,9 @@
 #include <volccd/mesh/sequence/query_file.hpp>
 
-#include <algorithm>
-#include <cmath>
+#include <iterator>
 #include <sstream>
-#include <utility>
+
+#include <fmt/format.h>
 
 #include <volccd/mesh/sequence/detail/hdf5_file.hpp>
 
@@ -19,9 +19,7 @@ constexpr std::int64_t kPoints = 8;
 
 std::vector<std::string> words(const std::string& text) {
   std::istringstream in(text);
-  std::vector<std::string> result;
-  for (std::string word; in >> word;) result.push_back(word);
-  return result;
+  return {std::istream_iterator<std::string>(in), {}};
 }
 
 void read_points(const Hdf5Dataset& data, std::vector<Vec3>& points) {
@@ -29,7 +27,7 @@ void read_points(const Hdf5Dataset& data, std::vector<Vec3>& points) {
   data.read(0, data.rows(), numbers);
   points.resize(numbers.size() / 3);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    points[i] = Vec3(numbers[3 * i], numbers[3 * i + 1], numbers[3 * i + 2]);
+    points[i] = Vec3(numbers.data() + 3 * i);
     if (!points[i].allFinite()) data.fail(static_cast<std::int64_t>(i) / kPoints, "a point is not finite");
   }
 }
@@ -38,15 +36,10 @@ void read_points(const Hdf5Dataset& data, std::vector<Vec3>& points) {
 template <class T>
 void read_numbers(const Hdf5File& file, const std::string& path, std::int64_t queries, std::int64_t end,
                   std::vector<T>& out) {
-  const Hdf5Dataset data = file.dataset(path, NumberKind::integer);
-  if (data.rows() != queries)
-    data.fail("has " + std::to_string(data.rows()) + " entries for " + std::to_string(queries) + " queries");
-  std::vector<std::int64_t> numbers;
-  data.read(0, queries, numbers);
+  const auto numbers = file.values<std::int64_t>(path, queries, " queries");
   for (std::size_t i = 0; i < numbers.size(); ++i)
     if (numbers[i] < 0 || numbers[i] >= end)
-      data.fail(static_cast<std::int64_t>(i),
-                "is " + std::to_string(numbers[i]) + ", but must be 0 .. " + std::to_string(end - 1));
+      file.fail(path, i, fmt::format("is {}, but must be 0 .. {}", numbers[i], end - 1));
   out.assign(numbers.begin(), numbers.end());
 }
 
@@ -67,16 +60,15 @@ QueryGroup read_group(const Hdf5File& file, const std::string& scene, FeatureKin
 std::vector<QueryGroup> read_query_file(const std::string& name) {
   const Hdf5File file(name);
   std::vector<QueryGroup> groups;
-  bool any = false;
-  for (const std::string& scene : file.root_names()) {
+  const std::vector<std::string> scenes = file.root_names();
+  if (scenes.empty()) file.fail("/", "is empty: no scenes of queries");
+  for (const std::string& scene : scenes) {
     const std::string vf = scene + "/VertexFace", ee = scene + "/EdgeEdge";
     const bool has_vf = file.has(vf), has_ee = file.has(ee);
     if (!has_vf && !has_ee) file.fail(scene, "is no scene of queries: has neither VertexFace nor EdgeEdge");
-    any = true;
     if (has_vf) groups.push_back(read_group(file, scene, FeatureKind::vf, vf));
     if (has_ee) groups.push_back(read_group(file, scene, FeatureKind::ee, ee));
   }
-  if (!any) file.fail("/", "is empty: no scenes of queries");
   std::erase_if(groups, [](const QueryGroup& group) { return group.size() == 0; });
   return groups;
 }

@@ -24,8 +24,6 @@ SequenceMetadata read_metadata(const detail::Hdf5File& file) {
           text("Incomplete")};
 }
 
-std::size_t index(int step) { return static_cast<std::size_t>(step); }
-
 }  // namespace
 
 struct SequenceReader::Impl {
@@ -36,7 +34,23 @@ struct SequenceReader::Impl {
         order(layout),
         cells(layout, order) {}
 
-  void read_vectors(const detail::StepArray& array, int step, const char* what, std::vector<Vec3>& out);
+  std::size_t index(int step) const {
+    assert(step >= 0 && static_cast<std::size_t>(step) < layout.steps());
+    return static_cast<std::size_t>(step);
+  }
+  void read_vectors(const detail::StepArray& array, int step, const char* what, std::vector<Vec3>& out) {
+    array.read(index(step), layout.points, numbers);
+    out.resize(static_cast<std::size_t>(layout.points));
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const Vec3 p(numbers.data() + 3 * i);
+      const Index slot = order.slots()[i];
+      if (!p.allFinite())
+        array.fail(index(step), i,
+                   fmt::format("the {} is not finite: {}, {}, {} (point id {}, step {})", what, p[0], p[1], p[2],
+                               order.ids()[slot], step));
+      out[slot] = p;
+    }
+  }
 
   detail::Hdf5File file;
   SequenceMetadata metadata;
@@ -54,29 +68,20 @@ SequenceReader::~SequenceReader() = default;
 const std::string& SequenceReader::file() const { return impl_->file.name(); }
 const SequenceMetadata& SequenceReader::metadata() const { return impl_->metadata; }
 int SequenceReader::step_count() const { return static_cast<int>(impl_->layout.steps()); }
-
-double SequenceReader::time(int step) const {
-  assert(step >= 0 && step < step_count());
-  return impl_->layout.times[index(step)];
-}
+double SequenceReader::time(int step) const { return impl_->layout.times[impl_->index(step)]; }
 
 Index SequenceReader::point_count() const { return static_cast<Index>(impl_->layout.points); }
 std::span<const std::int64_t> SequenceReader::point_ids() const { return impl_->order.ids(); }
 std::span<const Index> SequenceReader::slot_of_point() const { return impl_->order.slots(); }
 
 Index SequenceReader::cell_count(int step) const {
-  assert(step >= 0 && step < step_count());
-  return static_cast<Index>(impl_->layout.cells_of(step));
+  return static_cast<Index>(impl_->layout.cells_of(impl_->index(step)));
 }
-
 int SequenceReader::topology_index(int step) const {
-  assert(step >= 0 && step < step_count());
-  return static_cast<int>(impl_->layout.topology[index(step)]);
+  return static_cast<int>(impl_->layout.topology[impl_->index(step)]);
 }
-
 bool SequenceReader::same_cells(int step, int other) const {
-  assert(step >= 0 && step < step_count() && other >= 0 && other < step_count());
-  return impl_->cells.same(index(step), index(other));
+  return impl_->cells.same(impl_->index(step), impl_->index(other));
 }
 
 bool SequenceReader::has_velocity() const { return impl_->layout.velocity.has_value(); }
@@ -85,69 +90,42 @@ bool SequenceReader::has_query() const {
   return impl_->layout.query_start && impl_->layout.query_end && impl_->layout.query_separation;
 }
 
-void SequenceReader::Impl::read_vectors(const detail::StepArray& array, int step, const char* what,
-                                        std::vector<Vec3>& out) {
-  const std::int64_t first = array.first[index(step)];
-  array.data.read(first, layout.points, numbers);
-  out.resize(static_cast<std::size_t>(layout.points));
-  const std::span<const Index> slots = order.slots();
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const double* p = numbers.data() + 3 * i;
-    if (!(std::isfinite(p[0]) && std::isfinite(p[1]) && std::isfinite(p[2])))
-      array.data.fail(first + static_cast<std::int64_t>(i),
-                      fmt::format("the {} is not finite: {}, {}, {} (point id {}, step {})", what, p[0], p[1], p[2],
-                                  order.ids()[slots[i]], step));
-    out[slots[i]] = Vec3(p[0], p[1], p[2]);
-  }
-}
-
 void SequenceReader::read_points(int step, std::vector<Vec3>& points) {
-  assert(step >= 0 && step < step_count());
-  impl_->order.check(impl_->layout, index(step));
+  impl_->order.check(impl_->layout, impl_->index(step));
   impl_->read_vectors(impl_->layout.positions, step, "point", points);
 }
 
 void SequenceReader::read_velocity(int step, std::vector<Vec3>& velocity) {
-  assert(step >= 0 && step < step_count());
   if (!has_velocity()) impl_->file.fail("VTKHDF/PointData/Velocity", "is missing");
   impl_->read_vectors(*impl_->layout.velocity, step, "velocity", velocity);
 }
 
 double SequenceReader::read_query(int step, std::vector<Vec3>& start, std::vector<Vec3>& end) {
-  assert(step >= 0 && step < step_count());
   if (!has_query()) impl_->file.fail("VTKHDF/PointData/QueryStart, QueryEnd or QuerySeparation", "is missing");
   impl_->read_vectors(*impl_->layout.query_start, step, "start of the query", start);
   impl_->read_vectors(*impl_->layout.query_end, step, "end of the query", end);
-  const detail::StepArray& array = *impl_->layout.query_separation;
-  const std::int64_t first = array.first[index(step)];
-  std::vector<double> separations;
-  array.data.read(first, impl_->layout.points, separations);
+  std::vector<double>& separations = impl_->numbers;
+  impl_->layout.query_separation->read(impl_->index(step), impl_->layout.points, separations);
   for (std::size_t i = 0; i < separations.size(); ++i)
     if (!(std::isfinite(separations[i]) && separations[i] >= 0 && separations[i] == separations[0]))
-      array.data.fail(first + static_cast<std::int64_t>(i),
-                      fmt::format("the separation is negative, not finite, or not that of the other points: {} (step "
-                                  "{})",
-                                  separations[i], step));
+      impl_->layout.query_separation->fail(
+          impl_->index(step), i,
+          fmt::format("the separation is negative, not finite, or not that of the other points: {} (step {})",
+                      separations[i], step));
   return separations.empty() ? 0 : separations[0];
 }
 
 void SequenceReader::read_thickness(int step, std::vector<double>& thickness) {
-  assert(step >= 0 && step < step_count());
   if (!has_thickness()) impl_->file.fail("VTKHDF/CellData/Thickness", "is missing");
-  const detail::StepArray& array = *impl_->layout.thickness;
-  const std::int64_t first = array.first[index(step)];
-  array.data.read(first, impl_->layout.cells_of(step), thickness);
+  const std::size_t k = impl_->index(step);
+  impl_->layout.thickness->read(k, impl_->layout.cells_of(k), thickness);
   for (std::size_t i = 0; i < thickness.size(); ++i)
     if (!(std::isfinite(thickness[i]) && thickness[i] >= 0))
-      array.data.fail(first + static_cast<std::int64_t>(i),
-                      fmt::format("the thickness is negative or not finite: {}{}", thickness[i],
-                                  impl_->cells.place(index(step), i)));
+      impl_->layout.thickness->fail(
+          k, i, fmt::format("the thickness is negative or not finite: {}{}", thickness[i], impl_->cells.place(k, i)));
 }
 
-void SequenceReader::read_cells(int step, SequenceCells& cells) {
-  assert(step >= 0 && step < step_count());
-  impl_->cells.read(index(step), cells);
-}
+void SequenceReader::read_cells(int step, SequenceCells& cells) { impl_->cells.read(impl_->index(step), cells); }
 
 const std::map<std::pair<ElementType, ElementType>, std::uint64_t>& SequenceReader::collapsed_cells() const {
   return impl_->cells.collapsed();

@@ -3,28 +3,15 @@
 #include <algorithm>
 #include <chrono>
 #include <string>
+#include <utility>
+
+#include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/core/executor.hpp>
 #include <volccd/mesh/sequence/detail/shell_solids.hpp>
 #include <volccd/mesh/shells.hpp>
 
 namespace volccd {
-
-namespace {
-
-/// Middle control point, over [t0, t1], of the parabola through x0 at time t0, x1 at t1 and x2 at t2: the midpoint of
-/// x0 and x1 minus h^2/2 times the second divided difference.
-struct ParabolaMiddle {
-  ParabolaMiddle(double t0, double t1, double t2) : to_start((t1 - t0) / (t2 - t0)), to_end((t1 - t0) / (t2 - t1)) {}
-  double to_start, to_end;  ///< h divided by the time differences of the third step
-
-  Vec3 operator()(const Vec3& x0, const Vec3& x1, const Vec3& x2) const {
-    return 0.5 * x0 + 0.5 * x1 - 0.5 * to_start * (to_end * (x2 - x1) - (x1 - x0));
-  }
-};
-
-}  // namespace
 
 SequenceStepper::SequenceStepper(SequenceReader& reader, Config config) : reader_(reader), config_(config) {
   if (config.motion == MotionModel::quadratic && reader.step_count() == 2 && !reader.has_velocity())
@@ -45,11 +32,6 @@ SequenceStepper::SequenceStepper(SequenceReader& reader, Config config) : reader
 
 SequenceStepper::~SequenceStepper() = default;
 
-void SequenceStepper::go_to(int motion) {
-  SerialExecutor executor;
-  go_to(motion, executor);
-}
-
 void SequenceStepper::go_to(int motion, Executor& executor) {
   if (motion < 0 || motion >= motion_count())
     throw InputError(reader_.file(), "VTKHDF/Steps", motion,
@@ -58,19 +40,17 @@ void SequenceStepper::go_to(int motion, Executor& executor) {
   const bool tentative = config_.motion == MotionModel::tentative, query = config_.motion == MotionModel::query;
   double separation = 0;
   if (query)
-    separation = reader_.read_query(motion + 1, query0_, query1_);
+    separation = reader_.read_query(motion + 1, start_, end_);
   else
     read_points(motion);
   read_cells(cells_step(motion));
   if (config_.motion == MotionModel::quadratic) read_middle(motion);
   if (tentative) read_tentative(motion);
-  const std::vector<Vec3>& x0 = query ? query0_ : points(motion);
-  const std::vector<Vec3>& x1 = query ? query1_ : tentative ? tentative_ : points(motion + 1);
+  const std::vector<Vec3>& x0 = query ? start_ : points_.at(motion);
+  const std::vector<Vec3>& x1 = query || tentative ? end_ : points_.at(motion + 1);
   Index without_normal = 0;
-  if (solids_) {
-    solids_->set_steps(query ? motion + 1 : motion, cells_step(motion));
-    without_normal = solids_->positions(x0, x1, solid0_, solid1_);
-  }
+  if (solids_)
+    without_normal = solids_->positions(query ? motion + 1 : motion, cells_step(motion), x0, x1, solid0_, solid1_);
   set_topology(cells_step(motion), executor);
   if (solids_) {
     if (config_.motion == MotionModel::quadratic) set_solid_middle(x0, x1);
@@ -93,21 +73,14 @@ void SequenceStepper::read_points(int motion) {
                                      third_step(motion)};
   const auto is_wanted = [&](int step) { return std::find(wanted.begin(), wanted.end(), step) != wanted.end(); };
   for (const int step : wanted) {
-    if (step < 0 || std::any_of(points_.begin(), points_.end(), [&](const Points& p) { return p.step == step; }))
-      continue;
-    // Prefers memory that is no longer needed to memory that was never used.
-    auto place = std::find_if(points_.begin(), points_.end(),
-                              [&](const Points& p) { return p.step >= 0 && !is_wanted(p.step); });
-    if (place == points_.end())
-      place = std::find_if(points_.begin(), points_.end(), [](const Points& p) { return p.step < 0; });
-    place->step = -1;
-    reader_.read_points(step, place->positions);
-    place->step = step;
+    if (step < 0 || points_.contains(step)) continue;
+    std::vector<Vec3> points;
+    const auto unneeded =
+        std::find_if(points_.begin(), points_.end(), [&](const auto& p) { return !is_wanted(p.first); });
+    if (unneeded != points_.end()) points = std::move(points_.extract(unneeded).mapped());  // for its memory
+    reader_.read_points(step, points);
+    points_[step] = std::move(points);
   }
-}
-
-const std::vector<Vec3>& SequenceStepper::points(int step) const {
-  return std::find_if(points_.begin(), points_.end(), [&](const Points& p) { return p.step == step; })->positions;
 }
 
 void SequenceStepper::mark_used(int step) {
@@ -118,7 +91,7 @@ void SequenceStepper::mark_used(int step) {
 }
 
 void SequenceStepper::read_middle(int motion) {
-  const std::vector<Vec3>&x0 = points(motion), &x1 = points(motion + 1);
+  const std::vector<Vec3>&x0 = points_.at(motion), &x1 = points_.at(motion + 1);
   const int third = third_step(motion);
   mark_used(third < 0 ? motion : third);
   middle_.resize(x0.size());
@@ -128,35 +101,38 @@ void SequenceStepper::read_middle(int motion) {
     for (std::size_t v = 0; v < x0.size(); ++v)
       middle_[v] = used_[v] ? Vec3(x0[v] + half * velocity_[v]) : Vec3(0.5 * x0[v] + 0.5 * x1[v]);
   } else {
-    const std::vector<Vec3>& x2 = points(third);
-    const ParabolaMiddle parabola(reader_.time(motion), reader_.time(motion + 1), reader_.time(third));
-    for (std::size_t v = 0; v < x0.size(); ++v)
-      middle_[v] = used_[v] ? parabola(x0[v], x1[v], x2[v]) : Vec3(0.5 * x0[v] + 0.5 * x1[v]);
+    const std::vector<Vec3>& x2 = points_.at(third);
+    const double t0 = reader_.time(motion), t1 = reader_.time(motion + 1), t2 = reader_.time(third);
+    const double to_start = (t1 - t0) / (t2 - t0), to_end = (t1 - t0) / (t2 - t1);
+    // The middle of the parabola is the midpoint of x0 and x1 minus h^2/2 times the second divided difference.
+    for (std::size_t v = 0; v < x0.size(); ++v) {
+      middle_[v] = 0.5 * x0[v] + 0.5 * x1[v];
+      if (used_[v]) middle_[v] -= 0.5 * to_start * (to_end * (x2[v] - x1[v]) - (x1[v] - x0[v]));
+    }
   }
   mark_used(motion + 1);
   for (std::size_t v = 0; v < middle_.size(); ++v) {
     if (middle_[v].allFinite()) continue;
-    if (used_[v])
-      throw InputError(reader_.file(), third < 0 ? "VTKHDF/PointData/Velocity" : "VTKHDF/Points",
-                       "the quadratic motion " + std::to_string(motion) + " of point id " +
-                           std::to_string(reader_.point_ids()[v]) + " overflows");
+    if (used_[v]) refuse_overflow(third < 0 ? "VTKHDF/PointData/Velocity" : "VTKHDF/Points", "quadratic", motion, v);
     middle_[v] = x0[v];
   }
 }
 
 void SequenceStepper::read_tentative(int motion) {
-  const std::vector<Vec3>& x0 = points(motion);
+  const std::vector<Vec3>& x0 = points_.at(motion);
   mark_used(motion);
   reader_.read_velocity(motion, velocity_);
   const double h = reader_.time(motion + 1) - reader_.time(motion);
-  tentative_.resize(x0.size());
+  end_.resize(x0.size());
   for (std::size_t v = 0; v < x0.size(); ++v) {
-    tentative_[v] = used_[v] ? Vec3(x0[v] + h * velocity_[v]) : x0[v];
-    if (!tentative_[v].allFinite())
-      throw InputError(reader_.file(), "VTKHDF/PointData/Velocity",
-                       "the tentative motion " + std::to_string(motion) + " of point id " +
-                           std::to_string(reader_.point_ids()[v]) + " overflows");
+    end_[v] = used_[v] ? Vec3(x0[v] + h * velocity_[v]) : x0[v];
+    if (!end_[v].allFinite()) refuse_overflow("VTKHDF/PointData/Velocity", "tentative", motion, v);
   }
+}
+
+void SequenceStepper::refuse_overflow(const char* dataset, const char* kind, int motion, std::size_t vertex) const {
+  throw InputError(reader_.file(), dataset,
+                   fmt::format("the {} motion {} of point id {} overflows", kind, motion, reader_.point_ids()[vertex]));
 }
 
 void SequenceStepper::set_solid_middle(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1) {

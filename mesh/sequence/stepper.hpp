@@ -1,7 +1,7 @@
 // From a sequence file to queries: a topology and a motion for each pair of consecutive steps.
 #pragma once
 
-#include <array>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -14,8 +14,6 @@
 #include <volccd/query/motion.hpp>
 
 namespace volccd {
-
-class Executor;
 
 namespace detail {
 class ShellSolids;
@@ -108,10 +106,9 @@ class SequenceStepper {
   /// Makes a motion the current one. Throws InputError if there is no such motion or its data are invalid, for example
   /// if a control point that is computed from velocities or three steps overflows for a vertex in use; then topology()
   /// and motion() are unchanged. Without reading, the time is proportional to the number of points and cells and to the
-  /// number of features of the changed cells. The first call builds the topology: on all workers of the executor, or,
-  /// without an executor, on the calling thread. The result is the same.
-  void go_to(int motion, Executor& executor);
-  void go_to(int motion);
+  /// number of features of the changed cells. The first call builds the topology on all workers of the executor; the
+  /// result does not depend on it.
+  void go_to(int motion, Executor& executor = serial_executor());
 
   /// The motion of the last successful go_to(), or -1. The members below require one.
   int current() const { return current_; }
@@ -128,19 +125,13 @@ class SequenceStepper {
   Index vertices_without_normal() const { return without_normal_; }
 
  private:
-  /// Points of one step of the file.
-  struct Points {
-    int step = -1;
-    std::vector<Vec3> positions;
-  };
-
   /// The step whose points determine the curvature of a motion, or -1 if there is none.
   int third_step(int motion) const;
   void read_points(int motion);
-  const std::vector<Vec3>& points(int step) const;
   void read_cells(int step);
   void read_middle(int motion);
   void read_tentative(int motion);
+  [[noreturn]] void refuse_overflow(const char* dataset, const char* kind, int motion, std::size_t vertex) const;
   void mark_used(int step);
   void set_solid_middle(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1);
   void set_topology(int step, Executor& executor);
@@ -154,15 +145,15 @@ class SequenceStepper {
   Motion motion_;
   Index without_normal_ = 0;
   double edit_seconds_ = 0, separation_ = 0;
-  std::array<Points, 3> points_;
+  std::map<int, std::vector<Vec3>> points_;  ///< points of at most three steps of the file, by step
   SequenceCells cells_;
   std::optional<ConnectedParts> components_;
   std::unique_ptr<detail::ShellSolids> solids_;  ///< null for ShellModel::surface
   std::vector<Vec3> solid0_, solid1_;
-  /// middle_: middle control points of quadratic motion. tentative_: end positions of tentative motion. velocity_: for
-  /// both. used_cells_: cells of the step that mark_used() was last called for; used_: whether they use each vertex.
-  std::vector<Vec3> middle_, solid_middle_, tentative_, velocity_;
-  std::vector<Vec3> query0_, query1_;  ///< both ends of a query
+  /// middle_: middle control points of quadratic motion. start_: start of a query. end_: end of a query or of tentative
+  /// motion. velocity_: for quadratic and tentative motion. used_cells_: cells of the step that mark_used() was last
+  /// called for; used_: whether they use each vertex.
+  std::vector<Vec3> middle_, solid_middle_, start_, end_, velocity_;
   SequenceCells used_cells_;
   std::vector<char> used_;
 };

@@ -46,8 +46,8 @@ enum class SequenceForm { temporal, single };
 class SequenceWriter {
  public:
   /// `point_ids` are distinct and not negative, in any order; vertex slots of the cells are indices into `point_ids`.
-  SequenceWriter(const std::string& file, std::span<const std::int64_t> point_ids, SequenceMetadata metadata = {},
-                 SequenceForm form = SequenceForm::temporal);
+  SequenceWriter(const std::string& file, std::span<const std::int64_t> point_ids,
+                 const SequenceMetadata& metadata = {}, SequenceForm form = SequenceForm::temporal);
   SequenceWriter(SequenceWriter&&) noexcept;
   ~SequenceWriter();
 

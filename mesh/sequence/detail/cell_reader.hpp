@@ -36,36 +36,33 @@ class CellReader {
  private:
   /// A cell in which a node occurs twice, and the row of the second occurrence.
   struct Repeated {
-    std::size_t cell;
-    std::int64_t row;
+    std::size_t cell, row;
   };
 
-  void read_types(std::size_t step, SequenceCells& cells);
-  void read_offsets(std::size_t step, SequenceCells& cells);
-  void read_connectivity(std::size_t step, SequenceCells& cells);
-  void read_parts(std::size_t step, SequenceCells& cells);
-  void read_ids(std::size_t step, SequenceCells& cells);
-  void read_polyhedra(std::size_t step, SequenceCells& cells);
-  void append_polyhedron(std::size_t step, std::size_t cell, SequenceCells& cells);
+  void read_types(SequenceCells& cells);
+  void read_offsets(SequenceCells& cells);
+  void read_connectivity(SequenceCells& cells);
+  void read_parts(SequenceCells& cells);
+  void read_ids(SequenceCells& cells);
+  void read_polyhedra(SequenceCells& cells);
+  void append_polyhedron(std::size_t cell, SequenceCells& cells);
   /// Replaces the cells listed in repeated_ by the elements that they represent.
-  void collapse(std::size_t step, SequenceCells& cells);
-  CollapsedElement collapsed_element(std::size_t step, const Repeated& repeated, const SequenceCells& cells) const;
-  /// The same as place() above, with the ids from `cells`.
-  static std::string place(std::size_t step, std::size_t i, const SequenceCells& cells);
+  void collapse(SequenceCells& cells);
+  /// Throws an InputError for a row of an array, which belongs to a cell.
+  [[noreturn]] void fail(const StepArray& array, std::size_t row, std::size_t cell, const SequenceCells& cells,
+                         const std::string& problem) const;
 
   /// Reads `count` + 1 non-descending offsets that begin with 0 and end with `length`.
-  void read_monotone(const StepArray& array, std::size_t step, std::int64_t count, std::int64_t length,
-                     std::vector<std::int64_t>& out);
-  /// The vertex slot of point `value` of the file, which was read from row `row`. `place()` describes the cell in error
-  /// messages.
-  template <class Place>
-  Index slot(const StepArray& array, std::int64_t row, std::int64_t value, const Place& place) const;
+  void read_monotone(const StepArray& array, std::int64_t count, std::int64_t length,
+                     std::vector<std::int64_t>& out) const;
+  /// The vertex slot of a point of the file, which row `row` of the array has for a cell.
+  Index slot(const StepArray& array, std::size_t row, std::int64_t point, std::size_t cell,
+             const SequenceCells& cells) const;
 
+  std::size_t step_ = 0;  ///< the step that is being read
   const SequenceLayout& layout_;
   const PointOrder& order_;
-  std::vector<std::int64_t> numbers_;
-  std::vector<std::int64_t> sorted_ids_;
-  std::vector<std::int64_t> face_connectivity_, face_offsets_, to_faces_, cell_faces_;
+  std::vector<std::int64_t> numbers_, face_connectivity_, face_offsets_, to_faces_, cell_faces_;
   std::vector<Index> used_;
   std::vector<Repeated> repeated_;  ///< in ascending order of cells
   CollapsedCounts collapsed_counts_;

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <limits>
 #include <new>
+#include <type_traits>
 
 #include <volccd/core/error.hpp>
 
@@ -22,6 +23,13 @@ constexpr std::size_t kLongestString = std::size_t{1} << 20;
 
 std::string attribute_path(const std::string& group, const std::string& name) {
   return (group == "/" ? "" : group) + "@" + name;
+}
+
+/// The text of a fixed-length string of HDF5, without its padding.
+std::string unpadded(std::string text, H5T_str_t padding) {
+  text.resize(std::min(text.size(), text.find('\0')));
+  if (padding == H5T_STR_SPACEPAD) text.resize(text.find_last_not_of(' ') + 1);
+  return text;
 }
 
 }  // namespace
@@ -79,18 +87,6 @@ void Hdf5Dataset::check_size(std::int64_t file_bytes) const {
   if (room == 0) fail("has chunks of more than 1 GiB");
 }
 
-template <class T>
-void Hdf5Dataset::resize(std::vector<T>& out, std::int64_t first, std::int64_t count) const {
-  if (first < 0 || count < 0 || first > rows_ - count)
-    fail(first, "rows " + std::to_string(first) + " .. +" + std::to_string(count) + " are wanted, there are " +
-                    std::to_string(rows_));
-  try {
-    out.resize(static_cast<std::size_t>(count * width()));
-  } catch (const std::bad_alloc&) {
-    fail(first, std::to_string(count) + " rows do not fit into memory");
-  }
-}
-
 void Hdf5Dataset::read_raw(std::int64_t first, std::int64_t count, hid_t type, void* out) const {
   if (count == 0) return;
   const QuietHdf5 quiet;
@@ -104,19 +100,24 @@ void Hdf5Dataset::read_raw(std::int64_t first, std::int64_t count, hid_t type, v
     fail(first, "cannot be read from here on: the file is damaged" + hdf5_reason());
 }
 
-void Hdf5Dataset::read(std::int64_t first, std::int64_t count, std::vector<std::int64_t>& out) const {
-  resize(out, first, count);
-  read_raw(first, count, H5T_NATIVE_INT64, out.data());
+template <class T>
+void Hdf5Dataset::read(std::int64_t first, std::int64_t count, std::vector<T>& out) const {
+  if (first < 0 || count < 0 || first > rows_ - count)
+    fail(first, "rows " + std::to_string(first) + " .. +" + std::to_string(count) + " are wanted, there are " +
+                    std::to_string(rows_));
+  try {
+    out.resize(static_cast<std::size_t>(count * width()));
+  } catch (const std::bad_alloc&) {
+    fail(first, std::to_string(count) + " rows do not fit into memory");
+  }
+  read_raw(first, count, std::is_same_v<T, double> ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64, out.data());
   if (!unsigned64_) return;
   // HDF5 replaces values out of range by the limits of the range.
   const auto clamped = std::find(out.begin(), out.end(), std::numeric_limits<std::int64_t>::max());
   if (clamped != out.end()) fail(first + (clamped - out.begin()) / width(), "exceeds the range of a 64-bit integer");
 }
-
-void Hdf5Dataset::read(std::int64_t first, std::int64_t count, std::vector<double>& out) const {
-  resize(out, first, count);
-  read_raw(first, count, H5T_NATIVE_DOUBLE, out.data());
-}
+template void Hdf5Dataset::read(std::int64_t, std::int64_t, std::vector<std::int64_t>&) const;
+template void Hdf5Dataset::read(std::int64_t, std::int64_t, std::vector<double>&) const;
 
 Hdf5File::Hdf5File(const std::string& name) : name_(name) {
   std::error_code error;
@@ -141,16 +142,11 @@ bool Hdf5File::has(const std::string& path) const {
   const QuietHdf5 quiet;
   for (std::size_t end = path.find('/', 1);; end = path.find('/', end + 1)) {
     const std::string part = path.substr(0, end);
-    const htri_t link = H5Lexists(id_.get(), part.c_str(), H5P_DEFAULT);
-    if (link < 0) fail(part, "cannot be looked up: the file is damaged" + hdf5_reason());
-    if (link == 0) return false;
-    const htri_t object = H5Oexists_by_name(id_.get(), part.c_str(), H5P_DEFAULT);
-    if (object < 0) fail(part, "cannot be looked up: the file is damaged" + hdf5_reason());
-    if (object == 0) return false;
+    if (!found(part, H5Lexists(id_.get(), part.c_str(), H5P_DEFAULT))) return false;
+    if (!found(part, H5Oexists_by_name(id_.get(), part.c_str(), H5P_DEFAULT))) return false;
     if (end == std::string::npos) return true;
     H5O_info_t info;
-    if (H5Oget_info_by_name2(id_.get(), part.c_str(), &info, H5O_INFO_BASIC, H5P_DEFAULT) < 0)
-      fail(part, "cannot be looked up: the file is damaged" + hdf5_reason());
+    found(part, H5Oget_info_by_name2(id_.get(), part.c_str(), &info, H5O_INFO_BASIC, H5P_DEFAULT));
     if (info.type != H5O_TYPE_GROUP) fail(part, "is not a group");
   }
 }
@@ -158,9 +154,12 @@ bool Hdf5File::has(const std::string& path) const {
 bool Hdf5File::has_attribute(const std::string& group, const std::string& name) const {
   if (group != "/" && !has(group)) return false;
   const QuietHdf5 quiet;
-  const htri_t found = H5Aexists_by_name(id_.get(), group.c_str(), name.c_str(), H5P_DEFAULT);
-  if (found < 0) fail(attribute_path(group, name), "cannot be looked up: the file is damaged" + hdf5_reason());
-  return found > 0;
+  return found(attribute_path(group, name), H5Aexists_by_name(id_.get(), group.c_str(), name.c_str(), H5P_DEFAULT));
+}
+
+bool Hdf5File::found(const std::string& path, htri_t answer) const {
+  if (answer < 0) fail(path, "cannot be looked up: the file is damaged" + hdf5_reason());
+  return answer > 0;
 }
 
 std::vector<std::string> Hdf5File::root_names() const {
@@ -190,40 +189,37 @@ Hdf5Dataset Hdf5File::dataset(const std::string& path, NumberKind kind, std::int
   return result;
 }
 
-std::vector<std::int64_t> Hdf5File::integers(const std::string& path, std::int64_t rows) const {
-  const Hdf5Dataset data = dataset(path, NumberKind::integer);
+template <class T>
+std::vector<T> Hdf5File::values(const std::string& path, std::int64_t rows, const std::string& of) const {
+  const Hdf5Dataset data = dataset(path, std::is_same_v<T, double> ? NumberKind::real : NumberKind::integer);
   if (data.rows() != rows)
-    data.fail("has " + std::to_string(data.rows()) + " entries, but must have " + std::to_string(rows));
-  std::vector<std::int64_t> values;
+    data.fail("has " + std::to_string(data.rows()) + " entries" + (of.empty() ? ", but must have " : " for ") +
+              std::to_string(rows) + of);
+  std::vector<T> values;
   data.read(0, rows, values);
   return values;
 }
+template std::vector<std::int64_t> Hdf5File::values(const std::string&, std::int64_t, const std::string&) const;
+template std::vector<double> Hdf5File::values(const std::string&, std::int64_t, const std::string&) const;
 
-Hdf5Id Hdf5File::open_attribute(const std::string& group, const std::string& name) const {
-  if (!has_attribute(group, name)) fail(attribute_path(group, name), "is missing");
-  Hdf5Id attribute(H5Aopen_by_name(id_.get(), group.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
-  if (!attribute) fail(attribute_path(group, name), "cannot be opened" + hdf5_reason());
-  return attribute;
+struct Hdf5File::Attribute {
+  std::string path;
+  Hdf5Id id, type, space;
+};
+
+Hdf5File::Attribute Hdf5File::open_attribute(const std::string& group, const std::string& name) const {
+  const std::string path = attribute_path(group, name);
+  if (!has_attribute(group, name)) fail(path, "is missing");
+  Hdf5Id id(H5Aopen_by_name(id_.get(), group.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  if (!id) fail(path, "cannot be opened" + hdf5_reason());
+  Hdf5Id type(H5Aget_type(id.get()), H5Tclose), space(H5Aget_space(id.get()), H5Sclose);
+  if (!type || !space) fail(path, "cannot be read" + hdf5_reason());
+  return {path, std::move(id), std::move(type), std::move(space)};
 }
-
-namespace {
-
-/// The text of a fixed-length string of HDF5, without its padding.
-std::string unpadded(std::string text, H5T_str_t padding) {
-  text.resize(std::min(text.size(), text.find('\0')));
-  if (padding == H5T_STR_SPACEPAD) text.resize(text.find_last_not_of(' ') + 1);
-  return text;
-}
-
-}  // namespace
 
 std::string Hdf5File::string_attribute(const std::string& group, const std::string& name) const {
   const QuietHdf5 quiet;
-  const std::string path = attribute_path(group, name);
-  const Hdf5Id attribute = open_attribute(group, name);
-  const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
-  const Hdf5Id space(H5Aget_space(attribute.get()), H5Sclose);
-  if (!type || !space) fail(path, "cannot be read" + hdf5_reason());
+  const auto [path, attribute, type, space] = open_attribute(group, name);
   if (H5Tget_class(type.get()) != H5T_STRING || H5Sget_simple_extent_npoints(space.get()) != 1)
     fail(path, "is not a string");
   const std::size_t size = H5Tget_size(type.get());
@@ -246,11 +242,7 @@ std::string Hdf5File::string_attribute(const std::string& group, const std::stri
 std::vector<std::int64_t> Hdf5File::integer_attribute(const std::string& group, const std::string& name,
                                                       std::size_t count) const {
   const QuietHdf5 quiet;
-  const std::string path = attribute_path(group, name);
-  const Hdf5Id attribute = open_attribute(group, name);
-  const Hdf5Id type(H5Aget_type(attribute.get()), H5Tclose);
-  const Hdf5Id space(H5Aget_space(attribute.get()), H5Sclose);
-  if (!type || !space) fail(path, "cannot be read" + hdf5_reason());
+  const auto [path, attribute, type, space] = open_attribute(group, name);
   const hssize_t points = H5Sget_simple_extent_npoints(space.get());
   if (H5Tget_class(type.get()) != H5T_INTEGER || points < 0 || static_cast<std::size_t>(points) != count)
     fail(path, count == 1 ? "is not one integer" : "is not an array of " + std::to_string(count) + " integers");
@@ -261,6 +253,9 @@ std::vector<std::int64_t> Hdf5File::integer_attribute(const std::string& group, 
 
 void Hdf5File::fail(const std::string& path, const std::string& problem) const {
   throw InputError(name_, path, problem);
+}
+void Hdf5File::fail(const std::string& path, std::size_t row, const std::string& problem) const {
+  throw InputError(name_, path, static_cast<std::int64_t>(row), problem);
 }
 
 }  // namespace volccd::detail

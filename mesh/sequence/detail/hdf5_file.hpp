@@ -18,14 +18,11 @@ class Hdf5Dataset {
  public:
   const std::string& path() const { return path_; }
   std::int64_t rows() const { return rows_; }
-  std::int64_t columns() const { return columns_; }
-  /// Number of values per row.
-  std::int64_t width() const { return columns_ * depth_; }
 
   /// Replaces `out` by the rows [first, first + count), one row after another. Integers of up to 8 bytes are converted,
-  /// real numbers of up to 8 bytes are widened. Throws if the range is not within [0, rows()].
-  void read(std::int64_t first, std::int64_t count, std::vector<std::int64_t>& out) const;
-  void read(std::int64_t first, std::int64_t count, std::vector<double>& out) const;
+  /// real numbers of up to 8 bytes are widened. T is int64 or double. Throws if the range is not within [0, rows()].
+  template <class T>
+  void read(std::int64_t first, std::int64_t count, std::vector<T>& out) const;
 
   /// Throws an InputError, for one of the rows if `row` is given.
   [[noreturn]] void fail(std::int64_t row, const std::string& problem) const;
@@ -33,12 +30,12 @@ class Hdf5Dataset {
 
  private:
   friend class Hdf5File;
+  /// Number of values per row.
+  std::int64_t width() const { return columns_ * depth_; }
   void check_type(NumberKind kind);
   void check_shape(std::int64_t columns, std::int64_t depth);
   void check_size(std::int64_t file_bytes) const;
   void read_raw(std::int64_t first, std::int64_t count, hid_t type, void* out) const;
-  template <class T>
-  void resize(std::vector<T>& out, std::int64_t first, std::int64_t count) const;
 
   std::string file_, path_;
   Hdf5Id id_;
@@ -65,8 +62,10 @@ class Hdf5File {
   /// Opens a dataset. `columns` is the size of the second dimension; for 1, the shapes [n] and [n, 1] are accepted.
   /// `depth` > 1 is the size of a third dimension.
   Hdf5Dataset dataset(const std::string& path, NumberKind kind, std::int64_t columns = 1, std::int64_t depth = 1) const;
-  /// All values of a dataset with exactly `rows` rows.
-  std::vector<std::int64_t> integers(const std::string& path, std::int64_t rows) const;
+  /// All values of a dataset that must have exactly `rows` rows, for int64 and double. `of` names in the error what has
+  /// one row each, " pairs" for example.
+  template <class T>
+  std::vector<T> values(const std::string& path, std::int64_t rows, const std::string& of = "") const;
 
   /// The text of an attribute, a string of fixed or variable length.
   std::string string_attribute(const std::string& group, const std::string& name) const;
@@ -75,9 +74,13 @@ class Hdf5File {
                                               std::size_t count) const;
 
   [[noreturn]] void fail(const std::string& path, const std::string& problem) const;
+  [[noreturn]] void fail(const std::string& path, std::size_t row, const std::string& problem) const;
 
  private:
-  Hdf5Id open_attribute(const std::string& group, const std::string& name) const;
+  struct Attribute;
+  Attribute open_attribute(const std::string& group, const std::string& name) const;
+  /// Whether HDF5 answered yes; throws if it could not look up the path.
+  bool found(const std::string& path, htri_t answer) const;
 
   std::string name_;
   std::int64_t bytes_ = 0;

@@ -14,30 +14,12 @@ namespace {
 constexpr std::size_t kPlainEntries = 64;
 constexpr unsigned kDeflate = 6;
 
-hid_t stored(StoredType type) {
-  switch (type) {
-    case StoredType::int32: return H5T_STD_I32LE;
-    case StoredType::int64: return H5T_STD_I64LE;
-    case StoredType::uint8: return H5T_STD_U8LE;
-    case StoredType::float64: break;
-  }
-  return H5T_IEEE_F64LE;
-}
-
 /// The reason that the system gave if it refused to write, otherwise that of HDF5.
 std::string reason(int write_error) {
   return write_error != 0 ? std::string(": ") + std::strerror(write_error) : hdf5_reason();
 }
 
 }  // namespace
-
-void GrowingDataset::append(std::span<const std::int64_t> values) {
-  append_raw(values.data(), values.size(), H5T_NATIVE_INT64);
-}
-
-void GrowingDataset::append(std::span<const double> values) {
-  append_raw(values.data(), values.size(), H5T_NATIVE_DOUBLE);
-}
 
 void GrowingDataset::append_raw(const void* values, std::size_t count, hid_t type) {
   if (count == 0) return;
@@ -83,8 +65,7 @@ Hdf5Id Hdf5Output::create_dataset(const std::string& path, hid_t type, hid_t spa
   return id;
 }
 
-GrowingDataset Hdf5Output::growing(const std::string& path, StoredType type, std::int64_t columns,
-                                   std::int64_t chunk_rows) {
+GrowingDataset Hdf5Output::growing(const std::string& path, hid_t type, std::int64_t columns, std::int64_t chunk_rows) {
   const QuietHdf5 quiet;
   GrowingDataset result;
   result.file_ = shown_as_;
@@ -96,7 +77,7 @@ GrowingDataset Hdf5Output::growing(const std::string& path, StoredType type, std
   const hsize_t greatest[2] = {H5S_UNLIMITED, result.columns_};
   const hsize_t chunk[2] = {static_cast<hsize_t>(chunk_rows), result.columns_};
   const Hdf5Id space(H5Screate_simple(rank, extent, greatest), H5Sclose);
-  result.id_ = create_dataset(path, stored(type), space.get(), chunk, rank);
+  result.id_ = create_dataset(path, type, space.get(), chunk, rank);
   return result;
 }
 
@@ -109,14 +90,6 @@ void Hdf5Output::whole(const std::string& path, hid_t file_type, hid_t memory_ty
   const Hdf5Id space(H5Screate_simple(rank, extent, nullptr), H5Sclose);
   const Hdf5Id id = create_dataset(path, file_type, space.get(), count > kPlainEntries ? chunk : nullptr, rank);
   check(H5Dwrite(id.get(), memory_type, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0, path, "cannot be written");
-}
-
-void Hdf5Output::integers(const std::string& path, std::span<const std::int64_t> values, bool as_column) {
-  whole(path, H5T_STD_I64LE, H5T_NATIVE_INT64, values.data(), values.size(), as_column);
-}
-
-void Hdf5Output::reals(const std::string& path, std::span<const double> values) {
-  whole(path, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values.data(), values.size(), false);
 }
 
 void Hdf5Output::attribute(const std::string& group, const std::string& name, hid_t file_type, hid_t memory_type,
@@ -143,14 +116,8 @@ void Hdf5Output::integer_attribute(const std::string& group, const std::string& 
                                    std::span<const std::int64_t> values) {
   const QuietHdf5 quiet;
   const hsize_t extent = values.size();
-  const Hdf5Id space(H5Screate_simple(1, &extent, nullptr), H5Sclose);
+  const Hdf5Id space(extent == 1 ? H5Screate(H5S_SCALAR) : H5Screate_simple(1, &extent, nullptr), H5Sclose);
   attribute(group, name, H5T_STD_I64LE, H5T_NATIVE_INT64, space.get(), values.data());
-}
-
-void Hdf5Output::integer_attribute(const std::string& group, const std::string& name, std::int64_t value) {
-  const QuietHdf5 quiet;
-  const Hdf5Id space(H5Screate(H5S_SCALAR), H5Sclose);
-  attribute(group, name, H5T_STD_I64LE, H5T_NATIVE_INT64, space.get(), &value);
 }
 
 void Hdf5Output::close() {

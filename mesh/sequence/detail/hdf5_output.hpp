@@ -10,15 +10,11 @@
 
 namespace volccd::detail {
 
-/// Number types in the file, little-endian.
-enum class StoredType { int32, int64, uint8, float64 };
-
 /// A dataset to which rows are appended. Its rank is 1, or 2 if it has more than one column.
 class GrowingDataset {
  public:
-  std::int64_t rows() const { return rows_; }
-  void append(std::span<const std::int64_t> values);
-  void append(std::span<const double> values);
+  void append(std::span<const std::int64_t> values) { append_raw(values.data(), values.size(), H5T_NATIVE_INT64); }
+  void append(std::span<const double> values) { append_raw(values.data(), values.size(), H5T_NATIVE_DOUBLE); }
 
  private:
   friend class Hdf5Output;
@@ -39,16 +35,21 @@ class Hdf5Output {
   Hdf5Output(const std::string& name, std::string shown_as);
 
   void group(const std::string& path);
-  /// Creates a dataset of unlimited size, with chunks, shuffle filter and gzip compression. Pre: `chunk_rows` >= 1.
-  GrowingDataset growing(const std::string& path, StoredType type, std::int64_t columns, std::int64_t chunk_rows);
+  /// Creates a dataset of unlimited size, with chunks, shuffle filter and gzip compression. `type` is the type in the
+  /// file. Pre: `chunk_rows` >= 1.
+  GrowingDataset growing(const std::string& path, hid_t type, std::int64_t columns, std::int64_t chunk_rows);
   /// Writes a whole dataset of shape [values.size()], or [values.size(), 1] with `as_column`. Datasets with more than
   /// 64 values are shuffled and gzip-compressed.
-  void integers(const std::string& path, std::span<const std::int64_t> values, bool as_column = false);
-  void reals(const std::string& path, std::span<const double> values);
+  void integers(const std::string& path, std::span<const std::int64_t> values, bool as_column = false) {
+    whole(path, H5T_STD_I64LE, H5T_NATIVE_INT64, values.data(), values.size(), as_column);
+  }
+  void reals(const std::string& path, std::span<const double> values) {
+    whole(path, H5T_IEEE_F64LE, H5T_NATIVE_DOUBLE, values.data(), values.size(), false);
+  }
 
   void string_attribute(const std::string& group, const std::string& name, const std::string& text);
+  /// An array of integers, or a scalar if there is one value.
   void integer_attribute(const std::string& group, const std::string& name, std::span<const std::int64_t> values);
-  void integer_attribute(const std::string& group, const std::string& name, std::int64_t value);
 
   /// Writes all buffers and closes the file. All datasets must have been closed before.
   void close();

@@ -19,11 +19,6 @@ namespace volccd::detail {
 
 namespace {
 
-/// The data that HDF5 passes to open_file.
-struct DriverInfo {
-  int* error;
-};
-
 /// `base` must be the first member, because HDF5 accesses only that.
 struct DriverFile {
   H5FD_t base;
@@ -35,33 +30,34 @@ struct DriverFile {
 DriverFile& file_of(H5FD_t* base) { return *reinterpret_cast<DriverFile*>(base); }
 const DriverFile& file_of(const H5FD_t* base) { return *reinterpret_cast<const DriverFile*>(base); }
 
-void note_error(const DriverFile& file) {
-  if (*file.error == 0) *file.error = errno;
+void note_error(int* error) {
+  if (*error == 0) *error = errno;
 }
 
 H5FD_t* open_file(const char* name, unsigned flags, hid_t access, haddr_t) {
-  const DriverInfo* const info = static_cast<const DriverInfo*>(H5Pget_driver_info(access));
-  if (!info) return nullptr;
+  // The data that write_driver_access() passes to HDF5 are a pointer to the error.
+  int* const* const error = static_cast<int* const*>(H5Pget_driver_info(access));
+  if (!error) return nullptr;
   int mode = (flags & H5F_ACC_RDWR) != 0 ? O_RDWR : O_RDONLY;
   if ((flags & H5F_ACC_CREAT) != 0) mode |= O_CREAT;
   if ((flags & H5F_ACC_TRUNC) != 0) mode |= O_TRUNC;
   const int descriptor = ::open(name, mode | O_CLOEXEC, 0666);
   struct stat status {};
   if (descriptor < 0 || ::fstat(descriptor, &status) != 0) {
-    if (*info->error == 0) *info->error = errno;
+    note_error(*error);
     if (descriptor >= 0) ::close(descriptor);
     return nullptr;
   }
   DriverFile* const file = new DriverFile{};
   file->descriptor = descriptor;
   file->eof = static_cast<haddr_t>(status.st_size);
-  file->error = info->error;
+  file->error = *error;
   return &file->base;
 }
 
 herr_t close_file(H5FD_t* base) {
   DriverFile* const file = &file_of(base);
-  if (::close(file->descriptor) != 0) note_error(*file);
+  if (::close(file->descriptor) != 0) note_error(file->error);
   delete file;
   return 0;
 }
@@ -81,45 +77,41 @@ herr_t set_eoa(H5FD_t* base, H5FD_mem_t, haddr_t address) {
 
 haddr_t get_eof(const H5FD_t* base, H5FD_mem_t) { return file_of(base).eof; }
 
+/// Calls io, which is pread or pwrite, until all bytes are transferred, the file ends, or the system refuses. Returns
+/// the number of bytes that are left.
+template <class Io, class Byte>
+std::size_t transfer(const DriverFile& file, Io io, Byte* at, std::size_t size, haddr_t address) {
+  while (size > 0) {
+    const ssize_t done = io(file.descriptor, at, size, static_cast<off_t>(address));
+    if (done < 0 && errno == EINTR) continue;
+    if (done < 0) note_error(file.error);
+    if (done <= 0) break;
+    at += done;
+    address += static_cast<haddr_t>(done);
+    size -= static_cast<std::size_t>(done);
+  }
+  return size;
+}
+
 /// Returns zeros for bytes that have not been written.
 herr_t read_bytes(H5FD_t* base, H5FD_mem_t, hid_t, haddr_t address, std::size_t size, void* buffer) {
-  const DriverFile& file = file_of(base);
-  char* to = static_cast<char*>(buffer);
-  while (size > 0) {
-    const ssize_t got = ::pread(file.descriptor, to, size, static_cast<off_t>(address));
-    if (got < 0 && errno == EINTR) continue;
-    if (got < 0) note_error(file);
-    if (got <= 0) break;
-    to += got;
-    address += static_cast<haddr_t>(got);
-    size -= static_cast<std::size_t>(got);
-  }
-  std::memset(to, 0, size);
+  char* const to = static_cast<char*>(buffer);
+  const std::size_t left = transfer(file_of(base), ::pread, to, size, address);
+  std::memset(to + (size - left), 0, left);
   return 0;
 }
 
 herr_t write_bytes(H5FD_t* base, H5FD_mem_t, hid_t, haddr_t address, std::size_t size, const void* buffer) {
   DriverFile& file = file_of(base);
-  const char* from = static_cast<const char*>(buffer);
   file.eof = std::max(file.eof, address + size);
-  while (size > 0) {
-    const ssize_t written = ::pwrite(file.descriptor, from, size, static_cast<off_t>(address));
-    if (written < 0 && errno == EINTR) continue;
-    if (written < 0) {
-      note_error(file);
-      break;
-    }
-    from += written;
-    address += static_cast<haddr_t>(written);
-    size -= static_cast<std::size_t>(written);
-  }
+  transfer(file, ::pwrite, static_cast<const char*>(buffer), size, address);
   return 0;
 }
 
 herr_t truncate_file(H5FD_t* base, hid_t, hbool_t) {
   DriverFile& file = file_of(base);
   if (file.eof == file.eoa) return 0;
-  if (::ftruncate(file.descriptor, static_cast<off_t>(file.eoa)) != 0) note_error(file);
+  if (::ftruncate(file.descriptor, static_cast<off_t>(file.eoa)) != 0) note_error(file.error);
   file.eof = file.eoa;
   return 0;
 }
@@ -133,7 +125,7 @@ H5FD_class_t driver_class() {
   driver.name = "volccd_write";
   driver.maxaddr = static_cast<haddr_t>(std::numeric_limits<off_t>::max());
   driver.fc_degree = H5F_CLOSE_WEAK;
-  driver.fapl_size = sizeof(DriverInfo);
+  driver.fapl_size = sizeof(int*);
   driver.open = open_file;
   driver.close = close_file;
   driver.query = query_features;
@@ -161,10 +153,9 @@ hid_t registered_driver() {
 }  // namespace
 
 Hdf5Id write_driver_access(int* error) {
-  const DriverInfo info{error};
   const hid_t driver = registered_driver();
   Hdf5Id access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  if (driver < 0 || !access || H5Pset_driver(access.get(), driver, &info) < 0) return {};
+  if (driver < 0 || !access || H5Pset_driver(access.get(), driver, &error) < 0) return {};
   return access;
 }
 

@@ -16,6 +16,16 @@ struct StepArray {
   Hdf5Dataset data;
   std::vector<std::int64_t> first;
   std::string table;
+
+  /// Replaces `out` by `count` rows of a step.
+  template <class T>
+  void read(std::size_t step, std::int64_t count, std::vector<T>& out) const {
+    data.read(first[step], count, out);
+  }
+  /// Throws an InputError for row i of a step.
+  [[noreturn]] void fail(std::size_t step, std::size_t i, const std::string& problem) const {
+    data.fail(first[step] + static_cast<std::int64_t>(i), problem);
+  }
 };
 
 /// Polyhedra as in VTKHDF 2.5. A topology has `faces` faces, which PolyhedronToFaces numbers from 0. FaceOffsets has
@@ -39,8 +49,8 @@ struct SequenceLayout {
   std::optional<PolyhedronLayout> polyhedra;
 
   std::size_t steps() const { return times.size(); }
-  std::int64_t cells_of(int step) const { return cells[topology_of(step)]; }
-  std::size_t topology_of(int step) const { return static_cast<std::size_t>(topology[static_cast<std::size_t>(step)]); }
+  std::int64_t cells_of(std::size_t step) const { return cells[topology_of(step)]; }
+  std::size_t topology_of(std::size_t step) const { return static_cast<std::size_t>(topology[step]); }
 };
 
 /// Reads and checks the layout. Throws InputError if anything is inconsistent. O(steps + topologies).

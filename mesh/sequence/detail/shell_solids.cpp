@@ -1,7 +1,5 @@
 #include <volccd/mesh/sequence/detail/shell_solids.hpp>
 
-#include <algorithm>
-
 #include <volccd/core/error.hpp>
 
 namespace volccd::detail {
@@ -24,7 +22,7 @@ void ShellSolids::set_cells(const SequenceCells& cells) {
   for (Index o = 0; o < mesh_.element_slots(); ++o) solids_.add(thickener_->solid_element(mesh_, o));
 }
 
-void ShellSolids::read_thickness() {
+void ShellSolids::read_thickness(int start, int end) {
   const Index cells = mesh_.element_slots();
   if (!reader_.has_thickness()) {
     for (Index o = 0; o < cells; ++o)
@@ -34,28 +32,21 @@ void ShellSolids::read_thickness() {
     thickness1_.assign(cells, 0);
     return;
   }
-  reader_.read_thickness(end_, thickness1_);
-  if (start_ == end_) {
-    thickness0_ = thickness1_;
-    return;
-  }
-  if (reader_.same_cells(start_, end_)) {
-    reader_.read_thickness(start_, thickness0_);
-    return;
-  }
-  reader_.read_thickness(start_, thickness_before_);
-  reader_.read_cells(start_, before_);
+  reader_.read_thickness(end, thickness1_);
   thickness0_ = thickness1_;
+  if (start == end) return;
+  if (reader_.same_cells(start, end)) return reader_.read_thickness(start, thickness0_);
+  reader_.read_thickness(start, thickness_before_);
+  reader_.read_cells(start, before_);
   for (std::size_t i = 0; i < before_.size(); ++i)
     if (const Index o = mesh_.find_element(before_.ids[i]); o != kNone) thickness0_[o] = thickness_before_[i];
 }
 
-Index ShellSolids::positions(std::span<const Vec3> x0, std::span<const Vec3> x1, std::vector<Vec3>& solid0,
-                             std::vector<Vec3>& solid1) {
-  read_thickness();
-  SerialExecutor serial;
-  const Index without0 = thickener_->positions(x0, thickness0_, solid0, scratch_, serial);
-  return without0 + thickener_->positions(x1, thickness1_, solid1, scratch_, serial);
+Index ShellSolids::positions(int start, int end, std::span<const Vec3> x0, std::span<const Vec3> x1,
+                             std::vector<Vec3>& solid0, std::vector<Vec3>& solid1) {
+  read_thickness(start, end);
+  const Index without0 = thickener_->positions(x0, thickness0_, solid0, scratch_, serial_executor());
+  return without0 + thickener_->positions(x1, thickness1_, solid1, scratch_, serial_executor());
 }
 
 }  // namespace volccd::detail

@@ -22,24 +22,21 @@ class ShellSolids {
 
   /// Sets the cells to be thickened.
   void set_cells(const SequenceCells& cells);
-  /// Sets the steps whose thickness applies at the start and at the end of a motion. The cells are those of step `end`.
-  void set_steps(int start, int end) { start_ = start, end_ = end; }
   /// The solids, in the order of the cells.
   const SequenceCells& cells() const { return solids_; }
 
-  /// Computes the positions of the solid mesh at both ends of a motion. Each end uses the thickness of its step of
-  /// set_steps(); a shell that does not exist at the first step has its thickness of the second step. Returns the
-  /// number of vertices without a mean normal, summed over both ends. Throws InputError if there are shells but the
-  /// file has no thickness.
-  Index positions(std::span<const Vec3> x0, std::span<const Vec3> x1, std::vector<Vec3>& solid0,
+  /// Computes the positions of the solid mesh at both ends of a motion. Each end uses the thickness of its step,
+  /// `start` or `end`; the cells are those of `end`, and a shell that does not exist at `start` has its thickness of
+  /// `end`. Returns the number of vertices without a mean normal, summed over both ends. Throws InputError if there are
+  /// shells but the file has no thickness.
+  Index positions(int start, int end, std::span<const Vec3> x0, std::span<const Vec3> x1, std::vector<Vec3>& solid0,
                   std::vector<Vec3>& solid1);
 
  private:
-  void read_thickness();
+  void read_thickness(int start, int end);
 
   SequenceReader& reader_;
   std::vector<std::int64_t> vertex_ids_;
-  int start_ = -1, end_ = -1;
   Mesh mesh_;  ///< element i is cell i
   std::optional<ShellThickener> thickener_;
   ShellThickener::Scratch scratch_;

@@ -15,8 +15,7 @@ namespace {
 
 void check_length(const std::string& file, const std::string& dataset, std::size_t length, std::size_t wanted) {
   if (length != wanted)
-    throw InputError(file, dataset,
-                     "has " + std::to_string(length) + " entries, but must have " + std::to_string(wanted));
+    throw InputError(file, dataset, fmt::format("has {} entries, but must have {}", length, wanted));
 }
 
 /// Checks CSR offsets: one more than there are cells, non-descending, from 0 to `length`.
@@ -29,50 +28,50 @@ void check_offsets(const std::string& file, const std::string& dataset, const st
 
 }  // namespace
 
-void check_ids(const std::string& file, const std::string& dataset, std::span<const std::int64_t> ids) {
+std::optional<WrongId> find_wrong_id(std::span<const std::int64_t> ids) {
   for (std::size_t i = 0; i < ids.size(); ++i)
-    if (ids[i] < 0)
-      throw InputError(file, dataset, static_cast<std::int64_t>(i), "the id is negative: " + std::to_string(ids[i]));
-  std::vector<std::int64_t> sorted(ids.begin(), ids.end());
-  std::sort(sorted.begin(), sorted.end());
-  const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
-  if (twice == sorted.end()) return;
-  const auto other = std::find(std::find(ids.begin(), ids.end(), *twice) + 1, ids.end(), *twice);
-  throw InputError(file, dataset, other - ids.begin(), "the id " + std::to_string(*twice) + " is there twice");
+    if (ids[i] < 0) return WrongId{i, fmt::format("the id is negative: {}", ids[i])};
+  const std::size_t i = find_repeated(ids);
+  if (i == ids.size()) return std::nullopt;
+  return WrongId{i, fmt::format("the id {} is there twice", ids[i])};
 }
 
-void check_vectors(const std::string& file, const std::string& dataset, std::span<const Vec3> vectors,
-                   const StepPlace& place) {
-  check_length(file, dataset, vectors.size(), place.point_ids.size());
+void check_ids(const std::string& file, const std::string& dataset, std::span<const std::int64_t> ids) {
+  if (const std::optional<WrongId> wrong = find_wrong_id(ids))
+    throw InputError(file, dataset, static_cast<std::int64_t>(wrong->index), wrong->problem);
+}
+
+void check_vectors(const std::string& dataset, std::span<const Vec3> vectors, const StepPlace& place) {
+  check_length(place.file, dataset, vectors.size(), place.point_ids.size());
   for (std::size_t i = 0; i < vectors.size(); ++i)
     if (!vectors[i].allFinite())
-      throw InputError(file, dataset, static_cast<std::int64_t>(i),
+      throw InputError(place.file, dataset, static_cast<std::int64_t>(i),
                        fmt::format("is not finite (point id {}, step {})", place.point_ids[i], place.step));
 }
 
-void check_thickness(const std::string& file, const std::string& dataset, std::span<const double> values,
-                     const SequenceCells& cells, const StepPlace& place) {
-  check_length(file, dataset, values.size(), cells.size());
-  check_length(file, "VTKHDF/CellData/GlobalCellIds", cells.ids.size(), cells.size());
+void check_thickness(const std::string& dataset, std::span<const double> values, const SequenceCells& cells,
+                     const StepPlace& place) {
+  check_length(place.file, dataset, values.size(), cells.size());
+  check_length(place.file, "VTKHDF/CellData/GlobalCellIds", cells.ids.size(), cells.size());
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!(std::isfinite(values[i]) && values[i] >= 0))
-      throw InputError(file, dataset, static_cast<std::int64_t>(i),
+      throw InputError(place.file, dataset, static_cast<std::int64_t>(i),
                        fmt::format("is negative or not finite (cell id {}, step {})", cells.ids[i], place.step));
 }
 
-void check_cells(const std::string& file, const SequenceCells& cells, const StepPlace& place) {
-  if (cells.size() == 0) throw InputError(file, "VTKHDF/Types", "no cells");
-  check_offsets(file, "VTKHDF/Offsets", cells.offsets, cells.size(), cells.connectivity.size());
+void check_cells(const SequenceCells& cells, const StepPlace& place) {
+  if (cells.size() == 0) throw InputError(place.file, "VTKHDF/Types", "no cells");
+  check_offsets(place.file, "VTKHDF/Offsets", cells.offsets, cells.size(), cells.connectivity.size());
   if (!cells.face_offsets.empty())
-    check_offsets(file, "VTKHDF/FaceOffsets", cells.face_offsets, cells.size(), cells.faces.size());
-  check_length(file, "VTKHDF/CellData/PartId", cells.parts.size(), cells.size());
-  check_length(file, "VTKHDF/CellData/GlobalCellIds", cells.ids.size(), cells.size());
-  check_ids(file, "VTKHDF/CellData/GlobalCellIds", cells.ids);
+    check_offsets(place.file, "VTKHDF/FaceOffsets", cells.face_offsets, cells.size(), cells.faces.size());
+  check_length(place.file, "VTKHDF/CellData/PartId", cells.parts.size(), cells.size());
+  check_length(place.file, "VTKHDF/CellData/GlobalCellIds", cells.ids.size(), cells.size());
+  check_ids(place.file, "VTKHDF/CellData/GlobalCellIds", cells.ids);
   for (std::size_t i = 0; i < cells.size(); ++i)
     if (const std::string problem =
             element_problem(cells.spec(i), static_cast<Index>(place.point_ids.size()), place.point_ids);
         !problem.empty())
-      throw InputError(file, "VTKHDF/Connectivity", static_cast<std::int64_t>(i),
+      throw InputError(place.file, "VTKHDF/Connectivity", static_cast<std::int64_t>(i),
                        fmt::format("{} (cell id {}, step {})", problem, cells.ids[i], place.step));
 }
 
