@@ -16,10 +16,11 @@ std::size_t heap_bytes_of(const T& object) {
   return object.bytes();
 }
 
-template <class T>
-std::size_t heap_bytes_of(const std::vector<T>& list) {
+template <class T, class Allocator>
+std::size_t heap_bytes_of(const std::vector<T, Allocator>& list) {
   std::size_t sum = list.capacity() * sizeof(T);
-  if constexpr (requires(const T& x) { x.bytes(); } || requires(const T& x) { x.capacity(); })
+  if constexpr (
+      requires(const T& x) { x.bytes(); } || requires(const T& x) { x.capacity(); })
     for (const T& element : list) sum += heap_bytes(element);
   return sum;
 }

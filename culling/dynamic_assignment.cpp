@@ -1,5 +1,6 @@
 #include <volccd/culling/dynamic_assignment.hpp>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/append_tests.hpp>
 
 namespace volccd {
@@ -14,23 +15,20 @@ struct Candidates {
 
   void clear() { own.clear(), later.clear(); }
   bool empty() const { return own.empty() && later.empty(); }
-  std::size_t bytes() const { return (own.capacity() + later.capacity()) * sizeof(Index); }
+  std::size_t bytes() const { return heap_bytes(own, later); }
 };
 
 /// Scratch memory of one worker.
 struct alignas(64) Scratch {
   Candidates vertices, triangles, edges_a, edges_b;
+
+  std::size_t bytes() const { return heap_bytes(vertices, triangles, edges_a, edges_b); }
 };
 
 struct DynamicAssignmentState final : StageState {
   std::vector<Scratch> workers;
 
-  std::size_t bytes() const override {
-    std::size_t sum = workers.capacity() * sizeof(Scratch);
-    for (const Scratch& s : workers)
-      sum += s.vertices.bytes() + s.triangles.bytes() + s.edges_a.bytes() + s.edges_b.bytes();
-    return sum;
-  }
+  std::size_t bytes() const override { return heap_bytes(workers); }
 };
 
 enum class Kind { vertex, triangle, edge };
@@ -61,12 +59,12 @@ class OwnedTests {
  private:
   void append_vf(Index o_v, Index o_f, std::uint32_t mask) {
     Candidates &vertices = scratch_.vertices, &triangles = scratch_.triangles;
-    find<Kind::vertex>(mesh_.vertices(o_v), o_v, o_f, mask, vertices);
+    find<Kind::vertex>(o_v, o_f, mask, vertices);
     if (vertices.empty()) return;
     const std::span<const Index> own = features_.own_triangles(o_f);
     detail::append_vf(vertices.own, own, out_.vf);
     if (!connected_) return;
-    find<Kind::triangle>(features_.element_triangles(o_f), o_f, o_v, std::uint32_t{0}, triangles);
+    find<Kind::triangle>(o_f, o_v, std::uint32_t{0}, triangles);
     detail::append_vf(vertices.own, triangles.later, out_.vf);
     for (const Index v : vertices.later)
       for (const auto& list : {own, std::span<const Index>(triangles.later)})
@@ -78,9 +76,9 @@ class OwnedTests {
     if (!connected_ && (mask.edges_a | mask.edges_b) == 0)
       return detail::append_ee(features_.own_edges(pair.a), features_.own_edges(pair.b), out_.ee);
     Candidates &edges_a = scratch_.edges_a, &edges_b = scratch_.edges_b;
-    find<Kind::edge>(features_.element_edges(pair.a), pair.a, pair.b, mask.edges_a, edges_a);
+    find<Kind::edge>(pair.a, pair.b, mask.edges_a, edges_a);
     if (edges_a.empty()) return;
-    find<Kind::edge>(features_.element_edges(pair.b), pair.b, pair.a, mask.edges_b, edges_b);
+    find<Kind::edge>(pair.b, pair.a, mask.edges_b, edges_b);
     detail::append_ee(edges_a.own, edges_b.own, out_.ee);
     append_later_ee(pair, edges_a.own, true, edges_b.later, false);
     append_later_ee(pair, edges_a.later, false, edges_b.own, true);
@@ -102,10 +100,10 @@ class OwnedTests {
 
   /// Classifies the features of element o for its pair with `other`.
   template <Kind K, class Mask>
-  void find(std::span<const Index> features, Index o, Index other, Mask mask, Candidates& found) const {
+  void find(Index o, Index other, Mask mask, Candidates& found) const {
     found.clear();
     Index apart = kNone;  // features of one element often have the same first element
-    detail::for_each_unmasked(features, mask, [&](Index i) {
+    detail::for_each_unmasked(features_of<K>(o), mask, [&](Index i) {
       const Index first = first_element<K>(i);
       if (first == o) {
         found.own.push_back(i);
@@ -133,6 +131,12 @@ class OwnedTests {
     return true;
   }
 
+  template <Kind K>
+  std::span<const Index> features_of(Index o) const {
+    if constexpr (K == Kind::vertex) return mesh_.vertices(o);
+    if constexpr (K == Kind::triangle) return features_.element_triangles(o);
+    if constexpr (K == Kind::edge) return features_.element_edges(o);
+  }
   template <Kind K>
   std::span<const Index> elements(Index i) const {
     if constexpr (K == Kind::vertex) return features_.vertex_elements(i);

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/query/pairs.hpp>
 #include <volccd/query/stage.hpp>
 
@@ -56,9 +57,7 @@ class PairBatch {
   }
 
   std::size_t size() const { return pairs.size(); }
-  std::size_t bytes() const {
-    return (pairs.capacity() + contact_free.capacity()) * sizeof(ElementPair) + masks.capacity() * sizeof(FeatureMask);
-  }
+  std::size_t bytes() const { return heap_bytes(pairs, masks, contact_free); }
 
   std::vector<ElementPair> pairs;
   std::vector<FeatureMask> masks;  ///< masks.size() == pairs.size()

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/vertex_rows.hpp>
 
 #undef HWY_TARGET_INCLUDE
@@ -149,10 +150,7 @@ struct ElementKdopState final : StageState {
   std::vector<Worker> workers;
   const ElementSubset* subset = nullptr;
 
-  std::size_t bytes() const override {
-    return elements.rows.capacity() * sizeof(ElementRow) + elements.progress.capacity() +
-           workers.capacity() * sizeof(Worker);
-  }
+  std::size_t bytes() const override { return heap_bytes(elements.rows, elements.progress, workers); }
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/vertex_rows.hpp>
 
 #undef HWY_TARGET_INCLUDE
@@ -279,7 +280,7 @@ constexpr unsigned kAxesOf[] = {among_all<6>(),  among_all<14>(), among_all<16>(
 
 struct FeatureKdopState final : StageState {
   std::vector<VertexRow> rows;
-  std::size_t bytes() const override { return rows.capacity() * sizeof(VertexRow); }
+  std::size_t bytes() const override { return heap_bytes(rows); }
 };
 
 }  // namespace

@@ -130,9 +130,10 @@ void OSet::Impl::find_pairs(const Topology& topology, const FeatureLists& lists,
     partners.vertices_of_triangle(
         f, [&](Index v) { return !blocks.is_new(Owner::vertex, v); }, add);
   });
+  const bool all_new = blocks.all_new();
   write_rows(topology, Owner::edge, lists.edges, executor, [&](Index e, OSetPartners& partners, auto&& add) {
     partners.edges_of_edge(
-        e, [&](Index e2) { return e2 > e || !blocks.is_new(Owner::edge, e2); }, add);
+        e, [&, all_new](Index e2) { return e2 > e || (!all_new && !blocks.is_new(Owner::edge, e2)); }, add);
   });
 }
 

@@ -7,6 +7,7 @@
 #include <span>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/mesh/detail/raw_vector.hpp>
 #include <volccd/mesh/detail/share_id.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
@@ -44,7 +45,7 @@ class Adjacency {
     return {block(o), block_};
   }
 
-  std::size_t bytes() const { return detail::allocated_bytes(ids_) + large_.bytes(); }
+  std::size_t bytes() const { return heap_bytes(ids_, large_); }
 
  private:
   static constexpr std::uint32_t kMaxBlock = 8;

@@ -110,15 +110,6 @@ void build_kind(detail::Occurrences<N>& occurrences, const Mesh& mesh, Executor&
   detail::group_by_key(count, mesh.element_slots(), count, executor, add_features, features.incidence.own);
 }
 
-std::size_t bytes_of(const detail::Incidence& incidence) {
-  return incidence.elements.bytes() + detail::allocated_bytes(incidence.first) + incidence.own.bytes();
-}
-
-template <std::size_t N>
-std::size_t bytes_of(const detail::TupleFeatures<N>& f) {
-  return detail::allocated_bytes(f.tuples, f.free) + f.table.bytes() + bytes_of(f.incidence) + f.of_element.bytes();
-}
-
 }  // namespace
 
 void Features::build(const Mesh& mesh, Executor& executor) {
@@ -136,8 +127,6 @@ Index Features::find_edge(Index v0, Index v1) const { return edges_.table.find(a
 Index Features::find_triangle(Index v0, Index v1, Index v2) const {
   return triangles_.table.find(ascending(v0, v1, v2), triangles_.tuples);
 }
-
-std::size_t Features::bytes() const { return bytes_of(vertex_incidence_) + bytes_of(edges_) + bytes_of(triangles_); }
 
 std::vector<std::array<Index, 3>> oriented_boundary(const Mesh& mesh, Index o) {
   std::vector<std::array<Index, 3>> triangles;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/mesh/detail/raw_vector.hpp>
 #include <volccd/mesh/detail/tuple_table.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
@@ -28,6 +29,8 @@ struct Incidence {
   RawVector<Index> first;  ///< elements[i].front(), or kNone
   IncidencePool own;       ///< for each element, the features i with first[i] == element, ascending; empty for
                            ///< vertices
+
+  std::size_t bytes() const { return heap_bytes(elements, first, own); }
 };
 
 /// The edges (N = 2) or the triangles (N = 3).
@@ -38,6 +41,8 @@ struct TupleFeatures {
   Incidence incidence;
   IncidencePool of_element;
   std::vector<Index> free;  ///< slots without a live feature
+
+  std::size_t bytes() const { return heap_bytes(tuples, table, incidence, of_element, free); }
 };
 
 }  // namespace detail
@@ -104,7 +109,7 @@ class Features {
   Index find_edge(Index v0, Index v1) const;
   Index find_triangle(Index v0, Index v1, Index v2) const;
 
-  std::size_t bytes() const;
+  std::size_t bytes() const { return heap_bytes(vertex_incidence_, edges_, triangles_); }
 
  private:
   friend class detail::FeatureEdit;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <span>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/mesh/detail/raw_vector.hpp>
 #include <volccd/mesh/types.hpp>
 
@@ -55,7 +56,7 @@ class IncidencePool {
   /// Replaces list i.
   void assign(std::size_t i, std::span<const Index> values);
 
-  std::size_t bytes() const { return allocated_bytes(lists_, data_); }
+  std::size_t bytes() const { return heap_bytes(lists_, data_); }
 
  private:
   struct List {

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/detail/check_element.hpp>
 #include <volccd/mesh/detail/raw_vector.hpp>
@@ -161,9 +162,9 @@ std::size_t Mesh::allocate(std::size_t length) noexcept {
 }
 
 std::size_t Mesh::bytes() const {
-  std::size_t total = id_table_.bytes() + detail::allocated_bytes(vertex_ids_, types_, objects_, element_ids_, blocks_,
-                                                                  connectivity_, free_slots_);
-  for (const auto& [length, starts] : free_blocks_) total += detail::allocated_bytes(starts);
+  std::size_t total =
+      heap_bytes(id_table_, vertex_ids_, types_, objects_, element_ids_, blocks_, connectivity_, free_slots_);
+  for (const auto& [length, starts] : free_blocks_) total += heap_bytes(starts);
   return total;
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/mesh/detail/check_element.hpp>
 #include <volccd/mesh/detail/chunks.hpp>
@@ -164,9 +165,9 @@ std::size_t Topology::bytes() const {
   std::size_t total = mesh_.bytes() + features_.bytes() + adjacency_.bytes();
   for (const auto& change : history_) {
     const FeatureChange& f = change->features;
-    total += detail::allocated_bytes(change->removed_elements, change->added_elements, f.removed_vertices,
-                                     f.removed_edges, f.removed_triangles, f.added_vertices, f.added_edges,
-                                     f.added_triangles, f.touched_vertices, f.touched_edges, f.touched_triangles);
+    total += heap_bytes(change->removed_elements, change->added_elements, f.removed_vertices, f.removed_edges,
+                        f.removed_triangles, f.added_vertices, f.added_edges, f.added_triangles, f.touched_vertices,
+                        f.touched_edges, f.touched_triangles);
   }
   return total;
 }

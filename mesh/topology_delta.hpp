@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/mesh/topology.hpp>
 
 namespace volccd {
@@ -29,7 +30,7 @@ class TopologyDelta {
   const std::vector<const TopologyChange*>& changes() const { return changes_; }
   /// The element slots that these changes emptied or filled, ascending, each once.
   const std::vector<Index>& changed_slots() const { return changed_slots_; }
-  std::size_t bytes() const { return detail::allocated_bytes(changed_slots_, changes_); }
+  std::size_t bytes() const { return heap_bytes(changed_slots_, changes_); }
 
  private:
   std::uint64_t confirmed_ = 0, synced_ = 0;  ///< versions; 0: none

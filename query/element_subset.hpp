@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/mesh/topology_delta.hpp>
 
 namespace volccd {
@@ -55,10 +56,7 @@ class ElementSubset {
   /// version. Returns false, with `slots` empty, if `version` is neither the present version nor the previous one.
   bool changes_since(std::uint64_t version, std::span<const Index>& slots) const;
 
-  std::size_t bytes() const {
-    return parts_.capacity() + vertices_.capacity() * sizeof(vertices_[0]) +
-           (changed_.capacity() + next_.capacity()) * sizeof(Index);
-  }
+  std::size_t bytes() const { return heap_bytes(parts_, vertices_, changed_, next_); }
 
  private:
   /// Returns whether the vertices of the part have changed.
@@ -87,7 +85,7 @@ class ElementDelta {
   /// Slots of elements that may have begun or ceased to take part, or may have been replaced, since the last confirm().
   /// Ascending, each once.
   const std::vector<Index>& changed_slots() const { return changed_slots_; }
-  std::size_t bytes() const { return topology_.bytes() + changed_slots_.capacity() * sizeof(Index); }
+  std::size_t bytes() const { return heap_bytes(topology_, changed_slots_); }
 
  private:
   TopologyDelta topology_;

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/mesh/types.hpp>
 
 namespace volccd {
@@ -39,7 +40,7 @@ class Motion {
   /// Position at t by de Casteljau's algorithm; exact at t = 0 and t = 1, rounded in between.
   Vec3 position(Index v, double t) const;
 
-  std::size_t bytes() const { return data_.capacity() * sizeof(double); }
+  std::size_t bytes() const { return heap_bytes(data_); }
 
  private:
   std::size_t stride() const { return 3 * static_cast<std::size_t>(control_points_); }

@@ -10,7 +10,7 @@
 #define HWY_TARGET_INCLUDE "volccd/culling/detail/cone_signs.cpp"
 #include <hwy/foreach_target.h>
 #include <volccd/culling/detail/determinant-inl.hpp>
-#include <volccd/culling/detail/element_lanes-inl.hpp>
+#include <volccd/culling/detail/middle_shape-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {

@@ -13,8 +13,8 @@ void OSetBlocks::Writer::break_row() {
 
 void OSetBlocks::Writer::flush() {
   end_row();
-  if (pairs_ != 0) part_.push_back({{rows_.begin(), rows_.end()}, pairs_, kind_});
-  rows_.clear();
+  if (pairs_ != 0) part_.push_back({{rows_.data(), rows_.data() + end_}, pairs_, kind_});
+  end_ = 0;
   pairs_ = 0;
 }
 

@@ -48,8 +48,9 @@ class OSetBlocks {
     renewals_ += epoch != epoch_;
     epoch = epoch_;
   }
-  /// Whether the feature was renewed in this epoch.
+  /// Whether the feature was renewed in this epoch, and whether all were, as in epoch 0.
   bool is_new(Owner kind, Index slot) const { return epochs(kind)[slot] == epoch_; }
+  bool all_new() const { return epoch_ == 0; }
 
   std::size_t size() const { return blocks_.size(); }
   void append(std::size_t block, TestBatch& out) const;
@@ -84,30 +85,30 @@ class OSetBlocks::Writer {
 
   void begin_row(Index owner) {
     end_row();
-    row_ = rows_.size();
-    rows_.push_back(owner);
-    rows_.push_back(0);
+    row_ = end_;
+    rows_[end_] = owner;
+    end_ += 2;
   }
   void add(Index partner) {
     if (pairs_ == kBlockPairs) break_row();
-    rows_.push_back(partner);
+    rows_[end_++] = partner;
     ++pairs_;
   }
   void flush();
 
  private:
   void end_row() {
-    if (rows_.empty()) return;
-    const std::size_t length = rows_.size() - row_ - 2;
+    if (end_ == 0) return;
+    const std::size_t length = end_ - row_ - 2;
     rows_[row_ + 1] = static_cast<Index>(length);
-    if (length == 0) rows_.resize(row_);
+    if (length == 0) end_ = row_;
   }
   void break_row();
 
   Part& part_;
   Owner kind_;
-  std::vector<Index> rows_;
-  std::size_t row_ = 0;
+  std::vector<Index> rows_ = std::vector<Index>(3 * kBlockPairs + 2);  ///< a pair in each row, and a row without any
+  std::size_t row_ = 0, end_ = 0;                                      ///< where the last row begins and ends
   std::uint32_t pairs_ = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include <volccd/culling/detail/o_set_touch.hpp>
@@ -82,12 +83,15 @@ class OSetPartners {
   void visit(std::span<const Index> vertices, std::span<const Index> inc_a, OfElement&& of_element, Incident&& incident,
              Wanted&& wanted, Take&& take) {
     find_covering(vertices, inc_a);
-    for (Index o : touch_.accepted_elements())
-      for (Index b : of_element(o)) {
-        if (!wanted(b, o)) continue;
-        const std::span<const Index> inc = incident(b);
-        if (literal_ ? first_covering(inc) == o && some_touches_all(inc_a, inc) : others_cover(inc)) take(b);
-      }
+    const auto visit_all = [&](auto literal) {
+      for (Index o : touch_.accepted_elements())
+        for (Index b : of_element(o)) {
+          if (!wanted(b, o)) continue;
+          const std::span<const Index> inc = incident(b);
+          if (literal() ? first_covering(inc) == o && some_touches_all(inc_a, inc) : others_cover(inc)) take(b);
+        }
+    };
+    literal_ ? visit_all(std::true_type()) : visit_all(std::false_type());
   }
   bool others_cover(std::span<const Index> inc) const {
     for (std::size_t i = 1; i < inc.size(); ++i)

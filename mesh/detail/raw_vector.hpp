@@ -1,4 +1,4 @@
-// A vector for large tables that several threads fill, and the memory of vectors.
+// A vector for large tables that several threads fill, and how vectors grow.
 #pragma once
 
 #include <algorithm>
@@ -52,12 +52,6 @@ template <class T, class Allocator>
 void reserve_more(std::vector<T, Allocator>& vector, std::size_t n) {
   const std::size_t size = vector.size() + n;
   if (size > vector.capacity()) vector.reserve(std::max(size, 2 * vector.capacity()));
-}
-
-/// The number of bytes that vectors have allocated.
-template <class... Vectors>
-std::size_t allocated_bytes(const Vectors&... vectors) {
-  return (... + (vectors.capacity() * sizeof(vectors[0])));
 }
 
 }  // namespace volccd::detail

@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/mesh/detail/distribution.hpp>
 #include <volccd/mesh/detail/raw_vector.hpp>
 #include <volccd/mesh/types.hpp>
@@ -22,7 +23,7 @@ namespace volccd::detail {
 class SlotTable {
  public:
   std::size_t size() const { return size_; }
-  std::size_t bytes() const { return places_.capacity() * sizeof(Index); }
+  std::size_t bytes() const { return heap_bytes(places_); }
 
   /// The stored slot with this hash for which `same(slot)` is true, or kNone.
   template <class Same>

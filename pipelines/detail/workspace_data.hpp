@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include <volccd/core/heap_bytes.hpp>
 #include <volccd/narrowphase/initial_overlap.hpp>
 #include <volccd/pipelines/detail/contact_order.hpp>
 #include <volccd/pipelines/pipeline.hpp>
@@ -27,10 +28,8 @@ struct alignas(64) WorkerScratch {
   Statistics sums;
 
   std::size_t bytes() const {
-    return sizeof(*this) + batch.bytes() + (tests.vf.capacity() + tests.ee.capacity()) * sizeof(FeaturePair) +
-           chain.bytes() + left_out.capacity() * sizeof(Contact) +
-           (overlap_candidates.capacity() + overlaps.capacity()) * sizeof(ElementPair) + overlap_test.bytes() +
-           observed.capacity() * sizeof(ElementPair) + observed_keep.capacity();
+    return sizeof(*this) + heap_bytes(batch, tests.vf, tests.ee, chain, overlap_test, overlap_candidates, overlaps,
+                                      left_out, observed, observed_keep);
   }
 };
 
