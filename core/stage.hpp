@@ -64,10 +64,12 @@ StageDescriptor<Stage> describe_stage(std::string name, std::string description,
   return {std::move(name), std::move(description), guarantee, options_of<T>().describe(),
           [](const OptionValues& values) -> std::unique_ptr<Stage> {
             const auto config = options_of<T>().parse(values);
-            if constexpr (std::is_constructible_v<T, const typename T::Config&>)
+            if constexpr (std::is_constructible_v<T, const typename T::Config&>) {
               return std::make_unique<T>(config);
-            else
+            } else {
+              static_assert(std::is_empty_v<typename T::Config>, "a stage with options is made from its Config");
               return std::make_unique<T>();
+            }
           }};
 }
 

@@ -13,11 +13,6 @@ namespace volccd {
 /// Two or three control points; no separation. A test takes microseconds to a millisecond and allocates memory.
 class Exact final : public NarrowPhase {
  public:
-  struct Config {};
-
-  Exact() = default;
-  explicit Exact(Config) {}
-
   int max_control_points() const override { return 3; }
   /// Pre: separation 0 (asserted; a pipeline refuses other combinations).
   void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block, std::vector<Contact>& contacts,
