@@ -94,9 +94,11 @@ const TopologyChange& Topology::apply(const TopologyEdit& edit) {
   check_removed(mesh_, edit);
   check_new_vertices(mesh_, edit);
   check_added(mesh_, edit, change->removed_elements);
-  for (const ElementSpec& spec : edit.added) note_object(spec.object);
-  // All memory is allocated before the first commit(); until then nothing changes but the noted objects.
-  const std::vector<Index> vertices = several_objects_ ? vertices_of(mesh_, edit) : std::vector<Index>();
+  // All memory is allocated before the first commit(); until then nothing changes.
+  const bool several = several_objects_ || std::ranges::any_of(edit.added, [&](const ElementSpec& spec) {
+    return spec.object != first_object_.value_or(edit.added[0].object);
+  });
+  const std::vector<Index> vertices = several ? vertices_of(mesh_, edit) : std::vector<Index>();
   history_.reserve(kHistory);
   const std::vector<Index> slots = mesh_.prepare(change->removed_elements, edit.new_vertex_ids.size(), edit.added);
   change->added_elements = slots;
@@ -108,6 +110,7 @@ const TopologyChange& Topology::apply(const TopologyEdit& edit) {
                                change->features);
 
   const Index shared_before = count_shared(vertices);
+  for (const ElementSpec& spec : edit.added) note_object(spec.object);
   mesh_.commit(change->removed_elements, edit.new_vertex_ids, edit.added);
   features.commit();
   adjacency_.commit(change->removed_elements, edit.added, slots, element_slots);

@@ -77,8 +77,7 @@ class Topology {
   std::uint64_t base_version_;  ///< version before the oldest change in history_
   std::vector<std::unique_ptr<TopologyChange>> history_;
   std::optional<std::int32_t> first_object_;
-  bool several_objects_ = false;  ///< if false, all elements have had the same object, and no vertex can be shared;
-                                  ///< may be true after a failed edit
+  bool several_objects_ = false;  ///< if false, all elements have had the same object, and no vertex can be shared
   Index shared_vertices_ = 0;
 };
 

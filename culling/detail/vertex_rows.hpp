@@ -10,7 +10,7 @@
 
 namespace volccd::detail {
 
-inline constexpr std::size_t kRowAxisCount = 8;
+inline constexpr std::size_t kRowAxisCount = kdop_axes<16>().size();
 
 /// The projections of a vertex at one control point, each rounded to double precision and then to the nearest float.
 /// All axes have one or two terms. Both roundings are monotone: projections are in the order of their rounded values.
