@@ -96,8 +96,8 @@ const TopologyChange& Topology::apply(const TopologyEdit& edit) {
   check_added(mesh_, edit, change->removed_elements);
   // All memory is allocated before the first commit(); until then nothing changes.
   const bool several = several_objects_ || std::ranges::any_of(edit.added, [&](const ElementSpec& spec) {
-    return spec.object != first_object_.value_or(edit.added[0].object);
-  });
+                         return spec.object != first_object_.value_or(edit.added[0].object);
+                       });
   const std::vector<Index> vertices = several ? vertices_of(mesh_, edit) : std::vector<Index>();
   history_.reserve(kHistory);
   const std::vector<Index> slots = mesh_.prepare(change->removed_elements, edit.new_vertex_ids.size(), edit.added);
