@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <optional>
+#include <utility>
 
 #include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/flood_front.hpp>
+#include <volccd/culling/detail/outer_parts.hpp>
 #include <volccd/culling/detail/simplex_complex.hpp>
 #include <volccd/culling/detail/suspect_orphans.hpp>
 #include <volccd/culling/detail/suspect_pairs.hpp>
@@ -22,20 +24,16 @@ struct alignas(64) Worker {
 
 struct BoundaryFloodState final : StageState {
   detail::SimplexComplex complex;
-  detail::StarTable stars;
-  detail::StarClasses classes;
+  detail::VertexStars stars;
   detail::SuspectPairs suspects;
   detail::SuspectOrphans orphans;
+  detail::OuterParts outer;
   TopologyDelta counted;  ///< the topology for which the shares were computed
   double boundary_share = 0, divided_share = 0;
-  ElementSubset outer;
   ObjectFilter filter;
   std::optional<Step> step;  ///< the step of the complex
   bool taken = false;
-  bool outer_valid = false;  ///< whether `outer` is of these elements
-  bool outer_sound = false;  ///< whether no element was outer as a whole because of its motion
-  bool parts_valid = false;  ///< whether `parts` is of this `outer`
-  std::vector<Index> parts, parents;
+  std::uint64_t neighbours_version = 0;  ///< the version of the subset to which the neighbours in start_scratch belong
   detail::StartScratch start_scratch;
   detail::PairSet seen, seen_at_start;
   std::vector<ElementPair> front, reached;
@@ -44,8 +42,8 @@ struct BoundaryFloodState final : StageState {
   BoundaryFlood::Counters counters;
 
   std::size_t bytes() const override {
-    return heap_bytes(complex, stars, classes, suspects, orphans, counted, outer, parts, parents, start_scratch, seen,
-                      seen_at_start, front, reached, workers);
+    return heap_bytes(complex, stars, suspects, orphans, outer, counted, start_scratch, seen, seen_at_start, front,
+                      reached, workers);
   }
 };
 
@@ -77,22 +75,16 @@ double divided_share(const Mesh& mesh) {
       mesh, [&](Index o) { return !is_shell(mesh.type(o)) && mesh.type(o) != ElementType::tetrahedron; });
 }
 
-/// Selects what the broad phase pairs: boundary faces, and whole elements in D or at a vertex that the complex
-/// surrounds more than once.
-void choose_outer(const Step& step, BoundaryFloodState& state) {
-  const Mesh& mesh = step.mesh();
-  const bool sound = state.classes.all_sound();
-  if (state.outer_valid && state.outer_sound && sound) return;
-  state.outer_sound = sound;
-  const std::uint64_t version = state.outer.version();
-  state.outer.assign(mesh, state.outer_valid, [&](Index o) {
-    if (!mesh.is_live(o)) return ElementSubset::kNoPart;
-    return state.classes.degenerate(o) || state.classes.has_wound_vertex(step.topology, o)
-               ? ElementSubset::kWhole
-               : state.stars.boundary_part(o);
-  });
-  state.outer_valid = true;
-  if (state.outer.version() != version) state.parts_valid = false;
+/// The seeds at t = 0, and the adjacent pairs that may have double points then.
+void propose_from_start(BoundaryFloodState& state, std::span<const ElementPair> seeds, detail::FloodFront& front,
+                        Executor& executor) {
+  const std::uint64_t version = state.outer.subset().version();
+  if (std::exchange(state.neighbours_version, version) != version)
+    state.start_scratch.neighbours.clear(state.step->mesh().element_slots());
+  front.propose_containing(state.outer.chosen_vertices(), state.start_scratch, executor);
+  for (const ElementPair pair : state.suspects.pairs())
+    if (pair.a != pair.b && !front.apart_at_start(pair)) front.propose_neighbours_at_start(pair, state.start_scratch);
+  for (const ElementPair pair : seeds) front.propose(pair);
 }
 
 /// The pairs to process next.
@@ -105,30 +97,25 @@ Flood::Front propose(BoundaryFloodState& state, Executor& executor) {
     worker.reached.clear();
   }
   const std::span<const ElementPair> fresh = std::span(state.reached).subspan(begin);
+  const detail::StarTable& table = state.stars.table();
   if (state.phase != Phase::flood) {
-    detail::FloodFront at_start(step, state.stars, state.suspects, state.seen_at_start, state.front);
-    if (state.phase == Phase::idle) {
-      if (!state.parts_valid) {
-        detail::FloodFront::one_of_each_part(step, state.parts, state.parents);
-        state.start_scratch.neighbours.clear(step.mesh().element_slots());
-      }
-      state.parts_valid = true;
-      at_start.from_start(state.parts, state.start_scratch, executor);
-      for (const ElementPair pair : fresh) at_start.again(pair);
-    } else {
-      for (const ElementPair pair : fresh) at_start.around_at_start(pair, state.start_scratch);
-    }
+    detail::FloodFront at_start(step, table, state.seen_at_start, state.front);
+    if (state.phase == Phase::idle)
+      propose_from_start(state, fresh, at_start, executor);
+    else
+      for (const ElementPair pair : fresh) at_start.propose_neighbours_at_start(pair, state.start_scratch);
     state.phase = Phase::start;
     if (!state.front.empty()) return {state.front, true};
   }
-  detail::FloodFront front(step, state.stars, state.suspects, state.seen, state.front);
+  detail::FloodFront front(step, table, state.seen, state.front);
   if (state.phase == Phase::start) {
-    front.around_suspect_pairs();
+    for (const ElementPair pair : state.suspects.pairs())
+      if (pair.a != pair.b) front.propose_neighbours(pair);
     // Only the outer parts of the seeds were culled so far, and other pairs only for t = 0.
-    for (const ElementPair pair : state.reached) front.again(pair);
+    for (const ElementPair pair : state.reached) front.propose(pair);
     state.phase = Phase::flood;
   } else {
-    for (const ElementPair pair : fresh) front.around(pair);
+    for (const ElementPair pair : fresh) front.propose_neighbours(pair);
   }
   return {state.front, false};
 }
@@ -168,20 +155,17 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   // Object ids change along a chain of pairs only where objects share vertices. In that case only the tests are
   // filtered.
   state.filter = topology.objects_share_vertices() ? ObjectFilter() : step.filter;
-  state.step.emplace(Step{topology, step.motion, state.filter, step.separation, step.t_max, &state.outer});
-  const TopologyDelta::Extent changed = state.stars.update(topology, executor);
-  if (changed != TopologyDelta::Extent::none) state.outer_valid = state.parts_valid = false;
-  state.classes.update(*state.step, state.stars, changed, executor);
+  state.step.emplace(Step{topology, step.motion, state.filter, step.separation, step.t_max, &state.outer.subset()});
+  state.stars.update(*state.step, executor);
   state.counters.simplices = topology.mesh().element_count();
-  state.counters.degenerate = state.classes.degenerate_count();
-  state.counters.suspect_vertices = state.classes.suspects().size();
+  state.counters.suspect_vertices = state.stars.suspects().size();
   if (static_cast<double>(state.counters.suspect_vertices) >
       config_.most_suspect * static_cast<double>(topology.features().vertex_count()))
     return;
-  state.suspects.update(*state.step, state.classes, executor);
+  state.suspects.update(*state.step, state.stars, executor, [](Index, Index) { return true; });
   state.orphans.update(topology, state.suspects.pairs(), executor);
-  choose_outer(*state.step, state);
-  state.counters.paired = state.outer.size();
+  state.outer.update(*state.step, state.stars);
+  state.counters.paired = state.outer.subset().size();
   state.workers.resize(executor.workers());
   for (Worker& worker : state.workers) worker.reached.clear();
   state.reached.clear();

@@ -5,8 +5,8 @@
 
 namespace volccd {
 
-/// Classifies the simplices of a step. The broad phase pairs only boundary faces, and simplices whose volume is not
-/// proven to keep its sign (set D). From the pairs that element culling keeps, and from suspect pairs of adjacent
+/// The broad phase pairs only boundary faces, and the simplices at vertices whose star is not proven to remain embedded
+/// throughout the step (suspect stars). From the pairs that element culling keeps, and from suspect pairs of adjacent
 /// simplices, the flood proceeds across faces to pairs with simplices inside the volume. Of the O-Set, it omits every
 /// feature pair that is covered by two adjacent simplices which are proven to have no double points. With a separation,
 /// all this is proven for vertices that are displaced by up to half of it.
@@ -39,7 +39,6 @@ class BoundaryFlood final : public Flood {
   /// Counters of the last step.
   struct Counters {
     std::size_t simplices = 0;   ///< all simplices
-    std::size_t degenerate = 0;  ///< simplices in D
     std::size_t paired = 0;      ///< simplices of which the broad phase pairs a face or the whole
     std::size_t suspect_vertices = 0;
     std::size_t looked_at = 0;        ///< pairs that next() proposed

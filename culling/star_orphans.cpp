@@ -6,9 +6,9 @@
 #include <vector>
 
 #include <volccd/core/heap_bytes.hpp>
-#include <volccd/culling/detail/corner_planes.hpp>
-#include <volccd/culling/detail/element_stars.hpp>
 #include <volccd/culling/detail/suspect_orphans.hpp>
+#include <volccd/culling/detail/suspect_pairs.hpp>
+#include <volccd/culling/detail/vertex_stars.hpp>
 #include <volccd/culling/o_set.hpp>
 
 namespace volccd {
@@ -23,11 +23,11 @@ constexpr int kLeastFreeEdges = 10;
 
 struct StarOrphansState final : StageState {
   OSet set;
-  detail::ElementStars stars;
+  detail::VertexStars stars;
   TopologyDelta counted;  ///< the topology for which the following was determined
   bool volumes = false;
   std::vector<std::uint8_t> free_edges;  ///< by element slot: edges that no other element has, up to 255
-  detail::CornerPairList pairs;          ///< those of which the orphans are listed
+  detail::SuspectPairs pairs;            ///< those of which the orphans are listed
   detail::SuspectOrphans orphans;
   StarOrphans::Counters counters;
 
@@ -70,27 +70,10 @@ void count_elements(const Topology& topology, StarOrphansState& state, Executor&
   state.counted.confirm();
 }
 
-/// How the pair of a and b is listed at v: if v is their first common vertex, by slot, and all are suspect. Pairs with
-/// at most one other common vertex are left out if they lie on different sides of a plane through their common
-/// vertices.
-detail::ListedPair listed_at(const Mesh& mesh, const StarOrphansState& state, Index a, Index b, Index v) {
-  const std::span<const Index> of_b = mesh.vertices(b);
-  std::size_t common = 0;
-  Index other = kNone;
-  for (const Index w : mesh.vertices(a)) {
-    if (std::find(of_b.begin(), of_b.end(), w) == of_b.end()) continue;
-    if (w < v || !state.stars.suspect(w)) return {};
-    ++common;
-    if (w != v) other = w;
-  }
-  const bool edge = common == 2 && state.free_edges[a] * state.free_edges[b] >= kLeastFreeEdges;
-  return {true, common == 1 || edge, other};
-}
-
-/// Lists the pairs of elements, each with itself too, all of whose common vertices are suspect.
 void list_pairs(const Step& step, StarOrphansState& state, Executor& executor) {
-  state.pairs.update(step, state.stars.suspects(), executor,
-                     [&](Index a, Index b, Index v) { return listed_at(step.mesh(), state, a, b, v); });
+  state.pairs.update(step, state.stars, executor, [&](Index a, Index b) {
+    return state.free_edges[a] * state.free_edges[b] >= kLeastFreeEdges;
+  });
   state.counters.pairs = state.pairs.pairs().size();
   state.orphans.update(step.topology, state.pairs.pairs(), executor);
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cassert>
 #include <iterator>
 #include <utility>
 
@@ -19,6 +20,30 @@ std::uint64_t next_version() {
 }  // namespace
 
 ElementSubset::ElementSubset() : version_(next_version()) {}
+
+void ElementSubset::clear() {
+  parts_.clear();
+  vertices_.clear();
+  changed_.clear();
+  size_ = 0;
+  before_ = 0;
+  version_ = next_version();
+}
+
+void ElementSubset::resize(const Mesh& mesh) {
+  assert(parts_.size() <= mesh.element_slots());
+  parts_.resize(mesh.element_slots(), kNoPart);
+  vertices_.resize(mesh.element_slots());
+  next_.clear();
+}
+
+void ElementSubset::set_part(const Mesh& mesh, Index o, std::uint8_t part) {
+  const bool other_vertices = part != kNoPart && part != kWhole && set_vertices(mesh, o, part);
+  if (part == parts_[o] && !other_vertices) return;
+  size_ += (part != kNoPart ? 1 : 0) - (parts_[o] != kNoPart ? 1 : 0);
+  parts_[o] = part;
+  next_.push_back(o);
+}
 
 bool ElementSubset::set_vertices(const Mesh& mesh, Index o, std::uint8_t part) {
   const std::span<const Index> vertices = mesh.vertices(o);

@@ -31,22 +31,22 @@ class ElementSubset {
   std::span<const Index> part(Index o) const { return vertices_[o]; }
   Index size() const { return size_; }
 
-  /// Replaces the set: element o of the mesh is in it with the part part_of(o). O(slots). same_mesh: no element has
-  /// changed since the last call.
+  /// Makes the set empty, for another mesh. No earlier version is known after it.
+  void clear();
+  /// Replaces the set: element o of the mesh is in it with the part part_of(o). O(slots). Pre: the mesh has at least as
+  /// many slots as that of the last call, unless clear() was called since then.
   template <class PartOf>
-  void assign(const Mesh& mesh, bool same_mesh, PartOf&& part_of) {
-    parts_.resize(mesh.element_slots(), kNoPart);
-    vertices_.resize(mesh.element_slots());
-    next_.clear();
-    for (Index o = 0; o < mesh.element_slots(); ++o) {
-      const std::uint8_t part = part_of(o);
-      if (same_mesh && part == parts_[o]) continue;
-      const bool other_vertices = part != kNoPart && part != kWhole && set_vertices(mesh, o, part);
-      if (part == parts_[o] && !other_vertices) continue;
-      size_ += (part != kNoPart ? 1 : 0) - (parts_[o] != kNoPart ? 1 : 0);
-      parts_[o] = part;
-      next_.push_back(o);
-    }
+  void assign(const Mesh& mesh, PartOf&& part_of) {
+    resize(mesh);
+    for (Index o = 0; o < mesh.element_slots(); ++o) set_part(mesh, o, part_of(o));
+    end_change();
+  }
+  /// Replaces the parts of the elements `slots` (ascending, each once) alone. Pre: the elements are those of the last
+  /// call.
+  template <class PartOf>
+  void assign(const Mesh& mesh, std::span<const Index> slots, PartOf&& part_of) {
+    resize(mesh);
+    for (const Index o : slots) set_part(mesh, o, part_of(o));
     end_change();
   }
 
@@ -59,6 +59,8 @@ class ElementSubset {
   std::size_t bytes() const { return heap_bytes(parts_, vertices_, changed_, next_); }
 
  private:
+  void resize(const Mesh& mesh);
+  void set_part(const Mesh& mesh, Index o, std::uint8_t part);
   /// Returns whether the vertices of the part have changed.
   bool set_vertices(const Mesh& mesh, Index o, std::uint8_t part);
   void end_change();

@@ -30,21 +30,17 @@ inline ConeFaces make_cone_faces(ElementType type) {
     for (std::uint8_t v = 0; v < found.vertices; ++v)
       if (std::find(vertices.begin(), vertices.end(), v) == vertices.end()) face.corners[face.corner_count++] = v;
   });
-  // All cones of a tetrahedron are the tetrahedron, so that one of its faces is enough.
-  if (type == ElementType::tetrahedron) found.count = 1;
   return found;
 }
 
-/// Null for types without cones.
+/// Null for types without cones, and for tetrahedra, whose cones are the tetrahedron.
 inline const ConeFaces* cone_faces(ElementType type) {
   static const ConeFaces hexahedron = make_cone_faces(ElementType::hexahedron),
-                         wedge = make_cone_faces(ElementType::wedge), pyramid = make_cone_faces(ElementType::pyramid),
-                         tetrahedron = make_cone_faces(ElementType::tetrahedron);
+                         wedge = make_cone_faces(ElementType::wedge), pyramid = make_cone_faces(ElementType::pyramid);
   switch (type) {
     case ElementType::hexahedron: return &hexahedron;
     case ElementType::wedge: return &wedge;
     case ElementType::pyramid: return &pyramid;
-    case ElementType::tetrahedron: return &tetrahedron;
     default: return nullptr;
   }
 }

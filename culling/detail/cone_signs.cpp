@@ -11,6 +11,7 @@
 #include <hwy/foreach_target.h>
 #include <volccd/culling/detail/determinant-inl.hpp>
 #include <volccd/culling/detail/middle_shape-inl.hpp>
+#include <volccd/culling/detail/tetrahedron_signs-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {
@@ -87,7 +88,7 @@ class Cones {
     Lanes length[3];  ///< of the edges; with a separation only
   };
 
-  /// Which volumes between the fan and `way` have a sign that no separation d changes (volume_signs()): if they exceed
+  /// Which volumes between the fan and `way` have a sign that no separation d changes (cone_signs()): if they exceed
   /// d times greatest_area(), or if not kExactly, the sum of the products of lengths of three edges.
   template <bool kExactly>
   static HWY_INLINE void judge_apart(const Fan& fan, const Path& way, Lanes extent, double separation,
@@ -138,7 +139,7 @@ class Cones {
         for (std::size_t i = 0; i < fan.triangles; ++i)
           judge(way, fan.normal[i], error(extent, fan.area[i]), hn::Zero(Tag()), positive, negative);
       }
-      note(positive, negative, faces.vertices == 4 ? 0xf : 1u << face.corners[j], out);
+      note(positive, negative, 1u << face.corners[j], out);
     }
   }
 
@@ -201,12 +202,36 @@ struct WaitingElements {
   std::uint8_t bits() const { return static_cast<std::uint8_t>((1u << faces->vertices) - 1); }
 };
 
+/// The elements at [begin, end), at most eight, that are tetrahedra.
+template <int kControlPoints>
+void signs_of_tetrahedra(const Step& step, Index begin, Index end, TetrahedronSigns<kControlPoints>& found,
+                         ConeSigns* signs) {
+  std::array<std::array<Index, 4>, 8> tetrahedra{};
+  std::uint32_t given = 0;
+  for (Index o = begin; o < end; ++o) {
+    if (step.mesh().type(o) != ElementType::tetrahedron) continue;
+    std::copy_n(step.topology.adjacency().vertices(o).begin(), 4, tetrahedra[o - begin].begin());
+    given |= 1u << (o - begin);
+  }
+  if (given == 0) return;
+  found.find(step.motion, tetrahedra, step.separation);
+  for (Index o = begin; o < end; ++o)
+    if (const std::uint32_t bit = 1u << (o - begin); (given & bit) != 0)
+      signs[o] = {static_cast<std::uint8_t>((found.positive & bit) != 0 ? 0xf : 0),
+                  static_cast<std::uint8_t>((found.negative & bit) != 0 ? 0xf : 0)};
+}
+
 template <int kControlPoints>
 void signs_of_cones(const Step& step, Index begin, Index end, ConeSigns* signs) {
-  WaitingElements<kControlPoints> waiting[4];
+  TetrahedronSigns<kControlPoints> tetrahedra;
+  WaitingElements<kControlPoints> waiting[3];
   for (Index o = begin; o < end; ++o) {
-    signs[o] = {};
-    const ConeFaces* const faces = cone_faces(step.mesh().type(o));
+    if ((o - begin) % 8 == 0) signs_of_tetrahedra(step, o, std::min(o + 8, end), tetrahedra, signs);
+    const ElementType type = step.mesh().type(o);
+    if (type == ElementType::tetrahedron) continue;
+    const auto all = static_cast<std::uint8_t>((1u << vertex_count(type)) - 1);
+    signs[o] = is_shell(type) ? ConeSigns{all, all} : ConeSigns{};
+    const ConeFaces* const faces = cone_faces(type);
     if (!faces) continue;
     auto* list = waiting;
     while (list->faces && list->faces != faces) ++list;

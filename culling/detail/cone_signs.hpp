@@ -16,11 +16,17 @@ struct ConeSigns {
 };
 
 /// The cone of a corner consists of the tetrahedra between the corner and the boundary triangles of the element on the
-/// faces that do not contain the corner. Sets bit i of signs[o].positive if all tetrahedra of the cone of vertex i are
-/// proven to have a positive volume at all t in [0, 1], as in an element that is not inverted and has VTK's node order;
-/// of signs[o].negative if all are proven to have a negative volume. With a separation also for displaced vertices, as
-/// volume_signs() says. Only for tetrahedra, hexahedra, wedges and pyramids; no bit is set for other elements. For
-/// element slots [begin, end). Compiled for each instruction set, with the same results on all of them.
+/// faces that do not contain the corner. All cones of a tetrahedron are the tetrahedron. Sets bit i of
+/// signs[o].positive if all tetrahedra of the cone of vertex i are proven to have a positive volume at all t in [0, 1],
+/// as in an element that is not inverted and has VTK's node order; of signs[o].negative if all are proven to have a
+/// negative volume. For tetrahedra, hexahedra, wedges and pyramids. Shells have no cones and get all bits, other
+/// elements and empty slots none.
+///
+/// With a separation d > 0, the sign is also that of each tetrahedron of the cone with some vertices displaced by w/2,
+/// others by -w/2, and the rest not, for any w with |w| <= d (docs/boundary_flood.md): no feature of it comes within d
+/// of the opposite one.
+///
+/// For element slots [begin, end). Compiled for each instruction set, with the same results on all of them.
 void cone_signs(const Step& step, Index begin, Index end, ConeSigns* signs);
 
 }  // namespace volccd::detail

@@ -34,13 +34,13 @@ std::size_t common_part_vertices(const Step& step, std::span<const Index> part, 
 
 }  // namespace
 
-std::span<const Index> OuterNeighbours::of(const Step& step, const StarTable& stars, Index o) {
+std::span<const Index> OuterNeighbours::of(const Step& step, const StarTable& table, Index o) {
   auto& [begin, end] = ranges_[o];
   if (begin == kNone) {
     begin = static_cast<Index>(list_.size());
     const std::span<const Index> part = step.part(o);
     for (const Index v : part) {
-      const bool by_edges = stars.kind(v) == StarKind::ring && has_faces_alone(step, v);
+      const bool by_edges = table.kind(v) == StarKind::ring && has_faces_alone(step, v);
       for (const Index next : step.features().vertex_elements(v)) {
         const std::size_t common = common_part_vertices(step, part, next);
         const bool listed = std::find(list_.begin() + begin, list_.end(), next) != list_.end();
@@ -58,20 +58,17 @@ void FloodFront::propose(Index a, Index b) {
   if (seen_.insert(pair)) out_.push_back(pair);
 }
 
-void FloodFront::inner_neighbours(Index of, Index other) {
+void FloodFront::propose_across_faces(Index of, Index other) {
+  const Features& features = step_.features();
   if (!is_volume(step_.mesh(), of)) return;
-  for (const StarTable::Neighbour& across : stars_.neighbours(of))
-    if (across.element != kNone && has_inside(across.element)) propose(across.element, other);
+  for (const Index face : features.element_triangles(of))
+    for (const Index across : features.triangle_elements(face))
+      if (across != of && has_inside(across)) propose(across, other);
 }
 
-void FloodFront::around(ElementPair pair) {
-  inner_neighbours(pair.a, pair.b);
-  inner_neighbours(pair.b, pair.a);
-}
-
-void FloodFront::around_suspect_pairs() {
-  for (const ElementPair pair : suspects_.pairs())
-    if (pair.a != pair.b) around(pair);
+void FloodFront::propose_neighbours(ElementPair pair) {
+  propose_across_faces(pair.a, pair.b);
+  propose_across_faces(pair.b, pair.a);
 }
 
 /// Whether at t = 0 all vertices of b, except those of a face of a, are beyond that face, also if vertices are
@@ -122,7 +119,7 @@ void FloodFront::rank_vertices(StartScratch& scratch, Executor& executor) const 
 
 /// Proposes pairs with the elements whose boxes, with the separation around them, contain one of the vertices. Most
 /// elements lie between two of these vertices in the order of the first coordinates.
-void FloodFront::from_contained(std::span<const Index> vertices, StartScratch& scratch, Executor& executor) {
+void FloodFront::propose_containing(std::span<const Index> vertices, StartScratch& scratch, Executor& executor) {
   const Mesh& mesh = step_.mesh();
   auto& along_x = scratch.along_x;
   along_x.clear();
@@ -167,57 +164,26 @@ bool FloodFront::box_contains(Index o, Index v) const {
   return true;
 }
 
-void FloodFront::proceed_at_start(Index outer_element, Index other, StartScratch& scratch) {
+void FloodFront::propose_at_start(Index outer_element, Index other, StartScratch& scratch) {
   if (!outer(outer_element)) return;
-  inner_neighbours(other, outer_element);
+  propose_across_faces(other, outer_element);
   if (!has_inside(other)) return;
   Eigen::AlignedBox3d box = box_at_start(step_.mesh().vertices(other));
   box.min() = box.min().unaryExpr([&](double low) { return moved(low, -1); }).eval();
   box.max() = box.max().unaryExpr([&](double high) { return moved(high, 1); }).eval();
-  for (const Index next : scratch.neighbours.of(step_, stars_, outer_element))
+  for (const Index next : scratch.neighbours.of(step_, table_, outer_element))
     if (box.intersects(box_at_start(step_.part(next)))) propose(next, other);
+}
+
+void FloodFront::propose_neighbours_at_start(ElementPair pair, StartScratch& scratch) {
+  propose_at_start(pair.a, pair.b, scratch);
+  propose_at_start(pair.b, pair.a, scratch);
 }
 
 Eigen::AlignedBox3d FloodFront::box_at_start(std::span<const Index> vertices) const {
   Eigen::AlignedBox3d box;
   for (const Index v : vertices) box.extend(step_.motion.point(v, 0));
   return box;
-}
-
-void FloodFront::around_at_start(ElementPair pair, StartScratch& scratch) {
-  proceed_at_start(pair.a, pair.b, scratch);
-  proceed_at_start(pair.b, pair.a, scratch);
-}
-
-void FloodFront::from_start(std::span<const Index> vertices, StartScratch& scratch, Executor& executor) {
-  from_contained(vertices, scratch, executor);
-  for (const ElementPair pair : suspects_.pairs()) {
-    const auto proceeds = [&](Index a, Index b) { return outer(a) && has_inside(b); };
-    const bool both = proceeds(pair.a, pair.b) || proceeds(pair.b, pair.a);
-    if (pair.a != pair.b && both && !beyond_a_face_at_start(pair.a, pair.b) && !beyond_a_face_at_start(pair.b, pair.a))
-      around_at_start(pair, scratch);
-  }
-}
-
-void FloodFront::one_of_each_part(const Step& step, std::vector<Index>& parts, std::vector<Index>& scratch) {
-  std::vector<Index>& parents = scratch;  // kNone: a vertex of no outer element
-  parents.assign(step.mesh().vertex_count(), kNone);
-  const auto root = [&](Index v) {
-    while (parents[v] != v) v = parents[v] = parents[parents[v]];
-    return v;
-  };
-  for (Index o = 0; o < step.mesh().element_slots(); ++o) {
-    if (!step.takes_part(o)) continue;
-    const std::span<const Index> vertices = step.part(o);
-    for (const Index v : vertices) {
-      if (parents[v] == kNone) parents[v] = v;
-      const Index x = root(v), y = root(vertices[0]);
-      parents[std::max(x, y)] = std::min(x, y);
-    }
-  }
-  parts.clear();
-  for (Index v = 0; v < parents.size(); ++v)
-    if (parents[v] == v) parts.push_back(v);
 }
 
 }  // namespace volccd::detail

@@ -11,8 +11,7 @@
 #include <volccd/core/executor.hpp>
 #include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/pair_set.hpp>
-#include <volccd/culling/detail/star_classes.hpp>
-#include <volccd/culling/detail/suspect_pairs.hpp>
+#include <volccd/culling/detail/star_table.hpp>
 
 namespace volccd::detail {
 
@@ -27,7 +26,7 @@ class OuterNeighbours {
     list_.clear();
   }
   /// Pre: o has an outer part. Found when it is asked for, and kept until clear(). Valid until the next call.
-  std::span<const Index> of(const Step& step, const StarTable& stars, Index o);
+  std::span<const Index> of(const Step& step, const StarTable& table, Index o);
 
   std::size_t bytes() const { return heap_bytes(ranges_, list_); }
 
@@ -46,51 +45,48 @@ struct StartScratch {
   std::size_t bytes() const { return heap_bytes(along_x, ranks, contained, neighbours); }
 };
 
-/// Pairs of non-adjacent simplices, each proposed once. The subset of the step holds the outer part of each simplex:
-/// the whole simplex, a face, or nothing. A simplex that is not outer as a whole has an inside. Not thread-safe.
+/// Pairs of non-adjacent simplices, each proposed once. The subset of the step holds the outer part of each simplex
+/// (OuterParts). Not thread-safe.
 class FloodFront {
  public:
   /// `seen`: the pairs proposed so far. New proposals are appended to `out`.
-  FloodFront(const Step& step, const StarTable& stars, const SuspectPairs& suspects, PairSet& seen,
-             std::vector<ElementPair>& out)
-      : step_(step), stars_(stars), suspects_(suspects), seen_(seen), out_(out) {}
+  FloodFront(const Step& step, const StarTable& table, PairSet& seen, std::vector<ElementPair>& out)
+      : step_(step), table_(table), seen_(seen), out_(out) {}
 
-  /// Proposes the pairs in which one element of `pair` is replaced by a neighbour across a face that has an inside.
-  void around(ElementPair pair);
-  /// Proposes the pair itself.
-  void again(ElementPair pair) { propose(pair.a, pair.b); }
-  /// Does the same as around() for all adjacent pairs that may have double points.
-  void around_suspect_pairs();
+  /// Proposes the pair itself, unless it is adjacent.
+  void propose(ElementPair pair) { propose(pair.a, pair.b); }
+  /// Proposes the pairs in which one element of `pair` is replaced by a neighbour across a face that has an inside
+  /// (steps of kind 1 of the theorem). The pair may be adjacent.
+  void propose_neighbours(ElementPair pair);
 
-  /// For t = 0: forms the pairs of an element whose inside may contain one of the vertices and an element whose outer
-  /// part has that vertex. Then proceeds from adjacent pairs that may overlap, as around_at_start() does. Pre for both:
-  /// the neighbours in `scratch` are those of this subset.
-  void from_start(std::span<const Index> vertices, StartScratch& scratch, Executor& executor);
-  /// For each element of the pair that has an outer part: proposes pairs with this element replaced by others whose
-  /// outer parts are next to it and whose boxes meet, if the other element has an inside; and pairs with the other
-  /// element replaced by neighbours across faces that have an inside.
-  void around_at_start(ElementPair pair, StartScratch& scratch);
-
-  /// One vertex, the smallest, of each set of outer parts that is connected by common vertices. The memory of
-  /// `scratch` is reused.
-  static void one_of_each_part(const Step& step, std::vector<Index>& parts, std::vector<Index>& scratch);
+  /// For t = 0, and for each element of the pair that has an outer part: proposes pairs with the other element replaced
+  /// by neighbours across faces that have an inside, and, if the other element has an inside, pairs with this element
+  /// replaced by others whose outer parts are next to its outer part and whose boxes meet that of the other one (steps
+  /// of kind 2). Pre: the neighbours in `scratch` are those of this subset.
+  void propose_neighbours_at_start(ElementPair pair, StartScratch& scratch);
+  /// For t = 0: proposes the pairs of an element whose inside may contain one of the vertices and an element whose outer
+  /// part has that vertex (seeds of kind 2).
+  void propose_containing(std::span<const Index> vertices, StartScratch& scratch, Executor& executor);
+  /// Whether the elements of an adjacent pair are proven to have only their common vertices in common at t = 0, because
+  /// they lie on different sides of a face of one of them.
+  bool apart_at_start(ElementPair pair) const {
+    return beyond_a_face_at_start(pair.a, pair.b) || beyond_a_face_at_start(pair.b, pair.a);
+  }
 
  private:
   bool outer(Index o) const { return step_.subset->contains(o); }
   bool has_inside(Index o) const { return !step_.subset->contains_whole(o); }
-  void proceed_at_start(Index outer_element, Index other, StartScratch& scratch);
+  void propose_at_start(Index outer_element, Index other, StartScratch& scratch);
   bool beyond_a_face_at_start(Index a, Index b) const;
   double moved(double coordinate, int outward) const;
   Eigen::AlignedBox3d box_at_start(std::span<const Index> vertices) const;
   void rank_vertices(StartScratch& scratch, Executor& executor) const;
-  void from_contained(std::span<const Index> vertices, StartScratch& scratch, Executor& executor);
   bool box_contains(Index o, Index v) const;
-  void inner_neighbours(Index of, Index other);
+  void propose_across_faces(Index of, Index other);
   void propose(Index a, Index b);
 
   const Step& step_;
-  const StarTable& stars_;
-  const SuspectPairs& suspects_;
+  const StarTable& table_;
   PairSet& seen_;
   std::vector<ElementPair>& out_;
 };

@@ -60,7 +60,7 @@ class MiddleShape {
   }
 
   /// Whether all tetrahedra of all cones are proven to have a positive volume at all t in [0, 1], with a separation
-  /// also for displaced vertices (volume_signs()). False if an overflow is possible.
+  /// also for displaced vertices (cone_signs()). False if an overflow is possible.
   ///
   /// If vertices are displaced by at most d each, a volume changes by at most d times the sum of the areas of its four
   /// faces, plus 12 d^2 size + 8 d^3 (docs/star_orphans.md). No area of a triangle is greater than that in the box.

@@ -1,4 +1,4 @@
-// The connectivity of a simplicial complex that the flood uses: neighbours across faces, and stars of vertices.
+// The stars of vertices in a mesh of any elements, as far as the topology determines them.
 #pragma once
 
 #include <array>
@@ -10,136 +10,90 @@
 #include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/boundary_rings.hpp>
 #include <volccd/mesh/topology_delta.hpp>
-#include <volccd/query/element_subset.hpp>
 
 namespace volccd::detail {
 
+/// The star of a vertex consists of all elements at the vertex.
 enum class StarKind : std::uint8_t {
   unused,
-  /// Tetrahedra connected through their faces at the vertex, each of which has two tetrahedra.
+  /// Volume elements only, and each of their faces at the vertex is an inner face.
   interior,
-  /// Tetrahedra, or triangles, connected in the same way, whose boundary faces at the vertex form one closed ring.
+  /// Volume elements only, whose faces at the vertex are inner faces and boundary faces, or shells only, all of whose
+  /// faces are boundary faces. The sides of the boundary faces that do not contain the vertex form one closed ring.
   ring,
-  irregular  ///< anything else
+  /// Anything else, and every star that contains a polytope.
+  irregular
 };
+
+/// A face of a volume element is an inner face if it has exactly two elements, which have all its vertices in opposite
+/// cyclic order; a boundary face if it has a single element; otherwise irregular. A shell is a boundary face.
+enum class FaceKind : std::uint8_t { none, inner, boundary, irregular };
 
 /// Memory for one ring, to be reused.
 struct Ring {
-  std::vector<std::array<Index, 2>> open;  ///< directed sides
+  std::vector<std::array<Index, 2>> sides;  ///< directed sides of faces
   std::vector<Index> vertices;
 
   /// Sorts the sides into a sequence, the ring of their first vertices. Returns false if they are not one closed ring
   /// with consistent orientation. Pre: there is at least one side.
   bool order();
-  std::size_t bytes() const { return heap_bytes(open, vertices); }
+  std::size_t bytes() const { return heap_bytes(sides, vertices); }
 };
 
-/// Base of the tables of stars: their kinds. Not thread-safe; uses the executor.
-class StarKinds {
+/// The kinds of all stars and faces of a topology (docs/star_orphans.md, condition 1). Not thread-safe; uses the
+/// executor.
+class StarTable {
  public:
+  /// Updates the table for the topology. The time is proportional to the size of the change. Returns the extent of the
+  /// change.
+  TopologyDelta::Extent update(const Topology& topology, Executor& executor);
+
   StarKind kind(Index v) const { return kinds_[v]; }
   /// Vertices whose stars changed in the last update.
   const std::vector<Index>& changed_vertices() const { return changed_vertices_; }
+  /// Whether the star of v consists of shells. Pre: its kind is `ring`.
+  static bool has_shells(const Topology& topology, Index v) {
+    return is_shell(topology.mesh().type(topology.features().vertex_elements(v)[0]));
+  }
   /// For StarKind::ring: the other vertices of the boundary faces at v in cyclic order, with the same orientation in
   /// all rings of an orientable part. Consecutive vertices, and the last and the first one, form a triangle with v.
   /// Empty for other kinds.
   std::span<const Index> ring(const Topology& topology, Index v, Ring& scratch) const;
 
- protected:
-  ~StarKinds() = default;
-  /// Finds the sides of the boundary faces at v that do not contain v, with the orientation of the faces. Returns false
-  /// if the star is irregular.
-  virtual bool find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const = 0;
-  /// The kind by these sides.
-  StarKind kind_by_sides(const Topology& topology, Index v, Ring& scratch) const;
-  /// Begins an update, which ends with delta_.confirm(). Returns the extent of the change.
-  TopologyDelta::Extent sync(const Topology& topology);
-  /// Sets the kind of each changed vertex v to kind_of(v, the scratch memory of a worker).
-  template <class Scratch, class KindOf>
-  void set_kinds(std::vector<Scratch>& scratch, Executor& executor, KindOf&& kind_of) {
-    constexpr std::size_t kGrain = 256;
-    scratch.resize(executor.workers());
-    executor.parallel_for(changed_vertices_.size(), kGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
-      for (std::size_t i = begin; i < end; ++i)
-        kinds_[changed_vertices_[i]] = kind_of(changed_vertices_[i], scratch[w]);
-    });
-  }
-  std::size_t kinds_bytes() const { return heap_bytes(delta_, kinds_, changed_vertices_); }
-
-  TopologyDelta delta_;
-  std::vector<StarKind> kinds_;  ///< by vertex
-
- private:
-  std::vector<Index> changed_vertices_;
-};
-
-/// The table for the elements of a topology of tetrahedra and triangles.
-class StarTable final : public StarKinds {
- public:
-  /// The neighbour across the face opposite to vertex i of a tetrahedron.
-  struct Neighbour {
-    Index element = kNone;  ///< kNone: there is none, or not exactly one
-    bool opposite = false;  ///< both node orders orient the complex consistently; if element is kNone: the face has
-                            ///< other elements
-  };
-
-  /// The face opposite to vertex i of a tetrahedron with these vertices, oriented outward for positive volume.
-  static std::array<Index, 3> face_of(std::span<const Index> vertices, std::size_t i) {
-    constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-    return {vertices[kFaces[i][0]], vertices[kFaces[i][1]], vertices[kFaces[i][2]]};
-  }
-
-  /// Updates the table for the topology. The time is proportional to the size of the change. Returns the extent of the
-  /// change.
-  TopologyDelta::Extent update(const Topology& topology, Executor& executor);
-  const std::array<Neighbour, 4>& neighbours(Index tetrahedron) const { return neighbours_[tetrahedron]; }
-  /// Whether a face of the tetrahedron has other elements, but not exactly one other tetrahedron.
-  bool shares_a_face_with_several(Index tetrahedron) const {
-    for (const Neighbour& across : neighbours_[tetrahedron])
-      if (across.element == kNone && across.opposite) return true;
-    return false;
-  }
-  /// How an element fits to its neighbours if the volumes of all of them have the same sign.
-  enum class Fit : std::uint8_t {
-    other,    ///< it is no tetrahedron, or shares a face with several
-    regular,  ///< it and its neighbours lie on different sides of their common faces
-    folded    ///< it and a neighbour do not
-  };
-  Fit fit(Index o) const { return fits_[o]; }
-  /// The part of o, as bits of its vertices (ElementSubset), that is on the boundary. Boundary faces of a tetrahedron
-  /// are those that do not have exactly two tetrahedra: one such face; the whole tetrahedron if there are several, or
-  /// if a vertex has an irregular star; the whole element if it is a triangle.
-  std::uint8_t boundary_part(Index o) const { return boundary_parts_[o]; }
-
-  /// The boundary faces that have a vertex with a ring.
+  /// The kinds of the faces of element o, in the order of its face stream.
+  const std::array<FaceKind, 6>& faces(Index o) const { return faces_[o]; }
+  /// Whether two tetrahedra have an inner face in common.
+  bool share_inner_face(const Mesh& mesh, Index a, Index b) const;
+  /// The boundary faces that have a vertex with a ring. A quad becomes four triangles, so that each vertex is tested
+  /// with the two triangles of the mesh and with the two that have it in common.
   std::vector<RingFace> boundary_faces(const Topology& topology) const;
 
-  std::size_t bytes() const { return kinds_bytes() + heap_bytes(neighbours_, boundary_parts_, fits_, scratch_); }
+  std::size_t bytes() const { return heap_bytes(delta_, kinds_, changed_vertices_, faces_, scratch_); }
 
  private:
-  /// Scratch memory of one worker.
-  struct Scratch {
-    std::vector<Index> places;   ///< by element slot: its position in the current star
-    std::vector<Index> corners;  ///< by vertex: one of its corners in the current star
-    std::vector<Index> parents;
-    Ring ring;
-    std::size_t bytes() const { return heap_bytes(places, corners, parents, ring); }
-  };
+  void sync_vertices(const Topology& topology, TopologyDelta::Extent changed);
+  void set_faces(const Topology& topology, Index o);
+  StarKind kind_of(const Topology& topology, Index v, Ring& scratch) const;
+  bool find_sides(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& sides) const;
 
-  void set_neighbours(const Topology& topology, Index triangle);
-  template <class Visit>
-  void visit_boundary(const Mesh& mesh, Index o, Visit&& visit) const;
-  StarKind kind_of(const Topology& topology, Index v, Scratch& scratch) const;
-  bool joins_up(const Topology& topology, Index v, Scratch& scratch) const;
-  bool find_open(const Topology& topology, Index v, std::vector<std::array<Index, 2>>& open) const override;
-  void set_element(const Topology& topology, Index o);
-  std::uint8_t boundary_part_of(const Mesh& mesh, Index o) const;
-  Fit fit_of(const Mesh& mesh, Index o) const;
-
-  std::vector<std::array<Neighbour, 4>> neighbours_;  ///< by element slot
-  std::vector<std::uint8_t> boundary_parts_;          ///< by element slot
-  std::vector<Fit> fits_;                             ///< by element slot
-  std::vector<Scratch> scratch_;
+  TopologyDelta delta_;
+  std::vector<StarKind> kinds_;                 ///< by vertex
+  std::vector<std::array<FaceKind, 6>> faces_;  ///< by element slot
+  std::vector<Index> changed_vertices_;
+  std::vector<Ring> scratch_;  ///< by worker
 };
+
+/// Calls visit(face, number) for each face of an element with a face stream; `face` contains vertex slots in cyclic
+/// order, outward for a volume element of positive volume.
+template <class Visit>
+void visit_faces(const Mesh& mesh, Index o, Visit&& visit) {
+  const std::span<const Index> v = mesh.vertices(o);
+  std::array<Index, 4> face;
+  std::size_t number = 0;
+  volccd::visit_faces(face_stream(mesh.type(o)), [&](std::span<const std::uint8_t> numbers) {
+    for (std::size_t j = 0; j < numbers.size(); ++j) face[j] = v[numbers[j]];
+    visit(std::span<const Index>(face.data(), numbers.size()), number++);
+  });
+}
 
 }  // namespace volccd::detail

@@ -1,37 +1,37 @@
-// The adjacent pairs of simplices that may have a double point.
+// The adjacent pairs of elements that may touch elsewhere than in their common vertices.
 #pragma once
 
 #include <cstddef>
 #include <span>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/core/function_ref.hpp>
 #include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/detail/corner_planes.hpp>
-#include <volccd/culling/detail/pair_set.hpp>
-#include <volccd/culling/detail/star_classes.hpp>
+#include <volccd/culling/detail/vertex_stars.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::detail {
 
-/// All pairs of simplices with a common vertex, and of a simplex and itself, except those that are proven to have no
-/// double point throughout the step (docs/boundary_flood.md): because a common vertex has a clear star, or because they
-/// lie on different sides of a plane through all their common vertices. Only pairs with one or two common vertices are
-/// tested for such a plane. Not thread-safe; uses the executor.
+/// All pairs of elements with a common vertex, and of an element and itself, except those that are proven to touch only
+/// in their common features throughout the step (docs/star_orphans.md, corollary):
+///  1. because a common vertex has a clear star;
+///  2. because they are one tetrahedron, or two with a common inner face, whose volumes have one sign;
+///  3. because they have one or two common vertices, and lie on different sides of a plane through these.
+/// Not thread-safe; uses the executor.
 class SuspectPairs {
  public:
-  /// Lists the pairs for the step of the last classes.update(). Tests of planes: about a microsecond for each pair of
-  /// simplices that have suspect common vertices only.
-  void update(const Step& step, const StarClasses& classes, Executor& executor);
+  /// Lists the pairs for the step of the last stars.update(). Planes through two vertices are tried if pays(a, b) for
+  /// the elements. Planes take about a microsecond for each pair.
+  void update(const Step& step, const VertexStars& stars, Executor& executor, FunctionRef<bool(Index, Index)> pays);
 
   /// The pairs, with a <= b, each once. Their order depends on the executor.
   std::span<const ElementPair> pairs() const { return list_.pairs(); }
-  bool contains(Index a, Index b) const { return set_.contains({a, b}); }
 
-  std::size_t bytes() const { return heap_bytes(list_, set_); }
+  std::size_t bytes() const { return heap_bytes(list_); }
 
  private:
   CornerPairList list_;
-  PairSet set_;
 };
 
 }  // namespace volccd::detail
