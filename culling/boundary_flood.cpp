@@ -37,6 +37,7 @@ struct BoundaryFloodState final : StageState {
   detail::StartScratch start_scratch;
   detail::PairSet seen, seen_at_start;
   std::vector<ElementPair> front, reached;
+  std::size_t seeds = 0;  ///< how many of the reached pairs are seeds, which are culled for the whole step at once
   std::vector<Worker> workers;
   Phase phase = Phase::idle;
   BoundaryFlood::Counters counters;
@@ -100,6 +101,7 @@ Flood::Front propose(BoundaryFloodState& state, Executor& executor) {
   const detail::StarTable& table = state.stars.table();
   if (state.phase != Phase::flood) {
     detail::FloodFront at_start(step, table, state.seen_at_start, state.front);
+    if (state.phase == Phase::idle) state.seeds = fresh.size();
     if (state.phase == Phase::idle)
       propose_from_start(state, fresh, at_start, executor);
     else
@@ -109,10 +111,12 @@ Flood::Front propose(BoundaryFloodState& state, Executor& executor) {
   }
   detail::FloodFront front(step, table, state.seen, state.front);
   if (state.phase == Phase::start) {
+    const std::span<const ElementPair> all(state.reached), seeds = all.first(state.seeds);
+    for (const ElementPair pair : seeds) state.seen.insert(pair);
+    for (const ElementPair pair : seeds) front.propose_neighbours(pair);
     for (const ElementPair pair : state.suspects.pairs())
       if (pair.a != pair.b) front.propose_neighbours(pair);
-    // Only the outer parts of the seeds were culled so far, and other pairs only for t = 0.
-    for (const ElementPair pair : state.reached) front.propose(pair);
+    for (const ElementPair pair : all.subspan(state.seeds)) front.propose(pair);  // so far culled for t = 0 only
     state.phase = Phase::flood;
   } else {
     for (const ElementPair pair : fresh) front.propose_neighbours(pair);

@@ -278,10 +278,7 @@ class Culler {
     return nothing_left(pair, mask) ? PairVerdict::contact_free : PairVerdict::keep;
   }
 
-  /// Masks of features refer to whole elements.
-  std::span<const Index> vertices(Index o) const {
-    return config_.mode == CsatMode::pair ? step_.part(o) : step_.mesh().vertices(o);
-  }
+  std::span<const Index> vertices(Index o) const { return step_.mesh().vertices(o); }
 
   template <int kControlPoints>
   void gather(CsatPoints& points, std::span<const Index> vertices) const {

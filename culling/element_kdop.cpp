@@ -53,12 +53,12 @@ HWY_INLINE V widening(V bound, V separation) {
 void bound_element(const Step& step, const VertexRow& half_separation, Index o, ElementRow* rows) {
   using Axes = KdopAxes<16, kRowAxisCount>;
   const hn::Rebind<float, Axes::Tag> narrow;
-  const std::span<const Index> part = step.part(o);
+  const std::span<const Index> vertices = step.mesh().vertices(o);
   for (int c = 0; c < step.motion.control_points(); ++c)
     for (std::size_t i = 0; i < kRowAxisCount; i += hn::Lanes(narrow)) {
       const Axes axes(i);
-      auto least = axes.project(step.motion.at(part[0]) + 3 * c), most = least;
-      for (const Index v : part.subspan(1)) {
+      auto least = axes.project(step.motion.at(vertices[0]) + 3 * c), most = least;
+      for (const Index v : vertices.subspan(1)) {
         const auto at = axes.project(step.motion.at(v) + 3 * c);
         least = hn::Min(least, at);
         most = hn::Max(most, at);
@@ -91,7 +91,7 @@ HWY_INLINE const ElementRow* rows_of(const Step& step, ElementRows& all, Index o
 void bound_elements(const Step& step, ElementRows& all, std::size_t begin, std::size_t end) {
   const auto controls = static_cast<std::size_t>(step.motion.control_points());
   for (std::size_t o = begin; o < end; ++o)
-    if (step.takes_part(static_cast<Index>(o)))
+    if (step.mesh().is_live(static_cast<Index>(o)))
       bound_element(step, all.half_separation, static_cast<Index>(o), all.rows.data() + o * controls);
 }
 
@@ -148,7 +148,6 @@ struct alignas(64) Worker {
 struct ElementKdopState final : StageState {
   ElementRows elements;
   std::vector<Worker> workers;
-  const ElementSubset* subset = nullptr;
 
   std::size_t bytes() const override { return heap_bytes(elements.rows, elements.progress, workers); }
 };
@@ -164,9 +163,8 @@ void ElementKdop::prepare(const Step& step, StageState& stage_state, Executor& e
   std::size_t pairs = 0;  // of the last step
   for (const Worker& worker : state.workers) pairs += worker.pairs;
   state.workers.assign(executor.workers(), {});
-  state.subset = step.subset;
   elements.half_separation = row_of_distance(step.separation / 2);
-  elements.all_made = pairs > (step.subset ? step.subset->size() : step.mesh().element_count());
+  elements.all_made = pairs > step.mesh().element_count();
   elements.rows.resize(slots * static_cast<std::size_t>(step.motion.control_points()));
   elements.progress.assign(slots, ElementRows::kMissing);
   if (!elements.all_made) return;
@@ -177,7 +175,6 @@ void ElementKdop::prepare(const Step& step, StageState& stage_state, Executor& e
 
 void ElementKdop::run(const Step& step, StageState& stage_state, unsigned worker, PairBatch& batch) const {
   ElementKdopState& state = static_cast<ElementKdopState&>(stage_state);
-  if (step.subset != state.subset) return;
   state.workers[worker].pairs += batch.size();
   HWY_DYNAMIC_DISPATCH(cull_by_rows)(step, state.elements, batch);
 }

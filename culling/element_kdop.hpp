@@ -10,9 +10,8 @@ namespace volccd {
 /// stage drops most pairs of a broad phase for a fraction of the time of `csat`.
 ///
 /// Bounds are in single precision, 64 bytes for each control point of an element. prepare() computes those of all
-/// elements that take part in the step, on all threads, if the last step had more pairs than elements; otherwise run()
-/// computes them when a pair first contains the element. run() keeps all pairs if the step has another subset of
-/// elements than that of prepare().
+/// elements, on all threads, if the last step had more pairs than elements; otherwise run() computes them when a pair
+/// first contains the element.
 ///
 /// Guarantee: conservative in floating point for any finite coordinates: bounds are widened by more than all rounding
 /// errors. They hold over [0, 1] for every t_max.

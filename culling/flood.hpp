@@ -9,11 +9,10 @@
 namespace volccd {
 
 /// A pipeline with a flood searches for pairs in a simplicial complex of the mesh. Broad phase, element culling and
-/// assignment receive the step that the flood provides (Flood::step): its topology is that of the complex, and its
-/// subset contains the parts of elements that the broad phase pairs. Pairs that survive culling of these parts are
-/// given to reach(). next() then proposes pairs, these and others, which pass through culling as whole elements
-/// (without a subset) and through assignment, and those that survive are given to reach() as well, until it proposes
-/// none. The flood lists the orphans itself; the OrphanSource is not used.
+/// assignment receive the step that the flood provides (Flood::step): its topology is that of the complex. Its subset,
+/// which only the broad phase receives, contains the parts of elements to be paired. These pairs pass through culling
+/// and assignment as whole elements, and those that survive are given to reach(). next() then proposes other pairs,
+/// which take the same way, until it proposes none. The flood lists the orphans itself; the OrphanSource is not used.
 ///
 /// Guarantee (conservative): for each feature pair {a,b} that touches, the pairs proposed for the whole step contain
 /// every pair of non-adjacent simplices that covers it, and the orphans contain {a,b} if there is no such pair of
@@ -28,7 +27,8 @@ class Flood : public Stage {
   /// runs as if it had no flood. `overlaps`: whether initial overlaps of elements are requested.
   virtual bool takes(const StageState& state, bool overlaps) const = 0;
 
-  /// The step for broad phase, culling and assignment. It refers to `state` and is valid until the next prepare().
+  /// The step for the broad phase and, without its subset, for culling and assignment. It refers to `state` and is valid
+  /// until the next prepare().
   virtual Step step(const StageState& state) const = 0;
 
   /// Records pairs that survived culling, on the worker that culled them. Also called for pairs that were removed as

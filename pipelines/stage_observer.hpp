@@ -26,7 +26,7 @@ class StageObserver {
   virtual ~StageObserver() = default;
 
   /// Element slots are those of `step`, on which the stage ran. In a step that a flood takes, these are the simplices
-  /// of its complex; the stage processed the part step.part(o) of a simplex o.
+  /// of its complex; a broad phase processed the part step.part(o) of a simplex o.
   virtual void observe(std::size_t stage, unsigned worker, const Step& step, std::span<const ElementPair> pairs,
                        std::span<const std::uint8_t> keep) = 0;
 

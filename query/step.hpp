@@ -20,7 +20,8 @@ struct Step {
   /// Contacts later than t_max need not be found: a stage may drop pairs that touch only after t_max, or may ignore
   /// this value. 1: the whole step.
   double t_max = 1;
-  /// The elements that the broad phase pairs, and the parts of them that have to overlap; null: all live elements.
+  /// The elements that the broad phase pairs, and the parts of them that have to overlap; null: all live elements. Only
+  /// a broad phase receives a step with a subset.
   const ElementSubset* subset = nullptr;
 
   const Mesh& mesh() const { return topology.mesh(); }

@@ -67,7 +67,7 @@ class PairSearch {
   /// Looks up the vertices of all pairs before any pair is tested, so that memory accesses overlap.
   void look_up(std::span<const ElementPair> pairs) {
     const auto of = [this](Index o) {
-      const auto vertices = step_.part(o);
+      const auto vertices = step_.mesh().vertices(o);
       hwy::Prefetch(vertices.data());
       return Vertices{vertices.data(), vertices.size()};
     };

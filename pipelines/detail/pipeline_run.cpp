@@ -111,9 +111,9 @@ class Pipeline::Run {
   /// Number of element pairs that are culled together, and number of tests that are given to the chain together: small
   /// enough for the caches, and large enough that the cost of clocks and virtual calls is negligible.
   static constexpr std::size_t kPairs = 256, kTests = 1024;
-  /// The purpose for which pairs are culled: to assign their tests, as seeds of the flood, or because the flood needs
-  /// to know which of them touch at t = 0.
-  enum class Purpose { tests, seeds, touch_at_start };
+  /// The purpose for which pairs are culled: to assign their tests, or because the flood needs to know which of them
+  /// touch at t = 0.
+  enum class Purpose { tests, touch_at_start };
 
   void prepare_workers() {
     while (data_.workers.size() < executor_.workers()) data_.workers.push_back(std::make_unique<WorkerScratch>());
@@ -147,13 +147,16 @@ class Pipeline::Run {
     if (pipeline_.flood_) {
       prepare_stage(flood(), step_);
       flooded_ = pipeline_.flood_->takes(state(flood()), request_.initial_overlaps);
-      if (flooded_) flood_step_.emplace(pipeline_.flood_->step(state(flood())));
+      if (flooded_) {
+        outer_step_.emplace(pipeline_.flood_->step(state(flood())));
+        complex_step_.emplace(*outer_step_).subset = nullptr;
+      }
     }
     for (std::size_t i = 0; i < pipeline_.stages_.size(); ++i) {
       if (pipeline_.flood_ && i == flood()) continue;
       // The O-Set is not needed in this step; it is updated for the next step without a flood.
       if (flooded_ && i == orphans()) continue;
-      prepare_stage(i, i <= assignment() ? pair_step() : step_);
+      prepare_stage(i, i == kBroadPhase ? broad_phase_step() : i <= assignment() ? pair_step() : step_);
     }
   }
 
@@ -172,13 +175,13 @@ class Pipeline::Run {
     double all = 0, in_later_stages = 0;
     {
       const StageTimer timer(clock, all);
-      pipeline_.broad_phase_->run(pair_step(), state(kBroadPhase), pipeline_.range_, executor,
+      pipeline_.broad_phase_->run(broad_phase_step(), state(kBroadPhase), pipeline_.range_, executor,
                                   [&](std::span<const ElementPair> pairs, unsigned w) {
                                     data_.workers[w]->sums.stages[kBroadPhase].out += pairs.size();
-                                    observe_pairs(kBroadPhase, pair_step(), pairs, w);
+                                    observe_pairs(kBroadPhase, broad_phase_step(), pairs, w);
                                     const bool in_chunk = data_.workers[w]->chain.clock().running();
                                     const double before = in_chunk ? 0 : charged_seconds();
-                                    take_pairs(pairs, w, flooded_ ? Purpose::seeds : Purpose::tests);
+                                    take_pairs(pairs, w, Purpose::tests);
                                     if (!in_chunk) in_later_stages += charged_seconds() - before;
                                   });
     }
@@ -264,16 +267,16 @@ class Pipeline::Run {
     return std::min(1.0, best_.load(std::memory_order_relaxed) * (1 + 1e-9) + slack);
   }
 
-  const Step& pair_step() const { return flooded_ ? *flood_step_ : step_; }
+  const Step& broad_phase_step() const { return flooded_ ? *outer_step_ : step_; }
+  const Step& pair_step() const { return flooded_ ? *complex_step_ : step_; }
   Step step_for(Purpose purpose) const {
     Step step = pair_step();
-    if (purpose != Purpose::seeds) step.subset = nullptr;
     step.t_max = purpose == Purpose::touch_at_start ? 0 : latest_time();
     return step;
   }
 
-  /// Processes pairs from the broad phase or a flood. Tests are assigned only to pairs that were culled as whole
-  /// elements and for the whole step: others could leave out features that touch.
+  /// Processes pairs from the broad phase or a flood. Tests are assigned only to pairs that were culled for the whole
+  /// step: others could leave out features that touch.
   void take_pairs(std::span<const ElementPair> pairs, unsigned w, Purpose purpose) {
     WorkerScratch& worker = *data_.workers[w];
     const StageTimer nobody(worker.chain.clock());
@@ -459,7 +462,9 @@ class Pipeline::Run {
 
   const Pipeline& pipeline_;
   const Step& step_;
-  std::optional<Step> flood_step_;  ///< step for broad phase, culling and assignment if a flood accepts the step
+  /// If a flood accepts the step: the step of its complex, with the outer parts for the broad phase alone, and without
+  /// for culling and assignment.
+  std::optional<Step> outer_step_, complex_step_;
   bool flooded_ = false;
   Workspace::Data& data_;
   Executor& executor_;

@@ -79,12 +79,12 @@ bool left_out_of_corners(const Step& step, Index common) {
 /// The same by the list of the flood, which visits the pairs of a star.
 bool left_out_of_list(const Step& step) {
   SerialExecutor serial;
-  StarTable stars;
-  StarClasses classes;
+  VertexStars stars;
   SuspectPairs suspects;
-  classes.update(step, stars, stars.update(step.topology, serial), serial);
-  suspects.update(step, classes, serial);
-  return !suspects.contains(0, 1);
+  stars.update(step, serial);
+  suspects.update(step, stars, serial, [](Index, Index) { return true; });
+  const std::span<const ElementPair> pairs = suspects.pairs();
+  return std::find(pairs.begin(), pairs.end(), ElementPair{0, 1}) == pairs.end();
 }
 
 constexpr std::array<std::array<ElementType, 2>, 4> kTypes{{{ElementType::hexahedron, ElementType::hexahedron},

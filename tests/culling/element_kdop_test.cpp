@@ -1,4 +1,4 @@
-// Bounds of element pairs along fixed axes: verdicts compared with exact ones at any scale, common motion, subsets.
+// Bounds of element pairs along fixed axes: verdicts compared with exact ones at any scale, common motion.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -137,23 +137,6 @@ TEST(ElementKdop, CommonMotionDoesNotMatter) {
   PairBatch batch = bench.batch();
   run_stage(ElementKdop({}), bench.step(), batch);
   EXPECT_EQ(batch.size(), 0u);
-}
-
-TEST(ElementKdop, KeepsAllPairsOfAnotherSubset) {
-  PairBench bench(ElementType::tetrahedron, 2);
-  Random random(1);
-  set_apart(bench, random, 3);
-  const ElementKdop stage({});
-  const auto state = prepared(stage, bench.step());
-  set_apart(bench, random, -0.5);
-  ElementSubset none;
-  Step step = bench.step();
-  step.subset = &none;
-  SerialExecutor executor;
-  stage.prepare(step, *state, executor);
-  PairBatch batch = bench.batch();
-  stage.run(bench.step(), *state, 0, batch);
-  EXPECT_EQ(batch.size(), bench.pairs());
 }
 
 // After a step with more pairs than elements, bounds are made in advance, and after a step with fewer when they are

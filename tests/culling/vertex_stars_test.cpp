@@ -1,5 +1,5 @@
 // Stars of elements of any type that are clear: features of such a star touch nowhere but in common vertices.
-#include <volccd/culling/detail/element_stars.hpp>
+#include <volccd/culling/detail/vertex_stars.hpp>
 
 #include <algorithm>
 #include <array>
@@ -24,7 +24,7 @@ namespace {
 const ObjectFilter kEveryObject;
 
 /// Whether a clear star contains one of the elements `a` and one of `b`.
-bool in_a_clear_star(const Mesh& mesh, const ElementStars& stars, std::span<const Index> a, std::span<const Index> b) {
+bool in_a_clear_star(const Mesh& mesh, const VertexStars& stars, std::span<const Index> a, std::span<const Index> b) {
   for (const Index x : a)
     for (const Index y : b)
       for (const Index v : mesh.vertices(x)) {
@@ -65,7 +65,7 @@ void expect_clear_stars_do_not_touch(ElementType type, std::uint64_t seed, bool 
   if (random.uniform() < 0.5) shape = permuted(shape, random.next());
   Topology topology(shape.mesh());
   if (random.uniform() < 0.5) topology.apply({some_elements(topology.mesh(), random, 0.2), {}, {}});
-  ElementStars stars;
+  VertexStars stars;
   std::vector<Vec3> at = deformed(shape.positions, random, 0.5, 0.1);
   for (int step = 0; step < 3; ++step) {
     if (random.uniform() < 0.3) topology.apply({some_elements(topology.mesh(), random, 0.1), {}, {}});
@@ -97,13 +97,13 @@ void expect_clear_stars_do_not_touch(double most_separation) {
   }
 }
 
-TEST(ElementStars, ClearOnesHaveNoContacts) { expect_clear_stars_do_not_touch(0); }
+TEST(VertexStars, ClearOnesHaveNoContacts) { expect_clear_stars_do_not_touch(0); }
 
 /// Separations of up to a tenth of an edge.
-TEST(ElementStars, ClearOnesStayApart) { expect_clear_stars_do_not_touch(0.1); }
+TEST(VertexStars, ClearOnesStayApart) { expect_clear_stars_do_not_touch(0.1); }
 
 /// In a body at rest, or that turns and is bent a little, nothing is suspect but where shells or polytopes are.
-TEST(ElementStars, AllOfASoundBodyAreClear) {
+TEST(VertexStars, AllOfASoundBodyAreClear) {
   SerialExecutor serial;
   for (const ElementType type :
        {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge, ElementType::pyramid}) {
@@ -112,7 +112,7 @@ TEST(ElementStars, AllOfASoundBodyAreClear) {
     std::vector<Vec3> to;
     const Eigen::AngleAxisd turn(0.3, Vec3(1, 2, 3).normalized());
     for (const Vec3& p : shape.positions) to.push_back(turn * Vec3(p[0], p[1] + 0.05 * p[0] * p[0], p[2]));
-    ElementStars stars;
+    VertexStars stars;
     stars.update({topology, Motion::linear(shape.positions, to), kEveryObject}, serial);
     EXPECT_TRUE(stars.suspects().empty()) << to_string(type) << ": " << stars.suspects().size();
     std::vector<Vec3> mirrored = shape.positions;
@@ -123,7 +123,7 @@ TEST(ElementStars, AllOfASoundBodyAreClear) {
 }
 
 /// A flat block at rest: opposite features of each element are 1/20 apart.
-TEST(ElementStars, OfElementsThinnerThanTheSeparationAreSuspect) {
+TEST(VertexStars, OfElementsThinnerThanTheSeparationAreSuspect) {
   SerialExecutor serial;
   for (const ElementType type :
        {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge, ElementType::pyramid}) {
@@ -132,7 +132,7 @@ TEST(ElementStars, OfElementsThinnerThanTheSeparationAreSuspect) {
     const Topology topology(shape.mesh());
     const Motion rest = Motion::linear(shape.positions, shape.positions);
     for (const double separation : {0.0, 0.001, 0.051}) {
-      ElementStars stars;
+      VertexStars stars;
       stars.update({topology, rest, kEveryObject, separation}, serial);
       EXPECT_EQ(stars.suspects().size(), separation < 0.05 ? 0 : shape.positions.size())
           << to_string(type) << ", separation " << separation;
@@ -141,7 +141,7 @@ TEST(ElementStars, OfElementsThinnerThanTheSeparationAreSuspect) {
 }
 
 /// The middle of a quadratic motion is so far away that differences overflow: nothing is proven, for any vertex.
-TEST(ElementStars, OfOverflowingMotionsAreSuspect) {
+TEST(VertexStars, OfOverflowingMotionsAreSuspect) {
   SerialExecutor serial;
   for (const ElementType type :
        {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge, ElementType::pyramid}) {
@@ -151,7 +151,7 @@ TEST(ElementStars, OfOverflowingMotionsAreSuspect) {
       std::vector<Vec3> middle = shape.positions;
       for (std::size_t v = 0; v < middle.size(); ++v) middle[v][0] = v == far ? 1.7e308 : -1e308;
       const Motion motion = Motion::quadratic(shape.positions, middle, shape.positions);
-      ElementStars stars;
+      VertexStars stars;
       stars.update({topology, motion, kEveryObject}, serial);
       EXPECT_TRUE(stars.suspect(static_cast<Index>(far))) << to_string(type) << ' ' << far;
     }
@@ -178,7 +178,7 @@ Shape notched_block(ElementType type) {
 }
 
 /// What comes within the separation here does so across the outside, while all elements are thick.
-TEST(ElementStars, OfNotchesNarrowerThanTheSeparationAreSuspect) {
+TEST(VertexStars, OfNotchesNarrowerThanTheSeparationAreSuspect) {
   SerialExecutor serial;
   for (const ElementType type : {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge}) {
     const Shape shape = notched_block(type);
@@ -186,7 +186,7 @@ TEST(ElementStars, OfNotchesNarrowerThanTheSeparationAreSuspect) {
     const Motion rest = Motion::linear(shape.positions, shape.positions);
     for (const double separation : {0.01, 0.05}) {
       const Step step{topology, rest, kEveryObject, separation};
-      ElementStars stars;
+      VertexStars stars;
       stars.update(step, serial);
       std::size_t in_contact = 0;
       visit_touching(step, [&](std::span<const Index> a, std::span<const Index> b) {
@@ -219,7 +219,7 @@ Shape fan(Index wedges, double angle, bool closed) {
 constexpr double kDegree = 3.14159265358979323846 / 180;
 
 /// Whether the ends of the axis of a fan at rest are suspect.
-bool is_wound(const Shape& shape, ElementStars& stars) {
+bool is_wound(const Shape& shape, VertexStars& stars) {
   SerialExecutor serial;
   const Topology topology(shape.mesh());
   stars.update({topology, Motion::linear(shape.positions, shape.positions), kEveryObject}, serial);
@@ -242,19 +242,19 @@ Shape two_layers(Index wedges, double angle) {
   return shape;
 }
 
-TEST(ElementStars, OfInnerVerticesWoundTwiceAreSuspect) {
+TEST(VertexStars, OfInnerVerticesWoundTwiceAreSuspect) {
   SerialExecutor serial;
   for (const double angle : {60., 120.}) {
     const Shape shape = two_layers(6, angle * kDegree);
     const Topology topology(shape.mesh());
-    ElementStars stars;
+    VertexStars stars;
     stars.update({topology, Motion::linear(shape.positions, shape.positions), kEveryObject}, serial);
     EXPECT_EQ(stars.suspect(1), angle == 120) << angle;
   }
 }
 
 /// A tetrahedron that has only the inner vertex of a block in common with it, and lies inside the block.
-TEST(ElementStars, WithSomethingInsideAreSuspect) {
+TEST(VertexStars, WithSomethingInsideAreSuspect) {
   SerialExecutor serial;
   Shape shape = block(ElementType::hexahedron, 2, 2, 2);
   const Vec3 centre(1, 1, 1);
@@ -266,7 +266,7 @@ TEST(ElementStars, WithSomethingInsideAreSuspect) {
     tetrahedron.vertices.push_back(static_cast<Index>(shape.positions.size()));
     shape.positions.push_back(centre + way);
   }
-  ElementStars stars;
+  VertexStars stars;
   for (const bool inside : {false, true}) {
     if (inside) shape.elements.push_back(tetrahedron);
     const Topology topology(shape.mesh());
@@ -275,34 +275,34 @@ TEST(ElementStars, WithSomethingInsideAreSuspect) {
   }
 }
 
-TEST(ElementStars, WoundTwiceAreSuspect) {
+TEST(VertexStars, WoundTwiceAreSuspect) {
   for (const auto& [wedges, angle, closed, wound] :
        {std::tuple{6u, 60., true, false}, {6u, 120., true, true}, {3u, 100., false, false}, {4u, 100., false, true}}) {
-    ElementStars stars;
+    VertexStars stars;
     EXPECT_EQ(is_wound(fan(wedges, angle * kDegree, closed), stars), wound) << wedges << " of " << angle;
   }
 }
 
 /// All volumes are positive in both steps; on the way between them they are not.
-TEST(ElementStars, AreCheckedAgainAfterAJump) {
+TEST(VertexStars, AreCheckedAgainAfterAJump) {
   SerialExecutor serial;
   const Shape once = fan(6, 60 * kDegree, true), twice = fan(6, 120 * kDegree, true);
   const Topology topology(once.mesh());
-  ElementStars stars;
+  VertexStars stars;
   stars.update({topology, Motion::linear(once.positions, once.positions), kEveryObject}, serial);
   EXPECT_TRUE(stars.suspects().empty());
   stars.update({topology, Motion::linear(twice.positions, twice.positions), kEveryObject}, serial);
   EXPECT_TRUE(stars.suspect(0) && stars.suspect(1));
 }
 
-TEST(ElementStars, AreCheckedAgainAfterAnEdit) {
+TEST(VertexStars, AreCheckedAgainAfterAnEdit) {
   SerialExecutor serial;
   const Shape whole = fan(4, 100 * kDegree, false);
   Shape begun = whole;
   begun.elements.pop_back();
   Topology topology(begun.mesh());
   const Motion motion = Motion::linear(whole.positions, whole.positions);
-  ElementStars stars;
+  VertexStars stars;
   stars.update({topology, motion, kEveryObject}, serial);
   EXPECT_FALSE(stars.suspect(0) || stars.suspect(1));
   topology.apply({{}, {}, {whole.elements.back()}});
@@ -311,26 +311,26 @@ TEST(ElementStars, AreCheckedAgainAfterAnEdit) {
 }
 
 /// A crack opens a closed star: after the edit the vertices at its end are suspect, the others are not.
-TEST(ElementStars, FollowEdits) {
+TEST(VertexStars, FollowEdits) {
   SerialExecutor serial;
   const Shape shape = block(ElementType::hexahedron, 3, 3, 3);
   Topology kept(shape.mesh());
   const Motion motion = Motion::linear(shape.positions, shape.positions);
-  ElementStars stars;
+  VertexStars stars;
   stars.update({kept, motion, kEveryObject}, serial);
   EXPECT_TRUE(stars.suspects().empty());
   kept.apply({{0, 13}, {}, {}});
   stars.update({kept, motion, kEveryObject}, serial);
-  ElementStars fresh;
+  VertexStars fresh;
   fresh.update({kept, motion, kEveryObject}, serial);
   EXPECT_EQ(stars.suspects(), fresh.suspects());
   EXPECT_FALSE(fresh.suspects().empty());
 }
 
-TEST(ElementStars, AnInterruptedStepIsBegunAnew) {
+TEST(VertexStars, AnInterruptedStepIsBegunAnew) {
   SerialExecutor serial;
   const auto suspects = [&](int interrupted) {
-    ElementStars stars;
+    VertexStars stars;
     for (const int n : {3, 2}) {
       const JitteredBlock block(ElementType::hexahedron, n, 0.25, 5);
       if (n == 2 && interrupted >= 0) {
