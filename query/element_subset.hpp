@@ -33,16 +33,9 @@ class ElementSubset {
 
   /// Makes the set empty, for another mesh. No earlier version is known after it.
   void clear();
-  /// Replaces the set: element o of the mesh is in it with the part part_of(o). O(slots). Pre: the mesh has at least as
-  /// many slots as that of the last call, unless clear() was called since then.
-  template <class PartOf>
-  void assign(const Mesh& mesh, PartOf&& part_of) {
-    resize(mesh);
-    for (Index o = 0; o < mesh.element_slots(); ++o) set_part(mesh, o, part_of(o));
-    end_change();
-  }
-  /// Replaces the parts of the elements `slots` (ascending, each once) alone. Pre: the elements are those of the last
-  /// call.
+  /// Replaces the parts of the elements `slots` (ascending, each once): element o of the mesh is in the set with the
+  /// part part_of(o), ElementSubset::kNoPart for one that is not live. Pre: since clear(), the mesh has not lost slots,
+  /// and all slots whose elements changed were given.
   template <class PartOf>
   void assign(const Mesh& mesh, std::span<const Index> slots, PartOf&& part_of) {
     resize(mesh);

@@ -11,6 +11,10 @@ namespace {
 /// A rebuild is due when more than 1/kGapDenominator of the elements were removed, or more than 1/kAddedDenominator of
 /// them plus kAddedAllowance were added.
 constexpr std::size_t kGapDenominator = 4, kAddedDenominator = 32, kAddedAllowance = 64;
+constexpr std::size_t max_added(std::size_t built) { return built / kAddedDenominator + kAddedAllowance; }
+
+/// Rows of vertices for elements with at most `vertices` vertices; 0 if they are too many for rows.
+int vertex_rows_for(std::size_t vertices) { return vertices <= 4 ? 4 : vertices <= 8 ? 8 : 0; }
 /// Subtrees with fewer elements are not restructured separately.
 constexpr Index kLeastRestructured = 64;
 constexpr std::size_t kElementsPerTask = 4096;
@@ -47,7 +51,12 @@ void KdopTree::add_tree(Index begin, const BoundsTable& vertices, Executor& exec
     depth_ = std::max(depth_, build_subtree({first, begin, end, 0}, vertices, scratch_[0], executor));
   }
   find_blocks();
-  make_lanes(executor);
+  std::size_t most = 0;
+  for (std::size_t p = begin; p < end; ++p) most = std::max(most, list_.vertices(p).size());
+  const int rows = vertex_rows_for(most);
+  const bool fits = begin > 0 && (lane_vertices_ == 0 || (rows != 0 && rows <= lane_vertices_));
+  fits ? fill_lanes(begin, end, executor) : make_lanes(executor);
+  end_lanes();
 }
 
 bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const BoundsTable& vertices,
@@ -57,17 +66,17 @@ bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const B
   for (std::size_t p = built_elements_; p < list_.size(); ++p)
     if (!std::binary_search(touched.begin(), touched.end(), list_.slot(p))) added_.push_back(list_.slot(p));
   for (const Index slot : touched) {
-    if (positions_[slot] < built_elements_ && list_.replace_part(step, positions_[slot])) continue;
-    if (positions_[slot] < built_elements_) {
-      list_.make_gap(positions_[slot]);
-      ++gaps_;
+    if (const Index position = positions_[slot]; position < built_elements_) {
+      const bool replaced = list_.replace_part(step, position);
+      if (!replaced) list_.make_gap(position);
+      gaps_ += replaced ? 0 : 1;
+      fill_lane(position);
+      if (replaced) continue;
     }
     positions_[slot] = kNone;
     if (step.takes_part(slot)) added_.push_back(slot);
   }
-  if (gaps_ > built_elements_ / kGapDenominator ||
-      added_.size() > built_elements_ / kAddedDenominator + kAddedAllowance)
-    return false;
+  if (gaps_ > built_elements_ / kGapDenominator || added_.size() > max_added(built_elements_)) return false;
 
   list_.truncate(built_elements_);
   for (const Index slot : added_) list_.append(step, slot);
@@ -89,30 +98,35 @@ int KdopTree::build_subtree(const TreeBuilder::Subtree& subtree, const BoundsTab
   return depth;
 }
 
-/// Allocates and fills the rows for the whole list.
+/// Allocates the rows, with room for what edits may add, and fills them for the whole list.
 void KdopTree::make_lanes(Executor& executor) {
   std::size_t most = 0;
   for (std::size_t p = 0; p < list_.size(); ++p) most = std::max(most, list_.vertices(p).size());
-  lane_vertices_ = most <= 4 ? 4 : most <= 8 ? 8 : 0;
-  lane_stride_ = list_.size() + LeafLanes::kPadding;
+  lane_vertices_ = vertex_rows_for(most);
+  lane_stride_ = built_elements_ + max_added(built_elements_) + LeafLanes::kPadding;
   lanes_.resize(lane_stride_ * static_cast<std::size_t>(1 + lane_vertices_));
-  for (std::size_t p = list_.size(); p < lane_stride_; ++p) {  // read together with the last leaf, and ignored
-    std::fill_n(element_bounds_.row(p), 2 * element_bounds_.width(), 0.0f);
-    for (std::size_t row = 0; row < lanes_.size(); row += lane_stride_) lanes_[row + p] = kNone;
-  }
   fill_lanes(0, list_.size(), executor);
 }
 
+/// Fills what is read together with the last leaf, and ignored.
+void KdopTree::end_lanes() {
+  for (std::size_t p = list_.size(); p < list_.size() + LeafLanes::kPadding; ++p) {
+    std::fill_n(element_bounds_.row(p), 2 * element_bounds_.width(), 0.0f);
+    for (std::size_t row = 0; row < lanes_.size(); row += lane_stride_) lanes_[row + p] = kNone;
+  }
+}
+
 void KdopTree::fill_lanes(std::size_t begin, std::size_t end, Executor& executor) {
-  const auto rows = static_cast<std::size_t>(lane_vertices_);
   executor.parallel_for(end - begin, kElementsPerTask, [&](std::size_t first, std::size_t last, unsigned) {
-    for (std::size_t p = begin + first; p < begin + last; ++p) {
-      lanes_[p] = list_.slot(p);
-      const std::span<const Index> vertices = list_.vertices(p);
-      for (std::size_t v = 0; v < rows; ++v)
-        lanes_[(1 + v) * lane_stride_ + p] = list_.slot(p) == kNone ? kNone : vertices[v < vertices.size() ? v : 0];
-    }
+    for (std::size_t p = begin + first; p < begin + last; ++p) fill_lane(p);
   });
+}
+
+void KdopTree::fill_lane(std::size_t p) {
+  lanes_[p] = list_.slot(p);
+  const std::span<const Index> vertices = list_.vertices(p);
+  for (std::size_t v = 0; v < static_cast<std::size_t>(lane_vertices_); ++v)
+    lanes_[(1 + v) * lane_stride_ + p] = list_.slot(p) == kNone ? kNone : vertices[v < vertices.size() ? v : 0];
 }
 
 void KdopTree::find_blocks() {

@@ -102,7 +102,9 @@ class KdopTree {
   void refit_nodes(const BoundsTable& vertices, Index begin, Index end);
   void find_blocks();
   void fill_lanes(std::size_t begin, std::size_t end, Executor& executor);
+  void fill_lane(std::size_t p);
   void make_lanes(Executor& executor);
+  void end_lanes();
   void note_costs(Index node);
   void collect_degraded(Index node, int depth, double degradation);
 

@@ -202,33 +202,41 @@ struct WaitingElements {
   std::uint8_t bits() const { return static_cast<std::uint8_t>((1u << faces->vertices) - 1); }
 };
 
-/// The elements at [begin, end), at most eight, that are tetrahedra.
+/// Sets the signs of the tetrahedra among the elements at [begin, end), at most eight. Returns their bits.
 template <int kControlPoints>
-void signs_of_tetrahedra(const Step& step, Index begin, Index end, TetrahedronSigns<kControlPoints>& found,
-                         ConeSigns* signs) {
+std::uint32_t signs_of_tetrahedra(const Step& step, Index begin, Index end, TetrahedronSigns<kControlPoints>& found,
+                                  ConeSigns* signs) {
   std::array<std::array<Index, 4>, 8> tetrahedra{};
   std::uint32_t given = 0;
-  for (Index o = begin; o < end; ++o) {
-    if (step.mesh().type(o) != ElementType::tetrahedron) continue;
-    std::copy_n(step.topology.adjacency().vertices(o).begin(), 4, tetrahedra[o - begin].begin());
-    given |= 1u << (o - begin);
+  for (Index k = 0; k < end - begin; ++k) {
+    if (step.mesh().type(begin + k) != ElementType::tetrahedron) continue;
+    std::copy_n(step.topology.adjacency().vertices(begin + k).begin(), 4, tetrahedra[k].begin());
+    given |= 1u << k;
   }
-  if (given == 0) return;
+  if (given == 0) return given;
   found.find(step.motion, tetrahedra, step.separation);
-  for (Index o = begin; o < end; ++o)
-    if (const std::uint32_t bit = 1u << (o - begin); (given & bit) != 0)
-      signs[o] = {static_cast<std::uint8_t>((found.positive & bit) != 0 ? 0xf : 0),
-                  static_cast<std::uint8_t>((found.negative & bit) != 0 ? 0xf : 0)};
+  const auto all_bits = [](std::uint32_t found_bits, Index k) {
+    return static_cast<std::uint8_t>((found_bits >> k & 1) * 0xf);
+  };
+  for (Index k = 0; k < end - begin; ++k) signs[begin + k] = {all_bits(found.positive, k), all_bits(found.negative, k)};
+  return given;
 }
 
 template <int kControlPoints>
 void signs_of_cones(const Step& step, Index begin, Index end, ConeSigns* signs) {
   TetrahedronSigns<kControlPoints> tetrahedra;
   WaitingElements<kControlPoints> waiting[3];
-  for (Index o = begin; o < end; ++o) {
-    if ((o - begin) % 8 == 0) signs_of_tetrahedra(step, o, std::min(o + 8, end), tetrahedra, signs);
+  std::uint32_t done = 0;  // bit k: element k of the present eight is a tetrahedron
+  for (Index o = begin; o < end; ++o, done >>= 1) {
+    if ((o - begin) % 8 == 0) {
+      done = signs_of_tetrahedra(step, o, std::min(o + 8, end), tetrahedra, signs);
+      if (done == 0xff) {
+        o += 7;
+        continue;
+      }
+    }
+    if ((done & 1) != 0) continue;
     const ElementType type = step.mesh().type(o);
-    if (type == ElementType::tetrahedron) continue;
     const auto all = static_cast<std::uint8_t>((1u << vertex_count(type)) - 1);
     signs[o] = is_shell(type) ? ConeSigns{all, all} : ConeSigns{};
     const ConeFaces* const faces = cone_faces(type);

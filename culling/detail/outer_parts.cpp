@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 
 #include <volccd/core/sort_unique.hpp>
 
@@ -27,13 +28,15 @@ std::uint8_t boundary_part_of(const Mesh& mesh, const StarTable& table, Index o)
   return part;
 }
 
-}  // namespace
-
-void OuterParts::set_boundary_parts(const Step& step, const StarTable& table) {
-  const Mesh& mesh = step.mesh();
-  boundary_parts_.resize(mesh.element_slots());
-  for (Index o = 0; o < boundary_parts_.size(); ++o) boundary_parts_[o] = boundary_part_of(mesh, table, o);
+/// Appends the elements at the vertices.
+void append_stars(const Features& features, std::span<const Index> vertices, std::vector<Index>& slots) {
+  for (const Index v : vertices) {
+    const std::span<const Index> star = features.vertex_elements(v);
+    slots.insert(slots.end(), star.begin(), star.end());
+  }
 }
+
+}  // namespace
 
 /// Finds the smallest vertex of each set of boundary parts that is connected by common vertices.
 void OuterParts::find_components(const Step& step) {
@@ -83,26 +86,38 @@ void OuterParts::choose_vertices(const Step& step, const VertexStars& stars) {
   sort_unique(chosen_);
 }
 
+/// Sets slots_ to the elements whose parts may have changed: those at vertices that became suspect or clear, and those
+/// at vertices whose elements changed.
+void OuterParts::find_changed_slots(const Step& step, const VertexStars& stars) {
+  slots_ = delta_.changed_slots();
+  for (const TopologyChange* change : delta_.changes()) {
+    append_stars(step.features(), change->features.added_vertices, slots_);
+    append_stars(step.features(), change->features.touched_vertices, slots_);
+  }
+  std::vector<Index>& vertices = chosen_;  // scratch memory
+  vertices.clear();
+  std::set_symmetric_difference(suspects_.begin(), suspects_.end(), stars.suspects().begin(), stars.suspects().end(),
+                                std::back_inserter(vertices));
+  append_stars(step.features(), vertices, slots_);
+  sort_unique(slots_);
+}
+
 void OuterParts::update(const Step& step, const VertexStars& stars) {
   const Mesh& mesh = step.mesh();
   const TopologyDelta::Extent changed = delta_.sync(step.topology);
-  const auto part = [&](Index o) { return part_of(mesh, stars, o); };
-  if (changed != TopologyDelta::Extent::none) {
-    set_boundary_parts(step, stars.table());
-    find_components(step);
-    if (changed == TopologyDelta::Extent::everything) subset_.clear();
-    subset_.assign(mesh, part);
+  if (changed == TopologyDelta::Extent::everything) {
+    subset_.clear();
+    slots_.resize(mesh.element_slots());
+    std::iota(slots_.begin(), slots_.end(), Index{0});
   } else {
-    std::vector<Index>& vertices = chosen_;  // those that became suspect or clear
-    vertices.clear();
-    std::set_symmetric_difference(suspects_.begin(), suspects_.end(), stars.suspects().begin(), stars.suspects().end(),
-                                  std::back_inserter(vertices));
-    slots_.clear();
-    for (const Index v : vertices)
-      for (const Index o : step.features().vertex_elements(v)) slots_.push_back(o);
-    sort_unique(slots_);
-    subset_.assign(mesh, slots_, part);
+    find_changed_slots(step, stars);
   }
+  if (changed != TopologyDelta::Extent::none) {
+    boundary_parts_.resize(mesh.element_slots());
+    for (const Index o : slots_) boundary_parts_[o] = boundary_part_of(mesh, stars.table(), o);
+    find_components(step);
+  }
+  subset_.assign(mesh, slots_, [&](Index o) { return part_of(mesh, stars, o); });
   suspects_ = stars.suspects();
   choose_vertices(step, stars);
   delta_.confirm();

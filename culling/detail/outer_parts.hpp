@@ -17,8 +17,8 @@ namespace volccd::detail {
 /// inside. The union of the outer parts is the set S of docs/boundary_flood.md. Not thread-safe.
 class OuterParts {
  public:
-  /// Updates the parts for the step of the last stars.update(). If the topology has not changed since the last call,
-  /// O(vertices + elements at vertices that became suspect or clear), otherwise O(elements).
+  /// Updates the parts for the step of the last stars.update(). O(elements at vertices that became suspect or clear, or
+  /// whose elements changed), and O(elements) after edits of the topology for the connected components.
   void update(const Step& step, const VertexStars& stars);
 
   const ElementSubset& subset() const { return subset_; }
@@ -30,7 +30,7 @@ class OuterParts {
   }
 
  private:
-  void set_boundary_parts(const Step& step, const StarTable& table);
+  void find_changed_slots(const Step& step, const VertexStars& stars);
   void find_components(const Step& step);
   std::uint8_t part_of(const Mesh& mesh, const VertexStars& stars, Index o) const;
   void choose_vertices(const Step& step, const VertexStars& stars);
@@ -41,7 +41,8 @@ class OuterParts {
   std::vector<Index> components_;             ///< a vertex of each connected component of the boundary parts
   std::vector<Index> parents_;                ///< by vertex: scratch memory of find_components()
   std::vector<Index> suspects_;               ///< of the last update
-  std::vector<Index> chosen_, slots_;
+  std::vector<Index> chosen_;
+  std::vector<Index> slots_;                  ///< scratch memory of update()
 };
 
 }  // namespace volccd::detail

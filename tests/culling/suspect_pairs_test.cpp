@@ -13,13 +13,13 @@
 namespace volccd::detail {
 namespace {
 
-bool always(Index, Index) { return true; }
+constexpr auto kAlways = [](Index, Index) { return true; };
 
 void update(SuspectPairs& pairs, const Step& step, Executor& executor) {
   SerialExecutor serial;
   VertexStars stars;
   stars.update(step, serial);
-  pairs.update(step, stars, executor, always);
+  pairs.update(step, stars, executor, kAlways);
 }
 
 TEST(SuspectPairs, AnInterruptedListLeavesNothingToTheNext) {
@@ -42,7 +42,7 @@ TEST(SuspectPairs, ListEachPairOnce) {
     VertexStars stars;
     stars.update(block.step(), serial);
     SuspectPairs suspects;
-    suspects.update(block.step(), stars, serial, always);
+    suspects.update(block.step(), stars, serial, kAlways);
     if (amount < 0.1) {
       EXPECT_TRUE(suspects.pairs().empty());
       continue;
