@@ -22,19 +22,19 @@ bool has_faces_alone(const Step& step, Index v) {
                       [&](Index o) { return is_volume(step.mesh(), o) && step.subset->contains_whole(o); });
 }
 
-/// The number of vertices of `part` that belong to the outer part of o, if there is one.
-std::size_t common_part_vertices(const Step& step, std::span<const Index> part, Index o) {
+/// The vertices of `part` that belong to the outer part of o, if there is one, as bits.
+std::uint32_t common_part_vertices(const Step& step, std::span<const Index> part, Index o) {
   if (!step.subset->contains(o)) return 0;
   const std::span<const Index> other = step.part(o);
-  std::size_t count = 0;
+  std::uint32_t bits = 0;
   for (std::size_t i = 0; i < part.size(); ++i)  // a face repeats its first vertex at the end
-    count += (i == 0 || part[i] != part[0]) && std::find(other.begin(), other.end(), part[i]) != other.end() ? 1 : 0;
-  return count;
+    if ((i == 0 || part[i] != part[0]) && std::find(other.begin(), other.end(), part[i]) != other.end()) bits |= 1u << i;
+  return bits;
 }
 
 }  // namespace
 
-std::span<const Index> OuterNeighbours::of(const Step& step, const StarTable& table, Index o) {
+std::span<const OuterNeighbour> OuterNeighbours::of(const Step& step, const StarTable& table, Index o) {
   auto& [begin, end] = ranges_[o];
   if (begin == kNone) {
     begin = static_cast<Index>(list_.size());
@@ -42,9 +42,10 @@ std::span<const Index> OuterNeighbours::of(const Step& step, const StarTable& ta
     for (const Index v : part) {
       const bool by_edges = table.kind(v) == StarKind::ring && has_faces_alone(step, v);
       for (const Index next : step.features().vertex_elements(v)) {
-        const std::size_t common = common_part_vertices(step, part, next);
-        const bool listed = std::find(list_.begin() + begin, list_.end(), next) != list_.end();
-        if (next != o && !listed && common >= (by_edges ? 2u : 1u)) list_.push_back(next);
+        const std::uint32_t common = common_part_vertices(step, part, next);
+        const bool listed = std::any_of(list_.begin() + begin, list_.end(),
+                                        [&](const OuterNeighbour& other) { return other.element == next; });
+        if (next != o && !listed && std::popcount(common) >= (by_edges ? 2 : 1)) list_.push_back({next, common});
       }
     }
     end = static_cast<Index>(list_.size());
@@ -168,11 +169,13 @@ void FloodFront::propose_at_start(Index outer_element, Index other, StartScratch
   if (!outer(outer_element)) return;
   propose_across_faces(other, outer_element);
   if (!has_inside(other)) return;
-  Eigen::AlignedBox3d box = box_at_start(step_.mesh().vertices(other));
-  box.min() = box.min().unaryExpr([&](double low) { return moved(low, -1); }).eval();
-  box.max() = box.max().unaryExpr([&](double high) { return moved(high, 1); }).eval();
-  for (const Index next : scratch.neighbours.of(step_, table_, outer_element))
-    if (box.intersects(box_at_start(step_.part(next)))) propose(next, other);
+  const std::array<std::uint8_t, 4> sides = sides_at_start(box_at_start(other), step_.part(outer_element));
+  for (const OuterNeighbour& next : scratch.neighbours.of(step_, table_, outer_element)) {
+    std::uint8_t beyond = 0xff;  // the sides of the box that all common vertices are beyond
+    for (std::size_t i = 0; i < 4; ++i)
+      if ((next.common >> i & 1) != 0) beyond &= sides[i];
+    if (beyond == 0) propose(next.element, other);
+  }
 }
 
 void FloodFront::propose_neighbours_at_start(ElementPair pair, StartScratch& scratch) {
@@ -180,10 +183,29 @@ void FloodFront::propose_neighbours_at_start(ElementPair pair, StartScratch& scr
   propose_at_start(pair.b, pair.a, scratch);
 }
 
-Eigen::AlignedBox3d FloodFront::box_at_start(std::span<const Index> vertices) const {
+/// The box of an element at t = 0, with the separation around it.
+Eigen::AlignedBox3d FloodFront::box_at_start(Index o) const {
   Eigen::AlignedBox3d box;
-  for (const Index v : vertices) box.extend(step_.motion.point(v, 0));
+  for (const Index v : step_.mesh().vertices(o)) box.extend(step_.motion.point(v, 0));
+  for (int axis = 0; axis < 3; ++axis) {
+    box.min()[axis] = moved(box.min()[axis], -1);
+    box.max()[axis] = moved(box.max()[axis], 1);
+  }
   return box;
+}
+
+/// For each vertex, the sides of the box that it is beyond at t = 0, as bits.
+std::array<std::uint8_t, 4> FloodFront::sides_at_start(const Eigen::AlignedBox3d& box,
+                                                       std::span<const Index> vertices) const {
+  std::array<std::uint8_t, 4> sides{};
+  for (std::size_t i = 0; i < vertices.size(); ++i) {
+    const double* const at = step_.motion.at(vertices[i]);
+    for (int axis = 0; axis < 3; ++axis) {
+      const int bits = (at[axis] < box.min()[axis] ? 1 : 0) | (at[axis] > box.max()[axis] ? 2 : 0);
+      sides[i] |= static_cast<std::uint8_t>(bits << (2 * axis));
+    }
+  }
+  return sides;
 }
 
 }  // namespace volccd::detail

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <utility>
 #include <vector>
@@ -15,6 +16,13 @@
 
 namespace volccd::detail {
 
+/// A simplex whose outer part is next to that of another one. Bit i of `common` is set if vertex i of the other one's
+/// outer part belongs to both.
+struct OuterNeighbour {
+  Index element;
+  std::uint32_t common;
+};
+
 /// The outer parts next to given ones: at a vertex with a ring that has faces alone, those with a common edge; at any
 /// other vertex, all others. A path through outer parts that are next to each other exists wherever one exists through
 /// parts with common vertices, because it can go around a vertex with a ring. Not thread-safe.
@@ -26,13 +34,13 @@ class OuterNeighbours {
     list_.clear();
   }
   /// Pre: o has an outer part. Found when it is asked for, and kept until clear(). Valid until the next call.
-  std::span<const Index> of(const Step& step, const StarTable& table, Index o);
+  std::span<const OuterNeighbour> of(const Step& step, const StarTable& table, Index o);
 
   std::size_t bytes() const { return heap_bytes(ranges_, list_); }
 
  private:
   std::vector<std::array<Index, 2>> ranges_;  ///< by element slot: part of the list; begins with kNone if not known
-  std::vector<Index> list_;
+  std::vector<OuterNeighbour> list_;
 };
 
 /// Memory for the flood at t = 0, to be reused.
@@ -61,8 +69,9 @@ class FloodFront {
 
   /// For t = 0, and for each element of the pair that has an outer part: proposes pairs with the other element replaced
   /// by neighbours across faces that have an inside, and, if the other element has an inside, pairs with this element
-  /// replaced by others whose outer parts are next to its outer part and whose boxes meet that of the other one (steps
-  /// of kind 2). Pre: the neighbours in `scratch` are those of this subset.
+  /// replaced by others whose outer parts are next to its outer part and have a vertex, edge or face in common with it
+  /// whose box meets that of the other element (steps of kind 2). Pre: the neighbours in `scratch` are those of this
+  /// subset.
   void propose_neighbours_at_start(ElementPair pair, StartScratch& scratch);
   /// For t = 0: proposes the pairs of an element whose inside may contain one of the vertices and an element whose outer
   /// part has that vertex (seeds of kind 2).
@@ -79,7 +88,8 @@ class FloodFront {
   void propose_at_start(Index outer_element, Index other, StartScratch& scratch);
   bool beyond_a_face_at_start(Index a, Index b) const;
   double moved(double coordinate, int outward) const;
-  Eigen::AlignedBox3d box_at_start(std::span<const Index> vertices) const;
+  Eigen::AlignedBox3d box_at_start(Index o) const;
+  std::array<std::uint8_t, 4> sides_at_start(const Eigen::AlignedBox3d& box, std::span<const Index> vertices) const;
   void rank_vertices(StartScratch& scratch, Executor& executor) const;
   bool box_contains(Index o, Index v) const;
   void propose_across_faces(Index of, Index other);

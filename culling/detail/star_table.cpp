@@ -28,6 +28,12 @@ bool has_reversed(const Mesh& mesh, Index o, std::span<const Index> face) {
   return found;
 }
 
+/// Whether a face is not an inner one.
+bool has_open_faces(const std::array<FaceKind, 6>& faces) {
+  return std::any_of(faces.begin(), faces.end(),
+                     [](FaceKind face) { return face == FaceKind::boundary || face == FaceKind::irregular; });
+}
+
 }  // namespace
 
 bool Ring::order() {
@@ -75,6 +81,7 @@ bool StarTable::find_sides(const Topology& topology, Index v, std::vector<std::a
   bool regular = true;
   for (const Index o : star) {
     if (!has_faces(mesh.type(o)) || is_shell(mesh.type(o)) != shells) return false;
+    if (!has_open_faces(faces_[o])) continue;
     visit_faces(mesh, o, [&](std::span<const Index> face, std::size_t number) {
       const std::size_t size = face.size();
       const auto at = static_cast<std::size_t>(std::find(face.begin(), face.end(), v) - face.begin());
@@ -117,7 +124,7 @@ std::vector<RingFace> StarTable::boundary_faces(const Topology& topology) const 
   const Mesh& mesh = topology.mesh();
   std::vector<RingFace> found;
   for (Index o = 0; o < mesh.element_slots(); ++o) {
-    if (std::find(faces_[o].begin(), faces_[o].end(), FaceKind::boundary) == faces_[o].end()) continue;
+    if (!has_open_faces(faces_[o])) continue;
     visit_faces(mesh, o, [&](std::span<const Index> f, std::size_t number) {
       if (faces_[o][number] != FaceKind::boundary) return;
       if (std::none_of(f.begin(), f.end(), [&](Index v) { return kinds_[v] == StarKind::ring; })) return;

@@ -20,21 +20,35 @@ std::size_t least_vertex(std::span<const Index> vertices) {
 /// The bits of all vertices of an element (ConeSigns), or 0 if it has too many.
 unsigned all_bits(std::span<const Index> vertices) { return vertices.size() <= 8 ? (1u << vertices.size()) - 1 : 0; }
 
+/// The face of a tetrahedron opposite to a vertex, outward for positive volume.
+std::array<Index, 3> face_opposite(std::span<const Index> vertices, Index v) {
+  constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+  const auto& face = kFaces[static_cast<std::size_t>(std::find(vertices.begin(), vertices.end(), v) - vertices.begin())];
+  return {vertices[face[0]], vertices[face[1]], vertices[face[2]]};
+}
+
 /// Calls visit(cone) for the cones of directions from v into the elements at v, at t = 0: one for each boundary
 /// triangle on a face without v.
 template <class Visit>
 void visit_cones(const Step& step, Index v, bool mirrored, Visit&& visit) {
   const Vec3 at = step.motion.point(v, 0);
-  for (const Index o : step.features().vertex_elements(v))
+  const auto visit_triangle = [&](Index a, Index b, Index c) {
+    const auto way = [&](Index w) -> Vec3 { return step.motion.point(w, 0) - at; };
+    visit(DirectionCone{way(a), way(mirrored ? c : b), way(mirrored ? b : c)});
+  };
+  for (const Index o : step.features().vertex_elements(v)) {
+    if (step.mesh().type(o) == ElementType::tetrahedron) {
+      const std::array<Index, 3> face = face_opposite(step.mesh().vertices(o), v);
+      visit_triangle(face[0], face[1], face[2]);
+      continue;
+    }
     visit_faces(step.mesh(), o, [&](std::span<const Index> face, std::size_t) {
       if (std::find(face.begin(), face.end(), v) != face.end()) return;
       const auto first = static_cast<std::size_t>(std::min_element(face.begin(), face.end()) - face.begin());
-      const auto way = [&](std::size_t i) -> Vec3 {
-        return step.motion.point(face[(first + i) % face.size()], 0) - at;
-      };
-      for (std::size_t i = 1; i + 1 < face.size(); ++i)
-        visit(DirectionCone{way(0), way(mirrored ? i + 1 : i), way(mirrored ? i : i + 1)});
+      const auto vertex = [&](std::size_t i) { return face[(first + i) % face.size()]; };
+      for (std::size_t i = 1; i + 1 < face.size(); ++i) visit_triangle(vertex(0), vertex(i), vertex(i + 1));
     });
+  }
 }
 
 /// Whether the cones at v surround it exactly once: a direction in the first one is in no other.
