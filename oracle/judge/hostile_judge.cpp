@@ -18,12 +18,9 @@ namespace {
 /// Up to this number of elements, every pair of elements is compared.
 constexpr Index kBruteForceLimit = 400;
 
-StageChoice exact_narrow_phase() { return {"inclusion", {{"undecided", "exact"}}}; }
-
 PipelineSpec plus(const Registry& registry, const char* name) {
   PipelineSpec spec = registry.pipeline("VolCCD+");
   spec.name = name;
-  spec.narrow_phase = exact_narrow_phase();
   return spec;
 }
 
@@ -31,7 +28,6 @@ PipelineSpec plus(const Registry& registry, const char* name) {
 PipelineSpec truth(const Registry& registry, const char* preset) {
   PipelineSpec spec = registry.pipeline(preset);
   spec.feature_filters = registry.pipeline("VolCCD+").feature_filters;
-  spec.narrow_phase = exact_narrow_phase();
   return spec;
 }
 
@@ -129,6 +125,7 @@ class HostileJudge::Trial {
 
   void run_truth(const Step& step, const Request& request, StepResult& result) {
     const bool small = step.mesh().element_count() <= kBruteForceLimit;
+    judge_.memory_->clear();
     Contestant& truth = small ? *judge_.small_truth_ : *judge_.large_truth_;
     truth.pipeline.run(step, truth.kept, serial_executor(), result, request);
   }
@@ -171,9 +168,12 @@ class HostileJudge::Trial {
 };
 
 HostileJudge::HostileJudge(const Registry& registry, const std::vector<PipelineSpec>& specs)
-    : threads_(make_thread_executor(3)) {
-  const auto make = [&](const PipelineSpec& spec) {
-    Pipeline pipeline(registry, spec);
+    : memory_(make_contact_memory(registry)), threads_(make_thread_executor(3)) {
+  Registry extended = registry;
+  extended.add(describe_remembered(memory_));
+  const auto make = [&](PipelineSpec spec) {
+    spec.narrow_phase = {"remembered", {}};
+    Pipeline pipeline(extended, spec);
     Workspace workspace = pipeline.make_workspace();
     return std::make_unique<Contestant>(Contestant{std::move(pipeline), std::move(workspace)});
   };

@@ -7,11 +7,12 @@
 #include <vector>
 
 #include <volccd/oracle/cases/hostile_meshes.hpp>
+#include <volccd/oracle/judge/contact_memory.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
 namespace volccd {
 
-/// `VolCCD+` with undecided tests left to exact arithmetic, and
+/// `VolCCD+`
 ///  - with a flood that declines no step,
 ///  - with the default options of the flood,
 ///  - without a flood, with `star-orphans` never leaving the orphans to the O-Set.
@@ -24,7 +25,7 @@ PipelineSpec forced_star_orphans(const Registry& registry);
 /// greater one, because a stage may prove what the narrow phase leaves undecided. Not thread-safe.
 class HostileJudge {
  public:
-  /// The narrow phase of each specification has to be that of the three above.
+  /// All pipelines get the same narrow phase: `inclusion`, which leaves undecided tests to exact arithmetic.
   HostileJudge(const Registry& registry, const std::vector<PipelineSpec>& specs);
   ~HostileJudge();
 
@@ -46,6 +47,7 @@ class HostileJudge {
   class Trial;
   struct Contestant;
 
+  std::shared_ptr<ContactMemory> memory_;
   std::unique_ptr<Contestant> small_truth_, large_truth_;  ///< for meshes of few and of many elements
   std::vector<std::unique_ptr<Contestant>> contestants_;
   std::unique_ptr<Executor> threads_;
