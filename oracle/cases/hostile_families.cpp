@@ -75,7 +75,8 @@ HostileMesh star_with_handle(Choices& c) {
 }
 
 HostileMesh pinned_strips(Choices& c) {
-  HostileMesh mesh = cell_block(c, 3);
+  HostileMesh mesh =
+      c.below(3) ? tetrahedron_block(between(c, 2, 4), between(c, 2, 3), between(c, 2, 3)) : cell_block(c, 3);
   for (int strips = between(c, 1, 3); strips > 0; --strips) {
     std::vector<Index> root = {any_vertex(c, mesh)};
     if (c.one_in(3)) {

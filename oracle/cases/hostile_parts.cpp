@@ -265,7 +265,7 @@ void add_strip(Choices& c, HostileMesh& mesh, std::vector<Index> root, int lengt
                                     ElementType::hexahedron};
   constexpr int kShared[] = {2, 3, 2, 4};  // vertices that consecutive elements have in common
   const int which = c.below(4), shared = kShared[which];
-  const int range = c.below(2) ? kCellWidth : 4 * kCellWidth;
+  const int range = c.below(4) ? kCellWidth : 3 * kCellWidth;
   std::vector<Index> last = std::move(root);
   for (int i = 0; i < length; ++i) {
     const int missing = volccd::vertex_count(kTypes[which]) - static_cast<int>(last.size());

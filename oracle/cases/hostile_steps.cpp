@@ -10,28 +10,30 @@ namespace {
 
 using Positions = std::vector<Vec3>;
 
-/// Displaces the first `moving` vertices. 0 is always a choice that changes nothing.
+/// Displaces the moving vertices. Most displacements are small or of few vertices, because nearly all stars are suspect
+/// otherwise, and little remains to be lost; `wild` displacements are large.
 class Deformer {
  public:
-  Deformer(Choices& choices, const HostileMesh& mesh, const std::vector<ElementSpec>& live, Index vertices)
-      : c_(choices), mesh_(mesh), live_(live), vertices_(vertices) {}
+  Deformer(Choices& choices, const HostileMesh& mesh, const std::vector<ElementSpec>& live, Index vertices, bool wild)
+      : c_(choices), mesh_(mesh), live_(live), vertices_(vertices), wild_(wild) {}
 
   Positions apply(const Positions& from, std::string& what) {
     Positions x = from;
     constexpr const char* kNames[] = {"calm", "pose", "pulled", "jitter", "rigid", "rest", "deformed", "swapped"};
-    const int kind = c_.below(8);
+    constexpr int kCalmKinds[] = {0, 0, 1, 2, 2, 2, 3, 4};
+    const int kind = wild_ ? c_.below(8) : kCalmKinds[c_.below(8)];
     what += std::string(what.empty() ? "" : ", ") + kNames[kind];
     switch (kind) {
       case 1: to_pose(x, c_.below(static_cast<int>(mesh_.poses.size()) + 1)); break;
       case 2: pull(x); break;
-      case 3: jitter(x, static_cast<int>(c_.pick({4, 8, 16, 48}))); break;
+      case 3: jitter(x, static_cast<int>(wild_ ? c_.pick({8, 16, 32}) : c_.pick({4, 5, 6}))); break;
       case 4: move_part(x); break;
       case 5: to_pose(x, 0); break;
       case 6: deform(x); break;
       case 7: std::swap(x[any_moving()], x[any_moving()]); break;
       default: break;
     }
-    jitter(x, static_cast<int>(c_.pick({0, 0, 1, 3})));
+    jitter(x, static_cast<int>(c_.pick({0, 1, 1, 3})));
     return x;
   }
 
@@ -54,13 +56,14 @@ class Deformer {
     const int count = 1 + c_.below(2);
     for (int i = 0; i < count; ++i) {
       const Index v = mesh_.pulled.empty() || c_.one_in(4) ? any_moving() : one_of(c_, mesh_.pulled);
-      x[v] = (c_.below(2) ? x[any_moving()] : x[v]) + lattice_point(c_, static_cast<int>(c_.pick({0, 16, 64})));
+      const bool to_another = c_.one_in(4);
+      x[v] = (to_another ? x[any_moving()] : x[v]) + lattice_point(c_, static_cast<int>(c_.pick({8, 16, 40})));
     }
   }
 
   /// Moves the vertices of an object, or of a half-space.
   void move_part(Positions& x) {
-    const Vec3 by = lattice_point(c_, static_cast<int>(c_.pick({4, 16, 64})));
+    const Vec3 by = lattice_point(c_, static_cast<int>(wild_ ? c_.pick({16, 64}) : c_.pick({4, 16})));
     std::vector<bool> part(x.size(), false);
     if (c_.below(2)) {
       const std::int32_t object = c_.below(3);
@@ -106,6 +109,7 @@ class Deformer {
   const HostileMesh& mesh_;
   const std::vector<ElementSpec>& live_;
   Index vertices_;
+  bool wild_;
 };
 
 /// A mesh in the course of the steps.
@@ -130,7 +134,7 @@ class Course {
   }
 
   void move(HostileStep& step, bool quadratic) {
-    Deformer deformer(c_, mesh_, live_, static_cast<Index>(x_.size()));
+    Deformer deformer(c_, mesh_, live_, static_cast<Index>(x_.size()), c_.one_in(8));
     if (c_.one_in(4)) {
       step.what += step.what.empty() ? "jump" : ", jump";
       x_ = deformer.apply(x_, step.what);
@@ -142,7 +146,7 @@ class Course {
       return;
     }
     Positions middle(x_.size());
-    const int range = static_cast<int>(c_.pick({0, 4, 32, 128}));
+    const int range = static_cast<int>(c_.pick({0, 2, 4, 32}));
     for (std::size_t v = 0; v < x_.size(); ++v) {
       middle[v] = (start[v] + x_[v]) / 2;
       if (v < mesh_.moving || v >= mesh_.shape.positions.size()) middle[v] += lattice_point(c_, range);
@@ -258,11 +262,11 @@ HostileCase with_steps(Choices& c, std::string name, std::vector<HostileMesh> me
     made.meshes.push_back(courses.back().mesh());
     made.name += (courses.size() > 1 ? " | " : ": ") + courses.back().what();
   }
-  const CaseChoice all{c.below(2) ? c.pick({0.7, 3.3, 10.3}) : 0, c.one_in(4)};
+  const CaseChoice all{c.below(2) ? c.pick({0.1, 0.7, 2.3}) : 0, c.one_in(6)};
   for (int k = between(c, 1, 4) + 2 * static_cast<int>(courses.size() - 1); k > 0; --k) {
     HostileStep& step = made.steps.emplace_back();
     step.mesh = static_cast<std::size_t>(c.below(static_cast<int>(courses.size())));
-    step.separation = c.one_in(8) ? c.pick({0, 0.7, 3.3}) : all.separation;
+    step.separation = c.one_in(8) ? c.pick({0, 0.7, 2.3}) : all.separation;
     if (c.one_in(4)) courses[step.mesh].edit(step);
     courses[step.mesh].move(step, all.quadratic != c.one_in(8));
     step.t_max = c.one_in(4) ? (1 + c.below(8)) / 8.0 : 1;
@@ -273,13 +277,22 @@ HostileCase with_steps(Choices& c, std::string name, std::vector<HostileMesh> me
   return made;
 }
 
+std::vector<std::vector<Vec3>*> all_positions(HostileMesh& mesh) {
+  std::vector<std::vector<Vec3>*> all = {&mesh.shape.positions};
+  for (auto& pose : mesh.poses) all.push_back(&pose);
+  return all;
+}
+
 HostileMesh finished(Choices& c, const HostileFamily& family) {
   HostileMesh mesh = family.make(c);
   if (c.one_in(6)) reverse_some(c, mesh);
   if (c.one_in(8)) tear(c, mesh);
   if (c.one_in(3)) assign_objects(c, mesh);
-  if (c.one_in(12)) append_calm_block(mesh, 5);
   remove_unused_vertices(mesh);
+  const int range = c.one_in(5) ? 0 : between(c, 1, 4);  // mostly in general position
+  for (std::vector<Vec3>* x : all_positions(mesh))
+    for (Vec3& p : *x) p += lattice_point(c, range);
+  if (c.one_in(24)) append_calm_block(mesh, 4);
   if (c.below(2)) permute(c, mesh);
   return mesh;
 }
