@@ -150,6 +150,23 @@ void open_rings(Choices& c, Surface& s) {
   if (kept.size() > 2) s.triangles = kept;
 }
 
+void open_over_sheet(Choices& c, Surface& s, std::size_t base_triangles) {
+  const Index v = static_cast<Index>(c.below(static_cast<int>(s.points.size())));
+  std::vector<std::array<Index, 3>> kept, uncovered;
+  for (std::size_t i = 0; i < s.triangles.size(); ++i) {
+    const auto& t = s.triangles[i];
+    if (std::find(t.begin(), t.end(), v) == t.end())
+      kept.push_back(t);
+    else
+      uncovered.push_back(s.triangles[(i + base_triangles) % s.triangles.size()]);
+  }
+  for (const auto& t : uncovered) {
+    const auto at = std::find(kept.begin(), kept.end(), t);
+    if (at != kept.end()) std::rotate(kept.begin(), at, at + 1);
+  }
+  if (kept.size() > 2) s.triangles = kept;
+}
+
 HostileMesh star_over(const Surface& link) {
   HostileMesh mesh;
   mesh.shape.positions = {Vec3::Zero()};

@@ -24,6 +24,10 @@ Surface branched_cover(Choices& choices, const Surface& base, int sheets, int sp
 /// Removes the triangles at some vertices, or some single triangles, so that the surface has boundary rings.
 void open_rings(Choices& choices, Surface& surface);
 
+/// Removes the triangles at one vertex of a cover, and moves the triangles of the next sheet that have their directions
+/// to the front. With two sheets, these directions remain covered once.
+void open_over_sheet(Choices& choices, Surface& cover, std::size_t base_triangles);
+
 /// The star with a tetrahedron for each triangle of the link; vertex 0 is its centre, at the origin.
 HostileMesh star_over(const Surface& link);
 

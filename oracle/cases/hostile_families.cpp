@@ -22,8 +22,11 @@ void place_in_body(Choices& c, HostileMesh& star) {
 }
 
 HostileMesh covered_star(Choices& c) {
-  Surface link = branched_cover(c, sphere(c), between(c, 2, 3), c.below(4) ? c.below(6) : 16);
-  if (c.below(2)) open_rings(c, link);
+  const Surface base = sphere(c);
+  Surface link = branched_cover(c, base, c.one_in(4) ? 3 : 2, c.one_in(4) ? 16 : c.below(6));
+  const int opened = c.below(4);
+  if (opened == 1) open_rings(c, link);
+  if (opened > 1) open_over_sheet(c, link, base.triangles.size());
   HostileMesh star = star_over(link);
   star.what = "branched cover";
   if (c.one_in(6)) place_in_body(c, star);

@@ -116,16 +116,43 @@ void reduce_steps(HostileCase& c, const Fails& fails) {
   }
 }
 
-void reduce_elements(HostileCase& c, const Fails& fails) {
+/// Returns whether elements were left out.
+bool reduce_elements(HostileCase& c, const Fails& fails) {
+  bool any = false;
   for (std::size_t mesh = 0; mesh < c.meshes.size(); ++mesh)
-    for (std::size_t chunk = element_ids(c.meshes[mesh]).size() / 2; chunk > 0; chunk /= 2) {
+    for (std::size_t chunk = (element_ids(c.meshes[mesh]).size() + 1) / 2; chunk > 0; chunk /= 2) {
       const std::vector<std::int64_t> ids = element_ids(c.meshes[mesh]);
       for (std::size_t begin = 0; begin < ids.size(); begin += chunk) {
         const auto end = ids.begin() + static_cast<std::ptrdiff_t>(std::min(ids.size(), begin + chunk));
         HostileCase less = without_elements(c, mesh, {ids.begin() + static_cast<std::ptrdiff_t>(begin), end});
-        if (less.meshes[mesh].element_count() > 0 && fails(less)) c = std::move(less);
+        if (less.meshes[mesh].element_count() == 0 || !fails(less)) continue;
+        c = std::move(less);
+        any = true;
       }
     }
+  return any;
+}
+
+/// Sets properties of the steps to their defaults.
+void reduce_properties(HostileCase& c, const Fails& fails) {
+  for (std::size_t i = 0; i < c.steps.size(); ++i) {
+    const auto attempt = [&](auto&& change) {
+      HostileCase less = c;
+      change(less.steps[i]);
+      if (fails(less)) c = std::move(less);
+    };
+    attempt([](HostileStep& step) { step.separation = 0; });
+    attempt([](HostileStep& step) { step.t_max = 1; });
+    attempt([](HostileStep& step) { step.filter = {}; });
+    attempt([](HostileStep& step) { step.initial_overlaps = step.first_only = false; });
+    const Index vertices = c.steps[i].motion.vertex_count();
+    for (Index first = 0, count = vertices; count > 0;
+         first + count < vertices ? first += count : (first = 0, count /= 4))
+      attempt([&](HostileStep& step) {  // these vertices stand still
+        for (Index v = first; v < std::min(vertices, first + count); ++v)
+          for (int k = 1; k < step.motion.control_points(); ++k) step.motion.set(v, k, step.motion.point(v, 0));
+      });
+  }
 }
 
 std::string text_of(const ElementSpec& e) {
@@ -138,7 +165,11 @@ std::span<const HostileMember> hostile_members() { return kMembers; }
 
 HostileCase reduced(HostileCase c, const std::function<bool(const HostileCase&)>& fails) {
   reduce_steps(c, fails);
-  reduce_elements(c, fails);
+  while (reduce_elements(c, fails)) {
+  }
+  reduce_properties(c, fails);
+  while (reduce_elements(c, fails)) {
+  }
   return c;
 }
 
