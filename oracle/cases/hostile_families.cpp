@@ -77,20 +77,60 @@ HostileMesh star_with_handle(Choices& c) {
   return star;
 }
 
+/// Of some vertices, the one with most elements, which is often an interior one.
+Index inner_vertex(Choices& c, const HostileMesh& mesh) {
+  Index best = 0;
+  std::ptrdiff_t most = -1;
+  for (int i = between(c, 1, 8); i > 0; --i) {
+    const Index v = any_vertex(c, mesh);
+    const auto has = [v](const ElementSpec& e) {
+      return std::find(e.vertices.begin(), e.vertices.end(), v) != e.vertices.end();
+    };
+    const auto count = std::count_if(mesh.shape.elements.begin(), mesh.shape.elements.end(), has);
+    if (count > most) best = v, most = count;
+  }
+  return best;
+}
+
 HostileMesh pinned_strips(Choices& c) {
   HostileMesh mesh =
       c.below(3) ? tetrahedron_block(between(c, 2, 4), between(c, 2, 3), between(c, 2, 3)) : cell_block(c, 3);
-  for (int strips = between(c, 1, 3); strips > 0; --strips) {
-    std::vector<Index> root = {any_vertex(c, mesh)};
-    if (c.one_in(3)) {
+  for (int strips = 1 + c.below(3) / 2; strips > 0; --strips) {
+    std::vector<Index> root = {inner_vertex(c, mesh)};
+    if (c.one_in(4)) {
       const std::vector<Index> vertices = one_of(c, mesh.shape.elements).vertices;
       const std::size_t i = static_cast<std::size_t>(c.below(static_cast<int>(vertices.size())));
       root = {vertices[i], vertices[(i + 1) % vertices.size()]};
     }
     add_strip(c, mesh, root, between(c, 1, 3));
   }
-  if (c.one_in(3)) add_membrane(c, mesh);
+  if (c.one_in(6)) add_membrane(c, mesh);
   mesh.what += ", pinned strips";
+  return mesh;
+}
+
+/// A strip that begins at a vertex in the middle of a body, and ends between its boundary and the elements at that
+/// vertex.
+HostileMesh strip_in_the_middle(Choices& c) {
+  const int nx = between(c, 4, 5), ny = 4, nz = 4;
+  const Index pin = 4 + static_cast<Index>((2 * (ny + 1) + 2) * (nx + 1) + 2);
+  HostileMesh body = tetrahedron_block(nx, ny, nz), mesh;
+  body.cells.clear();
+  const Vec3 out = Vec3(between(c, 18, 28), c.lattice(12), c.lattice(12));
+  const Vec3 at = body.shape.positions[pin - 4] + (c.below(2) ? out : Vec3(out.z(), out.x(), out.y()));
+  for (int i = 0; i < 4; ++i) add_vertex(mesh.shape, at + lattice_point(c, 8));
+  append(mesh, body, Vec3::Zero(), 0);
+  if (!c.one_in(6)) mesh.moving = 4;  // otherwise the body moves as well
+  auto& elements = mesh.shape.elements;
+  if (c.below(2)) {
+    add_element(elements, ElementType::triangle, {pin, 0, 1}, other_object(c));
+    add_element(elements, ElementType::triangle, {0, 1, 2}, other_object(c));
+  } else {
+    add_element(elements, ElementType::tetrahedron, {pin, 0, 1, 2}, other_object(c));
+  }
+  add_element(elements, ElementType::triangle, {1, 2, 3}, other_object(c));
+  mesh.pulled = {0, 2, 3};
+  mesh.what = "strip in the middle";
   return mesh;
 }
 
@@ -186,6 +226,7 @@ constexpr HostileFamily kFamilies[] = {{"CoveredStar", covered_star},
                                        {"Winding", winding},
                                        {"StarWithHandle", star_with_handle},
                                        {"PinnedStrips", pinned_strips},
+                                       {"StripInTheMiddle", strip_in_the_middle},
                                        {"NestedBodies", nested_bodies},
                                        {"PulledVertices", pulled_vertices},
                                        {"Rubble", rubble},

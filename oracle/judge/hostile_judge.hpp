@@ -29,8 +29,8 @@ class HostileJudge {
   HostileJudge(const Registry& registry, const std::vector<PipelineSpec>& specs);
   ~HostileJudge();
 
-  /// Runs all steps: each pipeline with a workspace that is kept for the case and with a new one for each step, with
-  /// one worker or several. Returns "" or a description of the first difference.
+  /// Runs all steps: each pipeline with a workspace that is kept for the case, on some steps with several workers, and
+  /// on some steps with a new workspace as well. Returns "" or a description of the first difference.
   std::string judge(const cases::HostileCase& c);
   /// The same for the case of a seed. The description begins with "seed N".
   std::string judge_seed(std::uint64_t seed);
