@@ -212,7 +212,9 @@ HostileMesh sheet(Choices& c) {
 
 /// Meshes of very different sizes, of which several make a case.
 HostileMesh any_size(Choices& c) {
-  if (c.below(2)) return cell_block(c, 1);
+  const int which = c.below(4);
+  if (which == 0) return cell_block(c, 1);
+  if (which == 1) return apart(c.below(2) ? ElementType::pyramid : ElementType::tetrahedron, between(c, 1, 60));
   HostileMesh mesh;
   mesh.shape = block(c.below(2) ? ElementType::pyramid : ElementType::tetrahedron, between(c, 1, 4), 2, 2);
   for (Vec3& p : mesh.shape.positions) p *= kCellWidth;

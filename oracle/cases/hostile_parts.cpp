@@ -182,6 +182,24 @@ HostileMesh tetrahedron_block(int nx, int ny, int nz, int width) {
   return mesh;
 }
 
+HostileMesh apart(ElementType type, int count) {
+  const int corners = volccd::vertex_count(type);
+  HostileMesh mesh;
+  for (int i = 0; i < count; ++i) {
+    const Vec3 at = 2 * kCellWidth * Vec3(i % 20, i / 20, 0);
+    std::vector<Index> vertices;
+    for (int k = 0; k < corners; ++k) {
+      const bool apex = k + 1 == corners;
+      const Vec3 corner(kCorner[k][0], kCorner[k][1], apex ? 1 : 0);
+      vertices.push_back(add_vertex(mesh.shape, at + kCellWidth * corner));
+    }
+    mesh.shape.elements.push_back({type, std::move(vertices), {}, 0, i});
+  }
+  mesh.moving = static_cast<Index>(mesh.shape.positions.size());
+  mesh.what = "elements apart";
+  return mesh;
+}
+
 void append(HostileMesh& mesh, const HostileMesh& other, const Vec3& offset, std::int32_t object) {
   const auto first = static_cast<Index>(mesh.shape.positions.size());
   const std::size_t count = std::max(mesh.poses.size(), other.poses.size());

@@ -33,6 +33,9 @@ HostileMesh cell_block(Choices& choices, int size);
 /// A conforming block of tetrahedra of exactly this size, with the given width of cells.
 HostileMesh tetrahedron_block(int nx, int ny, int nz, int width = kCellWidth);
 
+/// Elements of one type, tetrahedra or pyramids, without common vertices, in rows of 20.
+HostileMesh apart(ElementType type, int count);
+
 /// Appends the other mesh, moved by an offset, as an object. Poses are combined.
 void append(HostileMesh& mesh, const HostileMesh& other, const Vec3& offset, std::int32_t object);
 /// Identifies vertex b with vertex a, unless an element has both. b then has no elements.

@@ -290,7 +290,7 @@ HostileMesh finished(Choices& c, const HostileFamily& family) {
   if (c.one_in(3)) assign_objects(c, mesh);
   remove_unused_vertices(mesh);
   if (mesh.moving == 0) mesh.moving = static_cast<Index>(mesh.shape.positions.size());  // what moved is torn off
-  const int range = c.one_in(5) ? 0 : between(c, 1, 4);  // mostly in general position
+  const int range = c.one_in(5) ? 0 : between(c, 1, 4);                                 // mostly in general position
   for (std::vector<Vec3>* x : all_positions(mesh))
     for (Vec3& p : *x) p += lattice_point(c, range);
   if (c.one_in(24)) append_calm_block(mesh, 4);
