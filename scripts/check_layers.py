@@ -30,10 +30,11 @@ LAYERS = {
     "pipelines": ["core", "mesh", "query", "broadphase", "culling", "narrowphase"],
     "broadphase/peers": ["core", "mesh", "query", "broadphase", "pipelines"],
     "oracle/cases": ["core", "mesh", "query", "culling", "narrowphase"],
+    "oracle/judge": ["core", "mesh", "query", "broadphase", "culling", "narrowphase", "pipelines", "oracle/cases"],
     "oracle": ["core", "mesh", "query", "broadphase", "culling", "narrowphase", "pipelines"],
     "simulation": ["core", "mesh", "query", "broadphase", "culling", "narrowphase", "pipelines"],
     "experiments": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
-                    "simulation", "oracle/cases"],
+                    "simulation", "oracle/cases", "oracle/judge"],
     "pictures": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
                  "experiments"],
     "report": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
@@ -41,7 +42,7 @@ LAYERS = {
     "program": ["core", "mesh", "query", "mesh/sequence", "broadphase", "broadphase/peers", "culling", "narrowphase", "pipelines",
                 "experiments", "pictures", "report"],
 }
-PROGRAM = ["broadphase/peers", "oracle", "oracle/cases", "simulation", "experiments", "pictures", "report", "program"]
+PROGRAM = ["broadphase/peers", "oracle", "oracle/cases", "oracle/judge", "simulation", "experiments", "pictures", "report", "program"]
 LIBRARY = [module for module in LAYERS if module not in PROGRAM]
 # Folders that use the modules, and are not modules themselves.
 USERS = {"tests": list(LAYERS), "examples": LIBRARY + ["program"],

@@ -8,6 +8,7 @@
 #include <volccd/experiments/verify/detail/stage_trials.hpp>
 #include <volccd/mesh/sequence/stepper.hpp>
 #include <volccd/oracle/cases/colliding_scenes.hpp>
+#include <volccd/oracle/judge/hostile_judge.hpp>
 #include <volccd/pipelines/compare.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
@@ -217,11 +218,39 @@ class PipelineTrials {
   double tolerance_ = 0;
 };
 
+/// Pipelines with the stage and the given options, and with options by which it leaves no step to another stage.
+std::vector<PipelineSpec> hostile_specs(const Registry& registry, const StageReport& stage,
+                                        const OptionValues& options) {
+  std::vector<PipelineSpec> specs = specs_with(registry, stage, options);
+  PipelineSpec forced = stage.role == Flood::kRole ? forced_flood(registry) : forced_star_orphans(registry);
+  StageChoice& choice = stage.role == Flood::kRole ? *forced.flood : *forced.orphans;
+  if (choice.name != stage.stage) return specs;
+  for (const auto& [name, value] : options) choice.options[name] = value;
+  specs.push_back(forced);
+  return specs;
+}
+
+/// Floods and orphan sources rely on vertex stars and on the topology around them, for which colliding bodies are too
+/// regular.
+void try_hostile_meshes(const Registry& registry, const StageReport& stage, StageTrials& trials) {
+  HostileJudge judge(registry, hostile_specs(registry, stage, trials.config.options));
+  const auto expect_nothing_lost = [&](const cases::HostileCase& c, const std::string& where) {
+    const std::string problem = judge.judge(c);
+    trials.expect(
+        kPipelinesAgree, problem.empty(), [&] { return where + problem; }, trials.conservative());
+  };
+  for (const cases::HostileMember& member : cases::hostile_members()) expect_nothing_lost(member.make(), "");
+  trials.each_trial(std::max(1, trials.config.trials / 2), [&](cases::Choices& choices, const std::string& where) {
+    expect_nothing_lost(cases::make_hostile(choices), where);
+  });
+}
+
 }  // namespace
 
 void try_pipelines(const Registry& registry, const StageReport& stage, StageTrials& trials) {
   PipelineTrials pipelines(registry, stage, trials);
   pipelines.run_generated();
+  if (stage.role == OrphanSource::kRole || stage.role == Flood::kRole) try_hostile_meshes(registry, stage, trials);
   if (!trials.config.file.empty()) pipelines.run_file();
 }
 

@@ -48,7 +48,8 @@ struct StageReport {
 
 /// Runs the stage on generated steps: small features with near-degenerate motion, pairs of elements that touch or
 /// nearly touch, meshes that change, linear and quadratic motion, separations, and t_max < 1; then, in pipelines, on
-/// colliding bodies and on the steps of the file. Exact arithmetic decides which features touch. A stage is checked on
+/// colliding bodies, floods and orphan sources also on meshes made to break them (cases::make_hostile), and on the steps
+/// of the file. Exact arithmetic decides which features touch. A stage is checked on
 /// single items and on batches, with several workers, with a new state and with one that was used for other steps.
 /// Takes seconds with the default number of trials, half a minute for narrow phases.
 ///

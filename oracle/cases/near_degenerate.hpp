@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -13,15 +14,19 @@
 
 namespace volccd::cases {
 
-/// The source of a generator's random choices: a seed, or a list that rapidcheck makes and shrinks. 0 is always the
-/// simplest choice, and is returned after the end of a list.
+/// The source of a generator's random choices: a seed, a list that rapidcheck makes and shrinks, or the input of a fuzz
+/// target. 0 is always the simplest choice, and is returned after the end of a list or an input. Neither is copied.
 class Choices {
  public:
   explicit Choices(std::uint64_t seed) : random_(seed) {}
   explicit Choices(const std::vector<std::uint32_t>& list) : random_(0), list_(&list) {}
+  explicit Choices(std::span<const std::uint8_t> bytes) : random_(0), bytes_(bytes), from_bytes_(true) {}
 
-  /// In [0, n).
-  int below(int n) { return static_cast<int>(next() % static_cast<std::uint32_t>(n)); }
+  /// In [0, n). Takes one byte of an input if n <= 256, otherwise four, of which the first is the lowest.
+  int below(int n) {
+    const std::uint32_t value = from_bytes_ ? next_bytes(n <= 256 ? 1 : 4) : next();
+    return static_cast<int>(value % static_cast<std::uint32_t>(n));
+  }
   bool one_in(int n) { return below(n) == n - 1; }
   /// In [-range, range].
   double lattice(int range) {
@@ -38,9 +43,16 @@ class Choices {
     if (!list_) return static_cast<std::uint32_t>(random_.next() >> 32);
     return at_ < list_->size() ? (*list_)[at_++] : 0;
   }
+  std::uint32_t next_bytes(std::size_t count) {
+    std::uint32_t value = 0;
+    for (std::size_t i = 0; i < count && at_ < bytes_.size(); ++i) value |= std::uint32_t{bytes_[at_++]} << 8 * i;
+    return value;
+  }
 
   Random random_;
   const std::vector<std::uint32_t>* list_ = nullptr;
+  std::span<const std::uint8_t> bytes_;
+  bool from_bytes_ = false;
   std::size_t at_ = 0;
 };
 
