@@ -1,0 +1,240 @@
+// Runs the steps of a mesh script (mesh_script.hpp) through pipelines, and compares their contacts with the exact
+// results of all elementary tests (lattice_tests.hpp), or with BruteForce where there are none.
+#include <algorithm>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include <volccd/narrowphase/exact_predicates.hpp>
+#include <volccd/pipelines/compare.hpp>
+#include <volccd/pipelines/pipeline.hpp>
+
+#include "lattice_tests.hpp"
+#include "mesh_script.hpp"
+
+namespace volccd::fuzz {
+
+namespace {
+
+/// Runs the chunks on the calling thread, in an order, of lengths and as workers that depend on a seed.
+class ShuffledExecutor final : public Executor {
+ public:
+  explicit ShuffledExecutor(unsigned seed) : workers_(1 + seed % 3), random_(seed) {}
+
+  unsigned workers() const override { return workers_; }
+
+  void parallel_for(std::size_t n, std::size_t grain, Body body) override {
+    // Short chunks only sometimes: a grain is chosen so that a small mesh is a single chunk.
+    const std::size_t longest =
+        std::clamp<std::size_t>(random_.below(4) == 0 ? 4 : n, 1, std::max<std::size_t>(grain, 1));
+    std::vector<std::pair<std::size_t, std::size_t>> chunks;
+    for (std::size_t begin = 0; begin < n;) {
+      const std::size_t end = std::min(n, begin + 1 + random_.below(longest));
+      chunks.emplace_back(begin, end);
+      begin = end;
+    }
+    random_.shuffle(chunks);
+    for (const auto& [begin, end] : chunks) body(begin, end, static_cast<unsigned>(random_.below(workers_)));
+  }
+
+ private:
+  unsigned workers_;
+  Random random_;
+};
+
+struct Contestants {
+  const Registry registry = Registry::standard();
+  /// The flood takes every step; the default options; star orphans take every step; all pairs of elements.
+  const Pipeline flood, standard, star_orphans, brute_force;
+
+  Contestants()
+      : flood(registry, spec("VolCCD+", {"boundary-flood.most_boundary=1", "boundary-flood.most_divided=1",
+                                         "boundary-flood.most_suspect=1", "boundary-flood.most_pairs=1e9"})),
+        standard(registry, spec("VolCCD+", {})),
+        star_orphans(registry, spec("VolCCD+", {"flood=none", "star-orphans.most_suspect=1"})),
+        brute_force(registry, spec("BruteForce", {})) {}
+
+ private:
+  /// Undecided tests are decided exactly, because one pipeline may leave out a test that another one cannot decide.
+  PipelineSpec spec(const char* name, const std::vector<std::string>& settings) const {
+    PipelineSpec result = registry.pipeline(name);
+    for (const std::string& setting : settings) registry.apply_setting(result, setting);
+    registry.apply_setting(result, "inclusion.undecided=exact");
+    return result;
+  }
+};
+
+const Contestants& contestants() {
+  static const Contestants all;
+  return all;
+}
+
+/// A pipeline with the workspace that it keeps from step to step.
+struct Contestant {
+  const char* name;
+  const Pipeline& pipeline;
+  Workspace workspace;
+  StepResult result;
+
+  Contestant(const char* its_name, const Pipeline& its_pipeline)
+      : name(its_name), pipeline(its_pipeline), workspace(its_pipeline.make_workspace()) {}
+};
+
+/// Contacts without those that are so close to t_max that a stage may leave them out: a narrow phase may report a
+/// contact earlier than it is.
+std::vector<Contact> settled(std::span<const Contact> contacts, double t_max) {
+  std::vector<Contact> result(contacts.begin(), contacts.end());
+  if (t_max < 1) std::erase_if(result, [&](const Contact& c) { return c.toi > t_max - 1e-8; });
+  return result;
+}
+
+std::string name_of(const Contact& c) {
+  return fmt::format("{} {} {} {} {} at {:a} = {}", c.kind == FeatureKind::vf ? "VF" : "EE", c.vertices[0],
+                     c.vertices[1], c.vertices[2], c.vertices[3], c.toi, c.toi);
+}
+
+/// The first difference in text; empty if there is none.
+std::string difference(std::span<const Contact> expected, std::span<const Contact> found) {
+  const ContactDifference d = compare_contacts(expected, found);
+  if (!d.missing.empty()) return "lacks " + name_of(d.missing.front());
+  if (!d.extra.empty()) return "also has " + name_of(d.extra.front());
+  if (!d.changed.empty()) return "has other values of " + name_of(d.changed.front().first);
+  return {};
+}
+
+/// All checks of one script.
+class Judge {
+ public:
+  explicit Judge(Bytes bytes) : bytes_(bytes) {}
+
+  void check_step(const MeshScript& script) {
+    script_ = &script;
+    const StepOptions& options = script.options();
+    const Step step{script.topology(), script.motion(), script.filter(), options.separation, options.t_max};
+    Contestant& second = options.star_orphans ? star_orphans_ : standard_;
+    for (Contestant* contestant : {&flood_, &second}) run(step, *contestant, contestant->result);
+    compare_with_new_workspace(step, options.fresh_second ? second : flood_);
+    if (step.separation == 0)
+      compare_with_exact_tests(step, second);
+    else
+      compare_with_brute_force(step, second);
+    if (options.overlaps) compare_overlaps(step, second);
+    if (options.first) check_first(step, options.fresh_second ? second : flood_);
+  }
+
+ private:
+  void run(const Step& step, Contestant& contestant, StepResult& result, Query query = Query::all) {
+    const StepOptions& options = script_->options();
+    ShuffledExecutor shuffled(options.executor);
+    Executor& executor = options.executor == 0 ? serial_executor() : shuffled;
+    contestant.pipeline.run(step, contestant.workspace, executor, result, {query, options.overlaps});
+  }
+
+  StepResult run_new(const Step& step, const Pipeline& pipeline) const {
+    Workspace workspace = pipeline.make_workspace();
+    StepResult result;
+    pipeline.run(step, workspace, serial_executor(), result, {Query::all, script_->options().overlaps});
+    return result;
+  }
+
+  void compare_with_new_workspace(const Step& step, const Contestant& kept) const {
+    const StepResult expected = run_new(step, kept.pipeline);
+    require(kept, "compared with a new workspace and one worker, it",
+            difference(settled(expected.contacts, step.t_max), settled(kept.result.contacts, step.t_max)));
+    if (expected.initial_overlaps != kept.result.initial_overlaps)
+      fail(kept, "other initial overlaps than a new workspace");
+  }
+
+  void compare_with_exact_tests(const Step& step, const Contestant& second) const {
+    LatticeTests tests(step);
+    for (const Contestant* contestant : {&flood_, &second}) {
+      const std::string problem = tests.problem(contestant->result.contacts);
+      if (problem.empty()) continue;
+      const bool fresh = !LatticeTests(step).problem(run_new(step, contestant->pipeline).contacts).empty();
+      fail(*contestant, problem + (fresh ? ", also in a new workspace" : ", not in a new workspace"));
+    }
+    require(flood_, "compared with the second pipeline, it",
+            difference(settled(second.result.contacts, step.t_max), settled(flood_.result.contacts, step.t_max)));
+  }
+
+  /// With a separation, undecided tests are reported. A pipeline may leave out one of them, if a stage proves that the
+  /// features stay further apart.
+  void compare_with_brute_force(const Step& step, const Contestant& second) const {
+    const StepResult expected = run_new(step, contestants().brute_force);
+    for (const Contestant* contestant : {&flood_, &second}) {
+      const ContactDifference d =
+          compare_contacts(settled(expected.contacts, step.t_max), settled(contestant->result.contacts, step.t_max));
+      if (!d.extra.empty()) fail(*contestant, "BruteForce does not report " + name_of(d.extra.front()));
+      if (!d.changed.empty())
+        fail(*contestant, "compared with BruteForce, other values of " + name_of(d.changed.front().first));
+      for (const Contact& c : d.missing)
+        if (certainly_close(step, c)) fail(*contestant, "misses " + name_of(c));
+    }
+  }
+
+  /// Whether the features are proven to come within the separation at or shortly after the reported time.
+  static bool certainly_close(const Step& step, const Contact& c) {
+    TestMotion motion{c.kind, step.motion.control_points(), {}};
+    for (std::size_t i = 0; i < 4; ++i) motion.points[i] = step.motion.at(c.vertices[i]);
+    return std::ranges::any_of(std::array{0.0, 1e-9, 1e-6, 1e-3}, [&](double later) {
+      const double t = c.toi + later;
+      return t <= step.t_max && compare_distance(motion, t, step.separation) <= 0;
+    });
+  }
+
+  void compare_overlaps(const Step& step, const Contestant& second) const {
+    const StepResult expected = run_new(step, contestants().brute_force);
+    for (const Contestant* contestant : {&flood_, &second})
+      if (contestant->result.initial_overlaps != expected.initial_overlaps)
+        fail(*contestant, fmt::format("{} initial overlaps, BruteForce has {}",
+                                      contestant->result.initial_overlaps.size(), expected.initial_overlaps.size()));
+  }
+
+  void check_first(const Step& step, Contestant& contestant) {
+    if (step.separation > 0) return;  // undecided tests may be left out
+    const std::vector<Contact>& all = contestant.result.contacts;
+    const auto earliest = std::ranges::min_element(all, {}, &Contact::toi);
+    if (earliest != all.end() && step.t_max < 1 && earliest->toi > step.t_max - 1e-8) return;
+    StepResult found;
+    run(step, contestant, found, Query::first);
+    if (earliest == all.end())
+      require(contestant, "Query::first", difference({}, found.contacts));
+    else
+      require(contestant, "Query::first", difference({&*earliest, 1}, found.contacts));
+    if (found.initial_overlaps != contestant.result.initial_overlaps)
+      fail(contestant, "other initial overlaps with Query::first");
+  }
+
+  void require(const Contestant& contestant, const char* what, const std::string& difference) const {
+    if (!difference.empty()) fail(contestant, fmt::format("{} {}", what, difference));
+  }
+
+  /// Prints all steps up to this one, because workspaces are kept.
+  [[noreturn]] void fail(const Contestant& contestant, const std::string& what) const {
+    std::string text;
+    MeshScript again(bytes_);
+    while (again.next_step()) {
+      text += again.text();
+      if (again.steps() == script_->steps()) break;
+    }
+    promise_broken(fmt::format("{}: {}\n{}", contestant.name, what, text));
+  }
+
+  Bytes bytes_;
+  const MeshScript* script_ = nullptr;
+  Contestant flood_{"VolCCD+ with the flood forced", contestants().flood};
+  Contestant standard_{"VolCCD+", contestants().standard};
+  Contestant star_orphans_{"VolCCD+ with star orphans forced", contestants().star_orphans};
+};
+
+}  // namespace
+
+void pipeline(Bytes bytes) {
+  MeshScript script(bytes);
+  if (!script.next_step()) return;
+  Judge judge(bytes);
+  do judge.check_step(script);
+  while (script.next_step());
+}
+
+}  // namespace volccd::fuzz
