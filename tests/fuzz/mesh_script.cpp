@@ -97,7 +97,7 @@ bool MeshScript::next_step() {
     for (Point& p : scene().points) p.start = p.middle = p.end;
   motion_ = Motion();
   const std::vector<Operation>& all = operations();
-  while (steps_ < kMaxSteps && !in_.empty()) {
+  while (steps_ < kMaxSteps && work_ < kMaxWork && !in_.empty()) {
     step_requested_ = false;
     (this->*all[in_.byte() % all.size()])();
     if (!step_requested_) continue;
@@ -105,6 +105,7 @@ bool MeshScript::next_step() {
     if (topology().mesh().element_count() == 0) continue;
     set_motion();
     ++steps_;
+    work_ += topology().mesh().element_count();
     return true;
   }
   return false;

@@ -32,7 +32,9 @@ class MeshScript {
  public:
   static constexpr double kMaxCoordinate = 4095;
   static constexpr std::size_t kMaxVertices = 64, kMaxElements = 80;
-  static constexpr int kMaxSteps = 5;
+  static constexpr int kMaxSteps = 6;
+  /// The script ends when its steps have had this many elements together.
+  static constexpr std::size_t kMaxWork = 160;
 
   explicit MeshScript(Bytes bytes) : in_(bytes) {}
 
@@ -129,6 +131,7 @@ class MeshScript {
   StepOptions options_;
   Motion motion_;
   int steps_ = 0;
+  std::size_t work_ = 0;
   bool step_requested_ = false;
 };
 
