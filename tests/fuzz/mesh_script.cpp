@@ -475,7 +475,8 @@ void MeshScript::request_step() {
   options_.first = flags & 16;
   options_.overlaps = flags & 32;
   options_.star_orphans = flags & 64;
-  options_.fresh_second = flags & 128;
+  options_.check_second = flags & 128;
+  options_.fresh = flags & (8 | 128);
   step_requested_ = has_vertices();
 }
 

@@ -18,7 +18,8 @@ namespace volccd::fuzz {
 struct StepOptions {
   bool quadratic = false;
   bool star_orphans = false;  ///< the second pipeline is the one without a flood, with star orphans forced
-  bool fresh_second = false;  ///< the second pipeline, not the first one, is also run in a new workspace
+  bool fresh = false;         ///< a pipeline is also run in a new workspace
+  bool check_second = false;  ///< this is the second pipeline, as for Query::first
   bool first = false;         ///< Query::first is run as well
   bool overlaps = false;
   double separation = 0;
@@ -34,7 +35,7 @@ class MeshScript {
   static constexpr std::size_t kMaxVertices = 64, kMaxElements = 80;
   static constexpr int kMaxSteps = 6;
   /// The script ends when its steps have had this many elements together.
-  static constexpr std::size_t kMaxWork = 160;
+  static constexpr std::size_t kMaxWork = 110;
 
   explicit MeshScript(Bytes bytes) : in_(bytes) {}
 
