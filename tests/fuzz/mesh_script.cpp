@@ -99,6 +99,7 @@ bool MeshScript::next_step() {
   const std::vector<Operation>& all = operations();
   while (steps_ < kMaxSteps && work_ < kMaxWork && !in_.empty()) {
     step_requested_ = false;
+    begins_.push_back(bytes_.size() - in_.rest().size());
     (this->*all[in_.byte() % all.size()])();
     if (!step_requested_) continue;
     if (!apply_edit()) return false;
@@ -109,6 +110,15 @@ bool MeshScript::next_step() {
     return true;
   }
   return false;
+}
+
+std::vector<Bytes> MeshScript::operations_read() const {
+  std::vector<Bytes> result;
+  for (std::size_t i = 0; i < begins_.size(); ++i) {
+    const std::size_t end = i + 1 < begins_.size() ? begins_[i + 1] : bytes_.size() - in_.rest().size();
+    result.push_back(bytes_.subspan(begins_[i], end - begins_[i]));
+  }
+  return result;
 }
 
 bool MeshScript::apply_edit() {
@@ -474,19 +484,20 @@ void MeshScript::request_step() {
   if (flags & 8) options_.executor = in_.byte();
   options_.first = flags & 16;
   options_.overlaps = flags & 32;
-  options_.star_orphans = flags & 64;
-  options_.check_second = flags & 128;
-  options_.fresh = flags & (8 | 128);
+  using Second = StepOptions::Second;
+  constexpr std::array kSecond = {Second::none, Second::standard, Second::star_orphans, Second::none};
+  options_.second = kSecond[flags >> 6];
+  options_.fresh = (flags & 8) || flags >> 6 == 3;
   step_requested_ = has_vertices();
 }
 
 std::string MeshScript::text() const {
   const Mesh& mesh = topology().mesh();
   std::string result = fmt::format(
-      "step {} of scene {}, topology version {}, separation {}, t_max {:a}, first {}, overlaps {}, star orphans {}, "
+      "step {} of scene {}, topology version {}, separation {}, t_max {:a}, first {}, overlaps {}, second {}, "
       "executor {}, scope {}\nvertices (control points):\n",
       steps_, current_, topology().version(), options_.separation, options_.t_max, options_.first, options_.overlaps,
-      options_.star_orphans, options_.executor, static_cast<int>(filter_.scope()));
+      static_cast<int>(options_.second), options_.executor, static_cast<int>(filter_.scope()));
   for (Index v = 0; v < mesh.vertex_count(); ++v) {
     result += fmt::format("  {}:", v);
     for (int i = 0; i < motion_.control_points(); ++i) {

@@ -17,10 +17,11 @@ namespace volccd::fuzz {
 /// How a step is run and checked, besides the motion.
 struct StepOptions {
   bool quadratic = false;
-  bool star_orphans = false;  ///< the second pipeline is the one without a flood, with star orphans forced
-  bool fresh = false;         ///< a pipeline is also run in a new workspace
-  bool check_second = false;  ///< this is the second pipeline, as for Query::first
-  bool first = false;         ///< Query::first is run as well
+  /// The pipeline that is run besides the one with the flood forced.
+  enum class Second { none, standard, star_orphans };
+  Second second = Second::none;
+  bool fresh = false;  ///< the last of these pipelines is also run in a new workspace
+  bool first = false;  ///< Query::first is run as well
   bool overlaps = false;
   double separation = 0;
   double t_max = 1;
@@ -37,7 +38,7 @@ class MeshScript {
   /// The script ends when its steps have had this many elements together.
   static constexpr std::size_t kMaxWork = 110;
 
-  explicit MeshScript(Bytes bytes) : in_(bytes) {}
+  explicit MeshScript(Bytes bytes) : bytes_(bytes), in_(bytes) {}
 
   /// Carries out the operations up to the next step. Returns false at the end of the script, or if the mesh does not
   /// allow an edit. The members below are valid after true.
@@ -49,6 +50,8 @@ class MeshScript {
   const StepOptions& options() const { return options_; }
   /// The mesh, the motion and the options of this step in text.
   std::string text() const;
+  /// The operations that have been carried out, without bytes that were not read.
+  std::vector<Bytes> operations_read() const;
   /// Number of steps so far.
   int steps() const { return steps_; }
 
@@ -124,7 +127,9 @@ class MeshScript {
   bool apply_edit();
   void set_motion();
 
+  Bytes bytes_;
   ByteReader in_;
+  std::vector<std::size_t> begins_;  ///< of the operations in bytes_
   std::vector<Scene> scenes_ = std::vector<Scene>(3);
   std::size_t current_ = 0;
   double scale_ = 16;

@@ -114,12 +114,17 @@ class Judge {
     LatticeTests tests(step);
     const bool costly = step.separation > 0 || options.quadratic;
     if (tests.open_tests() * (costly ? 4 : 1) > kMaxOpenTests) return false;
-    Contestant& second = options.star_orphans ? star_orphans_ : standard_;
-    for (Contestant* contestant : {&flood_, &second}) run(step, *contestant, contestant->result);
-    if (options.fresh) compare_with_new_workspace(step, options.check_second ? second : flood_);
-    compare_with_all_tests(step, second, tests);
-    if (options.overlaps) compare_overlaps(step, second);
-    if (options.first) check_first(step, options.check_second ? second : flood_);
+    std::vector<Contestant*> contestants = {&flood_};
+    if (options.second == StepOptions::Second::standard) contestants.push_back(&standard_);
+    if (options.second == StepOptions::Second::star_orphans) contestants.push_back(&star_orphans_);
+    for (Contestant* contestant : contestants) {
+      run(step, *contestant, contestant->result);
+      compare_with_all_tests(step, *contestant, tests);
+      if (options.overlaps) compare_overlaps(step, *contestant);
+    }
+    if (contestants.size() > 1) compare_with_flood(step, *contestants.back());
+    if (options.fresh) compare_with_new_workspace(step, *contestants.back());
+    if (options.first) check_first(step, *contestants.back());
     return true;
   }
 
@@ -147,27 +152,26 @@ class Judge {
       fail(kept, "other initial overlaps than a new workspace");
   }
 
-  void compare_with_all_tests(const Step& step, const Contestant& second, LatticeTests& tests) const {
-    for (const Contestant* contestant : {&flood_, &second}) {
-      const std::string problem = tests.problem(contestant->result.contacts);
-      if (problem.empty()) continue;
-      const bool fresh = !LatticeTests(step).problem(run_new(step, contestant->pipeline).contacts).empty();
-      fail(*contestant, problem + (fresh ? ", also in a new workspace" : ", not in a new workspace"));
-    }
+  void compare_with_all_tests(const Step& step, const Contestant& contestant, LatticeTests& tests) const {
+    const std::string problem = tests.problem(contestant.result.contacts);
+    if (problem.empty()) return;
+    const bool fresh = !LatticeTests(step).problem(run_new(step, contestant.pipeline).contacts).empty();
+    fail(contestant, problem + (fresh ? ", also in a new workspace" : ", not in a new workspace"));
+  }
+
+  void compare_with_flood(const Step& step, const Contestant& other) const {
     const ContactDifference d =
-        compare_contacts(settled(second.result.contacts, step.t_max), settled(flood_.result.contacts, step.t_max));
+        compare_contacts(settled(flood_.result.contacts, step.t_max), settled(other.result.contacts, step.t_max));
     // With a separation, undecided tests are reported. A pipeline may leave out one of them, if a stage proves that the
     // features stay further apart.
     if (step.separation > 0 ? !d.changed.empty() : !d.empty())
-      require(flood_, "compared with the second pipeline, it", difference(d));
+      require(other, "compared with the flood, it", difference(d));
   }
 
-  void compare_overlaps(const Step& step, const Contestant& second) const {
+  void compare_overlaps(const Step& step, const Contestant& contestant) const {
     const std::vector<ElementPair> expected = initial_overlaps(step);
-    for (const Contestant* contestant : {&flood_, &second})
-      if (contestant->result.initial_overlaps != expected)
-        fail(*contestant,
-             fmt::format("{} initial overlaps, not {}", contestant->result.initial_overlaps.size(), expected.size()));
+    const std::vector<ElementPair>& found = contestant.result.initial_overlaps;
+    if (found != expected) fail(contestant, fmt::format("{} initial overlaps, not {}", found.size(), expected.size()));
   }
 
   void check_first(const Step& step, Contestant& contestant) {
