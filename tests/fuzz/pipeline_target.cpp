@@ -40,12 +40,12 @@ class ShuffledExecutor final : public Executor {
   Random random_;
 };
 
-struct Contestants {
+struct Pipelines {
   const Registry registry = Registry::standard();
   /// The flood takes every step; the default options; star orphans take every step.
   const Pipeline flood, standard, star_orphans;
 
-  Contestants()
+  Pipelines()
       : flood(registry, spec("VolCCD+", {"boundary-flood.most_boundary=1", "boundary-flood.most_divided=1",
                                          "boundary-flood.most_suspect=1", "boundary-flood.most_pairs=1e9"})),
         standard(registry, spec("VolCCD+", {})),
@@ -61,8 +61,8 @@ struct Contestants {
   }
 };
 
-const Contestants& contestants() {
-  static const Contestants all;
+const Pipelines& pipelines() {
+  static const Pipelines all;
   return all;
 }
 
@@ -204,9 +204,9 @@ class Judge {
 
   Bytes bytes_;
   const MeshScript* script_ = nullptr;
-  Contestant flood_{"VolCCD+ with the flood forced", contestants().flood};
-  Contestant standard_{"VolCCD+", contestants().standard};
-  Contestant star_orphans_{"VolCCD+ with star orphans forced", contestants().star_orphans};
+  Contestant flood_{"VolCCD+ with the flood forced", pipelines().flood};
+  Contestant standard_{"VolCCD+", pipelines().standard};
+  Contestant star_orphans_{"VolCCD+ with star orphans forced", pipelines().star_orphans};
 };
 
 }  // namespace
