@@ -35,6 +35,8 @@ class MeshScript {
   static constexpr double kMaxCoordinate = 4095;
   static constexpr std::size_t kMaxVertices = 64, kMaxElements = 80;
   static constexpr int kMaxSteps = 6;
+  /// Opcodes: a step, and random displacements of all vertices (control point, seed, greatest displacement).
+  static constexpr std::uint8_t kStep = 0, kJitter = 22;
   /// The script ends when its steps have had this many elements together.
   static constexpr std::size_t kMaxWork = 110;
 

@@ -51,6 +51,24 @@ void mutate_once(Operations& all, Random& random) {
   }
 }
 
+/// Other motions of the same meshes: new random displacements instead of the old ones, or before each step.
+void change_motions(Operations& all, Random& random) {
+  const auto displacements = [&] {
+    const std::uint64_t size = random.below(6);  // of a cell of 16 to 128
+    return std::vector<std::uint8_t>{MeshScript::kJitter, static_cast<std::uint8_t>(random.below(8) == 0 ? 1 : 0),
+                                     static_cast<std::uint8_t>(random.below(256)),
+                                     static_cast<std::uint8_t>((2 << size) + random.below(4))};
+  };
+  Operations result;
+  for (std::vector<std::uint8_t>& operation : all) {
+    const std::uint8_t opcode = operation[0];
+    if (opcode == MeshScript::kJitter && random.below(2) == 0) continue;
+    if (opcode == MeshScript::kStep && random.below(4) != 0) result.push_back(displacements());
+    result.push_back(std::move(operation));
+  }
+  all = std::move(result);
+}
+
 }  // namespace
 
 }  // namespace volccd::fuzz
@@ -61,7 +79,10 @@ std::size_t LLVMFuzzerCustomMutator(std::uint8_t* data, std::size_t size, std::s
   if (random.below(4) == 0) return LLVMFuzzerMutate(data, size, max_size);
   Operations all = operations_of({data, size});
   if (all.empty()) return LLVMFuzzerMutate(data, size, max_size);
-  for (std::uint64_t n = 1 + random.below(4); n > 0 && !all.empty(); --n) mutate_once(all, random);
+  if (random.below(2) == 0)
+    change_motions(all, random);
+  else
+    for (std::uint64_t n = 1 + random.below(4); n > 0 && !all.empty(); --n) mutate_once(all, random);
   std::vector<std::uint8_t> bytes;
   for (const auto& operation : all) bytes.insert(bytes.end(), operation.begin(), operation.end());
   bytes.resize(std::min(bytes.size(), max_size));
