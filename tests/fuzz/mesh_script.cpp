@@ -101,15 +101,39 @@ bool MeshScript::next_step() {
     step_requested_ = false;
     begins_.push_back(bytes_.size() - in_.rest().size());
     (this->*all[in_.byte() % all.size()])();
-    if (!step_requested_) continue;
-    if (!apply_edit()) return false;
-    if (topology().mesh().element_count() == 0) continue;
-    set_motion();
-    ++steps_;
-    work_ += topology().mesh().element_count();
-    return true;
+    if (step_requested_) return finish_step();
   }
-  return false;
+  if (steps_ == 0 || steps_ >= kStepsWithRandomMotions || work_ >= kMaxWork || !scene().topology) return false;
+  set_random_motion();
+  return finish_step();
+}
+
+bool MeshScript::finish_step() {
+  if (!apply_edit() || topology().mesh().element_count() == 0) return false;
+  set_motion();
+  ++steps_;
+  work_ += topology().mesh().element_count();
+  return true;
+}
+
+void MeshScript::set_random_motion() {
+  std::uint64_t seed = static_cast<std::uint64_t>(steps_);
+  for (const std::uint8_t byte : bytes_) seed = hash_ids(seed, byte);
+  Random random(seed);
+  options_ = {};
+  options_.quadratic = random.below(8) == 0;
+  const std::uint64_t range = std::uint64_t{2} << random.below(6);
+  const auto displaced = [&](const Vec3& p) {
+    const auto next = [&] { return static_cast<double>(random.below(2 * range + 1)) - static_cast<double>(range); };
+    const double x = next(), y = next(), z = next();
+    return on_lattice(p + Vec3(x, y, z));
+  };
+  const bool from_rest = random.below(2) == 0;
+  for (Point& p : scene().points) {
+    if (from_rest) p.start = p.rest;
+    p.middle = displaced(p.start);
+    p.end = displaced(p.start);
+  }
 }
 
 std::vector<Bytes> MeshScript::operations_read() const {

@@ -34,7 +34,7 @@ class MeshScript {
  public:
   static constexpr double kMaxCoordinate = 4095;
   static constexpr std::size_t kMaxVertices = 64, kMaxElements = 80;
-  static constexpr int kMaxSteps = 6;
+  static constexpr int kMaxSteps = 6, kStepsWithRandomMotions = 4;
   /// Opcodes: a step, and random displacements of all vertices (control point, seed, greatest displacement).
   static constexpr std::uint8_t kStep = 0, kJitter = 22;
   /// The script ends when its steps have had this many elements together.
@@ -42,8 +42,9 @@ class MeshScript {
 
   explicit MeshScript(Bytes bytes) : bytes_(bytes), in_(bytes) {}
 
-  /// Carries out the operations up to the next step. Returns false at the end of the script, or if the mesh does not
-  /// allow an edit. The members below are valid after true.
+  /// Carries out the operations up to the next step. After the end of the script, further steps follow with random
+  /// motions of the last mesh, because a mesh that could reveal an error does so in few motions only. Returns false
+  /// after the last step, or if the mesh does not allow an edit. The members below are valid after true.
   bool next_step();
 
   const Topology& topology() const { return *scene().topology; }
@@ -126,6 +127,8 @@ class MeshScript {
   /// A face of some element, in its outward order; empty if there is none.
   std::vector<Index> some_face();
   void set_end(Index v, int control_point, const Vec3& position);
+  bool finish_step();
+  void set_random_motion();
   bool apply_edit();
   void set_motion();
 
