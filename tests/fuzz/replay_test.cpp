@@ -30,6 +30,7 @@ TEST(FuzzCorpus, SequenceReader) { replay("sequence_reader", sequence_reader); }
 TEST(FuzzCorpus, QueryReader) { replay("query_reader", query_reader); }
 TEST(FuzzCorpus, OptionParser) { replay("option_parser", option_parser); }
 TEST(FuzzCorpus, NarrowPhase) { replay("narrow_phase", narrow_phase); }
+TEST(FuzzCorpus, Pipeline) { replay("pipeline", pipeline); }
 
 }  // namespace
 }  // namespace volccd::fuzz

@@ -21,6 +21,9 @@ void query_reader(Bytes bytes);
 void option_parser(Bytes bytes);
 /// Compares every narrow phase and feature filter with exact_first_touch() on one test (narrow_phase_target.cpp).
 void narrow_phase(Bytes bytes);
+/// Makes small meshes, moves and edits them, and compares the contacts that VolCCD+ finds in their steps with exact
+/// results (pipeline_target.cpp).
+void pipeline(Bytes bytes);
 
 /// Prints the reason, and aborts.
 [[noreturn]] void promise_broken(const std::string& what);
