@@ -12,6 +12,7 @@
 #include <volccd/oracle/cases/shapes.hpp>
 
 #include "culling/exact_contacts.hpp"
+#include "culling/random_vector.hpp"
 
 namespace volccd::detail {
 namespace {
@@ -22,8 +23,6 @@ struct Pair {
   Topology topology;
   Motion motion;
 };
-
-Vec3 random_vector(Random& random) { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); }
 
 /// Two elements with one or two common vertices, an edge, at random positions. The other vertices of each are mostly on
 /// one side. Everything turns by up to 40 degrees, and vertices move a little by themselves. The edge is sometimes as

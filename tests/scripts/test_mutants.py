@@ -98,7 +98,7 @@ class Rewrite(unittest.TestCase):
     def test_mutants_that_do_not_compile(self):
         m, n = mutant("m", "x", "y"), mutant("n", "x2", "y")
         output = "/tree/a.cpp: In function\n/tree/a.cpp:7:3: error: no\n/tree/b.cpp:9:1: error: no\n"
-        self.assertEqual(mutants.broken_mutants(output, {"m": range(7, 8), "n": range(9, 10)}, [m, n]), [m])
+        self.assertEqual(mutants.broken_mutants(output, {"m": range(7, 8), "n": range(9, 10)}, [m, n]), {m: "no"})
 
 
 class Tests(unittest.TestCase):
@@ -115,6 +115,8 @@ class Tests(unittest.TestCase):
                              ("1/9 Test  #2: a.B.C ...***Exception: SegFault  0.1 sec", ("a.B.C", "Exception"))):
             self.assertEqual(mutants.FINISHED.search(line).groups(), result)
         passed = "2/9 Test #3: a.B.C ............   Passed    0.25 sec"
+        failed = "3/9 Test #4: a.B.D ....***Failed    0.01 sec"
+        self.assertEqual(mutants.FINISHED.search(f"{passed}\n{failed}").groups(), ("a.B.D", "Failed"))
         self.assertIsNone(mutants.FINISHED.search(passed))
         self.assertEqual(mutants.PASSED.findall(passed), ["0.25"])
 
