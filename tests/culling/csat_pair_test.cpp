@@ -148,8 +148,9 @@ TEST(CsatPairs, WhatIsDroppedIsExactlySeparable) {
 /// At one control point, a lies below a tilted plane, b above it, and each has three corners in the plane. These form
 /// triangles that overlap; that of b is that of a, rotated by half a turn. At other control points the elements are
 /// mirror images, and there they may be smaller by a factor of `size`. So the line between the centroids is the plane's
-/// normal, the gap along it is exactly 0, and no axis separates the pair.
-void expect_no_gaps(double size) {
+/// normal, the gap along it is exactly 0, and no axis separates the pair. If a is smaller than b by a factor of `of_a`,
+/// its triangle is inside that of b.
+void expect_no_gaps(double size, double of_a = 1) {
   Random random(26);
   const Vec3 n(3, 5, 7), u(5, -3, 0), w(7, 0, -3);
   const auto whole = [&](std::int64_t low) { return static_cast<double>(random.integer(low, 1 << 20)); };
@@ -160,7 +161,8 @@ void expect_no_gaps(double size) {
         const auto first = static_cast<Index>(random.integer(0, bench.vertices() - 1));
         const int end = static_cast<int>(random.integer(0, control_points - 1));
         const Vec3 p = whole(-(1 << 20)) * u + whole(-(1 << 20)) * w, q = whole(-(1 << 20)) * u + whole(-(1 << 20)) * w;
-        const Vec3 corners[3] = {p, q, -p - q}, offset = Vec3(1, 2, 3) * (i % 2 == 0 || size < 1 ? 0.0 : 0x1p32);
+        const Vec3 corners[3] = {p, q, -p - q},
+                   offset = Vec3(1, 2, 3) * (i % 2 == 0 || size < 1 || of_a < 1 ? 0.0 : 0x1p32);
         for (Index v = 0; v < bench.vertices(); ++v)
           for (int c = 0; c < control_points; ++c) {
             const Index corner = (v + first) % bench.vertices();
@@ -169,8 +171,9 @@ void expect_no_gaps(double size) {
             const Vec3 height = scale * (touches ? 0.0 : whole(0)) * n;
             const Vec3 across =
                 touches ? corners[corner] : Vec3(scale * (whole(-(1 << 20)) * u + whole(-(1 << 20)) * w));
-            bench.set(i, 0, v, c, offset + across - height);
-            bench.set(i, 1, v, c, offset + (touches ? Vec3(-across) : across) + height);
+            const bool in_center = of_a < 1 && !touches;
+            bench.set(i, 0, v, c, offset + of_a * ((in_center ? Vec3(0, 0, 0) : across) - height));
+            bench.set(i, 1, v, c, offset + (touches ? Vec3(-across) : in_center ? Vec3(0, 0, 0) : across) + height);
           }
       }
       const auto pairs = bench.batch().pairs;
@@ -183,6 +186,9 @@ void expect_no_gaps(double size) {
 TEST(CsatPairs, RoundingMakesNoGaps) { expect_no_gaps(1); }
 TEST(CsatPairs, RoundingMakesNoGapsInElementsThatGrow) {
   for (const double size : {0x1p-8, 0x1p-14, 0x1p-20}) expect_no_gaps(size);
+}
+TEST(CsatPairs, RoundingMakesNoGapsBesideSmallElements) {
+  for (const double of_a : {0x1p-6, 0x1p-10, 0x1p-14}) expect_no_gaps(1, of_a);
 }
 
 /// The least gap along the axis at any control point, with 113 bits.

@@ -255,7 +255,8 @@ MovingElement between(const std::vector<Vec3>& at, int control_points, const Eig
 
 /// Edges become longer in a motion that changes no volume.
 MovingElement sheared(const std::vector<Vec3>& at, int control_points, Random& random) {
-  const Vec3 normal = random_vector(random).normalized(), way = random.uniform(0, 6) * normal.unitOrthogonal();
+  const Vec3 normal = random_vector(random).normalized(),
+             way = std::exp2(random.uniform(-2, 6)) * normal.unitOrthogonal();
   const Eigen::Matrix3d still = Eigen::Matrix3d::Identity();
   return between(at, control_points, still, still + way * normal.transpose());
 }
@@ -363,6 +364,8 @@ MovingElement rounded_sliver(ElementType type, int control_points, bool small_at
     flat[3][static_cast<Eigen::Index>(axis)] = 1;
     if (random.below(2) == 0) std::rotate(flat.begin() + 1, flat.begin() + 3, flat.end());
   }
+  const Vec3 place = random_vector(random);  // so that differences are rounded
+  for (Vec3& p : flat) p += place;
   MovingElement element;
   for (std::size_t i = 0; i < at.size(); ++i) {
     element.push_back({small_at_start ? Vec3(0x1p-30 * at[i]) : flat[i]});
