@@ -251,6 +251,36 @@ TEST(FilterConservative, GrazingTestsThatGrowAreKept) {
   EXPECT_GT(touching, 1000);
 }
 
+// Along an axis of the 26-DOP, the features are nearer to each other than the separation, by very little.
+TEST(FilterConservative, JustWithinTheSeparationAlongAnAxisIsKept) {
+  const auto filters = all_filters();
+  Random random(12);
+  for (const auto kind : {FeatureKind::vf, FeatureKind::ee})
+    for (const int control_points : {2, 3})
+      for (const auto& axis : kdop_axes<26>()) {
+        const double separation = random.uniform(0.1, 1);
+        const Vec3 way = Vec3(axis[0], axis[1], axis[2]).normalized();
+        TestBench bench(control_points);
+        for (std::size_t i = 0; i < TestBlock::kCapacity; ++i) {
+          const Vec3 motion = random.vector(-1, 1);
+          const std::size_t nearest[2] = {0, kind == FeatureKind::vf ? 1u : 2u};
+          TouchingTest test;
+          for (std::size_t v = 0; v < 4; ++v) {
+            const bool first = v < nearest[1], near = v == nearest[0] || v == nearest[1];
+            Vec3 p = near ? Vec3(0, 0, 0) : random.vector(-1, 1);
+            p += ((first ? -1 : 1) * (near ? 0 : random.uniform(0, 1)) - p.dot(way)) * way;
+            if (!first) p += separation * (1 - 1e-12) * way;
+            for (int c = 0; c < control_points; ++c) test.points[v][static_cast<std::size_t>(c)] = p + c * motion;
+          }
+          bench.set(i, test);
+        }
+        for (const auto& [name, filter] : filters)
+          for (const double t_max : {1.0, 0.3})
+            for (const auto keep : run(*filter, bench.step(separation, t_max), bench.block(kind)))
+              ASSERT_TRUE(keep) << name << ", axis " << axis[0] << axis[1] << axis[2];
+      }
+}
+
 /// Random tests of the size 1 whose features are `distance` apart along x, and move by up to `motion`.
 void fill_apart(TestBench& bench, Random& random, FeatureKind kind, int control_points, double distance,
                 double motion) {

@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <volccd/pipelines/compare.hpp>
 #include <volccd/query/kdop.hpp>
