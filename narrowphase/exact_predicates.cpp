@@ -90,7 +90,8 @@ class FirstTouch {
   void keep(AlgebraicTime& t) {
     answer_.touches = true;
     answer_.toi = t.floor();
-    answer_.toi_exact = t.exact();
+    // A time of the form n / 2^k is known exactly, and may nevertheless have too many bits for a double.
+    answer_.toi_exact = t.compare(dyadic(answer_.toi)) == 0;
   }
 
   /// Among times with the same largest double below, a time that is equal to this double is the earliest.

@@ -1,6 +1,7 @@
 // Pairs of elements that a plane through their common vertex or edge separates touch nowhere else.
 #include <volccd/culling/detail/corner_planes.hpp>
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include <volccd/oracle/cases/shapes.hpp>
 
 #include "culling/exact_contacts.hpp"
+#include "culling/random_vector.hpp"
 
 namespace volccd::detail {
 namespace {
@@ -22,8 +24,6 @@ struct Pair {
   Topology topology;
   Motion motion;
 };
-
-Vec3 random_vector(Random& random) { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); }
 
 /// Two elements with one or two common vertices, an edge, at random positions. The other vertices of each are mostly on
 /// one side. Everything turns by up to 40 degrees, and vertices move a little by themselves. The edge is sometimes as
@@ -125,6 +125,56 @@ TEST(CornerPairs, LeaveOutOnlyWhatStaysApart) {
 TEST(SuspectPairs, LeaveOutOnlyWhatDoesNotTouch) {
   constexpr std::array simplices{kTypes[1], kTypes[3]};
   expect_left_out_do_not_touch(simplices, 0, [](const Step& step, Index) { return left_out_of_list(step); });
+}
+
+/// The motion with each vertex but the first displaced by up to `distance`: those of the first element that are not
+/// common towards the second one, those of the second one towards the first one, and the common edge's other vertex
+/// to any side.
+Motion displaced(const Pair& pair, Index common, double distance, Random& random) {
+  const Motion& motion = pair.motion;
+  const std::span<const Index> first = pair.topology.mesh().vertices(0);
+  const auto in_first = [&](Index v) { return std::find(first.begin(), first.end(), v) != first.end(); };
+  Vec3 sums[2] = {Vec3::Zero(), Vec3::Zero()};
+  for (Index v = common; v < motion.vertex_count(); ++v)
+    for (int c = 0; c < motion.control_points(); ++c) sums[in_first(v) ? 0 : 1] += motion.point(v, c);
+  const Vec3 way = (sums[1].normalized() - sums[0].normalized() + 0.7 * random_vector(random)).normalized();
+  const Vec3 edge_way = random_vector(random).normalized();
+  Motion moved = motion;
+  for (Index v = 1; v < motion.vertex_count(); ++v) {
+    const Vec3 by = v < common ? edge_way : in_first(v) ? way : Vec3(-way);
+    for (int c = 0; c < motion.control_points(); ++c) moved.set(v, c, motion.point(v, c) + distance * by);
+  }
+  return moved;
+}
+
+/// The greatest separation with which a pair is left out, up to `most`.
+double greatest_separation(const Pair& pair, Index common, double most) {
+  double good = 0, bad = most;
+  for (int i = 0; i < 30; ++i) {
+    const double middle = (good + bad) / 2;
+    (left_out_of_corners({pair.topology, pair.motion, kAnyObject, middle}, common) ? good : bad) = middle;
+  }
+  return good;
+}
+
+// The greatest separation with which a pair is left out is small enough.
+TEST(CornerPairs, AreLeftOutUpToASeparationThatMayPartThem) {
+  for (const Index common : {1, 2}) {
+    Random random(10 + common);
+    std::size_t count = 0;
+    for (int i = 0; i < 1500; ++i) {
+      const Pair pair = random_pair(random, kTypes[1], common, i % 3 == 0);
+      if (!left_out_of_corners({pair.topology, pair.motion, kAnyObject}, common)) continue;
+      const double separation = greatest_separation(pair, common, 1);
+      ++count;
+      for (int k = 0; k < 8; ++k) {
+        const Motion motion = displaced(pair, common, separation * (1 - 0x1p-20), random);
+        ASSERT_FALSE(elements_touch({pair.topology, motion, kAnyObject}))
+            << "pair " << i << ", common: " << common << ", separation " << separation;
+      }
+    }
+    EXPECT_GT(count, 100u);
+  }
 }
 
 /// Two tetrahedra of which one has a vertex that moves in a face of the other, apart from rounding, and otherwise lies

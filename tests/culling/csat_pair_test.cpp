@@ -11,9 +11,12 @@
 
 #include <volccd/core/random.hpp>
 #include <volccd/culling/csat.hpp>
+#include <volccd/culling/detail/csat_axes.hpp>
+#include <volccd/culling/detail/csat_points.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
 #include "csat_bench.hpp"
+#include "culling/quad.hpp"
 #include "support/stages.hpp"
 
 namespace volccd::test {
@@ -144,9 +147,10 @@ TEST(CsatPairs, WhatIsDroppedIsExactlySeparable) {
 
 /// At one control point, a lies below a tilted plane, b above it, and each has three corners in the plane. These form
 /// triangles that overlap; that of b is that of a, rotated by half a turn. At other control points the elements are
-/// mirror images. So the line between the centroids is the plane's normal, the gap along it is exactly 0, and no axis
-/// separates the pair.
-TEST(CsatPairs, RoundingMakesNoGaps) {
+/// mirror images, and there they may be smaller by a factor of `size`. So the line between the centroids is the plane's
+/// normal, the gap along it is exactly 0, and no axis separates the pair. If a is smaller than b by a factor of `of_a`,
+/// its triangle is inside that of b.
+void expect_no_gaps(double size, double of_a = 1) {
   Random random(26);
   const Vec3 n(3, 5, 7), u(5, -3, 0), w(7, 0, -3);
   const auto whole = [&](std::int64_t low) { return static_cast<double>(random.integer(low, 1 << 20)); };
@@ -157,15 +161,19 @@ TEST(CsatPairs, RoundingMakesNoGaps) {
         const auto first = static_cast<Index>(random.integer(0, bench.vertices() - 1));
         const int end = static_cast<int>(random.integer(0, control_points - 1));
         const Vec3 p = whole(-(1 << 20)) * u + whole(-(1 << 20)) * w, q = whole(-(1 << 20)) * u + whole(-(1 << 20)) * w;
-        const Vec3 corners[3] = {p, q, -p - q}, offset = Vec3(1, 2, 3) * (i % 2 == 0 ? 0.0 : 0x1p32);
+        const Vec3 corners[3] = {p, q, -p - q},
+                   offset = Vec3(1, 2, 3) * (i % 2 == 0 || size < 1 || of_a < 1 ? 0.0 : 0x1p32);
         for (Index v = 0; v < bench.vertices(); ++v)
           for (int c = 0; c < control_points; ++c) {
             const Index corner = (v + first) % bench.vertices();
             const bool touches = corner < 3 && c == end;
-            const Vec3 height = (touches ? 0.0 : whole(0)) * n;
-            const Vec3 across = touches ? corners[corner] : Vec3(whole(-(1 << 20)) * u + whole(-(1 << 20)) * w);
-            bench.set(i, 0, v, c, offset + across - height);
-            bench.set(i, 1, v, c, offset + (touches ? Vec3(-across) : across) + height);
+            const double scale = c == end ? 1 : size;
+            const Vec3 height = scale * (touches ? 0.0 : whole(0)) * n;
+            const Vec3 across =
+                touches ? corners[corner] : Vec3(scale * (whole(-(1 << 20)) * u + whole(-(1 << 20)) * w));
+            const bool in_center = of_a < 1 && !touches;
+            bench.set(i, 0, v, c, offset + of_a * ((in_center ? Vec3(0, 0, 0) : across) - height));
+            bench.set(i, 1, v, c, offset + (touches ? Vec3(-across) : in_center ? Vec3(0, 0, 0) : across) + height);
           }
       }
       const auto pairs = bench.batch().pairs;
@@ -173,6 +181,78 @@ TEST(CsatPairs, RoundingMakesNoGaps) {
         EXPECT_EQ(kept_pairs({{"axis", axis}, {"mode", "pair"}}, bench.step(), pairs, 256).size(), pairs.size())
             << to_string(type) << " " << control_points << " " << axis;
     }
+}
+
+TEST(CsatPairs, RoundingMakesNoGaps) { expect_no_gaps(1); }
+TEST(CsatPairs, RoundingMakesNoGapsInElementsThatGrow) {
+  for (const double size : {0x1p-8, 0x1p-14, 0x1p-20}) expect_no_gaps(size);
+}
+TEST(CsatPairs, RoundingMakesNoGapsBesideSmallElements) {
+  for (const double of_a : {0x1p-6, 0x1p-10, 0x1p-14}) expect_no_gaps(1, of_a);
+}
+
+/// The least gap along the axis at any control point, with 113 bits.
+detail::Quad least_gap(const PairBench& bench, Index pair, const Vec3& axis) {
+  detail::Quad least = 1e300;
+  for (int c = 0; c < bench.motion().control_points(); ++c)
+    for (Index i = 0; i < bench.vertices(); ++i)
+      for (Index j = 0; j < bench.vertices(); ++j) {
+        const auto at = [&](Index side, Index v) {
+          return detail::Quad3(bench.motion().point(bench.vertex(pair, side, v), c));
+        };
+        least = std::min(least, dot(detail::Quad3(axis), at(1, j) - at(0, i)));
+      }
+  return least;
+}
+
+/// The axis that CSAT tests in double precision with `axis=centroid`.
+Vec3 centroid_axis(const PairBench& bench, Index pair) {
+  detail::CsatFrame frame(bench.motion(), 1);
+  const int n = frame.control_points;
+  std::copy_n(bench.motion().at(bench.vertex(pair, 0, 0)), 3 * n, frame.reference);
+  detail::CsatPoints points[2];
+  for (Index side = 0; side < 2; ++side) {
+    std::vector<Index> vertices;
+    for (Index v = 0; v < bench.vertices(); ++v) vertices.push_back(bench.vertex(pair, side, v));
+    if (n == 2)
+      points[side].gather<2>(frame, bench.motion(), vertices);
+    else
+      points[side].gather<3>(frame, bench.motion(), vertices);
+  }
+  return detail::csat_scaled(detail::csat_centroid_difference(points[0], points[1], n));
+}
+
+/// The same in double precision: planes and coordinates that need all bits, so that the gap is about as large as its
+/// rounding errors.
+TEST(CsatPairs, RoundingOfDoublesMakesNoGapsInElementsThatGrow) {
+  Random random(27);
+  std::size_t doubtful = 0;
+  for (const int control_points : {2, 3})
+    for (const double size : {0x1p-10, 0x1p-20, 1.0}) {
+      PairBench bench(ElementType::tetrahedron, control_points, 2048);
+      for (Index i = 0; i < bench.pairs(); ++i) {
+        const Vec3 n = random.vector(-1, 1).normalized(), u = n.unitOrthogonal(), w = n.cross(u);
+        const auto in_plane = [&] { return Vec3(random.uniform(-1, 1) * u + random.uniform(-1, 1) * w); };
+        const Vec3 p = in_plane(), q = in_plane(), corners[3] = {p, q, -p - q};
+        for (Index v = 0; v < 4; ++v)
+          for (int c = 0; c < control_points; ++c) {
+            const bool last = c == control_points - 1, touches = v < 3 && last;
+            const double scale = last ? 1 : size;
+            const Vec3 height = touches ? Vec3(0, 0, 0) : Vec3(scale * random.uniform(0.5, 1) * n);
+            const Vec3 across = touches ? corners[v] : Vec3(scale * in_plane());
+            bench.set(i, 0, v, c, across - height);
+            bench.set(i, 1, v, c, (touches ? Vec3(-across) : across) + height);
+          }
+      }
+      const auto pairs = bench.batch().pairs;
+      const auto kept = kept_pairs({{"axis", "centroid"}, {"mode", "pair"}}, bench.step(), pairs, 256);
+      for (Index i = 0; i < bench.pairs(); ++i) {
+        const bool apart = least_gap(bench, i, centroid_axis(bench, i)) > 0;
+        doubtful += apart ? 0 : 1;
+        ASSERT_TRUE(apart || kept.count(pairs[i])) << i << ", size " << size;
+      }
+    }
+  EXPECT_GT(doubtful, 1000u);
 }
 
 // Numbers that floats cannot represent are processed in doubles. Differences are formed before anything is rounded to

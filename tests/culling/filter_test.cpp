@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <string>
@@ -10,6 +11,7 @@
 #include <volccd/culling/coplanarity_filter.hpp>
 #include <volccd/culling/csat_filter.hpp>
 #include <volccd/culling/feature_kdop_filter.hpp>
+#include <volccd/narrowphase/exact_predicates.hpp>
 
 #include "filter_touching.hpp"
 #include "support/stages.hpp"
@@ -187,6 +189,96 @@ TEST(FilterConservative, GrazingAlongDiagonalsIsKept) {
         for (const auto k : keep) ASSERT_TRUE(k) << name << " t_max " << t_max;
       }
   }
+}
+
+/// Two features that meet at the end of the step, apart from rounding; at the start they are smaller by a factor of
+/// `size`, and apart. One of the four points is farther away than the others by a factor of up to `reach`.
+TouchingTest growing_test(Random& random, FeatureKind kind, int control_points, double size, double reach) {
+  const Vec3 at = random.vector(-1, 1), u = random.vector(-1, 1), w = random.vector(-1, 1);
+  const auto length = [&] { return random.uniform(0.2, 1) * (random.integer(0, 3) == 0 ? 1 : 1 / reach); };
+  std::array<Vec3, 4> points;
+  if (kind == FeatureKind::vf) {
+    std::array<Vec3, 3> corners{at + u / reach, at + w / reach, at - length() * (u + w)};
+    std::rotate(corners.begin(), corners.begin() + random.integer(0, 2), corners.end());
+    points = {at, corners[0], corners[1], corners[2]};
+  } else {
+    points = {at - length() * u, at + length() * u, at - length() * w, at + length() * w};
+  }
+  const Vec3 apart = random.uniform(0.5, 1) * u.cross(w);
+  TouchingTest test;
+  for (std::size_t v = 0; v < 4; ++v) {
+    const bool first = v < (kind == FeatureKind::vf ? 1u : 2u);
+    for (int c = 0; c < control_points; ++c)
+      test.points[v][static_cast<std::size_t>(c)] =
+          c == control_points - 1 ? points[v] : Vec3(size * (first ? Vec3(points[v] + apart) : points[v]));
+  }
+  return test;
+}
+
+bool touches(const TouchingTest& test, FeatureKind kind, int control_points) {
+  TestMotion motion{kind, control_points, {}};
+  for (std::size_t v = 0; v < 4; ++v) motion.points[v] = test.points[v][0].data();
+  return exact_first_touch(motion).touches;
+}
+
+TEST(FilterConservative, GrazingTestsThatGrowAreKept) {
+  const auto filters = all_filters();
+  Random random(11);
+  int touching = 0;
+  for (const auto kind : {FeatureKind::vf, FeatureKind::ee})
+    for (const int control_points : {2, 3})
+      for (const double size : {0x1p-4, 0x1p-10, 0x1p-20})
+        for (const double reach : {1.0, 0x1p10, 0x1p20})
+          for (int round = 0; round < 2; ++round) {
+            TestBench bench(control_points);
+            std::vector<TouchingTest> tests;
+            for (std::size_t i = 0; i < TestBlock::kCapacity; ++i) {
+              tests.push_back(growing_test(random, kind, control_points, size, reach));
+              bench.set(i, tests.back());
+            }
+            std::vector<std::string> dropped(tests.size());
+            for (const auto& [name, filter] : filters) {
+              const auto keep = run(*filter, bench.step(), bench.block(kind));
+              for (std::size_t i = 0; i < tests.size(); ++i)
+                if (!keep[i]) dropped[i] += name + ", ";
+            }
+            for (std::size_t i = 0; i < tests.size(); ++i) {
+              const bool touch = touches(tests[i], kind, control_points);
+              touching += touch ? 1 : 0;
+              ASSERT_TRUE(dropped[i].empty() || !touch) << dropped[i] << "size " << size << ", reach " << reach;
+            }
+          }
+  EXPECT_GT(touching, 1000);
+}
+
+// Along an axis of the 26-DOP, the features are nearer to each other than the separation, by very little.
+TEST(FilterConservative, JustWithinTheSeparationAlongAnAxisIsKept) {
+  const auto filters = all_filters();
+  Random random(12);
+  for (const auto kind : {FeatureKind::vf, FeatureKind::ee})
+    for (const int control_points : {2, 3})
+      for (const auto& axis : kdop_axes<26>()) {
+        const double separation = random.uniform(0.1, 1);
+        const Vec3 way = Vec3(axis[0], axis[1], axis[2]).normalized();
+        TestBench bench(control_points);
+        for (std::size_t i = 0; i < TestBlock::kCapacity; ++i) {
+          const Vec3 motion = random.vector(-1, 1);
+          const std::size_t nearest[2] = {0, kind == FeatureKind::vf ? 1u : 2u};
+          TouchingTest test;
+          for (std::size_t v = 0; v < 4; ++v) {
+            const bool first = v < nearest[1], near = v == nearest[0] || v == nearest[1];
+            Vec3 p = near ? Vec3(0, 0, 0) : random.vector(-1, 1);
+            p += ((first ? -1 : 1) * (near ? 0 : random.uniform(0, 1)) - p.dot(way)) * way;
+            if (!first) p += separation * (1 - 1e-12) * way;
+            for (int c = 0; c < control_points; ++c) test.points[v][static_cast<std::size_t>(c)] = p + c * motion;
+          }
+          bench.set(i, test);
+        }
+        for (const auto& [name, filter] : filters)
+          for (const double t_max : {1.0, 0.3})
+            for (const auto keep : run(*filter, bench.step(separation, t_max), bench.block(kind)))
+              ASSERT_TRUE(keep) << name << ", axis " << axis[0] << axis[1] << axis[2];
+      }
 }
 
 /// Random tests of the size 1 whose features are `distance` apart along x, and move by up to `motion`.

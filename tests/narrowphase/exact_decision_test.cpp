@@ -2,6 +2,7 @@
 // judge: conservative advancement on distances in long double.
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <gtest/gtest.h>
 
@@ -350,6 +351,95 @@ TEST(ExactDecision, TimeLimit) {
     expect_same(answer, c.answer(after), "after");
   });
   EXPECT_GT(tried, 50);
+}
+
+/// Motions whose contact is exactly at t = p / q.
+std::vector<Case> contacts_at(double p, double q) {
+  const double n = q - p;
+  const auto edges = [&](Corners a, Corners b) { return Case{ee, {a, b}}; };
+  return {
+      against_triangle({{.25, .25, p}, {.25, .25, -n}}),
+      against_triangle({{.25, .25, p * p}, {.25, .25, -p * n}, {.25, .25, n * n}}),  // it grazes, with z = (q t - p)^2
+      against_triangle({{.25, -p, 0}, {.25, n, 0}}),                                 // in the plane
+      edges({Vec3(-1, 0, p), Vec3(1, 0, p), Vec3(0, -1, 0), Vec3(0, 1, 0)},
+            {Vec3(-1, 0, -n), Vec3(1, 0, -n), Vec3(0, -1, 0), Vec3(0, 1, 0)}),
+      edges({Vec3(-p - 1, 0, 0), Vec3(-p, 0, 0), Vec3(0, -1, 0), Vec3(0, 1, 0)},  // in the plane
+            {Vec3(n - 1, 0, 0), Vec3(n, 0, 0), Vec3(0, -1, 0), Vec3(0, 1, 0)}),
+      edges({Vec3(-p - 1, 0, 0), Vec3(-p, 0, 0), Vec3(0, 0, 0), Vec3(1, 0, 0)},  // along one line
+            {Vec3(n - 1, 0, 0), Vec3(n, 0, 0), Vec3(0, 0, 0), Vec3(1, 0, 0)}),
+  };
+}
+
+// No double is the time of contact. The doubles next to it differ in whether the contact is in the step.
+TEST(ExactDecision, TimeLimitBesideTimesThatAreNoDoubles) {
+  for (const double q : {3., 5., 7., 9., 11., 1001., 65537.})
+    for (double p = 1; p < q; p += 1 + std::floor(q / 12)) {
+      if (std::gcd(static_cast<int>(p), static_cast<int>(q)) != 1) continue;
+      double before = p / q;
+      if (std::fma(q, before, -p) > 0) before = std::nextafter(before, 0);
+      const double after = std::nextafter(before, 1);
+      ASSERT_LT(std::fma(q, before, -p), 0);
+      ASSERT_GT(std::fma(q, after, -p), 0);
+      const std::vector<Case> cases = contacts_at(p, q);
+      for (std::size_t i = 0; i < cases.size(); ++i) {
+        SCOPED_TRACE(testing::Message() << p << " / " << q << ", case " << i);
+        EXPECT_FALSE(cases[i].answer(before).touches);
+        for (const double t_max : {after, 1.0}) {
+          const ExactAnswer answer = cases[i].answer(t_max);
+          EXPECT_TRUE(answer.touches);
+          EXPECT_EQ(answer.toi, before);
+          EXPECT_FALSE(answer.toi_exact);
+        }
+      }
+    }
+}
+
+// A vertex passes a corner of a triangle in their plane: it meets one side at 1/4, and the other one so soon afterwards
+// that the same double is before both.
+TEST(ExactDecision, TheEarlierOfTwoTimesBeforeOneDouble) {
+  constexpr double kTiny = 0x1p-58;
+  for (const bool mirrored : {false, true}) {
+    std::array<std::size_t, 3> order{0, 1, 2};
+    do {
+      Case c{vf, {}};
+      for (const double y : {-.25, .75}) {
+        const Vec3 corners[3] = {{-1, 0, 0}, {0, 0, 0}, {-1, 1, 0}};
+        Corners x{Vec3(-kTiny, y, 0), corners[order[0]], corners[order[1]], corners[order[2]]};
+        if (mirrored)
+          for (Vec3& p : x) std::swap(p.x(), p.y());
+        c.control.push_back(x);
+      }
+      const ExactAnswer answer = c.answer();
+      EXPECT_TRUE(answer.touches && answer.toi_exact);
+      EXPECT_EQ(answer.toi, .25);
+    } while (std::next_permutation(order.begin(), order.end()));
+  }
+}
+
+// The points are coplanar at two times, of which one is a double and the end of the interval in which the other one is
+// searched for. The features touch at the other one only.
+TEST(ExactDecision, TimesNextToOtherRoots) {
+  // z = (1 - t) (2 - 3 t), x = 3 - 4 t: touches at 2/3, is beside the triangle at 1.
+  const ExactAnswer inner = against_triangle({{3, .25, 2}, {1, .25, -.5}, {-1, .25, 0}}).answer();
+  EXPECT_TRUE(inner.touches);
+  EXPECT_FALSE(inner.toi_exact);
+  EXPECT_EQ(inner.toi, 2. / 3);
+  // z = (t - 1/2) (n (t - 1/2) - e), x = t - 1/2 - e / 4. The time 1/2 + e / n is a fraction of a power of two or
+  // not, but no double.
+  constexpr double e = 0x1p-54;
+  for (const double n : {1, 3}) {
+    Case near{vf, {}};
+    for (int c = 0; c < 3; ++c) {
+      const double z = (c - 1) * e / 2, x = e / 4;
+      near.control.push_back(
+          {Vec3(.5 * (c - 1), 0, n * (c == 1 ? -.25 : .25)), Vec3(x, -1, z), Vec3(x, 1, z), Vec3(1, 0, z)});
+    }
+    const ExactAnswer next = near.answer();
+    EXPECT_TRUE(next.touches);
+    EXPECT_FALSE(next.toi_exact);
+    EXPECT_EQ(next.toi, .5);
+    EXPECT_FALSE(near.answer(.5).touches);
+  }
 }
 
 TEST(ExactDecision, LinesAsCurves) {

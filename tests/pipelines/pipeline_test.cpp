@@ -1,11 +1,14 @@
 // Whole pipelines are conservative and deterministic, and refuse unsound combinations.
 #include <volccd/pipelines/pipeline.hpp>
 
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <set>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <volccd/pipelines/compare.hpp>
 #include <volccd/query/kdop.hpp>
@@ -50,20 +53,22 @@ void expect_same(const StepResult& expected, const StepResult& found, const std:
 
 /// All sound combinations of stages: broad phase x element culling x assignment and orphans x feature filters.
 std::vector<PipelineSpec> combinations() {
-  const std::vector<std::vector<StageChoice>> element = {
-      {},
-      {{"csat", {{"axis", "face"}, {"mode", "features"}}}},
-      {{"csat", {{"axis", "predetermined"}, {"mode", "pair"}}}},
-      {{"csat", {{"axis", "velocity"}, {"mode", "both"}}}},
-      {{"csat", {{"axis", "centroid"}, {"mode", "pair"}}}},
-      {{"csat", {{"axis", "optimal"}, {"mode", "pair"}}}},
-      {{"csat", {{"axis", "optimal"}, {"mode", "both"}}}}};
+  const std::vector<std::vector<StageChoice>> element = {{},
+                                                         {{"csat", {{"axis", "face"}, {"mode", "features"}}}},
+                                                         {{"csat", {{"axis", "predetermined"}, {"mode", "pair"}}}},
+                                                         {{"csat", {{"axis", "velocity"}, {"mode", "both"}}}},
+                                                         {{"csat", {{"axis", "centroid"}, {"mode", "pair"}}}},
+                                                         {{"csat", {{"axis", "optimal"}, {"mode", "pair"}}}},
+                                                         {{"csat", {{"axis", "optimal"}, {"mode", "both"}}}}};
   const StageChoice minimal{"o-set", {{"kind", "minimal"}}}, literal{"o-set", {{"kind", "literal"}}};
   const std::vector<std::pair<StageChoice, std::optional<StageChoice>>> tests = {
       {{"all-pairs", {}}, {}},         {{"all-pairs", {}}, minimal},          {{"all-pairs", {}}, literal},
       {{"static-assignment", {}}, {}}, {{"dynamic-assignment", {}}, minimal}, {{"dynamic-assignment", {}}, literal}};
   const std::vector<std::vector<StageChoice>> filters = {
-      {}, {{"feature-kdop", {}}}, {{"coplanarity", {}}}, {{"feature-csat", {}}},
+      {},
+      {{"feature-kdop", {}}},
+      {{"coplanarity", {}}},
+      {{"feature-csat", {}}},
       {{"feature-kdop", {}}, {"coplanarity", {}}, {"feature-csat", {}}}};
   std::vector<PipelineSpec> specs;
   for (const char* broad : {"kdop-bvh", "spatial-hash", "brute-force"})
@@ -151,6 +156,57 @@ TEST(ThreadsPipelines, FirstIsTheEarliestOfAll) {
           for (const Contact& c : all.contacts)
             if (c.toi < earliest->toi) earliest = &c;
           EXPECT_TRUE(first.contacts.front() == *earliest) << scene.name << " " << spec.name;
+        }
+      }
+}
+
+/// Pairs of tetrahedra, far from each other, of which a vertex reaches a face of the other at about t = 1/2. The times
+/// differ by up to `spread`.
+Scene nearly_simultaneous(std::size_t pairs, double spread, std::uint64_t seed) {
+  Random random(seed);
+  const auto any = [&] { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); };
+  Shape shape;
+  std::vector<Vec3> x1;
+  for (std::size_t pair = 0; pair < pairs; ++pair) {
+    const Vec3 place(static_cast<double>(20 * (pair % 32)), static_cast<double>(20 * (pair / 32)), 0);
+    const auto turn = Eigen::AngleAxisd(random.uniform(0, 6), any().normalized());
+    const Vec3 point = Vec3(0.2, 0.3, 0) + 0.2 * any(), at(point.x(), point.y(), 0);
+    const double time = 0.5 + spread * random.uniform();
+    const Vec3 motion(random.uniform(-1, 1), random.uniform(-1, 1), -random.uniform(1, 2));
+    const Vec3 tip = at - time * motion;
+    const Vec3 corners[2][4] = {{{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}, {0, 0, -1}},
+                                {tip, tip + Vec3(1, 0, 2), tip + Vec3(0, 1, 2), tip + Vec3(-1, -1, 2)}};
+    for (std::size_t e = 0; e < 2; ++e) {
+      ElementSpec element{ElementType::tetrahedron, {}, {}, 0, static_cast<std::int64_t>(2 * pair + e)};
+      for (const Vec3& p : corners[e]) {
+        element.vertices.push_back(static_cast<Index>(shape.positions.size()));
+        shape.positions.push_back(place + turn * p);
+        x1.push_back(place + turn * (e == 1 ? Vec3(p + motion) : p));
+      }
+      shape.elements.push_back(element);
+    }
+  }
+  return {"nearly simultaneous", Topology(shape.mesh()), Motion::linear(shape.positions, x1)};
+}
+
+// The narrow phase reports times that are early by up to its tolerance, so that a contact that is reported first may be
+// preceded by others.
+TEST(ThreadsPipelines, FirstIsTheEarliestOfContactsWithinTheTolerance) {
+  const auto executor = make_thread_executor(3);
+  for (const double tolerance : {1e-3, 1e-6, 1e-9})
+    for (const char* name : {"VolCCD", "VolCCD+", "NavCCD"})
+      for (std::uint64_t seed = 0; seed < 6; ++seed) {
+        const Scene scene = nearly_simultaneous(300, tolerance, seed);
+        PipelineSpec spec = registry().pipeline(name);
+        spec.narrow_phase = {"inclusion", {{"time_tolerance", fmt::format("{}", tolerance)}}};
+        const StepResult all = run(spec, scene);
+        ASSERT_GE(all.contacts.size(), 300u);
+        const Contact& earliest = *std::min_element(all.contacts.begin(), all.contacts.end(),
+                                                    [](const Contact& a, const Contact& b) { return a.toi < b.toi; });
+        for (Executor* e : {static_cast<Executor*>(nullptr), executor.get()}) {
+          const StepResult first = run(spec, scene, Query::first, kEverything, e);
+          ASSERT_EQ(first.contacts.size(), 1u);
+          EXPECT_EQ(first.contacts.front().toi, earliest.toi) << name << ", tolerance " << tolerance;
         }
       }
 }
@@ -290,8 +346,8 @@ TEST(Pipelines, WorkspaceFollowsTopologyChanges) {
     SerialExecutor serial;
     std::vector<ElementSpec> out;
     for (int round = 0; round < 6; ++round) {
-      const Motion motion = Motion::linear(jittered(shape.positions, 0.3, random.next()),
-                                           jittered(shape.positions, 0.3, random.next()));
+      const Motion motion =
+          Motion::linear(jittered(shape.positions, 0.3, random.next()), jittered(shape.positions, 0.3, random.next()));
       StepResult with_kept, with_fresh;
       pipeline.run({topology, motion, kEverything}, kept, serial, with_kept);
       Workspace fresh = pipeline.make_workspace();
