@@ -19,7 +19,8 @@ class Deformer {
 
   Positions apply(const Positions& from, std::string& what) {
     Positions x = from;
-    constexpr const char* kNames[] = {"calm", "pose", "pulled", "jitter", "rigid", "rest", "deformed", "swapped"};
+    constexpr const char* kNames[] = {"calm",   "pose", "pulled", "jitter", "rigid", "rest", "deformed or jitter",
+                                      "swapped"};
     constexpr int kCalmKinds[] = {0, 0, 1, 2, 2, 2, 3, 4};
     const int kind = wild_ ? c_.below(8) : kCalmKinds[c_.below(8)];
     what += std::string(what.empty() ? "" : ", ") + kNames[kind];
@@ -29,7 +30,7 @@ class Deformer {
       case 3: jitter(x, static_cast<int>(wild_ ? c_.pick({8, 16, 32}) : c_.pick({4, 5, 6}))); break;
       case 4: move_part(x); break;
       case 5: to_pose(x, 0); break;
-      case 6: deform(x); break;
+      case 6: c_.one_in(4) ? deform(x) : jitter(x, 8); break;
       case 7: std::swap(x[any_moving()], x[any_moving()]); break;
       default: break;
     }
@@ -86,6 +87,7 @@ class Deformer {
       if (moves(v)) x[v] = rounded(pivot + deformed(x[v] - pivot, kind, turns));
   }
 
+  /// Does not crush the mesh so far that everything touches everything, which would take seconds to decide.
   static Vec3 deformed(const Vec3& p, int kind, double turns) {
     constexpr double kLength = 3 * kCellWidth;
     const double full = 2 * std::numbers::pi * turns;
@@ -98,10 +100,10 @@ class Deformer {
         const double angle = full * p.z() / kLength, cos = std::cos(angle), sin = std::sin(angle);
         return {cos * p.x() - sin * p.y(), sin * p.x() + cos * p.y(), p.z()};
       }
-      case 2: return {-p.x(), p.y(), p.z()};                 // mirror
-      case 3: return {p.x(), p.y(), p.z() * (turns - 0.5)};  // crush, perhaps beyond the plane
-      case 4: return -turns * p;                             // turn inside out
-      default: return {-std::abs(p.x()), p.y(), p.z()};      // fold
+      case 2: return {-p.x(), p.y(), p.z()};                                // mirror
+      case 3: return {p.x(), p.y(), p.z() * (turns < 0.7 ? 0.25 : -0.25)};  // crush, perhaps beyond the plane
+      case 4: return -(0.5 + turns / 2) * p;                                // turn inside out
+      default: return {-std::abs(p.x()), p.y(), p.z()};                     // fold
     }
   }
 

@@ -17,7 +17,7 @@ namespace {
 
 /// Up to this number of elements, every pair of elements is compared; above, the truth is that of `VolCCD`, which knows
 /// neither stars nor floods, and takes a tenth of the time.
-constexpr Index kBruteForceLimit = 200;
+constexpr Index kBruteForceLimit = 60;
 
 PipelineSpec plus(const Registry& registry, const char* name) {
   PipelineSpec spec = registry.pipeline("VolCCD+");
