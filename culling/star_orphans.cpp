@@ -71,9 +71,8 @@ void count_elements(const Topology& topology, StarOrphansState& state, Executor&
 }
 
 void list_pairs(const Step& step, StarOrphansState& state, Executor& executor) {
-  state.pairs.update(step, state.stars, executor, [&](Index a, Index b) {
-    return state.free_edges[a] * state.free_edges[b] >= kLeastFreeEdges;
-  });
+  state.pairs.update(step, state.stars, executor,
+                     [&](Index a, Index b) { return state.free_edges[a] * state.free_edges[b] >= kLeastFreeEdges; });
   state.counters.pairs = state.pairs.pairs().size();
   state.orphans.update(step.topology, state.pairs.pairs(), executor);
 }

@@ -28,7 +28,8 @@ std::uint32_t common_part_vertices(const Step& step, std::span<const Index> part
   const std::span<const Index> other = step.part(o);
   std::uint32_t bits = 0;
   for (std::size_t i = 0; i < part.size(); ++i)  // a face repeats its first vertex at the end
-    if ((i == 0 || part[i] != part[0]) && std::find(other.begin(), other.end(), part[i]) != other.end()) bits |= 1u << i;
+    if ((i == 0 || part[i] != part[0]) && std::find(other.begin(), other.end(), part[i]) != other.end())
+      bits |= 1u << i;
   return bits;
 }
 

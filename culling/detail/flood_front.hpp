@@ -73,8 +73,8 @@ class FloodFront {
   /// whose box meets that of the other element (steps of kind 2). Pre: the neighbours in `scratch` are those of this
   /// subset.
   void propose_neighbours_at_start(ElementPair pair, StartScratch& scratch);
-  /// For t = 0: proposes the pairs of an element whose inside may contain one of the vertices and an element whose outer
-  /// part has that vertex (seeds of kind 2).
+  /// For t = 0: proposes the pairs of an element whose inside may contain one of the vertices and an element whose
+  /// outer part has that vertex (seeds of kind 2).
   void propose_containing(std::span<const Index> vertices, StartScratch& scratch, Executor& executor);
   /// Whether the elements of an adjacent pair are proven to have only their common vertices in common at t = 0, because
   /// they lie on different sides of a face of one of them.

@@ -14,8 +14,8 @@ namespace {
 std::uint8_t boundary_part_of(const Mesh& mesh, const StarTable& table, Index o) {
   const std::span<const Index> vertices = mesh.vertices(o);
   if (!mesh.is_live(o)) return ElementSubset::kNoPart;
-  const bool irregular = std::any_of(vertices.begin(), vertices.end(),
-                                     [&](Index v) { return table.kind(v) == StarKind::irregular; });
+  const bool irregular =
+      std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return table.kind(v) == StarKind::irregular; });
   if (mesh.type(o) != ElementType::tetrahedron || irregular) return ElementSubset::kWhole;
   std::uint8_t part = ElementSubset::kNoPart;
   visit_faces(mesh, o, [&](std::span<const Index> face, std::size_t number) {

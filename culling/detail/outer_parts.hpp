@@ -42,7 +42,7 @@ class OuterParts {
   std::vector<Index> parents_;                ///< by vertex: scratch memory of find_components()
   std::vector<Index> suspects_;               ///< of the last update
   std::vector<Index> chosen_;
-  std::vector<Index> slots_;                  ///< scratch memory of update()
+  std::vector<Index> slots_;  ///< scratch memory of update()
 };
 
 }  // namespace volccd::detail

@@ -112,9 +112,8 @@ bool StarTable::share_inner_face(const Mesh& mesh, Index a, Index b) const {
   const std::span<const Index> of_b = mesh.vertices(b);
   bool inner = false;
   visit_faces(mesh, a, [&](std::span<const Index> face, std::size_t number) {
-    const bool common = std::all_of(face.begin(), face.end(), [&](Index v) {
-      return std::find(of_b.begin(), of_b.end(), v) != of_b.end();
-    });
+    const bool common = std::all_of(face.begin(), face.end(),
+                                    [&](Index v) { return std::find(of_b.begin(), of_b.end(), v) != of_b.end(); });
     inner = inner || (common && faces_[a][number] == FaceKind::inner);
   });
   return inner;

@@ -23,7 +23,8 @@ unsigned all_bits(std::span<const Index> vertices) { return vertices.size() <= 8
 /// The face of a tetrahedron opposite to a vertex, outward for positive volume.
 std::array<Index, 3> face_opposite(std::span<const Index> vertices, Index v) {
   constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-  const auto& face = kFaces[static_cast<std::size_t>(std::find(vertices.begin(), vertices.end(), v) - vertices.begin())];
+  const auto& face =
+      kFaces[static_cast<std::size_t>(std::find(vertices.begin(), vertices.end(), v) - vertices.begin())];
   return {vertices[face[0]], vertices[face[1]], vertices[face[2]]};
 }
 

@@ -16,8 +16,9 @@ namespace volccd::detail {
 
 /// A star is clear if no two features of its elements that have no common vertex can touch, or come within the
 /// separation, at any time of the step; a star of tetrahedra or triangles is then embedded at all times. All other
-/// stars are suspect. The conditions, and the proof that they are sufficient, are in docs/star_orphans.md; BoundaryFlood
-/// and StarOrphans both rely on it. All predicates are certified: a rounding error can only make a star suspect.
+/// stars are suspect. The conditions, and the proof that they are sufficient, are in docs/star_orphans.md;
+/// BoundaryFlood and StarOrphans both rely on it. All predicates are certified: a rounding error can only make a star
+/// suspect.
 ///
 /// That a star surrounds its vertex once (condition 4) can change only at times when one of its volumes is 0 or its
 /// ring folds, or by a change of the topology. It remains known from step to step if neither occurs throughout both

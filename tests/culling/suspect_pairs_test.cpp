@@ -32,8 +32,8 @@ TEST(SuspectPairs, AnInterruptedListLeavesNothingToTheNext) {
   for (const ElementPair pair : suspects.pairs()) EXPECT_LT(pair.b, small.topology().mesh().element_slots());
 }
 
-/// A pair with a clear star at a common vertex is never listed, nor one tetrahedron whose volume has a sign, nor two with
-/// a common face and the same sign; all other pairs that no plane separates are listed once.
+/// A pair with a clear star at a common vertex is never listed, nor one tetrahedron whose volume has a sign, nor two
+/// with a common face and the same sign; all other pairs that no plane separates are listed once.
 TEST(SuspectPairs, ListEachPairOnce) {
   SerialExecutor serial;
   for (const double amount : {0.01, 0.6}) {
