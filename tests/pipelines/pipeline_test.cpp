@@ -188,7 +188,9 @@ Scene nearly_simultaneous(std::size_t pairs, double spread, std::uint64_t seed) 
       shape.elements.push_back(element);
     }
   }
-  return {"nearly simultaneous", Topology(shape.mesh()), Motion::linear(shape.positions, x1)};
+  std::vector<Vec3> middle = shape.positions;  // quadratic, because times are less exact
+  for (std::size_t v = 0; v < middle.size(); ++v) middle[v] = (middle[v] + x1[v]) / 2;
+  return {"nearly simultaneous", Topology(shape.mesh()), Motion::quadratic(shape.positions, middle, x1)};
 }
 
 // The narrow phase reports times that are early by up to its tolerance, so that a contact that is reported first may be
@@ -197,12 +199,12 @@ TEST(ThreadsPipelines, FirstIsTheEarliestOfContactsWithinTheTolerance) {
   const auto executor = make_thread_executor(3);
   for (const double tolerance : {1e-3, 1e-6, 1e-9})
     for (const char* name : {"VolCCD", "VolCCD+", "NavCCD"})
-      for (std::uint64_t seed = 0; seed < 6; ++seed) {
-        const Scene scene = nearly_simultaneous(300, tolerance, seed);
+      for (std::uint64_t seed = 0; seed < 2; ++seed) {
+        const Scene scene = nearly_simultaneous(150, tolerance, seed);
         PipelineSpec spec = registry().pipeline(name);
         spec.narrow_phase = {"inclusion", {{"time_tolerance", fmt::format("{}", tolerance)}}};
         const StepResult all = run(spec, scene);
-        ASSERT_GE(all.contacts.size(), 300u);
+        ASSERT_GE(all.contacts.size(), 150u);
         const Contact& earliest = *std::min_element(all.contacts.begin(), all.contacts.end(),
                                                     [](const Contact& a, const Contact& b) { return a.toi < b.toi; });
         for (Executor* e : {static_cast<Executor*>(nullptr), executor.get()}) {
