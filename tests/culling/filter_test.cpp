@@ -12,6 +12,7 @@
 #include <volccd/culling/csat_filter.hpp>
 #include <volccd/culling/feature_kdop_filter.hpp>
 #include <volccd/narrowphase/exact_predicates.hpp>
+#include <volccd/query/kdop.hpp>
 
 #include "filter_touching.hpp"
 #include "support/stages.hpp"
