@@ -95,6 +95,30 @@ TEST(ExtremeCoordinates, TreesContainEachElementOnce) {
   EXPECT_GT(infinite, 1000u);  // otherwise the test proves nothing
 }
 
+/// Each element is twice as large and as far away as the one before, so that the best split separates it alone. Halves
+/// of a ratio of 1 : 7 or better give a depth of at most log(120) / log(8/7) = 36, and one more.
+TEST(ExtremeCoordinates, TreesOfElementsOfAllSizesAreNotDeep) {
+  constexpr Index kCount = 120;
+  Shape shape;
+  for (Index o = 0; o < kCount; ++o) {
+    ElementSpec spec{ElementType::tetrahedron, {}, {}, 0, o};
+    for (const Vec3& p : {Vec3(1, 1, 1), Vec3(1.5, 1, 1), Vec3(1, 1.5, 1), Vec3(1, 1, 1.5)}) {
+      spec.vertices.push_back(static_cast<Index>(shape.positions.size()));
+      shape.positions.push_back(std::ldexp(1.0, static_cast<int>(o)) * p);
+    }
+    shape.elements.push_back(spec);
+  }
+  const Scene scene = make_scene("all sizes", shape, shape.positions);
+  SerialExecutor executor;
+  detail::BoundsTable table;
+  detail::bound_vertices(scene.step(), 6, executor, table);
+  detail::ElementList list;
+  list.assign(scene.step(), executor);
+  detail::TreeBuilder builder;
+  std::vector<detail::TreeNode> nodes(detail::tree_nodes(kCount, 1));
+  EXPECT_LE(builder.build(list, table, {0, 0, kCount, 0}, 1, nodes.data(), executor), 37);
+}
+
 TEST(ExtremeCoordinates, TreesFindThePairsOfBoxes) {
   const auto tree = make(describe_kdop_bvh(), {{"k", "6"}}), hash = make(describe_spatial_hash(), {{"k", "6"}}),
              boxes = make(describe_brute_force());

@@ -257,7 +257,7 @@ MovingFace sliver(int control_points, bool first_is_short, double noise, Random&
   for (int c = 0; c < control_points; ++c) {
     face.a.push_back(on_line());
     face.b.push_back(on_line());
-    face.from.push_back(c == 0 ? Vec3(0, 0, 0) : random_vector(random));
+    face.from.push_back(c == 0 ? Vec3(0, 0, 0) : Vec3(0x1p-6 * random_vector(random)));  // differences are rounded
   }
   const Vec3 aside(0, small * random.uniform(1, 4), 0);
   if (first_is_short)

@@ -12,6 +12,7 @@
 #include <volccd/culling/csat_filter.hpp>
 #include <volccd/culling/feature_kdop_filter.hpp>
 #include <volccd/narrowphase/exact_predicates.hpp>
+#include <volccd/query/kdop.hpp>
 
 #include "filter_touching.hpp"
 #include "support/stages.hpp"
@@ -194,7 +195,8 @@ TEST(FilterConservative, GrazingAlongDiagonalsIsKept) {
 /// Two features that meet at the end of the step, apart from rounding; at the start they are smaller by a factor of
 /// `size`, and apart. One of the four points is farther away than the others by a factor of up to `reach`.
 TouchingTest growing_test(Random& random, FeatureKind kind, int control_points, double size, double reach) {
-  const Vec3 at = random.vector(-1, 1), u = random.vector(-1, 1), w = random.vector(-1, 1);
+  const Vec3 at = random.vector(-1, 1) / (random.integer(0, 1) == 0 ? 1 : reach);
+  const Vec3 u = random.vector(-1, 1), w = random.vector(-1, 1);
   const auto length = [&] { return random.uniform(0.2, 1) * (random.integer(0, 3) == 0 ? 1 : 1 / reach); };
   std::array<Vec3, 4> points;
   if (kind == FeatureKind::vf) {
