@@ -90,7 +90,7 @@ class Normals {
       greatest = hn::Max(greatest, hn::Max(hn::Abs(n.x), hn::Max(hn::Abs(n.y), hn::Abs(n.z))));
     const Lanes scale = hn::Div(broadcast(1), greatest);
     for (int k = 0; k < kCoefficients; ++k) store3(scaled(normal[k], scale), normal_[k], lane);
-    // The weights of a coefficient sum to at most 6; a term has fewer than 16 rounding errors (docs/boundary_flood.md).
+    // The weights of a coefficient sum to at most 6; a term has fewer than 16 rounding errors (docs/clear_stars.md).
     const Lanes product = hn::Mul(broadcast(6 * 32 * kUnitRoundoff), trusted(hn::Mul(trusted(of_a), trusted(of_b))));
     const Lanes bound = hn::Mul(hn::Add(product, broadcast(kDeterminantUnderflow)), scale);
     // For single precision, in which the bound itself is rounded as well.

@@ -23,7 +23,7 @@ struct ConeSigns {
 /// elements and empty slots none.
 ///
 /// With a separation d > 0, the sign is also that of each tetrahedron of the cone with some vertices displaced by w/2,
-/// others by -w/2, and the rest not, for any w with |w| <= d (docs/boundary_flood.md): no feature of it comes within d
+/// others by -w/2, and the rest not, for any w with |w| <= d (docs/clear_stars.md): no feature of it comes within d
 /// of the opposite one.
 ///
 /// For element slots [begin, end). Compiled for each instruction set, with the same results on all of them.

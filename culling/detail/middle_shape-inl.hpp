@@ -63,7 +63,7 @@ class MiddleShape {
   /// also for displaced vertices (cone_signs()). False if an overflow is possible.
   ///
   /// If vertices are displaced by at most d each, a volume changes by at most d times the sum of the areas of its four
-  /// faces, plus 12 d^2 size + 8 d^3 (docs/star_orphans.md). No area of a triangle is greater than that in the box.
+  /// faces, plus 12 d^2 size + 8 d^3 (docs/clear_stars.md). No area of a triangle is greater than that in the box.
   HWY_INLINE LaneMask stays_positive(double separation) const {
     const Lanes d = hn::Add(away_, broadcast(separation / 2)), whole = hn::Add(size_, d);
     const Lanes more = hn::Mul(hn::Mul(d, d), hn::Add(hn::Mul(broadcast(12), size_), hn::Mul(broadcast(8), d)));

@@ -40,7 +40,7 @@ struct Ring {
   std::size_t bytes() const { return heap_bytes(sides, vertices); }
 };
 
-/// The kinds of all stars and faces of a topology (docs/star_orphans.md, condition 1). Not thread-safe; uses the
+/// The kinds of all stars and faces of a topology (docs/clear_stars.md, condition 1). Not thread-safe; uses the
 /// executor.
 class StarTable {
  public:

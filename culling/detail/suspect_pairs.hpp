@@ -14,10 +14,10 @@
 namespace volccd::detail {
 
 /// All pairs of elements with a common vertex, and of an element and itself, except those that are proven to touch only
-/// in their common features throughout the step (docs/star_orphans.md, corollary):
+/// in their common features throughout the step (docs/clear_stars.md, "Pairs that cannot touch"):
 ///  1. because a common vertex has a clear star;
 ///  2. because they are one tetrahedron, or two with a common inner face, whose volumes have one sign;
-///  3. because they have one or two common vertices, and lie on different sides of a plane through these.
+///  3. and 4. because they have one or two common vertices, and lie on different sides of a plane through these.
 /// Not thread-safe; uses the executor.
 class SuspectPairs {
  public:

@@ -16,7 +16,7 @@ namespace volccd::detail {
 
 /// A star is clear if no two features of its elements that have no common vertex can touch, or come within the
 /// separation, at any time of the step; a star of tetrahedra or triangles is then embedded at all times. All other
-/// stars are suspect. The conditions, and the proof that they are sufficient, are in docs/star_orphans.md;
+/// stars are suspect. The conditions, and the proof that they are sufficient, are in docs/clear_stars.md;
 /// BoundaryFlood and StarOrphans both rely on it. All predicates are certified: a rounding error can only make a star
 /// suspect.
 ///
@@ -26,8 +26,8 @@ namespace volccd::detail {
 /// between them. Not thread-safe; uses the executor.
 class VertexStars {
  public:
-  /// Classifies the stars of the step's topology. O(elements) if no more is known from the last step than the topology;
-  /// returns how far that has changed.
+  /// Classifies the stars of the step's topology in O(elements). Returns the extent of the topology's change since the
+  /// last update; `everything` after one that was interrupted by an exception.
   TopologyDelta::Extent update(const Step& step, Executor& executor);
 
   /// Whether the star of v is not clear.
