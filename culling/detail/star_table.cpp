@@ -11,11 +11,24 @@ namespace {
 
 constexpr std::size_t kTableElements = 512, kTableVertices = 256;
 
-bool has_faces(ElementType type) { return !face_stream(type).empty(); }
+/// Whether the type has a face stream.
+bool has_faces(ElementType type) { return type != ElementType::polytope && type != ElementType::none; }
 
-/// Whether element o has the face with its vertices in opposite order.
+/// Whether an even number of swaps sorts the vertices of the triangle.
+bool is_even(std::span<const Index> t) { return ((t[0] > t[1]) ^ (t[0] > t[2]) ^ (t[1] > t[2])) == 0; }
+
+/// Pre: the tetrahedron has the three vertices of the face.
+bool tetrahedron_has_reversed(std::span<const Index> vertices, std::span<const Index> face) {
+  std::size_t i = 0;
+  while (vertices[i] == face[0] || vertices[i] == face[1] || vertices[i] == face[2]) ++i;
+  return is_even(face) != is_even(face_opposite(vertices, i));
+}
+
+/// Whether element o, which has a triangle of the face, has the face with its vertices in opposite order.
 bool has_reversed(const Mesh& mesh, Index o, std::span<const Index> face) {
   if (is_shell(mesh.type(o))) return false;
+  if (mesh.type(o) == ElementType::tetrahedron)
+    return face.size() == 3 && tetrahedron_has_reversed(mesh.vertices(o), face);
   bool found = false;
   const std::size_t size = face.size();
   visit_faces(mesh, o, [&](std::span<const Index> other, std::size_t) {

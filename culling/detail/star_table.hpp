@@ -83,6 +83,12 @@ class StarTable {
   std::vector<Ring> scratch_;  ///< by worker
 };
 
+/// The face of a tetrahedron opposite to its vertex i, outward for positive volume.
+inline std::array<Index, 3> face_opposite(std::span<const Index> vertices, std::size_t i) {
+  constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
+  return {vertices[kFaces[i][0]], vertices[kFaces[i][1]], vertices[kFaces[i][2]]};
+}
+
 /// Calls visit(face, number) for each face of an element with a face stream; `face` contains vertex slots in cyclic
 /// order, outward for a volume element of positive volume.
 template <class Visit>

@@ -20,14 +20,6 @@ std::size_t least_vertex(std::span<const Index> vertices) {
 /// The bits of all vertices of an element (ConeSigns), or 0 if it has too many.
 unsigned all_bits(std::span<const Index> vertices) { return vertices.size() <= 8 ? (1u << vertices.size()) - 1 : 0; }
 
-/// The face of a tetrahedron opposite to a vertex, outward for positive volume.
-std::array<Index, 3> face_opposite(std::span<const Index> vertices, Index v) {
-  constexpr std::array<std::array<std::uint8_t, 3>, 4> kFaces{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
-  const auto& face =
-      kFaces[static_cast<std::size_t>(std::find(vertices.begin(), vertices.end(), v) - vertices.begin())];
-  return {vertices[face[0]], vertices[face[1]], vertices[face[2]]};
-}
-
 /// Calls visit(cone) for the cones of directions from v into the elements at v, at t = 0: one for each boundary
 /// triangle on a face without v.
 template <class Visit>
@@ -39,7 +31,9 @@ void visit_cones(const Step& step, Index v, bool mirrored, Visit&& visit) {
   };
   for (const Index o : step.features().vertex_elements(v)) {
     if (step.mesh().type(o) == ElementType::tetrahedron) {
-      const std::array<Index, 3> face = face_opposite(step.mesh().vertices(o), v);
+      const std::span<const Index> vertices = step.mesh().vertices(o);
+      const auto i = static_cast<std::size_t>(std::find(vertices.begin(), vertices.end(), v) - vertices.begin());
+      const std::array<Index, 3> face = face_opposite(vertices, i);
       visit_triangle(face[0], face[1], face[2]);
       continue;
     }
