@@ -18,7 +18,7 @@
 namespace volccd::detail {
 namespace {
 
-const ObjectFilter kEveryObject;
+const ObjectFilter kAllObjects;
 
 void add(Shape& shape, ElementType type, std::vector<Index> vertices) {
   shape.elements.push_back({type, std::move(vertices), {}, 0, static_cast<std::int64_t>(shape.elements.size())});
@@ -44,7 +44,7 @@ bool is_suspect(const Shape& shape) {
   SerialExecutor serial;
   const Topology topology(shape.mesh());
   VertexStars stars;
-  stars.update({topology, Motion::linear(shape.positions, shape.positions), kEveryObject}, serial);
+  stars.update({topology, Motion::linear(shape.positions, shape.positions), kAllObjects}, serial);
   return stars.suspect(0);
 }
 
@@ -81,7 +81,7 @@ TEST(ClearStars, HaveASingleRing) {
   }
 }
 
-constexpr double kDegree = std::numbers::pi / 180;
+constexpr double kRadians = std::numbers::pi / 180;
 
 /// Triangles around vertex 0, each `angle` degrees wide, that ascend. `closed`: the last one ends where the first one
 /// begins.
@@ -89,7 +89,7 @@ Shape shell_fan(Index triangles, double angle, bool closed) {
   Shape shape = with_positions({Vec3::Zero()});
   const Index sides = closed ? triangles : triangles + 1;
   for (Index i = 0; i < sides; ++i) {
-    const double turn = angle * kDegree * static_cast<double>(i);
+    const double turn = angle * kRadians * static_cast<double>(i);
     shape.positions.emplace_back(std::cos(turn), std::sin(turn), 0.02 * static_cast<double>(i));
   }
   for (Index i = 0; i < triangles; ++i) add(shape, ElementType::triangle, {0, 1 + i, 1 + (i + 1) % sides});
@@ -132,22 +132,22 @@ TEST(ClearStars, HaveNoHalfCoveredFaces) {
 }
 
 /// Two poses in which all cones keep their signs: the first surrounds vertex 0 once, the second one twice.
-struct Poses {
+struct WindingPoses {
   Shape shape;
   std::vector<Vec3> once, twice;
 };
 
-std::vector<Poses> poses() {
-  std::vector<Poses> all;
+std::vector<WindingPoses> winding_poses() {
+  std::vector<WindingPoses> all;
   const Shape once = shell_fan(12, 30, true), twice = shell_fan(12, 60, true);
   all.push_back({once, once.positions, twice.positions});
   for (const bool mirrored : {false, true}) {  // tetrahedra between a ring and two poles
-    Poses p;
+    WindingPoses p;
     const double up = mirrored ? -1 : 1;
     for (const double angle : {60., 120.}) {
       std::vector<Vec3>& x = angle == 60 ? p.once : p.twice;
       x = {Vec3::Zero(), Vec3(0, 0, -up), Vec3(0, 0, up)};
-      for (int i = 0; i < 6; ++i) x.emplace_back(std::cos(angle * kDegree * i), std::sin(angle * kDegree * i), 0);
+      for (int i = 0; i < 6; ++i) x.emplace_back(std::cos(angle * kRadians * i), std::sin(angle * kRadians * i), 0);
     }
     p.shape.positions = p.once;
     for (Index i = 0; i < 6; ++i) {
@@ -161,11 +161,11 @@ std::vector<Poses> poses() {
 }
 
 /// The steps of one shape, with stars that are kept.
-class Steps {
+class KeptStars {
  public:
-  explicit Steps(const Shape& shape) : topology_(shape.mesh()) {}
+  explicit KeptStars(const Shape& shape) : topology_(shape.mesh()) {}
   bool suspect_after(const std::vector<Vec3>& from, const std::vector<Vec3>& to, Executor& executor) {
-    stars_.update({topology_, Motion::linear(from, to), kEveryObject}, executor);
+    stars_.update({topology_, Motion::linear(from, to), kAllObjects}, executor);
     return stars_.suspect(0);
   }
   bool suspect_after(const std::vector<Vec3>& from, const std::vector<Vec3>& to) {
@@ -179,8 +179,8 @@ class Steps {
 };
 
 TEST(ClearStars, AreCheckedAgainAfterAJump) {
-  for (const Poses& p : poses()) {
-    Steps steps(p.shape);
+  for (const WindingPoses& p : winding_poses()) {
+    KeptStars steps(p.shape);
     EXPECT_FALSE(steps.suspect_after(p.once, p.once));
     EXPECT_TRUE(steps.suspect_after(p.twice, p.twice));
     EXPECT_FALSE(steps.suspect_after(p.once, p.once));
@@ -188,8 +188,8 @@ TEST(ClearStars, AreCheckedAgainAfterAJump) {
 }
 
 TEST(ClearStars, AreCheckedAgainAfterAStepInWhichTheyWereSuspect) {
-  for (const Poses& p : poses()) {
-    Steps steps(p.shape);
+  for (const WindingPoses& p : winding_poses()) {
+    KeptStars steps(p.shape);
     EXPECT_FALSE(steps.suspect_after(p.once, p.once));
     EXPECT_TRUE(steps.suspect_after(p.once, p.twice));
     EXPECT_TRUE(steps.suspect_after(p.twice, p.twice));
@@ -199,9 +199,9 @@ TEST(ClearStars, AreCheckedAgainAfterAStepInWhichTheyWereSuspect) {
 }
 
 TEST(ClearStars, AreCheckedAgainAfterAnInterruptedStep) {
-  for (const Poses& p : poses())
+  for (const WindingPoses& p : winding_poses())
     for (int loop = 0; loop < 10; ++loop) {
-      Steps steps(p.shape);
+      KeptStars steps(p.shape);
       EXPECT_FALSE(steps.suspect_after(p.once, p.once));
       EndsInLoop interrupted(loop);
       try {
@@ -223,7 +223,7 @@ TEST(SuspectPairs, OfTetrahedraOnOneSideOfAFaceAreListed) {
     if (elements == 3) add(shape, ElementType::tetrahedron, {0, 2, 1, 5});
     const Topology topology(shape.mesh());
     const Motion rest = Motion::linear(shape.positions, shape.positions);
-    const Step step{topology, rest, kEveryObject};
+    const Step step{topology, rest, kAllObjects};
     VertexStars stars;
     stars.update(step, serial);
     SuspectPairs pairs;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <numeric>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -32,7 +33,8 @@ class Subsets {
         topology_(block(ElementType::tetrahedron, 2, 2, 1).mesh()),
         motion_(topology_.mesh().vertex_count(), 2),
         subsets_{std::make_unique<ElementSubset>(), std::make_unique<ElementSubset>()} {
-    for (auto& subset : subsets_) subset->assign(topology_.mesh(), false, [](Index) { return ElementSubset::kWhole; });
+    for (auto& subset : subsets_)
+      subset->assign(topology_.mesh(), all_slots(), [](Index) { return ElementSubset::kWhole; });
   }
 
   Random& random() { return random_; }
@@ -58,20 +60,23 @@ class Subsets {
     for (std::size_t i = 0; i < 2; ++i) {
       if (which < 2 && i != which) continue;
       const std::uint64_t seed = random_.next(), rate = 1 + random_.below(10);
-      subsets_[i]->assign(topology_.mesh(), same_mesh, [&](Index o) {
+      const auto chosen = [&](Index o) { return mix(seed + o) % 16 < rate; };
+      std::vector<Index> slots = all_slots();
+      if (same_mesh) std::erase_if(slots, [&](Index o) { return !chosen(o); });
+      subsets_[i]->assign(topology_.mesh(), slots, [&](Index o) {
         if (!topology_.mesh().is_live(o)) return ElementSubset::kNoPart;
-        const std::uint64_t value = mix(seed + o);
-        if (value % 16 >= rate) return part_of(*subsets_[i], o);
         const std::uint8_t parts[] = {ElementSubset::kNoPart, ElementSubset::kWhole, 0x7, 0xb, 0xd, 0xe};
-        return parts_[i][o] = parts[value / 16 % 6];
+        if (chosen(o)) parts_[i][o] = parts[mix(seed + o) / 16 % 6];
+        return parts_[i][o];
       });
     }
   }
 
  private:
-  std::uint8_t part_of(const ElementSubset& subset, Index o) {
-    const std::size_t i = &subset == subsets_[0].get() ? 0 : 1;
-    return parts_[i][o];
+  std::vector<Index> all_slots() const {
+    std::vector<Index> slots(topology_.mesh().element_slots());
+    std::iota(slots.begin(), slots.end(), Index{0});
+    return slots;
   }
 
   Random random_;
@@ -84,6 +89,27 @@ class Subsets {
   std::size_t chosen_ = 0;
   std::int64_t id_ = 1000;
 };
+
+/// A subset that is cleared for another mesh has a version from which no change is known.
+TEST(ElementSubset, ForgetsWhatWasBeforeAnotherMesh) {
+  const Mesh large = block(ElementType::tetrahedron, 2, 1, 1).mesh(),
+             small = block(ElementType::tetrahedron, 1, 1, 1).mesh();
+  ElementSubset subset;
+  const auto assign = [&](const Mesh& mesh) {
+    std::vector<Index> slots(mesh.element_slots());
+    std::iota(slots.begin(), slots.end(), Index{0});
+    subset.clear();
+    subset.assign(mesh, slots, [](Index) { return ElementSubset::kWhole; });
+  };
+  assign(small);
+  const std::uint64_t version = subset.version();
+  assign(large);
+  assign(small);
+  EXPECT_EQ(subset.size(), small.element_slots());
+  std::span<const Index> slots;
+  EXPECT_NE(subset.version(), version);
+  EXPECT_FALSE(subset.changes_since(version, slots));
+}
 
 TEST(ElementDelta, LeavesOutNoChange) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
