@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include <volccd/core/random.hpp>
 #include <volccd/pipelines/compare.hpp>
 #include <volccd/query/kdop.hpp>
 
@@ -213,6 +214,57 @@ TEST(ThreadsPipelines, FirstIsTheEarliestOfContactsWithinTheTolerance) {
           EXPECT_EQ(first.contacts.front().toi, earliest.toi) << name << ", tolerance " << tolerance;
         }
       }
+}
+
+/// Reports contacts early by up to its tolerance, which is much larger than that of other narrow phases: by a fraction
+/// of it that depends on the vertices.
+class EarlyTimes final : public NarrowPhase {
+ public:
+  static constexpr double kTolerance = 0.01;
+
+  int max_control_points() const override { return inner_->max_control_points(); }
+  double time_tolerance() const override { return kTolerance; }
+  std::unique_ptr<StageState> make_state() const override { return inner_->make_state(); }
+  void prepare(const Step& step, StageState& state, Executor& executor) const override {
+    inner_->prepare(step, state, executor);
+  }
+  void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block, std::vector<Contact>& contacts,
+           NarrowCounters& counters) const override {
+    const std::size_t before = contacts.size();
+    inner_->run(step, state, worker, block, contacts, counters);
+    for (std::size_t i = before; i < contacts.size(); ++i) {
+      const auto& v = contacts[i].vertices;
+      contacts[i].toi -= kTolerance * Random((std::uint64_t{v[0]} << 32 | v[1]) ^ v[3]).uniform();
+    }
+  }
+
+ private:
+  std::unique_ptr<NarrowPhase> inner_ = registry().stage<NarrowPhase>("inclusion").make({});
+};
+
+/// A contact may be reported before another one and occur after it. Once the other one is known, stages must not prove
+/// by its time that the first one is irrelevant.
+TEST(Pipelines, FirstIsTheEarliestReportedTime) {
+  Registry with_early_times = Registry::standard();
+  StageDescriptor<NarrowPhase> descriptor;
+  descriptor.name = "early-times";
+  descriptor.guarantee = Guarantee::conservative;
+  descriptor.make = [](const OptionValues&) { return std::make_unique<EarlyTimes>(); };
+  with_early_times.add(descriptor);
+  const Scene scene = nearly_simultaneous(400, EarlyTimes::kTolerance, 5);
+  const Step step{scene.topology, scene.motion, kEverything};
+  SerialExecutor serial;
+  for (const char* name : {"VolCCD", "VolCCD+", "NavCCD"}) {
+    PipelineSpec spec = registry().pipeline(name);
+    spec.narrow_phase = {"early-times", {}};
+    const Pipeline pipeline(with_early_times, spec);
+    Workspace workspace = pipeline.make_workspace();
+    StepResult all, first;
+    pipeline.run(step, workspace, serial, all, Query::all);
+    pipeline.run(step, workspace, serial, first, Query::first);
+    ASSERT_EQ(first.contacts.size(), 1u) << name;
+    EXPECT_EQ(first.contacts.front().toi, all.statistics.earliest_toi) << name;
+  }
 }
 
 TEST(Pipelines, PairScopesPartitionTheContacts) {
