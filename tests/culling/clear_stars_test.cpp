@@ -9,6 +9,7 @@
 #include <vector>
 
 #include <gtest/gtest.h>
+#include <Eigen/Geometry>
 
 #include <volccd/culling/detail/suspect_pairs.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
@@ -115,6 +116,40 @@ TEST(ClearStars, HaveNotBothShellsAndVolumes) {
   }
 }
 
+/// Triangles with a closed ring around `up`, in the middle of a closed star of tetrahedra.
+TEST(ClearStars, HaveNoRingOfShellsAmongVolumes) {
+  for (const bool shells_first : {false, true}) {
+    Shape shape = octahedron();
+    const auto volumes = static_cast<std::ptrdiff_t>(shape.elements.size());
+    const Shape shells = shell_fan(6, 60, true);
+    const auto first = static_cast<Index>(shape.positions.size() - 1);
+    shape.positions.insert(shape.positions.end(), shells.positions.begin() + 1, shells.positions.end());
+    for (const ElementSpec& e : shells.elements)
+      add(shape, ElementType::triangle, {0, first + e.vertices[1], first + e.vertices[2]});
+    if (shells_first) std::rotate(shape.elements.begin(), shape.elements.begin() + volumes, shape.elements.end());
+    EXPECT_TRUE(is_suspect(shape)) << shells_first;
+  }
+}
+
+/// How many faces of an element are irregular.
+std::ptrdiff_t irregular_faces(const Shape& shape, Index o) {
+  const Topology topology(shape.mesh());
+  SerialExecutor serial;
+  StarTable table;
+  table.update(topology, serial);
+  return std::count(table.faces(o).begin(), table.faces(o).end(), FaceKind::irregular);
+}
+
+TEST(ClearStars, HaveHexahedraOnBothSidesOfFaces) {
+  Shape shape = block(ElementType::hexahedron, 1, 1, 1);
+  for (const Vec3& p : {Vec3(0, 0, 2), Vec3(1, 0, 2), Vec3(0, 1, 2), Vec3(1, 1, 2)}) shape.positions.push_back(p);
+  add(shape, ElementType::hexahedron, {4, 5, 7, 6, 8, 9, 11, 10});
+  EXPECT_EQ(irregular_faces(shape, 0), 0);
+  shape.elements.back().vertices = {0, 1, 3, 2, 8, 9, 11, 10};
+  EXPECT_EQ(irregular_faces(shape, 0), 1);
+  EXPECT_EQ(irregular_faces(shape, 1), 1);
+}
+
 /// A face of a hexahedron, of which a tetrahedron has one half, is irregular at the vertex of the other half, too.
 TEST(ClearStars, HaveNoHalfCoveredFaces) {
   for (const Index least : {1u, 2u}) {
@@ -127,8 +162,60 @@ TEST(ClearStars, HaveNoHalfCoveredFaces) {
     SerialExecutor serial;
     StarTable table;
     table.update(topology, serial);
+    EXPECT_EQ(irregular_faces(shape, 0), 1);
     for (const Index v : {4u, 5u, 6u, 7u}) EXPECT_EQ(table.kind(v), StarKind::irregular) << v;
   }
+}
+
+/// Tetrahedra and hexahedra that both surround vertex 0. The cones of hexahedra are over both triangles of each face.
+TEST(ClearStars, AreNotTwoClosedStars) {
+  for (int turn = 0; turn < 12; ++turn) {
+    Shape shape = octahedron();
+    const Eigen::AngleAxisd rotation(0.5 * turn, Vec3(1, 2, 3 + turn).normalized());
+    for (Vec3& p : shape.positions) p = rotation * p;
+    const Shape cells = block(ElementType::hexahedron, 2, 2, 2);
+    const auto first = static_cast<Index>(shape.positions.size());
+    for (const Vec3& p : cells.positions) shape.positions.push_back(p - Vec3(1, 1, 1));
+    for (const ElementSpec& e : cells.elements) {
+      std::vector<Index> vertices = e.vertices;
+      for (Index& v : vertices) v = cells.positions[v] == Vec3(1, 1, 1) ? 0 : first + v;
+      add(shape, ElementType::hexahedron, vertices);
+    }
+    EXPECT_TRUE(is_suspect(shape)) << turn;
+  }
+}
+
+/// The boundary triangles of the faces at v, those without v included, have normals with positive dot products with
+/// `up`, the sum of the unit normals of all triangles of these faces that contain v.
+TEST(ClearStars, HaveFacesOverADirection) {
+  SerialExecutor serial;
+  std::size_t negative = 0;
+  for (std::uint64_t seed = 1; seed <= 300; ++seed) {
+    const Shape cell = permuted(block(ElementType::hexahedron, 1, 1, 1), seed);
+    const Topology topology(cell.mesh());
+    const std::vector<Vec3> x = jittered(cell.positions, 0.35, seed);
+    VertexStars stars;
+    stars.update({topology, Motion::linear(x, x), kAllObjects}, serial);
+    const auto normal = [&](Index a, Index b, Index c) { return Vec3((x[b] - x[a]).cross(x[c] - x[a])); };
+    for (Index v = 0; v < 8; ++v) {
+      Vec3 up = Vec3::Zero();
+      visit_faces(topology.mesh(), 0, [&](std::span<const Index> face, std::size_t) {
+        const auto at = static_cast<std::size_t>(std::find(face.begin(), face.end(), v) - face.begin());
+        if (at == 4) return;
+        const Index a = face[(at + 1) % 4], b = face[(at + 2) % 4], c = face[(at + 3) % 4];
+        for (const Vec3& n : {normal(v, a, b), normal(v, b, c), normal(v, a, c)}) up += n.normalized();
+      });
+      visit_faces(topology.mesh(), 0, [&](std::span<const Index> face, std::size_t) {
+        if (std::find(face.begin(), face.end(), v) == face.end()) return;
+        const auto least = static_cast<std::size_t>(std::min_element(face.begin(), face.end()) - face.begin());
+        const auto at = [&](std::size_t i) { return face[(least + i) % 4]; };
+        const bool over = up.dot(normal(at(0), at(1), at(2))) > 0 && up.dot(normal(at(0), at(2), at(3))) > 0;
+        negative += over ? 0 : 1;
+        EXPECT_TRUE(over || stars.suspect(v)) << seed << ' ' << v;
+      });
+    }
+  }
+  EXPECT_GT(negative, 20u);
 }
 
 /// Two poses in which all cones keep their signs: the first surrounds vertex 0 once, the second one twice.

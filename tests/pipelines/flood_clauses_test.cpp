@@ -29,6 +29,10 @@ class BodyInABody {
     for (Vec3& p : inside.positions) p = 0.5 * p + at + Vec3(across, 0, 0);
     shape_.append(inside, 1);
     if (random_.below(2) == 0) shape_ = permuted(shape_, random_.next());
+    if (random_.below(3) == 0) {  // objects that share vertices, and a filter
+      for (ElementSpec& e : shape_.elements) e.object = static_cast<std::int32_t>(random_.below(3));
+      filter_ = random_.below(2) == 0 ? ObjectFilter(PairScope::inter) : ObjectFilter(PairScope::intra);
+    }
     topology_.emplace(shape_.mesh());
     x_ = jittered(shape_.positions, 0.02, random_.next());
   }
@@ -49,7 +53,7 @@ class BodyInABody {
     }
     const Motion motion = Motion::linear(x_, end);
     const double separation = random_.below(4) == 0 ? 0.05 : 0;
-    const std::size_t contacts = contest.compare({*topology_, motion, kNoFilter, separation}, what + done);
+    const std::size_t contacts = contest.compare({*topology_, motion, filter_, separation}, what + done);
     x_ = random_.below(2) == 0 ? end : x_;
     return contacts;
   }
@@ -73,6 +77,7 @@ class BodyInABody {
 
   Random random_;
   Shape shape_;
+  ObjectFilter filter_;
   std::optional<Topology> topology_;
   std::vector<Vec3> x_;
   std::vector<ElementSpec> removed_;
@@ -82,7 +87,9 @@ TEST(FloodClauses, BodiesInsideEachOtherOverManySteps) {
   std::size_t contacts = 0;
   for (std::uint64_t seed = 1; seed <= 40 && !testing::Test::HasFailure(); ++seed) {
     BodyInABody bodies(seed);
-    Contest contest;
+    PipelineSpec spec = test::spec_of("boundary-flood");
+    if (seed % 4 == 0) test::registry().apply_setting(spec, "csat.mode=features");  // pairs without contacts
+    Contest contest(spec);
     for (std::size_t step = 0; step < 6; ++step)
       contacts += bodies.compare(contest, step, "seed " + std::to_string(seed) + ", step " + std::to_string(step));
   }
@@ -154,6 +161,50 @@ TEST(FloodClauses, AnElementAddedInsideABody) {
   contest.compare({topology, Motion::linear(both.positions, end), kNoFilter}, "without");
   topology.apply({{}, {}, {added}});
   EXPECT_GT(contest.compare({topology, Motion::linear(both.positions, end), kNoFilter}, "added"), 5u);
+}
+
+/// An edit removes a layer in the middle of a block, so that the part above falls on the part below. All motions are
+/// translations, so that no star is suspect.
+TEST(FloodClauses, PartsThatAnEditSeparates) {
+  const Shape shape = block(ElementType::tetrahedron, 3, 3, 7);
+  Topology topology(shape.mesh());
+  Contest contest;
+  const Motion rest = Motion::linear(shape.positions, shape.positions);
+  contest.compare({topology, rest, kNoFilter}, "whole");
+  TopologyEdit edit;
+  for (Index o = 0; o < topology.mesh().element_slots(); ++o) {
+    double middle = 0;
+    for (const Index v : topology.mesh().vertices(o)) middle += shape.positions[v].z() / 4;
+    if (middle > 3 && middle < 4) edit.removed.push_back(o);
+  }
+  topology.apply(edit);
+  std::vector<Vec3> end = shape.positions;
+  for (Vec3& p : end)
+    if (p.z() > 3.5) p += Vec3(0.21, 0.13, -1.37);
+  EXPECT_GT(contest.compare({topology, Motion::linear(shape.positions, end), kNoFilter}, "falls"), 20u);
+}
+
+/// Of two tetrahedra inside a body, an edit replaces the second one by one with other vertices, in the same slot, which
+/// has a vertex in common with the first. All parts of elements remain the same: both are outer as wholes.
+TEST(FloodClauses, AnElementReplacedInItsSlot) {
+  Shape both = block(ElementType::tetrahedron, 6, 4, 4);
+  const auto first = static_cast<Index>(both.positions.size());
+  for (const Vec3& at : {Vec3(1.53, 1.47, 1.55), Vec3(3.53, 1.47, 1.55)})
+    for (const Vec3& p : {Vec3(0, 0, 0), Vec3(0.9, 0, 0), Vec3(0, 0.9, 0), Vec3(0, 0, 0.9)})
+      both.positions.push_back(p + at);
+  both.elements.push_back({ElementType::tetrahedron, {first, first + 1, first + 2, first + 3}, {}, 1, 100000});
+  both.elements.push_back({ElementType::tetrahedron, {first + 4, first + 5, first + 6, first + 7}, {}, 1, 100001});
+  std::vector<Vec3> end = both.positions;
+  for (Index v = first; v < end.size(); ++v) end[v] += Vec3(0.11, 0.13, 0.06);
+  const Motion motion = Motion::linear(both.positions, end);
+  Topology topology(both.mesh());
+  Contest contest;
+  EXPECT_GT(contest.compare({topology, motion, kNoFilter}, "apart"), 5u);
+  const Index slot = topology.mesh().find_element(100001);
+  topology.apply(
+      {{slot}, {}, {{ElementType::tetrahedron, {first + 1, first + 5, first + 6, first + 7}, {}, 1, 100002}}});
+  EXPECT_EQ(topology.mesh().find_element(100002), slot);
+  EXPECT_GT(contest.compare({topology, motion, kNoFilter}, "joined"), 5u);
 }
 
 }  // namespace
