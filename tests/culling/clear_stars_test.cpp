@@ -299,6 +299,23 @@ TEST(ClearStars, AreCheckedAgainAfterAnInterruptedStep) {
     }
 }
 
+TEST(ClearStars, OfVerticesThatBeginToHaveElementsAreClassified) {
+  SerialExecutor serial;
+  const Shape shape = octahedron();
+  std::vector<Vec3> x = shape.positions;
+  for (const Vec3& p : {Vec3(9, 0, 0), Vec3(10, 0, 0), Vec3(9, 1, 0), Vec3(9, 0, 1)}) x.push_back(p);
+  std::vector<Vec3> end = x;
+  end.back() = Vec3(9, 0, -1);  // the volume changes its sign
+  Shape all = shape;
+  all.positions = x;
+  Topology topology(all.mesh());
+  VertexStars stars;
+  stars.update({topology, Motion::linear(x, end), kAllObjects}, serial);
+  topology.apply({{}, {}, {{ElementType::tetrahedron, {7, 8, 9, 10}, {}, 0, 100}}});
+  stars.update({topology, Motion::linear(x, end), kAllObjects}, serial);
+  for (const Index v : {7u, 8u, 9u, 10u}) EXPECT_TRUE(stars.suspect(v)) << v;
+}
+
 /// Two tetrahedra with positive volumes on the same side of a common face overlap, although their volumes have one
 /// sign.
 TEST(SuspectPairs, OfTetrahedraOnOneSideOfAFaceAreListed) {
