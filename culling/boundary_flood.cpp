@@ -160,7 +160,9 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   // filtered.
   state.filter = topology.objects_share_vertices() ? ObjectFilter() : step.filter;
   state.step.emplace(Step{topology, step.motion, state.filter, step.separation, step.t_max, &state.outer.subset()});
-  state.stars.update(*state.step, executor);
+  // An edit changes which outer parts are next to each other, also if no part changes, as when an element is replaced in
+  // its slot.
+  if (state.stars.update(*state.step, executor) != TopologyDelta::Extent::none) state.neighbours_version = 0;
   state.counters.simplices = topology.mesh().element_count();
   state.counters.suspect_vertices = state.stars.suspects().size();
   if (static_cast<double>(state.counters.suspect_vertices) >

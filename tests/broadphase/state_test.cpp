@@ -1,4 +1,6 @@
 // Data that a state keeps from step to step: topology changes, restructuring, memory.
+#include <numeric>
+
 #include <volccd/broadphase/peers/peers.hpp>
 
 #include "broadphase/scenes.hpp"
@@ -80,6 +82,34 @@ TEST(TopologyChanges, RemovedElements) { expect_follows_edits(7, 0, false); }
 TEST(TopologyChanges, AddedElements) { expect_follows_edits(0, 4, false); }
 TEST(TopologyChanges, RemovedAndAddedElements) { expect_follows_edits(5, 3, false); }
 TEST(TopologyChanges, ManyAtOnce) { expect_follows_edits(60, 40, true); }
+
+/// Single elements leave the subset of a step and return to it; the tree is not built anew.
+TEST(TopologyChanges, ElementsThatLeaveTheSubsetAndReturn) {
+  const Shape shape = permuted(block(ElementType::tetrahedron, 3, 3, 3), 1);
+  const Scene scene = make_scene("subset", shape, jittered(shape.positions, 0.3, 1));
+  for (const auto& descriptor : own_descriptors()) {
+    ElementSubset subset;
+    Step step = scene.step();
+    step.subset = &subset;
+    std::vector<Index> slots(step.mesh().element_slots());
+    std::iota(slots.begin(), slots.end(), Index{0});
+    subset.assign(step.mesh(), slots, [](Index) { return ElementSubset::kWhole; });
+    const auto phase = descriptor.make({});
+    const auto state = phase->make_state();
+    SerialExecutor executor;
+    for (int round = 0; round < 9; ++round) {
+      const std::vector<Index> changed = {5, 50, static_cast<Index>(60 + round)};
+      const std::uint8_t part = round % 3 == 0 ? ElementSubset::kNoPart : ElementSubset::kWhole;
+      if (round > 0) subset.assign(step.mesh(), changed, [&](Index) { return part; });
+      ASSERT_EQ(run(*phase, step, *state, PairRange::nonadjacent, executor),
+                run_fresh(*phase, step, PairRange::nonadjacent))
+          << descriptor.name << ' ' << round;
+    }
+    if (descriptor.name == "kdop-bvh") {
+      EXPECT_EQ(KdopBvh::counters(*state).builds, 1u);
+    }
+  }
+}
 
 TEST(TopologyChanges, LargerElementsThanBefore) {
   Shape shape = block(ElementType::tetrahedron, 4, 4, 4);

@@ -7,30 +7,15 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/pipelines/compare.hpp>
-#include <volccd/pipelines/pipeline.hpp>
-
-#include "pipelines/scenes.hpp"
+#include "pipelines/flood_contest.hpp"
 
 namespace volccd {
 namespace {
 
+using test::Contest;
+using test::kNoFilter;
 using test::registry;
-
-const ObjectFilter kNoFilter;
-
-/// Undecided tests are left out, because a pipeline may leave out one that another stage has proven apart.
-PipelineSpec spec_of(const char* flood) {
-  PipelineSpec spec = registry().pipeline("VolCCD+");
-  registry().apply_setting(spec, std::string("flood=") + flood);
-  if (spec.flood)
-    spec.flood->options = {{"most_boundary", "1"},
-                           {"most_divided", "1"},
-                           {"most_suspect", "1"},
-                           {"most_pairs", "1e9"}};  // no step is left to the other stages
-  spec.narrow_phase = {"inclusion", {{"undecided", "exact"}}};
-  return spec;
-}
+using test::spec_of;
 
 struct FloodScene {
   Topology topology;
@@ -174,32 +159,6 @@ class FloodScenes {
   Random random_;
   bool deep_ = false;  ///< large meshes with small deformations, inside each other
   std::string what_;
-};
-
-class Contest {
- public:
-  explicit Contest(const PipelineSpec& flooded = spec_of("boundary-flood"))
-      : plain_(registry(), spec_of("none")),
-        flooded_(registry(), flooded),
-        plain_workspace_(plain_.make_workspace()),
-        flooded_workspace_(flooded_.make_workspace()) {}
-
-  /// Returns the number of contacts.
-  std::size_t compare(const Step& step, const std::string& what, const Request& request = {}) {
-    SerialExecutor serial;
-    StepResult expected, found;
-    plain_.run(step, plain_workspace_, serial, expected, request);
-    flooded_.run(step, flooded_workspace_, serial, found, request);
-    const ContactDifference d = compare_contacts(expected.contacts, found.contacts);
-    EXPECT_TRUE(d.empty()) << what << ": " << d.missing.size() << " of " << expected.contacts.size() << " missing, "
-                           << d.extra.size() << " extra, " << d.changed.size() << " changed";
-    EXPECT_EQ(expected.initial_overlaps, found.initial_overlaps) << what;
-    return expected.contacts.size();
-  }
-
- private:
-  Pipeline plain_, flooded_;
-  Workspace plain_workspace_, flooded_workspace_;
 };
 
 std::size_t compare_scenes(std::uint64_t first_seed, int count) {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
+#include <volccd/core/random.hpp>
 #include <volccd/pipelines/compare.hpp>
 #include <volccd/query/kdop.hpp>
 
@@ -160,9 +161,10 @@ TEST(ThreadsPipelines, FirstIsTheEarliestOfAll) {
       }
 }
 
-/// Pairs of tetrahedra, far from each other, of which a vertex reaches a face of the other at about t = 1/2. In half of
-/// the pairs they are flat and in one plane, apart from rounding. The times differ by up to `spread`.
-Scene nearly_simultaneous(std::size_t pairs, double spread, std::uint64_t seed) {
+/// Pairs of tetrahedra, far from each other, of which a vertex reaches a face of the other at about t = 1/2. If
+/// `some_flat`, they are flat and in one plane in half of the pairs, apart from rounding. The times differ by up to
+/// `spread`.
+Scene nearly_simultaneous(std::size_t pairs, double spread, std::uint64_t seed, bool some_flat = true) {
   Random random(seed);
   const auto any = [&] { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); };
   Shape shape;
@@ -172,7 +174,7 @@ Scene nearly_simultaneous(std::size_t pairs, double spread, std::uint64_t seed) 
     const auto turn = Eigen::AngleAxisd(random.uniform(0, 6), any().normalized());
     const Vec3 point = Vec3(0.2, 0.3, 0) + 0.2 * any(), at(point.x(), point.y(), 0);
     const double time = 0.5 + spread * random.uniform();
-    const bool flat = pair % 2 == 0;
+    const bool flat = some_flat && pair % 2 == 0;
     const Vec3 motion(random.uniform(-1, 1), flat ? 0 : random.uniform(-1, 1), -random.uniform(1, 2));
     const Vec3 tip = at - time * motion;
     const Vec3 corners[2][4] = {{{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}, {0, 0, -1}},
@@ -213,6 +215,57 @@ TEST(ThreadsPipelines, FirstIsTheEarliestOfContactsWithinTheTolerance) {
           EXPECT_EQ(first.contacts.front().toi, earliest.toi) << name << ", tolerance " << tolerance;
         }
       }
+}
+
+/// Reports contacts early by up to its tolerance, which is much larger than that of other narrow phases: by a fraction
+/// of it that depends on the vertices.
+class EarlyTimes final : public NarrowPhase {
+ public:
+  static constexpr double kTolerance = 0.01;
+
+  int max_control_points() const override { return inner_->max_control_points(); }
+  double time_tolerance() const override { return kTolerance; }
+  std::unique_ptr<StageState> make_state() const override { return inner_->make_state(); }
+  void prepare(const Step& step, StageState& state, Executor& executor) const override {
+    inner_->prepare(step, state, executor);
+  }
+  void run(const Step& step, StageState& state, unsigned worker, const TestBlock& block, std::vector<Contact>& contacts,
+           NarrowCounters& counters) const override {
+    const std::size_t before = contacts.size();
+    inner_->run(step, state, worker, block, contacts, counters);
+    for (std::size_t i = before; i < contacts.size(); ++i) {
+      const auto& v = contacts[i].vertices;
+      contacts[i].toi -= kTolerance * Random((std::uint64_t{v[0]} << 32 | v[1]) ^ v[3]).uniform();
+    }
+  }
+
+ private:
+  std::unique_ptr<NarrowPhase> inner_ = registry().stage<NarrowPhase>("inclusion").make({});
+};
+
+/// A contact may be reported before another one and occur after it. Once the other one is known, stages must not prove
+/// by its time that the first one is irrelevant.
+TEST(Pipelines, FirstIsTheEarliestReportedTime) {
+  Registry with_early_times = Registry::standard();
+  StageDescriptor<NarrowPhase> descriptor;
+  descriptor.name = "early-times";
+  descriptor.guarantee = Guarantee::conservative;
+  descriptor.make = [](const OptionValues&) { return std::make_unique<EarlyTimes>(); };
+  with_early_times.add(descriptor);
+  const Scene scene = nearly_simultaneous(1500, EarlyTimes::kTolerance, 5, false);
+  const Step step{scene.topology, scene.motion, kEverything};
+  SerialExecutor serial;
+  for (const char* name : {"VolCCD", "NavCCD"}) {
+    PipelineSpec spec = registry().pipeline(name);
+    spec.narrow_phase = {"early-times", {}};
+    const Pipeline pipeline(with_early_times, spec);
+    Workspace workspace = pipeline.make_workspace();
+    StepResult all, first;
+    pipeline.run(step, workspace, serial, all, Query::all);
+    pipeline.run(step, workspace, serial, first, Query::first);
+    ASSERT_EQ(first.contacts.size(), 1u) << name;
+    EXPECT_EQ(first.contacts.front().toi, all.statistics.earliest_toi) << name;
+  }
 }
 
 TEST(Pipelines, PairScopesPartitionTheContacts) {

@@ -1,0 +1,211 @@
+// Clauses of the theorem of `boundary-flood` (docs/boundary_flood.md), each with a scene in which contacts are lost
+// without it; compared with the same pipeline without a flood.
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <volccd/core/random.hpp>
+
+#include "pipelines/flood_contest.hpp"
+
+namespace volccd {
+namespace {
+
+using test::Contest;
+using test::kNoFilter;
+
+/// A block of 5 x 4 x 4 cells, and a smaller one inside it or across its boundary. Each step moves it by little, pulls
+/// single vertices far, begins elsewhere, or follows an edit.
+class BodyInABody {
+ public:
+  explicit BodyInABody(std::uint64_t seed) : random_(seed) {
+    shape_ = block(ElementType::tetrahedron, 5, 4, 4);
+    Shape inside = block(ElementType::tetrahedron, 3, 3, 3);
+    const Vec3 at(random_.uniform(0.7, 1.3), random_.uniform(0.7, 1.3), random_.uniform(0.7, 1.3));
+    const double across = random_.below(3) == 0 ? 2.5 : 0;
+    for (Vec3& p : inside.positions) p = 0.5 * p + at + Vec3(across, 0, 0);
+    shape_.append(inside, 1);
+    if (random_.below(2) == 0) shape_ = permuted(shape_, random_.next());
+    if (random_.below(3) == 0) {  // objects that share vertices, and a filter
+      for (ElementSpec& e : shape_.elements) e.object = static_cast<std::int32_t>(random_.below(3));
+      filter_ = random_.below(2) == 0 ? ObjectFilter(PairScope::inter) : ObjectFilter(PairScope::intra);
+    }
+    topology_.emplace(shape_.mesh());
+    x_ = jittered(shape_.positions, 0.02, random_.next());
+  }
+
+  /// Returns the number of contacts.
+  std::size_t compare(Contest& contest, std::size_t step, const std::string& what) {
+    std::string done = step > 0 ? edit() : "";
+    if (step > 0 && random_.below(5) == 0) {
+      x_ = jittered(shape_.positions, 0.05, random_.next());
+      done += ", jump";
+    }
+    std::vector<Vec3> end = jittered(x_, 0.03, random_.next());
+    if (random_.below(2) == 0) {
+      for (std::uint64_t i = 1 + random_.below(2); i > 0; --i)
+        end[random_.below(end.size())] +=
+            Vec3(random_.uniform(-1.5, 1.5), random_.uniform(-1.5, 1.5), random_.uniform(-1.5, 1.5));
+      done += ", pulled";
+    }
+    const Motion motion = Motion::linear(x_, end);
+    const double separation = random_.below(4) == 0 ? 0.05 : 0;
+    const std::size_t contacts = contest.compare({*topology_, motion, filter_, separation}, what + done);
+    x_ = random_.below(2) == 0 ? end : x_;
+    return contacts;
+  }
+
+ private:
+  std::string edit() {
+    TopologyEdit edit;
+    const Mesh& mesh = topology_->mesh();
+    const std::uint64_t kind = random_.below(4);
+    if (kind == 0)
+      for (Index o = 0; o < mesh.element_slots(); ++o)
+        if (mesh.is_live(o) && random_.below(30) == 0) {
+          removed_.push_back(mesh.spec(o));
+          edit.removed.push_back(o);
+        }
+    if (kind == 1) edit.added = std::exchange(removed_, {});
+    if (edit.empty()) return "";
+    topology_->apply(edit);
+    return kind == 0 ? ", removed" : ", added again";
+  }
+
+  Random random_;
+  Shape shape_;
+  ObjectFilter filter_;
+  std::optional<Topology> topology_;
+  std::vector<Vec3> x_;
+  std::vector<ElementSpec> removed_;
+};
+
+TEST(FloodClauses, BodiesInsideEachOtherOverManySteps) {
+  std::size_t contacts = 0;
+  for (std::uint64_t seed = 1; seed <= 40 && !testing::Test::HasFailure(); ++seed) {
+    BodyInABody bodies(seed);
+    PipelineSpec spec = test::spec_of("boundary-flood");
+    if (seed % 4 == 0) test::registry().apply_setting(spec, "csat.mode=features");  // pairs without contacts
+    Contest contest(spec);
+    for (std::size_t step = 0; step < 6; ++step)
+      contacts += bodies.compare(contest, step, "seed " + std::to_string(seed) + ", step " + std::to_string(step));
+  }
+  EXPECT_GT(contacts, 10000u);
+}
+
+/// A closed surface around two vertices, each of which has eight tetrahedra below the same eight triangles.
+Shape doubled_body(double size, const Vec3& at) {
+  Shape shape;
+  for (const Vec3& p : {Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(-1, 0, 0), Vec3(0, -1, 0), Vec3(0, 0, 1), Vec3(0, 0, -1),
+                        Vec3(0.1, 0.05, 0.07), Vec3(-0.1, 0.03, -0.06)})
+    shape.positions.push_back(size * p + at);
+  for (const Index centre : {6u, 7u})
+    for (Index i = 0; i < 4; ++i) {
+      const Index a = i, b = (i + 1) % 4;
+      for (const auto& [u, v, pole] : {std::array<Index, 3>{a, b, 4}, {b, a, 5}})
+        shape.elements.push_back(
+            {ElementType::tetrahedron, {centre, u, v, pole}, {}, 0, static_cast<std::int64_t>(shape.elements.size())});
+    }
+  return shape;
+}
+
+/// The inner body has no boundary face, because all faces of its surface have two tetrahedra on the same side.
+TEST(FloodClauses, ABodyInsideWithoutBoundaryFaces) {
+  Shape both = block(ElementType::tetrahedron, 5, 5, 5);
+  const std::size_t outside = both.positions.size();
+  both.append(doubled_body(0.9, Vec3(2.53, 2.47, 2.51)), 1);
+  std::vector<Vec3> end = both.positions;
+  for (std::size_t v = outside; v < end.size(); ++v) end[v] += Vec3(0.11, 0.23, 0.07);
+  const Topology topology(both.mesh());
+  EXPECT_GT(Contest().compare({topology, Motion::linear(both.positions, end), kNoFilter}, "doubled"), 20u);
+}
+
+/// A body deep inside another one, of which only a vertex in the middle moves, through the elements around it. These
+/// have no vertex in common with the boundary of their body.
+TEST(FloodClauses, AVertexPulledInABodyInsideAnother) {
+  for (const bool calm_first : {false, true}) {
+    Shape both = block(ElementType::tetrahedron, 3, 3, 3);
+    for (Vec3& p : both.positions) p = 4 * p - Vec3(4, 4, 4);
+    const std::size_t outside = both.positions.size();
+    Shape inside = block(ElementType::tetrahedron, 6, 6, 6);
+    for (Vec3& p : inside.positions) p = 0.5 * p + Vec3(0.53, 0.47, 0.51);
+    std::size_t middle = 0;
+    for (std::size_t v = 0; v < inside.positions.size(); ++v)
+      if ((inside.positions[v] - Vec3(2.03, 1.97, 2.01)).norm() < 1e-9) middle = v;
+    both.append(inside, 1);
+    const Topology topology(both.mesh());
+    std::vector<Vec3> end = both.positions;
+    end[outside + middle] += Vec3(0.7, 0.2, 0.1);
+    Contest contest;
+    if (calm_first) contest.compare({topology, Motion::linear(both.positions, both.positions), kNoFilter}, "calm");
+    EXPECT_GT(contest.compare({topology, Motion::linear(both.positions, end), kNoFilter}, "pulled"), 5u) << calm_first;
+    contest.compare({topology, Motion::linear(both.positions, both.positions), kNoFilter}, "calm again");
+  }
+}
+
+/// An element that an edit adds inside a body.
+TEST(FloodClauses, AnElementAddedInsideABody) {
+  Shape both = block(ElementType::tetrahedron, 3, 3, 3);
+  ElementSpec added{ElementType::tetrahedron, {}, {}, 1, 1000};
+  for (const Vec3& p : {Vec3(0, 0, 0), Vec3(0.9, 0, 0), Vec3(0, 0.9, 0), Vec3(0, 0, 0.9)}) {
+    added.vertices.push_back(static_cast<Index>(both.positions.size()));
+    both.positions.push_back(p + Vec3(0.93, 0.95, 0.97));
+  }
+  std::vector<Vec3> end = both.positions;
+  for (const Index v : added.vertices) end[v] += Vec3(0.11, 0.13, 0.06);
+  Topology topology(both.mesh());
+  Contest contest;
+  contest.compare({topology, Motion::linear(both.positions, end), kNoFilter}, "without");
+  topology.apply({{}, {}, {added}});
+  EXPECT_GT(contest.compare({topology, Motion::linear(both.positions, end), kNoFilter}, "added"), 5u);
+}
+
+/// An edit removes a layer in the middle of a block, so that the part above falls on the part below. All motions are
+/// translations, so that no star is suspect.
+TEST(FloodClauses, PartsThatAnEditSeparates) {
+  const Shape shape = block(ElementType::tetrahedron, 3, 3, 7);
+  Topology topology(shape.mesh());
+  Contest contest;
+  const Motion rest = Motion::linear(shape.positions, shape.positions);
+  contest.compare({topology, rest, kNoFilter}, "whole");
+  TopologyEdit edit;
+  for (Index o = 0; o < topology.mesh().element_slots(); ++o) {
+    double middle = 0;
+    for (const Index v : topology.mesh().vertices(o)) middle += shape.positions[v].z() / 4;
+    if (middle > 3 && middle < 4) edit.removed.push_back(o);
+  }
+  topology.apply(edit);
+  std::vector<Vec3> end = shape.positions;
+  for (Vec3& p : end)
+    if (p.z() > 3.5) p += Vec3(0.21, 0.13, -1.37);
+  EXPECT_GT(contest.compare({topology, Motion::linear(shape.positions, end), kNoFilter}, "falls"), 20u);
+}
+
+/// Of two tetrahedra inside a body, an edit replaces the second one by one with other vertices, in the same slot, which
+/// has a vertex in common with the first. All parts of elements remain the same: both are outer as wholes.
+TEST(FloodClauses, AnElementReplacedInItsSlot) {
+  Shape both = block(ElementType::tetrahedron, 6, 4, 4);
+  const auto first = static_cast<Index>(both.positions.size());
+  for (const Vec3& at : {Vec3(1.53, 1.47, 1.55), Vec3(3.53, 1.47, 1.55)})
+    for (const Vec3& p : {Vec3(0, 0, 0), Vec3(0.9, 0, 0), Vec3(0, 0.9, 0), Vec3(0, 0, 0.9)})
+      both.positions.push_back(p + at);
+  both.elements.push_back({ElementType::tetrahedron, {first, first + 1, first + 2, first + 3}, {}, 1, 100000});
+  both.elements.push_back({ElementType::tetrahedron, {first + 4, first + 5, first + 6, first + 7}, {}, 1, 100001});
+  std::vector<Vec3> end = both.positions;
+  for (Index v = first; v < end.size(); ++v) end[v] += Vec3(0.11, 0.13, 0.06);
+  const Motion motion = Motion::linear(both.positions, end);
+  Topology topology(both.mesh());
+  Contest contest;
+  EXPECT_GT(contest.compare({topology, motion, kNoFilter}, "apart"), 5u);
+  const Index slot = topology.mesh().find_element(100001);
+  topology.apply(
+      {{slot}, {}, {{ElementType::tetrahedron, {first + 1, first + 5, first + 6, first + 7}, {}, 1, 100002}}});
+  EXPECT_EQ(topology.mesh().find_element(100002), slot);
+  EXPECT_GT(contest.compare({topology, motion, kNoFilter}, "joined"), 5u);
+}
+
+}  // namespace
+}  // namespace volccd
