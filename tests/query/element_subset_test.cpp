@@ -103,12 +103,19 @@ TEST(ElementSubset, ForgetsWhatWasBeforeAnotherMesh) {
   };
   assign(small);
   const std::uint64_t version = subset.version();
+  std::span<const Index> slots;
   assign(large);
+  EXPECT_FALSE(subset.changes_since(version, slots));
   assign(small);
   EXPECT_EQ(subset.size(), small.element_slots());
-  std::span<const Index> slots;
   EXPECT_NE(subset.version(), version);
   EXPECT_FALSE(subset.changes_since(version, slots));
+  const Index first = 0;
+  const std::uint64_t before = subset.version();
+  subset.assign(small, {&first, 1}, [](Index) { return ElementSubset::kNoPart; });
+  EXPECT_TRUE(subset.changes_since(before, slots));
+  subset.clear();
+  EXPECT_FALSE(subset.changes_since(before, slots));
 }
 
 TEST(ElementDelta, LeavesOutNoChange) {

@@ -1,0 +1,68 @@
+// Outer parts that are kept from step to step are those of new ones, after any edits and motions.
+#include <volccd/culling/detail/outer_parts.hpp>
+
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <volccd/oracle/cases/shapes.hpp>
+
+#include "culling/topology_editor.hpp"
+
+namespace volccd::detail {
+namespace {
+
+/// The vertices of the outer part of each element; none if it has none.
+std::vector<std::vector<Index>> parts_of(const Step& step, const OuterParts& outer) {
+  std::vector<std::vector<Index>> parts(step.mesh().element_slots());
+  for (Index o = 0; o < parts.size(); ++o) {
+    if (!outer.subset().contains(o)) continue;
+    const std::span<const Index> vertices =
+        outer.subset().contains_whole(o) ? step.mesh().vertices(o) : outer.subset().part(o);
+    parts[o].assign(vertices.begin(), vertices.end());
+  }
+  return parts;
+}
+
+void expect_parts_follow(const std::vector<ElementType>& added, std::uint64_t seed) {
+  const Shape shape = block(ElementType::tetrahedron, 3, 3, 3);
+  Topology topology(shape.mesh());
+  TopologyEditor editor(topology, seed, added);
+  const ObjectFilter everything;
+  SerialExecutor serial;
+  VertexStars kept_stars;
+  OuterParts kept;
+  std::vector<Vec3> at = shape.positions;
+  std::size_t faces = 0;
+  for (int round = 0; round < 60; ++round) {
+    at.resize(topology.mesh().vertex_count(), Vec3(9, 9, 9));
+    const double amount = round % 4 == 3 ? 0.3 : 0.01;
+    const Motion motion = Motion::linear(at, jittered(at, amount, editor.random().next()));
+    const Step step{topology, motion, everything};
+    VertexStars stars;
+    OuterParts fresh;
+    stars.update(step, serial);
+    fresh.update(step, stars);
+    kept_stars.update(step, serial);
+    if (round % 5 != 2) {  // in other steps a flood declines between both
+      kept.update(step, kept_stars);
+      EXPECT_EQ(parts_of(step, kept), parts_of(step, fresh)) << "seed " << seed << ", round " << round;
+      EXPECT_EQ(kept.subset().size(), fresh.subset().size());
+      EXPECT_EQ(kept.chosen_vertices(), fresh.chosen_vertices());
+      for (Index o = 0; o < topology.mesh().element_slots(); ++o)
+        faces += kept.subset().contains(o) && !kept.subset().contains_whole(o) ? 1 : 0;
+    }
+    if (round % 3 != 0) editor.edit_at_random();
+  }
+  EXPECT_GT(faces, 200u);
+}
+
+TEST(OuterParts, FollowEditsAndMotions) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    expect_parts_follow({ElementType::tetrahedron}, seed);
+    expect_parts_follow({ElementType::tetrahedron, ElementType::triangle}, seed);
+  }
+}
+
+}  // namespace
+}  // namespace volccd::detail
