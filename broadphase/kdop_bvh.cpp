@@ -3,9 +3,9 @@
 #include <vector>
 
 #include <volccd/broadphase/detail/kdop_option.hpp>
-#include <volccd/broadphase/detail/kdop_tree.hpp>
+#include <volccd/broadphase/bvh/detail/kdop_tree.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
-#include <volccd/broadphase/detail/tree_kernels.hpp>
+#include <volccd/broadphase/bvh/detail/tree_kernels.hpp>
 #include <volccd/core/heap_bytes.hpp>
 
 namespace volccd {

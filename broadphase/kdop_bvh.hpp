@@ -7,7 +7,7 @@
 
 namespace volccd {
 
-/// A binary tree over n elements with k-DOPs in single precision, rounded outward (axes in query/kdop.hpp). Emits the
+/// A binary tree over n elements with k-DOPs in single precision, rounded outward (axes in numerics/kdop.hpp). Emits the
 /// pairs of elements whose swept k-DOPs overlap after each is widened by half of the separation on each side.
 /// `spatial-hash` with the same k emits the same pairs.
 ///

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include <volccd/broadphase/detail/hash_grid.hpp>
-#include <volccd/broadphase/detail/hash_kernels.hpp>
+#include <volccd/broadphase/hash/detail/hash_grid.hpp>
+#include <volccd/broadphase/hash/detail/hash_kernels.hpp>
 #include <volccd/broadphase/detail/kdop_option.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
 #include <volccd/core/heap_bytes.hpp>

@@ -25,7 +25,7 @@ namespace volccd {
 class SpatialHash final : public BroadPhase {
  public:
   struct Config {
-    int k = 16;              ///< k of the final test; 6 for boxes only. ConfigError for values that query/kdop.hpp does
+    int k = 16;              ///< k of the final test; 6 for boxes only. ConfigError for values that numerics/kdop.hpp does
                              ///< not list
     double cell_size = 1.0;  ///< in units of the median extent of the swept boxes, 0.05 .. 100
   };

@@ -60,15 +60,15 @@ function(volccd_precompile_module target)
   volccd_precompile(${target} ${kind} OPTIONS ${options})
 endfunction()
 
-# volccd_module(mesh [PUBLIC lib...] [PRIVATE lib...] [SOURCES file...]): library volccd_mesh of all sources in this folder,
-# exported as volccd::mesh with the headers that lie in this folder and what these include (InstallHeaders.cmake).
+# volccd_module(mesh [PUBLIC lib...] [PRIVATE lib...] [SOURCES file...]): library volccd_mesh of all sources in this folder and
+# below, exported as volccd::mesh with all headers outside of detail/ and what these include (InstallHeaders.cmake).
 # volccd_module(program COMPONENT program [HEADERS file...] ...): a part of the package's component `program`, whose users
 # alone need what it links. Of its headers, HEADERS and what these include are installed.
 # volccd_module(peers INTERNAL ...): not installed; only for private use by the program's executable and the tests.
 function(volccd_module name)
   cmake_parse_arguments(ARG "INTERNAL" "COMPONENT" "PUBLIC;PRIVATE;SOURCES;HEADERS" ${ARGN})
   if(NOT ARG_SOURCES)
-    file(GLOB ARG_SOURCES CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp" "${CMAKE_CURRENT_SOURCE_DIR}/detail/*.cpp")
+    file(GLOB_RECURSE ARG_SOURCES CONFIGURE_DEPENDS "${CMAKE_CURRENT_SOURCE_DIR}/*.cpp")
   endif()
   # The undefined-behaviour sanitizer finds little in vector kernels (no integers, no branches), and takes minutes to
   # compile them. With clang's address sanitizer, checks are function calls, because one source takes two minutes with
@@ -118,5 +118,12 @@ function(volccd_module name)
       ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT dev
       LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR} COMPONENT program NAMELINK_COMPONENT dev)
     set_property(GLOBAL APPEND PROPERTY VOLCCD_HEADER_FOLDERS ${folder})
+    file(GLOB rooms LIST_DIRECTORIES ON RELATIVE "${CMAKE_SOURCE_DIR}" "${CMAKE_CURRENT_SOURCE_DIR}/*")
+    foreach(room IN LISTS rooms)
+      if(IS_DIRECTORY "${CMAKE_SOURCE_DIR}/${room}" AND NOT room MATCHES "/(detail|tables)$"
+         AND (VOLCCD_WITH_HDF5 OR NOT room MATCHES "^io/"))
+        set_property(GLOBAL APPEND PROPERTY VOLCCD_HEADER_FOLDERS ${room})
+      endif()
+    endforeach()
   endif()
 endfunction()

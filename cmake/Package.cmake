@@ -47,10 +47,10 @@ install(FILES "${PROJECT_SOURCE_DIR}/LICENSE" DESTINATION "${CMAKE_INSTALL_DOCDI
 
 # pkg-config: volccd.pc, for builds without CMake. Users of a static library also link the libraries that it needs
 # (--static).
-set(modules volccd_pipelines volccd_narrowphase volccd_culling volccd_broadphase volccd_query volccd_mesh volccd_core)
+set(modules volccd_io volccd_pipelines volccd_narrowphase volccd_culling volccd_broadphase volccd_query volccd_mesh volccd_numerics
+    volccd_core)
 set(VOLCCD_PC_PRIVATE_LIBS "")
 if(VOLCCD_WITH_HDF5)
-  list(PREPEND modules volccd_sequence)
   list(GET HDF5_C_LIBRARIES 0 hdf5)  # a shared library is linked with the libraries that it needs
   string(APPEND VOLCCD_PC_PRIVATE_LIBS " ${hdf5}")
 endif()

@@ -10,7 +10,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/element_kdop.cpp"
 #include <hwy/foreach_target.h>
-#include <volccd/query/kdop_lanes-inl.hpp>
+#include <volccd/numerics/kdop_lanes-inl.hpp>
 
 #ifndef VOLCCD_ELEMENT_KDOP_ROWS
 #define VOLCCD_ELEMENT_KDOP_ROWS

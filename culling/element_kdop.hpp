@@ -1,4 +1,4 @@
-// Element culling: bounds of both elements along the eight fixed axes of the 16-DOP (query/kdop.hpp).
+// Element culling: bounds of both elements along the eight fixed axes of the 16-DOP (numerics/kdop.hpp).
 #pragma once
 
 #include <volccd/culling/element_culling.hpp>

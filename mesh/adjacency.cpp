@@ -4,8 +4,8 @@
 #include <cstring>
 #include <vector>
 
-#include <volccd/mesh/detail/chunks.hpp>
-#include <volccd/mesh/detail/group_by_key.hpp>
+#include <volccd/mesh/tables/chunks.hpp>
+#include <volccd/mesh/tables/group_by_key.hpp>
 
 namespace volccd {
 

@@ -6,7 +6,7 @@
 #include <span>
 #include <string_view>
 
-#include <volccd/mesh/types.hpp>
+#include <volccd/numerics/types.hpp>
 
 namespace volccd {
 

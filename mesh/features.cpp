@@ -4,9 +4,9 @@
 #include <atomic>
 
 #include <volccd/core/sort_unique.hpp>
-#include <volccd/mesh/detail/chunks.hpp>
-#include <volccd/mesh/detail/group_by_key.hpp>
-#include <volccd/mesh/detail/number_tuples.hpp>
+#include <volccd/mesh/tables/chunks.hpp>
+#include <volccd/mesh/tables/group_by_key.hpp>
+#include <volccd/mesh/tables/number_tuples.hpp>
 
 namespace volccd {
 

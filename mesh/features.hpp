@@ -13,8 +13,8 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/core/heap_bytes.hpp>
-#include <volccd/mesh/detail/raw_vector.hpp>
-#include <volccd/mesh/detail/tuple_table.hpp>
+#include <volccd/mesh/tables/raw_vector.hpp>
+#include <volccd/mesh/tables/tuple_table.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/mesh.hpp>
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/detail/chunks.hpp>
+#include <volccd/mesh/tables/chunks.hpp>
 
 namespace volccd::detail {
 

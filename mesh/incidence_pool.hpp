@@ -5,8 +5,8 @@
 #include <span>
 
 #include <volccd/core/heap_bytes.hpp>
-#include <volccd/mesh/detail/raw_vector.hpp>
-#include <volccd/mesh/types.hpp>
+#include <volccd/mesh/tables/raw_vector.hpp>
+#include <volccd/numerics/types.hpp>
 
 namespace volccd {
 class Executor;

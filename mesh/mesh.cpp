@@ -8,8 +8,8 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/heap_bytes.hpp>
 #include <volccd/core/random.hpp>
-#include <volccd/mesh/detail/check_element.hpp>
-#include <volccd/mesh/detail/raw_vector.hpp>
+#include <volccd/mesh/check_element.hpp>
+#include <volccd/mesh/tables/raw_vector.hpp>
 
 namespace volccd {
 

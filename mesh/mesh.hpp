@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/detail/slot_table.hpp>
+#include <volccd/mesh/tables/slot_table.hpp>
 #include <volccd/mesh/element_type.hpp>
-#include <volccd/mesh/types.hpp>
+#include <volccd/numerics/types.hpp>
 
 namespace volccd {
 

@@ -8,8 +8,8 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/heap_bytes.hpp>
 #include <volccd/core/sort_unique.hpp>
-#include <volccd/mesh/detail/check_element.hpp>
-#include <volccd/mesh/detail/chunks.hpp>
+#include <volccd/mesh/check_element.hpp>
+#include <volccd/mesh/tables/chunks.hpp>
 #include <volccd/mesh/detail/feature_edit.hpp>
 
 namespace volccd {

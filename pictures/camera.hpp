@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <volccd/mesh/types.hpp>
+#include <volccd/numerics/types.hpp>
 
 namespace volccd {
 

@@ -5,7 +5,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/core/sort_unique.hpp>
-#include <volccd/experiments/records/contacts_csv.hpp>
+#include <volccd/io/contacts_csv.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
 namespace volccd {

@@ -8,8 +8,8 @@
 #include <string>
 #include <vector>
 
-#include <volccd/mesh/sequence/reader.hpp>
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/reader.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 #include <volccd/query/contact.hpp>
 
 namespace volccd {

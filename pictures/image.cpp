@@ -7,7 +7,7 @@
 #include <png.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/core/output_file.hpp>
+#include <volccd/io/output_file.hpp>
 
 namespace volccd {
 

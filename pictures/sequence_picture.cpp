@@ -14,7 +14,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/core/suggest.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/io/sequence/reader.hpp>
 #include <volccd/mesh/shells.hpp>
 #include <volccd/pictures/contact_marks.hpp>
 #include <volccd/pictures/palette.hpp>

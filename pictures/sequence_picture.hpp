@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 #include <volccd/pictures/camera.hpp>
 #include <volccd/pictures/image.hpp>
 #include <volccd/pictures/renderer.hpp>

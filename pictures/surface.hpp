@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/sequence/cells.hpp>
-#include <volccd/mesh/types.hpp>
+#include <volccd/io/sequence/cells.hpp>
+#include <volccd/numerics/types.hpp>
 
 namespace volccd {
 

@@ -9,22 +9,20 @@
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/broadphase/spatial_hash.hpp>
 #include <volccd/core/suggest.hpp>
-#include <volccd/culling/all_pairs.hpp>
-#include <volccd/culling/boundary_flood.hpp>
-#include <volccd/culling/coplanarity_filter.hpp>
-#include <volccd/culling/csat.hpp>
-#include <volccd/culling/csat_2011.hpp>
-#include <volccd/culling/csat_filter.hpp>
-#include <volccd/culling/dynamic_assignment.hpp>
+#include <volccd/culling/assignment/all_pairs.hpp>
+#include <volccd/culling/flood/boundary_flood.hpp>
+#include <volccd/culling/filters/coplanarity_filter.hpp>
+#include <volccd/culling/csat/csat.hpp>
+#include <volccd/culling/filters/csat_filter.hpp>
+#include <volccd/culling/assignment/dynamic_assignment.hpp>
 #include <volccd/culling/element_kdop.hpp>
-#include <volccd/culling/feature_kdop_filter.hpp>
-#include <volccd/culling/o_set_source.hpp>
-#include <volccd/culling/star_orphans.hpp>
-#include <volccd/culling/static_assignment.hpp>
-#include <volccd/narrowphase/cubic.hpp>
-#include <volccd/narrowphase/exact.hpp>
-#include <volccd/narrowphase/inclusion.hpp>
-#include <volccd/narrowphase/provot.hpp>
+#include <volccd/culling/filters/feature_kdop_filter.hpp>
+#include <volccd/culling/o_set/o_set_source.hpp>
+#include <volccd/culling/stars/star_orphans.hpp>
+#include <volccd/culling/assignment/static_assignment.hpp>
+#include <volccd/narrowphase/cubic/cubic.hpp>
+#include <volccd/narrowphase/exact/exact.hpp>
+#include <volccd/narrowphase/inclusion/inclusion.hpp>
 
 namespace volccd {
 
@@ -63,21 +61,6 @@ void add_presets(Registry& registry) {
                          {},
                          {},
                          inclusion});
-}
-
-/// The pipelines of the paper's Table I as measured in 2011, without later improvements. HashCCD uses boxes, as
-/// Teschner et al. 2003 do.
-void add_presets_of_2011(Registry& registry) {
-  const StageChoice bvh{"kdop-bvh", {{"k", "16"}, {"leaf_size", "1"}, {"adjacent_pairs", "vertices"}}};
-  const StageChoice boxes{"spatial-hash", {{"k", "6"}}};
-  const StageChoice all_pairs{"all-pairs", {}}, provot{"provot", {}};
-  registry.add_pipeline({"NavCCD-2011", "NavCCD as in 2011: elements as leaves, scalar elementary test",
-                         bvh, {}, all_pairs, {}, {}, provot});
-  registry.add_pipeline({"HashCCD-2011", "HashCCD as in 2011: boxes, scalar elementary test",
-                         boxes, {}, all_pairs, {}, {}, provot});
-  const StageChoice dynamic{"dynamic-assignment", {}}, o_set{"o-set", {{"kind", "literal"}}};
-  registry.add_pipeline({"VolCCD-2011", "VolCCD as in 2011: elements as leaves, scalar CSAT and test, printed O-Set",
-                         bvh, {{"csat-2011", {}}}, dynamic, o_set, {{"feature-csat-2011", {}}}, provot});
 }
 
 /// Splits "a,b,c"; the result is empty for "" and "none".
@@ -162,7 +145,6 @@ Registry Registry::standard() {
   registry.add(describe_brute_force());
   registry.add(describe_element_kdop());
   registry.add(describe_csat());
-  registry.add(describe_csat_2011());
   registry.add(describe_all_pairs());
   registry.add(describe_static_assignment());
   registry.add(describe_dynamic_assignment());
@@ -172,13 +154,10 @@ Registry Registry::standard() {
   registry.add(describe_feature_kdop_filter());
   registry.add(describe_coplanarity_filter());
   registry.add(describe_csat_filter());
-  registry.add(describe_csat_filter_2011());
-  registry.add(describe_provot());
   registry.add(describe_cubic());
   registry.add(describe_inclusion());
   registry.add(describe_exact());
   add_presets(registry);
-  add_presets_of_2011(registry);
   return registry;
 }
 

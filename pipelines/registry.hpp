@@ -11,7 +11,7 @@
 #include <volccd/culling/element_culling.hpp>
 #include <volccd/culling/assignment.hpp>
 #include <volccd/culling/feature_filter.hpp>
-#include <volccd/culling/flood.hpp>
+#include <volccd/culling/flood/flood.hpp>
 #include <volccd/culling/orphan_source.hpp>
 #include <volccd/narrowphase/narrow_phase.hpp>
 
@@ -42,8 +42,7 @@ struct PipelineSpec {
 
 class Registry {
  public:
-  /// All stages of the library, and the presets NavCCD, HashCCD, VolCCD, VolCCD+ and BruteForce, and NavCCD-2011,
-  /// HashCCD-2011 and VolCCD-2011.
+  /// All stages of the library, and the presets NavCCD, HashCCD, VolCCD, VolCCD+ and BruteForce.
   static Registry standard();
 
   /// Adds a stage. Throws ConfigError if any other stage has this name, since `--set name.option=value` must be

@@ -9,7 +9,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/core/suggest.hpp>
-#include <volccd/experiments/records/build_facts.hpp>
+#include <volccd/io/build_facts.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/scenes/sequences.hpp>
 #include <volccd/experiments/tables/catalog.hpp>

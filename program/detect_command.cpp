@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <volccd/core/output_file.hpp>
-#include <volccd/experiments/records/contacts_csv.hpp>
-#include <volccd/experiments/records/contacts_vtp.hpp>
-#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/io/output_file.hpp>
+#include <volccd/io/contacts_csv.hpp>
+#include <volccd/io/contacts_vtp.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/output_plan.hpp>

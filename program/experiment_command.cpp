@@ -4,9 +4,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <volccd/core/output_file.hpp>
+#include <volccd/io/output_file.hpp>
 #include <volccd/experiments/records/record_file.hpp>
-#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/compare_records.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>

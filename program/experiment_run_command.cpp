@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <volccd/core/output_file.hpp>
+#include <volccd/io/output_file.hpp>
 #include <volccd/experiments/harness/run.hpp>
 #include <volccd/experiments/records/record_file.hpp>
 #include <volccd/experiments/scenes/scene.hpp>

@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include <volccd/mesh/sequence/reader.hpp>
-#include <volccd/mesh/sequence/writer.hpp>
+#include <volccd/io/sequence/reader.hpp>
+#include <volccd/io/sequence/writer.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/output_plan.hpp>
 #include <volccd/program/query_options.hpp>

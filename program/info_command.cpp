@@ -8,7 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include <volccd/experiments/tables/text_table.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/io/sequence/reader.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>

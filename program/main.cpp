@@ -1,4 +1,4 @@
-#include <volccd/broadphase/peers/peers.hpp>
+#include <volccd/peers/peers.hpp>
 #include <volccd/program/program.hpp>
 
 int main(int argc, char** argv) {

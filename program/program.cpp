@@ -9,8 +9,9 @@
 
 #include <fmt/format.h>
 
-#include <volccd/experiments/records/build_facts.hpp>
-#include <volccd/mesh/sequence/hdf5_messages.hpp>
+#include <volccd/io/build_facts.hpp>
+#include <volccd/io/hdf5/hdf5_messages.hpp>
+#include <volccd/paper2011/paper2011.hpp>
 #include <volccd/program/command_line.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/scene_files.hpp>
@@ -30,7 +31,9 @@ bool flush_output() {
 
 }  // namespace
 
-int program(int argc, const char* const* argv, const Registry& registry) {
+int program(int argc, const char* const* argv, const Registry& own) {
+  Registry registry = own;
+  add_paper2011(registry);
   turn_off_hdf5_messages();
   CLI::App app("Continuous collision detection between deforming volume meshes: contacts and their first times.",
                "volccd");

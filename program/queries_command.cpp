@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include <volccd/experiments/tables/query_comparison.hpp>
-#include <volccd/mesh/sequence/query_file.hpp>
+#include <volccd/io/sequence/query_file.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>

@@ -9,7 +9,7 @@
 #include <CLI/CLI.hpp>
 
 #include <volccd/core/executor.hpp>
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 #include <volccd/query/object_filter.hpp>
 

@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 
 #include <volccd/experiments/harness/motion_measures.hpp>
-#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/scenes/sequences.hpp>
 #include <volccd/experiments/scenes/shared_data.hpp>
 #include <volccd/experiments/scenes/simulated/bake.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/io/sequence/reader.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>

@@ -10,7 +10,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/scenes/simulated/bake.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/io/sequence/reader.hpp>
 #include <volccd/program/progress.hpp>
 
 namespace volccd {

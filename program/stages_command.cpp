@@ -4,7 +4,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/report.hpp>
 

@@ -5,7 +5,7 @@
 #include <string>
 
 #include <volccd/core/function_ref.hpp>
-#include <volccd/core/step_text.hpp>
+#include <volccd/io/step_text.hpp>
 #include <volccd/program/query_options.hpp>
 
 namespace volccd {

@@ -3,7 +3,7 @@
 
 #include <array>
 
-#include <volccd/mesh/types.hpp>
+#include <volccd/numerics/types.hpp>
 #include <volccd/query/pairs.hpp>
 
 namespace volccd {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include <volccd/core/heap_bytes.hpp>
-#include <volccd/mesh/types.hpp>
+#include <volccd/numerics/types.hpp>
 
 namespace volccd {
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 
 #include <volccd/mesh/features.hpp>
-#include <volccd/mesh/types.hpp>
+#include <volccd/numerics/types.hpp>
 
 namespace volccd {
 

@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/core/output_file.hpp>
+#include <volccd/io/output_file.hpp>
 
 namespace volccd {
 

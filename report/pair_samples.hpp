@@ -6,7 +6,7 @@
 #include <map>
 #include <vector>
 
-#include <volccd/mesh/types.hpp>
+#include <volccd/numerics/types.hpp>
 #include <volccd/pipelines/stage_observer.hpp>
 
 namespace volccd {

@@ -9,7 +9,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/records/record_file.hpp>
-#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
 

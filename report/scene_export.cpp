@@ -12,11 +12,11 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/experiments/harness/motion_measures.hpp>
-#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/reader.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 #include <volccd/pictures/contact_marks.hpp>
 #include <volccd/pictures/palette.hpp>
 #include <volccd/pipelines/pipeline.hpp>

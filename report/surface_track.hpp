@@ -8,8 +8,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include <volccd/mesh/sequence/cells.hpp>
-#include <volccd/mesh/types.hpp>
+#include <volccd/io/sequence/cells.hpp>
+#include <volccd/numerics/types.hpp>
 
 namespace volccd {
 

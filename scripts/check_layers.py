@@ -19,34 +19,52 @@ import sys
 from pathlib import Path
 
 # For each module, the modules that it may include; it may always include itself.
-LAYERS = {
-    "core": [],
-    "mesh": ["core"],
-    "query": ["core", "mesh"],
-    "mesh/sequence": ["core", "mesh", "query"],  # files contain queries and contacts, too
-    "broadphase": ["core", "mesh", "query"],
-    "culling": ["core", "mesh", "query"],
-    "narrowphase": ["core", "mesh", "query"],
-    "pipelines": ["core", "mesh", "query", "broadphase", "culling", "narrowphase"],
-    "broadphase/peers": ["core", "mesh", "query", "broadphase", "pipelines"],
-    "oracle/cases": ["core", "mesh", "query", "culling", "narrowphase"],
-    "oracle/judge": ["core", "mesh", "query", "broadphase", "culling", "narrowphase", "pipelines", "oracle/cases"],
-    "oracle": ["core", "mesh", "query", "broadphase", "culling", "narrowphase", "pipelines"],
-    "simulation": ["core", "mesh", "query", "broadphase", "culling", "narrowphase", "pipelines"],
-    "experiments": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
-                    "simulation", "oracle/cases", "oracle/judge"],
-    "pictures": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
-                 "experiments"],
-    "report": ["core", "mesh", "query", "mesh/sequence", "broadphase", "culling", "narrowphase", "pipelines",
-               "experiments", "pictures"],
-    "program": ["core", "mesh", "query", "mesh/sequence", "broadphase", "broadphase/peers", "culling", "narrowphase", "pipelines",
-                "experiments", "pictures", "report"],
+LAYERS = {}
+
+
+def module(name, *below):
+    """Enters a module, which may include the modules `below` and all that these may include."""
+    allowed = []
+    for other in below:
+        allowed += [m for m in [*LAYERS[other], other] if m not in allowed]
+    LAYERS[name] = allowed
+
+
+module("core")
+module("numerics", "core")
+module("mesh", "numerics")
+module("query", "mesh")
+module("broadphase", "query")
+module("culling", "query")
+module("narrowphase", "query")
+module("pipelines", "broadphase", "culling", "narrowphase")
+module("io", "pipelines")
+module("paper2011", "io")
+module("peers", "pipelines")
+module("oracle/cases", "culling", "narrowphase")
+module("oracle/judge", "pipelines", "oracle/cases")
+module("oracle", "pipelines")
+module("simulation", "io")
+module("experiments", "io", "paper2011", "simulation", "oracle/judge")
+module("pictures", "experiments")
+module("report", "pictures")
+module("program", "report", "peers")
+
+# The rooms of a module, from the lowest to the highest; "" is the module's own folder with its detail/. A room includes
+# only what is not above it.
+ROOMS = {
+    "culling": ["", "csat", "assignment", "o_set", "stars", "flood", "filters"],
+    "narrowphase": ["", "exact", "inclusion", "cubic", "overlap"],
+    "io": ["", "hdf5", "sequence"],
 }
-PROGRAM = ["broadphase/peers", "oracle", "oracle/cases", "oracle/judge", "simulation", "experiments", "pictures", "report", "program"]
-LIBRARY = [module for module in LAYERS if module not in PROGRAM]
+MAX_DETAIL_FILES = 12
+
+PROGRAM = ["paper2011", "peers", "oracle", "oracle/cases", "oracle/judge", "simulation", "experiments", "pictures", "report",
+           "program"]
+LIBRARY = [name for name in LAYERS if name not in PROGRAM]
 # Folders that use the modules, and are not modules themselves.
 USERS = {"tests": list(LAYERS), "examples": LIBRARY + ["program"],
-         "python": LIBRARY + ["broadphase/peers", "experiments", "program"]}
+         "python": LIBRARY + ["paper2011", "peers", "experiments", "program"]}
 
 # Files of experiments/ that may use the judges, for `volccd verify` only.
 ORACLE_USERS = re.compile(r"^experiments/((.*/)?verify[^/]*|verify/.*)$")
@@ -54,14 +72,14 @@ ORACLE_USERS = re.compile(r"^experiments/((.*/)?verify[^/]*|verify/.*)$")
 # For each prefix of third-party headers: the folders that may include them, and whether public headers may do so, too;
 # otherwise only sources, detail/ and -inl.hpp may.
 THIRD_PARTY = {
-    "tbb/": (["core", "broadphase/peers"], False),  # only the executor creates threads; Embree's threads are oneTBB's
+    "tbb/": (["core", "peers"], False),  # only the executor creates threads; Embree's threads are oneTBB's
     # one binary serves every CPU, so that vector widths are never in an interface
-    "hwy/": (["mesh", "query", "broadphase", "culling", "narrowphase", "simulation"], False),
-    "hdf5.h": (["mesh/sequence", "experiments"], False),
-    "fcl/": (["oracle", "broadphase/peers"], False),
-    "embree3/": (["broadphase/peers"], False),
-    "BulletCollision/": (["broadphase/peers"], False),
-    "CGAL/": (["broadphase/peers"], False),
+    "hwy/": (["numerics", "mesh", "query", "broadphase", "culling", "narrowphase", "simulation"], False),
+    "hdf5.h": (["io", "experiments"], False),
+    "fcl/": (["oracle", "peers"], False),
+    "embree3/": (["peers"], False),
+    "BulletCollision/": (["peers"], False),
+    "CGAL/": (["peers"], False),
     "ccd/": (["oracle", "culling", "broadphase"], False),
     "png.h": (["pictures"], False),
     "zlib.h": (["report"], False),
@@ -73,7 +91,7 @@ THIRD_PARTY = {
 MAX_HEADER_LINES = 200
 # Headers that may be longer, each with its reason.
 LONG_HEADERS = {
-    "narrowphase/detail/motion_piece-inl.hpp": "definitions, not declarations: a source file but for inlining",
+    "narrowphase/inclusion/detail/motion_piece-inl.hpp": "definitions, not declarations: a source file but for inlining",
     "tests/broadphase/support.hpp": "one oracle and its collectors, read together by every broad-phase test",
 }
 
@@ -94,8 +112,26 @@ def owner(path):
 
 
 def may_use_detail(path, header_module):
-    """detail/ is for the module itself, modules in folders of its folder, its own tests, and benchmarks."""
-    return path.startswith((f"{header_module}/", f"tests/{header_module.split('/')[-1]}/", "tests/benchmarks/"))
+    """detail/ is for the module itself, modules in folders of its folder, its own tests, and benchmarks. The adaptors of
+    other libraries read elements and write pairs as the broad phases do."""
+    return (path.startswith((f"{header_module}/", f"tests/{header_module.split('/')[-1]}/", "tests/benchmarks/"))
+            or (header_module == "broadphase" and path.startswith("peers/")))
+
+
+def room(path, module):
+    folder = path[len(module) + 1:].rpartition("/")[0].split("/")[0]
+    return "" if folder == "detail" else folder
+
+
+def room_problem(path, target):
+    """Problem with an include between rooms of one module, or None."""
+    module = owner(path)
+    if module != owner(target) or module not in ROOMS:
+        return None
+    rooms, user, used = ROOMS[module], room(path, module), room(target, module)
+    if rooms.index(user) >= rooms.index(used):
+        return None
+    return f"{module}/{user} may not include {module}/{used} (<volccd/{target}>)"
 
 
 def is_interface(path):
@@ -110,6 +146,8 @@ def check_project_include(path, target, root):
     user, module = owner(path), owner(target)
     if module is None or module in USERS:
         return f"<volccd/{target}> is not part of a module"
+    if problem := room_problem(path, target):
+        return problem
     if "/detail/" in target and not may_use_detail(path, module):
         return f"<volccd/{target}> is a detail of {module}"
     if target.endswith("-inl.hpp") and is_interface(path):
@@ -177,9 +215,16 @@ def check_header(path, lines, long_headers):
                "or list it in LONG_HEADERS with the reason")
 
 
+def check_detail_sizes(root):
+    for folder in sorted({path.parent for module in LAYERS for path in (root / module).rglob("detail/*") if path.is_file()}):
+        count = sum(path.suffix in SOURCE_SUFFIXES for path in folder.iterdir())
+        if count > MAX_DETAIL_FILES:
+            yield f"{folder.relative_to(root).as_posix()}:1: {count} files, more than {MAX_DETAIL_FILES}: make rooms"
+
+
 def check(root, long_headers):
     """All findings of a tree, and how many files and includes were looked at."""
-    findings, used, files, includes = [], {}, 0, 0
+    findings, used, files, includes = list(check_detail_sizes(root)), {}, 0, 0
     for folder in [*[m for m in LAYERS if "/" not in m], *USERS]:
         for file in sorted((root / folder).rglob("*")):
             if file.suffix not in SOURCE_SUFFIXES or not file.is_file():

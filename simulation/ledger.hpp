@@ -3,7 +3,7 @@
 
 #include <span>
 
-#include <volccd/mesh/types.hpp>
+#include <volccd/numerics/types.hpp>
 
 namespace volccd::simulation {
 

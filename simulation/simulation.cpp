@@ -8,8 +8,8 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/simulation/detail/check_model.hpp>
-#include <volccd/simulation/shell_forces.hpp>
-#include <volccd/simulation/solid_forces.hpp>
+#include <volccd/simulation/elements/shell_forces.hpp>
+#include <volccd/simulation/elements/solid_forces.hpp>
 
 namespace volccd::simulation {
 namespace {

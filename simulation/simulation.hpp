@@ -14,7 +14,7 @@
 #include <volccd/core/executor.hpp>
 #include <volccd/mesh/topology.hpp>
 #include <volccd/simulation/archive.hpp>
-#include <volccd/simulation/contact_features.hpp>
+#include <volccd/simulation/contact/contact_features.hpp>
 #include <volccd/simulation/ledger.hpp>
 #include <volccd/simulation/model.hpp>
 

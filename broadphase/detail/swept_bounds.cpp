@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include <volccd/query/kdop.hpp>
+#include <volccd/numerics/kdop.hpp>
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/broadphase/detail/swept_bounds.cpp"
@@ -15,7 +15,7 @@
 #include <hwy/highway.h>
 
 #include <volccd/broadphase/detail/bounds-inl.hpp>
-#include <volccd/query/kdop_lanes-inl.hpp>
+#include <volccd/numerics/kdop_lanes-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {

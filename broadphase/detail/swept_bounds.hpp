@@ -48,7 +48,7 @@ class BoundsTable {
   int width_ = 8;
 };
 
-/// Computes the bounds of all vertices over the step. k as in query/kdop.hpp. Returns the elapsed seconds.
+/// Computes the bounds of all vertices over the step. k as in numerics/kdop.hpp. Returns the elapsed seconds.
 double bound_vertices(const Step& step, int k, Executor& executor, BoundsTable& vertices);
 
 /// Computes the bounds of the listed elements into the same rows of `elements`, which are enlarged if necessary; gaps

@@ -7,7 +7,7 @@
 #include <span>
 
 #include <volccd/query/test_block.hpp>
-#include <volccd/query/vector_lanes-inl.hpp>
+#include <volccd/numerics/vector_lanes-inl.hpp>
 
 #if defined(VOLCCD_FILTER_LANES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef VOLCCD_FILTER_LANES_INL

@@ -3,7 +3,7 @@
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/culling/detail/vertex_rows.cpp"
 #include <hwy/foreach_target.h>
-#include <volccd/query/kdop_lanes-inl.hpp>
+#include <volccd/numerics/kdop_lanes-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {

@@ -1,11 +1,11 @@
-// Projections of all vertices on the eight axes of the 16-DOP (query/kdop.hpp) at each control point.
+// Projections of all vertices on the eight axes of the 16-DOP (numerics/kdop.hpp) at each control point.
 #pragma once
 
 #include <cstddef>
 #include <vector>
 
 #include <volccd/core/executor.hpp>
-#include <volccd/query/kdop.hpp>
+#include <volccd/numerics/kdop.hpp>
 #include <volccd/query/motion.hpp>
 
 namespace volccd::detail {

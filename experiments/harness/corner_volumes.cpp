@@ -5,8 +5,8 @@
 
 #include <Eigen/Geometry>
 
-#include <volccd/narrowphase/provot_test.hpp>
-#include <volccd/query/reference_vectors.hpp>
+#include <volccd/paper2011/provot_test.hpp>
+#include <volccd/paper2011/reference_vectors.hpp>
 
 namespace volccd {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 
-#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/io/stats_json.hpp>
 
 namespace volccd {
 

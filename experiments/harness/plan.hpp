@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 #include <volccd/pipelines/registry.hpp>
 
 namespace volccd {

@@ -13,7 +13,7 @@
 #include <volccd/experiments/harness/boundary_shells.hpp>
 #include <volccd/experiments/harness/motion_measures.hpp>
 #include <volccd/experiments/harness/subdivide.hpp>
-#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
 namespace volccd {

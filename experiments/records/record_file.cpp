@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/core/output_file.hpp>
-#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/io/output_file.hpp>
+#include <volccd/io/stats_json.hpp>
 
 namespace volccd {
 

@@ -6,8 +6,8 @@
 #include <volccd/core/suggest.hpp>
 #include <volccd/experiments/scenes/builtin.hpp>
 #include <volccd/experiments/scenes/deform.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
-#include <volccd/mesh/sequence/writer.hpp>
+#include <volccd/io/sequence/reader.hpp>
+#include <volccd/io/sequence/writer.hpp>
 
 namespace volccd {
 

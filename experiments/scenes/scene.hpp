@@ -8,9 +8,9 @@
 #include <vector>
 
 #include <volccd/core/options.hpp>
-#include <volccd/mesh/sequence/cells.hpp>
-#include <volccd/mesh/sequence/metadata.hpp>
-#include <volccd/core/step_text.hpp>
+#include <volccd/io/sequence/cells.hpp>
+#include <volccd/io/sequence/metadata.hpp>
+#include <volccd/io/step_text.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {

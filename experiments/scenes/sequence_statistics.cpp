@@ -4,7 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 #include <volccd/pipelines/registry.hpp>
 

@@ -10,7 +10,7 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/mesh/element_type.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/io/sequence/reader.hpp>
 
 namespace volccd {
 

@@ -13,7 +13,7 @@
 #include <volccd/experiments/tables/plus.hpp>
 #include <volccd/experiments/tables/scaling.hpp>
 #include <volccd/experiments/tables/table1.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/io/sequence/reader.hpp>
 
 namespace volccd {
 

@@ -8,8 +8,8 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/records/record_file.hpp>
-#include <volccd/experiments/records/stats_json.hpp>
-#include <volccd/experiments/tables/median.hpp>
+#include <volccd/io/stats_json.hpp>
+#include <volccd/core/median.hpp>
 
 namespace volccd {
 

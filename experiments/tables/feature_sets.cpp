@@ -10,12 +10,12 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/harness/corner_volumes.hpp>
-#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/scenes/simulated/bake.hpp>
 #include <volccd/experiments/tables/rows.hpp>
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 #include <volccd/pipelines/pipeline.hpp>
-#include <volccd/simulation/contact_surface.hpp>
+#include <volccd/simulation/contact/contact_surface.hpp>
 
 namespace volccd {
 

@@ -7,7 +7,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/harness/corner_volumes.hpp>
 #include <volccd/experiments/tables/rows.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/io/sequence/reader.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
 namespace volccd {

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/experiments/tables/bound_operations.hpp>
-#include <volccd/experiments/tables/operations.hpp>
+#include <volccd/paper2011/bound_operations.hpp>
+#include <volccd/paper2011/operations.hpp>
 #include <volccd/experiments/tables/query_source.hpp>
 
 namespace volccd {
@@ -132,7 +132,9 @@ std::vector<json> operation_rows(const PlanContext& context) {
   source.motion = motion_count(*file) / 2;
   std::vector<json> rows;
   const std::vector<KnownQueries> queries = load_queries(*file, source);
-  json counts = operation_counts(queries).at("rows");
+  std::vector<TestList> lists;
+  for (const KnownQueries& known : queries) lists.push_back({known.kind, known.step, known.pairs});
+  json counts = operation_counts(lists).at("rows");
   if (counts.empty()) throw ConfigError("operations: " + *file + " has no tests at its middle motion");
   for (json& row : bound_operation_counts(queries.front().step)) counts.push_back(std::move(row));
   for (json& row : counts) {

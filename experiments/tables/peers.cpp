@@ -11,7 +11,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/scenes/deform.hpp>
 #include <volccd/experiments/tables/rows.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/io/sequence/reader.hpp>
 
 namespace volccd {
 

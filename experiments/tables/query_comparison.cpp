@@ -11,8 +11,8 @@
 
 #include <fmt/format.h>
 
-#include <volccd/experiments/records/stats_json.hpp>
-#include <volccd/experiments/tables/median.hpp>
+#include <volccd/io/stats_json.hpp>
+#include <volccd/core/median.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/pipelines/test_chain.hpp>
 

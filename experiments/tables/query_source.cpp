@@ -11,11 +11,11 @@
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/core/error.hpp>
 #include <volccd/core/random.hpp>
-#include <volccd/culling/dynamic_assignment.hpp>
-#include <volccd/culling/o_set_source.hpp>
-#include <volccd/mesh/sequence/ground_truth.hpp>
-#include <volccd/mesh/sequence/query_file.hpp>
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/culling/assignment/dynamic_assignment.hpp>
+#include <volccd/culling/o_set/o_set_source.hpp>
+#include <volccd/io/sequence/ground_truth.hpp>
+#include <volccd/io/sequence/query_file.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 #include <volccd/oracle/cases/query_set.hpp>
 
 namespace volccd {

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd {

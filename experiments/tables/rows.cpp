@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/experiments/tables/median.hpp>
+#include <volccd/core/median.hpp>
 
 namespace volccd {
 

@@ -6,7 +6,7 @@
 
 #include <volccd/experiments/harness/motion_measures.hpp>
 #include <volccd/experiments/tables/rows.hpp>
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 
 namespace volccd {
 

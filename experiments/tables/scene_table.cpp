@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/experiments/records/stats_json.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/scenes/sequence_statistics.hpp>
-#include <volccd/experiments/tables/median.hpp>
+#include <volccd/core/median.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
-#include <volccd/mesh/types.hpp>
+#include <volccd/numerics/types.hpp>
 
 namespace volccd {
 

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <volccd/experiments/tables/rows.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/io/sequence/reader.hpp>
 
 namespace volccd {
 

@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include <volccd/experiments/records/contacts_csv.hpp>
+#include <volccd/io/contacts_csv.hpp>
 #include <volccd/experiments/verify/detail/stage_trials.hpp>
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 #include <volccd/oracle/cases/colliding_scenes.hpp>
 #include <volccd/oracle/judge/hostile_judge.hpp>
 #include <volccd/pipelines/compare.hpp>

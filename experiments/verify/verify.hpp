@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include <volccd/experiments/records/contacts_csv.hpp>
-#include <volccd/mesh/sequence/ground_truth.hpp>
+#include <volccd/io/contacts_csv.hpp>
+#include <volccd/io/sequence/ground_truth.hpp>
 #include <volccd/oracle/overlap_oracle.hpp>
 #include <volccd/pipelines/compare.hpp>
 #include <volccd/pipelines/pipeline.hpp>

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/types.hpp>
+#include <volccd/numerics/types.hpp>
 
 namespace volccd::detail {
 

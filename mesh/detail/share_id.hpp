@@ -2,7 +2,7 @@
 // element pair; therefore it is inline.
 #pragma once
 
-#include <volccd/mesh/types.hpp>
+#include <volccd/numerics/types.hpp>
 
 #if defined(__SSE2__)
 #include <emmintrin.h>

@@ -1,7 +1,7 @@
 #include <volccd/narrowphase/detail/coplanarity.hpp>
 
-#include <volccd/narrowphase/detail/double_double.hpp>
-#include <volccd/query/vector3.hpp>
+#include <volccd/numerics/double_double.hpp>
+#include <volccd/numerics/vector3.hpp>
 
 namespace volccd::detail {
 namespace {

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
-#include <volccd/narrowphase/detail/moving_points.hpp>
-#include <volccd/query/rounding.hpp>
+#include <volccd/narrowphase/moving_points.hpp>
+#include <volccd/numerics/rounding.hpp>
 
 namespace volccd::detail {
 

@@ -2,7 +2,7 @@
 #define HWY_TARGET_INCLUDE "volccd/narrowphase/detail/coplanarity_block.cpp"
 #include <hwy/foreach_target.h>
 #include <volccd/narrowphase/detail/coplanarity_block.hpp>
-#include <volccd/query/vector_lanes-inl.hpp>
+#include <volccd/numerics/vector_lanes-inl.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace volccd::detail::HWY_NAMESPACE {

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include <volccd/core/random.hpp>
-#include <volccd/narrowphase/exact_predicates.hpp>
+#include <volccd/narrowphase/exact/exact_predicates.hpp>
 #include <volccd/query/pairs.hpp>
 
 namespace volccd::cases {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include <volccd/core/heap_bytes.hpp>
-#include <volccd/narrowphase/initial_overlap.hpp>
+#include <volccd/narrowphase/overlap/initial_overlap.hpp>
 #include <volccd/pipelines/detail/contact_order.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 #include <volccd/pipelines/test_chain.hpp>

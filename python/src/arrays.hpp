@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include <volccd/mesh/types.hpp>
+#include <volccd/numerics/types.hpp>
 #include <volccd/query/pairs.hpp>
 
 #include "bind.hpp"

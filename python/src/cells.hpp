@@ -1,7 +1,7 @@
 // Conversions between cells and arrays.
 #pragma once
 
-#include <volccd/mesh/sequence/cells.hpp>
+#include <volccd/io/sequence/cells.hpp>
 
 #include "bind.hpp"
 

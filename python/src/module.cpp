@@ -1,7 +1,7 @@
 #include "bind.hpp"
 
-#include <volccd/experiments/records/build_facts.hpp>
-#include <volccd/mesh/sequence/hdf5_messages.hpp>
+#include <volccd/io/build_facts.hpp>
+#include <volccd/io/hdf5/hdf5_messages.hpp>
 
 PYBIND11_MODULE(_core, module) {
   using namespace volccd::python;

@@ -2,7 +2,7 @@
 
 #include <pybind11/stl.h>
 
-#include <volccd/broadphase/peers/peers.hpp>
+#include <volccd/peers/peers.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
 #include "stages.hpp"

@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/reader.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 
 #include "arrays.hpp"
 #include "cells.hpp"

@@ -4,8 +4,8 @@
 #include <memory>
 #include <string>
 
-#include <volccd/mesh/sequence/reader.hpp>
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/reader.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 
 #include "runner.hpp"
 

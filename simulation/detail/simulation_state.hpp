@@ -5,11 +5,11 @@
 #include <optional>
 #include <vector>
 
-#include <volccd/simulation/contact_response.hpp>
-#include <volccd/simulation/pressure_forces.hpp>
-#include <volccd/simulation/rigid_bodies.hpp>
+#include <volccd/simulation/contact/contact_response.hpp>
+#include <volccd/simulation/elements/pressure_forces.hpp>
+#include <volccd/simulation/elements/rigid_bodies.hpp>
 #include <volccd/simulation/simulation.hpp>
-#include <volccd/simulation/topology_proposal.hpp>
+#include <volccd/simulation/topology/topology_proposal.hpp>
 
 namespace volccd::simulation {
 

@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include <volccd/core/error.hpp>
-#include <volccd/simulation/element_breaking.hpp>
-#include <volccd/simulation/element_cutting.hpp>
-#include <volccd/simulation/node_merging.hpp>
-#include <volccd/simulation/node_splitting.hpp>
+#include <volccd/simulation/topology/element_breaking.hpp>
+#include <volccd/simulation/topology/element_cutting.hpp>
+#include <volccd/simulation/topology/node_merging.hpp>
+#include <volccd/simulation/topology/node_splitting.hpp>
 
 namespace volccd::simulation {
 

@@ -15,8 +15,8 @@
 #include <volccd/broadphase/brute_force.hpp>
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/broadphase/spatial_hash.hpp>
-#include <volccd/mesh/sequence/cells.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/io/sequence/cells.hpp>
+#include <volccd/io/sequence/reader.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {

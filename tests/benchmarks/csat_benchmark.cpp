@@ -8,7 +8,7 @@
 
 #include <Eigen/Geometry>
 
-#include <volccd/culling/csat.hpp>
+#include <volccd/culling/csat/csat.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {

@@ -7,9 +7,9 @@
 
 #include <benchmark/benchmark.h>
 
-#include <volccd/culling/coplanarity_filter.hpp>
-#include <volccd/culling/csat_filter.hpp>
-#include <volccd/culling/feature_kdop_filter.hpp>
+#include <volccd/culling/filters/coplanarity_filter.hpp>
+#include <volccd/culling/filters/csat_filter.hpp>
+#include <volccd/culling/filters/feature_kdop_filter.hpp>
 #include <volccd/oracle/cases/query_set.hpp>
 
 namespace volccd {

@@ -12,12 +12,12 @@
 #include <benchmark/benchmark.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/culling/all_pairs.hpp>
-#include <volccd/culling/dynamic_assignment.hpp>
-#include <volccd/culling/o_set.hpp>
-#include <volccd/culling/static_assignment.hpp>
-#include <volccd/mesh/sequence/cells.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/culling/assignment/all_pairs.hpp>
+#include <volccd/culling/assignment/dynamic_assignment.hpp>
+#include <volccd/culling/o_set/o_set.hpp>
+#include <volccd/culling/assignment/static_assignment.hpp>
+#include <volccd/io/sequence/cells.hpp>
+#include <volccd/io/sequence/reader.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
 #include "support/stages.hpp"

@@ -1,7 +1,7 @@
 // Requirements for every broad phase, on all scenes: compared with an oracle in exact arithmetic, and with each other.
 #include <hwy/targets.h>
 
-#include <volccd/broadphase/peers/peers.hpp>
+#include <volccd/peers/peers.hpp>
 
 #include "broadphase/scenes.hpp"
 

@@ -1,6 +1,6 @@
 // Coordinates beyond the range of floats, among others: bounds remain finite, so that the keys by which a tree is
 // divided may overflow to an infinite value but are never NaN, which would have no place in an order.
-#include <volccd/broadphase/detail/tree_builder.hpp>
+#include <volccd/broadphase/bvh/detail/tree_builder.hpp>
 
 #include <array>
 #include <numeric>

@@ -9,7 +9,7 @@
 
 #include <boost/multiprecision/cpp_int.hpp>
 
-#include <volccd/query/kdop.hpp>
+#include <volccd/numerics/kdop.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::test {

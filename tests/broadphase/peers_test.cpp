@@ -4,7 +4,7 @@
 #include <cfenv>
 #include <sstream>
 
-#include <volccd/broadphase/peers/peers.hpp>
+#include <volccd/peers/peers.hpp>
 
 #include "broadphase/scenes.hpp"
 

@@ -1,7 +1,7 @@
 // Data that a state keeps from step to step: topology changes, restructuring, memory.
 #include <numeric>
 
-#include <volccd/broadphase/peers/peers.hpp>
+#include <volccd/peers/peers.hpp>
 
 #include "broadphase/scenes.hpp"
 #include "support/allocations.hpp"

@@ -19,7 +19,7 @@
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/broadphase/spatial_hash.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
-#include <volccd/query/kdop.hpp>
+#include <volccd/numerics/kdop.hpp>
 #include <volccd/query/pairs.hpp>
 
 #include "broadphase/kdop_oracle.hpp"

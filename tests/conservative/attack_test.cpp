@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include <volccd/narrowphase/cubic.hpp>
+#include <volccd/narrowphase/cubic/cubic.hpp>
 #include <volccd/oracle/cases/attack_cases.hpp>
 #include <volccd/pipelines/registry.hpp>
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include <volccd/narrowphase/inclusion.hpp>
+#include <volccd/narrowphase/inclusion/inclusion.hpp>
 #include <volccd/query/contact.hpp>
 
 #include "conservative/one_test.hpp"

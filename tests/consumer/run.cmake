@@ -135,7 +135,7 @@ elseif(PART STREQUAL "refusals")
 elseif(PART STREQUAL "headers")
   # Twice: the second time checks the include guard. To objects, which a compiler cache keeps, as it does not keep checks
   # of the syntax alone. What reaches Eigen through `vectors` gets it precompiled, which sees no more than it includes.
-  set(vectors volccd/mesh/types.hpp)
+  set(vectors volccd/numerics/types.hpp)
   set(with_vectors "${vectors}")
   set(added TRUE)
   while(added)

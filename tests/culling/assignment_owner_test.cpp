@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/culling/dynamic_assignment.hpp>
+#include <volccd/culling/assignment/dynamic_assignment.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {

@@ -1,5 +1,5 @@
 // Rings whose faces are nearly upright: rounding must not make a face that folds pass.
-#include <volccd/culling/detail/boundary_rings.hpp>
+#include <volccd/culling/stars/detail/boundary_rings.hpp>
 
 #include <algorithm>
 #include <array>

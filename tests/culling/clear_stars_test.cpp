@@ -1,5 +1,5 @@
 // Each condition of clear stars (docs/clear_stars.md), with stars that satisfy all others.
-#include <volccd/culling/detail/vertex_stars.hpp>
+#include <volccd/culling/stars/vertex_stars.hpp>
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include <volccd/culling/detail/suspect_pairs.hpp>
+#include <volccd/culling/stars/suspect_pairs.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
 #include "culling/ends_in_loop.hpp"

@@ -1,6 +1,6 @@
 // Signs of volumes at the threshold where they are accepted as certain, compared with 113 bits: eight different
 // elements at a time, which fill all vector lanes.
-#include <volccd/culling/detail/cone_signs.hpp>
+#include <volccd/culling/stars/detail/cone_signs.hpp>
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // Pairs of elements that a plane through their common vertex or edge separates touch nowhere else.
-#include <volccd/culling/detail/corner_planes.hpp>
+#include <volccd/culling/stars/detail/corner_planes.hpp>
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/core/random.hpp>
-#include <volccd/culling/detail/suspect_pairs.hpp>
+#include <volccd/culling/stars/suspect_pairs.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
 #include "culling/exact_contacts.hpp"

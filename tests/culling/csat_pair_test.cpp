@@ -10,9 +10,9 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/culling/csat.hpp>
-#include <volccd/culling/detail/csat_axes.hpp>
-#include <volccd/culling/detail/csat_points.hpp>
+#include <volccd/culling/csat/csat.hpp>
+#include <volccd/culling/csat/csat_axes.hpp>
+#include <volccd/culling/csat/csat_points.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
 #include "csat_bench.hpp"

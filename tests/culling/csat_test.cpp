@@ -9,7 +9,7 @@
 
 #include <Eigen/Geometry>
 
-#include <volccd/culling/csat.hpp>
+#include <volccd/culling/csat/csat.hpp>
 
 #include "csat_bench.hpp"
 #include "filter_touching.hpp"

@@ -7,7 +7,7 @@
 
 #include <volccd/core/random.hpp>
 #include <volccd/culling/element_kdop.hpp>
-#include <volccd/query/kdop.hpp>
+#include <volccd/numerics/kdop.hpp>
 
 #include "csat_bench.hpp"
 #include "support/stages.hpp"

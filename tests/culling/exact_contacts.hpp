@@ -8,7 +8,7 @@
 #include <Eigen/Geometry>
 
 #include <volccd/mesh/features.hpp>
-#include <volccd/narrowphase/exact_predicates.hpp>
+#include <volccd/narrowphase/exact/exact_predicates.hpp>
 #include <volccd/query/step.hpp>
 
 namespace volccd::detail {

@@ -10,10 +10,10 @@
 
 #include <volccd/broadphase/broad_phase.hpp>
 #include <volccd/core/random.hpp>
-#include <volccd/culling/all_pairs.hpp>
-#include <volccd/culling/dynamic_assignment.hpp>
-#include <volccd/culling/o_set_source.hpp>
-#include <volccd/culling/static_assignment.hpp>
+#include <volccd/culling/assignment/all_pairs.hpp>
+#include <volccd/culling/assignment/dynamic_assignment.hpp>
+#include <volccd/culling/o_set/o_set_source.hpp>
+#include <volccd/culling/assignment/static_assignment.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
 #include "support/stages.hpp"

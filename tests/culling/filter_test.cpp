@@ -8,11 +8,11 @@
 #include <hwy/highway.h>
 #include <boost/multiprecision/cpp_int.hpp>
 
-#include <volccd/culling/coplanarity_filter.hpp>
-#include <volccd/culling/csat_filter.hpp>
-#include <volccd/culling/feature_kdop_filter.hpp>
-#include <volccd/narrowphase/exact_predicates.hpp>
-#include <volccd/query/kdop.hpp>
+#include <volccd/culling/filters/coplanarity_filter.hpp>
+#include <volccd/culling/filters/csat_filter.hpp>
+#include <volccd/culling/filters/feature_kdop_filter.hpp>
+#include <volccd/narrowphase/exact/exact_predicates.hpp>
+#include <volccd/numerics/kdop.hpp>
 
 #include "filter_touching.hpp"
 #include "support/stages.hpp"

@@ -1,5 +1,5 @@
 // What a flood concludes about positions at t = 0.
-#include <volccd/culling/detail/flood_front.hpp>
+#include <volccd/culling/flood/detail/flood_front.hpp>
 
 #include <algorithm>
 #include <cmath>

@@ -1,5 +1,5 @@
 // The list of blocks of an O-Set: rows of any length, and pairs that later ones replace.
-#include <volccd/culling/detail/o_set_blocks.hpp>
+#include <volccd/culling/o_set/detail/o_set_blocks.hpp>
 
 #include <set>
 #include <utility>

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/culling/o_set.hpp>
+#include <volccd/culling/o_set/o_set.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/query/test_block.hpp>
 

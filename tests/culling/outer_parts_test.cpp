@@ -1,5 +1,5 @@
 // Outer parts that are kept from step to step are those of new ones, after any edits and motions.
-#include <volccd/culling/detail/outer_parts.hpp>
+#include <volccd/culling/flood/detail/outer_parts.hpp>
 
 #include <vector>
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <span>
 
-#include <volccd/mesh/types.hpp>
+#include <volccd/numerics/types.hpp>
 
 namespace volccd::detail {
 

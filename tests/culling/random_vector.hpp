@@ -1,7 +1,7 @@
 #pragma once
 
 #include <volccd/core/random.hpp>
-#include <volccd/mesh/types.hpp>
+#include <volccd/numerics/types.hpp>
 
 namespace volccd::detail {
 

@@ -1,5 +1,5 @@
 // Complexes of simplices after any sequence of edits: they have the features of the mesh, and map them to it.
-#include <volccd/culling/detail/simplex_complex.hpp>
+#include <volccd/culling/flood/detail/simplex_complex.hpp>
 
 #include <algorithm>
 #include <utility>

@@ -1,5 +1,5 @@
 // Orphans of suspect pairs: those that the definition gives, after any sequence of suspects and edits.
-#include <volccd/culling/detail/suspect_orphans.hpp>
+#include <volccd/culling/stars/suspect_orphans.hpp>
 
 #include <algorithm>
 #include <set>

@@ -1,5 +1,5 @@
 // Adjacent pairs of elements that are left out touch only in their common features.
-#include <volccd/culling/detail/suspect_pairs.hpp>
+#include <volccd/culling/stars/suspect_pairs.hpp>
 
 #include <algorithm>
 #include <stdexcept>

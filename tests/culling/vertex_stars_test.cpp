@@ -1,5 +1,5 @@
 // Stars of elements of any type that are clear: features of such a star touch nowhere but in common vertices.
-#include <volccd/culling/detail/vertex_stars.hpp>
+#include <volccd/culling/stars/vertex_stars.hpp>
 
 #include <algorithm>
 #include <array>
@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/culling/star_orphans.hpp>
+#include <volccd/culling/stars/star_orphans.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
 #include "culling/ends_in_loop.hpp"

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
-#include <volccd/narrowphase/exact_predicates.hpp>
-#include <volccd/narrowphase/inclusion.hpp>
-#include <volccd/narrowphase/initial_overlap.hpp>
+#include <volccd/narrowphase/exact/exact_predicates.hpp>
+#include <volccd/narrowphase/inclusion/inclusion.hpp>
+#include <volccd/narrowphase/overlap/initial_overlap.hpp>
 
 #include "support/stages.hpp"
 

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include <volccd/narrowphase/exact_predicates.hpp>
-#include <volccd/narrowphase/inclusion.hpp>
+#include <volccd/narrowphase/exact/exact_predicates.hpp>
+#include <volccd/narrowphase/inclusion/inclusion.hpp>
 #include <volccd/pipelines/registry.hpp>
 #include <volccd/oracle/cases/query_set.hpp>
 

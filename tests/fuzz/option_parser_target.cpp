@@ -1,4 +1,4 @@
-#include <volccd/mesh/sequence/metadata.hpp>
+#include <volccd/io/sequence/metadata.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
 #include "targets.hpp"

@@ -1,8 +1,8 @@
-#include <volccd/mesh/sequence/query_file.hpp>
+#include <volccd/io/sequence/query_file.hpp>
 #include <volccd/oracle/cases/query_set.hpp>
 
 #include "hdf5_script.hpp"
-#include "sequence/raw_hdf5.hpp"
+#include "io/raw_hdf5.hpp"
 
 namespace volccd::fuzz {
 

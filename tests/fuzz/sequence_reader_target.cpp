@@ -2,12 +2,12 @@
 #include <iterator>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/sequence/ground_truth.hpp>
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/ground_truth.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 
 #include "hdf5_script.hpp"
-#include "sequence/raw_hdf5.hpp"
-#include "sequence/sequences.hpp"
+#include "io/raw_hdf5.hpp"
+#include "io/sequences.hpp"
 
 namespace volccd::fuzz {
 

@@ -7,8 +7,8 @@
 
 #include <Eigen/Geometry>
 
-#include <volccd/mesh/detail/check_element.hpp>
-#include <volccd/mesh/detail/collapse_element.hpp>
+#include <volccd/mesh/check_element.hpp>
+#include <volccd/mesh/collapse_element.hpp>
 
 namespace volccd::detail {
 namespace {

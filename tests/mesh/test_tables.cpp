@@ -7,8 +7,8 @@
 #include <volccd/core/executor.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/detail/incidences.hpp>
-#include <volccd/mesh/detail/slot_table.hpp>
-#include <volccd/mesh/detail/tuple_table.hpp>
+#include <volccd/mesh/tables/slot_table.hpp>
+#include <volccd/mesh/tables/tuple_table.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
 
 namespace volccd::detail {

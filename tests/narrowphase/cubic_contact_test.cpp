@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/narrowphase/cubic.hpp>
+#include <volccd/narrowphase/cubic/cubic.hpp>
 
 #include "oracle.hpp"
 #include "query_set.hpp"

@@ -2,7 +2,7 @@
 // points.
 #include <gtest/gtest.h>
 
-#include <volccd/narrowphase/cubic.hpp>
+#include <volccd/narrowphase/cubic/cubic.hpp>
 
 #include "query_set.hpp"
 

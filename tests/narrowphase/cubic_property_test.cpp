@@ -5,7 +5,7 @@
 #include <hwy/highway.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/narrowphase/cubic.hpp>
+#include <volccd/narrowphase/cubic/cubic.hpp>
 #include <volccd/narrowphase/detail/coplanarity_block.hpp>
 
 #include "query_set.hpp"

@@ -2,10 +2,10 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/narrowphase/detail/closest_points.hpp>
+#include <volccd/narrowphase/closest_points.hpp>
 #include <volccd/narrowphase/detail/coplanarity_block.hpp>
-#include <volccd/narrowphase/detail/double_double.hpp>
-#include <volccd/narrowphase/detail/polynomial_roots.hpp>
+#include <volccd/numerics/double_double.hpp>
+#include <volccd/narrowphase/cubic/detail/polynomial_roots.hpp>
 
 #include "oracle.hpp"
 #include "query_set.hpp"

@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/narrowphase/exact.hpp>
-#include <volccd/narrowphase/exact_predicates.hpp>
+#include <volccd/narrowphase/exact/exact.hpp>
+#include <volccd/narrowphase/exact/exact_predicates.hpp>
 
 #include "oracle.hpp"
 

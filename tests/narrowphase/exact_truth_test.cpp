@@ -4,8 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/narrowphase/detail/exact_geometry.hpp>
-#include <volccd/narrowphase/exact.hpp>
+#include <volccd/narrowphase/exact/detail/exact_geometry.hpp>
+#include <volccd/narrowphase/exact/exact.hpp>
 
 #include "hdf5_rows.hpp"
 #include "query_set.hpp"

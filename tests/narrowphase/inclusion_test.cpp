@@ -7,10 +7,10 @@
 #include <gtest/gtest.h>
 #include <boost/multiprecision/gmp.hpp>
 
-#include <volccd/narrowphase/detail/inclusion_search.hpp>
-#include <volccd/narrowphase/detail/motion_piece.hpp>
-#include <volccd/narrowphase/exact_predicates.hpp>
-#include <volccd/narrowphase/inclusion.hpp>
+#include <volccd/narrowphase/inclusion/detail/inclusion_search.hpp>
+#include <volccd/narrowphase/inclusion/detail/motion_piece.hpp>
+#include <volccd/narrowphase/exact/exact_predicates.hpp>
+#include <volccd/narrowphase/inclusion/inclusion.hpp>
 
 #include "query_set.hpp"
 

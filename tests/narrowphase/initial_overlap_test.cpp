@@ -1,5 +1,5 @@
 // Overlap of convex hulls compared with the simplex method in rationals and with exact distances of features.
-#include <volccd/narrowphase/initial_overlap.hpp>
+#include <volccd/narrowphase/overlap/initial_overlap.hpp>
 
 #include <cmath>
 #include <functional>
@@ -10,8 +10,8 @@
 #include <Eigen/Geometry>
 
 #include <volccd/core/random.hpp>
-#include <volccd/narrowphase/detail/hull_overlap.hpp>
-#include <volccd/narrowphase/exact_predicates.hpp>
+#include <volccd/narrowphase/overlap/detail/hull_overlap.hpp>
+#include <volccd/narrowphase/exact/exact_predicates.hpp>
 
 namespace volccd {
 namespace {

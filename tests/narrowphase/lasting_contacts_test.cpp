@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/narrowphase/detail/inclusion_search.hpp>
-#include <volccd/narrowphase/exact_predicates.hpp>
-#include <volccd/narrowphase/inclusion.hpp>
+#include <volccd/narrowphase/inclusion/detail/inclusion_search.hpp>
+#include <volccd/narrowphase/exact/exact_predicates.hpp>
+#include <volccd/narrowphase/inclusion/inclusion.hpp>
 
 #include "query_set.hpp"
 

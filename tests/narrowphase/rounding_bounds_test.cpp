@@ -7,8 +7,8 @@
 #include <gtest/gtest.h>
 #include <boost/multiprecision/gmp.hpp>
 
-#include <volccd/narrowphase/detail/motion_piece.hpp>
-#include <volccd/narrowphase/inclusion.hpp>
+#include <volccd/narrowphase/inclusion/detail/motion_piece.hpp>
+#include <volccd/narrowphase/inclusion/inclusion.hpp>
 
 #include "query_set.hpp"
 

@@ -4,8 +4,8 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/narrowphase/cubic.hpp>
-#include <volccd/narrowphase/inclusion.hpp>
+#include <volccd/narrowphase/cubic/cubic.hpp>
+#include <volccd/narrowphase/inclusion/inclusion.hpp>
 
 #include "hdf5_rows.hpp"
 #include "oracle.hpp"

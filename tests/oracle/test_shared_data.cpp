@@ -9,7 +9,7 @@
 #include <map>
 #include <sstream>
 
-#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/io/sequence/reader.hpp>
 
 #include "support/test_data.hpp"
 

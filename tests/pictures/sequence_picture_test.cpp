@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/sequence/writer.hpp>
+#include <volccd/io/sequence/writer.hpp>
 #include <volccd/pictures/palette.hpp>
 
 #include "pictures/picture_shapes.hpp"

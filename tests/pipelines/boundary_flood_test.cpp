@@ -1,5 +1,5 @@
 // `boundary-flood` loses no contact, whatever the deformation; compared with the same pipeline without it.
-#include <volccd/culling/boundary_flood.hpp>
+#include <volccd/culling/flood/boundary_flood.hpp>
 
 #include <array>
 #include <cmath>

@@ -1,7 +1,7 @@
 // The list of initial overlaps does not depend on the pipeline.
 #include <gtest/gtest.h>
 
-#include <volccd/narrowphase/initial_overlap.hpp>
+#include <volccd/narrowphase/overlap/initial_overlap.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
 #include "pipelines/scenes.hpp"

@@ -12,7 +12,7 @@
 
 #include <volccd/core/random.hpp>
 #include <volccd/pipelines/compare.hpp>
-#include <volccd/query/kdop.hpp>
+#include <volccd/numerics/kdop.hpp>
 
 #include "pipelines/scenes.hpp"
 

@@ -305,7 +305,7 @@ class DocsAgainstProgram(unittest.TestCase):
                                          for name in ("c.csv", "o.csv", "s.json"))
         columns = contacts.splitlines()[0]
         self.assertIn(f"\n    {columns}\n", text_of("docs/sequence_files.md"))
-        self.assertIn(f"//     {columns}\n", text_of("experiments/records/contacts_csv.hpp"))
+        self.assertIn(f"//     {columns}\n", text_of("io/contacts_csv.hpp"))
         self.assertIn(f"`{overlaps.splitlines()[0]}`", text_of("docs/initial_overlaps.md"))
         self.check_stats_keys(json.loads(stats))
 

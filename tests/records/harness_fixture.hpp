@@ -10,6 +10,7 @@
 #include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 
+#include "support/all_stages.hpp"
 #include "support/scratch_folder.hpp"
 
 namespace volccd::test {
@@ -36,7 +37,7 @@ class Harness : public testing::Test {
 
   const ScratchFolder folder_;
   const std::string file_;
-  const Registry registry_ = Registry::standard();
+  const Registry registry_ = test::all_stages();
 };
 
 }  // namespace volccd::test

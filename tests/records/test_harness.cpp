@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/core/output_file.hpp>
+#include <volccd/io/output_file.hpp>
 #include <volccd/experiments/harness/motion_measures.hpp>
 #include <volccd/experiments/harness/subdivide.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
@@ -18,7 +18,7 @@
 #include <volccd/pipelines/pipeline.hpp>
 
 #include "records/harness_fixture.hpp"
-#include "sequence/sequences.hpp"
+#include "io/sequences.hpp"
 
 namespace volccd::test {
 namespace {

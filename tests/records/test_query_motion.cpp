@@ -2,7 +2,7 @@
 #include <map>
 
 #include <volccd/experiments/tables/table1.hpp>
-#include <volccd/mesh/sequence/writer.hpp>
+#include <volccd/io/sequence/writer.hpp>
 
 #include "records/harness_fixture.hpp"
 #include "support/one_step.hpp"

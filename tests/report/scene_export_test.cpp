@@ -9,11 +9,12 @@
 #include <gtest/gtest.h>
 
 #include <volccd/experiments/scenes/scene.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/reader.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 #include <volccd/pictures/surface.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
+#include "support/all_stages.hpp"
 #include "report/decode_script.hpp"
 #include "support/scratch_folder.hpp"
 
@@ -34,7 +35,7 @@ class SceneExport : public ::testing::Test {
     return export_scene("run", file_, registry_, config, executor_);
   }
 
-  const Registry registry_ = Registry::standard();
+  const Registry registry_ = test::all_stages();
   SerialExecutor executor_;
   const test::ScratchFolder folder_;
   const std::string file_;

@@ -15,7 +15,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/scenes/sequence_statistics.hpp>
 #include <volccd/experiments/scenes/sequences.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/io/sequence/reader.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {

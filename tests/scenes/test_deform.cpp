@@ -7,7 +7,7 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/scenes/stacking.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/io/sequence/reader.hpp>
 
 #include "support/test_data.hpp"
 

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/sequence/writer.hpp>
+#include <volccd/io/sequence/writer.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {

@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
+#include <volccd/io/sequence/reader.hpp>
 
 #include "support/full_disk.hpp"
 

@@ -8,8 +8,8 @@
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/scenes/builtin.hpp>
 #include <volccd/experiments/scenes/deform.hpp>
-#include <volccd/mesh/sequence/reader.hpp>
-#include <volccd/mesh/sequence/writer.hpp>
+#include <volccd/io/sequence/reader.hpp>
+#include <volccd/io/sequence/writer.hpp>
 
 #include "support/scratch_folder.hpp"
 

@@ -14,17 +14,16 @@ GOOD = {
     "core/CMakeLists.txt": "volccd_module(core PUBLIC fmt::fmt PRIVATE TBB::tbb)\n",
     "mesh/mesh.hpp": "#pragma once\n#include <volccd/core/error.hpp>\n#include <volccd/mesh/detail/pool.hpp>\n",
     "mesh/detail/pool.hpp": "#pragma once\n",
-    "mesh/CMakeLists.txt": "volccd_module(mesh PUBLIC volccd_core)\nadd_subdirectory(sequence)\n",
-    "mesh/sequence/reader.hpp": "#pragma once\n#include <volccd/mesh/mesh.hpp>\n",
-    "mesh/sequence/reader.cpp": "#include <volccd/mesh/sequence/reader.hpp>\n#include <hdf5.h>\n"
-                                "#include <volccd/mesh/detail/pool.hpp>\n",
-    "mesh/sequence/CMakeLists.txt": "volccd_module(sequence PUBLIC volccd_mesh PRIVATE hdf5::hdf5)\n",
-    "culling/csat.hpp": "#pragma once\n#include <volccd/mesh/mesh.hpp>\n",
-    "culling/csat.cpp": "#include <volccd/culling/csat.hpp>\n#include <hwy/highway.h>\n",
+    "mesh/CMakeLists.txt": "volccd_module(mesh PUBLIC volccd_core)\n",
+    "io/sequence/reader.hpp": "#pragma once\n#include <volccd/mesh/mesh.hpp>\n",
+    "io/sequence/reader.cpp": "#include <volccd/io/sequence/reader.hpp>\n#include <hdf5.h>\n",
+    "io/CMakeLists.txt": "volccd_module(io PUBLIC volccd_mesh PRIVATE hdf5::hdf5)\n",
+    "culling/csat/csat.hpp": "#pragma once\n#include <volccd/mesh/mesh.hpp>\n",
+    "culling/csat/csat.cpp": "#include <volccd/culling/csat/csat.hpp>\n#include <hwy/highway.h>\n",
     "culling/CMakeLists.txt": "volccd_module(culling PUBLIC volccd_mesh PRIVATE hwy::hwy)\n",
     "broadphase/bvh.hpp": "#pragma once\n#include <volccd/core/error.hpp>\n",
     "broadphase/CMakeLists.txt": "volccd_module(broadphase PUBLIC volccd_mesh)\n",
-    "pipelines/pipeline.hpp": "#pragma once\n#include <volccd/culling/csat.hpp>\n",
+    "pipelines/pipeline.hpp": "#pragma once\n#include <volccd/culling/csat/csat.hpp>\n",
     "pipelines/CMakeLists.txt": "volccd_module(pipelines PUBLIC volccd_culling volccd_broadphase)\n",
     "oracle/fcl.hpp": "#pragma once\n#include <volccd/pipelines/pipeline.hpp>\n",
     "oracle/CMakeLists.txt": "volccd_module(oracle NO_INSTALL PUBLIC volccd_pipelines PRIVATE fcl)\n",
@@ -56,11 +55,11 @@ class CheckLayers(unittest.TestCase):
                            "core/CMakeLists.txt": ""}, "core/error.hpp:3", "core may not include mesh")
 
     def test_mesh_does_not_know_sequences(self):
-        self.assert_found({"mesh/a.cpp": "#include <volccd/mesh/sequence/reader.hpp>\n"}, "mesh/a.cpp:1",
-                          "mesh may not include mesh/sequence")
+        self.assert_found({"mesh/a.cpp": "#include <volccd/io/sequence/reader.hpp>\n"}, "mesh/a.cpp:1",
+                          "mesh may not include io")
 
     def test_siblings(self):
-        for a, b in (("culling", "broadphase/bvh.hpp"), ("broadphase", "culling/csat.hpp")):
+        for a, b in (("culling", "broadphase/bvh.hpp"), ("broadphase", "culling/csat/csat.hpp")):
             self.assert_found({f"{a}/x.cpp": f"#include <volccd/{b}>\n"}, f"{a}/x.cpp:1", f"{a} may not include")
 
     def test_spacing_of_the_directive_does_not_hide_it(self):
@@ -80,12 +79,31 @@ class CheckLayers(unittest.TestCase):
         for user in ("culling/x.cpp", "tests/culling/x.cpp", "examples/x.cpp"):
             self.assert_found({user: "#include <volccd/mesh/detail/pool.hpp>\n"}, f"{user}:1", "is a detail of mesh")
 
+    def test_adaptors_of_other_libraries_use_details_of_broad_phases(self):
+        detail = {"broadphase/detail/writer.hpp": "#pragma once\n",
+                  "peers/CMakeLists.txt": "volccd_module(peers PUBLIC volccd_broadphase)\n"}
+        text = "#include <volccd/broadphase/detail/writer.hpp>\n"
+        self.assertEqual(self.findings({**detail, "peers/x.cpp": text}), [])
+        self.assert_found({**detail, "pipelines/x.cpp": text}, "pipelines/x.cpp:1", "is a detail of broadphase")
+
+    def test_rooms_of_a_module(self):
+        flood = {"culling/flood/flood.hpp": "#pragma once\n#include <volccd/culling/csat/csat.hpp>\n"}
+        self.assertEqual(self.findings(flood), [])
+        self.assert_found({**flood, "culling/csat/x.cpp": "#include <volccd/culling/flood/flood.hpp>\n"},
+                          "culling/csat/x.cpp:1", "culling/csat may not include culling/flood")
+        self.assert_found({"culling/x.cpp": "#include <volccd/culling/csat/csat.hpp>\n"}, "culling/x.cpp:1",
+                          "culling/ may not include culling/csat")
+
+    def test_crowded_detail_folder(self):
+        files = {f"mesh/detail/file{i}.hpp": "#pragma once\n" for i in range(12)}  # and pool.hpp
+        self.assert_found(files, "mesh/detail:1", "13 files")
+
     def test_missing_header(self):
         self.assert_found({"culling/x.cpp": "#include <volccd/mesh/gone.hpp>\n"}, "culling/x.cpp:1", "does not exist")
 
     def test_relative_and_quoted_includes(self):
-        self.assert_found({"culling/x.cpp": '#include "csat.hpp"\n'}, "culling/x.cpp:1", "relative")
-        self.assert_found({"culling/x.cpp": '#include "volccd/culling/csat.hpp"\n'}, "culling/x.cpp:1", "write <volccd")
+        self.assert_found({"culling/csat/x.cpp": '#include "csat.hpp"\n'}, "culling/csat/x.cpp:1", "relative")
+        self.assert_found({"culling/x.cpp": '#include "volccd/culling/csat/csat.hpp"\n'}, "culling/x.cpp:1", "write <volccd")
 
     def test_third_party(self):
         self.assert_found({"culling/x.cpp": "#include <tbb/parallel_for.h>\n"}, "culling/x.cpp:1", "culling may not")

@@ -28,7 +28,7 @@ class Docs(unittest.TestCase):
                 self.assertTrue((ROOT / path).is_file(), f"{document.name}: {path}")
 
     def test_stages_named(self):
-        sources = "".join(path.read_text() for folder in ("broadphase", "culling", "narrowphase", "examples")
+        sources = "".join(path.read_text() for folder in ("broadphase", "culling", "narrowphase", "paper2011", "peers", "examples")
                           for path in (ROOT / folder).rglob("*.cpp"))
         for document in DOCUMENTS:
             for name in re.findall(r"^\| `([a-z]+-[a-z-]+)` \|", document.read_text(), re.MULTILINE):

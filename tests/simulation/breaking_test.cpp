@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/simulation/element_breaking.hpp>
+#include <volccd/simulation/topology/element_breaking.hpp>
 
 #include "edit_checks.hpp"
 #include "simulation_models.hpp"

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 
-#include <volccd/simulation/contact_response.hpp>
+#include <volccd/simulation/contact/contact_response.hpp>
 #include "simulation_models.hpp"
 #include "support/one_step.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include <volccd/simulation/element_cutting.hpp>
+#include <volccd/simulation/topology/element_cutting.hpp>
 
 #include "edit_checks.hpp"
 

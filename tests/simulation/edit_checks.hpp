@@ -13,7 +13,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
-#include <volccd/simulation/topology_proposal.hpp>
+#include <volccd/simulation/topology/topology_proposal.hpp>
 
 namespace volccd::simulation {
 

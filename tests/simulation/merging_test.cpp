@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <volccd/simulation/node_merging.hpp>
-#include <volccd/simulation/node_splitting.hpp>
+#include <volccd/simulation/topology/node_merging.hpp>
+#include <volccd/simulation/topology/node_splitting.hpp>
 
 #include "edit_checks.hpp"
 

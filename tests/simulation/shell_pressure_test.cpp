@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/simulation/pressure_forces.hpp>
+#include <volccd/simulation/elements/pressure_forces.hpp>
 
 #include "shell_support.hpp"
 

@@ -10,7 +10,7 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/core/random.hpp>
-#include <volccd/simulation/shell_forces.hpp>
+#include <volccd/simulation/elements/shell_forces.hpp>
 
 namespace volccd::simulation::shell_test {
 

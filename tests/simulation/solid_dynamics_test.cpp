@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/simulation/material.hpp>
+#include <volccd/simulation/elements/material.hpp>
 
 #include "solid_support.hpp"
 

@@ -5,7 +5,7 @@
 #include <hwy/targets.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/simulation/material.hpp>
+#include <volccd/simulation/elements/material.hpp>
 
 #include "solid_checks.hpp"
 

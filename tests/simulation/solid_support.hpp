@@ -11,8 +11,8 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/core/random.hpp>
-#include <volccd/simulation/element_forces.hpp>
-#include <volccd/simulation/solid_forces.hpp>
+#include <volccd/simulation/elements/element_forces.hpp>
+#include <volccd/simulation/elements/solid_forces.hpp>
 
 namespace volccd::simulation::test {
 

@@ -2,7 +2,7 @@
 
 #include <limits>
 
-#include <volccd/simulation/node_splitting.hpp>
+#include <volccd/simulation/topology/node_splitting.hpp>
 
 #include "edit_checks.hpp"
 

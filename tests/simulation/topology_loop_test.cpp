@@ -2,7 +2,7 @@
 // surfaces.
 #include <gtest/gtest.h>
 
-#include <volccd/simulation/contact_detection.hpp>
+#include <volccd/simulation/contact/contact_detection.hpp>
 
 #include "edit_checks.hpp"
 #include "simulation_models.hpp"

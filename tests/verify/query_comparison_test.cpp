@@ -5,11 +5,12 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/tables/query_comparison.hpp>
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 #include <volccd/oracle/cases/query_set.hpp>
 
-#include "sequence/raw_hdf5.hpp"
-#include "sequence/sequences.hpp"
+#include "support/all_stages.hpp"
+#include "io/raw_hdf5.hpp"
+#include "io/sequences.hpp"
 
 namespace volccd::test {
 namespace {
@@ -52,7 +53,7 @@ KnownQueries known(std::size_t n, const std::vector<std::uint8_t>& collides) {
 }
 
 TEST(QueryComparison, CountsAndTellsOfBrokenPromises) {
-  Registry registry = Registry::standard();
+  Registry registry = test::all_stages();
   registry.add(describe_stage<NarrowPhase, EverySecond>("certain", "", Guarantee::conservative));
   registry.add(describe_stage<NarrowPhase, EverySecond>("doubtful", "", Guarantee::approximate));
   const std::vector<KnownQueries> groups = {known(5, {1, 1, 1, 0, 1}), known(5, {0, 0, 0, 1, 1})};

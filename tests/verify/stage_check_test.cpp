@@ -13,12 +13,13 @@
 
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/core/random.hpp>
-#include <volccd/culling/all_pairs.hpp>
-#include <volccd/culling/csat.hpp>
-#include <volccd/culling/o_set_source.hpp>
-#include <volccd/narrowphase/exact.hpp>
-#include <volccd/narrowphase/inclusion.hpp>
+#include <volccd/culling/assignment/all_pairs.hpp>
+#include <volccd/culling/csat/csat.hpp>
+#include <volccd/culling/o_set/o_set_source.hpp>
+#include <volccd/narrowphase/exact/exact.hpp>
+#include <volccd/narrowphase/inclusion/inclusion.hpp>
 
+#include "support/all_stages.hpp"
 #include "support/allocations.hpp"
 #include "verify/made_stage.hpp"
 
@@ -63,7 +64,7 @@ std::string text_of(const StageReport& report) {
 /// Checks a stage made of `run`.
 template <class Interface, class Run>
 StageReport check(Run run, Guarantee guarantee = Guarantee::conservative, int trials = 500, bool pipelines = false) {
-  Registry registry = Registry::standard();
+  Registry registry = test::all_stages();
   StageDescriptor<Interface> descriptor;
   descriptor.name = "made";
   descriptor.guarantee = guarantee;
@@ -90,7 +91,7 @@ const std::string kLoses = "loses no contact", kBatch = "the answer does not dep
 template <class Kind>
 std::vector<std::string> names() {
   std::vector<std::string> all;
-  const Registry registry = Registry::standard();
+  const Registry registry = test::all_stages();
   for (const auto& descriptor : registry.stages<Kind>()) all.push_back(descriptor.name);
   return all;
 }
@@ -113,7 +114,7 @@ class StageOfTheLibrary : public testing::TestWithParam<std::string> {};
 
 TEST_P(StageOfTheLibrary, KeepsItsPromises) {
   const StageReport report =
-      check_stage(Registry::standard(), GetParam(), quick(is_narrow_phase(GetParam()) ? 40 : 300));
+      check_stage(test::all_stages(), GetParam(), quick(is_narrow_phase(GetParam()) ? 40 : 300));
   EXPECT_TRUE(report.kept()) << text_of(report);
   EXPECT_GE(report.promises.size(), 4u);
   for (const PromiseReport& one : report.promises) EXPECT_GT(one.checked, 0u) << one.promise;
@@ -128,7 +129,7 @@ INSTANTIATE_TEST_SUITE_P(All, StageOfTheLibrary, testing::ValuesIn(all_names()),
 TEST(StageCheck, StarOrphansKeepTheirPromisesWithoutTheOSet) {
   StageCheckConfig config = quick(2000);
   config.options = {{"most_suspect", "1"}};
-  const StageReport report = check_stage(Registry::standard(), "star-orphans", config);
+  const StageReport report = check_stage(test::all_stages(), "star-orphans", config);
   EXPECT_TRUE(report.kept()) << text_of(report);
 }
 
@@ -173,7 +174,7 @@ TEST(StageCheck, FindsThatAViolationRepeatsFromItsSeed) {
     StageCheckConfig config = quick(1);
     config.pipelines = false;
     config.seed = std::stoull(one.example.substr(5));
-    Registry registry = Registry::standard();
+    Registry registry = test::all_stages();
     StageDescriptor<FeatureFilter> descriptor;
     descriptor.name = "made";
     descriptor.guarantee = Guarantee::conservative;
@@ -230,7 +231,7 @@ class Selects final : public FeatureFilter {
 
 TEST(StageCheck, FindsAFilterWhoseSelectLosesOrMovesTests) {
   for (const bool reverses : {true, false}) {
-    Registry registry = Registry::standard();
+    Registry registry = test::all_stages();
     StageDescriptor<FeatureFilter> descriptor;
     descriptor.name = "selects";
     descriptor.guarantee = Guarantee::conservative;
@@ -425,7 +426,7 @@ class StaleCulling final : public ElementCulling {
 };
 
 TEST(StageCheck, FindsAStateThatIsNotUpdatedForTheStep) {
-  Registry registry = Registry::standard();
+  Registry registry = test::all_stages();
   StageDescriptor<ElementCulling> descriptor;
   descriptor.name = "stale";
   descriptor.guarantee = Guarantee::conservative;
@@ -498,7 +499,7 @@ TEST(StageCheck, FindsAnOrphanSourceThatLosesATest) {
 
 TEST(StageCheck, UnknownStageNamesTheKnown) {
   try {
-    check_stage(Registry::standard(), "nothing");
+    check_stage(test::all_stages(), "nothing");
     FAIL();
   } catch (const ConfigError& error) {
     EXPECT_NE(std::string(error.what()).find("csat"), std::string::npos) << error.what();

@@ -6,9 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/mesh/sequence/stepper.hpp>
+#include <volccd/io/sequence/stepper.hpp>
 #include <volccd/mesh/shells.hpp>
 
+#include "support/all_stages.hpp"
 #include "pipelines/scenes.hpp"
 #include "support/one_step.hpp"
 #include "support/test_data.hpp"
@@ -25,7 +26,7 @@ class LossyFilter final : public FeatureFilter {
 };
 
 Registry lossy_registry() {
-  Registry registry = Registry::standard();
+  Registry registry = test::all_stages();
   StageDescriptor<FeatureFilter> descriptor;
   descriptor.name = "lossy";
   descriptor.guarantee = Guarantee::approximate;
@@ -44,7 +45,7 @@ const test::Scene& scene() {
 }
 
 TEST(Verify, CleanWhereNothingIsWrong) {
-  Verifier verifier(Registry::standard(), {});
+  Verifier verifier(test::all_stages(), {});
   SerialExecutor serial;
   const ObjectFilter filter;
   const StepVerdict verdict = verifier.check({scene().topology, scene().motion, filter}, serial);
@@ -99,7 +100,7 @@ class LyingCulling final : public ElementCulling {
 };
 
 TEST(Verify, FindsAListOfInitialOverlapsThatIsNotThatOfTheReference) {
-  Registry registry = Registry::standard();
+  Registry registry = test::all_stages();
   StageDescriptor<ElementCulling> descriptor;
   descriptor.name = "lying";
   descriptor.guarantee = Guarantee::approximate;
@@ -147,7 +148,7 @@ TEST(Verify, LeavesOutShellNeighboursInAllPipelinesAlike) {
   motion.set_linear(x0, x1);
   SerialExecutor serial;
   const ObjectFilter filter;
-  Verifier all(Registry::standard(), {}), fewer(Registry::standard(), {.leave_out_shell_neighbours = true});
+  Verifier all(test::all_stages(), {}), fewer(test::all_stages(), {.leave_out_shell_neighbours = true});
   const StepVerdict every = all.check({topology, motion, filter}, serial);
   std::vector<Contact> contacts;
   const StepVerdict kept = fewer.check({topology, motion, filter}, serial, &contacts);
@@ -164,7 +165,7 @@ TEST(Verify, LeavesOutShellNeighboursInAllPipelinesAlike) {
 }
 
 TEST(Verify, PipelinesThatCannotRunTheStepAreRefusedNotDifferent) {
-  Registry registry = Registry::standard();
+  Registry registry = test::all_stages();
   PipelineSpec limited = registry.pipeline("VolCCD");
   limited.name = "Limited";
   registry.apply_setting(limited, "narrow-phase=cubic");
@@ -218,7 +219,7 @@ void expect_reference_contacts(const std::string& name, const std::vector<int>& 
                                const std::string& pipeline_name) {
   VOLCCD_NEEDS_DATA(file, name + ".vtkhdf");
   VOLCCD_NEEDS_DATA(reference_file, "reference/" + name + ".csv");
-  const Registry registry = Registry::standard();
+  const Registry registry = test::all_stages();
   const Pipeline pipeline(registry, registry.pipeline(pipeline_name));
   Workspace workspace = pipeline.make_workspace();
   SequenceReader reader(file);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-#include <volccd/mesh/types.hpp>
+#include <volccd/numerics/types.hpp>
 
 namespace volccd {
 

@@ -8,7 +8,7 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/experiments/scenes/simulated/simulated_scene.hpp>
-#include <volccd/mesh/sequence/metadata.hpp>
+#include <volccd/io/sequence/metadata.hpp>
 
 namespace volccd {
 

@@ -5,8 +5,8 @@
 #include <fstream>
 
 #include <volccd/core/error.hpp>
-#include <volccd/core/output_file.hpp>
-#include <volccd/mesh/sequence/writer.hpp>
+#include <volccd/io/output_file.hpp>
+#include <volccd/io/sequence/writer.hpp>
 
 namespace volccd {
 

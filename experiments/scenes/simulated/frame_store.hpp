@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <volccd/core/function_ref.hpp>
-#include <volccd/mesh/sequence/cells.hpp>
-#include <volccd/mesh/sequence/metadata.hpp>
+#include <volccd/io/sequence/cells.hpp>
+#include <volccd/io/sequence/metadata.hpp>
 #include <volccd/simulation/simulation.hpp>
 
 namespace volccd {

@@ -1,0 +1,244 @@
+#include <volccd/culling/stars/detail/boundary_rings.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "volccd/culling/stars/detail/boundary_rings.cpp"
+#include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
+#include <volccd/numerics/vector_lanes-inl.hpp>
+#include <volccd/query/vertex_records-inl.hpp>
+
+HWY_BEFORE_NAMESPACE();
+namespace volccd::detail::HWY_NAMESPACE {
+
+HWY_INLINE void store_float(Lanes x, float* row) {
+  const hn::Rebind<float, Tag> narrow;
+  hn::Store(hn::DemoteTo(narrow, x), narrow, row);
+}
+
+/// Stores the coordinates in three rows of eight.
+HWY_INLINE void store3(const Lanes3& a, float (*rows)[8], std::size_t lane) {
+  store_float(a.x, rows[0] + lane);
+  store_float(a.y, rows[1] + lane);
+  store_float(a.z, rows[2] + lane);
+}
+
+HWY_INLINE Lanes3 unit(const Lanes3& a) {
+  const Lanes square = dot(a, a), zero = hn::Zero(Tag());
+  const Lanes factor = hn::IfThenElse(hn::Gt(square, zero), hn::Div(broadcast(1), hn::Sqrt(square)), zero);
+  return scaled(a, factor);
+}
+
+/// Processes 8 faces.
+template <int kControlPoints>
+class Normals {
+ public:
+  /// At most 8 faces, and at least one.
+  void gather(const Motion& motion, std::span<const RingFace> faces) {
+    for (std::size_t v = 0; v < 3; ++v)
+      gather_records<PointRows, kControlPoints>(
+          motion, 8, [&](std::size_t i) HWY_ATTR { return faces[std::min(i, faces.size() - 1)].triangle[v]; },
+          points_[v][0]);
+  }
+
+  void compute(bool edges) {
+    for (std::size_t lane = 0; lane < 8; lane += hn::Lanes(Tag())) {
+      compute_lanes(lane);
+      if (edges) find_longest_edges(lane);
+    }
+  }
+  double longest_edge(std::size_t lane) const { return longest_edge_[lane]; }
+
+  template <int kLanes>
+  void store(std::size_t lane, FaceNormal<kLanes>& out) const {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int k = 0; k < kLanes; ++k) out.coefficients[axis][k] = normal_[k < kCoefficients ? k : 0][axis][lane];
+      out.unit[axis] = unit_[axis][lane];
+    }
+    out.bound = bound_[lane];
+  }
+
+ private:
+  static constexpr int kDegree = kControlPoints - 1, kCoefficients = 2 * kDegree + 1;
+  struct PointRows {
+    static constexpr std::size_t offset(int k) { return static_cast<std::size_t>(k) * 8; }
+  };
+
+  Lanes3 point(std::size_t vertex, int control_point, std::size_t lane) const {
+    return load3(Tag(), points_[vertex][3 * control_point] + lane, 8);
+  }
+
+  void compute_lanes(std::size_t lane) {
+    Lanes3 a[kControlPoints], b[kControlPoints], normal[kCoefficients];
+    Lanes of_a = broadcast(kLeastExtent), of_b = of_a, greatest = hn::Zero(Tag());
+    for (int c = 0; c < kControlPoints; ++c) {
+      const Lanes3 origin = point(0, c, lane);
+      a[c] = sub(point(1, c, lane), origin);
+      b[c] = sub(point(2, c, lane), origin);
+      of_a = hn::Max(of_a, norm1(a[c]));
+      of_b = hn::Max(of_b, norm1(b[c]));
+    }
+    for (int k = 0; k < kCoefficients; ++k) normal[k] = {hn::Zero(Tag()), hn::Zero(Tag()), hn::Zero(Tag())};
+    for (int i = 0; i <= kDegree; ++i)
+      for (int j = 0; j <= kDegree; ++j) {
+        const double weight = (kDegree == 2 && i == 1 ? 2 : 1) * (kDegree == 2 && j == 1 ? 2 : 1);
+        normal[i + j] = add(normal[i + j], scaled(cross(a[i], b[j]), broadcast(weight)));
+      }
+    for (const Lanes3& n : normal)
+      greatest = hn::Max(greatest, hn::Max(hn::Abs(n.x), hn::Max(hn::Abs(n.y), hn::Abs(n.z))));
+    const Lanes scale = hn::Div(broadcast(1), greatest);
+    for (int k = 0; k < kCoefficients; ++k) store3(scaled(normal[k], scale), normal_[k], lane);
+    // The weights of a coefficient sum to at most 6; a term has fewer than 16 rounding errors (docs/clear_stars.md).
+    const Lanes product = hn::Mul(broadcast(6 * 32 * kUnitRoundoff), trusted(hn::Mul(trusted(of_a), trusted(of_b))));
+    const Lanes bound = hn::Mul(hn::Add(product, broadcast(kDeterminantUnderflow)), scale);
+    // For single precision, in which the bound itself is rounded as well.
+    store_float(hn::Mul(hn::Add(bound, broadcast(0x1p-23)), broadcast(1 + 0x1p-20)), bound_ + lane);
+    hn::Store(scale, Tag(), scale_ + lane);
+    store3(add(unit(normal[0]), unit(normal[2 * kDegree])), unit_, lane);
+  }
+
+  /// Upper bounds. A length at any time is less than the greatest one at a control point.
+  void find_longest_edges(std::size_t lane) {
+    Lanes longest = hn::Zero(Tag());
+    for (int c = 0; c < kControlPoints; ++c)
+      for (std::size_t v = 0; v < 3; ++v)
+        longest = hn::Max(longest, length(sub(point((v + 1) % 3, c, lane), point(v, c, lane))));
+    const Lanes slack = hn::Mul(broadcast(kLengthSlack), hn::Load(Tag(), scale_ + lane));
+    hn::Store(hn::Mul(longest, slack), Tag(), longest_edge_ + lane);
+  }
+
+  alignas(64) double points_[3][3 * kControlPoints][8] = {};
+  alignas(64) float normal_[kCoefficients][3][8], unit_[3][8], bound_[8];
+  alignas(64) double scale_[8], longest_edge_[8];  // scale_: by what the coefficients were multiplied
+};
+
+template <int kControlPoints, int kLanes>
+void normals_of(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
+                FaceNormal<kLanes>* out, double* longest_edges) {
+  Normals<kControlPoints> normals;
+  for (std::size_t first = begin; first < end; first += 8) {
+    const std::size_t count = std::min<std::size_t>(8, end - first);
+    normals.gather(step.motion, faces.subspan(first, count));
+    normals.compute(longest_edges != nullptr);
+    for (std::size_t lane = 0; lane < count; ++lane) normals.store(lane, out[first + lane]);
+    if (!longest_edges) continue;
+    for (std::size_t lane = 0; lane < count; ++lane) longest_edges[first + lane] = normals.longest_edge(lane);
+  }
+}
+
+/// The binomials of the coefficients of a FaceNormal.
+template <int kLanes>
+HWY_INLINE const double* binomials() {
+  alignas(64) static constexpr double linear[4] = {1, 2, 1, 1}, quadratic[8] = {1, 4, 6, 4, 1, 1, 1, 1};
+  return kLanes == 4 ? linear : quadratic;
+}
+
+/// Whether a ring folds; sets `up` to the sum of the unit normals of its triangles. kApart: with a separation.
+template <int kLanes, bool kApart>
+HWY_INLINE bool folds_at(const Rings& rings, std::span<const RingCorner> corners, const FaceNormal<kLanes>* normals,
+                         Vec3& up) {
+  const hn::CappedTag<double, kLanes> tag;
+  double x = 0, y = 0, z = 0;
+  for (const RingCorner& c : corners) {
+    if (!c.of_triangle) continue;
+    const float* const unit = normals[c.face].unit;
+    x += double{unit[0]}, y += double{unit[1]}, z += double{unit[2]};
+  }
+  up = {x, y, z};
+  const double size = std::abs(x) + std::abs(y) + std::abs(z);
+  const double gap = kApart ? separation_gap(rings.separation, x, y, z) : 0;
+  const LaneVector<hn::Vec<decltype(tag)>> direction{hn::Set(tag, x), hn::Set(tag, y), hn::Set(tag, z)};
+  for (const RingCorner& c : corners) {
+    if (!c.tested) continue;
+    const FaceNormal<kLanes>& normal = normals[c.face];
+    const auto rounding = hn::Set(tag, double{normal.bound} * size);
+    const double area = kApart ? gap * rings.normals.longest_edges[c.face] : 0;
+    for (int k = 0; k < kLanes; k += static_cast<int>(hn::Lanes(tag))) {
+      auto bound = rounding;
+      if (kApart) bound = hn::Add(bound, hn::Mul(hn::Set(tag, area), hn::Load(tag, binomials<kLanes>() + k)));
+      const auto axis = [&](int i) HWY_ATTR {
+        return hn::PromoteTo(tag, hn::Load(hn::Rebind<float, decltype(tag)>(), normal.coefficients[i] + k));
+      };
+      if (!hn::AllTrue(tag, hn::Gt(dot(direction, {axis(0), axis(1), axis(2)}), bound))) return true;
+    }
+  }
+  return false;
+}
+
+template <int kLanes, bool kApart>
+void folds_of(const Rings& rings, const FaceNormal<kLanes>* normals, std::size_t begin, std::size_t end) {
+  constexpr Index ahead = 16;  // corners, whose normals are prefetched
+  const Index last = rings.begins[end];
+  for (std::size_t v = begin; v < end; ++v) {
+    for (Index i = rings.begins[v] + ahead; i < std::min(rings.begins[v + 1] + ahead, last); ++i)
+      hwy::Prefetch(normals + rings.corners[i].face);
+    const std::span<const RingCorner> corners(rings.corners + rings.begins[v], rings.corners + rings.begins[v + 1]);
+    rings.folds[v] = folds_at<kLanes, kApart>(rings, corners, normals, rings.ups[v]) ? 1 : 0;
+  }
+}
+
+void find_normals(const Step& step, std::span<const RingFace> faces, std::size_t begin, std::size_t end,
+                  const FaceNormals& out) {
+  if (step.motion.control_points() == 2) return normals_of<2>(step, faces, begin, end, out.linear, out.longest_edges);
+  normals_of<3>(step, faces, begin, end, out.quadratic, out.longest_edges);
+}
+
+void find_ring_folds(const Rings& rings, bool linear, std::size_t begin, std::size_t end) {
+  const FaceNormals& normals = rings.normals;
+  if (rings.separation > 0)
+    linear ? folds_of<4, true>(rings, normals.linear, begin, end)
+           : folds_of<8, true>(rings, normals.quadratic, begin, end);
+  else
+    linear ? folds_of<4, false>(rings, normals.linear, begin, end)
+           : folds_of<8, false>(rings, normals.quadratic, begin, end);
+}
+
+}  // namespace volccd::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace volccd::detail {
+
+HWY_EXPORT(find_normals);
+HWY_EXPORT(find_ring_folds);
+
+namespace {
+constexpr std::size_t kFaceGrain = 512, kRingGrain = 256;
+}  // namespace
+
+void BoundaryRings::set_faces(const Mesh& mesh, std::vector<RingFace> faces) {
+  faces_ = std::move(faces);
+  ups_.resize(mesh.vertex_count());
+  begins_.assign(mesh.vertex_count() + std::size_t{1}, 0);
+  const auto visit_corners = [&](auto&& visit) {
+    for (std::size_t f = 0; f < faces_.size(); ++f)
+      for (unsigned i = 0; i < 4; ++i)
+        if (i < 3 || faces_[f].fourth != kNone)
+          visit(faces_[f].vertex(i), RingCorner{static_cast<Index>(f), i < 3, (faces_[f].tested >> i & 1) != 0});
+  };
+  visit_corners([&](Index v, const RingCorner&) { ++begins_[v]; });
+  Index end = 0;
+  for (Index& begin : begins_) begin = end += begin;  // the ends; filling moves them to the beginnings
+  corners_.resize(end);
+  visit_corners([&](Index v, const RingCorner& corner) { corners_[--begins_[v]] = corner; });
+}
+
+void BoundaryRings::find_folds(const Step& step, Executor& executor, std::vector<std::uint8_t>& folds) {
+  const bool linear = step.motion.control_points() == 2;
+  folds.resize(ups_.size());
+  linear ? linear_.resize(faces_.size()) : quadratic_.resize(faces_.size());
+  if (step.separation > 0) longest_edges_.resize(faces_.size());
+  const FaceNormals normals{linear_.data(), quadratic_.data(), step.separation > 0 ? longest_edges_.data() : nullptr};
+  executor.parallel_for(faces_.size(), kFaceGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+    HWY_DYNAMIC_DISPATCH(find_normals)(step, faces_, begin, end, normals);
+  });
+  const Rings rings{corners_.data(), begins_.data(), ups_.data(), folds.data(), step.separation, normals};
+  executor.parallel_for(ups_.size(), kRingGrain, [&](std::size_t begin, std::size_t end, unsigned) {
+    HWY_DYNAMIC_DISPATCH(find_ring_folds)(rings, linear, begin, end);
+  });
+}
+
+}  // namespace volccd::detail
+#endif

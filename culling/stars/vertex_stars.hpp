@@ -1,0 +1,70 @@
+// Classifies the stars of vertices into those that remain embedded throughout a step and those that may fold.
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include <volccd/core/executor.hpp>
+#include <volccd/core/heap_bytes.hpp>
+#include <volccd/culling/stars/detail/boundary_rings.hpp>
+#include <volccd/culling/stars/detail/cone_signs.hpp>
+#include <volccd/culling/stars/star_table.hpp>
+#include <volccd/query/step.hpp>
+
+namespace volccd::detail {
+
+/// A star is clear if no two features of its elements that have no common vertex can touch, or come within the
+/// separation, at any time of the step; a star of tetrahedra or triangles is then embedded at all times. All other
+/// stars are suspect. The conditions, and the proof that they are sufficient, are in docs/clear_stars.md;
+/// BoundaryFlood and StarOrphans both rely on it. All predicates are certified: a rounding error can only make a star
+/// suspect.
+///
+/// That a star surrounds its vertex once (condition 4) can change only at times when one of its volumes is 0 or its
+/// ring folds, or by a change of the topology. It remains known from step to step if neither occurs throughout both
+/// steps and, if the next step does not begin at the positions where the last one ended, throughout the straight motion
+/// between them. Not thread-safe; uses the executor.
+class VertexStars {
+ public:
+  /// Classifies the stars of the step's topology. O(elements). Returns the extent of the topology's change since the
+  /// last update; `everything` after one that was interrupted by an exception.
+  TopologyDelta::Extent update(const Step& step, Executor& executor);
+
+  /// Whether the star of v is not clear.
+  bool suspect(Index v) const { return suspect_[v] != 0; }
+  const std::vector<Index>& suspects() const { return suspects_; }  ///< suspect vertices, ascending
+
+  /// 1 or -1 if the volume of a tetrahedron is proven to be positive or negative throughout the step, otherwise 0.
+  int volume_sign(Index tetrahedron) const {
+    return (signs_[tetrahedron].positive & 1) != 0 ? 1 : (signs_[tetrahedron].negative & 1) != 0 ? -1 : 0;
+  }
+  const StarTable& table() const { return table_; }
+
+  std::size_t bytes() const {
+    return heap_bytes(table_, rings_, folds_, suspect_, known_, all_positive_, signs_, gap_signs_, scratch_, last_,
+                      start_, end_, gap_, suspects_);
+  }
+
+ private:
+  void find_signs(const Step& step, std::vector<ConeSigns>& signs, Executor& executor) const;
+  void find_all_positive(const Step& step, Executor& executor);
+  void invalidate_known(const Step& step, TopologyDelta::Extent changed, Executor& executor);
+  bool find_gap(const Motion& motion, Executor& executor);
+  int proven_sign(const Step& step, Index v) const;
+  bool surrounds_once(const Step& step, Index v, int sign, Ring& scratch) const;
+  bool is_clear(const Step& step, Index v, Ring& scratch);
+
+  StarTable table_;
+  BoundaryRings rings_;
+  std::vector<std::uint8_t> folds_, suspect_;  ///< by vertex
+  std::vector<std::uint8_t> known_;            ///< by vertex: whether condition 4 is known to hold
+  std::vector<std::uint8_t> all_positive_;     ///< by vertex: whether the volumes at it are all proven to be positive
+  std::vector<ConeSigns> signs_, gap_signs_;   ///< by element slot
+  std::vector<Ring> scratch_;                  ///< by worker
+  std::vector<Vec3> last_, start_, end_;       ///< by vertex: where the last step ended, and both ends of this one
+  Motion gap_;                                 ///< the straight motion from the last step to this one
+  std::vector<Index> suspects_;
+  bool complete_ = false;  ///< whether the last update has ended
+};
+
+}  // namespace volccd::detail

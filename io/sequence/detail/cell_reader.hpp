@@ -1,0 +1,72 @@
+// Reads and checks the cells of a step.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <volccd/mesh/collapse_element.hpp>
+#include <volccd/io/sequence/cells.hpp>
+#include <volccd/io/sequence/detail/layout.hpp>
+#include <volccd/io/sequence/detail/point_order.hpp>
+
+namespace volccd::detail {
+
+class CellReader {
+ public:
+  /// Both arguments must outlive the reader.
+  CellReader(const SequenceLayout& layout, const PointOrder& order) : layout_(layout), order_(order) {}
+
+  /// Whether both steps read all their cell arrays (except thickness) from the same rows.
+  bool same(std::size_t step, std::size_t other) const;
+
+  /// Replaces `cells` by the cells of a step. Throws InputError with dataset and row; the text contains the cell's id
+  /// and the step.
+  void read(std::size_t step, SequenceCells& cells);
+
+  /// Numbers of cells with repeated nodes in the last read(), by type in the file and type of the element read.
+  using CollapsedCounts = std::map<std::pair<ElementType, ElementType>, std::uint64_t>;
+  const CollapsedCounts& collapsed() const { return collapsed_counts_; }
+
+  /// Text such as " (cell id 7, step 2)" for cell i of a step. Reads one id from the file.
+  std::string place(std::size_t step, std::size_t i) const;
+
+ private:
+  /// A cell in which a node occurs twice, and the row of the second occurrence.
+  struct Repeated {
+    std::size_t cell, row;
+  };
+
+  void read_types(SequenceCells& cells);
+  void read_offsets(SequenceCells& cells);
+  void read_connectivity(SequenceCells& cells);
+  void read_parts(SequenceCells& cells);
+  void read_ids(SequenceCells& cells);
+  void read_polyhedra(SequenceCells& cells);
+  void append_polyhedron(std::size_t cell, SequenceCells& cells);
+  /// Replaces the cells listed in repeated_ by the elements that they represent.
+  void collapse(SequenceCells& cells);
+  /// Throws an InputError for a row of an array, which belongs to a cell.
+  [[noreturn]] void fail(const StepArray& array, std::size_t row, std::size_t cell, const SequenceCells& cells,
+                         const std::string& problem) const;
+
+  /// Reads `count` + 1 non-descending offsets that begin with 0 and end with `length`.
+  void read_monotone(const StepArray& array, std::int64_t count, std::int64_t length,
+                     std::vector<std::int64_t>& out) const;
+  /// The vertex slot of a point of the file, which row `row` of the array has for a cell.
+  Index slot(const StepArray& array, std::size_t row, std::int64_t point, std::size_t cell,
+             const SequenceCells& cells) const;
+
+  std::size_t step_ = 0;  ///< the step that is being read
+  const SequenceLayout& layout_;
+  const PointOrder& order_;
+  std::vector<std::int64_t> numbers_, face_connectivity_, face_offsets_, to_faces_, cell_faces_;
+  std::vector<Index> used_;
+  std::vector<Repeated> repeated_;  ///< in ascending order of cells
+  CollapsedCounts collapsed_counts_;
+  std::vector<std::uint8_t> face_uses_;
+};
+
+}  // namespace volccd::detail

@@ -1,0 +1,147 @@
+#include <volccd/io/sequence/reader.hpp>
+
+#include <cassert>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include <volccd/core/error.hpp>
+#include <volccd/io/sequence/detail/cell_reader.hpp>
+#include <volccd/io/sequence/detail/layout.hpp>
+#include <volccd/io/sequence/detail/point_order.hpp>
+
+namespace volccd {
+
+namespace {
+
+SequenceMetadata read_metadata(const detail::Hdf5File& file) {
+  const auto text = [&](const char* name) {
+    return file.has_attribute("/", name) ? file.string_attribute("/", name) : std::string();
+  };
+  return {text("Title"),     text("Source"),   text("License"),
+          text("Units"),     text("TimeUnit"), parse_part_names(file.name(), text("Parts")),
+          text("Incomplete")};
+}
+
+}  // namespace
+
+struct SequenceReader::Impl {
+  explicit Impl(const std::string& name)
+      : file(name),
+        metadata(read_metadata(file)),
+        layout(detail::read_layout(file)),
+        order(layout),
+        cells(layout, order) {}
+
+  std::size_t index(int step) const {
+    assert(step >= 0 && static_cast<std::size_t>(step) < layout.steps());
+    return static_cast<std::size_t>(step);
+  }
+  void read_vectors(const detail::StepArray& array, int step, const char* what, std::vector<Vec3>& out) {
+    array.read(index(step), layout.points, numbers);
+    out.resize(static_cast<std::size_t>(layout.points));
+    for (std::size_t i = 0; i < out.size(); ++i) {
+      const Vec3 p(numbers.data() + 3 * i);
+      const Index slot = order.slots()[i];
+      if (!p.allFinite())
+        array.fail(index(step), i,
+                   fmt::format("the {} is not finite: {}, {}, {} (point id {}, step {})", what, p[0], p[1], p[2],
+                               order.ids()[slot], step));
+      out[slot] = p;
+    }
+  }
+
+  detail::Hdf5File file;
+  SequenceMetadata metadata;
+  detail::SequenceLayout layout;
+  detail::PointOrder order;
+  detail::CellReader cells;
+  std::vector<double> numbers;
+};
+
+SequenceReader::SequenceReader(const std::string& file) : impl_(std::make_unique<Impl>(file)) {}
+SequenceReader::SequenceReader(SequenceReader&&) noexcept = default;
+SequenceReader& SequenceReader::operator=(SequenceReader&&) noexcept = default;
+SequenceReader::~SequenceReader() = default;
+
+const std::string& SequenceReader::file() const { return impl_->file.name(); }
+const SequenceMetadata& SequenceReader::metadata() const { return impl_->metadata; }
+int SequenceReader::step_count() const { return static_cast<int>(impl_->layout.steps()); }
+double SequenceReader::time(int step) const { return impl_->layout.times[impl_->index(step)]; }
+
+Index SequenceReader::point_count() const { return static_cast<Index>(impl_->layout.points); }
+std::span<const std::int64_t> SequenceReader::point_ids() const { return impl_->order.ids(); }
+std::span<const Index> SequenceReader::slot_of_point() const { return impl_->order.slots(); }
+
+Index SequenceReader::cell_count(int step) const {
+  return static_cast<Index>(impl_->layout.cells_of(impl_->index(step)));
+}
+int SequenceReader::topology_index(int step) const {
+  return static_cast<int>(impl_->layout.topology[impl_->index(step)]);
+}
+bool SequenceReader::same_cells(int step, int other) const {
+  return impl_->cells.same(impl_->index(step), impl_->index(other));
+}
+
+bool SequenceReader::has_velocity() const { return impl_->layout.velocity.has_value(); }
+bool SequenceReader::has_thickness() const { return impl_->layout.thickness.has_value(); }
+bool SequenceReader::has_query() const {
+  return impl_->layout.query_start && impl_->layout.query_end && impl_->layout.query_separation;
+}
+
+void SequenceReader::read_points(int step, std::vector<Vec3>& points) {
+  impl_->order.check(impl_->layout, impl_->index(step));
+  impl_->read_vectors(impl_->layout.positions, step, "point", points);
+}
+
+void SequenceReader::read_velocity(int step, std::vector<Vec3>& velocity) {
+  if (!has_velocity()) impl_->file.fail("VTKHDF/PointData/Velocity", "is missing");
+  impl_->read_vectors(*impl_->layout.velocity, step, "velocity", velocity);
+}
+
+double SequenceReader::read_query(int step, std::vector<Vec3>& start, std::vector<Vec3>& end) {
+  if (!has_query()) impl_->file.fail("VTKHDF/PointData/QueryStart, QueryEnd or QuerySeparation", "is missing");
+  impl_->read_vectors(*impl_->layout.query_start, step, "start of the query", start);
+  impl_->read_vectors(*impl_->layout.query_end, step, "end of the query", end);
+  std::vector<double>& separations = impl_->numbers;
+  impl_->layout.query_separation->read(impl_->index(step), impl_->layout.points, separations);
+  for (std::size_t i = 0; i < separations.size(); ++i)
+    if (!(std::isfinite(separations[i]) && separations[i] >= 0 && separations[i] == separations[0]))
+      impl_->layout.query_separation->fail(
+          impl_->index(step), i,
+          fmt::format("the separation is negative, not finite, or not that of the other points: {} (step {})",
+                      separations[i], step));
+  return separations.empty() ? 0 : separations[0];
+}
+
+void SequenceReader::read_thickness(int step, std::vector<double>& thickness) {
+  if (!has_thickness()) impl_->file.fail("VTKHDF/CellData/Thickness", "is missing");
+  const std::size_t k = impl_->index(step);
+  impl_->layout.thickness->read(k, impl_->layout.cells_of(k), thickness);
+  for (std::size_t i = 0; i < thickness.size(); ++i)
+    if (!(std::isfinite(thickness[i]) && thickness[i] >= 0))
+      impl_->layout.thickness->fail(
+          k, i, fmt::format("the thickness is negative or not finite: {}{}", thickness[i], impl_->cells.place(k, i)));
+}
+
+void SequenceReader::read_cells(int step, SequenceCells& cells) { impl_->cells.read(impl_->index(step), cells); }
+
+const std::map<std::pair<ElementType, ElementType>, std::uint64_t>& SequenceReader::collapsed_cells() const {
+  return impl_->cells.collapsed();
+}
+
+void SequenceReader::check_contents() {
+  std::vector<Vec3> vectors, others;
+  std::vector<double> thickness;
+  SequenceCells cells;
+  for (int k = 0; k < step_count(); ++k) {
+    read_points(k, vectors);
+    if (has_velocity()) read_velocity(k, vectors);
+    if (has_thickness()) read_thickness(k, thickness);
+    if (has_query()) read_query(k, vectors, others);
+    if (k == 0 || !same_cells(k, k - 1)) read_cells(k, cells);
+  }
+}
+
+}  // namespace volccd

@@ -1,0 +1,112 @@
+#include <volccd/io/stats_json.hpp>
+
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <thread>
+
+#include <fmt/chrono.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <volccd/io/build_facts.hpp>
+
+namespace volccd {
+
+using nlohmann::json;
+
+namespace {
+
+std::string cpu_name() {
+  std::ifstream info("/proc/cpuinfo");
+  for (std::string line; std::getline(info, line);)
+    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
+  return "unknown";
+}
+
+/// Mean number of running or waiting processes over the last minute; null if the system does not report it.
+json load_average() {
+  double load = 0;
+  std::ifstream file("/proc/loadavg");
+  return file >> load ? json(load) : json(nullptr);
+}
+
+json to_json(const StageChoice& choice) {
+  json options = json::object();
+  for (const auto& [name, value] : choice.options) options[name] = value;
+  return {{"name", choice.name}, {"options", options}};
+}
+
+}  // namespace
+
+json machine_facts() {
+  const BuildFacts build = build_facts();
+  return {{"version", build.version},
+          {"commit", build.commit},
+          {"compiler", "g++ " __VERSION__},
+          {"build_type", build.build_type},
+          {"flags", build.flags},
+          {"cpu", cpu_name()},
+          {"cores", std::thread::hardware_concurrency()},
+          {"load", load_average()},
+          {"date", fmt::format("{:%Y-%m-%dT%H:%M:%SZ}", fmt::gmtime(std::time(nullptr)))}};
+}
+
+json to_json(const Pipeline& pipeline) {
+  json record = to_json(pipeline.spec());
+  record["guarantee"] = to_string(pipeline.guarantee());
+  return record;
+}
+
+json to_json(const PipelineSpec& spec) {
+  json culling = json::array(), filters = json::array();
+  for (const StageChoice& choice : spec.element_culling) culling.push_back(to_json(choice));
+  for (const StageChoice& choice : spec.feature_filters) filters.push_back(to_json(choice));
+  return {{"name", spec.name},
+          {"broad_phase", to_json(spec.broad_phase)},
+          {"element_culling", culling},
+          {"assignment", to_json(spec.assignment)},
+          {"orphans", spec.orphans ? to_json(*spec.orphans) : json(nullptr)},
+          {"flood", spec.flood ? to_json(*spec.flood) : json(nullptr)},
+          {"feature_filters", filters},
+          {"narrow_phase", to_json(spec.narrow_phase)}};
+}
+
+json to_json(const Statistics& s) {
+  json stages = json::array();
+  for (const StageStatistics& stage : s.stages)
+    stages.push_back(
+        {{"role", stage.role}, {"name", stage.name}, {"in", stage.in}, {"out", stage.out},
+                      {"prepare_seconds", stage.prepare_seconds}, {"bounds_seconds", stage.bounds_seconds},
+                      {"seconds", stage.seconds}});
+  return {{"steps", s.steps},
+          {"element_pairs", s.element_pairs},
+          {"adjacent_pairs", s.adjacent_pairs},
+          {"surviving_pairs", s.surviving_pairs},
+          {"owned_tests", s.owned_tests},
+          {"orphan_tests", s.orphan_tests},
+          {"vf_tests", s.vf_tests},
+          {"ee_tests", s.ee_tests},
+          {"contacts", s.contacts},
+          {"contacts_at_start", s.contacts_at_start},
+          {"left_out", s.left_out},
+          {"initial_overlaps", s.initial_overlaps},
+          {"duplicates", s.duplicates},
+          {"degenerate", s.degenerate},
+          {"undecided", s.undecided},
+          {"earliest_toi", std::isfinite(s.earliest_toi) ? json(s.earliest_toi) : json(nullptr)},
+          {"seconds", s.seconds},
+          {"workspace_bytes", s.workspace_bytes},
+          {"stages", stages}};
+}
+
+nlohmann::json read_json_file(const std::string& path) {
+  if (path.empty()) return nullptr;
+  std::ifstream in(path);
+  nlohmann::json record = nlohmann::json::parse(in, nullptr, false);
+  if (record.is_discarded()) throw InputError(path, "", "is not there or no JSON");
+  return record;
+}
+
+}  // namespace volccd

@@ -1,9 +1,0 @@
-#include <volccd/mesh/sequence/hdf5_messages.hpp>
-
-#include <hdf5.h>
-
-namespace volccd {
-
-void turn_off_hdf5_messages() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
-
-}  // namespace volccd

@@ -1,0 +1,70 @@
+#include <volccd/narrowphase/contact_frame.hpp>
+
+#include <Eigen/Geometry>
+
+namespace volccd::detail {
+namespace {
+
+/// A separation is not significant below kLeastSeparation times the size, and an area below kLeastArea times the
+/// squared size.
+constexpr double kLeastSeparation = 0x1p-40, kLeastArea = 0x1p-48;
+
+Vec3 position(const double* x, double t, int control_points) {
+  const double s = 1 - t;
+  const Vec3 first(s * x[0] + t * x[3], s * x[1] + t * x[4], s * x[2] + t * x[5]);
+  if (control_points == 2) return first;
+  const Vec3 second(s * x[3] + t * x[6], s * x[4] + t * x[7], s * x[5] + t * x[8]);
+  return s * first + t * second;
+}
+
+template <class Points>
+Contact contact_of(FeatureKind kind, const Points& points, double t, int side, bool apart) {
+  Contact contact;
+  contact.kind = kind;
+  contact.toi = t;
+  const Differences d = points.at(t);
+  contact.normal = contact_normal(kind, d, apart ? d : points.at(t - kBefore), points.size, side);
+  contact.weights = closest_points(kind, d).weights;
+  return contact;
+}
+
+}  // namespace
+
+Vec3 contact_normal(FeatureKind kind, const Differences& touching, const Differences& before, double size, int side) {
+  if (side != 0) {
+    const Differences& d = touching;
+    const Vec3 n = kind == FeatureKind::vf ? Vec3((d[1] - d[0]).cross(d[2] - d[0])) : Vec3(d[0].cross(d[2] - d[1]));
+    const double length = n.norm();
+    if (length > kLeastArea * size * size) {
+      const bool along = (kind == FeatureKind::ee) == (side > 0);
+      return (along ? n : Vec3(-n)) / length;
+    }
+  }
+  const Vec3 apart = closest_points(kind, before).separation;
+  const double length = apart.norm();
+  return length > kLeastSeparation * size ? Vec3(apart / length) : Vec3(Vec3::Zero());
+}
+
+Vec3 contact_point(FeatureKind kind, const TestPoints& x, double t, const std::array<double, 4>& weights,
+                   int control_points) {
+  Vec3 point = Vec3::Zero();
+  for (std::size_t i = kind == FeatureKind::vf ? 1 : 2; i < 4; ++i)
+    point += weights[i] * position(x[i], t, control_points);
+  return point;
+}
+
+Contact contact_at(FeatureKind kind, const std::array<Index, 4>& vertices, const TestPoints& x, int control_points,
+                   double t, int side, double separation) {
+  const auto contact_of_scaled = [&](const auto& scaled) {
+    auto points = scaled(x, 1);
+    if (!(points.size >= kLeastSize && points.size <= kGreatestSize))
+      points = scaled(x, range_scale(x, control_points));
+    return contact_of(kind, points, t, side, separation > 0);
+  };
+  Contact contact = control_points == 2 ? contact_of_scaled(moving_points) : contact_of_scaled(curved_points);
+  contact.vertices = vertices;
+  contact.point = contact_point(kind, x, t, contact.weights, control_points);
+  return contact;
+}
+
+}  // namespace volccd::detail

@@ -1,0 +1,60 @@
+// One elementary test with proven bounds on rounding errors, as the `inclusion` narrow phase takes it. Derivations:
+// docs/numerics.md, "Parts of the step".
+#pragma once
+
+#include <array>
+
+#include <volccd/narrowphase/moving_points.hpp>
+#include <volccd/query/pairs.hpp>
+
+namespace volccd::detail {
+
+/// Rounded differences of the points of a test to its first point, scaled by a power of two into a safe range, and the
+/// magnitudes from which error bounds are computed. kPoints: number of control points, 2 or 3.
+template <int kPoints>
+class BoundedTest {
+ public:
+  using Curve = std::array<Vec3, kPoints>;
+
+  /// Pre: coordinates finite, separation >= 0.
+  BoundedTest(FeatureKind kind, const TestPoints& x, double separation);
+
+  FeatureKind kind() const { return kind_; }
+  double separation() const { return separation_; }  ///< scaled like the differences
+  const std::array<Curve, 3>& differences() const { return differences_; }
+  /// Greatest magnitudes over all control points of the points 1, 2, 3; at least kLeastExtent.
+  const std::array<Vec3, 3>& extents() const { return extents_; }
+  const Vec3& extent() const { return extent_; }
+  /// Whether no point moves relative to another, according to the rounded differences.
+  bool rigid() const { return rigid_; }
+  /// The error of Bernstein coefficient k of the coplanarity polynomial over any part of the step, times
+  /// binomial(degree, k), is less than binomial * coplanarity_error() + coplanarity_underflow(). The latter is of the
+  /// order of kDeterminantUnderflow.
+  double coplanarity_error() const { return coplanarity_error_; }
+  double coplanarity_underflow() const { return coplanarity_underflow_; }
+  /// Upper bound on the magnitude of the polynomial at any time when the features are within the separation.
+  double coplanarity_within_separation() const { return coplanarity_within_separation_; }
+
+  /// Differences at time t, rounded.
+  Differences at(double t) const;
+
+  /// Distance of the features at time t minus the separation, with an error of less than gap_error().
+  double gap(double t) const;
+  double gap_error() const { return gap_error_; }
+
+ private:
+  void take(const TestPoints& x, double separation, double scale);
+  void measure();
+
+  FeatureKind kind_;
+  double separation_ = 0;
+  std::array<Curve, 3> differences_;
+  std::array<Vec3, 3> extents_;
+  Vec3 extent_;
+  bool rigid_ = false;
+  double coplanarity_error_ = 0, coplanarity_underflow_ = 0, coplanarity_within_separation_ = 0, gap_error_ = 0;
+};
+
+}  // namespace volccd::detail
+
+#include <volccd/narrowphase/inclusion/detail/bounded_test-inl.hpp>

@@ -1,0 +1,493 @@
+#include <volccd/narrowphase/inclusion/detail/inclusion_search.hpp>
+
+#include <array>
+#include <cassert>
+#include <optional>
+
+#include <Eigen/Geometry>
+
+#include <volccd/narrowphase/closest_points.hpp>
+#include <volccd/numerics/double_double.hpp>
+#include <volccd/narrowphase/inclusion/detail/flat_motion.hpp>
+#include <volccd/numerics/hull_simplex.hpp>
+#include <volccd/narrowphase/inclusion/detail/motion_piece.hpp>
+#include <volccd/narrowphase/inclusion/inclusion.hpp>
+
+namespace volccd::detail {
+namespace {
+
+using Outcome = InclusionAnswer::Outcome;
+
+/// For this many levels, the part with a contact is reduced to a quarter per level, then to a half. The short outer
+/// parts are soon sufficient for a proof, if there is one.
+constexpr int kLevelsOfThree = 8;
+
+/// Distance below which features seem to touch, in units of the rounding error of the size, per axis.
+constexpr double kTouchUnits = 2;
+
+/// Distance, in shortest parts, by which the search first looks ahead of the first open part: a number of parts that it
+/// could also examine one by one.
+constexpr double kFewParts = 256;
+/// The greatest such distance, as a fraction of the allowed number of parts: more than it could examine one by one,
+/// because a shortest part costs about two.
+constexpr double kManyParts = 0.6;
+
+struct Part {
+  double lo, hi;
+  int level;
+};
+
+/// The parts that remain to be examined, the earliest on top. Each level leaves at most two. From kLevelsOfThree on,
+/// parts are halved at each level, down to kShortestPiece.
+class PartStack {
+ public:
+  bool empty() const { return size_ == 0; }
+  void push(const Part& part) {
+    assert(size_ < parts_.size());
+    if (part.lo < part.hi) parts_[size_++] = part;
+  }
+  Part pop() { return parts_[--size_]; }
+  void clear() { size_ = 0; }
+
+ private:
+  std::array<Part, 2 * kLevelsOfThree + 64> parts_;
+  std::size_t size_ = 0;
+};
+
+/// v without its component along e. Two iterations are sufficient: the second corrects the cancellation error of the
+/// first.
+Vec3 across(Vec3 v, const Vec3& e) {
+  const double length = e.squaredNorm();
+  if (!(length > 0)) return v;
+  for (int round = 0; round < 2; ++round) v -= (v.dot(e) / length) * e;
+  return v;
+}
+
+/// The direction between the closest points. The difference of these points has an error of about a unit of roundoff of
+/// the size. If the difference is small, its direction is inaccurate, and a plane perpendicular to it may intersect
+/// long features that it should separate. Therefore the direction is made perpendicular to the edges and triangles in
+/// whose interiors the closest points are.
+Vec3 separating_axis(FeatureKind kind, const Differences& d, const ClosestPoints& closest) {
+  const std::array<double, 4>& w = closest.weights;
+  if (kind == FeatureKind::vf) {
+    const Vec3 e01 = d[1] - d[0], e02 = d[2] - d[0], e12 = d[2] - d[1];
+    if (w[1] > 0 && w[2] > 0 && w[3] > 0) return across(across(Vec3(e01.cross(e02)), e01), e02);
+    if (w[1] > 0 && w[2] > 0) return across(closest.separation, e01);
+    if (w[1] > 0 && w[3] > 0) return across(closest.separation, e02);
+    if (w[2] > 0 && w[3] > 0) return across(closest.separation, e12);
+    return closest.separation;
+  }
+  const Vec3 &first = d[0], second = d[2] - d[1];
+  const bool in_first = w[0] > 0 && w[1] > 0, in_second = w[2] > 0 && w[3] > 0;
+  if (in_first && in_second) {
+    const Vec3 n = first.cross(second);
+    // Parallel edges: any direction perpendicular to both is suitable.
+    return n.squaredNorm() > 0x1p-60 * first.squaredNorm() * second.squaredNorm() ? across(across(n, first), second)
+                                                                                  : across(closest.separation, first);
+  }
+  if (in_first) return across(closest.separation, first);
+  if (in_second) return across(closest.separation, second);
+  return closest.separation;
+}
+
+/// Candidates for the direction between the closest points of features that are nearer than about 2^-26 times their
+/// size. For these, rounding determines in which edges the closest points seem to be: the nearest point of a sliver may
+/// be a corner although an edge is almost as close. Therefore every choice of edges to which the axis is perpendicular
+/// is tried.
+std::array<Vec3, 5> close_axes(FeatureKind kind, const Differences& d, const Vec3& separation) {
+  const bool vf = kind == FeatureKind::vf;
+  const Vec3 first = vf ? Vec3(d[1] - d[0]) : d[0], second = d[2] - (vf ? d[0] : d[1]);
+  return {separation, across(separation, first), across(separation, second),
+          vf ? across(separation, d[2] - d[1]) : across(across(separation, first), second),
+          across(across(first.cross(second), first), second)};
+}
+
+/// Whether all differences of the points are exactly constant, not only after rounding.
+template <int kPoints>
+bool moves_as_one(const TestPoints& x) {
+  for (std::size_t i = 1; i < 4; ++i)
+    for (std::size_t j = 3; j < 3 * kPoints; ++j) {
+      const DoubleDouble start = exact_difference(x[i][j % 3], x[0][j % 3]), now = exact_difference(x[i][j], x[0][j]);
+      if (!(now.high == start.high && now.low == start.low)) return false;
+    }
+  return true;
+}
+
+/// Whether a point of the first feature and a point of the second have the same coordinates at t = 0. Exact.
+bool share_a_point_at_start(FeatureKind kind, const TestPoints& x) {
+  const std::size_t second = kind == FeatureKind::vf ? 1 : 2;
+  for (std::size_t i = 0; i < second; ++i)
+    for (std::size_t j = second; j < 4; ++j)
+      if (x[i][0] == x[j][0] && x[i][1] == x[j][1] && x[i][2] == x[j][2]) return true;
+  return false;
+}
+
+template <int kPoints>
+class PieceSearch {
+ public:
+  PieceSearch(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int most_pieces)
+      : points_(x), test_(kind, x, separation), tolerance_(tolerance), most_pieces_(most_pieces) {}
+
+  /// Whether an axis separates the features at t = 0.
+  bool apart_at_start() const {
+    const MotionPiece<kPoints> start(test_, 0, 0);
+    const Differences d = test_.at(0);
+    return start.separated_along(separating_axis(test_.kind(), d, closest_points(test_.kind(), d)));
+  }
+
+  InclusionAnswer run(double t_max) {
+    if (share_a_point_at_start(test_.kind(), points_)) return {.outcome = Outcome::touch, .at_start = true};
+    InclusionAnswer open{Outcome::apart};  // the first part that remains open, if any
+    stack_.push({0, 1, 0});
+    for (; !stack_.empty(); ++pieces_) {
+      const Part part = stack_.pop();
+      const bool is_open = open.outcome == Outcome::undecided;
+      if (!is_open && part.lo > t_max) break;
+      if (pieces_ >= most_pieces_) return unsettled(is_open ? open : undecided(part.lo));
+      MotionPiece<kPoints> piece(test_, part.lo, part.hi);
+      if (free_at_once(piece)) continue;
+      look(piece);
+      if (test_.separation() > 0) {
+        if (certainly_within(part.lo)) return touch(part.lo);  // all earlier parts are free
+        if (certainly_within(part.hi)) {
+          if (part.hi - part.lo <= tolerance_) return touch(part.lo);
+          if (part.level < kLevelsOfThree && split_at_approach(part)) continue;
+        }
+      }
+      // The root decides, and the polynomial determines its position; therefore a short part around it is examined
+      // first.
+      if (part.level == 0 && crossing(piece)) {
+        split_at_root(piece, part, kRootMargin);
+        continue;
+      }
+      if (const InclusionAnswer answer = contact(piece); answer.outcome == Outcome::touch) {
+        if (!is_open) return answer;
+        return part.hi <= open.toi + tolerance_ ? touch(open.toi) : unsettled(open);
+      }
+      const bool splits = part.hi - part.lo > kShortestPiece && !test_.rigid();
+      if (separated(piece, part.level, splits && !is_open)) continue;
+      if (splits) {
+        if (is_open || !split_around_touch(piece, part)) split(piece, part);
+        continue;
+      }
+      if (separated_closely(piece)) continue;
+      if (test_.separation() > 0 || (test_.rigid() && moves_as_one<kPoints>(points_)))
+        return is_open ? open : undecided(part.lo);
+      if (!is_open) {
+        open = undecided(part.lo);
+        if (const auto answer = look_ahead(open, part.hi)) return *answer;
+      }
+      if (part.hi > open.toi + tolerance_) return unsettled(open);
+    }
+    return open;
+  }
+
+ private:
+  /// Two proofs and one estimate for the step after the first open part, which replace hundreds of parts. `open` is the
+  /// answer for that part, which ends at hi. No value: the search must continue.
+  std::optional<InclusionAnswer> look_ahead(const InclusionAnswer& open, double hi) {
+    const bool moved_apart = moved_apart_;
+    const Vec3 axis = axis_;
+    if (hi <= open.toi + tolerance_ && rest_is_free(open.toi, hi)) return open;
+    if (stays_open_for_long(open.toi)) return unsettled(open);
+    moved_apart_ = moved_apart;
+    axis_ = axis;
+    return std::nullopt;
+  }
+
+  /// Whether everything after t, except for the tolerance, is proven free, and the first part of it easily; otherwise
+  /// the search might end without an answer.
+  bool rest_is_free(double t, double hi) {
+    const double from = std::max(hi, std::min(t + tolerance_, t + kFewParts * kShortestPiece));
+    return from >= 1 || (is_free(from, std::min(1.0, 2 * from - t)) && is_free(from, 1));
+  }
+
+  /// Whether parts after t seem to remain open for longer than the tolerance, or to be more than the search may
+  /// examine. This is not certain: if it is wrong, `exact` decides a test that the search could have decided.
+  bool stays_open_for_long(double t) {
+    const double many = std::min(1.5 * tolerance_, kManyParts * most_pieces_ * kShortestPiece);
+    for (const double after : {many, many / 2, many / 4, many / 8}) {
+      // If the features separate slowly, longer parts are easier to prove free; if they touch again, shorter parts are.
+      for (double length = kShortestPiece; length <= after; length *= 2) {
+        const double later = t + std::floor(after / length) * length;
+        if (later + length > 1 || !stays_open(later, later + length)) return false;
+      }
+      if (always_coplanar()) break;
+    }
+    return true;
+  }
+
+  bool always_coplanar() const {
+    MotionPiece<kPoints> step(test_, 0, 1);
+    return !step.never_coplanar() && step.vanishes();
+  }
+
+  bool is_free(double lo, double hi) {
+    MotionPiece<kPoints> piece(test_, lo, hi);
+    if (free_at_once(piece)) return true;
+    look(piece);
+    return separated(piece, kLevelsOfThree, false);
+  }
+
+  /// Whether no proof succeeds for the part.
+  bool stays_open(double lo, double hi) {
+    MotionPiece<kPoints> piece(test_, lo, hi);
+    if (free_at_once(piece)) return false;
+    look(piece);
+    return contact(piece).outcome != Outcome::touch && !separated(piece, kLevelsOfThree, false) &&
+           !separated_closely(piece);
+  }
+
+  bool free_at_once(MotionPiece<kPoints>& piece) const {
+    return piece.never_coplanar() || (moved_apart_ && piece.separated_along(axis_));
+  }
+
+  /// Computes the closest points at the likely time of contact.
+  void look(const MotionPiece<kPoints>& piece) {
+    root_ = test_.separation() > 0 ? 0.5 : piece.likely_root();
+    likely_ = test_.at(piece.lo() + root_ * (piece.hi() - piece.lo()));
+  }
+
+  /// Features that remain close to each other for long require the best possible axis. If they seem to touch, there is
+  /// none, and a part that can be split does not require it.
+  bool separated(const MotionPiece<kPoints>& piece, int level, bool can_split) {
+    closest_ = closest_points(test_.kind(), likely_);
+    const Vec3 axis = separating_axis(test_.kind(), likely_, closest_);
+    if (separated_along(axis, piece)) return true;
+    if (test_.separation() > 0) return separated_by_search(axis, piece);
+    return level >= kLevelsOfThree && !(can_split && seem_to_touch(closest_)) && separated_by_search(axis, piece);
+  }
+
+  /// Whether the points are so near that the features may touch, considering rounding errors.
+  bool seem_to_touch(const ClosestPoints& closest) const {
+    return (closest.separation.cwiseAbs().array() <= kTouchUnits * kUnitRoundoff * test_.extent().array()).all();
+  }
+
+  /// Tests the direction to the nearest point of the hull of all differences of the features' control points, which
+  /// separates if any axis does (Gilbert, Johnson, Keerthi).
+  bool separated_by_search(Vec3 axis, const MotionPiece<kPoints>& piece) {
+    constexpr int kMostRounds = 8;
+    HullSimplex<double> simplex;
+    for (int round = 0; round < kMostRounds; ++round) {
+      const Vec3 next = piece.support(axis);
+      if (!simplex.add({next.x(), next.y(), next.z()}, {}) || simplex.size == 4) return false;
+      axis = {simplex.direction[0], simplex.direction[1], simplex.direction[2]};
+      if (separated_along(axis, piece)) return true;
+    }
+    return false;
+  }
+
+  /// Last test before a part remains open, for features that are further apart than those of an undecided test may be.
+  bool separated_closely(const MotionPiece<kPoints>& piece) {
+    const Vec3& between = closest_.separation;
+    if (between.norm() - test_.separation() < kUndecidedDistance / 2 * test_.extent().maxCoeff()) return false;
+    for (const Vec3& axis : close_axes(test_.kind(), likely_, between))
+      if (separated_along(axis, piece)) return true;
+    return false;
+  }
+
+  bool separated_along(const Vec3& axis, const MotionPiece<kPoints>& piece) {
+    if (!piece.separated_along(axis)) return false;
+    axis_ = axis;
+    moved_apart_ = true;
+    return true;
+  }
+
+  /// The answer for a certain contact, without a separation.
+  InclusionAnswer contact(const MotionPiece<kPoints>& piece) const {
+    InclusionAnswer answer{Outcome::apart};
+    if (!crossing(piece)) return answer;
+    const Differences& d = likely_;
+    const Vec3 across =
+        test_.kind() == FeatureKind::vf ? Vec3((d[1] - d[0]).cross(d[2] - d[0])) : Vec3(d[0].cross(d[2] - d[1]));
+    if (!piece.overlap_along(across)) return answer;
+    const double t = piece.before_first_root(root_, tolerance_);
+    if (t < 0) return answer;
+    answer.outcome = Outcome::touch;
+    answer.toi = t;
+    answer.side = piece.sign_at_start();
+    return answer;
+  }
+
+  static InclusionAnswer unsettled(InclusionAnswer open) {
+    open.outcome = Outcome::undecided;
+    open.unsettled = true;
+    return open;
+  }
+  InclusionAnswer undecided(double t) const { return found(Outcome::undecided, t); }
+  InclusionAnswer touch(double t) const { return found(Outcome::touch, t); }
+  InclusionAnswer found(Outcome outcome, double t) const {
+    InclusionAnswer answer{outcome};
+    answer.toi = t;
+    answer.at_start = t == 0 && !apart_at_start();
+    return answer;
+  }
+
+  bool certainly_within(double t) const { return test_.gap(t) < -test_.gap_error(); }
+
+  /// Splits the part around the time at which the distance reaches the separation, found by false position (Illinois
+  /// method). The inner part extends from that time by less than the tolerance to both sides. Pre: the features are
+  /// within the separation at the end of the part.
+  bool split_at_approach(const Part& part) {
+    double a = part.lo, b = part.hi, fa = test_.gap(a), fb = test_.gap(b), c = a;
+    if (!(fa > 0)) return false;
+    for (int round = 0; round < 8; ++round) {
+      c = a + (b - a) * (fa / (fa - fb));
+      const double fc = test_.gap(c);
+      if (std::abs(fc) <= test_.gap_error()) break;
+      if (fc > 0) {
+        a = c, fa = fc, fb *= 0.5;
+      } else {
+        b = c, fb = fc, fa *= 0.5;
+      }
+    }
+    const double from = std::max(part.lo, c - tolerance_ / 4), to = std::min(part.hi, c + tolerance_ / 4);
+    if (!(from < to)) return false;
+    stack_.push({to, part.hi, part.level + 1});
+    stack_.push({from, to, part.level + 1});
+    stack_.push({part.lo, from, part.level + 1});
+    return true;
+  }
+
+  /// Splits a part around a likely time of contact down to the shortest part, because no part that contains a contact
+  /// can be proven free. Returns false, without a change, if there seems to be no such time.
+  bool split_around_touch(const MotionPiece<kPoints>& piece, const Part& part) {
+    if (test_.separation() > 0 || (part.level < kLevelsOfThree && crossing(piece))) return false;
+    double t = part.lo + root_ * (part.hi - part.lo);
+    if (piece.vanishes() ? !find_touch(part, t) : !seem_to_touch(closest_)) return false;
+    stack_.push(split_down_to(part, t));
+    return true;
+  }
+
+  /// Halves the part until the half that contains t is sufficiently short, and returns it; then all earlier halves are
+  /// proven free. If an earlier half is not proven free at once, it is returned instead, and the half that contains t
+  /// is pushed. Pushes all later halves. Counts the parts that a search by splitting would examine.
+  Part split_down_to(Part part, double t) {
+    Part shortest = part;
+    while (shortest.hi - shortest.lo > kShortestPiece) {
+      const double middle = shortest.lo + (shortest.hi - shortest.lo) / 2;
+      (t < middle ? shortest.hi : shortest.lo) = middle;
+    }
+    const auto clear = [&](double lo, double hi) {
+      MotionPiece<kPoints> before(test_, lo, hi);
+      return free_at_once(before);
+    };
+    const bool clear_before = part.lo == shortest.lo || clear(part.lo, shortest.lo);
+    for (; part.hi - part.lo > kShortestPiece; ++pieces_) {
+      const double middle = part.lo + (part.hi - part.lo) / 2;
+      const Part left{part.lo, middle, part.level + 1}, right{middle, part.hi, part.level + 1};
+      if (t >= middle && !clear_before && !clear(left.lo, left.hi)) {
+        stack_.push(right);
+        return left;
+      }
+      if (t < middle)
+        stack_.push(right);
+      else
+        ++pieces_;
+      part = t < middle ? left : right;
+    }
+    return part;
+  }
+
+  /// The first time in the part at which the features seem to touch, found by Newton's method on their distance, and by
+  /// halving. Not certain. Returns false if none is found.
+  bool find_touch(const Part& part, double& t) const {
+    constexpr int kMostRounds = 16;
+    double before = part.lo;
+    t = part.lo;
+    for (int round = 0; round < kMostRounds; ++round) {
+      const ClosestPoints closest = closest_points(test_.kind(), test_.at(t));
+      if (seem_to_touch(closest)) {
+        while (t - before > kShortestPiece / 4) {
+          const double middle = before + (t - before) / 2;
+          (seem_to_touch(closest_points(test_.kind(), test_.at(middle))) ? t : before) = middle;
+        }
+        return true;
+      }
+      // The same two points at the end of the part; for two control points their difference is linear in time.
+      const Vec3 end = separation_of(test_.kind(), test_.at(part.hi), closest.weights);
+      const double approach = closest.separation.dot(closest.separation - end);
+      before = t;
+      t += (part.hi - t) * (closest.squared_distance / approach);
+      if (!(approach > 0 && t <= part.hi)) return false;
+    }
+    return false;
+  }
+
+  void split(const MotionPiece<kPoints>& piece, const Part& part) {
+    if (part.level < kLevelsOfThree && crossing(piece)) return split_at_root(piece, part, 0.125);
+    const double middle = part.lo + (part.hi - part.lo) / 2;
+    stack_.push({middle, part.hi, part.level + 1});
+    stack_.push({part.lo, middle, part.level + 1});
+  }
+
+  /// Splits the part around the root; the polynomial itself may prove the outer parts free, except for a margin that
+  /// belongs to the inner part.
+  void split_at_root(const MotionPiece<kPoints>& piece, const Part& part, double margin) {
+    const Split split(part.lo, part.hi, std::max(0.0, root_ - margin), std::min(1.0, root_ + margin));
+    if (split.to < part.hi && !piece.never_coplanar_after(split.after))
+      stack_.push({split.to, part.hi, part.level + 1});
+    stack_.push({split.from, split.to, part.level + 1});
+    if (part.lo < split.from && !piece.never_coplanar_before(split.before))
+      stack_.push({part.lo, split.from, part.level + 1});
+  }
+
+  /// Whether the features certainly change sides.
+  bool crossing(const MotionPiece<kPoints>& piece) const {
+    return test_.separation() == 0 && piece.sign_at_start() * piece.sign_at_end() < 0;
+  }
+
+  const TestPoints& points_;
+  BoundedTest<kPoints> test_;
+  double tolerance_;
+  int most_pieces_;
+  int pieces_ = 0;  ///< number of parts examined
+  PartStack stack_;
+  bool moved_apart_ = false;  ///< whether an axis has separated a part
+  Vec3 axis_ = Vec3::Zero();  ///< the last axis that separated a part
+  double root_ = 0;           ///< local parameter at which the part was examined
+  Differences likely_;        ///< differences at that time
+  ClosestPoints closest_;     ///< closest points at that time
+};
+
+/// The earliest event of a flat test. No value if the features are not certainly apart at t = 0, or if an event remains
+/// undecided that may be the first one.
+template <int kPoints>
+std::optional<InclusionAnswer> flat_search(FeatureKind kind, const TestPoints& x, int axis, double tolerance,
+                                           int most_pieces) {
+  if (!PieceSearch<kPoints>(kind, x, 0, tolerance, most_pieces).apart_at_start()) return std::nullopt;
+  InclusionAnswer first{Outcome::apart};
+  double open = kInfinity, latest = 1;
+  for (const FlatEvent& event : flat_events(kind)) {
+    const DrawnOutEvent edges(event, x, kPoints, axis);
+    const InclusionAnswer answer =
+        PieceSearch<kPoints>(FeatureKind::ee, edges.points(), 0, tolerance, most_pieces).run(latest);
+    if (answer.outcome == Outcome::undecided) open = std::min(open, answer.toi);
+    if (answer.outcome != Outcome::touch || answer.toi > latest) continue;
+    first = {.outcome = Outcome::touch, .toi = answer.toi};
+    latest = answer.toi;
+  }
+  if (open <= latest) return std::nullopt;
+  return first;
+}
+
+template <int kPoints>
+InclusionAnswer search(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int most_pieces,
+                       double t_max) {
+  const int axis = separation == 0 ? flat_axis(x, kPoints) : -1;
+  if (axis >= 0)
+    if (const auto answer = flat_search<kPoints>(kind, x, axis, tolerance, most_pieces)) return *answer;
+  return PieceSearch<kPoints>(kind, x, separation, tolerance, most_pieces).run(t_max);
+}
+
+}  // namespace
+
+InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
+                                 double tolerance, int most_pieces, double t_max) {
+  InclusionAnswer answer = control_points == 2 ? search<2>(kind, x, separation, tolerance, most_pieces, t_max)
+                                               : search<3>(kind, x, separation, tolerance, most_pieces, t_max);
+  if (answer.toi > t_max) answer = {InclusionAnswer::Outcome::apart};
+  return answer;
+}
+
+}  // namespace volccd::detail

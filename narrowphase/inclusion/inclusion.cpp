@@ -1,0 +1,83 @@
+#include <volccd/narrowphase/inclusion/inclusion.hpp>
+
+#include <volccd/narrowphase/contact_frame.hpp>
+#include <volccd/narrowphase/inclusion/detail/crossing_block.hpp>
+#include <volccd/narrowphase/inclusion/detail/inclusion_search.hpp>
+#include <volccd/narrowphase/exact/exact_predicates.hpp>
+
+namespace volccd {
+
+using namespace detail;
+using Outcome = InclusionAnswer::Outcome;
+
+const Options<Inclusion::Config>& Inclusion::options() {
+  static const Options<Config> table = [] {
+    Options<Config> options;
+    options.add("time_tolerance", &Config::time_tolerance, 1e-12, 1e-3,
+                "how early a contact may be reported, in steps (never late)");
+    options.add("undecided", &Config::undecided, {{"report", Undecided::report}, {"exact", Undecided::exact}},
+                "report tests that rounding leaves open, or decide them in rational arithmetic");
+    options.add("most_parts", &Config::most_parts, 1, 1'000'000,
+                "parts of the step that a search looks at before it is given up as undecided");
+    options.add("exact_bits", &Config::exact_bits, 1, 4096,
+                "bits that a test's coordinates may span for `exact` to decide what the search gives up");
+    return options;
+  }();
+  return table;
+}
+
+void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<Index, 4>& vertices,
+                         std::vector<Contact>& contacts, NarrowCounters& counters) const {
+  const TestPoints x = test_points(step.motion, vertices);
+  const int points = step.motion.control_points();
+  InclusionAnswer answer =
+      inclusion_search(kind, x, points, step.separation, config_.time_tolerance, config_.most_parts, step.t_max);
+  if (answer.outcome == Outcome::undecided) {
+    ++counters.undecided;
+    const TestMotion motion{kind, points, x};
+    const bool decide =
+        config_.undecided == Undecided::exact || (answer.unsettled && coordinate_bits(motion) <= config_.exact_bits);
+    if (decide && step.separation == 0) {
+      // For the whole step, so that the answer does not depend on t_max.
+      const ExactAnswer exact = exact_first_touch(motion);
+      if (!exact.touches || exact.toi > step.t_max) return;
+      counters.degenerate += exact.degenerate ? 1 : 0;
+      answer.toi = exact.toi;
+      answer.side = exact.side;
+      answer.at_start = exact.reason == TouchCase::at_start;
+    }
+  }
+  if (answer.outcome == Outcome::apart) return;
+  contacts.push_back(contact_at(kind, vertices, x, points, answer.toi, answer.side, step.separation));
+  contacts.back().at_start = answer.at_start;
+}
+
+void Inclusion::run(const Step& step, StageState&, unsigned, const TestBlock& block, std::vector<Contact>& contacts,
+                    NarrowCounters& counters) const {
+  const FeatureKind kind = block.kind();
+  if (step.motion.control_points() != 2 || step.separation > 0) {
+    for (std::size_t i = 0; i < block.size(); ++i) test_one(step, kind, block.vertices(i), contacts, counters);
+    return;
+  }
+  CoplanarityBlock cubics;
+  CrossingBlock crossings;
+  cubics.compute(block, true);
+  crossings.gather(block, cubics);
+  crossings.decide(config_.time_tolerance);
+  for (std::size_t i = 0; i < crossings.size(); ++i) {
+    if (crossings.apart(i)) continue;
+    const std::array<Index, 4>& vertices = block.vertices(crossings.source(i));
+    if (!crossings.touches(i))
+      test_one(step, kind, vertices, contacts, counters);
+    else if (crossings.toi(i) <= step.t_max)
+      contacts.push_back(
+          contact_at(kind, vertices, test_points(step.motion, vertices), 2, crossings.toi(i), crossings.side(i)));
+  }
+}
+
+StageDescriptor<NarrowPhase> describe_inclusion() {
+  return describe_stage<NarrowPhase, Inclusion>(
+      "inclusion", "certified: pieces of the step proven free of contact, none missed", Guarantee::conservative);
+}
+
+}  // namespace volccd

@@ -1,0 +1,277 @@
+#include <volccd/simulation/contact/contact_response.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Geometry>
+
+#include <volccd/core/sort_unique.hpp>
+
+namespace volccd::simulation {
+namespace {
+
+/// As fractions of the separation: by how much closer features are pushed apart in a query, and up to which gap.
+constexpr double kPush = 0.02, kPushedTo = 0.5;
+/// Gap of features that rest on each other, as a fraction of the separation. It is below 1, because otherwise the
+/// elementary tests would have to compare the distance with the separation to the last bit throughout the step.
+constexpr double kRest = 0.8;
+/// The least gap at the end of a pass, as a fraction of the goal; and how far the gap may be below a negative goal, as
+/// a fraction of the separation.
+constexpr double kEnough = 0.5, kTolerance = 0.05;
+/// Gap that is made between features that would still touch, as a fraction of the separation.
+constexpr double kClear = 0.1;
+constexpr int kHoldRounds = 10;
+
+}  // namespace
+
+double ContactResponse::goal(const FoundContact& found) const {
+  const double d = config_.separation;
+  if (!found.at_start) return kRest * d;
+  const double most = kPushedTo * d;
+  return found.gap0 < most ? std::min(most, found.gap0 + kPush * d) : std::min(found.gap0, kRest * d);
+}
+
+ContactConstraint ContactResponse::constraint(const FoundContact& found, double elapsed, double dt,
+                                              const MovingVertices& moving) const {
+  ContactConstraint c;
+  c.kind = found.kind;
+  c.features = found.features;
+  c.vertices = found.vertices;
+  c.weights = found.weights;
+  c.normal = found.normal;
+  c.toi = found.toi;
+  c.left = std::min(dt, (1 - found.toi) * elapsed);
+  c.share = c.left / dt;
+  c.offset = found.gap1 - ContactForces::gap(c, moving.x1);
+  c.goal = goal(found);
+  const Material& a = parts_[static_cast<std::size_t>(found.object_a)].material;
+  const Material& b = parts_[static_cast<std::size_t>(found.object_b)].material;
+  c.friction = std::min(a.friction, b.friction);
+  c.restitution = std::min(a.restitution, b.restitution);
+  if (found.at_start && c.restitution == 0) c.rebound = -std::max(0.0, found.gap0 - c.goal) / elapsed;
+  c.solid = found.solid;
+  c.contact_class = found.contact_class;
+  return c;
+}
+
+bool ContactResponse::add_walls(std::span<const Vec3> x0, std::span<const Index> part_of, double dt,
+                                const MovingVertices& moving) {
+  added_.clear();
+  for (std::size_t w = 0; w < walls_.size(); ++w) {
+    const Wall& wall = walls_[w];
+    const double level = wall.normal.dot(wall.point);
+    for (Index v = 0; v < moving.x1.size(); ++v) {
+      const double end = wall.normal.dot(moving.x1[v]) - level;
+      if (!(end < 0)) continue;
+      const double start = wall.normal.dot(x0[v]) - level;
+      ContactConstraint c;
+      c.features = {kNone, static_cast<Index>(w), v, 0};
+      c.vertices = {v, 0, 0, 0};
+      c.weights = {1, 0, 0, 0};
+      c.size = 1;
+      c.normal = wall.normal;
+      c.toi = start > 0 ? start / (start - end) : 0;
+      c.share = 1 - c.toi;
+      c.left = c.share * dt;
+      c.offset = -level;
+      c.goal = std::min(0.0, start < 0 ? start + kPush * config_.separation : 0.0);
+      c.friction = wall.friction;
+      c.restitution = parts_[part_of[v]].material.restitution;
+      added_.push_back(c);
+    }
+  }
+  if (added_.empty()) return false;
+  forces_.add(added_, moving);
+  return true;
+}
+
+void ContactResponse::solve(std::span<const Vec3> x0, std::span<const Index> part_of, double dt,
+                            const MovingVertices& moving, ContactWork& work) {
+  forces_.solve(moving, config_.sweeps, work);
+  if (add_walls(x0, part_of, dt, moving)) forces_.solve(moving, config_.sweeps, work);
+}
+
+bool ContactResponse::add_found(double elapsed, double dt, bool first, const MovingVertices& moving) {
+  added_.clear();
+  for (const FoundContact& found : found_) {
+    if (found.verdict != ContactVerdict::resist) {
+      if (first) ++(found.verdict == ContactVerdict::leaving ? counts_.leaving : counts_.ignored);
+      continue;
+    }
+    const double wanted = goal(found);
+    const double enough = wanted > 0 ? kEnough * wanted : wanted - kTolerance * config_.separation;
+    if (!first && found.gap1 >= enough) continue;
+    added_.push_back(constraint(found, elapsed, dt, moving));
+  }
+  if (added_.empty()) return false;
+  forces_.add(added_, moving);
+  return true;
+}
+
+void ContactResponse::substep(std::span<const Vec3> x0, std::span<const Index> part_of, double dt,
+                              const MovingVertices& moving, Executor& executor, ContactWork& work) {
+  resist_known(x0, part_of, dt, moving, executor, work);
+  count_pressed();
+}
+
+/// Resolves contacts with walls and contacts of the pairs of the last query.
+void ContactResponse::resist_known(std::span<const Vec3> x0, std::span<const Index> part_of, double dt,
+                                   const MovingVertices& moving, Executor& executor, ContactWork& work) {
+  forces_.clear();
+  bool any = add_walls(x0, part_of, dt, moving);
+  if (detection_ && detection_->candidates() > 0) {
+    detection_->contacts(x0, moving.x1, config_.separation, executor, found_);
+    ++counts_.retests;
+    any |= add_found(dt, dt, true, moving);
+  }
+  if (any) solve(x0, part_of, dt, moving, work);
+}
+
+void ContactResponse::query_substep(std::span<const Vec3> x0, std::span<const Vec3> since, double elapsed,
+                                    std::span<const Index> part_of, double dt, const MovingVertices& moving,
+                                    Executor& executor, ContactWork& work) {
+  if (!detection_) return substep(x0, part_of, dt, moving, executor, work);
+  // Known contacts are resisted first, because a query that does not cover the motion after the response is repeated.
+  resist_known(x0, part_of, dt, moving, executor, work);
+  query(since, elapsed, dt, moving, executor);
+  for (int pass = 0;; ++pass) {
+    detection_->contacts(since, moving.x1, config_.separation, executor, found_);
+    ++counts_.retests;
+    if (pass == config_.passes || !add_found(elapsed, dt, pass == 0, moving)) break;
+    solve(x0, part_of, dt, moving, work);
+    requery(since, elapsed, dt, moving, executor);
+  }
+  // Features that slide past each other may touch at other points than those at which the gap was smallest.
+  detection_->keep_touching(executor, found_);
+  for (int pass = 0; pass < config_.passes && !found_.empty(); ++pass) {
+    added_.clear();
+    for (const FoundContact& found : found_) {
+      added_.push_back(constraint(found, elapsed, dt, moving));
+      added_.back().goal = kClear * config_.separation;
+    }
+    forces_.add(added_, moving);
+    solve(x0, part_of, dt, moving, work);
+    find_touching(since, elapsed, dt, moving, executor);
+  }
+  if (!found_.empty()) hold_apart(since, elapsed, dt, moving, executor);
+  count_pressed();
+}
+
+void ContactResponse::find_touching(std::span<const Vec3> since, double elapsed, double dt,
+                                    const MovingVertices& moving, Executor& executor) {
+  requery(since, elapsed, dt, moving, executor);
+  detection_->contacts(since, moving.x1, config_.separation, executor, found_);
+  ++counts_.retests;
+  detection_->keep_touching(executor, found_);
+}
+
+void ContactResponse::query(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
+                            Executor& executor) {
+  ahead_.clear();
+  // The substeps until the next query test the pairs that this one finds. The motion is extrapolated with its mean
+  // velocity, so that the line passes through x1, and covers() is true.
+  if (elapsed > dt)
+    for (std::size_t i = 0; i < moving.x1.size(); ++i) ahead_.push_back(2 * moving.x1[i] - since[i]);
+  detection_->query(since, moving.x1, ahead_, executor);
+  if (ahead_.empty())
+    queried_end_.assign(moving.x1.begin(), moving.x1.end());
+  else
+    queried_end_ = ahead_;
+  ++counts_.queries;
+}
+
+void ContactResponse::requery(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
+                              Executor& executor) {
+  if (!detection_->covers(since, moving.x1, executor)) query(since, elapsed, dt, moving, executor);
+}
+
+void ContactResponse::count_pressed() {
+  for (const ContactConstraint& c : forces_.constraints()) {
+    if (c.is_wall() || !(c.normal_impulse + c.earlier > 0)) continue;
+    ++(c.contact_class == ContactClass::inter   ? counts_.inter
+       : c.contact_class == ContactClass::intra ? counts_.intra
+                                                : counts_.adjacent);
+  }
+}
+
+Index ContactResponse::group_of(Index node) {
+  while (group_[node] != node) node = group_[node] = group_[group_[node]];
+  return node;
+}
+
+/// Features that would still touch are moved as groups without rotation, so that no features in a group touch. A group
+/// with a guided body moves as that body (of several, or with fixed vertices, features may touch). Only positions
+/// change; the velocities remain those after the impulses.
+void ContactResponse::hold_apart(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
+                                 Executor& executor) {
+  group_.resize(moving.x1.size() + moving.bodies.bodies().size());
+  for (Index i = 0; i < group_.size(); ++i) group_[i] = i;
+  members_.clear();
+  for (int round = 0; round < kHoldRounds; ++round) {
+    gather_groups(moving);
+    hold_groups(since, moving);
+    find_touching(since, elapsed, dt, moving, executor);
+    if (found_.empty()) break;
+  }
+  counts_.held += members_.size();
+  counts_.unresolved += found_.size();
+}
+
+void ContactResponse::gather_groups(const MovingVertices& moving) {
+  const std::span<const Index> body_of = moving.bodies.body_of();
+  const auto node = [&](Index v) {
+    return body_of[v] == kNone ? v : static_cast<Index>(moving.x1.size()) + body_of[v];
+  };
+  for (const FoundContact& found : found_) {
+    const Index first = node(found.vertices[0]);
+    for (Index v : found.vertices) {
+      members_.push_back(node(v));
+      const Index a = group_of(first), b = group_of(node(v));
+      group_[std::max(a, b)] = std::min(a, b);
+    }
+  }
+  sort_unique(members_);
+}
+
+void ContactResponse::hold_groups(std::span<const Vec3> since, const MovingVertices& moving) {
+  const auto vertices = static_cast<Index>(moving.x1.size());
+  std::vector<RigidBody>& bodies = moving.bodies.bodies();
+  struct Sum {
+    double mass = 0;
+    bool held = false;
+    Vec3 moment = Vec3::Zero(), guided = Vec3::Zero();
+  };
+  std::vector<std::pair<Index, Index>> order;  // (group, member)
+  for (Index m : members_) order.emplace_back(group_of(m), m);
+  std::sort(order.begin(), order.end());
+  for (std::size_t i = 0, end; i < order.size(); i = end) {
+    Sum sum;
+    for (end = i; end < order.size() && order[end].first == order[i].first; ++end) {
+      const Index m = order[end].second;
+      const bool is_body = m >= vertices;
+      const double inverse = is_body ? 0 : moving.inverse_mass[m];
+      const double mass = is_body ? bodies[m - vertices].mass : inverse > 0 ? 1 / inverse : 0;
+      sum.held |= is_body ? bodies[m - vertices].held : inverse == 0;
+      if (is_body && bodies[m - vertices].guide)
+        sum.guided = bodies[m - vertices].center - bodies[m - vertices].marked_center;
+      sum.mass += mass;
+      sum.moment += mass * (is_body ? Vec3(bodies[m - vertices].center - bodies[m - vertices].marked_center)
+                                    : Vec3(moving.x1[m] - since[m]));
+    }
+    const Vec3 by = sum.held || !(sum.mass > 0) ? sum.guided : Vec3(sum.moment / sum.mass);
+    for (std::size_t k = i; k < end; ++k) {
+      const Index m = order[k].second;
+      if (m < vertices) {
+        if (moving.inverse_mass[m] > 0) moving.x1[m] = since[m] + by;
+        continue;
+      }
+      RigidBody& body = bodies[m - vertices];
+      if (body.held) continue;
+      body.center = body.marked_center + by;
+      body.orientation = body.marked_orientation;
+    }
+  }
+  moving.bodies.write_vertices(moving.x1, moving.v);
+}
+
+}  // namespace volccd::simulation
