@@ -66,7 +66,7 @@ std::uint64_t make_tasks(KdopBvhState& state, const detail::PairRules& rules) {
 
 KdopBvh::KdopBvh(const Config& config) : config_(config) {
   detail::check_k(config.k);
-  if (config.leaf_size < 1 || config.leaf_size > detail::KdopTree::kMostLeafSize)
+  if (config.leaf_size < 1 || config.leaf_size > detail::KdopTree::kMaxLeafSize)
     throw ConfigError("kdop-bvh: leaf_size must lie in 1 .. 8");
   if (!(config.degradation >= 1)) throw ConfigError("kdop-bvh: degradation must be at least 1");
 }
@@ -75,7 +75,7 @@ const Options<KdopBvh::Config>& KdopBvh::options() {
   static const Options<Config> options =
       Options<Config>()
           .add("k", &Config::k, detail::k_choices(), "directions of the k-DOPs, 6 being boxes")
-          .add("leaf_size", &Config::leaf_size, 1, detail::KdopTree::kMostLeafSize, "elements a leaf")
+          .add("leaf_size", &Config::leaf_size, 1, detail::KdopTree::kMaxLeafSize, "elements a leaf")
           .add("adjacent_pairs", &Config::adjacent_pairs,
                {{"table", AdjacentPairs::table}, {"vertices", AdjacentPairs::vertices}},
                "found in a table that is kept from step to step, or by their vertices")

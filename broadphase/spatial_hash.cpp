@@ -98,7 +98,7 @@ void SpatialHash::prepare(const Step& step, StageState& stage_state, Executor& e
   state.keys.update(step, changed != ElementDelta::Extent::none);
   state.bounds_seconds = detail::bound_vertices(step, config_.k, executor, state.vertices);
   detail::bound_elements(state.vertices, state.list, executor, state.elements);
-  state.grid.build(state.elements, state.list.size(), config_.cell_size, kMostCells, executor);
+  state.grid.build(state.elements, state.list.size(), config_.cell_size, kMaxCells, executor);
   state.delta.confirm();
 }
 

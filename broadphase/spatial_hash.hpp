@@ -15,7 +15,7 @@ namespace volccd {
 /// - Cell size: `cell_size` times the median extent (longest side) of the swept boxes, or a fifth of the 99.5th
 ///   percentile of the extents if that is larger. For elements of similar size at rest this is about the average edge
 ///   length. A few very large elements do not affect the grid.
-/// - No element is entered in more than kMostCells cells. Larger elements, at most one in 200, are compared with all
+/// - No element is entered in more than kMaxCells cells. Larger elements, at most one in 200, are compared with all
 ///   others. Cell coordinates are clamped, so that elements very far from the origin share cells; this costs time but
 ///   loses no pair.
 ///
@@ -31,7 +31,7 @@ class SpatialHash final : public BroadPhase {
   };
   static const Options<Config>& options();
 
-  static constexpr int kMostCells = 256;
+  static constexpr int kMaxCells = 256;
 
   explicit SpatialHash(const Config& config);
 

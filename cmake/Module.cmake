@@ -14,7 +14,7 @@ target_compile_options(volccd_flags INTERFACE
   $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
   $<$<BOOL:${VOLCCD_WERROR}>:-Werror>)
 
-# By default GCC collects garbage from 128 MB on, a sixth of the time of a build with precompiled headers (decision 199).
+# By default GCC collects garbage from 128 MB on, a sixth of the time of a build with precompiled headers.
 # With these it does so beyond 2 GB for each compiler process, where the machine has memory for a process for each core and
 # two more, as Ninja starts. The compiled code is the same.
 cmake_host_system_information(RESULT memory QUERY TOTAL_PHYSICAL_MEMORY)  # in MiB

@@ -16,10 +16,10 @@ namespace detail {
 
 std::string probed_floating_point_problem() {
   // Volatile, so that the values are computed at run time, not by the compiler.
-  const volatile double least_normal = std::numeric_limits<double>::min();
-  const volatile double least = std::numeric_limits<double>::denorm_min();
+  const volatile double min_normal = std::numeric_limits<double>::min();
+  const volatile double min = std::numeric_limits<double>::denorm_min();
   const volatile double half = 0.5, large = 0x1p1000, one = 1, tiny = 0x1p-60;
-  const volatile double subnormal_result = least_normal * half, of_subnormal = least * large;
+  const volatile double subnormal_result = min_normal * half, of_subnormal = min * large;
   const volatile double above = one + tiny, below = one - tiny;
   if (of_subnormal == 0) return "subnormal operands are taken as zero";  // first: then comparisons are affected, too
   if (subnormal_result == 0) return "subnormal results are flushed to zero";

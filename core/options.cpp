@@ -36,13 +36,17 @@ double parse_number(const std::string& name, const std::string& text, double low
 }
 
 std::string range_text(double low, double high) {
-  constexpr double most = std::numeric_limits<double>::max();
-  if (high < most) return low > -most ? fmt::format("{} .. {}", low, high) : fmt::format("at most {}", high);
-  return low > -most ? fmt::format("at least {}", low) : "any finite number";
+  constexpr double max = std::numeric_limits<double>::max();
+  if (high < max) return low > -max ? fmt::format("{} .. {}", low, high) : fmt::format("at most {}", high);
+  return low > -max ? fmt::format("at least {}", low) : "any finite number";
 }
 
 void unknown_choice(const std::string& name, const std::string& text, const std::string& allowed) {
   throw ConfigError(fmt::format("option {}: '{}' is none of {}{}", name, text, allowed, did_you_mean(text, allowed)));
+}
+
+void renamed_option(const std::string& former, const std::string& present) {
+  throw ConfigError(fmt::format("option '{}' is called '{}' now", former, present));
 }
 
 void unknown_option(const std::string& name, const std::vector<OptionInfo>& known) {

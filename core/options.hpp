@@ -32,6 +32,7 @@ int parse_int(const std::string& name, const std::string& text, int low, int hig
 double parse_number(const std::string& name, const std::string& text, double low, double high);
 std::string range_text(double low, double high);
 [[noreturn]] void unknown_choice(const std::string& name, const std::string& text, const std::string& allowed);
+[[noreturn]] void renamed_option(const std::string& former, const std::string& present);
 [[noreturn]] void unknown_option(const std::string& name, const std::vector<OptionInfo>& known);
 }  // namespace detail
 
@@ -87,9 +88,17 @@ class Options {
     return *this;
   }
 
+  /// An option was renamed: its former name is refused with a message that has the present one.
+  Options& renamed(std::string former, std::string present) {
+    renamed_.emplace_back(std::move(former), std::move(present));
+    return *this;
+  }
+
   Config parse(const OptionValues& values) const {
     Config config;
     for (const auto& [name, text] : values) {
+      for (const auto& [former, present] : renamed_)
+        if (name == former) detail::renamed_option(former, present);
       bool found = false;
       for (std::size_t i = 0; i < infos_.size() && !found; ++i)
         if (infos_[i].name == name) {
@@ -109,6 +118,7 @@ class Options {
     setters_.push_back(std::move(setter));
   }
 
+  std::vector<std::pair<std::string, std::string>> renamed_;  ///< former and present names
   std::vector<OptionInfo> infos_;
   std::vector<std::function<void(Config&, const std::string&)>> setters_;
 };

@@ -6,7 +6,7 @@ namespace volccd {
 
 namespace {
 
-constexpr std::size_t kMostNames = 3;
+constexpr std::size_t kMaxNames = 3;
 
 char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 
@@ -36,17 +36,17 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
 
 std::vector<std::string> near_names(std::string_view text, const std::vector<std::string>& known) {
   std::vector<std::string> names;
-  std::size_t least = 0;
+  std::size_t min = 0;
   for (const std::string& name : known) {
     const std::size_t distance = edit_distance(text, name);
     if (distance > std::max(text.size(), name.size()) / 3) continue;
-    if (names.empty() || distance < least) names.clear(), least = distance;
-    if (distance == least && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    if (names.empty() || distance < min) names.clear(), min = distance;
+    if (distance == min && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
   }
   if (names.empty() && !text.empty())
     for (const std::string& name : known)
       if (begins_with(name, text)) names.push_back(name);
-  if (names.size() > kMostNames) names.resize(kMostNames);
+  if (names.size() > kMaxNames) names.resize(kMaxNames);
   return names;
 }
 

@@ -57,13 +57,13 @@ void bound_element(const Step& step, const VertexRow& half_separation, Index o, 
   for (int c = 0; c < step.motion.control_points(); ++c)
     for (std::size_t i = 0; i < kRowAxisCount; i += hn::Lanes(narrow)) {
       const Axes axes(i);
-      auto least = axes.project(step.motion.at(vertices[0]) + 3 * c), most = least;
+      auto min = axes.project(step.motion.at(vertices[0]) + 3 * c), max = min;
       for (const Index v : vertices.subspan(1)) {
         const auto at = axes.project(step.motion.at(v) + 3 * c);
-        least = hn::Min(least, at);
-        most = hn::Max(most, at);
+        min = hn::Min(min, at);
+        max = hn::Max(max, at);
       }
-      const auto low = hn::DemoteTo(narrow, least), high = hn::DemoteTo(narrow, most);
+      const auto low = hn::DemoteTo(narrow, min), high = hn::DemoteTo(narrow, max);
       const auto separation = hn::Load(narrow, half_separation.at + i);
       hn::Store(hn::Sub(hn::Sub(low, separation), widening(low, separation)), narrow, rows[c].low + i);
       hn::Store(hn::Add(hn::Add(high, separation), widening(high, separation)), narrow, rows[c].high + i);

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMostLinks = 40;  ///< the limit of Linux
+constexpr int kMaxLinks = 40;  ///< the limit of Linux
 
 [[noreturn]] void fail_at(const std::string& name, const std::string& problem) {
   throw InputError(name, "", problem + ": " + std::strerror(errno));
@@ -62,7 +62,7 @@ bool sync(const std::string& path) {
 OutputTarget output_target(const std::string& name) {
   if (name.empty()) throw InputError("\"\"", "", "cannot be written: the name is empty");
   std::string path = name;
-  for (int links = 0; links <= kMostLinks; ++links) {
+  for (int links = 0; links <= kMaxLinks; ++links) {
     if (const auto descriptor = descriptor_of(path)) return {OutputTarget::Kind::descriptor, path, *descriptor};
     struct stat status {};
     if (::lstat(path.c_str(), &status) != 0) {

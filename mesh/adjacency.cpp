@@ -12,9 +12,9 @@ namespace volccd {
 namespace {
 
 std::size_t largest(std::span<const ElementSpec> elements) {
-  std::size_t most = 0;
-  for (const ElementSpec& element : elements) most = std::max(most, element.vertices.size());
-  return most;
+  std::size_t max = 0;
+  for (const ElementSpec& element : elements) max = std::max(max, element.vertices.size());
+  return max;
 }
 
 }  // namespace
@@ -28,26 +28,26 @@ void Adjacency::build(const Mesh& mesh, Executor& executor) {
     for (Index o = static_cast<Index>(begin); o < end; ++o) size = std::max(size, mesh.vertices(o).size());
     sizes[c] = size;
   });
-  const std::size_t most = sizes.empty() ? 0 : *std::max_element(sizes.begin(), sizes.end());
-  if (most > block_) block_ = kMaxBlock;
+  const std::size_t max = sizes.empty() ? 0 : *std::max_element(sizes.begin(), sizes.end());
+  if (max > block_) block_ = kMaxBlock;
   detail::resize_with_spare(ids_, std::size_t{mesh.element_slots()} * block_);
   chunks.for_each(executor, [&](std::size_t, std::size_t begin, std::size_t end) {
     for (Index o = static_cast<Index>(begin); o < end; ++o) store_block(o, mesh.vertices(o));
   });
-  if (most <= kMaxBlock) return;
+  if (max <= kMaxBlock) return;
   const auto add_vertices = [&](std::size_t, std::size_t begin, std::size_t end, auto&& add) {
     for (Index o = static_cast<Index>(begin); o < end; ++o)
       if (const std::span<const Index> vertices = mesh.vertices(o); vertices.size() > kMaxBlock)
         for (const Index v : vertices) add(detail::KeyValue{o, v});
   };
   const std::size_t slots = mesh.element_slots();
-  detail::group_by_key(slots, slots, slots * most, executor, add_vertices, large_);
+  detail::group_by_key(slots, slots, slots * max, executor, add_vertices, large_);
 }
 
 void Adjacency::prepare(std::span<const ElementSpec> added, std::span<const Index> slots, Index element_slots) {
-  const std::size_t most = largest(added), block = most > block_ ? kMaxBlock : block_;
+  const std::size_t max = largest(added), block = max > block_ ? kMaxBlock : block_;
   detail::reserve_more(ids_, element_slots * block - ids_.size());
-  if (most <= kMaxBlock && large_.size() == 0) return;
+  if (max <= kMaxBlock && large_.size() == 0) return;
   std::size_t entries = 0;
   for (std::size_t k = 0; k < added.size(); ++k)
     if (const std::size_t n = added[k].vertices.size(); n > kMaxBlock) entries += large_.room_for(slots[k], n);
@@ -56,10 +56,10 @@ void Adjacency::prepare(std::span<const ElementSpec> added, std::span<const Inde
 
 void Adjacency::commit(std::span<const Index> removed, std::span<const ElementSpec> added, std::span<const Index> slots,
                        Index element_slots) noexcept {
-  const std::size_t most = largest(added);
-  if (most > block_ && block_ != kMaxBlock) widen();
+  const std::size_t max = largest(added);
+  if (max > block_ && block_ != kMaxBlock) widen();
   ids_.resize(std::size_t{element_slots} * block_);
-  if (most > kMaxBlock || large_.size() != 0) large_.extend(element_slots);
+  if (max > kMaxBlock || large_.size() != 0) large_.extend(element_slots);
   const auto store = [&](Index o, std::span<const Index> vertices) {
     store_block(o, vertices);
     if (large_.size() != 0) large_.assign(o, vertices.size() > kMaxBlock ? vertices : std::span<const Index>());

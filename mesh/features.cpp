@@ -51,14 +51,14 @@ std::array<std::size_t, 2> boundary_sizes(const Mesh& mesh, std::size_t begin, s
 void list_boundaries(const Mesh& mesh, EdgeSet edge_set, Executor& executor, detail::Occurrences<2>& edges,
                      detail::Occurrences<3>& triangles) {
   const detail::Chunks chunks(mesh.element_slots());
-  std::vector<std::size_t> most_edges(chunks.count()), most_triangles(chunks.count());
+  std::vector<std::size_t> max_edges(chunks.count()), max_triangles(chunks.count());
   chunks.for_each(executor, [&](std::size_t c, std::size_t begin, std::size_t end) {
     const auto [edge_count, triangle_count] = boundary_sizes(mesh, begin, end, edge_set);
-    most_edges[c] = edge_count;
-    most_triangles[c] = triangle_count;
+    max_edges[c] = edge_count;
+    max_triangles[c] = triangle_count;
   });
-  edges.allocate(mesh.element_slots(), most_edges);
-  triangles.allocate(mesh.element_slots(), most_triangles);
+  edges.allocate(mesh.element_slots(), max_edges);
+  triangles.allocate(mesh.element_slots(), max_triangles);
   chunks.for_each(executor, [&](std::size_t c, std::size_t begin, std::size_t end) {
     std::array<Index, 2>* edge = edges.tuples.data() + edges.begin[c];
     std::array<Index, 3>* triangle = triangles.tuples.data() + triangles.begin[c];

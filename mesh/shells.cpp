@@ -62,11 +62,11 @@ Vec3 area_vector(std::span<const Vec3> x, const std::array<Index, 4>& v) {
 }  // namespace
 
 std::vector<std::int64_t> solid_vertex_ids(std::span<const std::int64_t> ids) {
-  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max() / 3 - 1;
+  constexpr std::int64_t kMax = std::numeric_limits<std::int64_t>::max() / 3 - 1;
   std::vector<std::int64_t> result;
   result.reserve(3 * ids.size());
   for (std::size_t i = 0; i < ids.size(); ++i) {
-    if (ids[i] > kMost || ids[i] < -kMost)
+    if (ids[i] > kMax || ids[i] < -kMax)
       throw InputError("shells", "vertex ids", static_cast<std::int64_t>(i),
                        fmt::format("id {} is too large to be tripled", ids[i]));
     for (std::int64_t k = 0; k < 3; ++k) result.push_back(3 * ids[i] + k);

@@ -89,10 +89,10 @@ bool clearly_apart(FeatureKind kind, const Differences& d, double distance, doub
   // is on the inner side of a line that has the other feature on it or behind it. |edge| < 4 size; the sum of the
   // magnitudes exceeds |n|; and the rounding error of a cross product of vectors shorter than 2 size is less than 32
   // units of roundoff times size^2.
-  const double least = vf ? std::min({c1, c2, area - c1 - c2}) : std::min({c1, area - c1, c2, area - c2});
+  const double min = vf ? std::min({c1, c2, area - c1 - c2}) : std::min({c1, area - c1, c2, area - c2});
   const double n1 = n.lpNorm<1>(), m = m1.lpNorm<1>() + m2.lpNorm<1>();
   const double rounding = 64 * kUnitRoundoff * (n1 + m) * size * size;
-  return least < -(n1 * 4 * size * distance + 2 * rounding);
+  return min < -(n1 * 4 * size * distance + 2 * rounding);
 }
 
 }  // namespace volccd::detail

@@ -5,9 +5,9 @@
 namespace volccd::detail {
 namespace {
 
-/// A separation is not significant below kLeastSeparation times the size, and an area below kLeastArea times the
+/// A separation is not significant below kMinSeparation times the size, and an area below kMinArea times the
 /// squared size.
-constexpr double kLeastSeparation = 0x1p-40, kLeastArea = 0x1p-48;
+constexpr double kMinSeparation = 0x1p-40, kMinArea = 0x1p-48;
 
 Vec3 position(const double* x, double t, int control_points) {
   const double s = 1 - t;
@@ -35,14 +35,14 @@ Vec3 contact_normal(FeatureKind kind, const Differences& touching, const Differe
     const Differences& d = touching;
     const Vec3 n = kind == FeatureKind::vf ? Vec3((d[1] - d[0]).cross(d[2] - d[0])) : Vec3(d[0].cross(d[2] - d[1]));
     const double length = n.norm();
-    if (length > kLeastArea * size * size) {
+    if (length > kMinArea * size * size) {
       const bool along = (kind == FeatureKind::ee) == (side > 0);
       return (along ? n : Vec3(-n)) / length;
     }
   }
   const Vec3 apart = closest_points(kind, before).separation;
   const double length = apart.norm();
-  return length > kLeastSeparation * size ? Vec3(apart / length) : Vec3(Vec3::Zero());
+  return length > kMinSeparation * size ? Vec3(apart / length) : Vec3(Vec3::Zero());
 }
 
 Vec3 contact_point(FeatureKind kind, const TestPoints& x, double t, const std::array<double, 4>& weights,
@@ -57,7 +57,7 @@ Contact contact_at(FeatureKind kind, const std::array<Index, 4>& vertices, const
                    double t, int side, double separation) {
   const auto contact_of_scaled = [&](const auto& scaled) {
     auto points = scaled(x, 1);
-    if (!(points.size >= kLeastSize && points.size <= kGreatestSize))
+    if (!(points.size >= kMinSize && points.size <= kGreatestSize))
       points = scaled(x, range_scale(x, control_points));
     return contact_of(kind, points, t, side, separation > 0);
   };

@@ -25,10 +25,10 @@ double range_scale(const TestPoints& x, int control_points) {
     return greatest;
   };
   const double size = greatest_difference(1);
-  if (size >= kLeastSize && size <= kGreatestSize) return 1;
+  if (size >= kMinSize && size <= kGreatestSize) return 1;
   if (size == 0) return 1;
   // A quarter of a difference cannot overflow, but a quarter of the smallest differences would underflow.
-  const int exponent = size < kLeastSize ? std::ilogb(size) : std::ilogb(greatest_difference(0.25)) + 2;
+  const int exponent = size < kMinSize ? std::ilogb(size) : std::ilogb(greatest_difference(0.25)) + 2;
   // If the power itself would overflow, 2^1023 is sufficient: it scales the smallest difference to 2^-51.
   return std::ldexp(1.0, std::clamp(-exponent, -1022, 1023));
 }

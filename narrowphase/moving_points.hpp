@@ -76,7 +76,7 @@ struct CurvedPoints {
 CurvedPoints curved_points(const TestPoints& x, double scale);
 
 /// Range of sizes for which products of six lengths neither overflow nor lose digits by underflow.
-inline constexpr double kLeastSize = 0x1p-100, kGreatestSize = 0x1p100;
+inline constexpr double kMinSize = 0x1p-100, kGreatestSize = 0x1p100;
 
 /// 1 for points of ordinary size; otherwise the power of two that scales the largest coordinate difference to about 1.
 /// Valid also for coordinates whose difference overflows.

@@ -99,11 +99,11 @@ template <class V>
 HWY_INLINE V greatest_coordinate(const LaneVector<V>& a) {
   return hn::Max(hn::Max(a.x, a.y), a.z);
 }
-/// Greatest magnitudes of the coordinates at both ends, at least kLeastExtent.
+/// Greatest magnitudes of the coordinates at both ends, at least kMinExtent.
 template <class V>
 HWY_INLINE LaneVector<V> extent(const LaneVector<V>& start, const LaneVector<V>& end) {
-  const V least = broadcast<V>(kLeastExtent);
-  return max(max(abs(start), abs(end)), LaneVector<V>{least, least, least});
+  const V min = broadcast<V>(kMinExtent);
+  return max(max(abs(start), abs(end)), LaneVector<V>{min, min, min});
 }
 /// x if x < kGreatestMagnitude, otherwise infinity.
 template <class V>
@@ -119,7 +119,7 @@ HWY_INLINE LaneVector<V> trusted(const LaneVector<V>& a) {
 template <class V>
 HWY_INLINE V length(const LaneVector<V>& a) {
   const V square = dot(a, a);
-  return hn::IfThenElse(hn::Gt(square, broadcast<V>(kLeastSquare)), hn::Sqrt(square), norm1(a));
+  return hn::IfThenElse(hn::Gt(square, broadcast<V>(kMinSquare)), hn::Sqrt(square), norm1(a));
 }
 /// The threshold T of a gap along an axis, for factor = gap_error_factor(n) and trusted extents D.
 template <class V>

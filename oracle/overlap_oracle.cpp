@@ -96,11 +96,11 @@ bool certainly_disjoint(const Bodies& bodies, ElementPair pair) {
   const Box box_a = box_of(bodies.hull(pair.a)), box_b = box_of(bodies.hull(pair.b));
   const Box both{box_a.low.cwiseMin(box_b.low), box_a.high.cwiseMax(box_b.high)};
   const double rounding = 1e-15 * std::max(both.low.cwiseAbs().maxCoeff(), both.high.cwiseAbs().maxCoeff());
-  const double least = 1e-9 * both.diagonal() + 16 * rounding;
-  if (gap(box_a, box_b) > least) return true;
+  const double min = 1e-9 * both.diagonal() + 16 * rounding;
+  if (gap(box_a, box_b) > min) return true;
   for (const ConvexPiece& p : bodies.of(pair.a))
     for (const ConvexPiece& q : bodies.of(pair.b))
-      if (!(detail::signed_gap(p, q) > least)) return false;
+      if (!(detail::signed_gap(p, q) > min)) return false;
   return true;
 }
 

@@ -78,9 +78,9 @@ struct Apart {
 
 /// At most `most` of the values, evenly spread.
 template <class T>
-std::vector<T> evenly_spread(const std::vector<T>& all, std::size_t most) {
+std::vector<T> evenly_spread(const std::vector<T>& all, std::size_t max) {
   std::vector<T> result;
-  const std::size_t count = std::min(most, all.size());
+  const std::size_t count = std::min(max, all.size());
   for (std::size_t i = 0; i < count; ++i) result.push_back(all[i * all.size() / count]);
   return result;
 }

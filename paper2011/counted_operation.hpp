@@ -54,7 +54,7 @@ class CountedOperation {
     times_.push_back(seconds * 1e9 / static_cast<double>(kPasses * tests_));
   }
 
-  /// `row`, "tests", means of the counts, "most": their maxima, "ns": the median of the times measured, "positive":
+  /// `row`, "tests", means of the counts, "max": their maxima, "ns": the median of the times measured, "positive":
   /// share of the samples for which `run` returned true. Pre: time() was called.
   nlohmann::json row() const {
     nlohmann::json result = row_;
@@ -77,7 +77,7 @@ class CountedOperation {
 
   template <class Sample, class Run>
   void count(const std::vector<Sample>& samples, const Run& run) {
-    OperationCounts sum, most;
+    OperationCounts sum, max;
     for (const Sample& plain : samples) {
       const auto sample = counted(plain);
       CountedDouble::counts() = {};
@@ -85,12 +85,12 @@ class CountedOperation {
       for (const NamedCount& one : kCounts) {
         const std::uint64_t value = CountedDouble::counts().*one.count;
         sum.*one.count += value;
-        most.*one.count = std::max(most.*one.count, value);
+        max.*one.count = std::max(max.*one.count, value);
       }
     }
     for (const NamedCount& one : kCounts) {
       row_[one.name] = static_cast<double>(sum.*one.count) / static_cast<double>(samples.size());
-      row_["most"][one.name] = most.*one.count;
+      row_["max"][one.name] = max.*one.count;
     }
   }
 

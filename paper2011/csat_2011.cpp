@@ -12,7 +12,7 @@ using Point = reference::MovingPoint<double>;
 using Edge = std::array<Point, 2>;
 using Triangle = std::array<Point, 3>;
 
-constexpr std::size_t kMostVertices = 32, kMostEdges = 64;  // number of bits in FeatureMask
+constexpr std::size_t kMaxVertices = 32, kMaxEdges = 64;  // number of bits in FeatureMask
 
 /// Whether the step is of the kind that the 2011 implementation supported.
 bool handled(const Step& step) { return step.motion.control_points() == 2 && step.separation == 0; }
@@ -28,7 +28,7 @@ std::array<Point, N> points_of(const Motion& motion, const std::array<Index, N>&
 struct Element {
   Index slot = kNone;
   std::size_t count = 0;
-  std::array<Point, kMostVertices> points;
+  std::array<Point, kMaxVertices> points;
 
   void gather(const Step& step, Index o) {
     if (o == slot) return;
@@ -71,7 +71,7 @@ bool mask_edges(const Step& step, const Element& own, const Element& other, std:
 }
 
 bool fits(const Step& step, Index o) {
-  return step.mesh().vertices(o).size() <= kMostVertices && step.features().element_edges(o).size() <= kMostEdges;
+  return step.mesh().vertices(o).size() <= kMaxVertices && step.features().element_edges(o).size() <= kMaxEdges;
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ struct OperationConfig {
 ///                          test),
 ///              "additions": mean, with subtractions, "multiplications", "divisions", "comparisons", "square_roots",
 ///              "absolute_values",
-///              "most": {the same, each the maximum over the tests}, "ns": of a test,
+///              "max": {the same, each the maximum over the tests}, "ns": of a test,
 ///              "paper": {"additions", "multiplications", "divisions"}, {"over_csat": cost over that of CSAT}, or null
 ///                       where the paper has no number}]}
 ///

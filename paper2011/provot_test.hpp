@@ -86,11 +86,11 @@ int sign_of(const Scalar& value) {
 template <class Scalar>
 Scalar bracketed_root(const ProvotCubic<Scalar>& f, Scalar low, Scalar high, const Scalar& f_low,
                       const Scalar& f_high) {
-  constexpr int kMostSteps = 64;
+  constexpr int kMaxSteps = 64;
   const Scalar accuracy = 0x1p-44;
   const bool rising = f_low < Scalar(0);
   Scalar t = low + (high - low) * (f_low / (f_low - f_high));
-  for (int i = 0; i < kMostSteps; ++i) {
+  for (int i = 0; i < kMaxSteps; ++i) {
     const Scalar value = f.value(t);
     const int sign = sign_of(value);
     if (sign == 0) break;
@@ -112,7 +112,7 @@ bool within(const Scalar& weight, const Scalar& tolerance) {
 
 /// A squared area relative to the product of the squared sides (for edges: squared sine of their angle) is regarded as
 /// zero below this value.
-inline constexpr double kLeastSquaredSine = 1e-14;
+inline constexpr double kMinSquaredSine = 1e-14;
 
 /// Whether the origin is inside the triangle d, at a time when it is in the plane of the triangle: barycentric
 /// coordinates by normal equations (Bridson et al., Section 6).
@@ -120,7 +120,7 @@ template <class Scalar>
 bool inside_triangle(const std::array<Vector3<Scalar>, 3>& d, const Scalar& tolerance, bool& degenerate) {
   const Vector3<Scalar> e1 = d[0] - d[2], e2 = d[1] - d[2];
   const Scalar aa = dot(e1, e1), ab = dot(e1, e2), bb = dot(e2, e2), area = aa * bb - ab * ab;
-  if (!(area > Scalar(kLeastSquaredSine) * (aa * bb))) {
+  if (!(area > Scalar(kMinSquaredSine) * (aa * bb))) {
     degenerate = true;
     return false;
   }
@@ -133,13 +133,13 @@ bool inside_triangle(const std::array<Vector3<Scalar>, 3>& d, const Scalar& tole
 /// = ee.
 template <class Scalar>
 bool near_segment(const Vector3<Scalar>& p, const Vector3<Scalar>& from, const Vector3<Scalar>& e, const Scalar& ee,
-                  const Scalar& most) {
+                  const Scalar& max) {
   const Vector3<Scalar> r = p - from;
   Scalar s = ee > Scalar(0) ? dot(r, e) / ee : Scalar(0);
   if (s < Scalar(0)) s = Scalar(0);
   if (s > Scalar(1)) s = Scalar(1);
   const Vector3<Scalar> gap = {r[0] - s * e[0], r[1] - s * e[1], r[2] - s * e[2]};
-  return dot(gap, gap) <= most;
+  return dot(gap, gap) <= max;
 }
 
 /// Whether the edge from the origin to d[0] and the edge from d[1] to d[2] intersect, at a time when they are coplanar.
@@ -148,15 +148,15 @@ template <class Scalar>
 bool edges_meet(const std::array<Vector3<Scalar>, 3>& d, const Scalar& tolerance, bool& degenerate) {
   const Vector3<Scalar>&e1 = d[0], e2 = d[2] - d[1];
   const Scalar aa = dot(e1, e1), ab = dot(e1, e2), bb = dot(e2, e2), area = aa * bb - ab * ab;
-  if (area > Scalar(kLeastSquaredSine) * (aa * bb)) {
+  if (area > Scalar(kMinSquaredSine) * (aa * bb)) {
     const Scalar p = dot(e1, d[1]), q = dot(e2, d[1]);
     return within((p * bb - q * ab) / area, tolerance) && within((p * ab - q * aa) / area, tolerance);
   }
   degenerate = true;
-  const Scalar most = tolerance * tolerance * (aa > bb ? aa : bb);
+  const Scalar max = tolerance * tolerance * (aa > bb ? aa : bb);
   const Vector3<Scalar> origin = {Scalar(0), Scalar(0), Scalar(0)};
-  return near_segment(origin, d[1], e2, bb, most) || near_segment(d[0], d[1], e2, bb, most) ||
-         near_segment(d[1], origin, e1, aa, most) || near_segment(d[2], origin, e1, aa, most);
+  return near_segment(origin, d[1], e2, bb, max) || near_segment(d[0], d[1], e2, bb, max) ||
+         near_segment(d[1], origin, e1, aa, max) || near_segment(d[2], origin, e1, aa, max);
 }
 
 /// One elementary test on [0, t_max]: finds the first root of the cubic at which the features touch. If the cubic is 0

@@ -73,8 +73,8 @@ struct EmbreeState final : PeerState {
 /// oneTBB allows.
 tbb::task_arena& arena_of(EmbreeState& state, unsigned workers) {
   if (state.arena_workers != workers) {
-    const auto most = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
-    state.arena.emplace(static_cast<int>(std::min<std::size_t>(workers, most)));
+    const auto max = tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism);
+    state.arena.emplace(static_cast<int>(std::min<std::size_t>(workers, max)));
     state.arena_workers = workers;
   }
   return *state.arena;

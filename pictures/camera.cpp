@@ -84,10 +84,10 @@ Camera Camera::fit(std::span<const Vec3> points, const View& view, int width, in
   const double border = margin * std::min(width, height);
   const double half_width = std::max(width / 2.0 - border, 0.5), half_height = std::max(height / 2.0 - border, 0.5);
   if (view.orthographic) {
-    const double least = 1e-9 * camera.extent_;
+    const double min = 1e-9 * camera.extent_;
     camera.distance_ = camera.extent_;
     camera.focal_ =
-        std::min(2 * half_width / std::max(box.sizes().x(), least), 2 * half_height / std::max(box.sizes().y(), least));
+        std::min(2 * half_width / std::max(box.sizes().x(), min), 2 * half_height / std::max(box.sizes().y(), min));
   } else {
     camera.focal_ = std::max(width, height) / 2.0 / std::tan(view.opening * std::numbers::pi / 360);
     for (int pass = 0; pass < 6; ++pass) camera.approach(points, half_width, half_height);

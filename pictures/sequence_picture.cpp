@@ -240,9 +240,9 @@ class Composer {
         fit_.emplace_back(b[corner & 1], b[2 + (corner >> 1 & 1)], b[4 + (corner >> 2 & 1)]);
       return;
     }
-    const double least_share = config_.fit_fragments ? 0 : 0.05;
+    const double min_share = config_.fit_fragments ? 0 : 0.05;
     for (const PanelData& panel : panels_)
-      for (const Index v : vertices_of_bodies(panel.drawn, panel.points.size(), least_share))
+      for (const Index v : vertices_of_bodies(panel.drawn, panel.points.size(), min_share))
         if (!taken_away(panel.points[v])) fit_.push_back(panel.points[v]);
     if (fit_.empty()) throw ConfigError("nothing is left to draw: the cuts take everything away");
   }
@@ -277,9 +277,9 @@ class Composer {
       // In a picture of small height, captions have fewer lines, so that there is room for the scene.
       height_ = config_.height;
       const int panel_height = (height_ - legend_height_) / rows;
-      most_caption_lines_ = caption_line_count();
-      while (caption_height_ > panel_height / 2 && most_caption_lines_ > 1) {
-        --most_caption_lines_;
+      max_caption_lines_ = caption_line_count();
+      while (caption_height_ > panel_height / 2 && max_caption_lines_ > 1) {
+        --max_caption_lines_;
         caption_height_ = caption_height();
       }
       view_height_ = panel_height - caption_height_;
@@ -365,8 +365,8 @@ class Composer {
     for (const auto& [text, height] : {std::pair(&panel.caption, h), std::pair(&panel.subtitle, 0.86 * h)})
       if (!text->empty())
         for (std::string& line : wrap_text(*text, height, room)) lines.emplace_back(std::move(line), height);
-    if (lines.size() > most_caption_lines_) {
-      lines.resize(most_caption_lines_);
+    if (lines.size() > max_caption_lines_) {
+      lines.resize(max_caption_lines_);
       lines.back().first += " ...";
     }
     return lines;
@@ -469,7 +469,7 @@ class Composer {
   std::vector<Vec3> fit_;
   int gap_ = 0, panel_width_ = 0, view_height_ = 0, caption_height_ = 0, legend_height_ = 0, height_ = 0;
   double text_height_ = 0;
-  std::size_t most_caption_lines_ = SIZE_MAX;  ///< of a panel
+  std::size_t max_caption_lines_ = SIZE_MAX;  ///< of a panel
 };
 
 void check(const PictureConfig& config) {

@@ -88,7 +88,7 @@ Vec3 area_normal(const Surface& surface, const SurfaceTriangle& t) {
 
 /// Shells may be numbered in either sense, so that the sign of a normal is ignored.
 void add_normals(Surface& surface, const ByVertex& incident, double crease) {
-  const float least = std::cos(static_cast<float>(crease * std::numbers::pi / 180));
+  const float min = std::cos(static_cast<float>(crease * std::numbers::pi / 180));
   const std::size_t n = surface.triangles.size();
   std::vector<Eigen::Vector3f> own(n);
   std::vector<float> area(n);
@@ -103,7 +103,7 @@ void add_normals(Surface& surface, const ByVertex& incident, double crease) {
       Eigen::Vector3f sum = Eigen::Vector3f::Zero();
       for (const Index j : incident.at(surface.triangles[i].corners[k])) {
         const float cosine = own[i].dot(own[j]);
-        if (std::abs(cosine) >= least) sum += (cosine < 0 ? -area[j] : area[j]) * own[j];
+        if (std::abs(cosine) >= min) sum += (cosine < 0 ? -area[j] : area[j]) * own[j];
       }
       surface.normals[i][k] = sum.squaredNorm() > 0 ? sum.normalized() : own[i];
     }
@@ -111,7 +111,7 @@ void add_normals(Surface& surface, const ByVertex& incident, double crease) {
 
 /// An edge is a feature edge unless exactly one other triangle has it, with the same colour and nearly the same normal.
 void mark_features(Surface& surface, const ByVertex& incident, double crease) {
-  const double least = std::cos(crease * std::numbers::pi / 180);
+  const double min = std::cos(crease * std::numbers::pi / 180);
   for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
     SurfaceTriangle& t = surface.triangles[i];
     const Vec3 normal = area_normal(surface, t);
@@ -124,7 +124,7 @@ void mark_features(Surface& surface, const ByVertex& incident, double crease) {
         if (j == i || std::find(other.corners.begin(), other.corners.end(), b) == other.corners.end()) continue;
         ++others;
         const Vec3 n = area_normal(surface, other);
-        smooth = smooth && other.colour == t.colour && std::abs(normal.dot(n)) >= least * normal.norm() * n.norm();
+        smooth = smooth && other.colour == t.colour && std::abs(normal.dot(n)) >= min * normal.norm() * n.norm();
       }
       if (others != 1 || !smooth) t.feature_edges |= static_cast<std::uint8_t>(1 << k);
     }
@@ -301,7 +301,7 @@ Surface surface_of(const SequenceCells& cells, std::span<const Vec3> points, std
   return surface;
 }
 
-std::vector<Index> vertices_of_bodies(const SequenceCells& cells, std::size_t vertex_count, double least_share) {
+std::vector<Index> vertices_of_bodies(const SequenceCells& cells, std::size_t vertex_count, double min_share) {
   std::vector<Index> parent(vertex_count);
   std::iota(parent.begin(), parent.end(), Index{0});
   const auto root = [&](Index v) {
@@ -321,7 +321,7 @@ std::vector<Index> vertices_of_bodies(const SequenceCells& cells, std::size_t ve
   std::vector<char> body(vertex_count), wanted(vertex_count);
   for (const auto& [key, count] : pieces)
     if (count == largest[key.first] ||
-        static_cast<double>(count) >= least_share * static_cast<double>(total[key.first]))
+        static_cast<double>(count) >= min_share * static_cast<double>(total[key.first]))
       body[key.second] = 1;
   for (const Index v : cells.connectivity) wanted[v] = body[root(v)];
   std::vector<Index> result;

@@ -21,13 +21,13 @@ std::int32_t residual(std::span<const std::vector<std::uint16_t>> frames, std::s
 
 int best_order(std::span<const std::vector<std::uint16_t>> frames, std::size_t f) {
   int best = 0;
-  std::uint64_t least = ~std::uint64_t{0};
+  std::uint64_t min = ~std::uint64_t{0};
   for (int order = 0; order <= static_cast<int>(std::min<std::size_t>(f, 2)); ++order) {
     std::uint64_t sum = 0;
     for (std::size_t i = 0; i < frames[f].size(); ++i)
       sum += static_cast<std::uint64_t>(std::abs(residual(frames, f, i, order)));
-    if (sum >= least) continue;
-    least = sum;
+    if (sum >= min) continue;
+    min = sum;
     best = order;
   }
   return best;

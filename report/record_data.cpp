@@ -173,8 +173,8 @@ class Points {
     };
     const std::vector<double> seconds = all([](const json& row) { return number(row, "seconds"); });
     columns_["seconds"].push_back(rounded(median(seconds)));
-    columns_["seconds_least"].push_back(rounded(*std::min_element(seconds.begin(), seconds.end())));
-    columns_["seconds_most"].push_back(rounded(*std::max_element(seconds.begin(), seconds.end())));
+    columns_["seconds_min"].push_back(rounded(*std::min_element(seconds.begin(), seconds.end())));
+    columns_["seconds_max"].push_back(rounded(*std::max_element(seconds.begin(), seconds.end())));
     for (const std::string role : kRoles)
       columns_[role + "_s"].push_back(rounded(median(
           all([&](const json& row) { return number(row, role + "_prepare_s") + number(row, role + "_run_s"); }))));

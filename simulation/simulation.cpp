@@ -18,7 +18,7 @@ namespace {
 constexpr double kSeparationOfEdge = 0.01, kSeparationOfThickness = 0.1;
 /// Bounds of the margin of queries, in units of the default separation. The upper bound applies if there are no prisms,
 /// whose opposite sides are near each other.
-constexpr double kLeastMargin = 4, kMostMargin = 15;
+constexpr double kMinMargin = 4, kMaxMargin = 15;
 /// Distance that a blade moves between two cuts, in mean edges of the part.
 constexpr double kCutAdvance = 0.25;
 
@@ -112,8 +112,8 @@ void Simulation::State::make_detection() {
     config.separation = separation;
     const std::vector<double> h = thickness();
     const bool prisms = std::any_of(h.begin(), h.end(), [](double t) { return t > 0; });
-    config.least_margin = kLeastMargin * chosen;
-    config.most_margin = (prisms ? kLeastMargin : kMostMargin) * chosen;
+    config.min_margin = kMinMargin * chosen;
+    config.max_margin = (prisms ? kMinMargin : kMaxMargin) * chosen;
     detection = std::make_unique<ContactDetection>(*topology, h, reference, config, executor);
   }
   contacts = std::make_unique<ContactResponse>(
@@ -151,13 +151,13 @@ std::vector<double> Simulation::State::thickness() const {
 }
 
 double Simulation::State::next_step(double until, bool& last) const {
-  const double most = std::min(
+  const double max = std::min(
       {options.max_step, options.step_safety * solids->stable_step(), options.step_safety * shells->stable_step()});
   const double left = until - time;
-  const double steps = std::ceil(left / most * (1 - 1e-12));
+  const double steps = std::ceil(left / max * (1 - 1e-12));
   last = !(steps > 1);
-  if (!(most > 0) || time + left / std::max(steps, 1.0) == time)
-    throw Error(fmt::format("simulation: the stable step is {} s at time {} s", most, time));
+  if (!(max > 0) || time + left / std::max(steps, 1.0) == time)
+    throw Error(fmt::format("simulation: the stable step is {} s at time {} s", max, time));
   return last ? left : left / steps;
 }
 

@@ -7,7 +7,7 @@
 namespace volccd::detail {
 
 namespace {
-constexpr std::size_t kMostTabled = 1024;
+constexpr std::size_t kMaxTabled = 1024;
 }
 
 bool FilterKeys::update(const Step& step, bool topology_changed) {
@@ -17,7 +17,7 @@ bool FilterKeys::update(const Step& step, bool topology_changed) {
   if (trivial() || (keys_valid_ && !filter_changed)) return filter_changed;
   if (!keys_valid_) make_keys(step.topology);
   const std::size_t count = objects_.size();
-  table_.resize(count <= kMostTabled ? count * count : 0);
+  table_.resize(count <= kMaxTabled ? count * count : 0);
   for (std::size_t at = 0; at < table_.size(); ++at)
     table_[at] = filter_.allows(objects_[at / count], objects_[at % count]);
   keys_valid_ = true;

@@ -62,7 +62,7 @@ HWY_INLINE void bound_vertex(const double* points, int control_points, const Wid
   const typename Axes::Tag dd;
   const hn::Rebind<float, typename Axes::Tag> df;
   const auto finite = hn::Set(dd, std::numeric_limits<double>::max());
-  const auto most = hn::Set(dd, static_cast<double>(std::numeric_limits<float>::max()));
+  const auto max = hn::Set(dd, static_cast<double>(std::numeric_limits<float>::max()));
   const auto clamped = [&](auto value, auto limit) HWY_ATTR { return hn::Min(hn::Max(value, hn::Neg(limit)), limit); };
   double reach = 0;
   for (int c = 0; c < control_points; ++c)
@@ -82,8 +82,8 @@ HWY_INLINE void bound_vertex(const double* points, int control_points, const Wid
     // inf - inf does not occur.
     lo = hn::Sub(clamped(lo, finite), by);
     hi = hn::Add(clamped(hi, finite), by);
-    hn::Store(round_outward<true>(dd, clamped(lo, most)), df, out + i);
-    hn::Store(round_outward<false>(dd, clamped(hi, most)), df, out + kWidth + i);
+    hn::Store(round_outward<true>(dd, clamped(lo, max)), df, out + i);
+    hn::Store(round_outward<false>(dd, clamped(hi, max)), df, out + kWidth + i);
   }
 }
 

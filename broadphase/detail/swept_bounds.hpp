@@ -25,7 +25,7 @@ constexpr int padded_axes(int k) { return k <= 8 ? 4 : k <= 16 ? 8 : 16; }
 /// One row for each bound: width() minima, then width() maxima. Rows are aligned to their size, at most to 64 bytes.
 class BoundsTable {
  public:
-  static constexpr std::size_t kMostFloats = 32;  ///< maximum number of floats in a row
+  static constexpr std::size_t kMaxFloats = 32;  ///< maximum number of floats in a row
 
   /// The contents are undefined afterwards. Allocates memory only to grow beyond the largest size so far.
   void resize(std::size_t rows, int width);

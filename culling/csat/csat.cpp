@@ -130,7 +130,7 @@ class Separator {
     const CsatTag tag;
     std::uint64_t bits = 0;
     for (int i = 0; i < edges.count; i += static_cast<int>(hn::Lanes(tag))) {
-      CsatLanes3 l = cross(load3(tag, edges.direction[0] + i, CsatEdges::kMost), broadcast(other));
+      CsatLanes3 l = cross(load3(tag, edges.direction[0] + i, CsatEdges::kMax), broadcast(other));
       l = scaled(l, hn::Div(broadcast<CsatLanes>(1), greatest_coordinate(abs(l))));
       bits |= std::uint64_t{edges_apart(edges, i, l)} << i;
     }
@@ -164,17 +164,17 @@ class Separator {
 
   /// Tests the edges i, i + 1, .. in lanes, each with its own axis.
   std::uint32_t edges_apart(const CsatEdges& edges, int i, const CsatLanes3& l) const {
-    constexpr int kMost = 4;  // lanes
+    constexpr int kMax = 4;  // lanes
     const CsatTag tag;
     CsatLanes ahead = infinite(), behind = ahead;
     for (int c = 0; c < control_points_; ++c) {
-      alignas(32) double ends[2][3][kMost];
+      alignas(32) double ends[2][3][kMax];
       for (std::size_t lane = 0; lane < hn::Lanes(tag); ++lane)
         for (int k = 0; k < 3; ++k) {
           ends[0][k][lane] = a_.at(c, k, edges.ends[0][static_cast<std::size_t>(i) + lane]);
           ends[1][k][lane] = a_.at(c, k, edges.ends[1][static_cast<std::size_t>(i) + lane]);
         }
-      const CsatLanes p = dot(l, load3(tag, ends[0][0], kMost)), q = dot(l, load3(tag, ends[1][0], kMost));
+      const CsatLanes p = dot(l, load3(tag, ends[0][0], kMax)), q = dot(l, load3(tag, ends[1][0], kMax));
       const auto point = [&](int j) HWY_ATTR {
         return dot(l, broadcast(Vec3(b_.at(c, 0, j), b_.at(c, 1, j), b_.at(c, 2, j))));
       };
@@ -196,16 +196,16 @@ class Separator {
   /// along it.
   bool ahead(const Vec3& axis, Vec3& support) const {
     const CsatLanes3 l = broadcast(axis);
-    double least = std::numeric_limits<double>::infinity();
+    double min = std::numeric_limits<double>::infinity();
     int at = 0;
     for (int c = 0; c < control_points_; ++c) {
       const double gap = hn::GetLane(hn::Sub(range(b_, c, l).first, range(a_, c, l).second));
-      if (gap < least) {
-        least = gap;
+      if (gap < min) {
+        min = gap;
         at = c;
       }
     }
-    if (least > hn::GetLane(threshold(l))) return true;
+    if (min > hn::GetLane(threshold(l))) return true;
     const int i = extreme(a_, at, -axis), j = extreme(b_, at, axis);
     for (int k = 0; k < 3; ++k) support[k] = b_.at(at, k, j) - a_.at(at, k, i);
     return false;
@@ -214,11 +214,11 @@ class Separator {
   /// The first vertex with the smallest projection.
   static int extreme(const CsatPoints& points, int c, const Vec3& axis) {
     int best = 0;
-    double least = std::numeric_limits<double>::infinity();
+    double min = std::numeric_limits<double>::infinity();
     for (int i = 0; i < points.count; ++i) {
       const double p = axis[0] * points.at(c, 0, i) + axis[1] * points.at(c, 1, i) + axis[2] * points.at(c, 2, i);
-      if (p < least) {
-        least = p;
+      if (p < min) {
+        min = p;
         best = i;
       }
     }

@@ -57,7 +57,7 @@ struct CsatPoints {
     for (int k = 0; k < n; ++k)
       for (int i = count; i < stride; ++i) rows[k * stride + i] = rows[k * stride];
     for (int k = 0; k < 3; ++k) {
-      extent[k] = kLeastExtent;
+      extent[k] = kMinExtent;
       total[k] = 0;
       for (int c = k; c < n; c += 3) {
         extent[k] = std::max(extent[k], greatest[c]);
@@ -84,11 +84,11 @@ struct CsatPoints {
 /// The edges of an element, in a layout for testing all of them together: the local vertex numbers of their ends, and
 /// their directions at t = 0. Padded to a multiple of 4 with copies of the last edge.
 struct CsatEdges {
-  static constexpr int kMost = 64;  ///< further edges are not tested (FeatureMask)
+  static constexpr int kMax = 64;  ///< further edges are not tested (FeatureMask)
 
   int count = 0;
-  std::uint8_t ends[2][kMost];
-  alignas(64) double direction[3][kMost];
+  std::uint8_t ends[2][kMax];
+  alignas(64) double direction[3][kMax];
 
   void gather(const Step& step, Index o) {
     const auto edges = step.features().element_edges(o);
@@ -96,7 +96,7 @@ struct CsatEdges {
     const auto local = [&](Index v) {
       return static_cast<std::uint8_t>(std::find(vertices.begin(), vertices.end(), v) - vertices.begin());
     };
-    count = static_cast<int>(std::min<std::size_t>(edges.size(), kMost));
+    count = static_cast<int>(std::min<std::size_t>(edges.size(), kMax));
     for (int i = 0; i < (count + 3) / 4 * 4; ++i) {
       const auto& edge = step.features().edge(edges[static_cast<std::size_t>(std::min(i, count - 1))]);
       for (std::size_t end = 0; end < 2; ++end) ends[end][i] = local(edge[end]);

@@ -69,7 +69,7 @@ struct DeterminantError {
 template <int kControlPoints>
 HWY_INLINE Lanes greatest_area(const Lanes3 (&a)[kControlPoints], const Lanes3 (&b)[kControlPoints],
                                const Lanes3 (&c)[kControlPoints]) {
-  constexpr double kLeastArea = 0x1p-449;  // more than the length of a vector whose square underflows
+  constexpr double kMinArea = 0x1p-449;  // more than the length of a vector whose square underflows
   Lanes square = hn::Zero(Tag()), size = square;
   const auto include = [&](const Lanes3& first, const Lanes3& second) HWY_ATTR {
     const Lanes3 area = cross(first, second);
@@ -90,7 +90,7 @@ HWY_INLINE Lanes greatest_area(const Lanes3 (&a)[kControlPoints], const Lanes3 (
     }
   }
   const Lanes rounding = hn::Mul(broadcast(64 * kUnitRoundoff), hn::Mul(trusted(size), trusted(size)));
-  return hn::Add(hn::Add(hn::Mul(hn::Sqrt(square), broadcast(kAreaSlack)), broadcast(kLeastArea)), trusted(rounding));
+  return hn::Add(hn::Add(hn::Mul(hn::Sqrt(square), broadcast(kAreaSlack)), broadcast(kMinArea)), trusted(rounding));
 }
 
 /// Whether all coefficients, and therefore the polynomial throughout [0, 1], are proven to have the same sign.

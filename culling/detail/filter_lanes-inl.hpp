@@ -39,8 +39,8 @@ struct Differences {
 
   template <std::size_t kDistance>
   HWY_INLINE Differences(Columns<kDistance> tests, const StepPart& part) {
-    const Lanes least = broadcast(kLeastExtent);
-    for (int v = 0; v < 3; ++v) extent[v] = {least, least, least};
+    const Lanes min = broadcast(kMinExtent);
+    for (int v = 0; v < 3; ++v) extent[v] = {min, min, min};
     for (int c = 0; c < kControlPoints; ++c) {
       const Lanes3 origin = load(tests, c, 0);
       for (int v = 0; v < 3; ++v) {

@@ -20,8 +20,8 @@ HWY_INLINE Lanes greatest_area(bool vf, BlockColumns tests) {
     second = hn::Max(second, length(sub(load(tests, c, 3), load(tests, c, vf ? 1 : 2))));
   }
   // The product of an infinite and a zero length would be NaN, which a maximum may discard.
-  const Lanes least = broadcast(kLeastExtent);
-  return hn::Max(hn::Mul(hn::Max(first, least), hn::Max(second, least)), broadcast(kLeastSquare));
+  const Lanes min = broadcast(kMinExtent);
+  return hn::Max(hn::Mul(hn::Max(first, min), hn::Max(second, min)), broadcast(kMinSquare));
 }
 
 template <int kControlPoints>

@@ -129,15 +129,19 @@ Flood::Front propose(BoundaryFloodState& state, Executor& executor) {
 const Options<BoundaryFlood::Config>& BoundaryFlood::options() {
   static const Options<Config> options =
       Options<Config>()
-          .add("most_boundary", &Config::most_boundary, 0, 1,
+          .add("max_boundary_fraction", &Config::max_boundary_fraction, 0, 1,
                "share of elements on the boundary above which a step is left to the other stages")
-          .add("most_divided", &Config::most_divided, 0, 1,
+          .add("max_divided_fraction", &Config::max_divided_fraction, 0, 1,
                "share of elements that have to be divided into tetrahedra above which a step is left to the other "
                "stages")
-          .add("most_suspect", &Config::most_suspect, 0, 1,
+          .add("max_suspect_fraction", &Config::max_suspect_fraction, 0, 1,
                "share of vertices whose stars may fold above which a step is left to the other stages")
-          .add("most_pairs", &Config::most_pairs, 0, 1e9,
-               "pairs looked at for each simplex, above which a step is begun anew by the other stages");
+          .add("max_pairs", &Config::max_pairs, 0, 1e9,
+               "pairs looked at for each simplex, above which a step is begun anew by the other stages")
+          .renamed("most_boundary", "max_boundary_fraction")
+          .renamed("most_divided", "max_divided_fraction")
+          .renamed("most_suspect", "max_suspect_fraction")
+          .renamed("most_pairs", "max_pairs");
   return options;
 }
 
@@ -153,7 +157,7 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
     state.divided_share = divided_share(step.mesh());
   }
   state.counted.confirm();
-  if (state.boundary_share > config_.most_boundary || state.divided_share > config_.most_divided) return;
+  if (state.boundary_share > config_.max_boundary_fraction || state.divided_share > config_.max_divided_fraction) return;
   state.complex.update(step.topology, executor);
   const Topology& topology = state.complex.topology();
   // Object ids change along a chain of pairs only where objects share vertices. In that case only the tests are
@@ -166,7 +170,7 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   state.counters.simplices = topology.mesh().element_count();
   state.counters.suspect_vertices = state.stars.suspects().size();
   if (static_cast<double>(state.counters.suspect_vertices) >
-      config_.most_suspect * static_cast<double>(topology.features().vertex_count()))
+      config_.max_suspect_fraction * static_cast<double>(topology.features().vertex_count()))
     return;
   state.suspects.update(*state.step, state.stars, executor, [](Index, Index) { return true; });
   state.orphans.update(topology, state.suspects.pairs(), executor);
@@ -196,8 +200,8 @@ Flood::Front BoundaryFlood::next(StageState& state, Executor& executor) const {
   Counters& counters = own(state).counters;
   counters.looked_at += front.pairs.size();
   if (front.at_start) counters.looked_at_start += front.pairs.size();
-  const double most = config_.most_pairs * static_cast<double>(counters.simplices);
-  front.given_up = static_cast<double>(counters.looked_at) > most;
+  const double max = config_.max_pairs * static_cast<double>(counters.simplices);
+  front.given_up = static_cast<double>(counters.looked_at) > max;
   return front;
 }
 

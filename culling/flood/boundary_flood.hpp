@@ -12,16 +12,16 @@ namespace volccd {
 /// all this is proven for vertices that are displaced by up to half of it.
 ///
 /// Accepts a step unless
-///  - the share of elements that have a boundary face or are shells exceeds `most_boundary`: almost everything is
+///  - the share of elements that have a boundary face or are shells exceeds `max_boundary_fraction`: almost everything is
 ///    boundary;
-///  - the share of elements that have to be divided into tetrahedra exceeds `most_divided`: there are several simplices
+///  - the share of elements that have to be divided into tetrahedra exceeds `max_divided_fraction`: there are several simplices
 ///    for each of them, and their topology has to be edited with the mesh;
-///  - the share of vertices with suspect stars exceeds `most_suspect`, as in rubble: the flood would test more pairs
+///  - the share of vertices with suspect stars exceeds `max_suspect_fraction`, as in rubble: the flood would test more pairs
 ///    than a broad phase over all elements (docs/performance.md has the measurements for these limits);
 ///  - initial overlaps are requested and the mesh is not simplicial: the hulls of other elements may overlap where
 ///    their simplices do not.
 ///
-/// Gives up a step, which the pipeline then restarts without the flood, when it has proposed more than `most_pairs`
+/// Gives up a step, which the pipeline then restarts without the flood, when it has proposed more than `max_pairs`
 /// pairs per simplex: if element culling separates few pairs, the flood would proceed through the whole volume.
 ///
 /// prepare(): linear time in the number of simplices. Memory: about 140 bytes per simplex, or about 550 for meshes with
@@ -29,10 +29,10 @@ namespace volccd {
 class BoundaryFlood final : public Flood {
  public:
   struct Config {
-    double most_boundary = 0.8;  ///< largest share of elements
-    double most_divided = 0.5;   ///< largest share of elements
-    double most_suspect = 0.03;  ///< largest share of vertices
-    double most_pairs = 4;       ///< largest number of proposed pairs per simplex
+    double max_boundary_fraction = 0.8;  ///< largest share of elements
+    double max_divided_fraction = 0.5;   ///< largest share of elements
+    double max_suspect_fraction = 0.03;  ///< largest share of vertices
+    double max_pairs = 4;       ///< largest number of proposed pairs per simplex
   };
   static const Options<Config>& options();
 

@@ -19,7 +19,7 @@ constexpr std::size_t kCountedElements = 1024;
 
 /// Pairs of elements with a common edge are tested for a plane if the product of their numbers of edges that no other
 /// element has is at least this. Other pairs, those of sheets above all, have few orphans, whose tests take less time.
-constexpr int kLeastFreeEdges = 10;
+constexpr int kMinFreeEdges = 10;
 
 struct StarOrphansState final : StageState {
   OSet set;
@@ -72,7 +72,7 @@ void count_elements(const Topology& topology, StarOrphansState& state, Executor&
 
 void list_pairs(const Step& step, StarOrphansState& state, Executor& executor) {
   state.pairs.update(step, state.stars, executor,
-                     [&](Index a, Index b) { return state.free_edges[a] * state.free_edges[b] >= kLeastFreeEdges; });
+                     [&](Index a, Index b) { return state.free_edges[a] * state.free_edges[b] >= kMinFreeEdges; });
   state.counters.pairs = state.pairs.pairs().size();
   state.orphans.update(step.topology, state.pairs.pairs(), executor);
 }
@@ -81,8 +81,9 @@ void list_pairs(const Step& step, StarOrphansState& state, Executor& executor) {
 
 const Options<StarOrphans::Config>& StarOrphans::options() {
   static const Options<Config> options =
-      Options<Config>().add("most_suspect", &Config::most_suspect, 0, 1,
-                            "share of vertices whose stars may fold above which the O-Set provides the orphans");
+      Options<Config>().add("max_suspect_fraction", &Config::max_suspect_fraction, 0, 1,
+                            "share of vertices whose stars may fold above which the O-Set provides the orphans")
+          .renamed("most_suspect", "max_suspect_fraction");
   return options;
 }
 
@@ -96,7 +97,7 @@ void StarOrphans::prepare(const Step& step, StageState& stage_state, Executor& e
     state.stars.update(step, executor);
     state.counters.suspect_vertices = state.stars.suspects().size();
     state.counters.by_stars = static_cast<double>(state.counters.suspect_vertices) <=
-                              config_.most_suspect * static_cast<double>(step.features().vertex_count());
+                              config_.max_suspect_fraction * static_cast<double>(step.features().vertex_count());
   }
   if (!state.counters.by_stars) return state.set.update(step.topology, executor);
   list_pairs(step, state, executor);

@@ -11,12 +11,12 @@ namespace volccd {
 /// that hardly any orphan has to be listed or tested, and no O-Set is stored.
 ///
 /// The state contains an OSet as well, which provides the orphans if stars decide too little: if the mesh has no volume
-/// elements, or if more than the fraction `most_suspect` of the vertices have stars that may fold. It is built, and
+/// elements, or if more than the fraction `max_suspect_fraction` of the vertices have stars that may fold. It is built, and
 /// updated, only for such steps.
 class StarOrphans final : public OrphanSource {
  public:
   struct Config {
-    double most_suspect = 0.25;
+    double max_suspect_fraction = 0.25;
   };
   static const Options<Config>& options();
 

@@ -142,8 +142,8 @@ std::vector<RingFace> StarTable::boundary_faces(const Topology& topology) const 
       if (std::none_of(f.begin(), f.end(), [&](Index v) { return kinds_[v] == StarKind::ring; })) return;
       if (f.size() == 3) return found.push_back({{f[0], f[1], f[2]}});
       // Those at the diagonal are tested for all four vertices, the other two for the ends of the other diagonal.
-      const auto least = static_cast<std::size_t>(std::min_element(f.begin(), f.end()) - f.begin());
-      const auto at = [&](std::size_t i) { return f[(least + i) % 4]; };
+      const auto min = static_cast<std::size_t>(std::min_element(f.begin(), f.end()) - f.begin());
+      const auto at = [&](std::size_t i) { return f[(min + i) % 4]; };
       for (std::size_t i = 0; i < 4; i += 2) {
         found.push_back({{at(i), at(i + 1), at(i + 2)}, at(i + 3), 0xf});
         found.push_back({{at(i + 1), at(i + 2), at(i + 3)}, kNone, 0x5});

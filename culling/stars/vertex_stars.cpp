@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kElementGrain = 1024, kStarGrain = 256, kVertexGrain = 4096;
 
 /// The place of the vertex of smallest slot in an element.
-std::size_t least_vertex(std::span<const Index> vertices) {
+std::size_t min_vertex(std::span<const Index> vertices) {
   return static_cast<std::size_t>(std::min_element(vertices.begin(), vertices.end()) - vertices.begin());
 }
 
@@ -82,7 +82,7 @@ void VertexStars::find_all_positive(const Step& step, Executor& executor) {
       const std::span<const Index> vertices = step.mesh().vertices(static_cast<Index>(o));
       const unsigned positive = signs_[o].positive, all = all_bits(vertices);
       if (positive == all && all != 0) continue;
-      const bool inverted = all == 0 || (positive >> least_vertex(vertices) & 1) == 0;
+      const bool inverted = all == 0 || (positive >> min_vertex(vertices) & 1) == 0;
       for (std::size_t i = 0; i < vertices.size(); ++i)
         if (inverted || (positive >> i & 1) == 0)
           std::atomic_ref(all_positive_[vertices[i]]).store(0, std::memory_order_relaxed);
@@ -136,7 +136,7 @@ int VertexStars::proven_sign(const Step& step, Index v) const {
   for (const Index o : step.features().vertex_elements(v)) {
     const std::span<const Index> vertices = step.mesh().vertices(o);
     const auto place = static_cast<std::size_t>(std::find(vertices.begin(), vertices.end(), v) - vertices.begin());
-    const unsigned bits = 1u << place | 1u << least_vertex(vertices);
+    const unsigned bits = 1u << place | 1u << min_vertex(vertices);
     positive = positive && (signs_[o].positive & bits) == bits;
     negative = negative && (signs_[o].negative & bits) == bits;
   }

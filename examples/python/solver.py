@@ -59,7 +59,7 @@ class Solver:
         self.v[len(beam):] = IMPACT_VELOCITY + np.cross(SPIN, block - BLOCK_CENTRE)
         self.rest = self.x.copy()
         self.time, self.removed, self.contact_count, self.shortened, self.good = 0.0, 0, 0, 0, True
-        self.first_energy = self.least_energy = self.energy()
+        self.first_energy = self.min_energy = self.energy()
 
     def advance(self):
         """One step: candidate velocities; contacts, response and the largest safe motion; then elements that break."""
@@ -151,11 +151,11 @@ class Solver:
         """What the solver promises, checked after every motion: nothing touches in it (by another pipeline), no
         element is inverted, and the energy does not grow."""
         touching = len(self.judge.step(before, self.x))
-        least_volume = np.linalg.det(self.deformation_gradients()).min()
-        self.least_energy = min(self.least_energy, self.energy())
-        gain = (self.energy() - self.least_energy) / self.first_energy
-        if touching or least_volume <= 0 or gain >= 0.02:
-            print(f"t = {self.time:.4f} s: {touching} contacts in the accepted motion, least volume {least_volume:.3g} "
+        min_volume = np.linalg.det(self.deformation_gradients()).min()
+        self.min_energy = min(self.min_energy, self.energy())
+        gain = (self.energy() - self.min_energy) / self.first_energy
+        if touching or min_volume <= 0 or gain >= 0.02:
+            print(f"t = {self.time:.4f} s: {touching} contacts in the accepted motion, least volume {min_volume:.3g} "
                   f"of that at rest, energy {100 * gain:+.2f} %")
             self.good = False
 

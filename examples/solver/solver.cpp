@@ -29,7 +29,7 @@ constexpr double kDensity = 1000, kShearModulus = 2e5, kLame = 3e5, kGravity = 9
 constexpr double kStrainLimit = 0.3;  // of the largest principal Green strain; beyond it, an element breaks
 constexpr double kSeparation = 1e-5;  // distance at which features stop approaching each other
 constexpr int kSweeps = 5;            // passes over the contacts in which impulses are applied
-constexpr int kMostParts = 10;        // parts of a step; the rest of its time is omitted
+constexpr int kMaxParts = 10;        // parts of a step; the rest of its time is omitted
 // The block at the beginning; the beam has its corner at the origin.
 const Vec3 kImpactVelocity(0, 0, -6), kSpin(6, 4, 2);
 const Vec3 kBlockSize(0.4, 0.36, 0.4), kBlockCentre(0.97, 0.21, 0.41);
@@ -122,7 +122,7 @@ class Solver {
       inverse_mass_.push_back(clamped ? 0 : 1 / mass[v]);
     }
     rest_ = x_;
-    first_energy_ = least_energy_ = energy();
+    first_energy_ = min_energy_ = energy();
   }
 
   bool good() const { return good_; }
@@ -212,7 +212,7 @@ class Solver {
   /// Moves all vertices by their velocities for the time of a step, in as many parts as the contacts demand.
   void move() {
     double left = kTimeStep;
-    for (int part = 0; left > 0 && part < kMostParts; ++part) {
+    for (int part = 0; left > 0 && part < kMaxParts; ++part) {
       respond(left);
       const Contact* earliest = contacts_.first(x_, moved(left));
       const double share = earliest ? 0.9 * earliest->toi : 1;  // the largest safe step, with a reserve
@@ -276,13 +276,13 @@ class Solver {
   /// inverted, and the energy does not grow.
   void check() {
     const std::size_t touching = judge_.all(before_, x_).size();
-    double least_volume = HUGE_VAL;
-    for_each_element([&](Index, const Mat3& f) { least_volume = std::min(least_volume, f.determinant()); });
-    least_energy_ = std::min(least_energy_, energy());
-    const double gain = (energy() - least_energy_) / first_energy_;
-    if (touching == 0 && least_volume > 0 && gain < 0.02) return;
+    double min_volume = HUGE_VAL;
+    for_each_element([&](Index, const Mat3& f) { min_volume = std::min(min_volume, f.determinant()); });
+    min_energy_ = std::min(min_energy_, energy());
+    const double gain = (energy() - min_energy_) / first_energy_;
+    if (touching == 0 && min_volume > 0 && gain < 0.02) return;
     std::printf("t = %.4f s: %zu contacts in the accepted motion, least volume %.3g of that at rest, energy %+.2f %%\n",
-                time_, touching, least_volume, 100 * gain);
+                time_, touching, min_volume, 100 * gain);
     good_ = false;
   }
 
@@ -318,7 +318,7 @@ class Solver {
   Topology topology_;
   std::vector<Element> elements_;  ///< by element slot
   Contacts contacts_, judge_;
-  double time_ = 0, first_energy_ = 0, least_energy_ = 0;
+  double time_ = 0, first_energy_ = 0, min_energy_ = 0;
   int removed_ = 0, contact_count_ = 0, shortened_ = 0;
   bool good_ = true;
 };

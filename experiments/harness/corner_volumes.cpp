@@ -21,7 +21,7 @@ constexpr Corner kHexahedron[] = {{0, 1, 3, 4}, {1, 2, 0, 5}, {2, 3, 1, 6}, {3, 
 
 /// The volume at a corner: its value at t = 0, and its least value in [0, 1].
 struct VolumeRange {
-  double start, least;
+  double start, min;
 };
 
 VolumeRange volume_range(const Corner& corner, std::span<const Index> vertices, const Motion& motion) {
@@ -31,7 +31,7 @@ VolumeRange volume_range(const Corner& corner, std::span<const Index> vertices, 
   std::array<double, 4> cuts;
   const std::size_t pieces = volume.monotone_pieces(cuts);
   VolumeRange range{volume.d, volume.d};
-  for (std::size_t i = 1; i <= pieces; ++i) range.least = std::min(range.least, volume.value(cuts[i]));
+  for (std::size_t i = 1; i <= pieces; ++i) range.min = std::min(range.min, volume.value(cuts[i]));
   return range;
 }
 
@@ -59,7 +59,7 @@ Inversion inversion(ElementType type, std::span<const Index> vertices, const Mot
   for (const Corner& corner : corner_tetrahedra(type)) {
     const VolumeRange range = volume_range(corner, vertices, motion);
     if (!(range.start > 0)) return Inversion::at_start;
-    if (!(range.least > 0)) found = Inversion::during;
+    if (!(range.min > 0)) found = Inversion::during;
   }
   return found;
 }

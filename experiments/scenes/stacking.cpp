@@ -27,8 +27,8 @@ class ColumnGrid {
     }
     origin_ = low;
     // The number of cells is not much larger than that of primitives, even if the body is thin.
-    const double most = 2 + 2 * std::sqrt(static_cast<double>(primitives.size()));
-    cell_ = std::max({cell, (high[u_] - low[u_]) / most, (high[w_] - low[w_]) / most});
+    const double max = 2 + 2 * std::sqrt(static_cast<double>(primitives.size()));
+    cell_ = std::max({cell, (high[u_] - low[u_]) / max, (high[w_] - low[w_]) / max});
     nu_ = 1 + std::floor((high[u_] - low[u_]) / cell_);
     nw_ = 1 + std::floor((high[w_] - low[w_]) / cell_);
     begin_.assign(static_cast<std::size_t>(nu_ * nw_) + 1, 0);

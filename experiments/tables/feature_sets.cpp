@@ -28,7 +28,7 @@ struct CornerVolumes {
   std::array<double, 8> at;
   std::size_t count;
 
-  double least() const { return *std::min_element(at.begin(), at.begin() + static_cast<std::ptrdiff_t>(count)); }
+  double min() const { return *std::min_element(at.begin(), at.begin() + static_cast<std::ptrdiff_t>(count)); }
   /// The volume of the element: exact for a parallelepiped, where all corner volumes are equal, and for half of one.
   double volume() const {
     return std::accumulate(at.begin(), at.begin() + static_cast<std::ptrdiff_t>(count), 0.0) / (count == 8 ? 8 : 12);
@@ -158,7 +158,7 @@ class Observer {
   std::size_t inverted(const Mesh& mesh) const {
     std::size_t count = 0;
     for (Index o = 0; o < mesh.element_slots(); ++o)
-      if (mesh.is_live(o)) count += corner_volumes_of(mesh, o).least() <= 0 ? 1 : 0;
+      if (mesh.is_live(o)) count += corner_volumes_of(mesh, o).min() <= 0 ? 1 : 0;
     return count;
   }
 

@@ -23,7 +23,7 @@ using nlohmann::json;
 namespace {
 
 using Clock = std::chrono::steady_clock;
-constexpr double kLeastRun = 1e-3;  ///< seconds; long enough that the time to read the clock is negligible
+constexpr double kMinRun = 1e-3;  ///< seconds; long enough that the time to read the clock is negligible
 constexpr std::size_t kBatch = 4096;
 
 /// Parses "name:option=value:...".
@@ -129,7 +129,7 @@ class QueryContestant {
     for (double runs = 1;; ++runs) {
       run(queries);
       const double elapsed = std::chrono::duration<double>(Clock::now() - start).count();
-      if (elapsed >= kLeastRun) return elapsed / runs;
+      if (elapsed >= kMinRun) return elapsed / runs;
     }
   }
 

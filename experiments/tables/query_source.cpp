@@ -211,12 +211,12 @@ void select(std::vector<T>& values, const std::vector<std::uint64_t>& index) {
 }
 
 /// Numbers the queries; keeps at most `most` of them, in order.
-void number_and_sample(KnownQueries& queries, std::size_t most) {
+void number_and_sample(KnownQueries& queries, std::size_t max) {
   queries.index.resize(queries.size());
   std::iota(queries.index.begin(), queries.index.end(), std::uint64_t{0});
-  if (most == 0 || queries.size() <= most) return;
+  if (max == 0 || queries.size() <= max) return;
   Random(0x5eed).shuffle(queries.index);
-  queries.index.resize(most);
+  queries.index.resize(max);
   std::sort(queries.index.begin(), queries.index.end());
   select(queries.pairs, queries.index);
   select(queries.collides, queries.index);

@@ -40,20 +40,20 @@ std::size_t width_of(const std::vector<std::size_t>& widths) {
 /// Widths of the columns. Columns whose headers have blanks are made narrower until a row fits, or no column can be
 /// made narrower.
 std::vector<std::size_t> column_widths(const std::vector<std::vector<std::string>>& rows) {
-  std::vector<std::size_t> widths, least;
+  std::vector<std::size_t> widths, min;
   for (std::size_t r = 0; r < rows.size(); ++r) {
     widths.resize(std::max(widths.size(), rows[r].size()));
-    least.resize(widths.size());
+    min.resize(widths.size());
     for (std::size_t c = 0; c < rows[r].size(); ++c) {
       widths[c] = std::max(widths[c], rows[r][c].size());
-      least[c] = std::max(least[c], r == 0 ? longest_word(rows[r][c]) : rows[r][c].size());
+      min[c] = std::max(min[c], r == 0 ? longest_word(rows[r][c]) : rows[r][c].size());
     }
   }
   while (width_of(widths) > kTextWidth) {
     std::size_t widest = 0;
     for (std::size_t c = 1; c < widths.size(); ++c)
-      if (widths[c] - least[c] > widths[widest] - least[widest]) widest = c;
-    if (widths.empty() || widths[widest] == least[widest]) break;
+      if (widths[c] - min[c] > widths[widest] - min[widest]) widest = c;
+    if (widths.empty() || widths[widest] == min[widest]) break;
     --widths[widest];
   }
   return widths;

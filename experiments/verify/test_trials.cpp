@@ -57,9 +57,9 @@ Case make_test(Choices& choices, const StepChoice& step) {
 /// Makes a test; most of those that take long in exact arithmetic are replaced by others. Used where each test is
 /// judged.
 Case make_quick_test(Choices& choices, const StepChoice& step) {
-  constexpr int kMostBits = 300;
+  constexpr int kMaxBits = 300;
   Case c = make_test(choices, step);
-  for (int i = 0; i < 4 && !choices.one_in(16) && coordinate_bits(cases::Coordinates(c).motion()) > kMostBits; ++i)
+  for (int i = 0; i < 4 && !choices.one_in(16) && coordinate_bits(cases::Coordinates(c).motion()) > kMaxBits; ++i)
     c = make_test(choices, step);
   return c;
 }

@@ -21,10 +21,10 @@ void Incidences::sort_pairs() {
     return;
   }
   // Radix sort by feature. It is stable, and elements are already ascending.
-  Index most = 0;
-  for (const Pair& pair : pairs_) most = std::max(most, pair.feature);
+  Index max = 0;
+  for (const Pair& pair : pairs_) max = std::max(max, pair.feature);
   std::vector<Pair> scratch(pairs_.size());
-  for (unsigned shift = 0; shift < 32 && most >> shift != 0; shift += kBits) {
+  for (unsigned shift = 0; shift < 32 && max >> shift != 0; shift += kBits) {
     std::array<std::size_t, kDigits + 1> begin{};
     const auto digit = [&](const Pair& pair) { return (pair.feature >> shift) % kDigits; };
     for (const Pair& pair : pairs_) ++begin[digit(pair) + 1];

@@ -25,8 +25,8 @@ class Distribution {
   template <class Visit>
   Distribution(std::size_t items, std::uint64_t keys, std::size_t expected, Executor& executor, Visit&& visit)
       : keys_(keys) {
-    const std::size_t most = std::clamp<std::size_t>(expected / kRecords, 1, kMaxRanges);
-    while (keys > std::uint64_t{most} << shift_) ++shift_;
+    const std::size_t max = std::clamp<std::size_t>(expected / kRecords, 1, kMaxRanges);
+    while (keys > std::uint64_t{max} << shift_) ++shift_;
     const std::size_t ranges = static_cast<std::size_t>((keys + (std::uint64_t{1} << shift_) - 1) >> shift_);
     const Chunks chunks(items);
     std::vector<std::size_t> next(chunks.count() * ranges);  // position of the next record, by chunk and range

@@ -47,7 +47,7 @@ HWY_ATTR HWY_INLINE Lanes error_bound(const Lanes3 (&start)[3], const Lanes3 (&e
   const Lanes size = hn::Max(hn::Max(greatest_coordinate(e1), greatest_coordinate(e2)), greatest_coordinate(e3));
   const Lanes slack = broadcast(kDeterminantUnderflow * (1 + 3 * kGreatestSize));
   const Lanes bound = hn::Add(hn::Mul(broadcast(determinant_error_factor(2, 0)), permanent), slack);
-  const auto ordinary = hn::And(hn::Ge(size, broadcast(kLeastSize)), hn::Le(size, broadcast(kGreatestSize)));
+  const auto ordinary = hn::And(hn::Ge(size, broadcast(kMinSize)), hn::Le(size, broadcast(kGreatestSize)));
   return hn::IfThenElse(ordinary, bound, hn::Inf(d));
 }
 

@@ -22,28 +22,28 @@ Rational point_edge(const IntegerPoint& p, const IntegerPoint& a, const IntegerP
 }
 
 Rational vertex_triangle(const std::array<IntegerPoint, 4>& x) {
-  Rational least = std::min({point_edge(x[0], x[1], x[2]), point_edge(x[0], x[2], x[3]), point_edge(x[0], x[3], x[1])});
+  Rational min = std::min({point_edge(x[0], x[1], x[2]), point_edge(x[0], x[2], x[3]), point_edge(x[0], x[3], x[1])});
   const IntegerPoint normal = cross(x[2] - x[1], x[3] - x[1]);
   const Integer square = dot(normal, normal);
-  if (square == 0) return least;
+  if (square == 0) return min;
   const auto inside = [&](const IntegerPoint& a, const IntegerPoint& b) {
     return dot(normal, cross(b - a, x[0] - a)) >= 0;
   };
-  if (!inside(x[1], x[2]) || !inside(x[2], x[3]) || !inside(x[3], x[1])) return least;
+  if (!inside(x[1], x[2]) || !inside(x[2], x[3]) || !inside(x[3], x[1])) return min;
   const Integer height = dot(normal, x[0] - x[1]);
-  return std::min(least, ratio(height * height, square));
+  return std::min(min, ratio(height * height, square));
 }
 
 Rational edge_edge(const std::array<IntegerPoint, 4>& x) {
-  Rational least = std::min({point_edge(x[0], x[2], x[3]), point_edge(x[1], x[2], x[3]), point_edge(x[2], x[0], x[1]),
+  Rational min = std::min({point_edge(x[0], x[2], x[3]), point_edge(x[1], x[2], x[3]), point_edge(x[2], x[0], x[1]),
                              point_edge(x[3], x[0], x[1])});
   const IntegerPoint u = x[1] - x[0], v = x[3] - x[2], r = x[2] - x[0], normal = cross(u, v);
   const Integer square = dot(normal, normal);
-  if (square == 0) return least;
+  if (square == 0) return min;
   const Integer s = dot(normal, cross(r, v)), w = dot(normal, cross(r, u));
-  if (s < 0 || s > square || w < 0 || w > square) return least;
+  if (s < 0 || s > square || w < 0 || w > square) return min;
   const Integer height = dot(normal, r);
-  return std::min(least, ratio(height * height, square));
+  return std::min(min, ratio(height * height, square));
 }
 
 /// Phase one of the simplex method: whether there is a non-negative x with A x = b. The columns of `tableau` are those
@@ -62,13 +62,13 @@ bool feasible(std::vector<std::vector<Rational>> tableau) {
     while (enter < columns && price[enter] <= 0) ++enter;
     if (enter == columns) return false;
     std::size_t leave = rows;
-    Rational least;
+    Rational min;
     for (std::size_t i = 0; i < rows; ++i) {
       if (tableau[i][enter] <= 0) continue;
       const Rational bound = tableau[i][columns] / tableau[i][enter];
-      if (leave == rows || bound < least || (bound == least && basis[i] < basis[leave])) {
+      if (leave == rows || bound < min || (bound == min && basis[i] < basis[leave])) {
         leave = i;
-        least = bound;
+        min = bound;
       }
     }
     assert(leave < rows);  // the sum of the artificial variables is bounded from below

@@ -112,14 +112,14 @@ class FirstTouch {
 }  // namespace
 
 int coordinate_bits(const TestMotion& motion) {
-  int least = std::numeric_limits<int>::max(), greatest = std::numeric_limits<int>::min();
+  int min = std::numeric_limits<int>::max(), greatest = std::numeric_limits<int>::min();
   for (const double* x : motion.points)
     for (int i = 0; i < 3 * motion.control_points; ++i) {
       if (x[i] == 0) continue;
-      least = std::min(least, odd_parts(x[i]).exponent);
+      min = std::min(min, odd_parts(x[i]).exponent);
       greatest = std::max(greatest, std::ilogb(x[i]) + 1);
     }
-  return least > greatest ? 0 : greatest - least;
+  return min > greatest ? 0 : greatest - min;
 }
 
 ExactAnswer exact_first_touch(const TestMotion& motion, double t_max) {

@@ -22,12 +22,12 @@ enum class Undecided {
 ///   `undecided=exact`, `exact` decides it, so that there are no false contacts. The features of a reported test come
 ///   closer than kUndecidedDistance times its size (the greatest coordinate difference between its points at the
 ///   control points). If the features stay near each other for longer than the tolerance, or the search ends after
-///   `most_parts`, `exact` decides with either option. Exception: if the coordinates span more than `exact_bits` bits
+///   `max_parts`, `exact` decides with either option. Exception: if the coordinates span more than `exact_bits` bits
 ///   (for example 1 and 1e-300), such a test remains undecided and is reported; its time may be earlier than the
 ///   tolerance allows, and its features may be further apart.
 /// - With a separation, which `exact` does not support, all undecided tests are reported. If the features only reach
 ///   the separation without coming closer, the time may be earlier than the tolerance allows; if the search ended after
-///   `most_parts`, the features may be further apart.
+///   `max_parts`, the features may be further apart.
 ///
 /// Method: the step is divided into parts, which are processed in ascending order. A part is free of contact if the
 /// Bernstein coefficients of the coplanarity polynomial have the same sign, or if an axis separates the control points
@@ -44,7 +44,7 @@ class Inclusion final : public NarrowPhase {
     /// How early a contact may be reported, as a fraction of the step.
     double time_tolerance = 1e-9;
     Undecided undecided = Undecided::report;
-    int most_parts = 1000;  ///< maximum number of parts that the search examines per test
+    int max_parts = 1000;  ///< maximum number of parts that the search examines per test
     /// Largest number of bits that the coordinates of a test may span (coordinate_bits()) if `exact` is to decide a
     /// test that the search leaves open for too long. Costs: docs/narrowphase_exact.md; the longest time observed is a
     /// third of a second up to 1024 bits, and seconds for the full range of doubles. Ordinary data span 53 to 150 bits.

@@ -164,14 +164,14 @@ Case mixed_scales(Choices& c, FeatureKind kind, int control_points) {
 
 /// Coordinates up to the greatest double along one axis or all axes, so that differences overflow.
 void make_greatest(Choices& c, ContactBuilder& builder) {
-  Vec3 most = Vec3::Constant(builder.made().separation), by = Vec3::Ones();
+  Vec3 max = Vec3::Constant(builder.made().separation), by = Vec3::Ones();
   for (const auto& set : builder.made().sets)
     for (const Curve& p : set)
-      for (const Vec3& x : p) most = most.cwiseMax(x.cwiseAbs());
+      for (const Vec3& x : p) max = max.cwiseMax(x.cwiseAbs());
   const bool all = c.below(2) || builder.made().separation > 0;
   const int axis = c.below(3);
   for (int k = 0; k < 3; ++k) {
-    const double greatest = all ? most.maxCoeff() : most[k];
+    const double greatest = all ? max.maxCoeff() : max[k];
     if (greatest > 0 && (all || k == axis || c.one_in(4)))
       by[k] = std::ldexp(1, std::min(1023, 1023 - std::ilogb(greatest)));
   }

@@ -116,9 +116,9 @@ void ContactBuilder::scale() {
   }
   if (how == 8) scale_by(Vec3::Constant(c_.pick({0x1p968, 0x1p900, 0x1p600, 0x1p320, 0x1p-330})));
   if (how == 9 && case_.separation == 0) {
-    const int most = c_.one_in(8) ? 400 : 40;
-    scale_by({std::ldexp(1, static_cast<int>(c_.lattice(most))), std::ldexp(1, static_cast<int>(c_.lattice(most))),
-              std::ldexp(1, static_cast<int>(c_.lattice(most)))});
+    const int max = c_.one_in(8) ? 400 : 40;
+    scale_by({std::ldexp(1, static_cast<int>(c_.lattice(max))), std::ldexp(1, static_cast<int>(c_.lattice(max))),
+              std::ldexp(1, static_cast<int>(c_.lattice(max)))});
   }
 }
 

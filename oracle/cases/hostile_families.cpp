@@ -80,14 +80,14 @@ HostileMesh star_with_handle(Choices& c) {
 /// Of some vertices, the one with most elements, which is often an interior one.
 Index inner_vertex(Choices& c, const HostileMesh& mesh) {
   Index best = 0;
-  std::ptrdiff_t most = -1;
+  std::ptrdiff_t max = -1;
   for (int i = between(c, 1, 8); i > 0; --i) {
     const Index v = any_vertex(c, mesh);
     const auto has = [v](const ElementSpec& e) {
       return std::find(e.vertices.begin(), e.vertices.end(), v) != e.vertices.end();
     };
     const auto count = std::count_if(mesh.shape.elements.begin(), mesh.shape.elements.end(), has);
-    if (count > most) best = v, most = count;
+    if (count > max) best = v, max = count;
   }
   return best;
 }

@@ -28,23 +28,23 @@ Real point_to_edge(const Point& p, const Point& a, const Point& b) {
 }
 
 Real vertex_to_triangle(const std::array<Point, 4>& p) {
-  Real least =
+  Real min =
       std::min({point_to_edge(p[0], p[1], p[2]), point_to_edge(p[0], p[2], p[3]), point_to_edge(p[0], p[3], p[1])});
   const Point n = cross(p[2] - p[1], p[3] - p[1]);
   const Real square = dot(n, n);
   bool inside = square > 0;
   for (std::size_t i = 1; i <= 3; ++i) inside = inside && dot(cross(p[i % 3 + 1] - p[i], p[0] - p[i]), n) >= 0;
-  return inside ? std::min(least, std::abs(dot(n, p[0] - p[1])) / std::sqrt(square)) : least;
+  return inside ? std::min(min, std::abs(dot(n, p[0] - p[1])) / std::sqrt(square)) : min;
 }
 
 Real edge_to_edge(const std::array<Point, 4>& p) {
-  Real least = std::min({point_to_edge(p[0], p[2], p[3]), point_to_edge(p[1], p[2], p[3]),
+  Real min = std::min({point_to_edge(p[0], p[2], p[3]), point_to_edge(p[1], p[2], p[3]),
                          point_to_edge(p[2], p[0], p[1]), point_to_edge(p[3], p[0], p[1])});
   const Point d = p[1] - p[0], e = p[3] - p[2], r = p[2] - p[0], n = cross(d, e);
   const Real square = dot(n, n);
-  if (!(square > 0)) return least;
+  if (!(square > 0)) return min;
   const Real s = dot(cross(r, e), n) / square, u = dot(cross(r, d), n) / square;
-  return s >= 0 && s <= 1 && u >= 0 && u <= 1 ? std::min(least, std::abs(dot(n, r)) / std::sqrt(square)) : least;
+  return s >= 0 && s <= 1 && u >= 0 && u <= 1 ? std::min(min, std::abs(dot(n, r)) / std::sqrt(square)) : min;
 }
 
 }  // namespace
@@ -124,11 +124,11 @@ bool seen_within_separation(const Case& c, double from, double to, double* at) {
   constexpr int kSamples = 32;
   const double width = (to - from) / kSamples;
   double best = from;
-  Real least = HUGE_VAL;
+  Real min = HUGE_VAL;
   for (int i = 0; i <= kSamples; ++i) {
     const double t = i == kSamples ? to : from + i * width;
     const Real distance = x.distance(t);
-    if (distance < least) least = distance, best = t;
+    if (distance < min) min = distance, best = t;
   }
   double low = std::max(from, best - width), high = std::min(to, best + width);
   for (int i = 0; i < 60; ++i) {

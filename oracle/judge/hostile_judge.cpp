@@ -67,7 +67,7 @@ bool contains(const std::vector<Contact>& contacts, const Contact& c) {
 
 PipelineSpec forced_flood(const Registry& registry) {
   PipelineSpec spec = plus(registry, "flood forced");
-  spec.flood->options = {{"most_boundary", "1"}, {"most_divided", "1"}, {"most_suspect", "1"}, {"most_pairs", "1e9"}};
+  spec.flood->options = {{"max_boundary_fraction", "1"}, {"max_divided_fraction", "1"}, {"max_suspect_fraction", "1"}, {"max_pairs", "1e9"}};
   return spec;
 }
 
@@ -76,7 +76,7 @@ PipelineSpec default_flood(const Registry& registry) { return plus(registry, "de
 PipelineSpec forced_star_orphans(const Registry& registry) {
   PipelineSpec spec = plus(registry, "star-orphans forced");
   spec.flood.reset();
-  spec.orphans = {"star-orphans", {{"most_suspect", "1"}}};
+  spec.orphans = {"star-orphans", {{"max_suspect_fraction", "1"}}};
   return spec;
 }
 

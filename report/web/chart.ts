@@ -267,8 +267,8 @@ export interface Bar {
 /// Horizontal stacked bars. All bars name their parts in the same order.
 export function bars(list: Bar[], label: string, width = 740): HTMLElement {
   const left = 190, right = 80, row = 30, height = list.length * row + 44;
-  const most = Math.max(...list.map((b) => b.parts.reduce((sum, p) => sum + p.value, 0)), 1e-300);
-  const x = makeScale([0, most], left, width - right, false, true, 6);
+  const max = Math.max(...list.map((b) => b.parts.reduce((sum, p) => sum + p.value, 0)), 1e-300);
+  const x = makeScale([0, max], left, width - right, false, true, 6);
   const plot = svg("svg", {viewBox: `0 0 ${width} ${height}`, class: "chart", role: "group", "aria-label": label});
   for (const t of x.ticks)
     plot.append(

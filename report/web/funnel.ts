@@ -59,8 +59,8 @@ function sentence(row: Row): string {
           share} and kept ${grouped(row.to)}. ${time}`;
 }
 
-function bar(row: Row, most: number): SVGElement {
-  const width = 190, scale = (n: number) => (n <= 0 ? 0 : (width * Math.log10(1 + n)) / Math.log10(1 + most));
+function bar(row: Row, max: number): SVGElement {
+  const width = 190, scale = (n: number) => (n <= 0 ? 0 : (width * Math.log10(1 + n)) / Math.log10(1 + max));
   const colour = row.unit === "contacts" ? "#c8102e" : row.unit === "tests" ? "#0072b2" : "#5b6b7f";
   return svg(
       "svg", {viewBox: `0 0 ${width} 18`, preserveAspectRatio: "none", height: 18, "aria-hidden": "true"},
@@ -70,7 +70,7 @@ function bar(row: Row, most: number): SVGElement {
 
 /// The funnel of a motion. `choose` gets the stage whose row is clicked, or null if this stage was chosen already.
 export function funnel(
-    stats: MotionStats, most: number, chosen: number|null, choose: (stage: number|null) => void): HTMLElement {
+    stats: MotionStats, max: number, chosen: number|null, choose: (stage: number|null) => void): HTMLElement {
   const body = rowsOf(stats, chosen).map((row, place) => {
     const dropped = row.from !== null && row.unit !== "contacts" && row.from > 0 ?
         `−${percent((row.from - row.to) / row.from)}` :
@@ -81,7 +81,7 @@ export function funnel(
           row.label, h("small", {}, row.detail));
     if (place < 9) button.setAttribute("aria-keyshortcuts", String(place + 1));
     const line =
-        h("tr", {class: on ? "chosen" : ""}, h("th", {scope: "row"}, button), h("td", {onclick: act}, bar(row, most)),
+        h("tr", {class: on ? "chosen" : ""}, h("th", {scope: "row"}, button), h("td", {onclick: act}, bar(row, max)),
           h("td", {class: "number"}, grouped(row.to), h("small", {}, row.unit.replace("element ", ""))),
           h("td", {class: "number"}, dropped), h("td", {class: "number"}, duration(row.seconds)));
     line.addEventListener("mousemove", (e) => tooltip(sentence(row), e.clientX, e.clientY));

@@ -48,14 +48,14 @@ export class PairLines {
   private corner = new Float32Array(0);
 
   constructor(private data: SceneData, planes: THREE.Vector4[]) {
-    const most = Math.max(0, ...data.header.motions.flatMap((m) => m.pairs.map(([dropped, kept]) => dropped + kept)));
-    this.ends = [0, 1].map(() => new Float32Array(12 * most));
-    this.corner = new Float32Array(12 * most);
+    const max = Math.max(0, ...data.header.motions.flatMap((m) => m.pairs.map(([dropped, kept]) => dropped + kept)));
+    this.ends = [0, 1].map(() => new Float32Array(12 * max));
+    this.corner = new Float32Array(12 * max);
     const [from, to] = this.ends.map((array) => new THREE.BufferAttribute(array, 3));
     this.geometry.setAttribute("from", from).setAttribute("position", from).setAttribute("to", to);
     this.geometry.setAttribute("corner", new THREE.BufferAttribute(this.corner, 3));
-    const index = new Uint32Array(6 * most);
-    for (let i = 0; i < most; ++i) index.set([0, 1, 2, 2, 1, 3].map((k) => 4 * i + k), 6 * i);
+    const index = new Uint32Array(6 * max);
+    for (let i = 0; i < max; ++i) index.set([0, 1, 2, 2, 1, 3].map((k) => 4 * i + k), 6 * i);
     this.geometry.setIndex(new THREE.BufferAttribute(index, 1));
     // Drawn twice, as contacts are: pale lines behind surfaces, and full lines in front.
     for (const behind of [true, false]) {

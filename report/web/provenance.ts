@@ -30,7 +30,7 @@ export function provenanceTable(record: DataRecord, scene?: string): HTMLElement
 }
 
 /// Measured rows of a scene of a record, up to a maximum number.
-export function rowsOf(report: Report, record: DataRecord, scene: string, most = 40): HTMLElement|null {
+export function rowsOf(report: Report, record: DataRecord, scene: string, max = 40): HTMLElement|null {
   const points = report.points;
   if (!points) return null;
   const {texts, columns} = points;
@@ -45,7 +45,7 @@ export function rowsOf(report: Report, record: DataRecord, scene: string, most =
       h("div", {class: "scroll"},
         h("table", {}, h("thead", {}, h("tr", {}, ...head.map((n) => h("th", {}, n)))),
           h("tbody", {},
-            ...found.slice(0, most).map(
+            ...found.slice(0, max).map(
                 (i) =>
                     h("tr", {}, h("td", {}, text("table", i)), h("td", {}, text("pipeline", i)),
                       h("td", {}, text("variant", i)), h("td", {class: "number"}, String(columns.motion[i])),
@@ -53,7 +53,7 @@ export function rowsOf(report: Report, record: DataRecord, scene: string, most =
                       h("td", {class: "number"}, duration(columns.seconds[i] ?? 0)),
                       h("td", {class: "number"}, grouped((columns.vf_tests[i] ?? 0) + (columns.ee_tests[i] ?? 0))),
                       h("td", {class: "number"}, grouped(columns.contacts[i] ?? 0))))))),
-      found.length > most ? h("p", {}, `The first ${most} of ${found.length}; the record has all.`) : null);
+      found.length > max ? h("p", {}, `The first ${max} of ${found.length}; the record has all.`) : null);
 }
 
 /// The scene of a row: named by a cell, or else by the title of the table.

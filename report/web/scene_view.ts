@@ -22,7 +22,7 @@ export class SceneView {
   private playing = false;
   private speed = 12;
   private hidden = new Set<number>();
-  private most = 1;
+  private max = 1;
   private stage: number|null = null;  ///< whose pairs are shown, as an index into the statistics
   private slider =
       h("input",
@@ -105,7 +105,7 @@ export class SceneView {
 
   private build(): void {
     const {header} = this.data!;
-    this.most = largestCount(header.motions.map((m) => m.stats));
+    this.max = largestCount(header.motions.map((m) => m.stats));
     this.slider.max = String(Math.max(this.data!.motions, 0) * kFine);
     this.slider.value = "0";
     this.viewer!.canvas.setAttribute("aria-label", `3-D view of ${header.title || header.name}`);
@@ -254,7 +254,7 @@ export class SceneView {
   private timeline(): Element|string {
     const {motions} = this.data!.header;
     if (!motions.length) return "";
-    const most = Math.max(1, ...motions.map((m) => m.stats.contacts)), w = 1000 / motions.length;
+    const max = Math.max(1, ...motions.map((m) => m.stats.contacts)), w = 1000 / motions.length;
     const plot = svg("svg", {
       viewBox: "0 0 1000 46",
       preserveAspectRatio: "none",
@@ -265,8 +265,8 @@ export class SceneView {
     const cursor = svg("rect", {x: 0, y: 0, width: Math.max(w, 2), height: 46, class: "cursor"});
     plot.append(cursor);
     motions.forEach((m, i) => {
-      const inter = (44 * Math.log10(1 + m.inter)) / Math.log10(1 + most),
-            all = (44 * Math.log10(1 + m.stats.contacts)) / Math.log10(1 + most);
+      const inter = (44 * Math.log10(1 + m.inter)) / Math.log10(1 + max),
+            all = (44 * Math.log10(1 + m.stats.contacts)) / Math.log10(1 + max);
       plot.append(
           svg("rect", {x: i * w, y: 46 - all, width: w * 0.86, height: all, fill: "#182c78"}),
           svg("rect", {x: i * w, y: 46 - inter, width: w * 0.86, height: inter, fill: "#c8102e"}));
@@ -290,7 +290,7 @@ export class SceneView {
     return h(
         "div", {},
         h("small", {},
-          `Contacts of each motion, logarithmic, at most ${grouped(most)}; red: between parts, blue: within a part`),
+          `Contacts of each motion, logarithmic, at most ${grouped(max)}; red: between parts, blue: within a part`),
         plot);
   }
 
@@ -358,7 +358,7 @@ export class SceneView {
                             "") +
               `Detection took ${duration(s.seconds)}` +
               (threads > 1 ? `; times of stages are summed over ${threads} threads.` : ".")),
-        funnel(s, this.most, this.stage, (stage) => this.choose(stage)),
+        funnel(s, this.max, this.stage, (stage) => this.choose(stage)),
         (this.stage !== null && pairLegend(motion, this.stage)) || "");
   }
 

@@ -240,11 +240,11 @@ export class Viewer {
   }
 
   private addMarks(): void {
-    const most = Math.max(1, ...this.data!.header.motions.map((m) => m.shown));
+    const max = Math.max(1, ...this.data!.header.motions.map((m) => m.shown));
     this.markGeometry = new THREE.BufferGeometry();
-    const at = new THREE.BufferAttribute(new Float32Array(3 * most), 3);
+    const at = new THREE.BufferAttribute(new Float32Array(3 * max), 3);
     this.markGeometry.setAttribute("at", at).setAttribute("position", at);
-    this.markGeometry.setAttribute("kind", new THREE.BufferAttribute(new Float32Array(2 * most), 2));
+    this.markGeometry.setAttribute("kind", new THREE.BufferAttribute(new Float32Array(2 * max), 2));
     // Drawn twice: pale marks behind surfaces, and full marks in front.
     for (const behind of [true, false]) {
       const material = new THREE.ShaderMaterial({
@@ -509,14 +509,14 @@ export class Viewer {
     const data = this.data;
     if (!data || !this.marks) return null;
     const first = data.firstMark[this.motion] ?? 0, count = data.header.motions[this.motion]?.shown ?? 0;
-    let best: number|null = null, least = 9 * 9;
+    let best: number|null = null, min = 9 * 9;
     for (let i = 0; i < count; ++i) {
       const p = [0, 1, 2].map((axis) => data.marks[axis][first + i] / 65535);
       if (this.isCut(p)) continue;
       const inter = (data.flags[first + i] & 2) >> 1;
       if (this.markKinds < 2 && inter !== this.markKinds) continue;
       const v = this.onCanvas(p), dx = v.x - x, dy = v.y - y;
-      if (v.z < 1 && dx * dx + dy * dy < least) best = i, least = dx * dx + dy * dy;
+      if (v.z < 1 && dx * dx + dy * dy < min) best = i, min = dx * dx + dy * dy;
     }
     return best;
   }
@@ -525,7 +525,7 @@ export class Viewer {
   /// the stage in the motion, dropped ones first.
   pairAt(x: number, y: number): number|null {
     const {first, dropped, kept} = this.pairs!.range(this.motion, this.stage);
-    let best: number|null = null, least = 5;
+    let best: number|null = null, min = 5;
     for (let i = 0; i < dropped + kept; ++i) {
       const [a, b] = this.data!.pairAt(first + i);
       if (this.isCut(a.map((value, axis) => (value + b[axis]) / 2))) continue;
@@ -533,7 +533,7 @@ export class Viewer {
       const along = ((x - p.x) * dx + (y - p.y) * dy) / Math.max(dx * dx + dy * dy, 1e-9);
       const share = Math.max(0, Math.min(1, along));
       const distance = Math.hypot(p.x + share * dx - x, p.y + share * dy - y);
-      if (distance < least) best = i, least = distance;
+      if (distance < min) best = i, min = distance;
     }
     return best;
   }

@@ -17,7 +17,7 @@ constexpr std::size_t kChunk = TestBlock::kCapacity, kVertexGrain = 4096;
 constexpr double kTimeTolerance = 1e-3;
 /// Greatest number of parts of the step in a search. Features that rest at the separation can need any number of parts;
 /// the search then ends, and they count as touching.
-constexpr int kMostParts = 40;
+constexpr int kMaxParts = 40;
 /// Reports every pair that the filters keep; contacts() decides later which of them touch.
 class TakeAll final : public NarrowPhase {
  public:
@@ -67,7 +67,7 @@ ContactDetection::ContactDetection(const Topology& model, std::span<const double
       config_(std::move(config)),
       pipeline_(make_pipeline(config_.pipeline)),
       workspace_(pipeline_.make_workspace()),
-      narrow_(Inclusion::Config{.time_tolerance = kTimeTolerance, .most_parts = kMostParts}) {
+      narrow_(Inclusion::Config{.time_tolerance = kTimeTolerance, .max_parts = kMaxParts}) {
   for (const auto& [a, b] : config_.excluded) filter_.exclude(a, b);
   if (has_shells(model.mesh())) {
     thickener_.emplace(model.mesh());
@@ -130,7 +130,7 @@ void ContactDetection::query(std::span<const Vec3> x0, std::span<const Vec3> x1,
   queried_ = motion_;
   queried_end_ = ahead.empty() ? 1 : 0.5;
   find_middles();
-  reach_ = std::clamp(spread(), config_.least_margin, config_.most_margin);
+  reach_ = std::clamp(spread(), config_.min_margin, config_.max_margin);
   pipeline_.run({collision_topology(), motion_, filter_, config_.separation + reach_}, workspace_, executor, result_);
   candidates_.clear();
   for (const Contact& contact : result_.contacts)
@@ -187,14 +187,14 @@ void ContactDetection::keep_touching(Executor& executor, std::vector<FoundContac
     if (c.verdict != ContactVerdict::resist) continue;
     // The distance decreases at most by the remaining motion of a vertex of one feature relative to one of the other.
     const std::size_t first = c.kind == FeatureKind::vf ? 1 : 2;
-    double most = 0;
+    double max = 0;
     for (std::size_t i = 0; i < first; ++i)
       for (std::size_t j = first; j < 4; ++j)
-        most = std::max(most, (motion_.point(c.features[i], 1) - motion_.point(c.features[i], 0) -
+        max = std::max(max, (motion_.point(c.features[i], 1) - motion_.point(c.features[i], 0) -
                                motion_.point(c.features[j], 1) + motion_.point(c.features[j], 0))
                                   .norm());
     const double apart = c.at_start ? std::abs(c.gap0) : config_.separation;
-    if ((1 - c.toi + 1e-3) * most >= apart * (1 - 1e-3)) (c.kind == FeatureKind::vf ? vf : ee).push_back(slots(c));
+    if ((1 - c.toi + 1e-3) * max >= apart * (1 - 1e-3)) (c.kind == FeatureKind::vf ? vf : ee).push_back(slots(c));
   }
   found.clear();
   if (!vf.empty() || !ee.empty()) test(vf, ee, 0, executor, found);

@@ -40,7 +40,7 @@ class ContactDetection {
     std::vector<std::pair<std::int32_t, std::int32_t>> excluded;
     double separation = 0;
     /// Bounds of the margin: a query finds pairs that come within the separation plus the margin.
-    double least_margin = 0, most_margin = 0;
+    double min_margin = 0, max_margin = 0;
   };
 
   /// `model` must outlive this object, and follow() must be called after each change of it. `thickness`: by element

@@ -156,8 +156,8 @@ double ContactForces::solve_friction(ContactConstraint& c, const MovingVertices&
     if (!(k > 0)) return 0;
     wanted -= slip / k;
   }
-  const double most = c.friction * c.normal_impulse, size = wanted.norm();
-  if (size > most) wanted *= most / size;
+  const double max = c.friction * c.normal_impulse, size = wanted.norm();
+  if (size > max) wanted *= max / size;
   const Vec3 change = wanted - so_far;
   if (change.isZero(0)) return 0;
   c.impulse += change;
@@ -213,21 +213,21 @@ void ContactForces::solve(const MovingVertices& moving, int sweeps, ContactWork&
   begin_bodies(moving);
   double first = 0;
   for (int sweep = 0; sweep < sweeps; ++sweep) {
-    double most = 0;
+    double max = 0;
     for (ContactConstraint& c : constraints_)
-      most = std::max({most, solve_normal(c, moving, work), solve_friction(c, moving, work)});
-    if (sweep == 0) first = most;
-    if (most <= kSettled * first) break;
+      max = std::max({max, solve_normal(c, moving, work), solve_friction(c, moving, work)});
+    if (sweep == 0) first = max;
+    if (max <= kSettled * first) break;
   }
   for (int sweep = 0; sweep < sweeps; ++sweep) {
-    double most = 0;
+    double max = 0;
     for (ContactConstraint& c : constraints_) {
       const double lacking = c.goal - gap(c, moving.x1) - c.normal.dot(relative_shift(c, moving));
       if (lacking > 0) shift(c, lacking / c.inverse_mass * c.normal, moving);
-      most = std::max(most, lacking);
+      max = std::max(max, lacking);
     }
-    if (sweep == 0) first = most;
-    if (most <= kSettled * first) break;
+    if (sweep == 0) first = max;
+    if (max <= kSettled * first) break;
   }
   end_bodies(moving);
 }

@@ -27,8 +27,8 @@ constexpr int kHoldRounds = 10;
 double ContactResponse::goal(const FoundContact& found) const {
   const double d = config_.separation;
   if (!found.at_start) return kRest * d;
-  const double most = kPushedTo * d;
-  return found.gap0 < most ? std::min(most, found.gap0 + kPush * d) : std::min(found.gap0, kRest * d);
+  const double max = kPushedTo * d;
+  return found.gap0 < max ? std::min(max, found.gap0 + kPush * d) : std::min(found.gap0, kRest * d);
 }
 
 ContactConstraint ContactResponse::constraint(const FoundContact& found, double elapsed, double dt,

@@ -16,7 +16,7 @@ namespace volccd::simulation {
 namespace {
 
 /// Least cosine of the angle between tension and the plane's normal; least share of the volume of each piece.
-constexpr double kAcross = 0.7, kLeastShare = 0.3;
+constexpr double kAcross = 0.7, kMinShare = 0.3;
 
 /// Opposite faces of a hexahedron in VTK's order; corner i of one is over corner i of the other. The first is
 /// counter-clockwise as seen from the second.
@@ -61,7 +61,7 @@ double volume(const std::array<Index, 6>& w, std::span<const Vec3> x) {
 std::optional<Pieces> find_plane(const Topology& topology, Index o, const Vec3& tension, std::span<const Vec3> x) {
   const std::span<const Index> vertices = topology.mesh().vertices(o);
   std::optional<Pieces> best;
-  double most = kAcross;
+  double max = kAcross;
   for (const Faces& faces : kFaces)
     for (std::size_t i = 0; i < 2; ++i) {
       if (!is_free_along(topology.features(), vertices, faces[0], i) ||
@@ -72,8 +72,8 @@ std::optional<Pieces> find_plane(const Topology& topology, Index o, const Vec3& 
       const Vec3 normal = (x[w[0]] + x[w[3]] - x[w[2]] - x[w[5]]).cross(x[w[3]] + x[w[5]] - x[w[0]] - x[w[2]]);
       const double across = std::abs(normal.dot(tension)) / normal.norm();
       const double first = volume(p.first, x), second = volume(p.second, x);
-      if (!(across > most) || !(std::min(first, second) > kLeastShare * (first + second))) continue;
-      most = across;
+      if (!(across > max) || !(std::min(first, second) > kMinShare * (first + second))) continue;
+      max = across;
       best = p;
     }
   return best;

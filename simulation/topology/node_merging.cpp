@@ -12,7 +12,7 @@ namespace volccd::simulation {
 namespace {
 
 /// Least ratio of an element's new to its old volume (of a corner).
-constexpr double kLeastRatio = 0.1;
+constexpr double kMinRatio = 0.1;
 
 struct Candidate {
   double distance;
@@ -121,7 +121,7 @@ bool Merger::keeps_shape(Index o, Index v, const Vec3& place) const {
     const auto at = [&](std::size_t n) -> const Vec3& { return moved && vertices[n] == v ? place : x_[vertices[n]]; };
     return (at(j) - at(i)).dot((at(k) - at(i)).cross(at(l) - at(i)));
   };
-  const auto enough = [](double before, double after) { return before != 0 && after / before >= kLeastRatio; };
+  const auto enough = [](double before, double after) { return before != 0 && after / before >= kMinRatio; };
   if (mesh_.type(o) == ElementType::tetrahedron) return enough(corner(0, 1, 2, 3, false), corner(0, 1, 2, 3, true));
   if (mesh_.type(o) == ElementType::triangle) {
     const auto normal = [&](bool moved) {

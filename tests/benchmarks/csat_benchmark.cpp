@@ -62,15 +62,15 @@ const Scene& scene(ElementType type, bool crossing) {
   return type == ElementType::tetrahedron ? tetrahedra : type == ElementType::hexahedron ? hexahedra : triangles;
 }
 
-void run(benchmark::State& state, const OptionValues& options, ElementType type, bool crossing, std::size_t most) {
+void run(benchmark::State& state, const OptionValues& options, ElementType type, bool crossing, std::size_t max) {
   const auto stage = describe_csat().make(options);
   const Scene& s = scene(type, crossing);
   PairBatch batch;
   StageState none;
   std::size_t kept = 0, rounds = 0;
   for (auto _ : state) {
-    for (std::size_t i = 0; i < s.pairs.size(); i += most) {
-      batch.assign(std::span(s.pairs).subspan(i, std::min(most, s.pairs.size() - i)));
+    for (std::size_t i = 0; i < s.pairs.size(); i += max) {
+      batch.assign(std::span(s.pairs).subspan(i, std::min(max, s.pairs.size() - i)));
       stage->run({s.topology, s.motion, s.filter}, none, 0, batch);
       kept += batch.size();
     }
@@ -92,9 +92,9 @@ void run(benchmark::State& state, const OptionValues& options, ElementType type,
       }
   const OptionValues optimal = {{"axis", "optimal"}, {"mode", "pair"}};
   benchmark::RegisterBenchmark("csat/crossing/pair/optimal", run, optimal, ElementType::tetrahedron, true, 256);
-  for (const std::size_t most : {1, 4, 16, 64, 256})
-    benchmark::RegisterBenchmark(("csat/batches/" + std::to_string(most)).c_str(), run, optimal,
-                                 ElementType::tetrahedron, false, most);
+  for (const std::size_t max : {1, 4, 16, 64, 256})
+    benchmark::RegisterBenchmark(("csat/batches/" + std::to_string(max)).c_str(), run, optimal,
+                                 ElementType::tetrahedron, false, max);
   return true;
 }();
 

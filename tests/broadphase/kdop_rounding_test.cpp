@@ -10,8 +10,8 @@ namespace {
 std::vector<double> awkward_doubles() {
   std::vector<double> all{0.0,     -0.0,   1.0,     -1.0,  0.1,    -0.1,    1e-320,
                           -1e-320, 5e-324, -5e-324, 1e308, -1e308, 1.4e-45, 7e-46};
-  const double most = std::numeric_limits<float>::max(), least = std::numeric_limits<float>::denorm_min();
-  for (double x : {most, least, static_cast<double>(std::numeric_limits<float>::min()), 16777216.0})
+  const double max = std::numeric_limits<float>::max(), min = std::numeric_limits<float>::denorm_min();
+  for (double x : {max, min, static_cast<double>(std::numeric_limits<float>::min()), 16777216.0})
     for (double sign : {-1.0, 1.0})
       for (double y : {std::nextafter(x, 0), x, std::nextafter(x, HUGE_VAL), x / 2, x * 2, x * 1.5})
         all.push_back(sign * y);
@@ -51,8 +51,8 @@ TEST(FloatRounding, ExactFloatsAndTheirRangeStay) {
 }
 
 float clamped(float x) {
-  const float most = std::numeric_limits<float>::max();
-  return std::clamp(x, -most, most);
+  const float max = std::numeric_limits<float>::max();
+  return std::clamp(x, -max, max);
 }
 
 template <int kK>

@@ -6,9 +6,9 @@
 namespace volccd::test {
 
 /// Tetrahedra and triangles with vertices in the whole range of doubles; some share vertices with others.
-inline Shape soup(std::size_t elements, std::uint64_t seed, double most_exponent) {
+inline Shape soup(std::size_t elements, std::uint64_t seed, double max_exponent) {
   std::mt19937_64 random(seed);
-  std::uniform_real_distribution<double> sign(-1, 1), exponent(-323, most_exponent);
+  std::uniform_real_distribution<double> sign(-1, 1), exponent(-323, max_exponent);
   Shape shape;
   for (std::size_t i = 0; i < 3 * elements; ++i) {
     Vec3 p;

@@ -77,7 +77,7 @@ class CubicProperty {
     const std::span<const Attack> attacks = touching_attacks();
     const Attack& attack = attacks[static_cast<std::size_t>(choices.below(static_cast<int>(attacks.size())))];
     const Case c = attack.make(choices, choices.below(2) ? FeatureKind::ee : FeatureKind::vf, 2);
-    if (coordinate_bits(Coordinates(c).motion()) > kMostBits) return "";
+    if (coordinate_bits(Coordinates(c).motion()) > kMaxBits) return "";
     test_.set(c, 1);
     const ExactAnswer truth = exact_first_touch(Coordinates(c).motion());
     std::string wrong;
@@ -107,7 +107,7 @@ class CubicProperty {
     return compare_distance(Coordinates(c).motion(), toi, 1.1e-10 * size) <= 0 ? "" : "reported, and not near";
   }
 
-  static constexpr int kMostBits = 300;
+  static constexpr int kMaxBits = 300;
 
   Cubic cubic_;
   VectorTargets targets_;

@@ -25,7 +25,7 @@ struct Maker {
   unsigned threads;
 };
 
-unsigned most_of_tbb() {
+unsigned max_of_tbb() {
   return static_cast<unsigned>(tbb::global_control::active_value(tbb::global_control::max_allowed_parallelism));
 }
 
@@ -48,7 +48,7 @@ INSTANTIATE_TEST_SUITE_P(Threads, ExecutorContract,
 
 TEST_P(ExecutorContract, ReportsTheThreadsAskedFor) {
   unsigned threads = GetParam().threads;
-  if (GetParam().make == make_executor) threads = std::min(threads, most_of_tbb());
+  if (GetParam().make == make_executor) threads = std::min(threads, max_of_tbb());
   EXPECT_EQ(executor_->workers(), threads);
 }
 
@@ -149,7 +149,7 @@ TEST(Executor, SerialRunsInOrder) {
 
 TEST(Executor, ZeroThreadsTakesTheHardwares) {
   const unsigned hardware = std::max(1u, std::thread::hardware_concurrency());
-  EXPECT_EQ(make_executor(0)->workers(), std::min(hardware, most_of_tbb()));
+  EXPECT_EQ(make_executor(0)->workers(), std::min(hardware, max_of_tbb()));
   EXPECT_EQ(make_thread_executor(0)->workers(), hardware);
 }
 
@@ -168,9 +168,9 @@ TEST(Executor, TheNumberOfThreadsIsBounded) {
 }
 
 TEST(Executor, DoesNotLimitWhatTheProgramItselfDoesWithTbb) {
-  const unsigned before = most_of_tbb();
+  const unsigned before = max_of_tbb();
   const auto less = make_executor(2), more = make_executor(before + 7);
-  EXPECT_EQ(most_of_tbb(), before);
+  EXPECT_EQ(max_of_tbb(), before);
   // The limit that the host program has set is used.
   const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 3);
   EXPECT_EQ(make_executor(5)->workers(), 3u);
@@ -204,7 +204,7 @@ TEST(ExecutorDeathTest, AThreadThatTheSystemRefusesIsAnError) {
     rlim_t limit;
   } const cases[] = {{make_thread_executor, 2, 1}, {make_thread_executor, 300, 60}, {make_executor, 2, 1}};
   for (const auto& c : cases) {
-    if (c.make == make_executor && most_of_tbb() < 2) continue;
+    if (c.make == make_executor && max_of_tbb() < 2) continue;
     int code = -1;
     const auto exited = [&code](int status) {
       code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;

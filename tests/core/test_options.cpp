@@ -92,6 +92,20 @@ TEST(Options, UnknownNameListsTheKnownOnes) {
   EXPECT_THROW(Options<Config>().parse({{"any", "1"}}), ConfigError);
 }
 
+TEST(Options, FormerNameIsRefusedWithThePresentOne) {
+  struct Limits {
+    double max_share = 0.5;
+  };
+  const auto options = Options<Limits>().add("max_share", &Limits::max_share, 0, 1, "a share").renamed("most", "max_share");
+  try {
+    options.parse({{"most", "0.3"}});
+    FAIL() << "accepted";
+  } catch (const ConfigError& error) {
+    EXPECT_STREQ(error.what(), "option 'most' is called 'max_share' now");
+  }
+  EXPECT_EQ(options.parse({{"max_share", "0.3"}}).max_share, 0.3);
+}
+
 TEST(Options, ListedInTheOrderOfTheTableWithDefaults) {
   std::string listing;
   for (const OptionInfo& info : options().describe())

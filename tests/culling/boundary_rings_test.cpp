@@ -56,17 +56,17 @@ class Fan {
   }
 
   /// The least dot product of `up` and a normal, over the product of the magnitudes, in extended precision.
-  long double least_cosine() const {
+  long double min_cosine() const {
     using Long3 = Eigen::Matrix<long double, 3, 1>;
     const Long3 up = rings_.up(0).cast<long double>();
-    long double least = 1;
+    long double min = 1;
     for (const RingFace& face : faces_) {
       const Long3 a = shape_.positions[face.triangle[1]].cast<long double>();
       const Long3 b = shape_.positions[face.triangle[2]].cast<long double>();
       const Long3 normal = a.cross(b);
-      least = std::min(least, up.dot(normal) / (up.norm() * normal.norm()));
+      min = std::min(min, up.dot(normal) / (up.norm() * normal.norm()));
     }
-    return least;
+    return min;
   }
 
  private:
@@ -99,7 +99,7 @@ TEST(BoundaryRings, NoFaceThatIsNearlyUprightPassesByRounding) {
         ++folded;
       } else {
         ++passed;
-        EXPECT_GT(fan.least_cosine(), 0) << "round " << round;
+        EXPECT_GT(fan.min_cosine(), 0) << "round " << round;
       }
   }
   EXPECT_GT(passed, 2000);

@@ -152,12 +152,12 @@ TEST(ClearStars, HaveHexahedraOnBothSidesOfFaces) {
 
 /// A face of a hexahedron, of which a tetrahedron has one half, is irregular at the vertex of the other half, too.
 TEST(ClearStars, HaveNoHalfCoveredFaces) {
-  for (const Index least : {1u, 2u}) {
+  for (const Index min : {1u, 2u}) {
     Shape shape = block(ElementType::hexahedron, 1, 1, 1);
     ASSERT_EQ(shape.positions[7], Vec3(1, 1, 1));
     shape.positions.emplace_back(0.5, 0.5, 2);
     // The top has the vertices 4, 5, 7 and 6 in cyclic order, and its diagonal is that from 4 to 7.
-    add(shape, ElementType::tetrahedron, least == 1 ? std::vector<Index>{4, 5, 7, 8} : std::vector<Index>{4, 7, 6, 8});
+    add(shape, ElementType::tetrahedron, min == 1 ? std::vector<Index>{4, 5, 7, 8} : std::vector<Index>{4, 7, 6, 8});
     const Topology topology(shape.mesh());
     SerialExecutor serial;
     StarTable table;
@@ -207,8 +207,8 @@ TEST(ClearStars, HaveFacesOverADirection) {
       });
       visit_faces(topology.mesh(), 0, [&](std::span<const Index> face, std::size_t) {
         if (std::find(face.begin(), face.end(), v) == face.end()) return;
-        const auto least = static_cast<std::size_t>(std::min_element(face.begin(), face.end()) - face.begin());
-        const auto at = [&](std::size_t i) { return face[(least + i) % 4]; };
+        const auto min = static_cast<std::size_t>(std::min_element(face.begin(), face.end()) - face.begin());
+        const auto at = [&](std::size_t i) { return face[(min + i) % 4]; };
         const bool over = up.dot(normal(at(0), at(1), at(2))) > 0 && up.dot(normal(at(0), at(2), at(3))) > 0;
         negative += over ? 0 : 1;
         EXPECT_TRUE(over || stars.suspect(v)) << seed << ' ' << v;

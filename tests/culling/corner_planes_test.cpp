@@ -93,7 +93,7 @@ constexpr std::array<std::array<ElementType, 2>, 4> kTypes{{{ElementType::hexahe
                                                             {ElementType::triangle, ElementType::tetrahedron}}};
 
 template <class LeftOut>
-void expect_left_out_do_not_touch(std::span<const std::array<ElementType, 2>> types, double most_separation,
+void expect_left_out_do_not_touch(std::span<const std::array<ElementType, 2>> types, double max_separation,
                                   LeftOut&& left_out) {
   for (const auto& type : types)
     for (const Index common : {1, 2}) {
@@ -103,7 +103,7 @@ void expect_left_out_do_not_touch(std::span<const std::array<ElementType, 2>> ty
       for (int i = 0; i < 800; ++i) {
         const bool linear = type[0] == ElementType::hexahedron || type[1] == ElementType::hexahedron || i % 3 != 0;
         const Pair pair = random_pair(random, type, common, !linear);
-        const Step step{pair.topology, pair.motion, kAnyObject, most_separation * random.uniform()};
+        const Step step{pair.topology, pair.motion, kAnyObject, max_separation * random.uniform()};
         if (!left_out(step, common)) continue;
         ++count;
         ASSERT_FALSE(elements_touch(step)) << "pair " << i;
@@ -148,8 +148,8 @@ Motion displaced(const Pair& pair, Index common, double distance, Random& random
 }
 
 /// The greatest separation with which a pair is left out, up to `most`.
-double greatest_separation(const Pair& pair, Index common, double most) {
-  double good = 0, bad = most;
+double greatest_separation(const Pair& pair, Index common, double max) {
+  double good = 0, bad = max;
   for (int i = 0; i < 30; ++i) {
     const double middle = (good + bad) / 2;
     (left_out_of_corners({pair.topology, pair.motion, kAnyObject, middle}, common) ? good : bad) = middle;

@@ -76,7 +76,7 @@ std::vector<WidePoint> lattice_differences(const PairBench& bench, Index pair, b
 /// multiples of n.
 void set_nearly_touching(PairBench& bench, Random& random, std::int64_t depth) {
   const Vec3 n(3, 5, 7), u(5, -3, 0), w(7, 0, -3);
-  const auto whole = [&](std::int64_t most) { return static_cast<double>(random.integer(-most, most)); };
+  const auto whole = [&](std::int64_t max) { return static_cast<double>(random.integer(-max, max)); };
   for (Index i = 0; i < bench.pairs(); ++i) {
     const Vec3 offset = Vec3(1, 2, 3) * (random.integer(0, 1) != 0 ? 0x1p40 : 0.0);
     const int corner = static_cast<int>(random.integer(0, bench.motion().control_points() - 1));
@@ -93,12 +93,12 @@ void set_nearly_touching(PairBench& bench, Random& random, std::int64_t depth) {
 }
 
 std::set<ElementPair> kept_pairs(const OptionValues& options, const Step& step, std::span<const ElementPair> pairs,
-                                 std::size_t most) {
+                                 std::size_t max) {
   const auto stage = describe_csat().make(options);
   std::set<ElementPair> kept;
-  for (std::size_t i = 0; i < pairs.size(); i += most) {
+  for (std::size_t i = 0; i < pairs.size(); i += max) {
     PairBatch batch;
-    batch.assign(pairs.subspan(i, std::min(most, pairs.size() - i)));
+    batch.assign(pairs.subspan(i, std::min(max, pairs.size() - i)));
     run_stage(*stage, step, batch);
     kept.insert(batch.pairs.begin(), batch.pairs.end());
   }
@@ -192,17 +192,17 @@ TEST(CsatPairs, RoundingMakesNoGapsBesideSmallElements) {
 }
 
 /// The least gap along the axis at any control point, with 113 bits.
-detail::Quad least_gap(const PairBench& bench, Index pair, const Vec3& axis) {
-  detail::Quad least = 1e300;
+detail::Quad min_gap(const PairBench& bench, Index pair, const Vec3& axis) {
+  detail::Quad min = 1e300;
   for (int c = 0; c < bench.motion().control_points(); ++c)
     for (Index i = 0; i < bench.vertices(); ++i)
       for (Index j = 0; j < bench.vertices(); ++j) {
         const auto at = [&](Index side, Index v) {
           return detail::Quad3(bench.motion().point(bench.vertex(pair, side, v), c));
         };
-        least = std::min(least, dot(detail::Quad3(axis), at(1, j) - at(0, i)));
+        min = std::min(min, dot(detail::Quad3(axis), at(1, j) - at(0, i)));
       }
-  return least;
+  return min;
 }
 
 /// The axis that CSAT tests in double precision with `axis=centroid`.
@@ -247,7 +247,7 @@ TEST(CsatPairs, RoundingOfDoublesMakesNoGapsInElementsThatGrow) {
       const auto pairs = bench.batch().pairs;
       const auto kept = kept_pairs({{"axis", "centroid"}, {"mode", "pair"}}, bench.step(), pairs, 256);
       for (Index i = 0; i < bench.pairs(); ++i) {
-        const bool apart = least_gap(bench, i, centroid_axis(bench, i)) > 0;
+        const bool apart = min_gap(bench, i, centroid_axis(bench, i)) > 0;
         doubtful += apart ? 0 : 1;
         ASSERT_TRUE(apart || kept.count(pairs[i])) << i << ", size " << size;
       }
@@ -332,13 +332,13 @@ TEST(CsatPairs, CompanyDoesNotMatter) {
     const auto alone = kept_pairs(options, step, scene.pairs, 1);
     EXPECT_GT(alone.size(), scene.pairs.size() / 10);
     EXPECT_LT(alone.size(), scene.pairs.size() / 2);
-    for (const std::size_t most : {2, 7, 8, 9, 64, 256, 1000})
-      EXPECT_EQ(differences(kept_pairs(options, step, scene.pairs, most), alone), 0u) << axis << " " << most;
+    for (const std::size_t max : {2, 7, 8, 9, 64, 256, 1000})
+      EXPECT_EQ(differences(kept_pairs(options, step, scene.pairs, max), alone), 0u) << axis << " " << max;
     std::vector<ElementPair> shuffled = scene.pairs;
     volccd::Random random(24);
     random.shuffle(shuffled);
-    for (const std::size_t most : {3, 256})
-      EXPECT_EQ(differences(kept_pairs(options, step, shuffled, most), alone), 0u) << axis << " " << most;
+    for (const std::size_t max : {3, 256})
+      EXPECT_EQ(differences(kept_pairs(options, step, shuffled, max), alone), 0u) << axis << " " << max;
   }
 }
 

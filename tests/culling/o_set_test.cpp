@@ -270,18 +270,18 @@ TEST(OSetUpdate, NothingPilesUp) {
   TopologyEditor editor(topology, 8, {ElementType::tetrahedron});
   OSet set;
   set.update(topology, serial());
-  std::size_t most = 0;
+  std::size_t max = 0;
   for (int round = 0; round < 150; ++round) {
     editor.edit(6, 0, 0);
     set.update(topology, serial());
     editor.put_everything_back();
     set.update(topology, serial());
-    most = std::max(most, set.blocks());
+    max = std::max(max, set.blocks());
   }
   EXPECT_EQ(keys(set, topology.features()), before);
   OSet fresh;
   fresh.build(topology, serial());
-  EXPECT_LE(most, 3 * fresh.blocks() + 80);
+  EXPECT_LE(max, 3 * fresh.blocks() + 80);
   EXPECT_LE(set.bytes(), 4 * fresh.bytes() + 200'000);
 }
 

@@ -88,28 +88,28 @@ class TopologyEditor {
 
   /// One edit of any kind, of at most about a twenty-fourth of the elements.
   void edit_at_random() {
-    const std::size_t most = 1 + topology_.mesh().element_count() / 24;
+    const std::size_t max = 1 + topology_.mesh().element_count() / 24;
     switch (random_.below(6)) {
-      case 0: edit(random_.below(most) + 1, 0, 0); break;
-      case 1: edit(0, random_.below(most) + 1, 0); break;
+      case 0: edit(random_.below(max) + 1, 0, 0); break;
+      case 1: edit(0, random_.below(max) + 1, 0); break;
       case 2: edit(0, 0, random_.below(3) + 1); break;
-      case 3: remove_region(most); break;
-      default: edit(random_.below(most), random_.below(most), random_.below(3)); break;
+      case 3: remove_region(max); break;
+      default: edit(random_.below(max), random_.below(max), random_.below(3)); break;
     }
   }
 
   /// All elements within a number of adjacency steps from a random one, but at most `most`.
-  void remove_region(std::size_t most) {
+  void remove_region(std::size_t max) {
     const Mesh& mesh = topology_.mesh();
     Index start = 0;
     do start = static_cast<Index>(random_.below(mesh.element_slots()));
     while (!mesh.is_live(start));
     std::vector<Index> region{start};
     std::set<Index> seen{start};
-    for (std::size_t i = 0; i < region.size() && region.size() < most; ++i)
+    for (std::size_t i = 0; i < region.size() && region.size() < max; ++i)
       for (Index v : mesh.vertices(region[i]))
         for (Index o : topology_.features().vertex_elements(v))
-          if (region.size() < most && seen.insert(o).second) region.push_back(o);
+          if (region.size() < max && seen.insert(o).second) region.push_back(o);
     for (Index o : region) out_.push_back(spec_of(mesh, o));
     TopologyEdit edit;
     edit.removed = region;

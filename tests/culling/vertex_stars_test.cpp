@@ -56,7 +56,7 @@ struct Seen {
 };
 
 /// A few steps of a deforming mesh that loses elements and sometimes jumps.
-void expect_clear_stars_do_not_touch(ElementType type, std::uint64_t seed, bool quadratic, double most_separation,
+void expect_clear_stars_do_not_touch(ElementType type, std::uint64_t seed, bool quadratic, double max_separation,
                                      Seen& seen) {
   Random random(seed);
   SerialExecutor serial;
@@ -73,7 +73,7 @@ void expect_clear_stars_do_not_touch(ElementType type, std::uint64_t seed, bool 
     const std::vector<Vec3> to = deformed(at, random, 0.3, random.uniform() * 0.4),
                             middle = deformed(at, random, 0.2, 0);
     const Motion motion = quadratic ? Motion::quadratic(at, middle, to) : Motion::linear(at, to);
-    const Step now{topology, motion, kEveryObject, most_separation * random.uniform()};
+    const Step now{topology, motion, kEveryObject, max_separation * random.uniform()};
     stars.update(now, serial);
     for (Index v = 0; v < motion.vertex_count(); ++v)
       if (!topology.features().vertex_elements(v).empty()) ++(stars.suspect(v) ? seen.suspect : seen.clear);
@@ -85,12 +85,12 @@ void expect_clear_stars_do_not_touch(ElementType type, std::uint64_t seed, bool 
   }
 }
 
-void expect_clear_stars_do_not_touch(double most_separation) {
+void expect_clear_stars_do_not_touch(double max_separation) {
   for (const ElementType type : {ElementType::tetrahedron, ElementType::hexahedron, ElementType::wedge,
                                  ElementType::pyramid, ElementType::none}) {
     Seen seen;
     for (std::uint64_t seed = 1; seed <= 60; ++seed)
-      expect_clear_stars_do_not_touch(type, seed, seed % 4 == 0, most_separation, seen);
+      expect_clear_stars_do_not_touch(type, seed, seed % 4 == 0, max_separation, seen);
     EXPECT_GT(seen.clear, 100u) << to_string(type);
     EXPECT_GT(seen.suspect, 100u) << to_string(type);
     EXPECT_GT(seen.touching, 100u) << to_string(type);
@@ -365,7 +365,7 @@ TEST(StarOrphans, LeavesSomeStepsToTheOSet) {
 /// While a block falls to pieces, a state that is kept lists the same orphans as a new one.
 TEST(StarOrphans, FollowEdits) {
   SerialExecutor serial;
-  const StarOrphans source({.most_suspect = 1});
+  const StarOrphans source({.max_suspect_fraction = 1});
   const Shape shape = block(ElementType::hexahedron, 4, 4, 4);
   Topology topology(shape.mesh());
   const Motion motion = Motion::linear(shape.positions, jittered(shape.positions, 0.3, 5));

@@ -56,7 +56,7 @@ Image image_of(const std::function<void(const std::string& name)>& write) {
 namespace {
 
 /// Datasets that are declared but not stored are not read for an edit.
-constexpr std::size_t kMostNumbers = 100000;
+constexpr std::size_t kMaxNumbers = 100000;
 
 std::int64_t telling_integer(ByteReader& in) {
   switch (in.byte() % 5) {
@@ -98,7 +98,7 @@ void declare_anew(test::RawFile& file, const std::string& path, ByteReader& in) 
   for (const hsize_t d : dims) size = d > 1000 / std::max<hsize_t>(size, 1) ? 1000 : size * d;
   // The data would be too large, so that the dataset is only declared.
   if (size >= 1000) return file.put_empty(path, dims, type, in.byte() % 2 == 0 && !dims.empty());
-  if (file.count(path) > kMostNumbers) return;
+  if (file.count(path) > kMaxNumbers) return;
   const std::vector<double> old = is_real(file, path) ? file.reals(path) : std::vector<double>();
   if (old.empty())
     file.put(path, dims, type, file.integers(path));
@@ -129,7 +129,7 @@ void edit(test::RawFile& file, const std::vector<std::string>& objects, ByteRead
     case 2: return change_attribute(file, in.byte() % 2 ? path : std::string("/"), in);
     default: {
       const std::size_t n = file.count(path);
-      if (n == 0 || n > kMostNumbers) return;
+      if (n == 0 || n > kMaxNumbers) return;
       const std::size_t at = in.below(n);
       if (is_real(file, path))
         file.poke(path, at, telling_real(in));

@@ -46,10 +46,10 @@ struct Pipelines {
   const Pipeline flood, standard, star_orphans;
 
   Pipelines()
-      : flood(registry, spec("VolCCD+", {"boundary-flood.most_boundary=1", "boundary-flood.most_divided=1",
-                                         "boundary-flood.most_suspect=1", "boundary-flood.most_pairs=1e9"})),
+      : flood(registry, spec("VolCCD+", {"boundary-flood.max_boundary_fraction=1", "boundary-flood.max_divided_fraction=1",
+                                         "boundary-flood.max_suspect_fraction=1", "boundary-flood.max_pairs=1e9"})),
         standard(registry, spec("VolCCD+", {})),
-        star_orphans(registry, spec("VolCCD+", {"flood=none", "star-orphans.most_suspect=1"})) {}
+        star_orphans(registry, spec("VolCCD+", {"flood=none", "star-orphans.max_suspect_fraction=1"})) {}
 
  private:
   /// Undecided tests are decided exactly, because one pipeline may leave out a test that another one cannot decide.

@@ -118,9 +118,9 @@ TEST(TupleTable, SpreadsTheTuplesOfAGrid) {
     ASSERT_EQ(table.find(tuples[slot], tuples), slot % 2 == 0 ? kNone : slot);
 }
 
-std::vector<Index> random_values(Random& random, std::size_t most, Index range) {
+std::vector<Index> random_values(Random& random, std::size_t max, Index range) {
   std::set<Index> values;
-  for (std::size_t n = 1 + random.below(most); n != 0; --n) values.insert(static_cast<Index>(random.below(range)));
+  for (std::size_t n = 1 + random.below(max); n != 0; --n) values.insert(static_cast<Index>(random.below(range)));
   return {values.begin(), values.end()};
 }
 
@@ -137,7 +137,7 @@ TEST(IncidencePool, EqualsAVectorOfSets) {
         pool.entries()[at++] = 10 * k;
         reference[i].insert(10 * k);
       }
-    std::size_t most = 0;
+    std::size_t max = 0;
     for (int step = 0; step < 20000; ++step) {
       if (step % 100 == 0 && reference.size() < 120) {
         reference.emplace_back();
@@ -166,9 +166,9 @@ TEST(IncidencePool, EqualsAVectorOfSets) {
         ASSERT_TRUE(std::ranges::equal(pool[k], reference[k])) << "list " << k;
         used += reference[k].size();
       }
-      most = std::max(most, used);
+      max = std::max(max, used);
     }
-    EXPECT_LT(pool.bytes(), 5 * 4 * most + 12 * 200 + 8192);
+    EXPECT_LT(pool.bytes(), 5 * 4 * max + 12 * 200 + 8192);
   }
 }
 

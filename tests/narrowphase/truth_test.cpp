@@ -52,7 +52,7 @@ Score score(const NarrowPhase& narrow, FeatureKind kind, const std::vector<Query
 TEST(NarrowPhaseTruth, SampleQueries) {
   VOLCCD_NEEDS_DATA(path, "ccd-queries.h5");
   const Hdf5File file(path);
-  const std::map<std::string, std::size_t> most_extra = {{"erleben-cube-cliff-edges/VertexFace", 38},
+  const std::map<std::string, std::size_t> max_extra = {{"erleben-cube-cliff-edges/VertexFace", 38},
                                                          {"erleben-cube-cliff-edges/EdgeEdge", 64},
                                                          {"erleben-sliding-spike/VertexFace", 0},
                                                          {"erleben-sliding-spike/EdgeEdge", 0},
@@ -64,7 +64,7 @@ TEST(NarrowPhaseTruth, SampleQueries) {
                                                          {"erleben-spikes/EdgeEdge", 9},
                                                          {"unit-tests/VertexFace", 0},
                                                          {"unit-tests/EdgeEdge", 0}};
-  for (const auto& [group, extra] : most_extra) {
+  for (const auto& [group, extra] : max_extra) {
     const std::vector<double> x = file.doubles(group + "/Points");
     const std::vector<int> collides = file.integers(group + "/Collides");
     std::vector<Query> queries(collides.size());

@@ -128,9 +128,9 @@ double sampled_distance(const ConvexPiece& a, const ConvexPiece& b, std::mt19937
     for (int i = 0; i < piece.count; ++i) p += w[i] * piece.points[static_cast<std::size_t>(i)];
     return p;
   };
-  double least = INFINITY;
-  for (int i = 0; i < 200; ++i) least = std::min(least, (sample(a) - sample(b)).norm());
-  return least;
+  double min = INFINITY;
+  for (int i = 0; i < 200; ++i) min = std::min(min, (sample(a) - sample(b)).norm());
+  return min;
 }
 
 TEST(SignedGap, IsALowerBoundOfTheDistance) {

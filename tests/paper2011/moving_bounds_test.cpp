@@ -258,8 +258,8 @@ TEST(BoundOperations, OfAGridOfTetrahedra) {
   // 8 positions with 5 sums each, and 10 of them rounded outward; 16 comparisons for each position after the first.
   EXPECT_EQ(row(rows, "kdop-update").at("additions"), 8 * 5 + 10);
   EXPECT_EQ(row(rows, "kdop-update").at("comparisons"), 7 * 16);
-  EXPECT_EQ(row(rows, "kdop-test").at("most").at("comparisons"), 16);
-  EXPECT_EQ(row(rows, "obb-test").at("most").at("comparisons"), 15);
+  EXPECT_EQ(row(rows, "kdop-test").at("max").at("comparisons"), 16);
+  EXPECT_EQ(row(rows, "obb-test").at("max").at("comparisons"), 15);
   EXPECT_EQ(row(rows, "obb-test").at("paper").at("multiplications"), 81);
   EXPECT_GT(row(rows, "obb-update").at("ns"), row(rows, "kdop-update").at("ns"));
   EXPECT_TRUE(row(rows, "obb-update").at("positive").is_null());

@@ -79,20 +79,20 @@ TEST(CoplanarityReference, DropsWhatNeverIsCoplanarAndNothingElse) {
   for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee})
     for (const TestQuery& q : queries(4000, 5)) {
       const auto points = points_of<double>(q);
-      double least = determinant(points, 0), most = least;
+      double min = determinant(points, 0), max = min;
       for (int k = 1; k <= 64; ++k) {
         const double value = determinant(points, k / 64.0);
-        least = std::min(least, value), most = std::max(most, value);
+        min = std::min(min, value), max = std::max(max, value);
       }
       const bool apart = reference::never_coplanar<double>(kind, points);
-      changed += least * most <= 0;
+      changed += min * max <= 0;
       touching += reference::provot_test<double>(kind, points, 1e-10, 1.0).touches;
       dropped += apart;
       if (apart) {
-        ASSERT_GT(least * most, 0) << "the points are coplanar in between";
+        ASSERT_GT(min * max, 0) << "the points are coplanar in between";
         ASSERT_FALSE(reference::provot_test<double>(kind, points, 1e-10, 1.0).touches);
       }
-      if (std::abs(least) > 1e-3 && least * most > 0 && least / most > 0.9 && most / least > 0.9) {
+      if (std::abs(min) > 1e-3 && min * max > 0 && min / max > 0.9 && max / min > 0.9) {
         ASSERT_TRUE(apart) << "the volume hardly changes";
       }
     }
@@ -157,30 +157,30 @@ TEST(Operations, AreThoseOfTheFormulas) {
     EXPECT_GT(one.at("positive").get<double>(), 0.001) << one;
     EXPECT_LT(one.at("positive").get<double>(), 0.9) << one;
     for (const char* count : {"additions", "multiplications", "comparisons"})
-      EXPECT_LE(one.at(count).get<double>(), one.at("most").at(count).get<double>()) << one;
+      EXPECT_LE(one.at(count).get<double>(), one.at("max").at(count).get<double>()) << one;
   }
   // A dot product of a difference: 5 additions and 3 multiplications; 4 of them for VF, 5 for EE.
-  EXPECT_EQ(row(record, "csat", "vf").at("most").at("additions"), 20);
-  EXPECT_EQ(row(record, "csat", "vf").at("most").at("multiplications"), 12);
-  EXPECT_EQ(row(record, "csat", "ee").at("most").at("additions"), 25);
-  EXPECT_EQ(row(record, "csat", "ee").at("most").at("multiplications"), 15);
+  EXPECT_EQ(row(record, "csat", "vf").at("max").at("additions"), 20);
+  EXPECT_EQ(row(record, "csat", "vf").at("max").at("multiplications"), 12);
+  EXPECT_EQ(row(record, "csat", "ee").at("max").at("additions"), 25);
+  EXPECT_EQ(row(record, "csat", "ee").at("max").at("multiplications"), 15);
   // In addition two differences and a cross product.
-  EXPECT_EQ(row(record, "csat-with-axis", "vf").at("most").at("additions"), 29);
-  EXPECT_EQ(row(record, "csat-with-axis", "ee").at("most").at("multiplications"), 21);
+  EXPECT_EQ(row(record, "csat-with-axis", "vf").at("max").at("additions"), 29);
+  EXPECT_EQ(row(record, "csat-with-axis", "ee").at("max").at("multiplications"), 21);
   // Four vertices at two times, and differences between one point and two others.
-  EXPECT_EQ(row(record, "csat-element", "vf").at("most").at("multiplications"), 24);
-  EXPECT_EQ(row(record, "csat-element", "ee").at("most").at("multiplications"), 48);
-  EXPECT_EQ(row(record, "csat-element-with-axis", "vf").at("most").at("multiplications"), 30);
+  EXPECT_EQ(row(record, "csat-element", "vf").at("max").at("multiplications"), 24);
+  EXPECT_EQ(row(record, "csat-element", "ee").at("max").at("multiplications"), 48);
+  EXPECT_EQ(row(record, "csat-element-with-axis", "vf").at("max").at("multiplications"), 30);
   // Six differences of points and two of vectors, three cross products and their sum, six dot products and two sums.
   for (const char* kind : {"vf", "ee"}) {
-    EXPECT_EQ(row(record, "coplanarity", kind).at("most").at("additions"), 53);
-    EXPECT_EQ(row(record, "coplanarity", kind).at("most").at("multiplications"), 36);
+    EXPECT_EQ(row(record, "coplanarity", kind).at("max").at("additions"), 53);
+    EXPECT_EQ(row(record, "coplanarity", kind).at("max").at("multiplications"), 36);
     EXPECT_GT(row(record, "coplanarity", kind).at("positive"), row(record, "coplanarity-element", kind).at("positive"));
   }
   // All four triangles and six edges of a tetrahedron, whatever the first of them says: at least two dot products each.
   for (const auto& [kind, features] : {std::pair("vf", 4.0), std::pair("ee", 6.0)}) {
     EXPECT_GE(row(record, "coplanarity-element", kind).at("multiplications").get<double>(), features * 15);
-    EXPECT_LE(row(record, "coplanarity-element", kind).at("most").at("multiplications").get<double>(), features * 36);
+    EXPECT_LE(row(record, "coplanarity-element", kind).at("max").at("multiplications").get<double>(), features * 36);
   }
   EXPECT_EQ(row(record, "coplanarity", "vf").at("paper").at("over_csat"), 2);
   EXPECT_EQ(row(record, "coplanarity-element", "vf").at("paper").at("over_csat"), 6);

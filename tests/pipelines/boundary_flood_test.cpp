@@ -347,7 +347,7 @@ TEST(BoundaryFlood, PairsTheBoundaryAndSuspectStars) {
 /// A flood that gives up every step with contacts gives the results of the other stages, overlaps included.
 TEST(BoundaryFlood, GivesUpWithoutLosingAnything) {
   PipelineSpec spec = spec_of("boundary-flood");
-  spec.flood->options["most_pairs"] = "0";
+  spec.flood->options["max_pairs"] = "0";
   std::size_t contacts = 0;
   for (std::uint64_t seed = 500; seed < 505; ++seed) {
     const FloodScene scene = FloodScenes(seed).make();

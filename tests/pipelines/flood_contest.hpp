@@ -19,10 +19,10 @@ inline PipelineSpec spec_of(const char* flood) {
   PipelineSpec spec = registry().pipeline("VolCCD+");
   registry().apply_setting(spec, std::string("flood=") + flood);
   if (spec.flood)
-    spec.flood->options = {{"most_boundary", "1"},
-                           {"most_divided", "1"},
-                           {"most_suspect", "1"},
-                           {"most_pairs", "1e9"}};  // no step is left to the other stages
+    spec.flood->options = {{"max_boundary_fraction", "1"},
+                           {"max_divided_fraction", "1"},
+                           {"max_suspect_fraction", "1"},
+                           {"max_pairs", "1e9"}};  // no step is left to the other stages
   spec.narrow_phase = {"inclusion", {{"undecided", "exact"}}};
   return spec;
 }

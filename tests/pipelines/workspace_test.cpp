@@ -124,7 +124,7 @@ TEST(ThreadsWorkspace, CountsEachStepByItself) {
     Topology topology(shape.mesh());
     Random random(5);
     std::vector<ElementSpec> out;
-    std::uint64_t most_degenerate = 0, least_degenerate = ~std::uint64_t{0};
+    std::uint64_t max_degenerate = 0, min_degenerate = ~std::uint64_t{0};
     for (std::size_t i = 0; i < 12; ++i) {
       const ObjectFilter filter = i % 5 == 3 ? ObjectFilter(PairScope::intra) : ObjectFilter();
       const Step step{topology, motions[i % motions.size()], filter};
@@ -137,11 +137,11 @@ TEST(ThreadsWorkspace, CountsEachStepByItself) {
       expect_same_contacts(with_fresh, with_kept, what);
       EXPECT_TRUE(with_fresh.initial_overlaps == with_kept.initial_overlaps) << what;
       if (request.query == Query::all) expect_same_counts(with_fresh.statistics, with_kept.statistics, what);
-      most_degenerate = std::max(most_degenerate, with_fresh.statistics.degenerate);
-      least_degenerate = std::min(least_degenerate, with_fresh.statistics.degenerate);
+      max_degenerate = std::max(max_degenerate, with_fresh.statistics.degenerate);
+      min_degenerate = std::min(min_degenerate, with_fresh.statistics.degenerate);
       if (i % 3 == 2) edit(topology, shape, random, out);
     }
-    EXPECT_TRUE(spec.narrow_phase.name != "cubic" || least_degenerate < most_degenerate) << "the scenes show nothing";
+    EXPECT_TRUE(spec.narrow_phase.name != "cubic" || min_degenerate < max_degenerate) << "the scenes show nothing";
   }
 }
 
@@ -223,7 +223,7 @@ TEST(Workspace, ASteadyStepAllocatesNothingButItsResult) {
       PipelineSpec spec = registry().pipeline(flood ? "VolCCD+" : name);
       if (flood)
         spec.flood->options = {
-            {"most_boundary", "1"}, {"most_divided", "1"}, {"most_suspect", "1"}, {"most_pairs", "1e9"}};
+            {"max_boundary_fraction", "1"}, {"max_divided_fraction", "1"}, {"max_suspect_fraction", "1"}, {"max_pairs", "1e9"}};
       const Pipeline pipeline(registry(), spec);
       EXPECT_EQ(steady_allocations(pipeline, block(type, 5, 5, 4), serial), steady_allocations(pipeline, tiny, serial))
           << name << ", " << to_string(type);

@@ -139,9 +139,9 @@ TEST_F(Harness, GoesOnWhereItWasStopped) {
   }
   RecordFile record(folder_ / "", "r", {{"a", 1}});
   EXPECT_EQ(record.resumed(), 1u);
-  std::size_t least = 100;
-  run_experiment(registry_, two, serial, record, [&](std::size_t done, std::size_t) { least = std::min(least, done); });
-  EXPECT_EQ(least, 4u) << "the first window ran again";
+  std::size_t min = 100;
+  run_experiment(registry_, two, serial, record, [&](std::size_t done, std::size_t) { min = std::min(min, done); });
+  EXPECT_EQ(min, 4u) << "the first window ran again";
   EXPECT_EQ(record.rows().size(), 8u);
 }
 

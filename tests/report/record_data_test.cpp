@@ -56,8 +56,8 @@ TEST(ReportRecords, PointsAreMediansOverRounds) {
   const json& columns = points.at("columns");
   ASSERT_EQ(2u, columns.at("seconds").size());
   EXPECT_EQ(1.2, columns.at("seconds")[0]);
-  EXPECT_EQ(0.4, columns.at("seconds_least")[0]);
-  EXPECT_EQ(2.5, columns.at("seconds_most")[1]);
+  EXPECT_EQ(0.4, columns.at("seconds_min")[0]);
+  EXPECT_EQ(2.5, columns.at("seconds_max")[1]);
   EXPECT_EQ(3, columns.at("rounds")[0]);
   EXPECT_EQ(0.75, columns.at("narrow_phase_s")[1]);
   EXPECT_EQ("s", points.at("texts")[columns.at("scene")[0].get<std::size_t>()]);

@@ -206,7 +206,7 @@ TEST_F(SmallSceneExport, ThinnedPairsDependOnNoNumberOfWorkers) {
 TEST_F(SmallSceneExport, PairsTakeASixthOfTheScriptAtMost) {
   SceneExportConfig config;
   config.pipeline = registry_.pipeline("VolCCD");
-  const auto most = [&](std::size_t max_bytes) {
+  const auto max = [&](std::size_t max_bytes) {
     config.max_bytes = max_bytes;
     std::size_t shown = 0;
     const Decoded d = decode(run(config).script);
@@ -219,8 +219,8 @@ TEST_F(SmallSceneExport, PairsTakeASixthOfTheScriptAtMost) {
     EXPECT_LE(base64(deflated(bytes)).size(), max_bytes / 6 + 2) << "base64 rounds up to whole groups";
     return shown;
   };
-  EXPECT_EQ(config.max_pairs, most(10'000'000));
-  const std::size_t few = most(30'000);
+  EXPECT_EQ(config.max_pairs, max(10'000'000));
+  const std::size_t few = max(30'000);
   EXPECT_GT(config.max_pairs / 2, few);
   EXPECT_LT(1u, few) << "one pair is drawn even if it takes more";
 }

@@ -71,10 +71,10 @@ TEST(BuiltinScene, MovesAFewEdgesAStep) {
   for (int k = 0; k + 1 < scene->frames(); ++k) {
     scene->positions(k, x0);
     scene->positions(k + 1, x1);
-    double most = 0;
-    for (std::size_t v = 0; v < x0.size(); ++v) most = std::max(most, (x1[v] - x0[v]).norm());
-    EXPECT_GT(most, 0.2);
-    EXPECT_LT(most, 0.8);
+    double max = 0;
+    for (std::size_t v = 0; v < x0.size(); ++v) max = std::max(max, (x1[v] - x0[v]).norm());
+    EXPECT_GT(max, 0.2);
+    EXPECT_LT(max, 0.8);
   }
 }
 

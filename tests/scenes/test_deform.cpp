@@ -29,9 +29,9 @@ std::vector<Vec3> last_frame(const Shape& mesh, DeformMotion motion) {
 
 double largest_move(const Scene& scene, int k) {
   const std::vector<Vec3> x0 = frame(scene, k), x1 = frame(scene, k + 1);
-  double most = 0;
-  for (std::size_t v = 0; v < x0.size(); ++v) most = std::max(most, (x1[v] - x0[v]).norm());
-  return most;
+  double max = 0;
+  for (std::size_t v = 0; v < x0.size(); ++v) max = std::max(max, (x1[v] - x0[v]).norm());
+  return max;
 }
 
 TEST(Deform, FirstFrameIsTheMeshItself) {
@@ -94,10 +94,10 @@ TEST(Deform, JitterStaysWithinItsAmountAndDependsOnTheSeed) {
   const auto other = make_deform(mesh, {.motions = {{DeformKind::jitter, 0.25}}, .steps = 4, .seed = 2});
   for (int k = 1; k < 4; ++k) {
     const std::vector<Vec3> x = frame(*one, k);
-    double most = 0;
-    for (std::size_t v = 0; v < x.size(); ++v) most = std::max(most, (x[v] - mesh.positions[v]).cwiseAbs().maxCoeff());
-    EXPECT_LE(most, reach);
-    EXPECT_GT(most, 0.9 * reach);
+    double max = 0;
+    for (std::size_t v = 0; v < x.size(); ++v) max = std::max(max, (x[v] - mesh.positions[v]).cwiseAbs().maxCoeff());
+    EXPECT_LE(max, reach);
+    EXPECT_GT(max, 0.9 * reach);
     EXPECT_NE(x, frame(*other, k));
     EXPECT_NE(x, frame(*one, k - 1));
   }

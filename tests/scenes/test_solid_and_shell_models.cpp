@@ -36,17 +36,17 @@ constexpr std::size_t kNext[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
 
 /// The least value, over all corners, of the volume spanned by the edges divided by the product of their lengths: 1 for
 /// right angles.
-double least_scaled_jacobian(const Model& model) {
-  double least = 1;
+double min_scaled_jacobian(const Model& model) {
+  double min = 1;
   for (Index o = 0; o < model.mesh.element_slots(); ++o)
     for (std::size_t c = 0; c < 8; ++c) {
       const auto v = model.mesh.vertices(o);
       const auto edge = [&](std::size_t k) -> Vec3 {
         return (model.positions[v[kNext[c][k]]] - model.positions[v[c]]).normalized();
       };
-      least = std::min(least, edge(0).cross(edge(1)).dot(edge(2)));
+      min = std::min(min, edge(0).cross(edge(1)).dot(edge(2)));
     }
-  return least;
+  return min;
 }
 
 /// Numbers of elements at each edge by direction: [0] from the lower to the higher vertex, [1] the reverse. For
@@ -154,7 +154,7 @@ TEST(BulletModel, HexahedraAreSoundAtEverySize) {
   for (const int elements : {kBulletQuickElements, 4'000, kBulletElements}) {
     const Model model = bullet_model(elements);
     expect_about(model, elements);
-    EXPECT_GT(least_scaled_jacobian(model), 0.3) << elements;
+    EXPECT_GT(min_scaled_jacobian(model), 0.3) << elements;
     EXPECT_EQ(pieces(model.mesh), 2u);
   }
 }

@@ -65,13 +65,13 @@ TEST(Tools, AFunnelHasSixWallsThatFaceTheOrigin) {
   EXPECT_NEAR(expect_conforming(funnel_of_it), base * 0.01 / std::cos(0.7), 1e-9);
   std::size_t inside = 0;
   for (const Vec3& p : funnel_of_it.positions) {
-    double least = 1;
+    double min = 1;
     for (int i = 0; i < 6; ++i) {
       const double a = i * M_PI / 3;
-      least = std::min(least, Vec3(std::sin(0.7) * std::cos(a), std::sin(0.7) * std::sin(a), std::cos(0.7)).dot(p));
+      min = std::min(min, Vec3(std::sin(0.7) * std::cos(a), std::sin(0.7) * std::sin(a), std::cos(0.7)).dot(p));
     }
-    EXPECT_TRUE(std::abs(least + 0.3) < 1e-12 || std::abs(least + 0.31) < 1e-12) << least;
-    inside += least > -0.305;
+    EXPECT_TRUE(std::abs(min + 0.3) < 1e-12 || std::abs(min + 0.31) < 1e-12) << min;
+    inside += min > -0.305;
     EXPECT_LE(p.z(), 1e-12);
   }
   EXPECT_EQ(2 * inside, funnel_of_it.positions.size());

@@ -64,12 +64,12 @@ TEST(ElementBreaking, CutsAHexahedronAcrossTheTension) {
     EXPECT_EQ(body.topology.features().triangle_count(), 14u) << "and the plane's two";
     for (Index o : body.elements()) {
       EXPECT_NEAR(solid_volume(body, o), 0.5, 1e-15);
-      double least = 1, most = -1;
+      double min = 1, max = -1;
       for (Index v : body.mesh().vertices(o)) {
         const double at = normal.dot(body.x[v]);
-        least = std::min(least, at), most = std::max(most, at);
+        min = std::min(min, at), max = std::max(max, at);
       }
-      EXPECT_TRUE(least == 0 || most == 0) << "on one side of the plane";
+      EXPECT_TRUE(min == 0 || max == 0) << "on one side of the plane";
     }
     EXPECT_TRUE(propose(body, normal).empty()) << "a wedge does not break";
   }

@@ -40,9 +40,9 @@ Body random_block(std::uint64_t seed) {
 
 void expect_sound(const Body& body, double volume, double area, const Cut& cut, double depth) {
   EXPECT_NEAR(total_volume(body), volume, 1e-12 * volume);
-  EXPECT_GT(least_volume(body), 0);
+  EXPECT_GT(min_volume(body), 0);
   const Boundary boundary = boundary_of(body);
-  EXPECT_LE(boundary.most_elements, 2);
+  EXPECT_LE(boundary.max_elements, 2);
   EXPECT_TRUE(boundary.pairs);
   // A face that does not match a face of its neighbour would be on the boundary, and count as an outer face.
   EXPECT_NEAR(boundary.outer_area, area, 1e-10 * area);
@@ -60,14 +60,14 @@ TEST(ElementCutting, FullCutPartsABlockOfAnyShapeInTwo) {
     Random random(seed);
     const Cut cut = random_cut(random);
     const double volume = total_volume(body), area = boundary_of(body).outer_area;
-    const double least = std::pow(kSnap, 3) * least_volume(body);
+    const double min = std::pow(kSnap, 3) * min_volume(body);
     const Vec3 before = momentum(body, tet_masses(body));
     const TopologyProposal proposal = propose_cut(body.topology, body.x, cut, cut.length, kSnap);
     EXPECT_FALSE(proposal.shapes_of_parents);
     body.apply(proposal);
     expect_sound(body, volume, area, cut, cut.length);
     EXPECT_EQ(components(body).size(), 2u);
-    EXPECT_GT(least_volume(body), least) << "a tetrahedron is bisected three times at most, none of them near its end";
+    EXPECT_GT(min_volume(body), min) << "a tetrahedron is bisected three times at most, none of them near its end";
     for (const auto& half : components(body)) EXPECT_EQ(euler_characteristic(body, half), 1);
     EXPECT_NEAR((momentum(body, tet_masses(body)) - before).norm(), 0, 1e-12 * volume);
     EXPECT_TRUE(propose_cut(body.topology, body.x, cut, cut.length, kSnap).empty());
@@ -82,7 +82,7 @@ TEST(ElementCutting, BladeThatAdvancesPartsWhatItHasPassed) {
     Random random(seed);
     const Cut cut = random_cut(random);
     const double volume = total_volume(body), area = boundary_of(body).outer_area;
-    const double least = std::pow(kSnap, 3) * least_volume(body);
+    const double min = std::pow(kSnap, 3) * min_volume(body);
     double parted = 0;
     bool partly = false;
     for (double depth = 0; depth < 8; depth += 0.47) {
@@ -90,7 +90,7 @@ TEST(ElementCutting, BladeThatAdvancesPartsWhatItHasPassed) {
       body.apply(propose_cut(body.topology, body.x, cut, depth, kSnap));
       expect_sound(body, volume, area, cut, depth);
       EXPECT_TRUE(propose_cut(body.topology, body.x, cut, depth, kSnap).empty());
-      EXPECT_GT(least_volume(body), least);
+      EXPECT_GT(min_volume(body), min);
       const double now = boundary_of(body).parted_area;
       EXPECT_GE(now, parted - 1e-12);
       partly |= now > parted && components(body).size() == 1;
@@ -156,7 +156,7 @@ TEST(ElementCutting, CrossingCutsMakeFourQuarters) {
     for (const Cut& cut : {level_cut(), second}) body.apply(propose_cut(body.topology, body.x, cut, depth, kSnap));
   EXPECT_EQ(components(body).size(), 4u);
   EXPECT_NEAR(total_volume(body), volume, 1e-12 * volume);
-  EXPECT_GT(least_volume(body), 0);
+  EXPECT_GT(min_volume(body), 0);
   // The second cut divides both sides of the first one, each by its own numbering, so that they need not match any
   // more.
   for (const auto& quarter : components(body)) EXPECT_EQ(euler_characteristic(body, quarter), 1);

@@ -52,10 +52,10 @@ inline double total_volume(const Body& body) {
   return sum;
 }
 
-inline double least_volume(const Body& body) {
-  double least = 1e300;
-  for (Index o : body.elements()) least = std::min(least, tet_volume(body, o));
-  return least;
+inline double min_volume(const Body& body) {
+  double min = 1e300;
+  for (Index o : body.elements()) min = std::min(min, tet_volume(body, o));
+  return min;
 }
 
 /// Sets of elements that are connected by vertices.
@@ -78,7 +78,7 @@ inline std::vector<std::vector<Index>> components(const Body& body) {
 /// The boundary of a body of tetrahedra. Where a boundary face coincides with another one, the body has been separated.
 struct Boundary {
   double outer_area = 0, parted_area = 0;  ///< both sides of a separated face count
-  int most_elements = 0;                   ///< of the elements at one face
+  int max_elements = 0;                   ///< of the elements at one face
   bool pairs = true;                       ///< coinciding faces occur in pairs with opposite orientations
   std::vector<std::array<Vec3, 3>> parted;
 };
@@ -97,7 +97,7 @@ inline Boundary boundary_of(const Body& body) {
   Boundary result;
   std::map<std::vector<std::array<double, 3>>, std::vector<std::array<Vec3, 3>>> by_place;
   for (const auto& [key, users] : faces) {
-    result.most_elements = std::max(result.most_elements, static_cast<int>(users.size()));
+    result.max_elements = std::max(result.max_elements, static_cast<int>(users.size()));
     if (users.size() != 1) continue;
     std::array<Vec3, 3> corners;
     std::vector<std::array<double, 3>> place;

@@ -121,8 +121,8 @@ TEST(NodeMerging, WeldsBlocksFaceToFaceInSteps) {
     EXPECT_EQ(used.size(), 2 * n - 16);
     EXPECT_EQ(components(body).size(), 1u);
     if (type != ElementType::tetrahedron) continue;
-    EXPECT_LE(boundary_of(body).most_elements, 2);
-    EXPECT_GT(least_volume(body), 0);
+    EXPECT_LE(boundary_of(body).max_elements, 2);
+    EXPECT_GT(min_volume(body), 0);
     EXPECT_LT(boundary_of(body).outer_area, 2 * (2 * 9 + 4 * 6) - 17);  // both faces of 9 are interior now
   }
 }

@@ -141,9 +141,9 @@ class Loop {
   }
 
   double greatest_force() const {
-    double most = 0;
-    for (const Vec3& f : force) most = std::max(most, f.norm());
-    return most;
+    double max = 0;
+    for (const Vec3& f : force) max = std::max(max, f.norm());
+    return max;
   }
 
   Model model;

@@ -121,10 +121,10 @@ TEST(NodeSplitting, FailsByPlasticStrainToo) {
 TEST(NodeSplitting, PlasticStrainAloneDoesNotPartWhatIsPressedTogether) {
   Body body(block(ElementType::hexahedron, 3, 3, 3));
   VertexStress pressed{Eigen::Matrix3d::Zero(), 2 * 0.5, 2};
-  for (const double most : {-1.0, 0.0}) {
-    pressed.stress.diagonal() = Vec3(-3, most, -2);
+  for (const double max : {-1.0, 0.0}) {
+    pressed.stress.diagonal() = Vec3(-3, max, -2);
     const std::vector<VertexStress> stress(body.x.size(), pressed);
-    EXPECT_TRUE(propose_splitting(body.topology, brittle(kNever, 0.3), body.x, stress).empty()) << most;
+    EXPECT_TRUE(propose_splitting(body.topology, brittle(kNever, 0.3), body.x, stress).empty()) << max;
   }
   pressed.stress.diagonal() = Vec3(-3, 0.1, -2);
   const std::vector<VertexStress> stress(body.x.size(), pressed);

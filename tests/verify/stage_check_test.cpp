@@ -128,7 +128,7 @@ INSTANTIATE_TEST_SUITE_P(All, StageOfTheLibrary, testing::ValuesIn(all_names()),
 /// Most stars of the generated meshes may fold, so that the O-Set provides the orphans unless it is told not to.
 TEST(StageCheck, StarOrphansKeepTheirPromisesWithoutTheOSet) {
   StageCheckConfig config = quick(2000);
-  config.options = {{"most_suspect", "1"}};
+  config.options = {{"max_suspect_fraction", "1"}};
   const StageReport report = check_stage(test::all_stages(), "star-orphans", config);
   EXPECT_TRUE(report.kept()) << text_of(report);
 }

@@ -224,12 +224,12 @@ def check_repeated_vertices(step, file):
         cells = np.flatnonzero(step.types == kind)
         members = np.sort(step.connectivity[step.offsets[cells][:, None] + np.arange(nodes)], axis=1)
         distinct = 1 + (np.diff(members, axis=1) != 0).sum(axis=1)
-        least = 3 if kind < 10 else 4
-        bad = first_bad(distinct < least)
+        minimum = 3 if kind < 10 else 4
+        bad = first_bad(distinct < minimum)
         if bad is not None:
             cell = int(cells[bad])
             name = "" if step.cell_ids is None else f" (cell id {step.cell_ids[cell]})"
-            raise BadInput(file, "cells", f"has {distinct[bad]} distinct vertices, an element has at least {least}{name}", cell)
+            raise BadInput(file, "cells", f"has {distinct[bad]} distinct vertices, an element has at minimum {minimum}{name}", cell)
         repeated += int((distinct < nodes).sum())
     if repeated:
         step.notes.append(f"{repeated} cells have a vertex more than once, and stand for elements with fewer")

@@ -17,7 +17,7 @@ void AdjacentLeaves::clear() {
 
 void AdjacentLeaves::update(const ElementList& list, Index elements, Index leaf_size, const Topology& topology,
                             Executor& executor) {
-  if (elements > kMostElements) return clear();
+  if (elements > kMaxElements) return clear();
   const Index leaves = (elements + leaf_size - 1) / leaf_size, blocks = (elements + kBlock - 1) / kBlock;
   if (elements_ == elements && forgotten_ <= leaves / kForgottenDenominator) return;
   elements_ = elements;

@@ -33,7 +33,7 @@ class AdjacentLeaves {
 
   /// Makes the table for the first `elements` positions anew, unless it has most of their leaves. The time is
   /// proportional to the number of pairs of adjacent elements, divided by the number of threads. Has no leaves if
-  /// there are more than kMostElements. Pre: leaf_size <= kMaskRow.
+  /// there are more than kMaxElements. Pre: leaf_size <= kMaskRow.
   void update(const ElementList& list, Index elements, Index leaf_size, const Topology& topology, Executor& executor);
 
   /// Removes the leaves of these positions, whose elements were reordered, from the table.
@@ -49,7 +49,7 @@ class AdjacentLeaves {
   std::size_t bytes() const { return heap_bytes(blocks_, begins_, sizes_, known_, places_, scratch_); }
 
  private:
-  static constexpr Index kMostElements = kNone / kMaskRow;  ///< so that places_ do not overflow
+  static constexpr Index kMaxElements = kNone / kMaskRow;  ///< so that places_ do not overflow
   static constexpr Index kBlock = 1024;  ///< number of positions; the rows of the leaves there are stored together
 
   struct Block {

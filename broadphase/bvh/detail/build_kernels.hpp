@@ -55,11 +55,11 @@ struct BuildBins {
 
   /// `keys`: the range of the keys. An axis on which it is a point or overflows is not divided.
   explicit BuildBins(const BuildBox& keys) {
-    constexpr double most = std::numeric_limits<float>::max();
+    constexpr double max = std::numeric_limits<float>::max();
     for (std::size_t c = 0; c < 3; ++c)
-      if (keys.extent(c) > 0 && keys.extent(c) <= 2 * most) {
+      if (keys.extent(c) > 0 && keys.extent(c) <= 2 * max) {
         first[c] = keys.ends[c];
-        scale[c] = static_cast<float>(std::min(kCount / keys.extent(c), most));
+        scale[c] = static_cast<float>(std::min(kCount / keys.extent(c), max));
       }
   }
   bool none() const { return scale[0] == 0 && scale[1] == 0 && scale[2] == 0; }

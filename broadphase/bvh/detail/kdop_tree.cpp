@@ -16,7 +16,7 @@ constexpr std::size_t max_added(std::size_t built) { return built / kAddedDenomi
 /// Rows of vertices for elements with at most `vertices` vertices; 0 if they are too many for rows.
 int vertex_rows_for(std::size_t vertices) { return vertices <= 4 ? 4 : vertices <= 8 ? 8 : 0; }
 /// Subtrees with fewer elements are not restructured separately.
-constexpr Index kLeastRestructured = 64;
+constexpr Index kMinRestructured = 64;
 constexpr std::size_t kElementsPerTask = 4096;
 
 double ratio(const TreeCost& cost) { return cost.elements > 0 ? cost.nodes / cost.elements : 0; }
@@ -51,9 +51,9 @@ void KdopTree::add_tree(Index begin, const BoundsTable& vertices, Executor& exec
     depth_ = std::max(depth_, build_subtree({first, begin, end, 0}, vertices, scratch_[0], executor));
   }
   find_blocks();
-  std::size_t most = 0;
-  for (std::size_t p = begin; p < end; ++p) most = std::max(most, list_.vertices(p).size());
-  const int rows = vertex_rows_for(most);
+  std::size_t max = 0;
+  for (std::size_t p = begin; p < end; ++p) max = std::max(max, list_.vertices(p).size());
+  const int rows = vertex_rows_for(max);
   const bool fits = begin > 0 && (lane_vertices_ == 0 || (rows != 0 && rows <= lane_vertices_));
   fits ? fill_lanes(begin, end, executor) : make_lanes(executor);
   end_lanes();
@@ -100,9 +100,9 @@ int KdopTree::build_subtree(const TreeBuilder::Subtree& subtree, const BoundsTab
 
 /// Allocates the rows, with room for what edits may add, and fills them for the whole list.
 void KdopTree::make_lanes(Executor& executor) {
-  std::size_t most = 0;
-  for (std::size_t p = 0; p < list_.size(); ++p) most = std::max(most, list_.vertices(p).size());
-  lane_vertices_ = vertex_rows_for(most);
+  std::size_t max = 0;
+  for (std::size_t p = 0; p < list_.size(); ++p) max = std::max(max, list_.vertices(p).size());
+  lane_vertices_ = vertex_rows_for(max);
   lane_stride_ = built_elements_ + max_added(built_elements_) + LeafLanes::kPadding;
   lanes_.resize(lane_stride_ * static_cast<std::size_t>(1 + lane_vertices_));
   fill_lanes(0, list_.size(), executor);
@@ -132,9 +132,9 @@ void KdopTree::fill_lane(std::size_t p) {
 void KdopTree::find_blocks() {
   blocks_.clear();
   upper_.clear();
-  const Index most = std::max<Index>(1024, static_cast<Index>(list_.size() / 64));
+  const Index max = std::max<Index>(1024, static_cast<Index>(list_.size() / 64));
   for (Index root = 0; root < nodes_.size();) {
-    if (nodes_[root].size() <= most) {
+    if (nodes_[root].size() <= max) {
       blocks_.push_back(root);
       root = subtree_end(root);
     } else {
@@ -162,7 +162,7 @@ void KdopTree::note_costs(Index node) {
 /// grown too much, unless only one child is the cause.
 void KdopTree::collect_degraded(Index node, int depth, double degradation) {
   const TreeNode& n = nodes_[node];
-  if (n.right == 0 || n.size() < kLeastRestructured) return;
+  if (n.right == 0 || n.size() < kMinRestructured) return;
   const auto excess = [&](Index i) {
     return costs_[i].nodes - static_cast<double>(built_ratios_[i]) * costs_[i].elements;
   };
@@ -171,7 +171,7 @@ void KdopTree::collect_degraded(Index node, int depth, double degradation) {
   };
   if (degraded(node)) {
     const Index culprit = excess(node + 1) > excess(n.right) ? node + 1 : n.right;
-    if (nodes_[culprit].size() >= kLeastRestructured && degraded(culprit) && excess(culprit) >= 0.75 * excess(node))
+    if (nodes_[culprit].size() >= kMinRestructured && degraded(culprit) && excess(culprit) >= 0.75 * excess(node))
       return collect_degraded(culprit, depth + 1, degradation);
     degraded_.push_back({node, depth});
     return;

@@ -40,7 +40,7 @@ struct LeafLanes {
 
 class KdopTree {
  public:
-  static constexpr int kMostLeafSize = AdjacentLeaves::kMaskRow;
+  static constexpr int kMaxLeafSize = AdjacentLeaves::kMaskRow;
 
   /// Builds a tree with bounds over all elements that take part in the step. `vertices` are the bounds of the vertices
   /// for this step.

@@ -10,10 +10,10 @@ namespace volccd::detail {
 namespace {
 
 /// Ranges with fewer items are split at the median.
-constexpr Index kLeastBinned = 32;
+constexpr Index kMinBinned = 32;
 constexpr std::size_t kBins = BuildBins::kCount;
-/// A range that several threads split has at most kMostChunks chunks, of about kLeastChunk items or more.
-constexpr Index kLeastChunk = 1024, kMostChunks = 64;
+/// A range that several threads split has at most kMaxChunks chunks, of about kMinChunk items or more.
+constexpr Index kMinChunk = 1024, kMaxChunks = 64;
 
 double cost_of(const BuildBins::Bin& bin) { return bin.box.half_area() * static_cast<double>(bin.count); }
 
@@ -60,7 +60,7 @@ int TreeBuilder::build(const ElementList& list, const BoundsTable& vertices, con
       ++i;
       continue;
     }
-    chunks_.resize(std::clamp<Index>(size / kLeastChunk, 1, kMostChunks));
+    chunks_.resize(std::clamp<Index>(size / kMinChunk, 1, kMaxChunks));
     const Subtree right = split(tasks_[i], chunks_, nodes, executor);
     tasks_.push_back(right);
   }
@@ -129,7 +129,7 @@ TreeBuilder::Subtree TreeBuilder::split(Subtree& range, std::span<Chunk> chunks,
   std::size_t widest = 0;
   for (std::size_t c = 1; c < 3; ++c)
     if (keys.extent(c) > keys.extent(widest)) widest = c;
-  const bool binned = range.end - range.begin >= kLeastBinned && !bins.none();
+  const bool binned = range.end - range.begin >= kMinBinned && !bins.none();
   const Index middle = binned ? split_bins(range, bins, chunks, executor) : split_at_median(range, widest);
   const Index left_nodes = tree_nodes(middle - range.begin, leaf_size_);
   const Subtree right{range.node + 1 + left_nodes, middle, range.end, range.depth + 1, 1 - range.side};
@@ -144,15 +144,15 @@ Index TreeBuilder::split_at_median(const Subtree& range, std::size_t axis) {
   const Index middle = (count + leaf_size_ - 1) / leaf_size_ / 2 * leaf_size_;
   const BuildItem* const items = items_[range.side].get() + range.begin;
   BuildItem* const out = items_[1 - range.side].get() + range.begin;
-  if (count >= kLeastBinned) {
+  if (count >= kMinBinned) {
     std::copy_n(items, count, out);
     std::nth_element(out, out + middle, out + count,
                      [axis](const BuildItem& x, const BuildItem& y) { return x.box.key(axis) < y.box.key(axis); });
     return range.begin + middle;
   }
   // All pairs are compared, because branches that depend on the keys would be mispredicted.
-  std::array<float, kLeastBinned> keys;
-  std::array<Index, kLeastBinned> ranks;
+  std::array<float, kMinBinned> keys;
+  std::array<Index, kMinBinned> ranks;
   for (Index j = 0; j < count; ++j) {
     keys[j] = items[j].box.key(axis);
     Index later = 0;  // number of preceding items with a greater key
@@ -182,8 +182,8 @@ Index TreeBuilder::split_bins(const Subtree& range, const BuildBins& bins, std::
       for (std::size_t b = 0; b < kBins; ++b) add(sums[b], chunk.bins[c][b]);
     sweep_bins(chunks.size() > 1 ? sums : chunks[0].bins[c], c, leaf_size_, best);
   }
-  const Index least = std::max<Index>(1, leaves / 8);
-  const Index middle = range.begin + std::clamp(best.left_leaves, least, leaves - least) * leaf_size_;
+  const Index min = std::max<Index>(1, leaves / 8);
+  const Index middle = range.begin + std::clamp(best.left_leaves, min, leaves - min) * leaf_size_;
   partition(range, bins, best.axis, middle, chunks, executor);
   return middle;
 }

@@ -15,8 +15,8 @@ constexpr std::size_t kGrain = 2048;
 /// Only elements beyond this quantile of extents may be large; the cell size is such that the others never are.
 constexpr double kLargeQuantile = 0.995;
 /// A box with an extent of this many cells overlaps at most six cells per axis, 216 in total, which is less than
-/// SpatialHash::kMostCells.
-constexpr double kMostExtent = 5;
+/// SpatialHash::kMaxCells.
+constexpr double kMaxExtent = 5;
 /// Cell coordinates are clamped to this magnitude, so that they and their differences fit in 32 bits.
 constexpr double kFarthest = 1 << 30;
 
@@ -40,10 +40,10 @@ void HashGrid::visit_cells(std::size_t position, Visit&& visit) const {
     }
 }
 
-void HashGrid::build(const BoundsTable& bounds, std::size_t elements, double cell_size, std::int64_t most_cells,
+void HashGrid::build(const BoundsTable& bounds, std::size_t elements, double cell_size, std::int64_t max_cells,
                      Executor& executor) {
   choose_cell(bounds, elements, cell_size, executor);
-  find_cells(bounds, elements, most_cells, executor);
+  find_cells(bounds, elements, max_cells, executor);
 
   // Counting sort by bucket. The prefix sums are first the ends of the buckets; filling each bucket from its end turns
   // them into the beginnings.
@@ -94,12 +94,12 @@ void HashGrid::choose_cell(const BoundsTable& bounds, std::size_t elements, doub
   const auto last = static_cast<std::ptrdiff_t>(static_cast<double>(elements - 1) * kLargeQuantile);
   const auto large = std::max(median, extents_.begin() + last);
   std::nth_element(median, large, extents_.end());
-  double cell = std::max(*median * cell_size, *large / kMostExtent);
+  double cell = std::max(*median * cell_size, *large / kMaxExtent);
   if (!(cell > 0)) cell = 1;  // all boxes are points, for which any grid is suitable
   inverse_cell_ = 1 / cell;
 }
 
-void HashGrid::find_cells(const BoundsTable& bounds, std::size_t elements, std::int64_t most_cells,
+void HashGrid::find_cells(const BoundsTable& bounds, std::size_t elements, std::int64_t max_cells,
                           Executor& executor) {
   const auto width = static_cast<std::size_t>(bounds.width());
   cells_.resize(elements);
@@ -117,10 +117,10 @@ void HashGrid::find_cells(const BoundsTable& bounds, std::size_t elements, std::
       for (std::size_t c = 0; c < 3; ++c) {
         range.low[c] = cell_of(row[c]);
         const std::int64_t count = std::int64_t{cell_of(row[width + c])} - range.low[c] + 1;
-        range.count[c] = static_cast<std::int32_t>(std::min(count, most_cells + 1));
-        cells = std::min(cells, most_cells + 1) * range.count[c];
+        range.count[c] = static_cast<std::int32_t>(std::min(count, max_cells + 1));
+        cells = std::min(cells, max_cells + 1) * range.count[c];
       }
-      if (cells > most_cells) range.count = {0, 0, 0};
+      if (cells > max_cells) range.count = {0, 0, 0};
     }
   });
   large_.clear();

@@ -26,8 +26,8 @@ struct CellRange {
 class HashGrid {
  public:
   /// Builds the grid for `elements` boxes (axes 0 to 2 of the bounds). Elements that would be entered in more than
-  /// `most_cells` cells are listed in large() instead, at most one in 200.
-  void build(const BoundsTable& bounds, std::size_t elements, double cell_size, std::int64_t most_cells,
+  /// `max_cells` cells are listed in large() instead, at most one in 200.
+  void build(const BoundsTable& bounds, std::size_t elements, double cell_size, std::int64_t max_cells,
              Executor& executor);
 
   /// Bucket b contains the entries [begins()[b], begins()[b + 1]) in arbitrary order.
@@ -45,7 +45,7 @@ class HashGrid {
 
  private:
   void choose_cell(const BoundsTable& bounds, std::size_t elements, double cell_size, Executor& executor);
-  void find_cells(const BoundsTable& bounds, std::size_t elements, std::int64_t most_cells, Executor& executor);
+  void find_cells(const BoundsTable& bounds, std::size_t elements, std::int64_t max_cells, Executor& executor);
   template <class Visit>
   void visit_cells(std::size_t position, Visit&& visit) const;
 

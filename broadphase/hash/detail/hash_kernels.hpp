@@ -18,7 +18,7 @@ class BucketScratch {
   /// Reserves memory for buckets of up to `entries` entries.
   void reserve(std::size_t entries) {
     stride_ = std::max(stride_, entries + kPadding);
-    values_.resize(BoundsTable::kMostFloats * stride_);
+    values_.resize(BoundsTable::kMaxFloats * stride_);
     marks_.resize(3 * stride_);
     survivors_.resize(stride_);
   }

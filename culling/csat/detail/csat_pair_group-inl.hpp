@@ -68,30 +68,30 @@ class PairGroup {
   template <std::size_t kCount>
   HWY_INLINE PairLanes gap(const PairLanes3& axis, std::size_t lane) const {
     const std::size_t counts[2] = {kCount != 0 ? kCount : count_[0], kCount != 0 ? kCount : count_[1]};
-    PairLanes least = in_lanes(std::numeric_limits<float>::infinity());
+    PairLanes min = in_lanes(std::numeric_limits<float>::infinity());
     for (int c = 0; c < kControlPoints; ++c) {
       PairLanes high = dot(axis, point(0, 0, c, lane)), low = dot(axis, point(1, 0, c, lane));
       for (std::size_t v = 1; v < counts[0]; ++v) high = hn::Max(high, dot(axis, point(0, v, c, lane)));
       for (std::size_t v = 1; v < counts[1]; ++v) low = hn::Min(low, dot(axis, point(1, v, c, lane)));
-      least = hn::Min(least, hn::Sub(low, high));
+      min = hn::Min(min, hn::Sub(low, high));
     }
-    return least;
+    return min;
   }
 
   /// The same; also returns the difference b - a of the points at which the gap is smallest.
   HWY_INLINE PairLanes support(const PairLanes3& axis, std::size_t lane, PairLanes3& difference) const {
-    PairLanes least = in_lanes(std::numeric_limits<float>::infinity());
-    difference = {least, least, least};
+    PairLanes min = in_lanes(std::numeric_limits<float>::infinity());
+    difference = {min, min, min};
     const PairLanes3 back = {hn::Neg(axis.x), hn::Neg(axis.y), hn::Neg(axis.z)};
     for (int c = 0; c < kControlPoints; ++c) {
       PairLanes3 a, b;
       const PairLanes low = lowest(axis, 1, c, lane, b), minus_high = lowest(back, 0, c, lane, a);
       const PairLanes found = hn::Add(low, minus_high);
-      const PairMask nearer = hn::Lt(found, least);
-      least = hn::IfThenElse(nearer, found, least);
+      const PairMask nearer = hn::Lt(found, min);
+      min = hn::IfThenElse(nearer, found, min);
       difference = select(nearer, sub(b, a), difference);
     }
-    return least;
+    return min;
   }
 
  private:
@@ -145,8 +145,8 @@ class PairGroup {
 
   template <class LoadPoints>
   HWY_INLINE void gather(std::size_t side, std::size_t lane, const LoadPoints& load_points) {
-    const PairLanes least = in_lanes(kFloatLeastExtent), zero = in_lanes(0);
-    PairLanes3 extent = {least, least, least}, total = {zero, zero, zero};
+    const PairLanes min = in_lanes(kFloatMinExtent), zero = in_lanes(0);
+    PairLanes3 extent = {min, min, min}, total = {zero, zero, zero};
     for (std::size_t v = 0; v < count_[side]; ++v) {
       PairLanes3 x[kControlPoints];
       load_points(v, x);

@@ -26,16 +26,16 @@ constexpr float kFloatGreatestMagnitude = 0x1p100f;
 /// Gap along an axis L as in numerics/rounding.hpp, for differences that are computed in doubles and rounded once to
 /// floats:
 ///     T = float_gap_error_factor(n) * S + kFloatGapUnderflow [+ separation term],   S = |Lx| Dx + |Ly| Dy + |Lz| Dz
-/// where Dk = max(kFloatLeastExtent, max |xk - rk| as a float), and n levels of de Casteljau's algorithm are applied to
+/// where Dk = max(kFloatMinExtent, max |xk - rk| as a float), and n levels of de Casteljau's algorithm are applied to
 /// the floats.
 constexpr float float_gap_error_factor(int levels) { return static_cast<float>(10 + 6 * levels) * kFloatRoundoff; }
 constexpr float kFloatGapUnderflow = 0x1p-145f;
-constexpr float kFloatLeastExtent = 0x1p-126f;
+constexpr float kFloatMinExtent = 0x1p-126f;
 
 /// Compensates for rounding when a length is multiplied by a separation and added to a sum.
 constexpr float kFloatLengthSlack = 1 + 16 * kFloatRoundoff;
 /// For sums of squares below this value, the sum of absolute values replaces the length.
-constexpr float kFloatLeastSquare = 0x1p-100f;
+constexpr float kFloatMinSquare = 0x1p-100f;
 
 /// The separation as a float: at least `separation`, except for one relative rounding; infinite beyond the range of the
 /// kernels.
@@ -152,7 +152,7 @@ struct PairThreshold {
   /// An upper bound on the length, except for a rounding error for which kFloatLengthSlack compensates.
   static HWY_INLINE PairLanes length_bound(const PairLanes3& axis) {
     const PairLanes square = dot(axis, axis);
-    return hn::IfThenElse(hn::Gt(square, in_lanes(kFloatLeastSquare)), hn::Sqrt(square), norm1(axis));
+    return hn::IfThenElse(hn::Gt(square, in_lanes(kFloatMinSquare)), hn::Sqrt(square), norm1(axis));
   }
 };
 

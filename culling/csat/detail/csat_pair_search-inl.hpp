@@ -35,7 +35,7 @@ class PairSearch {
   static constexpr std::size_t kBlock = 256;
 
   PairSearch(const Csat::Config& config, const CsatFrame& frame, const Step& step)
-      : rounds_(config.axis == CsatAxis::optimal ? std::min(config.iterations, kMostRounds) : 1),
+      : rounds_(config.axis == CsatAxis::optimal ? std::min(config.iterations, kMaxRounds) : 1),
         step_(step),
         group_(frame, step) {}
 
@@ -56,7 +56,7 @@ class PairSearch {
   }
 
  private:
-  static constexpr int kMostRounds = 8;
+  static constexpr int kMaxRounds = 8;
   static constexpr int kEnough = 4;  ///< minimum number of pairs for a search in their group
 
   struct Vertices {
@@ -150,7 +150,7 @@ class PairSearch {
     const PairLanes scale = hn::Div(in_lanes(1), size);
     PairLanes3 axis = scaled(group_.centroid_difference(lane), scale), support;
     PairSimplex simplex(axis);
-    const PairMask in_range = hn::And(hn::Gt(size, in_lanes(kLeastSize)), hn::Lt(size, in_lanes(kGreatestSize)));
+    const PairMask in_range = hn::And(hn::Gt(size, in_lanes(kMinSize)), hn::Lt(size, in_lanes(kGreatestSize)));
     const PairLanes near = hn::Sub(hn::Mul(scale, in_lanes(0.999f * group_.separation())), in_lanes(1e-5f));
     std::uint32_t open = bits;
     bits &= lane_bits(in_range);
@@ -174,7 +174,7 @@ class PairSearch {
 
   /// Outside of this range of sizes, products of the search could underflow or overflow; these pairs are tested in
   /// doubles.
-  static constexpr float kLeastSize = 0x1p-60f, kGreatestSize = 0x1p60f;
+  static constexpr float kMinSize = 0x1p-60f, kGreatestSize = 0x1p60f;
 
   int rounds_;
   const Step& step_;

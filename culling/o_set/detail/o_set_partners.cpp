@@ -19,13 +19,13 @@ bool contains(std::span<const Index> values, Index value) {
 /// The element of inc(a) whose vertices outside of a have the smallest number of incident elements.
 Index OSetPartners::pivot(std::span<const Index> vertices, std::span<const Index> inc) const {
   Index best = inc[0];
-  std::size_t least = std::numeric_limits<std::size_t>::max();
+  std::size_t min = std::numeric_limits<std::size_t>::max();
   for (Index o : inc) {
     std::size_t around = 0;
     for (Index w : adjacency_.vertices(o))
       if (!contains(vertices, w)) around += features_.vertex_elements(w).size();
-    if (around >= least) continue;
-    least = around;
+    if (around >= min) continue;
+    min = around;
     best = o;
   }
   return best;

@@ -72,7 +72,7 @@ class Normals {
 
   void compute_lanes(std::size_t lane) {
     Lanes3 a[kControlPoints], b[kControlPoints], normal[kCoefficients];
-    Lanes of_a = broadcast(kLeastExtent), of_b = of_a, greatest = hn::Zero(Tag());
+    Lanes of_a = broadcast(kMinExtent), of_b = of_a, greatest = hn::Zero(Tag());
     for (int c = 0; c < kControlPoints; ++c) {
       const Lanes3 origin = point(0, c, lane);
       a[c] = sub(point(1, c, lane), origin);

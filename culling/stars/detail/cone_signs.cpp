@@ -37,7 +37,7 @@ class Cones {
   static constexpr double weight(int i) { return kDegree == 2 && i == 1 ? 2 : 1; }
 
   static HWY_INLINE Lanes subtract(const Path& from, Path& path) {
-    Lanes size = broadcast(kLeastExtent);
+    Lanes size = broadcast(kMinExtent);
     for (int c = 0; c < kControlPoints; ++c) {
       path[c] = sub(path[c], from[c]);
       size = hn::Max(size, norm1(path[c]));
@@ -77,7 +77,7 @@ class Cones {
     Lanes square = hn::Zero(Tag());
     for (int c = 0; c < kControlPoints; ++c) square = hn::Max(square, dot(path[c], path[c]));
     // The square of a short vector may have lost digits by underflow.
-    return hn::Sqrt(hn::Max(square, broadcast(kLeastSquare)));
+    return hn::Sqrt(hn::Max(square, broadcast(kMinSquare)));
   }
   /// A face as a fan of triangles: edges from one end of its diagonal, and bounds on them.
   struct Fan {

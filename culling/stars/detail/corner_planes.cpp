@@ -47,9 +47,9 @@ HWY_INLINE LowestVector lowest(const CornerVectors& corner, const double* direct
 
 /// A bound on the errors of dot products: the sum of factor[k] |x[k]|, plus `least`.
 struct ProductBound {
-  double factor[3], least;
+  double factor[3], min;
 };
-constexpr double kLeastProduct = 0x1p-1000;  ///< more than what underflows in a dot product
+constexpr double kMinProduct = 0x1p-1000;  ///< more than what underflows in a dot product
 
 /// Whether the dot products of all vectors with the direction are certainly positive.
 HWY_INLINE bool all_positive(const CornerVectors& corner, const double* direction, const ProductBound& error) {
@@ -58,7 +58,7 @@ HWY_INLINE bool all_positive(const CornerVectors& corner, const double* directio
     const auto term = [&](std::size_t k) HWY_ATTR {
       return hn::Mul(hn::Set(tag, error.factor[k]), hn::Abs(hn::Load(tag, corner.x[k] + lane)));
     };
-    const CornerLanes bound = hn::Add(hn::Add(term(0), term(1)), hn::Add(term(2), hn::Set(tag, error.least)));
+    const CornerLanes bound = hn::Add(hn::Add(term(0), term(1)), hn::Add(term(2), hn::Set(tag, error.min)));
     if (!hn::AllTrue(tag, hn::Gt(products(corner, direction, lane), bound))) return false;
   }
   return true;
@@ -68,9 +68,9 @@ HWY_INLINE bool all_positive(const CornerVectors& corner, const double* directio
 /// beginning with any direction. Returns true as soon as certain(direction).
 template <class Certain>
 HWY_INLINE bool find_direction(const CornerVectors& a, const CornerVectors& b, Vec3 direction, Certain&& certain) {
-  constexpr int kMostRounds = 8;
+  constexpr int kMaxRounds = 8;
   GjkSimplex simplex;
-  for (int round = 0; round < kMostRounds; ++round) {
+  for (int round = 0; round < kMaxRounds; ++round) {
     const LowestVector in_a = lowest(a, Vec3(-direction).data()), in_b = lowest(b, direction.data());
     if (in_a.product > 0 && in_b.product > 0 && certain(direction)) return true;
     const Vec3 next = in_b.product < in_a.product ? b.at(in_b.place) : Vec3(-a.at(in_a.place));
@@ -92,7 +92,7 @@ HWY_INLINE bool separated(const CornerVectors& a, const CornerVectors& b, double
   return find_direction(a, b, between_means(a, b), [&](const Vec3& direction) HWY_ATTR {
     ProductBound error;
     for (int k = 0; k < 3; ++k) error.factor[k] = 8 * kUnitRoundoff * std::abs(direction[k]);
-    error.least = kLeastProduct + separation_gap(separation, direction[0], direction[1], direction[2]);
+    error.min = kMinProduct + separation_gap(separation, direction[0], direction[1], direction[2]);
     return all_positive(a, Vec3(-direction).data(), error) && all_positive(b, direction.data(), error);
   });
 }
@@ -134,10 +134,10 @@ HWY_INLINE ProductBound plane_normal(const Vec3& edge, const Vec3& way, double s
     const int i = (k + 1) % 3, j = (k + 2) % 3;
     normal[k] = edge[i] * way[j] - edge[j] * way[i];
     const double of_normal = 16 * kUnitRoundoff * (std::abs(edge[i] * way[j]) + std::abs(edge[j] * way[i]));
-    error.factor[k] = of_normal + turn * kAreaSlack + kLeastProduct;
+    error.factor[k] = of_normal + turn * kAreaSlack + kMinProduct;
     rounding += of_normal;
   }
-  error.least = kLeastProduct + separation_gap(separation, normal[0], normal[1], normal[2]) +
+  error.min = kMinProduct + separation_gap(separation, normal[0], normal[1], normal[2]) +
                 separation * (rounding + turn * kAreaSlack);
   return error;
 }

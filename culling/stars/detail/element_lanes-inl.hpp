@@ -32,10 +32,10 @@ class ElementLanes {
       const ConeFace& face = faces.faces[f];
       if (face.size < 4) continue;
       // The diagonal contains the vertex of smallest slot (mesh/features.hpp).
-      std::size_t least = 0;
+      std::size_t min = 0;
       for (std::size_t i = 1; i < 4; ++i)
-        if (vertices[face.vertices[i]] < vertices[face.vertices[least]]) least = i;
-      turned_[f][lane] = least % 2 == 0 ? 0 : 1;
+        if (vertices[face.vertices[i]] < vertices[face.vertices[min]]) min = i;
+      turned_[f][lane] = min % 2 == 0 ? 0 : 1;
     }
   }
 

@@ -36,8 +36,8 @@ class MiddleShape {
       for (int c = 0; c < kControlPoints; ++c) shift[c] = add(shift[c], scaled(sub(path[c], at_[v]), share));
     }
     Lanes away = hn::Zero(Tag()), sum = away;
-    const Lanes most = broadcast(std::numeric_limits<double>::infinity()), least = hn::Neg(most);
-    Lanes3 low{most, most, most}, high{least, least, least};
+    const Lanes infinity = broadcast(std::numeric_limits<double>::infinity()), minus = hn::Neg(infinity);
+    Lanes3 low{infinity, infinity, infinity}, high{minus, minus, minus};
     for (std::size_t v = 0; v < faces.vertices; ++v) {
       Path path;
       load_from(base, v, path);
@@ -51,12 +51,12 @@ class MiddleShape {
       }
     }
     // The maximum may discard NaN, which a difference of infinite coordinates is. The sum does not.
-    away = hn::IfThenElse(hn::Lt(sum, most), away, most);
-    away_ = hn::Mul(broadcast(kAreaSlack), hn::Sqrt(hn::Add(away, broadcast(kLeastSquare))));
+    away = hn::IfThenElse(hn::Lt(sum, infinity), away, infinity);
+    away_ = hn::Mul(broadcast(kAreaSlack), hn::Sqrt(hn::Add(away, broadcast(kMinSquare))));
     const Lanes3 box = sub(high, low);
     const Lanes3 areas{hn::Mul(box.y, box.z), hn::Mul(box.z, box.x), hn::Mul(box.x, box.y)};
-    size_ = hn::Mul(broadcast(kAreaSlack), hn::Sqrt(hn::Add(dot(box, box), broadcast(kLeastSquare))));
-    three_areas_ = hn::Mul(broadcast(3 * kAreaSlack), hn::Sqrt(hn::Add(dot(areas, areas), broadcast(kLeastSquare))));
+    size_ = hn::Mul(broadcast(kAreaSlack), hn::Sqrt(hn::Add(dot(box, box), broadcast(kMinSquare))));
+    three_areas_ = hn::Mul(broadcast(3 * kAreaSlack), hn::Sqrt(hn::Add(dot(areas, areas), broadcast(kMinSquare))));
   }
 
   /// Whether all tetrahedra of all cones are proven to have a positive volume at all t in [0, 1], with a separation

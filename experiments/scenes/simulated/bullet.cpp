@@ -45,7 +45,7 @@ simulation::Material steel() {
 
 BulletShape bullet_shape(double finer) {
   BulletShape bullet;
-  const auto scaled = [&](int n, int least) { return std::max(least, static_cast<int>(std::lround(n * finer))); };
+  const auto scaled = [&](int n, int min) { return std::max(min, static_cast<int>(std::lround(n * finer))); };
   bullet.core = scaled(bullet.core, 2);
   bullet.rings = scaled(bullet.rings, 1);
   bullet.layers = scaled(bullet.layers, 6);

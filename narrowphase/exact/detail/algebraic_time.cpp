@@ -141,12 +141,12 @@ double AlgebraicTime::guess() const {
   const auto time = [&](const Integer& x) { return std::ldexp(x.convert_to<double>(), -static_cast<int>(bits_)); };
   double lo = time(lo_), hi = time(hi_);
   if (exact()) return lo;
-  unsigned most_bits = 0;
+  unsigned max_bits = 0;
   for (const Integer& c : p_->coefficients())
-    if (!c.is_zero()) most_bits = std::max(most_bits, static_cast<unsigned>(msb(Integer(abs(c)))));
+    if (!c.is_zero()) max_bits = std::max(max_bits, static_cast<unsigned>(msb(Integer(abs(c)))));
   std::vector<double> coefficients;
   for (const Integer& c : p_->coefficients())
-    coefficients.push_back(Integer(c >> (most_bits > 1000 ? most_bits - 1000 : 0)).convert_to<double>());
+    coefficients.push_back(Integer(c >> (max_bits > 1000 ? max_bits - 1000 : 0)).convert_to<double>());
   for (int round = 0; round < std::numeric_limits<double>::digits; ++round) {
     const double middle = lo + (hi - lo) / 2;
     double value = 0;

@@ -68,15 +68,15 @@ void CommonIntegers::add(double x) { values_.push_back(x); }
 void CommonIntegers::add(std::span<const double> x) { values_.insert(values_.end(), x.begin(), x.end()); }
 
 std::vector<Integer> CommonIntegers::integers() const {
-  int least = std::numeric_limits<int>::max();
+  int min = std::numeric_limits<int>::max();
   for (const double x : values_)
-    if (x != 0) least = std::min(least, odd_parts(x).exponent);
+    if (x != 0) min = std::min(min, odd_parts(x).exponent);
   std::vector<Integer> result(values_.size());
   for (std::size_t i = 0; i < values_.size(); ++i) {
     if (values_[i] == 0) continue;
     const OddParts p = odd_parts(values_[i]);
     result[i] = p.mantissa;
-    result[i] <<= p.exponent - least;
+    result[i] <<= p.exponent - min;
   }
   return result;
 }

@@ -87,8 +87,8 @@ int Polynomial::sign_on(const Integer& lo, const Integer& hi, unsigned bits) con
   // Terms with positive coefficients increase with t, the others decrease.
   const auto negative = [](const Integer& c) { return c.sign() < 0; };
   const auto positive = [](const Integer& c) { return c.sign() > 0; };
-  const Integer least = scaled_value(c_, lo, bits, negative) + scaled_value(c_, hi, bits, positive);
-  if (least.sign() > 0) return 1;
+  const Integer min = scaled_value(c_, lo, bits, negative) + scaled_value(c_, hi, bits, positive);
+  if (min.sign() > 0) return 1;
   const Integer greatest = scaled_value(c_, hi, bits, negative) + scaled_value(c_, lo, bits, positive);
   return greatest.sign() < 0 ? -1 : 0;
 }

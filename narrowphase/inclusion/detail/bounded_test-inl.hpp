@@ -16,14 +16,14 @@ inline Vec3 between(const Vec3& a, const Vec3& b, double t) { return (1 - t) * a
 
 inline double length_bound(const Vec3& v) {
   const double square = v.squaredNorm();
-  return square > kLeastSquare ? std::sqrt(square) : v.lpNorm<1>();
+  return square > kMinSquare ? std::sqrt(square) : v.lpNorm<1>();
 }
 
 template <int kPoints>
 BoundedTest<kPoints>::BoundedTest(FeatureKind kind, const TestPoints& x, double separation) : kind_(kind) {
   take(x, separation, 1);
   const double size = extent_.maxCoeff();
-  if (!(size >= kLeastSize && size <= kGreatestSize)) take(x, separation, range_scale(x, kPoints));
+  if (!(size >= kMinSize && size <= kGreatestSize)) take(x, separation, range_scale(x, kPoints));
 }
 
 template <int kPoints>
@@ -38,10 +38,10 @@ void BoundedTest<kPoints>::take(const TestPoints& x, double separation, double s
 
 template <int kPoints>
 void BoundedTest<kPoints>::measure() {
-  extent_.setConstant(kLeastExtent);
+  extent_.setConstant(kMinExtent);
   rigid_ = true;
   for (std::size_t i = 0; i < 3; ++i) {
-    extents_[i].setConstant(kLeastExtent);
+    extents_[i].setConstant(kMinExtent);
     for (const Vec3& e : differences_[i]) {
       extents_[i] = extents_[i].cwiseMax(e.cwiseAbs());
       rigid_ = rigid_ && e == differences_[i][0];
@@ -63,7 +63,7 @@ void BoundedTest<kPoints>::measure() {
   // The sides were computed from rounded differences, with errors of a few units of roundoff relative to the extent.
   const double slack = 16 * kUnitRoundoff * extent_.sum();
   coplanarity_within_separation_ =
-      separation_ * kAreaSlack * std::max((first + slack) * (second + slack), kLeastSquare);
+      separation_ * kAreaSlack * std::max((first + slack) * (second + slack), kMinSquare);
   gap_error_ = kDistanceError * extent_.sum() + 32 * kUnitRoundoff * separation_;
 }
 

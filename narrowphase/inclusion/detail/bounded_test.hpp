@@ -22,7 +22,7 @@ class BoundedTest {
   FeatureKind kind() const { return kind_; }
   double separation() const { return separation_; }  ///< scaled like the differences
   const std::array<Curve, 3>& differences() const { return differences_; }
-  /// Greatest magnitudes over all control points of the points 1, 2, 3; at least kLeastExtent.
+  /// Greatest magnitudes over all control points of the points 1, 2, 3; at least kMinExtent.
   const std::array<Vec3, 3>& extents() const { return extents_; }
   const Vec3& extent() const { return extent_; }
   /// Whether no point moves relative to another, according to the rounded differences.

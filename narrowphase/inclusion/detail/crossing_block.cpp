@@ -69,7 +69,7 @@ struct Halves {
 /// are verified later.
 struct Shape {
   Lanes a, h, c0;
-  Lanes least;         ///< position of the local minimum in [0,1], or 1/2
+  Lanes min;         ///< position of the local minimum in [0,1], or 1/2
   Lanes root, second;  ///< the first root in [0,1], if `found`, and the next, if `again`
   LaneMask found, again;
 
@@ -84,8 +84,8 @@ struct Shape {
     const Lanes minimum = hn::IfThenElse(hn::Lt(h, zero), hn::Div(hn::Sub(root_of, h), a),
                                      hn::Neg(hn::Div(c0, hn::Add(h, root_of))));
     const LaneMask inside = hn::And(hn::Gt(minimum, zero), hn::Lt(minimum, one));
-    least = hn::IfThenElse(inside, minimum, broadcast(0.5));
-    const LaneMask dips = hn::And(inside, hn::Lt(cubic.value(least), hn::Neg(cubic.error)));
+    min = hn::IfThenElse(inside, minimum, broadcast(0.5));
+    const LaneMask dips = hn::And(inside, hn::Lt(cubic.value(min), hn::Neg(cubic.error)));
     found = hn::And(hn::Gt(cubic.b[0], cubic.error), hn::Or(dips, hn::Lt(cubic.b[3], hn::Neg(cubic.error))));
     // Starting point from which Newton's method converges from one side: the inflection point between a maximum and a
     // minimum; 0 if a minimum comes first; 1 beyond a maximum that comes second.
@@ -243,8 +243,8 @@ HWY_ATTR void decide_crossings(const CrossingBlock::Rows& rows, double tolerance
     const Cubic cubic = load_cubic(rows, i);
     const Shape shape(cubic);
     // There is no root if the cubic is positive on both sides of its minimum.
-    const Halves around_least(cubic, shape.least);
-    LaneMask apart = hn::And(around_least.positive_before, around_least.positive_after), touch = hn::MaskFromVec(zero);
+    const Halves around_min(cubic, shape.min);
+    LaneMask apart = hn::And(around_min.positive_before, around_min.positive_after), touch = hn::MaskFromVec(zero);
     Lanes toi = zero, second = zero;
     if (!hn::AllFalse(d, shape.found)) {
       const Bracket root(cubic, shape, shape.root, tolerance);

@@ -28,15 +28,15 @@ std::span<const FlatEvent> flat_events(FeatureKind kind) {
 DrawnOutEvent::DrawnOutEvent(const FlatEvent& event, const TestPoints& x, int control_points, int axis)
     : points_{ends_[0].data(), ends_[1].data(), x[event.first], x[event.second]} {
   // About the size of the test, so that the edges of the event have similar lengths. Rounding only changes the length.
-  constexpr double most = std::numeric_limits<double>::max();
+  constexpr double max = std::numeric_limits<double>::max();
   double length = 0;
   for (int i = 0; i < 3 * control_points; ++i)
-    for (const double* point : x) length = std::max(length, std::min(most, std::abs(point[i] - x[0][i % 3])));
+    for (const double* point : x) length = std::max(length, std::min(max, std::abs(point[i] - x[0][i % 3])));
   for (std::size_t side = 0; side < 2; ++side) {
     std::copy_n(x[event.vertex], 3 * control_points, ends_[side].begin());
     for (int c = 0; c < control_points; ++c) {
       double& end = ends_[side][static_cast<std::size_t>(3 * c + axis)];
-      end = std::clamp(end + (side == 0 ? -length : length), -most, most);
+      end = std::clamp(end + (side == 0 ? -length : length), -max, max);
     }
   }
 }

@@ -125,8 +125,8 @@ bool share_a_point_at_start(FeatureKind kind, const TestPoints& x) {
 template <int kPoints>
 class PieceSearch {
  public:
-  PieceSearch(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int most_pieces)
-      : points_(x), test_(kind, x, separation), tolerance_(tolerance), most_pieces_(most_pieces) {}
+  PieceSearch(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int max_pieces)
+      : points_(x), test_(kind, x, separation), tolerance_(tolerance), max_pieces_(max_pieces) {}
 
   /// Whether an axis separates the features at t = 0.
   bool apart_at_start() const {
@@ -143,7 +143,7 @@ class PieceSearch {
       const Part part = stack_.pop();
       const bool is_open = open.outcome == Outcome::undecided;
       if (!is_open && part.lo > t_max) break;
-      if (pieces_ >= most_pieces_) return unsettled(is_open ? open : undecided(part.lo));
+      if (pieces_ >= max_pieces_) return unsettled(is_open ? open : undecided(part.lo));
       MotionPiece<kPoints> piece(test_, part.lo, part.hi);
       if (free_at_once(piece)) continue;
       look(piece);
@@ -205,7 +205,7 @@ class PieceSearch {
   /// Whether parts after t seem to remain open for longer than the tolerance, or to be more than the search may
   /// examine. This is not certain: if it is wrong, `exact` decides a test that the search could have decided.
   bool stays_open_for_long(double t) {
-    const double many = std::min(1.5 * tolerance_, kManyParts * most_pieces_ * kShortestPiece);
+    const double many = std::min(1.5 * tolerance_, kManyParts * max_pieces_ * kShortestPiece);
     for (const double after : {many, many / 2, many / 4, many / 8}) {
       // If the features separate slowly, longer parts are easier to prove free; if they touch again, shorter parts are.
       for (double length = kShortestPiece; length <= after; length *= 2) {
@@ -266,9 +266,9 @@ class PieceSearch {
   /// Tests the direction to the nearest point of the hull of all differences of the features' control points, which
   /// separates if any axis does (Gilbert, Johnson, Keerthi).
   bool separated_by_search(Vec3 axis, const MotionPiece<kPoints>& piece) {
-    constexpr int kMostRounds = 8;
+    constexpr int kMaxRounds = 8;
     HullSimplex<double> simplex;
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
       const Vec3 next = piece.support(axis);
       if (!simplex.add({next.x(), next.y(), next.z()}, {}) || simplex.size == 4) return false;
       axis = {simplex.direction[0], simplex.direction[1], simplex.direction[2]};
@@ -392,10 +392,10 @@ class PieceSearch {
   /// The first time in the part at which the features seem to touch, found by Newton's method on their distance, and by
   /// halving. Not certain. Returns false if none is found.
   bool find_touch(const Part& part, double& t) const {
-    constexpr int kMostRounds = 16;
+    constexpr int kMaxRounds = 16;
     double before = part.lo;
     t = part.lo;
-    for (int round = 0; round < kMostRounds; ++round) {
+    for (int round = 0; round < kMaxRounds; ++round) {
       const ClosestPoints closest = closest_points(test_.kind(), test_.at(t));
       if (seem_to_touch(closest)) {
         while (t - before > kShortestPiece / 4) {
@@ -440,7 +440,7 @@ class PieceSearch {
   const TestPoints& points_;
   BoundedTest<kPoints> test_;
   double tolerance_;
-  int most_pieces_;
+  int max_pieces_;
   int pieces_ = 0;  ///< number of parts examined
   PartStack stack_;
   bool moved_apart_ = false;  ///< whether an axis has separated a part
@@ -454,14 +454,14 @@ class PieceSearch {
 /// undecided that may be the first one.
 template <int kPoints>
 std::optional<InclusionAnswer> flat_search(FeatureKind kind, const TestPoints& x, int axis, double tolerance,
-                                           int most_pieces) {
-  if (!PieceSearch<kPoints>(kind, x, 0, tolerance, most_pieces).apart_at_start()) return std::nullopt;
+                                           int max_pieces) {
+  if (!PieceSearch<kPoints>(kind, x, 0, tolerance, max_pieces).apart_at_start()) return std::nullopt;
   InclusionAnswer first{Outcome::apart};
   double open = kInfinity, latest = 1;
   for (const FlatEvent& event : flat_events(kind)) {
     const DrawnOutEvent edges(event, x, kPoints, axis);
     const InclusionAnswer answer =
-        PieceSearch<kPoints>(FeatureKind::ee, edges.points(), 0, tolerance, most_pieces).run(latest);
+        PieceSearch<kPoints>(FeatureKind::ee, edges.points(), 0, tolerance, max_pieces).run(latest);
     if (answer.outcome == Outcome::undecided) open = std::min(open, answer.toi);
     if (answer.outcome != Outcome::touch || answer.toi > latest) continue;
     first = {.outcome = Outcome::touch, .toi = answer.toi};
@@ -472,20 +472,20 @@ std::optional<InclusionAnswer> flat_search(FeatureKind kind, const TestPoints& x
 }
 
 template <int kPoints>
-InclusionAnswer search(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int most_pieces,
+InclusionAnswer search(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int max_pieces,
                        double t_max) {
   const int axis = separation == 0 ? flat_axis(x, kPoints) : -1;
   if (axis >= 0)
-    if (const auto answer = flat_search<kPoints>(kind, x, axis, tolerance, most_pieces)) return *answer;
-  return PieceSearch<kPoints>(kind, x, separation, tolerance, most_pieces).run(t_max);
+    if (const auto answer = flat_search<kPoints>(kind, x, axis, tolerance, max_pieces)) return *answer;
+  return PieceSearch<kPoints>(kind, x, separation, tolerance, max_pieces).run(t_max);
 }
 
 }  // namespace
 
 InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
-                                 double tolerance, int most_pieces, double t_max) {
-  InclusionAnswer answer = control_points == 2 ? search<2>(kind, x, separation, tolerance, most_pieces, t_max)
-                                               : search<3>(kind, x, separation, tolerance, most_pieces, t_max);
+                                 double tolerance, int max_pieces, double t_max) {
+  InclusionAnswer answer = control_points == 2 ? search<2>(kind, x, separation, tolerance, max_pieces, t_max)
+                                               : search<3>(kind, x, separation, tolerance, max_pieces, t_max);
   if (answer.toi > t_max) answer = {InclusionAnswer::Outcome::apart};
   return answer;
 }

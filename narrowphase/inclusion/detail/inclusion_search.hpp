@@ -54,9 +54,9 @@ struct Split {
 /// Without a separation, the search then continues, in order to find out whether the first contact may be later. Tests
 /// in a plane of constant x, y or z are first searched by their events (detail/flat_motion.hpp). The
 /// answer does not depend on t_max, except that later contacts are reported as `apart`. The search ends after
-/// `most_pieces` parts. Pre: tolerance > 0, finite coordinates, separation >= 0.
+/// `max_pieces` parts. Pre: tolerance > 0, finite coordinates, separation >= 0.
 InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
-                                 double tolerance, int most_pieces, double t_max);
+                                 double tolerance, int max_pieces, double t_max);
 
 /// Length of a part, as a fraction of the step, below which it is not split. Features that are closer than their motion
 /// in that time count as touching.

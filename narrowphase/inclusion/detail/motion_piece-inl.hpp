@@ -107,15 +107,15 @@ bool MotionPiece<kPoints>::one_sign(double s) const {
   std::array<double, kDegree + 1> c;
   for (int k = 0; k <= kDegree; ++k) c[static_cast<std::size_t>(k)] = coefficient(k);
   const double r = 1 - s;
-  double least = kBefore ? c[0] : c[kDegree], greatest = least;
+  double min = kBefore ? c[0] : c[kDegree], greatest = min;
   for (std::size_t level = kDegree; level > 0; --level) {
     for (std::size_t k = 0; k < level; ++k) c[k] = r * c[k] + s * c[k + 1];
     const double next = kBefore ? c[0] : c[level - 1];
-    least = std::min(least, next);
+    min = std::min(min, next);
     greatest = std::max(greatest, next);
   }
   const double error = value_error();
-  return least > error || greatest < -error;
+  return min > error || greatest < -error;
 }
 
 template <int kPoints>
@@ -188,11 +188,11 @@ bool MotionPiece<kPoints>::separated_along(const Vec3& axis) const {
 template <int kPoints>
 Vec3 MotionPiece<kPoints>::support(const Vec3& axis) const {
   Vec3 best = Vec3::Zero();
-  double least = kInfinity;
+  double min = kInfinity;
   const auto offer = [&](const Vec3& difference) {
     const double along = axis.dot(difference);
-    if (!(along < least)) return;
-    least = along;
+    if (!(along < min)) return;
+    min = along;
     best = difference;
   };
   for (std::size_t c = 0; c < kPoints; ++c) {
@@ -254,17 +254,17 @@ template <int kPoints>
 double MotionPiece<kPoints>::before_first_root(double guess, double tolerance) const {
   const double rise = b_[kDegree] > b_[0] ? 1 : -1;
   // There is only one root if the polynomial is certainly monotone.
-  double least = kInfinity;
-  for (int k = 1; k <= kDegree; ++k) least = std::min(least, rise * (coefficient(k) - coefficient(k - 1)));
-  if (!(least > 0)) return -1;
+  double min = kInfinity;
+  for (int k = 1; k <= kDegree; ++k) min = std::min(min, rise * (coefficient(k) - coefficient(k - 1)));
+  if (!(min > 0)) return -1;
   const double error = value_error();
-  least = kDegree * (least - 2 * error);
-  if (!(least > 0)) return -1;
+  min = kDegree * (min - 2 * error);
+  if (!(min > 0)) return -1;
   const double root = guess - value(guess) / slope(guess);
   // Outside of [0, 1] the polynomial and its signs are not valid for the motion. This test also excludes NaN.
   if (!(root >= 0 && root <= 1)) return -1;
   const double width = hi_ - lo_;
-  for (double margin = std::max(4 * error / least, 0x1p-44); 2 * margin * width < tolerance; margin *= 8) {
+  for (double margin = std::max(4 * error / min, 0x1p-44); 2 * margin * width < tolerance; margin *= 8) {
     const double before = root - margin, after = root + margin;
     // The caller guarantees that the signs at the ends are certain.
     if (after < 1 && !(rise * value(after) > error)) continue;

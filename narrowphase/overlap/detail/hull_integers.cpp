@@ -46,7 +46,7 @@ class Lattice {
 };
 
 /// The vertex with the smallest projection, and the projection.
-std::pair<int, WideInteger> least(const std::vector<WidePoint>& points, const WidePoint& axis) {
+std::pair<int, WideInteger> min(const std::vector<WidePoint>& points, const WidePoint& axis) {
   std::pair<int, WideInteger> best{0, dot(axis, points[0])};
   for (std::size_t i = 1; i < points.size(); ++i)
     if (WideInteger p = dot(axis, points[i]); p < best.second) best = {static_cast<int>(i), std::move(p)};
@@ -77,8 +77,8 @@ bool hulls_in_integers(std::span<const Vec3> a, std::span<const Vec3> b, double 
   for (;;) {
     if (simplex.square <= limit_square * simplex.divisor) return true;
     const WidePoint axis = simplex.direction, back = -axis;
-    const auto [j, low_other] = least(other, axis);
-    const auto [i, low_own] = least(own, back);
+    const auto [j, low_other] = min(other, axis);
+    const auto [i, low_own] = min(own, back);
     const WideInteger gap = low_other + low_own;
     if (gap > 0 && gap * gap > limit_square * dot(axis, axis)) return false;
     add({i, j});

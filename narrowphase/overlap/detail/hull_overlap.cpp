@@ -18,7 +18,7 @@ void HullPoints::measure() {
 }
 
 void HullPoints::refer_to(const Vec3& reference) {
-  extent = Vec3::Constant(kLeastExtent);
+  extent = Vec3::Constant(kMinExtent);
   mean.setZero();
   for (int k = 0; k < 3; ++k) {
     rows[k].resize(points.size());
@@ -52,7 +52,7 @@ class OverlapSearch {
     start.size = 0;
     if (!in_range_) return HullVerdict::close_call;
     HullVerdict verdict = step({b_.mean[0] - a_.mean[0], b_.mean[1] - a_.mean[1], b_.mean[2] - a_.mean[2]});
-    for (int i = 1; i < kMostSteps && verdict == HullVerdict::close_call && progress_; ++i)
+    for (int i = 1; i < kMaxSteps && verdict == HullVerdict::close_call && progress_; ++i)
       verdict = step(simplex_.direction);
     for (int i = 0; i < simplex_.size; ++i)
       start.names[static_cast<std::size_t>(start.size++)] = simplex_.names[static_cast<std::size_t>(i)];
@@ -60,7 +60,7 @@ class OverlapSearch {
   }
 
  private:
-  static constexpr int kMostSteps = 24;
+  static constexpr int kMaxSteps = 24;
 
   /// Computes one support point along `direction`, and its consequences.
   HullVerdict step(const Point& direction) {
@@ -89,15 +89,15 @@ class OverlapSearch {
   template <int kSign>
   static std::pair<int, double> extreme(const HullPoints& set, const Point& axis) {
     int best = 0;
-    double most = -std::numeric_limits<double>::infinity();
+    double max = -std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < set.points.size(); ++i) {
       const double p = kSign * (axis[0] * set.rows[0][i] + axis[1] * set.rows[1][i] + axis[2] * set.rows[2][i]);
-      if (p > most) {
-        most = p;
+      if (p > max) {
+        max = p;
         best = static_cast<int>(i);
       }
     }
-    return {best, kSign * most};
+    return {best, kSign * max};
   }
 
   /// Whether four points certainly enclose the origin: all four determinants have the same sign, and their magnitudes
@@ -128,7 +128,7 @@ class OverlapSearch {
       sum = {sum[0] + weight * p[0], sum[1] + weight * p[1], sum[2] + weight * p[2]};
       total += weight;
     }
-    if (!(total > kLeastSquare)) return false;
+    if (!(total > kMinSquare)) return false;
     const Point mean{sum[0] / total, sum[1] / total, sum[2] / total};
     return std::sqrt(dot(mean, mean)) * kLengthSlack + 128 * kUnitRoundoff <= scale_ * distance_;
   }

@@ -23,7 +23,7 @@ struct HullPoints {
   std::vector<Vec3> points;
   std::vector<double> rows[3];
   Vec3 low, high;  ///< bounding box of `points`
-  Vec3 extent;     ///< greatest |x - reference| on each axis, at least kLeastExtent
+  Vec3 extent;     ///< greatest |x - reference| on each axis, at least kMinExtent
   Vec3 mean;       ///< mean of x - reference, rounded
 
   /// Computes the bounding box of `points`.

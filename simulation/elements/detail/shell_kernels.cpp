@@ -133,7 +133,7 @@ HWY_ATTR HWY_INLINE Frequency membrane_frequency(const ShellLaw& law, const Vect
   const V now = hn::Div(hn::Mul(factor, hn::Add(lengths, hn::Sqrt(under))), area4);
   const V n1 = combine(m[0], m[0], m[1], m[1]), n2 = combine(m[2], m[2], m[3], m[3]),
           n12 = combine(m[0], m[2], m[1], m[3]);
-  constexpr double squash = 4 / (kLeastStretch * kLeastStretch);  // the trace is twice n1 + n2 + n12
+  constexpr double squash = 4 / (kMinStretch * kMinStretch);  // the trace is twice n1 + n2 + n12
   const V cap = hn::Mul(set(squash), hn::Mul(factor, hn::Add(hn::Add(n1, n2), n12)));
   return {hn::Min(now, cap), cap};
 }
@@ -183,8 +183,8 @@ HWY_ATTR HWY_INLINE Stress elastic_stress(const Trial& trial) {
 // `stress` and returns the power per volume at rest. `w`: rate of F; `mean`: half the trace of F^T F.
 HWY_ATTR HWY_INLINE V add_viscosity(const ShellLaw& law, const Gradient& f, const Gradient& w, V mean,
                                     const Frequency& frequency, Stress& stress) {
-  const V least = hn::Mul(frequency.cap, set(1e-4)), poisson = set(law.poisson_ratio), wide = hn::Max(mean, set(1));
-  const V time = hn::Div(set(2 * kShellDamping), hn::Sqrt(hn::Max(frequency.squared, least)));
+  const V min = hn::Mul(frequency.cap, set(1e-4)), poisson = set(law.poisson_ratio), wide = hn::Max(mean, set(1));
+  const V time = hn::Div(set(2 * kShellDamping), hn::Sqrt(hn::Max(frequency.squared, min)));
   const V viscous = hn::Div(hn::Mul(set(law.plane_modulus), time), hn::Mul(wide, wide));
   const V xx = dot(f.x, w.x), yy = dot(f.y, w.y), xy = hn::Mul(set(0.5), hn::Add(dot(f.x, w.y), dot(f.y, w.x)));
   const Stress r = {hn::Mul(viscous, hn::Add(xx, hn::Mul(poisson, yy))),
@@ -270,18 +270,18 @@ struct HingeEdges {
     return hn::Sub(raw, hn::Mul(turns, set(6.283185307179586)));
   }
 
-  HWY_ATTR HWY_INLINE HingeGradient gradient(V least1, V least2) const {
+  HWY_ATTR HWY_INLINE HingeGradient gradient(V min1, V min2) const {
     const V one = set(1), square1 = dot(n1, n1), square2 = dot(n2, n2);
     // The bound is far below the areas at which the moment is reduced; it prevents overflow.
-    const Vector g1 = scaled(n1, hn::Div(one, hn::Max(square1, hn::Mul(least1, set(1e-8)))));
-    const Vector g2 = scaled(n2, hn::Div(one, hn::Max(square2, hn::Mul(least2, set(1e-8)))));
+    const Vector g1 = scaled(n1, hn::Div(one, hn::Max(square1, hn::Mul(min1, set(1e-8)))));
+    const Vector g2 = scaled(n2, hn::Div(one, hn::Max(square2, hn::Mul(min2, set(1e-8)))));
     const V over = hn::Div(one, hn::Max(length, set(kTiny))), under = hn::Neg(over);
     HingeGradient out;
     out.u[0] = combine(g1, hn::Mul(dot(to12, edge), over), g2, hn::Mul(dot(to13, edge), over));
     out.u[1] = combine(g1, hn::Mul(dot(to02, edge), under), g2, hn::Mul(dot(to03, edge), under));
     out.u[2] = scaled(g1, length);
     out.u[3] = scaled(g2, length);
-    out.fade = hn::Mul(hn::Min(one, hn::Div(square1, least1)), hn::Min(one, hn::Div(square2, least2)));
+    out.fade = hn::Mul(hn::Min(one, hn::Div(square1, min1)), hn::Min(one, hn::Div(square2, min2)));
     return out;
   }
 };
@@ -296,7 +296,7 @@ HWY_ATTR void hinges(ShellTables& t, const ShellBlock& block, const double* copy
                          load_index(h.vertices[3], i)};
     const HingeEdges edges(copy, index);
     const V last = load(h.last, i), angle = edges.angle(last), stiffness = load(h.stiffness, i);
-    const HingeGradient g = edges.gradient(load(h.least[0], i), load(h.least[1], i));
+    const HingeGradient g = edges.gradient(load(h.min[0], i), load(h.min[1], i));
     if (dt > 0) hn::StoreU(hn::IfThenElse(hn::Ge(g.fade, set(1)), angle, last), d, h.last.data() + i);
     V offset = hn::Sub(angle, load(h.rest, i)), moment = hn::Mul(stiffness, offset);
     const M ordinary = hn::Le(hn::Abs(moment), load(h.capacity, i));
@@ -364,8 +364,8 @@ bool may_flow(const std::array<double, 4>& edges, const std::array<double, 4>& s
   const double mean = 0.5 * (flow[0] * flow[0] + flow[1] * flow[1] + flow[2] * flow[2] + flow[3] * flow[3]);
   const double determinant = flow[0] * flow[3] - flow[1] * flow[2];
   const double greatest2 = mean + std::sqrt(std::fmax(mean * mean - determinant * determinant, 0.0));
-  const double least2 = determinant * determinant / greatest2;
-  return greatest2 <= kGreatestFlow * kGreatestFlow && least2 * kGreatestFlow * kGreatestFlow >= 1;
+  const double min2 = determinant * determinant / greatest2;
+  return greatest2 <= kGreatestFlow * kGreatestFlow && min2 * kGreatestFlow * kGreatestFlow >= 1;
 }
 
 }  // namespace

@@ -88,13 +88,13 @@ ShellLaw::ShellLaw(const Part& part, std::int32_t object)
 }
 
 PrincipalStrain::PrincipalStrain(double squared_stretch) {
-  constexpr double least = kLeastStretch * kLeastStretch, greatest = kGreatestStretch * kGreatestStretch;
-  if (squared_stretch >= least && squared_stretch <= greatest) {
+  constexpr double min = kMinStretch * kMinStretch, greatest = kGreatestStretch * kGreatestStretch;
+  if (squared_stretch >= min && squared_stretch <= greatest) {
     strain = half_log(squared_stretch);
     factor = 1 / squared_stretch;
     return;
   }
-  const double bound = squared_stretch < 1 ? kLeastStretch : kGreatestStretch;
+  const double bound = squared_stretch < 1 ? kMinStretch : kGreatestStretch;
   const double stretch = std::sqrt(std::max(squared_stretch, 0.0));
   strain = half_log(bound * bound) + (stretch - bound) / bound;
   // At stretch 0 the force has no direction; it is reduced to zero there.

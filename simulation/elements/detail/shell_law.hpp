@@ -9,7 +9,7 @@
 namespace volccd::simulation::detail {
 
 /// Outside these elastic stretches the logarithm is replaced by its tangent at the limit.
-inline constexpr double kLeastStretch = 0.2, kGreatestStretch = 5;
+inline constexpr double kMinStretch = 0.2, kGreatestStretch = 5;
 /// Plastic flow stops in a triangle that is compressed or stretched by this factor; it is elastic beyond that.
 inline constexpr double kGreatestFlow = 10;
 /// Viscosity, as a fraction of critical damping at an element's highest frequency.

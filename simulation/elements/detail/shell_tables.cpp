@@ -232,9 +232,9 @@ class Builder {
     out.rest.push_back(angle);
     out.last.push_back(angle);
     out.reference.push_back(angle);
-    constexpr double least = kLeastStretch * kLeastStretch;
-    out.least[0].push_back(4 * least * area_a * area_a);
-    out.least[1].push_back(4 * least * area_b * area_b);
+    constexpr double min = kMinStretch * kMinStretch;
+    out.min[0].push_back(4 * min * area_a * area_a);
+    out.min[1].push_back(4 * min * area_b * area_b);
     const double mass_a = vertex_mass(draft.first, hinges_at[draft.first]);
     const double mass_b = vertex_mass(draft.second, hinges_at[draft.second]);
     out.mobility[0].push_back(k / (mass_a + mass_b));
@@ -278,7 +278,7 @@ class Builder {
       values.push_back(last);
     };
     for (auto& v : out.vertices) repeat(v);
-    for (auto* v : {&out.rest, &out.last, &out.capacity, &out.least[0], &out.least[1], &out.viscosity, &out.reference,
+    for (auto* v : {&out.rest, &out.last, &out.capacity, &out.min[0], &out.min[1], &out.viscosity, &out.reference,
                     &out.virgin, &out.slope, &out.strain})
       repeat(*v);
     out.stiffness.push_back(0);

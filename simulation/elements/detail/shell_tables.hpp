@@ -54,7 +54,7 @@ struct ShellHinges {
   std::vector<double> stiffness;          ///< moment over angle
   std::vector<double> rest, last;         ///< angles (state)
   std::vector<double> capacity;           ///< moment at which it flows (state)
-  std::vector<double> least[2];           ///< squares of twice the areas below which the moment is reduced
+  std::vector<double> min[2];           ///< squares of twice the areas below which the moment is reduced
   std::vector<double> viscosity;          ///< time
   std::vector<double> mobility[3];  ///< stiffness over share of mass: at the edge, at the opposite vertices
   std::vector<double> reference;    ///< angle at rest before any flow
