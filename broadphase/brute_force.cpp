@@ -1,27 +1,28 @@
 #include <volccd/broadphase/brute_force.hpp>
 
+#include <algorithm>
 #include <numeric>
 #include <vector>
 
 #include <volccd/broadphase/detail/box_rows.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
 #include <volccd/core/heap_bytes.hpp>
+#include <volccd/mesh/topology_delta.hpp>
 
 namespace volccd {
 
 namespace {
 
-constexpr std::size_t kRowGrain = 16;
+constexpr std::size_t kRows = 16;  ///< elements of a block
 
 struct BruteForceState final : StageState {
-  ElementDelta delta;
+  TopologyDelta delta;
   detail::FilterKeys keys;
   detail::ElementList list;
   detail::BoxRows boxes;
-  detail::PairWriters writers;
   std::vector<std::vector<Index>> hits;  ///< one list for each worker
 
-  std::size_t bytes() const override { return heap_bytes(delta, keys, list, boxes, writers, hits); }
+  std::size_t bytes() const override { return heap_bytes(delta, keys, list, boxes, hits); }
 };
 
 }  // namespace
@@ -37,38 +38,38 @@ std::unique_ptr<StageState> BruteForce::make_state() const { return std::make_un
 
 void BruteForce::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   BruteForceState& state = static_cast<BruteForceState&>(stage_state);
-  const bool changed = state.delta.sync(step) != ElementDelta::Extent::none;
-  if (changed) state.list.assign(step, executor);
+  const bool changed = state.delta.sync(step.topology) != TopologyDelta::Extent::none;
+  if (changed) state.list.assign(step.mesh(), executor);
   state.keys.update(step, changed);
   if (config_.bounds == Bounds::aabb) state.boxes.update(step, state.list, executor);
   state.delta.confirm();
 }
 
-void BruteForce::run(const Step& step, StageState& stage_state, PairRange range, Executor& executor,
-                     PairSink sink) const {
+std::size_t BruteForce::blocks(const Step&, StageState& stage_state, Executor& executor) const {
   BruteForceState& state = static_cast<BruteForceState&>(stage_state);
-  const detail::PairRules rules(range, step.topology, state.keys);
-  const std::size_t count = state.list.size();
-  const Index* const slots = state.list.slots();
-  state.writers.start(executor.workers(), sink);
   state.hits.resize(executor.workers());
-  for (std::vector<Index>& hits : state.hits) hits.resize(count + detail::BoxRows::kPadding);
+  for (std::vector<Index>& hits : state.hits) hits.resize(state.list.size() + detail::BoxRows::kPadding);
+  return (state.list.size() + kRows - 1) / kRows;
+}
 
-  executor.parallel_for(count, kRowGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
-    detail::PairWriter& out = state.writers[w];
-    Index* const hits = state.hits[w].data();
-    for (std::size_t i = begin; i < end; ++i) {
-      const std::size_t first = rules.self_pairs ? i : i + 1;
-      std::size_t found = count - first;
-      if (config_.bounds == Bounds::aabb)
-        found = state.boxes.overlapping(i, first, count, hits);
-      else
-        std::iota(hits, hits + found, static_cast<Index>(first));
-      for (std::size_t h = 0; h < found; ++h)
-        if (rules.want(slots[i], slots[hits[h]])) out.push(slots[i], slots[hits[h]]);
-    }
-  });
-  state.writers.finish();
+void BruteForce::run(const Step& step, StageState& stage_state, unsigned worker, std::size_t block, Work& work) const {
+  BruteForceState& state = static_cast<BruteForceState&>(stage_state);
+  const detail::PairRules rules(step, state.keys);
+  const std::size_t count = state.list.size(), end = std::min(count, (block + 1) * kRows);
+  const Index* const slots = state.list.slots();
+  Index* const hits = state.hits[worker].data();
+  detail::PairWriter out(work);
+  for (std::size_t i = block * kRows; i < end; ++i) {
+    const std::size_t first = rules.self_pairs ? i : i + 1;
+    std::size_t found = count - first;
+    if (config_.bounds == Bounds::aabb)
+      found = state.boxes.overlapping(i, first, count, hits);
+    else
+      std::iota(hits, hits + found, static_cast<Index>(first));
+    for (std::size_t h = 0; h < found; ++h)
+      if (rules.included(slots[i], slots[hits[h]])) out.push(slots[i], slots[hits[h]]);
+  }
+  out.flush();
 }
 
 StageDescriptor<BroadPhase> describe_brute_force() {

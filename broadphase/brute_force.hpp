@@ -24,7 +24,8 @@ class BruteForce final : public BroadPhase {
 
   std::unique_ptr<StageState> make_state() const override;
   void prepare(const Step& step, StageState& state, Executor& executor) const override;
-  void run(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const override;
+  std::size_t blocks(const Step& step, StageState& state, Executor& executor) const override;
+  void run(const Step& step, StageState& state, unsigned worker, std::size_t block, Work& work) const override;
 
  private:
   Config config_;

@@ -1,5 +1,6 @@
 #include <volccd/broadphase/kdop_bvh.hpp>
 
+#include <algorithm>
 #include <vector>
 
 #include <volccd/broadphase/detail/kdop_option.hpp>
@@ -7,6 +8,7 @@
 #include <volccd/broadphase/detail/pair_writer.hpp>
 #include <volccd/broadphase/bvh/detail/tree_kernels.hpp>
 #include <volccd/core/heap_bytes.hpp>
+#include <volccd/mesh/topology_delta.hpp>
 
 namespace volccd {
 
@@ -20,23 +22,22 @@ constexpr std::size_t kTasks = 1024;
 
 struct alignas(64) Worker {
   std::vector<NodePair> stack;
-  std::uint64_t node_tests = 0;
+  std::uint64_t node_tests = 0;  ///< of all steps
   std::size_t bytes() const { return heap_bytes(stack); }
 };
 
 struct KdopBvhState final : StageState {
-  ElementDelta delta;
+  TopologyDelta delta;
   detail::FilterKeys keys;
   double bounds_seconds = 0;
   detail::BoundsTable vertices;
   detail::KdopTree tree;
-  detail::PairWriters writers;
   std::vector<NodePair> tasks, expanded;
   std::vector<Worker> workers;
   KdopBvh::Counters counters;
 
   std::size_t bytes() const override {
-    return heap_bytes(delta, keys, vertices, tree, writers, tasks, expanded, workers);
+    return heap_bytes(delta, keys, vertices, tree, tasks, expanded, workers);
   }
 };
 
@@ -49,7 +50,7 @@ std::uint64_t make_tasks(KdopBvhState& state, const detail::PairRules& rules) {
   const std::vector<Index>& roots = state.tree.roots();
   for (std::size_t i = 0; i < roots.size(); ++i)
     for (std::size_t j = i; j < roots.size(); ++j)
-      if (rules.may_want(state.tree.nodes()[roots[i]].key, state.tree.nodes()[roots[j]].key))
+      if (rules.may_include(state.tree.nodes()[roots[i]].key, state.tree.nodes()[roots[j]].key))
         state.tasks.push_back({roots[i], roots[j]});
   std::uint64_t tests = 0;
   for (bool grows = true; grows && state.tasks.size() < kTasks;) {
@@ -92,13 +93,13 @@ std::unique_ptr<StageState> KdopBvh::make_state() const { return std::make_uniqu
 void KdopBvh::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
   state.bounds_seconds = detail::bound_vertices(step, config_.k, executor, state.vertices);
-  const ElementDelta::Extent changed = state.delta.sync(step);
-  bool build = changed == ElementDelta::Extent::everything || config_.restructure == Restructure::always;
-  if (!build && changed == ElementDelta::Extent::edits)
-    build = !state.tree.edit(step, state.delta.changed_slots(), state.vertices, executor);
+  const TopologyDelta::Extent changed = state.delta.sync(step.topology);
+  bool build = changed == TopologyDelta::Extent::everything || config_.restructure == Restructure::always;
+  if (!build && changed == TopologyDelta::Extent::edits)
+    build = !state.tree.edit(step.mesh(), state.delta.changed_slots(), state.vertices, executor);
   std::size_t restructured = 0;
   if (build) {
-    state.tree.build(step, config_.leaf_size, state.vertices, executor);
+    state.tree.build(step.mesh(), config_.leaf_size, state.vertices, executor);
     ++state.counters.builds;
   } else {
     state.tree.refit(state.vertices, executor);
@@ -106,39 +107,42 @@ void KdopBvh::prepare(const Step& step, StageState& stage_state, Executor& execu
       restructured = state.tree.restructure(config_.degradation, state.vertices, executor);
     state.counters.restructured_elements += restructured;
   }
-  const bool new_elements = build || changed != ElementDelta::Extent::none;
+  const bool new_elements = build || changed != TopologyDelta::Extent::none;
   const bool new_keys = state.keys.update(step, new_elements);
   if (!state.keys.trivial() && (new_elements || restructured > 0 || new_keys)) state.tree.set_keys(state.keys);
   state.delta.confirm();
 }
 
-void KdopBvh::run(const Step& step, StageState& stage_state, PairRange range, Executor& executor, PairSink sink) const {
+std::size_t KdopBvh::blocks(const Step& step, StageState& stage_state, Executor& executor) const {
   KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
-  const detail::PairRules rules(range, step.topology, state.keys);
+  const detail::PairRules rules(step, state.keys);
   if (rules.adjacency && config_.adjacent_pairs == AdjacentPairs::table && config_.restructure != Restructure::always)
     state.tree.find_adjacent_leaves(step.topology, executor);
   state.counters.node_tests += make_tasks(state, rules);
-  state.workers.resize(executor.workers());
-  for (Worker& worker : state.workers) {
+  state.workers.resize(std::max<std::size_t>(state.workers.size(), executor.workers()));
+  for (Worker& worker : state.workers)
     worker.stack.resize(std::max(worker.stack.size(), detail::stack_length(state.tree)));
-    worker.node_tests = 0;
-  }
-  state.writers.start(executor.workers(), sink);
-  executor.parallel_for(state.tasks.size(), 1, [&](std::size_t begin, std::size_t end, unsigned w) {
-    for (std::size_t i = begin; i < end; ++i)
-      state.workers[w].node_tests +=
-          detail::traverse(state.tree, rules, state.tasks[i], state.workers[w].stack.data(), state.writers[w]);
-  });
-  state.writers.finish();
-  for (const Worker& worker : state.workers) state.counters.node_tests += worker.node_tests;
+  return state.tasks.size();
 }
 
-const KdopBvh::Counters& KdopBvh::counters(const StageState& state) {
-  return static_cast<const KdopBvhState&>(state).counters;
+void KdopBvh::run(const Step& step, StageState& stage_state, unsigned w, std::size_t block, Work& work) const {
+  KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
+  Worker& worker = state.workers[w];
+  detail::PairWriter out(work);
+  worker.node_tests += detail::traverse(state.tree, detail::PairRules(step, state.keys), state.tasks[block],
+                                        worker.stack.data(), out);
+  out.flush();
 }
 
-double KdopBvh::bounds_seconds(const StageState& state) const {
-  return static_cast<const KdopBvhState&>(state).bounds_seconds;
+KdopBvh::Counters KdopBvh::counters(const StageState& stage_state) {
+  const KdopBvhState& state = static_cast<const KdopBvhState&>(stage_state);
+  Counters counters = state.counters;
+  for (const Worker& worker : state.workers) counters.node_tests += worker.node_tests;
+  return counters;
+}
+
+void KdopBvh::append_counters(const StageState& state, std::vector<StageCounter>& out) const {
+  out.push_back({"bounds_seconds", static_cast<const KdopBvhState&>(state).bounds_seconds});
 }
 
 StageDescriptor<BroadPhase> describe_kdop_bvh() {

@@ -56,11 +56,13 @@ class KdopBvh final : public BroadPhase {
 
   std::unique_ptr<StageState> make_state() const override;
   void prepare(const Step& step, StageState& state, Executor& executor) const override;
-  void run(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const override;
-  double bounds_seconds(const StageState& state) const override;
+  std::size_t blocks(const Step& step, StageState& state, Executor& executor) const override;
+  void run(const Step& step, StageState& state, unsigned worker, std::size_t block, Work& work) const override;
+  /// "bounds_seconds": the part of prepare() that computes the bounds of vertices (the paper's Figure 11).
+  void append_counters(const StageState& state, std::vector<StageCounter>& out) const override;
 
   /// The counters of a state that a KdopBvh created.
-  static const Counters& counters(const StageState& state);
+  static Counters counters(const StageState& state);
 
  private:
   Config config_;

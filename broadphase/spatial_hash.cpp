@@ -11,25 +11,27 @@
 #include <volccd/broadphase/detail/kdop_option.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
 #include <volccd/core/heap_bytes.hpp>
+#include <volccd/mesh/topology_delta.hpp>
 
 namespace volccd {
 
 namespace {
 
-constexpr std::size_t kEntryGrain = 4096, kLargeGrain = 1024;
+/// Entries of the grid, and elements, of a block.
+constexpr std::size_t kEntries = 4096, kElements = 1024;
 
 struct SpatialHashState final : StageState {
-  ElementDelta delta;
+  TopologyDelta delta;
   detail::FilterKeys keys;
   detail::ElementList list;
   double bounds_seconds = 0;
   detail::BoundsTable vertices, elements;
   detail::HashGrid grid;
-  detail::PairWriters writers;
+  std::size_t entry_blocks = 0, large_blocks = 0;
   std::vector<detail::BucketScratch> scratch;
 
   std::size_t bytes() const override {
-    return heap_bytes(delta, keys, list, vertices, elements, grid, writers, scratch);
+    return heap_bytes(delta, keys, list, vertices, elements, grid, scratch);
   }
 };
 
@@ -46,7 +48,7 @@ std::uint64_t spread(std::uint64_t x) {
 /// Lists the elements in the order of a Morton curve through their first vertices, so that elements that share cells
 /// are close in memory. The order affects only speed; therefore it is not updated afterwards.
 void list_in_space(const Step& step, SpatialHashState& state, Executor& executor) {
-  state.list.assign(step, executor);
+  state.list.assign(step.mesh(), executor);
   const std::size_t count = state.list.size();
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::max()), high = -low;
   for (Index v = 0; v < step.motion.vertex_count(); ++v) {
@@ -90,40 +92,51 @@ std::unique_ptr<StageState> SpatialHash::make_state() const { return std::make_u
 
 void SpatialHash::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   SpatialHashState& state = static_cast<SpatialHashState&>(stage_state);
-  const ElementDelta::Extent changed = state.delta.sync(step);
-  if (changed == ElementDelta::Extent::everything)
+  const TopologyDelta::Extent changed = state.delta.sync(step.topology);
+  if (changed == TopologyDelta::Extent::everything)
     list_in_space(step, state, executor);
-  else if (changed == ElementDelta::Extent::edits)
-    state.list.update(step, state.delta.changed_slots());
-  state.keys.update(step, changed != ElementDelta::Extent::none);
+  else if (changed == TopologyDelta::Extent::edits)
+    state.list.update(step.mesh(), state.delta.changed_slots());
+  state.keys.update(step, changed != TopologyDelta::Extent::none);
   state.bounds_seconds = detail::bound_vertices(step, config_.k, executor, state.vertices);
   detail::bound_elements(state.vertices, state.list, executor, state.elements);
   state.grid.build(state.elements, state.list.size(), config_.cell_size, kMaxCells, executor);
   state.delta.confirm();
 }
 
-void SpatialHash::run(const Step& step, StageState& stage_state, PairRange range, Executor& executor,
-                      PairSink sink) const {
+std::size_t SpatialHash::blocks(const Step& step, StageState& stage_state, Executor& executor) const {
   SpatialHashState& state = static_cast<SpatialHashState&>(stage_state);
-  const detail::PairRules rules(range, step.topology, state.keys);
-  state.writers.start(executor.workers(), sink);
   state.scratch.resize(executor.workers());
   for (detail::BucketScratch& scratch : state.scratch) scratch.reserve(state.grid.largest_bucket());
-
-  const Index* const slots = state.list.slots();
-  executor.parallel_for(state.grid.entries().size(), kEntryGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
-    detail::hash_entries(state.grid, state.elements, slots, rules, begin, end, state.scratch[w], state.writers[w]);
-  });
-  if (!state.grid.large().empty())
-    executor.parallel_for(state.list.size(), kLargeGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
-      detail::hash_large(state.grid, state.elements, slots, rules, begin, end, state.writers[w]);
-    });
-  detail::write_self_pairs(state.list, rules, executor, state.writers);
-  state.writers.finish();
+  const auto blocks_of = [](std::size_t count, std::size_t size) { return (count + size - 1) / size; };
+  state.entry_blocks = blocks_of(state.grid.entries().size(), kEntries);
+  state.large_blocks = state.grid.large().empty() ? 0 : blocks_of(state.list.size(), kElements);
+  const bool self_pairs = step.range == PairRange::every;
+  return state.entry_blocks + state.large_blocks + (self_pairs ? blocks_of(state.list.size(), kElements) : 0);
 }
 
-double SpatialHash::bounds_seconds(const StageState& state) const {
-  return static_cast<const SpatialHashState&>(state).bounds_seconds;
+void SpatialHash::run(const Step& step, StageState& stage_state, unsigned worker, std::size_t block, Work& work) const {
+  SpatialHashState& state = static_cast<SpatialHashState&>(stage_state);
+  const detail::PairRules rules(step, state.keys);
+  detail::PairWriter out(work);
+  if (block < state.entry_blocks) {
+    const std::size_t begin = block * kEntries, end = std::min(begin + kEntries, state.grid.entries().size());
+    detail::hash_entries(state.grid, state.elements, state.list.slots(), rules, begin, end, state.scratch[worker], out);
+  } else {
+    block -= state.entry_blocks;
+    const bool large = block < state.large_blocks;
+    const std::size_t begin = (large ? block : block - state.large_blocks) * kElements;
+    const std::size_t end = std::min(begin + kElements, state.list.size());
+    if (large)
+      detail::hash_large(state.grid, state.elements, state.list.slots(), rules, begin, end, out);
+    else
+      detail::write_self_pairs(state.list, rules, begin, end, out);
+  }
+  out.flush();
+}
+
+void SpatialHash::append_counters(const StageState& state, std::vector<StageCounter>& out) const {
+  out.push_back({"bounds_seconds", static_cast<const SpatialHashState&>(state).bounds_seconds});
 }
 
 StageDescriptor<BroadPhase> describe_spatial_hash() {

@@ -2,22 +2,11 @@
 #pragma once
 
 #include <string>
-#include <vector>
 
 #include <volccd/culling/element_culling.hpp>
+#include <volccd/query/work_source.hpp>
 
 namespace volccd {
-
-/// Tests to perform. It never contains a pair of features with a common vertex.
-struct TestBatch {
-  std::vector<FeaturePair> vf, ee;
-
-  std::size_t size() const { return vf.size() + ee.size(); }
-  void clear() {
-    vf.clear();
-    ee.clear();
-  }
-};
 
 /// The completeness of a pipeline (docs/pipelines.md) relies on the following. The tests of all element pairs of a
 /// range must contain:

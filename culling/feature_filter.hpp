@@ -15,7 +15,7 @@ class FeatureFilter : public Stage {
 
   /// Drops tests before their coordinates are gathered: by the same rule as run(), which sees only those that are left.
   /// Moves these to the front of `tests`, in their order, and returns their number; the entries behind are unspecified.
-  /// Not called on a filter that follows another one, nor where a stage observer is told of each test.
+  /// Not called on a filter that follows another one.
   virtual std::size_t select(const Step& step, StageState& state, unsigned worker, FeatureKind kind,
                              std::span<FeaturePair> tests) const {
     (void)step, (void)state, (void)worker, (void)kind;

@@ -75,11 +75,12 @@ json to_json(const PipelineSpec& spec) {
 
 json to_json(const Statistics& s) {
   json stages = json::array();
-  for (const StageStatistics& stage : s.stages)
-    stages.push_back(
-        {{"role", stage.role}, {"name", stage.name}, {"in", stage.in}, {"out", stage.out},
-                      {"prepare_seconds", stage.prepare_seconds}, {"bounds_seconds", stage.bounds_seconds},
-                      {"seconds", stage.seconds}});
+  for (const StageStatistics& stage : s.stages) {
+    json counters = json::object();
+    for (const StageCounter& counter : stage.counters) counters[counter.name] = counter.value;
+    stages.push_back({{"role", stage.role}, {"name", stage.name}, {"in", stage.in}, {"out", stage.out},
+                      {"prepare_seconds", stage.prepare_seconds}, {"seconds", stage.seconds}, {"counters", counters}});
+  }
   return {{"steps", s.steps},
           {"element_pairs", s.element_pairs},
           {"adjacent_pairs", s.adjacent_pairs},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include <volccd/broadphase/candidate_pairs.hpp>
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/core/error.hpp>
 #include <volccd/paper2011/counted_operation.hpp>
@@ -85,19 +86,15 @@ std::vector<T> evenly_spread(const std::vector<T>& all, std::size_t max) {
   return result;
 }
 
-std::vector<ElementPair> overlapping_pairs(const Step& step) {
+std::vector<ElementPair> overlapping_pairs(Step step) {
   KdopBvh::Config boxes_alone;
   boxes_alone.k = 6;
   const KdopBvh broad(boxes_alone);
   SerialExecutor executor;
   const auto state = broad.make_state();
+  step.range = PairRange::nonadjacent;
   broad.prepare(step, *state, executor);
-  std::vector<ElementPair> pairs;
-  broad.run(step, *state, PairRange::nonadjacent, executor, [&](std::span<const ElementPair> batch, unsigned) {
-    pairs.insert(pairs.end(), batch.begin(), batch.end());
-  });
-  std::sort(pairs.begin(), pairs.end());
-  return pairs;
+  return candidate_pairs(broad, step, *state, executor);
 }
 
 struct BoundSamples {
@@ -105,7 +102,7 @@ struct BoundSamples {
     const auto points = [&](Index o) { return reference::moving_points(step.motion, step.mesh().vertices(o)); };
     std::vector<Index> live;
     for (Index o = 0; o < step.mesh().element_slots(); ++o)
-      if (step.takes_part(o)) live.push_back(o);
+      if (step.mesh().is_live(o)) live.push_back(o);
     for (const Index o : evenly_spread(live, config.tests)) elements.push_back(points(o));
     for (const ElementPair pair : evenly_spread(overlapping_pairs(step), config.tests)) {
       const Element a = points(pair.a), b = points(pair.b);

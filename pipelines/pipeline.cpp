@@ -18,9 +18,8 @@ std::size_t Workspace::bytes() const {
   if (!data_) return 0;
   std::size_t sum = 0;
   for (const auto& state : data_->states) sum += state->bytes();
-  if (data_->flood_broad_phase) sum += data_->flood_broad_phase->bytes();
   for (const auto& worker : data_->workers) sum += worker->bytes();
-  return sum + data_->order.bytes();
+  return sum + data_->merger.bytes();
 }
 
 namespace {
@@ -91,9 +90,23 @@ Workspace Pipeline::make_workspace() const {
 
 void Pipeline::make_states(Workspace::Data& data) const {
   data.states.clear();
-  for (const Stage* stage : stages_) data.states.push_back(stage->make_state());
-  if (flood_) data.flood_broad_phase = broad_phase_->make_state();
+  for (const Stage* stage : stages_)
+    data.states.push_back(stage == flood_.get() ? flood_->make_state_with(*broad_phase_) : stage->make_state());
   data.intact = true;
+}
+
+void Pipeline::check(const Step& step, const Workspace& workspace, const Request& request) const {
+  if (!workspace.data_ || workspace.data_->pipeline != id_)
+    throw ConfigError(
+        fmt::format("pipeline {}: the workspace is not one of this pipeline; make it with make_workspace() of the "
+                    "pipeline that runs",
+                    spec_.name));
+  check(step);
+  if (request.leave_out_shell_neighbours && step.mesh().vertex_count() % 3 != 0)
+    throw ConfigError(
+        fmt::format("shell neighbours can be left out of thickened shells only: the mesh has {} vertices, "
+                    "not three for each vertex of a shell mesh",
+                    step.mesh().vertex_count()));
 }
 
 void Pipeline::check(const Step& step) const {

@@ -96,6 +96,7 @@ class Pipeline {
   class Run;
 
   void check(const Step& step) const;
+  void check(const Step& step, const Workspace& workspace, const Request& request) const;
   void make_states(Workspace::Data& data) const;
 
   PipelineSpec spec_;

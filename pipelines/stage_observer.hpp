@@ -10,7 +10,8 @@
 
 namespace volccd {
 
-/// A run with an observer (Request::observer) hands it every batch of pairs that a stage has processed. `stage` is the
+/// A run with an observer (Request::observer) hands it every batch of pairs that a stage has processed; it runs as without
+/// one. `stage` is the
 /// index of the stage in Statistics::stages, and keep[i] tells whether the stage kept pair i. An empty `keep` means
 /// that the stage produced the pairs: a broad phase, an assignment, an orphan source, and a flood with the pairs that
 /// it proposes and with its orphans. A narrow phase keeps the tests that are contacts.
@@ -26,7 +27,7 @@ class StageObserver {
   virtual ~StageObserver() = default;
 
   /// Element slots are those of `step`, on which the stage ran. In a step that a flood takes, these are the simplices
-  /// of its complex; a broad phase processed the part step.part(o) of a simplex o.
+  /// of its complex.
   virtual void observe(std::size_t stage, unsigned worker, const Step& step, std::span<const ElementPair> pairs,
                        std::span<const std::uint8_t> keep) = 0;
 

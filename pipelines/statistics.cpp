@@ -5,6 +5,25 @@
 
 namespace volccd {
 
+namespace {
+
+void add_counters(std::vector<StageCounter>& counters, const std::vector<StageCounter>& others) {
+  for (const StageCounter& other : others) {
+    const auto own = std::ranges::find(counters, std::string_view(other.name), &StageCounter::name);
+    if (own != counters.end())
+      own->value += other.value;
+    else
+      counters.push_back(other);
+  }
+}
+
+}  // namespace
+
+double StageStatistics::counter(std::string_view which) const {
+  const auto found = std::ranges::find(counters, which, &StageCounter::name);
+  return found == counters.end() ? 0 : found->value;
+}
+
 Statistics& Statistics::operator+=(const Statistics& other) {
   steps += other.steps;
   element_pairs += other.element_pairs;
@@ -33,7 +52,7 @@ Statistics& Statistics::operator+=(const Statistics& other) {
     stages[i].in += other.stages[i].in;
     stages[i].out += other.stages[i].out;
     stages[i].prepare_seconds += other.stages[i].prepare_seconds;
-    stages[i].bounds_seconds += other.stages[i].bounds_seconds;
+    add_counters(stages[i].counters, other.stages[i].counters);
     stages[i].seconds += other.stages[i].seconds;
   }
   return *this;

@@ -4,25 +4,30 @@
 #include <cstdint>
 #include <limits>
 #include <string>
+#include <string_view>
 #include <vector>
+
+#include <volccd/query/stage.hpp>
 
 namespace volccd {
 
 /// Statistics of one stage of a pipeline. The role of the stage determines what `in` and `out` count: a broad phase
-/// outputs element pairs, element culling and initial overlaps have element pairs as input and output, an assignment
+/// outputs element pairs, a flood outputs element pairs and has those that survive culling as input, element culling and initial overlaps have element pairs as input and output, an assignment
 /// has element pairs as input and tests as output, an orphan source outputs tests, feature filters have tests as input
 /// and output, and a narrow phase has tests as input and contacts as output.
 struct StageStatistics {
   std::string role;  ///< as in `--set`: "broad-phase", "element-culling", ...; the last entry may be "initial-overlaps"
   std::string name;  ///< name in the registry
+  std::vector<StageCounter> counters = {};  ///< what the stage itself measured (Stage::append_counters)
   std::uint64_t in = 0, out = 0;
   double prepare_seconds = 0;  ///< wall-clock time of prepare()
-  /// Part of prepare_seconds: the bounds of vertices (BroadPhase::bounds_seconds).
-  double bounds_seconds = 0;
-  /// Time of run(), summed over workers, without the time of other stages, idle time and bookkeeping. The time to
-  /// gather a block of tests is included in the first stage that processes the block.
+  /// Time of run() and, of a source of work, of next_round(), summed over workers, without the time of other stages,
+  /// idle time and bookkeeping. The time to gather a block of tests is included in the first stage that processes the
+  /// block.
   double seconds = 0;
 
+  /// The value of a counter, 0 if there is none with this name.
+  double counter(std::string_view which) const;
   double all_seconds() const { return prepare_seconds + seconds; }
 };
 

@@ -1,6 +1,9 @@
 #include <volccd/pipelines/test_chain.hpp>
 
 #include <algorithm>
+#include <stdexcept>
+
+#include <volccd/pipelines/detail/mark_kept.hpp>
 
 namespace volccd {
 
@@ -36,17 +39,22 @@ void TestChain::add(FeatureKind kind, std::span<FeaturePair> tests) {
     tests = {tests.begin(), std::remove_if(tests.begin(), tests.end(), excluded)};
   }
   StageTimer timer(clock_, statistics_[0].seconds);
-  if (!stages_->filters.empty() && !stages_->observer) {
-    const std::size_t left = stages_->filters[0]->select(pruned_step(), *stages_->states[0], worker_, kind, tests);
-    statistics_[0].in += tests.size() - left;
-    tests = tests.first(left);
-  }
+  if (!stages_->filters.empty()) tests = select(kind, tests);
   while (!tests.empty()) {
     const std::size_t taken = std::min(tests.size(), TestBlock::kCapacity);
     blocks(kind)[0].gather(*step_, kind, tests.first(taken));
     run(kind, 0);
     tests = tests.subspan(taken);
   }
+}
+
+/// The tests that the first filter does not drop before their coordinates are gathered. It sees the others again.
+std::span<FeaturePair> TestChain::select(FeatureKind kind, std::span<FeaturePair> tests) {
+  if (stages_->observer) observed_.assign(tests.begin(), tests.end());
+  const std::size_t left = stages_->filters[0]->select(pruned_step(), *stages_->states[0], worker_, kind, tests);
+  statistics_[0].in += tests.size() - left;
+  if (stages_->observer) observe_dropped(kind, tests.first(left));
+  return tests.first(left);
 }
 
 Step TestChain::pruned_step() const {
@@ -98,23 +106,35 @@ void TestChain::run_narrow_phase(const TestBlock& block) {
   const std::size_t stage = stages_->filters.size();
   stages_->narrow_phase.run(*step_, *stages_->states[stage], worker_, block, contacts_, counters_);
   statistics_[stage].out += contacts_.size() - before;
-  if (stages_->observer) observe_contacts(block, before);
+  std::array<std::uint8_t, TestBlock::kCapacity> keep{};
+  std::size_t test = 0;  // contacts are in the order of the block
+  for (Contact& contact : std::span(contacts_).subspan(before)) {
+    while (test < block.size() && block.vertices(test) != contact.vertices) ++test;
+    if (test == block.size())
+      throw std::logic_error("the contacts of a narrow phase are not those of its block, or not in its order");
+    contact.features = block.pair(test);
+    keep[test++] = 1;
+  }
+  observe(stage, block, keep);
 }
 
 void TestChain::observe(std::size_t stage, const TestBlock& block, std::span<const std::uint8_t> keep) {
   if (!stages_->observer) return;
-  const StageTimer nobody(clock_);
+  const StageTimer none(clock_);
   stages_->observer->observe(stages_->first_stage + stage, worker_, *step_, block.kind(), block.pairs(),
                              keep.first(block.size()));
 }
 
-/// Contacts name vertices, not the index of their test in the block.
-void TestChain::observe_contacts(const TestBlock& block, std::size_t old_contacts) {
-  std::array<std::uint8_t, TestBlock::kCapacity> keep{};
-  for (const Contact& contact : std::span(contacts_).subspan(old_contacts))
-    for (std::size_t i = 0; i < block.size(); ++i)
-      if (block.vertices(i) == contact.vertices) keep[i] = 1;
-  observe(stages_->filters.size(), block, keep);
+/// Tells of the tests in observed_ that are not in `kept`.
+void TestChain::observe_dropped(FeatureKind kind, std::span<const FeaturePair> kept) {
+  const StageTimer none(clock_);
+  detail::mark_kept<FeaturePair>(observed_, kept, observed_keep_);
+  std::size_t dropped = 0;
+  for (std::size_t i = 0; i < observed_.size(); ++i)
+    if (observed_keep_[i] == 0) observed_[dropped++] = observed_[i];
+  observed_keep_.assign(dropped, 0);
+  stages_->observer->observe(stages_->first_stage, worker_, *step_, kind, std::span(observed_).first(dropped),
+                             observed_keep_);
 }
 
 }  // namespace volccd

@@ -63,11 +63,12 @@ class TestChain {
 
   Blocks& blocks(FeatureKind kind) { return blocks_[static_cast<std::size_t>(kind)]; }
   Step pruned_step() const;
+  std::span<FeaturePair> select(FeatureKind kind, std::span<FeaturePair> tests);
   void run(FeatureKind kind, std::size_t stage);
   void run_filter(FeatureKind kind, std::size_t stage);
   void run_narrow_phase(const TestBlock& block);
   void observe(std::size_t stage, const TestBlock& block, std::span<const std::uint8_t> keep);
-  void observe_contacts(const TestBlock& block, std::size_t old_contacts);
+  void observe_dropped(FeatureKind kind, std::span<const FeaturePair> kept);
 
   const Step* step_ = nullptr;
   const TestStages* stages_ = nullptr;
@@ -79,6 +80,8 @@ class TestChain {
   NarrowCounters counters_;
   std::array<std::uint64_t, 2> tests_{};
   StageClock clock_;
+  std::vector<FeaturePair> observed_;  ///< the tests before select(), for an observer
+  std::vector<std::uint8_t> observed_keep_;
 };
 
 }  // namespace volccd

@@ -23,6 +23,11 @@ struct Contact {
   /// Whether the features touch, or are closer than the separation, at t = 0; then toi is 0. (The converse does not
   /// hold: a tolerance in time may round toi to 0 for a later contact.)
   bool at_start = false;
+  // A pipeline sets these two; a narrow phase leaves them as they are.
+  /// The slots of the two features, in the order of `vertices`: vertex and triangle, or edge 1 and edge 2.
+  FeaturePair features = {kNone, kNone};
+  /// Of each feature, the slot of the incident element of smallest id.
+  std::array<Index, 2> elements = {kNone, kNone};
 
   friend bool operator==(const Contact&, const Contact&) = default;
 };

@@ -2,11 +2,16 @@
 #pragma once
 
 #include <volccd/mesh/topology.hpp>
-#include <volccd/query/element_subset.hpp>
 #include <volccd/query/motion.hpp>
 #include <volccd/query/object_filter.hpp>
 
 namespace volccd {
+
+/// Which element pairs are asked for.
+enum class PairRange {
+  nonadjacent,  ///< pairs of elements without a common vertex (O-Sets cover the others, Section 5.1)
+  every         ///< also pairs of adjacent elements, and the self pair (o, o) of each live element
+};
 
 /// The motion of one step on one topology, and the options of the query. Contains references and is cheap to copy; the
 /// referenced objects must outlive the call and must not change during it.
@@ -20,18 +25,11 @@ struct Step {
   /// Contacts later than t_max need not be found: a stage may drop pairs that touch only after t_max, or may ignore
   /// this value. 1: the whole step.
   double t_max = 1;
-  /// The elements that the broad phase pairs, and the parts of them that have to overlap; null: all live elements. Only
-  /// a broad phase receives a step with a subset.
-  const ElementSubset* subset = nullptr;
+  /// Which element pairs sources of work hand out. A pipeline sets it, whatever its caller has given.
+  PairRange range = PairRange::every;
 
   const Mesh& mesh() const { return topology.mesh(); }
   const Features& features() const { return topology.features(); }
-  bool takes_part(Index o) const { return mesh().is_live(o) && (!subset || subset->contains(o)); }
-  /// The vertices of the part of o that takes part: all vertices of the element, or those of a smaller part, of which
-  /// one may be repeated. Pre: takes_part(o).
-  std::span<const Index> part(Index o) const {
-    return subset && !subset->contains_whole(o) ? subset->part(o) : mesh().vertices(o);
-  }
 };
 
 }  // namespace volccd

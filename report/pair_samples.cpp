@@ -54,7 +54,8 @@ void PairSampler::add(std::size_t stage, unsigned worker, SampledKind kind, std:
 void PairSampler::observe(std::size_t stage, unsigned worker, const Step& step, std::span<const ElementPair> pairs,
                           std::span<const std::uint8_t> keep) {
   add(stage, worker, SampledKind::elements, pairs, keep, [&](ElementPair pair) {
-    return std::array{centroid(step.motion, step.part(pair.a)), centroid(step.motion, step.part(pair.b))};
+    return std::array{centroid(step.motion, step.mesh().vertices(pair.a)),
+                      centroid(step.motion, step.mesh().vertices(pair.b))};
   });
 }
 

@@ -60,11 +60,11 @@ HWY_INLINE void unite_rows(std::size_t count, Row&& row, float* out) {
   }
 }
 
-/// The same for the rows of the vertices of a part of an element.
+/// The same for the rows of the vertices of an element.
 template <int kWidth>
-HWY_INLINE void unite_part(const float* rows, std::span<const Index> part, float* out) {
+HWY_INLINE void unite_vertices(const float* rows, std::span<const Index> vertices, float* out) {
   unite_rows<kWidth>(
-      part.size(), [&](std::size_t v) HWY_ATTR { return rows + part[v] * std::size_t{2 * kWidth}; }, out);
+      vertices.size(), [&](std::size_t v) HWY_ATTR { return rows + vertices[v] * std::size_t{2 * kWidth}; }, out);
 }
 
 /// Calls f(std::integral_constant<int, width>) for the run-time width 4, 8 or 16.

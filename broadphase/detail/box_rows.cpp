@@ -52,7 +52,7 @@ void BoxRows::update(const Step& step, const ElementList& list, Executor& execut
     for (std::size_t p = begin; p < end; ++p)
       for (std::size_t axis = 0; axis < 3; ++axis) {
         double low = infinity, high = -infinity;
-        for (const Index v : list.part(p))
+        for (const Index v : list.vertices(p))
           for (int c = 0; c < points; ++c) {
             const double x = step.motion.at(v)[3 * static_cast<std::size_t>(c) + axis];
             low = std::min(low, x);

@@ -115,7 +115,7 @@ void bound_element_kernel(const BoundsTable& vertices, const ElementList& list, 
       if (list.slot(p) == kNone)
         make_empty<width>(out.row(p));
       else
-        unite_part<width>(vertices.row(0), list.part(p), out.row(p));
+        unite_vertices<width>(vertices.row(0), list.vertices(p), out.row(p));
     }
   });
 }

@@ -1,6 +1,8 @@
 #include <volccd/culling/flood/boundary_flood.hpp>
 
 #include <algorithm>
+#include <iterator>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -15,14 +17,24 @@ namespace volccd {
 
 namespace {
 
-enum class Phase { idle, start, flood };
+/// Pairs of a block in the rounds after the first one.
+constexpr std::size_t kPairs = 256;
+
+/// The rounds of a flood: first the pairs of outer parts, then rounds of the flood at t = 0, then rounds of the flood over
+/// the whole step, in their place all pairs of simplices if these are too many, and the orphans.
+enum class Phase { parts, at_start, flood, everything, orphans };
 
 struct alignas(64) Worker {
-  std::vector<ElementPair> reached;
-  std::size_t bytes() const { return heap_bytes(reached); }
+  Work work;                          ///< pairs of outer parts, or of all simplices
+  std::vector<ElementPair> survived;  ///< of the present round
+  std::size_t bytes() const { return heap_bytes(work.pairs, survived); }
 };
 
 struct BoundaryFloodState final : StageState {
+  explicit BoundaryFloodState(const BroadPhase* broad) : broad_phase(broad) {}
+
+  const BroadPhase* broad_phase;
+  std::unique_ptr<StageState> parts_state, simplices_state;  ///< of the broad phase; the second if it was ever needed
   detail::SimplexComplex complex;
   detail::VertexStars stars;
   detail::SuspectPairs suspects;
@@ -31,19 +43,20 @@ struct BoundaryFloodState final : StageState {
   TopologyDelta counted;  ///< the topology for which the shares were computed
   double boundary_share = 0, divided_share = 0;
   ObjectFilter filter;
-  std::optional<Step> step;  ///< the step of the complex
+  std::optional<Step> step, parts_step;  ///< of the complex, and of the outer parts
   bool taken = false;
-  std::uint64_t neighbours_version = 0;  ///< the version of the subset to which the neighbours in start_scratch belong
+  std::uint64_t neighbours_version = 0;  ///< the version of the parts to which the neighbours in start_scratch belong
   detail::StartScratch start_scratch;
   detail::PairSet seen, seen_at_start;
   std::vector<ElementPair> front, reached;
   std::size_t seeds = 0;  ///< how many of the reached pairs are seeds, which are culled for the whole step at once
   std::vector<Worker> workers;
-  Phase phase = Phase::idle;
+  Phase phase = Phase::parts;
   BoundaryFlood::Counters counters;
 
   std::size_t bytes() const override {
-    return heap_bytes(complex, stars, suspects, orphans, outer, counted, start_scratch, seen, seen_at_start, front,
+    return (parts_state ? parts_state->bytes() : 0) + (simplices_state ? simplices_state->bytes() : 0) +
+           heap_bytes(complex, stars, suspects, orphans, outer, counted, start_scratch, seen, seen_at_start, front,
                       reached, workers);
   }
 };
@@ -76,10 +89,10 @@ double divided_share(const Mesh& mesh) {
       mesh, [&](Index o) { return !is_shell(mesh.type(o)) && mesh.type(o) != ElementType::tetrahedron; });
 }
 
-/// The seeds at t = 0, and the adjacent pairs that may have double points then.
+/// Proposes the seeds at t = 0, and the neighbours of adjacent pairs that may have double points then.
 void propose_from_start(BoundaryFloodState& state, std::span<const ElementPair> seeds, detail::FloodFront& front,
                         Executor& executor) {
-  const std::uint64_t version = state.outer.subset().version();
+  const std::uint64_t version = state.outer.table().topology().version();
   if (std::exchange(state.neighbours_version, version) != version)
     state.start_scratch.neighbours.clear(state.step->mesh().element_slots());
   front.propose_containing(state.outer.chosen_vertices(), state.start_scratch, executor);
@@ -88,29 +101,34 @@ void propose_from_start(BoundaryFloodState& state, std::span<const ElementPair> 
   for (const ElementPair pair : seeds) front.propose(pair);
 }
 
-/// The pairs to process next.
-Flood::Front propose(BoundaryFloodState& state, Executor& executor) {
-  const Step& step = *state.step;
-  state.front.clear();
+/// Moves the survivors of the last round to `reached`, and returns them there.
+std::span<const ElementPair> collect_survivors(BoundaryFloodState& state) {
   const std::size_t begin = state.reached.size();
   for (Worker& worker : state.workers) {
-    state.reached.insert(state.reached.end(), worker.reached.begin(), worker.reached.end());
-    worker.reached.clear();
+    state.reached.insert(state.reached.end(), worker.survived.begin(), worker.survived.end());
+    worker.survived.clear();
   }
-  const std::span<const ElementPair> fresh = std::span(state.reached).subspan(begin);
-  const detail::StarTable& table = state.stars.table();
-  if (state.phase != Phase::flood) {
-    detail::FloodFront at_start(step, table, state.seen_at_start, state.front);
-    if (state.phase == Phase::idle) state.seeds = fresh.size();
-    if (state.phase == Phase::idle)
-      propose_from_start(state, fresh, at_start, executor);
-    else
-      for (const ElementPair pair : fresh) at_start.propose_neighbours_at_start(pair, state.start_scratch);
-    state.phase = Phase::start;
-    if (!state.front.empty()) return {state.front, true};
+  return std::span(state.reached).subspan(begin);
+}
+
+/// Sets the front to the next pairs of the flood at t = 0; without any, that flood has ended.
+void continue_at_start(BoundaryFloodState& state, std::span<const ElementPair> fresh, Executor& executor) {
+  detail::FloodFront front(*state.step, state.stars.table(), state.outer.table(), state.seen_at_start, state.front);
+  state.front.clear();
+  if (state.phase == Phase::parts) {
+    state.seeds = fresh.size();
+    propose_from_start(state, fresh, front, executor);
+  } else {
+    for (const ElementPair pair : fresh) front.propose_neighbours_at_start(pair, state.start_scratch);
   }
-  detail::FloodFront front(step, table, state.seen, state.front);
-  if (state.phase == Phase::start) {
+  state.phase = Phase::at_start;
+}
+
+/// Sets the front to the next pairs of the flood over the whole step; without any, that flood has ended.
+void continue_flood(BoundaryFloodState& state, std::span<const ElementPair> fresh) {
+  detail::FloodFront front(*state.step, state.stars.table(), state.outer.table(), state.seen, state.front);
+  state.front.clear();
+  if (state.phase == Phase::at_start) {
     const std::span<const ElementPair> all(state.reached), seeds = all.first(state.seeds);
     for (const ElementPair pair : seeds) state.seen.insert(pair);
     for (const ElementPair pair : seeds) front.propose_neighbours(pair);
@@ -121,7 +139,54 @@ Flood::Front propose(BoundaryFloodState& state, Executor& executor) {
   } else {
     for (const ElementPair pair : fresh) front.propose_neighbours(pair);
   }
-  return {state.front, false};
+}
+
+/// A round of the pairs in the front.
+Round round_of_front(BoundaryFloodState& state, RoundKind kind) {
+  state.counters.examined += state.front.size();
+  if (kind == RoundKind::pairs_at_start) state.counters.examined_at_start += state.front.size();
+  return {(state.front.size() + kPairs - 1) / kPairs, kind};
+}
+
+/// A round of all pairs of simplices but those that were handed out for the whole step.
+Round begin_everything(BoundaryFloodState& state, Executor& executor) {
+  if (state.phase == Phase::at_start)
+    for (std::size_t i = 0; i < state.seeds; ++i) state.seen.insert(state.reached[i]);
+  state.phase = Phase::everything;
+  state.counters.all_paired = true;
+  if (!state.simplices_state) state.simplices_state = state.broad_phase->make_state();
+  state.broad_phase->prepare(*state.step, *state.simplices_state, executor);
+  return {state.broad_phase->blocks(*state.step, *state.simplices_state, executor), RoundKind::pairs};
+}
+
+Round begin_orphans(BoundaryFloodState& state) {
+  state.phase = Phase::orphans;
+  return {state.orphans.blocks(), RoundKind::tests};
+}
+
+/// Pairs whose outer parts may touch. Parts without a common vertex may belong to adjacent simplices.
+void append_parts(BoundaryFloodState& state, unsigned worker, std::size_t block, Work& out) {
+  Work& found = state.workers[worker].work;
+  found.pairs.clear();
+  state.broad_phase->run(*state.parts_step, *state.parts_state, worker, block, found);
+  const Adjacency& adjacency = state.step->topology.adjacency();
+  for (const ElementPair parts : found.pairs)
+    if (const ElementPair pair = state.outer.table().simplices(parts); !adjacency.adjacent(pair.a, pair.b))
+      out.pairs.push_back(pair);
+}
+
+void append_everything(BoundaryFloodState& state, unsigned worker, std::size_t block, Work& out) {
+  Work& found = state.workers[worker].work;
+  found.pairs.clear();
+  state.broad_phase->run(*state.step, *state.simplices_state, worker, block, found);
+  std::copy_if(found.pairs.begin(), found.pairs.end(), std::back_inserter(out.pairs),
+               [&](ElementPair pair) { return !state.seen.contains(pair); });
+}
+
+void append_orphans(const BoundaryFloodState& state, std::size_t block, TestBatch& out) {
+  const std::size_t vf_begin = out.vf.size(), ee_begin = out.ee.size();
+  state.orphans.append(block, out);
+  state.complex.to_mesh_features(out, vf_begin, ee_begin);
 }
 
 }  // namespace
@@ -137,7 +202,7 @@ const Options<BoundaryFlood::Config>& BoundaryFlood::options() {
           .add("max_suspect_fraction", &Config::max_suspect_fraction, 0, 1,
                "share of vertices whose stars may fold above which a step is left to the other stages")
           .add("max_pairs", &Config::max_pairs, 0, 1e9,
-               "pairs looked at for each simplex, above which a step is begun anew by the other stages")
+               "pairs examined for each simplex, above which all pairs of simplices are examined in place of a flood")
           .renamed("most_boundary", "max_boundary_fraction")
           .renamed("most_divided", "max_divided_fraction")
           .renamed("most_suspect", "max_suspect_fraction")
@@ -145,12 +210,14 @@ const Options<BoundaryFlood::Config>& BoundaryFlood::options() {
   return options;
 }
 
-std::unique_ptr<StageState> BoundaryFlood::make_state() const { return std::make_unique<BoundaryFloodState>(); }
+std::unique_ptr<StageState> BoundaryFlood::make_state_with(const BroadPhase& broad_phase) const {
+  return std::make_unique<BoundaryFloodState>(&broad_phase);
+}
 
 void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   BoundaryFloodState& state = own(stage_state);
   state.taken = false;
-  state.phase = Phase::idle;
+  state.phase = Phase::parts;
   state.counters = {};
   if (state.counted.sync(step.topology) != TopologyDelta::Extent::none) {
     state.boundary_share = boundary_share(step.topology);
@@ -163,7 +230,8 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   // Object ids change along a chain of pairs only where objects share vertices. In that case only the tests are
   // filtered.
   state.filter = topology.objects_share_vertices() ? ObjectFilter() : step.filter;
-  state.step.emplace(Step{topology, step.motion, state.filter, step.separation, step.t_max, &state.outer.subset()});
+  state.step.emplace(Step{.topology = topology, .motion = step.motion, .filter = state.filter,
+                          .separation = step.separation, .t_max = step.t_max, .range = PairRange::nonadjacent});
   // An edit changes which outer parts are next to each other, also if no part changes, as when an element is replaced in
   // its slot.
   if (state.stars.update(*state.step, executor) != TopologyDelta::Extent::none) state.neighbours_version = 0;
@@ -174,10 +242,14 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
     return;
   state.suspects.update(*state.step, state.stars, executor, [](Index, Index) { return true; });
   state.orphans.update(topology, state.suspects.pairs(), executor);
-  state.outer.update(*state.step, state.stars);
-  state.counters.paired = state.outer.subset().size();
+  state.outer.update(*state.step, state.stars, executor);
+  state.counters.paired = state.outer.table().size();
+  state.parts_step.emplace(Step{.topology = state.outer.table().topology(), .motion = step.motion, .filter = state.filter,
+                                .separation = step.separation, .t_max = step.t_max, .range = PairRange::nonadjacent});
+  if (!state.parts_state) state.parts_state = state.broad_phase->make_state();
+  state.broad_phase->prepare(*state.parts_step, *state.parts_state, executor);
   state.workers.resize(executor.workers());
-  for (Worker& worker : state.workers) worker.reached.clear();
+  for (Worker& worker : state.workers) worker.survived.clear();
   state.reached.clear();
   state.seen.clear();
   state.seen_at_start.clear();
@@ -188,21 +260,50 @@ bool BoundaryFlood::takes(const StageState& state, bool overlaps) const {
   return own(state).taken && (!overlaps || own(state).complex.is_mesh());
 }
 
-Step BoundaryFlood::step(const StageState& state) const { return *own(state).step; }
+const Step& BoundaryFlood::step(const StageState& state) const { return *own(state).step; }
 
-void BoundaryFlood::reach(StageState& state, unsigned worker, const std::vector<ElementPair>& pairs) const {
-  std::vector<ElementPair>& reached = own(state).workers[worker].reached;
-  reached.insert(reached.end(), pairs.begin(), pairs.end());
+void BoundaryFlood::record_survivors(StageState& state, unsigned worker, std::span<const ElementPair> pairs) const {
+  std::vector<ElementPair>& survived = own(state).workers[worker].survived;
+  survived.insert(survived.end(), pairs.begin(), pairs.end());
 }
 
-Flood::Front BoundaryFlood::next(StageState& state, Executor& executor) const {
-  Front front = propose(own(state), executor);
-  Counters& counters = own(state).counters;
-  counters.looked_at += front.pairs.size();
-  if (front.at_start) counters.looked_at_start += front.pairs.size();
-  const double max = config_.max_pairs * static_cast<double>(counters.simplices);
-  front.given_up = static_cast<double>(counters.looked_at) > max;
-  return front;
+Round BoundaryFlood::next_round(const Step&, StageState& stage_state, std::size_t number, Executor& executor) const {
+  BoundaryFloodState& state = own(stage_state);
+  if (number == 0) {
+    const std::size_t blocks = state.broad_phase->blocks(*state.parts_step, *state.parts_state, executor);
+    if (blocks > 0) return {blocks, RoundKind::pairs};
+  }
+  if (state.phase == Phase::orphans) return {};
+  const std::span<const ElementPair> fresh = collect_survivors(state);
+  if (state.phase == Phase::everything) return begin_orphans(state);
+  const double limit = config_.max_pairs * static_cast<double>(state.counters.simplices);
+  const auto too_many = [&] { return static_cast<double>(state.counters.examined) > limit; };
+  if (state.phase != Phase::flood) {
+    if (too_many()) return begin_everything(state, executor);
+    continue_at_start(state, fresh, executor);
+    if (!state.front.empty()) return round_of_front(state, RoundKind::pairs_at_start);
+  }
+  if (too_many()) return begin_everything(state, executor);
+  continue_flood(state, fresh);
+  return state.front.empty() ? begin_orphans(state) : round_of_front(state, RoundKind::pairs);
+}
+
+void BoundaryFlood::run(const Step&, StageState& stage_state, unsigned worker, std::size_t block, Work& out) const {
+  BoundaryFloodState& state = own(stage_state);
+  switch (state.phase) {
+    case Phase::parts:
+      return append_parts(state, worker, block, out);
+    case Phase::everything:
+      return append_everything(state, worker, block, out);
+    case Phase::orphans:
+      return append_orphans(state, block, out.tests);
+    case Phase::at_start:
+    case Phase::flood:
+      break;
+  }
+  const std::size_t begin = block * kPairs, end = std::min(begin + kPairs, state.front.size());
+  out.pairs.insert(out.pairs.end(), state.front.begin() + static_cast<std::ptrdiff_t>(begin),
+                   state.front.begin() + static_cast<std::ptrdiff_t>(end));
 }
 
 void BoundaryFlood::to_mesh_features(const StageState& state, TestBatch& tests, std::size_t vf_begin,
@@ -210,13 +311,12 @@ void BoundaryFlood::to_mesh_features(const StageState& state, TestBatch& tests, 
   own(state).complex.to_mesh_features(tests, vf_begin, ee_begin);
 }
 
-std::size_t BoundaryFlood::orphan_blocks(const StageState& state) const { return own(state).orphans.blocks(); }
-
-void BoundaryFlood::orphans(const StageState& stage_state, std::size_t block, TestBatch& out) const {
+void BoundaryFlood::append_counters(const StageState& stage_state, std::vector<StageCounter>& out) const {
   const BoundaryFloodState& state = own(stage_state);
-  const std::size_t vf_begin = out.vf.size(), ee_begin = out.ee.size();
-  state.orphans.append(block, out);
-  state.complex.to_mesh_features(out, vf_begin, ee_begin);
+  state.broad_phase->append_counters(*state.parts_state, out);
+  out.push_back({"outer_parts", static_cast<double>(state.counters.paired)});
+  out.push_back({"suspect_vertices", static_cast<double>(state.counters.suspect_vertices)});
+  out.push_back({"examined_pairs", static_cast<double>(state.counters.examined)});
 }
 
 const BoundaryFlood::Counters& BoundaryFlood::counters(const StageState& state) { return own(state).counters; }

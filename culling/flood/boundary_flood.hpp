@@ -21,8 +21,9 @@ namespace volccd {
 ///  - initial overlaps are requested and the mesh is not simplicial: the hulls of other elements may overlap where
 ///    their simplices do not.
 ///
-/// Gives up a step, which the pipeline then restarts without the flood, when it has proposed more than `max_pairs`
-/// pairs per simplex: if element culling separates few pairs, the flood would proceed through the whole volume.
+/// When it has examined more than `max_pairs` pairs for each simplex, it hands out all pairs of simplices that its broad
+/// phase finds, except those that it has already handed out for the whole step: if element culling separates few pairs,
+/// the flood would proceed through the whole volume.
 ///
 /// prepare(): linear time in the number of simplices. Memory: about 140 bytes per simplex, or about 550 for meshes with
 /// elements other than tetrahedra and triangles, which require a second topology.
@@ -41,22 +42,25 @@ class BoundaryFlood final : public Flood {
     std::size_t simplices = 0;   ///< all simplices
     std::size_t paired = 0;      ///< simplices of which the broad phase pairs a face or the whole
     std::size_t suspect_vertices = 0;
-    std::size_t looked_at = 0;        ///< pairs that next() proposed
-    std::size_t looked_at_start = 0;  ///< those proposed for t = 0
+    std::size_t examined = 0;           ///< pairs handed out after those of outer parts
+    std::size_t examined_at_start = 0;  ///< of these, for t = 0 only
+    bool all_paired = false;            ///< whether all pairs of simplices were handed out
   };
 
   explicit BoundaryFlood(const Config& config) : config_(config) {}
 
-  std::unique_ptr<StageState> make_state() const override;
+  std::unique_ptr<StageState> make_state_with(const BroadPhase& broad_phase) const override;
   void prepare(const Step& step, StageState& state, Executor& executor) const override;
   bool takes(const StageState& state, bool overlaps) const override;
-  Step step(const StageState& state) const override;
-  void reach(StageState& state, unsigned worker, const std::vector<ElementPair>& pairs) const override;
-  Front next(StageState& state, Executor& executor) const override;
+  const Step& step(const StageState& state) const override;
+  Round next_round(const Step& step, StageState& state, std::size_t number, Executor& executor) const override;
+  void run(const Step& step, StageState& state, unsigned worker, std::size_t block, Work& out) const override;
+  void record_survivors(StageState& state, unsigned worker, std::span<const ElementPair> pairs) const override;
   void to_mesh_features(const StageState& state, TestBatch& tests, std::size_t vf_begin,
                         std::size_t ee_begin) const override;
-  std::size_t orphan_blocks(const StageState& state) const override;
-  void orphans(const StageState& state, std::size_t block, TestBatch& out) const override;
+
+  /// Those of the broad phase, and "outer_parts", "suspect_vertices" and "examined_pairs" (Counters).
+  void append_counters(const StageState& state, std::vector<StageCounter>& out) const override;
 
   /// The counters of a state that a BoundaryFlood created.
   static const Counters& counters(const StageState& state);

@@ -30,8 +30,8 @@ std::size_t OSetSource::blocks(const StageState& state) const {
   return static_cast<const OSetState&>(state).set.blocks();
 }
 
-void OSetSource::run(const Step&, StageState& state, unsigned, std::size_t block, TestBatch& out) const {
-  static_cast<const OSetState&>(state).set.append(block, out);
+void OSetSource::run(const Step&, StageState& state, unsigned, std::size_t block, Work& out) const {
+  static_cast<const OSetState&>(state).set.append(block, out.tests);
 }
 
 StageDescriptor<OrphanSource> describe_o_set() {

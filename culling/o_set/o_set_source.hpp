@@ -20,7 +20,7 @@ class OSetSource final : public OrphanSource {
   std::unique_ptr<StageState> make_state() const override;
   void prepare(const Step& step, StageState& state, Executor& executor) const override;
   std::size_t blocks(const StageState& state) const override;
-  void run(const Step& step, StageState& state, unsigned worker, std::size_t block, TestBatch& out) const override;
+  void run(const Step& step, StageState& state, unsigned worker, std::size_t block, Work& out) const override;
 
  private:
   Config config_;

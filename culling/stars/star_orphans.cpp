@@ -108,10 +108,10 @@ std::size_t StarOrphans::blocks(const StageState& stage_state) const {
   return state.counters.by_stars ? state.orphans.blocks() : state.set.blocks();
 }
 
-void StarOrphans::run(const Step&, StageState& stage_state, unsigned, std::size_t block, TestBatch& out) const {
+void StarOrphans::run(const Step&, StageState& stage_state, unsigned, std::size_t block, Work& out) const {
   const StarOrphansState& state = state_of(stage_state);
-  if (!state.counters.by_stars) return state.set.append(block, out);
-  state.orphans.append(block, out);
+  if (!state.counters.by_stars) return state.set.append(block, out.tests);
+  state.orphans.append(block, out.tests);
 }
 
 const StarOrphans::Counters& StarOrphans::counters(const StageState& state) { return state_of(state).counters; }

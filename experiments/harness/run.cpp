@@ -38,7 +38,7 @@ json columns_of(const Statistics& statistics) {
     if (role == roles.end()) continue;
     role->second.first += stage.prepare_seconds;
     role->second.second += stage.seconds;
-    bounds += stage.bounds_seconds;
+    bounds += stage.counter("bounds_seconds");
   }
   row["bounds_s"] = rounded(bounds);
   for (const auto& [role, seconds] : roles) {

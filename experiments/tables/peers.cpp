@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <volccd/broadphase/candidate_pairs.hpp>
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/scenes/deform.hpp>
 #include <volccd/experiments/tables/rows.hpp>
@@ -172,7 +173,8 @@ class Racer {
   const Contender& contender() const { return *contender_; }
 
   /// Runs a broad phase on a step, and counts the pairs that it writes.
-  json run(const Step& step, Executor& executor) {
+  json run(Step step, Executor& executor) {
+    step.range = PairRange::nonadjacent;
     using Clock = std::chrono::steady_clock;
     struct alignas(64) Count {
       std::uint64_t pairs = 0;
@@ -182,8 +184,9 @@ class Racer {
     const auto begun = Clock::now();
     phase_->prepare(step, *state_, executor);
     const auto prepared = Clock::now();
-    phase_->run(step, *state_, PairRange::nonadjacent, executor,
-                [&](std::span<const ElementPair> pairs, unsigned worker) { counts[worker].pairs += pairs.size(); });
+    visit_candidates(*phase_, step, *state_, executor, [&](std::span<const ElementPair> pairs, unsigned worker) {
+      counts[worker].pairs += pairs.size();
+    });
     const auto ended = Clock::now();
     std::uint64_t pairs = 0;
     for (const Count& count : counts) pairs += count.pairs;

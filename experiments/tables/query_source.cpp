@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include <volccd/broadphase/candidate_pairs.hpp>
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/core/error.hpp>
 #include <volccd/core/random.hpp>
@@ -72,7 +73,10 @@ Box swept_box(const Motion& motion, std::span<const Index> vertices) {
 /// contained in some overlapping element pair; the others are in the O-Set.
 class Candidates {
  public:
-  Candidates(const Step& step, const std::function<void()>& check) : step_(step), check_(check) { collect(); }
+  Candidates(const Step& step, const std::function<void()>& check) : step_(step), check_(check) {
+    step_.range = PairRange::nonadjacent;
+    collect();
+  }
 
   std::vector<FeaturePair> vf, ee;
 
@@ -89,13 +93,13 @@ class Candidates {
     assignment.prepare(step_, *owners, executor);
     orphans.prepare(step_, *o_set, executor);
     PairBatch batch;
-    broad.run(step_, *boxes, PairRange::nonadjacent, executor, [&](std::span<const ElementPair> pairs, unsigned) {
+    visit_candidates(broad, step_, *boxes, executor, [&](std::span<const ElementPair> pairs, unsigned) {
       batch.assign(pairs);
-      assignment.run(step_, *owners, 0, batch, tests_);
+      assignment.run(step_, *owners, 0, batch, work_.tests);
       take();
     });
     for (std::size_t block = 0; block < orphans.blocks(*o_set); ++block) {
-      orphans.run(step_, *o_set, 0, block, tests_);
+      orphans.run(step_, *o_set, 0, block, work_);
       take();
     }
     std::sort(vf.begin(), vf.end());
@@ -104,9 +108,9 @@ class Candidates {
 
   void take() {
     if (check_) check_();
-    keep(FeatureKind::vf, tests_.vf, vf);
-    keep(FeatureKind::ee, tests_.ee, ee);
-    tests_.clear();
+    keep(FeatureKind::vf, work_.tests.vf, vf);
+    keep(FeatureKind::ee, work_.tests.ee, ee);
+    work_.tests.clear();
   }
 
   void keep(FeatureKind kind, const std::vector<FeaturePair>& from, std::vector<FeaturePair>& to) const {
@@ -120,7 +124,7 @@ class Candidates {
 
   Step step_;
   const std::function<void()>& check_;
-  TestBatch tests_;
+  Work work_;
 };
 
 /// The features of a known answer; slots of the mesh.

@@ -3,6 +3,7 @@
 #include <iterator>
 
 #include <volccd/core/sort_unique.hpp>
+#include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/culling/assignment.hpp>
 #include <volccd/culling/orphan_source.hpp>
 #include <volccd/experiments/verify/detail/stage_trials.hpp>
@@ -219,11 +220,11 @@ void try_stage(const Assignment& stage, StageTrials& trials) {
 namespace {
 
 TestBatch orphans_of(const OrphanSource& stage, const Step& step, StageState& state, unsigned workers, bool backwards) {
-  TestBatch out;
+  Work out;
   const std::size_t n = stage.blocks(state);
   for (std::size_t i = 0; i < n; ++i)
     stage.run(step, state, static_cast<unsigned>(i) % workers, backwards ? n - 1 - i : i, out);
-  return out;
+  return out.tests;
 }
 
 /// Checks that the feature pairs which touch, and which no pair of non-adjacent elements covers, are found.
@@ -243,18 +244,23 @@ void expect_orphans(const Step& step, const TestBatch& found, StageTrials& trial
       kComplete, true, [] { return std::string(); }, trials.conservative());
 }
 
-/// Calls list(step, state, out) after prepare(), repeatedly on one mesh.
-template <class StageType, class List>
-void expect_no_allocation(const StageType& stage, StageTrials& trials, const List& list) {
+/// Takes all rounds of a source of work after prepare(), repeatedly on one mesh.
+template <class TakesStep>
+void expect_no_allocation(const WorkSource& stage, StageState& state, StageTrials& trials, TakesStep&& takes_step) {
   Choices choices(trials.config.seed);
   ChangingMesh mesh(choices);
   const Step step = mesh.step();
-  const auto state = stage.make_state();
-  TestBatch out;
+  Work out;
   trials.expect_no_allocation([&](int) {
-    stage.prepare(step, *state, trials.serial);
-    out.clear();
-    list(step, *state, out);
+    stage.prepare(step, state, trials.serial);
+    if (!takes_step(state)) return;
+    out.pairs.clear();
+    out.tests.clear();
+    for (std::size_t number = 0;; ++number) {
+      const Round round = stage.next_round(step, state, number, trials.serial);
+      if (round.blocks == 0) return;
+      for (std::size_t block = 0; block < round.blocks; ++block) stage.run(step, state, 0, block, out);
+    }
   });
 }
 
@@ -280,20 +286,15 @@ void try_stage(const OrphanSource& stage, StageTrials& trials) {
                     [&] { return when + "the tests differ in the reverse order of blocks, or with another worker"; });
     }
   });
-  expect_no_allocation(stage, trials, [&](const Step& step, StageState& state, TestBatch& out) {
-    for (std::size_t i = 0; i < stage.blocks(state); ++i) stage.run(step, state, 0, i, out);
-  });
+  expect_no_allocation(stage, *stage.make_state(), trials, [](const StageState&) { return true; });
 }
 
-/// The pairs that a flood reaches depend on broad phase and culling, and are therefore checked in pipelines. Here,
-/// every call gets an empty front.
+/// The pairs that a flood reaches depend on broad phase and culling, and are therefore checked in pipelines. Here, no pair
+/// survives.
 void try_stage(const Flood& stage, StageTrials& trials) {
-  expect_no_allocation(stage, trials, [&](const Step&, StageState& state, TestBatch& out) {
-    if (!stage.takes(state, false)) return;
-    for (std::size_t i = 0; i < stage.orphan_blocks(state); ++i) stage.orphans(state, i, out);
-    while (!stage.next(state, trials.serial).pairs.empty()) {
-    }
-  });
+  const KdopBvh broad_phase{KdopBvh::Config{}};
+  expect_no_allocation(stage, *stage.make_state_with(broad_phase), trials,
+                       [&](const StageState& state) { return stage.takes(state, false); });
 }
 
 }  // namespace volccd::detail

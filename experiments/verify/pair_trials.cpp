@@ -4,6 +4,7 @@
 #include <mutex>
 
 #include <volccd/core/random.hpp>
+#include <volccd/broadphase/candidate_pairs.hpp>
 #include <volccd/experiments/verify/detail/stage_trials.hpp>
 #include <volccd/oracle/cases/element_pairs.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
@@ -186,19 +187,19 @@ class BroadTrials {
 
  private:
   /// Each pair, and how often it was emitted.
-  std::map<ElementPair, int> emitted(const Step& step, StageState& state, Executor& executor,
+  std::map<ElementPair, int> emitted(Step step, StageState& state, Executor& executor,
                                      const std::string& where) {
     std::map<ElementPair, int> pairs;
     std::mutex mutex;
     bool regular = true;
+    step.range = PairRange::nonadjacent;
     stage_.prepare(step, state, executor);
-    stage_.run(step, state, PairRange::nonadjacent, executor, [&](std::span<const ElementPair> batch, unsigned worker) {
+    visit_candidates(stage_, step, state, executor, [&](std::span<const ElementPair> block, unsigned) {
       const std::lock_guard lock(mutex);
-      regular = regular && worker < executor.workers() && batch.size() <= BroadPhase::kMaxBatch;
-      for (const ElementPair pair : batch) regular = regular && pair.a <= pair.b && ++pairs[pair] == 1;
+      for (const ElementPair pair : block) regular = regular && pair.a <= pair.b && ++pairs[pair] == 1;
     });
     trials_.expect(kEmitsOnce, regular,
-                   [&] { return where + "a pair is repeated, is (b, a) instead of (a, b), or a batch is too large"; });
+                   [&] { return where + "a pair is repeated, or is (b, a) instead of (a, b)"; });
     return pairs;
   }
 
@@ -254,8 +255,11 @@ void try_stage(const ElementCulling& stage, StageTrials& trials) {
 
 void try_stage(const BroadPhase& stage, StageTrials& trials) {
   try_pairs<BroadTrials>(stage, trials);
+  Work work;
   count_allocations(stage, trials, [&](const Step& step, StageState& state) {
-    stage.run(step, state, PairRange::nonadjacent, trials.serial, [](std::span<const ElementPair>, unsigned) {});
+    const std::size_t blocks = stage.blocks(step, state, trials.serial);
+    for (std::size_t block = 0; block < blocks; ++block) stage.run(step, state, 0, block, work);
+    work.pairs.clear();
   });
 }
 

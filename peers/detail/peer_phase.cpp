@@ -8,10 +8,11 @@ namespace volccd::detail {
 namespace {
 
 constexpr int kBoxes = 6;
+constexpr std::size_t kBlock = 4096;  ///< pairs, or self pairs, of a block
 
 }  // namespace
 
-std::size_t PeerState::bytes() const { return heap_bytes(delta, keys, list, vertices, boxes, writers) + peer_bytes(); }
+std::size_t PeerState::bytes() const { return heap_bytes(delta, keys, list, vertices, boxes, pairs, chunks) + peer_bytes(); }
 
 void PeerState::set_scale() {
   float reach = 0;
@@ -23,8 +24,8 @@ void PeerState::set_scale() {
 
 void PeerPhase::prepare(const Step& step, StageState& stage_state, Executor& executor) const {
   PeerState& state = static_cast<PeerState&>(stage_state);
-  const bool changed = state.delta.sync(step) != ElementDelta::Extent::none;
-  if (changed) state.list.assign(step, executor);
+  const bool changed = state.delta.sync(step.topology) != TopologyDelta::Extent::none;
+  if (changed) state.list.assign(step.mesh(), executor);
   state.keys.update(step, changed);
   state.bounds_seconds = bound_vertices(step, kBoxes, executor, state.vertices);
   bound_elements(state.vertices, state.list, executor, state.boxes);
@@ -32,19 +33,36 @@ void PeerPhase::prepare(const Step& step, StageState& stage_state, Executor& exe
   state.delta.confirm();
 }
 
-void PeerPhase::run(const Step& step, StageState& stage_state, PairRange range, Executor& executor,
-                    PairSink sink) const {
+std::size_t PeerPhase::blocks(const Step& step, StageState& stage_state, Executor& executor) const {
   PeerState& state = static_cast<PeerState&>(stage_state);
-  const PairRules rules(range, step.topology, state.keys);
+  const PairRules rules(step, state.keys);
   state.rules = &rules;
-  state.writers.start(executor.workers(), sink);
+  state.pairs.resize(executor.workers());
+  for (std::vector<ElementPair>& pairs : state.pairs) pairs.clear();
   if (state.list.size() > 1) collide(state, executor);
-  write_self_pairs(state.list, rules, executor, state.writers);
-  state.writers.finish();
+  state.rules = nullptr;
+  state.chunks.clear();
+  for (std::size_t w = 0; w < state.pairs.size(); ++w)
+    for (std::size_t begin = 0; begin < state.pairs[w].size(); begin += kBlock) state.chunks.push_back({w, begin});
+  return state.chunks.size() + (rules.self_pairs ? (state.list.size() + kBlock - 1) / kBlock : 0);
 }
 
-double PeerPhase::bounds_seconds(const StageState& state) const {
-  return static_cast<const PeerState&>(state).bounds_seconds;
+void PeerPhase::run(const Step& step, StageState& stage_state, unsigned, std::size_t block, Work& work) const {
+  const PeerState& state = static_cast<const PeerState&>(stage_state);
+  if (block < state.chunks.size()) {
+    const auto [w, begin] = state.chunks[block];
+    const auto first = state.pairs[w].begin() + static_cast<std::ptrdiff_t>(begin);
+    work.pairs.insert(work.pairs.end(), first, first + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(kBlock), state.pairs[w].end() - first));
+    return;
+  }
+  const std::size_t begin = (block - state.chunks.size()) * kBlock;
+  PairWriter out(work);
+  write_self_pairs(state.list, PairRules(step, state.keys), begin, begin + kBlock, out);
+  out.flush();
+}
+
+void PeerPhase::append_counters(const StageState& state, std::vector<StageCounter>& out) const {
+  out.push_back({"bounds_seconds", static_cast<const PeerState&>(state).bounds_seconds});
 }
 
 }  // namespace volccd::detail

@@ -2,7 +2,9 @@
 // overlapping boxes.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <vector>
 
 #include <volccd/broadphase/broad_phase.hpp>
 #include <volccd/broadphase/detail/element_list.hpp>
@@ -10,17 +12,19 @@
 #include <volccd/broadphase/detail/pair_writer.hpp>
 #include <volccd/broadphase/detail/swept_bounds.hpp>
 #include <volccd/core/heap_bytes.hpp>
+#include <volccd/mesh/topology_delta.hpp>
 
 namespace volccd::detail {
 
 /// Base of the state of an adaptor, which adds the data structure of the other library.
 struct PeerState : StageState {
-  ElementDelta delta;
+  TopologyDelta delta;
   FilterKeys keys;
   ElementList list;             ///< live elements by slot, without gaps
   BoundsTable vertices, boxes;  ///< k = 6; row p of `boxes` is the swept box of the element at position p of the list
-  PairWriters writers;
-  const PairRules* rules = nullptr;  ///< those of the query that runs
+  std::vector<std::vector<ElementPair>> pairs;  ///< by worker: all pairs of the step, without self pairs
+  std::vector<std::array<std::size_t, 2>> chunks;  ///< of `pairs`: worker and begin
+  const PairRules* rules = nullptr;  ///< those of the step, while collide() runs
   double bounds_seconds = 0;
   float scale = 1;
 
@@ -36,7 +40,7 @@ struct PeerState : StageState {
   /// Passes on a pair of positions whose boxes overlap, if the query requests it.
   void push(Index p, Index q, unsigned worker = 0) {
     const Index a = list.slot(p), b = list.slot(q);
-    if (rules->want(a, b)) writers[worker].push(a, b);
+    if (rules->included(a, b)) pairs[worker].push_back(ordered(a, b));
   }
 
   /// Sets `scale` for libraries that compute volumes in floats: to 1, or if some coordinate exceeds 1e12, to a power of
@@ -49,12 +53,14 @@ struct PeerState : StageState {
   std::size_t bytes() const final;
 };
 
-/// Base of the adaptors. Their state objects are of type PeerState.
+/// Base of the adaptors. Their state objects are of type PeerState. The other library finds all pairs in blocks(), and
+/// run() hands them out.
 class PeerPhase : public BroadPhase {
  public:
   void prepare(const Step& step, StageState& state, Executor& executor) const final;
-  void run(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const final;
-  double bounds_seconds(const StageState& state) const final;
+  std::size_t blocks(const Step& step, StageState& state, Executor& executor) const final;
+  void run(const Step& step, StageState& state, unsigned worker, std::size_t block, Work& work) const final;
+  void append_counters(const StageState& state, std::vector<StageCounter>& out) const final;
 
  protected:
   /// Updates the other library's data structure for the boxes of the state. `changed`: the boxes belong to other

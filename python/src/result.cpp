@@ -57,7 +57,7 @@ py::dtype contacts_dtype() {
 py::array stage_table(const std::vector<StageStatistics>& stages) {
   py::list rows, fields;
   for (const StageStatistics& s : stages)
-    rows.append(py::make_tuple(s.role, s.name, s.in, s.out, s.prepare_seconds, s.bounds_seconds, s.seconds));
+    rows.append(py::make_tuple(s.role, s.name, s.in, s.out, s.prepare_seconds, s.counter("bounds_seconds"), s.seconds));
   const char* const table[][2] = {
       {"role", "U24"},           {"name", "U32"},   {"in", "<u8"}, {"out", "<u8"}, {"prepare_seconds", "<f8"},
       {"bounds_seconds", "<f8"}, {"seconds", "<f8"}};

@@ -12,6 +12,7 @@
 
 #include <benchmark/benchmark.h>
 
+#include <volccd/broadphase/candidate_pairs.hpp>
 #include <volccd/broadphase/brute_force.hpp>
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/broadphase/spatial_hash.hpp>
@@ -93,12 +94,14 @@ void query(benchmark::State& timer, const StageDescriptor<BroadPhase>& descripto
   SerialExecutor executor;
   const auto phase = descriptor.make(options);
   const auto state = phase->make_state();
-  phase->prepare(scene.step(), *state, executor);
+  Step step = scene.step();
+  step.range = range;
+  phase->prepare(step, *state, executor);
   std::size_t pairs = 0;
   for (auto _ : timer) {
     pairs = 0;
-    phase->run(scene.step(), *state, range, executor,
-               [&](std::span<const ElementPair> batch, unsigned) { pairs += batch.size(); });
+    visit_candidates(*phase, step, *state, executor,
+                     [&](std::span<const ElementPair> block, unsigned) { pairs += block.size(); });
   }
   timer.counters["pairs"] = static_cast<double>(pairs);
   timer.counters["pairs/s"] =

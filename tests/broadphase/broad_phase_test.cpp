@@ -219,18 +219,5 @@ TEST(BroadPhases, DescribeTheirOptionsAndRefuseOthers) {
   EXPECT_THROW(SpatialHash{cells}, ConfigError);
 }
 
-TEST(BroadPhases, AnExceptionOfTheSinkArrivesAndTheStateStaysUsable) {
-  const Shape shape = block(ElementType::tetrahedron, 6, 6, 6);
-  const Scene scene = make_scene("block", shape, shape.positions);
-  const auto executor = make_thread_executor(2);
-  for (const auto& phase : all_phases()) {
-    const auto state = phase->make_state();
-    phase->prepare(scene.step(), *state, *executor);
-    const auto sink = [](std::span<const ElementPair>, unsigned) { throw std::runtime_error("full"); };
-    EXPECT_THROW(phase->run(scene.step(), *state, PairRange::every, *executor, sink), std::runtime_error);
-    EXPECT_EQ(query(*phase, scene.step(), *state, PairRange::every, *executor), run_fresh(*phase, scene.step()));
-  }
-}
-
 }  // namespace
 }  // namespace volccd::test

@@ -73,7 +73,7 @@ TEST(ExtremeCoordinates, TreesContainEachElementOnce) {
   for_extreme_scenes([&](const Scene& scene) {
     detail::bound_vertices(scene.step(), 6, *executor, table);
     detail::ElementList list;
-    list.assign(scene.step(), *executor);
+    list.assign(scene.topology->mesh(), *executor);
     const auto count = static_cast<Index>(list.size());
     std::vector<detail::BuildItem> items(count);
     detail::make_items(list, table, 0, count, {}, items.data());
@@ -113,7 +113,7 @@ TEST(ExtremeCoordinates, TreesOfElementsOfAllSizesAreNotDeep) {
   detail::BoundsTable table;
   detail::bound_vertices(scene.step(), 6, executor, table);
   detail::ElementList list;
-  list.assign(scene.step(), executor);
+  list.assign(scene.topology->mesh(), executor);
   detail::TreeBuilder builder;
   std::vector<detail::TreeNode> nodes(detail::tree_nodes(kCount, 1));
   EXPECT_LE(builder.build(list, table, {0, 0, kCount, 0}, 1, nodes.data(), executor), 37);

@@ -176,7 +176,7 @@ TEST(SpatialHashTest, SelfPairsComeFromAllWorkers) {
   const auto count = [&](std::span<const ElementPair> pairs, unsigned worker) {
     for (const ElementPair pair : pairs) self[worker] += pair.a == pair.b;
   };
-  phase->run(scene.step(), *state, PairRange::every, executor, count);
+  visit_candidates(*phase, scene.step(), *state, executor, count);
   EXPECT_EQ(self[0] + self[1], shape.elements.size());
   EXPECT_GT(std::min(self[0], self[1]), shape.elements.size() / 4);
 }

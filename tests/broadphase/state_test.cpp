@@ -83,34 +83,6 @@ TEST(TopologyChanges, AddedElements) { expect_follows_edits(0, 4, false); }
 TEST(TopologyChanges, RemovedAndAddedElements) { expect_follows_edits(5, 3, false); }
 TEST(TopologyChanges, ManyAtOnce) { expect_follows_edits(60, 40, true); }
 
-/// Single elements leave the subset of a step and return to it; the tree is not built anew.
-TEST(TopologyChanges, ElementsThatLeaveTheSubsetAndReturn) {
-  const Shape shape = permuted(block(ElementType::tetrahedron, 3, 3, 3), 1);
-  const Scene scene = make_scene("subset", shape, jittered(shape.positions, 0.3, 1));
-  for (const auto& descriptor : own_descriptors()) {
-    ElementSubset subset;
-    Step step = scene.step();
-    step.subset = &subset;
-    std::vector<Index> slots(step.mesh().element_slots());
-    std::iota(slots.begin(), slots.end(), Index{0});
-    subset.assign(step.mesh(), slots, [](Index) { return ElementSubset::kWhole; });
-    const auto phase = descriptor.make({});
-    const auto state = phase->make_state();
-    SerialExecutor executor;
-    for (int round = 0; round < 9; ++round) {
-      const std::vector<Index> changed = {5, 50, static_cast<Index>(60 + round)};
-      const std::uint8_t part = round % 3 == 0 ? ElementSubset::kNoPart : ElementSubset::kWhole;
-      if (round > 0) subset.assign(step.mesh(), changed, [&](Index) { return part; });
-      ASSERT_EQ(run(*phase, step, *state, PairRange::nonadjacent, executor),
-                run_fresh(*phase, step, PairRange::nonadjacent))
-          << descriptor.name << ' ' << round;
-    }
-    if (descriptor.name == "kdop-bvh") {
-      EXPECT_EQ(KdopBvh::counters(*state).builds, 1u);
-    }
-  }
-}
-
 TEST(TopologyChanges, LargerElementsThanBefore) {
   Shape shape = block(ElementType::tetrahedron, 4, 4, 4);
   for (const auto& descriptor : descriptors()) {
@@ -342,7 +314,7 @@ std::vector<Vec3> scattered(const Shape& shape, std::size_t vertices_a_block, do
 
 std::uint64_t tests_of_query(const KdopBvh& phase, const Step& step, StageState& state, Executor& executor) {
   const std::uint64_t before = KdopBvh::counters(state).node_tests;
-  phase.run(step, state, PairRange::nonadjacent, executor, [](std::span<const ElementPair>, unsigned) {});
+  query(phase, step, state, PairRange::nonadjacent, executor);
   return KdopBvh::counters(state).node_tests - before;
 }
 
@@ -468,10 +440,11 @@ TEST(TreeThreads, AnyNumberMakesTheSameTree) {
     std::vector<Pairs> pairs(states.size());
     for (std::size_t i = 0; i < states.size(); ++i) {
       phase.prepare(scene.step(), *states[i], *executors[i]);
-      phase.run(scene.step(), *states[i], PairRange::nonadjacent, serial,
-                [&](std::span<const ElementPair> batch, unsigned) {
-                  pairs[i].insert(pairs[i].end(), batch.begin(), batch.end());
-                });
+      Step one = scene.step();
+      one.range = PairRange::nonadjacent;
+      visit_candidates(phase, one, *states[i], serial, [&](std::span<const ElementPair> block, unsigned) {
+        pairs[i].insert(pairs[i].end(), block.begin(), block.end());
+      });
       EXPECT_TRUE(pairs[i] == pairs[0]) << executors[i]->workers() << " threads, step " << step;
     }
     EXPECT_GT(pairs[0].size(), 10000u);
@@ -498,14 +471,23 @@ TEST(SteadyState, AllocatesNothing) {
         const auto executor = make_thread_executor(workers);
         const auto phase = descriptor.make({});
         const auto state = phase->make_state();
+        std::vector<Work> work(workers);
+        for (Work& one : work) one.pairs.reserve(100000);
         std::size_t before = 0;
         for (int round = 0; round < 3; ++round) {
           if (round == 2) before = allocation_count();
           for (const Motion& motion : motions) {
             scene.motion = motion;  // the size is the same, so that the assignment does not allocate
             phase->prepare(scene.step(), *state, *executor);
-            for (PairRange range : {PairRange::nonadjacent, PairRange::every})
-              phase->run(scene.step(), *state, range, *executor, [](std::span<const ElementPair>, unsigned) {});
+            for (PairRange range : {PairRange::nonadjacent, PairRange::every}) {
+              Step step = scene.step();
+              step.range = range;
+              executor->parallel_for(phase->blocks(step, *state, *executor), 1,
+                                     [&](std::size_t begin, std::size_t, unsigned w) {
+                                       phase->run(step, *state, w, begin, work[w]);
+                                       work[w].pairs.clear();
+                                     });
+            }
           }
         }
         EXPECT_EQ(allocation_count() - before, 0u) << descriptor.name << " with " << workers << " workers";

@@ -6,7 +6,6 @@
 #include <cstdint>
 #include <limits>
 #include <memory>
-#include <mutex>
 #include <random>
 #include <set>
 #include <string>
@@ -15,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include <volccd/broadphase/broad_phase.hpp>
+#include <volccd/broadphase/candidate_pairs.hpp>
 #include <volccd/broadphase/brute_force.hpp>
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/broadphase/spatial_hash.hpp>
@@ -57,24 +57,17 @@ inline std::unique_ptr<BroadPhase> make(const StageDescriptor<BroadPhase>& descr
   return descriptor.make(values);
 }
 
-/// Runs a query, checks its batches, and returns the pairs in ascending order.
-inline Pairs query(const BroadPhase& phase, const Step& step, StageState& state, PairRange range, Executor& executor) {
-  std::mutex mutex;
-  Pairs pairs;
-  phase.run(step, state, range, executor, [&](std::span<const ElementPair> batch, unsigned worker) {
-    const std::lock_guard lock(mutex);
-    EXPECT_LE(batch.size(), BroadPhase::kMaxBatch);
-    EXPECT_GT(batch.size(), 0u);
-    EXPECT_LT(worker, executor.workers());
-    pairs.insert(pairs.end(), batch.begin(), batch.end());
-  });
-  std::sort(pairs.begin(), pairs.end());
+/// Runs a query, checks that no pair is repeated, and returns the pairs in ascending order.
+inline Pairs query(const BroadPhase& phase, Step step, StageState& state, PairRange range, Executor& executor) {
+  step.range = range;
+  const Pairs pairs = candidate_pairs(phase, step, state, executor);
   EXPECT_EQ(std::adjacent_find(pairs.begin(), pairs.end()), pairs.end()) << "a pair came out twice";
   for (const ElementPair& pair : pairs) EXPECT_LE(pair.a, pair.b);
   return pairs;
 }
 
-inline Pairs run(const BroadPhase& phase, const Step& step, StageState& state, PairRange range, Executor& executor) {
+inline Pairs run(const BroadPhase& phase, Step step, StageState& state, PairRange range, Executor& executor) {
+  step.range = range;
   phase.prepare(step, state, executor);
   return query(phase, step, state, range, executor);
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <volccd/broadphase/candidate_pairs.hpp>
 #include <volccd/oracle/cases/element_pairs.hpp>
 #include <volccd/pipelines/registry.hpp>
 
@@ -119,10 +120,10 @@ class BroadPhaseProperty final : public ElementProperty {
     std::string lost;
     targets_.with(cases_++, [&](const std::string& target) {
       for (const auto& [name, stage] : stages_) {
-        const auto state = prepared(*stage, step);
-        std::size_t pairs = 0;
-        stage->run(step, *state, PairRange::nonadjacent, executor_,
-                   [&](std::span<const ElementPair> batch, unsigned) { pairs += batch.size(); });
+        Step nonadjacent = step;
+        nonadjacent.range = PairRange::nonadjacent;
+        const auto state = prepared(*stage, nonadjacent);
+        const std::size_t pairs = candidate_pairs(*stage, nonadjacent, *state, executor_).size();
         if (pairs != 1) lost += name + " emits " + std::to_string(pairs) + " on " + target + ", ";
       }
     });

@@ -117,7 +117,10 @@ struct Harness {
   void run(const OrphanSource& orphans, StageState& state, TestBatch& out) const {
     SerialExecutor executor;
     orphans.prepare(step(), state, executor);
-    for (std::size_t b = 0; b < orphans.blocks(state); ++b) orphans.run(step(), state, 0, b, out);
+    Work work;
+    for (std::size_t b = 0; b < orphans.blocks(state); ++b) orphans.run(step(), state, 0, b, work);
+    out.vf.insert(out.vf.end(), work.tests.vf.begin(), work.tests.vf.end());
+    out.ee.insert(out.ee.end(), work.tests.ee.begin(), work.tests.ee.end());
   }
   Counts counts(const TestBatch& tests) const {
     Counts counts;

@@ -10,7 +10,6 @@
 
 #include <volccd/core/random.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
-#include <volccd/query/element_subset.hpp>
 
 #include "culling/exact_contacts.hpp"
 
@@ -68,6 +67,8 @@ TEST(FloodFront, AdjacentElementsThatTouchElsewhereAreNotApart) {
       const Step step{topology, rest, kAnyObjects, separation};
       StarTable table;
       table.update(topology, serial);
+      PartTable parts;
+      parts.build(topology.mesh(), [](Index) { return PartTable::kWhole; }, serial);
       PairSet seen;
       std::vector<ElementPair> out;
       bool touches = false;
@@ -78,7 +79,7 @@ TEST(FloodFront, AdjacentElementsThatTouchElsewhereAreNotApart) {
         touches = touches || (has(a, 0) && has(b, 1)) || (has(a, 1) && has(b, 0));
       });
       touches = touches || overlap(shape, random);
-      const bool found = FloodFront(step, table, seen, out).apart_at_start({0, 1});
+      const bool found = FloodFront(step, table, parts, seen, out).apart_at_start({0, 1});
       EXPECT_FALSE(found && touches) << trial << ", separation " << separation;
       apart += found ? 1 : 0;
       touching += touches ? 1 : 0;
@@ -103,19 +104,17 @@ TEST(FloodFront, ProposesElementsWhoseBoxesContainAVertexWithTheSeparation) {
       shape.elements = {{ElementType::tetrahedron, {0, 1, 2, 3}, {}, 0, 0},
                         {ElementType::tetrahedron, {4, 5, 6, 7}, {}, 0, 1}};
       const Topology topology(shape.mesh());
-      ElementSubset subset;
-      const std::vector<Index> slots = {0, 1};
-      subset.assign(topology.mesh(), slots,
-                    [](Index o) { return o == 0 ? ElementSubset::kNoPart : ElementSubset::kWhole; });
+      PartTable parts;
+      parts.build(topology.mesh(), [](Index o) { return o == 0 ? PartTable::kNoPart : PartTable::kWhole; }, serial);
       const Motion rest = Motion::linear(shape.positions, shape.positions);
-      const Step step{topology, rest, kAnyObjects, 0.1, 1, &subset};
+      const Step step{topology, rest, kAnyObjects, 0.1};
       StarTable table;
       table.update(topology, serial);
       PairSet seen;
       std::vector<ElementPair> proposed;
       StartScratch scratch;
       const std::vector<Index> chosen = {4};
-      FloodFront(step, table, seen, proposed).propose_containing(chosen, scratch, serial);
+      FloodFront(step, table, parts, seen, proposed).propose_containing(chosen, scratch, serial);
       EXPECT_EQ(proposed.size(), distance < 0.1 ? 1u : 0u) << side << ' ' << distance;
     }
 }
@@ -137,19 +136,17 @@ TEST(FloodFront, ProposesNextOuterPartsWhereTheyMeetABoxWithTheSeparation) {
                         {ElementType::tetrahedron, {4, 5, 6, 7}, {}, 0, 1},
                         {ElementType::tetrahedron, {4, 8, 9, 10}, {}, 0, 2}};
       const Topology topology(shape.mesh());
-      ElementSubset subset;
-      const std::vector<Index> slots = {0, 1, 2};
-      subset.assign(topology.mesh(), slots,
-                    [](Index o) { return o == 0 ? ElementSubset::kNoPart : ElementSubset::kWhole; });
+      PartTable parts;
+      parts.build(topology.mesh(), [](Index o) { return o == 0 ? PartTable::kNoPart : PartTable::kWhole; }, serial);
       const Motion rest = Motion::linear(shape.positions, shape.positions);
-      const Step step{topology, rest, kAnyObjects, 0.1, 1, &subset};
+      const Step step{topology, rest, kAnyObjects, 0.1};
       StarTable table;
       table.update(topology, serial);
       PairSet seen;
       std::vector<ElementPair> proposed;
       StartScratch scratch;
       scratch.neighbours.clear(3);
-      FloodFront(step, table, seen, proposed).propose_neighbours_at_start({0, 1}, scratch);
+      FloodFront(step, table, parts, seen, proposed).propose_neighbours_at_start({0, 1}, scratch);
       EXPECT_EQ(proposed.size(), distance < 0.1 ? 1u : 0u) << side << ' ' << distance;
     }
 }
@@ -164,14 +161,14 @@ TEST(FloodFront, OuterPartsAreNextToWholeElementsAtOneVertex) {
   StarTable table;
   table.update(topology, serial);
   const auto boundary_part = [&](Index o) {
-    std::uint8_t part = ElementSubset::kNoPart;
+    std::uint8_t part = PartTable::kNoPart;
     visit_faces(mesh, o, [&](std::span<const Index> face, std::size_t number) {
       if (table.faces(o)[number] != FaceKind::boundary) return;
       const std::span<const Index> vertices = mesh.vertices(o);
       std::uint8_t bits = 0;
       for (std::size_t i = 0; i < 4; ++i)
         if (std::find(face.begin(), face.end(), vertices[i]) != face.end()) bits |= static_cast<std::uint8_t>(1u << i);
-      part = part == ElementSubset::kNoPart ? bits : ElementSubset::kWhole;
+      part = part == PartTable::kNoPart ? bits : PartTable::kWhole;
     });
     return part;
   };
@@ -180,20 +177,20 @@ TEST(FloodFront, OuterPartsAreNextToWholeElementsAtOneVertex) {
   const Motion rest = Motion::linear(shape.positions, shape.positions);
   std::size_t at_one_vertex = 0;
   for (Index whole = 0; whole < mesh.element_slots(); ++whole) {
-    if (boundary_part(whole) != ElementSubset::kNoPart) continue;
-    ElementSubset subset;
-    subset.assign(mesh, slots, [&](Index o) { return o == whole ? ElementSubset::kWhole : boundary_part(o); });
-    const Step step{topology, rest, kAnyObjects, 0, 1, &subset};
+    if (boundary_part(whole) != PartTable::kNoPart) continue;
+    PartTable parts;
+    parts.build(mesh, [&](Index o) { return o == whole ? PartTable::kWhole : boundary_part(o); }, serial);
+    const Step step{topology, rest, kAnyObjects};
     OuterNeighbours neighbours;
     neighbours.clear(mesh.element_slots());
     const std::span<const Index> of_whole = mesh.vertices(whole);
     for (const Index o : slots) {
-      if (!subset.contains(o) || subset.contains_whole(o)) continue;
-      const std::span<const Index> part = step.part(o);  // the last vertex is the first one
-      const auto common = std::count_if(part.begin(), part.end() - 1, [&](Index v) {
+      if (!parts.has_part(o) || !parts.has_inside(o)) continue;
+      const std::span<const Index> part = parts.part(o);
+      const auto common = std::count_if(part.begin(), part.end(), [&](Index v) {
         return std::find(of_whole.begin(), of_whole.end(), v) != of_whole.end();
       });
-      const std::span<const OuterNeighbour> next = neighbours.of(step, table, o);
+      const std::span<const OuterNeighbour> next = neighbours.of(step, table, parts, o);
       const bool listed = std::any_of(next.begin(), next.end(), [&](const auto& n) { return n.element == whole; });
       EXPECT_EQ(listed, common > 0) << whole << ' ' << o;
       at_one_vertex += common == 1 ? 1 : 0;

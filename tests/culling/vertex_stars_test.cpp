@@ -371,9 +371,10 @@ TEST(StarOrphans, FollowEdits) {
   const Motion motion = Motion::linear(shape.positions, jittered(shape.positions, 0.3, 5));
   const Step step{topology, motion, kEveryObject};
   const auto orphans = [&](StageState& state) {
-    TestBatch all;
+    Work work;
+    TestBatch& all = work.tests;
     source.prepare(step, state, serial);
-    for (std::size_t block = 0; block < source.blocks(state); ++block) source.run(step, state, 0, block, all);
+    for (std::size_t block = 0; block < source.blocks(state); ++block) source.run(step, state, 0, block, work);
     std::sort(all.vf.begin(), all.vf.end());
     std::sort(all.ee.begin(), all.ee.end());
     return all;

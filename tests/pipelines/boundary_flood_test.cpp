@@ -1,5 +1,6 @@
 // `boundary-flood` loses no contact, whatever the deformation; compared with the same pipeline without it.
 #include <volccd/culling/flood/boundary_flood.hpp>
+#include <volccd/broadphase/kdop_bvh.hpp>
 
 #include <array>
 #include <cmath>
@@ -302,7 +303,8 @@ TEST(BoundaryFlood, AStarThatGoesAroundTwiceIsSuspect) {
 
 BoundaryFlood::Counters counters_of(const Topology& topology, const Motion& motion) {
   const BoundaryFlood flood({1, 1, 1e9});
-  const auto state = flood.make_state();
+  const KdopBvh broad_phase{KdopBvh::Config{}};
+  const auto state = flood.make_state_with(broad_phase);
   SerialExecutor serial;
   flood.prepare({topology, motion, kNoFilter}, *state, serial);
   EXPECT_TRUE(flood.takes(*state, false));

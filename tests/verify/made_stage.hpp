@@ -1,6 +1,7 @@
 // Stages made of a function each, for the tests of the stage check.
 #pragma once
 
+#include <atomic>
 #include <utility>
 
 #include <volccd/broadphase/broad_phase.hpp>
@@ -85,9 +86,9 @@ class Made<OrphanSource, Run> final : public OrphanSource {
     set_.prepare(step, state, executor);
   }
   std::size_t blocks(const StageState& state) const override { return set_.blocks(state); }
-  void run(const Step& step, StageState& state, unsigned worker, std::size_t block, TestBatch& out) const override {
+  void run(const Step& step, StageState& state, unsigned worker, std::size_t block, Work& out) const override {
     set_.run(step, state, worker, block, out);
-    run_(block, out);
+    run_(block, out.tests);
   }
 
  private:
@@ -103,12 +104,19 @@ class Made<BroadPhase, Run> final : public BroadPhase {
   void prepare(const Step& step, StageState& state, Executor& executor) const override {
     tree_.prepare(step, state, executor);
   }
-  void run(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const override {
-    tree_.run(step, state, range, executor,
-              [&](std::span<const ElementPair> pairs, unsigned worker) { run_(step, executor, pairs, worker, sink); });
+  /// Remembers the number of workers.
+  std::size_t blocks(const Step& step, StageState& state, Executor& executor) const override {
+    workers_ = executor.workers();
+    return tree_.blocks(step, state, executor);
+  }
+  void run(const Step& step, StageState& state, unsigned worker, std::size_t block, Work& work) const override {
+    Work own;
+    tree_.run(step, state, worker, block, own);
+    if (!own.pairs.empty()) run_(step, workers_, own.pairs, work.pairs);
   }
 
  private:
+  mutable std::atomic<unsigned> workers_ = 1;
   KdopBvh tree_{KdopBvh::Config{}};
   Run run_;
 };

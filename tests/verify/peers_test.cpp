@@ -29,10 +29,13 @@ class MadeUpPeer final : public BroadPhase {
   void prepare(const Step& step, StageState& state, Executor& executor) const override {
     tree_->prepare(step, state, executor);
   }
-  void run(const Step& step, StageState& state, PairRange range, Executor& executor, PairSink sink) const override {
-    tree_->run(step, state, range, executor, [&](std::span<const ElementPair> pairs, unsigned worker) {
-      sink(loses_ ? pairs.subspan(1) : pairs, worker);
-    });
+  std::size_t blocks(const Step& step, StageState& state, Executor& executor) const override {
+    return tree_->blocks(step, state, executor);
+  }
+  void run(const Step& step, StageState& state, unsigned worker, std::size_t block, Work& work) const override {
+    const std::size_t before = work.pairs.size();
+    tree_->run(step, state, worker, block, work);
+    if (loses_ && work.pairs.size() > before) work.pairs.pop_back();
   }
 
  private:

@@ -439,32 +439,32 @@ TEST(StageCheck, FindsAStateThatIsNotUpdatedForTheStep) {
 
 // --- broad phases
 
+using PairList = std::vector<ElementPair>;
+
+void append(PairList& to, std::span<const ElementPair> pairs) { to.insert(to.end(), pairs.begin(), pairs.end()); }
+
 TEST(StageCheck, FindsABroadPhaseThatEmitsAPairTwice) {
   const auto report = check<BroadPhase>(
-      [](const Step&, Executor&, std::span<const ElementPair> pairs, unsigned worker, PairSink sink) {
-        sink(pairs, worker);
-        if (pairs[0].a % 16 == 2) sink(pairs.first(1), worker);
+      [](const Step&, unsigned, const PairList& pairs, PairList& out) {
+        append(out, pairs);
+        if (pairs[0].a % 16 == 2) out.push_back(pairs[0]);
       },
       Guarantee::conservative, 100);
   EXPECT_TRUE(broken(report, "emits each pair once, in order, by a worker of the executor"));
 }
 
 TEST(StageCheck, FindsABroadPhaseThatLosesAPairInFiveHundred) {
-  const auto report = check<BroadPhase>(
-      [](const Step& step, Executor&, std::span<const ElementPair> pairs, unsigned worker, PairSink sink) {
-        for (const ElementPair& pair : pairs)
-          if (hash(step, pair) % 500) sink({&pair, 1}, worker);
-      });
+  const auto report = check<BroadPhase>([](const Step& step, unsigned, const PairList& pairs, PairList& out) {
+    for (const ElementPair& pair : pairs)
+      if (hash(step, pair) % 500) out.push_back(pair);
+  });
   EXPECT_TRUE(broken(report, "emits every pair that meets during the step"));
 }
 
 TEST(StageCheck, FindsABroadPhaseThatLosesPairsWithSeveralWorkers) {
   const auto report = check<BroadPhase>(
-      [](const Step&, Executor& executor, std::span<const ElementPair> pairs, unsigned worker, PairSink sink) {
-        if (executor.workers() == 1 || pairs.size() < 3)
-          sink(pairs, worker);
-        else
-          sink(pairs.subspan(1), worker);
+      [](const Step&, unsigned workers, const PairList& pairs, PairList& out) {
+        append(out, workers == 1 || pairs.size() < 3 ? std::span(pairs) : std::span(pairs).subspan(1));
       },
       Guarantee::conservative, 100, true);
   EXPECT_TRUE(broken(report, kBatch));

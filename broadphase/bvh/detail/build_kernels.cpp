@@ -24,10 +24,10 @@ void make_items_kernel(const ElementList& list, const BoundsTable& vertices, Ind
   for (Index p = begin; p < end; ++p, ++out) {
     *out = {gap, p};
     if (list.slot(p) == kNone) continue;
-    const std::span<const Index> part = list.part(p);
+    const std::span<const Index> own = list.vertices(p);
     for (std::size_t c = 0; c < 4; c += hn::Lanes(d)) {
-      auto low = hn::LoadU(d, vertices.row(part[0]) + c), high = hn::LoadU(d, vertices.row(part[0]) + width + c);
-      for (const Index v : part.subspan(1)) {
+      auto low = hn::LoadU(d, vertices.row(own[0]) + c), high = hn::LoadU(d, vertices.row(own[0]) + width + c);
+      for (const Index v : own.subspan(1)) {
         low = hn::Min(low, hn::LoadU(d, vertices.row(v) + c));
         high = hn::Max(high, hn::LoadU(d, vertices.row(v) + width + c));
       }

@@ -23,15 +23,15 @@ double ratio(const TreeCost& cost) { return cost.elements > 0 ? cost.nodes / cos
 
 }  // namespace
 
-void KdopTree::build(const Step& step, int leaf_size, const BoundsTable& vertices, Executor& executor) {
+void KdopTree::build(const Mesh& mesh, int leaf_size, const BoundsTable& vertices, Executor& executor) {
   leaf_size_ = static_cast<Index>(leaf_size);
-  list_.assign(step, executor);
+  list_.assign(mesh, executor);
   built_elements_ = static_cast<Index>(list_.size());
   gaps_ = 0;
   depth_ = 0;
   roots_.clear();
   adjacent_leaves_.clear();
-  positions_.assign(step.mesh().element_slots(), kNone);
+  positions_.assign(mesh.element_slots(), kNone);
   for (BoundsTable* bounds : {&element_bounds_, &node_bounds_}) bounds->resize(0, vertices.width());
   add_tree(0, vertices, executor);
   refit(vertices, executor);
@@ -59,27 +59,25 @@ void KdopTree::add_tree(Index begin, const BoundsTable& vertices, Executor& exec
   end_lanes();
 }
 
-bool KdopTree::edit(const Step& step, const std::vector<Index>& touched, const BoundsTable& vertices,
+bool KdopTree::edit(const Mesh& mesh, const std::vector<Index>& touched, const BoundsTable& vertices,
                     Executor& executor) {
-  positions_.resize(step.mesh().element_slots(), kNone);
+  positions_.resize(mesh.element_slots(), kNone);
   added_.clear();  // slots of the second tree
   for (std::size_t p = built_elements_; p < list_.size(); ++p)
     if (!std::binary_search(touched.begin(), touched.end(), list_.slot(p))) added_.push_back(list_.slot(p));
   for (const Index slot : touched) {
     if (const Index position = positions_[slot]; position < built_elements_) {
-      const bool replaced = list_.replace_part(step, position);
-      if (!replaced) list_.make_gap(position);
-      gaps_ += replaced ? 0 : 1;
+      list_.make_gap(position);
+      ++gaps_;
       fill_lane(position);
-      if (replaced) continue;
     }
     positions_[slot] = kNone;
-    if (step.takes_part(slot)) added_.push_back(slot);
+    if (mesh.is_live(slot)) added_.push_back(slot);
   }
   if (gaps_ > built_elements_ / kGapDenominator || added_.size() > max_added(built_elements_)) return false;
 
   list_.truncate(built_elements_);
-  for (const Index slot : added_) list_.append(step, slot);
+  for (const Index slot : added_) list_.append(mesh, slot);
   roots_.resize(built_elements_ == 0 ? 0 : 1);
   add_tree(built_elements_, vertices, executor);
   return true;

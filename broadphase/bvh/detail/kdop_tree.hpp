@@ -42,14 +42,14 @@ class KdopTree {
  public:
   static constexpr int kMaxLeafSize = AdjacentLeaves::kMaskRow;
 
-  /// Builds a tree with bounds over all elements that take part in the step. `vertices` are the bounds of the vertices
+  /// Builds a tree with bounds over all live elements. `vertices` are the bounds of the vertices
   /// for this step.
-  void build(const Step& step, int leaf_size, const BoundsTable& vertices, Executor& executor);
+  void build(const Mesh& mesh, int leaf_size, const BoundsTable& vertices, Executor& executor);
 
-  /// Removes and adds elements. `touched`: slots whose participation may have changed since the last call. Returns
+  /// Removes and adds elements. `touched`: slots whose elements may have changed since the last call. Returns
   /// false if too many elements were removed or added since the last build; then build() must be called instead. Bounds
   /// become valid with the next refit().
-  bool edit(const Step& step, const std::vector<Index>& touched, const BoundsTable& vertices, Executor& executor);
+  bool edit(const Mesh& mesh, const std::vector<Index>& touched, const BoundsTable& vertices, Executor& executor);
 
   /// Updates the bounds for another step. Linear time in the number of elements.
   void refit(const BoundsTable& vertices, Executor& executor);

@@ -28,13 +28,13 @@ void refit_leaf(const RefitArrays& t, Index node) {
   double elements = 0;
   for (Index p = begin; p < end; ++p) {
     if (p >= ahead)
-      for (const Index v : t.list->part(p - ahead)) hwy::Prefetch(t.vertices->row(v));
+      for (const Index v : t.list->vertices(p - ahead)) hwy::Prefetch(t.vertices->row(v));
     float* const row = t.element_bounds->row(p);
     if (t.list->slot(p) == kNone) {
       make_empty<kWidth>(row);
       continue;
     }
-    unite_part<kWidth>(t.vertices->row(0), t.list->part(p), row);
+    unite_vertices<kWidth>(t.vertices->row(0), t.list->vertices(p), row);
     elements += size_of<kWidth>(row);
   }
   float* const bound = t.node_bounds->row(node);
@@ -115,7 +115,7 @@ class Traversal {
     }
   }
 
-  HWY_INLINE bool may_include(Index a, Index b) const { return rules_.may_want(nodes_[a].key, nodes_[b].key); }
+  HWY_INLINE bool may_include(Index a, Index b) const { return rules_.may_include(nodes_[a].key, nodes_[b].key); }
 
  private:
   static constexpr Index kLanes = 4;

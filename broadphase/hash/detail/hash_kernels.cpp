@@ -107,7 +107,7 @@ class BucketKernel {
       for (std::size_t s = done; s < std::min(count, done + PairWriter::kRoom); ++s) {
         const Index b = slots_[position[list[s]]];
         *next = ordered(a, b);
-        next += rules_.want(a, b);
+        next += rules_.included(a, b);
       }
       out_.written(next);
     }
@@ -146,7 +146,7 @@ void large_kernel(const HashGrid& grid, const BoundsTable& bounds, const Index* 
           const Index a = slots[large], b = slots[p];
           *next = ordered(a, b);
           const bool once = !grid.is_large(p) || p > large;
-          next += once && overlap<width>(bounds.row(large), bounds.row(p)) && rules.want(a, b);
+          next += once && overlap<width>(bounds.row(large), bounds.row(p)) && rules.included(a, b);
         }
         out.written(next);
       }

@@ -16,34 +16,34 @@ constexpr std::size_t kGrain = 4096;
 bool is_volume(const Mesh& mesh, Index o) { return mesh.type(o) == ElementType::tetrahedron; }
 
 /// Whether no tetrahedron at v is outer as a whole.
-bool has_faces_alone(const Step& step, Index v) {
+bool has_faces_alone(const Step& step, const PartTable& parts, Index v) {
   const std::span<const Index> star = step.features().vertex_elements(v);
-  return std::none_of(star.begin(), star.end(),
-                      [&](Index o) { return is_volume(step.mesh(), o) && step.subset->contains_whole(o); });
+  return std::all_of(star.begin(), star.end(),
+                     [&](Index o) { return !is_volume(step.mesh(), o) || parts.has_inside(o); });
 }
 
 /// The vertices of `part` that belong to the outer part of o, if there is one, as bits.
-std::uint32_t common_part_vertices(const Step& step, std::span<const Index> part, Index o) {
-  if (!step.subset->contains(o)) return 0;
-  const std::span<const Index> other = step.part(o);
+std::uint32_t common_part_vertices(const PartTable& parts, std::span<const Index> part, Index o) {
+  if (!parts.has_part(o)) return 0;
+  const std::span<const Index> other = parts.part(o);
   std::uint32_t bits = 0;
-  for (std::size_t i = 0; i < part.size(); ++i)  // a face repeats its first vertex at the end
-    if ((i == 0 || part[i] != part[0]) && std::find(other.begin(), other.end(), part[i]) != other.end())
-      bits |= 1u << i;
+  for (std::size_t i = 0; i < part.size(); ++i)
+    if (std::find(other.begin(), other.end(), part[i]) != other.end()) bits |= 1u << i;
   return bits;
 }
 
 }  // namespace
 
-std::span<const OuterNeighbour> OuterNeighbours::of(const Step& step, const StarTable& table, Index o) {
+std::span<const OuterNeighbour> OuterNeighbours::of(const Step& step, const StarTable& table, const PartTable& parts,
+                                                    Index o) {
   auto& [begin, end] = ranges_[o];
   if (begin == kNone) {
     begin = static_cast<Index>(list_.size());
-    const std::span<const Index> part = step.part(o);
+    const std::span<const Index> part = parts.part(o);
     for (const Index v : part) {
-      const bool by_edges = table.kind(v) == StarKind::ring && has_faces_alone(step, v);
+      const bool by_edges = table.kind(v) == StarKind::ring && has_faces_alone(step, parts, v);
       for (const Index next : step.features().vertex_elements(v)) {
-        const std::uint32_t common = common_part_vertices(step, part, next);
+        const std::uint32_t common = common_part_vertices(parts, part, next);
         const bool listed = std::any_of(list_.begin() + begin, list_.end(),
                                         [&](const OuterNeighbour& other) { return other.element == next; });
         if (next != o && !listed && std::popcount(common) >= (by_edges ? 2 : 1)) list_.push_back({next, common});
@@ -65,7 +65,7 @@ void FloodFront::propose_across_faces(Index of, Index other) {
   if (!is_volume(step_.mesh(), of)) return;
   for (const Index face : features.element_triangles(of))
     for (const Index across : features.triangle_elements(face))
-      if (across != of && has_inside(across)) propose(across, other);
+      if (across != of && parts_.has_inside(across)) propose(across, other);
 }
 
 void FloodFront::propose_neighbours(ElementPair pair) {
@@ -132,7 +132,7 @@ void FloodFront::propose_containing(std::span<const Index> vertices, StartScratc
   for (auto& list : scratch.contained) list.clear();
   executor.parallel_for(mesh.element_slots(), kGrain, [&](std::size_t first, std::size_t last, unsigned w) {
     for (Index o = static_cast<Index>(first); o < last; ++o) {
-      if (!mesh.is_live(o) || !has_inside(o)) continue;
+      if (!mesh.is_live(o) || !parts_.has_inside(o)) continue;
       const std::span<const Index> corners = step_.topology.adjacency().vertices(o);
       const auto packed = [&](std::size_t i) { return std::bit_cast<std::uint64_t>(scratch.ranks[corners[i]]); };
       const bool between_the_same = packed(0) == packed(1) && packed(0) == packed(2) && packed(0) == packed(3);
@@ -152,7 +152,7 @@ void FloodFront::propose_containing(std::span<const Index> vertices, StartScratc
   std::sort(all.begin(), all.end());
   for (const auto& [o, v] : all)
     for (const Index element : step_.features().vertex_elements(v))
-      if (outer(element) && std::ranges::count(step_.part(element), v) > 0) propose(element, o);
+      if (parts_.has_part(element) && std::ranges::count(parts_.part(element), v) > 0) propose(element, o);
 }
 
 /// Whether the box of o, with the separation around it, contains the vertex. Pre: it does so along the first axis.
@@ -167,11 +167,11 @@ bool FloodFront::box_contains(Index o, Index v) const {
 }
 
 void FloodFront::propose_at_start(Index outer_element, Index other, StartScratch& scratch) {
-  if (!outer(outer_element)) return;
+  if (!parts_.has_part(outer_element)) return;
   propose_across_faces(other, outer_element);
-  if (!has_inside(other)) return;
-  const std::array<std::uint8_t, 4> sides = sides_at_start(box_at_start(other), step_.part(outer_element));
-  for (const OuterNeighbour& next : scratch.neighbours.of(step_, table_, outer_element)) {
+  if (!parts_.has_inside(other)) return;
+  const std::array<std::uint8_t, 4> sides = sides_at_start(box_at_start(other), parts_.part(outer_element));
+  for (const OuterNeighbour& next : scratch.neighbours.of(step_, table_, parts_, outer_element)) {
     std::uint8_t beyond = 0xff;  // the sides of the box that all common vertices are beyond
     for (std::size_t i = 0; i < 4; ++i)
       if ((next.common >> i & 1) != 0) beyond &= sides[i];

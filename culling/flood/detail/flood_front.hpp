@@ -12,6 +12,7 @@
 #include <volccd/core/executor.hpp>
 #include <volccd/core/heap_bytes.hpp>
 #include <volccd/culling/flood/detail/pair_set.hpp>
+#include <volccd/culling/flood/detail/part_table.hpp>
 #include <volccd/culling/stars/star_table.hpp>
 
 namespace volccd::detail {
@@ -28,13 +29,13 @@ struct OuterNeighbour {
 /// parts with common vertices, because it can go around a vertex with a ring. Not thread-safe.
 class OuterNeighbours {
  public:
-  /// Forgets what was found; for another topology or subset.
+  /// Forgets what was found; for another topology, or other parts.
   void clear(Index slots) {
     ranges_.assign(slots, {kNone, 0});
     list_.clear();
   }
   /// Pre: o has an outer part. Found when it is asked for, and kept until clear(). Valid until the next call.
-  std::span<const OuterNeighbour> of(const Step& step, const StarTable& table, Index o);
+  std::span<const OuterNeighbour> of(const Step& step, const StarTable& table, const PartTable& parts, Index o);
 
   std::size_t bytes() const { return heap_bytes(ranges_, list_); }
 
@@ -53,13 +54,13 @@ struct StartScratch {
   std::size_t bytes() const { return heap_bytes(along_x, ranks, contained, neighbours); }
 };
 
-/// Pairs of non-adjacent simplices, each proposed once. The subset of the step holds the outer part of each simplex
-/// (OuterParts). Not thread-safe.
+/// Pairs of non-adjacent simplices, each proposed once. Not thread-safe.
 class FloodFront {
  public:
   /// `seen`: the pairs proposed so far. New proposals are appended to `out`.
-  FloodFront(const Step& step, const StarTable& table, PairSet& seen, std::vector<ElementPair>& out)
-      : step_(step), table_(table), seen_(seen), out_(out) {}
+  FloodFront(const Step& step, const StarTable& table, const PartTable& parts, PairSet& seen,
+             std::vector<ElementPair>& out)
+      : step_(step), table_(table), parts_(parts), seen_(seen), out_(out) {}
 
   /// Proposes the pair itself, unless it is adjacent.
   void propose(ElementPair pair) { propose(pair.a, pair.b); }
@@ -71,7 +72,7 @@ class FloodFront {
   /// by neighbours across faces that have an inside, and, if the other element has an inside, pairs with this element
   /// replaced by others whose outer parts are next to its outer part and have a vertex, edge or face in common with it
   /// whose box meets that of the other element (steps of kind 2). Pre: the neighbours in `scratch` are those of this
-  /// subset.
+  /// parts.
   void propose_neighbours_at_start(ElementPair pair, StartScratch& scratch);
   /// For t = 0: proposes the pairs of an element whose inside may contain one of the vertices and an element whose
   /// outer part has that vertex (seeds of kind 2).
@@ -83,8 +84,6 @@ class FloodFront {
   }
 
  private:
-  bool outer(Index o) const { return step_.subset->contains(o); }
-  bool has_inside(Index o) const { return !step_.subset->contains_whole(o); }
   void propose_at_start(Index outer_element, Index other, StartScratch& scratch);
   bool beyond_a_face_at_start(Index a, Index b) const;
   double moved(double coordinate, int outward) const;
@@ -97,6 +96,7 @@ class FloodFront {
 
   const Step& step_;
   const StarTable& table_;
+  const PartTable& parts_;
   PairSet& seen_;
   std::vector<ElementPair>& out_;
 };

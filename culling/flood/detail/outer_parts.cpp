@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <numeric>
+#include <utility>
 
 #include <volccd/core/sort_unique.hpp>
 
@@ -10,22 +11,27 @@ namespace volccd::detail {
 
 namespace {
 
+using Kind = PartTable::Kind;
+
+/// Up to this many vertices without a suspect star remain marked, besides as many as have one.
+constexpr std::size_t kMaxFormerSuspects = 256;
+
 /// The part of a simplex that the topology determines: with the kinds of its faces, and without regard to motion.
-std::uint8_t boundary_part_of(const Mesh& mesh, const StarTable& table, Index o) {
+Kind boundary_kind(const Mesh& mesh, const StarTable& table, Index o) {
   const std::span<const Index> vertices = mesh.vertices(o);
-  if (!mesh.is_live(o)) return ElementSubset::kNoPart;
+  if (!mesh.is_live(o)) return PartTable::kNoPart;
   const bool irregular =
       std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return table.kind(v) == StarKind::irregular; });
-  if (mesh.type(o) != ElementType::tetrahedron || irregular) return ElementSubset::kWhole;
-  std::uint8_t part = ElementSubset::kNoPart;
+  if (mesh.type(o) != ElementType::tetrahedron || irregular) return PartTable::kWhole;
+  Kind kind = PartTable::kNoPart;
   visit_faces(mesh, o, [&](std::span<const Index> face, std::size_t number) {
     if (table.faces(o)[number] != FaceKind::boundary) return;
-    std::uint8_t bits = 0;
+    Kind bits = 0;
     for (std::size_t i = 0; i < 4; ++i)
-      if (std::find(face.begin(), face.end(), vertices[i]) != face.end()) bits |= static_cast<std::uint8_t>(1u << i);
-    part = part == ElementSubset::kNoPart ? bits : ElementSubset::kWhole;
+      if (std::find(face.begin(), face.end(), vertices[i]) != face.end()) bits |= static_cast<Kind>(1u << i);
+    kind = kind == PartTable::kNoPart ? bits : PartTable::kWhole;
   });
-  return part;
+  return kind;
 }
 
 /// Appends the elements at the vertices.
@@ -46,11 +52,11 @@ void OuterParts::find_components(const Step& step) {
     while (parents_[v] != v) v = parents_[v] = parents_[parents_[v]];
     return v;
   };
-  for (Index o = 0; o < boundary_parts_.size(); ++o) {
+  for (Index o = 0; o < boundary_kinds_.size(); ++o) {
     const std::span<const Index> vertices = mesh.vertices(o);
     Index first = kNone;
     for (std::size_t i = 0; i < vertices.size(); ++i) {
-      if ((boundary_parts_[o] >> i & 1) == 0) continue;
+      if ((boundary_kinds_[o] >> i & 1) == 0) continue;
       const Index v = vertices[i];
       if (parents_[v] == kNone) parents_[v] = v;
       if (first == kNone) first = v;
@@ -63,19 +69,12 @@ void OuterParts::find_components(const Step& step) {
     if (parents_[v] == v) components_.push_back(v);
 }
 
-std::uint8_t OuterParts::part_of(const Mesh& mesh, const VertexStars& stars, Index o) const {
-  if (!mesh.is_live(o)) return ElementSubset::kNoPart;
-  const std::span<const Index> vertices = mesh.vertices(o);
-  const bool suspect = std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return stars.suspect(v); });
-  return suspect ? ElementSubset::kWhole : boundary_parts_[o];
-}
-
-/// A component of S without a boundary part consists of elements at suspect vertices. Such a vertex is chosen if no
+/// A component of S without a boundary part consists of elements at marked vertices. Such a vertex is chosen if no
 /// vertex of its star is on a boundary part; otherwise its component contains that part.
 void OuterParts::choose_vertices(const Step& step, const VertexStars& stars) {
   chosen_ = components_;
   const auto inner = [&](Index v) { return stars.table().kind(v) == StarKind::interior; };
-  for (const Index v : stars.suspects()) {
+  for (const Index v : marked_) {
     const std::span<const Index> star = step.features().vertex_elements(v);
     const bool apart = std::all_of(star.begin(), star.end(), [&](Index o) {
       const std::span<const Index> vertices = step.mesh().vertices(o);
@@ -86,39 +85,59 @@ void OuterParts::choose_vertices(const Step& step, const VertexStars& stars) {
   sort_unique(chosen_);
 }
 
-/// Sets slots_ to the elements whose parts may have changed: those at vertices that became suspect or clear, and those
+/// Marks the vertices with suspect stars, and sets vertices_ to those that became marked or unmarked.
+void OuterParts::mark_vertices(const Step& step, const VertexStars& stars, bool anew) {
+  const std::vector<Index>& suspects = stars.suspects();
+  is_marked_.resize(step.mesh().vertex_count(), 0);
+  vertices_.clear();
+  std::set_difference(suspects.begin(), suspects.end(), marked_.begin(), marked_.end(), std::back_inserter(vertices_));
+  if (anew || marked_.size() + vertices_.size() > 2 * suspects.size() + kMaxFormerSuspects) {
+    vertices_.clear();
+    std::set_symmetric_difference(suspects.begin(), suspects.end(), marked_.begin(), marked_.end(),
+                                  std::back_inserter(vertices_));
+    marked_ = suspects;
+  } else if (!vertices_.empty()) {
+    marked_.insert(marked_.end(), vertices_.begin(), vertices_.end());
+    std::sort(marked_.begin(), marked_.end());
+  }
+  for (const Index v : vertices_) is_marked_[v] = std::binary_search(marked_.begin(), marked_.end(), v);
+}
+
+/// Sets slots_ to the elements whose parts may have changed: those at vertices that became marked or unmarked, and those
 /// at vertices whose elements changed.
-void OuterParts::find_changed_slots(const Step& step, const VertexStars& stars) {
+void OuterParts::find_changed_slots(const Step& step) {
   slots_ = delta_.changed_slots();
   for (const TopologyChange* change : delta_.changes()) {
     append_stars(step.features(), change->features.added_vertices, slots_);
     append_stars(step.features(), change->features.touched_vertices, slots_);
   }
-  std::vector<Index>& vertices = chosen_;  // scratch memory
-  vertices.clear();
-  std::set_symmetric_difference(suspects_.begin(), suspects_.end(), stars.suspects().begin(), stars.suspects().end(),
-                                std::back_inserter(vertices));
-  append_stars(step.features(), vertices, slots_);
+  append_stars(step.features(), vertices_, slots_);
   sort_unique(slots_);
 }
 
-void OuterParts::update(const Step& step, const VertexStars& stars) {
+void OuterParts::update(const Step& step, const VertexStars& stars, Executor& executor) {
   const Mesh& mesh = step.mesh();
   const TopologyDelta::Extent changed = delta_.sync(step.topology);
-  if (changed == TopologyDelta::Extent::everything) {
-    subset_.clear();
+  const bool everything = changed == TopologyDelta::Extent::everything;
+  if (everything) is_marked_.clear(), marked_.clear();
+  mark_vertices(step, stars, everything);
+  if (everything) {
     slots_.resize(mesh.element_slots());
     std::iota(slots_.begin(), slots_.end(), Index{0});
   } else {
-    find_changed_slots(step, stars);
+    find_changed_slots(step);
   }
   if (changed != TopologyDelta::Extent::none) {
-    boundary_parts_.resize(mesh.element_slots());
-    for (const Index o : slots_) boundary_parts_[o] = boundary_part_of(mesh, stars.table(), o);
+    boundary_kinds_.resize(mesh.element_slots());
+    for (const Index o : slots_) boundary_kinds_[o] = boundary_kind(mesh, stars.table(), o);
     find_components(step);
   }
-  subset_.assign(mesh, slots_, [&](Index o) { return part_of(mesh, stars, o); });
-  suspects_ = stars.suspects();
+  const auto kind_of = [&](Index o) {
+    const std::span<const Index> vertices = mesh.vertices(o);
+    const bool marked = std::any_of(vertices.begin(), vertices.end(), [&](Index v) { return is_marked_[v] != 0; });
+    return marked ? PartTable::kWhole : boundary_kinds_[o];
+  };
+  everything ? table_.build(mesh, kind_of, executor) : table_.update(mesh, slots_, kind_of);
   choose_vertices(step, stars);
   delta_.confirm();
 }

@@ -1,0 +1,70 @@
+#include <volccd/pipelines/detail/result.hpp>
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+namespace volccd::detail {
+
+namespace {
+
+Index element_of_smallest_id(const Mesh& mesh, std::span<const Index> elements) {
+  Index smallest = kNone;
+  for (const Index o : elements)
+    if (smallest == kNone || mesh.element_id(o) < mesh.element_id(smallest)) smallest = o;
+  return smallest;
+}
+
+/// An EE test has the edge of smaller slot first, a contact the edge with the smaller vertices.
+void complete(Contact& contact, const Topology& topology) {
+  const Features& features = topology.features();
+  auto& [a, b] = contact.features;
+  if (contact.kind == FeatureKind::ee && features.edge(a)[0] != contact.vertices[0]) std::swap(a, b);
+  const bool vf = contact.kind == FeatureKind::vf;
+  contact.elements = {
+      element_of_smallest_id(topology.mesh(), vf ? features.vertex_elements(a) : features.edge_elements(a)),
+      element_of_smallest_id(topology.mesh(), vf ? features.triangle_elements(b) : features.edge_elements(b))};
+}
+
+}  // namespace
+
+void ResultMerger::merge(std::span<const std::unique_ptr<WorkerScratch>> workers, Executor& executor,
+                         StepResult& result) {
+  result.statistics = {};
+  result.initial_overlaps.clear();
+  contacts_of_.clear();
+  left_out_of_.clear();
+  for (const auto& worker : workers) {
+    worker->end_step();
+    result.statistics += worker->sums;
+    contacts_of_.push_back(worker->chain.contacts());
+    left_out_of_.push_back(worker->left_out);
+    result.initial_overlaps.insert(result.initial_overlaps.end(), worker->overlaps.begin(), worker->overlaps.end());
+  }
+  result.statistics.duplicates = order_.collect(contacts_of_, executor, result.contacts);
+  result.statistics.duplicates += order_.collect(left_out_of_, executor, result.left_out);
+  std::sort(result.initial_overlaps.begin(), result.initial_overlaps.end());
+}
+
+void keep_earliest(std::vector<Contact>& contacts) {
+  if (contacts.empty()) return;
+  const auto earliest = std::min_element(contacts.begin(), contacts.end(), [](const Contact& x, const Contact& y) {
+    return x.toi != y.toi ? x.toi < y.toi : canonical_less(x, y);
+  });
+  contacts = {*earliest};
+}
+
+void complete(StepResult& result, const Topology& topology) {
+  Statistics& statistics = result.statistics;
+  for (std::vector<Contact>* list : {&result.contacts, &result.left_out})
+    for (Contact& contact : *list) complete(contact, topology);
+  for (const Contact& contact : result.contacts) {
+    statistics.earliest_toi = std::min(statistics.earliest_toi, contact.toi);
+    statistics.contacts_at_start += contact.at_start ? 1 : 0;
+  }
+  statistics.contacts = result.contacts.size();
+  statistics.left_out = result.left_out.size();
+  statistics.initial_overlaps = result.initial_overlaps.size();
+}
+
+}  // namespace volccd::detail

@@ -1,0 +1,33 @@
+// The result of a step, from what the workers found.
+#pragma once
+
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <volccd/core/executor.hpp>
+#include <volccd/pipelines/detail/contact_order.hpp>
+#include <volccd/pipelines/detail/worker_scratch.hpp>
+
+namespace volccd::detail {
+
+/// Reused from step to step.
+class ResultMerger {
+ public:
+  /// Sets contacts, in canonical order and each once, and initial overlaps; and the sums of the counts of all workers.
+  void merge(std::span<const std::unique_ptr<WorkerScratch>> workers, Executor& executor, StepResult& result);
+
+  std::size_t bytes() const { return heap_bytes(order_, contacts_of_, left_out_of_); }
+
+ private:
+  ContactOrder order_;
+  std::vector<std::span<const Contact>> contacts_of_, left_out_of_;  ///< by worker
+};
+
+/// Leaves the earliest contact alone, among those of one time the first in canonical order.
+void keep_earliest(std::vector<Contact>& contacts);
+
+/// Sets the order of Contact::features and Contact::elements, and the counts of contacts.
+void complete(StepResult& result, const Topology& topology);
+
+}  // namespace volccd::detail
