@@ -207,5 +207,28 @@ TEST(FloodClauses, AnElementReplacedInItsSlot) {
   EXPECT_GT(contest.compare({topology, motion, kNoFilter}, "joined"), 5u);
 }
 
+/// A body whose outside and inside are two objects that have vertices in common, and a bar that has been pushed through
+/// the one into the other. Contacts of the bar and the outside are not asked for, so that with the filter no pair at
+/// the boundary would be a seed.
+TEST(FloodClauses, ObjectsThatAreTheOutsideAndTheInsideOfABody) {
+  Shape both = block(ElementType::tetrahedron, 5, 5, 5);
+  for (ElementSpec& e : both.elements) {
+    Vec3 middle = Vec3::Zero();
+    for (const Index v : e.vertices) middle += both.positions[v] / 4;
+    e.object = (middle - Vec3(2.5, 2.5, 2.5)).lpNorm<Eigen::Infinity>() < 0.5 ? 1 : 0;
+  }
+  const std::size_t outside = both.positions.size();
+  Shape bar = block(ElementType::tetrahedron, 1, 1, 8);
+  for (Vec3& p : bar.positions) p = 0.4 * p + Vec3(2.23, 2.41, -0.57);
+  both.append(bar, 2);
+  std::vector<Vec3> end = both.positions;
+  for (std::size_t v = outside; v < end.size(); ++v) end[v] += Vec3(0.21, 0.13, 0.17);
+  const Topology topology(both.mesh());
+  EXPECT_TRUE(topology.objects_share_vertices());
+  ObjectFilter filter;
+  filter.exclude(0, 2);
+  EXPECT_GT(Contest().compare({topology, Motion::linear(both.positions, end), filter}, "bar"), 10u);
+}
+
 }  // namespace
 }  // namespace volccd
