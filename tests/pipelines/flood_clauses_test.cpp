@@ -230,5 +230,31 @@ TEST(FloodClauses, ObjectsThatAreTheOutsideAndTheInsideOfABody) {
   EXPECT_GT(Contest().compare({topology, Motion::linear(both.positions, end), filter}, "bar"), 10u);
 }
 
+/// A needle through a body, in at one side and out at the other, without contacts of features at the boundary. In the
+/// middle, a vertex moves, so that edges at it touch the needle. On the way there are only pairs of elements that
+/// overlap while no feature of one touches a feature of the other (PairVerdict::contact_free).
+TEST(FloodClauses, ANeedleThroughElementsWithoutContacts) {
+  Shape both = block(ElementType::tetrahedron, 4, 4, 6);
+  std::vector<Vec3> end = both.positions;
+  for (Vec3& p : end)
+    if ((p - Vec3(2, 2, 3)).norm() < 1e-9) p.x() += 0.6;
+  ElementSpec needle{ElementType::tetrahedron, {}, {}, 1, static_cast<std::int64_t>(both.elements.size())};
+  for (const Vec3& p : {Vec3(0.01, 0, -1), Vec3(-0.01, 0, -1), Vec3(0, 0.01, 7), Vec3(0, -0.01, 7)}) {
+    needle.vertices.push_back(static_cast<Index>(both.positions.size()));
+    both.positions.push_back(p + Vec3(2.67, 2.33, 0));
+    end.push_back(both.positions.back());
+  }
+  both.elements.push_back(needle);
+  const Topology topology(both.mesh());
+  const Motion motion = Motion::linear(both.positions, end);
+  const Step step{topology, motion, kNoFilter};
+  PipelineSpec spec = test::spec_of("boundary-flood");
+  test::registry().apply_setting(spec, "csat.mode=features");
+  Contest contest(spec);
+  EXPECT_GT(contest.compare(step, "needle"), 4u);
+  contest.compare(step, "needle, with overlaps", {Query::all, true});
+  EXPECT_EQ(contest.initial_overlaps(), 18u);
+}
+
 }  // namespace
 }  // namespace volccd
