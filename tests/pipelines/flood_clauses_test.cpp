@@ -256,5 +256,48 @@ TEST(FloodClauses, ANeedleThroughElementsWithoutContacts) {
   EXPECT_EQ(contest.initial_overlaps(), 18u);
 }
 
+/// A bar in a body of tetrahedra, of which an edit replaces the outer cells by hexahedra, and a further edit brings the
+/// tetrahedra back. The flood has processed steps before; after the first edit it has to copy and divide the mesh, or
+/// does not take the steps. The way to the tetrahedra inside leads through the hexahedra.
+TEST(FloodClauses, HexahedraAddedToABodyOfTetrahedra) {
+  Shape both = block(ElementType::tetrahedron, 5, 5, 5);
+  const Shape cells = block(ElementType::hexahedron, 5, 5, 5), tetrahedra = both;
+  const std::size_t outside = both.positions.size();
+  Shape bar = block(ElementType::tetrahedron, 1, 1, 8);
+  for (Vec3& p : bar.positions) p = 0.4 * p + Vec3(2.23, 2.41, -0.57);
+  both.append(bar, 1);
+  std::vector<Vec3> end = both.positions;
+  for (std::size_t v = outside; v < end.size(); ++v) end[v] += Vec3(0.21, 0.13, 0.17);
+  const Motion motion = Motion::linear(both.positions, end);
+  std::vector<ElementSpec> outer_tetrahedra, outer_cells;
+  for (std::size_t i = 0; i < cells.elements.size(); ++i) {  // cell i is divided into the tetrahedra 6 i to 6 i + 5
+    const ElementSpec& cell = cells.elements[i];
+    const Vec3 middle = (both.positions[cell.vertices[0]] + both.positions[cell.vertices[6]]) / 2;
+    if ((middle - Vec3(2.5, 2.5, 2.5)).lpNorm<Eigen::Infinity>() < 1.5) continue;
+    outer_cells.push_back(cell);
+    outer_cells.back().id += 10000;
+    for (std::size_t k = 6 * i; k < 6 * i + 6; ++k) outer_tetrahedra.push_back(tetrahedra.elements[k]);
+  }
+  for (const char* most_divided : {"1", "0"}) {  // 0: the flood does not take the steps with hexahedra
+    PipelineSpec spec = test::spec_of("boundary-flood");
+    spec.flood->options["most_divided"] = most_divided;
+    Contest contest(spec);
+    Topology topology(both.mesh());
+    const auto replace = [&](const std::vector<ElementSpec>& removed, const std::vector<ElementSpec>& added) {
+      TopologyEdit edit{{}, {}, added};
+      for (const ElementSpec& e : removed) edit.removed.push_back(topology.mesh().find_element(e.id));
+      topology.apply(edit);
+    };
+    for (int round = 0; round < 2; ++round) {
+      EXPECT_GT(contest.compare({topology, motion, kNoFilter}, "tetrahedra"), 20u);
+      replace(outer_tetrahedra, outer_cells);
+      EXPECT_GT(contest.compare({topology, motion, kNoFilter}, "hexahedra"), 10u);
+      contest.compare({topology, motion, kNoFilter}, "hexahedra, with overlaps", {Query::all, true});
+      EXPECT_GT(contest.initial_overlaps(), 20u);
+      replace(outer_cells, outer_tetrahedra);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace volccd
