@@ -299,5 +299,56 @@ TEST(FloodClauses, HexahedraAddedToABodyOfTetrahedra) {
   }
 }
 
+/// A vertex of the boundary touches a face of another body. The test is assigned to the first element at the vertex,
+/// which has no other vertex on the boundary.
+TEST(FloodClauses, AnElementThatHasOneVertexOnTheBoundary) {
+  Shape both = block(ElementType::tetrahedron, 3, 3, 2);
+  const auto lowest = [](const Vec3& p) { return (p - Vec3(1, 1, 0)).norm() < 1e-9; };
+  const auto at = static_cast<Index>(std::ranges::find_if(both.positions, lowest) - both.positions.begin());
+  const auto first = std::ranges::find_if(both.elements, [&](const ElementSpec& e) {
+    return std::ranges::all_of(e.vertices, [&](Index v) { return v == at || both.positions[v].z() == 1; }) &&
+           std::ranges::count(e.vertices, at) == 1;
+  });
+  ASSERT_NE(first, both.elements.end());
+  std::swap(*first, both.elements.front());
+  both.positions[at].z() = -0.3;
+  std::vector<Vec3> end = both.positions;
+  for (Vec3& p : end) p.z() -= 0.4;
+  Shape below;
+  below.positions = {Vec3(-4, -4, -0.5), Vec3(8, -3, -0.5), Vec3(1, 9, -0.5), Vec3(1, 1, -5)};
+  below.elements = {{ElementType::tetrahedron, {0, 2, 1, 3}, {}, 0, 0}};
+  both.append(below, 1);
+  end.insert(end.end(), below.positions.begin(), below.positions.end());
+  const Topology topology(both.mesh());
+  EXPECT_EQ(Contest().compare({topology, Motion::linear(both.positions, end), kNoFilter}, "vertex"), 1u);
+}
+
+/// A body deep inside another one. Its last cell is missing, so that one of the vertices around the middle one is on
+/// the boundary. The middle vertex has a shell as well, and thus no clear star: the elements at it are outer as wholes.
+/// From the boundary they are reached over that one vertex.
+TEST(FloodClauses, WholeElementsThatHaveOneVertexOnTheBoundary) {
+  Shape both = block(ElementType::tetrahedron, 3, 3, 3);
+  for (Vec3& p : both.positions) p = 4 * p - Vec3(4, 4, 4);
+  const std::size_t outside = both.positions.size();
+  Shape inside = block(ElementType::tetrahedron, 4, 4, 4);
+  std::erase_if(inside.elements, [&](const ElementSpec& e) {
+    return std::ranges::all_of(e.vertices, [&](Index v) { return inside.positions[v].minCoeff() >= 3; });
+  });
+  ElementSpec shell{ElementType::triangle, {}, {}, 0, 1000};
+  for (Index v = 0; v < inside.positions.size(); ++v)
+    if ((inside.positions[v] - Vec3(2, 2, 2)).norm() < 1e-9) shell.vertices.push_back(v);
+  for (const Vec3& p : {Vec3(0.2, 0.1, 0.05), Vec3(0.05, 0.2, 0.1)}) {
+    shell.vertices.push_back(static_cast<Index>(inside.positions.size()));
+    inside.positions.push_back(p + Vec3(2, 2, 2));
+  }
+  inside.elements.push_back(shell);
+  for (Vec3& p : inside.positions) p = 0.9 * p + Vec3(0.13, 0.21, 0.17);
+  both.append(inside, 1);
+  std::vector<Vec3> end = both.positions;
+  for (std::size_t v = outside; v < end.size(); ++v) end[v] += Vec3(0.11, -0.08, 0.06);
+  const Topology topology(both.mesh());
+  EXPECT_GT(Contest().compare({topology, Motion::linear(both.positions, end), kNoFilter}, "shell"), 20u);
+}
+
 }  // namespace
 }  // namespace volccd
