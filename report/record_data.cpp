@@ -156,7 +156,7 @@ class Points {
     for (const auto& key : order) add_group(key, groups.at(key));
   }
 
-  json take() { return {{"texts", std::move(texts_)}, {"columns", std::move(columns_)}}; }
+  json build() { return {{"texts", std::move(texts_)}, {"columns", std::move(columns_)}}; }
 
  private:
   void add_group(const std::vector<std::string>& key, const std::vector<const json*>& rows) {
@@ -213,7 +213,7 @@ json points_of(const std::string& folder) {
     const std::string file = file_in(folder, kind.name);
     if (fs::exists(file)) points.add(kind.name, read_record(file).at("rows"));
   }
-  return points.take();
+  return points.build();
 }
 
 std::vector<RecordedInput> inputs_of(const json& records) {

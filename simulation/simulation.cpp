@@ -363,7 +363,7 @@ std::vector<double> Simulation::thickness() const { return state_->thickness(); 
 double Simulation::mass(Index vertex) const { return state_->mass[vertex]; }
 const Ledger& Simulation::ledger() const { return state_->ledger; }
 
-SimulationCounts Simulation::take_counts() {
+SimulationCounts Simulation::drain_counts() {
   const ContactCounts c = std::exchange(state_->contacts->counts(), {});
   SimulationCounts counts = std::exchange(state_->counts, {});
   counts.queries = c.queries;

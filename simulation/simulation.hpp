@@ -48,7 +48,7 @@ struct SimulationOptions {
   bool splitting = true, merging = true, cutting = true;  ///< according to the materials and Model::cuts
 };
 
-/// Numbers of events since the last call of Simulation::take_counts().
+/// Numbers of events since the last call of Simulation::drain_counts().
 struct SimulationCounts {
   std::uint64_t substeps = 0, queries = 0, retests = 0;
   /// Contacts that got a response, by class (ContactClass): between objects, within one object, between adjacent
@@ -108,7 +108,7 @@ class Simulation {
   double mass(Index vertex) const;
 
   const Ledger& ledger() const;
-  SimulationCounts take_counts();
+  SimulationCounts drain_counts();
 
   /// Writes all state that changes, or reads it into a simulation made from the same model and options, which then
   /// continues bit for bit as the one that wrote it. Throws InputError for the state of a different simulation.

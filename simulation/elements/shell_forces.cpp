@@ -188,7 +188,7 @@ class Before {
 
 /// Corners of the rest shape after an edit: those of the parent where its vertex is kept or was merged into another,
 /// the reference position where the vertex came with the edit.
-void take_over_corners(const ShellElement& parent, Index vertices_before, ShellElement& child) {
+void inherit_corners(const ShellElement& parent, Index vertices_before, ShellElement& child) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (child.vertices[k] >= vertices_before) continue;
     const auto same = std::find(parent.vertices.begin(), parent.vertices.end(), child.vertices[k]);
@@ -318,7 +318,7 @@ void ShellForces::update(const Mesh& mesh, std::span<const Vec3> reference, std:
       throw InputError("model", "parts", e.object, "does not exist");
     const ShellElement* parent = before.element(source[e.slot]);
     if (!parent) continue;
-    take_over_corners(*parent, old.mesh_vertices, e);
+    inherit_corners(*parent, old.mesh_vertices, e);
     for (std::size_t k = 0; k < 3; ++k) {
       if (e.vertices[k] >= old.mesh_vertices) t.positions[e.vertices[k]] = old.positions[parent->vertices[k]];
     }

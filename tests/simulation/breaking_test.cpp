@@ -153,7 +153,7 @@ TEST(ElementBreaking, WithinTheLoopKeepsMassMomentumAndEnergy) {
   Simulation s(drawn_strip(), small_steps(), executor);
   const Ledger before = s.ledger();
   s.advance_to(0.03);
-  const SimulationCounts counts = s.take_counts();
+  const SimulationCounts counts = s.drain_counts();
   EXPECT_GE(counts.breaks, 5u);
   EXPECT_GT(counts.splits, 0u);
   EXPECT_EQ(counts.unresolved, 0u);
@@ -168,7 +168,7 @@ TEST(ElementBreaking, GoesOnBitForBitFromACheckpoint) {
   double time = 0;
   while (breaks == 0 && time < 0.03) {
     s.advance_to(time += 0.001);
-    breaks = s.take_counts().breaks;
+    breaks = s.drain_counts().breaks;
   }
   ASSERT_GT(breaks, 0u);
   std::stringstream file;

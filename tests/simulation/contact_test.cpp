@@ -46,7 +46,7 @@ TEST(ContactBlocks, ImpactKeepsMomentumAndBalancesEnergy) {
     const Ledger before = s.ledger();
     s.advance_to(0.06);
     const Ledger& after = s.ledger();
-    const SimulationCounts counts = s.take_counts();
+    const SimulationCounts counts = s.drain_counts();
     EXPECT_GT(counts.inter, 0u);
     EXPECT_EQ(counts.unresolved, 0u);
     EXPECT_LT((after.momentum - before.momentum).norm(), 1e-12 * before.momentum.norm());
@@ -73,7 +73,7 @@ TEST(ContactFastPlate, NothingPassesThrough) {
       s.advance_to(time);
       ASSERT_EQ(overlaps(s), 0u) << "at " << time;
     }
-    const SimulationCounts counts = s.take_counts();
+    const SimulationCounts counts = s.drain_counts();
     EXPECT_GT(40 * 0.008 / static_cast<double>(counts.substeps), 0.004 / 2);
     EXPECT_GT(counts.inter, 0u);
     EXPECT_EQ(counts.unresolved, 0u);
@@ -188,7 +188,7 @@ TEST(ContactFeatureSets, InteriorFeaturesCollideOnlyWhereAskedFor) {
   Simulation all(model, {}, executor), outside(model, boundary, executor);
   all.advance_to(0.02);
   outside.advance_to(0.02);
-  const SimulationCounts a = all.take_counts(), b = outside.take_counts();
+  const SimulationCounts a = all.drain_counts(), b = outside.drain_counts();
   EXPECT_GT(a.inter, 0u);
   EXPECT_EQ(b.inter, 0u);
   EXPECT_GT(b.ignored, 0u);
@@ -228,7 +228,7 @@ TEST(ContactShells, SheetIsHeldByItsThickness) {
   SerialExecutor executor;
   Simulation s(model, {}, executor);
   s.advance_to(0.01);
-  const SimulationCounts counts = s.take_counts();
+  const SimulationCounts counts = s.drain_counts();
   EXPECT_GT(counts.inter, 0u);
   EXPECT_EQ(counts.unresolved, 0u);
   // The vertex above the middle of the block.

@@ -40,7 +40,7 @@ TEST(TopologyLoop, BlocksThatHitHardBecomeOne) {
   const Ledger before = s.ledger();
   EXPECT_EQ(pieces(s), 2u);
   s.advance_to(0.05);
-  const SimulationCounts counts = s.take_counts();
+  const SimulationCounts counts = s.drain_counts();
   EXPECT_GE(counts.merges, 2u);
   EXPECT_EQ(counts.unresolved, 0u);
   EXPECT_EQ(pieces(s), 1u);
@@ -63,7 +63,7 @@ TEST(TopologyLoop, CutBlockFliesOnAsTwo) {
   const Ledger before = s.ledger();
   const Index elements = s.topology().mesh().element_count();
   s.advance_to(0.05);
-  const SimulationCounts counts = s.take_counts();
+  const SimulationCounts counts = s.drain_counts();
   EXPECT_GT(counts.cuts, 1u) << "in steps, as the blade goes";
   EXPECT_GT(s.topology().mesh().element_count(), elements);
   EXPECT_EQ(pieces(s), 2u);
@@ -84,7 +84,7 @@ TEST(TopologyLoop, CracksOpenFreely) {
   Simulation s(model, {}, executor);
   const Ledger before = s.ledger();
   s.advance_to(0.02);
-  const SimulationCounts counts = s.take_counts();
+  const SimulationCounts counts = s.drain_counts();
   EXPECT_GT(counts.splits, 20u);
   EXPECT_EQ(counts.held, 0u);
   EXPECT_EQ(counts.unresolved, 0u);

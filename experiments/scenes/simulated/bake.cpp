@@ -108,7 +108,7 @@ class Workplace {
     });
   }
 
-  void forget() const {
+  void remove_state() const {
     std::error_code ignored;
     fs::remove(folder_ + "/state", ignored);
   }
@@ -260,7 +260,7 @@ std::optional<std::string> bake(const SimulatedScene& scene, const BakeSettings&
   Simulation simulation(model, scene.options, executor);
   const int done = place.restore(simulation);
   if (done == 0) {
-    place.forget();
+    place.remove_state();
     simulation = Simulation(model, scene.options, executor);
   }
   if (!run_frames(scene, settings, simulation, done, place, hooks)) return std::nullopt;
