@@ -52,7 +52,7 @@ class Exporter {
                     const std::function<void(std::size_t, std::size_t)>& progress) {
     read_surface();
     read_positions();
-    if (config_.pipeline && reader_.step_count() > 1) run_pipeline(registry, executor, progress);
+    if (config_.pipeline && reader_.frame_count() > 1) run_pipeline(registry, executor, progress);
     encode_triangles();
     fit_pairs();
     fit_positions();
@@ -70,16 +70,16 @@ class Exporter {
   };
 
   /// The step whose cells the page shows from step k on: a motion runs on the cells of its end.
-  int cells_step(int k) const { return std::min(k + 1, reader_.step_count() - 1); }
+  int cells_frame(int k) const { return std::min(k + 1, reader_.frame_count() - 1); }
 
   void read_surface() {
     SequenceCells cells;
-    for (int k = 0; k < reader_.step_count(); ++k) {
-      if (k > 0 && reader_.same_cells(cells_step(k - 1), cells_step(k))) {
+    for (int k = 0; k < reader_.frame_count(); ++k) {
+      if (k > 0 && reader_.same_cells(cells_frame(k - 1), cells_frame(k))) {
         track_.repeat();
         continue;
       }
-      reader_.read_cells(cells_step(k), cells);
+      reader_.read_cells(cells_frame(k), cells);
       track_.add(cells, reader_.point_count());
     }
     if (track_.triangles().empty())
@@ -120,7 +120,7 @@ class Exporter {
   void read_positions() {
     std::vector<Vec3> points;
     std::vector<char> used(reader_.point_count());
-    for (int k = 0; k < reader_.step_count(); ++k) {
+    for (int k = 0; k < reader_.frame_count(); ++k) {
       reader_.read_points(k, points);
       std::fill(used.begin(), used.end(), char{0});
       for (const int shown : {std::max(k - 1, 0), k})
@@ -169,8 +169,8 @@ class Exporter {
   /// Every stride-th step, and the last one.
   std::vector<int> kept(int stride) const {
     std::vector<int> steps;
-    for (int k = 0; k < reader_.step_count(); k += stride) steps.push_back(k);
-    if (steps.back() != reader_.step_count() - 1) steps.push_back(reader_.step_count() - 1);
+    for (int k = 0; k < reader_.frame_count(); k += stride) steps.push_back(k);
+    if (steps.back() != reader_.frame_count() - 1) steps.push_back(reader_.frame_count() - 1);
     return steps;
   }
 
@@ -181,11 +181,11 @@ class Exporter {
       script_ = encoded(coarse);
       if (script_.size() <= config_.max_bytes) break;
     }
-    note_coarseness();
+    add_coarseness_notes();
     script_ = packed();
   }
 
-  void note_coarseness() {
+  void add_coarseness_notes() {
     if (coarse_.bits < 16)
       notes_.push_back(fmt::format("Positions are rounded to 1/{} of the greatest side of the box around all frames.",
                                    grouped((1u << coarse_.bits) - 1)));
@@ -193,8 +193,8 @@ class Exporter {
       notes_.push_back(
           fmt::format("{} of the {} frames are shown, one of {}; between them vertices move on straight lines, and the "
                       "contacts are "
-                      "those of the first of the {} motions between two frames.",
-                      steps_.size(), reader_.step_count(), coarse_.stride, coarse_.stride));
+                      "those of the first of the {} steps between two frames.",
+                      steps_.size(), reader_.frame_count(), coarse_.stride, coarse_.stride));
   }
 
   void encode_triangles() {
@@ -246,7 +246,7 @@ class Exporter {
     SequenceStepper stepper(reader_, elements);
     const ObjectFilter filter;
     StepResult result;
-    const int motions = reader_.step_count() - 1;
+    const int motions = reader_.frame_count() - 1;
     const std::size_t stages = pipeline.spec().stages().size();
     PairSampler sampler(stages, executor.workers(), config_.max_pairs);
     Request request(Query::all, false, elements.shells == ShellModel::solid);
@@ -357,7 +357,7 @@ class Exporter {
     json list = json::array();
     for (const TrackedPart& part : track_.parts()) {
       const Colour c =
-          part_colour(static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), part.id) - ids.begin()));
+          object_colour(static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), part.id) - ids.begin()));
       const auto& names = reader_.metadata().part_names;
       const auto name = names.find(part.id);
       list.push_back({{"id", part.id},
@@ -396,7 +396,7 @@ class Exporter {
         {"license", metadata.license},
         {"units", metadata.units},
         {"time_unit", metadata.time_unit},
-        {"steps", reader_.step_count()},
+        {"steps", reader_.frame_count()},
         {"box", {{"low", {low.x(), low.y(), low.z()}}, {"size", {size.x(), size.y(), size.z()}}, {"scale", scale_}}},
         {"bits", coarse_.bits},
         {"stride", coarse_.stride},

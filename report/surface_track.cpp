@@ -31,8 +31,8 @@ void SurfaceTrack::add(const SequenceCells& cells, std::size_t vertices) {
   colours.reserve(cells.size());
   std::map<std::pair<std::int32_t, bool>, std::uint16_t> known;
   for (std::size_t cell = 0; cell < cells.size(); ++cell) {
-    const auto [at, fresh] = known.try_emplace({cells.parts[cell], !is_shell(cells.types[cell])});
-    if (fresh) at->second = part_index(cells.parts[cell], !is_shell(cells.types[cell]));
+    const auto [at, fresh] = known.try_emplace({cells.objects[cell], !is_shell(cells.types[cell])});
+    if (fresh) at->second = part_index(cells.objects[cell], !is_shell(cells.types[cell]));
     colours.push_back(at->second);
   }
   std::vector<TrackedTriangle> frame;

@@ -17,7 +17,7 @@ std::map<std::int32_t, std::size_t> count_by_object(const Scene& scene, int fram
   SequenceCells cells;
   scene.cells(frame, cells);
   std::map<std::int32_t, std::size_t> count;
-  for (const std::int32_t part : cells.parts) ++count[part];
+  for (const std::int32_t part : cells.objects) ++count[part];
   return count;
 }
 

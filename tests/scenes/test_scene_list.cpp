@@ -56,9 +56,9 @@ TEST(SceneList, FramesBeforeAStopAreKeptAndMarked) {
   EXPECT_EQ(write_scene(*scene, file, [](int) { return false; }).done, 0);
   EXPECT_FALSE(std::filesystem::exists(file)) << "no frame, no file";
   const StepsDone steps = write_scene(*scene, file, [](int done) { return done < 4; });
-  EXPECT_EQ(steps.text(), "steps 0 to 3 of 0 to 8 are complete; interrupted");
+  EXPECT_EQ(steps.text(), "frames 0 to 3 of 0 to 8 are complete; interrupted");
   const SequenceReader reader(file);
-  EXPECT_EQ(reader.step_count(), 4);
+  EXPECT_EQ(reader.frame_count(), 4);
   EXPECT_EQ(reader.metadata().incomplete, steps.text());
 }
 
@@ -81,7 +81,7 @@ TEST(SceneFile, HoldsTheScene) {
   const auto scene = make_builtin({.elements = 300, .steps = 6});
   write_scene(*scene, file);
   SequenceReader reader(file);
-  ASSERT_EQ(reader.step_count(), 6);
+  ASSERT_EQ(reader.frame_count(), 6);
   EXPECT_EQ(reader.metadata(), scene->metadata());
   std::vector<Vec3> x, y;
   SequenceCells a, b;
@@ -111,7 +111,7 @@ TEST(ShapeFromFile, LeavesOutUnusedVertices) {
       e.object = 5;
       cells.add(e);
     }
-    writer.write_step(0, points, cells);
+    writer.write_frame(0, points, cells);
     writer.finish();
   }
   const Shape read = shape_from_file(file);
