@@ -30,7 +30,7 @@ bool GjkSimplex::reduce_segment(Vec3& direction) {
     direction = ab.cross(a.cross(ab));  // |ab|^2 times the component of a perpendicular to ab
     return direction.squaredNorm() > 0;
   }
-  return nearest(direction);
+  return reduce(direction);
 }
 
 // Voronoi regions of a triangle (Ericson, Real-Time Collision Detection, 5.1.5), with the origin as the query point.
@@ -56,7 +56,7 @@ bool GjkSimplex::reduce_triangle(Vec3& direction) {
     direction = height < 0 ? Vec3(-n) : n;
     return height != 0;
   }
-  return nearest(direction);
+  return reduce(direction);
 }
 
 // Finds the nearest of the faces that have the origin on their outer side; if there is none, the origin is inside. Flat
@@ -76,7 +76,7 @@ bool GjkSimplex::reduce_tetrahedron(Vec3& direction) {
     face.size_ = 3;
     face.points_ = {p, q, r, r};
     Vec3 d;
-    if (!face.triangle(d)) continue;
+    if (!face.reduce_triangle(d)) continue;
     const double along = d.dot(face.points_[0]);
     const double square = along * along / d.squaredNorm();
     if (!(square < best_square)) continue;

@@ -73,14 +73,14 @@ struct AskedQuery {
 /// SimulationCounts::unresolved counts. Bodies that overlap from the start may separate, but do not penetrate further.
 ///
 /// Shells collide as prisms of their thickness; a contact acts on the vertices of the shell. Walls act on vertices (for
-/// a shell, those of its mid-surface) with the wall's friction and the part's restitution. A rigid part with a fixed
+/// a shell, those of its mid-surface) with the wall's friction and the body's restitution. A rigid body with a fixed
 /// vertex does not move, and one with a guide follows its path; in contacts both count as infinitely heavy.
 ///
 /// Holds the model and all state. Deterministic: bit for bit the same for any number of workers. Not thread-safe.
 class Simulation {
  public:
-  /// Throws InputError for an inconsistent model (lengths, indices, objects without a part, a vertex of two rigid
-  /// parts), ConfigError for invalid options.
+  /// Throws InputError for an inconsistent model (lengths, indices, objects without a body, a vertex of two rigid
+  /// bodies), ConfigError for invalid options.
   Simulation(Model model, SimulationOptions options, Executor& executor);
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;

@@ -15,8 +15,8 @@ namespace {
 constexpr std::size_t kChunk = TestBlock::kCapacity, kVertexGrain = 4096;
 /// How early a contact may be reported, as a fraction of the step.
 constexpr double kTimeTolerance = 1e-3;
-/// Greatest number of parts of the step in a search. Features that rest at the separation can need any number of parts;
-/// the search then ends, and they count as touching.
+/// Greatest number of intervals of the step in a search. Features that rest at the separation can need any number of
+/// them; the search then ends, and they count as touching.
 constexpr int kMaxIntervals = 40;
 /// Reports every pair that the filters keep; contacts() decides later which of them touch.
 class TakeAll final : public NarrowPhase {

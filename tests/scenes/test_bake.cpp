@@ -38,10 +38,10 @@ simulation::Model torn_bar(int elements, std::uint64_t seed) {
   model.positions = bar.positions;
   const double middle = 0.5 * elements, speed = 10.0 + static_cast<double>(seed);
   for (const Vec3& x : model.positions) model.velocities.push_back(Vec3((x.x() - middle) / middle * speed, 0, 0));
-  simulation::Part part{"bar", {}, 0, false};
-  part.material.youngs_modulus = 1e6;
-  part.material.failure_stress = 3e4;
-  model.parts = {part};
+  simulation::Body body{"bar", {}, 0, false};
+  body.material.youngs_modulus = 1e6;
+  body.material.failure_stress = 3e4;
+  model.bodies = {body};
   return model;
 }
 

@@ -44,7 +44,7 @@ TEST(SceneList, OptionsReachTheScene) {
   EXPECT_EQ(scene->vertex_count(), 4 * mesh.positions.size());
   std::vector<Vec3> x, y;
   scene->positions(5, x);
-  make_deform(mesh, {.motions = {{DeformKind::collide, 0.5}}, .copies = 4, .steps = 6, .seed = 3})->positions(5, y);
+  make_deform(mesh, {.motions = {{DeformKind::collide, 0.5}}, .copies = 4, .frames = 6, .seed = 3})->positions(5, y);
   EXPECT_EQ(x, y);
   EXPECT_EQ(make_scene("builtin", {{"steps", "5"}})->frames(), 5);
 }
@@ -78,7 +78,7 @@ TEST(SceneList, RefusesWhatItDoesNotKnow) {
 TEST(SceneFile, HoldsTheScene) {
   const test::ScratchFolder folder;
   const std::string file = folder / "scene.vtkhdf";
-  const auto scene = make_builtin({.elements = 300, .steps = 6});
+  const auto scene = make_builtin({.elements = 300, .frames = 6});
   write_scene(*scene, file);
   SequenceReader reader(file);
   ASSERT_EQ(reader.frame_count(), 6);

@@ -89,7 +89,7 @@ TEST(Tools, AKnifeGrowsFromItsEdge) {
   EXPECT_THROW(knife({.down = 1}), ConfigError);
 }
 
-std::int32_t part_of(const Simulation& s, Index v) {
+std::int32_t object_of(const Simulation& s, Index v) {
   return s.topology().mesh().object(s.topology().features().vertex_elements(v)[0]);
 }
 
@@ -100,7 +100,7 @@ std::size_t contacts_with(const Simulation& s, std::int32_t part) {
   const StepResult result = test::run_step({s.topology(), motion, test::kAllObjects, query->separation});
   std::size_t count = 0;
   for (const Contact& c : result.contacts)
-    count += (part_of(s, c.vertices[0]) == part) != (part_of(s, c.vertices[3]) == part);
+    count += (object_of(s, c.vertices[0]) == part) != (object_of(s, c.vertices[3]) == part);
   return count;
 }
 
@@ -118,7 +118,7 @@ Simulation simulated(const SimulatedScene& scene, const Model& model, double tim
 void expect_still(const Simulation& s, const Model& model, std::int32_t part, const Vec3& by = Vec3::Zero()) {
   std::size_t count = 0;
   for (Index v = 0; v < model.positions.size(); ++v)
-    if (part_of(s, v) == part) {
+    if (object_of(s, v) == part) {
       ASSERT_EQ(s.positions()[v], model.positions[v] + by);
       ++count;
     }
@@ -137,7 +137,7 @@ TEST(ScenesWithTools, TheFunnelIsInTheQueriesAndCarriesTheOctopi) {
     EXPECT_GT(contacts_with(s, 3), 0u) << time;
     EXPECT_EQ(s.drain_counts().unresolved, 0u);
     double mass = 0;
-    for (Index v = 0; v < model.positions.size(); ++v) mass += part_of(s, v) < 3 ? s.mass(v) : 0;
+    for (Index v = 0; v < model.positions.size(); ++v) mass += object_of(s, v) < 3 ? s.mass(v) : 0;
     EXPECT_GT((s.ledger().impulse - before).z(), -0.8 * 9.81 * mass * 0.025) << "it carries a part of the weight";
   }
   expect_still(s, model, 3);

@@ -31,9 +31,9 @@ std::size_t pieces(const Simulation& s) {
 /// Two blocks with a common face, of a material that can merge.
 TEST(TopologyLoop, BlocksThatHitHardBecomeOne) {
   Model model = blocks({{.nx = 2, .velocity = Vec3(4, 0, 0)}, {.nx = 2, .at = Vec3(0.202, 0, 0)}});
-  for (Part& part : model.parts) {
-    part.material.merging_force = 1;
-    part.material.merging_distance = 0.01;
+  for (Body& body : model.bodies) {
+    body.material.merging_force = 1;
+    body.material.merging_distance = 0.01;
   }
   SerialExecutor executor;
   Simulation s(model, {}, executor);
@@ -79,7 +79,7 @@ TEST(TopologyLoop, CracksOpenFreely) {
     const Vec3& x = model.positions[i];
     model.velocities[i] = Vec3(60 * (x.x() - 0.3), 25 * (x.z() - 0.15), 5);
   }
-  model.parts[0].material.failure_stress = 5e4;
+  model.bodies[0].material.failure_stress = 5e4;
   SerialExecutor executor;
   Simulation s(model, {}, executor);
   const Ledger before = s.ledger();

@@ -79,7 +79,7 @@ Frame capture_frame(simulation::Simulation& simulation, Index vertices_before) {
   frame.cells = cells_of(mesh);
   bool shells = false;
   for (const ElementType type : frame.cells.types) shells = shells || is_shell(type);
-  for (std::int32_t& part : frame.cells.objects) ++part;
+  for (std::int32_t& object : frame.cells.objects) ++object;
   if (shells) {
     const std::vector<double> thickness = simulation.thickness();
     for (Index o = 0; o < mesh.element_slots(); ++o)
