@@ -111,8 +111,8 @@ bool VertexStars::find_gap(const Motion& motion, Executor& executor) {
   return moved;
 }
 
-/// Forgets condition 4 for stars that changed, or may have folded between the last step and this one. Those that may
-/// fold in this step follow in examine_star().
+/// Invalidates what is known of condition 4 for stars that changed, or may have folded between the last step and this
+/// one. Those that may fold in this step follow in examine_star().
 void VertexStars::invalidate_known(const Step& step, TopologyDelta::Extent changed, Executor& executor) {
   if (changed == TopologyDelta::Extent::everything) known_.clear(), last_.clear();
   known_.resize(step.motion.vertex_count(), 0);

@@ -124,7 +124,7 @@ ExperimentPlan ablation_plan(const PlanContext& context) {
   ExperimentPlan plan{"ablation", context.full ? "full" : "quick", context.full ? 2 : 1, {}};
   const bool own = !context.pipelines.empty() || !context.settings.empty();
   for (const TableScene& scene : table_scenes(context)) {
-    // The crash takes longest, and says little that the others do not.
+    // Without the crash, which takes longest and whose results are similar to those of the other scenes.
     if (scene.name != "octopi" && scene.name != "bullet" && scene.name != "ls-dyna-projectile" &&
         !(own && scene.name == "crash"))
       continue;

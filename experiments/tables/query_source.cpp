@@ -148,8 +148,9 @@ void append_listed(const StepOfFile& source, const std::vector<KnownAnswer>& ans
   }
 }
 
-/// Replaces the listed pairs by `pairs`, and keeps the known answers.
-void spread(const std::vector<FeaturePair>& pairs, KnownQueries& queries, const std::string& file) {
+/// Replaces the listed pairs by `pairs`, which contain all that collide; keeps the known answers. Other pairs do not
+/// collide.
+void replace_pairs(const std::vector<FeaturePair>& pairs, KnownQueries& queries, const std::string& file) {
   std::vector<std::uint8_t> collides(pairs.size(), 0);
   std::vector<double> toi(pairs.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < queries.size(); ++i) {
@@ -186,7 +187,7 @@ std::vector<KnownQueries> from_sequence(const std::string& file, const QuerySour
     if (candidates) {
       const std::vector<FeaturePair>& pairs = kind == FeatureKind::vf ? found->vf : found->ee;
       if (answers)
-        spread(pairs, queries, file);
+        replace_pairs(pairs, queries, file);
       else
         queries.pairs = pairs;
     }

@@ -81,7 +81,7 @@ int SequenceReader::topology_index(int frame) const {
   return static_cast<int>(impl_->layout.topology[impl_->index(frame)]);
 }
 bool SequenceReader::same_cells(int frame, int other) const {
-  return impl_->cells.same(impl_->index(frame), impl_->index(other));
+  return impl_->cells.have_same_cells(impl_->index(frame), impl_->index(other));
 }
 
 bool SequenceReader::has_velocity() const { return impl_->layout.velocity.has_value(); }

@@ -78,7 +78,7 @@ void Inclusion::run(const Step& step, StageState&, unsigned, const TestBlock& bl
 
 StageDescriptor<NarrowPhase> describe_inclusion() {
   return describe_stage<NarrowPhase, Inclusion>(
-      "inclusion", "certified: pieces of the step proven free of contact, none missed", Guarantee::conservative);
+      "inclusion", "certified: intervals of the step proven free of contact, none missed", Guarantee::conservative);
 }
 
 }  // namespace volccd

@@ -133,9 +133,9 @@ def scene(name, *, simulate=False, threads=0, **options):
 
 
 class Verification:
-    """The result of `volccd.verify`. True if clean. `steps` has a dict for each step: motion (its number), clean, reference,
-    contacts, left_out, earliest_toi, fcl_hits, fcl_violations, and pipelines, a list of dicts with pipeline, same,
-    held, refused and the structured arrays missing, extra and changed (contacts, with the fields of
+    """The result of `volccd.verify`. True if clean. `steps` has a dict for each step: motion (its number), clean,
+    reference, contacts, left_out, earliest_toi, fcl_hits, fcl_violations, and pipelines, a list of dicts with pipeline,
+    same, held, refused and the structured arrays missing, extra and changed (contacts, with the fields of
     Result.contacts)."""
 
     def __init__(self, steps, skipped):

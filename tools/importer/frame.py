@@ -260,7 +260,8 @@ def read_frame(file, options):
             offsets = np.concatenate([[0], np.cumsum([NODES[kind] for kind in types[keep]])]).astype(np.int64)
     cells = int(keep.sum())
     objects, names = objects_of(mesh, arrays, numbering, keep, options, file)
-    frame = Frame(points, types[keep], offsets, connectivity, objects, time=time_of(mesh, file), object_names=names, notes=notes)
+    frame = Frame(points, types[keep], offsets, connectivity, objects, time=time_of(mesh, file), object_names=names,
+                  notes=notes)
     ids = pick(mesh.point_data, options.point_ids, POINT_IDS, file, "point ids")
     if ids is None and numbering is not None and options.point_ids != "none":
         ids = numbering.nodes

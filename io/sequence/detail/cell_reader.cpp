@@ -23,7 +23,7 @@ std::string CellReader::place(std::size_t frame, std::size_t i) const {
   return fmt::format(" (cell id {}, frame {})", id[0], frame);
 }
 
-bool CellReader::same(std::size_t frame, std::size_t other) const {
+bool CellReader::have_same_cells(std::size_t frame, std::size_t other) const {
   const auto same_rows = [&](const FrameArray& array) { return array.first[frame] == array.first[other]; };
   const auto same_data = [&](const std::optional<FrameArray>& array) { return !array || same_rows(*array); };
   if (layout_.topology[frame] != layout_.topology[other] || !same_rows(layout_.types) ||

@@ -20,7 +20,7 @@ class CellReader {
   CellReader(const SequenceLayout& layout, const PointOrder& order) : layout_(layout), order_(order) {}
 
   /// Whether both frames read all their cell arrays (except thickness) from the same rows.
-  bool same(std::size_t frame, std::size_t other) const;
+  bool have_same_cells(std::size_t frame, std::size_t other) const;
 
   /// Replaces `cells` by the cells of a frame. Throws InputError with dataset and row; the text contains the cell's id
   /// and the frame.
