@@ -10,11 +10,11 @@
 
 namespace volccd {
 
-std::vector<PictureContact> find_contacts(SequenceReader& reader, int motion, ShellModel shells, unsigned threads) {
+std::vector<PictureContact> find_contacts(SequenceReader& reader, int step, ShellModel shells, unsigned threads) {
   SequenceStepper::Config config;
   config.shells = shells;
   SequenceStepper stepper(reader, config);
-  stepper.go_to(motion);
+  stepper.go_to(step);
   const Registry registry = Registry::standard();
   const Pipeline pipeline(registry, registry.pipeline("VolCCD+"));
   Workspace workspace = pipeline.make_workspace();
@@ -29,12 +29,12 @@ std::vector<PictureContact> find_contacts(SequenceReader& reader, int motion, Sh
   return contacts;
 }
 
-std::vector<PictureContact> contacts_from_csv(const std::string& file, int motion, std::span<const std::int64_t> ids) {
+std::vector<PictureContact> contacts_from_csv(const std::string& file, int step, std::span<const std::int64_t> ids) {
   std::vector<PictureContact> contacts;
   std::int64_t line = 1;
   for (const ContactRow& row : read_contacts_csv(file)) {
     ++line;
-    if (row.step != motion) continue;
+    if (row.step != step) continue;
     PictureContact contact{row.kind, {}, row.has_geometry ? std::optional(row.point) : std::nullopt};
     for (int k = 0; k < 4; ++k) {
       const auto found = std::lower_bound(ids.begin(), ids.end(), row.ids[k]);
@@ -54,7 +54,7 @@ void classify(std::vector<PictureContact>& contacts, const SequenceCells& cells,
   std::vector<std::pair<Index, std::int32_t>> parts;  // of vertices
   for (std::size_t cell = 0; cell < cells.size(); ++cell)
     for (const Index v : cells.vertices(cell))
-      if (wanted[v]) parts.emplace_back(v, cells.parts[cell]);
+      if (wanted[v]) parts.emplace_back(v, cells.objects[cell]);
   sort_unique(parts);
 
   std::vector<std::int32_t> first, second, scratch, both;

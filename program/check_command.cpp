@@ -73,7 +73,7 @@ int run(CheckOptions options, const Registry& registry) {
   if (!options.file.empty()) {
     options.config.file = sequence_file(options.file);
     SequenceReader reader(options.config.file);
-    const StepRange range = parse_steps(options.steps, reader.step_count() - 1, options.config.file);
+    const StepRange range = parse_steps(options.steps, reader.frame_count() - 1, options.config.file);
     options.config.first_step = range.begin;
     options.config.end_step = range.end;
   }

@@ -84,7 +84,7 @@ class Detection {
         workspace_(pipeline_.make_workspace()),
         reader_(options.sequence.file),
         stepper_(reader_, options.sequence.stepper()),
-        range_(parse_steps(options.sequence.steps, stepper_.motion_count(), options.sequence.file)),
+        range_(parse_steps(options.sequence.steps, stepper_.step_count(), options.sequence.file)),
         executor_(make_interruptible_executor(options.query.threads)),
         filter_(options.query.filter()),
         request_(options.first ? Query::first : Query::all, !options.overlaps.empty(),
@@ -231,7 +231,7 @@ class Detection {
     const auto contacts = [](const auto* pair) { return pair->second.vf + pair->second.ee; };
     std::stable_sort(pairs.begin(), pairs.end(),
                      [&](const auto* a, const auto* b) { return contacts(a) > contacts(b); });
-    TextTable table({"part", "and part", "VF contacts", "EE contacts", "first in step", "at t"}, 2);
+    TextTable table({"object", "and object", "VF contacts", "EE contacts", "first in step", "at t"}, 2);
     for (std::size_t i = 0; i < std::min(pairs.size(), kPartPairsShown); ++i) {
       const auto& [parts, count] = *pairs[i];
       table.add({part_name(parts.first), parts.first == parts.second ? "(itself)" : part_name(parts.second),
@@ -239,7 +239,7 @@ class Detection {
     }
     report_->print("\n{}", table.text());
     if (pairs.size() > kPartPairsShown)
-      report_->print("and {} more pairs of parts: --json lists all\n", grouped(pairs.size() - kPartPairsShown));
+      report_->print("and {} more pairs of objects: --json lists all\n", grouped(pairs.size() - kPartPairsShown));
   }
 
   nlohmann::json part_pairs_json() const {
@@ -320,7 +320,7 @@ class Detection {
 }  // namespace
 
 void add_detect_command(CLI::App& app, const Registry& registry, Action& action) {
-  CLI::App* command = app.add_subcommand("detect", "contacts of the motions in a sequence");
+  CLI::App* command = app.add_subcommand("detect", "contacts of the steps in a sequence");
   const auto options = std::make_shared<DetectOptions>();
   options->sequence.add_to(*command);
   command->add_option("--pipeline", options->pipeline, "see `volccd stages`")->type_name("NAME")->capture_default_str();
@@ -330,7 +330,7 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
   command->add_option("--contacts", options->contacts, "write the contacts as CSV")->type_name("FILE");
   command
       ->add_option("--vtk", options->vtk,
-                   "write the contacts as points for ParaView (.vtp): normals, times, kinds, parts")
+                   "write the contacts as points for ParaView (.vtp): normals, times, kinds, objects")
       ->type_name("FILE");
   command
       ->add_option("--overlaps", options->overlaps,

@@ -56,7 +56,7 @@ ExportedScene export_with_progress(const std::string& name, const std::string& f
   std::unique_ptr<Progress> shown;
   InterruptGuard::check();
   return export_scene(name, file, registry, config, executor, [&](std::size_t done, std::size_t total) {
-    if (!shown) shown = std::make_unique<Progress>(name + ": finding contacts", total, "motions");
+    if (!shown) shown = std::make_unique<Progress>(name + ": finding contacts", total, "steps");
     shown->advance(done);
     InterruptGuard::check();
   });

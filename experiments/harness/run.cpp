@@ -72,7 +72,7 @@ class Runner {
     for (const Entrant& entrant : run.entrants) contestants_.push_back(std::make_unique<Contestant>(registry, entrant));
   }
 
-  std::vector<json> measure(const MotionWindow& window) {
+  std::vector<json> measure(const StepWindow& window) {
     std::vector<json> rows;
     for (int round = 0; round < rounds_; ++round) {
       if (round == 0 || edits_in(window) || window.count == 1) {
@@ -96,15 +96,15 @@ class Runner {
   }
 
  private:
-  /// Whether cells change from the motion before the window to its last one.
-  bool edits_in(const MotionWindow& window) {
+  /// Whether cells change from the step before the window to its last one.
+  bool edits_in(const StepWindow& window) {
     for (int k = std::max(window.first, 1); k < window.first + window.count; ++k)
-      if (!reader_.same_cells(stepper_->cells_step(k - 1), stepper_->cells_step(k))) return true;
+      if (!reader_.same_cells(stepper_->cells_frame(k - 1), stepper_->cells_frame(k))) return true;
     return false;
   }
 
-  void go_to(int motion) {
-    stepper_->go_to(motion, executor_);
+  void go_to(int step) {
+    stepper_->go_to(step, executor_);
     topology_ = &stepper_->topology();
     motion_ = stepper_->motion();
     if (run_.motion_scale != 1) scale(motion_);
@@ -149,9 +149,9 @@ class Runner {
 
   const Topology& topology(bool of_boundary) const { return of_boundary ? boundary_->topology() : *topology_; }
 
-  void remember(int motion) {
-    of_motion_[motion] = measures(*topology_, motion_);
-    if (boundary_) of_boundary_[motion] = measures(boundary_->topology(), boundary_->motion());
+  void remember(int step) {
+    of_step_[step] = measures(*topology_, motion_);
+    if (boundary_) of_boundary_[step] = measures(boundary_->topology(), boundary_->motion());
   }
 
   static json measures(const Topology& topology, const Motion& motion) {
@@ -164,7 +164,7 @@ class Runner {
             {"adjacent", adjacent_pair_count(topology)}};
   }
 
-  json row(const Contestant& contestant, int motion, int round) {
+  json row(const Contestant& contestant, int step, int round) {
     const bool on_boundary = contestant.entrant.on_boundary;
     json row = run_.columns;
     row.update(columns_of(result_.statistics));
@@ -177,12 +177,12 @@ class Runner {
                 {"shells", name_of(run_.config.shells)},
                 {"mesh", on_boundary ? "boundary" : "whole"},
                 {"separation", stepper_->separation()},
-                {"motion", motion},
+                {"motion", step},
                 {"round", round},
                 {"threads", executor_.workers()},
                 {"topology_seconds", rounded(on_boundary ? boundary_->edit_seconds() : stepper_->edit_seconds())},
                 {"contacts_hash", contacts_hash(result_.contacts)}});
-    json& known = (on_boundary ? of_boundary_ : of_motion_).at(motion);
+    json& known = (on_boundary ? of_boundary_ : of_step_).at(step);
     if (!known.contains("touching_pairs"))
       known["touching_pairs"] = touching_pair_count(topology(on_boundary), result_.contacts);
     for (const char* name : {"elements", "vertices", "edge_count", "triangle_count", "moved_edges", "touching_pairs"})
@@ -207,7 +207,7 @@ class Runner {
   std::uint64_t refined_version_ = 0;
   std::optional<BoundaryShells> boundary_;  ///< if an entrant runs on the boundary
   StepResult result_;
-  std::map<int, json> of_motion_, of_boundary_;
+  std::map<int, json> of_step_, of_boundary_;
 };
 
 }  // namespace
@@ -222,7 +222,7 @@ void run_experiment(const Registry& registry, const ExperimentPlan& plan, Execut
     const std::function<void()> before_each = [&] {
       if (progress) progress(done, total);
     };
-    for (const MotionWindow& window : run.windows) {
+    for (const StepWindow& window : run.windows) {
       const std::string key = fmt::format("{}/{}/{}", r, run.scene, window.first);
       if (!record.has(key)) {
         if (!runner) runner = std::make_unique<Runner>(registry, run, rounds_of(plan, run), executor, before_each);
@@ -255,17 +255,17 @@ std::string row_key(const json& scene, const json& model, const json& edges, con
   return json::array({scene, model, edges, entrant.table, entrant.pipeline, entrant.variant}).dump();
 }
 
-/// Returns "" if both have the same contacts on every motion.
+/// Returns "" if both have the same contacts in every step.
 std::string difference(const Entrant& entrant, const std::map<int, const json*>& rows, const Entrant& reference,
                        const std::map<int, const json*>& expected) {
-  for (const auto& [motion, row] : rows) {
-    const json& other = *expected.at(motion);
+  for (const auto& [step, row] : rows) {
+    const json& other = *expected.at(step);
     if (row->at("contacts_hash") == other.at("contacts_hash")) continue;
     const auto found = [](const json& r) {
       return fmt::format("{} (undecided {})", r.at("contacts").get<std::uint64_t>(),
                          r.at("undecided").get<std::uint64_t>());
     };
-    return fmt::format("{}, motion {}: {} {} found {} contacts, {} {} {}", row->at("scene").get<std::string>(), motion,
+    return fmt::format("{}, step {}: {} {} found {} contacts, {} {} {}", row->at("scene").get<std::string>(), step,
                        entrant.pipeline, entrant.variant, found(*row), reference.pipeline, reference.variant,
                        found(other));
   }

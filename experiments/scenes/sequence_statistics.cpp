@@ -73,7 +73,7 @@ std::vector<MotionStatistics> sequence_statistics(SequenceReader& reader, Execut
   SequenceCells before, cells;
   reader.read_cells(0, before);
   std::vector<MotionStatistics> motions;
-  for (int k = 0; k < stepper.motion_count(); ++k) {
+  for (int k = 0; k < stepper.step_count(); ++k) {
     MotionStatistics& motion = motions.emplace_back();
     motion.time = reader.time(k);
     reader.read_cells(k + 1, cells);

@@ -58,11 +58,11 @@ class Observer {
     for (std::size_t i = 0; i < cells.size(); ++i) {
       check_type(cells.types[i], i);
       mass_[key(cells.ids[i], cells.types[i])] = corner_volumes(cells.vertices(i), points_).volume();
-      striker_ = std::min(striker_, cells.parts[i]);
+      striker_ = std::min(striker_, cells.objects[i]);
     }
   }
 
-  json motion(int k) {
+  json observe_step(int k) {
     stepper_.go_to(k, executor_);
     const Mesh& mesh = stepper_.topology().mesh();
     pipeline_.run({stepper_.topology(), stepper_.motion(), filter_}, workspace_, executor_, result_,
@@ -86,7 +86,7 @@ class Observer {
     return row;
   }
 
-  int motions() const { return stepper_.motion_count(); }
+  int steps() const { return stepper_.step_count(); }
 
  private:
   void check_type(ElementType type, std::size_t index) const {
@@ -186,7 +186,7 @@ const char* variant_of(simulation::ContactFeatures features) {
   return "";
 }
 
-/// One row for each motion, with what the record of the simulation says of it.
+/// One row for each step, with what the record of the simulation says of it.
 std::vector<json> rows_of(const SimulatedScene& scene, const std::string& sequence, const json& baked,
                           Executor& executor, const std::function<void()>& check) {
   std::vector<json> rows = feature_set_motions(sequence, executor, check);
@@ -243,12 +243,12 @@ std::vector<json> feature_set_motions(const std::string& sequence, Executor& exe
                                       const std::function<void()>& check) {
   SequenceReader reader(sequence);
   Observer observer(reader, executor);
-  std::vector<json> motions;
-  for (int k = 0; k < observer.motions(); ++k) {
+  std::vector<json> steps;
+  for (int k = 0; k < observer.steps(); ++k) {
     check();
-    motions.push_back(observer.motion(k));
+    steps.push_back(observer.observe_step(k));
   }
-  return motions;
+  return steps;
 }
 
 ExperimentPlan feature_set_plan(const PlanContext& context) {
@@ -287,7 +287,7 @@ std::vector<TitledTable> feature_set_tables(const json& record) {
   return {{"Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's", table,
            "elements, pieces, velocity and travel of the bullet's centre, pairs of elements that overlap (exact; not "
            "adjacent ones): at the end; inverted elements, contacts among all features, and those with a feature "
-           "inside: sums over the motions\n"}};
+           "inside: sums over the steps\n"}};
 }
 
 }  // namespace volccd

@@ -90,7 +90,7 @@ class PipelineTrials {
     SequenceReader reader(trials_.config.file);
     SequenceStepper stepper(reader);
     const ObjectFilter everything;
-    for (int k = trials_.config.first_step; k < std::min(trials_.config.end_step, stepper.motion_count()); ++k) {
+    for (int k = trials_.config.first_step; k < std::min(trials_.config.end_step, stepper.step_count()); ++k) {
       stepper.go_to(k);
       run_step({stepper.topology(), stepper.motion(), everything}, fmt::format("{}, step {}", trials_.config.file, k));
     }

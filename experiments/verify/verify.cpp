@@ -30,8 +30,8 @@ ContactDifference within_tolerance(ContactDifference difference, double toleranc
 }  // namespace
 
 bool StepVerdict::clean() const {
-  const bool same = std::all_of(pipelines.begin(), pipelines.end(),
-                                [](const PipelineVerdict& verdict) { return verdict.same(); });
+  const bool same =
+      std::all_of(pipelines.begin(), pipelines.end(), [](const PipelineVerdict& verdict) { return verdict.agrees(); });
   return same && fcl.clean() && initial.clean();
 }
 

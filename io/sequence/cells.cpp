@@ -7,7 +7,7 @@ namespace volccd {
 namespace {
 
 bool same_element(const Mesh& mesh, Index o, const SequenceCells& cells, std::size_t i) {
-  return mesh.type(o) == cells.types[i] && mesh.object(o) == cells.parts[i] &&
+  return mesh.type(o) == cells.types[i] && mesh.object(o) == cells.objects[i] &&
          std::ranges::equal(mesh.vertices(o), cells.vertices(i)) &&
          std::ranges::equal(mesh.polytope_faces(o), cells.face_stream(i));
 }
@@ -16,7 +16,7 @@ bool same_element(const Mesh& mesh, Index o, const SequenceCells& cells, std::si
 
 ElementSpec SequenceCells::spec(std::size_t i) const {
   const std::span<const Index> nodes = vertices(i), stream = face_stream(i);
-  return {types[i], {nodes.begin(), nodes.end()}, {stream.begin(), stream.end()}, parts[i], ids[i]};
+  return {types[i], {nodes.begin(), nodes.end()}, {stream.begin(), stream.end()}, objects[i], ids[i]};
 }
 
 void SequenceCells::add(const ElementSpec& element) {
@@ -24,7 +24,7 @@ void SequenceCells::add(const ElementSpec& element) {
   types.push_back(element.type);
   connectivity.insert(connectivity.end(), element.vertices.begin(), element.vertices.end());
   offsets.push_back(connectivity.size());
-  parts.push_back(element.object);
+  objects.push_back(element.object);
   ids.push_back(element.id);
   if (face_offsets.empty()) return;
   if (element.type == ElementType::polytope) faces.insert(faces.end(), element.faces.begin(), element.faces.end());
@@ -35,7 +35,7 @@ void SequenceCells::clear() {
   types.clear();
   offsets.assign(1, 0);
   connectivity.clear();
-  parts.clear();
+  objects.clear();
   ids.clear();
   face_offsets.clear();
   faces.clear();

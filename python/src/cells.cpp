@@ -73,7 +73,7 @@ SequenceCells cells_from(const py::dict& arrays) {
   const std::size_t n = cells.types.size();
   cells.connectivity = indices_from(take<std::int64_t>(arrays, "connectivity", keep), "connectivity");
   cells.offsets = offsets_from(take<std::int64_t>(arrays, "offsets", keep), n, cells.connectivity.size(), "offsets");
-  cells.parts = copied<std::int32_t>(take<std::int32_t>(arrays, "objects", keep), n, "objects");
+  cells.objects = copied<std::int32_t>(take<std::int32_t>(arrays, "objects", keep), n, "objects");
   cells.ids = copied<std::int64_t>(take<std::int64_t>(arrays, "ids", keep), n, "ids");
   if (arrays["face_offsets"].is_none()) return cells;
   cells.faces = indices_from(take<std::int64_t>(arrays, "faces", keep), "faces");
@@ -88,7 +88,7 @@ py::dict cells_to(const SequenceCells& cells) {
   arrays["types"] = new_array({cells.size()}, reinterpret_cast<const std::uint8_t*>(cells.types.data()));
   arrays["offsets"] = new_array({cells.offsets.size()}, cells.offsets.data()).attr("astype")("int64");
   arrays["connectivity"] = new_array({cells.connectivity.size()}, cells.connectivity.data()).attr("astype")("int64");
-  arrays["objects"] = new_array({cells.parts.size()}, cells.parts.data());
+  arrays["objects"] = new_array({cells.objects.size()}, cells.objects.data());
   arrays["ids"] = new_array({cells.ids.size()}, cells.ids.data());
   arrays["face_offsets"] = py::none();
   arrays["faces"] = py::none();

@@ -21,9 +21,9 @@ class Sequence {
   /// Pre: more than one step.
   SequenceStepper& stepper() { return *stepper_; }
   const SequenceStepper::Config& config() const { return config_; }
-  /// The motion of the last go_to(), or -1.
+  /// The step of the last go_to(), or -1.
   int motion() const { return stepper_ ? stepper_->current() : -1; }
-  /// Throws InputError if there is no such motion. The executor builds the topology in the first call.
+  /// Throws InputError if there is no such step. The executor builds the topology in the first call.
   void go_to(int motion, Executor& executor);
 
   bool busy = false;  ///< BusyGuard
@@ -34,7 +34,7 @@ class Sequence {
   std::unique_ptr<SequenceStepper> stepper_;
 };
 
-/// Runs a pipeline on the motions of sequences.
+/// Runs a pipeline on the steps of sequences.
 class SequenceRunner {
  public:
   explicit SequenceRunner(const RunnerConfig& config) : runner_(config) {}

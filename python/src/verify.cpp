@@ -22,7 +22,7 @@ py::array changed_times(const std::vector<std::pair<Contact, Contact>>& changed)
 }
 
 py::dict verdict_of(const PipelineVerdict& one) {
-  return py::dict(py::arg("pipeline") = one.pipeline, py::arg("same") = one.same(), py::arg("held") = one.held,
+  return py::dict(py::arg("pipeline") = one.pipeline, py::arg("same") = one.agrees(), py::arg("held") = one.held,
                   py::arg("refused") = one.refused, py::arg("missing") = contacts_copy(one.difference.missing),
                   py::arg("extra") = contacts_copy(one.difference.extra),
                   py::arg("changed") = changed_times(one.difference.changed),

@@ -15,9 +15,9 @@ namespace {
 constexpr std::size_t kChunk = TestBlock::kCapacity, kVertexGrain = 4096;
 /// How early a contact may be reported, as a fraction of the step.
 constexpr double kTimeTolerance = 1e-3;
-/// Greatest number of parts of the step in a search. Features that rest at the separation can need any number of parts;
-/// the search then ends, and they count as touching.
-constexpr int kMaxParts = 40;
+/// Greatest number of intervals of the step in a search. Features that rest at the separation can need any number of
+/// them; the search then ends, and they count as touching.
+constexpr int kMaxIntervals = 40;
 /// Reports every pair that the filters keep; contacts() decides later which of them touch.
 class TakeAll final : public NarrowPhase {
  public:
@@ -67,7 +67,7 @@ ContactDetection::ContactDetection(const Topology& model, std::span<const double
       config_(std::move(config)),
       pipeline_(make_pipeline(config_.pipeline)),
       workspace_(pipeline_.make_workspace()),
-      narrow_(Inclusion::Config{.time_tolerance = kTimeTolerance, .max_parts = kMaxParts}) {
+      narrow_(Inclusion::Config{.time_tolerance = kTimeTolerance, .max_intervals = kMaxIntervals}) {
   for (const auto& [a, b] : config_.excluded) filter_.exclude(a, b);
   if (has_shells(model.mesh())) {
     thickener_.emplace(model.mesh());

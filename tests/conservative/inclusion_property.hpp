@@ -68,7 +68,7 @@ class InclusionProperty {
   static constexpr double kTolerance = 1e-9;
   Inclusion plain_{{.time_tolerance = kTolerance}};
   Inclusion deciding_{{.time_tolerance = kTolerance, .undecided = Undecided::exact}};
-  Inclusion patient_{{.time_tolerance = kTolerance, .max_parts = 100'000}};
+  Inclusion patient_{{.time_tolerance = kTolerance, .max_intervals = 100'000}};
   VectorTargets targets_;
   std::size_t compared_ = 0;
   OneTest test_;

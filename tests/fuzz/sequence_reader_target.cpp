@@ -49,9 +49,9 @@ void read_sequence(const std::string& name, std::uint8_t choice) {
                   : choice & 16 ? MotionModel::tentative
                                 : MotionModel::linear;
   SequenceStepper stepper(reader, config);
-  for (int k = 0; k < std::min(stepper.motion_count(), 4); ++k) {
+  for (int k = 0; k < std::min(stepper.step_count(), 4); ++k) {
     try {
-      stepper.go_to(choice & 8 ? stepper.motion_count() - 1 - k : k);
+      stepper.go_to(choice & 8 ? stepper.step_count() - 1 - k : k);
     } catch (const InputError&) {
       continue;
     }

@@ -32,7 +32,7 @@ struct Sequence {
 
   void write(const std::string& file, const SequenceMetadata& metadata = {}) const {
     SequenceWriter writer(file, point_ids, metadata);
-    for (const Step& s : steps) writer.write_step(s.time, s.points, s.cells, {s.velocity, s.thickness});
+    for (const Step& s : steps) writer.write_frame(s.time, s.points, s.cells, {s.velocity, s.thickness});
     writer.finish();
   }
 };

@@ -160,7 +160,7 @@ class StepperTest : public testing::Test {
       ADD_FAILURE() << "overflow was accepted";
     } catch (const InputError& error) {
       EXPECT_EQ(error.dataset(), "VTKHDF/PointData/Velocity");
-      for (const char* word : {"motion 4", "id 5"})
+      for (const char* word : {"step 4", "id 5"})
         EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
     }
     EXPECT_EQ(stepper.current(), 3);

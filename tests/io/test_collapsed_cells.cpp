@@ -102,7 +102,7 @@ TEST(CollapsedCells, AreTheElementsThatTheyStandFor) {
     EXPECT_EQ(found.types, expected.types);
     EXPECT_EQ(found.offsets, expected.offsets);
     EXPECT_EQ(found.ids, expected.ids);
-    EXPECT_EQ(found.parts, expected.parts);
+    EXPECT_EQ(found.objects, expected.objects);
     for (const EdgeSet edges : {EdgeSet::triangulated, EdgeSet::polytope}) {
       SequenceStepper::Config config;
       config.edge_set = edges;
@@ -115,7 +115,7 @@ TEST(CollapsedCells, AreTheElementsThatTheyStandFor) {
     SequenceWriter writer(folder / "again", wide.point_ids(), {});
     std::vector<Vec3> points;
     wide.read_points(0, points);
-    writer.write_step(0, points, found, {});
+    writer.write_frame(0, points, found, {});
     writer.finish();
     SequenceCells again;
     SequenceReader(folder / "again").read_cells(0, again);
@@ -147,7 +147,7 @@ TEST(CollapsedCells, MixWithPolytopesOfTheFile) {
 
 /// Two columns of cells touch at step 0 and are one body. At step 1 the middle cells are removed, and the halves remain
 /// one part.
-TEST(ConnectedParts, AreThoseOfAllSteps) {
+TEST(ConnectedComponents, AreThoseOfAllSteps) {
   const ScratchFolder folder;
   Shape shape = block(ElementType::hexahedron, 3, 1, 1);
   shape.append(block(ElementType::tetrahedron, 1, 1, 1).translate(Vec3(0, 0, 5)), 0);
@@ -158,10 +158,10 @@ TEST(ConnectedParts, AreThoseOfAllSteps) {
   sequence.steps[1].cells = fewer;
   sequence.write(folder / "s");
   SequenceReader reader(folder / "s");
-  const ConnectedParts parts(reader);
+  const ConnectedComponents parts(reader);
   EXPECT_EQ(parts.count(), 2);
   SequenceStepper::Config config;
-  config.parts = PartModel::components;
+  config.objects = ObjectModel::components;
   SequenceStepper stepper(reader, config);
   stepper.go_to(0);
   const Mesh& mesh = stepper.topology().mesh();

@@ -403,16 +403,16 @@ TEST(MalformedFile, ErrorsNameThePointOrTheCellAndTheStep) {
     const std::string error = error_of(spoil);
     EXPECT_NE(error.find(text), std::string::npos) << error;
   };
-  expect("(point id 82, step 2)", [](RawFile& f) { f.poke(V + "Points", 3 * 30 + 1, kNan); });
-  expect("(point id 97, step 1)", [](RawFile& f) { f.poke(V + "PointData/Velocity", 3 * 13 + 2, kNan); });
-  expect("(cell id 30, step 2)", [](RawFile& f) { f.poke(V + "CellData/Thickness", 7, kInf); });
-  expect("(cell id 10, step 0)", [](RawFile& f) { f.poke(V + "Types", 1, std::int64_t{11}); });
-  expect("(cell id 10, step 0)", [](RawFile& f) { f.poke(V + "Connectivity", 9, std::int64_t{12}); });
-  expect("(cell id 30, step 2)", [](RawFile& f) { f.poke(V + "Connectivity", 25, std::int64_t{-1}); });
-  expect("(cell id 21, step 2)", [](RawFile& f) { f.poke(V + "FaceConnectivity", 5, std::int64_t{12}); });
-  expect("point id 100 twice (cell id 21, step 2)",
+  expect("(point id 82, frame 2)", [](RawFile& f) { f.poke(V + "Points", 3 * 30 + 1, kNan); });
+  expect("(point id 97, frame 1)", [](RawFile& f) { f.poke(V + "PointData/Velocity", 3 * 13 + 2, kNan); });
+  expect("(cell id 30, frame 2)", [](RawFile& f) { f.poke(V + "CellData/Thickness", 7, kInf); });
+  expect("(cell id 10, frame 0)", [](RawFile& f) { f.poke(V + "Types", 1, std::int64_t{11}); });
+  expect("(cell id 10, frame 0)", [](RawFile& f) { f.poke(V + "Connectivity", 9, std::int64_t{12}); });
+  expect("(cell id 30, frame 2)", [](RawFile& f) { f.poke(V + "Connectivity", 25, std::int64_t{-1}); });
+  expect("(cell id 21, frame 2)", [](RawFile& f) { f.poke(V + "FaceConnectivity", 5, std::int64_t{12}); });
+  expect("point id 100 twice (cell id 21, frame 2)",
          [](RawFile& f) { f.poke(V + "Connectivity", 17, std::int64_t{0}); });
-  expect("its point ids are 76 73 76 (cell id 30, step 0)",
+  expect("its point ids are 76 73 76 (cell id 30, frame 0)",
          [](RawFile& f) { f.poke(V + "Connectivity", 14, std::int64_t{8}); });
 }
 

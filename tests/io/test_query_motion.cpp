@@ -29,8 +29,8 @@ class QueryMotion : public StepperTest {
         end.push_back(end_of(k, id));
       }
       const Sequence::Step& step = s.steps[static_cast<std::size_t>(k)];
-      writer.write_step(step.time, step.points, step.cells,
-                        {step.velocity, step.thickness, start, end, separation_of(k)});
+      writer.write_frame(step.time, step.points, step.cells,
+                         {step.velocity, step.thickness, start, end, separation_of(k)});
     }
     writer.finish();
     return name;
@@ -43,7 +43,7 @@ TEST_F(QueryMotion, IsTheQueryOfItsLastStepOnTheCellsOfThatStep) {
     SequenceReader reader(write(seed));
     reader.check_contents();
     SequenceStepper stepper(reader, kQuery);
-    ASSERT_EQ(stepper.motion_count(), 4);
+    ASSERT_EQ(stepper.step_count(), 4);
     for (const int k : {0, 1, 2, 3, 1, 1, 0, 3}) {
       stepper.go_to(k);
       EXPECT_EQ(stepper.separation(), separation_of(k + 1));
@@ -112,13 +112,13 @@ TEST_F(QueryMotion, TheWriterRefusesHalfAQuery) {
   const Sequence s = random_sequence(3, 2);
   const Sequence::Step& step = s.steps[0];
   const std::vector<Vec3>& x = step.points;
-  const auto write = [&](const StepFields& first, const StepFields& second) {
+  const auto write = [&](const FrameFields& first, const FrameFields& second) {
     SequenceWriter writer(file("w.vtkhdf"), s.point_ids);
-    writer.write_step(0, x, step.cells, first);
-    writer.write_step(1, x, step.cells, second);
+    writer.write_frame(0, x, step.cells, first);
+    writer.write_frame(1, x, step.cells, second);
     writer.finish();
   };
-  const StepFields none, whole{{}, {}, x, x, 1}, start{{}, {}, x, {}, 1}, end{{}, {}, {}, x, 1},
+  const FrameFields none, whole{{}, {}, x, x, 1}, start{{}, {}, x, {}, 1}, end{{}, {}, {}, x, 1},
       negative{{}, {}, x, x, -1};
   write(whole, whole);
   write(none, none);

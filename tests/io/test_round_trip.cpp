@@ -36,7 +36,7 @@ std::vector<Vec3> reordered(const std::vector<Vec3>& values, const std::vector<I
 void expect_equal(const std::string& file, const Sequence& expected) {
   SequenceReader reader(file);
   const std::vector<Index> slots = slots_by_counting(expected.point_ids);
-  ASSERT_EQ(reader.step_count(), static_cast<int>(expected.steps.size()));
+  ASSERT_EQ(reader.frame_count(), static_cast<int>(expected.steps.size()));
   ASSERT_EQ(reader.point_count(), expected.point_ids.size());
   EXPECT_TRUE(std::ranges::equal(reader.slot_of_point(), slots));
   for (std::size_t i = 0; i < slots.size(); ++i) EXPECT_EQ(reader.point_ids()[slots[i]], expected.point_ids[i]);
@@ -47,7 +47,7 @@ void expect_equal(const std::string& file, const Sequence& expected) {
   std::vector<double> thickness;
   SequenceCells cells;
   // The steps are read backwards, so that nothing depends on the order.
-  for (int k = reader.step_count() - 1; k >= 0; --k) {
+  for (int k = reader.frame_count() - 1; k >= 0; --k) {
     const Sequence::Step& step = expected.steps[static_cast<std::size_t>(k)];
     EXPECT_EQ(reader.time(k), step.time);
     reader.read_points(k, vectors);
@@ -138,7 +138,7 @@ TEST(SequenceRoundTrip, GridWithoutStepsAsVtkWritesIt) {
   const ScratchFolder folder;
   write_static(folder / "s.vtkhdf");
   SequenceReader reader(folder / "s.vtkhdf");
-  EXPECT_EQ(reader.step_count(), 1);
+  EXPECT_EQ(reader.frame_count(), 1);
   EXPECT_EQ(reader.time(0), 0);
   EXPECT_TRUE(std::ranges::equal(reader.point_ids(), std::vector<std::int64_t>{0, 1, 2, 3, 4}));
   std::vector<Vec3> points;
@@ -194,7 +194,7 @@ TEST(SequenceRoundTrip, PointIdsAtEveryStep) {
   EXPECT_NO_THROW(reader.read_points(1, points));
   try {
     reader.read_points(2, points);
-    FAIL() << "other points at step 2 were accepted";
+    FAIL() << "other points at frame 2 were accepted";
   } catch (const InputError& error) {
     EXPECT_EQ(error.dataset(), "VTKHDF/PointData/GlobalPointIds");
     EXPECT_EQ(error.index(), 2 * n + 4);

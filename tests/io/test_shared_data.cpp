@@ -29,7 +29,7 @@ TEST_P(SharedSequence, HasTheFiguresOfItsReadme) {
   const Figures& f = GetParam();
   VOLCCD_NEEDS_DATA(path, std::string(f.name) + ".vtkhdf");
   SequenceReader reader(path);
-  EXPECT_EQ(reader.step_count(), f.steps);
+  EXPECT_EQ(reader.frame_count(), f.steps);
   EXPECT_EQ(reader.point_count(), f.points);
   EXPECT_EQ(reader.cell_count(0), f.first_cells);
   EXPECT_EQ(reader.cell_count(f.steps - 1), f.last_cells);
@@ -40,7 +40,7 @@ TEST_P(SharedSequence, HasTheFiguresOfItsReadme) {
   EXPECT_FALSE(reader.metadata().license.empty());
   SequenceCells cells;
   reader.read_cells(0, cells);
-  std::vector<std::int32_t> parts = cells.parts;
+  std::vector<std::int32_t> parts = cells.objects;
   std::sort(parts.begin(), parts.end());
   parts.erase(std::unique(parts.begin(), parts.end()), parts.end());
   EXPECT_EQ(parts.size(), f.parts);
@@ -96,8 +96,8 @@ TEST(SharedProjectile, CellsOfEachPartAtEachStep) {
   SequenceCells cells;
   for (int k = 0; k < 16; ++k) {
     reader.read_cells(k, cells);
-    EXPECT_EQ(std::count(cells.parts.begin(), cells.parts.end(), 1), projectile[static_cast<std::size_t>(k)]);
-    EXPECT_EQ(std::count(cells.parts.begin(), cells.parts.end(), 2), plate[static_cast<std::size_t>(k)]);
+    EXPECT_EQ(std::count(cells.objects.begin(), cells.objects.end(), 1), projectile[static_cast<std::size_t>(k)]);
+    EXPECT_EQ(std::count(cells.objects.begin(), cells.objects.end(), 2), plate[static_cast<std::size_t>(k)]);
   }
 }
 
@@ -105,7 +105,7 @@ TEST(SharedProjectile, StepperRemoves614AndAddsNone) {
   VOLCCD_NEEDS_DATA(path, "ls-dyna-projectile.vtkhdf");
   SequenceReader reader(path);
   SequenceStepper stepper(reader);
-  ASSERT_EQ(stepper.motion_count(), 15);
+  ASSERT_EQ(stepper.step_count(), 15);
   std::size_t removed = 0;
   std::uint64_t version = 0;
   std::vector<const TopologyChange*> changes;

@@ -41,7 +41,7 @@ TEST(SequenceStepper, AnyWalkEqualsFreshTopologies) {
     SequenceReader reader(folder / "s.vtkhdf");
     const EdgeSet edge_set = seed % 2 ? EdgeSet::polytope : EdgeSet::triangulated;
     SequenceStepper stepper(reader, {edge_set});
-    ASSERT_EQ(stepper.motion_count(), 6);
+    ASSERT_EQ(stepper.step_count(), 6);
     EXPECT_EQ(stepper.current(), -1);
     std::mt19937_64 random(seed);
     std::vector<int> walk = {0, 1, 2, 3, 4, 5, 4, 3, 3};
@@ -194,7 +194,7 @@ TEST(SequenceStepper, OneStepHasNoMotion) {
   random_sequence(1, 1).write(folder / "s.vtkhdf");
   SequenceReader reader(folder / "s.vtkhdf");
   SequenceStepper stepper(reader);
-  EXPECT_EQ(stepper.motion_count(), 0);
+  EXPECT_EQ(stepper.step_count(), 0);
   EXPECT_THROW(stepper.go_to(0), InputError);
 }
 

@@ -53,7 +53,7 @@ TEST_F(TentativeMotion, IsOfItsStepAlone) {
     if (!reader.has_velocity()) continue;
     ++files;
     SequenceStepper stepper(reader, kTentative);
-    ASSERT_EQ(stepper.motion_count(), 4);
+    ASSERT_EQ(stepper.step_count(), 4);
     for (const int k : {0, 1, 2, 3, 1, 1, 0, 3, 2}) {
       stepper.go_to(k);
       expect_tentative(reader, stepper, k);

@@ -36,7 +36,7 @@ TEST(SequenceWriter, NothingIsThereBeforeFinish) {
   const Sequence s = random_sequence(1, 2);
   {
     SequenceWriter writer(folder / "s.vtkhdf", s.point_ids);
-    writer.write_step(0, s.steps[0].points, s.steps[0].cells);
+    writer.write_frame(0, s.steps[0].points, s.steps[0].cells);
     EXPECT_FALSE(std::filesystem::exists(folder / "s.vtkhdf"));
     EXPECT_EQ(folder.entries(), 1u) << "the temporary name is beside the target";
   }
@@ -49,11 +49,11 @@ TEST(SequenceWriter, WhatWasThereStaysUntilFinish) {
   const Sequence s = random_sequence(1, 2);
   {
     SequenceWriter writer(folder / "s.vtkhdf", s.point_ids);
-    writer.write_step(0, s.steps[0].points, s.steps[0].cells);
+    writer.write_frame(0, s.steps[0].points, s.steps[0].cells);
   }
   EXPECT_EQ(text_of(folder / "s.vtkhdf"), "old");
   SequenceWriter writer(folder / "s.vtkhdf", s.point_ids);
-  writer.write_step(0, s.steps[0].points, s.steps[0].cells);
+  writer.write_frame(0, s.steps[0].points, s.steps[0].cells);
   EXPECT_EQ(text_of(folder / "s.vtkhdf"), "old");
   writer.finish();
   EXPECT_EQ(folder.entries(), 1u);
@@ -74,7 +74,7 @@ TEST(SequenceWriter, AFullDiskIsAnErrorWithTheReasonWhereverItStrikes) {
   const auto write = [&] {
     SequenceWriter writer(file, s.point_ids);
     for (std::size_t k = 0; k < s.steps.size(); ++k)
-      writer.write_step(static_cast<double>(k), s.steps[k].points, s.steps[k].cells);
+      writer.write_frame(static_cast<double>(k), s.steps[k].points, s.steps[k].cells);
     writer.finish();
   };
   for (std::int64_t room = 0;; room += room < 4000 ? 400 : 3000) {
@@ -102,7 +102,7 @@ TEST(SequenceWriter, LinksStayAndStreamsAreRefused) {
   const Sequence s = random_sequence(1, 2);
   std::filesystem::create_symlink("s.vtkhdf", folder / "link");
   SequenceWriter writer(folder / "link", s.point_ids);
-  writer.write_step(0, s.steps[0].points, s.steps[0].cells);
+  writer.write_frame(0, s.steps[0].points, s.steps[0].cells);
   writer.finish();
   EXPECT_TRUE(std::filesystem::is_symlink(folder / "link"));
   EXPECT_NO_THROW(SequenceReader(folder / "s.vtkhdf").check_contents());
@@ -114,7 +114,7 @@ TEST(SequenceWriter, AnIncompleteSequenceSaysSo) {
   const Sequence s = random_sequence(1, 2);
   for (const std::string& incomplete : {std::string(), StepsDone{0, 1, 5, "interrupted"}.text()}) {
     SequenceWriter writer(folder / "s.vtkhdf", s.point_ids);
-    writer.write_step(0, s.steps[0].points, s.steps[0].cells);
+    writer.write_frame(0, s.steps[0].points, s.steps[0].cells);
     writer.finish(incomplete);
     EXPECT_EQ(SequenceReader(folder / "s.vtkhdf").metadata().incomplete, incomplete);
   }
@@ -131,15 +131,15 @@ TEST(SequenceWriter, TheSingleFormHasOneStep) {
   std::iota(ids.begin(), ids.end(), 5);
   {
     SequenceWriter writer(file, ids, {}, SequenceForm::single);
-    writer.write_step(0.25, shape.positions, cells);
-    EXPECT_THROW(writer.write_step(0.5, shape.positions, cells), InputError);
+    writer.write_frame(0.25, shape.positions, cells);
+    EXPECT_THROW(writer.write_frame(0.5, shape.positions, cells), InputError);
   }
   SequenceWriter writer(file, ids, {}, SequenceForm::single);
-  writer.write_step(0.25, shape.positions, cells);
+  writer.write_frame(0.25, shape.positions, cells);
   writer.finish();
   {
     SequenceReader reader(file);
-    EXPECT_EQ(reader.step_count(), 1);
+    EXPECT_EQ(reader.frame_count(), 1);
     EXPECT_TRUE(std::equal(ids.begin(), ids.end(), reader.point_ids().begin(), reader.point_ids().end()));
     SequenceCells read;
     reader.read_cells(0, read);
@@ -152,15 +152,15 @@ TEST(SequenceWriter, TheSingleFormHasOneStep) {
   SequenceCells polytope;
   polytope.add({ElementType::polytope, {0, 1, 2, 3}, {3, 0, 1, 2, 3, 0, 3, 1, 3, 1, 3, 2, 3, 2, 3, 0}, 0, 0});
   SequenceWriter other(folder / "p.vtkhdf", ids, {}, SequenceForm::single);
-  EXPECT_THROW(other.write_step(0, shape.positions, polytope), InputError);
+  EXPECT_THROW(other.write_frame(0, shape.positions, polytope), InputError);
 }
 
 TEST(SequenceWriter, TwoWritersOfOneTargetDoNotMeet) {
   const ScratchFolder folder;
   const Sequence s = random_sequence(1, 2);
   SequenceWriter one(folder / "s.vtkhdf", s.point_ids), two(folder / "s.vtkhdf", s.point_ids);
-  one.write_step(1, s.steps[0].points, s.steps[0].cells);
-  two.write_step(2, s.steps[0].points, s.steps[0].cells);
+  one.write_frame(1, s.steps[0].points, s.steps[0].cells);
+  two.write_frame(2, s.steps[0].points, s.steps[0].cells);
   two.finish();
   EXPECT_EQ(SequenceReader(folder / "s.vtkhdf").time(0), 2);
   one.finish();
@@ -259,7 +259,7 @@ INSTANTIATE_TEST_SUITE_P(
         Refusal{"CellIdTwice", [](Sequence& s) { s.steps[1].cells.ids[1] = 4; }, "VTKHDF/CellData/GlobalCellIds", 1},
         Refusal{"CellIdNegative", [](Sequence& s) { s.steps[1].cells.ids[0] = -4; }, "VTKHDF/CellData/GlobalCellIds",
                 0},
-        Refusal{"PartsShort", [](Sequence& s) { s.steps[1].cells.parts.pop_back(); }, "VTKHDF/CellData/PartId", kNo},
+        Refusal{"PartsShort", [](Sequence& s) { s.steps[1].cells.objects.pop_back(); }, "VTKHDF/CellData/PartId", kNo},
         Refusal{"PolytopeWithoutFaces", [](Sequence& s) { s.steps[1].cells.types[0] = ElementType::polytope; },
                 "VTKHDF/Connectivity", 0}),
     [](const auto& test) { return std::string(test.param.name); });
@@ -268,14 +268,14 @@ TEST(SequenceWriter, IsOfNoUseAfterAnErrorOrTheEnd) {
   const ScratchFolder folder;
   Sequence s = pair_of_cells();
   SequenceWriter writer(folder / "s", s.point_ids);
-  EXPECT_THROW(writer.write_step(kNan, s.steps[0].points, s.steps[0].cells), InputError);
-  EXPECT_THROW(writer.write_step(0, s.steps[0].points, s.steps[0].cells), InputError);
+  EXPECT_THROW(writer.write_frame(kNan, s.steps[0].points, s.steps[0].cells), InputError);
+  EXPECT_THROW(writer.write_frame(0, s.steps[0].points, s.steps[0].cells), InputError);
   EXPECT_THROW(writer.finish(), InputError);
   SequenceWriter other(folder / "s", s.point_ids);
-  other.write_step(0, s.steps[0].points, s.steps[0].cells);
+  other.write_frame(0, s.steps[0].points, s.steps[0].cells);
   other.finish();
   EXPECT_THROW(other.finish(), InputError);
-  EXPECT_THROW(other.write_step(1, s.steps[0].points, s.steps[0].cells), InputError);
+  EXPECT_THROW(other.write_frame(1, s.steps[0].points, s.steps[0].cells), InputError);
 }
 
 }  // namespace

@@ -180,7 +180,7 @@ TEST(SequenceLayout, AddressesOfEveryStep) {
     for (std::size_t i = 0; i < step.cells.size(); ++i) {
       EXPECT_EQ(types[cell + i], static_cast<std::int64_t>(step.cells.types[i]));
       EXPECT_EQ(ids[id_row + i], step.cells.ids[i]);
-      EXPECT_EQ(parts[part_row + i], step.cells.parts[i]);
+      EXPECT_EQ(parts[part_row + i], step.cells.objects[i]);
       EXPECT_EQ(thickness[thickness_row + i], step.thickness[i]);
     }
     for (std::size_t i = 0; i <= step.cells.size(); ++i)

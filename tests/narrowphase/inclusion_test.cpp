@@ -304,7 +304,7 @@ void expect_bounds_hold(std::uint64_t seed, double* closest) {
   if (seed % 3 == 0) hi = std::min(1.0, lo + std::ldexp(1.0, -int(seed % 40)));
   const detail::BoundedTest<kPoints> test(FeatureKind::vf, x, 0);
   detail::MotionPiece<kPoints> piece(test, lo, hi);
-  piece.never_coplanar();
+  piece.prove_never_coplanar();
   constexpr int degree = detail::MotionPiece<kPoints>::kDegree;
   Rational bound = 0;
   for (int k = 0; k <= degree; ++k) bound = std::max<Rational>(bound, Rational(piece.error(k)));

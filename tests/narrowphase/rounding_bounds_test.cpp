@@ -76,8 +76,8 @@ TEST(RoundingBounds, SumsOfThreeCoordinates) {
   }
 }
 
-/// As in MotionPiece::never_coplanar: normals, then their products with the first difference, divided by binomial *
-/// permanent.
+/// As in MotionPiece::prove_never_coplanar: normals, then their products with the first difference, divided by binomial
+/// * permanent.
 TEST(RoundingBounds, CoplanarityCoefficients) {
   for (const int points : {2, 3})
     for (int levels = 0; levels < points; ++levels) {
@@ -217,7 +217,7 @@ void expect_no_sign_up_to_a_root(std::uint64_t seed) {
     }
     const detail::BoundedTest<kPoints> test(FeatureKind::vf, points, 0);
     detail::MotionPiece<kPoints> piece(test, 0, 1);
-    piece.never_coplanar();
+    piece.prove_never_coplanar();
     const double t = sixteenths / 16.0;
     ASSERT_FALSE(piece.never_coplanar_before(t)) << i;
     ASSERT_FALSE(piece.never_coplanar_after(t)) << i;

@@ -19,7 +19,7 @@ using namespace test;
 
 TEST(Pictures, CubeCoversItsSquareAndNothingElse) {
   const Surface surface = surface_of_shape(block(ElementType::hexahedron, 1, 1, 1));
-  const std::vector<Colour> colours{part_colour(0)};
+  const std::vector<Colour> colours{object_colour(0)};
   const Camera camera = Camera::fit(surface.points, front(), 120, 100, 0.1);
   const Image image = render(surface, colours, {}, camera, 120, 100, plain());
   for (int y = 0; y < 100; ++y)

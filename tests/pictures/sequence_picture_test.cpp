@@ -37,9 +37,9 @@ class TipOnTriangle {
     SequenceMetadata metadata;
     metadata.part_names = {{1, "Tip, steel"}};
     SequenceWriter writer(path(), ids, metadata);
-    writer.write_step(0, points, cells);
+    writer.write_frame(0, points, cells);
     for (int v = 0; v < 4; ++v) points[v].z() -= 1;
-    writer.write_step(1, points, end);
+    writer.write_frame(1, points, end);
     writer.finish();
   }
 
@@ -203,7 +203,7 @@ TEST(SequencePicture, CutShowsTheSection) {
     std::vector<std::int64_t> ids(shape.positions.size());
     std::iota(ids.begin(), ids.end(), 0);
     SequenceWriter writer(file, ids);
-    writer.write_step(0, shape.positions, cells_of_shape(shape));
+    writer.write_frame(0, shape.positions, cells_of_shape(shape));
     writer.finish();
   }
   const PicturePanel panel{file, 0, "", ""};

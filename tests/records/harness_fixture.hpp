@@ -22,7 +22,7 @@ class Harness : public testing::Test {
     write_scene(*make_scene("builtin", {{"elements", "200"}, {"steps", "9"}}), file_);
   }
 
-  ExperimentPlan plan(int rounds, std::vector<MotionWindow> windows) const {
+  ExperimentPlan plan(int rounds, std::vector<StepWindow> windows) const {
     SceneRun run{"block", file_, {}, std::move(windows), {}};
     for (const char* pipeline : {"NavCCD", "HashCCD", "VolCCD", "VolCCD+"})
       run.entrants.push_back(entrant(registry_, "c", pipeline));

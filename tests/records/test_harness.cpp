@@ -26,19 +26,19 @@ namespace {
 using nlohmann::json;
 
 TEST(SampledWindows, AreSpreadEvenlyAndHaveAMotionBefore) {
-  const std::vector<MotionWindow> all = sampled_windows(5, 3, 2);
+  const std::vector<StepWindow> all = sampled_windows(5, 3, 2);
   ASSERT_EQ(all.size(), 1u);
   EXPECT_EQ(all[0].count, 5);
-  for (const int motions : {9, 10, 64, 96}) {
-    const std::vector<MotionWindow> some = sampled_windows(motions, 4, 2);
-    ASSERT_EQ(some.size(), 4u) << motions;
+  for (const int steps : {9, 10, 64, 96}) {
+    const std::vector<StepWindow> some = sampled_windows(steps, 4, 2);
+    ASSERT_EQ(some.size(), 4u) << steps;
     int last = 0;
-    for (const MotionWindow& window : some) {
-      EXPECT_GE(window.first, std::max(1, last)) << motions;
+    for (const StepWindow& window : some) {
+      EXPECT_GE(window.first, std::max(1, last)) << steps;
       last = window.first + window.count;
     }
-    EXPECT_LE(last, motions);
-    EXPECT_GE(last, motions - motions / 4 - 1) << "nothing of the last quarter";
+    EXPECT_LE(last, steps);
+    EXPECT_GE(last, steps - steps / 4 - 1) << "nothing of the last quarter";
   }
 }
 
@@ -118,7 +118,7 @@ TEST_F(Harness, RoundsGoBackWhereTheCellsOfTheWindowsMotionsChange) {
       run_experiment(registry_, two, serial, record, [&](std::size_t, std::size_t) { ++runs; });
       const int edited = model == MotionModel::tentative ? 4 : 3;
       const bool edits = edited == first || edited == first + 1;
-      EXPECT_EQ(runs, 4u * (edits ? 2 + 2 * 2 : 1 + 2 * 2)) << "of 4 pipelines: warm-ups and motions of two rounds";
+      EXPECT_EQ(runs, 4u * (edits ? 2 + 2 * 2 : 1 + 2 * 2)) << "of 4 pipelines: warm-ups and steps of two rounds";
       for (const json& row : record.rows())
         EXPECT_EQ(row.at("topology_seconds").get<double>() > 0, row.at("motion") == edited)
             << "motion " << row.at("motion") << ", round " << row.at("round");
@@ -244,7 +244,7 @@ TEST_F(Harness, InversionsAreCountedOnAllMotionsOfTheScenes) {
   ASSERT_EQ(inversion_plan(context).runs.size(), 1u);
   const std::vector<json> rows = inversion_rows(context);
   const SequenceReader reader(file_);
-  ASSERT_EQ(rows.size(), static_cast<std::size_t>(reader.step_count() - 1) * (reader.has_velocity() ? 2 : 1));
+  ASSERT_EQ(rows.size(), static_cast<std::size_t>(reader.frame_count() - 1) * (reader.has_velocity() ? 2 : 1));
   std::uint64_t examined = 0;
   for (const json& row : rows) {
     EXPECT_EQ(row.at("scene"), "bullet");
@@ -256,7 +256,7 @@ TEST_F(Harness, InversionsAreCountedOnAllMotionsOfTheScenes) {
   EXPECT_GT(examined, 0u);
   const auto cells = inversion_tables({{"rows", rows}}).front().table.rows();
   EXPECT_EQ(cells.size(), reader.has_velocity() ? 3u : 2u);
-  EXPECT_EQ(cells[1].at(3), std::to_string(reader.step_count() - 1)) << "motions";
+  EXPECT_EQ(cells[1].at(3), std::to_string(reader.frame_count() - 1)) << "motions";
 }
 
 TEST(Refine, KeepsTheMotionAndTheVolumeOfEveryType) {

@@ -23,15 +23,15 @@ class QueryMotion : public Harness {
                           std::vector<std::int64_t>(reader.point_ids().begin(), reader.point_ids().end()));
     std::vector<Vec3> start, x, end;
     SequenceCells cells;
-    for (int k = 0; k < reader.step_count(); ++k) {
+    for (int k = 0; k < reader.frame_count(); ++k) {
       reader.read_points(std::max(k - 1, 0), start);
       reader.read_points(k, x);
       reader.read_cells(k, cells);
       end = x;
       for (std::size_t v = 0; v < x.size(); ++v) end[v] += 0.5 * (x[v] - start[v]);
-      StepFields fields;
+      FrameFields fields;
       fields.query_start = start, fields.query_end = end, fields.query_separation = kSeparation;
-      writer.write_step(reader.time(k), x, cells, fields);
+      writer.write_frame(reader.time(k), x, cells, fields);
     }
     writer.finish();
   }

@@ -62,7 +62,7 @@ TEST_F(SameContacts, ALineForEachPipelineThatDiffersWithItsFirstMotion) {
   }
   const std::vector<std::string> lines = contact_differences(registry_, plan, rows);
   ASSERT_EQ(lines.size(), 1u);
-  for (const char* part : {"block, motion 3", "VolCCD narrow-phase=cubic found 6", "NavCCD narrow-phase=cubic 7"})
+  for (const char* part : {"block, step 3", "VolCCD narrow-phase=cubic found 6", "NavCCD narrow-phase=cubic 7"})
     EXPECT_NE(lines[0].find(part), std::string::npos) << lines[0];
   row_of(rows, "HashCCD", "cubic", 2)["contacts_hash"] = "2e";
   EXPECT_EQ(contact_differences(registry_, plan, rows).size(), 2u);

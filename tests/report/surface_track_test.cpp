@@ -29,9 +29,9 @@ TEST(SurfaceTrackTest, FollowsElementsThatGo) {
   EXPECT_EQ(4u, track.frame(2).size());
   EXPECT_EQ(7u, track.triangles().size());
   EXPECT_EQ(6u, track.largest_frame());
-  ASSERT_EQ(1u, track.parts().size());
-  EXPECT_EQ(7, track.parts()[0].id);
-  EXPECT_TRUE(track.parts()[0].solid);
+  ASSERT_EQ(1u, track.objects().size());
+  EXPECT_EQ(7, track.objects()[0].id);
+  EXPECT_TRUE(track.objects()[0].solid);
 }
 
 TEST(SurfaceTrackTest, ClusteringKeepsTheFormAndFewerTriangles) {

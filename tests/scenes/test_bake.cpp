@@ -38,10 +38,10 @@ simulation::Model torn_bar(int elements, std::uint64_t seed) {
   model.positions = bar.positions;
   const double middle = 0.5 * elements, speed = 10.0 + static_cast<double>(seed);
   for (const Vec3& x : model.positions) model.velocities.push_back(Vec3((x.x() - middle) / middle * speed, 0, 0));
-  simulation::Part part{"bar", {}, 0, false};
-  part.material.youngs_modulus = 1e6;
-  part.material.failure_stress = 3e4;
-  model.parts = {part};
+  simulation::Body body{"bar", {}, 0, false};
+  body.material.youngs_modulus = 1e6;
+  body.material.failure_stress = 3e4;
+  model.bodies = {body};
   return model;
 }
 
@@ -74,11 +74,11 @@ class Bake : public testing::Test {
 /// All contents of a sequence, for comparisons bit for bit.
 void expect_equal(const std::string& a, const std::string& b) {
   SequenceReader one(a), other(b);
-  ASSERT_EQ(one.step_count(), other.step_count());
+  ASSERT_EQ(one.frame_count(), other.frame_count());
   ASSERT_EQ(one.metadata(), other.metadata());
   ASSERT_TRUE(
       std::equal(one.point_ids().begin(), one.point_ids().end(), other.point_ids().begin(), other.point_ids().end()));
-  for (int k = 0; k < one.step_count(); ++k) {
+  for (int k = 0; k < one.frame_count(); ++k) {
     std::vector<Vec3> x, y;
     SequenceCells c, d;
     one.read_points(k, x), other.read_points(k, y);
@@ -122,7 +122,7 @@ TEST_F(Bake, TheFirstFrameMayBeLaterThanTheFirstMoment) {
   scene.frames = 5;
   use_cache("other");
   SequenceReader later(*bake(scene, {}, serial_));
-  EXPECT_EQ(later.step_count(), 5);
+  EXPECT_EQ(later.frame_count(), 5);
   EXPECT_EQ(later.time(0), 0.02);
   EXPECT_EQ(later.time(4), 0.1);
   std::vector<Vec3> x, y;
@@ -137,7 +137,7 @@ TEST_F(Bake, TheBarIsTornAndItsRecordSaysSo) {
   const SimulatedScene scene = bar_scene();
   SequenceReader reader(*bake(scene, {}, serial_));
   reader.check_contents();
-  EXPECT_EQ(reader.step_count(), 6);
+  EXPECT_EQ(reader.frame_count(), 6);
   EXPECT_EQ(reader.time(5), 0.1);
   EXPECT_TRUE(reader.has_velocity());
   EXPECT_FALSE(reader.has_thickness());
@@ -146,7 +146,7 @@ TEST_F(Bake, TheBarIsTornAndItsRecordSaysSo) {
   SequenceCells cells;
   reader.read_cells(5, cells);
   EXPECT_EQ(cells.size(), 4u);
-  EXPECT_EQ(std::set<std::int32_t>(cells.parts.begin(), cells.parts.end()), std::set<std::int32_t>{1});
+  EXPECT_EQ(std::set<std::int32_t>(cells.objects.begin(), cells.objects.end()), std::set<std::int32_t>{1});
 
   std::ifstream in(bake_record_file(scene, {}));
   const nlohmann::json record = nlohmann::json::parse(in);
@@ -173,7 +173,7 @@ TEST_F(Bake, EachFrameHasTheLastQueryOfItsSimulation) {
   SequenceReader reader(*bake(bar_scene(), {}, serial_));
   ASSERT_TRUE(reader.has_query());
   std::vector<Vec3> before, x, start, end;
-  for (int k = 0; k < reader.step_count(); ++k) {
+  for (int k = 0; k < reader.frame_count(); ++k) {
     reader.read_points(k, x);
     const double separation = reader.read_query(k, start, end);
     SequenceCells cells;
@@ -268,7 +268,7 @@ TEST_F(Bake, SettingsNameTheFile) {
 TEST_F(Bake, NamesBecomeFiles) {
   EXPECT_EQ(resolve_scene("no-such-scene", serial_), "no-such-scene");
   const std::string builtin = *resolve_scene("builtin", serial_);
-  EXPECT_EQ(SequenceReader(builtin).step_count(), 9);
+  EXPECT_EQ(SequenceReader(builtin).frame_count(), 9);
   EXPECT_EQ(resolve_scene(builtin, serial_), builtin);
   EXPECT_EQ(resolve_scene("deform", serial_), "deform");  // requires a mesh
   copy_file_whole(builtin, (root() / "openradioss-bullet.vtkhdf").string());

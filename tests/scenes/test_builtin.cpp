@@ -17,7 +17,7 @@ std::map<std::int32_t, std::size_t> count_by_object(const Scene& scene, int fram
   SequenceCells cells;
   scene.cells(frame, cells);
   std::map<std::int32_t, std::size_t> count;
-  for (const std::int32_t part : cells.parts) ++count[part];
+  for (const std::int32_t part : cells.objects) ++count[part];
   return count;
 }
 
@@ -79,7 +79,7 @@ TEST(BuiltinScene, MovesAFewEdgesAStep) {
 }
 
 TEST(BuiltinScene, ErosionIsForGood) {
-  const auto scene = make_builtin({.steps = 25});
+  const auto scene = make_builtin({.frames = 25});
   std::set<std::int64_t> before;
   int shrinking = 0;
   for (int k = 0; k < 25; ++k) {
@@ -130,16 +130,16 @@ TEST(BuiltinScene, SameAgain) {
 }
 
 TEST(BuiltinScene, AnySize) {
-  const auto small = make_builtin({.elements = 100, .steps = 2});
+  const auto small = make_builtin({.elements = 100, .frames = 2});
   EXPECT_EQ(small->frames(), 2);
-  const auto large = make_builtin({.elements = 100'000, .steps = 3});
+  const auto large = make_builtin({.elements = 100'000, .frames = 3});
   SequenceCells cells;
   large->cells(0, cells);
   EXPECT_NEAR(static_cast<double>(cells.size()), 1e5, 1e4);
   EXPECT_THROW(make_builtin({.elements = 99}), ConfigError);
   EXPECT_THROW(make_builtin({.elements = 10'000'001}), ConfigError);
-  EXPECT_THROW(make_builtin({.steps = 1}), ConfigError);
-  EXPECT_THROW(make_builtin({.steps = 100'001}), ConfigError);
+  EXPECT_THROW(make_builtin({.frames = 1}), ConfigError);
+  EXPECT_THROW(make_builtin({.frames = 100'001}), ConfigError);
 }
 
 }  // namespace

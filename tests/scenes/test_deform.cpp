@@ -90,8 +90,8 @@ TEST(Deform, SqueezeKeepsVolumes) {
 TEST(Deform, JitterStaysWithinItsAmountAndDependsOnTheSeed) {
   const Shape mesh = slab();
   const double reach = 0.25 * mean_edge_length(mesh);
-  const auto one = make_deform(mesh, {.motions = {{DeformKind::jitter, 0.25}}, .steps = 4});
-  const auto other = make_deform(mesh, {.motions = {{DeformKind::jitter, 0.25}}, .steps = 4, .seed = 2});
+  const auto one = make_deform(mesh, {.motions = {{DeformKind::jitter, 0.25}}, .frames = 4});
+  const auto other = make_deform(mesh, {.motions = {{DeformKind::jitter, 0.25}}, .frames = 4, .seed = 2});
   for (int k = 1; k < 4; ++k) {
     const std::vector<Vec3> x = frame(*one, k);
     double max = 0;
@@ -108,7 +108,7 @@ TEST(Deform, DefaultsMoveTheFastestVertexAboutAnEdgeAStep) {
   const double edge = mean_edge_length(mesh);
   for (const char* kind : {"twist", "bend", "squeeze", "jitter"})
     for (const int steps : {2, 4}) {
-      const auto scene = make_deform(mesh, {.motions = parse_deform_motions(kind), .steps = steps});
+      const auto scene = make_deform(mesh, {.motions = parse_deform_motions(kind), .frames = steps});
       for (int k = 0; k + 1 < steps; ++k) {
         EXPECT_GT(largest_move(*scene, k), 0.2 * edge) << kind;
         EXPECT_LT(largest_move(*scene, k), 2 * edge) << kind;
@@ -118,7 +118,7 @@ TEST(Deform, DefaultsMoveTheFastestVertexAboutAnEdgeAStep) {
 
 TEST(Deform, SameFramesAgainInAnyOrder) {
   const DeformConfig config{
-      .motions = parse_deform_motions("twist,jitter,collide"), .copies = 3, .steps = 4, .seed = 9};
+      .motions = parse_deform_motions("twist,jitter,collide"), .copies = 3, .frames = 4, .seed = 9};
   const auto one = make_deform(slab(), config), two = make_deform(slab(), config);
   const std::vector<Vec3> last = frame(*two, 3);
   for (int k = 0; k < 4; ++k) EXPECT_EQ(frame(*one, k), frame(*two, k));
@@ -160,7 +160,7 @@ double box_overlap(const std::vector<Vec3>& x, std::size_t n, std::size_t copy) 
 TEST(Deform, CollidingBlocksEndAsDeepInsideEachOtherAsAsked) {
   const Shape mesh = slab();
   const double edge = mean_edge_length(mesh);
-  const auto scene = make_deform(mesh, {.motions = {{DeformKind::collide, 1.5}}, .copies = 3, .steps = 3});
+  const auto scene = make_deform(mesh, {.motions = {{DeformKind::collide, 1.5}}, .copies = 3, .frames = 3});
   for (const std::size_t copy : {0u, 1u}) {
     EXPECT_NEAR(box_overlap(frame(*scene, 0), mesh.positions.size(), copy), -0.5 * edge, 1e-12);
     EXPECT_NEAR(box_overlap(frame(*scene, 2), mesh.positions.size(), copy), 1.5 * edge, 1e-12);
@@ -175,7 +175,7 @@ TEST(Deform, CollidingBlocksEndAsDeepInsideEachOtherAsAsked) {
 TEST(Deform, TwistedCopiesCollideToo) {
   const Shape mesh = slab();
   const auto scene =
-      make_deform(mesh, {.motions = parse_deform_motions("twist:40,collide:1"), .copies = 3, .steps = 2});
+      make_deform(mesh, {.motions = parse_deform_motions("twist:40,collide:1"), .copies = 3, .frames = 2});
   std::vector<Vec3> x = frame(*scene, 1);
   const auto triangles = face_triangles(mesh);
   const double edge = mean_edge_length(mesh);
@@ -212,8 +212,8 @@ TEST(Deform, RefusesBadConfigurations) {
       {.motions = {{DeformKind::collide, INFINITY}}, .copies = 2},
       {.copies = 0},
       {.copies = 10'001},
-      {.steps = 1},
-      {.steps = 100'001},
+      {.frames = 1},
+      {.frames = 100'001},
   };
   for (std::size_t i = 0; i < bad.size(); ++i) EXPECT_THROW(make_deform(mesh, bad[i]), ConfigError) << i;
 }
@@ -231,7 +231,7 @@ TEST(Deform, RefusesBadMeshes) {
 TEST(Deform, FlatAndThinMeshesAreFine) {
   for (const char* motions : {"twist", "bend", "squeeze", "jitter", "twist,bend,squeeze,jitter,collide"}) {
     const auto scene = make_deform(block(ElementType::quad, 5, 1, 1),
-                                   {.motions = parse_deform_motions(motions), .copies = 2, .steps = 3});
+                                   {.motions = parse_deform_motions(motions), .copies = 2, .frames = 3});
     for (int k = 0; k < 3; ++k)
       for (const Vec3& p : frame(*scene, k)) EXPECT_TRUE(p.allFinite());
   }

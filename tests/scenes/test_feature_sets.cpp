@@ -54,7 +54,7 @@ class FeatureSets : public testing::Test {
       std::vector<Vec3> x = all.positions;
       for (std::size_t v = 0; v < bar.positions.size(); ++v) x[v].z() -= k;
       if (k >= 2) x.back().z() -= 5;  // a corner of the plate moves through its element
-      writer.write_step(0.25 * k, x, cells_of(k > 0 && type == ElementType::hexahedron ? broken(all).mesh() : mesh));
+      writer.write_frame(0.25 * k, x, cells_of(k > 0 && type == ElementType::hexahedron ? broken(all).mesh() : mesh));
     }
     writer.finish();
     return file;

@@ -110,7 +110,7 @@ TEST_F(FrameStore, NewVerticesWaitWhereTheirFirstMotionStarts) {
   SequenceReader reader(path("out.vtkhdf"));
   reader.check_contents();
   EXPECT_EQ(reader.metadata().title, "two triangles");
-  ASSERT_EQ(reader.step_count(), 4);
+  ASSERT_EQ(reader.frame_count(), 4);
   ASSERT_EQ(reader.point_count(), 6u);
   EXPECT_TRUE(reader.same_cells(0, 1));
   EXPECT_FALSE(reader.same_cells(1, 2));

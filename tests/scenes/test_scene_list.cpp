@@ -44,7 +44,7 @@ TEST(SceneList, OptionsReachTheScene) {
   EXPECT_EQ(scene->vertex_count(), 4 * mesh.positions.size());
   std::vector<Vec3> x, y;
   scene->positions(5, x);
-  make_deform(mesh, {.motions = {{DeformKind::collide, 0.5}}, .copies = 4, .steps = 6, .seed = 3})->positions(5, y);
+  make_deform(mesh, {.motions = {{DeformKind::collide, 0.5}}, .copies = 4, .frames = 6, .seed = 3})->positions(5, y);
   EXPECT_EQ(x, y);
   EXPECT_EQ(make_scene("builtin", {{"steps", "5"}})->frames(), 5);
 }
@@ -56,9 +56,9 @@ TEST(SceneList, FramesBeforeAStopAreKeptAndMarked) {
   EXPECT_EQ(write_scene(*scene, file, [](int) { return false; }).done, 0);
   EXPECT_FALSE(std::filesystem::exists(file)) << "no frame, no file";
   const StepsDone steps = write_scene(*scene, file, [](int done) { return done < 4; });
-  EXPECT_EQ(steps.text(), "steps 0 to 3 of 0 to 8 are complete; interrupted");
+  EXPECT_EQ(steps.text(), "frames 0 to 3 of 0 to 8 are complete; interrupted");
   const SequenceReader reader(file);
-  EXPECT_EQ(reader.step_count(), 4);
+  EXPECT_EQ(reader.frame_count(), 4);
   EXPECT_EQ(reader.metadata().incomplete, steps.text());
 }
 
@@ -78,10 +78,10 @@ TEST(SceneList, RefusesWhatItDoesNotKnow) {
 TEST(SceneFile, HoldsTheScene) {
   const test::ScratchFolder folder;
   const std::string file = folder / "scene.vtkhdf";
-  const auto scene = make_builtin({.elements = 300, .steps = 6});
+  const auto scene = make_builtin({.elements = 300, .frames = 6});
   write_scene(*scene, file);
   SequenceReader reader(file);
-  ASSERT_EQ(reader.step_count(), 6);
+  ASSERT_EQ(reader.frame_count(), 6);
   EXPECT_EQ(reader.metadata(), scene->metadata());
   std::vector<Vec3> x, y;
   SequenceCells a, b;
@@ -111,7 +111,7 @@ TEST(ShapeFromFile, LeavesOutUnusedVertices) {
       e.object = 5;
       cells.add(e);
     }
-    writer.write_step(0, points, cells);
+    writer.write_frame(0, points, cells);
     writer.finish();
   }
   const Shape read = shape_from_file(file);

@@ -96,7 +96,7 @@ std::vector<ElementPair> initial_overlaps(const Model& model) {
   if (is_shell(mesh.type(0))) {
     std::vector<double> thickness(mesh.element_slots());
     for (Index o = 0; o < mesh.element_slots(); ++o)
-      thickness[o] = model.parts[static_cast<std::size_t>(mesh.object(o))].thickness;
+      thickness[o] = model.bodies[static_cast<std::size_t>(mesh.object(o))].thickness;
     const ShellThickener thickener(mesh);
     thickener.positions(model.positions, thickness, x);
     mesh = thickener.solid_mesh(mesh);
@@ -243,8 +243,8 @@ TEST(CrashModel, IsOneConformingPieceAtEverySize) {
 
 TEST(CrashModel, HasThePartsOfACar) {
   const Model model = crash_model(kCrashQuickElements);
-  ASSERT_EQ(model.parts.size(), static_cast<std::size_t>(kVehicleParts) + 1);
-  std::vector<double> area(model.parts.size(), 0);
+  ASSERT_EQ(model.bodies.size(), static_cast<std::size_t>(kVehicleParts) + 1);
+  std::vector<double> area(model.bodies.size(), 0);
   for (Index o = 0; o < model.mesh.element_slots(); ++o) {
     const auto v = model.mesh.vertices(o);
     area[static_cast<std::size_t>(model.mesh.object(o))] +=
@@ -252,14 +252,14 @@ TEST(CrashModel, HasThePartsOfACar) {
   }
   double mass = 0;
   for (std::size_t part = 0; part < static_cast<std::size_t>(kVehicleParts); ++part) {
-    EXPECT_GT(area[part], 0) << model.parts[part].name;
-    mass += area[part] * model.parts[part].thickness * model.parts[part].material.density;
+    EXPECT_GT(area[part], 0) << model.bodies[part].name;
+    mass += area[part] * model.bodies[part].thickness * model.bodies[part].material.density;
   }
   EXPECT_NEAR(mass, 900, 150);
   // The wall is the last part: in front of the car, wider, higher and lower than it will be, and fixed.
   EXPECT_TRUE(model.walls.empty());
-  EXPECT_EQ(model.parts.back().name, "wall");
-  EXPECT_TRUE(model.parts.back().rigid);
+  EXPECT_EQ(model.bodies.back().name, "wall");
+  EXPECT_TRUE(model.bodies.back().rigid);
   EXPECT_NEAR(area.back(), 1.9 * 1.12, 1e-9);
   Eigen::AlignedBox3d car, wall;
   for (std::size_t v = 0; v < model.positions.size(); ++v)

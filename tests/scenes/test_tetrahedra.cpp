@@ -187,7 +187,7 @@ void expect_sound(const simulation::Model& model, int elements) {
   ASSERT_EQ(model.velocities.size(), model.mesh.vertex_count());
   for (Index o = 0; o < model.mesh.element_slots(); ++o) {
     EXPECT_GT(volume(corners(model.positions, model.mesh.vertices(o))), 0);
-    EXPECT_LT(static_cast<std::size_t>(model.mesh.object(o)), model.parts.size());
+    EXPECT_LT(static_cast<std::size_t>(model.mesh.object(o)), model.bodies.size());
   }
   EXPECT_TRUE(model.walls.empty());
   const Topology topology(model.mesh);

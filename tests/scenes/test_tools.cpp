@@ -89,7 +89,7 @@ TEST(Tools, AKnifeGrowsFromItsEdge) {
   EXPECT_THROW(knife({.down = 1}), ConfigError);
 }
 
-std::int32_t part_of(const Simulation& s, Index v) {
+std::int32_t object_of(const Simulation& s, Index v) {
   return s.topology().mesh().object(s.topology().features().vertex_elements(v)[0]);
 }
 
@@ -100,7 +100,7 @@ std::size_t contacts_with(const Simulation& s, std::int32_t part) {
   const StepResult result = test::run_step({s.topology(), motion, test::kAllObjects, query->separation});
   std::size_t count = 0;
   for (const Contact& c : result.contacts)
-    count += (part_of(s, c.vertices[0]) == part) != (part_of(s, c.vertices[3]) == part);
+    count += (object_of(s, c.vertices[0]) == part) != (object_of(s, c.vertices[3]) == part);
   return count;
 }
 
@@ -118,7 +118,7 @@ Simulation simulated(const SimulatedScene& scene, const Model& model, double tim
 void expect_still(const Simulation& s, const Model& model, std::int32_t part, const Vec3& by = Vec3::Zero()) {
   std::size_t count = 0;
   for (Index v = 0; v < model.positions.size(); ++v)
-    if (part_of(s, v) == part) {
+    if (object_of(s, v) == part) {
       ASSERT_EQ(s.positions()[v], model.positions[v] + by);
       ++count;
     }
@@ -130,14 +130,14 @@ TEST(ScenesWithTools, TheFunnelIsInTheQueriesAndCarriesTheOctopi) {
   const Model model = octopi_model(1'500);
   SerialExecutor one;
   Simulation s = simulated(scene, model, 0.3, one);
-  s.take_counts();
+  s.drain_counts();
   for (double time = 0.325; time < 0.41; time += 0.025) {
     const Vec3 before = s.ledger().impulse;
     s.advance_to(time);
     EXPECT_GT(contacts_with(s, 3), 0u) << time;
-    EXPECT_EQ(s.take_counts().unresolved, 0u);
+    EXPECT_EQ(s.drain_counts().unresolved, 0u);
     double mass = 0;
-    for (Index v = 0; v < model.positions.size(); ++v) mass += part_of(s, v) < 3 ? s.mass(v) : 0;
+    for (Index v = 0; v < model.positions.size(); ++v) mass += object_of(s, v) < 3 ? s.mass(v) : 0;
     EXPECT_GT((s.ledger().impulse - before).z(), -0.8 * 9.81 * mass * 0.025) << "it carries a part of the weight";
   }
   expect_still(s, model, 3);
@@ -160,7 +160,7 @@ TEST(ScenesWithTools, TheWallStopsTheCar) {
     s.advance_to(time);
     EXPECT_GT(l.impulse.x(), before) << "only the wall pushes";
   }
-  EXPECT_GT(s.take_counts().inter, 0u);
+  EXPECT_GT(s.drain_counts().inter, 0u);
   EXPECT_LT((l.momentum - l.impulse - first).norm(), 1e-9 * l.momentum.norm());
   EXPECT_LT(std::abs(l.balance_error()), 0.002 * l.initial);
   expect_still(s, model, 18);
@@ -176,9 +176,9 @@ TEST(ScenesWithTools, TheScalpelMovesAsPrescribedInTheCut) {
   SerialExecutor one;
   Simulation s = simulated(scene, model, 0.75, one);
   for (double time = 0.8; time < 0.96; time += 0.05) {
-    s.take_counts();
+    s.drain_counts();
     s.advance_to(time);
-    const simulation::SimulationCounts counts = s.take_counts();
+    const simulation::SimulationCounts counts = s.drain_counts();
     EXPECT_GT(counts.inter, 0u) << time << ": between liver and scalpel";
     EXPECT_EQ(counts.unresolved, 0u);
     expect_still(s, model, 1, model.guides[0].displacement(time));

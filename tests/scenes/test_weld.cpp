@@ -55,11 +55,11 @@ TEST(Weld, PlatesMergeUnderTheContactAndSplitUnderTheReflectedWave) {
   const auto executor = make_executor(2);
   simulation::Simulation run(weld_model(kWeldQuickElements), scene.options, *executor);
   run.advance_to(0.3e-6);  // before the impact, and before a wave returns
-  simulation::SimulationCounts counts = run.take_counts();
+  simulation::SimulationCounts counts = run.drain_counts();
   EXPECT_EQ(counts.merges + counts.splits, 0u);
   EXPECT_EQ(common_vertices(run.topology()), 0u);
   run.advance_to(scene.duration / 2);
-  counts = run.take_counts();
+  counts = run.drain_counts();
   EXPECT_GT(counts.merges, 10u);
   EXPECT_GT(counts.splits, 50u);
   EXPECT_GT(common_vertices(run.topology()), 10u);

@@ -190,8 +190,8 @@ TEST(ShellBending, JointOfThreeIsAsStiffAsTheSheetThroughIt) {
 
 TEST(ShellBending, RigidNeighbourClamps) {
   Model model = flap(steel(), 0.05);
-  model.parts.push_back(model.parts[0]);
-  model.parts[1].rigid = true;
+  model.bodies.push_back(model.bodies[0]);
+  model.bodies[1].rigid = true;
   model.mesh.remove_element(0);
   add_triangle(model, 0, 1, 2, 1);
   Loop loop(model);

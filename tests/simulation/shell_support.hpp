@@ -31,11 +31,11 @@ inline Material yielding_steel() {
 
 inline Model one_part(const Material& material, double thickness) {
   Model model;
-  Part part;
-  part.name = "sheet";
-  part.material = material;
-  part.thickness = thickness;
-  model.parts.push_back(part);
+  Body body;
+  body.name = "sheet";
+  body.material = material;
+  body.thickness = thickness;
+  model.bodies.push_back(body);
   return model;
 }
 

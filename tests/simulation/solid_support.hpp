@@ -42,7 +42,7 @@ enum class Solid { tetrahedra, hexahedra, both };
 /// (`both`: alternating along x). Interior vertices are moved by up to `jitter` edges along each axis.
 inline Model block(Solid solid, std::array<int, 3> n, double h, const Material& material, double jitter = 0) {
   Model model;
-  model.parts.push_back({"block", material, 0, false});
+  model.bodies.push_back({"block", material, 0, false});
   const auto at = [&](int i, int j, int k) { return static_cast<Index>((k * (n[1] + 1) + j) * (n[0] + 1) + i); };
   model.mesh.add_vertices(static_cast<Index>((n[0] + 1) * (n[1] + 1) * (n[2] + 1)));
   for (int k = 0; k <= n[2]; ++k) {

@@ -111,7 +111,7 @@ TEST_F(PeersExperiment, DifferentCountsAreAnError) {
     FAIL() << "a broad phase that loses pairs went unnoticed";
   } catch (const Error& error) {
     const std::string text = error.what();
-    for (const char* part : {"octopi", "motion", "kdop-bvh k=6", "cgal-box-intersection"})
+    for (const char* part : {"octopi", "step 2", "kdop-bvh k=6", "cgal-box-intersection"})
       EXPECT_NE(text.find(part), std::string::npos) << text;
   }
 }

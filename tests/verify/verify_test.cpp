@@ -85,7 +85,7 @@ TEST(Verify, ShowsWhatApproximateNarrowPhasesMissAndDoesNotCountIt) {
     EXPECT_TRUE(one.difference.changed.empty()) << one.pipeline << ": times agree within the tolerance";
     EXPECT_TRUE(one.refused.empty()) << one.refused;
     EXPECT_EQ(one.held, one.pipeline != "LossyProvot" && !one.pipeline.ends_with("-2011")) << one.pipeline;
-    EXPECT_EQ(one.same(), one.pipeline != "Lossy") << one.pipeline;
+    EXPECT_EQ(one.agrees(), one.pipeline != "Lossy") << one.pipeline;
   }
 }
 
@@ -161,7 +161,7 @@ TEST(Verify, LeavesOutShellNeighboursInAllPipelinesAlike) {
 
   Verifier lossy(lossy_registry(), {.fcl_times = {}, .leave_out_shell_neighbours = true});
   for (const PipelineVerdict& one : lossy.check({topology, motion, filter}, serial).pipelines)
-    EXPECT_EQ(one.same(), one.pipeline != "Lossy") << one.pipeline;
+    EXPECT_EQ(one.agrees(), one.pipeline != "Lossy") << one.pipeline;
 }
 
 TEST(Verify, PipelinesThatCannotRunTheStepAreRefusedNotDifferent) {

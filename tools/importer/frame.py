@@ -1,4 +1,4 @@
-"""One file as a step of the sequence: points, cells, ids, parts, velocities, thickness, time."""
+"""One file as a frame of the sequence: points, cells, ids, objects, velocities, thickness, time."""
 
 import contextlib
 import dataclasses
@@ -17,14 +17,14 @@ FACES = {10: [(0, 1, 2), (0, 1, 3), (1, 2, 3), (0, 2, 3)],
 # Names that arrays may have, in lower case; earlier names are preferred.
 POINT_IDS = ("globalpointids", "globalnodeids", "globalnodeid", "node_id", "nodeid", "pointids")
 CELL_IDS = ("globalcellids", "globalelementids", "globalelementid", "element_id", "elementid", "cellids")
-PARTS = ("partid", "part_id", "part", "gmsh:physical", "nastran:ref", "obj:group_ids")
+OBJECT_IDS = ("partid", "part_id", "part", "gmsh:physical", "nastran:ref", "obj:group_ids")
 VELOCITIES = ("velocity", "velocities", "vel")
 THICKNESSES = ("thickness",)
 TIMES = ("timevalue", "time")
 
 
 @dataclasses.dataclass
-class Step:
+class Frame:
     """A file after all checks. Cells are in CSR form. Without ids in the source, `point_ids` and `cell_ids` are
     None."""
 
@@ -32,13 +32,13 @@ class Step:
     types: np.ndarray
     offsets: np.ndarray
     connectivity: np.ndarray
-    parts: np.ndarray
+    objects: np.ndarray
     point_ids: np.ndarray = None
     cell_ids: np.ndarray = None
     velocity: np.ndarray = None
     thickness: np.ndarray = None
     time: float = None
-    part_names: dict = dataclasses.field(default_factory=dict)
+    object_names: dict = dataclasses.field(default_factory=dict)
     notes: list = dataclasses.field(default_factory=list)
 
 
@@ -141,14 +141,14 @@ def is_face_of_volume(types, offsets, connectivity):
     return result
 
 
-def parts_from_sets(sets, chosen, ids, file):
-    """The part of each element: the number of its set, counted from 1 in the order of `chosen` or of the file, or 0."""
+def objects_from_sets(sets, chosen, ids, file):
+    """The object of each element: the number of its set, counted from 1 in the order of `chosen` or of the file, or 0."""
     if chosen:
         for name in chosen:
             if name not in sets:
                 raise BadInput(file, "sets", f"no set '{name}'; there is: {', '.join(sets) or 'none'}")
         sets = {name: sets[name] for name in chosen}
-    here, parts, names = {int(element): i for i, element in enumerate(ids)}, np.zeros(len(ids), np.int32), {}
+    here, objects, names = {int(element): i for i, element in enumerate(ids)}, np.zeros(len(ids), np.int32), {}
     seen = {}
     for name, members in sets.items():
         rows = sorted({here[element] for element in members if element in here})
@@ -159,12 +159,12 @@ def parts_from_sets(sets, chosen, ids, file):
         if not rows:
             continue
         number = len(names) + 1
-        taken = [row for row in rows if parts[row]]
+        taken = [row for row in rows if objects[row]]
         if taken:
-            raise BadInput(file, "sets", f"element {ids[taken[0]]} is in '{names[parts[taken[0]]]}' and in '{name}': "
+            raise BadInput(file, "sets", f"element {ids[taken[0]]} is in '{names[objects[taken[0]]]}' and in '{name}': "
                            "choose with --sets, or --part none")
-        parts[rows], names[number], seen[tuple(rows)] = number, name, number
-    return parts, names
+        objects[rows], names[number], seen[tuple(rows)] = number, name, number
+    return objects, names
 
 
 def cell_arrays(mesh):
@@ -174,26 +174,26 @@ def cell_arrays(mesh):
             if [len(values) for values in blocks] == sizes and sizes}
 
 
-def parts_of(mesh, arrays, numbering, keep, options, file):
-    """The part of each kept cell, and the names of the parts."""
+def objects_of(mesh, arrays, numbering, keep, options, file):
+    """The object of each kept cell, and the names of the objects."""
     if options.part == "none":
         return np.zeros(int(keep.sum()), np.int32), {}
-    values = None if options.sets else pick(arrays, options.part, PARTS, file, "part")
+    values = None if options.sets else pick(arrays, options.part, OBJECT_IDS, file, "object")
     if values is None:
         if numbering is None or not numbering.sets:
             if options.sets:
                 raise BadInput(file, "sets", "the file has no element sets")
             return np.zeros(int(keep.sum()), np.int32), {}
-        return parts_from_sets(numbering.sets, options.sets, numbering.elements[keep], file)
-    parts = integers(values, file, "part", np.int32)[keep]
+        return objects_from_sets(numbering.sets, options.sets, numbering.elements[keep], file)
+    objects = integers(values, file, "object", np.int32)[keep]
     if not options.part and "obj:group_ids" in arrays and values is arrays["obj:group_ids"]:
-        parts = parts + 1  # meshio counts groups from 0, and -1 means that the cell has no group
+        objects = objects + 1  # meshio counts groups from 0, and -1 means that the cell has no group
     names = {}
     if values is arrays.get("gmsh:physical"):
         dimensions = {CELLS[block.type][2] for block in mesh.cells if block.type in CELLS}
         names = {int(number): name for name, (number, dimension) in mesh.field_data.items() if dimension in dimensions}
-    present = set(parts.tolist())
-    return parts, {number: name for number, name in names.items() if number in present}
+    present = set(objects.tolist())
+    return objects, {number: name for number, name in names.items() if number in present}
 
 
 def time_of(mesh, file):
@@ -217,25 +217,25 @@ def thickness_of(arrays, keep, types, wanted, file):
     return values[:, 0]
 
 
-def check_repeated_vertices(step, file):
+def check_repeated_vertices(frame, file):
     """Raises an error for cells with too few distinct vertices, and notes how many other cells have a vertex twice."""
     repeated = 0
     for kind, nodes in NODES.items():
-        cells = np.flatnonzero(step.types == kind)
-        members = np.sort(step.connectivity[step.offsets[cells][:, None] + np.arange(nodes)], axis=1)
+        cells = np.flatnonzero(frame.types == kind)
+        members = np.sort(frame.connectivity[frame.offsets[cells][:, None] + np.arange(nodes)], axis=1)
         distinct = 1 + (np.diff(members, axis=1) != 0).sum(axis=1)
         minimum = 3 if kind < 10 else 4
         bad = first_bad(distinct < minimum)
         if bad is not None:
             cell = int(cells[bad])
-            name = "" if step.cell_ids is None else f" (cell id {step.cell_ids[cell]})"
+            name = "" if frame.cell_ids is None else f" (cell id {frame.cell_ids[cell]})"
             raise BadInput(file, "cells", f"has {distinct[bad]} distinct vertices, an element has at minimum {minimum}{name}", cell)
         repeated += int((distinct < nodes).sum())
     if repeated:
-        step.notes.append(f"{repeated} cells have a vertex more than once, and stand for elements with fewer")
+        frame.notes.append(f"{repeated} cells have a vertex more than once, and stand for elements with fewer")
 
 
-def read_step(file, options):
+def read_frame(file, options):
     mesh, said = meshio_read(file)
     refuse_unsupported(mesh, file)
     points, numbering, arrays = points_of(mesh, file), numbering_of(file, mesh), cell_arrays(mesh)
@@ -259,19 +259,20 @@ def read_step(file, options):
             keep[np.flatnonzero(keep)[face]] = False
             offsets = np.concatenate([[0], np.cumsum([NODES[kind] for kind in types[keep]])]).astype(np.int64)
     cells = int(keep.sum())
-    parts, names = parts_of(mesh, arrays, numbering, keep, options, file)
-    step = Step(points, types[keep], offsets, connectivity, parts, time=time_of(mesh, file), part_names=names, notes=notes)
+    objects, names = objects_of(mesh, arrays, numbering, keep, options, file)
+    frame = Frame(points, types[keep], offsets, connectivity, objects, time=time_of(mesh, file), object_names=names,
+                  notes=notes)
     ids = pick(mesh.point_data, options.point_ids, POINT_IDS, file, "point ids")
     if ids is None and numbering is not None and options.point_ids != "none":
         ids = numbering.nodes
     if ids is not None:
-        step.point_ids = check_ids(integers(ids, file, "point ids", np.int64), len(points), file, "point ids")
+        frame.point_ids = check_ids(integers(ids, file, "point ids", np.int64), len(points), file, "point ids")
     ids = pick(arrays, options.cell_ids, CELL_IDS, file, "cell ids")
     if ids is None and numbering is not None and options.cell_ids != "none":
         ids = numbering.elements
     if ids is not None:
-        step.cell_ids = check_ids(integers(ids, file, "cell ids", np.int64)[keep], cells, file, "cell ids")
-    step.velocity = vectors(mesh, options.velocity, file) if options.velocity != "none" else None
-    step.thickness = thickness_of(arrays, keep, step.types, options.thickness, file)
-    check_repeated_vertices(step, file)
-    return step
+        frame.cell_ids = check_ids(integers(ids, file, "cell ids", np.int64)[keep], cells, file, "cell ids")
+    frame.velocity = vectors(mesh, options.velocity, file) if options.velocity != "none" else None
+    frame.thickness = thickness_of(arrays, keep, frame.types, options.thickness, file)
+    check_repeated_vertices(frame, file)
+    return frame

@@ -1,4 +1,4 @@
-#include <volccd/io/sequence/detail/step_check.hpp>
+#include <volccd/io/sequence/detail/frame_check.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -41,30 +41,30 @@ void check_ids(const std::string& file, const std::string& dataset, std::span<co
     throw InputError(file, dataset, static_cast<std::int64_t>(wrong->index), wrong->problem);
 }
 
-void check_vectors(const std::string& dataset, std::span<const Vec3> vectors, const StepPlace& place) {
+void check_vectors(const std::string& dataset, std::span<const Vec3> vectors, const FramePlace& place) {
   check_length(place.file, dataset, vectors.size(), place.point_ids.size());
   for (std::size_t i = 0; i < vectors.size(); ++i)
     if (!vectors[i].allFinite())
       throw InputError(place.file, dataset, static_cast<std::int64_t>(i),
-                       fmt::format("is not finite (point id {}, step {})", place.point_ids[i], place.step));
+                       fmt::format("is not finite (point id {}, frame {})", place.point_ids[i], place.frame));
 }
 
 void check_thickness(const std::string& dataset, std::span<const double> values, const SequenceCells& cells,
-                     const StepPlace& place) {
+                     const FramePlace& place) {
   check_length(place.file, dataset, values.size(), cells.size());
   check_length(place.file, "VTKHDF/CellData/GlobalCellIds", cells.ids.size(), cells.size());
   for (std::size_t i = 0; i < values.size(); ++i)
     if (!(std::isfinite(values[i]) && values[i] >= 0))
       throw InputError(place.file, dataset, static_cast<std::int64_t>(i),
-                       fmt::format("is negative or not finite (cell id {}, step {})", cells.ids[i], place.step));
+                       fmt::format("is negative or not finite (cell id {}, frame {})", cells.ids[i], place.frame));
 }
 
-void check_cells(const SequenceCells& cells, const StepPlace& place) {
+void check_cells(const SequenceCells& cells, const FramePlace& place) {
   if (cells.size() == 0) throw InputError(place.file, "VTKHDF/Types", "no cells");
   check_offsets(place.file, "VTKHDF/Offsets", cells.offsets, cells.size(), cells.connectivity.size());
   if (!cells.face_offsets.empty())
     check_offsets(place.file, "VTKHDF/FaceOffsets", cells.face_offsets, cells.size(), cells.faces.size());
-  check_length(place.file, "VTKHDF/CellData/PartId", cells.parts.size(), cells.size());
+  check_length(place.file, "VTKHDF/CellData/PartId", cells.objects.size(), cells.size());
   check_length(place.file, "VTKHDF/CellData/GlobalCellIds", cells.ids.size(), cells.size());
   check_ids(place.file, "VTKHDF/CellData/GlobalCellIds", cells.ids);
   for (std::size_t i = 0; i < cells.size(); ++i)
@@ -72,7 +72,7 @@ void check_cells(const SequenceCells& cells, const StepPlace& place) {
             element_problem(cells.spec(i), static_cast<Index>(place.point_ids.size()), place.point_ids);
         !problem.empty())
       throw InputError(place.file, "VTKHDF/Connectivity", static_cast<std::int64_t>(i),
-                       fmt::format("{} (cell id {}, step {})", problem, cells.ids[i], place.step));
+                       fmt::format("{} (cell id {}, frame {})", problem, cells.ids[i], place.frame));
 }
 
 }  // namespace volccd::detail

@@ -1,11 +1,11 @@
-#include <volccd/io/sequence/connected_parts.hpp>
+#include <volccd/io/sequence/connected_components.hpp>
 
 #include <algorithm>
 #include <numeric>
 
 namespace volccd {
 
-ConnectedParts::ConnectedParts(SequenceReader& reader) : component_(reader.point_count(), -1) {
+ConnectedComponents::ConnectedComponents(SequenceReader& reader) : component_(reader.point_count(), -1) {
   // Disjoint sets of vertices; the representative of a set is its smallest member.
   std::vector<Index> parent(reader.point_count());
   std::iota(parent.begin(), parent.end(), Index{0});
@@ -14,7 +14,7 @@ ConnectedParts::ConnectedParts(SequenceReader& reader) : component_(reader.point
     return v;
   };
   SequenceCells cells;
-  for (int k = 0; k < reader.step_count(); ++k) {
+  for (int k = 0; k < reader.frame_count(); ++k) {
     if (k > 0 && reader.same_cells(k, k - 1)) continue;
     reader.read_cells(k, cells);
     for (std::size_t i = 0; i < cells.size(); ++i)
@@ -31,8 +31,8 @@ ConnectedParts::ConnectedParts(SequenceReader& reader) : component_(reader.point
   }
 }
 
-void ConnectedParts::assign(SequenceCells& cells) const {
-  for (std::size_t i = 0; i < cells.size(); ++i) cells.parts[i] = component_[cells.vertices(i).front()];
+void ConnectedComponents::assign(SequenceCells& cells) const {
+  for (std::size_t i = 0; i < cells.size(); ++i) cells.objects[i] = component_[cells.vertices(i).front()];
 }
 
 }  // namespace volccd
