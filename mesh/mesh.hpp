@@ -15,9 +15,9 @@ namespace volccd {
 /// One element as the caller describes it.
 struct ElementSpec {
   ElementType type = ElementType::none;
-  std::vector<Index> vertices;  ///< vertex slots in VTK node order; a polytope's distinct vertices
+  std::vector<Index> vertices = {};  ///< vertex slots in VTK node order; a polytope's distinct vertices
   /// Polytope only: {n, v0 .. v(n-1), n, ...}, vertex slots in cyclic order around each face.
-  std::vector<Index> faces;
+  std::vector<Index> faces = {};
   std::int32_t object = 0;
   std::int64_t id = 0;
 
