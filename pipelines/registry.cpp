@@ -35,12 +35,12 @@ void add_presets(Registry& registry) {
                          .broad_phase = bvh,
                          .assignment = all_pairs,
                          .narrow_phase = inclusion});
-  registry.add_pipeline({.name = "HashCCD",
-                         .description =
-                             "spatial hashing and all elementary tests of overlapping elements (Section 6.1)",
-                         .broad_phase = {"spatial-hash"},
-                         .assignment = all_pairs,
-                         .narrow_phase = inclusion});
+  registry.add_pipeline(
+      {.name = "HashCCD",
+       .description = "spatial hashing and all elementary tests of overlapping elements (Section 6.1)",
+       .broad_phase = {"spatial-hash"},
+       .assignment = all_pairs,
+       .narrow_phase = inclusion});
   registry.add_pipeline({.name = "VolCCD",
                          .description = "the paper's: k-DOP BVH, CSAT, dynamic assignment with O-Set",
                          .broad_phase = bvh,
@@ -49,21 +49,21 @@ void add_presets(Registry& registry) {
                          .orphans = StageChoice{"o-set"},
                          .feature_filters = {{"feature-csat"}},
                          .narrow_phase = inclusion});
+  registry.add_pipeline({.name = "VolCCD+",
+                         .description = "the best that this project knows",
+                         .broad_phase = bvh,
+                         .element_culling = {{"element-kdop"}, {"csat", {{"axis", "optimal"}, {"mode", "pair"}}}},
+                         .assignment = dynamic,
+                         .orphans = StageChoice{"star-orphans"},
+                         .feature_filters = {{"feature-kdop"}, {"coplanarity"}, {"feature-csat"}},
+                         .narrow_phase = inclusion,
+                         .flood = StageChoice{"boundary-flood"}});
   registry.add_pipeline(
-      {.name = "VolCCD+",
-       .description = "the best that this project knows",
-       .broad_phase = bvh,
-       .element_culling = {{"element-kdop"}, {"csat", {{"axis", "optimal"}, {"mode", "pair"}}}},
-       .assignment = dynamic,
-       .orphans = StageChoice{"star-orphans"},
-       .feature_filters = {{"feature-kdop"}, {"coplanarity"}, {"feature-csat"}},
-       .narrow_phase = inclusion,
-       .flood = StageChoice{"boundary-flood"}});
-  registry.add_pipeline({.name = "BruteForce",
-                         .description = "every pair of elements, compared by its swept box, and all its elementary tests",
-                         .broad_phase = {"brute-force"},
-                         .assignment = all_pairs,
-                         .narrow_phase = inclusion});
+      {.name = "BruteForce",
+       .description = "every pair of elements, compared by its swept box, and all its elementary tests",
+       .broad_phase = {"brute-force"},
+       .assignment = all_pairs,
+       .narrow_phase = inclusion});
 }
 
 /// Splits "a,b,c"; the result is empty for "" and "none".

@@ -122,9 +122,7 @@ class Solver {
     for (int i = 0; i < 3; ++i) edges.col(i) = x[tetrahedron[i + 1]] - x[tetrahedron[0]];
     return edges;
   }
-  Mat3 deformation_gradient(Index o) const {
-    return edge_matrix(mesh().vertices(o), x_) * elements_[o].inverse_rest;
-  }
+  Mat3 deformation_gradient(Index o) const { return edge_matrix(mesh().vertices(o), x_) * elements_[o].inverse_rest; }
 
   /// Calls body(slot, deformation gradient F) for each element.
   template <class Body>

@@ -41,8 +41,7 @@ Pipeline make_pipeline(const std::string& name) {
   PipelineSpec spec = registry.pipeline(name);
   spec.narrow_phase = {"take-all"};
   // All pairs that filters keep are stored and tested many times.
-  if (spec.feature_filters.empty())
-    spec.feature_filters = {{"feature-kdop"}, {"coplanarity"}, {"feature-csat"}};
+  if (spec.feature_filters.empty()) spec.feature_filters = {{"feature-kdop"}, {"coplanarity"}, {"feature-csat"}};
   return Pipeline(registry, spec);
 }
 

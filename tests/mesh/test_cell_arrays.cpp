@@ -58,8 +58,7 @@ TEST(CellArrays, MakeTheMeshOfTheSameElements) {
 
 TEST(CellArrays, HaveDefaultsForIdsObjectsAndFaces) {
   const OwnedCells cells(block(ElementType::hexahedron, 3, 1, 1));
-  const Mesh mesh = mesh_of(
-      16, {.types = cells.types, .offsets = cells.offsets, .connectivity = cells.connectivity});
+  const Mesh mesh = mesh_of(16, {.types = cells.types, .offsets = cells.offsets, .connectivity = cells.connectivity});
   for (Index o = 0; o < 3; ++o) {
     EXPECT_EQ(mesh.element_id(o), o);
     EXPECT_EQ(mesh.object(o), 0);

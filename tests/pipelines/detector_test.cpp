@@ -43,13 +43,15 @@ StepResult run(const Step& step, const Request& request, const std::string& name
   return result;
 }
 
-/// Shapes of all types of elements, in two objects that overlap after the jitter.
+/// Shapes of all types of elements, in two objects that touch in most motions.
 std::vector<std::pair<std::string, Shape>> shapes() {
   std::vector<std::pair<std::string, Shape>> list;
   const auto add = [&](const std::string& name, const Shape& shape) {
     Shape both, other = shape;
+    double height = 0;
+    for (const Vec3& p : shape.positions) height = std::max(height, p.z());
     both.append(shape, 1);
-    both.append(other.translate(Vec3(0.31, 0.27, 1.2)), 2);
+    both.append(other.translate(Vec3(0.31, 0.27, height + 0.2)), 2);
     list.emplace_back(name, permuted(both, 5));
   };
   for (const ElementType type : {ElementType::tetrahedron, ElementType::hexahedron, ElementType::quad})
@@ -61,7 +63,7 @@ std::vector<std::pair<std::string, Shape>> shapes() {
 Shape sheets() {
   Shape both, other = block(ElementType::quad, 2, 2, 1);
   both.append(block(ElementType::triangle, 2, 2, 1), 1);
-  both.append(other.translate(Vec3(0.2, 0.1, 0.3)), 2);
+  both.append(other.translate(Vec3(0.2, 0.1, 0.16)), 2);
   return both;
 }
 
@@ -112,12 +114,12 @@ TEST(Detector, FirstIsTheEarliestContact) {
     Detector detector(shape.mesh());
     const Course c(shape.positions, 4, 0.01), still(shape.positions, 4, 0);
     // Where shells lie on volumes, the diagonals of a common face may cross.
-    if (name != "mixed") EXPECT_FALSE(detector.first(still.x0, still.x0).has_value()) << name;
+    EXPECT_TRUE(name == "mixed" || !detector.first(still.x0, still.x0)) << name;
     const std::vector<Contact> contacts = detector.step(c.x0, still.x1).contacts;
     const auto earliest = std::ranges::min_element(contacts, {}, &Contact::toi);
     const std::optional<Contact> first = detector.first(c.x0, still.x1);
     ASSERT_EQ(first.has_value(), earliest != contacts.end()) << name;
-    if (first) EXPECT_EQ(*first, *earliest) << name;
+    EXPECT_TRUE(!first || *first == *earliest) << name;
   }
 }
 
