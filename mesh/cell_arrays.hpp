@@ -15,9 +15,10 @@ namespace volccd {
 struct CellArrays {
   /// [n] VTK cell types: triangle 5, quad 9, tetrahedron 10, hexahedron 12, wedge 13, pyramid 14, polyhedron 42.
   std::span<const std::uint8_t> types = {};
-  std::span<const std::int64_t> offsets = {};  ///< [n + 1] ascending positions in connectivity: first 0, last its size
-  std::span<const std::int64_t> connectivity =
-      {};                                      ///< vertices of all cells; of a polyhedron each distinct vertex once
+  /// [n + 1] ascending positions in connectivity: first 0, last its size.
+  std::span<const std::int64_t> offsets = {};
+  /// Vertices of all cells; of a polyhedron each distinct vertex once.
+  std::span<const std::int64_t> connectivity = {};
   std::span<const std::int64_t> ids = {};      ///< [n] distinct; empty: 0 .. n - 1
   std::span<const std::int32_t> objects = {};  ///< [n]; empty: all cells belong to object 0
   /// [n + 1] ascending positions in faces: first 0, last its size. Empty if there are no polyhedra.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -140,6 +141,8 @@ void Detector::edit(const DetectorEdit& edit) {
     s.topology.apply(by_slot);
     return;
   }
+  // Both calls that may fail are before the first change, or change nothing if they fail.
+  static_assert(std::is_nothrow_move_assignable_v<ThickenedShells>);
   ThickenedShells edited = s.shells->edited(by_slot, edit.thickness);
   s.topology.apply(edited.edit_of_solids(s.topology.mesh()));
   s.shells = std::move(edited);

@@ -106,7 +106,7 @@ void ContactDetection::follow(const TopologyEdit& edit, std::span<const double> 
     for (Index o = 0; o < mesh.element_slots(); ++o) {
       if (!mesh.is_live(o) || !is_shell(mesh.type(o))) continue;
       ElementSpec spec = thickener_->solid_element(mesh, o);
-      if (!same(spec, solid_->mesh(), o)) solid_->apply({{o}, {}, {std::move(spec)}});
+      if (!same(spec, solid_->mesh(), o)) solid_->apply({.removed = {o}, .added = {std::move(spec)}});
     }
   }
   surface_->update(collision_topology(), origins);
