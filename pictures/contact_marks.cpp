@@ -6,7 +6,7 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/io/contacts_csv.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+#include <volccd/pipelines/step_runner.hpp>
 
 namespace volccd {
 
@@ -16,13 +16,9 @@ std::vector<PictureContact> find_contacts(SequenceReader& reader, int step, Shel
   SequenceStepper stepper(reader, config);
   stepper.go_to(step);
   const Registry registry = Registry::standard();
-  const Pipeline pipeline(registry, registry.pipeline("VolCCD+"));
-  Workspace workspace = pipeline.make_workspace();
-  const std::unique_ptr<Executor> executor = make_executor(threads);
-  const ObjectFilter filter;
-  StepResult result;
-  pipeline.run(Step{stepper.topology(), stepper.motion(), filter}, workspace, *executor, result,
-               Request(Query::all, false, shells == ShellModel::solid));
+  StepRunner runner(Pipeline(registry, registry.pipeline("VolCCD+")), {.threads = threads});
+  const StepResult& result =
+      runner.run(stepper.topology(), stepper.motion(), {.leave_out_shell_neighbours = shells == ShellModel::solid});
   std::vector<PictureContact> contacts;
   contacts.reserve(result.contacts.size());
   for (const Contact& contact : result.contacts) contacts.push_back({contact.kind, contact.vertices, contact.point});

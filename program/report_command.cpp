@@ -42,9 +42,7 @@ struct PageOptions {
 
 std::optional<PipelineSpec> pipeline_of(const PageOptions& options, const Registry& registry) {
   if (options.no_contacts) return std::nullopt;
-  PipelineSpec spec = registry.pipeline(options.pipeline);
-  for (const std::string& setting : options.settings) registry.apply_setting(spec, setting);
-  return spec;
+  return registry.pipeline(options.pipeline, options.settings);
 }
 
 /// Exports one sequence, with progress.

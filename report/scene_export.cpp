@@ -12,14 +12,14 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/experiments/harness/motion_measures.hpp>
-#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/io/sequence/reader.hpp>
 #include <volccd/io/sequence/stepper.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/pictures/contact_marks.hpp>
 #include <volccd/pictures/palette.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+#include <volccd/pipelines/step_runner.hpp>
 #include <volccd/report/encoding.hpp>
 #include <volccd/report/pair_samples.hpp>
 #include <volccd/report/surface_track.hpp>
@@ -240,26 +240,21 @@ class Exporter {
 
   void run_pipeline(const Registry& registry, Executor& executor,
                     const std::function<void(std::size_t, std::size_t)>& progress) {
-    const Pipeline pipeline(registry, *config_.pipeline);
-    Workspace workspace = pipeline.make_workspace();
+    StepRunner runner(Pipeline(registry, *config_.pipeline), {.executor = &executor});
     const SequenceStepper::Config elements = table_config(file_);
     SequenceStepper stepper(reader_, elements);
-    const ObjectFilter filter;
-    StepResult result;
     const int steps = reader_.frame_count() - 1;
-    const std::size_t stages = pipeline.spec().stages().size();
+    const std::size_t stages = runner.pipeline().spec().stages().size();
     PairSampler sampler(stages, executor.workers(), config_.max_pairs);
-    Request request(Query::all, false, elements.shells == ShellModel::solid);
-    request.observer = &sampler;
+    const Request request{.leave_out_shell_neighbours = elements.shells == ShellModel::solid, .observer = &sampler};
     for (int k = 0; k < steps; ++k) {
       stepper.go_to(k);
       sampler.clear();
-      pipeline.run({stepper.topology(), stepper.motion(), filter}, workspace, executor, result, request);
-      add_step(result, stepper);
+      add_step(runner.run(stepper.topology(), stepper.motion(), request), stepper);
       add_pairs(sampler, stages);
       if (progress) progress(static_cast<std::size_t>(k) + 1, static_cast<std::size_t>(steps));
     }
-    detection_ = {{"pipeline", to_json(pipeline)},
+    detection_ = {{"pipeline", to_json(runner.pipeline())},
                   {"shells", name_of(elements.shells)},
                   {"edges", name_of(elements.edge_set)},
                   {"threads", executor.workers()}};

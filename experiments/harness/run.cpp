@@ -14,7 +14,7 @@
 #include <volccd/experiments/harness/motion_measures.hpp>
 #include <volccd/experiments/harness/subdivide.hpp>
 #include <volccd/io/stats_json.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+#include <volccd/pipelines/step_runner.hpp>
 
 namespace volccd {
 
@@ -51,11 +51,8 @@ json columns_of(const Statistics& statistics) {
 }
 
 struct Contestant {
-  Contestant(const Registry& registry, const Entrant& entrant_)
-      : entrant(entrant_), pipeline(registry, entrant.spec), workspace(pipeline.make_workspace()) {}
   const Entrant& entrant;
-  Pipeline pipeline;
-  Workspace workspace;
+  StepRunner runner;
 };
 
 /// One SceneRun of a plan.
@@ -69,7 +66,8 @@ class Runner {
         executor_(own_executor_ ? *own_executor_ : executor),
         before_each_(before_each),
         reader_(run.file) {
-    for (const Entrant& entrant : run.entrants) contestants_.push_back(std::make_unique<Contestant>(registry, entrant));
+    for (const Entrant& entrant : run.entrants)
+      contestants_.push_back({entrant, StepRunner(Pipeline(registry, entrant.spec), {.executor = &executor_})});
   }
 
   std::vector<json> measure(const StepWindow& window) {
@@ -79,13 +77,13 @@ class Runner {
         stepper_.emplace(reader_, run_.config);  // element slots, and with them counts, depend on the edits before
         boundary_.reset();
         go_to(std::max(window.first - 1, 0));
-        for (const auto& contestant : contestants_) run(*contestant);
+        for (Contestant& contestant : contestants_) run(contestant);
       }
       for (int k = window.first; k < window.first + window.count; ++k) {
         go_to(k);
         if (round == 0) remember(k);
         for (std::size_t i = 0; i < contestants_.size(); ++i) {
-          Contestant& contestant = *contestants_[(i + static_cast<std::size_t>(round)) % contestants_.size()];
+          Contestant& contestant = contestants_[(i + static_cast<std::size_t>(round)) % contestants_.size()];
           run(contestant);
           rows.push_back(row(contestant, k, round));
           rows.back()["window"] = window.first;
@@ -138,13 +136,10 @@ class Runner {
 
   void run(Contestant& contestant) {
     before_each_();
-    Request request;
-    request.count_adjacent = false;
-    request.leave_out_shell_neighbours = thickened();
     const bool on_boundary = contestant.entrant.on_boundary;
-    const Step step{topology(on_boundary), on_boundary ? boundary_->motion() : motion_, everything_,
-                    stepper_->separation()};
-    contestant.pipeline.run(step, contestant.workspace, executor_, result_, request);
+    contestant.runner.set_separation(stepper_->separation());
+    contestant.runner.run(topology(on_boundary), on_boundary ? boundary_->motion() : motion_,
+                          {.count_adjacent = false, .leave_out_shell_neighbours = thickened()});
   }
 
   const Topology& topology(bool of_boundary) const { return of_boundary ? boundary_->topology() : *topology_; }
@@ -166,8 +161,9 @@ class Runner {
 
   json row(const Contestant& contestant, int step, int round) {
     const bool on_boundary = contestant.entrant.on_boundary;
+    const StepResult& result = contestant.runner.result();
     json row = run_.columns;
-    row.update(columns_of(result_.statistics));
+    row.update(columns_of(result.statistics));
     row.update({{"table", contestant.entrant.table},
                 {"scene", run_.scene},
                 {"pipeline", contestant.entrant.pipeline},
@@ -181,10 +177,10 @@ class Runner {
                 {"round", round},
                 {"threads", executor_.workers()},
                 {"topology_seconds", rounded(on_boundary ? boundary_->edit_seconds() : stepper_->edit_seconds())},
-                {"contacts_hash", contacts_hash(result_.contacts)}});
+                {"contacts_hash", contacts_hash(result.contacts)}});
     json& known = (on_boundary ? of_boundary_ : of_step_).at(step);
     if (!known.contains("touching_pairs"))
-      known["touching_pairs"] = touching_pair_count(topology(on_boundary), result_.contacts);
+      known["touching_pairs"] = touching_pair_count(topology(on_boundary), result.contacts);
     for (const char* name : {"elements", "vertices", "edge_count", "triangle_count", "moved_edges", "touching_pairs"})
       row[name] = known.at(name);
     // Without an O-Set the broad phase emits adjacent pairs, too (docs/pipelines.md).
@@ -199,14 +195,12 @@ class Runner {
   const std::function<void()>& before_each_;
   SequenceReader reader_;
   std::optional<SequenceStepper> stepper_;
-  std::vector<std::unique_ptr<Contestant>> contestants_;
-  const ObjectFilter everything_;
+  std::vector<Contestant> contestants_;
   const Topology* topology_ = nullptr;
   Motion motion_;
   std::optional<Topology> refined_;
   std::uint64_t refined_version_ = 0;
   std::optional<BoundaryShells> boundary_;  ///< if an entrant runs on the boundary
-  StepResult result_;
   std::map<int, json> of_step_, of_boundary_;
 };
 

@@ -10,11 +10,11 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/harness/corner_volumes.hpp>
-#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/scenes/simulated/bake.hpp>
 #include <volccd/experiments/tables/rows.hpp>
 #include <volccd/io/sequence/stepper.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+#include <volccd/io/stats_json.hpp>
+#include <volccd/pipelines/step_runner.hpp>
 #include <volccd/simulation/contact/contact_surface.hpp>
 
 namespace volccd {
@@ -49,9 +49,7 @@ class Observer {
       : reader_(reader),
         executor_(executor),
         stepper_(reader),
-        registry_(Registry::standard()),
-        pipeline_(registry_, registry_.pipeline("VolCCD+")),
-        workspace_(pipeline_.make_workspace()) {
+        runner_(Pipeline(Registry::standard(), Registry::standard().pipeline("VolCCD+")), {.executor = &executor}) {
     SequenceCells cells;
     reader.read_cells(0, cells);
     reader.read_points(0, points_);
@@ -65,12 +63,11 @@ class Observer {
   json observe_step(int k) {
     stepper_.go_to(k, executor_);
     const Mesh& mesh = stepper_.topology().mesh();
-    pipeline_.run({stepper_.topology(), stepper_.motion(), filter_}, workspace_, executor_, result_,
-                  {Query::all, true});
+    runner_.run(stepper_.topology(), stepper_.motion(), {.initial_overlaps = true});
     json row = {{"motion", k},
                 {"elements", mesh.element_count()},
                 {"time", reader_.time(k + 1)},
-                {"contacts", result_.contacts.size()},
+                {"contacts", runner_.result().contacts.size()},
                 {"interior", interior_contacts()}};
     row.update(overlaps(mesh));
     row.update(pieces(mesh));
@@ -102,7 +99,7 @@ class Observer {
   std::size_t interior_contacts() const {
     const Features& features = stepper_.topology().features();
     const simulation::ContactSurface boundary(stepper_.topology(), simulation::ContactFeatures::boundary, 1);
-    return static_cast<std::size_t>(std::ranges::count_if(result_.contacts, [&](const Contact& c) {
+    return static_cast<std::size_t>(std::ranges::count_if(runner_.result().contacts, [&](const Contact& c) {
       const auto& v = c.vertices;
       if (c.kind == FeatureKind::vf)
         return !boundary.has_vertex(v[0]) || !boundary.has_triangle(features.find_triangle(v[1], v[2], v[3]));
@@ -111,10 +108,10 @@ class Observer {
   }
 
   json overlaps(const Mesh& mesh) const {
+    const std::vector<ElementPair>& pairs = runner_.result().initial_overlaps;
     std::size_t inter = 0;
-    for (const ElementPair& pair : result_.initial_overlaps)
-      inter += mesh.object(pair.a) != mesh.object(pair.b) ? 1 : 0;
-    return {{"overlaps_inter", inter}, {"overlaps_intra", result_.initial_overlaps.size() - inter}};
+    for (const ElementPair& pair : pairs) inter += mesh.object(pair.a) != mesh.object(pair.b) ? 1 : 0;
+    return {{"overlaps_inter", inter}, {"overlaps_intra", pairs.size() - inter}};
   }
 
   /// Connected pieces: elements connected by vertices.
@@ -165,11 +162,7 @@ class Observer {
   SequenceReader& reader_;
   Executor& executor_;
   SequenceStepper stepper_;
-  Registry registry_;
-  Pipeline pipeline_;
-  Workspace workspace_;
-  ObjectFilter filter_;
-  StepResult result_;
+  StepRunner runner_;
   std::vector<Vec3> points_;
   std::unordered_map<std::int64_t, double> mass_;  ///< by key(): the volume at the first frame that has the element
   std::int32_t striker_ = std::numeric_limits<std::int32_t>::max();

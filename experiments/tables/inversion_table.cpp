@@ -8,7 +8,7 @@
 #include <volccd/experiments/harness/corner_volumes.hpp>
 #include <volccd/experiments/tables/rows.hpp>
 #include <volccd/io/sequence/reader.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+#include <volccd/pipelines/step_runner.hpp>
 
 namespace volccd {
 
@@ -80,17 +80,13 @@ void add_rows(const PlanContext& context, const TableScene& scene, MotionModel m
   SequenceReader reader(scene.file);
   const SequenceStepper::Config config = table_config(scene.file, model);
   SequenceStepper stepper(reader, config);
-  const Pipeline pipeline(context.registry, context.registry.pipeline("VolCCD+"));
-  Workspace workspace = pipeline.make_workspace();
-  const ObjectFilter everything;
-  Request request;
-  request.leave_out_shell_neighbours = config.shells == ShellModel::solid;
-  StepResult result;
+  StepRunner runner(Pipeline(context.registry, context.registry.pipeline("VolCCD+")), {.executor = &executor});
+  const Request request{.leave_out_shell_neighbours = config.shells == ShellModel::solid};
   for (int k = 0; k < stepper.step_count(); ++k) {
     check();
     stepper.go_to(k, executor);
-    const Step step{stepper.topology(), stepper.motion(), everything};
-    pipeline.run(step, workspace, executor, result, request);
+    const Step step{stepper.topology(), stepper.motion(), runner.filter()};
+    const StepResult& result = runner.run(step.topology, step.motion, request);
     rows.push_back({{"scene", scene.name},
                     {"motion_model", name_of(model)},
                     {"motion", k},

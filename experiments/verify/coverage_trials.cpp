@@ -99,8 +99,10 @@ class ChangingMesh {
     for (ElementSpec& spec : edit.added) spec.id = next_id++;
     for (const Index o : edit.removed) {
       const auto vertices = mesh.vertices(o), faces = mesh.polytope_faces(o);
-      gone_.push_back(
-          {mesh.type(o), {vertices.begin(), vertices.end()}, {faces.begin(), faces.end()}, mesh.object(o), 0});
+      gone_.push_back({.type = mesh.type(o),
+                       .vertices = {vertices.begin(), vertices.end()},
+                       .faces = {faces.begin(), faces.end()},
+                       .object = mesh.object(o)});
     }
     topology_.apply(edit);
     move();

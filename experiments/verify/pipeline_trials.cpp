@@ -130,13 +130,13 @@ class PipelineTrials {
   void run_step(const Step& step, const std::string& where) {
     Entry& reference = step.mesh().element_count() <= kBruteForceLimit ? small_ : large_;
     StepResult truth;
-    const Request request(Query::all, true);
+    const Request request{.initial_overlaps = true};
     reference.pipeline.run(step, reference.serial, trials_.serial, truth, request);
     for (const auto& entry : entries_) {
       StepResult found, by_threads, first;
       entry->pipeline.run(step, entry->serial, trials_.serial, found, request);
       entry->pipeline.run(step, entry->threaded, *trials_.threads, by_threads, request);
-      entry->pipeline.run(step, entry->serial, trials_.serial, first, Query::first);
+      entry->pipeline.run(step, entry->serial, trials_.serial, first, {.query = Query::first});
       const std::string place = where + ", " + entry->pipeline.spec().name + ": ";
       compare(step, truth, found, place);
       expect_same_first(found, first, place);

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include <volccd/mesh/edit_between.hpp>
+
 namespace volccd {
 
 namespace {
@@ -16,7 +18,11 @@ bool same_element(const Mesh& mesh, Index o, const SequenceCells& cells, std::si
 
 ElementSpec SequenceCells::spec(std::size_t i) const {
   const std::span<const Index> nodes = vertices(i), stream = face_stream(i);
-  return {types[i], {nodes.begin(), nodes.end()}, {stream.begin(), stream.end()}, objects[i], ids[i]};
+  return {.type = types[i],
+          .vertices = {nodes.begin(), nodes.end()},
+          .faces = {stream.begin(), stream.end()},
+          .object = objects[i],
+          .id = ids[i]};
 }
 
 void SequenceCells::add(const ElementSpec& element) {
@@ -56,18 +62,10 @@ Mesh mesh_of(std::span<const std::int64_t> point_ids, const SequenceCells& cells
 }
 
 TopologyEdit edit_to(const Mesh& mesh, const SequenceCells& cells) {
-  TopologyEdit edit;
-  std::vector<char> stays(mesh.element_slots(), 0);
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const Index o = mesh.find_element(cells.ids[i]);
-    if (o != kNone && same_element(mesh, o, cells, i))
-      stays[o] = 1;
-    else
-      edit.added.push_back(cells.spec(i));
-  }
-  for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.is_live(o) && !stays[o]) edit.removed.push_back(o);
-  return edit;
+  return edit_between(
+      mesh, cells.size(), [&](std::size_t i) { return cells.ids[i]; },
+      [&](std::size_t i, Index o) { return same_element(mesh, o, cells, i); },
+      [&](std::size_t i) { return cells.spec(i); });
 }
 
 }  // namespace volccd

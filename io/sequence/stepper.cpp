@@ -53,7 +53,7 @@ void SequenceStepper::go_to(int step, Executor& executor) {
     without_normal = solids_->positions(query ? step + 1 : step, cells_frame(step), x0, x1, solid0_, solid1_);
   set_topology(cells_frame(step), executor);
   if (solids_) {
-    if (config_.motion == MotionModel::quadratic) set_solid_middle(x0, x1);
+    if (config_.motion == MotionModel::quadratic) solid_middle_points(x0, middle_, x1, solid0_, solid1_, solid_middle_);
     set_motion(solid0_, solid1_, solid_middle_);
   } else {
     set_motion(x0, x1, middle_);
@@ -133,16 +133,6 @@ void SequenceStepper::refuse_overflow(const char* dataset, const char* kind, int
   throw InputError(
       reader_.file(), dataset,
       fmt::format("the {} motion of point id {} overflows in step {}", kind, reader_.point_ids()[vertex], step));
-}
-
-void SequenceStepper::set_solid_middle(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1) {
-  solid_middle_.resize(solid0_.size());
-  for (Index v = 0; v < x0.size(); ++v) {
-    const Vec3 bend = middle_[v] - (0.5 * x0[v] + 0.5 * x1[v]);
-    solid_middle_[solid_middle(v)] = middle_[v];
-    for (const Index s : {solid_below(v), solid_above(v)})
-      solid_middle_[s] = (0.5 * solid0_[s] + 0.5 * solid1_[s]) + bend;
-  }
 }
 
 void SequenceStepper::read_cells(int frame) {

@@ -134,7 +134,6 @@ class SequenceStepper {
   void read_tentative(int step);
   [[noreturn]] void refuse_overflow(const char* dataset, const char* kind, int step, std::size_t vertex) const;
   void mark_used(int frame);
-  void set_solid_middle(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1);
   void set_topology(int frame, Executor& executor);
   void set_motion(const std::vector<Vec3>& x0, const std::vector<Vec3>& x1, const std::vector<Vec3>& middle);
 

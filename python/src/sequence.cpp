@@ -11,6 +11,7 @@
 
 #include "arrays.hpp"
 #include "cells.hpp"
+#include "registry.hpp"
 #include "runner.hpp"
 #include "sequence.hpp"
 #include "signals.hpp"
@@ -65,14 +66,23 @@ void Sequence::go_to(int motion, Executor& executor) {
   stepper_->go_to(motion, executor);
 }
 
+SequenceRunner::SequenceRunner(const py::dict& options) : SequenceRunner(detector_config(options)) {}
+
+SequenceRunner::SequenceRunner(const DetectorConfig& config)
+    : executor_(make_signal_executor(config.threads)),
+      runner_(Pipeline(registry(), registry().pipeline(config.pipeline, config.settings)),
+              {.executor = executor_.get(), .separation = config.separation, .filter = config.filter}) {}
+
 std::shared_ptr<Result> SequenceRunner::run(Sequence& sequence, int motion, const StepRequest& request,
                                             bool neighbours) {
   const BusyGuard guard(busy_, "run of a sequence");
   const BusyGuard sequence_guard(sequence.busy, "Sequence");
   const py::gil_scoped_release without_gil;
   sequence.go_to(motion, runner_.executor());
-  return runner_.run(sequence.stepper().topology(), sequence.stepper().motion(), request,
-                     sequence.config().shells == ShellModel::solid && !neighbours);
+  Request asked = request.request();
+  asked.leave_out_shell_neighbours = sequence.config().shells == ShellModel::solid && !neighbours;
+  runner_.run(sequence.stepper().topology(), sequence.stepper().motion(), asked, request.t_max);
+  return take_result(runner_);
 }
 
 namespace {
@@ -160,7 +170,7 @@ void bind_sequence(py::module_& module) {
       .def("thickness", &read_thickness, "step"_a)
       .def("cells", &read_cells, "step"_a);
   py::class_<SequenceRunner>(module, "SequenceRunner")
-      .def(py::init([](const py::dict& options) { return std::make_unique<SequenceRunner>(RunnerConfig(options)); }))
+      .def(py::init<const py::dict&>())
       .def(
           "run",
           [](SequenceRunner& runner, Sequence& sequence, int motion, bool first, bool overlaps, double t_max,
@@ -168,7 +178,8 @@ void bind_sequence(py::module_& module) {
             return runner.run(sequence, motion, {first, overlaps, t_max}, neighbours);
           },
           "sequence"_a, "motion"_a, "first"_a, "initial_overlaps"_a, "t_max"_a, "shell_neighbours"_a)
-      .def_property_readonly("facts", [](SequenceRunner& r) { return runner_facts(r.runner()); });
+      .def_property_readonly(
+          "facts", [](const SequenceRunner& r) { return facts_of(r.runner().pipeline(), r.runner().executor()); });
 }
 
 }  // namespace volccd::python

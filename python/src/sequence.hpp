@@ -37,15 +37,20 @@ class Sequence {
 /// Runs a pipeline on the steps of sequences.
 class SequenceRunner {
  public:
-  explicit SequenceRunner(const RunnerConfig& config) : runner_(config) {}
+  /// The options of detector_config(). Throws ConfigError. The registry may change afterwards.
+  explicit SequenceRunner(const py::dict& options);
 
   /// Must be called with the GIL, which it releases. `neighbours`: keeps contacts of thickened shells between features
-  /// with copies of the same shell vertex.
+  /// with copies of the same shell vertex. Throws the exceptions of Pipeline::run, and those of a signal handler or of
+  /// a stage in Python.
   std::shared_ptr<Result> run(Sequence& sequence, int motion, const StepRequest& request, bool neighbours);
-  Runner& runner() { return runner_; }
+  const StepRunner& runner() const { return runner_; }
 
  private:
-  Runner runner_;
+  explicit SequenceRunner(const DetectorConfig& config);
+
+  std::unique_ptr<Executor> executor_;
+  StepRunner runner_;
   bool busy_ = false;
 };
 

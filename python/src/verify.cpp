@@ -70,7 +70,7 @@ class Verification {
   static Registry with_settings(const std::vector<std::string>& settings) {
     Registry made = registry();
     if (settings.empty()) return made;
-    PipelineSpec spec = make_spec(made, "VolCCD+", settings);
+    PipelineSpec spec = made.pipeline("VolCCD+", settings);
     for (const std::string& setting : settings) spec.name += " " + setting;
     made.add_pipeline(std::move(spec));
     return made;

@@ -133,7 +133,7 @@ void ContactResponse::query_substep(std::span<const Vec3> x0, std::span<const Ve
   if (!detection_) return substep(x0, object_of, dt, moving, executor, work);
   // Known contacts are resisted first, because a query that does not cover the motion after the response is repeated.
   resist_known(x0, object_of, dt, moving, executor, work);
-  query(since, elapsed, dt, moving, executor);
+  query(since, elapsed, dt, moving);
   for (int pass = 0;; ++pass) {
     detection_->contacts(since, moving.x1, config_.separation, executor, found_);
     ++counts_.retests;
@@ -165,14 +165,13 @@ void ContactResponse::find_touching(std::span<const Vec3> since, double elapsed,
   detection_->keep_touching(executor, found_);
 }
 
-void ContactResponse::query(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
-                            Executor& executor) {
+void ContactResponse::query(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving) {
   ahead_.clear();
   // The substeps until the next query test the pairs that this one finds. The motion is extrapolated with its mean
   // velocity, so that the line passes through x1, and covers() is true.
   if (elapsed > dt)
     for (std::size_t i = 0; i < moving.x1.size(); ++i) ahead_.push_back(2 * moving.x1[i] - since[i]);
-  detection_->query(since, moving.x1, ahead_, executor);
+  detection_->query(since, moving.x1, ahead_);
   if (ahead_.empty())
     queried_end_.assign(moving.x1.begin(), moving.x1.end());
   else
@@ -182,7 +181,7 @@ void ContactResponse::query(std::span<const Vec3> since, double elapsed, double 
 
 void ContactResponse::requery(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
                               Executor& executor) {
-  if (!detection_->covers(since, moving.x1, executor)) query(since, elapsed, dt, moving, executor);
+  if (!detection_->covers(since, moving.x1, executor)) query(since, elapsed, dt, moving);
 }
 
 void ContactResponse::count_pressed() {

@@ -57,7 +57,7 @@ class ContactResponse {
   ContactConstraint constraint(const FoundContact& found, double elapsed, double dt,
                                const MovingVertices& moving) const;
   double goal(const FoundContact& found) const;
-  void query(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving, Executor& executor);
+  void query(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving);
   void requery(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
                Executor& executor);
   void find_touching(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,

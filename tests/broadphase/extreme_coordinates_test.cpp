@@ -29,7 +29,7 @@ Scene extreme_scene(std::size_t elements, std::mt19937_64& random) {
   Shape shape;
   std::vector<Vec3> x1;
   for (std::size_t o = 0; o < elements; ++o) {
-    ElementSpec spec{ElementType::tetrahedron, {}, {}, 0, static_cast<std::int64_t>(o)};
+    ElementSpec spec{.type = ElementType::tetrahedron, .id = static_cast<std::int64_t>(o)};
     const Vec3 at(coordinate(0), coordinate(1), coordinate(2));
     for (int v = 0; v < 4; ++v) {
       spec.vertices.push_back(static_cast<Index>(shape.positions.size()));
@@ -101,7 +101,7 @@ TEST(ExtremeCoordinates, TreesOfElementsOfAllSizesAreNotDeep) {
   constexpr Index kCount = 100;  // 40 of the same size, because few elements are divided at the median
   Shape shape;
   for (Index o = 0; o < kCount; ++o) {
-    ElementSpec spec{ElementType::tetrahedron, {}, {}, 0, o};
+    ElementSpec spec{.type = ElementType::tetrahedron, .id = o};
     for (const Vec3& p : {Vec3(1, 1, 1), Vec3(1.5, 1, 1), Vec3(1, 1.5, 1), Vec3(1, 1, 1.5)}) {
       spec.vertices.push_back(static_cast<Index>(shape.positions.size()));
       shape.positions.push_back(std::ldexp(1.0, 4 * std::max(0, static_cast<int>(o) - 40) - 120) * p);

@@ -68,7 +68,7 @@ TEST(Peers, EmitPairsBeyondTheRangeOfFloats) {
         end[c] = start[c] * sign(random);
       }
       for (Index element = 0; element < 2; ++element) {
-        ElementSpec spec{ElementType::tetrahedron, {}, {}, 0, static_cast<std::int64_t>(2 * pair + element)};
+        ElementSpec spec{.type = ElementType::tetrahedron, .id = static_cast<std::int64_t>(2 * pair + element)};
         for (int v = 0; v < 4; ++v) {
           spec.vertices.push_back(static_cast<Index>(shape.positions.size()));
           shape.positions.push_back(start * (1 + 1e-7 * sign(random)));
@@ -118,8 +118,10 @@ TEST(Peers, FollowMotionsEditsAndFilters) {
         if (mesh.is_live(o) && random() % 4 == 0) edit.removed.push_back(o);
       for (std::size_t i = 0; i < 10; ++i) {
         const Index first = static_cast<Index>(random() % (mesh.vertex_count() - 4));
-        edit.added.push_back({ElementType::tetrahedron, {first, first + 1, first + 2, first + 3}, {}, 1,
-                              static_cast<std::int64_t>(10000 + 100 * step) + static_cast<std::int64_t>(i)});
+        edit.added.push_back({.type = ElementType::tetrahedron,
+                              .vertices = {first, first + 1, first + 2, first + 3},
+                              .object = 1,
+                              .id = static_cast<std::int64_t>(10000 + 100 * step) + static_cast<std::int64_t>(i)});
       }
       scene.topology->apply(edit);
     }

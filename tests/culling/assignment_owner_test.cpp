@@ -96,7 +96,7 @@ Shape prisms(Index sides, Index count) {
   for (Index layer = 0; layer <= count; ++layer)
     for (Index i = 0; i < sides; ++i) shape.positions.push_back({0, 0, 0});
   for (Index k = 0; k < count; ++k) {
-    ElementSpec prism{ElementType::polytope, {}, {}, 1, k};
+    ElementSpec prism{.type = ElementType::polytope, .object = 1, .id = k};
     const Index bottom = sides * k, top = bottom + sides;
     for (Index i = 0; i < 2 * sides; ++i) prism.vertices.push_back(bottom + i);
     for (const Index first : {bottom, top}) {

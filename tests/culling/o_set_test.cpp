@@ -150,7 +150,7 @@ TEST(OSet, MoreElementsAroundAFeatureThanBits) {
     mesh.add_vertices(2 + (n + 1) + 2);
     std::int64_t id = 0;
     const auto add = [&](ElementType type, std::vector<Index> vertices) {
-      mesh.add_element({type, std::move(vertices), {}, 0, id++});
+      mesh.add_element({.type = type, .vertices = std::move(vertices), .id = id++});
     };
     const auto add_prism = [&](Index sides) {
       std::vector<Index> vertices(2 * sides);
@@ -171,14 +171,14 @@ TEST(OSet, MoreElementsAroundAFeatureThanBits) {
 TEST(OSet, OneAloneAndTwoApart) {
   Mesh mesh;
   mesh.add_vertices(8);
-  mesh.add_element({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 0, 0});
+  mesh.add_element({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}});
   Topology topology(std::move(mesh));
   OSet set;
   set.update(topology, serial());
   EXPECT_EQ(set.counts(), (OSetCounts{4, 3})) << "all that there is inside a tetrahedron";
 
   TopologyEdit edit;
-  edit.added.push_back({ElementType::tetrahedron, {4, 5, 6, 7}, {}, 0, 1});
+  edit.added.push_back({.type = ElementType::tetrahedron, .vertices = {4, 5, 6, 7}, .id = 1});
   topology.apply(edit);
   set.update(topology, serial());
   EXPECT_EQ(set.counts(), (OSetCounts{8, 6})) << "nothing between elements that are not adjacent";

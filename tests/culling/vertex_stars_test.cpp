@@ -211,7 +211,8 @@ Shape fan(Index wedges, double angle, bool closed) {
                                    z);
   for (Index i = 0; i < wedges; ++i) {
     const Index a = 2 + 2 * i, b = 2 + 2 * ((i + 1) % sides);
-    shape.elements.push_back({ElementType::wedge, {0, b, a, 1, b + 1, a + 1}, {}, 0, static_cast<std::int64_t>(i)});
+    shape.elements.push_back(
+        {.type = ElementType::wedge, .vertices = {0, b, a, 1, b + 1, a + 1}, .id = static_cast<std::int64_t>(i)});
   }
   return shape;
 }
@@ -261,7 +262,7 @@ TEST(VertexStars, WithSomethingInsideAreSuspect) {
   const auto inner = static_cast<Index>(
       std::find_if(shape.positions.begin(), shape.positions.end(), [&](const Vec3& p) { return p == centre; }) -
       shape.positions.begin());
-  ElementSpec tetrahedron{ElementType::tetrahedron, {inner}, {}, 0, 8};
+  ElementSpec tetrahedron{.type = ElementType::tetrahedron, .vertices = {inner}, .id = 8};
   for (const Vec3& way : {Vec3(0.5, 0.1, 0.1), Vec3(0.1, 0.5, 0.1), Vec3(0.1, 0.1, 0.5)}) {
     tetrahedron.vertices.push_back(static_cast<Index>(shape.positions.size()));
     shape.positions.push_back(centre + way);

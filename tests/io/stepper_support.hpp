@@ -126,7 +126,8 @@ struct Parabolas {
         if (velocities) step.velocity.push_back(unused ? Vec3::Constant(-1e308) : velocity_at(v, times[k]));
       }
       for (Index o = 0; o < (without.contains(k) ? 2u : 3u); ++o)
-        step.cells.add({ElementType::tetrahedron, {4 * o, 4 * o + 1, 4 * o + 2, 4 * o + 3}, {}, 0, o});
+        step.cells.add(
+            {.type = ElementType::tetrahedron, .vertices = {4 * o, 4 * o + 1, 4 * o + 2, 4 * o + 3}, .id = o});
       s.steps.push_back(step);
     }
     s.write(file);

@@ -32,9 +32,9 @@ Topology vertices_of_ids(std::vector<std::int64_t> ids) {
 Topology three_tetrahedra() {
   Mesh mesh;
   mesh.add_vertices(std::vector<std::int64_t>{0, 10, 20, 30, 40, 50, 60, 70, 80});
-  mesh.add_element({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 7, 500});
-  mesh.add_element({ElementType::tetrahedron, {1, 2, 3, 4}, {}, -2, 400});
-  mesh.add_element({ElementType::tetrahedron, {5, 6, 7, 8}, {}, 3, 900});
+  mesh.add_element({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}, .object = 7, .id = 500});
+  mesh.add_element({.type = ElementType::tetrahedron, .vertices = {1, 2, 3, 4}, .object = -2, .id = 400});
+  mesh.add_element({.type = ElementType::tetrahedron, .vertices = {5, 6, 7, 8}, .object = 3, .id = 900});
   return Topology(std::move(mesh));
 }
 

@@ -23,9 +23,9 @@ void write_file(const std::string& file, int steps = 2) {
   s.point_ids = {70, 60, 50, 40, 30, 20, 10};
   for (int k = 0; k < steps; ++k) {
     Sequence::Step step{1.0 * k, std::vector<Vec3>(7, Vec3(k, 0, 0)), {}, {}, {}};
-    step.cells.add({ElementType::triangle, {0, 1, 2}, {}, 0, 0});
-    step.cells.add({ElementType::triangle, {3, 4, 5}, {}, 0, 1});
-    step.cells.add({ElementType::tetrahedron, {0, 1, 2, 6}, {}, 0, 2});
+    step.cells.add({.type = ElementType::triangle, .vertices = {0, 1, 2}});
+    step.cells.add({.type = ElementType::triangle, .vertices = {3, 4, 5}, .id = 1});
+    step.cells.add({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 6}, .id = 2});
     s.steps.push_back(step);
   }
   s.write(file);

@@ -41,11 +41,11 @@ Sequence small() {
     }
     if (k < 2) {
       step.cells.add({ElementType::hexahedron, hexahedron.elements[0].vertices, {}, 1, 20});
-      step.cells.add({ElementType::tetrahedron, {4, 5, 6, 8}, {}, 1, 10});
-      step.cells.add({ElementType::triangle, {8, 9, 10}, {}, 2, 30});
+      step.cells.add({.type = ElementType::tetrahedron, .vertices = {4, 5, 6, 8}, .object = 1, .id = 10});
+      step.cells.add({.type = ElementType::triangle, .vertices = {8, 9, 10}, .object = 2, .id = 30});
     } else {
       step.cells.add({ElementType::polytope, cube.elements[0].vertices, cube.elements[0].faces, 1, 21});
-      step.cells.add({ElementType::triangle, {8, 9, 11}, {}, 2, 30});
+      step.cells.add({.type = ElementType::triangle, .vertices = {8, 9, 11}, .object = 2, .id = 30});
     }
     step.thickness.assign(step.cells.size(), 0.5);
     s.steps.push_back(step);

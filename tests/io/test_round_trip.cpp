@@ -145,8 +145,8 @@ TEST(SequenceRoundTrip, GridWithoutStepsAsVtkWritesIt) {
   reader.read_points(0, points);
   EXPECT_EQ(points[4], Vec3(static_cast<double>(0.1f), 1, 1));
   SequenceCells cells, expected;
-  expected.add({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 0, 0});
-  expected.add({ElementType::triangle, {1, 2, 4}, {}, 0, 1});
+  expected.add({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}});
+  expected.add({.type = ElementType::triangle, .vertices = {1, 2, 4}, .id = 1});
   reader.read_cells(0, cells);
   EXPECT_EQ(cells, expected);
   EXPECT_FALSE(reader.has_velocity());

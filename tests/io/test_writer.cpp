@@ -150,7 +150,9 @@ TEST(SequenceWriter, TheSingleFormHasOneStep) {
   EXPECT_EQ(raw.reals("VTKHDF/FieldData/TimeValue"), std::vector<double>{0.25});
 
   SequenceCells polytope;
-  polytope.add({ElementType::polytope, {0, 1, 2, 3}, {3, 0, 1, 2, 3, 0, 3, 1, 3, 1, 3, 2, 3, 2, 3, 0}, 0, 0});
+  polytope.add({.type = ElementType::polytope,
+                .vertices = {0, 1, 2, 3},
+                .faces = {3, 0, 1, 2, 3, 0, 3, 1, 3, 1, 3, 2, 3, 2, 3, 0}});
   SequenceWriter other(folder / "p.vtkhdf", ids, {}, SequenceForm::single);
   EXPECT_THROW(other.write_frame(0, shape.positions, polytope), InputError);
 }
@@ -199,8 +201,8 @@ Sequence pair_of_cells() {
   for (int k = 0; k < 2; ++k) {
     Sequence::Step step{
         1.0 * k, std::vector<Vec3>(6, Vec3(1, 2, 3)), std::vector<Vec3>(6, Vec3(0, 0, k)), {}, {0, 0.5}};
-    step.cells.add({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 0, 4});
-    step.cells.add({ElementType::quad, {2, 3, 4, 5}, {}, 0, 9});
+    step.cells.add({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}, .id = 4});
+    step.cells.add({.type = ElementType::quad, .vertices = {2, 3, 4, 5}, .id = 9});
     s.steps.push_back(step);
   }
   return s;

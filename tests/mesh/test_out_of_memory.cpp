@@ -133,7 +133,8 @@ class Edits {
       std::set<Index> corners;
       while (corners.size() < 4)
         corners.insert(vertices - 1 - static_cast<Index>(random_.below(std::min<Index>(vertices, 30))));
-      edit.added.push_back({ElementType::tetrahedron, {corners.begin(), corners.end()}, {}, 0, next_id_++});
+      edit.added.push_back(
+          {.type = ElementType::tetrahedron, .vertices = {corners.begin(), corners.end()}, .id = next_id_++});
       EXPECT_LT(next_id_, kIdEnd);
     }
     random_.shuffle(edit.added);
@@ -151,7 +152,7 @@ Shape with_large_elements(const Shape& start) {
   Shape shape = start;
   Random random(2);
   for (std::int64_t id = 500; id < 530; ++id) {
-    ElementSpec element{id % 3 == 0 ? ElementType::hexahedron : ElementType::polytope, {}, {}, 0, id};
+    ElementSpec element{.type = id % 3 == 0 ? ElementType::hexahedron : ElementType::polytope, .id = id};
     const std::size_t n = id % 3 == 0 ? 4 : 4 + random.below(4);
     std::set<Index> chosen;
     while (chosen.size() < 2 * n) chosen.insert(static_cast<Index>(random.below(start.positions.size())));

@@ -166,7 +166,7 @@ TEST_F(TopologyThreads, SameTablesForUnevenUseOfVertices) {
     Mesh mesh;
     mesh.add_vertices(common == 1 ? 400000 : 5000);
     for (Index o = 0; o < (common == 1 ? 500u : 8000u); ++o) {
-      ElementSpec element{ElementType::tetrahedron, {}, {}, 0, o};
+      ElementSpec element{.type = ElementType::tetrahedron, .id = o};
       if (common != 1) element.vertices.push_back(static_cast<Index>(random.below(common)));
       while (element.vertices.size() < 4) {
         const Index v = static_cast<Index>(common + random.below(mesh.vertex_count() - common));

@@ -64,7 +64,7 @@ TEST(ConvexPieces, SurfaceIsClosedAndOrientedAlike) {
 TEST(ConvexPieces, QuadsAreSplitThroughTheSmallestVertex) {
   Mesh mesh;
   mesh.add_vertices(4);
-  mesh.add_element({ElementType::quad, {2, 3, 1, 0}, {}, 0, 0});
+  mesh.add_element({.type = ElementType::quad, .vertices = {2, 3, 1, 0}});
   std::vector<std::array<Index, 3>> triangles;
   detail::boundary_triangles(mesh, 0, triangles);
   ASSERT_EQ(triangles.size(), 2u);

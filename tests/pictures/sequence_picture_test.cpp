@@ -29,8 +29,8 @@ class TipOnTriangle {
     for (std::size_t v = 4; v < 7; ++v) points.push_back(points[v]);
     const auto cells_with = [&](const std::vector<Index>& triangle, std::int64_t id) {
       SequenceCells cells;
-      cells.add({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 1, 0});
-      cells.add({ElementType::triangle, triangle, {}, part_of_triangle, id});
+      cells.add({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}, .object = 1});
+      cells.add({.type = ElementType::triangle, .vertices = triangle, .object = part_of_triangle, .id = id});
       return cells;
     };
     const SequenceCells cells = cells_with({4, 5, 6}, 1), end = remade ? cells_with({7, 8, 9}, 2) : cells;

@@ -82,7 +82,7 @@ TEST(BoundaryShells, KeepShellsAlsoOnSolidsAndGroupsOfVertices) {
     while (features.triangle_elements(f).size() != tetrahedra) ++f;
     const auto& v = features.triangle(f);
     Mesh mesh = shape.mesh();
-    mesh.add_element({ElementType::triangle, {v[0], v[1], v[2]}, {}, 7, 1000});
+    mesh.add_element({.type = ElementType::triangle, .vertices = {v[0], v[1], v[2]}, .object = 7, .id = 1000});
     BoundaryShells shells;
     shells.update(Topology(mesh), falling(shape.positions));
     EXPECT_EQ(shells.topology().mesh().element_count(), tetrahedra == 1 ? 12u : 13u) << "glued to the outside, inside";

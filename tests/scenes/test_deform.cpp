@@ -240,7 +240,7 @@ TEST(Deform, FlatAndThinMeshesAreFine) {
 TEST(TouchingShift, OfTwoPyramidsPointToFace) {
   // The apex of the lower tetrahedron is below the middle of the base of the upper one.
   const Shape pyramid{{Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(1, 1, 0), Vec3(0, 1, 0), Vec3(0.5, 0.5, 1)},
-                      {{ElementType::pyramid, {0, 1, 2, 3, 4}, {}, 0, 0}}};
+                      {{.type = ElementType::pyramid, .vertices = {0, 1, 2, 3, 4}}}};
   std::vector<Vec3> upper = pyramid.positions;
   const auto triangles = face_triangles(pyramid);
   EXPECT_EQ(triangles.size(), 6u);

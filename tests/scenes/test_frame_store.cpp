@@ -44,8 +44,8 @@ Frame frame(int k) {
   if (k == 2) f.start_positions = {Vec3(0.25, 0, 1.5)};
   if (k == 3) f.start_positions = {Vec3(0.75, 0, 2.5)};
   const Index a = k < 3 ? 1 : 5, b = k < 2 ? 1 : 4;
-  f.cells.add({ElementType::triangle, {0, a, 2}, {}, 1, 7});
-  f.cells.add({ElementType::triangle, {b, 3, 2}, {}, 2, 8});
+  f.cells.add({.type = ElementType::triangle, .vertices = {0, a, 2}, .object = 1, .id = 7});
+  f.cells.add({.type = ElementType::triangle, .vertices = {b, 3, 2}, .object = 2, .id = 8});
   f.thickness = {0.125, 0.25};
   f.query_separation = 0.25 + k;
   f.counts.inter = static_cast<std::uint64_t>(k);

@@ -103,7 +103,8 @@ std::vector<ElementPair> initial_overlaps(const Model& model) {
   }
   const Topology topology(std::move(mesh));
   const Motion motion = Motion::linear(x, x);
-  return test::run_step({topology, motion, test::kAllObjects}, {Query::first, true}).initial_overlaps;
+  return test::run_step({topology, motion, test::kAllObjects}, {.query = Query::first, .initial_overlaps = true})
+      .initial_overlaps;
 }
 
 bool same(const Model& a, const Model& b) {

@@ -12,7 +12,7 @@ namespace {
 /// Number of pairs of non-adjacent elements that overlap, decided exactly by code that the response does not use.
 std::size_t overlaps(const Simulation& s) {
   const Motion motion = Motion::linear(s.positions(), s.positions());
-  return test::run_step({s.topology(), motion, test::kAllObjects}, {Query::all, true}).initial_overlaps.size();
+  return test::run_step({s.topology(), motion, test::kAllObjects}, {.initial_overlaps = true}).initial_overlaps.size();
 }
 
 /// Fraction of the energy by which the balance may be wrong. The work of bulk viscosity is computed with the velocity
@@ -160,7 +160,7 @@ TEST(ContactAtStart, FacesInTouchGetTheirNormalFromTheElements) {
     ContactDetection detection(topology, std::vector<double>(topology.mesh().element_slots(), 0.0), model.positions,
                                {"VolCCD+", ContactFeatures::all, true, {}, 1e-3, 4e-3, 4e-3}, executor);
     std::vector<FoundContact> found;
-    detection.query(model.positions, model.positions, {}, executor);
+    detection.query(model.positions, model.positions, {});
     detection.contacts(model.positions, model.positions, 1e-3, executor, found);
     std::size_t resisted = 0;
     for (const FoundContact& c : found) {
@@ -199,7 +199,7 @@ TEST(ContactFeatureSets, InteriorFeaturesCollideOnlyWhereAskedFor) {
 TEST(ContactAdjacent, TurningOverIsResistedAndTurningBackIsNot) {
   Shape shape;
   shape.positions = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0.3, 0.3, 0.5)};
-  shape.elements.push_back({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 0, 0});
+  shape.elements.push_back({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}});
   const Topology topology(shape.mesh());
   std::vector<Vec3> over = shape.positions;
   over[3].z() = -0.5;
@@ -208,7 +208,7 @@ TEST(ContactAdjacent, TurningOverIsResistedAndTurningBackIsNot) {
     ContactDetection detection(topology, std::vector<double>(1, 0.0), shape.positions,
                                {"VolCCD+", ContactFeatures::all, adjacent, {}, 0.01, 0.02, 0.02}, executor);
     std::vector<FoundContact> found;
-    detection.query(x0, x1, {}, executor);
+    detection.query(x0, x1, {});
     detection.contacts(x0, x1, 0.01, executor, found);
     EXPECT_EQ(found.size(), 1u);
     EXPECT_EQ(found.at(0).contact_class, ContactClass::adjacent);

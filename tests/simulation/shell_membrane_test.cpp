@@ -312,7 +312,7 @@ TEST(ShellForces, RefuseWhatIsNotPossible) {
   refused([](Model& m) { m.bodies[0].material.density = std::nan(""); });
   refused([](Model& m) { m.bodies.clear(); });
   refused([](Model& m) { m.positions[0].x() = std::nan(""); });
-  refused([](Model& m) { m.mesh.add_element({ElementType::quad, {0, 1, 3, 2}, {}, 0, 77}); });
+  refused([](Model& m) { m.mesh.add_element({.type = ElementType::quad, .vertices = {0, 1, 3, 2}, .id = 77}); });
 }
 
 TEST(PortableMath, AgreesWithTheLibrary) {

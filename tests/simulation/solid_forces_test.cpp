@@ -162,7 +162,7 @@ TEST(SolidForces, RefuseWhatTheyCannotHold) {
   rubber.poisson_ratio = 0.5;
   EXPECT_THROW(make_solid_forces(block(Solid::tetrahedra, {1, 1, 1}, 0.1, rubber)), InputError);
   Model wedge = block(Solid::tetrahedra, {1, 1, 1}, 0.1, soft());
-  wedge.mesh.add_element({ElementType::wedge, {0, 1, 2, 4, 5, 6}, {}, 0, 99});
+  wedge.mesh.add_element({.type = ElementType::wedge, .vertices = {0, 1, 2, 4, 5, 6}, .id = 99});
   EXPECT_THROW(make_solid_forces(wedge), InputError);
 }
 

@@ -63,11 +63,12 @@ inline Model block(Solid solid, std::array<int, 3> n, double h, const Material& 
             at(i, j, k),     at(i + 1, j, k),     at(i + 1, j + 1, k),     at(i, j + 1, k),
             at(i, j, k + 1), at(i + 1, j, k + 1), at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)};
         if (solid == Solid::hexahedra || (solid == Solid::both && i % 2 == 0)) {
-          model.mesh.add_element({ElementType::hexahedron, {c.begin(), c.end()}, {}, 0, id++});
+          model.mesh.add_element({.type = ElementType::hexahedron, .vertices = {c.begin(), c.end()}, .id = id++});
           continue;
         }
         for (const auto& t : kTets) {
-          model.mesh.add_element({ElementType::tetrahedron, {c[t[0]], c[t[1]], c[t[2]], c[t[3]]}, {}, 0, id++});
+          model.mesh.add_element(
+              {.type = ElementType::tetrahedron, .vertices = {c[t[0]], c[t[1]], c[t[2]], c[t[3]]}, .id = id++});
         }
       }
     }

@@ -130,7 +130,7 @@ std::size_t resisted(ContactFeatures features, bool vf, const Vec3& from, const 
                    parted.origins);
   std::vector<FoundContact> found;
   const std::vector<Vec3> x0 = parted.moved(from), x1 = parted.moved(to);
-  detection.query(x0, x1, {}, executor);
+  detection.query(x0, x1, {});
   detection.contacts(x0, x1, 0.01, executor, found);
   return static_cast<std::size_t>(std::count_if(found.begin(), found.end(), [&](const FoundContact& c) {
     return c.verdict == ContactVerdict::resist && (c.kind == FeatureKind::vf) == vf;

@@ -148,9 +148,9 @@ TEST(QuerySource, TruthIsSpreadOverCandidates) {
         {},
         {},
         {}};
-    step.cells.add({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 0, 0});
-    step.cells.add({ElementType::tetrahedron, {4, 5, 6, 7}, {}, 0, 1});
-    step.cells.add({ElementType::triangle, {0, 1, 2}, {}, 0, 2});
+    step.cells.add({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}});
+    step.cells.add({.type = ElementType::tetrahedron, .vertices = {4, 5, 6, 7}, .id = 1});
+    step.cells.add({.type = ElementType::triangle, .vertices = {0, 1, 2}, .id = 2});
     s.steps.push_back(step);
   }
   s.write(folder / "s");

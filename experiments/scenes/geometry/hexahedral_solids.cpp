@@ -74,8 +74,9 @@ class SectionBuilder {
 };
 
 void add_hexahedron(Shape& shape, const std::array<Index, 4>& low, const std::array<Index, 4>& high) {
-  ElementSpec element{
-      ElementType::hexahedron, {low.begin(), low.end()}, {}, 0, static_cast<std::int64_t>(shape.elements.size())};
+  ElementSpec element{.type = ElementType::hexahedron,
+                      .vertices = {low.begin(), low.end()},
+                      .id = static_cast<std::int64_t>(shape.elements.size())};
   element.vertices.insert(element.vertices.end(), high.begin(), high.end());
   shape.elements.push_back(std::move(element));
 }
