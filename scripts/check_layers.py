@@ -114,7 +114,7 @@ def owner(path):
 def may_use_detail(path, header_module):
     """detail/ is for the module itself, modules in folders of its folder, its own tests, and benchmarks. The adaptors of
     other libraries read elements and write pairs as the broad phases do."""
-    return (path.startswith((f"{header_module}/", f"tests/{header_module.split('/')[-1]}/", "tests/benchmarks/"))
+    return (path.startswith((f"{header_module}/", f"tests/{header_module}/", "tests/benchmarks/"))
             or (header_module == "broadphase" and path.startswith("peers/")))
 
 
