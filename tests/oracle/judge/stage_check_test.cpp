@@ -1,5 +1,5 @@
 // check_stage() passes the stages of the library, and finds the errors of stages that break a promise.
-#include <volccd/experiments/verify/stage_check.hpp>
+#include <volccd/oracle/judge/stage_check.hpp>
 
 #include <algorithm>
 #include <cmath>

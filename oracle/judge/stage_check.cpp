@@ -1,11 +1,11 @@
-#include <volccd/experiments/verify/stage_check.hpp>
+#include <volccd/oracle/judge/stage_check.hpp>
 
 #include <algorithm>
 
 #include <fmt/format.h>
 
 #include <volccd/core/suggest.hpp>
-#include <volccd/experiments/verify/detail/stage_trials.hpp>
+#include <volccd/oracle/judge/detail/stage_trials.hpp>
 
 namespace volccd {
 

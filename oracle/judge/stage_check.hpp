@@ -19,8 +19,9 @@ struct StageCheckConfig {
   std::function<void(int done, int total)> progress = {};
   unsigned threads = 3;    ///< of the executor used to check runs with several workers
   bool pipelines = true;   ///< false: the stage is not checked in pipelines
-  std::string file;        ///< a sequence whose steps are used as well, or empty
-  int first_step = 0, end_step = 1 << 30;  ///< motions of the file: first_step <= k < end_step
+  /// Passes further steps to `use`, such as those of a file, with a text that names each. The stage is run on them in
+  /// pipelines.
+  std::function<void(const std::function<void(const Step& step, const std::string& where)>& use)> further_steps = {};
   /// Number of allocations so far, of all threads. Null: allocations are not checked. The program counts them itself; a
   /// test can pass a counter of its own operator new.
   std::size_t (*allocation_count)() = nullptr;
@@ -48,12 +49,12 @@ struct StageReport {
 
 /// Runs the stage on generated steps: small features with near-degenerate motion, pairs of elements that touch or
 /// nearly touch, meshes that change, linear and quadratic motion, separations, and t_max < 1; then, in pipelines, on
-/// colliding bodies, floods and orphan sources also on meshes made to break them (cases::make_hostile), and on the steps
-/// of the file. Exact arithmetic decides which features touch. A stage is checked on
+/// colliding bodies, floods and orphan sources also on meshes made to break them (cases::make_hostile), and on the
+/// further steps. Exact arithmetic decides which features touch. A stage is checked on
 /// single items and on batches, with several workers, with a new state and with one that was used for other steps.
 /// Takes seconds with the default number of trials, half a minute for narrow phases.
 ///
-/// Throws ConfigError for an unknown stage or option, and the exceptions of SequenceReader for the file.
+/// Throws ConfigError for an unknown stage or option, and what further_steps() throws.
 StageReport check_stage(const Registry& registry, const std::string& stage, const StageCheckConfig& config = {});
 
 }  // namespace volccd

@@ -6,7 +6,7 @@
 #include <optional>
 
 #include <volccd/core/random.hpp>
-#include <volccd/experiments/verify/detail/stage_trials.hpp>
+#include <volccd/oracle/judge/detail/stage_trials.hpp>
 #include <volccd/oracle/cases/attack_cases.hpp>
 #include <volccd/oracle/cases/test_scene.hpp>
 

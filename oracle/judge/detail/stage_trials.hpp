@@ -6,7 +6,7 @@
 #include <memory>
 
 #include <volccd/core/executor.hpp>
-#include <volccd/experiments/verify/stage_check.hpp>
+#include <volccd/oracle/judge/stage_check.hpp>
 #include <volccd/oracle/cases/near_degenerate.hpp>
 
 namespace volccd::detail {

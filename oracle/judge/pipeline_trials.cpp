@@ -1,12 +1,10 @@
-// Pipelines that contain a stage, against those that do not: on colliding bodies and on the steps of a file.
+// Pipelines that contain a stage, against those that do not: on colliding bodies and on further steps of the caller.
 #include <algorithm>
 #include <map>
 
 #include <fmt/format.h>
 
-#include <volccd/io/contacts_csv.hpp>
-#include <volccd/experiments/verify/detail/stage_trials.hpp>
-#include <volccd/io/sequence/stepper.hpp>
+#include <volccd/oracle/judge/detail/stage_trials.hpp>
 #include <volccd/oracle/cases/colliding_scenes.hpp>
 #include <volccd/oracle/judge/hostile_judge.hpp>
 #include <volccd/pipelines/compare.hpp>
@@ -86,14 +84,8 @@ class PipelineTrials {
     }
   }
 
-  void run_file() {
-    SequenceReader reader(trials_.config.file);
-    SequenceStepper stepper(reader);
-    const ObjectFilter everything;
-    for (int k = trials_.config.first_step; k < std::min(trials_.config.end_step, stepper.motion_count()); ++k) {
-      stepper.go_to(k);
-      run_step({stepper.topology(), stepper.motion(), everything}, fmt::format("{}, step {}", trials_.config.file, k));
-    }
+  void run_further_steps() {
+    trials_.config.further_steps([this](const Step& step, const std::string& where) { run_step(step, where); });
   }
 
  private:
@@ -205,9 +197,9 @@ class PipelineTrials {
   }
 
   static std::string text_of(const Step& step, const Contact& contact) {
-    const ContactRow row = contact_row(0, contact, step.mesh());
-    return fmt::format("{} of the vertices {} {} {} {} at t = {:g}", row.kind == FeatureKind::vf ? "VF" : "EE",
-                       row.ids[0], row.ids[1], row.ids[2], row.ids[3], row.toi);
+    const auto id = [&](std::size_t i) { return step.mesh().vertex_id(contact.vertices[i]); };
+    return fmt::format("{} of the vertices {} {} {} {} at t = {:g}", contact.kind == FeatureKind::vf ? "VF" : "EE", id(0),
+                       id(1), id(2), id(3), contact.toi);
   }
 
   StageTrials& trials_;
@@ -251,7 +243,7 @@ void try_pipelines(const Registry& registry, const StageReport& stage, StageTria
   PipelineTrials pipelines(registry, stage, trials);
   pipelines.run_generated();
   if (stage.role == OrphanSource::kRole || stage.role == Flood::kRole) try_hostile_meshes(registry, stage, trials);
-  if (!trials.config.file.empty()) pipelines.run_file();
+  if (trials.config.further_steps) pipelines.run_further_steps();
 }
 
 }  // namespace volccd::detail

@@ -5,7 +5,7 @@
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/culling/assignment.hpp>
 #include <volccd/culling/orphan_source.hpp>
-#include <volccd/experiments/verify/detail/stage_trials.hpp>
+#include <volccd/oracle/judge/detail/stage_trials.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd::detail {

@@ -4,7 +4,7 @@
 #include <mutex>
 
 #include <volccd/core/random.hpp>
-#include <volccd/experiments/verify/detail/stage_trials.hpp>
+#include <volccd/oracle/judge/detail/stage_trials.hpp>
 #include <volccd/oracle/cases/element_pairs.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
