@@ -74,7 +74,8 @@ ORACLE_USERS = re.compile(r"^experiments/((.*/)?verify[^/]*|verify/.*)$")
 THIRD_PARTY = {
     "tbb/": (["core", "peers"], False),  # only the executor creates threads; Embree's threads are oneTBB's
     # one binary serves every CPU, so that vector widths are never in an interface
-    "hwy/": (["numerics", "mesh", "query", "broadphase", "culling", "narrowphase", "simulation"], False),
+    "hwy/": (["numerics", "mesh", "query", "broadphase", "culling", "narrowphase", "simulation", "oracle/cases"],
+             False),
     "hdf5.h": (["io", "experiments"], False),
     "fcl/": (["oracle", "peers"], False),
     "embree3/": (["peers"], False),

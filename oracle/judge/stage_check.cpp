@@ -22,14 +22,20 @@ void StageTrials::each_trial(int count,
                              const std::function<void(cases::Choices&, const std::string& where)>& body) const {
   for (int i = 0; i < count; ++i) {
     if (config.progress) config.progress(i, count);
-    const std::uint64_t seed = config.seed + static_cast<std::uint64_t>(i);
-    cases::Choices choices(seed);
-    body(choices, fmt::format("seed {}: ", seed));
+    seed_ = config.seed + static_cast<std::uint64_t>(i);
+    cases::Choices choices(seed_);
+    sets_.with(set_of(seed_), [&](const char* set) { body(choices, fmt::format("seed {}, {}: ", seed_, set)); });
   }
 }
 
+void StageTrials::with_another_set(const std::function<void(const char* name)>& body) const {
+  const std::size_t others = sets_.size() - 1;
+  if (!config.instruction_sets || others == 0) return;
+  sets_.with(set_of(seed_) + 1 + seed_ / sets_.size() % others, body);
+}
+
 void StageTrials::expect_no_allocation(const std::function<void(int k)>& step, bool required) {
-  constexpr int kWarmUp = 4, kSteps = 8;
+  constexpr int kSteps = 2 * kWarmUp;
   if (!config.allocation_count) return;
   find(kNoAllocation, required);
   const std::size_t none = config.allocation_count();

@@ -5,9 +5,12 @@
 #include <numeric>
 #include <optional>
 
+#include <fmt/format.h>
+
 #include <volccd/core/random.hpp>
 #include <volccd/oracle/judge/detail/stage_trials.hpp>
 #include <volccd/oracle/cases/attack_cases.hpp>
+#include <volccd/oracle/cases/known_misses.hpp>
 #include <volccd/oracle/cases/test_scene.hpp>
 
 namespace volccd::detail {
@@ -91,6 +94,9 @@ class BlockStage {
   virtual void run_quietly(const Step& step, StageState& state, const TestBlock& block) = 0;
   /// Compares an answer with the exact answer to the test.
   virtual void judge(const Case& c, double t_max, const Answer& answer, const std::string& where) = 0;
+  /// Whether an answer depends on the coordinates alone: not on the instruction set, and on t_max only as far as a
+  /// contact may lie after it.
+  virtual bool is_unique() const = 0;
 
  private:
   const Stage& stage_;
@@ -134,6 +140,7 @@ class FilterStage final : public BlockStage {
         [&] { return where + "drops, with t_max " + std::to_string(t_max) + ":\n" + to_text(c); },
         trials_.conservative());
   }
+  bool is_unique() const override { return false; }
 
  private:
   const FeatureFilter& filter_;
@@ -183,7 +190,10 @@ class NarrowStage final : public BlockStage {
       judge_distance(c, t_max, answer, text);
     else
       judge_touch(c, t_max, answer, text);
+    if (answer.found && !answer.undecided)
+      trials_.expect(kNear, near_at(c, answer.contact.toi), text("reports, and not near"), trials_.conservative());
   }
+  bool is_unique() const override { return true; }
 
  private:
   template <class Text>
@@ -192,22 +202,61 @@ class NarrowStage final : public BlockStage {
     const ExactAnswer truth = exact_first_touch(cases::Coordinates(c).motion(), t_max);
     trials_.expect(kLosesNoContact, answer.found || !truth.touches, text("misses"), required);
     trials_.expect(kInventsNoContact, !answer.found || truth.touches, text("invents"), trials_.exact());
+    if (answer.found && !answer.undecided && !truth.touches)
+      trials_.expect(kCertain, touches_soon(c, t_max), text("reports as decided"), required);
     if (!answer.found || !truth.touches) return;
     const double toi = answer.contact.toi;
     trials_.expect(kTimes, toi <= truth.toi, text("reports late"), required);
     if (truth.reason == TouchCase::at_start)
       trials_.expect(kTimes, toi == 0 && answer.contact.at_start, text("does not report as touching at the start"),
                      required);
-    if (!answer.undecided)
-      trials_.expect(kTimes, truth.toi - toi <= narrow_.time_tolerance(), text("reports too early"), required);
+    if (answer.undecided) return;
+    trials_.expect(kCertain, true, text(""), required);
+    trials_.expect(kTimes, truth.toi - toi <= narrow_.time_tolerance(), text("reports too early"), required);
+    trials_.expect(kTimes, !answer.contact.at_start || truth.reason == TouchCase::at_start,
+                   text("reports as touching at the start"), required);
+  }
+
+  /// A narrow phase may report a contact after t_max if its reported time is not.
+  bool touches_soon(const Case& c, double t_max) const {
+    const double until = std::min(1.0, t_max + narrow_.time_tolerance());
+    return until > t_max && exact_first_touch(cases::Coordinates(c).motion(), until).touches;
   }
 
   template <class Text>
   void judge_distance(const Case& c, double t_max, const Answer& answer, const Text& text) {
     const bool required = trials_.conservative();
     trials_.expect(kLosesNoContact, answer.found || !cases::touches(c, t_max), text("misses"), required);
-    if (answer.found && c.touch >= 0)
-      trials_.expect(kTimes, answer.contact.toi <= c.touch, text("reports late"), required);
+    if (!answer.found) return;
+    const double toi = answer.contact.toi;
+    if (c.touch >= 0) trials_.expect(kTimes, toi <= c.touch, text("reports late"), required);
+    const cases::Coordinates coordinates(c);
+    const TestMotion motion = coordinates.motion();
+    double at;
+    if (compare_distance(motion, 0, c.separation) <= 0)
+      trials_.expect(kTimes, toi == 0 && answer.contact.at_start, text("does not report as near at the start"), required);
+    if (toi > 0) {
+      const double before = std::nextafter(toi, 0);
+      trials_.expect(kTimes,
+                     !cases::seen_within_separation(c, 0, before, &at) &&
+                         compare_distance(motion, before, c.separation) > 0,
+                     text("reports late, within the separation before"), required);
+    }
+    if (answer.undecided) return;
+    // Whether the features are within the separation at some time from the reported one to the tolerance later, as
+    // rounded.
+    const double until = std::min(1.0, toi + narrow_.time_tolerance() * (1 + 0x1p-20));
+    trials_.expect(kTimes, cases::seen_within_separation(c, toi, until, &at), text("reports too early"), required);
+  }
+
+  /// Whether the features are within the separation, or touch, but for what they move within the tolerance in time.
+  bool near_at(const Case& c, double toi) const {
+    constexpr double kSeparationRounding = 0x1p-46;  // the separation is itself rounded
+    const double size = std::min(cases::Coordinates(c).size(), 0x1p1023);
+    // The bounds of the tests of tiny size are not doubles.
+    if (size < 0x1p-900) return true;
+    const double within = c.separation * (1 + kSeparationRounding) + size * (64 * narrow_.time_tolerance() + 0x1p-40);
+    return !std::isfinite(within) || compare_distance(cases::Coordinates(c).motion(), toi, within) <= 0;
   }
 
   const NarrowPhase& narrow_;
@@ -243,9 +292,48 @@ class BlockTrials {
         trials_.expect(kSameAfterOtherSteps, anew[i].same(together[i]),
                        [&] { return where + "a new state gives a different answer:\n" + to_text(group.tests[i]); });
     }
+    if (!stage_.is_unique()) return;
+    trials_.with_another_set([&](const char* set) {
+      const std::vector<Answer> other = answers(step, *kept_, group.choice.kind, pairs, 0);
+      for (std::size_t i = 0; i < pairs.size(); ++i)
+        trials_.expect(
+            kSameOnEverySet, other[i].same(together[i]),
+            [&] { return where + "a different answer with " + set + ":\n" + to_text(group.tests[i]); },
+            trials_.conservative());
+    });
+    compare_earlier_ends(group, pairs, together, where);
   }
 
  private:
+  /// Runs the tests with ends of the step at, before and after a contact, and in the middle.
+  void compare_earlier_ends(const Group& group, std::span<const FeaturePair> pairs, std::span<const Answer> all,
+                            const std::string& where) {
+    std::vector<double> ends{group.t_max / 2};
+    const auto some = std::find_if(all.begin(), all.end(), [](const Answer& a) { return a.found && a.contact.toi > 0; });
+    if (some != all.end()) {
+      const double toi = some->contact.toi;
+      for (const double end : {std::nextafter(toi, 0), toi, std::nextafter(toi, 1)})
+        if (end < group.t_max) ends.push_back(end);
+    }
+    for (const double end : ends) {
+      const Step step = scene_.step(group.choice.control_points, group.separation, end);
+      stage_.stage().prepare(step, *kept_, trials_.serial);
+      const std::vector<Answer> now = answers(step, *kept_, group.choice.kind, pairs, 0);
+      for (std::size_t i = 0; i < pairs.size(); ++i) {
+        const bool kept = now[i].found ? now[i].same(all[i]) : !all[i].found || all[i].contact.toi >= end;
+        trials_.expect(
+            kEarlierEnd, kept,
+            [&] {
+              char at[96];
+              std::snprintf(at, sizeof at, "with t_max %a, then %a, other contacts before the earlier end:\n",
+                            group.t_max, end);
+              return where + at + to_text(group.tests[i]);
+            },
+            trials_.conservative());
+      }
+    }
+  }
+
   std::vector<Answer> answers(const Step& step, StageState& state, FeatureKind kind, std::span<const FeaturePair> pairs,
                               unsigned worker) {
     block_.gather(step, kind, pairs);
@@ -312,6 +400,11 @@ void count_allocations(BlockStage& stage, StageTrials& trials, int control_point
 
 void try_blocks(BlockStage& stage, StageTrials& trials, int max_control_points, bool separation, bool is_filter) {
   BlockTrials blocks(stage, trials);
+  for (const cases::KnownMiss& known : cases::known_misses()) {
+    const StepChoice choice{known.test.kind, known.test.control_points, false};
+    if (choice.control_points <= max_control_points)
+      blocks.run({choice, 0, 1, {known.test}}, is_filter, fmt::format("{}: ", known.name));
+  }
   trials.each_trial(trials.config.trials, [&](Choices& choices, const std::string& where) {
     blocks.run(make_group(choices, max_control_points, separation, !is_filter), is_filter, where);
   });

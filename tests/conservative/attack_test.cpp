@@ -12,7 +12,7 @@
 
 #include "conservative/inclusion_property.hpp"
 #include "conservative/run_cases.hpp"
-#include "conservative/vector_targets.hpp"
+#include <volccd/oracle/cases/instruction_sets.hpp>
 #include "support/stages.hpp"
 
 namespace volccd::test {

@@ -9,7 +9,7 @@
 #include <volccd/pipelines/registry.hpp>
 
 #include "conservative/run_cases.hpp"
-#include "conservative/vector_targets.hpp"
+#include <volccd/oracle/cases/instruction_sets.hpp>
 #include "support/stages.hpp"
 
 namespace volccd::test {

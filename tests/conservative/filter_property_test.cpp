@@ -10,7 +10,7 @@
 #include "conservative/inclusion_property.hpp"
 #include "conservative/one_test.hpp"
 #include "conservative/run_cases.hpp"
-#include "conservative/vector_targets.hpp"
+#include <volccd/oracle/cases/instruction_sets.hpp>
 #include "support/stages.hpp"
 
 namespace volccd::test {

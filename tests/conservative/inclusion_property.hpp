@@ -9,7 +9,7 @@
 #include <volccd/query/contact.hpp>
 
 #include "conservative/one_test.hpp"
-#include "conservative/vector_targets.hpp"
+#include <volccd/oracle/cases/instruction_sets.hpp>
 
 namespace volccd::test {
 

@@ -7,6 +7,7 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/oracle/judge/stage_check.hpp>
+#include <volccd/oracle/cases/instruction_sets.hpp>
 #include <volccd/oracle/cases/near_degenerate.hpp>
 
 namespace volccd::detail {
@@ -15,6 +16,10 @@ namespace volccd::detail {
 inline constexpr const char* kLosesNoContact = "loses no contact";
 inline constexpr const char* kInventsNoContact = "invents no contact";
 inline constexpr const char* kTimes = "times are never late, and early by no more than the tolerance";
+inline constexpr const char* kCertain = "a contact that is not counted as undecided is one";
+inline constexpr const char* kNear = "the features of a decided contact are near each other at its time";
+inline constexpr const char* kEarlierEnd = "with an earlier end of the step, the contacts before it are the same";
+inline constexpr const char* kSameOnEverySet = "the answer does not depend on the instruction set";
 inline constexpr const char* kWellFormed = "contacts are well formed, in the order of the tests";
 inline constexpr const char* kSelects = "select() takes tests out, and leaves the others in their order";
 inline constexpr const char* kSameInEveryBatch = "the answer does not depend on the batch or the worker";
@@ -50,21 +55,32 @@ class StageTrials {
   bool conservative() const { return report_.guarantee != Guarantee::approximate; }
   bool exact() const { return report_.guarantee == Guarantee::exact; }
 
-  /// Calls body(choices, "seed N: ") for the trials [0, count).
+  /// Calls body(choices, "seed N, AVX2: ") for the trials [0, count), while kernels use the instruction set of this
+  /// name: the seed determines which.
   void each_trial(int count, const std::function<void(cases::Choices&, const std::string& where)>& body) const;
 
-  /// Calls step(k), which prepares and runs the stage on step k of one topology, several times, and expects that the
-  /// last calls do not allocate.
+  static constexpr int kWarmUp = 4;
+  /// Calls step(k), which prepares and runs the stage on step k of one topology, 2 * kWarmUp times, and expects that the
+  /// calls after the warm-up do not allocate.
   void expect_no_allocation(const std::function<void(int k)>& step, bool required = true);
+
+  /// Calls body(name) while kernels use another instruction set than that of the trial; the trials use all others in
+  /// turn. Does nothing if there is only one.
+  void with_another_set(const std::function<void(const char* name)>& body) const;
 
   const StageCheckConfig& config;
   SerialExecutor serial;
   std::unique_ptr<Executor> threads;
 
  private:
+  /// Which instruction set a trial uses.
+  std::size_t set_of(std::uint64_t seed) const { return config.instruction_sets ? seed % sets_.size() : 0; }
+
   PromiseReport& find(const char* promise, bool required);
 
   StageReport& report_;
+  cases::InstructionSets sets_;
+  mutable std::uint64_t seed_ = 0;  ///< of the trial
 };
 
 void try_stage(const BroadPhase& stage, StageTrials& trials);

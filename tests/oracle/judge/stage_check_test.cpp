@@ -1,4 +1,4 @@
-// check_stage() passes the stages of the library, and finds the errors of stages that break a promise.
+// check_stage() finds the errors of stages that break a promise.
 #include <volccd/oracle/judge/stage_check.hpp>
 
 #include <algorithm>
@@ -87,43 +87,6 @@ bool broken(const StageReport& report, const std::string& promise) {
 const std::string kLoses = "loses no contact", kBatch = "the answer does not depend on the batch or the worker",
                   kSteps = "the answer does not depend on earlier steps", kMemory = "allocates nothing in steady state",
                   kPipelines = "pipelines that contain it find the contacts of those that do not";
-
-template <class Kind>
-std::vector<std::string> names() {
-  std::vector<std::string> all;
-  const Registry registry = test::all_stages();
-  for (const auto& descriptor : registry.stages<Kind>()) all.push_back(descriptor.name);
-  return all;
-}
-
-std::vector<std::string> all_names() {
-  std::vector<std::string> all;
-  for (const auto& some : {names<BroadPhase>(), names<ElementCulling>(), names<Assignment>(), names<OrphanSource>(),
-                           names<Flood>(), names<FeatureFilter>(), names<NarrowPhase>()})
-    all.insert(all.end(), some.begin(), some.end());
-  return all;
-}
-
-/// Each of these tests is decided in exact arithmetic.
-bool is_narrow_phase(const std::string& name) {
-  const std::vector<std::string> narrow = names<NarrowPhase>();
-  return std::find(narrow.begin(), narrow.end(), name) != narrow.end();
-}
-
-class StageOfTheLibrary : public testing::TestWithParam<std::string> {};
-
-TEST_P(StageOfTheLibrary, KeepsItsPromises) {
-  const StageReport report =
-      check_stage(test::all_stages(), GetParam(), quick(is_narrow_phase(GetParam()) ? 40 : 300));
-  EXPECT_TRUE(report.kept()) << text_of(report);
-  EXPECT_GE(report.promises.size(), 4u);
-  for (const PromiseReport& one : report.promises) EXPECT_GT(one.checked, 0u) << one.promise;
-}
-INSTANTIATE_TEST_SUITE_P(All, StageOfTheLibrary, testing::ValuesIn(all_names()), [](const auto& of) {
-  std::string name = of.param;
-  std::replace(name.begin(), name.end(), '-', '_');
-  return name;
-});
 
 /// Most stars of the generated meshes may fold, so that the O-Set provides the orphans unless it is told not to.
 TEST(StageCheck, StarOrphansKeepTheirPromisesWithoutTheOSet) {
