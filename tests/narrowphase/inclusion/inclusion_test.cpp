@@ -1,5 +1,5 @@
 // `inclusion` on cases with simple answers, and its rounding bounds compared with rational arithmetic. truth_test.cpp
-// has published ground truth, and tests/conservative random near-degenerate tests.
+// has published ground truth, and tests/oracle/judge random near-degenerate tests.
 #include <cmath>
 #include <limits>
 #include <random>

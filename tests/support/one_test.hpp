@@ -9,11 +9,9 @@
 
 namespace volccd::test {
 
-using namespace cases;
-
 class OneTest {
  public:
-  void set(const Case& c, double t_max) {
+  void set(const cases::Case& c, double t_max) {
     kind_ = c.kind;
     scene_.set(0, c);
     step_.emplace(scene_.step(c.control_points, c.separation, t_max));
@@ -28,7 +26,7 @@ class OneTest {
   }
 
  private:
-  TestScene scene_;
+  cases::TestScene scene_;
   FeatureKind kind_ = FeatureKind::vf;
   FeaturePair pair_;
   TestBlock block_;
