@@ -8,7 +8,6 @@
 namespace volccd {
 
 using namespace detail;
-using Outcome = InclusionAnswer::Outcome;
 
 const Options<Inclusion::Config>& Inclusion::options() {
   static const Options<Config> table = [] {
@@ -33,7 +32,7 @@ void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<In
   const int points = step.motion.control_points();
   InclusionAnswer answer =
       inclusion_search(kind, x, points, step.separation, config_.time_tolerance, config_.max_intervals, step.t_max);
-  if (answer.outcome == Outcome::undecided) {
+  if (answer.outcome == InclusionAnswer::Outcome::undecided) {
     ++counters.undecided;
     const TestMotion motion{kind, points, x};
     const bool decide =
@@ -48,7 +47,7 @@ void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<In
       answer.at_start = exact.reason == TouchCase::at_start;
     }
   }
-  if (answer.outcome == Outcome::apart) return;
+  if (answer.outcome == InclusionAnswer::Outcome::apart) return;
   contacts.push_back(contact_at(kind, vertices, x, points, answer.toi, answer.side, step.separation));
   contacts.back().at_start = answer.at_start;
 }

@@ -6,8 +6,8 @@
 #include <volccd/io/sequence/stepper.hpp>
 
 #include "hdf5_script.hpp"
-#include "io/raw_hdf5.hpp"
-#include "io/sequences.hpp"
+#include "io/sequence/raw_hdf5.hpp"
+#include "io/sequence/sequences.hpp"
 
 namespace volccd::fuzz {
 
