@@ -211,11 +211,17 @@ class BroadTrials {
 template <class Trials, class Kind>
 void try_pairs(const Kind& stage, StageTrials& trials) {
   const auto elements = all_elements();
+  const std::unique_ptr<ElementPairs> single[] = {std::make_unique<ElementPairs>(ElementType::tetrahedron),
+                                                  std::make_unique<ElementPairs>(ElementType::hexahedron)};
   Trials pairs(stage, trials);
   trials.each_trial(trials.config.trials, [&](Choices& choices, const std::string& where) {
     ElementPairs& scene = *elements[static_cast<std::size_t>(choices.below(static_cast<int>(elements.size())))];
-    const PairGroup group = make_group(choices, scene);
-    pairs.run(scene, group, where);
+    pairs.run(scene, make_group(choices, scene), where);
+    // In a group, only the first pair lies exactly at its separation.
+    for (int i = 0; i < 4; ++i) {
+      ElementPairs& one = *single[static_cast<std::size_t>(choices.below(2))];
+      pairs.run(one, make_group(choices, one), where);
+    }
   });
 }
 

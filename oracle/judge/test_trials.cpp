@@ -67,6 +67,17 @@ Case make_quick_test(Choices& choices, const StepChoice& step) {
   return c;
 }
 
+/// Makes a single test with a separation, which it keeps: tests that lie exactly at their separation are the difficult
+/// ones, and in a group only the first one does.
+Group make_separated(Choices& choices, int max_control_points, bool quick) {
+  Group group{choose_step(choices, max_control_points, true), 0, 1, {}};
+  group.choice.separation = true;
+  group.tests.push_back(quick ? make_quick_test(choices, group.choice) : make_test(choices, group.choice));
+  group.separation = group.tests[0].separation;
+  group.t_max = choose_t_max(choices, group.tests[0]);
+  return group;
+}
+
 /// Makes a group of tests, all with the separation of the first. `quick`: as in make_quick_test().
 Group make_group(Choices& choices, int max_control_points, bool separation, bool quick) {
   Group group{choose_step(choices, max_control_points, separation), 0, 1, {}};
@@ -407,6 +418,8 @@ void try_blocks(BlockStage& stage, StageTrials& trials, int max_control_points, 
   }
   trials.each_trial(trials.config.trials, [&](Choices& choices, const std::string& where) {
     blocks.run(make_group(choices, max_control_points, separation, !is_filter), is_filter, where);
+    for (int i = 0; i < (is_filter ? 12 : 2) && separation; ++i)
+      blocks.run(make_separated(choices, max_control_points, !is_filter), is_filter, where);
   });
   // Exact arithmetic allocates memory.
   const bool required = is_filter || !trials.exact();
