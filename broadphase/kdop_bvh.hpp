@@ -3,7 +3,7 @@
 
 #include <cstdint>
 
-#include <volccd/broadphase/broad_phase.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
 
 namespace volccd {
 

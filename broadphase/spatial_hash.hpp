@@ -2,7 +2,7 @@
 // Deformable Objects", extended to continuous collision detection; the paper's HashCCD.
 #pragma once
 
-#include <volccd/broadphase/broad_phase.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
 
 namespace volccd {
 

@@ -1,7 +1,7 @@
 // The flood `boundary-flood`: finds all contacts of a volume from its boundary (docs/boundary_flood.md).
 #pragma once
 
-#include <volccd/culling/flood/flood.hpp>
+#include <volccd/query/roles/flood.hpp>
 
 namespace volccd {
 

@@ -6,7 +6,7 @@
 #include <memory>
 
 #include <volccd/core/executor.hpp>
-#include <volccd/culling/assignment.hpp>
+#include <volccd/query/roles/assignment.hpp>
 #include <volccd/mesh/topology.hpp>
 
 namespace volccd {

@@ -1,7 +1,7 @@
 // The orphans that can touch at all in a step, listed from the stars that may fold (docs/star_orphans.md).
 #pragma once
 
-#include <volccd/culling/orphan_source.hpp>
+#include <volccd/query/roles/orphan_source.hpp>
 
 namespace volccd {
 

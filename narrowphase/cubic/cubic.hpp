@@ -2,7 +2,7 @@
 // and tests at each root whether the features touch, in doubles.
 #pragma once
 
-#include <volccd/narrowphase/narrow_phase.hpp>
+#include <volccd/query/roles/narrow_phase.hpp>
 #include <volccd/query/contact.hpp>
 
 namespace volccd {

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include <volccd/culling/element_culling.hpp>
+#include <volccd/query/roles/element_culling.hpp>
 #include <volccd/oracle/cases/attack_cases.hpp>
 
 namespace volccd::cases {

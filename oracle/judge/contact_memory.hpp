@@ -7,7 +7,7 @@
 #include <unordered_map>
 #include <vector>
 
-#include <volccd/narrowphase/narrow_phase.hpp>
+#include <volccd/query/roles/narrow_phase.hpp>
 #include <volccd/pipelines/registry.hpp>
 
 namespace volccd {

@@ -4,8 +4,8 @@
 
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/broadphase/kdop_bvh.hpp>
-#include <volccd/culling/assignment.hpp>
-#include <volccd/culling/orphan_source.hpp>
+#include <volccd/query/roles/assignment.hpp>
+#include <volccd/query/roles/orphan_source.hpp>
 #include <volccd/oracle/judge/detail/stage_trials.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 

@@ -13,7 +13,7 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/broadphase/broad_phase.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
 #include <volccd/broadphase/candidate_pairs.hpp>
 #include <volccd/broadphase/brute_force.hpp>
 #include <volccd/broadphase/kdop_bvh.hpp>

@@ -1,7 +1,7 @@
 // Pairs of elements whose control points can be set, for tests of CSAT.
 #pragma once
 
-#include <volccd/culling/element_culling.hpp>
+#include <volccd/query/roles/element_culling.hpp>
 #include <volccd/mesh/topology.hpp>
 
 #include "filter_touching.hpp"

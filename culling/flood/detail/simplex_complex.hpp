@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
-#include <volccd/culling/assignment.hpp>
+#include <volccd/query/roles/assignment.hpp>
 #include <volccd/mesh/topology_delta.hpp>
 
 namespace volccd::detail {

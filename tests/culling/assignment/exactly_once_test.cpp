@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/broadphase/broad_phase.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/culling/assignment/all_pairs.hpp>
 #include <volccd/culling/assignment/dynamic_assignment.hpp>

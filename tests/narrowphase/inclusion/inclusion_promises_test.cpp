@@ -129,7 +129,7 @@ class Promises {
   static constexpr double kTolerance = 1e-9;
   Inclusion plain_{{.time_tolerance = kTolerance}};
   Inclusion deciding_{{.time_tolerance = kTolerance, .undecided = Undecided::exact}};
-  Inclusion patient_{{.time_tolerance = kTolerance, .max_parts = 100'000}};
+  Inclusion patient_{{.time_tolerance = kTolerance, .max_intervals = 100'000}};
   InstructionSets sets_;
   std::size_t cases_ = 0;
   OneTest test_;

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <memory>
 
-#include <volccd/broadphase/broad_phase.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
 #include <volccd/query/work_source.hpp>
 
 namespace volccd {
