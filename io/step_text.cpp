@@ -14,8 +14,9 @@ std::string StepsDone::text() const {
     if (static_cast<unsigned char>(c) < ' ') c = ' ';
   }
   const std::string requested = fmt::format("{} to {}", begin, end - 1);
-  const std::string kept = done > begin ? fmt::format("steps {} to {} of {} are complete", begin, done - 1, requested)
-                                        : fmt::format("no step of {} is complete", requested);
+  const std::string kept = done > begin
+                               ? fmt::format("{}s {} to {} of {} are complete", unit, begin, done - 1, requested)
+                               : fmt::format("no {} of {} is complete", unit, requested);
   return reason.empty() ? kept : kept + "; " + reason;
 }
 

@@ -14,6 +14,7 @@ struct StepsDone {
   int begin = 0, done = 0, end = 0;
   std::string stopped_by = {};  ///< why the run ended before `end`: "interrupted" or an error message; empty if it did
                                 ///< not
+  const char* unit = "step";    ///< what is counted, for text(): "step" or "frame"
 
   bool complete() const { return stopped_by.empty(); }
   /// For example "steps 0 to 6 of 0 to 20 are complete; interrupted". One line without commas and quotation marks, so

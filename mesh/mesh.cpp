@@ -143,7 +143,11 @@ Index Mesh::place(const ElementSpec& element) noexcept {
 
 ElementSpec Mesh::spec(Index o) const {
   const std::span<const Index> nodes = vertices(o), faces = polytope_faces(o);
-  return {types_[o], {nodes.begin(), nodes.end()}, {faces.begin(), faces.end()}, objects_[o], element_ids_[o]};
+  return {.type = types_[o],
+          .vertices = {nodes.begin(), nodes.end()},
+          .faces = {faces.begin(), faces.end()},
+          .object = objects_[o],
+          .id = element_ids_[o]};
 }
 
 Index Mesh::find_element(std::int64_t id) const {

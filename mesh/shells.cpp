@@ -74,6 +74,16 @@ std::vector<std::int64_t> solid_vertex_ids(std::span<const std::int64_t> ids) {
   return result;
 }
 
+void solid_middle_points(std::span<const Vec3> x0, std::span<const Vec3> xm, std::span<const Vec3> x1,
+                         std::span<const Vec3> solid0, std::span<const Vec3> solid1, std::vector<Vec3>& out) {
+  out.resize(solid0.size());
+  for (Index v = 0; v < x0.size(); ++v) {
+    const Vec3 bend = xm[v] - (0.5 * x0[v] + 0.5 * x1[v]);
+    out[solid_middle(v)] = xm[v];
+    for (const Index s : {solid_below(v), solid_above(v)}) out[s] = (0.5 * solid0[s] + 0.5 * solid1[s]) + bend;
+  }
+}
+
 ShellThickener::ShellThickener(const Mesh& mesh) : vertices_(mesh.vertex_count()), slots_(mesh.element_slots()) {
   if (vertices_ >= kNone / 3) throw InputError("shells", "vertex ids", "more than 2^32 - 2 vertices, once tripled");
   for (Index o = 0; o < slots_; ++o) {
@@ -182,15 +192,19 @@ Index ShellThickener::split_vertices(std::span<const Vec3> x, std::span<const do
   return without_normal;
 }
 
-Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double> thickness, std::vector<Vec3>& out,
-                                Scratch& scratch, Executor& executor) const {
-  if (x.size() != vertices_)
-    throw InputError("shells", "positions", fmt::format("{} for {} vertices", x.size(), vertices_));
+void ShellThickener::check_thickness(std::span<const double> thickness) const {
   if (thickness.size() != slots_)
     throw InputError("shells", "thickness", fmt::format("{} for {} elements", thickness.size(), slots_));
   for (const Shell& shell : shells_)
     if (!std::isfinite(thickness[shell.slot]) || thickness[shell.slot] < 0)
       throw InputError("shells", "thickness", shell.slot, "not a finite number >= 0");
+}
+
+Index ShellThickener::positions(std::span<const Vec3> x, std::span<const double> thickness, std::vector<Vec3>& out,
+                                Scratch& scratch, Executor& executor) const {
+  if (x.size() != vertices_)
+    throw InputError("shells", "positions", fmt::format("{} for {} vertices", x.size(), vertices_));
+  check_thickness(thickness);
   scratch.sheets_.resize(shells_.size());
   const std::span<Sheet> sheets = scratch.sheets_;
   executor.parallel_for(shells_.size(), kGrain, [&](std::size_t begin, std::size_t end, unsigned) {

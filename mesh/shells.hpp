@@ -24,6 +24,13 @@ constexpr Index shell_vertex(Index solid) { return solid / 3; }
 /// The ids 3 id, 3 id + 1, 3 id + 2 for each id. Throws InputError for ids beyond a third of the 64-bit range.
 std::vector<std::int64_t> solid_vertex_ids(std::span<const std::int64_t> ids);
 
+/// Replaces `out` by the middle control points of the quadratic motion of a solid mesh whose shell mesh has the control
+/// points x0, xm, x1; `solid0` and `solid1` are the positions of the solid mesh at both ends (ShellThickener). A vertex
+/// that stems from a shell vertex keeps the curvature of the motion of that vertex; its offset from it is linear in
+/// time.
+void solid_middle_points(std::span<const Vec3> x0, std::span<const Vec3> xm, std::span<const Vec3> x1,
+                         std::span<const Vec3> solid0, std::span<const Vec3> solid1, std::vector<Vec3>& out);
+
 /// Constructed once for a topology; then maps positions at any time to positions of the solid mesh, in the same way at
 /// both ends of a motion. Immutable, hence thread-safe.
 ///
@@ -56,6 +63,9 @@ class ShellThickener {
   ElementSpec solid_element(const Mesh& mesh, Index o) const;
   /// All elements in ascending order of slots; they have the same slots as in `mesh` if that has no empty slot.
   Mesh solid_mesh(const Mesh& mesh) const;
+
+  /// Throws the InputErrors of positions() for this thickness.
+  void check_thickness(std::span<const double> thickness) const;
 
   /// Replaces `out` by the positions of the solid mesh, three for each vertex in `x`. `thickness` has one entry for
   /// each element slot; the entries of volumes and empty slots are not read. Returns the number of vertices without a

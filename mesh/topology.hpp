@@ -17,9 +17,9 @@ namespace volccd {
 
 /// Elements to remove, then vertices and elements to add, between two steps (Section 5.1: O' = O + A_s - A_t).
 struct TopologyEdit {
-  std::vector<Index> removed;                ///< slots of live elements, each once
-  std::vector<std::int64_t> new_vertex_ids;  ///< ascending, greater than all present ids; `added` may use them
-  std::vector<ElementSpec> added;
+  std::vector<Index> removed = {};                ///< slots of live elements, each once
+  std::vector<std::int64_t> new_vertex_ids = {};  ///< ascending, greater than all present ids; `added` may use them
+  std::vector<ElementSpec> added = {};
 
   bool empty() const { return removed.empty() && added.empty() && new_vertex_ids.empty(); }
 };

@@ -11,16 +11,16 @@ void GjkSimplex::keep(std::initializer_list<std::size_t> indices) {
   for (const std::size_t i : indices) add(points_[i]);
 }
 
-bool GjkSimplex::nearest(Vec3& direction) {
+bool GjkSimplex::reduce(Vec3& direction) {
   switch (size_) {
     case 1: direction = points_[0]; return direction.squaredNorm() > 0;
-    case 2: return segment(direction);
-    case 3: return triangle(direction);
-    default: return tetrahedron(direction);
+    case 2: return reduce_segment(direction);
+    case 3: return reduce_triangle(direction);
+    default: return reduce_tetrahedron(direction);
   }
 }
 
-bool GjkSimplex::segment(Vec3& direction) {
+bool GjkSimplex::reduce_segment(Vec3& direction) {
   const Vec3 &a = points_[0], &b = points_[1], ab = b - a;
   if (!(a.dot(ab) < 0)) {
     keep({0});
@@ -30,11 +30,11 @@ bool GjkSimplex::segment(Vec3& direction) {
     direction = ab.cross(a.cross(ab));  // |ab|^2 times the component of a perpendicular to ab
     return direction.squaredNorm() > 0;
   }
-  return nearest(direction);
+  return reduce(direction);
 }
 
 // Voronoi regions of a triangle (Ericson, Real-Time Collision Detection, 5.1.5), with the origin as the query point.
-bool GjkSimplex::triangle(Vec3& direction) {
+bool GjkSimplex::reduce_triangle(Vec3& direction) {
   const Vec3 a = points_[0], b = points_[1], c = points_[2];
   const Vec3 ab = b - a, ac = c - a, n = ab.cross(ac);
   const double d1 = -ab.dot(a), d2 = -ac.dot(a), d3 = -ab.dot(b), d4 = -ac.dot(b), d5 = -ab.dot(c), d6 = -ac.dot(c);
@@ -56,13 +56,13 @@ bool GjkSimplex::triangle(Vec3& direction) {
     direction = height < 0 ? Vec3(-n) : n;
     return height != 0;
   }
-  return nearest(direction);
+  return reduce(direction);
 }
 
 // Finds the nearest of the faces that have the origin on their outer side; if there is none, the origin is inside. Flat
 // tetrahedra are common when two control points differ by a common translation; for these every face is tested, because
 // rounding errors determine their inner side.
-bool GjkSimplex::tetrahedron(Vec3& direction) {
+bool GjkSimplex::reduce_tetrahedron(Vec3& direction) {
   constexpr std::size_t faces[4][4] = {{0, 1, 2, 3}, {0, 1, 3, 2}, {0, 2, 3, 1}, {1, 2, 3, 0}};
   GjkSimplex best;
   double best_square = std::numeric_limits<double>::infinity();
@@ -76,7 +76,7 @@ bool GjkSimplex::tetrahedron(Vec3& direction) {
     face.size_ = 3;
     face.points_ = {p, q, r, r};
     Vec3 d;
-    if (!face.triangle(d)) continue;
+    if (!face.reduce_triangle(d)) continue;
     const double along = d.dot(face.points_[0]);
     const double square = along * along / d.squaredNorm();
     if (!(square < best_square)) continue;

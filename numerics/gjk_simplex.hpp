@@ -23,12 +23,12 @@ class GjkSimplex {
   /// Reduces the simplex to the face nearest to the origin, and sets `direction` to a positive multiple of the nearest
   /// point of that face, computed so that small distances are accurate. Returns false, with `direction` undefined, if
   /// the origin is inside the simplex (or on its boundary, within rounding errors).
-  bool nearest(Vec3& direction);
+  bool reduce(Vec3& direction);
 
  private:
-  bool segment(Vec3& direction);
-  bool triangle(Vec3& direction);
-  bool tetrahedron(Vec3& direction);
+  bool reduce_segment(Vec3& direction);
+  bool reduce_triangle(Vec3& direction);
+  bool reduce_tetrahedron(Vec3& direction);
   /// Removes the points without these indices, which ascend.
   void keep(std::initializer_list<std::size_t> indices);
 

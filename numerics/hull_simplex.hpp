@@ -32,8 +32,8 @@ struct HullSimplex {
     const auto offer = [&](const std::array<int, 3>& with, int count) {
       HullSimplex face;
       face.size = count + 1;
-      for (int i = 0; i < count; ++i) face.take(i, points[at(with[at(i)])], names[at(with[at(i)])]);
-      face.take(count, point, name);
+      for (int i = 0; i < count; ++i) face.set_point(i, points[at(with[at(i)])], names[at(with[at(i)])]);
+      face.set_point(count, point, name);
       if (face.project() && (best.size == 0 || face.nearer_than(best))) best = std::move(face);
     };
     offer({}, 0);
@@ -49,7 +49,7 @@ struct HullSimplex {
  private:
   static std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
-  void take(int i, const Point& point, std::pair<int, int> name) {
+  void set_point(int i, const Point& point, std::pair<int, int> name) {
     points[at(i)] = point;
     names[at(i)] = name;
   }

@@ -5,7 +5,7 @@
 #include <limits>
 
 #include <volccd/numerics/rounding.hpp>
-#include <volccd/numerics/step_part.hpp>
+#include <volccd/numerics/step_interval.hpp>
 
 #if defined(VOLCCD_QUERY_VECTOR_LANES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef VOLCCD_QUERY_VECTOR_LANES_INL
@@ -132,10 +132,10 @@ HWY_INLINE V gap_threshold(const LaneVector<V>& axis, const LaneVector<V>& exten
 
 /// Replaces the control points by those of the motion over the part of the step.
 template <int kControlPoints, class V>
-HWY_INLINE void restrict_to(const StepPart& part, LaneVector<V> (&points)[kControlPoints]) {
-  for (int level = 1; level <= part.levels; ++level)
+HWY_INLINE void restrict_to(const StepInterval& interval, LaneVector<V> (&points)[kControlPoints]) {
+  for (int level = 1; level <= interval.levels; ++level)
     for (int c = kControlPoints - 1; c >= level; --c)
-      points[c] = add(scaled(points[c - 1], broadcast<V>(part.rest)), scaled(points[c], broadcast<V>(part.s)));
+      points[c] = add(scaled(points[c - 1], broadcast<V>(interval.rest)), scaled(points[c], broadcast<V>(interval.s)));
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE

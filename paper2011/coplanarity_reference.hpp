@@ -18,10 +18,10 @@ bool determinant_keeps_sign(const std::array<Vector3<Scalar>, 2>& u, const std::
                             const std::array<Vector3<Scalar>, 2>& w) {
   CommonSign sign;
   const Vector3<Scalar> n0 = cross(u[0], v[0]), n1 = cross(u[1], v[1]);
-  if (!sign.take(dot(w[0], n0)) || !sign.take(dot(w[1], n1))) return false;
+  if (!sign.add(dot(w[0], n0)) || !sign.add(dot(w[1], n1))) return false;
   const Vector3<Scalar> change = cross(u[1] - u[0], v[1] - v[0]);
   const Vector3<Scalar> middle = {n0[0] + n1[0] - change[0], n0[1] + n1[1] - change[1], n0[2] + n1[2] - change[2]};
-  return sign.take(dot(w[0], middle) + dot(w[1], n0)) && sign.take(dot(w[1], middle) + dot(w[0], n1));
+  return sign.add(dot(w[0], middle) + dot(w[1], n0)) && sign.add(dot(w[1], middle) + dot(w[0], n1));
 }
 
 /// Whether the four points of a test, in the order of test_vertices(), are coplanar at no time in [0, 1].

@@ -15,7 +15,7 @@ class CommonSign {
  public:
   /// Whether all values up to and including this one have the same sign.
   template <class Scalar>
-  bool take(const Scalar& value) {
+  bool add(const Scalar& value) {
     const int sign = value > Scalar(0) ? 1 : value < Scalar(0) ? -1 : 0;
     if (sign == 0 || sign * sign_ < 0) return false;
     sign_ = sign;
@@ -34,7 +34,7 @@ bool apart_along(const Vector3<Scalar>& axis, std::span<const MovingPoint<Scalar
   CommonSign sign;
   for (const MovingPoint<Scalar>& p : feature)
     for (const MovingPoint<Scalar>& q : element)
-      if (!sign.take(dot(q.x0 - p.x0, axis)) || !sign.take(dot(q.x1 - p.x1, axis))) return false;
+      if (!sign.add(dot(q.x0 - p.x0, axis)) || !sign.add(dot(q.x1 - p.x1, axis))) return false;
   return true;
 }
 
@@ -50,8 +50,8 @@ template <class Scalar>
 bool vertex_apart(const MovingPoint<Scalar>& p, const std::array<MovingPoint<Scalar>, 3>& f,
                   const Vector3<Scalar>& n0) {
   CommonSign sign;
-  return sign.take(dot(f[0].x0 - p.x0, n0)) && sign.take(dot(f[0].x1 - p.x1, n0)) &&
-         sign.take(dot(f[1].x1 - p.x1, n0)) && sign.take(dot(f[2].x1 - p.x1, n0));
+  return sign.add(dot(f[0].x0 - p.x0, n0)) && sign.add(dot(f[0].x1 - p.x1, n0)) && sign.add(dot(f[1].x1 - p.x1, n0)) &&
+         sign.add(dot(f[2].x1 - p.x1, n0));
 }
 
 /// (a0 - b0) x (c0 - d0) of two edges at t = 0.
@@ -65,9 +65,9 @@ template <class Scalar>
 bool edges_apart(const std::array<MovingPoint<Scalar>, 2>& e, const std::array<MovingPoint<Scalar>, 2>& g,
                  const Vector3<Scalar>& n0) {
   CommonSign sign;
-  return sign.take(dot(e[0].x0 - g[0].x0, n0)) && sign.take(dot(e[0].x1 - g[0].x1, n0)) &&
-         sign.take(dot(e[1].x1 - g[0].x1, n0)) && sign.take(dot(e[0].x1 - g[1].x1, n0)) &&
-         sign.take(dot(e[1].x1 - g[1].x1, n0));
+  return sign.add(dot(e[0].x0 - g[0].x0, n0)) && sign.add(dot(e[0].x1 - g[0].x1, n0)) &&
+         sign.add(dot(e[1].x1 - g[0].x1, n0)) && sign.add(dot(e[0].x1 - g[1].x1, n0)) &&
+         sign.add(dot(e[1].x1 - g[1].x1, n0));
 }
 
 }  // namespace volccd::reference

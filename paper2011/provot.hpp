@@ -14,7 +14,7 @@ namespace volccd {
 /// rounding moves out of the step, contacts of features that stay in one plane (tested at t = 0 and t = 1 only), and
 /// contacts of triangles without area at the time of contact (counted as degenerate). It may report false contacts
 /// within the tolerance. Times are within about 1e-13 of a single root of a well-conditioned cubic. It misses 28 per
-/// cent of the near-degenerate tests that touch (tests/narrowphase/provot_test.cpp), and none of the random ones:
+/// cent of the near-degenerate tests that touch (tests/paper2011/provot_test.cpp), and none of the random ones:
 /// docs/narrowphase_provot.md.
 ///
 /// Two control points; no separation. Allocates memory for contacts only. O(1) per test.

@@ -48,8 +48,8 @@ void refit(BulletState& state) {
   for (btDbvtNode* node : state.inner) Merge(node->childs[0]->volume, node->childs[1]->volume, node->volume);
 }
 
-struct TakePair final : btDbvt::ICollide {
-  explicit TakePair(BulletState& state_) : state(state_) {}
+struct PairCollector final : btDbvt::ICollide {
+  explicit PairCollector(BulletState& state_) : state(state_) {}
   using btDbvt::ICollide::Process;
   void Process(const btDbvtNode* a, const btDbvtNode* b) override {
     const Index p = static_cast<Index>(a->dataAsInt), q = static_cast<Index>(b->dataAsInt);
@@ -101,8 +101,8 @@ class BulletDbvt final : public PeerPhase {
 
   void collide(PeerState& peer, Executor&) const override {
     BulletState& state = static_cast<BulletState&>(peer);
-    TakePair take(state);
-    state.tree.collideTTpersistentStack(state.tree.m_root, state.tree.m_root, take);
+    PairCollector collector(state);
+    state.tree.collideTTpersistentStack(state.tree.m_root, state.tree.m_root, collector);
   }
 
  private:

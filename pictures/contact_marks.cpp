@@ -6,35 +6,31 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/io/contacts_csv.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+#include <volccd/pipelines/step_runner.hpp>
 
 namespace volccd {
 
-std::vector<PictureContact> find_contacts(SequenceReader& reader, int motion, ShellModel shells, unsigned threads) {
+std::vector<PictureContact> find_contacts(SequenceReader& reader, int step, ShellModel shells, unsigned threads) {
   SequenceStepper::Config config;
   config.shells = shells;
   SequenceStepper stepper(reader, config);
-  stepper.go_to(motion);
+  stepper.go_to(step);
   const Registry registry = Registry::standard();
-  const Pipeline pipeline(registry, registry.pipeline("VolCCD+"));
-  Workspace workspace = pipeline.make_workspace();
-  const std::unique_ptr<Executor> executor = make_executor(threads);
-  const ObjectFilter filter;
-  StepResult result;
-  pipeline.run(Step{stepper.topology(), stepper.motion(), filter}, workspace, *executor, result,
-               Request(Query::all, false, shells == ShellModel::solid));
+  StepRunner runner(Pipeline(registry, registry.pipeline("VolCCD+")), {.threads = threads});
+  const StepResult& result =
+      runner.run(stepper.topology(), stepper.motion(), {.leave_out_shell_neighbours = shells == ShellModel::solid});
   std::vector<PictureContact> contacts;
   contacts.reserve(result.contacts.size());
   for (const Contact& contact : result.contacts) contacts.push_back({contact.kind, contact.vertices, contact.point});
   return contacts;
 }
 
-std::vector<PictureContact> contacts_from_csv(const std::string& file, int motion, std::span<const std::int64_t> ids) {
+std::vector<PictureContact> contacts_from_csv(const std::string& file, int step, std::span<const std::int64_t> ids) {
   std::vector<PictureContact> contacts;
   std::int64_t line = 1;
   for (const ContactRow& row : read_contacts_csv(file)) {
     ++line;
-    if (row.step != motion) continue;
+    if (row.step != step) continue;
     PictureContact contact{row.kind, {}, row.has_geometry ? std::optional(row.point) : std::nullopt};
     for (int k = 0; k < 4; ++k) {
       const auto found = std::lower_bound(ids.begin(), ids.end(), row.ids[k]);
@@ -54,7 +50,7 @@ void classify(std::vector<PictureContact>& contacts, const SequenceCells& cells,
   std::vector<std::pair<Index, std::int32_t>> parts;  // of vertices
   for (std::size_t cell = 0; cell < cells.size(); ++cell)
     for (const Index v : cells.vertices(cell))
-      if (wanted[v]) parts.emplace_back(v, cells.parts[cell]);
+      if (wanted[v]) parts.emplace_back(v, cells.objects[cell]);
   sort_unique(parts);
 
   std::vector<std::int32_t> first, second, scratch, both;

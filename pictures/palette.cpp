@@ -4,7 +4,7 @@
 
 namespace volccd {
 
-Colour part_colour(std::size_t index) {
+Colour object_colour(std::size_t index) {
   static constexpr std::array<Colour, 12> kColours = {{{232, 158, 82},
                                                        {126, 172, 206},
                                                        {102, 158, 118},

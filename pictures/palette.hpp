@@ -9,7 +9,7 @@ namespace volccd {
 
 /// Muted colours of medium to high lightness, so that shading and marks are visible on them. Neighbours in the sequence
 /// differ in lightness as well as in hue. The first twelve are followed by lighter and darker variants of them.
-Colour part_colour(std::size_t index);
+Colour object_colour(std::size_t index);
 
 /// Colours of marks of contacts between parts and within a part: dark; the marks also differ in shape.
 inline constexpr Colour kInterColour{200, 16, 46}, kIntraColour{24, 44, 120};

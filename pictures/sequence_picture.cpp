@@ -27,7 +27,7 @@ namespace {
 
 constexpr Colour kTextColour{30, 32, 38};
 
-/// The data of a panel: the cells and points of its step, and its contacts.
+/// The data of a panel: the cells and points of its frame, and its contacts.
 struct PanelData {
   std::string caption, subtitle;
   SequenceCells all, drawn;
@@ -35,7 +35,7 @@ struct PanelData {
   std::vector<PictureContact> contacts;
   std::size_t inter = 0, intra = 0;
   std::map<std::int32_t, std::string> part_names;
-  std::set<std::int32_t> parts;  ///< of this step and of the first one
+  std::set<std::int32_t> objects;  ///< of this frame and of the first one
 };
 
 std::string lower(std::string text) {
@@ -61,22 +61,22 @@ class PanelReader {
  public:
   PanelReader(const PicturePanel& panel, const PictureConfig& config)
       : panel_(panel), config_(config), reader_(panel.file) {
-    if (panel.step < 0 || panel.step >= reader_.step_count())
-      throw ConfigError(
-          fmt::format("--step: {} is not within the steps 0:{} of {}", panel.step, reader_.step_count(), panel.file));
+    if (panel.frame < 0 || panel.frame >= reader_.frame_count())
+      throw ConfigError(fmt::format("--step: {} is not within the frames 0:{} of {}", panel.frame,
+                                    reader_.frame_count(), panel.file));
   }
 
   PanelData read() {
     PanelData data;
     data.part_names = reader_.metadata().part_names;
     reader_.read_cells(0, data.all);
-    data.parts.insert(data.all.parts.begin(), data.all.parts.end());
-    if (!reader_.same_cells(0, panel_.step)) reader_.read_cells(panel_.step, data.all);
-    data.parts.insert(data.all.parts.begin(), data.all.parts.end());
-    reader_.read_points(panel_.step, data.points);
+    data.objects.insert(data.all.objects.begin(), data.all.objects.end());
+    if (!reader_.same_cells(0, panel_.frame)) reader_.read_cells(panel_.frame, data.all);
+    data.objects.insert(data.all.objects.begin(), data.all.objects.end());
+    reader_.read_points(panel_.frame, data.points);
     ids_.assign(reader_.point_ids().begin(), reader_.point_ids().end());
     if (config_.shells == ShellModel::solid) thicken(data);
-    if (config_.contacts && reader_.step_count() > 1) read_contacts(data);
+    if (config_.contacts && reader_.frame_count() > 1) read_contacts(data);
     title(data);
     return data;
   }
@@ -86,7 +86,7 @@ class PanelReader {
     if (!reader_.has_thickness())
       throw InputError(panel_.file, "CellData/Thickness", "is not there: shells stay surfaces");
     std::vector<double> thickness;
-    reader_.read_thickness(panel_.step, thickness);
+    reader_.read_thickness(panel_.frame, thickness);
     const Mesh mesh = mesh_of(ids_, data.all);
     const ShellThickener thickener(mesh);
     std::vector<Vec3> solid;
@@ -96,20 +96,20 @@ class PanelReader {
     ids_ = solid_vertex_ids(ids_);
   }
 
-  /// A motion has the cells of its end, which may differ from those in the picture.
-  SequenceCells cells_of_motion(int motion) {
+  /// A step has the cells of its end, which may differ from those in the picture.
+  SequenceCells cells_of_step(int step) {
     SequenceCells cells;
-    reader_.read_cells(motion + 1, cells);
+    reader_.read_cells(step + 1, cells);
     if (config_.shells == ShellModel::surface) return cells;
     const Mesh mesh = mesh_of(reader_.point_ids(), cells);
     return cells_of(ShellThickener(mesh).solid_mesh(mesh));
   }
 
   void read_contacts(PanelData& data) {
-    const int motion = std::min(panel_.step, reader_.step_count() - 2);
-    data.contacts = panel_.contacts.empty() ? find_contacts(reader_, motion, config_.shells, config_.threads)
-                                            : contacts_from_csv(panel_.contacts, motion, ids_);
-    classify(data.contacts, cells_of_motion(motion), static_cast<Index>(data.points.size()));
+    const int step = std::min(panel_.frame, reader_.frame_count() - 2);
+    data.contacts = panel_.contacts.empty() ? find_contacts(reader_, step, config_.shells, config_.threads)
+                                            : contacts_from_csv(panel_.contacts, step, ids_);
+    classify(data.contacts, cells_of_step(step), static_cast<Index>(data.points.size()));
     for (const PictureContact& contact : data.contacts) ++(contact.inter ? data.inter : data.intra);
   }
 
@@ -118,11 +118,11 @@ class PanelReader {
     data.caption = !panel_.caption.empty()   ? panel_.caption
                    : !metadata.title.empty() ? metadata.title
                                              : std::filesystem::path(panel_.file).stem().string();
-    if (reader_.step_count() == 1) return;
-    data.subtitle = fmt::format("step {} of {}, t = {:.4g} {}", panel_.step, reader_.step_count() - 1,
-                                reader_.time(panel_.step), metadata.time_unit);
+    if (reader_.frame_count() == 1) return;
+    data.subtitle = fmt::format("frame {} of {}, t = {:.4g} {}", panel_.frame, reader_.frame_count() - 1,
+                                reader_.time(panel_.frame), metadata.time_unit);
     if (config_.contacts)
-      data.subtitle += fmt::format("; contacts: {} between parts, {} within", data.inter, data.intra);
+      data.subtitle += fmt::format("; contacts: {} between objects, {} within", data.inter, data.intra);
   }
 
   const PicturePanel& panel_;
@@ -140,16 +140,16 @@ class Composer {
       panels_.push_back(PanelReader(panel, config).read());
     }
     for (const PanelData& panel : panels_) {
-      parts_.insert(panel.parts.begin(), panel.parts.end());
+      objects_.insert(panel.objects.begin(), panel.objects.end());
       names_.insert(panel.part_names.begin(), panel.part_names.end());
     }
-    for (const auto& [part, name] : names_) parts_.insert(part);
-    for (const std::int32_t part : parts_) {
-      colour_of_[part] = static_cast<std::uint16_t>(colours_.size());
-      colours_.push_back(part_colour(colours_.size()));
+    for (const auto& [object, name] : names_) objects_.insert(object);
+    for (const std::int32_t object : objects_) {
+      colour_of_[object] = static_cast<std::uint16_t>(colours_.size());
+      colours_.push_back(object_colour(colours_.size()));
     }
     for (const std::string& text : config.colours) set_colour(text);
-    select_parts();
+    select_objects();
     select_view();
   }
 
@@ -175,12 +175,12 @@ class Composer {
     if (config_.progress) config_.progress(panels);
   }
 
-  std::string name_of(std::int32_t part) const {
-    const auto found = names_.find(part);
-    return found == names_.end() || found->second.empty() ? fmt::format("part {}", part) : found->second;
+  std::string name_of(std::int32_t object) const {
+    const auto found = names_.find(object);
+    return found == names_.end() || found->second.empty() ? fmt::format("object {}", object) : found->second;
   }
 
-  std::set<std::int32_t> parse_parts(const std::string& option, const std::string& text) const {
+  std::set<std::int32_t> parse_objects(const std::string& option, const std::string& text) const {
     std::set<std::int32_t> chosen;
     const bool is_name = std::any_of(names_.begin(), names_.end(),
                                      [&](const auto& entry) { return lower(entry.second) == lower(text); });
@@ -189,43 +189,45 @@ class Composer {
       const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), id);
       const bool is_id = error == std::errc() && end == word.data() + word.size();
       const std::size_t before = chosen.size();
-      for (const std::int32_t part : parts_)
-        if (is_id ? part == id : lower(name_of(part)) == lower(word)) chosen.insert(part);
+      for (const std::int32_t object : objects_)
+        if (is_id ? object == id : lower(name_of(object)) == lower(word)) chosen.insert(object);
       if (chosen.size() == before && !(is_id && chosen.contains(id)))
-        throw ConfigError(fmt::format("{}: there is no part '{}'; there are {}{}", option, word, known_parts(),
-                                      did_you_mean(word, part_names())));
+        throw ConfigError(fmt::format("{}: there is no object '{}'; there are {}{}", option, word, known_objects(),
+                                      did_you_mean(word, object_names())));
     }
     return chosen;
   }
 
-  std::vector<std::string> part_names() const {
+  std::vector<std::string> object_names() const {
     std::vector<std::string> names;
-    for (const std::int32_t part : parts_) names.push_back(name_of(part));
+    for (const std::int32_t object : objects_) names.push_back(name_of(object));
     return names;
   }
 
-  std::string known_parts() const {
+  std::string known_objects() const {
     std::string known;
-    for (const std::int32_t part : parts_) {
-      const auto found = names_.find(part);
-      known += fmt::format("{}{}{}", known.empty() ? "" : ", ", part, found == names_.end() ? "" : " " + found->second);
+    for (const std::int32_t object : objects_) {
+      const auto found = names_.find(object);
+      known +=
+          fmt::format("{}{}{}", known.empty() ? "" : ", ", object, found == names_.end() ? "" : " " + found->second);
     }
     return known;
   }
 
-  void select_parts() {
-    const std::set<std::int32_t> only = parse_parts("--parts", config_.parts),
-                                 without = parse_parts("--without", config_.without);
+  void select_objects() {
+    const std::set<std::int32_t> only = parse_objects("--parts", config_.parts),
+                                 without = parse_objects("--without", config_.without);
     for (PanelData& panel : panels_) {
       if (only.empty() && without.empty()) {
         panel.drawn = panel.all;
       } else {
         for (std::size_t cell = 0; cell < panel.all.size(); ++cell) {
-          const std::int32_t part = panel.all.parts[cell];
-          if ((only.empty() || only.contains(part)) && !without.contains(part)) panel.drawn.add(panel.all.spec(cell));
+          const std::int32_t object = panel.all.objects[cell];
+          if ((only.empty() || only.contains(object)) && !without.contains(object))
+            panel.drawn.add(panel.all.spec(cell));
         }
       }
-      shown_.insert(panel.drawn.parts.begin(), panel.drawn.parts.end());
+      shown_.insert(panel.drawn.objects.begin(), panel.drawn.objects.end());
     }
   }
 
@@ -247,7 +249,7 @@ class Composer {
     if (fit_.empty()) throw ConfigError("nothing is left to draw: the cuts take everything away");
   }
 
-  /// Parses "part=#rrggbb".
+  /// Parses "object=#rrggbb".
   void set_colour(const std::string& text) {
     const std::size_t at = text.rfind("=#");
     std::uint32_t value = 0;
@@ -255,9 +257,9 @@ class Composer {
     if (at == std::string::npos || text.size() != at + 8 ||
         std::from_chars(text.data() + at + 2, end, value, 16).ptr != end)
       throw ConfigError(fmt::format("--colour: '{}' is not PART=#RRGGBB", text));
-    for (const std::int32_t part : parse_parts("--colour", text.substr(0, at)))
-      colours_[colour_of_[part]] = {static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8),
-                                    static_cast<std::uint8_t>(value)};
+    for (const std::int32_t object : parse_objects("--colour", text.substr(0, at)))
+      colours_[colour_of_[object]] = {static_cast<std::uint8_t>(value >> 16), static_cast<std::uint8_t>(value >> 8),
+                                      static_cast<std::uint8_t>(value)};
   }
 
   int columns() const {
@@ -319,7 +321,7 @@ class Composer {
 
   Image draw_panel(const PanelData& panel, const Camera& camera) const {
     std::vector<std::uint16_t> colours;
-    for (const std::int32_t part : panel.drawn.parts) colours.push_back(colour_of_.at(part));
+    for (const std::int32_t object : panel.drawn.objects) colours.push_back(colour_of_.at(object));
     Surface surface = surface_of(panel.drawn, panel.points, colours, config_.crease);
     cut(surface, panel.drawn, panel.points, colours, planes_);
     RenderOptions options = config_.render;
@@ -332,7 +334,7 @@ class Composer {
   double mark_size() const { return std::min(panel_width_, 2 * view_height_) / 260.0; }
 
   std::vector<Mark> marks(const PanelData& panel) const {
-    // Vertices of the parts left out. Vertices that come with the cells of the motion's end belong to none.
+    // Vertices of the objects left out. Vertices that come with the cells of the end of the step belong to none.
     std::vector<char> left_out(panel.points.size());
     for (const Index v : panel.all.connectivity) left_out[v] = 1;
     for (const Index v : panel.drawn.connectivity) left_out[v] = 0;
@@ -395,13 +397,14 @@ class Composer {
   std::vector<Entry> legend() const {
     std::vector<Entry> entries;
     if (shown_.size() > 1)
-      for (const std::int32_t part : shown_) entries.push_back({name_of(part), colours_[colour_of_.at(part)], {}});
+      for (const std::int32_t object : shown_)
+        entries.push_back({name_of(object), colours_[colour_of_.at(object)], {}});
     std::size_t inter = 0, intra = 0;
     for (const PanelData& panel : panels_) inter += panel.inter, intra += panel.intra;
     std::vector<Entry> marks;
-    if (inter > 0) marks.push_back({"contact between parts", kInterColour, MarkShape::disc});
-    if (intra > 0) marks.push_back({"contact within a part", kIntraColour, MarkShape::diamond});
-    // Marks come first, so that they remain if parts are left out.
+    if (inter > 0) marks.push_back({"contact between objects", kInterColour, MarkShape::disc});
+    if (intra > 0) marks.push_back({"contact within an object", kIntraColour, MarkShape::diamond});
+    // Marks come first, so that they remain if objects are left out.
     entries.insert(entries.begin(), marks.begin(), marks.end());
     place_entries(entries);
     std::size_t hidden = 0;
@@ -460,7 +463,7 @@ class Composer {
 
   const PictureConfig& config_;
   std::vector<PanelData> panels_;
-  std::set<std::int32_t> parts_, shown_;  ///< parts of all files; parts that are drawn
+  std::set<std::int32_t> objects_, shown_;  ///< objects of all files; objects that are drawn
   std::map<std::int32_t, std::string> names_;
   std::map<std::int32_t, std::uint16_t> colour_of_;
   std::vector<Colour> colours_;

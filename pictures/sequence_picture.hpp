@@ -1,4 +1,4 @@
-// Pictures of steps of sequences: parts in colours, contacts marked, captions and a legend.
+// Pictures of frames of sequences: objects in colours, contacts marked, captions and a legend.
 #pragma once
 
 #include <array>
@@ -15,10 +15,10 @@
 
 namespace volccd {
 
-/// One step of one file.
+/// One frame of one file.
 struct PicturePanel {
   std::string file;
-  int step = 0;
+  int frame = 0;
   std::string caption;   ///< empty: the sequence's title
   std::string contacts;  ///< contacts.csv file with the contacts; empty: they are computed
 };
@@ -36,12 +36,12 @@ struct PictureConfig {
   /// Section planes, as "axis=value" or "axis=50%" (a position within the bounding box of all vertices in use). The
   /// viewer's side of each plane is removed.
   std::vector<std::string> cuts = {};
-  /// Ids or names of parts to draw and to leave out (case-insensitive), separated by commas, or by semicolons if a name
-  /// has a comma. Empty `parts`: all of them.
+  /// Ids or names of objects to draw and to leave out (case-insensitive), separated by commas, or by semicolons if a
+  /// name has a comma. Empty `parts`: all of them.
   std::string parts = {}, without = {};
-  /// "part=#rrggbb", with the id or name of a part: replaces the colour of the palette.
+  /// "object=#rrggbb", with the id or name of an object: replaces the colour of the palette.
   std::vector<std::string> colours = {};
-  bool contacts = true;    ///< of the motion from `step` to `step` + 1; at the last step, of the motion before
+  bool contacts = true;    ///< of the step from `frame` to `frame` + 1; at the last frame, of the step before
   bool text = true;        ///< captions and legend
   double mark_radius = 0;  ///< pixels; 0: by the size of the picture and the number of contacts
   double crease = 50;      ///< degrees: edges with a greater angle are shaded as sharp
@@ -51,9 +51,9 @@ struct PictureConfig {
   RenderOptions render = {};
 };
 
-/// Draws the panels side by side with one camera; the colour of a part is the same in all of them. Deterministic.
-/// Throws InputError for invalid files, and ConfigError if a step or a part is not in a file, a size is out of range,
-/// or nothing is left to draw.
+/// Draws the panels side by side with one camera; the colour of an object is the same in all of them. Deterministic.
+/// Throws InputError for invalid files, and ConfigError if a frame or an object is not in a file, a size is out of
+/// range, or nothing is left to draw.
 Image draw_sequences(std::span<const PicturePanel> panels, const PictureConfig& config);
 
 }  // namespace volccd

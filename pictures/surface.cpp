@@ -314,8 +314,8 @@ std::vector<Index> vertices_of_bodies(const SequenceCells& cells, std::size_t ve
   std::map<std::pair<std::int32_t, Index>, std::size_t> pieces;  // cells by part and root
   std::map<std::int32_t, std::size_t> total, largest;
   for (std::size_t cell = 0; cell < cells.size(); ++cell) {
-    ++pieces[{cells.parts[cell], root(cells.vertices(cell)[0])}];
-    ++total[cells.parts[cell]];
+    ++pieces[{cells.objects[cell], root(cells.vertices(cell)[0])}];
+    ++total[cells.objects[cell]];
   }
   for (const auto& [key, count] : pieces) largest[key.first] = std::max(largest[key.first], count);
   std::vector<char> body(vertex_count), wanted(vertex_count);

@@ -30,8 +30,8 @@ struct Surface {
 };
 
 /// Vertices in use, ascending, except for those of fragments, which may fly far from the rest. A fragment is a set of
-/// cells connected by common vertices that has, for each part in it, less than `min_share` of the part's cells and is
-/// not the part's largest connected piece. O(cells) expected.
+/// cells connected by common vertices that has, for each object in it, less than `min_share` of the object's cells and
+/// is not the object's largest connected piece. O(cells) expected.
 std::vector<Index> vertices_of_bodies(const SequenceCells& cells, std::size_t vertex_count, double min_share = 0.05);
 
 /// Removes everything at positive signed distance: normal . x > offset.

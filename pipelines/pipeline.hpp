@@ -48,11 +48,6 @@ struct Request {
   bool leave_out_shell_neighbours = false;
   /// Receives the pairs between the stages; may be null, and then costs one comparison per batch. Must outlive the run.
   StageObserver* observer = nullptr;
-
-  Request() = default;
-  Request(Query q, bool overlaps = false, bool without_shell_neighbours = false)  // NOLINT: a Query converts to a
-                                                                                  // Request
-      : query(q), initial_overlaps(overlaps), leave_out_shell_neighbours(without_shell_neighbours) {}
 };
 
 struct StepResult {

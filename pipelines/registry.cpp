@@ -29,38 +29,41 @@ namespace volccd {
 namespace {
 
 void add_presets(Registry& registry) {
-  const StageChoice bvh{"kdop-bvh", {}}, hash{"spatial-hash", {}}, all_pairs{"all-pairs", {}},
-      inclusion{"inclusion", {}};
-  const StageChoice dynamic{"dynamic-assignment", {}}, o_set{"o-set", {}}, csat_filter{"feature-csat", {}};
-  registry.add_pipeline({"NavCCD", "k-DOP BVH and all elementary tests of overlapping elements (Section 6.1)",
-                         bvh, {}, all_pairs, {}, {}, inclusion});
-  registry.add_pipeline({"HashCCD", "spatial hashing and all elementary tests of overlapping elements (Section 6.1)",
-                         hash, {}, all_pairs, {}, {}, inclusion});
-  registry.add_pipeline({"VolCCD",
-                         "the paper's: k-DOP BVH, CSAT, dynamic assignment with O-Set",
-                         bvh,
-                         {{"csat", {{"axis", "face"}, {"mode", "features"}}}},
-                         dynamic,
-                         o_set,
-                         {csat_filter},
-                         inclusion});
-  registry.add_pipeline({"VolCCD+",
-                         "the best that this project knows",
-                         bvh,
-                         {{"element-kdop", {}}, {"csat", {{"axis", "optimal"}, {"mode", "pair"}}}},
-                         dynamic,
-                         StageChoice{"star-orphans", {}},
-                         {{"feature-kdop", {}}, {"coplanarity", {}}, csat_filter},
-                         inclusion,
-                         StageChoice{"boundary-flood", {}}});
-  registry.add_pipeline({"BruteForce",
-                         "every pair of elements, compared by its swept box, and all its elementary tests",
-                         {"brute-force", {}},
-                         {},
-                         all_pairs,
-                         {},
-                         {},
-                         inclusion});
+  const StageChoice bvh{"kdop-bvh"}, all_pairs{"all-pairs"}, dynamic{"dynamic-assignment"}, inclusion{"inclusion"};
+  registry.add_pipeline({.name = "NavCCD",
+                         .description = "k-DOP BVH and all elementary tests of overlapping elements (Section 6.1)",
+                         .broad_phase = bvh,
+                         .assignment = all_pairs,
+                         .narrow_phase = inclusion});
+  registry.add_pipeline(
+      {.name = "HashCCD",
+       .description = "spatial hashing and all elementary tests of overlapping elements (Section 6.1)",
+       .broad_phase = {"spatial-hash"},
+       .assignment = all_pairs,
+       .narrow_phase = inclusion});
+  registry.add_pipeline({.name = "VolCCD",
+                         .description = "the paper's: k-DOP BVH, CSAT, dynamic assignment with O-Set",
+                         .broad_phase = bvh,
+                         .element_culling = {{"csat", {{"axis", "face"}, {"mode", "features"}}}},
+                         .assignment = dynamic,
+                         .orphans = StageChoice{"o-set"},
+                         .feature_filters = {{"feature-csat"}},
+                         .narrow_phase = inclusion});
+  registry.add_pipeline({.name = "VolCCD+",
+                         .description = "the best that this project knows",
+                         .broad_phase = bvh,
+                         .element_culling = {{"element-kdop"}, {"csat", {{"axis", "optimal"}, {"mode", "pair"}}}},
+                         .assignment = dynamic,
+                         .orphans = StageChoice{"star-orphans"},
+                         .feature_filters = {{"feature-kdop"}, {"coplanarity"}, {"feature-csat"}},
+                         .narrow_phase = inclusion,
+                         .flood = StageChoice{"boundary-flood"}});
+  registry.add_pipeline(
+      {.name = "BruteForce",
+       .description = "every pair of elements, compared by its swept box, and all its elementary tests",
+       .broad_phase = {"brute-force"},
+       .assignment = all_pairs,
+       .narrow_phase = inclusion});
 }
 
 /// Splits "a,b,c"; the result is empty for "" and "none".
@@ -175,6 +178,12 @@ void Registry::add_pipeline(PipelineSpec spec) {
   for (const PipelineSpec& other : pipelines_)
     if (other.name == spec.name) throw ConfigError(fmt::format("a pipeline '{}' is registered already", spec.name));
   pipelines_.push_back(std::move(spec));
+}
+
+PipelineSpec Registry::pipeline(const std::string& name, std::span<const std::string> settings) const {
+  PipelineSpec spec = pipeline(name);
+  for (const std::string& setting : settings) apply_setting(spec, setting);
+  return spec;
 }
 
 PipelineSpec Registry::resolved(PipelineSpec spec) const {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <tuple>
 #include <vector>
@@ -19,20 +20,20 @@ namespace volccd {
 
 /// A stage by name, with the options that differ from their defaults.
 struct StageChoice {
-  std::string name;
-  OptionValues options;
+  std::string name = {};
+  OptionValues options = {};
 };
 
 /// A pipeline as data: its stages, by role.
 struct PipelineSpec {
-  std::string name;         ///< as users type it, e.g. "VolCCD"
-  std::string description;  ///< one line
-  StageChoice broad_phase;
-  std::vector<StageChoice> element_culling;  ///< may be empty
-  StageChoice assignment;
-  std::optional<StageChoice> orphans;
-  std::vector<StageChoice> feature_filters;  ///< may be empty
-  StageChoice narrow_phase;
+  std::string name = {};         ///< as users type it, e.g. "VolCCD"
+  std::string description = {};  ///< one line
+  StageChoice broad_phase = {};
+  std::vector<StageChoice> element_culling = {};  ///< may be empty
+  StageChoice assignment = {};
+  std::optional<StageChoice> orphans = std::nullopt;
+  std::vector<StageChoice> feature_filters = {};  ///< may be empty
+  StageChoice narrow_phase = {};
   std::optional<StageChoice> flood = std::nullopt;  ///< replaces the orphan source in the steps that it accepts
 
   /// All stages in the order in which they run, each with its role as used by `--set`.
@@ -69,6 +70,8 @@ class Registry {
 
   const std::vector<PipelineSpec>& pipelines() const { return pipelines_; }
   const PipelineSpec& pipeline(const std::string& name) const { return find("pipeline", pipelines_, name); }
+  /// The pipeline with this name, changed by the settings in their order (apply_setting). Throws ConfigError.
+  PipelineSpec pipeline(const std::string& name, std::span<const std::string> settings) const;
   /// The same specification with every option of its stages, including defaults. Throws ConfigError for an unknown
   /// stage or option.
   PipelineSpec resolved(PipelineSpec spec) const;

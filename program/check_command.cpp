@@ -7,7 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include <volccd/experiments/tables/text_table.hpp>
-#include <volccd/experiments/verify/stage_check.hpp>
+#include <volccd/io/sequence/stepper.hpp>
+#include <volccd/oracle/judge/stage_check.hpp>
 #include <volccd/program/allocation_count.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/progress.hpp>
@@ -71,11 +72,17 @@ unsigned workers(unsigned threads) { return std::max(2u, threads > 0 ? threads :
 int run(CheckOptions options, const Registry& registry) {
   for (const std::string& setting : options.settings) set_option(options, setting, options.config.options);
   if (!options.file.empty()) {
-    options.config.file = sequence_file(options.file);
-    SequenceReader reader(options.config.file);
-    const StepRange range = parse_steps(options.steps, reader.step_count() - 1, options.config.file);
-    options.config.first_step = range.begin;
-    options.config.end_step = range.end;
+    const std::string file = sequence_file(options.file);
+    const auto reader = std::make_shared<SequenceReader>(file);
+    const StepRange range = parse_steps(options.steps, reader->frame_count() - 1, file);
+    options.config.further_steps = [file, reader, range](const auto& use) {
+      SequenceStepper stepper(*reader);
+      const ObjectFilter everything;
+      for (int k = range.begin; k < range.end; ++k) {
+        stepper.go_to(k);
+        use({stepper.topology(), stepper.motion(), everything}, fmt::format("{}, step {}", file, k));
+      }
+    };
   }
   options.config.allocation_count = allocation_count;
   options.config.threads = workers(options.threads);

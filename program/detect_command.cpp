@@ -8,11 +8,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <volccd/io/output_file.hpp>
+#include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/io/contacts_csv.hpp>
 #include <volccd/io/contacts_vtp.hpp>
+#include <volccd/io/output_file.hpp>
 #include <volccd/io/stats_json.hpp>
-#include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/pipelines/step_runner.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/output_plan.hpp>
 #include <volccd/program/progress.hpp>
@@ -79,16 +80,15 @@ class Detection {
  public:
   Detection(const DetectOptions& options, const Registry& registry)
       : options_(options),
-        spec_(make_spec(options, registry)),
-        pipeline_(registry, spec_),
-        workspace_(pipeline_.make_workspace()),
+        executor_(make_interruptible_executor(options.query.threads)),
+        runner_(Pipeline(registry, registry.pipeline(options.pipeline, options.settings)),
+                {.executor = executor_.get(), .filter = options.query.filter()}),
         reader_(options.sequence.file),
         stepper_(reader_, options.sequence.stepper()),
-        range_(parse_steps(options.sequence.steps, stepper_.motion_count(), options.sequence.file)),
-        executor_(make_interruptible_executor(options.query.threads)),
-        filter_(options.query.filter()),
-        request_(options.first ? Query::first : Query::all, !options.overlaps.empty(),
-                 options.query.leaves_out_shell_neighbours(options.sequence)) {
+        range_(parse_steps(options.sequence.steps, stepper_.step_count(), options.sequence.file)),
+        request_{.query = options.first ? Query::first : Query::all,
+                 .initial_overlaps = !options.overlaps.empty(),
+                 .leave_out_shell_neighbours = options.query.leaves_out_shell_neighbours(options.sequence)} {
     warn_of_incomplete(reader_);
     plan_.input("FILE", options.sequence.file);
     plan_.output("--contacts", options.contacts);
@@ -140,30 +140,25 @@ class Detection {
       report_->print("{}{} written to {}\n", first, what, file);
   }
 
-  static PipelineSpec make_spec(const DetectOptions& options, const Registry& registry) {
-    PipelineSpec spec = registry.pipeline(options.pipeline);
-    for (const std::string& setting : options.settings) registry.apply_setting(spec, setting);
-    return spec;
-  }
-
   void run_step(int k) {
     stepper_.go_to(k, *executor_);
     if (k == range_.begin) options_.query.check(stepper_);
-    const Step step{stepper_.topology(), stepper_.motion(), filter_, options_.query.separation_in(stepper_)};
-    pipeline_.run(step, workspace_, *executor_, result_, request_);
-    if (contacts_) contacts_->write_step(k, result_.contacts, stepper_.topology());
-    if (vtk_) vtk_->write_step(k, reader_.time(k), reader_.time(k + 1), result_.contacts, stepper_.topology());
-    if (overlaps_) overlaps_->write_step(k, overlap_rows(k));
-    add_part_pairs(k, result_.contacts, stepper_.topology(), part_pairs_);
-    steps_.push_back(result_.statistics);
-    total_ += result_.statistics;
+    const Topology& topology = stepper_.topology();
+    runner_.set_separation(options_.query.separation_in(stepper_));
+    const StepResult& result = runner_.run(topology, stepper_.motion(), request_);
+    if (contacts_) contacts_->write_step(k, result.contacts, topology);
+    if (vtk_) vtk_->write_step(k, reader_.time(k), reader_.time(k + 1), result.contacts, topology);
+    if (overlaps_) overlaps_->write_step(k, overlap_rows(k, result.initial_overlaps));
+    add_part_pairs(k, result.contacts, topology, part_pairs_);
+    steps_.push_back(result.statistics);
+    total_ += result.statistics;
   }
 
   /// Rows are in ascending order of the pairs of element ids; in each pair, the smaller id is first.
-  std::string overlap_rows(int k) const {
+  std::string overlap_rows(int k, const std::vector<ElementPair>& overlaps) const {
     const Mesh& mesh = stepper_.topology().mesh();
     std::vector<std::pair<std::int64_t, std::int64_t>> ids;
-    for (const ElementPair pair : result_.initial_overlaps)
+    for (const ElementPair pair : overlaps)
       ids.push_back(std::minmax({mesh.element_id(pair.a), mesh.element_id(pair.b)}));
     std::sort(ids.begin(), ids.end());
     std::string rows;
@@ -180,8 +175,8 @@ class Detection {
       table.add(row_of(fmt::format("{}", range_.begin + static_cast<int>(i)), steps_[i], request_.initial_overlaps));
     table.rule();
     table.add(row_of("all", total_, request_.initial_overlaps));
-    report_->print("{}: {}, {}, {} thread(s)\n\n{}", options_.sequence.file, spec_.name,
-                   to_string(pipeline_.guarantee()), executor_->workers(), table.text());
+    report_->print("{}: {}, {}, {} thread(s)\n\n{}", options_.sequence.file, runner_.pipeline().spec().name,
+                   to_string(runner_.pipeline().guarantee()), executor_->workers(), table.text());
     print_summary();
     if (request_.leave_out_shell_neighbours) print_left_out();
     print_part_pairs();
@@ -231,7 +226,7 @@ class Detection {
     const auto contacts = [](const auto* pair) { return pair->second.vf + pair->second.ee; };
     std::stable_sort(pairs.begin(), pairs.end(),
                      [&](const auto* a, const auto* b) { return contacts(a) > contacts(b); });
-    TextTable table({"part", "and part", "VF contacts", "EE contacts", "first in step", "at t"}, 2);
+    TextTable table({"object", "and object", "VF contacts", "EE contacts", "first in step", "at t"}, 2);
     for (std::size_t i = 0; i < std::min(pairs.size(), kPartPairsShown); ++i) {
       const auto& [parts, count] = *pairs[i];
       table.add({part_name(parts.first), parts.first == parts.second ? "(itself)" : part_name(parts.second),
@@ -239,7 +234,7 @@ class Detection {
     }
     report_->print("\n{}", table.text());
     if (pairs.size() > kPartPairsShown)
-      report_->print("and {} more pairs of parts: --json lists all\n", grouped(pairs.size() - kPartPairsShown));
+      report_->print("and {} more pairs of objects: --json lists all\n", grouped(pairs.size() - kPartPairsShown));
   }
 
   nlohmann::json part_pairs_json() const {
@@ -284,7 +279,7 @@ class Detection {
             {"edges", options_.sequence.edges},
             {"motion", options_.sequence.motion},
             {"threads", executor_->workers()},
-            {"pipeline", to_json(pipeline_)},
+            {"pipeline", to_json(runner_.pipeline())},
             {"machine", machine_facts()},
             {"steps", steps},
             {"earliest_step", earliest_step() ? nlohmann::json(range_.begin + static_cast<int>(*earliest_step()))
@@ -295,14 +290,11 @@ class Detection {
 
   const InterruptGuard guard_;  ///< before there are files that an interruption would leave behind
   const DetectOptions& options_;
-  PipelineSpec spec_;
-  Pipeline pipeline_;
-  Workspace workspace_;
+  std::unique_ptr<Executor> executor_;
+  StepRunner runner_;
   SequenceReader reader_;
   SequenceStepper stepper_;
   StepRange range_;
-  std::unique_ptr<Executor> executor_;
-  ObjectFilter filter_;
   Request request_;
   OutputPlan plan_;
   std::optional<Report> report_;
@@ -311,7 +303,6 @@ class Detection {
   std::optional<StepTextWriter> overlaps_;
   std::optional<OutputFile> stats_;
   bool noted_ = false;
-  StepResult result_;
   std::vector<Statistics> steps_;
   Statistics total_;
   PartPairs part_pairs_;
@@ -320,7 +311,7 @@ class Detection {
 }  // namespace
 
 void add_detect_command(CLI::App& app, const Registry& registry, Action& action) {
-  CLI::App* command = app.add_subcommand("detect", "contacts of the motions in a sequence");
+  CLI::App* command = app.add_subcommand("detect", "contacts of the steps in a sequence");
   const auto options = std::make_shared<DetectOptions>();
   options->sequence.add_to(*command);
   command->add_option("--pipeline", options->pipeline, "see `volccd stages`")->type_name("NAME")->capture_default_str();
@@ -330,7 +321,7 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
   command->add_option("--contacts", options->contacts, "write the contacts as CSV")->type_name("FILE");
   command
       ->add_option("--vtk", options->vtk,
-                   "write the contacts as points for ParaView (.vtp): normals, times, kinds, parts")
+                   "write the contacts as points for ParaView (.vtp): normals, times, kinds, objects")
       ->type_name("FILE");
   command
       ->add_option("--overlaps", options->overlaps,

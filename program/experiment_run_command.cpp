@@ -293,7 +293,7 @@ int run(const ExperimentOptions& options, const Registry& registry) {
 }
 
 constexpr const char* kRunFooter =
-    "If all motions would take too long, an evenly spaced sample is taken, which the record lists. After Ctrl-C or "
+    "If all steps would take too long, an evenly spaced sample is taken, which the record lists. After Ctrl-C or "
     "an error, the same command continues with the rows in NAME.incomplete.jsonl (scenes: scenes.incomplete.json and "
     ".txt have the complete scenes); an earlier record is unchanged until then.\n"
     "Exit code 1 if pipelines that must find the same contacts found different ones.\n"
@@ -323,9 +323,9 @@ void add_experiment_run_command(CLI::App& experiment, const Registry& registry, 
       ->allow_extra_args(false);
   run_command->add_option("-o,--output", options->output, "folder for tables and records")->capture_default_str();
   run_command->add_flag("--quick", options->quick,
-                        "takes minutes: small scenes, few motions, one round (the default of experiments with rounds)");
+                        "takes minutes: small scenes, few steps, one round (the default of experiments with rounds)");
   run_command
-      ->add_flag("--full", options->full, "takes hours: scenes at their default sizes, more motions, several rounds")
+      ->add_flag("--full", options->full, "takes hours: scenes at their default sizes, more steps, several rounds")
       ->excludes("--quick");
   run_command->add_flag("--skip-complete", options->skip_complete,
                         "keeps the records that are complete and of the same program, machine, plan and inputs, so "

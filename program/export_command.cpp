@@ -24,54 +24,57 @@ struct ExportOptions {
 };
 
 /// run.vtkhdf, 7 -> run_0007.vtkhdf: ParaView opens files with such names as one series.
-std::string file_of_step(const std::string& output, int step) {
+std::string file_of_frame(const std::string& output, int frame) {
   const std::filesystem::path path(output);
-  return (path.parent_path() / fmt::format("{}_{:04}{}", path.stem().string(), step, path.extension().string()))
+  return (path.parent_path() / fmt::format("{}_{:04}{}", path.stem().string(), frame, path.extension().string()))
       .string();
 }
 
-void write_step(SequenceReader& reader, int step, const std::string& file) {
+void write_frame(SequenceReader& reader, int frame, const std::string& file) {
   std::vector<Vec3> points, velocity;
   std::vector<double> thickness;
   SequenceCells cells;
-  reader.read_points(step, points);
-  reader.read_cells(step, cells);
-  if (reader.has_velocity()) reader.read_velocity(step, velocity);
-  if (reader.has_thickness()) reader.read_thickness(step, thickness);
+  reader.read_points(frame, points);
+  reader.read_cells(frame, cells);
+  if (reader.has_velocity()) reader.read_velocity(frame, velocity);
+  if (reader.has_thickness()) reader.read_thickness(frame, thickness);
   SequenceWriter writer(file, reader.point_ids(), reader.metadata(), SequenceForm::single);
-  writer.write_step(reader.time(step), points, cells, {velocity, thickness});
+  writer.write_frame(reader.time(frame), points, cells, {velocity, thickness});
   writer.finish();
 }
 
-int export_steps(const ExportOptions& options) {
+int export_frames(const ExportOptions& options) {
   const InterruptGuard guard;
   const Report report(options.report);
   SequenceReader reader(options.file);
   warn_of_incomplete(reader);
-  const StepRange range = parse_steps(options.steps, reader.step_count(), options.file);
+  const StepRange range = parse_steps(options.steps, reader.frame_count(), options.file, "frame");
   OutputPlan plan;
   plan.input("FILE", options.file);
-  for (int k = range.begin; k < range.end; ++k) plan.output("-o", file_of_step(options.output, k), kSequenceIsNoStream);
+  for (int k = range.begin; k < range.end; ++k)
+    plan.output("-o", file_of_frame(options.output, k), kSequenceIsNoStream);
   plan.check();
-  const StepsDone steps =
-      run_steps("exporting", range, [&](int k) { write_step(reader, k, file_of_step(options.output, k)); });
-  report.print("{} step(s) written to {} .. {}\n", steps.done - steps.begin, file_of_step(options.output, steps.begin),
-               file_of_step(options.output, steps.done - 1));
-  print_incomplete(steps, report.people());
-  return exit_code(steps);
+  StepsDone frames =
+      run_steps("exporting", range, [&](int k) { write_frame(reader, k, file_of_frame(options.output, k)); });
+  frames.unit = "frame";
+  report.print("{} frame(s) written to {} .. {}\n", frames.done - frames.begin,
+               file_of_frame(options.output, frames.begin), file_of_frame(options.output, frames.done - 1));
+  print_incomplete(frames, report.people());
+  return exit_code(frames);
 }
 
 }  // namespace
 
 void add_export_command(CLI::App& scene, Action& action) {
   CLI::App* command =
-      scene.add_subcommand("export", "a file for each step, for VTK before 9.3 and ParaView before 5.12");
+      scene.add_subcommand("export", "a file for each frame, for VTK before 9.3 and ParaView before 5.12");
   const auto options = std::make_shared<ExportOptions>();
   command->add_option("FILE", options->file, "sequence (VTKHDF), or the name of a scene")->required()->type_name("");
-  command->add_option("--steps", options->steps, "steps k with A <= k < B; or one step K")->type_name("A:B");
+  command->add_option("--steps", options->steps, "frames k with A <= k < B; or one frame K")->type_name("A:B");
   command
-      ->add_option("-o,--output", options->output,
-                   "name of the files, to which the number of the step is added: run.vtkhdf gives run_0000.vtkhdf, ...")
+      ->add_option(
+          "-o,--output", options->output,
+          "name of the files, to which the number of the frame is added: run.vtkhdf gives run_0000.vtkhdf, ...")
       ->required()
       ->type_name("FILE");
   options->report.add_quiet_to(*command);
@@ -83,7 +86,7 @@ void add_export_command(CLI::App& scene, Action& action) {
   command->callback([options, &action] {
     action = [options] {
       options->file = sequence_file(options->file);
-      return export_steps(*options);
+      return export_frames(*options);
     };
   });
 }

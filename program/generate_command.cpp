@@ -89,8 +89,8 @@ void write_stats(const GenerateOptions& options, const std::string& bake_record)
 void print_generated(const GenerateOptions& options) {
   SequenceReader reader(options.output);
   report_of(options).print("{}: {} frames, {} elements at first, {} at last, {} vertices, written to {}\n",
-                           options.name, reader.step_count(), reader.cell_count(0),
-                           reader.cell_count(reader.step_count() - 1), reader.point_count(), options.output);
+                           options.name, reader.frame_count(), reader.cell_count(0),
+                           reader.cell_count(reader.frame_count() - 1), reader.point_count(), options.output);
 }
 
 int generate_simulated(const GenerateOptions& options, const SimulatedScene& scene) {
@@ -198,7 +198,7 @@ void add_generate_command(CLI::App& scene, Action& action) {
   add_threads_option(*command, options->threads);
   command->add_option("--mesh", options->mesh, "mesh to work on: a sequence file, or the name of a scene")
       ->type_name("FILE");
-  command->add_option("--mesh-step", options->mesh_step, "step of that file")->capture_default_str();
+  command->add_option("--mesh-step", options->mesh_step, "frame of that file")->capture_default_str();
   for (const auto& [name, text] : option_texts())
     command->add_option("--" + name, options->values[name], text)->type_name("VALUE");
   options->report.add_quiet_to(*command);

@@ -49,12 +49,12 @@ double quantile(std::vector<double>& values, double q) {
 }
 
 /// Mean length of the live edges at t = 0, and how far the vertices in use move, in that unit.
-struct MotionFacts {
+struct MovementFacts {
   double mean_edge = 0, median = 0, p99 = 0, largest = 0;
 };
 
-MotionFacts motion_facts(const Topology& topology, const Motion& motion) {
-  MotionFacts facts;
+MovementFacts movement_facts(const Topology& topology, const Motion& motion) {
+  MovementFacts facts;
   const Features& features = topology.features();
   double sum = 0;
   for (Index e = 0; e < features.edge_slots(); ++e)
@@ -84,8 +84,8 @@ void print_header(const Report& report, SequenceReader& reader) {
   line("units", about.units);
   line("time unit", about.time_unit);
   line("INCOMPLETE", about.incomplete);
-  line("steps", fmt::format("{}, times {:g} to {:g}", reader.step_count(), reader.time(0),
-                            reader.time(reader.step_count() - 1)));
+  line("frames", fmt::format("{}, times {:g} to {:g}", reader.frame_count(), reader.time(0),
+                             reader.time(reader.frame_count() - 1)));
   line("points", grouped(reader.point_count()));
   line("arrays", std::string(reader.has_velocity() ? "velocity " : "") + (reader.has_thickness() ? "thickness " : "") +
                      (reader.has_query() ? "query" : ""));
@@ -100,9 +100,9 @@ nlohmann::json header_json(SequenceReader& reader) {
           {"units", about.units},
           {"time_unit", about.time_unit},
           {"incomplete", about.incomplete.empty() ? nlohmann::json(nullptr) : nlohmann::json(about.incomplete)},
-          {"steps", reader.step_count()},
+          {"steps", reader.frame_count()},
           {"begin_time", reader.time(0)},
-          {"end_time", reader.time(reader.step_count() - 1)},
+          {"end_time", reader.time(reader.frame_count() - 1)},
           {"points", reader.point_count()},
           {"has_velocity", reader.has_velocity()},
           {"has_thickness", reader.has_thickness()},
@@ -110,7 +110,7 @@ nlohmann::json header_json(SequenceReader& reader) {
           {"motions", nlohmann::json::array()}};
 }
 
-constexpr std::size_t kPartsShown = 40;
+constexpr std::size_t kObjectsShown = 40;
 
 std::string named_count(ElementType type, std::uint64_t count) {
   std::string name = to_string(type);
@@ -128,27 +128,27 @@ std::string collapsed_text(const SequenceReader& reader) {
   return text;
 }
 
-std::string part_name(const SequenceReader& reader, std::int32_t part, bool named) {
+std::string object_name(const SequenceReader& reader, std::int32_t object, bool named) {
   const auto& names = reader.metadata().part_names;
-  const auto name = names.find(part);
+  const auto name = names.find(object);
   return name == names.end() || !named ? std::string() : name->second;
 }
 
-/// `named`: whether the objects are the parts that the file names.
+/// `named`: whether the objects are those that the file stores and may name.
 void print_mesh(const Report& report, const SequenceReader& reader, const Topology& topology, bool named) {
   const Census counts = census(topology.mesh());
   const Features& features = topology.features();
-  report.print("\nstep 0\n");
+  report.print("\nframe 0\n");
   for (const auto& [type, count] : counts.types) report.print("  {:<12} {:>10}\n", to_string(type), grouped(count));
   if (const std::string text = collapsed_text(reader); !text.empty())
     report.print("{}\n", wrapped("  nodes repeat, read as: " + text));
   std::size_t shown = 0;
   for (const auto& [object, count] : counts.objects) {
-    if (++shown > kPartsShown) continue;
-    report.print("  {:<12} {:>10}  {}\n", fmt::format("{} {}", named ? "part" : "component", object), grouped(count),
-                 part_name(reader, object, named));
+    if (++shown > kObjectsShown) continue;
+    report.print("  {:<12} {:>10}  {}\n", fmt::format("{} {}", named ? "object" : "component", object), grouped(count),
+                 object_name(reader, object, named));
   }
-  if (shown > kPartsShown) report.print("  and {} more\n", grouped(shown - kPartsShown));
+  if (shown > kObjectsShown) report.print("  and {} more\n", grouped(shown - kObjectsShown));
   report.print("  {:<12} {:>10}\n  {:<12} {:>10}\n  {:<12} {:>10}\n", "vertices used", grouped(features.vertex_count()),
                "edges", grouped(features.edge_count()), "triangles", grouped(features.triangle_count()));
 }
@@ -158,7 +158,7 @@ nlohmann::json mesh_json(const SequenceReader& reader, const Topology& topology,
   nlohmann::json elements = nlohmann::json::object(), parts = nlohmann::json::array();
   for (const auto& [type, count] : counts.types) elements[to_string(type)] = count;
   for (const auto& [object, count] : counts.objects)
-    parts.push_back({{"part", object}, {"name", part_name(reader, object, named)}, {"elements", count}});
+    parts.push_back({{"part", object}, {"name", object_name(reader, object, named)}, {"elements", count}});
   return {{"elements", elements},
           {"parts", parts},
           {"vertices", topology.features().vertex_count()},
@@ -166,27 +166,28 @@ nlohmann::json mesh_json(const SequenceReader& reader, const Topology& topology,
           {"triangles", topology.features().triangle_count()}};
 }
 
-/// The mesh of step 0, with the objects that the options select. `named`: they are the parts that the file names.
-struct FirstStep {
-  FirstStep(SequenceReader& reader, const SequenceStepper::Config& config) {
+/// The mesh of frame 0, with the objects that the options select. `named`: they are those that the file stores and may
+/// name.
+struct FirstFrame {
+  FirstFrame(SequenceReader& reader, const SequenceStepper::Config& config) {
     SequenceCells cells;
     reader.read_cells(0, cells);
-    if (config.parts == PartModel::components) ConnectedParts(reader).assign(cells);
+    if (config.objects == ObjectModel::components) ConnectedComponents(reader).assign(cells);
     topology.emplace(mesh_of(reader.point_ids(), cells), config.edge_set);
-    named = config.parts == PartModel::stored;
+    named = config.objects == ObjectModel::stored;
   }
 
   std::optional<Topology> topology;
   bool named = true;
 };
 
-/// Reads all motions and adds, for each, a row to the text table and an entry to `motions`.
-StepsDone read_motions(const InfoOptions& options, SequenceReader& reader, TextTable& table, nlohmann::json& motions) {
+/// Reads all steps and adds, for each, a row to the text table and an entry to `motions`.
+StepsDone read_steps(const InfoOptions& options, SequenceReader& reader, TextTable& table, nlohmann::json& motions) {
   SequenceStepper stepper(reader, options.sequence.stepper());
-  const StepRange range = parse_steps(options.sequence.steps, stepper.motion_count(), options.sequence.file);
+  const StepRange range = parse_steps(options.sequence.steps, stepper.step_count(), options.sequence.file);
   return run_steps("reading", range, [&](int k) {
     stepper.go_to(k);
-    const MotionFacts facts = motion_facts(stepper.topology(), stepper.motion());
+    const MovementFacts facts = movement_facts(stepper.topology(), stepper.motion());
     const Index elements = stepper.topology().mesh().element_count();
     table.add({std::to_string(k), fmt::format("{:g}", reader.time(k)), grouped(elements),
                fmt::format("{:.4g}", facts.mean_edge), fmt::format("{:.3f}", facts.median),
@@ -208,19 +209,19 @@ int info(const InfoOptions& options) {
   nlohmann::json document = header_json(reader);
   print_header(report, reader);
   {
-    const FirstStep first(reader, options.sequence.stepper());
+    const FirstFrame first(reader, options.sequence.stepper());
     print_mesh(report, reader, *first.topology, first.named);
     document["step_0"] = mesh_json(reader, *first.topology, first.named);
   }
   StepsDone steps;
-  if (reader.step_count() >= 2) {
+  if (reader.frame_count() >= 2) {
     const auto with_unit = [](const char* name, const std::string& unit) {
       return unit.empty() ? std::string(name) : fmt::format("{} [{}]", name, unit);
     };
-    TextTable table({"motion", with_unit("time", reader.metadata().time_unit), "elements", "mean edge",
+    TextTable table({"step", with_unit("time", reader.metadata().time_unit), "elements", "mean edge",
                      "moved: median [edges]", "99 % [edges]", "largest [edges]"});
-    steps = read_motions(options, reader, table, document["motions"]);
-    report.print("\nmotions: distances that vertices move, in mean edges\n{}", table.text());
+    steps = read_steps(options, reader, table, document["motions"]);
+    report.print("\nsteps: distances that vertices move, in mean edges\n{}", table.text());
   }
   document["complete"] = steps.complete();
   report.write("info", document);
@@ -231,7 +232,7 @@ int info(const InfoOptions& options) {
 }  // namespace
 
 void add_info_command(CLI::App& app, Action& action) {
-  CLI::App* command = app.add_subcommand("info", "contents of a sequence: counts, parts, steps, motion per step");
+  CLI::App* command = app.add_subcommand("info", "contents of a sequence: counts, objects, frames, movement per step");
   const auto options = std::make_shared<InfoOptions>();
   options->sequence.add_to(*command);
   options->sequence.add_parts_to(*command);

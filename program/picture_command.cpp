@@ -22,7 +22,7 @@ namespace {
 
 struct PictureOptions {
   std::vector<std::string> files, contact_files, captions;
-  std::string steps = "0", output, size = "1600", view = "iso", up = "z", shells = "surface", box;
+  std::string frames = "0", output, size = "1600", view = "iso", up = "z", shells = "surface", box;
   bool no_lines = false;
   PictureConfig config;
   ReportOptions report;
@@ -43,10 +43,10 @@ std::vector<Number> parse_list(const std::string& option, const std::string& tex
   }
 }
 
-/// The panels in their order: for each step, one panel for each file.
+/// The panels in their order: for each frame, one panel for each file.
 std::vector<PicturePanel> panels_of(const PictureOptions& options) {
-  const std::vector<int> steps = parse_list<int>("--step", options.steps, ',', "a step, or steps such as 0,10,20");
-  const std::size_t count = options.files.size() * steps.size();
+  const std::vector<int> frames = parse_list<int>("--step", options.frames, ',', "a frame, or frames such as 0,10,20");
+  const std::size_t count = options.files.size() * frames.size();
   const auto per_panel = [&](const char* option, const std::vector<std::string>& values) {
     if (!values.empty() && values.size() != count)
       throw ConfigError(fmt::format("{}: given {} time(s) for {} panel(s)", option, values.size(), count));
@@ -56,9 +56,9 @@ std::vector<PicturePanel> panels_of(const PictureOptions& options) {
     throw ConfigError(fmt::format("--contacts-from: given {} time(s) for {} file(s)", options.contact_files.size(),
                                   options.files.size()));
   std::vector<PicturePanel> panels;
-  for (const int step : steps)
+  for (const int frame : frames)
     for (std::size_t i = 0; i < options.files.size(); ++i) {
-      PicturePanel panel{options.files[i], step, "", ""};
+      PicturePanel panel{options.files[i], frame, "", ""};
       if (!options.contact_files.empty()) panel.contacts = options.contact_files[i];
       if (!options.captions.empty()) panel.caption = options.captions[panels.size()];
       panels.push_back(std::move(panel));
@@ -134,11 +134,11 @@ void add_picture_view(CLI::App& command, PictureOptions& options) {
       ->type_name("FACTOR")
       ->capture_default_str();
   command.add_flag("--fit-fragments", config.fit_fragments, "fit the camera to fragments as well as to bodies");
-  command.add_option("--box", options.box, "the box that the camera shows in all steps, instead of the bodies")
+  command.add_option("--box", options.box, "the box that the camera shows in all frames, instead of the bodies")
       ->type_name("X0,X1,Y0,Y1,Z0,Z1");
   command
       .add_option("--columns", config.columns,
-                  "number of panels in a row; 0: one for each file, or all steps of one file")
+                  "number of panels in a row; 0: one for each file, or all frames of one file")
       ->check(CLI::NonNegativeNumber)
       ->type_name("N")
       ->capture_default_str();
@@ -146,11 +146,11 @@ void add_picture_view(CLI::App& command, PictureOptions& options) {
 
 void add_picture_content(CLI::App& command, PictureOptions& options) {
   PictureConfig& config = options.config;
-  command.add_option("--parts", config.parts, "draw only these parts: ids or names, separated by , or ;")
+  command.add_option("--parts", config.parts, "draw only these objects: ids or names, separated by , or ;")
       ->type_name("LIST");
-  command.add_option("--without", config.without, "leave these parts out")->type_name("LIST");
-  command.add_option("--colour", config.colours, "colour of a part: bullet=#C87533; may be repeated")
-      ->type_name("PART=#RRGGBB")
+  command.add_option("--without", config.without, "leave these objects out")->type_name("LIST");
+  command.add_option("--colour", config.colours, "colour of an object: bullet=#C87533; may be repeated")
+      ->type_name("OBJECT=#RRGGBB")
       ->allow_extra_args(false);
   command
       .add_option("--cut", config.cuts,
@@ -160,7 +160,8 @@ void add_picture_content(CLI::App& command, PictureOptions& options) {
   command.add_option("--shells", options.shells, "triangles and quads as surfaces, or thickened by their thickness")
       ->check(one_of({"surface", "solid"}))
       ->capture_default_str();
-  command.add_flag("--contacts,!--no-contacts", config.contacts, "mark the contacts of motion K -> K+1 (the default)");
+  command.add_flag("--contacts,!--no-contacts", config.contacts,
+                   "mark the contacts of step K, from frame K to K+1 (the default)");
   command
       .add_option("--contacts-from", options.contact_files,
                   "CSV file of `volccd detect` with the contacts; one for each sequence")
@@ -191,12 +192,12 @@ void add_picture_content(CLI::App& command, PictureOptions& options) {
 
 void add_picture_command(CLI::App& scene, Action& action) {
   CLI::App* command =
-      scene.add_subcommand("picture", "draw steps of sequences as PNG: shaded, parts in colours, contacts marked");
+      scene.add_subcommand("picture", "draw frames of sequences as PNG: shaded, objects in colours, contacts marked");
   const auto options = std::make_shared<PictureOptions>();
   command->add_option("FILE", options->files, "sequences (VTKHDF); several are drawn side by side, with one camera")
       ->required()
       ->type_name("");
-  command->add_option("--step", options->steps, "steps K or K,L,M, with one panel for each")
+  command->add_option("--step", options->frames, "frames K or K,L,M, with one panel for each")
       ->type_name("K")
       ->capture_default_str();
   command->add_option("-o,--output", options->output, "picture to write (PNG); `-`: to the standard output")
@@ -205,7 +206,8 @@ void add_picture_command(CLI::App& scene, Action& action) {
   add_picture_view(*command, *options);
   add_picture_content(*command, *options);
   command->footer(
-      "Marks: a disc is a contact between parts, a diamond is one within a part; pale marks are behind a surface.\n"
+      "Marks: a disc is a contact between objects, a diamond is one within an object; pale marks are behind a "
+      "surface.\n"
       "Examples:\n"
       "  volccd scene picture run.vtkhdf --step 8 -o run-8.png\n"
       "  volccd scene picture run.vtkhdf --step 8 --cut y=50% --edges -o inside.png\n"

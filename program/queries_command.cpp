@@ -39,25 +39,25 @@ void print_lists(const QueryRecord& record, const std::vector<KnownQueries>& gro
     }
 }
 
-/// The motions that the options select; a query file has one motion.
-StepRange motions_of(const QueriesOptions& options) {
+/// The steps that the options select; a query file counts as one step.
+StepRange steps_of(const QueriesOptions& options) {
   const std::string& file = options.sequence.file;
   if (!is_sequence_file(file)) {
     if (!options.sequence.steps.empty()) throw ConfigError("--steps: is for sequences, not for a query file");
     return {0, 1};
   }
   SequenceReader reader(file);
-  // The known answers belong to the first motion.
+  // The known answers belong to the first step.
   const std::string steps = options.sequence.steps.empty() && !options.source.candidates ? "0" : options.sequence.steps;
-  return parse_steps(steps, reader.step_count() - 1, file);
+  return parse_steps(steps, reader.frame_count() - 1, file);
 }
 
-/// Adds the groups of one motion, or of a query file, to `record`. `advance` is called with the completed fraction.
+/// Adds the groups of one step, or of a query file, to `record`. `advance` is called with the completed fraction.
 template <class Advance>
-void compare_on_motion(const QueriesOptions& options, const Registry& registry, int motion, Advance&& advance,
-                       QueryRecord& record) {
+void compare_on_step(const QueriesOptions& options, const Registry& registry, int step, Advance&& advance,
+                     QueryRecord& record) {
   QuerySourceConfig source = options.source;
-  source.motion = motion;
+  source.step = step;
   source.stepper = options.sequence.stepper();
   source.check = InterruptGuard::check;
   std::vector<KnownQueries> groups = load_queries(options.sequence.file, source);
@@ -76,13 +76,13 @@ void compare_on_motion(const QueriesOptions& options, const Registry& registry, 
   print_lists(one, groups);
 }
 
-/// Processes all motions and returns the exit code. Complete groups are kept.
-int compare_on_motions(const QueriesOptions& options, const Registry& registry, QueryRecord& record) {
-  const StepRange range = motions_of(options);
-  Progress progress("testing queries", static_cast<std::size_t>(range.end - range.begin), "motions");
+/// Processes all steps and returns the exit code. Complete groups are kept.
+int compare_on_steps(const QueriesOptions& options, const Registry& registry, QueryRecord& record) {
+  const StepRange range = steps_of(options);
+  Progress progress("testing queries", static_cast<std::size_t>(range.end - range.begin), "steps");
   try {
     for (int k = range.begin; k < range.end; ++k)
-      compare_on_motion(
+      compare_on_step(
           options, registry, k,
           [&](double share) { progress.advance(static_cast<std::size_t>(k - range.begin), share); }, record);
   } catch (const Interrupted&) {
@@ -101,7 +101,7 @@ int compare_on_motions(const QueriesOptions& options, const Registry& registry, 
 int run(const QueriesOptions& options, const Registry& registry) {
   const InterruptGuard guard;
   QueryRecord record;
-  const int code = compare_on_motions(options, registry, record);
+  const int code = compare_on_steps(options, registry, record);
   record.file = options.sequence.file;
   const std::string incomplete =
       fmt::format("incomplete: {} group(s) of queries are complete; {}\n", record.groups.size(), record.stopped_by);

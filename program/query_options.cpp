@@ -44,8 +44,8 @@ std::optional<std::int32_t> only_object(const Mesh& mesh) {
 
 }  // namespace
 
-StepRange parse_steps(const std::string& text, int motions, const std::string& file) {
-  StepRange range{0, motions};
+StepRange parse_steps(const std::string& text, int count, const std::string& file, std::string_view unit) {
+  StepRange range{0, count};
   const std::size_t colon = text.find(':');
   bool good = true;
   if (colon == std::string::npos) {
@@ -55,12 +55,12 @@ StepRange parse_steps(const std::string& text, int motions, const std::string& f
     }
   } else {
     good = parse_bound(std::string_view(text).substr(0, colon), 0, range.begin) &&
-           parse_bound(std::string_view(text).substr(colon + 1), motions, range.end);
+           parse_bound(std::string_view(text).substr(colon + 1), count, range.end);
   }
   if (!good) throw ConfigError(fmt::format("--steps: '{}' is not A:B, A:, :B or K", text));
-  if (motions == 0) throw InputError(file, "VTKHDF/Steps", "has only one step, and therefore no motion");
-  if (range.begin < 0 || range.begin >= range.end || range.end > motions)
-    throw ConfigError(fmt::format("--steps: {} is not within the motions 0:{} of {}", text, motions, file));
+  if (count == 0) throw InputError(file, "VTKHDF/Steps", "has only one frame, and therefore no step");
+  if (range.begin < 0 || range.begin >= range.end || range.end > count)
+    throw ConfigError(fmt::format("--steps: {} is not within the {}s 0:{} of {}", text, unit, count, file));
   return range;
 }
 
@@ -73,7 +73,8 @@ void add_threads_option(CLI::App& command, unsigned& threads, const std::string&
 
 void SequenceOptions::add_to(CLI::App& command) {
   command.add_option("FILE", file, "sequence (VTKHDF), or the name of a scene")->required()->type_name("");
-  command.add_option("--steps", steps, "motions k -> k+1 with A <= k < B; K alone: one motion")->type_name("A:B");
+  command.add_option("--steps", steps, "steps k with A <= k < B, from frame k to frame k+1; K alone: one step")
+      ->type_name("A:B");
   command.add_option("--shells", shells, "triangles and quads as surfaces, or thickened by their thickness")
       ->check(one_of({"surface", "solid"}))
       ->capture_default_str();
@@ -82,9 +83,9 @@ void SequenceOptions::add_to(CLI::App& command) {
       ->capture_default_str();
   command
       .add_option("--motion", motion,
-                  "linear: straight lines to the next step; quadratic: constant acceleration, from stored velocities "
-                  "or else from three steps; tentative: to x + h v, with the velocities and the cells of the first "
-                  "step; query: the last query of the simulation, if the file has it")
+                  "linear: straight lines to the next frame; quadratic: constant acceleration, from stored velocities "
+                  "or else from three frames; tentative: to x + h v, with the velocities and the cells of the first "
+                  "frame; query: the last query of the simulation, if the file has it")
       ->check(one_of({"linear", "quadratic", "tentative", "query"}))
       ->capture_default_str();
 }
@@ -92,8 +93,8 @@ void SequenceOptions::add_to(CLI::App& command) {
 void SequenceOptions::add_parts_to(CLI::App& command) {
   command
       .add_option("--parts", parts,
-                  "objects are the parts in the file, or connected components (cells that share a vertex at any step "
-                  "belong to one object)")
+                  "objects are those that the file stores (PartId), or connected components (cells that share a vertex "
+                  "at any frame belong to one object)")
       ->check(one_of({"stored", "components"}))
       ->capture_default_str();
 }
@@ -106,7 +107,7 @@ SequenceStepper::Config SequenceOptions::stepper() const {
                   : motion == "tentative" ? MotionModel::tentative
                   : motion == "query"     ? MotionModel::query
                                           : MotionModel::linear;
-  config.parts = parts == "components" ? PartModel::components : PartModel::stored;
+  config.objects = parts == "components" ? ObjectModel::components : ObjectModel::stored;
   return config;
 }
 
@@ -143,14 +144,14 @@ void QueryOptions::check(const SequenceStepper& stepper) const {
   if (const double diagonal = scene_diagonal(stepper.topology(), stepper.motion());
       !(separation_in(stepper) <= diagonal))
     throw ConfigError(
-        fmt::format("--separation: {:g} is greater than the diagonal {:g} of the box around the scene in motion {}: "
+        fmt::format("--separation: {:g} is greater than the diagonal {:g} of the box around the scene in step {}: "
                     "all features would be in contact",
                     separation_in(stepper), diagonal, stepper.current()));
   if (pairs != "inter") return;
   if (const std::optional<std::int32_t> object = only_object(stepper.topology().mesh()))
     fmt::print(stderr,
-               "volccd: warning: all elements of motion {} belong to part {}, so there are no pairs between parts; "
-               "--parts components makes each connected component a part\n",
+               "volccd: warning: all elements of step {} belong to object {}, so there are no pairs between objects; "
+               "--parts components makes each connected component an object\n",
                stepper.current(), *object);
 }
 

@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <CLI/CLI.hpp>
@@ -15,13 +16,14 @@
 
 namespace volccd {
 
-/// Motions k -> k+1 with begin <= k < end.
+/// Steps k with begin <= k < end; step k leads from frame k to frame k+1.
 struct StepRange {
   int begin = 0, end = 0;
 };
 
-/// "A:B", "A:", ":B", "K" (one motion), "" (all), within the motions [0, motions) of the file. Throws InputError.
-StepRange parse_steps(const std::string& text, int motions, const std::string& file);
+/// "A:B", "A:", ":B", "K" (one step), "" (all), within the steps [0, count) of the file. `unit` is "frame" if frames
+/// are counted, and is used in messages. Throws InputError if the file has none, ConfigError for another text or range.
+StepRange parse_steps(const std::string& text, int count, const std::string& file, std::string_view unit = "step");
 
 /// --threads, within the bound of make_executor(). `purpose` precedes the help text.
 void add_threads_option(CLI::App& command, unsigned& threads, const std::string& purpose = "");
@@ -47,10 +49,10 @@ struct QueryOptions {
   /// shells. Throws ConfigError if the option requires it for shells that are not thickened.
   bool leaves_out_shell_neighbours(const SequenceOptions& sequence) const;
 
-  /// The separation of the present motion: the one given, else that of the query in query motion, else 0.
+  /// The separation of the present step: the one given, else that of the query in query motion, else 0.
   double separation_in(const SequenceStepper& stepper) const { return separation.value_or(stepper.separation()); }
-  /// To be called at the first motion. Throws ConfigError for a separation greater than the diagonal of the box around
-  /// all vertices in use. Warns on stderr if only pairs between parts are requested and there is only one part.
+  /// To be called at the first step. Throws ConfigError for a separation greater than the diagonal of the box around
+  /// all vertices in use. Warns on stderr if only pairs between objects are requested and there is only one object.
   void check(const SequenceStepper& stepper) const;
 };
 

@@ -42,9 +42,7 @@ struct PageOptions {
 
 std::optional<PipelineSpec> pipeline_of(const PageOptions& options, const Registry& registry) {
   if (options.no_contacts) return std::nullopt;
-  PipelineSpec spec = registry.pipeline(options.pipeline);
-  for (const std::string& setting : options.settings) registry.apply_setting(spec, setting);
-  return spec;
+  return registry.pipeline(options.pipeline, options.settings);
 }
 
 /// Exports one sequence, with progress.
@@ -56,7 +54,7 @@ ExportedScene export_with_progress(const std::string& name, const std::string& f
   std::unique_ptr<Progress> shown;
   InterruptGuard::check();
   return export_scene(name, file, registry, config, executor, [&](std::size_t done, std::size_t total) {
-    if (!shown) shown = std::make_unique<Progress>(name + ": finding contacts", total, "motions");
+    if (!shown) shown = std::make_unique<Progress>(name + ": finding contacts", total, "steps");
     shown->advance(done);
     InterruptGuard::check();
   });

@@ -90,8 +90,8 @@ nlohmann::json record_with_progress(const std::string& name, const std::string& 
   const auto executor = make_interruptible_executor(threads);
   std::unique_ptr<Progress> progress;
   try {
-    const auto record = measure(name, sequence, bake_record, *executor, [&](std::size_t done, std::size_t motions) {
-      if (!progress) progress = std::make_unique<Progress>(name + ": contacts and motion", motions, "steps");
+    const auto record = measure(name, sequence, bake_record, *executor, [&](std::size_t done, std::size_t steps) {
+      if (!progress) progress = std::make_unique<Progress>(name + ": contacts and movement", steps, "steps");
       progress->advance(done);
       return !InterruptGuard::interrupted();
     });

@@ -47,7 +47,7 @@ void warn_of_incomplete(const SequenceReader& reader);
 /// scene_record().
 using RecordOfScene = std::optional<nlohmann::json> (*)(
     const std::string& name, const std::string& sequence, const std::string& bake_record, Executor& executor,
-    const std::function<bool(std::size_t done, std::size_t motions)>& go_on);
+    const std::function<bool(std::size_t done, std::size_t steps)>& go_on);
 
 /// Shows progress, and uses an executor of its own that stops within a step. Also throws Interrupted.
 nlohmann::json record_with_progress(const std::string& name, const std::string& sequence,

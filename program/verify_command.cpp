@@ -110,7 +110,7 @@ std::optional<TruthVerdict> check_truth(const Report& report, SequenceReader& re
   const auto truth = read_ground_truth(reader);
   if (!truth) return std::nullopt;
   TruthVerdict verdict = check_against_truth(mesh, contacts, *truth, config.truth_time_tolerance);
-  report.print("{}", wrapped(fmt::format("ground truth of motion 0: {} pairs touch; {} missing, {} extra, {} with a "
+  report.print("{}", wrapped(fmt::format("ground truth of step 0: {} pairs touch; {} missing, {} extra, {} with a "
                                          "wrong time (largest error {:.2g})\n",
                                          grouped(verdict.colliding), verdict.missing.size(), verdict.extra.size(),
                                          verdict.wrong_time.size(), verdict.largest_time_error)));
@@ -130,7 +130,7 @@ nlohmann::json to_json(const TruthVerdict& verdict) {
 
 nlohmann::json to_json(const PipelineVerdict& one) {
   return {{"pipeline", one.pipeline},
-          {"same", one.same()},
+          {"same", one.agrees()},
           {"held", one.held},
           {"refused", one.refused},
           {"missing", one.difference.missing.size()},
@@ -181,7 +181,7 @@ class Verification {
         config_(config_of(options)),
         reader_(options.sequence.file),
         stepper_(reader_, options.sequence.stepper()),
-        range_(parse_steps(options.sequence.steps, stepper_.motion_count(), options.sequence.file)),
+        range_(parse_steps(options.sequence.steps, stepper_.step_count(), options.sequence.file)),
         executor_(make_interruptible_executor(options.query.threads)),
         filter_(options.query.filter()),
         verifier_(registry, config_),
@@ -240,7 +240,7 @@ class Verification {
                         *executor_, &contacts);
     std::string differ;
     for (const PipelineVerdict& one : verdict.pipelines)
-      if (!one.same()) differ += (differ.empty() ? "" : ", ") + one.pipeline;
+      if (!one.agrees()) differ += (differ.empty() ? "" : ", ") + one.pipeline;
     if (differ.size() > kShownNames) differ = differ.substr(0, kShownNames - 3) + "...";
     table_.add({std::to_string(k), verdict.reference, grouped(verdict.contacts),
                 std::isfinite(verdict.earliest_toi) ? fmt::format("{:.6f}", verdict.earliest_toi) : "-",

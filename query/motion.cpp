@@ -40,16 +40,23 @@ void Motion::set_linear(std::span<const Vec3> x0, std::span<const Vec3> x1) {
 }
 
 Motion Motion::quadratic(std::span<const Vec3> x0, std::span<const Vec3> xm, std::span<const Vec3> x1) {
+  Motion motion;
+  motion.set_quadratic(x0, xm, x1);
+  return motion;
+}
+
+void Motion::set_quadratic(std::span<const Vec3> x0, std::span<const Vec3> xm, std::span<const Vec3> x1) {
   check_positions(x0, x0.size(), "x0");
   check_positions(xm, x0.size(), "xm");
   check_positions(x1, x0.size(), "x1");
-  Motion motion(static_cast<Index>(x0.size()), 3);
-  for (Index v = 0; v < motion.vertices_; ++v) {
-    motion.set(v, 0, x0[v]);
-    motion.set(v, 1, xm[v]);
-    motion.set(v, 2, x1[v]);
+  vertices_ = static_cast<Index>(x0.size());
+  control_points_ = 3;
+  data_.resize(x0.size() * 9);
+  for (Index v = 0; v < vertices_; ++v) {
+    set(v, 0, x0[v]);
+    set(v, 1, xm[v]);
+    set(v, 2, x1[v]);
   }
-  return motion;
 }
 
 Vec3 Motion::position(Index v, double t) const {

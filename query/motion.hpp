@@ -25,6 +25,8 @@ class Motion {
   void set_linear(std::span<const Vec3> x0, std::span<const Vec3> x1);
   /// Quadratic Bezier curves with middle control points xm (which are not points of the curves).
   static Motion quadratic(std::span<const Vec3> x0, std::span<const Vec3> xm, std::span<const Vec3> x1);
+  /// The same as quadratic() for this object. No allocation if the number of vertices and the degree are unchanged.
+  void set_quadratic(std::span<const Vec3> x0, std::span<const Vec3> xm, std::span<const Vec3> x1);
 
   Index vertex_count() const { return vertices_; }
   int control_points() const { return control_points_; }

@@ -13,14 +13,14 @@ namespace volccd {
 
 enum class SampledKind : std::uint8_t { elements, vf, ee };
 
-/// A pair and the centroids of its two elements or features in the middle of the motion (t = 0.5).
+/// A pair and the centroids of its two elements or features in the middle of the step (t = 0.5).
 struct SampledPair {
   SampledKind kind = SampledKind::elements;
   std::array<Vec3, 2> centroids;
 };
 
 /// Keeps, for each stage and outcome, the pairs with the smallest hashes. The sample therefore depends neither on the
-/// number of workers nor on the order of the pairs, and a pair that is in the sample of one stage or motion tends to be
+/// number of workers nor on the order of the pairs, and a pair that is in the sample of one stage or step tends to be
 /// in that of the next one.
 class PairSampler final : public StageObserver {
  public:

@@ -31,11 +31,11 @@ json table_json(const TitledTable& table) {
   return {{"title", table.title}, {"note", table.note}, {"header", rows.at(0)}, {"rows", std::move(body)}};
 }
 
-/// Numbers of the motions, one curve each; objects give a curve for each of their numbers.
-json curves_of(const json& motions) {
+/// Numbers of the steps, one curve each; objects give a curve for each of their numbers.
+json curves_of(const json& steps) {
   std::map<std::string, std::vector<json>> curves;
-  for (const json& motion : motions)
-    for (const auto& [key, value] : motion.items()) {
+  for (const json& step : steps)
+    for (const auto& [key, value] : step.items()) {
       if (value.is_number()) curves[key].push_back(value);
       if (value.is_object())
         for (const auto& [inner, number] : value.items())
@@ -43,16 +43,16 @@ json curves_of(const json& motions) {
     }
   json result = json::object();
   for (auto& [name, values] : curves)
-    if (values.size() == motions.size()) result[name] = std::move(values);
+    if (values.size() == steps.size()) result[name] = std::move(values);
   return result;
 }
 
-/// The curves of records that have one row for each scene and motion.
+/// The curves of records that have one row for each scene and step.
 json curves_of_rows(const json& rows) {
   json by_scene = json::object(), curves = json::array();
   for (const json& row : rows) by_scene[row.at("scene").get<std::string>()].push_back(row);
-  for (const auto& [scene, motions] : by_scene.items())
-    curves.push_back({{"scene", scene}, {"values", curves_of(motions)}});
+  for (const auto& [scene, steps] : by_scene.items())
+    curves.push_back({{"scene", scene}, {"values", curves_of(steps)}});
   return curves;
 }
 
@@ -156,7 +156,7 @@ class Points {
     for (const auto& key : order) add_group(key, groups.at(key));
   }
 
-  json take() { return {{"texts", std::move(texts_)}, {"columns", std::move(columns_)}}; }
+  json build() { return {{"texts", std::move(texts_)}, {"columns", std::move(columns_)}}; }
 
  private:
   void add_group(const std::vector<std::string>& key, const std::vector<const json*>& rows) {
@@ -213,7 +213,7 @@ json points_of(const std::string& folder) {
     const std::string file = file_in(folder, kind.name);
     if (fs::exists(file)) points.add(kind.name, read_record(file).at("rows"));
   }
-  return points.take();
+  return points.build();
 }
 
 std::vector<RecordedInput> inputs_of(const json& records) {

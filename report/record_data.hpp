@@ -11,13 +11,13 @@ namespace volccd {
 /// The data of all records in the folder that belong to an experiment, in the order of `volccd experiment list`:
 /// {"name", "description", "file", "command", "provenance", "tables": [{"title", "note", "header", "rows"}], "summary",
 /// "curves"}. The provenance is that of the record, without the plan. "command" repeats the measurement. A record of
-/// simulated scenes has a provenance for each scene, and "curves": values of its motions over time.
+/// simulated scenes has a provenance for each scene, and "curves": values of its steps over time.
 ///
 /// Throws InputError for a folder without such records, and for a record that cannot be read.
 nlohmann::json records_of(const std::string& folder);
 
 /// Rows of the records in long form, {"columns": {name: [values]}}: one for each record, table, scene, pipeline,
-/// variant, treatment of elements and motion, with the number of rounds, the median time over rounds, the least and the
+/// variant, treatment of elements and step, with the number of rounds, the median time over rounds, the least and the
 /// greatest one, and medians of stage times and counts. Texts are indices into "texts". Only rows with a pipeline and a
 /// motion are used, which are those of the harness.
 nlohmann::json points_of(const std::string& folder);

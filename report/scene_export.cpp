@@ -12,14 +12,14 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/experiments/harness/motion_measures.hpp>
-#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/io/sequence/reader.hpp>
 #include <volccd/io/sequence/stepper.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/pictures/contact_marks.hpp>
 #include <volccd/pictures/palette.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+#include <volccd/pipelines/step_runner.hpp>
 #include <volccd/report/encoding.hpp>
 #include <volccd/report/pair_samples.hpp>
 #include <volccd/report/surface_track.hpp>
@@ -52,7 +52,7 @@ class Exporter {
                     const std::function<void(std::size_t, std::size_t)>& progress) {
     read_surface();
     read_positions();
-    if (config_.pipeline && reader_.step_count() > 1) run_pipeline(registry, executor, progress);
+    if (config_.pipeline && reader_.frame_count() > 1) run_pipeline(registry, executor, progress);
     encode_triangles();
     fit_pairs();
     fit_positions();
@@ -60,7 +60,7 @@ class Exporter {
   }
 
  private:
-  /// The marks of a motion. Contacts: place and time in 16 bits each, and flags. Pairs: the first centroid, the
+  /// The marks of a step. Contacts: place and time in 16 bits each, and flags. Pairs: the first centroid, the
   /// zigzag codes of the differences to the second one, and the kind.
   struct Marks {
     std::array<std::vector<std::uint32_t>, 4> columns;
@@ -69,17 +69,17 @@ class Exporter {
     std::vector<std::vector<SampledPair>> samples;  ///< by stage, and dropped before kept
   };
 
-  /// The step whose cells the page shows from step k on: a motion runs on the cells of its end.
-  int cells_step(int k) const { return std::min(k + 1, reader_.step_count() - 1); }
+  /// The frame whose cells the page shows from frame k on: a step uses the cells of its end.
+  int cells_frame(int k) const { return std::min(k + 1, reader_.frame_count() - 1); }
 
   void read_surface() {
     SequenceCells cells;
-    for (int k = 0; k < reader_.step_count(); ++k) {
-      if (k > 0 && reader_.same_cells(cells_step(k - 1), cells_step(k))) {
+    for (int k = 0; k < reader_.frame_count(); ++k) {
+      if (k > 0 && reader_.same_cells(cells_frame(k - 1), cells_frame(k))) {
         track_.repeat();
         continue;
       }
-      reader_.read_cells(cells_step(k), cells);
+      reader_.read_cells(cells_frame(k), cells);
       track_.add(cells, reader_.point_count());
     }
     if (track_.triangles().empty())
@@ -120,7 +120,7 @@ class Exporter {
   void read_positions() {
     std::vector<Vec3> points;
     std::vector<char> used(reader_.point_count());
-    for (int k = 0; k < reader_.step_count(); ++k) {
+    for (int k = 0; k < reader_.frame_count(); ++k) {
       reader_.read_points(k, points);
       std::fill(used.begin(), used.end(), char{0});
       for (const int shown : {std::max(k - 1, 0), k})
@@ -143,7 +143,7 @@ class Exporter {
     return static_cast<std::uint16_t>(std::lround(share * ((1 << bits) - 1)));
   }
 
-  /// All that the script has at this coarseness.
+  /// The whole script at this coarseness.
   std::string encoded(const Coarseness& coarse) {
     coarse_ = coarse;
     steps_ = kept(coarse.stride);
@@ -166,11 +166,11 @@ class Exporter {
     return bytes;
   }
 
-  /// Every stride-th step, and the last one.
+  /// Every stride-th frame, and the last one.
   std::vector<int> kept(int stride) const {
     std::vector<int> steps;
-    for (int k = 0; k < reader_.step_count(); k += stride) steps.push_back(k);
-    if (steps.back() != reader_.step_count() - 1) steps.push_back(reader_.step_count() - 1);
+    for (int k = 0; k < reader_.frame_count(); k += stride) steps.push_back(k);
+    if (steps.back() != reader_.frame_count() - 1) steps.push_back(reader_.frame_count() - 1);
     return steps;
   }
 
@@ -181,11 +181,11 @@ class Exporter {
       script_ = encoded(coarse);
       if (script_.size() <= config_.max_bytes) break;
     }
-    note_coarseness();
+    add_coarseness_notes();
     script_ = packed();
   }
 
-  void note_coarseness() {
+  void add_coarseness_notes() {
     if (coarse_.bits < 16)
       notes_.push_back(fmt::format("Positions are rounded to 1/{} of the greatest side of the box around all frames.",
                                    grouped((1u << coarse_.bits) - 1)));
@@ -193,12 +193,12 @@ class Exporter {
       notes_.push_back(
           fmt::format("{} of the {} frames are shown, one of {}; between them vertices move on straight lines, and the "
                       "contacts are "
-                      "those of the first of the {} motions between two frames.",
-                      steps_.size(), reader_.step_count(), coarse_.stride, coarse_.stride));
+                      "those of the first of the {} steps between two frames.",
+                      steps_.size(), reader_.frame_count(), coarse_.stride, coarse_.stride));
   }
 
   void encode_triangles() {
-    std::vector<std::uint32_t> values[3], parts, edges;
+    std::vector<std::uint32_t> values[3], objects, edges;
     std::int32_t before = 0;
     for (const TrackedTriangle& t : track_.triangles()) {
       std::array<std::int32_t, 3> v;
@@ -207,11 +207,11 @@ class Exporter {
       values[1].push_back(zigzag(v[1] - v[0]));
       values[2].push_back(zigzag(v[2] - v[0]));
       before = v[0];
-      parts.push_back(t.part);
+      objects.push_back(t.object);
       edges.push_back(t.element_edges);
     }
     for (const auto& column : values) append_planes(triangles_, column, 4);
-    append_planes(triangles_, parts, 2);
+    append_planes(triangles_, objects, 2);
     append_planes(triangles_, edges, 1);
   }
 
@@ -240,26 +240,21 @@ class Exporter {
 
   void run_pipeline(const Registry& registry, Executor& executor,
                     const std::function<void(std::size_t, std::size_t)>& progress) {
-    const Pipeline pipeline(registry, *config_.pipeline);
-    Workspace workspace = pipeline.make_workspace();
+    StepRunner runner(Pipeline(registry, *config_.pipeline), {.executor = &executor});
     const SequenceStepper::Config elements = table_config(file_);
     SequenceStepper stepper(reader_, elements);
-    const ObjectFilter filter;
-    StepResult result;
-    const int motions = reader_.step_count() - 1;
-    const std::size_t stages = pipeline.spec().stages().size();
+    const int steps = reader_.frame_count() - 1;
+    const std::size_t stages = runner.pipeline().spec().stages().size();
     PairSampler sampler(stages, executor.workers(), config_.max_pairs);
-    Request request(Query::all, false, elements.shells == ShellModel::solid);
-    request.observer = &sampler;
-    for (int k = 0; k < motions; ++k) {
+    const Request request{.leave_out_shell_neighbours = elements.shells == ShellModel::solid, .observer = &sampler};
+    for (int k = 0; k < steps; ++k) {
       stepper.go_to(k);
       sampler.clear();
-      pipeline.run({stepper.topology(), stepper.motion(), filter}, workspace, executor, result, request);
-      add_motion(result, stepper);
+      add_step(runner.run(stepper.topology(), stepper.motion(), request), stepper);
       add_pairs(sampler, stages);
-      if (progress) progress(static_cast<std::size_t>(k) + 1, static_cast<std::size_t>(motions));
+      if (progress) progress(static_cast<std::size_t>(k) + 1, static_cast<std::size_t>(steps));
     }
-    detection_ = {{"pipeline", to_json(pipeline)},
+    detection_ = {{"pipeline", to_json(runner.pipeline())},
                   {"shells", name_of(elements.shells)},
                   {"edges", name_of(elements.edge_set)},
                   {"threads", executor.workers()}};
@@ -270,7 +265,7 @@ class Exporter {
                       grouped(config_.max_contacts), grouped(config_.max_contacts)));
   }
 
-  void add_motion(const StepResult& result, const SequenceStepper& stepper) {
+  void add_step(const StepResult& result, const SequenceStepper& stepper) {
     std::vector<PictureContact> contacts;
     for (const Contact& contact : result.contacts) contacts.push_back({contact.kind, contact.vertices, contact.point});
     const Mesh& mesh = stepper.topology().mesh();
@@ -293,7 +288,7 @@ class Exporter {
     motions_.push_back({{"shown", shown}, {"inter", inter}, {"stats", std::move(stats)}});
   }
 
-  /// To the last motion: for each stage the pairs that it dropped, then those that it kept.
+  /// Adds to the last step, for each stage, the pairs that it dropped, then those that it kept.
   void add_pairs(const PairSampler& sampler, std::size_t stages) {
     for (std::size_t stage = 0; stage < stages; ++stage)
       for (const bool kept : {false, true}) marks_.back().samples.push_back(sampler.sample(stage, kept));
@@ -311,8 +306,8 @@ class Exporter {
     }
   }
 
-  void show_pairs(std::size_t motion, std::size_t capacity) {
-    Marks& marks = marks_[motion];
+  void show_pairs(std::size_t step, std::size_t capacity) {
+    Marks& marks = marks_[step];
     for (auto& column : marks.pair_columns) column.clear();
     marks.pair_kinds.clear();
     json counts = json::array();
@@ -322,7 +317,7 @@ class Exporter {
       if (i % 2 == 0) counts.push_back(json::array());
       counts.back().push_back(shown);
     }
-    motions_[motion]["pairs"] = std::move(counts);
+    motions_[step]["pairs"] = std::move(counts);
   }
 
   void add_pair(Marks& marks, const SampledPair& pair) const {
@@ -337,33 +332,33 @@ class Exporter {
 
   void append_pairs(std::string& bytes) const {
     for (std::size_t column = 0; column < 6; ++column)
-      append_motions(
+      append_steps(
           bytes, 2, [&](const Marks& marks) -> const auto& { return marks.pair_columns[column]; });
-    append_motions(
+    append_steps(
         bytes, 1, [](const Marks& marks) -> const auto& { return marks.pair_kinds; });
   }
 
-  /// Calls visit(k) for the motions that begin at a frame that is shown.
+  /// Calls visit(k) for the steps that begin at a frame that is shown.
   template <class Visitor>
-  void for_each_motion_shown(Visitor&& visit) const {
+  void for_each_step_shown(Visitor&& visit) const {
     for (std::size_t i = 0; i + 1 < steps_.size(); ++i)
       if (static_cast<std::size_t>(steps_[i]) < marks_.size()) visit(static_cast<std::size_t>(steps_[i]));
   }
 
-  json parts() const {
+  json objects() const {
     std::vector<std::int32_t> ids;
-    for (const TrackedPart& part : track_.parts()) ids.push_back(part.id);
+    for (const TrackedObject& object : track_.objects()) ids.push_back(object.id);
     std::sort(ids.begin(), ids.end());
     json list = json::array();
-    for (const TrackedPart& part : track_.parts()) {
+    for (const TrackedObject& object : track_.objects()) {
       const Colour c =
-          part_colour(static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), part.id) - ids.begin()));
+          object_colour(static_cast<std::size_t>(std::lower_bound(ids.begin(), ids.end(), object.id) - ids.begin()));
       const auto& names = reader_.metadata().part_names;
-      const auto name = names.find(part.id);
-      list.push_back({{"id", part.id},
-                      {"name", name == names.end() ? fmt::format("part {}", part.id) : name->second},
+      const auto name = names.find(object.id);
+      list.push_back({{"id", object.id},
+                      {"name", name == names.end() ? fmt::format("object {}", object.id) : name->second},
                       {"colour", fmt::format("#{:02x}{:02x}{:02x}", c.r, c.g, c.b)},
-                      {"solid", part.solid}});
+                      {"solid", object.solid}});
     }
     return list;
   }
@@ -372,7 +367,7 @@ class Exporter {
     const SequenceMetadata& metadata = reader_.metadata();
     json motions = json::array();
     std::size_t mark_count = 0, pair_count = 0;
-    for_each_motion_shown([&](std::size_t k) {
+    for_each_step_shown([&](std::size_t k) {
       motions.push_back(motions_[k]);
       mark_count += marks_[k].flags.size();
       pair_count += marks_[k].pair_kinds.size();
@@ -396,7 +391,7 @@ class Exporter {
         {"license", metadata.license},
         {"units", metadata.units},
         {"time_unit", metadata.time_unit},
-        {"steps", reader_.step_count()},
+        {"steps", reader_.frame_count()},
         {"box", {{"low", {low.x(), low.y(), low.z()}}, {"size", {size.x(), size.y(), size.z()}}, {"scale", scale_}}},
         {"bits", coarse_.bits},
         {"stride", coarse_.stride},
@@ -406,7 +401,7 @@ class Exporter {
         {"marks", mark_count},
         {"pairs", pair_count},
         {"pair_bits", kPairBits},
-        {"parts", parts()},
+        {"parts", objects()},
         {"frames", std::move(frames)},
         {"motions", std::move(motions)},
         {"detection", detection_},
@@ -414,13 +409,13 @@ class Exporter {
         {"notes", notes_}};
   }
 
-  /// One column of the marks of all motions that are shown.
+  /// One column of the marks of all steps that are shown.
   template <class Column>
-  void append_motions(std::string& bytes, int width, Column&& column) const {
+  void append_steps(std::string& bytes, int width, Column&& column) const {
     std::vector<std::uint32_t> values;
-    for_each_motion_shown([&](std::size_t k) {
-      const std::vector<std::uint32_t>& of_motion = column(marks_[k]);
-      values.insert(values.end(), of_motion.begin(), of_motion.end());
+    for_each_step_shown([&](std::size_t k) {
+      const std::vector<std::uint32_t>& of_step = column(marks_[k]);
+      values.insert(values.end(), of_step.begin(), of_step.end());
     });
     append_planes(bytes, values, width);
   }
@@ -432,9 +427,9 @@ class Exporter {
     append_planes(bytes, std::span(&length, 1), 4);
     bytes += text + triangles_ + topology_ + positions_;
     for (std::size_t column = 0; column < 4; ++column)
-      append_motions(
+      append_steps(
           bytes, 2, [&](const Marks& marks) -> const auto& { return marks.columns[column]; });
-    append_motions(
+    append_steps(
         bytes, 1, [](const Marks& marks) -> const auto& { return marks.flags; });
     append_pairs(bytes);
     return fmt::format("volccd_scene({}, \"{}\");\n", json(name_).dump(), base64(deflated(bytes)));
@@ -467,7 +462,7 @@ class Exporter {
   std::string positions_, triangles_, topology_;
   std::vector<std::array<std::size_t, 2>> changes_;
   std::size_t change_count_ = 0;
-  std::vector<Marks> marks_;  ///< by motion of the file; empty without detection
+  std::vector<Marks> marks_;  ///< by step of the file; empty without detection
   bool thinned_contacts_ = false;
   json motions_ = json::array(), detection_ = nullptr;
   const json made_ = machine_facts();

@@ -19,8 +19,8 @@ struct SceneExportConfig {
   std::size_t max_bytes =
       16'000'000;  ///< approximate limit of the script; beyond, positions are coarser and frames fewer
   std::size_t max_triangles = 250'000;  ///< of a frame; if there are more, vertices are clustered
-  std::size_t max_contacts = 2'000;     ///< of a motion that are shown; all are counted
-  /// Pairs of a motion that are shown for each stage, dropped ones and kept ones each; all are counted. Fewer if the
+  std::size_t max_contacts = 2'000;     ///< of a step that are shown; all are counted
+  /// Pairs of a step that are shown for each stage, dropped ones and kept ones each; all are counted. Fewer if the
   /// pairs would take more than a sixth of max_bytes.
   std::size_t max_pairs = 200;
 };
@@ -37,7 +37,7 @@ struct ExportedScene {
 /// `max_bytes`, to 14 and 12 bits, and then every second, third, ... frame is kept. The "notes" of the summary say in
 /// whole sentences what is left out.
 ///
-/// `progress(done, total)` is called after each motion that was run, and may throw to stop. Throws what reading and the
+/// `progress(done, total)` is called after each step that was run, and may throw to stop. Throws what reading and the
 /// pipeline throw, and ConfigError for a sequence in which no element has a surface.
 ExportedScene export_scene(const std::string& name, const std::string& file, const Registry& registry,
                            const SceneExportConfig& config, Executor& executor,

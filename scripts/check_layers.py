@@ -74,7 +74,8 @@ ORACLE_USERS = re.compile(r"^experiments/((.*/)?verify[^/]*|verify/.*)$")
 THIRD_PARTY = {
     "tbb/": (["core", "peers"], False),  # only the executor creates threads; Embree's threads are oneTBB's
     # one binary serves every CPU, so that vector widths are never in an interface
-    "hwy/": (["numerics", "mesh", "query", "broadphase", "culling", "narrowphase", "simulation"], False),
+    "hwy/": (["numerics", "mesh", "query", "broadphase", "culling", "narrowphase", "simulation", "oracle/cases"],
+             False),
     "hdf5.h": (["io", "experiments"], False),
     "fcl/": (["oracle", "peers"], False),
     "embree3/": (["peers"], False),
@@ -114,7 +115,7 @@ def owner(path):
 def may_use_detail(path, header_module):
     """detail/ is for the module itself, modules in folders of its folder, its own tests, and benchmarks. The adaptors of
     other libraries read elements and write pairs as the broad phases do."""
-    return (path.startswith((f"{header_module}/", f"tests/{header_module.split('/')[-1]}/", "tests/benchmarks/"))
+    return (path.startswith((f"{header_module}/", f"tests/{header_module}/", "tests/benchmarks/"))
             or (header_module == "broadphase" and path.startswith("peers/")))
 
 

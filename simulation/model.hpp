@@ -29,16 +29,16 @@ struct Material {
   double breaking_strain = kNever;  ///< equivalent plastic strain at which a hexahedron breaks in two
   double merging_force = kNever;    ///< contact force above which touching vertices merge
   double merging_distance = 0;      ///< greatest distance of two vertices that merge
-  double friction = 0;              ///< Coulomb's coefficient; the smaller one of two parts counts
-  double restitution = 0;           ///< 0: contacts are inelastic; the smaller one of two parts counts
+  double friction = 0;              ///< Coulomb's coefficient; the smaller one of two bodies counts
+  double restitution = 0;           ///< 0: contacts are inelastic; the smaller one of two bodies counts
   double damping = 0;               ///< 1/s, proportional to mass
 };
 
 /// All elements of one object id.
-struct Part {
+struct Body {
   std::string name;
   Material material;
-  double thickness = 0;  ///< of the shells of the part
+  double thickness = 0;  ///< of the shells of the body
   bool rigid = false;    ///< whether it moves as a rigid body, with the mass of its elements
 };
 
@@ -49,7 +49,7 @@ struct Wall {
   double friction = 0;
 };
 
-/// A pressure on the shells of a part. Positive pressure acts along the normal that follows from the node order.
+/// A pressure on the shells of a body. Positive pressure acts along the normal that follows from the node order.
 struct Pressure {
   std::int32_t object = 0;
   std::vector<std::pair<double, double>> curve;  ///< (time, pressure), ascending; linear between, constant beyond
@@ -65,7 +65,7 @@ struct Cut {
   double length = 1;  ///< distance after which the edge stops
 };
 
-/// The given path of a rigid part, which is moved without rotation, whatever acts on it. Its displacement from its
+/// The given path of a rigid body, which is moved without rotation, whatever acts on it. Its displacement from its
 /// initial position is linear between the points and constant beyond them, and zero at time 0.
 struct Guide {
   std::int32_t object = 0;
@@ -75,15 +75,15 @@ struct Guide {
 };
 
 struct Model {
-  Mesh mesh;  ///< solids: tetrahedra, hexahedra; shells: triangles (quads are refused). Objects index `parts`.
+  Mesh mesh;  ///< solids: tetrahedra, hexahedra; shells: triangles (quads are refused). Objects index `bodies`.
   std::vector<Vec3> positions;   ///< by vertex
   std::vector<Vec3> velocities;  ///< by vertex
-  std::vector<Part> parts;       ///< by object id
+  std::vector<Body> bodies;      ///< by object id
   std::vector<Index> fixed;      ///< vertices that do not move
   std::vector<Wall> walls;
   std::vector<Pressure> pressures;
   std::vector<Cut> cuts;
-  std::vector<Guide> guides;  ///< at most one for each part
+  std::vector<Guide> guides;  ///< at most one for each body
   Vec3 gravity = Vec3::Zero();
 };
 

@@ -19,7 +19,7 @@ constexpr double kSeparationOfEdge = 0.01, kSeparationOfThickness = 0.1;
 /// Bounds of the margin of queries, in units of the default separation. The upper bound applies if there are no prisms,
 /// whose opposite sides are near each other.
 constexpr double kMinMargin = 4, kMaxMargin = 15;
-/// Distance that a blade moves between two cuts, in mean edges of the part.
+/// Distance that a blade moves between two cuts, in mean edges of the body.
 constexpr double kCutAdvance = 0.25;
 
 template <class Visitor>
@@ -65,10 +65,10 @@ Simulation::State::State(Model m, SimulationOptions o, Executor& e)
   renew_masses();
   bodies->write_velocities(v);
   bodies->mark();
-  for (const Part& part : model.parts) {
-    may_split |= part.material.failure_stress < kNever || part.material.failure_strain < kNever ||
-                 part.material.breaking_strain < kNever;
-    may_merge |= part.material.merging_force < kNever && part.material.merging_distance > 0;
+  for (const Body& body : model.bodies) {
+    may_split |= body.material.failure_stress < kNever || body.material.failure_strain < kNever ||
+                 body.material.breaking_strain < kNever;
+    may_merge |= body.material.merging_force < kNever && body.material.merging_distance > 0;
   }
   for (const Cut& c : model.cuts) {
     double sum = 0, edges = 0;
@@ -106,8 +106,8 @@ void Simulation::State::make_detection() {
     config.features = options.features;
     config.adjacent = options.adjacent_contacts;
     config.excluded = options.excluded;
-    for (std::size_t i = 0; i < model.parts.size(); ++i)
-      if (model.parts[i].rigid)
+    for (std::size_t i = 0; i < model.bodies.size(); ++i)
+      if (model.bodies[i].rigid)
         config.excluded.emplace_back(static_cast<std::int32_t>(i), static_cast<std::int32_t>(i));
     config.separation = separation;
     const std::vector<double> h = thickness();
@@ -117,7 +117,7 @@ void Simulation::State::make_detection() {
     detection = std::make_unique<ContactDetection>(*topology, h, reference, config, executor);
   }
   contacts = std::make_unique<ContactResponse>(
-      std::move(detection), model.parts, model.walls,
+      std::move(detection), model.bodies, model.walls,
       ContactResponse::Config{options.contact_passes, options.contact_iterations, separation});
 }
 
@@ -127,13 +127,13 @@ void Simulation::State::renew_masses() {
   shells->add_masses(mass);
   inverse_mass.assign(x.size(), 0);
   damping.assign(x.size(), 0);
-  part_of.assign(x.size(), 0);
+  object_of.assign(x.size(), 0);
   const Features& features = topology->features();
   for (Index i = 0; i < x.size(); ++i) {
     const auto elements = features.vertex_elements(i);
-    if (!elements.empty()) part_of[i] = static_cast<Index>(topology->mesh().object(elements[0]));
+    if (!elements.empty()) object_of[i] = static_cast<Index>(topology->mesh().object(elements[0]));
     for (Index o : elements)
-      damping[i] += model.parts[static_cast<std::size_t>(topology->mesh().object(o))].material.damping /
+      damping[i] += model.bodies[static_cast<std::size_t>(topology->mesh().object(o))].material.damping /
                     static_cast<double>(elements.size());
     const bool moves = mass[i] > 0 && !fixed[i] && bodies->body_of()[i] == kNone;
     if (moves) inverse_mass[i] = 1 / mass[i];
@@ -146,7 +146,7 @@ std::vector<double> Simulation::State::thickness() const {
   std::vector<double> result(mesh.element_slots(), 0);
   for (Index o = 0; o < mesh.element_slots(); ++o)
     if (mesh.is_live(o) && is_shell(mesh.type(o)))
-      result[o] = model.parts[static_cast<std::size_t>(mesh.object(o))].thickness;
+      result[o] = model.bodies[static_cast<std::size_t>(mesh.object(o))].thickness;
   return result;
 }
 
@@ -233,7 +233,7 @@ void Simulation::State::collide(double dt, bool query) {
   ContactWork work;
   const MovingVertices moving{inverse_mass, x1, v, *bodies};
   if (query) {
-    contacts->query_substep(x, since, elapsed, part_of, dt, moving, executor, work);
+    contacts->query_substep(x, since, elapsed, object_of, dt, moving, executor, work);
     if (const ContactDetection* detection = contacts->detection()) {
       asked_start = since;
       asked_end.assign(contacts->queried_end().begin(), contacts->queried_end().end());
@@ -243,7 +243,7 @@ void Simulation::State::collide(double dt, bool query) {
     bodies->mark();
     elapsed = 0;
   } else {
-    contacts->substep(x, part_of, dt, moving, executor, work);
+    contacts->substep(x, object_of, dt, moving, executor, work);
   }
   ledger.contact += work.total - work.friction;
   ledger.friction += work.friction;
@@ -363,7 +363,7 @@ std::vector<double> Simulation::thickness() const { return state_->thickness(); 
 double Simulation::mass(Index vertex) const { return state_->mass[vertex]; }
 const Ledger& Simulation::ledger() const { return state_->ledger; }
 
-SimulationCounts Simulation::take_counts() {
+SimulationCounts Simulation::drain_counts() {
   const ContactCounts c = std::exchange(state_->contacts->counts(), {});
   SimulationCounts counts = std::exchange(state_->counts, {});
   counts.queries = c.queries;

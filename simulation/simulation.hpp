@@ -48,7 +48,7 @@ struct SimulationOptions {
   bool splitting = true, merging = true, cutting = true;  ///< according to the materials and Model::cuts
 };
 
-/// Numbers of events since the last call of Simulation::take_counts().
+/// Numbers of events since the last call of Simulation::drain_counts().
 struct SimulationCounts {
   std::uint64_t substeps = 0, queries = 0, retests = 0;
   /// Contacts that got a response, by class (ContactClass): between objects, within one object, between adjacent
@@ -73,14 +73,14 @@ struct AskedQuery {
 /// SimulationCounts::unresolved counts. Bodies that overlap from the start may separate, but do not penetrate further.
 ///
 /// Shells collide as prisms of their thickness; a contact acts on the vertices of the shell. Walls act on vertices (for
-/// a shell, those of its mid-surface) with the wall's friction and the part's restitution. A rigid part with a fixed
+/// a shell, those of its mid-surface) with the wall's friction and the body's restitution. A rigid body with a fixed
 /// vertex does not move, and one with a guide follows its path; in contacts both count as infinitely heavy.
 ///
 /// Holds the model and all state. Deterministic: bit for bit the same for any number of workers. Not thread-safe.
 class Simulation {
  public:
-  /// Throws InputError for an inconsistent model (lengths, indices, objects without a part, a vertex of two rigid
-  /// parts), ConfigError for invalid options.
+  /// Throws InputError for an inconsistent model (lengths, indices, objects without a body, a vertex of two rigid
+  /// bodies), ConfigError for invalid options.
   Simulation(Model model, SimulationOptions options, Executor& executor);
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
@@ -108,7 +108,7 @@ class Simulation {
   double mass(Index vertex) const;
 
   const Ledger& ledger() const;
-  SimulationCounts take_counts();
+  SimulationCounts drain_counts();
 
   /// Writes all state that changes, or reads it into a simulation made from the same model and options, which then
   /// continues bit for bit as the one that wrote it. Throws InputError for the state of a different simulation.

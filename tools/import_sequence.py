@@ -2,16 +2,16 @@
 """Turns mesh files of other programs into one sequence file that `volccd` reads.
 
 Input: .vtu, .vtk (legacy), .msh (Gmsh), .ply, .obj, .inp (Abaqus), .bdf/.fem/.nas (Nastran), read through meshio. Each file
-is one step. Output: VTKHDF, the layout that docs/sequence_files.md describes.
+is one frame. Output: VTKHDF, the layout that docs/sequence_files.md describes.
 
 These data are kept if the source has them:
   point ids    array GlobalPointIds, NODE_ID, ..; node numbers of Gmsh (text), Abaqus and Nastran
   cell ids     array GlobalCellIds, ElementId, ELEMENT_ID, ..; element numbers of Gmsh (text), Abaqus and Nastran
-  parts        array PartId, PART_ID, ..; Gmsh physical groups, Nastran property ids, groups of .obj, element sets of Abaqus
+  objects      array PartId, PART_ID, ..; Gmsh physical groups, Nastran property ids, groups of .obj, element sets of Abaqus
                (numbered from 1 in the order of the file)
   velocities   array Velocity, ..; as point vectors
   thickness    array Thickness, ..; per cell
-With point ids, files may list points in different orders, and may have different points. In a step without a certain
+With point ids, files may list points in different orders, and may have different points. In a frame without a certain
 point, the point is written at its last (or else its first) position, and no cell uses it. With cell ids, files may have
 different cells. Without ids, all files must have the same points and cells.
 
@@ -22,7 +22,7 @@ Lines and single vertices are left out, and so are triangles and quads that are 
 them). Higher-order cells, polygons and polyhedra are errors.
 
 Examples:
-  import_sequence.py block.msh -o block.vtkhdf                        one step
+  import_sequence.py block.msh -o block.vtkhdf                        one frame
   import_sequence.py run_*.vtu -o run.vtkhdf --sort natural           run_2 before run_10, times from the files, else 0, 1, ..
   import_sequence.py run_*.vtk -o run.vtkhdf --sort natural --dt 1e-6 --units m --time-unit second
   import_sequence.py a.inp b.inp -o run.vtkhdf --times 0,0.5 --sets Bolt,Plate
@@ -49,58 +49,58 @@ except ImportError as problem:
 
 from importer.errors import BadInput
 from importer.sequence import Union, check_same, order_files, times_of
-from importer.step import read_step
+from importer.frame import read_frame
 from importer.writer import Sink, Writer, output_path
 
 def about_of(options, first, files):
-    names = "; ".join(f"{number} {name.replace(';', ',')}" for number, name in sorted(first.part_names.items()))
+    names = "; ".join(f"{number} {name.replace(';', ',')}" for number, name in sorted(first.object_names.items()))
     source = os.path.basename(files[0]) + (f" .. {os.path.basename(files[-1])}" if len(files) > 1 else "")
     return {"Title": options.title, "Source": options.source or source, "License": options.license, "Units": options.units,
             "TimeUnit": options.time_unit, "Parts": names}
 
 
 def import_files(files, options, output, check):
-    """Imports the files as steps. `check` raises an error if the data written so far could not be stored."""
+    """Imports the files as frames. `check` raises an error if the data written so far could not be stored."""
     union, found = Union(), []
     # Files are read twice and not kept, because a run may be larger than memory.
     first = None
     for file in files:
-        step = read_step(file, options)
-        union.add(step, file)
-        found.append(step.time)
-        first = first or step
+        frame = read_frame(file, options)
+        union.add(frame, file)
+        found.append(frame.time)
+        first = first or frame
     times = times_of(files, options, found)
     writer, notes, shapes = Writer(output), [], []
     for file in files:
-        step = union.renumber(read_step(file, options) if len(files) > 1 else first)
-        first = step if not shapes else first
-        check_same(step, first, file)
-        writer.add(step)
+        frame = union.renumber(read_frame(file, options) if len(files) > 1 else first)
+        first = frame if not shapes else first
+        check_same(frame, first, file)
+        writer.add(frame)
         check()
-        shapes.append(len(step.types))
-        notes += [f"{file}: {note}" for note in step.notes if not notes]
+        shapes.append(len(frame.types))
+        notes += [f"{file}: {note}" for note in frame.notes if not notes]
     writer.finish(times, union.ids, len(union.places), about_of(options, first, files))
     given = ", ".join(f"{name} {'kept' if there else 'made up'}" for name, there in (
         ("point ids", union.ids is not None), ("cell ids", first.cell_ids is not None)))
-    return notes, f"{len(files)} steps, {len(union.places)} points, {shapes[0]} cells at first, {shapes[-1]} at last; {given}"
+    return notes, f"{len(files)} frames, {len(union.places)} points, {shapes[0]} cells at first, {shapes[-1]} at last; {given}"
 
 
 def parse_arguments(arguments):
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("files", nargs="+", metavar="FILE", help="one a step")
+    parser.add_argument("files", nargs="+", metavar="FILE", help="one for each frame")
     parser.add_argument("-o", "--output", required=True, metavar="FILE", help="sequence to write (VTKHDF)")
     parser.add_argument("--sort", choices=("given", "natural"), help="order of the files; default: as given, refused if the "
                         "numbers in the names say otherwise")
     when = parser.add_mutually_exclusive_group()
     when.add_argument("--times", type=lambda text: [float(word) for word in text.split(",")], metavar="T0,T1,..",
-                      help="times of the steps")
-    when.add_argument("--dt", type=float, help="time from step to step")
-    for name, text in (("point-ids", "point array of ids"), ("cell-ids", "cell array of ids"), ("part", "cell array of parts"),
+                      help="times of the frames")
+    when.add_argument("--dt", type=float, help="time from frame to frame")
+    for name, text in (("point-ids", "point array of ids"), ("cell-ids", "cell array of ids"), ("part", "cell array of objects"),
                        ("velocity", "point array of velocities, or three: vx,vy,vz"),
                        ("thickness", "cell array of shell thickness, or a number for all shells")):
         parser.add_argument(f"--{name}", metavar="NAME", help=f"{text}; 'none': not used; default: by its usual names")
     parser.add_argument("--sets", type=lambda text: text.split(","), metavar="A,B,..",
-                        help="element sets that are the parts 1, 2, .. (Abaqus)")
+                        help="element sets that are the objects 1, 2, .. (Abaqus)")
     parser.add_argument("--keep-faces", action="store_true", help="keep triangles and quads that are faces of volume cells")
     for name in ("title", "source", "license", "units", "time-unit"):
         parser.add_argument(f"--{name}", default="", metavar="TEXT", help="attribute of the sequence")

@@ -44,15 +44,15 @@ HWY_INLINE std::pair<CsatLanes, CsatLanes> range(const CsatPoints& points, int c
   return {hn::MinOfLanes(tag, low), hn::MaxOfLanes(tag, high)};
 }
 
-/// Replaces the control points by those of the motion over the part of the step.
+/// Replaces the control points by those of the motion over the interval of the step.
 template <int kControlPoints>
-void restrict_points(const StepPart& part, CsatPoints& points) {
+void restrict_points(const StepInterval& interval, CsatPoints& points) {
   const CsatTag tag;
   const auto stride = static_cast<std::size_t>(points.stride);
   for (std::size_t i = 0; i < stride; i += hn::Lanes(tag)) {
     CsatLanes3 p[kControlPoints];
     for (int c = 0; c < kControlPoints; ++c) p[c] = load3(tag, points.row(c, 0) + i, stride);
-    restrict_to(part, p);
+    restrict_to(interval, p);
     for (int c = 0; c < kControlPoints; ++c) {
       double* x = points.rows + static_cast<std::size_t>(3 * c) * stride + i;
       hn::Store(p[c].x, tag, x);
@@ -74,7 +74,7 @@ class Separator {
       : a_(a),
         b_(b),
         control_points_(frame.control_points),
-        factor_(gap_error_factor(frame.part.levels)),
+        factor_(gap_error_factor(frame.interval.levels)),
         separation_(separation),
         extent_(trusted(max(broadcast(Vec3(a.extent)), broadcast(Vec3(b.extent))))) {}
 
@@ -149,7 +149,7 @@ class Separator {
       support *= scale;
       if (simplex.contains(support)) return false;  // no axis has a larger gap
       simplex.add(support);
-      if (!simplex.nearest(axis)) return false;
+      if (!simplex.reduce(axis)) return false;
       axis = csat_scaled(axis);
       if (ahead(axis, support)) return true;
     }
@@ -283,7 +283,7 @@ class Culler {
   template <int kControlPoints>
   void gather(CsatPoints& points, std::span<const Index> vertices) const {
     points.gather<kControlPoints>(frame_, step_.motion, vertices);
-    if (frame_.part.levels != 0) restrict_points<kControlPoints>(frame_.part, points);
+    if (frame_.interval.levels != 0) restrict_points<kControlPoints>(frame_.interval, points);
   }
   void gather(CsatPoints& points, std::span<const Index> vertices) const {
     frame_.control_points == 2 ? gather<2>(points, vertices) : gather<3>(points, vertices);
@@ -323,7 +323,7 @@ class Culler {
     std::uint32_t bits = 0;
     for (int i = 0; i < own.count; ++i) {
       if (known >> i & 1u) continue;
-      feature_.take(own, frame_.control_points, i, i);
+      feature_.copy_vertices(own, frame_.control_points, i, i);
       bits |= std::uint32_t{Separator(feature_, others, frame_, step_.separation).separated(config_)} << i;
     }
     return bits;
@@ -338,7 +338,7 @@ class Culler {
     std::uint64_t bits = 0;
     for (int i = 0; i < own_edges.count; ++i) {
       if (known >> i & 1u) continue;
-      feature_.take(own, frame_.control_points, own_edges.ends[0][i], own_edges.ends[1][i]);
+      feature_.copy_vertices(own, frame_.control_points, own_edges.ends[0][i], own_edges.ends[1][i]);
       bits |= std::uint64_t{Separator(feature_, others, frame_, step_.separation).separated(config_)} << i;
     }
     return bits;

@@ -7,25 +7,25 @@
 #include <cstdint>
 #include <span>
 
-#include <volccd/query/motion.hpp>
 #include <volccd/numerics/rounding.hpp>
+#include <volccd/numerics/step_interval.hpp>
+#include <volccd/query/motion.hpp>
 #include <volccd/query/step.hpp>
-#include <volccd/numerics/step_part.hpp>
 
 namespace volccd::detail {
 
 inline constexpr int kCsatVertices = 32;
 inline constexpr int kCsatControlPoints = 3;
 
-/// The part of the step that is tested, and the reference points from which differences are computed, one for each
+/// The interval of the step that is tested, and the reference points from which differences are computed, one for each
 /// control point.
 struct CsatFrame {
   int control_points;
-  StepPart part;
+  StepInterval interval;
   double reference[3 * kCsatControlPoints] = {};
 
   CsatFrame(const Motion& motion, double t_max)
-      : control_points(motion.control_points()), part(t_max, control_points) {}
+      : control_points(motion.control_points()), interval(t_max, control_points) {}
 };
 
 /// Differences of the vertices and the reference points: rows by (control point, axis), columns by vertex, padded to a
@@ -66,7 +66,7 @@ struct CsatPoints {
     }
   }
   /// Copies the vertices i0 and i1 of `from`; the extents are those of all vertices.
-  void take(const CsatPoints& from, int control_points, int i0, int i1) {
+  void copy_vertices(const CsatPoints& from, int control_points, int i0, int i1) {
     count = i0 == i1 ? 1 : 2;
     stride = 4;
     std::copy(from.extent, from.extent + 3, extent);

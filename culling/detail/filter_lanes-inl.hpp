@@ -38,7 +38,7 @@ struct Differences {
   Lanes3 extent[3];  ///< greatest magnitudes over the control points of the whole step
 
   template <std::size_t kDistance>
-  HWY_INLINE Differences(Columns<kDistance> tests, const StepPart& part) {
+  HWY_INLINE Differences(Columns<kDistance> tests, const StepInterval& interval) {
     const Lanes min = broadcast(kMinExtent);
     for (int v = 0; v < 3; ++v) extent[v] = {min, min, min};
     for (int c = 0; c < kControlPoints; ++c) {
@@ -48,7 +48,7 @@ struct Differences {
         extent[v] = max(extent[v], abs(at[v][c]));
       }
     }
-    for (int v = 0; v < 3; ++v) restrict_to<kControlPoints>(part, at[v]);
+    for (int v = 0; v < 3; ++v) restrict_to<kControlPoints>(interval, at[v]);
   }
 };
 

@@ -25,9 +25,9 @@ HWY_INLINE Lanes greatest_area(bool vf, BlockColumns tests) {
 }
 
 template <int kControlPoints>
-HWY_INLINE LaneMask never_coplanar(bool vf, BlockColumns tests, double separation, const StepPart& part) {
-  const Differences<kControlPoints> e(tests, part);
-  DeterminantError error(e.extent, determinant_error_factor(kControlPoints, part.levels));
+HWY_INLINE LaneMask never_coplanar(bool vf, BlockColumns tests, double separation, const StepInterval& interval) {
+  const Differences<kControlPoints> e(tests, interval);
+  DeterminantError error(e.extent, determinant_error_factor(kControlPoints, interval.levels));
   if (separation > 0) {
     const Lanes area = greatest_area<kControlPoints>(vf, tests);
     error.scaled = hn::Add(error.scaled, hn::Mul(broadcast(separation * kAreaSlack), area));
@@ -37,16 +37,17 @@ HWY_INLINE LaneMask never_coplanar(bool vf, BlockColumns tests, double separatio
 }
 
 template <int kControlPoints>
-void filter_block(const TestBlock& block, double separation, const StepPart& part, std::span<std::uint8_t> keep) {
+void filter_block(const TestBlock& block, double separation, const StepInterval& interval,
+                  std::span<std::uint8_t> keep) {
   drop_tests(block, keep, [&](auto tests) HWY_ATTR {
-    return never_coplanar<kControlPoints>(block.kind() == FeatureKind::vf, tests, separation, part);
+    return never_coplanar<kControlPoints>(block.kind() == FeatureKind::vf, tests, separation, interval);
   });
 }
 
 void coplanarity(const TestBlock& block, double separation, double t_max, std::span<std::uint8_t> keep) {
-  const StepPart part(t_max, block.control_points());
-  if (block.control_points() == 2) filter_block<2>(block, separation, part, keep);
-  if (block.control_points() == 3) filter_block<3>(block, separation, part, keep);
+  const StepInterval interval(t_max, block.control_points());
+  if (block.control_points() == 2) filter_block<2>(block, separation, interval, keep);
+  if (block.control_points() == 3) filter_block<3>(block, separation, interval, keep);
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE

@@ -15,8 +15,8 @@ template <FeatureKind kKind, int kControlPoints>
 class SeparatingAxes {
  public:
   template <std::size_t kDistance>
-  HWY_INLINE SeparatingAxes(Columns<kDistance> tests, double separation, const StepPart& part)
-      : e_(tests, part), factor_(gap_error_factor(part.levels)), separation_(separation) {
+  HWY_INLINE SeparatingAxes(Columns<kDistance> tests, double separation, const StepInterval& interval)
+      : e_(tests, interval), factor_(gap_error_factor(interval.levels)), separation_(separation) {
     extent_ = trusted(max(max(e_.extent[0], e_.extent[1]), e_.extent[2]));
   }
 
@@ -65,22 +65,22 @@ class SeparatingAxes {
 };
 
 template <FeatureKind kKind, int kControlPoints>
-void filter_block(const TestBlock& block, double separation, const StepPart& part, CsatFilterAxes axes,
+void filter_block(const TestBlock& block, double separation, const StepInterval& interval, CsatFilterAxes axes,
                   std::span<std::uint8_t> keep) {
   using Axes = SeparatingAxes<kKind, kControlPoints>;
-  drop_tests(block, keep, [&](auto tests) HWY_ATTR { return Axes(tests, separation, part).along_normals(axes); });
+  drop_tests(block, keep, [&](auto tests) HWY_ATTR { return Axes(tests, separation, interval).along_normals(axes); });
   if (axes != CsatFilterAxes::wide) return;
-  drop_kept_tests(block, keep, [&](auto tests) HWY_ATTR { return Axes(tests, separation, part).across_edges(); });
+  drop_kept_tests(block, keep, [&](auto tests) HWY_ATTR { return Axes(tests, separation, interval).across_edges(); });
 }
 
 void csat_features(const TestBlock& block, double separation, double t_max, CsatFilterAxes axes,
                    std::span<std::uint8_t> keep) {
-  const StepPart part(t_max, block.control_points());
+  const StepInterval interval(t_max, block.control_points());
   const bool vf = block.kind() == FeatureKind::vf;
   if (block.control_points() == 2)
-    (vf ? filter_block<FeatureKind::vf, 2> : filter_block<FeatureKind::ee, 2>)(block, separation, part, axes, keep);
+    (vf ? filter_block<FeatureKind::vf, 2> : filter_block<FeatureKind::ee, 2>)(block, separation, interval, axes, keep);
   if (block.control_points() == 3)
-    (vf ? filter_block<FeatureKind::vf, 3> : filter_block<FeatureKind::ee, 3>)(block, separation, part, axes, keep);
+    (vf ? filter_block<FeatureKind::vf, 3> : filter_block<FeatureKind::ee, 3>)(block, separation, interval, axes, keep);
 }
 
 }  // namespace volccd::detail::HWY_NAMESPACE

@@ -28,7 +28,7 @@ HWY_INLINE Lanes along(const Lanes3& p) {
 
 struct Job {
   double separation;
-  StepPart part;
+  StepInterval interval;
   bool swept;
   unsigned axes;  ///< bit i: axis i of the 26-DOP; the axes of every k are a subset of these
 };
@@ -66,24 +66,25 @@ struct ExactBounds {
   }
 };
 
-/// For all cases: with a separation, for a part of the step, over all control points, and for axes of three terms.
+/// For all cases: with a separation, for an interval of the step, over all control points, and for axes of three terms.
 template <FeatureKind kKind, int kControlPoints>
 class Bounds {
  public:
   HWY_INLINE Bounds(BlockColumns tests, const Job& job)
       : separation_(job.separation * kLengthSlack),
         swept_(job.swept),
-        exact_(job.separation == 0 && job.part.levels == 0) {
+        exact_(job.separation == 0 && job.interval.levels == 0) {
     Lanes3 greatest = abs(load(tests, 0, 0));
     for (int v = 0; v < 4; ++v) {
       for (int c = 0; c < kControlPoints; ++c) {
         points_[v][c] = load(tests, c, v);
         greatest = max(greatest, abs(points_[v][c]));
       }
-      restrict_to<kControlPoints>(job.part, points_[v]);
+      restrict_to<kControlPoints>(job.interval, points_[v]);
     }
     const Lanes sum = add3(greatest.x, greatest.y, greatest.z);
-    rounding_ = hn::Add(hn::Mul(trusted(sum), broadcast(sum_error_factor(job.part.levels))), broadcast(kGapUnderflow));
+    rounding_ =
+        hn::Add(hn::Mul(trusted(sum), broadcast(sum_error_factor(job.interval.levels))), broadcast(kGapUnderflow));
   }
 
   template <int kX, int kY, int kZ>
@@ -154,7 +155,7 @@ HWY_INLINE LaneMask apart(const Bounds<kKind, kControlPoints>& bounds, unsigned 
 
 template <FeatureKind kKind, int kControlPoints>
 void filter_block(Job job, const TestBlock& block, std::span<std::uint8_t> keep) {
-  if (!job.swept && job.separation == 0 && job.part.levels == 0) {
+  if (!job.swept && job.separation == 0 && job.interval.levels == 0) {
     using Exact = ExactBounds<kKind, kControlPoints>;
     drop_tests(block, keep, [&](BlockColumns tests) HWY_ATTR {
       return Exact::template apart<0>(tests, job.axes, std::make_index_sequence<3>());
@@ -173,7 +174,7 @@ void filter_block(Job job, const TestBlock& block, std::span<std::uint8_t> keep)
 
 void feature_kdop(const TestBlock& block, double separation, double t_max, unsigned axes, KdopBounds bounds,
                   std::span<std::uint8_t> keep) {
-  const Job job{separation, StepPart(t_max, block.control_points()), bounds == KdopBounds::swept, axes};
+  const Job job{separation, StepInterval(t_max, block.control_points()), bounds == KdopBounds::swept, axes};
   const bool vf = block.kind() == FeatureKind::vf;
   if (block.control_points() == 2)
     (vf ? filter_block<FeatureKind::vf, 2> : filter_block<FeatureKind::ee, 2>)(job, block, keep);

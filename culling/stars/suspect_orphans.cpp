@@ -43,7 +43,7 @@ void SuspectOrphans::update(const Topology& topology, std::span<const ElementPai
   for (std::vector<Index>& partner_of : partner_of_) partner_of.assign(topology.mesh().element_slots(), kNone);
   executor.parallel_for(now_.elements.size(), 4 * kBlockElements, [&](std::size_t begin, std::size_t end, unsigned w) {
     for (std::size_t i = begin; i < end; ++i) {
-      renewed_[i] = keeps_partners(i) ? 0 : 1;
+      renewed_[i] = reuse_partner_bits(i) ? 0 : 1;
       if (renewed_[i]) find_candidates(i, partner_of_[w]);
     }
   });
@@ -93,8 +93,9 @@ void SuspectOrphans::set_partners(std::span<const ElementPair> pairs, Executor& 
   visit([&](Index o, Index partner) { now_.partners[--now_.begins[now_.places[o]]].element = partner; });
 }
 
-/// Sorts the partners of an element, and takes their bits from the last update if they are the same, and none is fresh.
-bool SuspectOrphans::keeps_partners(std::size_t place) {
+/// Sorts the partners of an element. If they are those of the last update and none is fresh, copies their bits from it
+/// and returns true.
+bool SuspectOrphans::reuse_partner_bits(std::size_t place) {
   const std::span<Partner> row =
       std::span(now_.partners).subspan(now_.begins[place], now_.begins[place + 1] - now_.begins[place]);
   std::sort(row.begin(), row.end(), [](const Partner& a, const Partner& b) { return a.element < b.element; });

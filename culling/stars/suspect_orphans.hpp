@@ -62,7 +62,7 @@ class SuspectOrphans {
   };
 
   void set_partners(std::span<const ElementPair> pairs, Executor& executor);
-  bool keeps_partners(std::size_t place);
+  bool reuse_partner_bits(std::size_t place);
   void find_candidates(std::size_t place, std::vector<Index>& partner_of);
   void fill(Block& block, std::size_t begin, std::size_t end) const;
   void keep(Index o, Block& block) const;

@@ -111,8 +111,8 @@ bool VertexStars::find_gap(const Motion& motion, Executor& executor) {
   return moved;
 }
 
-/// Forgets condition 4 for stars that changed, or may have folded between the last step and this one. Those that may
-/// fold in this step follow in is_clear().
+/// Invalidates what is known of condition 4 for stars that changed, or may have folded between the last step and this
+/// one. Those that may fold in this step follow in examine_star().
 void VertexStars::invalidate_known(const Step& step, TopologyDelta::Extent changed, Executor& executor) {
   if (changed == TopologyDelta::Extent::everything) known_.clear(), last_.clear();
   known_.resize(step.motion.vertex_count(), 0);
@@ -151,7 +151,7 @@ bool VertexStars::surrounds_once(const Step& step, Index v, int sign, Ring& scra
          (StarTable::has_shells(step.topology, v) || cones_exclude(step, v, sign < 0, sign * up));
 }
 
-bool VertexStars::is_clear(const Step& step, Index v, Ring& scratch) {
+bool VertexStars::examine_star(const Step& step, Index v, Ring& scratch) {
   const StarKind kind = table_.kind(v);
   const bool excluded = kind == StarKind::irregular || (kind == StarKind::ring && folds_[v] != 0);
   const int sign = excluded ? 0 : proven_sign(step, v);
@@ -177,7 +177,7 @@ TopologyDelta::Extent VertexStars::update(const Step& step, Executor& executor) 
   executor.parallel_for(suspect_.size(), kStarGrain, [&](std::size_t begin, std::size_t end, unsigned w) {
     for (std::size_t i = begin; i < end; ++i) {
       const Index v = static_cast<Index>(i);
-      suspect_[v] = table_.kind(v) != StarKind::unused && !is_clear(step, v, scratch_[w]) ? 1 : 0;
+      suspect_[v] = table_.kind(v) != StarKind::unused && !examine_star(step, v, scratch_[w]) ? 1 : 0;
     }
   });
   suspects_.clear();

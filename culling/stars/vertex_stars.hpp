@@ -52,7 +52,7 @@ class VertexStars {
   bool find_gap(const Motion& motion, Executor& executor);
   int proven_sign(const Step& step, Index v) const;
   bool surrounds_once(const Step& step, Index v, int sign, Ring& scratch) const;
-  bool is_clear(const Step& step, Index v, Ring& scratch);
+  bool examine_star(const Step& step, Index v, Ring& scratch);
 
   StarTable table_;
   BoundaryRings rings_;

@@ -3,18 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
-#include <memory>
+#include <optional>
 #include <span>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include <Eigen/Dense>
 
 #include <volccd/core/error.hpp>
-#include <volccd/core/executor.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+#include <volccd/pipelines/detector.hpp>
 
 using namespace volccd;
 using Mat3 = Eigen::Matrix3d;
@@ -59,62 +58,25 @@ void add_box(Mesh& mesh, Points& x, Body body, const Vec3& origin, const Vec3& s
             tetrahedron.push_back(vertex(corner[0], corner[1], corner[2]));
           }
           if (path >= 3) std::swap(tetrahedron[1], tetrahedron[2]);
-          mesh.add_element({ElementType::tetrahedron, tetrahedron, {}, body, mesh.element_count()});
+          mesh.add_element(
+              {.type = ElementType::tetrahedron, .vertices = tetrahedron, .object = body, .id = mesh.element_count()});
         }
 }
-
-/// Finds the contacts of one mesh, step after step. The workspace is kept: tables of the mesh are built in the first
-/// step and updated after edits of the topology.
-class Contacts {
- public:
-  Contacts(const Topology& topology, const std::string& pipeline)
-      : topology_(topology),
-        pipeline_(registry_, registry_.pipeline(pipeline)),
-        workspace_(pipeline_.make_workspace()) {}
-
-  /// Contacts of the motion from x0 to x1, in which features touch or come within the separation.
-  const std::vector<Contact>& all(const Points& x0, const Points& x1, double separation = 0) {
-    run(x0, x1, separation, Query::all);
-    return result_.contacts;
-  }
-
-  /// The earliest contact of the motion, or null. No contact is reported late, so that the motion is safe up to its
-  /// toi.
-  const Contact* first(const Points& x0, const Points& x1) {
-    run(x0, x1, 0, Query::first);
-    return result_.contacts.empty() ? nullptr : &result_.contacts.front();
-  }
-
- private:
-  void run(const Points& x0, const Points& x1, double separation, Query query) {
-    motion_.set_linear(x0, x1);
-    pipeline_.run({topology_, motion_, filter_, separation}, workspace_, *executor_, result_, query);
-  }
-
-  const Topology& topology_;
-  Registry registry_ = Registry::standard();
-  Pipeline pipeline_;
-  Workspace workspace_;
-  std::unique_ptr<Executor> executor_ = make_executor(0);  // as many threads as the machine has
-  Motion motion_;
-  ObjectFilter filter_;  // all pairs of elements: self-contact and inversion, too
-  StepResult result_;
-};
 
 /// Both bodies, as one mesh with one array of positions and velocities.
 class Solver {
  public:
-  Solver() : topology_(make_mesh(x_)), contacts_(topology_, "VolCCD+"), judge_(topology_, "NavCCD") {
-    const Mesh& mesh = topology_.mesh();
-    elements_.resize(mesh.element_slots());
+  // The detectors use all threads of the machine. They find contacts within a body and inversions, too.
+  Solver() : detector_(make_mesh(x_), {.threads = 0}), judge_(mesh(), {.pipeline = "NavCCD", .threads = 0}) {
+    elements_.resize(mesh().element_slots());
     std::vector<double> mass(x_.size(), 0.0);
     v_.assign(x_.size(), Vec3::Zero());
-    for (Index o = 0; o < mesh.element_slots(); ++o) {
-      const Mat3 edges = edge_matrix(mesh.vertices(o), x_);
+    for (Index o = 0; o < mesh().element_slots(); ++o) {
+      const Mat3 edges = edge_matrix(mesh().vertices(o), x_);
       elements_[o] = {edges.inverse(), edges.determinant() / 6};
-      for (const Index v : mesh.vertices(o)) {
+      for (const Index v : mesh().vertices(o)) {
         mass[v] += kDensity * elements_[o].volume / 4;
-        if (mesh.object(o) == block) v_[v] = kImpactVelocity + kSpin.cross(x_[v] - kBlockCentre);
+        if (mesh().object(o) == block) v_[v] = kImpactVelocity + kSpin.cross(x_[v] - kBlockCentre);
       }
     }
     for (std::size_t v = 0; v < x_.size(); ++v) {
@@ -146,6 +108,8 @@ class Solver {
     double volume;      ///< at rest
   };
 
+  const Mesh& mesh() const { return detector_.mesh(); }
+
   static Mesh make_mesh(Points& x) {
     Mesh mesh;
     add_box(mesh, x, beam, {0, 0, 0}, {2, 0.4, 0.2}, {10, 2, 1});
@@ -158,15 +122,13 @@ class Solver {
     for (int i = 0; i < 3; ++i) edges.col(i) = x[tetrahedron[i + 1]] - x[tetrahedron[0]];
     return edges;
   }
-  Mat3 deformation_gradient(Index o) const {
-    return edge_matrix(topology_.mesh().vertices(o), x_) * elements_[o].inverse_rest;
-  }
+  Mat3 deformation_gradient(Index o) const { return edge_matrix(mesh().vertices(o), x_) * elements_[o].inverse_rest; }
 
   /// Calls body(slot, deformation gradient F) for each element.
   template <class Body>
   void for_each_element(Body body) const {
-    for (Index o = 0; o < topology_.mesh().element_slots(); ++o)
-      if (topology_.mesh().is_live(o)) body(o, deformation_gradient(o));
+    for (Index o = 0; o < mesh().element_slots(); ++o)
+      if (mesh().is_live(o)) body(o, deformation_gradient(o));
   }
 
   /// Explicit step of the velocities: gravity and neo-Hookean elements, P = mu (F - F^-T) + lambda ln(det F) F^-T.
@@ -176,7 +138,7 @@ class Solver {
       const Mat3 inverse = f.inverse().transpose();
       const Mat3 stress = kShearModulus * (f - inverse) + kLame * std::log(f.determinant()) * inverse;
       const Mat3 forces = -elements_[o].volume * stress * elements_[o].inverse_rest.transpose();
-      const auto vertices = topology_.mesh().vertices(o);
+      const auto vertices = mesh().vertices(o);
       for (int i = 0; i < 3; ++i) {
         force[vertices[i + 1]] += forces.col(i);
         force[vertices[0]] -= forces.col(i);
@@ -214,7 +176,7 @@ class Solver {
     double left = kTimeStep;
     for (int part = 0; left > 0 && part < kMaxParts; ++part) {
       respond(left);
-      const Contact* earliest = contacts_.first(x_, moved(left));
+      const std::optional<Contact> earliest = detector_.first(x_, moved(left));
       const double share = earliest ? 0.9 * earliest->toi : 1;  // the largest safe step, with a reserve
       before_ = std::exchange(x_, moved(share * left));
       left *= 1 - share;
@@ -226,7 +188,9 @@ class Solver {
 
   /// Contacts of the motion that comes next, in which features touch or come within the separation, and their impulses.
   void respond(double time) {
-    const std::vector<Contact>& contacts = contacts_.all(x_, moved(time), kSeparation);
+    detector_.set_separation(kSeparation);
+    const std::vector<Contact>& contacts = detector_.step(x_, moved(time)).contacts;
+    detector_.set_separation(0);
     for (int sweep = 0; sweep < kSweeps; ++sweep)
       for (const Contact& contact : contacts) apply_impulse(contact);
     contact_count_ += static_cast<int>(contacts.size());
@@ -261,21 +225,21 @@ class Solver {
 
   /// An element whose largest principal Green strain exceeds the limit is removed. Its vertices keep their mass.
   void remove_broken_elements() {
-    TopologyEdit edit;
+    std::vector<std::int64_t> broken;
     for_each_element([&](Index o, const Mat3& f) {
       const Mat3 strain = (f.transpose() * f - Mat3::Identity()) / 2;
       const Eigen::SelfAdjointEigenSolver<Mat3> eigen(strain, Eigen::EigenvaluesOnly);
-      if (eigen.eigenvalues().maxCoeff() > kStrainLimit) edit.removed.push_back(o);
+      if (eigen.eigenvalues().maxCoeff() > kStrainLimit) broken.push_back(mesh().element_id(o));
     });
-    if (edit.empty()) return;
-    topology_.apply(edit);
-    removed_ += static_cast<int>(edit.removed.size());
+    if (broken.empty()) return;
+    for (Detector* detector : {&detector_, &judge_}) detector->edit({.removed = broken});
+    removed_ += static_cast<int>(broken.size());
   }
 
   /// What the solver promises, checked after every motion: nothing touches in it (by another pipeline), no element is
   /// inverted, and the energy does not grow.
   void check() {
-    const std::size_t touching = judge_.all(before_, x_).size();
+    const std::size_t touching = judge_.step(before_, x_).contacts.size();
     double min_volume = HUGE_VAL;
     for_each_element([&](Index, const Mat3& f) { min_volume = std::min(min_volume, f.determinant()); });
     min_energy_ = std::min(min_energy_, energy());
@@ -304,8 +268,8 @@ class Solver {
     double sum = 0;
     int count = 0;
     for_each_element([&](Index o, const Mat3&) {
-      if (topology_.mesh().object(o) != block) return;
-      for (const Index v : topology_.mesh().vertices(o)) {
+      if (mesh().object(o) != block) return;
+      for (const Index v : mesh().vertices(o)) {
         sum += x_[v].z();
         ++count;
       }
@@ -315,9 +279,9 @@ class Solver {
 
   Points x_, v_, rest_, before_;      ///< positions and velocities now; positions at rest and before the last motion
   std::vector<double> inverse_mass_;  ///< by vertex; 0: clamped
-  Topology topology_;
+  /// They keep the tables of the mesh, which are built in the first step and updated after edits.
+  Detector detector_, judge_;
   std::vector<Element> elements_;  ///< by element slot
-  Contacts contacts_, judge_;
   double time_ = 0, first_energy_ = 0, min_energy_ = 0;
   int removed_ = 0, contact_count_ = 0, shortened_ = 0;
   bool good_ = true;

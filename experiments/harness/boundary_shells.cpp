@@ -75,7 +75,10 @@ std::vector<std::int64_t> BoundaryShells::add_vertices(const std::vector<Face>& 
 
 ElementSpec BoundaryShells::element(const Face& face) {
   const Key& v = face.oriented;
-  return {ElementType::triangle, {of_mesh_[v[0]], of_mesh_[v[1]], of_mesh_[v[2]]}, {}, face.object, next_id_++};
+  return {.type = ElementType::triangle,
+          .vertices = {of_mesh_[v[0]], of_mesh_[v[1]], of_mesh_[v[2]]},
+          .object = face.object,
+          .id = next_id_++};
 }
 
 void BoundaryShells::build(const std::vector<Face>& faces) {

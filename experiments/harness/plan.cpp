@@ -21,21 +21,21 @@ const char* name_of(MotionModel model) {
 const char* name_of(ShellModel model) { return model == ShellModel::surface ? "surface" : "solid"; }
 const char* name_of(EdgeSet set) { return set == EdgeSet::triangulated ? "triangulated" : "polytope"; }
 
-std::vector<MotionWindow> sampled_windows(int motions, int count, int length) {
-  if (motions <= count * length) return {{0, motions}};
-  std::vector<MotionWindow> windows;
-  const int places = motions - 1;  // motion 1 and later
+std::vector<StepWindow> sampled_windows(int steps, int count, int length) {
+  if (steps <= count * length) return {{0, steps}};
+  std::vector<StepWindow> windows;
+  const int places = steps - 1;  // step 1 and later
   for (int i = 0; i < count; ++i) {
     const int middle = 1 + static_cast<int>((i + 0.5) * places / count);
-    const int first = std::clamp(middle - length / 2, 1, motions - length);
+    const int first = std::clamp(middle - length / 2, 1, steps - length);
     if (windows.empty() || first >= windows.back().first + windows.back().count) windows.push_back({first, length});
   }
   return windows;
 }
 
-std::vector<MotionWindow> all_windows(int motions, int length) {
-  std::vector<MotionWindow> windows;
-  for (int first = 0; first < motions; first += length) windows.push_back({first, std::min(length, motions - first)});
+std::vector<StepWindow> all_windows(int steps, int length) {
+  std::vector<StepWindow> windows;
+  for (int first = 0; first < steps; first += length) windows.push_back({first, std::min(length, steps - first)});
   return windows;
 }
 
@@ -44,7 +44,7 @@ int rounds_of(const ExperimentPlan& plan, const SceneRun& run) { return run.roun
 std::size_t measured_runs(const ExperimentPlan& plan) {
   std::size_t sum = 0;
   for (const SceneRun& run : plan.runs)
-    for (const MotionWindow& window : run.windows)
+    for (const StepWindow& window : run.windows)
       sum +=
           static_cast<std::size_t>(window.count) * run.entrants.size() * static_cast<std::size_t>(rounds_of(plan, run));
   return sum;
@@ -54,7 +54,7 @@ json to_json(const ExperimentPlan& plan) {
   json runs = json::array();
   for (const SceneRun& run : plan.runs) {
     json windows = json::array(), entrants = json::array();
-    for (const MotionWindow& window : run.windows) windows.push_back({window.first, window.count});
+    for (const StepWindow& window : run.windows) windows.push_back({window.first, window.count});
     for (const Entrant& entrant : run.entrants)
       entrants.push_back({{"table", entrant.table},
                           {"pipeline", entrant.pipeline},

@@ -1,4 +1,4 @@
-// An experiment as data: which pipelines run on which motions of which sequences, how often, and how rows name them.
+// An experiment as data: which pipelines run on which steps of which sequences, how often, and how rows name them.
 #pragma once
 
 #include <string>
@@ -20,8 +20,8 @@ struct Entrant {
   bool on_boundary = false;  ///< runs on the boundary alone, as triangle shells (harness/boundary_shells.hpp)
 };
 
-/// The consecutive motions [first, first + count).
-struct MotionWindow {
+/// The consecutive steps [first, first + count).
+struct StepWindow {
   int first = 0, count = 1;
 };
 
@@ -30,7 +30,7 @@ struct SceneRun {
   std::string scene;  ///< as rows name it
   std::string file;
   SequenceStepper::Config config = {};
-  std::vector<MotionWindow> windows = {};
+  std::vector<StepWindow> windows = {};
   std::vector<Entrant> entrants = {};
   int rounds = 0;           ///< 0: those of the plan
   unsigned threads = 0;     ///< 0: those of the executor that the experiment runs with
@@ -53,17 +53,17 @@ const char* name_of(MotionModel model);
 const char* name_of(ShellModel model);
 const char* name_of(EdgeSet set);
 
-/// `count` windows of `length` motions each, spread evenly over [1, motions). Motion 0 is left out because no motion
-/// precedes it that could prepare the state. If these windows would contain all motions, there
-/// is one window with all motions.
-std::vector<MotionWindow> sampled_windows(int motions, int count, int length);
+/// `count` windows of `length` steps each, spread evenly over [1, steps). Step 0 is left out because no step
+/// precedes it that could prepare the state. If these windows would contain all steps, there is one window with all
+/// steps.
+std::vector<StepWindow> sampled_windows(int steps, int count, int length);
 
-/// All motions, in windows of `length` (the last may be shorter).
-std::vector<MotionWindow> all_windows(int motions, int length);
+/// All steps, in windows of `length` (the last may be shorter).
+std::vector<StepWindow> all_windows(int steps, int length);
 
 int rounds_of(const ExperimentPlan& plan, const SceneRun& run);
 
-/// Number of measurements: the sum over runs and windows of rounds x entrants x motions.
+/// Number of measurements: the sum over runs and windows of rounds x entrants x steps.
 std::size_t measured_runs(const ExperimentPlan& plan);
 
 /// The parts of the plan on which rows depend (file names without folders). A record can be resumed if these are equal.

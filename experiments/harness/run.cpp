@@ -14,7 +14,7 @@
 #include <volccd/experiments/harness/motion_measures.hpp>
 #include <volccd/experiments/harness/subdivide.hpp>
 #include <volccd/io/stats_json.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+#include <volccd/pipelines/step_runner.hpp>
 
 namespace volccd {
 
@@ -51,11 +51,8 @@ json columns_of(const Statistics& statistics) {
 }
 
 struct Contestant {
-  Contestant(const Registry& registry, const Entrant& entrant_)
-      : entrant(entrant_), pipeline(registry, entrant.spec), workspace(pipeline.make_workspace()) {}
   const Entrant& entrant;
-  Pipeline pipeline;
-  Workspace workspace;
+  StepRunner runner;
 };
 
 /// One SceneRun of a plan.
@@ -69,23 +66,24 @@ class Runner {
         executor_(own_executor_ ? *own_executor_ : executor),
         before_each_(before_each),
         reader_(run.file) {
-    for (const Entrant& entrant : run.entrants) contestants_.push_back(std::make_unique<Contestant>(registry, entrant));
+    for (const Entrant& entrant : run.entrants)
+      contestants_.push_back({entrant, StepRunner(Pipeline(registry, entrant.spec), {.executor = &executor_})});
   }
 
-  std::vector<json> measure(const MotionWindow& window) {
+  std::vector<json> measure(const StepWindow& window) {
     std::vector<json> rows;
     for (int round = 0; round < rounds_; ++round) {
       if (round == 0 || edits_in(window) || window.count == 1) {
         stepper_.emplace(reader_, run_.config);  // element slots, and with them counts, depend on the edits before
         boundary_.reset();
         go_to(std::max(window.first - 1, 0));
-        for (const auto& contestant : contestants_) run(*contestant);
+        for (Contestant& contestant : contestants_) run(contestant);
       }
       for (int k = window.first; k < window.first + window.count; ++k) {
         go_to(k);
         if (round == 0) remember(k);
         for (std::size_t i = 0; i < contestants_.size(); ++i) {
-          Contestant& contestant = *contestants_[(i + static_cast<std::size_t>(round)) % contestants_.size()];
+          Contestant& contestant = contestants_[(i + static_cast<std::size_t>(round)) % contestants_.size()];
           run(contestant);
           rows.push_back(row(contestant, k, round));
           rows.back()["window"] = window.first;
@@ -96,15 +94,15 @@ class Runner {
   }
 
  private:
-  /// Whether cells change from the motion before the window to its last one.
-  bool edits_in(const MotionWindow& window) {
+  /// Whether cells change from the step before the window to its last one.
+  bool edits_in(const StepWindow& window) {
     for (int k = std::max(window.first, 1); k < window.first + window.count; ++k)
-      if (!reader_.same_cells(stepper_->cells_step(k - 1), stepper_->cells_step(k))) return true;
+      if (!reader_.same_cells(stepper_->cells_frame(k - 1), stepper_->cells_frame(k))) return true;
     return false;
   }
 
-  void go_to(int motion) {
-    stepper_->go_to(motion, executor_);
+  void go_to(int step) {
+    stepper_->go_to(step, executor_);
     topology_ = &stepper_->topology();
     motion_ = stepper_->motion();
     if (run_.motion_scale != 1) scale(motion_);
@@ -138,20 +136,17 @@ class Runner {
 
   void run(Contestant& contestant) {
     before_each_();
-    Request request;
-    request.count_adjacent = false;
-    request.leave_out_shell_neighbours = thickened();
     const bool on_boundary = contestant.entrant.on_boundary;
-    const Step step{topology(on_boundary), on_boundary ? boundary_->motion() : motion_, everything_,
-                    stepper_->separation()};
-    contestant.pipeline.run(step, contestant.workspace, executor_, result_, request);
+    contestant.runner.set_separation(stepper_->separation());
+    contestant.runner.run(topology(on_boundary), on_boundary ? boundary_->motion() : motion_,
+                          {.count_adjacent = false, .leave_out_shell_neighbours = thickened()});
   }
 
   const Topology& topology(bool of_boundary) const { return of_boundary ? boundary_->topology() : *topology_; }
 
-  void remember(int motion) {
-    of_motion_[motion] = measures(*topology_, motion_);
-    if (boundary_) of_boundary_[motion] = measures(boundary_->topology(), boundary_->motion());
+  void remember(int step) {
+    of_step_[step] = measures(*topology_, motion_);
+    if (boundary_) of_boundary_[step] = measures(boundary_->topology(), boundary_->motion());
   }
 
   static json measures(const Topology& topology, const Motion& motion) {
@@ -164,10 +159,11 @@ class Runner {
             {"adjacent", adjacent_pair_count(topology)}};
   }
 
-  json row(const Contestant& contestant, int motion, int round) {
+  json row(const Contestant& contestant, int step, int round) {
     const bool on_boundary = contestant.entrant.on_boundary;
+    const StepResult& result = contestant.runner.result();
     json row = run_.columns;
-    row.update(columns_of(result_.statistics));
+    row.update(columns_of(result.statistics));
     row.update({{"table", contestant.entrant.table},
                 {"scene", run_.scene},
                 {"pipeline", contestant.entrant.pipeline},
@@ -177,14 +173,14 @@ class Runner {
                 {"shells", name_of(run_.config.shells)},
                 {"mesh", on_boundary ? "boundary" : "whole"},
                 {"separation", stepper_->separation()},
-                {"motion", motion},
+                {"motion", step},
                 {"round", round},
                 {"threads", executor_.workers()},
                 {"topology_seconds", rounded(on_boundary ? boundary_->edit_seconds() : stepper_->edit_seconds())},
-                {"contacts_hash", contacts_hash(result_.contacts)}});
-    json& known = (on_boundary ? of_boundary_ : of_motion_).at(motion);
+                {"contacts_hash", contacts_hash(result.contacts)}});
+    json& known = (on_boundary ? of_boundary_ : of_step_).at(step);
     if (!known.contains("touching_pairs"))
-      known["touching_pairs"] = touching_pair_count(topology(on_boundary), result_.contacts);
+      known["touching_pairs"] = touching_pair_count(topology(on_boundary), result.contacts);
     for (const char* name : {"elements", "vertices", "edge_count", "triangle_count", "moved_edges", "touching_pairs"})
       row[name] = known.at(name);
     // Without an O-Set the broad phase emits adjacent pairs, too (docs/pipelines.md).
@@ -199,15 +195,13 @@ class Runner {
   const std::function<void()>& before_each_;
   SequenceReader reader_;
   std::optional<SequenceStepper> stepper_;
-  std::vector<std::unique_ptr<Contestant>> contestants_;
-  const ObjectFilter everything_;
+  std::vector<Contestant> contestants_;
   const Topology* topology_ = nullptr;
   Motion motion_;
   std::optional<Topology> refined_;
   std::uint64_t refined_version_ = 0;
   std::optional<BoundaryShells> boundary_;  ///< if an entrant runs on the boundary
-  StepResult result_;
-  std::map<int, json> of_motion_, of_boundary_;
+  std::map<int, json> of_step_, of_boundary_;
 };
 
 }  // namespace
@@ -222,7 +216,7 @@ void run_experiment(const Registry& registry, const ExperimentPlan& plan, Execut
     const std::function<void()> before_each = [&] {
       if (progress) progress(done, total);
     };
-    for (const MotionWindow& window : run.windows) {
+    for (const StepWindow& window : run.windows) {
       const std::string key = fmt::format("{}/{}/{}", r, run.scene, window.first);
       if (!record.has(key)) {
         if (!runner) runner = std::make_unique<Runner>(registry, run, rounds_of(plan, run), executor, before_each);
@@ -255,17 +249,17 @@ std::string row_key(const json& scene, const json& model, const json& edges, con
   return json::array({scene, model, edges, entrant.table, entrant.pipeline, entrant.variant}).dump();
 }
 
-/// Returns "" if both have the same contacts on every motion.
+/// Returns "" if both have the same contacts in every step.
 std::string difference(const Entrant& entrant, const std::map<int, const json*>& rows, const Entrant& reference,
                        const std::map<int, const json*>& expected) {
-  for (const auto& [motion, row] : rows) {
-    const json& other = *expected.at(motion);
+  for (const auto& [step, row] : rows) {
+    const json& other = *expected.at(step);
     if (row->at("contacts_hash") == other.at("contacts_hash")) continue;
     const auto found = [](const json& r) {
       return fmt::format("{} (undecided {})", r.at("contacts").get<std::uint64_t>(),
                          r.at("undecided").get<std::uint64_t>());
     };
-    return fmt::format("{}, motion {}: {} {} found {} contacts, {} {} {}", row->at("scene").get<std::string>(), motion,
+    return fmt::format("{}, step {}: {} {} found {} contacts, {} {} {}", row->at("scene").get<std::string>(), step,
                        entrant.pipeline, entrant.variant, found(*row), reference.pipeline, reference.variant,
                        found(other));
   }

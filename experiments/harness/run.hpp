@@ -15,14 +15,14 @@ namespace volccd {
 
 /// Runs the windows of the plan that are not in the record yet, and adds their rows, window by window.
 ///
-/// Each round of a window first runs the motion before the window with all entrants, without measuring, so that their
-/// states are those of the frame before, and a topology edit is measured in every round. Then all entrants run on each
-/// motion of the window, in an order that shifts by one from round to round. For a window that begins with motion 0,
-/// that motion itself is run unmeasured first. If a window of several motions has no edits, later rounds do not go
-/// back, because the state after its last motion is as suitable as that after the motion before. Every entrant keeps
+/// Each round of a window first runs the step before the window with all entrants, without measuring, so that their
+/// states are those of the step before, and a topology edit is measured in every round. Then all entrants run on each
+/// step of the window, in an order that shifts by one from round to round. For a window that begins with step 0,
+/// that step itself is run unmeasured first. If a window of several steps has no edits, later rounds do not go
+/// back, because the state after its last step is as suitable as that after the step before. Every entrant keeps
 /// its workspace through the windows of a run.
 ///
-/// A row is one (scene, motion, entrant, round); its columns are in docs/reproducing.md. `progress(done, total)` counts
+/// A row is one (scene, step, entrant, round); its columns are in docs/reproducing.md. `progress(done, total)` counts
 /// measured runs, and may throw to stop; rows already in the record are kept. Throws the exceptions of the reader and
 /// of the pipelines.
 void run_experiment(const Registry& registry, const ExperimentPlan& plan, Executor& executor, RecordFile& record,
@@ -30,7 +30,7 @@ void run_experiment(const Registry& registry, const ExperimentPlan& plan, Execut
 
 /// Compares the contacts of the entrants of each run. Entrants with the same narrow phase must find the same contacts,
 /// bit for bit, if none of their other stages is approximate; those on the boundary alone are not compared. Returns a
-/// line for each entrant that differs from the first one, with the first such motion. The usual cause are undecided
+/// line for each entrant that differs from the first one, with the first such step. The usual cause are undecided
 /// tests, which the narrow phase reports unless a filter proves them apart. `rows`: all rows of a record of this plan.
 std::vector<std::string> contact_differences(const Registry& registry, const ExperimentPlan& plan,
                                              const std::vector<nlohmann::json>& rows);

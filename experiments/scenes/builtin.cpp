@@ -14,7 +14,7 @@ namespace {
 const Options<BuiltinConfig>& builtin_options() {
   static const auto options = Options<BuiltinConfig>()
                                   .add("elements", &BuiltinConfig::elements, 100, 10'000'000, "hexahedra, about")
-                                  .add("steps", &BuiltinConfig::steps, 2, 100'000, "frames of the sequence");
+                                  .add("steps", &BuiltinConfig::frames, 2, 100'000, "frames of the sequence");
   return options;
 }
 
@@ -50,7 +50,7 @@ Vec3 ripple(const Vec3& p, double amount) {
 
 class Penetration final : public Scene {
  public:
-  explicit Penetration(const BuiltinConfig& config) : steps_(config.steps) {
+  explicit Penetration(const BuiltinConfig& config) : frames_(config.frames) {
     const double finer = std::cbrt(config.elements / 1530.0);
     const auto cells = [&](int n) { return std::max(1, static_cast<int>(std::lround(n * finer))); };
     Shape shot = block(ElementType::hexahedron, cells(5), cells(5), cells(10));
@@ -68,8 +68,8 @@ class Penetration final : public Scene {
   }
 
   const SequenceMetadata& metadata() const override { return metadata_; }
-  int frames() const override { return steps_; }
-  double time(int frame) const override { return kDuration * frame / (steps_ - 1); }
+  int frames() const override { return frames_; }
+  double time(int frame) const override { return kDuration * frame / (frames_ - 1); }
   Index vertex_count() const override { return static_cast<Index>(rest_.positions.size()); }
 
   void positions(int frame, std::vector<Vec3>& out) const override {
@@ -123,13 +123,13 @@ class Penetration final : public Scene {
   }
 
   void find_erosion() {
-    erodes_at_.assign(rest_.elements.size(), steps_);
+    erodes_at_.assign(rest_.elements.size(), frames_);
     for (std::size_t i = 0; i < rest_.elements.size(); ++i)
-      for (int frame = 1; frame < steps_ && erodes_at_[i] == steps_; ++frame)
+      for (int frame = 1; frame < frames_ && erodes_at_[i] == frames_; ++frame)
         if (is_eroded(i, time(frame))) erodes_at_[i] = frame;
   }
 
-  int steps_;
+  int frames_;
   Flight flight_;
   Shape rest_;
   std::size_t shot_vertices_ = 0;
@@ -142,7 +142,7 @@ class Penetration final : public Scene {
 std::unique_ptr<Scene> make_builtin(const BuiltinConfig& config) {
   if (config.elements < 100 || config.elements > 10'000'000)
     throw ConfigError("builtin: elements is not in 100 .. 10000000");
-  if (config.steps < 2 || config.steps > 100'000) throw ConfigError("builtin: steps is not in 2 .. 100000");
+  if (config.frames < 2 || config.frames > 100'000) throw ConfigError("builtin: steps is not in 2 .. 100000");
   return std::make_unique<Penetration>(config);
 }
 

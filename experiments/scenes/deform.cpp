@@ -84,7 +84,7 @@ double default_amount(DeformKind kind, const Measure& m, int motions) {
 void check(const DeformConfig& config) {
   if (config.motions.empty()) throw ConfigError("deform: no motion is given");
   if (config.copies < 1 || config.copies > 10'000) throw ConfigError("deform: copies is not in 1 .. 10000");
-  if (config.steps < 2 || config.steps > 100'000) throw ConfigError("deform: steps is not in 2 .. 100000");
+  if (config.frames < 2 || config.frames > 100'000) throw ConfigError("deform: steps is not in 2 .. 100000");
   std::map<DeformKind, int> times;
   for (const DeformMotion& motion : config.motions) {
     const KindInfo& kind = info(motion.kind);
@@ -102,14 +102,14 @@ class Deform final : public Scene {
     const std::uint64_t vertices = std::uint64_t{mesh.positions.size()} * static_cast<std::uint64_t>(config.copies);
     if (vertices >= kNone) throw ConfigError(fmt::format("deform: {} copies have too many vertices", config.copies));
     for (DeformMotion& motion : config_.motions)
-      if (!motion.amount) motion.amount = default_amount(motion.kind, measure_, config.steps - 1);
+      if (!motion.amount) motion.amount = default_amount(motion.kind, measure_, config.frames - 1);
     copy_elements();
     place_copies();
     describe();
   }
 
   const SequenceMetadata& metadata() const override { return metadata_; }
-  int frames() const override { return config_.steps; }
+  int frames() const override { return config_.frames; }
   double time(int frame) const override { return frame; }
   Index vertex_count() const override { return static_cast<Index>(mesh_.positions.size()) * copies(); }
 
@@ -126,7 +126,7 @@ class Deform final : public Scene {
 
  private:
   Index copies() const { return static_cast<Index>(config_.copies); }
-  double progress(int frame) const { return static_cast<double>(frame) / (config_.steps - 1); }
+  double progress(int frame) const { return static_cast<double>(frame) / (config_.frames - 1); }
 
   Vec3 deformed(Index copy, Index v, int frame) const {
     const double s = progress(frame), turn = copy % 2 == 0 ? s : -s;
@@ -222,7 +222,7 @@ class Deform final : public Scene {
     const auto triangles = face_triangles(mesh_);
     stack(start_, triangles, 0, kGap * measure_.edge, up);
     if (collide)
-      stack(end_, triangles, config_.steps - 1, -overlap, up);
+      stack(end_, triangles, config_.frames - 1, -overlap, up);
     else
       end_ = start_;
   }
@@ -279,7 +279,7 @@ const Options<DeformConfig>& deform_options() {
   static const auto options =
       Options<DeformConfig>()
           .add("copies", &DeformConfig::copies, 1, 10'000, "copies of the mesh, separate objects")
-          .add("steps", &DeformConfig::steps, 2, 100'000, "frames of the sequence: 2 make one motion")
+          .add("steps", &DeformConfig::frames, 2, 100'000, "frames of the sequence: 2 make one step")
           .add("seed", &DeformConfig::seed, 0, 1'000'000'000, "for sideways shifts and jitter");
   return options;
 }

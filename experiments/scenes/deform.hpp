@@ -34,7 +34,7 @@ enum class DeformKind {
 struct DeformMotion {
   DeformKind kind;
   /// In the unit of its kind. If not given, an amount that moves the fastest vertex by about one mean edge in each step
-  /// (jitter: 0.3 edges for any number of steps), but at most 180 degrees, half of the length, or 4 edges of depth.
+  /// (jitter: 0.3 edges for any number of frames), but at most 180 degrees, half of the length, or 4 edges of depth.
   std::optional<double> amount = {};
 };
 
@@ -44,8 +44,8 @@ struct DeformConfig {
   /// Separate objects, stacked along the short axis with a gap of half a mean edge, each shifted sideways at random by
   /// up to half an edge, because without the shifts vertices would hit vertices exactly.
   int copies = 1;
-  int steps = 2;  ///< frames: 2 make one motion
-  int seed = 1;   ///< for the shifts and for jitter
+  int frames = 2;  ///< 2 make one step
+  int seed = 1;    ///< for the shifts and for jitter
 };
 
 /// Parses a text like "twist", "twist:60" or "twist:60,collide:2". `amount`, if given, is that of the only motion in

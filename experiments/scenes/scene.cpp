@@ -22,7 +22,7 @@ std::vector<std::int64_t> first_ids(Index n) {
 }  // namespace
 
 StepsDone write_scene(const Scene& scene, const std::string& file, const std::function<bool(int done)>& go_on) {
-  StepsDone steps{0, 0, scene.frames()};
+  StepsDone steps{0, 0, scene.frames(), "", "frame"};
   SequenceWriter writer(file, first_ids(scene.vertex_count()), scene.metadata());
   std::vector<Vec3> points;
   SequenceCells cells;
@@ -33,7 +33,7 @@ StepsDone write_scene(const Scene& scene, const std::string& file, const std::fu
     }
     scene.positions(frame, points);
     scene.cells(frame, cells);
-    writer.write_step(scene.time(frame), points, cells);
+    writer.write_frame(scene.time(frame), points, cells);
     steps.done = frame + 1;
   }
   if (steps.done > 0) writer.finish(steps.complete() ? std::string() : steps.text());
@@ -46,15 +46,15 @@ Mesh scene_mesh(const Scene& scene, int frame) {
   return mesh_of(first_ids(scene.vertex_count()), cells);
 }
 
-Shape shape_from_file(const std::string& file, int step) {
+Shape shape_from_file(const std::string& file, int frame) {
   SequenceReader reader(file);
-  if (step < 0 || step >= reader.step_count())
-    throw ConfigError(file + " has steps 0 .. " + std::to_string(reader.step_count() - 1) + ", not " +
-                      std::to_string(step));
+  if (frame < 0 || frame >= reader.frame_count())
+    throw ConfigError(file + " has frames 0 .. " + std::to_string(reader.frame_count() - 1) + ", not " +
+                      std::to_string(frame));
   std::vector<Vec3> points;
   SequenceCells cells;
-  reader.read_points(step, points);
-  reader.read_cells(step, cells);
+  reader.read_points(frame, points);
+  reader.read_cells(frame, cells);
   std::vector<Index> slot(points.size(), kNone);
   for (const Index v : cells.connectivity) slot[v] = 0;
   Shape shape;

@@ -23,7 +23,7 @@ class Scene {
   virtual ~Scene() = default;
 
   virtual const SequenceMetadata& metadata() const = 0;
-  /// Number of frames, at least 2 (the ends of the first motion).
+  /// Number of frames, at least 2 (the ends of the first step).
   virtual int frames() const = 0;
   /// Time of a frame; ascending.
   virtual double time(int frame) const = 0;
@@ -42,10 +42,10 @@ StepsDone write_scene(const Scene& scene, const std::string& file, const std::fu
 /// The elements of a frame as a mesh: element i of cells() in slot i.
 Mesh scene_mesh(const Scene& scene, int frame);
 
-/// Step `step` of a sequence file as a shape from which scenes can be made. Vertices that no element uses are left out,
-/// and the others are renumbered in ascending order; elements keep their ids and parts. Throws the exceptions of
-/// SequenceReader, and ConfigError if the file has no such step.
-Shape shape_from_file(const std::string& file, int step = 0);
+/// Frame `frame` of a sequence file as a shape from which scenes can be made. Vertices that no element uses are left
+/// out, and the others are renumbered in ascending order; elements keep their ids and objects. Throws the exceptions of
+/// SequenceReader, and ConfigError if the file has no such frame.
+Shape shape_from_file(const std::string& file, int frame = 0);
 
 /// Entry of the list of scenes.
 struct SceneDescriptor {

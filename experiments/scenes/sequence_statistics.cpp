@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include <volccd/io/sequence/stepper.hpp>
-#include <volccd/pipelines/pipeline.hpp>
 #include <volccd/pipelines/registry.hpp>
+#include <volccd/pipelines/step_runner.hpp>
 
 namespace volccd {
 
@@ -66,14 +66,11 @@ std::vector<MotionStatistics> sequence_statistics(SequenceReader& reader, Execut
   if (reader.has_thickness()) config.shells = ShellModel::solid;
   SequenceStepper stepper(reader, config);
   const Registry registry = Registry::standard();
-  const Pipeline pipeline(registry, registry.pipeline("VolCCD+"));
-  Workspace workspace = pipeline.make_workspace();
-  const ObjectFilter filter;
-  StepResult result;
+  StepRunner runner(Pipeline(registry, registry.pipeline("VolCCD+")), {.executor = &executor});
   SequenceCells before, cells;
   reader.read_cells(0, before);
   std::vector<MotionStatistics> motions;
-  for (int k = 0; k < stepper.motion_count(); ++k) {
+  for (int k = 0; k < stepper.step_count(); ++k) {
     MotionStatistics& motion = motions.emplace_back();
     motion.time = reader.time(k);
     reader.read_cells(k + 1, cells);
@@ -87,8 +84,8 @@ std::vector<MotionStatistics> sequence_statistics(SequenceReader& reader, Execut
     stepper.go_to(k, executor);
     const Topology& topology = stepper.topology();
     measure_motion(topology.features(), stepper.motion(), motion);
-    pipeline.run(Step{topology, stepper.motion(), filter}, workspace, executor, result,
-                 Request(Query::all, false, config.shells == ShellModel::solid));
+    const StepResult& result =
+        runner.run(topology, stepper.motion(), {.leave_out_shell_neighbours = config.shells == ShellModel::solid});
     motion.contacts_at_start = result.statistics.contacts_at_start;
     motion.left_out = result.statistics.left_out;
     for (const Contact& contact : result.contacts)

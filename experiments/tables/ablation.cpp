@@ -115,7 +115,7 @@ TitledTable table_of(const Rows& rows, const std::string& title) {
                  count("element_pairs"), count("surviving_pairs"), grouped(static_cast<std::uint64_t>(of.tests())),
                  count("contacts")});
     }
-  return {title, table, "ms: median over motions; relative: to the fastest; counts: sums over motions\n"};
+  return {title, table, "ms: median over steps; relative: to the fastest; counts: sums over steps\n"};
 }
 
 }  // namespace
@@ -124,11 +124,11 @@ ExperimentPlan ablation_plan(const PlanContext& context) {
   ExperimentPlan plan{"ablation", context.full ? "full" : "quick", context.full ? 2 : 1, {}};
   const bool own = !context.pipelines.empty() || !context.settings.empty();
   for (const TableScene& scene : table_scenes(context)) {
-    // The crash takes longest, and says little that the others do not.
+    // Without the crash, which takes longest and whose results are similar to those of the other scenes.
     if (scene.name != "octopi" && scene.name != "bullet" && scene.name != "ls-dyna-projectile" &&
         !(own && scene.name == "crash"))
       continue;
-    SceneRun run{scene.name, scene.file, table_config(scene.file), sampled_windows(motion_count(scene.file), 1, 1), {}};
+    SceneRun run{scene.name, scene.file, table_config(scene.file), sampled_windows(step_count(scene.file), 1, 1), {}};
     SceneRun coplanarity = run;
     if (own) {
       add_own(context, run.entrants);
@@ -154,9 +154,9 @@ std::vector<TitledTable> ablation_tables(const json& record) {
       if (of.empty()) continue;
       const bool coplanarity = table == kCoplanarityTable;
       const std::string title =
-          fmt::format("{}: {}, {} elements, {} motions", scene.get<std::string>(),
+          fmt::format("{}: {}, {} elements, {} steps", scene.get<std::string>(),
                       coplanarity ? "coplanarity against CSAT (Section 7.2)" : table.get<std::string>(),
-                      grouped(static_cast<std::uint64_t>(of.median("elements"))), of.motions());
+                      grouped(static_cast<std::uint64_t>(of.median("elements"))), of.steps());
       tables.push_back(coplanarity ? coplanarity_table(of, title) : table_of(of, title));
     }
   return tables;

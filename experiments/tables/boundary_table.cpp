@@ -29,9 +29,9 @@ double ms_of(const Rows& rows) { return rows.empty() ? 0 : rows.mean_ms(kStepAnd
 std::string ms_text(double ms) { return ms > 0 ? fmt::format("{:.3g}", ms) : "-"; }
 std::string ratio_of(double a, double b) { return a > 0 && b > 0 ? ratio_text(a / b) : "-"; }
 
-/// Whole and boundary on the same motions.
+/// Whole and boundary on the same steps.
 TitledTable same_motions(const Rows& rows) {
-  TextTable table({"scene", "threads", "pipeline", "motions", "elements", "on boundary", "all, ms", "boundary, ms",
+  TextTable table({"scene", "threads", "pipeline", "steps", "elements", "on boundary", "all, ms", "boundary, ms",
                    "all / boundary", "paper", "contacts, all", "boundary"},
                   3);
   for (const json& scene : rows.values("scene")) {
@@ -44,7 +44,7 @@ TitledTable same_motions(const Rows& rows) {
         const auto count = [](const Rows& of, const char* column) {
           return grouped(static_cast<std::uint64_t>(of.sum(column)));
         };
-        table.add({scene, std::to_string(threads.get<unsigned>()), pipeline, std::to_string(whole.motions()),
+        table.add({scene, std::to_string(threads.get<unsigned>()), pipeline, std::to_string(whole.steps()),
                    grouped(static_cast<std::uint64_t>(whole.median("elements"))),
                    grouped(static_cast<std::uint64_t>(boundary.median("elements"))), ms_text(ms_of(whole)),
                    ms_text(ms_of(boundary)), ratio_of(ms_of(whole), ms_of(boundary)),
@@ -53,8 +53,8 @@ TitledTable same_motions(const Rows& rows) {
       }
   }
   return {
-      "Section 7.1: all features against the boundary's, on the same motions", table,
-      "ms: mean over motions of medians over rounds, edits of the topology included; on boundary: triangles there; "
+      "Section 7.1: all features against the boundary's, on the same steps", table,
+      "ms: mean over steps of medians over rounds, edits of the topology included; on boundary: triangles there; "
       "the paper's: scalar on one thread, and with SIMD on four cores; VolCCD-2011 is scalar, the others use SIMD\n"};
 }
 
@@ -90,7 +90,7 @@ ExperimentPlan boundary_plan(const PlanContext& context) {
     if (!file) continue;
     for (const unsigned threads : {1u, 2u}) {
       SceneRun run{name, *file, table_config(*file),
-                   sampled_windows(motion_count(*file), context.full ? 4 : 1, context.full ? 2 : 3)};
+                   sampled_windows(step_count(*file), context.full ? 4 : 1, context.full ? 2 : 3)};
       run.threads = threads;
       for (const char* pipeline : kCompared)
         for (const bool on_boundary : {false, true}) {

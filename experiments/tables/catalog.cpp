@@ -27,7 +27,7 @@ const std::vector<ExperimentKind>& experiment_kinds() {
        culling_plan, culling_tables, nullptr},
       {"ablation", "sound combinations of culling stages on each broad phase, and options (--pipelines, --set)",
        ablation_plan, ablation_tables, nullptr, nullptr, true, true},
-      {"scaling", "time, memory and tests against elements and against motion a step", scaling_plan, scaling_tables,
+      {"scaling", "time, memory and tests against elements and against movement per step", scaling_plan, scaling_tables,
        scaling_summary, nullptr, true},
       {"plus", "whole steps of VolCCD+ and VolCCD, without the flood, and on the boundary alone; two cores", plus_plan,
        plus_tables, plus_summary, nullptr, true},
@@ -64,7 +64,7 @@ SequenceStepper::Config table_config(const std::string& file, MotionModel motion
   return config;
 }
 
-int motion_count(const std::string& file) { return SequenceReader(file).step_count() - 1; }
+int step_count(const std::string& file) { return SequenceReader(file).frame_count() - 1; }
 
 Entrant entrant(const Registry& registry, const std::string& table, const std::string& pipeline,
                 const std::vector<std::string>& settings) {

@@ -38,7 +38,7 @@ struct ExperimentKind {
   /// Makes the rows, if the harness does not make them from a plan; may be null.
   std::vector<nlohmann::json> (*rows)(const PlanContext& context) = nullptr;
   bool takes_pipelines = false, takes_settings = false;  ///< whether it uses those of the context
-  bool curves = false;  ///< one row for each scene and motion: the report draws its numbers over the motions
+  bool curves = false;  ///< one row for each scene and step: the report draws its numbers over the steps
 };
 
 const std::vector<ExperimentKind>& experiment_kinds();
@@ -52,7 +52,7 @@ std::vector<TableScene> table_scenes(const PlanContext& context);
 
 /// Configuration of a scene in the tables: shells are solid if the file has their thickness.
 SequenceStepper::Config table_config(const std::string& file, MotionModel motion = MotionModel::linear);
-int motion_count(const std::string& file);
+int step_count(const std::string& file);
 
 /// A registered pipeline with settings; `variant` lists them.
 Entrant entrant(const Registry& registry, const std::string& table, const std::string& pipeline,

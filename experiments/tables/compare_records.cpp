@@ -17,7 +17,7 @@ using nlohmann::json;
 
 namespace {
 
-/// One motion of an entrant: seconds of all rounds, and counts.
+/// One step of an entrant: seconds of all rounds, and counts.
 struct Samples {
   std::vector<double> seconds;
   double tests = 0;
@@ -47,7 +47,8 @@ double spread(const Samples& samples) {
   return middle > 0 ? (*high - *low) / middle : 0;
 }
 
-/// Whether the rows are runs of pipelines. Those of `operations`, `feature-sets` and others are not, and are not compared.
+/// Whether the rows are runs of pipelines. Those of `operations`, `feature-sets` and others are not, and are not
+/// compared.
 bool has_timed_rows(const json& record) {
   const auto rows = record.find("rows");
   return rows != record.end() && !rows->empty() && rows->front().contains("contacts_hash");
@@ -66,27 +67,27 @@ std::vector<std::string> records_in(const std::string& folder) {
   return names;
 }
 
-/// An entrant on the motions that both sides have.
+/// An entrant on the steps that both sides have.
 struct Change {
-  std::size_t motions = 0;
-  double before = 0, after = 0;       ///< seconds, sums over motions
-  double spread_a = 0, spread_b = 0;  ///< sums over motions
+  std::size_t steps = 0;
+  double before = 0, after = 0;       ///< seconds, sums over steps
+  double spread_a = 0, spread_b = 0;  ///< sums over steps
   bool same_counts = true;
   bool judged = true;  ///< both sides have several rounds: the spread is known
 
   double ratio() const { return after / before; }
-  double tolerance() const { return std::max(0.03, std::max(spread_a, spread_b) / static_cast<double>(motions)); }
+  double tolerance() const { return std::max(0.03, std::max(spread_a, spread_b) / static_cast<double>(steps)); }
   bool slower() const { return judged && ratio() > 1 + tolerance(); }
   bool faster() const { return judged && ratio() < 1 / (1 + tolerance()); }
 };
 
 Change change_of(const std::map<int, Samples>& a, const std::map<int, Samples>& b) {
   Change change;
-  for (const auto& [motion, before] : a) {
-    const auto there = b.find(motion);
+  for (const auto& [step, before] : a) {
+    const auto there = b.find(step);
     if (there == b.end()) continue;
     const Samples& after = there->second;
-    ++change.motions;
+    ++change.steps;
     change.before += median(before.seconds), change.after += median(after.seconds);
     change.spread_a += spread(before), change.spread_b += spread(after);
     change.same_counts &= before.tests == after.tests && before.contacts == after.contacts;
@@ -96,17 +97,17 @@ Change change_of(const std::map<int, Samples>& a, const std::map<int, Samples>& 
 }
 
 void compare(const std::string& name, const Entrants& a, const Entrants& b, RecordComparison& result) {
-  for (const auto& [key, motions] : a) {
+  for (const auto& [key, steps] : a) {
     const auto other = b.find(key);
     if (other == b.end()) continue;
-    const Change change = change_of(motions, other->second);
-    if (change.motions == 0 || change.before <= 0) continue;
+    const Change change = change_of(steps, other->second);
+    if (change.steps == 0 || change.before <= 0) continue;
     const bool slower = change.slower(), faster = change.faster();
     ++result.compared;
     result.slower += slower, result.faster += faster, result.other_counts += !change.same_counts;
     result.single += !change.judged;
     if (!slower && !faster && change.same_counts) continue;
-    const auto ms = [&](double seconds) { return fmt::format("{:.3g}", 1e3 * seconds / double(change.motions)); };
+    const auto ms = [&](double seconds) { return fmt::format("{:.3g}", 1e3 * seconds / double(change.steps)); };
     result.table.add({name, key, ms(change.before), ms(change.after), fmt::format("{:.3f}", change.ratio()),
                       change.judged ? fmt::format("{:.1f} %", 100 * change.tolerance()) : "-",
                       slower   ? "slower"

@@ -73,7 +73,7 @@ TitledTable coplanarity_table(const Rows& rows, const std::string& title) {
                grouped(static_cast<std::uint64_t>(line.rows.sum("contacts")))});
   }
   return {title, table,
-          "VolCCD with this culling; ms: mean over motions of medians over rounds; ns/test: time of the culling stages "
+          "VolCCD with this culling; ms: mean over steps of medians over rounds; ns/test: time of the culling stages "
           "over the tests that it is applied to, for elements those that the pairs have without culling, for features "
           "those that get to the filter; / CSAT: coplanarity on features over CSAT on features, and over CSAT on "
           "elements; left: in per cent of the tests without culling; the paper's: single tests of a vertex and a "

@@ -35,11 +35,11 @@ void add_lines(const Rows& rows, const PrintedTable& paper, TextTable& table) {
   for (std::size_t i = 0; i < 3; ++i) {
     const Rows of = rows.with("pipeline", kCulling[i]);
     if (of.empty()) continue;
-    const double motions = static_cast<double>(of.motions()), tests = of.tests();
+    const double steps = static_cast<double>(of.steps()), tests = of.tests();
     const auto text = [](double value) { return grouped(static_cast<std::uint64_t>(value)); };
-    table.add({kCulling[i], text(of.sum("vf_tests") / motions), text(of.sum("ee_tests") / motions),
-               text(tests / motions), text(tests), i == 0 ? "100 %" : percent_text(before > 0 ? tests / before : 0),
-               paper.lines[i][0], paper.lines[i][1], paper.lines[i][2], paper.lines[i][3]});
+    table.add({kCulling[i], text(of.sum("vf_tests") / steps), text(of.sum("ee_tests") / steps), text(tests / steps),
+               text(tests), i == 0 ? "100 %" : percent_text(before > 0 ? tests / before : 0), paper.lines[i][0],
+               paper.lines[i][1], paper.lines[i][2], paper.lines[i][3]});
     before = tests;
   }
 }
@@ -53,7 +53,7 @@ ExperimentPlan culling_plan(const PlanContext& context) {
     const auto file = context.file_of(std::string(paper.scene) + (context.full ? "" : "-quick"));
     if (!file) continue;
     SceneRun run{
-        paper.scene, *file, table_config(*file), sampled_windows(motion_count(*file), context.full ? 8 : 2, 1), {}};
+        paper.scene, *file, table_config(*file), sampled_windows(step_count(*file), context.full ? 8 : 2, 1), {}};
     run.entrants = {entrant(registry, "", "NavCCD-2011"),
                     entrant(registry, "", "VolCCD-2011", {"element-culling=none", "feature-filter=none"}),
                     entrant(registry, "", "VolCCD-2011")};
@@ -70,14 +70,14 @@ std::vector<TitledTable> culling_tables(const json& record) {
     const Rows of = rows.with("scene", paper.scene);
     if (of.empty()) continue;
     TextTable table(
-        {"culling", "VF/frame", "EE/frame", "total/frame", "total", "ratio", "paper: VF", "EE", "total", "ratio"});
+        {"culling", "VF/step", "EE/step", "total/step", "total", "ratio", "paper: VF", "EE", "total", "ratio"});
     add_lines(of, paper, table);
     tables.push_back(
-        {fmt::format("{}: elementary tests on {}, {} elements, {} motions", paper.title, paper.scene,
-                     grouped(static_cast<std::uint64_t>(of.median("elements"))), of.motions()),
+        {fmt::format("{}: elementary tests on {}, {} elements, {} steps", paper.title, paper.scene,
+                     grouped(static_cast<std::uint64_t>(of.median("elements"))), of.steps()),
          table,
-         "ratio: to the line above; total: sum over the motions that were measured. The paper does not say whether "
-         "its counts are a\nframe's or all frames': those of Table II in the time of Table I would be 2.7 ns a "
+         "ratio: to the line above; total: sum over the steps that were measured. The paper does not say whether "
+         "its counts are a\nstep's or all steps': those of Table II in the time of Table I would be 2.7 ns a "
          "test.\n"});
   }
   return tables;

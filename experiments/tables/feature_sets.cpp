@@ -10,11 +10,11 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/harness/corner_volumes.hpp>
-#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/scenes/simulated/bake.hpp>
 #include <volccd/experiments/tables/rows.hpp>
 #include <volccd/io/sequence/stepper.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+#include <volccd/io/stats_json.hpp>
+#include <volccd/pipelines/step_runner.hpp>
 #include <volccd/simulation/contact/contact_surface.hpp>
 
 namespace volccd {
@@ -49,28 +49,25 @@ class Observer {
       : reader_(reader),
         executor_(executor),
         stepper_(reader),
-        registry_(Registry::standard()),
-        pipeline_(registry_, registry_.pipeline("VolCCD+")),
-        workspace_(pipeline_.make_workspace()) {
+        runner_(Pipeline(Registry::standard(), Registry::standard().pipeline("VolCCD+")), {.executor = &executor}) {
     SequenceCells cells;
     reader.read_cells(0, cells);
     reader.read_points(0, points_);
     for (std::size_t i = 0; i < cells.size(); ++i) {
       check_type(cells.types[i], i);
       mass_[key(cells.ids[i], cells.types[i])] = corner_volumes(cells.vertices(i), points_).volume();
-      striker_ = std::min(striker_, cells.parts[i]);
+      striker_ = std::min(striker_, cells.objects[i]);
     }
   }
 
-  json motion(int k) {
+  json observe_step(int k) {
     stepper_.go_to(k, executor_);
     const Mesh& mesh = stepper_.topology().mesh();
-    pipeline_.run({stepper_.topology(), stepper_.motion(), filter_}, workspace_, executor_, result_,
-                  {Query::all, true});
+    runner_.run(stepper_.topology(), stepper_.motion(), {.initial_overlaps = true});
     json row = {{"motion", k},
                 {"elements", mesh.element_count()},
                 {"time", reader_.time(k + 1)},
-                {"contacts", result_.contacts.size()},
+                {"contacts", runner_.result().contacts.size()},
                 {"interior", interior_contacts()}};
     row.update(overlaps(mesh));
     row.update(pieces(mesh));
@@ -86,7 +83,7 @@ class Observer {
     return row;
   }
 
-  int motions() const { return stepper_.motion_count(); }
+  int steps() const { return stepper_.step_count(); }
 
  private:
   void check_type(ElementType type, std::size_t index) const {
@@ -102,7 +99,7 @@ class Observer {
   std::size_t interior_contacts() const {
     const Features& features = stepper_.topology().features();
     const simulation::ContactSurface boundary(stepper_.topology(), simulation::ContactFeatures::boundary, 1);
-    return static_cast<std::size_t>(std::ranges::count_if(result_.contacts, [&](const Contact& c) {
+    return static_cast<std::size_t>(std::ranges::count_if(runner_.result().contacts, [&](const Contact& c) {
       const auto& v = c.vertices;
       if (c.kind == FeatureKind::vf)
         return !boundary.has_vertex(v[0]) || !boundary.has_triangle(features.find_triangle(v[1], v[2], v[3]));
@@ -111,10 +108,10 @@ class Observer {
   }
 
   json overlaps(const Mesh& mesh) const {
+    const std::vector<ElementPair>& pairs = runner_.result().initial_overlaps;
     std::size_t inter = 0;
-    for (const ElementPair& pair : result_.initial_overlaps)
-      inter += mesh.object(pair.a) != mesh.object(pair.b) ? 1 : 0;
-    return {{"overlaps_inter", inter}, {"overlaps_intra", result_.initial_overlaps.size() - inter}};
+    for (const ElementPair& pair : pairs) inter += mesh.object(pair.a) != mesh.object(pair.b) ? 1 : 0;
+    return {{"overlaps_inter", inter}, {"overlaps_intra", pairs.size() - inter}};
   }
 
   /// Connected pieces: elements connected by vertices.
@@ -165,11 +162,7 @@ class Observer {
   SequenceReader& reader_;
   Executor& executor_;
   SequenceStepper stepper_;
-  Registry registry_;
-  Pipeline pipeline_;
-  Workspace workspace_;
-  ObjectFilter filter_;
-  StepResult result_;
+  StepRunner runner_;
   std::vector<Vec3> points_;
   std::unordered_map<std::int64_t, double> mass_;  ///< by key(): the volume at the first frame that has the element
   std::int32_t striker_ = std::numeric_limits<std::int32_t>::max();
@@ -186,7 +179,7 @@ const char* variant_of(simulation::ContactFeatures features) {
   return "";
 }
 
-/// One row for each motion, with what the record of the simulation says of it.
+/// One row for each step, with what the record of the simulation says of it.
 std::vector<json> rows_of(const SimulatedScene& scene, const std::string& sequence, const json& baked,
                           Executor& executor, const std::function<void()>& check) {
   std::vector<json> rows = feature_set_motions(sequence, executor, check);
@@ -243,12 +236,12 @@ std::vector<json> feature_set_motions(const std::string& sequence, Executor& exe
                                       const std::function<void()>& check) {
   SequenceReader reader(sequence);
   Observer observer(reader, executor);
-  std::vector<json> motions;
-  for (int k = 0; k < observer.motions(); ++k) {
+  std::vector<json> steps;
+  for (int k = 0; k < observer.steps(); ++k) {
     check();
-    motions.push_back(observer.motion(k));
+    steps.push_back(observer.observe_step(k));
   }
-  return motions;
+  return steps;
 }
 
 ExperimentPlan feature_set_plan(const PlanContext& context) {
@@ -287,7 +280,7 @@ std::vector<TitledTable> feature_set_tables(const json& record) {
   return {{"Figure 3: the bullet with contacts among all features, the boundary's, and the first surface's", table,
            "elements, pieces, velocity and travel of the bullet's centre, pairs of elements that overlap (exact; not "
            "adjacent ones): at the end; inverted elements, contacts among all features, and those with a feature "
-           "inside: sums over the motions\n"}};
+           "inside: sums over the steps\n"}};
 }
 
 }  // namespace volccd

@@ -16,21 +16,21 @@ namespace volccd {
 ExperimentPlan feature_set_plan(const PlanContext& context);
 
 /// feature_set_motions() of these scenes, with the columns that figures need (scene, motion_model, pipeline, "variant":
-/// the features that collide), and with the numbers of their simulation for each motion: "splits" and "breaks",
+/// the features that collide), and with the numbers of their simulation for each step: "splits" and "breaks",
 /// "simulation_seconds".
 std::vector<nlohmann::json> feature_set_rows(const PlanContext& context);
 
 /// One table, with one row for each scene.
 std::vector<TitledTable> feature_set_tables(const nlohmann::json& record);
 
-/// Measures of the sequence of a simulation with hexahedra (and wedges into which they break), one row for each motion:
+/// Measures of the sequence of a simulation with hexahedra (and wedges into which they break), one row for each step:
 /// {"motion", "elements", "time": at its end, "contacts", "interior": those of which a feature lies inside,
 /// "overlaps_inter", "overlaps_intra": pairs of non-adjacent elements that overlap at its start (exact), "inverted":
 /// elements with a negative corner volume at its end, "pieces_striker", "pieces_target": pieces connected by vertices,
-/// "velocity", "travel": of the striker's centre of mass along its first motion}.
+/// "velocity", "travel": of the striker's centre of mass along its first step}.
 ///
 /// The striker is object 0, the target all other objects. Contacts are those of the pipeline VolCCD+ among all
-/// features, whichever the simulation has resisted. `check` is called before each motion, and may throw to stop. Throws
+/// features, whichever the simulation has resisted. `check` is called before each step, and may throw to stop. Throws
 /// InputError for other elements, and the exceptions of the reader.
 std::vector<nlohmann::json> feature_set_motions(const std::string& sequence, Executor& executor,
                                                 const std::function<void()>& check);

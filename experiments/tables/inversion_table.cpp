@@ -8,7 +8,7 @@
 #include <volccd/experiments/harness/corner_volumes.hpp>
 #include <volccd/experiments/tables/rows.hpp>
 #include <volccd/io/sequence/reader.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+#include <volccd/pipelines/step_runner.hpp>
 
 namespace volccd {
 
@@ -80,17 +80,13 @@ void add_rows(const PlanContext& context, const TableScene& scene, MotionModel m
   SequenceReader reader(scene.file);
   const SequenceStepper::Config config = table_config(scene.file, model);
   SequenceStepper stepper(reader, config);
-  const Pipeline pipeline(context.registry, context.registry.pipeline("VolCCD+"));
-  Workspace workspace = pipeline.make_workspace();
-  const ObjectFilter everything;
-  Request request;
-  request.leave_out_shell_neighbours = config.shells == ShellModel::solid;
-  StepResult result;
-  for (int k = 0; k < stepper.motion_count(); ++k) {
+  StepRunner runner(Pipeline(context.registry, context.registry.pipeline("VolCCD+")), {.executor = &executor});
+  const Request request{.leave_out_shell_neighbours = config.shells == ShellModel::solid};
+  for (int k = 0; k < stepper.step_count(); ++k) {
     check();
     stepper.go_to(k, executor);
-    const Step step{stepper.topology(), stepper.motion(), everything};
-    pipeline.run(step, workspace, executor, result, request);
+    const Step step{stepper.topology(), stepper.motion(), runner.filter()};
+    const StepResult& result = runner.run(step.topology, step.motion, request);
     rows.push_back({{"scene", scene.name},
                     {"motion_model", name_of(model)},
                     {"motion", k},
@@ -100,17 +96,17 @@ void add_rows(const PlanContext& context, const TableScene& scene, MotionModel m
 }
 
 std::uint64_t number(const json& row, const char* column) { return row.at(column).get<std::uint64_t>(); }
-/// Contacts that begin during the motion.
+/// Contacts that begin during the step.
 std::uint64_t later(const json& row) { return number(row, "intra") - number(row, "intra_at_start"); }
 std::uint64_t inverted(const json& row) { return number(row, "inverted_at_start") + number(row, "inverting"); }
 
 /// Sums of one scene in one motion model.
 struct Sums {
-  std::uint64_t motions = 0, with_contacts = 0, silent = 0, elements = 0, at_start = 0, inverting = 0,
+  std::uint64_t steps = 0, with_contacts = 0, silent = 0, elements = 0, at_start = 0, inverting = 0,
                 touching_inside = 0, intra_at_start = 0, intra = 0, inside = 0, near = 0, missed = 0;
 
   void add(const json& row) {
-    ++motions;
+    ++steps;
     elements = std::max(elements, number(row, "elements"));
     with_contacts += later(row) > 0 ? 1 : 0;
     silent += later(row) > 0 && inverted(row) == 0 ? 1 : 0;
@@ -158,7 +154,7 @@ std::vector<json> inversion_rows(const PlanContext& context) {
 
 std::vector<TitledTable> inversion_tables(const json& record) {
   TextTable table(
-      {"scene", "motion", "elements", "motions", "with contacts", "no inversion", "inverted at start", "inverting",
+      {"scene", "motion model", "elements", "steps", "with contacts", "no inversion", "inverted at start", "inverting",
        "touch inside", "contacts at t = 0", "contacts", "in inverted", "at inverted", "missed", "share"},
       2);
   const Rows rows(record);
@@ -168,15 +164,14 @@ std::vector<TitledTable> inversion_tables(const json& record) {
       for (const json& row : record.at("rows"))
         if (row.at("scene") == scene && row.at("motion_model") == model) sums.add(row);
       table.add(
-          {scene, model, grouped(sums.elements), grouped(sums.motions), grouped(sums.with_contacts),
-           grouped(sums.silent), grouped(sums.at_start), grouped(sums.inverting), grouped(sums.touching_inside),
-           grouped(sums.intra_at_start), grouped(sums.intra), grouped(sums.inside), grouped(sums.near),
-           grouped(sums.missed),
+          {scene, model, grouped(sums.elements), grouped(sums.steps), grouped(sums.with_contacts), grouped(sums.silent),
+           grouped(sums.at_start), grouped(sums.inverting), grouped(sums.touching_inside), grouped(sums.intra_at_start),
+           grouped(sums.intra), grouped(sums.inside), grouped(sums.near), grouped(sums.missed),
            sums.intra > 0 ? percent_text(static_cast<double>(sums.missed) / static_cast<double>(sums.intra)) : "-"});
     }
   return {{"Section 7.2: the inversion test as a self-collision check", table,
-           "sums over all motions. with contacts: motions in which features of one object come into contact after t = "
-           "0; no inversion: of these, motions in which no element is inverted or inverts, so that the test finds "
+           "sums over all steps. with contacts: steps in which features of one object come into contact after t = "
+           "0; no inversion: of these, steps in which no element is inverted or inverts, so that the test finds "
            "nothing; touch inside: of the elements that are inverted at the start or invert, those with a contact "
            "between their own features; contacts: within one object, after t = 0; in inverted: both features are of "
            "one such element; at inverted: one of the features is; missed: none is\n"}};

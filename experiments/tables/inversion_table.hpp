@@ -8,7 +8,7 @@ namespace volccd {
 /// The scenes of the tables, for their inputs only: the plan has no windows.
 ExperimentPlan inversion_plan(const PlanContext& context);
 
-/// One row for each motion of the scenes of the tables, linear, and tentative where the file has velocities; contacts
+/// One row for each step of the scenes of the tables, linear, and tentative where the file has velocities; contacts
 /// are those of VolCCD+. Columns: scene, motion_model, motion, elements, and as count_inversions() returns them.
 std::vector<nlohmann::json> inversion_rows(const PlanContext& context);
 std::vector<TitledTable> inversion_tables(const nlohmann::json& record);
@@ -16,7 +16,7 @@ std::vector<TitledTable> inversion_tables(const nlohmann::json& record);
 /// Compares the contacts of a step within its objects with the elements that invert (harness/corner_volumes.hpp):
 ///   examined           elements for which there is an inversion test
 ///   inverted_at_start  elements that are inverted or flat at some corner at t = 0
-///   inverting          elements that are not, and become so during the motion
+///   inverting          elements that are not, and become so during the step
 ///   touching_inside    of both: elements that have both features of a contact (a vertex and a face of their own, or
 ///                      two edges)
 ///   intra              contacts between features of one object

@@ -110,7 +110,7 @@ std::optional<TitledTable> bound_table(const json& record) {
   }
   if (!any) return std::nullopt;
   return TitledTable{"Section 7.2: continuous OBBs against k-DOPs (k = 16), means", table,
-                     "update: bounds of an element over the motion; test: of pairs without a common vertex whose swept "
+                     "update: bounds of an element over the step; test: of pairs without a common vertex whose swept "
                      "boxes overlap; the paper's operations are those of a whole test; scalar code in doubles, both "
                      "conservative; no tree; one thread\n"};
 }
@@ -129,17 +129,17 @@ std::vector<json> operation_rows(const PlanContext& context) {
   QuerySourceConfig source;
   source.candidates = true;
   source.sample = 2048;
-  source.motion = motion_count(*file) / 2;
+  source.step = step_count(*file) / 2;
   std::vector<json> rows;
   const std::vector<KnownQueries> queries = load_queries(*file, source);
   std::vector<TestList> lists;
   for (const KnownQueries& known : queries) lists.push_back({known.kind, known.step, known.pairs});
   json counts = operation_counts(lists).at("rows");
-  if (counts.empty()) throw ConfigError("operations: " + *file + " has no tests at its middle motion");
+  if (counts.empty()) throw ConfigError("operations: " + *file + " has no tests at its middle step");
   for (json& row : bound_operation_counts(queries.front().step)) counts.push_back(std::move(row));
   for (json& row : counts) {
     row["scene"] = "octopi";
-    row["motion"] = source.motion;
+    row["motion"] = source.step;
     rows.push_back(std::move(row));
   }
   return rows;

@@ -8,7 +8,7 @@ namespace volccd {
 /// octopi, for its input only: the plan has no windows.
 ExperimentPlan operation_plan(const PlanContext& context);
 
-/// operation_counts() on candidates of a motion in the middle of octopi, and bound_operation_counts() on its elements;
+/// operation_counts() on candidates of a step in the middle of octopi, and bound_operation_counts() on its elements;
 /// every run draws the same ones.
 std::vector<nlohmann::json> operation_rows(const PlanContext& context);
 std::vector<TitledTable> operation_tables(const nlohmann::json& record);

@@ -57,14 +57,14 @@ std::string variant_of(const Contender& contender) {
   return text;
 }
 
-/// Some motions of a scene, each with the one before it.
+/// Some steps of a scene, each with the one before it.
 class SceneMotions {
  public:
   virtual ~SceneMotions() = default;
-  virtual std::vector<int> motions(bool full) const = 0;
-  /// Begins a round of a motion by going to the motion before it.
-  virtual void go_before(int motion) = 0;
-  virtual void go_to(int motion) = 0;
+  virtual std::vector<int> steps(bool full) const = 0;
+  /// Begins a round of a step by going to the step before it.
+  virtual void go_before(int step) = 0;
+  virtual void go_to(int step) = 0;
 
   Step step() const { return {*topology_, motion_, everything_}; }
 
@@ -89,24 +89,24 @@ class MotionsOfFile final : public SceneMotions {
  public:
   explicit MotionsOfFile(const std::string& file) : reader_(file), config_(table_config(file)) {}
 
-  std::vector<int> motions(bool full) const override {
+  std::vector<int> steps(bool full) const override {
     std::vector<int> result;
-    for (const MotionWindow& window : sampled_windows(reader_.step_count() - 1, full ? 4 : 2, 1))
+    for (const StepWindow& window : sampled_windows(reader_.frame_count() - 1, full ? 4 : 2, 1))
       for (int k = 0; k < window.count; ++k) result.push_back(window.first + k);
     return result;
   }
 
   /// Where cells change, a new stepper makes the edit happen in each round in the same way.
-  void go_before(int motion) override {
+  void go_before(int step) override {
     const bool edits =
-        motion > 0 && stepper_ && !reader_.same_cells(stepper_->cells_step(motion - 1), stepper_->cells_step(motion));
+        step > 0 && stepper_ && !reader_.same_cells(stepper_->cells_frame(step - 1), stepper_->cells_frame(step));
     if (!stepper_ || edits) stepper_.emplace(reader_, config_);
-    go_to(std::max(motion - 1, 0));
-    if (motion == 0) go_back();
+    go_to(std::max(step - 1, 0));
+    if (step == 0) go_back();
   }
 
-  void go_to(int motion) override {
-    stepper_->go_to(motion);
+  void go_to(int step) override {
+    stepper_->go_to(step);
     topology_ = &stepper_->topology();
     motion_ = stepper_->motion();
   }
@@ -117,7 +117,7 @@ class MotionsOfFile final : public SceneMotions {
   std::optional<SequenceStepper> stepper_;
 };
 
-/// A mesh that is turned by 10 degrees about its long axis, and shortened by 5 %, in one motion.
+/// A mesh that is turned by 10 degrees about its long axis, and shortened by 5 %, in one step.
 class TurnedMesh final : public SceneMotions {
  public:
   explicit TurnedMesh(const std::string& file) {
@@ -130,9 +130,9 @@ class TurnedMesh final : public SceneMotions {
     scene->positions(1, x1_);
   }
 
-  std::vector<int> motions(bool) const override { return {0}; }
-  void go_before(int motion) override {
-    go_to(motion);
+  std::vector<int> steps(bool) const override { return {0}; }
+  void go_before(int step) override {
+    go_to(step);
     go_back();
   }
   void go_to(int) override { motion_ = Motion::linear(x0_, x1_); }
@@ -219,24 +219,23 @@ void expect_same_pairs(const std::vector<json>& rows) {
                          r.at("variant").get<std::string>(), r.at("pairs").get<std::uint64_t>());
     };
     throw Error(
-        fmt::format("peers, {}, motion {}: {}, {}: one of them loses or invents pairs; `volccd check` on its "
+        fmt::format("peers, {}, step {}: {}, {}: one of them loses or invents pairs; `volccd check` on its "
                     "name may find a small case",
                     row.at("scene").get<std::string>(), row.at("motion").get<int>(), text(*first), text(row)));
   }
 }
 
-/// Runs all broad phases on a motion, in an order that shifts by one from round to round.
-std::vector<json> run_round(SceneMotions& scene, const std::string& name, int motion, int round,
+/// Runs all broad phases on a step, in an order that shifts by one from round to round.
+std::vector<json> run_round(SceneMotions& scene, const std::string& name, int step, int round,
                             std::vector<Racer>& racers, Executor& executor) {
-  scene.go_before(motion);
+  scene.go_before(step);
   for (Racer& racer : racers) racer.run(scene.step(), executor);
-  scene.go_to(motion);
+  scene.go_to(step);
   const Mesh& mesh = scene.step().mesh();
   std::vector<json> rows;
   for (std::size_t i = 0; i < racers.size(); ++i) {
-    json row = {
-        {"scene", name},  {"volume", is_volume(mesh)},    {"elements", mesh.element_count()}, {"motion", motion},
-        {"round", round}, {"threads", executor.workers()}};
+    json row = {{"scene", name},  {"volume", is_volume(mesh)},    {"elements", mesh.element_count()}, {"motion", step},
+                {"round", round}, {"threads", executor.workers()}};
     row.update(racers[(i + static_cast<std::size_t>(round)) % racers.size()].run(scene.step(), executor));
     rows.push_back(std::move(row));
   }
@@ -247,7 +246,7 @@ std::vector<json> run_round(SceneMotions& scene, const std::string& name, int mo
 struct Times {
   std::string name;
   bool peer;
-  double build, query, both;  ///< ms; means over motions of medians over rounds
+  double build, query, both;  ///< ms; means over steps of medians over rounds
   std::uint64_t pairs;
   double bytes;
 };
@@ -300,10 +299,10 @@ std::vector<json> peers_rows(const PlanContext& context) {
       scene = std::make_unique<MotionsOfFile>(scenes[s].file);
     std::vector<Racer> racers;
     for (const Contender& contender : all) racers.emplace_back(context.registry, contender);
-    for (const int motion : scene->motions(context.full))
+    for (const int step : scene->steps(context.full))
       for (int round = 0; round < rounds; ++round) {
         if (context.progress) context.progress(s, scenes.size());
-        for (json& row : run_round(*scene, scenes[s].name, motion, round, racers, executor))
+        for (json& row : run_round(*scene, scenes[s].name, step, round, racers, executor))
           rows.push_back(std::move(row));
       }
   }
@@ -319,10 +318,10 @@ std::vector<TitledTable> peers_tables(const json& record) {
     const Rows of = rows.with("scene", scene);
     const std::vector<Times> times = times_of(of);
     const std::optional<double> peer = fastest_peer(times);
-    const double motions = static_cast<double>(of.motions());
+    const double steps = static_cast<double>(of.steps());
     table.rule();
     for (const Times& one : times) {
-      const double pairs = static_cast<double>(one.pairs) / motions;
+      const double pairs = static_cast<double>(one.pairs) / steps;
       table.add({scene.get<std::string>() + (of.front().at("volume").get<bool>() ? "" : " (surface)"), one.name,
                  grouped(static_cast<std::uint64_t>(of.median("elements"))), fmt::format("{:.3g}", one.build),
                  fmt::format("{:.3g}", one.query), fmt::format("{:.3g}", one.both),
@@ -331,7 +330,7 @@ std::vector<TitledTable> peers_tables(const json& record) {
     }
   }
   std::string note =
-      "means over motions of medians over rounds; pairs of a motion, without a common vertex, all written out\n";
+      "means over steps of medians over rounds; pairs of a step, without a common vertex, all written out\n";
   if (!fastest_peer(times_of(rows)))
     note += "this build has no broad phases of other libraries (CMake: VOLCCD_PEERS)\n";
   return {{"Broad phases side by side, steady state", table, note}};

@@ -8,7 +8,7 @@ namespace volccd {
 /// The scenes, for their files only (the plan has no windows), and the number of rounds.
 ExperimentPlan peers_plan(const PlanContext& context);
 
-/// Times and counts of broad phases on single motions, interleaved: docs/reproducing.md. Throws ConfigError if no scene
+/// Times and counts of broad phases on single steps, interleaved: docs/reproducing.md. Throws ConfigError if no scene
 /// is available, and Error if two broad phases with the same boxes emit different numbers of pairs.
 std::vector<nlohmann::json> peers_rows(const PlanContext& context);
 std::vector<TitledTable> peers_tables(const nlohmann::json& record);

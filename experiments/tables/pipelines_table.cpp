@@ -28,18 +28,18 @@ std::vector<Rows> entrants_of(const Rows& rows) {
   return result;
 }
 
-/// "3 + 0.99329": the first motion with a contact, and its time within it.
+/// "3 + 0.99329": the first step with a contact, and its time within it.
 std::string earliest(const Rows& rows) {
-  for (const json& motion : rows.values("motion"))
-    if (const json toi = rows.with("motion", motion).front().at("earliest_toi"); toi.is_number())
-      return fmt::format("{} + {:.5f}", motion.get<int>(), toi.get<double>());
+  for (const json& step : rows.values("motion"))
+    if (const json toi = rows.with("motion", step).front().at("earliest_toi"); toi.is_number())
+      return fmt::format("{} + {:.5f}", step.get<int>(), toi.get<double>());
   return "-";
 }
 
 bool same_contacts(const Rows& rows, const Rows& reference) {
-  for (const json& motion : rows.values("motion"))
-    if (rows.with("motion", motion).values("contacts_hash") !=
-        reference.with("motion", motion).with("round", 0).values("contacts_hash"))
+  for (const json& step : rows.values("motion"))
+    if (rows.with("motion", step).values("contacts_hash") !=
+        reference.with("motion", step).with("round", 0).values("contacts_hash"))
       return false;
   return true;
 }
@@ -61,12 +61,12 @@ TitledTable comparison(const Rows& rows, const std::string& scene) {
                same_contacts(of, entrants[0]) ? "yes" : "NO"});
   table.rule();
   table.add({"paper, bullet", "48 ms", "21x", "28x", "-", "-", "-", "0.69 %", "-", "-", "-"});
-  return {fmt::format("{}: {} motions, {} round(s), {} thread(s)", scene, rows.motions(), rows.values("round").size(),
+  return {fmt::format("{}: {} steps, {} round(s), {} thread(s)", scene, rows.steps(), rows.values("round").size(),
                       rows.front().at("threads").get<int>()),
           table,
-          "time: median over motions of medians over rounds; counts: sums over motions; /: speed-up; tests: share of "
+          "time: median over steps of medians over rounds; counts: sums over steps; /: speed-up; tests: share of "
           "NavCCD's; "
-          "earliest: motion + time;\nsame: the first pipeline's contacts, bit for bit\n"};
+          "earliest: step + time;\nsame: the first pipeline's contacts, bit for bit\n"};
 }
 
 TitledTable stage_shares(const Rows& rows, const std::string& scene) {
@@ -101,7 +101,7 @@ ExperimentPlan projectile_plan(const PlanContext& context) {
   std::optional<std::string> file = context.file_of(scene);
   if (!file) file = context.file_of(scene = "builtin");
   if (!file) throw ConfigError("projectile: there is neither ls-dyna-projectile nor the scene builtin");
-  SceneRun run{scene, *file, {}, all_windows(motion_count(*file), 5), {}};
+  SceneRun run{scene, *file, {}, all_windows(step_count(*file), 5), {}};
   std::vector<std::string> pipelines = {"NavCCD", "HashCCD", "VolCCD", "VolCCD+"};
   pipelines.insert(pipelines.end(), context.pipelines.begin(), context.pipelines.end());
   for (const std::string& pipeline : pipelines) {

@@ -5,7 +5,7 @@
 
 namespace volccd {
 
-/// NavCCD, HashCCD, VolCCD and VolCCD+ with the paper's elementary test, and the context's pipelines, on all motions of
+/// NavCCD, HashCCD, VolCCD and VolCCD+ with the paper's elementary test, and the context's pipelines, on all steps of
 /// the LS-DYNA run, or of the built-in scene if that run is not available.
 ExperimentPlan projectile_plan(const PlanContext& context);
 

@@ -55,8 +55,8 @@ std::vector<TableScene> plus_scenes(const PlanContext& context) {
   return scenes;
 }
 
-/// The record without the first motion of each window, whose state may come from a motion farther away; a window of one
-/// motion is kept.
+/// The record without the first step of each window, whose state may come from a step farther away; a window of one
+/// step is kept.
 json steady(const json& record) {
   const auto window_of = [](const json& row) { return std::pair<json, json>(row.at("scene"), row.at("window")); };
   const auto is_first = [](const json& row) { return row.at("motion") == row.at("window"); };
@@ -71,7 +71,7 @@ json steady(const json& record) {
 
 /// One scene in one motion model on one number of threads.
 struct Group {
-  json scene, motion, table;
+  json scene, motion_model, table;
   Rows rows;
 
   Rows of(const Name& name) const { return rows.with("pipeline", name.pipeline).with("variant", name.variant); }
@@ -90,10 +90,10 @@ struct Group {
 std::vector<Group> groups_of(const Rows& rows) {
   std::vector<Group> groups;
   for (const json& table : rows.values("table"))
-    for (const json& motion : rows.with("table", table).values("motion_model"))
-      for (const json& scene : rows.with("table", table).with("motion_model", motion).values("scene"))
-        groups.push_back(
-            {scene, motion, table, rows.with("table", table).with("motion_model", motion).with("scene", scene)});
+    for (const json& motion_model : rows.with("table", table).values("motion_model"))
+      for (const json& scene : rows.with("table", table).with("motion_model", motion_model).values("scene"))
+        groups.push_back({scene, motion_model, table,
+                          rows.with("table", table).with("motion_model", motion_model).with("scene", scene)});
   return groups;
 }
 
@@ -102,33 +102,34 @@ std::string text_ratio(double value) { return value > 0 ? ratio_text(value) : "-
 std::string whole_number(double value) { return grouped(static_cast<std::uint64_t>(value)); }
 
 TitledTable times(const std::vector<Group>& groups) {
-  std::vector<std::string> header = {"scene", "motion", "threads", "elements", "on boundary", "motions"};
+  std::vector<std::string> header = {"scene", "motion model", "threads", "elements", "on boundary", "steps"};
   for (const Name& name : kEntrants) header.push_back(name.title);
   TextTable table(header, 3);
   for (const Group& group : groups) {
     std::vector<std::string> row = {group.scene,
-                                    group.motion,
+                                    group.motion_model,
                                     std::to_string(group.threads()),
                                     whole_number(group.of(kPlus).median("elements")),
                                     whole_number(group.of(kBoundary).median("elements")),
-                                    std::to_string(group.rows.motions())};
+                                    std::to_string(group.rows.steps())};
     for (const Name& name : kEntrants) row.push_back(text_ms(group.ms(name)));
     table.add(row);
   }
   return {"Whole steps, ms", table,
           std::string(kTitles) +
-              "mean over motions, without the first of each window, of medians over rounds,\nedits of the topology "
+              "mean over steps, without the first of each window, of medians over rounds,\nedits of the topology "
               "included; on boundary: triangles there; boundary: contacts of boundary features only\n"};
 }
 
 TitledTable ratios(const std::vector<Group>& groups) {
-  TextTable table({"scene", "motion", "threads", "VolCCD cubic / VolCCD+", "both cubic", "both inclusion",
+  TextTable table({"scene", "motion model", "threads", "VolCCD cubic / VolCCD+", "both cubic", "both inclusion",
                    "flood gains", "volume / surface"},
                   3);
   for (const Group& group : groups)
-    table.add({group.scene, group.motion, std::to_string(group.threads()), text_ratio(group.ratio(kVolCCDCubic, kPlus)),
-               text_ratio(group.ratio(kVolCCDCubic, kPlusCubic)), text_ratio(group.ratio(kVolCCD, kPlus)),
-               text_ratio(group.ratio(kWithoutFlood, kPlus)), text_ratio(group.ratio(kPlus, kBoundary))});
+    table.add({group.scene, group.motion_model, std::to_string(group.threads()),
+               text_ratio(group.ratio(kVolCCDCubic, kPlus)), text_ratio(group.ratio(kVolCCDCubic, kPlusCubic)),
+               text_ratio(group.ratio(kVolCCD, kPlus)), text_ratio(group.ratio(kWithoutFlood, kPlus)),
+               text_ratio(group.ratio(kPlus, kBoundary))});
   return {"Ratios of these times", table,
           std::string(kTitles) +
               "flood gains: without over with; volume / surface: VolCCD+ over the boundary alone, same stages\n"};
@@ -136,44 +137,45 @@ TitledTable ratios(const std::vector<Group>& groups) {
 
 TitledTable counts(const std::vector<Group>& groups) {
   TextTable table(
-      {"scene", "motion", "pipeline", "pairs", "survive", "owned tests", "orphans", "VF + EE tests", "contacts"}, 3);
+      {"scene", "motion model", "pipeline", "pairs", "survive", "owned tests", "orphans", "VF + EE tests", "contacts"},
+      3);
   for (const Group& group : groups) {
     if (group.threads() != groups.front().threads()) continue;  // the same for any number of threads
     for (const Name& name : kEntrants) {
       const Rows of = group.of(name);
       if (of.empty()) continue;
-      const double motions = static_cast<double>(of.motions());
-      std::vector<std::string> row = {group.scene, group.motion, name.title};
+      const double steps = static_cast<double>(of.steps());
+      std::vector<std::string> row = {group.scene, group.motion_model, name.title};
       for (const char* column : {"element_pairs", "surviving_pairs", "owned_tests", "orphan_tests"})
-        row.push_back(whole_number(of.sum(column) / motions));
-      row.push_back(whole_number(of.tests() / motions));
-      row.push_back(whole_number(of.sum("contacts") / motions));
+        row.push_back(whole_number(of.sum(column) / steps));
+      row.push_back(whole_number(of.tests() / steps));
+      row.push_back(whole_number(of.sum("contacts") / steps));
       table.add(row);
     }
   }
-  return {"Counts of a motion", table,
+  return {"Counts of a step", table,
           std::string(kTitles) +
-              "means over the same motions; pairs: of elements, that the broad phase or\nthe flood gave; orphans: "
+              "means over the same steps; pairs: of elements, that the broad phase or\nthe flood gave; orphans: "
               "tests of the O-Set\n"};
 }
 
 /// The time on one thread divided by that on several threads; 0 if the record has no row on one thread.
 double speedup_of_threads(const std::vector<Group>& groups, const Group& group, const Name& name) {
   for (const Group& one : groups)
-    if (one.threads() == 1 && group.threads() > 1 && one.scene == group.scene && one.motion == group.motion)
+    if (one.threads() == 1 && group.threads() > 1 && one.scene == group.scene && one.motion_model == group.motion_model)
       return group.ms(name) > 0 ? one.ms(name) / group.ms(name) : 0;
   return 0;
 }
 
 void add_threads_table(const std::vector<Group>& groups, std::vector<TitledTable>& tables) {
-  std::vector<std::string> header = {"scene", "motion", "threads"};
+  std::vector<std::string> header = {"scene", "motion model", "threads"};
   for (const Name& name : kEntrants) header.push_back(name.title);
   TextTable table(header, 3);
   bool any = false;
   for (const Group& group : groups) {
     if (speedup_of_threads(groups, group, kPlus) <= 0) continue;
     any = true;
-    std::vector<std::string> row = {group.scene, group.motion, std::to_string(group.threads())};
+    std::vector<std::string> row = {group.scene, group.motion_model, std::to_string(group.threads())};
     for (const Name& name : kEntrants) row.push_back(text_ratio(speedup_of_threads(groups, group, name)));
     table.add(row);
   }
@@ -195,7 +197,7 @@ ExperimentPlan plus_plan(const PlanContext& context) {
         SceneRun run{scene.name,
                      scene.file,
                      table_config(scene.file, model),
-                     sampled_windows(motion_count(scene.file), context.full ? 2 : 1,
+                     sampled_windows(step_count(scene.file), context.full ? 2 : 1,
                                      context.full ? 4
                                      : shortened  ? 2
                                                   : 3),
@@ -225,10 +227,10 @@ json plus_summary(const json& record) {
   json summary = json::array();
   for (const Group& group : groups) {
     summary.push_back({{"scene", group.scene},
-                       {"motion", group.motion},
+                       {"motion", group.motion_model},
                        {"threads", group.threads()},
                        {"elements", group.of(kPlus).median("elements")},
-                       {"motions", group.rows.motions()},
+                       {"motions", group.rows.steps()},
                        {"volccd_ms", group.ms(kVolCCDCubic)},
                        {"volccd_inclusion_ms", group.ms(kVolCCD)},
                        {"volccd_plus_ms", group.ms(kPlus)},

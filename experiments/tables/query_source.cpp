@@ -36,13 +36,11 @@ std::vector<KnownQueries> from_query_file(const std::string& file) {
   return result;
 }
 
-/// One motion of a sequence.
-struct MotionOfFile {
-  MotionOfFile(const std::string& file, const QuerySourceConfig& config)
-      : reader(file), stepper(reader, config.stepper) {
-    if (stepper.motion_count() == 0)
-      throw InputError(file, "VTKHDF/Steps", "has only one step, and therefore no motion");
-    stepper.go_to(config.motion);
+/// One step of a sequence.
+struct StepOfFile {
+  StepOfFile(const std::string& file, const QuerySourceConfig& config) : reader(file), stepper(reader, config.stepper) {
+    if (stepper.step_count() == 0) throw InputError(file, "VTKHDF/Steps", "has only one frame, and therefore no step");
+    stepper.go_to(config.step);
   }
   Step step() const { return {stepper.topology(), stepper.motion(), filter}; }
 
@@ -96,17 +94,17 @@ class Candidates {
     visit_candidates(broad, step_, *boxes, executor, [&](std::span<const ElementPair> pairs, unsigned) {
       batch.assign(pairs);
       assignment.run(step_, *owners, 0, batch, work_.tests);
-      take();
+      append_tests();
     });
     for (std::size_t block = 0; block < orphans.blocks(*o_set); ++block) {
       orphans.run(step_, *o_set, 0, block, work_);
-      take();
+      append_tests();
     }
     std::sort(vf.begin(), vf.end());
     std::sort(ee.begin(), ee.end());
   }
 
-  void take() {
+  void append_tests() {
     if (check_) check_();
     keep(FeatureKind::vf, work_.tests.vf, vf);
     keep(FeatureKind::ee, work_.tests.ee, ee);
@@ -128,34 +126,35 @@ class Candidates {
 };
 
 /// The features of a known answer; slots of the mesh.
-FeaturePair pair_of(const MotionOfFile& motion, const KnownAnswer& answer, std::int64_t row) {
-  const auto ids = motion.stepper.topology().mesh().vertex_ids();
+FeaturePair pair_of(const StepOfFile& source, const KnownAnswer& answer, std::int64_t row) {
+  const auto ids = source.stepper.topology().mesh().vertex_ids();
   std::array<Index, 4> v;
   for (std::size_t i = 0; i < 4; ++i)
     v[i] = static_cast<Index>(std::lower_bound(ids.begin(), ids.end(), answer.ids[i]) - ids.begin());
-  const Features& features = motion.stepper.topology().features();
+  const Features& features = source.stepper.topology().features();
   FeaturePair pair = answer.kind == FeatureKind::vf
                          ? FeaturePair{v[0], features.find_triangle(v[1], v[2], v[3])}
                          : FeaturePair{features.find_edge(v[0], v[1]), features.find_edge(v[2], v[3])};
   if (pair.a == kNone || pair.b == kNone)
-    throw InputError(motion.reader.file(),
+    throw InputError(source.reader.file(),
                      answer.kind == FeatureKind::vf ? "GroundTruth/VertexFace/Pairs" : "GroundTruth/EdgeEdge/Pairs",
-                     row, "a feature of the pair is not in the mesh of step 1");
+                     row, "a feature of the pair is not in the mesh of frame 1");
   if (answer.kind == FeatureKind::ee && pair.b < pair.a) std::swap(pair.a, pair.b);
   return pair;
 }
 
-void take_listed(const MotionOfFile& motion, const std::vector<KnownAnswer>& answers, KnownQueries& queries) {
+void append_listed(const StepOfFile& source, const std::vector<KnownAnswer>& answers, KnownQueries& queries) {
   for (const KnownAnswer& answer : answers) {
     if (answer.kind != queries.kind) continue;
-    queries.pairs.push_back(pair_of(motion, answer, static_cast<std::int64_t>(queries.pairs.size())));
+    queries.pairs.push_back(pair_of(source, answer, static_cast<std::int64_t>(queries.pairs.size())));
     queries.collides.push_back(answer.collides ? 1 : 0);
     queries.toi.push_back(answer.toi);
   }
 }
 
-/// Replaces the listed pairs by `pairs`, and keeps the known answers.
-void spread(const std::vector<FeaturePair>& pairs, KnownQueries& queries, const std::string& file) {
+/// Replaces the listed pairs by `pairs`, which contain all that collide; keeps the known answers. Other pairs do not
+/// collide.
+void replace_pairs(const std::vector<FeaturePair>& pairs, KnownQueries& queries, const std::string& file) {
   std::vector<std::uint8_t> collides(pairs.size(), 0);
   std::vector<double> toi(pairs.size(), std::numeric_limits<double>::quiet_NaN());
   for (std::size_t i = 0; i < queries.size(); ++i) {
@@ -174,31 +173,32 @@ void spread(const std::vector<FeaturePair>& pairs, KnownQueries& queries, const 
 }
 
 std::vector<KnownQueries> from_sequence(const std::string& file, const QuerySourceConfig& config) {
-  const auto motion = std::make_shared<MotionOfFile>(file, config);
+  const auto source = std::make_shared<StepOfFile>(file, config);
   const bool linear = config.stepper.motion == MotionModel::linear, candidates = config.candidates;
-  const auto answers = config.motion == 0 && linear ? read_ground_truth(motion->reader) : std::nullopt;
+  const auto answers = config.step == 0 && linear ? read_ground_truth(source->reader) : std::nullopt;
   if (!answers && !candidates)
-    throw InputError(file, "GroundTruth",
-                     fmt::format("{} motion {}: there are candidates only (--candidates)",
-                                 linear ? "is missing for" : "holds for linear motion, not for this", config.motion));
+    throw InputError(
+        file, "GroundTruth",
+        fmt::format("{} step {}: there are candidates only (--candidates)",
+                    linear ? "is missing for" : "holds for linear motion, not for this motion of", config.step));
   std::optional<Candidates> found;
-  if (candidates) found.emplace(motion->step(), config.check);
-  const std::string scene = fmt::format("{}, motion {}", candidates ? "candidates" : "listed", config.motion);
+  if (candidates) found.emplace(source->step(), config.check);
+  const std::string scene = fmt::format("{}, step {}", candidates ? "candidates" : "listed", config.step);
   std::vector<KnownQueries> result;
   for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee}) {
-    KnownQueries queries{scene, kind, motion->step(), motion, {}, {}, {}, {}, {}};
-    if (answers) take_listed(*motion, *answers, queries);
+    KnownQueries queries{scene, kind, source->step(), source, {}, {}, {}, {}, {}};
+    if (answers) append_listed(*source, *answers, queries);
     if (candidates) {
       const std::vector<FeaturePair>& pairs = kind == FeatureKind::vf ? found->vf : found->ee;
       if (answers)
-        spread(pairs, queries, file);
+        replace_pairs(pairs, queries, file);
       else
         queries.pairs = pairs;
     }
     if (queries.pairs.empty()) continue;
-    queries.place = [motion, kind, pairs = queries.pairs](std::uint64_t i) {
-      const std::array<Index, 4> v = test_vertices(motion->stepper.topology().features(), kind, pairs[i]);
-      const auto id = [&](std::size_t p) { return motion->stepper.topology().mesh().vertex_id(v[p]); };
+    queries.place = [source, kind, pairs = queries.pairs](std::uint64_t i) {
+      const std::array<Index, 4> v = test_vertices(source->stepper.topology().features(), kind, pairs[i]);
+      const auto id = [&](std::size_t p) { return source->stepper.topology().mesh().vertex_id(v[p]); };
       return kind == FeatureKind::vf ? fmt::format("{} | {} {} {}", id(0), id(1), id(2), id(3))
                                      : fmt::format("{} {} | {} {}", id(0), id(1), id(2), id(3));
     };

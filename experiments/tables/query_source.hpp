@@ -32,15 +32,15 @@ struct QuerySourceConfig {
   bool candidates = false;
   /// Greatest number of queries of each scene and kind; every run draws the same ones. 0: all.
   std::size_t sample = 0;
-  int motion = 0;                   ///< of a sequence
+  int step = 0;                     ///< of a sequence
   SequenceStepper::Config stepper;  ///< how the sequence is read
   std::function<void()> check;      ///< called often while candidates are collected; may throw to stop
 };
 
-/// Loads the queries of a query file, or of a motion of a sequence: the pairs in its ground truth or, with
-/// `candidates`, all pairs without a common vertex whose closed swept boxes overlap. The ground truth is that of motion
-/// 0; pairs that it does not list do not touch. For candidates of another motion, or of a sequence without ground
-/// truth, no answers are known. Throws InputError for an invalid file, for a sequence or a motion without ground truth
+/// Loads the queries of a query file, or of a step of a sequence: the pairs in its ground truth or, with
+/// `candidates`, all pairs without a common vertex whose closed swept boxes overlap. The ground truth is that of step
+/// 0; pairs that it does not list do not touch. For candidates of another step, or of a sequence without ground
+/// truth, no answers are known. Throws InputError for an invalid file, for a sequence or a step without ground truth
 /// unless `candidates` is set, and for a pair in the ground truth that is not in the mesh.
 std::vector<KnownQueries> load_queries(const std::string& file, const QuerySourceConfig& config);
 

@@ -51,7 +51,7 @@ std::vector<json> Rows::values(const std::string& column) const {
   return result;
 }
 
-std::vector<double> Rows::by_motion(const std::vector<std::string>& columns) const {
+std::vector<double> Rows::by_step(const std::vector<std::string>& columns) const {
   std::map<int, std::vector<double>> rounds;
   for (const json* row : rows_) {
     double sum = 0;
@@ -59,18 +59,16 @@ std::vector<double> Rows::by_motion(const std::vector<std::string>& columns) con
     rounds[at(*row, "motion").get<int>()].push_back(sum);
   }
   std::vector<double> result;
-  for (auto& [motion, values] : rounds) result.push_back(volccd::median(std::move(values)));
+  for (auto& [step, values] : rounds) result.push_back(volccd::median(std::move(values)));
   return result;
 }
 
-double Rows::mean_ms(const std::vector<std::string>& columns) const { return 1e3 * mean(by_motion(columns)); }
-double Rows::median_ms(const std::vector<std::string>& columns) const {
-  return 1e3 * volccd::median(by_motion(columns));
-}
-double Rows::median(const std::string& column) const { return volccd::median(by_motion({column})); }
+double Rows::mean_ms(const std::vector<std::string>& columns) const { return 1e3 * mean(by_step(columns)); }
+double Rows::median_ms(const std::vector<std::string>& columns) const { return 1e3 * volccd::median(by_step(columns)); }
+double Rows::median(const std::string& column) const { return volccd::median(by_step({column})); }
 
 double Rows::sum(const std::string& column) const {
-  const std::vector<double> values = by_motion({column});
+  const std::vector<double> values = by_step({column});
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 

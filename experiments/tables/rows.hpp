@@ -25,17 +25,17 @@ class Rows {
   /// The distinct values of a column, in the order of the rows.
   std::vector<nlohmann::json> values(const std::string& column) const;
 
-  /// For each motion, the median over rounds of the sum of the columns.
-  std::vector<double> by_motion(const std::vector<std::string>& columns) const;
-  /// Mean (the paper's average) and median of by_motion() over motions, in milliseconds for columns in seconds.
+  /// For each step, the median over rounds of the sum of the columns.
+  std::vector<double> by_step(const std::vector<std::string>& columns) const;
+  /// Mean (the paper's average) and median of by_step() over steps, in milliseconds for columns in seconds.
   double mean_ms(const std::vector<std::string>& columns) const;
   double median_ms(const std::vector<std::string>& columns) const;
-  /// Sum, or median, over motions of the median over rounds (counts are the same in every round).
+  /// Sum, or median, over steps of the median over rounds (counts are the same in every round).
   double sum(const std::string& column) const;
   double median(const std::string& column) const;
-  /// VF and EE tests, summed over motions.
+  /// VF and EE tests, summed over steps.
   double tests() const { return sum("vf_tests") + sum("ee_tests"); }
-  std::size_t motions() const { return values("motion").size(); }
+  std::size_t steps() const { return values("motion").size(); }
 
  private:
   std::vector<const nlohmann::json*> rows_;

@@ -25,11 +25,11 @@ void add_entrants(const PlanContext& context, const std::string& table, const st
   }
 }
 
-/// Mean motion of a sequence's middle motion in edges.
-double middle_motion(const std::string& file, int motion) {
+/// Mean displacement in a sequence's middle step, in edges.
+double middle_movement(const std::string& file, int step) {
   SequenceReader reader(file);
   SequenceStepper stepper(reader, table_config(file));
-  stepper.go_to(motion);
+  stepper.go_to(step);
   return mean_moved_edges(stepper.topology().features(), stepper.motion());
 }
 
@@ -59,12 +59,12 @@ Fit fit(const std::vector<std::pair<double, double>>& points) {
   return result;
 }
 
-/// (x, y) of all variants of a pipeline's rows: medians over motions.
+/// (x, y) of all variants of a pipeline's rows: medians over steps.
 std::vector<std::pair<double, double>> curve(const Rows& rows, const std::string& x, const std::string& y) {
   std::vector<std::pair<double, double>> points;
   for (const json& variant : rows.values("variant")) {
     const Rows of = rows.with("variant", variant);
-    points.emplace_back(of.median(x), y == "tests" ? of.tests() / static_cast<double>(of.motions()) : of.median(y));
+    points.emplace_back(of.median(x), y == "tests" ? of.tests() / static_cast<double>(of.steps()) : of.median(y));
   }
   return points;
 }
@@ -93,7 +93,7 @@ ExperimentPlan scaling_plan(const PlanContext& context) {
   for (const TableScene& scene : table_scenes(context)) {
     const bool divided = scene.name == "octopi" || scene.name == "airbag" || scene.name == "crash";
     if (!divided || (!context.full && scene.name != "octopi")) continue;
-    const std::vector<MotionWindow> middle = sampled_windows(motion_count(scene.file), 1, 1);
+    const std::vector<StepWindow> middle = sampled_windows(step_count(scene.file), 1, 1);
     for (int times = 0; times <= (context.full ? 2 : 1); ++times) {
       // These scenes have no edits. The octopi divided once have 0.14 M tetrahedra, and the crash divided twice has
       // 0.96 M shells, which is the paper's size.
@@ -105,7 +105,7 @@ ExperimentPlan scaling_plan(const PlanContext& context) {
       plan.runs.push_back(std::move(run));
     }
     if (scene.name != "octopi") continue;
-    const double moved = middle_motion(scene.file, middle[0].first);
+    const double moved = middle_movement(scene.file, middle[0].first);
     for (const double edges : {0.1, 0.3, 1.0, 3.0, 10.0}) {
       if (!context.full && edges > 1) continue;
       SceneRun run{scene.name, scene.file, table_config(scene.file), middle, {}};
@@ -137,7 +137,7 @@ std::vector<TitledTable> scaling_tables(const json& record) {
     const auto exponent = [&](const char* y) { return exponent_text(fit(curve(of, x_of(table), y))); };
     exponents.add({table, scene, pipeline, exponent("seconds"), exponent("workspace_bytes"), exponent("tests")});
   });
-  return {{"Scaling: points", points, "medians over motions\n"},
+  return {{"Scaling: points", points, "medians over steps\n"},
           {"Scaling: exponents", exponents, "y = c x^exponent, least squares of logarithms, +- standard error\n"}};
 }
 

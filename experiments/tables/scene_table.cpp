@@ -23,22 +23,22 @@ namespace {
 const std::map<std::string, std::string> kPaper = {
     {"octopi", "17.6K"}, {"bullet", "11.8K-12K"}, {"airbag", "9.1K"}, {"crash", "1.2M"}, {"liver", "3,874-4,338"}};
 
-std::uint64_t element_count(const json& motion) {
+std::uint64_t element_count(const json& step) {
   std::uint64_t sum = 0;
-  for (const auto& [type, count] : motion.at("elements").items()) sum += count.get<std::uint64_t>();
+  for (const auto& [type, count] : step.at("elements").items()) sum += count.get<std::uint64_t>();
   return sum;
 }
 
-std::string type_names(const json& motion) {
+std::string type_names(const json& step) {
   std::string names;
-  for (const auto& [type, count] : motion.at("elements").items()) names += (names.empty() ? "" : ", ") + type;
+  for (const auto& [type, count] : step.at("elements").items()) names += (names.empty() ? "" : ", ") + type;
   return names;
 }
 
 template <class Value>
-double median_over(const json& motions, Value&& value) {
+double median_over(const json& steps, Value&& value) {
   std::vector<double> values;
-  for (const json& motion : motions) values.push_back(value(motion));
+  for (const json& step : steps) values.push_back(value(step));
   return median(std::move(values));
 }
 
@@ -100,33 +100,33 @@ std::string tools_text(const json& baked) {
 }
 
 std::vector<std::string> row_of(const json& record) {
-  const json &motions = record.at("motions"), &baked = record.at("simulation");
+  const json &steps = record.at("motions"), &baked = record.at("simulation");
   const std::string name = record.at("scene");
   const auto contacts = [&](const char* kind) {
     return grouped(static_cast<std::uint64_t>(
-        median_over(motions, [&](const json& m) { return m.at("contacts").at(kind).get<double>(); })));
+        median_over(steps, [&](const json& m) { return m.at("contacts").at(kind).get<double>(); })));
   };
   double changed = 0, fastest = 0;
-  for (const json& motion : motions) {
-    changed += motion.at("added").get<double>();
-    fastest = std::max(fastest, motion.at("moved_edges").at("p99").get<double>());
+  for (const json& step : steps) {
+    changed += step.at("added").get<double>();
+    fastest = std::max(fastest, step.at("moved_edges").at("p99").get<double>());
   }
   const auto paper = kPaper.find(name);
-  const double usual = median_over(motions, [](const json& m) { return m.at("moved_edges").at("p99").get<double>(); });
+  const double usual = median_over(steps, [](const json& m) { return m.at("moved_edges").at("p99").get<double>(); });
   std::vector<std::string> row = {name,
-                                  type_names(motions.back()),
-                                  grouped(element_count(motions.front())),
-                                  grouped(element_count(motions.back())),
+                                  type_names(steps.back()),
+                                  grouped(element_count(steps.front())),
+                                  grouped(element_count(steps.back())),
                                   tools_text(baked),
                                   paper == kPaper.end() ? "-" : paper->second,
-                                  std::to_string(motions.size() + 1),
+                                  std::to_string(steps.size() + 1),
                                   contacts("inter"),
                                   contacts("intra"),
                                   contacts("adjacent"),
                                   grouped(static_cast<std::uint64_t>(median_over(
-                                      motions, [](const json& m) { return m.at("contacts_at_start").get<double>(); }))),
+                                      steps, [](const json& m) { return m.at("contacts_at_start").get<double>(); }))),
                                   fmt::format("{:.2f} ({:.2f})", usual, fastest),
-                                  fmt::format("{:.1f}", changed / static_cast<double>(motions.size()))};
+                                  fmt::format("{:.1f}", changed / static_cast<double>(steps.size()))};
   row.push_back(baked.is_null() ? "-" : resisted_text(baked.at("frames")));
   row.push_back(baked.is_null() ? "-" : duration(baked.at("seconds").get<double>()));
   row.push_back(baked.is_null() ? "-" : energy_text(baked.at("frames")));
@@ -139,13 +139,13 @@ std::vector<std::string> row_of(const json& record) {
 
 std::optional<json> scene_record(const std::string& name, const std::string& sequence, const std::string& bake_record,
                                  Executor& executor,
-                                 const std::function<bool(std::size_t done, std::size_t motions)>& go_on) {
+                                 const std::function<bool(std::size_t done, std::size_t steps)>& go_on) {
   json record = read_json_file(bake_record);
   SequenceReader reader(sequence);
-  const std::size_t motions = static_cast<std::size_t>(reader.step_count() - 1);
+  const std::size_t steps = static_cast<std::size_t>(reader.frame_count() - 1);
   bool stopped = false;
   const std::vector<MotionStatistics> statistics = sequence_statistics(reader, executor, [&](int done) {
-    stopped = !go_on(static_cast<std::size_t>(done), motions);
+    stopped = !go_on(static_cast<std::size_t>(done), steps);
     return !stopped;
   });
   if (stopped) return std::nullopt;
@@ -161,10 +161,10 @@ TitledTable scene_table(const std::vector<json>& records) {
                    "numerical / contacts", "angular drift"});
   for (const json& record : records) table.add(row_of(record));
   return {"", table,
-          "tools: of these elements, those of parts that no force moves; contacts: median over the motions, between "
+          "tools: of these elements, those of objects that no force moves; contacts: median over the steps, between "
           "objects, within one, of adjacent elements; at t = 0: of those, "
           "touching at the start already; moved: 99th percentile of the vertices, median (greatest) over the "
-          "motions; new elements: a motion; resisted: contacts that met an impulse in a substep of the simulation "
+          "motions; new elements: per step; resisted: contacts that met an impulse in a substep of the simulation "
           "(inter / intra / adjacent), median over the frames: what it keeps apart does not touch in the file; "
           "numerical / contacts: energy that the time stepping and that contacts took out (negative: put in), to the "
           "end, as "

@@ -14,13 +14,14 @@
 namespace volccd {
 
 /// The record of a scene: {"scene", "machine", "simulation": record of its baking or null, "motions": statistics of the
-/// file}. `bake_record`: file that bake() wrote, or empty. Returns nothing if `go_on(done, motions)` returned false.
+/// file}. `bake_record`: file that bake() wrote, or empty. Returns nothing if `go_on(done, steps)` returned false.
 /// Throws InputError.
 std::optional<nlohmann::json> scene_record(const std::string& name, const std::string& sequence,
                                            const std::string& bake_record, Executor& executor,
-                                           const std::function<bool(std::size_t done, std::size_t motions)>& go_on);
+                                           const std::function<bool(std::size_t done, std::size_t steps)>& go_on);
 
-/// A table without a title, with one row for each record, with the paper's number of elements if the paper has the scene.
+/// A table without a title, with one row for each record, with the paper's number of elements if the paper has the
+/// scene.
 TitledTable scene_table(const std::vector<nlohmann::json>& records);
 
 }  // namespace volccd

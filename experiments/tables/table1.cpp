@@ -118,13 +118,13 @@ void for_each_line(const Rows& all, const std::string& model, const std::string&
             Comparison(rows.with("table", table).with("scene", scene), table));
 }
 
-/// Returns "yes" if all entrants found the contacts of NavCCD in all motions, else the names of those that did not.
+/// Returns "yes" if all entrants found the contacts of NavCCD in all steps, else the names of those that did not.
 std::string same_contacts(const Comparison& c) {
-  const std::vector<json> motions = c.nav.values("motion");
+  const std::vector<json> steps = c.nav.values("motion");
   const auto differs = [&](const Rows& rows) {
-    return std::any_of(motions.begin(), motions.end(), [&](const json& motion) {
-      const Rows some = rows.with("motion", motion);
-      return !some.empty() && some.values("contacts_hash") != c.nav.with("motion", motion).values("contacts_hash");
+    return std::any_of(steps.begin(), steps.end(), [&](const json& step) {
+      const Rows some = rows.with("motion", step);
+      return !some.empty() && some.values("contacts_hash") != c.nav.with("motion", step).values("contacts_hash");
     });
   };
   const std::pair<const char*, const Rows*> others[] = {{"HashCCD", &c.hash},      {"VolCCD", &c.vol},
@@ -137,7 +137,7 @@ std::string same_contacts(const Comparison& c) {
 }
 
 std::vector<std::string> header_of(const std::string& table) {
-  std::vector<std::string> header = {"scene", "elements", "motions", "NavCCD", "HashCCD", "VolCCD"};
+  std::vector<std::string> header = {"scene", "elements", "steps", "NavCCD", "HashCCD", "VolCCD"};
   if (table == "c") header.push_back("VolCCD+");
   if (table == "b") header.push_back("2011");
   for (const char* name : {"/Nav", "paper", "/Hash", "paper"}) header.push_back(name);
@@ -153,7 +153,7 @@ std::vector<std::string> line_of(const std::string& table, const std::string& sc
   };
   std::vector<std::string> line = {scene,
                                    grouped(static_cast<std::uint64_t>(c.nav.median("elements"))),
-                                   std::to_string(c.nav.motions()),
+                                   std::to_string(c.nav.steps()),
                                    milliseconds(c.nav),
                                    milliseconds(c.hash),
                                    milliseconds(c.vol)};
@@ -168,7 +168,7 @@ std::vector<std::string> line_of(const std::string& table, const std::string& sc
 
 std::string note_of(const std::string& table, const std::string& model) {
   std::string note =
-      "ms a step: mean over motions of medians over rounds, edits of the topology included; /Nav, /Hash: speed-up of "
+      "ms a step: mean over steps of medians over rounds, edits of the topology included; /Nav, /Hash: speed-up of "
       "VolCCD "
       "over them,\nwith the paper's beside it";
   if (table == "c") note += "; +: of VolCCD+";
@@ -194,7 +194,7 @@ TitledTable explanation(const Rows& rows, const std::string& table, const std::s
     if (of != table || c.nav.empty() || c.vol.empty()) return;
     const auto paper = kPrintedRows.find(scene);
     const double saved =
-        1e6 * (c.nav.mean_ms(kStepTime) - c.vol.mean_ms(kStepTime)) * static_cast<double>(c.nav.motions());
+        1e6 * (c.nav.mean_ms(kStepTime) - c.vol.mean_ms(kStepTime)) * static_cast<double>(c.nav.steps());
     const double culled = (c.nav.tests() - c.vol.tests()) * test_cost(c.nav);
     const double cheaper = c.vol.tests() * (test_cost(c.nav) - test_cost(c.vol));
     const auto share = [&](double part) {
@@ -208,7 +208,7 @@ TitledTable explanation(const Rows& rows, const std::string& table, const std::s
   });
   return {fmt::format("What explains the speed-up of VolCCD in Table I-{}; {} motion, {} edges", table, model, edges),
           text,
-          "tests: sum over motions; by culling: tests left out times NavCCD's cost of a test, by cost: tests performed "
+          "tests: sum over steps; by culling: tests left out times NavCCD's cost of a test, by cost: tests performed "
           "times the difference in cost,\n"
           "both as shares of the time saved; other: what else VolCCD spends or saves; no adjacent: ms a step of NavCCD "
           "on non-adjacent pairs\n"
@@ -256,17 +256,18 @@ json summary_of(const std::string& table, const std::string& scene, const Compar
                {"motion_model", c.nav.front().at("motion_model")},
                {"edges", c.nav.front().at("edges")},
                {"elements", c.nav.median("elements")},
-               {"motions", c.nav.motions()},
+               {"motions", c.nav.steps()},
                {"culling_ratio_percent", 100 * c.share_of_tests(c.vol)},
                {"speedup_navccd", over(c.nav, c.vol)},
                {"speedup_hashccd", over(c.hash, c.vol)}};
-  const auto put = [&](const char* name, const Rows& rows) {
+  const auto add_times = [&](const char* name, const Rows& rows) {
     if (rows.empty()) return;
     line[std::string(name) + "_ms"] = rows.mean_ms(kStepAndEditTime);
     line[std::string("median_") + name + "_ms"] = rows.median_ms(kStepAndEditTime);
   };
-  put("navccd", c.nav), put("hashccd", c.hash), put("volccd", c.vol), put("volccd_plus", c.plus);
-  put("navccd_without_adjacent", c.apart), put("navccd_filtered", c.filtered);
+  add_times("navccd", c.nav), add_times("hashccd", c.hash), add_times("volccd", c.vol),
+      add_times("volccd_plus", c.plus);
+  add_times("navccd_without_adjacent", c.apart), add_times("navccd_filtered", c.filtered);
   if (!c.plus.empty()) {
     line["speedup_navccd_plus"] = over(c.nav, c.plus);
     line["speedup_hashccd_plus"] = over(c.hash, c.plus);
@@ -281,13 +282,13 @@ json summary_of(const std::string& table, const std::string& scene, const Compar
 ExperimentPlan table1_plan(const PlanContext& context) {
   ExperimentPlan plan{"table1", context.full ? "full" : "quick", context.full ? 3 : 1, {}};
   for (const TableScene& scene : table_scenes(context)) {
-    const int motions = motion_count(scene.file);
+    const int steps = step_count(scene.file);
     const auto add = [&](const std::string& table, MotionModel model, EdgeSet edges) {
       const bool main_rows = model == MotionModel::linear && edges == EdgeSet::triangulated;
       SceneRun run{scene.name,
                    scene.file,
                    table_config(scene.file, model),
-                   sampled_windows(motions, context.full && main_rows ? 2 : 1, context.full ? 2 : 1),
+                   sampled_windows(steps, context.full && main_rows ? 2 : 1, context.full ? 2 : 1),
                    {}};
       if (table == "a") run.rounds = 1;  // table a takes half of the whole time, and its ratios are far from 1
       run.config.edge_set = edges;

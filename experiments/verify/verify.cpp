@@ -30,8 +30,8 @@ ContactDifference within_tolerance(ContactDifference difference, double toleranc
 }  // namespace
 
 bool StepVerdict::clean() const {
-  const bool same = std::all_of(pipelines.begin(), pipelines.end(),
-                                [](const PipelineVerdict& verdict) { return verdict.same(); });
+  const bool same =
+      std::all_of(pipelines.begin(), pipelines.end(), [](const PipelineVerdict& verdict) { return verdict.agrees(); });
   return same && fcl.clean() && initial.clean();
 }
 
@@ -62,7 +62,7 @@ StepVerdict Verifier::check(const Step& step, Executor& executor, std::vector<Co
   Entry& reference = step.mesh().element_count() <= config_.brute_force_limit ? *brute_ : *unculled_;
   verdict.reference = reference.pipeline.spec().name;
   StepResult truth;
-  const Request request(Query::all, true, config_.leave_out_shell_neighbours);
+  const Request request{.initial_overlaps = true, .leave_out_shell_neighbours = config_.leave_out_shell_neighbours};
   reference.pipeline.run(step, reference.workspace, executor, truth, request);
   verdict.contacts = truth.contacts.size();
   verdict.left_out = truth.left_out.size();

@@ -43,7 +43,7 @@ struct PipelineVerdict {
   std::vector<ElementPair> missing_overlaps, extra_overlaps;  ///< of the lists of initial overlaps
   Statistics statistics;
 
-  bool same() const {
+  bool agrees() const {
     return (!held || (difference.empty() && left_out.empty())) && missing_overlaps.empty() && extra_overlaps.empty();
   }
 };

@@ -2,12 +2,14 @@
 
 #include <algorithm>
 
+#include <volccd/mesh/edit_between.hpp>
+
 namespace volccd {
 
 namespace {
 
 bool same_element(const Mesh& mesh, Index o, const SequenceCells& cells, std::size_t i) {
-  return mesh.type(o) == cells.types[i] && mesh.object(o) == cells.parts[i] &&
+  return mesh.type(o) == cells.types[i] && mesh.object(o) == cells.objects[i] &&
          std::ranges::equal(mesh.vertices(o), cells.vertices(i)) &&
          std::ranges::equal(mesh.polytope_faces(o), cells.face_stream(i));
 }
@@ -16,7 +18,11 @@ bool same_element(const Mesh& mesh, Index o, const SequenceCells& cells, std::si
 
 ElementSpec SequenceCells::spec(std::size_t i) const {
   const std::span<const Index> nodes = vertices(i), stream = face_stream(i);
-  return {types[i], {nodes.begin(), nodes.end()}, {stream.begin(), stream.end()}, parts[i], ids[i]};
+  return {.type = types[i],
+          .vertices = {nodes.begin(), nodes.end()},
+          .faces = {stream.begin(), stream.end()},
+          .object = objects[i],
+          .id = ids[i]};
 }
 
 void SequenceCells::add(const ElementSpec& element) {
@@ -24,7 +30,7 @@ void SequenceCells::add(const ElementSpec& element) {
   types.push_back(element.type);
   connectivity.insert(connectivity.end(), element.vertices.begin(), element.vertices.end());
   offsets.push_back(connectivity.size());
-  parts.push_back(element.object);
+  objects.push_back(element.object);
   ids.push_back(element.id);
   if (face_offsets.empty()) return;
   if (element.type == ElementType::polytope) faces.insert(faces.end(), element.faces.begin(), element.faces.end());
@@ -35,7 +41,7 @@ void SequenceCells::clear() {
   types.clear();
   offsets.assign(1, 0);
   connectivity.clear();
-  parts.clear();
+  objects.clear();
   ids.clear();
   face_offsets.clear();
   faces.clear();
@@ -56,18 +62,10 @@ Mesh mesh_of(std::span<const std::int64_t> point_ids, const SequenceCells& cells
 }
 
 TopologyEdit edit_to(const Mesh& mesh, const SequenceCells& cells) {
-  TopologyEdit edit;
-  std::vector<char> stays(mesh.element_slots(), 0);
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    const Index o = mesh.find_element(cells.ids[i]);
-    if (o != kNone && same_element(mesh, o, cells, i))
-      stays[o] = 1;
-    else
-      edit.added.push_back(cells.spec(i));
-  }
-  for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.is_live(o) && !stays[o]) edit.removed.push_back(o);
-  return edit;
+  return edit_between(
+      mesh, cells.size(), [&](std::size_t i) { return cells.ids[i]; },
+      [&](std::size_t i, Index o) { return same_element(mesh, o, cells, i); },
+      [&](std::size_t i) { return cells.spec(i); });
 }
 
 }  // namespace volccd

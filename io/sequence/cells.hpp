@@ -1,4 +1,4 @@
-// The cells of one step of a sequence, as a file stores them and meshes are made from them.
+// The cells of one frame of a sequence, as a file stores them and meshes are made from them.
 #pragma once
 
 #include <cstddef>
@@ -16,8 +16,8 @@ struct SequenceCells {
   std::vector<ElementType> types;
   std::vector<std::size_t> offsets{0};    ///< size() + 1 positions in connectivity
   std::vector<Index> connectivity;        ///< vertex slots in VTK node order; a polytope's distinct vertices
-  std::vector<std::int32_t> parts;        ///< PartId: object of the element
-  std::vector<std::int64_t> ids;          ///< GlobalCellIds: stable from step to step
+  std::vector<std::int32_t> objects;      ///< PartId: object of the element
+  std::vector<std::int64_t> ids;          ///< GlobalCellIds: stable from frame to frame
   std::vector<std::size_t> face_offsets;  ///< size() + 1 positions in faces; empty if no cell is a polytope
   std::vector<Index> faces;               ///< for each polytope {n, v0 .. v(n-1), n, ...}, vertex slots
 
@@ -47,8 +47,8 @@ SequenceCells cells_of(const Mesh& mesh);
 Mesh mesh_of(std::span<const std::int64_t> point_ids, const SequenceCells& cells);
 
 /// The edit that turns the elements of `mesh` into `cells`. Elements and cells correspond by id. If the type, the
-/// vertices, the faces or the part of an element differ from those of the cell with the same id, the element is removed
-/// and added again. Added elements are in the order of `cells`. Expected time O(elements + cells).
+/// vertices, the faces or the object of an element differ from those of the cell with the same id, the element is
+/// removed and added again. Added elements are in the order of `cells`. Expected time O(elements + cells).
 TopologyEdit edit_to(const Mesh& mesh, const SequenceCells& cells);
 
 }  // namespace volccd

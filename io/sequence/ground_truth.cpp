@@ -128,7 +128,7 @@ class GroundTruthReader {
 std::optional<std::vector<KnownAnswer>> read_ground_truth(SequenceReader& reader) {
   const Hdf5File file(reader.file());
   if (!file.has("GroundTruth")) return std::nullopt;
-  if (reader.step_count() < 2) file.fail("GroundTruth", "is there, but the file has one step only");
+  if (reader.frame_count() < 2) file.fail("GroundTruth", "is there, but the file has one frame only");
   return GroundTruthReader(file, reader).read();
 }
 

@@ -24,7 +24,7 @@ struct KnownAnswer {
 
 /// The known results for the motion 0 -> 1 of the file, VF pairs first, each kind in file order. Empty if the file has
 /// no group GroundTruth. The group consists of Edges [m, 2], point indices, and the groups VertexFace and EdgeEdge,
-/// each optional, with Pairs [p, 2] (VF: point index and cell of step 0; EE: two rows of Edges), Collides [p] and,
+/// each optional, with Pairs [p, 2] (VF: point index and cell of frame 0; EE: two rows of Edges), Collides [p] and,
 /// optionally, TimeOfImpact [p]. Indices refer to the order in the file, before vertices are sorted by id.
 ///
 /// Throws InputError with dataset and row if an index is out of range, a cell is not a triangle, two features have a

@@ -14,8 +14,8 @@ struct SequenceMetadata {
   std::string time_unit;  ///< unit of time, as text: "microsecond"
   /// Names of the part ids, attribute `Parts`: "1 Projectile; 2 Plate".
   std::map<std::int32_t, std::string> part_names;
-  /// Attribute `Incomplete`: which of the intended steps the file contains, and why the others are missing. For output,
-  /// it is set by SequenceWriter::finish() only.
+  /// Attribute `Incomplete`: which of the intended frames the file contains, and why the others are missing. For
+  /// output, it is set by SequenceWriter::finish() only.
   std::string incomplete = {};
 
   friend bool operator==(const SequenceMetadata&, const SequenceMetadata&) = default;

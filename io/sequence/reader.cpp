@@ -34,20 +34,20 @@ struct SequenceReader::Impl {
         order(layout),
         cells(layout, order) {}
 
-  std::size_t index(int step) const {
-    assert(step >= 0 && static_cast<std::size_t>(step) < layout.steps());
-    return static_cast<std::size_t>(step);
+  std::size_t index(int frame) const {
+    assert(frame >= 0 && static_cast<std::size_t>(frame) < layout.frames());
+    return static_cast<std::size_t>(frame);
   }
-  void read_vectors(const detail::StepArray& array, int step, const char* what, std::vector<Vec3>& out) {
-    array.read(index(step), layout.points, numbers);
+  void read_vectors(const detail::FrameArray& array, int frame, const char* what, std::vector<Vec3>& out) {
+    array.read(index(frame), layout.points, numbers);
     out.resize(static_cast<std::size_t>(layout.points));
     for (std::size_t i = 0; i < out.size(); ++i) {
       const Vec3 p(numbers.data() + 3 * i);
       const Index slot = order.slots()[i];
       if (!p.allFinite())
-        array.fail(index(step), i,
-                   fmt::format("the {} is not finite: {}, {}, {} (point id {}, step {})", what, p[0], p[1], p[2],
-                               order.ids()[slot], step));
+        array.fail(index(frame), i,
+                   fmt::format("the {} is not finite: {}, {}, {} (point id {}, frame {})", what, p[0], p[1], p[2],
+                               order.ids()[slot], frame));
       out[slot] = p;
     }
   }
@@ -67,21 +67,21 @@ SequenceReader::~SequenceReader() = default;
 
 const std::string& SequenceReader::file() const { return impl_->file.name(); }
 const SequenceMetadata& SequenceReader::metadata() const { return impl_->metadata; }
-int SequenceReader::step_count() const { return static_cast<int>(impl_->layout.steps()); }
-double SequenceReader::time(int step) const { return impl_->layout.times[impl_->index(step)]; }
+int SequenceReader::frame_count() const { return static_cast<int>(impl_->layout.frames()); }
+double SequenceReader::time(int frame) const { return impl_->layout.times[impl_->index(frame)]; }
 
 Index SequenceReader::point_count() const { return static_cast<Index>(impl_->layout.points); }
 std::span<const std::int64_t> SequenceReader::point_ids() const { return impl_->order.ids(); }
 std::span<const Index> SequenceReader::slot_of_point() const { return impl_->order.slots(); }
 
-Index SequenceReader::cell_count(int step) const {
-  return static_cast<Index>(impl_->layout.cells_of(impl_->index(step)));
+Index SequenceReader::cell_count(int frame) const {
+  return static_cast<Index>(impl_->layout.cells_of(impl_->index(frame)));
 }
-int SequenceReader::topology_index(int step) const {
-  return static_cast<int>(impl_->layout.topology[impl_->index(step)]);
+int SequenceReader::topology_index(int frame) const {
+  return static_cast<int>(impl_->layout.topology[impl_->index(frame)]);
 }
-bool SequenceReader::same_cells(int step, int other) const {
-  return impl_->cells.same(impl_->index(step), impl_->index(other));
+bool SequenceReader::same_cells(int frame, int other) const {
+  return impl_->cells.have_same_cells(impl_->index(frame), impl_->index(other));
 }
 
 bool SequenceReader::has_velocity() const { return impl_->layout.velocity.has_value(); }
@@ -90,34 +90,34 @@ bool SequenceReader::has_query() const {
   return impl_->layout.query_start && impl_->layout.query_end && impl_->layout.query_separation;
 }
 
-void SequenceReader::read_points(int step, std::vector<Vec3>& points) {
-  impl_->order.check(impl_->layout, impl_->index(step));
-  impl_->read_vectors(impl_->layout.positions, step, "point", points);
+void SequenceReader::read_points(int frame, std::vector<Vec3>& points) {
+  impl_->order.check(impl_->layout, impl_->index(frame));
+  impl_->read_vectors(impl_->layout.positions, frame, "point", points);
 }
 
-void SequenceReader::read_velocity(int step, std::vector<Vec3>& velocity) {
+void SequenceReader::read_velocity(int frame, std::vector<Vec3>& velocity) {
   if (!has_velocity()) impl_->file.fail("VTKHDF/PointData/Velocity", "is missing");
-  impl_->read_vectors(*impl_->layout.velocity, step, "velocity", velocity);
+  impl_->read_vectors(*impl_->layout.velocity, frame, "velocity", velocity);
 }
 
-double SequenceReader::read_query(int step, std::vector<Vec3>& start, std::vector<Vec3>& end) {
+double SequenceReader::read_query(int frame, std::vector<Vec3>& start, std::vector<Vec3>& end) {
   if (!has_query()) impl_->file.fail("VTKHDF/PointData/QueryStart, QueryEnd or QuerySeparation", "is missing");
-  impl_->read_vectors(*impl_->layout.query_start, step, "start of the query", start);
-  impl_->read_vectors(*impl_->layout.query_end, step, "end of the query", end);
+  impl_->read_vectors(*impl_->layout.query_start, frame, "start of the query", start);
+  impl_->read_vectors(*impl_->layout.query_end, frame, "end of the query", end);
   std::vector<double>& separations = impl_->numbers;
-  impl_->layout.query_separation->read(impl_->index(step), impl_->layout.points, separations);
+  impl_->layout.query_separation->read(impl_->index(frame), impl_->layout.points, separations);
   for (std::size_t i = 0; i < separations.size(); ++i)
     if (!(std::isfinite(separations[i]) && separations[i] >= 0 && separations[i] == separations[0]))
       impl_->layout.query_separation->fail(
-          impl_->index(step), i,
-          fmt::format("the separation is negative, not finite, or not that of the other points: {} (step {})",
-                      separations[i], step));
+          impl_->index(frame), i,
+          fmt::format("the separation is negative, not finite, or not that of the other points: {} (frame {})",
+                      separations[i], frame));
   return separations.empty() ? 0 : separations[0];
 }
 
-void SequenceReader::read_thickness(int step, std::vector<double>& thickness) {
+void SequenceReader::read_thickness(int frame, std::vector<double>& thickness) {
   if (!has_thickness()) impl_->file.fail("VTKHDF/CellData/Thickness", "is missing");
-  const std::size_t k = impl_->index(step);
+  const std::size_t k = impl_->index(frame);
   impl_->layout.thickness->read(k, impl_->layout.cells_of(k), thickness);
   for (std::size_t i = 0; i < thickness.size(); ++i)
     if (!(std::isfinite(thickness[i]) && thickness[i] >= 0))
@@ -125,7 +125,7 @@ void SequenceReader::read_thickness(int step, std::vector<double>& thickness) {
           k, i, fmt::format("the thickness is negative or not finite: {}{}", thickness[i], impl_->cells.place(k, i)));
 }
 
-void SequenceReader::read_cells(int step, SequenceCells& cells) { impl_->cells.read(impl_->index(step), cells); }
+void SequenceReader::read_cells(int frame, SequenceCells& cells) { impl_->cells.read(impl_->index(frame), cells); }
 
 const std::map<std::pair<ElementType, ElementType>, std::uint64_t>& SequenceReader::collapsed_cells() const {
   return impl_->cells.collapsed();
@@ -135,7 +135,7 @@ void SequenceReader::check_contents() {
   std::vector<Vec3> vectors, others;
   std::vector<double> thickness;
   SequenceCells cells;
-  for (int k = 0; k < step_count(); ++k) {
+  for (int k = 0; k < frame_count(); ++k) {
     read_points(k, vectors);
     if (has_velocity()) read_velocity(k, vectors);
     if (has_thickness()) read_thickness(k, thickness);

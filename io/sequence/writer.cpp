@@ -8,9 +8,9 @@
 #include <vector>
 
 #include <volccd/core/error.hpp>
-#include <volccd/io/output_file.hpp>
 #include <volccd/io/hdf5/detail/hdf5_output.hpp>
-#include <volccd/io/sequence/detail/step_check.hpp>
+#include <volccd/io/output_file.hpp>
+#include <volccd/io/sequence/detail/frame_check.hpp>
 
 namespace volccd {
 
@@ -55,13 +55,13 @@ struct SequenceWriter::Impl {
     data.at(path).append(values);
   }
 
-  void check(double time, std::span<const Vec3> points, const SequenceCells& cells, const StepFields& fields) const {
+  void check(double time, std::span<const Vec3> points, const SequenceCells& cells, const FrameFields& fields) const {
     if (!std::isfinite(time) || (!times.empty() && !(time > times.back())))
-      fail("VTKHDF/Steps/Values", "the time is not finite or not after that of the step before");
-    const detail::StepPlace place{target.name(), static_cast<std::int64_t>(times.size()), point_ids};
+      fail("VTKHDF/Steps/Values", "the time is not finite or not after that of the frame before");
+    const detail::FramePlace place{target.name(), static_cast<std::int64_t>(times.size()), point_ids};
     detail::check_vectors("VTKHDF/Points", points, place);
     const bool single = form == SequenceForm::single;
-    if (single && !times.empty()) fail("VTKHDF/Steps", "is a second step: this form has one");
+    if (single && !times.empty()) fail("VTKHDF/Steps", "is a second frame: this form has one");
     if (single && !cells.face_offsets.empty())
       throw InputError(target.name(), "VTKHDF/Types",
                        "there are polyhedra, which VTKHDF 1.0 does not have: the temporal form keeps them");
@@ -74,10 +74,10 @@ struct SequenceWriter::Impl {
   }
 
   void check_given(const std::string& path, bool given) const {
-    if (!times.empty() && has(path) != given) fail("VTKHDF/" + path, "is given at some steps and not at others");
+    if (!times.empty() && has(path) != given) fail("VTKHDF/" + path, "is given at some frames and not at others");
   }
 
-  void check_query(const StepFields& fields, const detail::StepPlace& place) const {
+  void check_query(const FrameFields& fields, const detail::FramePlace& place) const {
     const char *start = "VTKHDF/PointData/QueryStart", *end = "VTKHDF/PointData/QueryEnd";
     if (fields.query_start.empty() != fields.query_end.empty())
       fail(fields.query_start.empty() ? start : end, "is missing beside the other");
@@ -93,7 +93,7 @@ struct SequenceWriter::Impl {
     data.emplace(path, output.growing("VTKHDF/" + path, type, columns, chunk_rows(rows)));
   }
 
-  void make_datasets(const SequenceCells& cells, const StepFields& fields) {
+  void make_datasets(const SequenceCells& cells, const FrameFields& fields) {
     make("Points", H5T_IEEE_F64LE, 3, point_ids.size());
     make("Connectivity", H5T_STD_I64LE, 1, cells.connectivity.size());
     make("Offsets", H5T_STD_I64LE, 1, cells.size());
@@ -116,7 +116,7 @@ struct SequenceWriter::Impl {
     append("Types", types);
     append("Offsets", wide(cells.offsets));
     append("Connectivity", wide(cells.connectivity));
-    append("CellData/PartId", wide(cells.parts));
+    append("CellData/PartId", wide(cells.objects));
     append("CellData/GlobalCellIds", cells.ids);
     if (has("FaceOffsets")) append_polyhedra(cells);
     cell_counts.push_back(static_cast<std::int64_t>(cells.size()));
@@ -128,7 +128,7 @@ struct SequenceWriter::Impl {
   void make_polyhedra() {
     for (const char* path : {"FaceConnectivity", "FaceOffsets", "PolyhedronToFaces", "PolyhedronOffsets"})
       make(path, H5T_STD_I64LE, 1, kChunkRows);
-    // The steps written before had no polytopes.
+    // The frames written before had no polytopes.
     for (const std::int64_t cells : cell_counts) {
       append("FaceOffsets", Integers{0});
       append("PolyhedronOffsets", Integers(static_cast<std::size_t>(cells) + 1, 0));
@@ -180,8 +180,8 @@ struct SequenceWriter::Impl {
     output.integers("VTKHDF/PointData/GlobalPointIds", point_ids);
   }
 
-  /// The values of the topologies that the steps use.
-  Integers of_steps(const Integers& of_topologies) const {
+  /// The values of the topologies that the frames use.
+  Integers of_frames(const Integers& of_topologies) const {
     Integers values;
     for (const std::int64_t b : topology) values.push_back(of_topologies[static_cast<std::size_t>(b)]);
     return values;
@@ -196,29 +196,29 @@ struct SequenceWriter::Impl {
     if (form == SequenceForm::single) return output.reals("VTKHDF/FieldData/TimeValue", times);
     const Integers zeros(times.size(), 0);
     const Integers point_first = sums_before(Integers(times.size(), static_cast<std::int64_t>(point_ids.size())));
-    const Integers cell_first = of_steps(sums_before(cell_counts));
+    const Integers cell_first = of_frames(sums_before(cell_counts));
     output.integer_attribute("VTKHDF/Steps", "NSteps", Integers{static_cast<std::int64_t>(times.size())});
     output.reals("VTKHDF/Steps/Values", times);
     output.integers("VTKHDF/Steps/PartOffsets", topology);
     output.integers("VTKHDF/Steps/NumberOfParts", Integers(times.size(), 1));
     output.integers("VTKHDF/Steps/PointOffsets", point_first);
     output.integers("VTKHDF/Steps/CellOffsets", cell_first, true);
-    output.integers("VTKHDF/Steps/ConnectivityIdOffsets", of_steps(sums_before(connectivity_counts)), true);
+    output.integers("VTKHDF/Steps/ConnectivityIdOffsets", of_frames(sums_before(connectivity_counts)), true);
     output.integers("VTKHDF/Steps/PointDataOffsets/GlobalPointIds", zeros);
     for (const std::string name : {"Velocity", "QueryStart", "QueryEnd", "QuerySeparation"})
       if (has("PointData/" + name)) output.integers("VTKHDF/Steps/PointDataOffsets/" + name, point_first);
     output.integers("VTKHDF/Steps/CellDataOffsets/PartId", cell_first);
     output.integers("VTKHDF/Steps/CellDataOffsets/GlobalCellIds", cell_first);
-    // Each step has its own thickness, even if its cells are those of the step before.
+    // Each frame has its own thickness, even if its cells are those of the frame before.
     if (has("CellData/Thickness"))
-      output.integers("VTKHDF/Steps/CellDataOffsets/Thickness", sums_before(of_steps(cell_counts)));
+      output.integers("VTKHDF/Steps/CellDataOffsets/Thickness", sums_before(of_frames(cell_counts)));
     if (!has("FaceOffsets")) return;
     output.integers("VTKHDF/NumberOfFaces", face_counts);
     output.integers("VTKHDF/NumberOfFaceConnectivityIds", face_connectivity_counts);
     output.integers("VTKHDF/NumberOfPolyhedronToFaceIds", face_counts);
-    output.integers("VTKHDF/Steps/FaceOffsetsOffsets", of_steps(sums_before(face_counts)));
-    output.integers("VTKHDF/Steps/FaceConnectivityOffsets", of_steps(sums_before(face_connectivity_counts)));
-    output.integers("VTKHDF/Steps/PolyhedronToFaceIdOffsets", of_steps(sums_before(face_counts)));
+    output.integers("VTKHDF/Steps/FaceOffsetsOffsets", of_frames(sums_before(face_counts)));
+    output.integers("VTKHDF/Steps/FaceConnectivityOffsets", of_frames(sums_before(face_connectivity_counts)));
+    output.integers("VTKHDF/Steps/PolyhedronToFaceIdOffsets", of_frames(sums_before(face_counts)));
   }
 
   /// The order in which datasets are closed determines where their last chunks are in the file.
@@ -241,7 +241,7 @@ struct SequenceWriter::Impl {
   std::map<std::string, GrowingDataset> data;  ///< by their paths in the group VTKHDF
   SequenceCells last;
   std::vector<double> times, numbers;
-  Integers topology;                               ///< per step
+  Integers topology;                               ///< per frame
   Integers cell_counts, connectivity_counts;       ///< per topology
   Integers face_counts, face_connectivity_counts;  ///< per topology, if there are polytopes; each face is in one list
 };
@@ -257,8 +257,8 @@ SequenceWriter::SequenceWriter(const std::string& file, std::span<const std::int
 SequenceWriter::SequenceWriter(SequenceWriter&&) noexcept = default;
 SequenceWriter::~SequenceWriter() = default;
 
-void SequenceWriter::write_step(double time, std::span<const Vec3> points, const SequenceCells& cells,
-                                const StepFields& fields) {
+void SequenceWriter::write_frame(double time, std::span<const Vec3> points, const SequenceCells& cells,
+                                 const FrameFields& fields) {
   Impl& o = *impl_;
   if (!std::exchange(o.usable, false))
     throw InputError(o.target.name(), "", "the writer has failed or finished before");
@@ -282,7 +282,7 @@ void SequenceWriter::finish(const std::string& incomplete) {
   Impl& o = *impl_;
   if (!std::exchange(o.usable, false))
     throw InputError(o.target.name(), "", "the writer has failed or finished before");
-  if (o.times.empty()) throw InputError(o.target.name(), "VTKHDF/Steps/Values", "no step has been written");
+  if (o.times.empty()) throw InputError(o.target.name(), "VTKHDF/Steps/Values", "no frame has been written");
   if (!incomplete.empty()) o.output.string_attribute("/", "Incomplete", incomplete);
   o.write_tables();
   o.close();

@@ -21,7 +21,7 @@ enum class Verdict {
 /// Contacts whose time is not proven to have this accuracy are recomputed with refined coefficients.
 constexpr double kTimeAccuracy = 0x1p-42;
 
-/// A part of the step. The parameter of a cubic in it is 0 at lo and 1 at hi.
+/// An interval of the step. The parameter of a cubic in it is 0 at lo and 1 at hi.
 struct Window {
   double lo = 0, hi = 1;
   double at(double s) const { return s < 1 ? lo + s * (hi - lo) : hi; }
@@ -36,7 +36,7 @@ class ElementaryTest {
     measure();
   }
 
-  /// Allows coefficients to be refined again over a shorter part of the step. Keeps a reference to `x`.
+  /// Allows coefficients to be refined again over a shorter interval of the step. Keeps a reference to `x`.
   void refine_from(const TestPoints& x, double scale) { x_ = &x, scale_ = scale; }
 
   /// To be called after the points were rescaled.
@@ -104,11 +104,11 @@ class ElementaryTest {
                        const Window& window) {
     constexpr double kShort = 0.125;
     degenerate_ = true;
-    const Window part{window.at(stretch[0]), window.at(stretch[1])};
-    if (x_ && part.hi > part.lo && stretch[1] - stretch[0] < kShort)
-      return solve(refined_coplanarity(*x_, scale_, part.lo, part.hi), true, part);
+    const Window interval{window.at(stretch[0]), window.at(stretch[1])};
+    if (x_ && interval.hi > interval.lo && stretch[1] - stretch[0] < kShort)
+      return solve(refined_coplanarity(*x_, scale_, interval.lo, interval.hi), true, interval);
     for (double& root : roots) root = window.at(root);
-    return coplanar({part.lo, part.hi}, side, roots);
+    return coplanar({interval.lo, interval.hi}, side, roots);
   }
 
   Verdict touches_at(double t, int side) {

@@ -47,9 +47,9 @@ struct CoplanarityCubic {
 
 /// Coefficients that are computed with about 100 bits from the exact coordinates (times `scale`, see range_scale()) and
 /// then rounded. `error` is 2^-90 of the permanent of the magnitudes of the differences, so that a value that cannot be
-/// distinguished from zero is zero for practical purposes. The cubic describes the part [lo, hi] of the step: its
-/// parameter is 0 at lo and 1 at hi. In a short part in which the points are close to each other, the coefficients are
-/// in proportion to these small distances, which the coefficients for a whole step of fast motion cannot resolve.
+/// distinguished from zero is zero for practical purposes. The cubic describes the interval [lo, hi] of the step: its
+/// parameter is 0 at lo and 1 at hi. In a short interval in which the points are close to each other, the coefficients
+/// are in proportion to these small distances, which the coefficients for a whole step of fast motion cannot resolve.
 CoplanarityCubic refined_coplanarity(const TestPoints& x, double scale, double lo = 0, double hi = 1);
 
 }  // namespace volccd::detail

@@ -50,7 +50,7 @@ class FirstTouch {
 
   ExactAnswer find() {
     AlgebraicTime start(Dyadic{0, 0});
-    if (start.sign(volume_) == 0 && touches_at(start)) {
+    if (start.sign(volume_) == 0 && test_touch_at(start)) {
       answer_.reason = TouchCase::at_start;
       answer_.side = start.sign_before(volume_);
       answer_.touches = answer_.toi_exact = true;
@@ -68,7 +68,7 @@ class FirstTouch {
   }
 
  private:
-  bool touches_at(AlgebraicTime& t) {
+  bool test_touch_at(AlgebraicTime& t) {
     bool degenerate = false;
     const bool touches = coplanar_features_touch(kind_, x_, t, degenerate);
     answer_.degenerate = answer_.degenerate || (touches && degenerate);
@@ -82,7 +82,7 @@ class FirstTouch {
   std::optional<AlgebraicTime> first_touching_root(const Polynomial& p, double latest) {
     for (AlgebraicTime& t : roots_in_step(p)) {
       if (t.compare(dyadic(latest)) > 0) break;
-      if (touches_at(t)) return std::move(t);
+      if (test_touch_at(t)) return std::move(t);
     }
     return std::nullopt;
   }

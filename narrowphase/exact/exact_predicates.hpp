@@ -47,8 +47,8 @@ struct ExactAnswer {
 
 /// Decides whether the features touch at some t in [0, t_max], and finds the first such time. Valid for all finite
 /// input: there are no tolerances, overflows or special cases. Pre: coordinates are finite, 0 <= t_max <= 1 (asserted).
-/// Allocates memory; thread-safe. Typical times are listed in docs/narrowphase_exact.md; they increase with the number
-/// of bits between the greatest and the least coordinate.
+/// Allocates memory; thread-safe. The time increases with the number of bits between the greatest and the least
+/// coordinate (coordinate_bits()): tens of microseconds for ordinary data, up to seconds over the range of doubles.
 ExactAnswer exact_first_touch(const TestMotion& motion, double t_max = 1);
 
 /// Number of bits of the coordinates when all are multiplied by the least power of two that makes them integers. It

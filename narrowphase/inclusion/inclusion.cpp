@@ -8,7 +8,6 @@
 namespace volccd {
 
 using namespace detail;
-using Outcome = InclusionAnswer::Outcome;
 
 const Options<Inclusion::Config>& Inclusion::options() {
   static const Options<Config> table = [] {
@@ -17,11 +16,11 @@ const Options<Inclusion::Config>& Inclusion::options() {
                 "how early a contact may be reported, in steps (never late)");
     options.add("undecided", &Config::undecided, {{"report", Undecided::report}, {"exact", Undecided::exact}},
                 "report tests that rounding leaves open, or decide them in rational arithmetic");
-    options.add("max_parts", &Config::max_parts, 1, 1'000'000,
-                "parts of the step that a search looks at before it is given up as undecided");
+    options.add("max_intervals", &Config::max_intervals, 1, 1'000'000,
+                "intervals of the step that a search examines before it is given up as undecided");
     options.add("exact_bits", &Config::exact_bits, 1, 4096,
                 "bits that a test's coordinates may span for `exact` to decide what the search gives up");
-    options.renamed("most_parts", "max_parts");
+    options.renamed("most_parts", "max_intervals").renamed("max_parts", "max_intervals");
     return options;
   }();
   return table;
@@ -32,8 +31,8 @@ void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<In
   const TestPoints x = test_points(step.motion, vertices);
   const int points = step.motion.control_points();
   InclusionAnswer answer =
-      inclusion_search(kind, x, points, step.separation, config_.time_tolerance, config_.max_parts, step.t_max);
-  if (answer.outcome == Outcome::undecided) {
+      inclusion_search(kind, x, points, step.separation, config_.time_tolerance, config_.max_intervals, step.t_max);
+  if (answer.outcome == InclusionAnswer::Outcome::undecided) {
     ++counters.undecided;
     const TestMotion motion{kind, points, x};
     const bool decide =
@@ -48,7 +47,7 @@ void Inclusion::test_one(const Step& step, FeatureKind kind, const std::array<In
       answer.at_start = exact.reason == TouchCase::at_start;
     }
   }
-  if (answer.outcome == Outcome::apart) return;
+  if (answer.outcome == InclusionAnswer::Outcome::apart) return;
   contacts.push_back(contact_at(kind, vertices, x, points, answer.toi, answer.side, step.separation));
   contacts.back().at_start = answer.at_start;
 }
@@ -78,7 +77,7 @@ void Inclusion::run(const Step& step, StageState&, unsigned, const TestBlock& bl
 
 StageDescriptor<NarrowPhase> describe_inclusion() {
   return describe_stage<NarrowPhase, Inclusion>(
-      "inclusion", "certified: pieces of the step proven free of contact, none missed", Guarantee::conservative);
+      "inclusion", "certified: intervals of the step proven free of contact, none missed", Guarantee::conservative);
 }
 
 }  // namespace volccd

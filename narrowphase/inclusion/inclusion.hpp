@@ -17,24 +17,24 @@ enum class Undecided {
 /// Guarantees, for the given doubles regarded as exact:
 /// - No contact is missed: a test is dropped only if all times of the step are proven free of contact.
 /// - The reported time is never late, and early by at most `time_tolerance`.
-/// - A test is undecided if it remains open in a part of the step that is shorter than 2^-44. It is counted in
-///   NarrowCounters::undecided. By default it is reported, and its time is the start of that part; with
+/// - A test is undecided if it remains open in an interval of the step that is shorter than 2^-44. It is counted in
+///   NarrowCounters::undecided. By default it is reported, and its time is the start of that interval; with
 ///   `undecided=exact`, `exact` decides it, so that there are no false contacts. The features of a reported test come
 ///   closer than kUndecidedDistance times its size (the greatest coordinate difference between its points at the
 ///   control points). If the features stay near each other for longer than the tolerance, or the search ends after
-///   `max_parts`, `exact` decides with either option. Exception: if the coordinates span more than `exact_bits` bits
-///   (for example 1 and 1e-300), such a test remains undecided and is reported; its time may be earlier than the
+///   `max_intervals`, `exact` decides with either option. Exception: if the coordinates span more than `exact_bits`
+///   bits (for example 1 and 1e-300), such a test remains undecided and is reported; its time may be earlier than the
 ///   tolerance allows, and its features may be further apart.
 /// - With a separation, which `exact` does not support, all undecided tests are reported. If the features only reach
 ///   the separation without coming closer, the time may be earlier than the tolerance allows; if the search ended after
-///   `max_parts`, the features may be further apart.
+///   `max_intervals`, the features may be further apart.
 ///
-/// Method: the step is divided into parts, which are processed in ascending order. A part is free of contact if the
-/// Bernstein coefficients of the coplanarity polynomial have the same sign, or if an axis separates the control points
-/// of the features; the axes are the directions between the closest points at the likely time of contact, and the last
-/// successful axis. A part certainly begins with a contact if the polynomial changes its sign while the features
-/// overlap in the projection along a fixed direction. Otherwise the part is split. A sign is used only if the magnitude
-/// exceeds its rounding bound (docs/numerics.md). A vector kernel decides most tests before this search.
+/// Method: the step is divided into intervals, which are processed in ascending order. An interval is free of contact
+/// if the Bernstein coefficients of the coplanarity polynomial have the same sign, or if an axis separates the control
+/// points of the features; the axes are the directions between the closest points at the likely time of contact, and
+/// the last successful axis. An interval certainly begins with a contact if the polynomial changes its sign while the
+/// features overlap in the projection along a fixed direction. Otherwise the interval is split. A sign is used only if
+/// the magnitude exceeds its rounding bound (docs/numerics.md). A vector kernel decides most tests before this search.
 ///
 /// Two or three control points, any separation. Allocates memory for contacts only (and in `exact`). See also Snyder et
 /// al. 1993 and Wang et al. 2021 for inclusion-based tests, Tang et al. 2010 and 2014 for Bernstein signs.
@@ -44,11 +44,11 @@ class Inclusion final : public NarrowPhase {
     /// How early a contact may be reported, as a fraction of the step.
     double time_tolerance = 1e-9;
     Undecided undecided = Undecided::report;
-    int max_parts = 1000;  ///< maximum number of parts that the search examines per test
+    int max_intervals = 1000;  ///< maximum number of intervals that the search examines per test
     /// Largest number of bits that the coordinates of a test may span (coordinate_bits()) if `exact` is to decide a
-    /// test that the search leaves open for too long. Costs: docs/narrowphase_exact.md; the longest time observed is a
-    /// third of a second up to 1024 bits, and seconds for the full range of doubles. Ordinary data span 53 to 150 bits.
-    /// `undecided=exact` ignores this limit.
+    /// test that the search leaves open for too long. The time that `exact` takes increases with them: the longest time
+    /// observed is a third of a second up to 1024 bits, and seconds for the full range of doubles. Ordinary data span
+    /// 53 to 150 bits. `undecided=exact` ignores this limit.
     int exact_bits = 1024;
   };
   static const Options<Config>& options();

@@ -77,7 +77,7 @@ Case general(Choices& c, FeatureKind kind, int control_points) {
   builder.features(ContactBuilder::Shape::general);
   builder.transform();
   builder.reorder();
-  return builder.take();
+  return builder.build();
 }
 
 Case degenerate(Choices& c, FeatureKind kind, int control_points) {
@@ -85,7 +85,7 @@ Case degenerate(Choices& c, FeatureKind kind, int control_points) {
   builder.features(ContactBuilder::Shape::degenerate);
   builder.transform();
   builder.reorder();
-  return builder.take();
+  return builder.build();
 }
 
 /// Half of the cases are in general position.
@@ -98,7 +98,7 @@ Case at_an_end(Choices& c, FeatureKind kind, int control_points) {
   any_or_general(c, builder);
   builder.transform();
   builder.reorder();
-  return builder.take();
+  return builder.build();
 }
 
 /// All points have the same motion, so that the features touch at the start or never.
@@ -112,7 +112,7 @@ Case rigid(Choices& c, FeatureKind kind, int control_points) {
       for (std::size_t k = 1; k < 3; ++k) p[k] = p[0] + by[control_points == 2 ? 1 : k];
   if (c.one_in(3)) builder.nudge();
   builder.reorder();
-  return builder.take();
+  return builder.build();
 }
 
 Case near_miss(Choices& c, FeatureKind kind, int control_points) {
@@ -122,7 +122,7 @@ Case near_miss(Choices& c, FeatureKind kind, int control_points) {
   if (c.one_in(3)) builder.scale();
   builder.nudge();
   builder.reorder();
-  return builder.take();
+  return builder.build();
 }
 
 Case far_off(Choices& c, FeatureKind kind, int control_points) {
@@ -131,7 +131,7 @@ Case far_off(Choices& c, FeatureKind kind, int control_points) {
   builder.move_far();
   if (c.below(2)) builder.nudge();
   builder.reorder();
-  return builder.take();
+  return builder.build();
 }
 
 /// Multiples of the smallest double. The builder makes multiples of 2^-10.
@@ -148,7 +148,7 @@ Case denormal(Choices& c, FeatureKind kind, int control_points) {
   any_or_general(c, builder);
   make_denormal(c, builder);
   builder.reorder();
-  return builder.take();
+  return builder.build();
 }
 
 Case mixed_scales(Choices& c, FeatureKind kind, int control_points) {
@@ -159,7 +159,7 @@ Case mixed_scales(Choices& c, FeatureKind kind, int control_points) {
   for (double& factor : by) factor = c.pick({1, 0x1p-996, 0x1p950, 0x1p-1022, 0x1p-500});
   builder.scale_by(by);
   builder.reorder();
-  return builder.take();
+  return builder.build();
 }
 
 /// Coordinates up to the greatest double along one axis or all axes, so that differences overflow.
@@ -221,7 +221,7 @@ Case overflow(Choices& c, FeatureKind kind, int control_points) {
   any_or_general(c, builder);
   make_greatest(c, builder);
   builder.reorder();
-  return builder.take();
+  return builder.build();
 }
 
 /// Smooth motion whose coplanarity polynomial is nearly constant for most of the step, so that Newton's method leaves
@@ -254,7 +254,7 @@ Case at_the_separation(Choices& c, FeatureKind kind, int control_points) {
   builder.move_apart();
   builder.transform();
   builder.reorder();
-  Case made = builder.take();
+  Case made = builder.build();
   const int units = static_cast<int>(c.lattice(3));
   for (int i = 0; i < std::abs(units); ++i) made.separation = std::nextafter(made.separation, units > 0 ? HUGE_VAL : 0);
   if (units < 0) made.touch = -1;
@@ -267,7 +267,7 @@ Case at_the_separation_at_an_end(Choices& c, FeatureKind kind, int control_point
   builder.move_apart();
   builder.transform();
   builder.reorder();
-  return builder.take();
+  return builder.build();
 }
 
 Case nearly_at_the_separation(Choices& c, FeatureKind kind, int control_points) {
@@ -277,7 +277,7 @@ Case nearly_at_the_separation(Choices& c, FeatureKind kind, int control_points) 
   builder.transform();
   c.below(2) ? builder.nudge() : builder.move_far();
   builder.reorder();
-  return builder.take();
+  return builder.build();
 }
 
 Case scaled_separation(Choices& c, FeatureKind kind, int control_points) {
@@ -286,7 +286,7 @@ Case scaled_separation(Choices& c, FeatureKind kind, int control_points) {
   builder.move_apart();
   c.below(2) ? make_greatest(c, builder) : make_denormal(c, builder);
   builder.reorder();
-  return builder.take();
+  return builder.build();
 }
 
 Case frame_and_separation(Choices& c, FeatureKind kind, int control_points) {

@@ -29,7 +29,7 @@ class ContactBuilder {
   ContactBuilder(Choices& choices, FeatureKind kind, int control_points, std::optional<double> time = {});
 
   Case& made() { return case_; }
-  Case take() { return std::move(case_); }
+  Case build() { return std::move(case_); }
 
   /// Makes the features; must be called first.
   enum class Shape {

@@ -51,7 +51,7 @@ std::vector<Index> pick(const Cell& corners, const int (&local)[N]) {
 }
 
 ElementSpec polytope(const Cell& corners) {
-  ElementSpec spec{ElementType::polytope, {corners.begin(), corners.end()}, {}, 0, 0};
+  ElementSpec spec{.type = ElementType::polytope, .vertices = {corners.begin(), corners.end()}};
   for (const auto& face : kFace) {
     spec.faces.push_back(4);
     for (const Index v : pick(corners, face)) spec.faces.push_back(v);
@@ -63,7 +63,7 @@ ElementSpec pyramid(const Cell& corners, const int (&face)[4], Index apex) {
   std::vector<Index> vertices = pick(corners, face);
   std::reverse(vertices.begin(), vertices.end());  // the base is counter-clockwise as seen from the apex (VTK)
   vertices.push_back(apex);
-  return {ElementType::pyramid, std::move(vertices), {}, 0, 0};
+  return {.type = ElementType::pyramid, .vertices = std::move(vertices)};
 }
 
 void for_each_pose(HostileMesh& mesh, const auto& visit) {
@@ -98,7 +98,7 @@ Index add_vertex(Shape& shape, const Vec3& position) {
 
 void add_element(std::vector<ElementSpec>& elements, ElementType type, std::vector<Index> vertices,
                  std::int32_t object) {
-  elements.push_back({type, std::move(vertices), {}, object, next_id(elements)});
+  elements.push_back({.type = type, .vertices = std::move(vertices), .object = object, .id = next_id(elements)});
 }
 
 std::vector<ElementSpec> fill_cell(const Cell& corners, CellFilling filling, int rotation, Index centre) {
@@ -107,7 +107,7 @@ std::vector<ElementSpec> fill_cell(const Cell& corners, CellFilling filling, int
   for (std::size_t c = 0; c < 8; ++c) cell[c] = corners[static_cast<std::size_t>(to[c])];
   std::vector<ElementSpec> made;
   const auto add = [&](ElementType type, std::vector<Index> vertices) {
-    made.push_back({type, std::move(vertices), {}, 0, 0});
+    made.push_back({.type = type, .vertices = std::move(vertices)});
   };
   switch (filling) {
     case CellFilling::hexahedron: add(ElementType::hexahedron, {cell.begin(), cell.end()}); break;
@@ -193,7 +193,7 @@ HostileMesh apart(ElementType type, int count) {
       const Vec3 corner(kCorner[k][0], kCorner[k][1], apex ? 1 : 0);
       vertices.push_back(add_vertex(mesh.shape, at + kCellWidth * corner));
     }
-    mesh.shape.elements.push_back({type, std::move(vertices), {}, 0, i});
+    mesh.shape.elements.push_back({.type = type, .vertices = std::move(vertices), .id = i});
   }
   mesh.moving = static_cast<Index>(mesh.shape.positions.size());
   mesh.what = "elements apart";

@@ -208,7 +208,7 @@ class Course {
                                       ElementType::pyramid,     ElementType::wedge,      ElementType::quad};
     const ElementType type = kTypes[c_.below(6)];
     const auto count = static_cast<std::size_t>(vertex_count(type));
-    ElementSpec made{type, one_of(c_, live_).vertices, {}, c_.below(2), 0};
+    ElementSpec made{.type = type, .vertices = one_of(c_, live_).vertices, .object = c_.below(2)};
     made.vertices.resize(std::min({made.vertices.size(), count - 1, static_cast<std::size_t>(between(c_, 1, 4))}));
     const Vec3 near = x_[made.vertices[0]];
     while (made.vertices.size() < count)

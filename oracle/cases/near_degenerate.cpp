@@ -60,7 +60,7 @@ Case near_degenerate(Choices& choices, FeatureKind kind, int control_points, std
   builder.scale();
   builder.round_and_nudge();
   builder.reorder();
-  return builder.take();
+  return builder.build();
 }
 
 Case near_degenerate_test(Choices& choices, Separation separation) {

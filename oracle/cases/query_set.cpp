@@ -39,7 +39,7 @@ Mesh separate_tetrahedra(Index count) {
   Mesh mesh;
   mesh.add_vertices(4 * count);
   for (Index i = 0; i < count; ++i)
-    mesh.add_element({ElementType::tetrahedron, {4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3}, {}, 0, i});
+    mesh.add_element({.type = ElementType::tetrahedron, .vertices = {4 * i, 4 * i + 1, 4 * i + 2, 4 * i + 3}, .id = i});
   return mesh;
 }
 

@@ -56,7 +56,7 @@ class BlockBuilder {
     }
   }
 
-  Shape take() { return std::move(shape_); }
+  Shape build() { return std::move(shape_); }
 
  private:
   Index lattice(int x, int y, int z) const { return static_cast<Index>((z * (ny_ + 1) + y) * (nx_ + 1) + x); }
@@ -134,7 +134,7 @@ Shape block(ElementType type, int nx, int ny, int nz) {
   for (int z = 0; z < (sheet ? 1 : nz); ++z)
     for (int y = 0; y < ny; ++y)
       for (int x = 0; x < nx; ++x) sheet ? builder.add_shell(type, x, y, 0) : builder.add_cell(type, x, y, z);
-  return builder.take();
+  return builder.build();
 }
 
 Shape mixed_block(int ny, int nz) {
@@ -148,7 +148,7 @@ Shape mixed_block(int ny, int nz) {
     builder.add_shell(ElementType::triangle, 0, y, nz);
     builder.add_shell(ElementType::quad, 1, y, nz);
   }
-  return builder.take();
+  return builder.build();
 }
 
 Shape permuted(const Shape& shape, std::uint64_t seed) {

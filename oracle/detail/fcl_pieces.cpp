@@ -52,7 +52,7 @@ std::vector<ElementPair> box_overlaps(std::span<const ElementBox> boxes) {
 /// does not change, and because the points are centred, so that the interior point does not change either.
 class FclOverlap::Shapes {
  public:
-  const fcl::Convexd& take(std::span<const Vec3> points, const Vec3& mean, double scale) {
+  const fcl::Convexd& set_points(std::span<const Vec3> points, const Vec3& mean, double scale) {
     if (shapes_.size() <= points.size()) shapes_.resize(points.size() + 1);
     Shape& shape = shapes_[points.size()];
     if (!shape.convex) {
@@ -98,8 +98,8 @@ bool FclOverlap::operator()(std::span<const Vec3> a, std::span<const Vec3> b) {
   const Vec3 half = (mean_b - mean_a) * (scale / 2);
   const fcl::CollisionRequestd request;  // a boolean query with libccd
   fcl::CollisionResultd result;
-  fcl::collide(&a_->take(a, mean_a, scale), fcl::Transform3d(fcl::Translation3d(-half)), &b_->take(b, mean_b, scale),
-               fcl::Transform3d(fcl::Translation3d(half)), request, result);
+  fcl::collide(&a_->set_points(a, mean_a, scale), fcl::Transform3d(fcl::Translation3d(-half)),
+               &b_->set_points(b, mean_b, scale), fcl::Transform3d(fcl::Translation3d(half)), request, result);
   return result.isCollision();
 }
 

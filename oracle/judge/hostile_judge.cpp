@@ -42,7 +42,7 @@ void apply(const HostileStep& step, Topology& topology) {
 }
 
 Request request_of(const HostileStep& step) {
-  return {step.first_only ? Query::first : Query::all, step.initial_overlaps};
+  return {.query = step.first_only ? Query::first : Query::all, .initial_overlaps = step.initial_overlaps};
 }
 
 std::string text_of(const Contact& c) {

@@ -30,7 +30,7 @@ void set_registry(const py::list& stages, const py::list& pipelines) {
   for (const py::handle stage : stages) add_stage(made, py::reinterpret_borrow<py::object>(stage));
   for (const py::handle row : pipelines) {
     const py::tuple parts = py::reinterpret_borrow<py::tuple>(row);
-    PipelineSpec spec = make_spec(made, parts[1].cast<std::string>(), parts[2].cast<std::vector<std::string>>());
+    PipelineSpec spec = made.pipeline(parts[1].cast<std::string>(), parts[2].cast<std::vector<std::string>>());
     spec.name = parts[0].cast<std::string>();
     spec.description = parts[3].cast<std::string>();
     Pipeline(made, spec);  // errors are thrown now
@@ -74,13 +74,6 @@ py::dict list_pipelines() {
 }  // namespace
 
 const Registry& registry() { return *current(); }
-
-PipelineSpec make_spec(const Registry& registry, const std::string& pipeline,
-                       const std::vector<std::string>& settings) {
-  PipelineSpec spec = registry.pipeline(pipeline);
-  for (const std::string& setting : settings) registry.apply_setting(spec, setting);
-  return spec;
-}
 
 void bind_registry(py::module_& module) {
   module.def("set_registry", &set_registry);

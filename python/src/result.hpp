@@ -9,6 +9,8 @@ namespace volccd::python {
 
 /// The data are in memory that Python owns; the arrays are views of it.
 struct Result : StepResult {
+  explicit Result(StepResult&& result) : StepResult(std::move(result)) {}
+
   py::object statistics_dict;  ///< made at the first use; empty until then
 };
 

@@ -1,61 +1,36 @@
-// A pipeline with its workspace, executor and filter, that runs steps without the GIL.
+// The arguments and the results of detections for Python.
 #pragma once
 
 #include <memory>
 #include <string>
-#include <utility>
-#include <vector>
 
-#include <volccd/core/executor.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+#include <volccd/pipelines/detector.hpp>
 
 #include "result.hpp"
 
 namespace volccd::python {
 
-/// The arguments of a Detector except for its mesh.
-struct RunnerConfig {
-  std::string pipeline;
-  std::vector<std::string> settings;
-  unsigned threads = 0;
-  double separation = 0;
-  std::string pairs;  ///< all, inter, intra
-  std::vector<std::pair<std::int32_t, std::int32_t>> exclude;
+/// The arguments of a Detector in Python except for its mesh, from a dict with the keys pipeline, settings, threads,
+/// separation, pairs, exclude, all of which must be present. Throws ConfigError.
+DetectorConfig detector_config(const py::dict& options);
 
-  /// Reads keyword arguments with these names, all of which must be present.
-  explicit RunnerConfig(const py::dict& options);
-};
+EdgeSet edge_set_from(const std::string& edges);
 
 /// The options of a step.
 struct StepRequest {
   bool first = false, initial_overlaps = false;
   double t_max = 1;
+
+  Request request() const { return {.query = first ? Query::first : Query::all, .initial_overlaps = initial_overlaps}; }
 };
 
-class Runner {
- public:
-  /// Throws ConfigError. The registry may change afterwards.
-  explicit Runner(const RunnerConfig& config);
+/// The last result of a Detector or StepRunner, moved out.
+template <class Runner>
+std::shared_ptr<Result> take_result(Runner& runner) {
+  return std::make_shared<Result>(runner.take_result());
+}
 
-  /// Must be called without the GIL. Throws the exceptions of Pipeline::run, and those of a signal handler or of a
-  /// stage in Python.
-  std::shared_ptr<Result> run(const Topology& topology, const Motion& motion, const StepRequest& request,
-                              bool shell_neighbours_left_out);
-
-  const Pipeline& pipeline() const { return pipeline_; }
-  Executor& executor() { return *executor_; }
-  double separation() const { return separation_; }
-  void set_separation(double separation);
-
- private:
-  Pipeline pipeline_;
-  Workspace workspace_;
-  std::unique_ptr<Executor> executor_;
-  ObjectFilter filter_;
-  double separation_ = 0;
-};
-
-/// Properties of a runner for Python: pipeline, guarantee, threads, stages.
-py::dict runner_facts(Runner& runner);
+/// Properties of a Detector or StepRunner for Python: pipeline, guarantee, threads, stages.
+py::dict facts_of(const Pipeline& pipeline, const Executor& executor);
 
 }  // namespace volccd::python

@@ -1,4 +1,4 @@
-// Sequence files: their contents, and their motions one after another.
+// Sequence files: their contents, and their steps one after another.
 #include <optional>
 
 #include <pybind11/stl.h>
@@ -11,6 +11,7 @@
 
 #include "arrays.hpp"
 #include "cells.hpp"
+#include "registry.hpp"
 #include "runner.hpp"
 #include "sequence.hpp"
 #include "signals.hpp"
@@ -38,7 +39,8 @@ SequenceStepper::Config stepper_config(const py::dict& options) {
   choose("motion", config.motion, std::pair("linear", MotionModel::linear),
          std::pair("quadratic", MotionModel::quadratic), std::pair("tentative", MotionModel::tentative),
          std::pair("query", MotionModel::query));
-  choose("parts", config.parts, std::pair("stored", PartModel::stored), std::pair("components", PartModel::components));
+  choose("parts", config.objects, std::pair("stored", ObjectModel::stored),
+         std::pair("components", ObjectModel::components));
   return config;
 }
 
@@ -57,12 +59,19 @@ py::array points_array(const std::vector<Vec3>& points) {
 Sequence::Sequence(const std::string& file, const py::dict& options)
     : reader_(file),
       config_(stepper_config(options)),
-      stepper_(reader_.step_count() > 1 ? std::make_unique<SequenceStepper>(reader_, config_) : nullptr) {}
+      stepper_(reader_.frame_count() > 1 ? std::make_unique<SequenceStepper>(reader_, config_) : nullptr) {}
 
 void Sequence::go_to(int motion, Executor& executor) {
-  if (!stepper_) throw InputError(reader_.file(), "VTKHDF/Steps", "has one step only: no motion to look at");
+  if (!stepper_) throw InputError(reader_.file(), "VTKHDF/Steps", "has one frame only, and therefore no step");
   stepper_->go_to(motion, executor);
 }
+
+SequenceRunner::SequenceRunner(const py::dict& options) : SequenceRunner(detector_config(options)) {}
+
+SequenceRunner::SequenceRunner(const DetectorConfig& config)
+    : executor_(make_signal_executor(config.threads)),
+      runner_(Pipeline(registry(), registry().pipeline(config.pipeline, config.settings)),
+              {.executor = executor_.get(), .separation = config.separation, .filter = config.filter}) {}
 
 std::shared_ptr<Result> SequenceRunner::run(Sequence& sequence, int motion, const StepRequest& request,
                                             bool neighbours) {
@@ -70,8 +79,10 @@ std::shared_ptr<Result> SequenceRunner::run(Sequence& sequence, int motion, cons
   const BusyGuard sequence_guard(sequence.busy, "Sequence");
   const py::gil_scoped_release without_gil;
   sequence.go_to(motion, runner_.executor());
-  return runner_.run(sequence.stepper().topology(), sequence.stepper().motion(), request,
-                     sequence.config().shells == ShellModel::solid && !neighbours);
+  Request asked = request.request();
+  asked.leave_out_shell_neighbours = sequence.config().shells == ShellModel::solid && !neighbours;
+  runner_.run(sequence.stepper().topology(), sequence.stepper().motion(), asked, request.t_max);
+  return take_result(runner_);
 }
 
 namespace {
@@ -80,10 +91,10 @@ namespace {
 class StepReading {
  public:
   StepReading(Sequence& sequence, int step) : guard_(sequence.busy, "Sequence") {
-    const int steps = sequence.reader().step_count();
+    const int steps = sequence.reader().frame_count();
     if (step < 0 || step >= steps)
       throw InputError(sequence.reader().file(), "VTKHDF/Steps",
-                       fmt::format("step {} is not within 0:{}", step, steps));
+                       fmt::format("frame {} is not within 0:{}", step, steps));
   }
 
  private:
@@ -122,7 +133,7 @@ py::dict read_cells(Sequence& sequence, int step) {
 
 py::array times(const Sequence& sequence) {
   std::vector<double> values;
-  for (int step = 0; step < sequence.reader().step_count(); ++step) values.push_back(sequence.reader().time(step));
+  for (int step = 0; step < sequence.reader().frame_count(); ++step) values.push_back(sequence.reader().time(step));
   return new_array({values.size()}, values.data());
 }
 
@@ -130,7 +141,7 @@ py::array times(const Sequence& sequence) {
 py::array element_ids(Sequence& sequence) {
   const BusyGuard guard(sequence.busy, "Sequence");
   if (sequence.motion() < 0)
-    throw InputError(sequence.reader().file(), "", "detect() has not run on a motion yet: there are no elements");
+    throw InputError(sequence.reader().file(), "", "detect() has not run on a step yet: there are no elements");
   const Mesh& mesh = sequence.stepper().topology().mesh();
   std::vector<std::int64_t> ids(mesh.element_slots());
   for (Index o = 0; o < mesh.element_slots(); ++o) ids[o] = mesh.is_live(o) ? mesh.element_id(o) : -1;
@@ -145,7 +156,7 @@ void bind_sequence(py::module_& module) {
       .def(py::init<const std::string&, const py::dict&>())
       .def_property_readonly("file", [](const Sequence& s) { return s.reader().file(); })
       .def_property_readonly("metadata", [](const Sequence& s) { return metadata_of(s.reader().metadata()); })
-      .def_property_readonly("step_count", [](const Sequence& s) { return s.reader().step_count(); })
+      .def_property_readonly("step_count", [](const Sequence& s) { return s.reader().frame_count(); })
       .def_property_readonly("point_count", [](const Sequence& s) { return s.reader().point_count(); })
       .def_property_readonly("point_ids",
                              [](const Sequence& s) {
@@ -159,7 +170,7 @@ void bind_sequence(py::module_& module) {
       .def("thickness", &read_thickness, "step"_a)
       .def("cells", &read_cells, "step"_a);
   py::class_<SequenceRunner>(module, "SequenceRunner")
-      .def(py::init([](const py::dict& options) { return std::make_unique<SequenceRunner>(RunnerConfig(options)); }))
+      .def(py::init<const py::dict&>())
       .def(
           "run",
           [](SequenceRunner& runner, Sequence& sequence, int motion, bool first, bool overlaps, double t_max,
@@ -167,7 +178,8 @@ void bind_sequence(py::module_& module) {
             return runner.run(sequence, motion, {first, overlaps, t_max}, neighbours);
           },
           "sequence"_a, "motion"_a, "first"_a, "initial_overlaps"_a, "t_max"_a, "shell_neighbours"_a)
-      .def_property_readonly("facts", [](SequenceRunner& r) { return runner_facts(r.runner()); });
+      .def_property_readonly(
+          "facts", [](const SequenceRunner& r) { return facts_of(r.runner().pipeline(), r.runner().executor()); });
 }
 
 }  // namespace volccd::python

@@ -21,9 +21,9 @@ class Sequence {
   /// Pre: more than one step.
   SequenceStepper& stepper() { return *stepper_; }
   const SequenceStepper::Config& config() const { return config_; }
-  /// The motion of the last go_to(), or -1.
+  /// The step of the last go_to(), or -1.
   int motion() const { return stepper_ ? stepper_->current() : -1; }
-  /// Throws InputError if there is no such motion. The executor builds the topology in the first call.
+  /// Throws InputError if there is no such step. The executor builds the topology in the first call.
   void go_to(int motion, Executor& executor);
 
   bool busy = false;  ///< BusyGuard
@@ -34,18 +34,23 @@ class Sequence {
   std::unique_ptr<SequenceStepper> stepper_;
 };
 
-/// Runs a pipeline on the motions of sequences.
+/// Runs a pipeline on the steps of sequences.
 class SequenceRunner {
  public:
-  explicit SequenceRunner(const RunnerConfig& config) : runner_(config) {}
+  /// The options of detector_config(). Throws ConfigError. The registry may change afterwards.
+  explicit SequenceRunner(const py::dict& options);
 
   /// Must be called with the GIL, which it releases. `neighbours`: keeps contacts of thickened shells between features
-  /// with copies of the same shell vertex.
+  /// with copies of the same shell vertex. Throws the exceptions of Pipeline::run, and those of a signal handler or of
+  /// a stage in Python.
   std::shared_ptr<Result> run(Sequence& sequence, int motion, const StepRequest& request, bool neighbours);
-  Runner& runner() { return runner_; }
+  const StepRunner& runner() const { return runner_; }
 
  private:
-  Runner runner_;
+  explicit SequenceRunner(const DetectorConfig& config);
+
+  std::unique_ptr<Executor> executor_;
+  StepRunner runner_;
   bool busy_ = false;
 };
 

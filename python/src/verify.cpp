@@ -22,7 +22,7 @@ py::array changed_times(const std::vector<std::pair<Contact, Contact>>& changed)
 }
 
 py::dict verdict_of(const PipelineVerdict& one) {
-  return py::dict(py::arg("pipeline") = one.pipeline, py::arg("same") = one.same(), py::arg("held") = one.held,
+  return py::dict(py::arg("pipeline") = one.pipeline, py::arg("same") = one.agrees(), py::arg("held") = one.held,
                   py::arg("refused") = one.refused, py::arg("missing") = contacts_copy(one.difference.missing),
                   py::arg("extra") = contacts_copy(one.difference.extra),
                   py::arg("changed") = changed_times(one.difference.changed),
@@ -70,7 +70,7 @@ class Verification {
   static Registry with_settings(const std::vector<std::string>& settings) {
     Registry made = registry();
     if (settings.empty()) return made;
-    PipelineSpec spec = make_spec(made, "VolCCD+", settings);
+    PipelineSpec spec = made.pipeline("VolCCD+", settings);
     for (const std::string& setting : settings) spec.name += " " + setting;
     made.add_pipeline(std::move(spec));
     return made;

@@ -28,10 +28,10 @@ def test_contents(builtin):
     cells = builtin.cells(0)
     assert cells["offsets"][-1] == len(cells["connectivity"]) and len(cells["types"]) == len(cells["objects"])
     assert builtin.metadata["title"] and builtin.velocity(0) is None
-    with pytest.raises(volccd.InputError, match="motion"):
+    with pytest.raises(volccd.InputError, match="not run on a step"):
         volccd.Sequence(builtin.path).element_ids
     for step in (builtin.step_count, -builtin.step_count - 1):
-        with pytest.raises(volccd.InputError, match="step"):
+        with pytest.raises(volccd.InputError, match="frame"):
             builtin.points(step)
 
 

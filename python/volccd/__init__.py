@@ -36,7 +36,7 @@ array([], dtype=int64)
 Files and scenes
 ----------------
 >>> sequence = volccd.scene("builtin")                                        # or volccd.Sequence("run.vtkhdf")
->>> [(motion, len(result)) for motion, result in sequence.detect(range(2))]
+>>> [(step, len(result)) for step, result in sequence.detect(range(2))]
 [(0, 104), (1, 385)]
 
 Stages in Python

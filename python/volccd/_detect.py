@@ -67,7 +67,6 @@ class Detector:
         self._core = _core.Detector(arrays, vertices, thickness, edges,
                                     _options(pipeline, settings, threads, separation, pairs, exclude))
         self._next_id = int(arrays["ids"].max()) + 1 if n else 0
-        self._thick = thickness is not None
 
     def step(self, points0, points1, middle=None, *, first=False, initial_overlaps=False, t_max=1.0):
         """Contacts of the motion from `points0` (t = 0) to `points1` (t = 1), float (vertices, 3) each.
@@ -97,9 +96,8 @@ class Detector:
         """
         arrays = _meshes.cell_arrays(add, objects, ids, self._next_id)
         n = len(arrays["types"])
-        if thickness is not None or (self._thick and n == 0):
-            thickness = np.ascontiguousarray(np.broadcast_to(np.asarray(0.0 if thickness is None else thickness, float),
-                                                             (n,)))
+        if thickness is not None:
+            thickness = np.ascontiguousarray(np.broadcast_to(np.asarray(thickness, float), (n,)))
         self._core.edit(np.atleast_1d(np.asarray(remove, np.int64)), new_vertices, arrays, thickness)
         if n:
             self._next_id = max(self._next_id, int(arrays["ids"].max()) + 1)

@@ -10,9 +10,9 @@ from ._detect import _options
 
 
 class Sequence:
-    """An open sequence file (VTKHDF): steps of points and cells, and the motions between them.
+    """An open sequence file (VTKHDF): frames of points and cells, and the steps between them.
 
-    Motion k goes from step k to step k + 1 on the cells of step k + 1; len(sequence) motions.
+    Step k leads from frame k to frame k + 1 and uses the cells of frame k + 1; there are len(sequence) steps.
 
     Parameters
     ----------
@@ -20,11 +20,11 @@ class Sequence:
     shells : "surface", "solid"
         Triangles and quads as they are, or thickened by the file's thickness.
     motion : "linear", "quadratic", "tentative", "query"
-        To the next step on straight lines, or with constant acceleration; or from each step with its velocities; or
+        To the next frame on straight lines, or with constant acceleration; or from each frame with its velocities; or
         the last query that the simulation of the file asked, without its separation.
     edges : "triangulated", "polytope"
     parts : "stored", "components"
-        Objects are the parts that the file stores, or what hangs together.
+        Objects are those that the file stores (PartId), or connected components.
 
     Points are by ascending id, as `point_ids` has them; contacts name points by their row there.
     """
@@ -38,7 +38,7 @@ class Sequence:
         return self._core.step_count - 1
 
     def __repr__(self):
-        return f"<volccd.Sequence {self.path}: {self.step_count} steps, {self.point_count} points>"
+        return f"<volccd.Sequence {self.path}: {self.step_count} frames, {self.point_count} points>"
 
     @property
     def path(self):
@@ -47,12 +47,12 @@ class Sequence:
 
     @property
     def step_count(self):
-        """Number of steps in the file; there is one motion less."""
+        """Number of frames in the file; there is one step less."""
         return self._core.step_count
 
     @property
     def point_count(self):
-        """Number of points in every step."""
+        """Number of points in every frame."""
         return self._core.point_count
 
     @property
@@ -72,7 +72,7 @@ class Sequence:
 
     @property
     def element_ids(self):
-        """Element ids by slot in the last motion that `detect` ran; -1 if a slot is empty."""
+        """Element ids by slot in the last step that `detect` ran; -1 if a slot is empty."""
         return self._core.element_ids
 
     def points(self, step):
@@ -84,11 +84,11 @@ class Sequence:
         return self._core.velocity(self._step(step))
 
     def thickness(self, step):
-        """float64, one value for each cell of the step, or None if the file has none."""
+        """float64, one value for each cell of the frame, or None if the file has none."""
         return self._core.thickness(self._step(step))
 
     def cells(self, step):
-        """The cells of a step: dict of connectivity, offsets, types, objects, ids, face_offsets, faces, which `detect`
+        """The cells of a frame: dict of connectivity, offsets, types, objects, ids, face_offsets, faces, which `detect`
         and `Detector` accept as `cells`."""
         return self._core.cells(self._step(step))
 
@@ -98,8 +98,8 @@ class Sequence:
 
     def detect(self, steps=None, *, pipeline="VolCCD+", separation=0.0, threads=0, first=False, initial_overlaps=False,
                t_max=1.0, pairs="all", exclude=(), settings=(), shell_neighbours=False):
-        """Runs the pipeline on motions and yields (motion, Result) for each. The pipeline keeps its memory from one motion
-        to the next.
+        """Runs the pipeline on steps and yields (step, Result) for each. The pipeline keeps its memory from one step to
+        the next.
 
         steps : iterable of int, optional
             Default: all, range(len(sequence)).
@@ -108,9 +108,9 @@ class Sequence:
         Other parameters: as in `volccd.detect`.
         """
         runner = _core.SequenceRunner(_options(pipeline, settings, threads, separation, pairs, exclude))
-        for motion in range(len(self)) if steps is None else steps:
-            motion = operator.index(motion)
-            yield motion, runner.run(self._core, motion, first, initial_overlaps, t_max, shell_neighbours)
+        for step in range(len(self)) if steps is None else steps:
+            step = operator.index(step)
+            yield step, runner.run(self._core, step, first, initial_overlaps, t_max, shell_neighbours)
 
 
 def scenes():
@@ -133,9 +133,9 @@ def scene(name, *, simulate=False, threads=0, **options):
 
 
 class Verification:
-    """The result of `volccd.verify`. True if clean. `steps` has a dict for each motion: motion, clean, reference,
-    contacts, left_out, earliest_toi, fcl_hits, fcl_violations, and pipelines, a list of dicts with pipeline, same,
-    held, refused and the structured arrays missing, extra and changed (contacts, with the fields of
+    """The result of `volccd.verify`. True if clean. `steps` has a dict for each step: motion (its number), clean,
+    reference, contacts, left_out, earliest_toi, fcl_hits, fcl_violations, and pipelines, a list of dicts with pipeline,
+    same, held, refused and the structured arrays missing, extra and changed (contacts, with the fields of
     Result.contacts)."""
 
     def __init__(self, steps, skipped):
@@ -167,7 +167,7 @@ def verify(sequence, steps=None, *, settings=(), threads=0, separation=0.0, fcl=
 
     sequence : Sequence, or the path of one
     steps : iterable of int, optional
-        Motions; default: all.
+        Default: all.
     settings : list of str
         One more pipeline: VolCCD+ with these settings ("element-culling=my-stage").
     fcl : bool
@@ -184,6 +184,6 @@ def verify(sequence, steps=None, *, settings=(), threads=0, separation=0.0, fcl=
     checker = _core.Verification(list(settings), threads, separation, fcl, approximate, brute_force_limit,
                                  sequence.shells == "solid")
     verdicts = []
-    for motion in range(len(sequence)) if steps is None else steps:
-        verdicts.append({"motion": motion, **checker.check(sequence._core, motion)})
+    for step in range(len(sequence)) if steps is None else steps:
+        verdicts.append({"motion": step, **checker.check(sequence._core, step)})
     return Verification(verdicts, checker.skipped)

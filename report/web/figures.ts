@@ -28,10 +28,10 @@ const kMeasures: {[name: string]: {label: string; of: (p: Point) => number; text
     of: (p) => 1e3 * p.of("seconds"),
     text: (v) => duration(v / 1e3)
   },
-  tests: {label: "elementary tests of a motion", of: tests, text: grouped},
+  tests: {label: "elementary tests of a step", of: tests, text: grouped},
   pairs: {label: "element pairs of the broad phase", of: (p) => p.of("element_pairs"), text: grouped},
   surviving: {label: "element pairs after culling", of: (p) => p.of("surviving_pairs"), text: grouped},
-  contacts: {label: "contacts of a motion", of: (p) => p.of("contacts"), text: grouped},
+  contacts: {label: "contacts of a step", of: (p) => p.of("contacts"), text: grouped},
   cost: {
     label: "nanoseconds of an elementary test",
     of: (p) => (tests(p) ? (1e9 * p.of("narrow_phase_s")) / tests(p) : NaN),
@@ -187,7 +187,7 @@ export class Figures {
         }), select("show", Object.entries(kMeasures).map(([k, m]) => [k, m.label]), measure, (v) => {
             measure = v;
             draw();
-          }), select("against", [["scene", "scene"], ["motion", "motion"], ["elements", "elements"]], against, (v) => {
+          }), select("against", [["scene", "scene"], ["motion", "step"], ["elements", "elements"]], against, (v) => {
             against = v;
             draw();
           }), check("log-x", "logarithmic x", logX, (on) => {
@@ -219,7 +219,7 @@ export class Figures {
               low,
               high,
               pick: pick(some[0]),
-              text: `${scene}, ${label}: ${m.text(y)}, median of ${values.length} motions ` +
+              text: `${scene}, ${label}: ${m.text(y)}, median of ${values.length} steps ` +
                   `(${m.text(low)} to ${m.text(high)})\n${origin(some[0])}`
             }];
           })
@@ -238,7 +238,7 @@ export class Figures {
                             x: x(p),
                             y: m.of(p),
                             pick: pick(p, p.motion),
-                            text: `${scene}, ${label}, motion ${p.motion}: ${m.text(m.of(p))}\n${origin(p)}`
+                            text: `${scene}, ${label}, step ${p.motion}: ${m.text(m.of(p))}\n${origin(p)}`
                           }))
         });
       }));
@@ -284,7 +284,7 @@ export class Figures {
     return h(
         "section", {class: "figure", id: "figure-stages"}, h("h3", {}, "Where the time goes"),
         h("p", {class: "note"},
-          "Medians over motions and rounds of each stage, preparation included. With several threads, stages are summed over them."),
+          "Medians over steps and rounds of each stage, preparation included. With several threads, stages are summed over them."),
         top, place);
   }
 
@@ -307,7 +307,7 @@ export class Figures {
                                x,
                                y: median(some.map(of)),
                                pick: () => this.pickPoint(this.record(some[0].record), scene),
-                               text: `${label}, ${name}: ${grouped(median(some.map(of)))} a motion\n${
+                               text: `${label}, ${name}: ${grouped(median(some.map(of)))} per step\n${
                                    provenanceLine(this.record(some[0].record), scene)}`
                              }))
         };
@@ -315,7 +315,7 @@ export class Figures {
       place.replaceChildren(chart(series, {
         categories: columns.map(([name]) => name),
         xLabel: "after which stage",
-        yLabel: "count of a motion (median)",
+        yLabel: "count per step (median)",
         logY,
         zero: !logY
       }));
@@ -351,7 +351,7 @@ export class Figures {
                                       x: (100 * time[i]) / end,
                                       y,
                                       pick: () => this.pickPoint(record, c.scene, c.values.motion?.[i] ?? i),
-                                      text: `${c.scene}, motion ${c.values.motion?.[i] ?? i}: ${name} ${short(y)}\n${
+                                      text: `${c.scene}, step ${c.values.motion?.[i] ?? i}: ${name} ${short(y)}\n${
                                           provenanceLine(record, c.scene)}`
                                     }))
         };

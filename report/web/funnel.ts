@@ -1,4 +1,4 @@
-// The numbers of pairs that each stage of the pipeline took and kept in one motion, as bars on a logarithmic scale.
+// The numbers of pairs that each stage of the pipeline took and kept in one step, as bars on a logarithmic scale.
 import {duration, grouped, h, percent, svg, tooltip} from "./dom";
 import type {Motion, MotionStats, StageCount} from "./types";
 
@@ -36,7 +36,7 @@ function rowOf(count: StageCount, stage: number): Row|null {
   };
 }
 
-/// The stages of a motion that process anything, and the chosen one.
+/// The stages of a step that process anything, and the chosen one.
 function rowsOf(stats: MotionStats, chosen: number|null): Row[] {
   return stats.stages.map(rowOf)
       .filter((row): row is Row => row !== null)
@@ -68,7 +68,7 @@ function bar(row: Row, max: number): SVGElement {
       svg("rect", {x: 0, y: 2, width: Math.max(scale(row.to), row.to > 0 ? 2 : 0), height: 14, fill: colour}));
 }
 
-/// The funnel of a motion. `choose` gets the stage whose row is clicked, or null if this stage was chosen already.
+/// The funnel of a step. `choose` gets the stage whose row is clicked, or null if this stage was chosen already.
 export function funnel(
     stats: MotionStats, max: number, chosen: number|null, choose: (stage: number|null) => void): HTMLElement {
   const body = rowsOf(stats, chosen).map((row, place) => {
@@ -115,7 +115,7 @@ export function pairLegend(motion: Motion, stage: number): HTMLElement|null {
           h("div", {}, key("dropped", `${unit} that it dropped`, row.from - row.to, dropped),
             key("kept", row.unit === "contacts" ? "tests that are contacts" : `${unit} that it kept`, row.to, kept)),
       h("p", {},
-        "A line joins the centroids of the two elements or features in the middle of the motion; it is pale behind a " +
+        "A line joins the centroids of the two elements or features in the middle of the step; it is pale behind a " +
             "surface."));
 }
 
@@ -125,7 +125,7 @@ function orphansOfFlood(stats: MotionStats, stage: number): number {
   return stats.stages[stage].role === "flood" ? stats.orphan_tests - given : 0;
 }
 
-/// The largest count of any stage in any motion, so that all funnels of a scene have one scale.
+/// The largest count of any stage in any step, so that all funnels of a scene have one scale.
 export function largestCount(all: MotionStats[]): number {
   return Math.max(10, ...all.flatMap((s) => s.stages.flatMap((stage) => [stage.in, stage.out])));
 }

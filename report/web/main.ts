@@ -95,7 +95,7 @@ class Page {
                         h("td", {}, (r.provenance.date ?? "").replace("T", " ").replace("Z", ""))))))),
         scenes.length ? h("h3", {}, "Scenes") : null, scenes.length ? this.sceneCards() : null, h("h3", {}, "Keys"),
         h("p", {},
-          "Tab and Enter reach everything. In a scene: space plays and stops, ← and → go by motions, Home and End to the ends, " +
+          "Tab and Enter reach everything. In a scene: space plays and stops, ← and → go by steps, Home and End to the ends, " +
               "w a s d turn, + and - zoom, f shows all, 1 to 9 show the pairs of a stage and 0 none. Escape closes the details."));
   }
 

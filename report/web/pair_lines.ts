@@ -82,7 +82,7 @@ export class PairLines {
     this.take(0, null);
   }
 
-  /// Where the pairs of a stage in a motion begin in the data, and how many are drawn: dropped ones, then kept ones.
+  /// Where the pairs of a stage in a step begin in the data, and how many are drawn: dropped ones, then kept ones.
   range(motion: number, stage: number|null): {first: number; dropped: number; kept: number} {
     const counts = this.data.header.motions[motion]?.pairs;
     if (stage === null || !counts) return {first: 0, dropped: 0, kept: 0};
@@ -90,7 +90,7 @@ export class PairLines {
     return {first, dropped: counts[stage][0], kept: counts[stage][1]};
   }
 
-  /// Shows the pairs of a stage in a motion; null: no pairs.
+  /// Shows the pairs of a stage in a step; null: no pairs.
   take(motion: number, stage: number|null): void {
     const {first, dropped, kept} = this.range(motion, stage);
     for (const mesh of this.meshes) mesh.visible = dropped + kept > 0;

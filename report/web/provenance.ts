@@ -39,7 +39,7 @@ export function rowsOf(report: Report, record: DataRecord, scene: string, max = 
     if (texts[columns.record[i]!] === record.name && texts[columns.scene[i]!] === scene) found.push(i);
   if (!found.length) return null;
   const text = (column: string, i: number) => texts[columns[column][i]!] ?? "";
-  const head = ["table", "pipeline", "variant", "motion", "rounds", "time", "tests", "contacts"];
+  const head = ["table", "pipeline", "variant", "step", "rounds", "time", "tests", "contacts"];
   return h(
       "details", {}, h("summary", {}, `Medians over rounds of ${scene} in this record (${found.length})`),
       h("div", {class: "scroll"},

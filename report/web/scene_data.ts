@@ -9,13 +9,13 @@ export class SceneData {
   readonly shown: Uint32Array[] = [];
   readonly frames: Uint16Array[] = [];
   readonly marks: Uint32Array[] = [];  ///< x, y, z, time of contact: numbers of 16 bits
-  flags!: Uint32Array;                 ///< 1: edge-edge, 2: between parts, 4: touches at the start
-  readonly firstMark: number[] = [0];  ///< by motion
-  /// Centroids of pairs, two times x, y, z: numbers of header.pair_bits bits. In the order of motions and stages, and
+  flags!: Uint32Array;                 ///< 1: edge-edge, 2: between objects, 4: touches at the start
+  readonly firstMark: number[] = [0];  ///< by step
+  /// Centroids of pairs, two times x, y, z: numbers of header.pair_bits bits. In the order of steps and stages, and
   /// dropped pairs before kept ones.
   readonly pairEnds: Uint32Array[] = [];
   pairKinds!: Uint32Array;             ///< 0: elements, 1: vertex-face test, 2: edge-edge test
-  readonly firstPair: number[] = [0];  ///< by motion
+  readonly firstPair: number[] = [0];  ///< by step
 
   constructor(readonly header: SceneHeader, bytes: Uint8Array) {
     const at = {offset: 0};

@@ -1,11 +1,11 @@
-// A scene with its controls: the 3-D view, the time slider, the funnel, parts and section planes.
+// A scene with its controls: the 3-D view, the time slider, the funnel, objects and section planes.
 import {check, h, grouped, duration, megabytes, short, svg, tooltip} from "./dom";
 import {funnel, largestCount, pairLegend, stageAt} from "./funnel";
 import {loadScene, SceneData} from "./scene_data";
 import type {SceneEntry} from "./types";
 import {Viewer} from "./viewer";
 
-const kFine = 20;  ///< positions of the slider in a motion
+const kFine = 20;  ///< positions of the slider in a step
 
 /// Levels of detail with which a sequence is drawn while it plays, from the highest to the lowest.
 const kSimplicities =
@@ -45,15 +45,15 @@ export class SceneView {
     this.element.tabIndex = -1;
     const buttons =
         h("div", {class: "transport"},
-          h("button", {onclick: () => this.step(-1), title: "the motion before (←)", "aria-label": "previous motion"},
+          h("button", {onclick: () => this.step(-1), title: "the step before (←)", "aria-label": "previous step"},
             "◀"),
           this.playButton,
-          h("button", {onclick: () => this.step(1), title: "the next motion (→)", "aria-label": "next motion"}, "▶"),
+          h("button", {onclick: () => this.step(1), title: "the next step (→)", "aria-label": "next step"}, "▶"),
           this.slider, this.clock,
           h("select", {
             class: "speed",
-            "aria-label": "motions a second",
-            title: "motions a second",
+            "aria-label": "steps per second",
+            title: "steps per second",
             onchange: (e: Event) => (this.speed = Number((e.target as HTMLSelectElement).value))
           },
             ...[2, 6, 12, 24, 60].map((n) => h("option", {value: n, selected: n === 12}, `${n} / s`))));
@@ -82,7 +82,7 @@ export class SceneView {
     this.canvasBox.replaceChildren(
         viewer.canvas,
         h("p", {class: "hint"},
-          "Drag: turn · shift or right drag: move · wheel: zoom · space: play · ← →: motions · 1 to 9: pairs of a stage"));
+          "Drag: turn · shift or right drag: move · wheel: zoom · space: play · ← →: steps · 1 to 9: pairs of a stage"));
     viewer.canvas.onmousemove = (e) => this.hover(e);
     viewer.canvas.onmouseleave = () => tooltip(null);
     this.motion = 0;
@@ -153,10 +153,10 @@ export class SceneView {
             viewer.draw();
           }
         },
-          h("option", {value: 2}, "all contacts"), h("option", {value: 1}, "between parts"),
-          h("option", {value: 0}, "within a part")),
-        h("p", {class: "legend"}, h("span", {class: "key"}, h("i", {class: "disc"}), "between parts"),
-          h("span", {class: "key"}, h("i", {class: "diamond"}), "within a part")),
+          h("option", {value: 2}, "all contacts"), h("option", {value: 1}, "between objects"),
+          h("option", {value: 0}, "within an object")),
+        h("p", {class: "legend"}, h("span", {class: "key"}, h("i", {class: "disc"}), "between objects"),
+          h("span", {class: "key"}, h("i", {class: "diamond"}), "within an object")),
         h("div", {class: "views"}, "View: ",
           ...["default", "x", "y", "z"].map(
               (v) =>
@@ -229,7 +229,7 @@ export class SceneView {
       this.viewer!.setHiddenParts(this.hidden);
     };
     return h(
-        "fieldset", {class: "parts"}, h("legend", {}, `Parts (${parts.length})`),
+        "fieldset", {class: "parts"}, h("legend", {}, `Objects (${parts.length})`),
         h("div", {class: "views"}, h("button", {name: "all-parts", onclick: () => all(true)}, "all"),
           h("button", {name: "no-parts", onclick: () => all(false)}, "none")),
         h("div", {class: "part-list"}, ...parts.map((part, i) => {
@@ -250,7 +250,7 @@ export class SceneView {
         })));
   }
 
-  /// Contacts of all motions, as bars above the slider.
+  /// Contacts of all steps, as bars above the slider.
   private timeline(): Element|string {
     const {motions} = this.data!.header;
     if (!motions.length) return "";
@@ -260,7 +260,7 @@ export class SceneView {
       preserveAspectRatio: "none",
       class: "timeline",
       role: "img",
-      "aria-label": "contacts of each motion"
+      "aria-label": "contacts of each step"
     });
     const cursor = svg("rect", {x: 0, y: 0, width: Math.max(w, 2), height: 46, class: "cursor"});
     plot.append(cursor);
@@ -280,8 +280,8 @@ export class SceneView {
     plot.addEventListener("mousemove", (e) => {
       const m = motions[at(e as MouseEvent)], step = this.data!.header.frames[at(e as MouseEvent)].step;
       tooltip(
-          `Motion ${step} → ${step + 1}: ${grouped(m.stats.contacts)} contacts, ${
-              grouped(m.inter)} of them between parts, ` +
+          `Step ${step}: ${grouped(m.stats.contacts)} contacts, ${
+              grouped(m.inter)} of them between objects, ` +
               `${grouped(m.stats.vf_tests + m.stats.ee_tests)} elementary tests, ${
                   duration(m.stats.seconds)}. Click to go there.`,
           (e as MouseEvent).clientX, (e as MouseEvent).clientY);
@@ -290,7 +290,7 @@ export class SceneView {
     return h(
         "div", {},
         h("small", {},
-          `Contacts of each motion, logarithmic, at most ${grouped(max)}; red: between parts, blue: within a part`),
+          `Contacts of each step, logarithmic, at most ${grouped(max)}; red: between objects, blue: within an object`),
         plot);
   }
 
@@ -322,8 +322,7 @@ export class SceneView {
     this.updatedAt = now;
     this.slider.value = String(Math.round((this.motion + this.t) * kFine));
     const time = next ? frame.time + this.t * (next.time - frame.time) : frame.time;
-    const what = next && next.step > frame.step + 1 ? "frames" : "motion";
-    this.clock.textContent = next ? `${what} ${frame.step} → ${next.step} of ${header.steps - 1}, at ${
+    this.clock.textContent = next ? `frames ${frame.step} → ${next.step} of ${header.steps - 1}, at ${
                                         this.t.toFixed(2)} · t = ${Number(time.toPrecision(4))} ${header.time_unit}` :
                                     "one frame";
     const cursor = this.strip.querySelector(".cursor");
@@ -343,16 +342,16 @@ export class SceneView {
       this.funnelBox.replaceChildren(
           h("p", {},
             this.data!.motions ? "No contacts were computed for this sequence." :
-                                 "A single frame has no motion, and no contacts."));
+                                 "A single frame has no step, and no contacts."));
       return;
     }
     const s = motion.stats, step = header.frames[this.motion].step, threads = header.detection?.threads ?? 1;
     this.funnelBox.replaceChildren(
-        h("h3", {}, `Motion ${step} → ${step + 1}: ${grouped(s.contacts)} contacts`),
+        h("h3", {}, `Step ${step}: ${grouped(s.contacts)} contacts`),
         h("p", {},
-          `${grouped(motion.inter)} between parts, ${grouped(s.contacts - motion.inter)} within; ${
+          `${grouped(motion.inter)} between objects, ${grouped(s.contacts - motion.inter)} within; ${
               grouped(s.contacts_at_start)} touch at the start. ` +
-              (s.earliest_toi === null ? "" : `The earliest is at ${short(s.earliest_toi)} of the motion. `) +
+              (s.earliest_toi === null ? "" : `The earliest is at ${short(s.earliest_toi)} of the step. `) +
               (motion.shown < s.contacts ? `${grouped(motion.shown)} are drawn. ` : "") +
               (s.left_out ? `${grouped(s.left_out)} more are between neighbouring shells, taken as solids, and are left out. ` :
                             "") +
@@ -362,7 +361,7 @@ export class SceneView {
         (this.stage !== null && pairLegend(motion, this.stage)) || "");
   }
 
-  /// Shows the pairs of a stage in this motion and in others; null: no pairs.
+  /// Shows the pairs of a stage in this step and in others; null: no pairs.
   private choose(stage: number|null): void {
     const focused = this.funnelBox.contains(document.activeElement);
     this.stage = stage;
@@ -380,7 +379,7 @@ export class SceneView {
     this.choose(stage === this.stage ? null : stage);
   }
 
-  /// Plays at the chosen speed. If drawing takes too long, motions are skipped.
+  /// Plays at the chosen speed. If drawing takes too long, steps are skipped.
   play(on: boolean): void {
     if (this.playing === on) return;
     this.playing = on;
@@ -423,7 +422,7 @@ export class SceneView {
     const {detail, lines} = kSimplicities[this.simplicity], left: string[] = [];
     if (!lines) left.push("without edges of elements");
     if (detail < 1) left.push(`with ${Math.round(100 * detail)} % of the pixels along each side`);
-    if (rate < this.speed) left.push(`with ${short(this.speed / rate)} motions from one picture to the next`);
+    if (rate < this.speed) left.push(`with ${short(this.speed / rate)} steps from one picture to the next`);
     this.pace.textContent =
         left.length ? `${Math.round(rate)} pictures a second. While it plays, it is drawn ${left.join(", ")}.` : "";
   }
@@ -444,8 +443,8 @@ export class SceneView {
 
   private contactText(i: number): string {
     const data = this.data!, at = data.firstMark[this.motion] + i, flags = data.flags[at];
-    return `${flags & 1 ? "Edge-edge" : "Vertex-triangle"} contact ${flags & 2 ? "between parts" : "within a part"}, ` +
-        (flags & 4 ? "touching at the start." : `at ${(data.marks[3][at] / 65535).toFixed(4)} of the motion.`);
+    return `${flags & 1 ? "Edge-edge" : "Vertex-triangle"} contact ${flags & 2 ? "between objects" : "within an object"}, ` +
+        (flags & 4 ? "touching at the start." : `at ${(data.marks[3][at] / 65535).toFixed(4)} of the step.`);
   }
 
   private pairText(i: number): string {

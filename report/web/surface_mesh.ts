@@ -19,7 +19,7 @@ class PairNumbers {
   }
 }
 
-/// A drawn vertex belongs to one part, because it has the colour of its part.
+/// A drawn vertex belongs to one object, because it has the colour of its object.
 export class SurfaceMesh {
   readonly vertexOf: Uint32Array;  ///< by drawn vertex
   readonly partOf: Uint32Array;

@@ -1,4 +1,4 @@
-// The 3-D view of one motion of a scene: surface, section planes, contacts, pairs. three.js draws, on WebGL 2.
+// The 3-D view of one step of a scene: surface, section planes, contacts, pairs. three.js draws, on WebGL 2.
 import * as THREE from "three";
 
 import {PairLines} from "./pair_lines";
@@ -7,7 +7,7 @@ import type {SceneData} from "./scene_data";
 import {SurfaceMesh} from "./surface_mesh";
 
 /// Positions are those of two frames. Even frames are in one buffer and odd ones in the other, so that only one buffer
-/// is filled when the next motion begins. `share` is the weight of the odd frame.
+/// is filled when the next step begins. `share` is the weight of the odd frame.
 const kSurfaceVertex = `
 attribute vec3 even;
 attribute vec3 odd;
@@ -123,7 +123,7 @@ export class Viewer {
   readonly software = drawnBySoftware();
   lines = true;
   marks = true;
-  markKinds = 2;  ///< 0: within a part, 1: between parts, 2: both
+  markKinds = 2;  ///< 0: within an object, 1: between objects, 2: both
   onDraw: () => void = () => {};  ///< called after each picture, for tests
   private renderer: THREE.WebGLRenderer;
   private scene = new THREE.Scene();
@@ -146,7 +146,7 @@ export class Viewer {
   private indices: THREE.BufferAttribute[] = [];  ///< of triangles and of lines
   private indexed: Uint32Array|null = null;       ///< the triangles of `indices`
   private clip = [0, 1, 2].map(() => new THREE.Vector4());
-  private gathered = -1;  ///< the motion whose contacts and pairs are gathered
+  private gathered = -1;  ///< the step whose contacts and pairs are gathered
   private motion = 0;
   private t = 0;
   private wanted = false;
@@ -285,7 +285,7 @@ export class Viewer {
     this.draw();
   }
 
-  /// The motion from frame `motion` to the next one, at t in [0, 1].
+  /// The step from frame `motion` to the next one, at t in [0, 1].
   setTime(motion: number, t: number): void {
     this.motion = motion;
     this.t = t;
@@ -342,7 +342,7 @@ export class Viewer {
     }
   }
 
-  /// Uploads the data of the motion that are not there yet: positions, triangles, contacts and pairs.
+  /// Uploads the data of the step that are not there yet: positions, triangles, contacts and pairs.
   private gather(): void {
     const data = this.data!;
     for (const frame of [this.motion, Math.min(this.motion + 1, data.frames.length - 1)]) this.upload(frame);
@@ -504,7 +504,7 @@ export class Viewer {
   }
 
   /// The contact nearest to a position on the canvas, within a few pixels: its index among the shown ones of the
-  /// motion.
+  /// step.
   contactAt(x: number, y: number): number|null {
     const data = this.data;
     if (!data || !this.marks) return null;
@@ -522,7 +522,7 @@ export class Viewer {
   }
 
   /// The drawn pair whose line is nearest to a position on the canvas, within a few pixels: its index among those of
-  /// the stage in the motion, dropped ones first.
+  /// the stage in the step, dropped ones first.
   pairAt(x: number, y: number): number|null {
     const {first, dropped, kept} = this.pairs!.range(this.motion, this.stage);
     let best: number|null = null, min = 5;

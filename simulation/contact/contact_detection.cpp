@@ -15,9 +15,9 @@ namespace {
 constexpr std::size_t kChunk = TestBlock::kCapacity, kVertexGrain = 4096;
 /// How early a contact may be reported, as a fraction of the step.
 constexpr double kTimeTolerance = 1e-3;
-/// Greatest number of parts of the step in a search. Features that rest at the separation can need any number of parts;
-/// the search then ends, and they count as touching.
-constexpr int kMaxParts = 40;
+/// Greatest number of intervals of the step in a search. Features that rest at the separation can need any number of
+/// them; the search then ends, and they count as touching.
+constexpr int kMaxIntervals = 40;
 /// Reports every pair that the filters keep; contacts() decides later which of them touch.
 class TakeAll final : public NarrowPhase {
  public:
@@ -39,11 +39,16 @@ Pipeline make_pipeline(const std::string& name) {
        {},
        [](const OptionValues&) -> std::unique_ptr<NarrowPhase> { return std::make_unique<TakeAll>(); }});
   PipelineSpec spec = registry.pipeline(name);
-  spec.narrow_phase = {"take-all", {}};
+  spec.narrow_phase = {"take-all"};
   // All pairs that filters keep are stored and tested many times.
-  if (spec.feature_filters.empty())
-    spec.feature_filters = {{"feature-kdop", {}}, {"coplanarity", {}}, {"feature-csat", {}}};
+  if (spec.feature_filters.empty()) spec.feature_filters = {{"feature-kdop"}, {"coplanarity"}, {"feature-csat"}};
   return Pipeline(registry, spec);
+}
+
+ObjectFilter filter_of(const ContactDetection::Config& config) {
+  ObjectFilter filter;
+  for (const auto& [a, b] : config.excluded) filter.exclude(a, b);
+  return filter;
 }
 
 bool has_shells(const Mesh& mesh) {
@@ -65,10 +70,8 @@ ContactDetection::ContactDetection(const Topology& model, std::span<const double
       thickness_(thickness.begin(), thickness.end()),
       reference_(reference.begin(), reference.end()),
       config_(std::move(config)),
-      pipeline_(make_pipeline(config_.pipeline)),
-      workspace_(pipeline_.make_workspace()),
-      narrow_(Inclusion::Config{.time_tolerance = kTimeTolerance, .max_parts = kMaxParts}) {
-  for (const auto& [a, b] : config_.excluded) filter_.exclude(a, b);
+      runner_(make_pipeline(config_.pipeline), {.executor = &executor, .filter = filter_of(config_)}),
+      narrow_(Inclusion::Config{.time_tolerance = kTimeTolerance, .max_intervals = kMaxIntervals}) {
   if (has_shells(model.mesh())) {
     thickener_.emplace(model.mesh());
     solid_ = std::make_unique<Topology>(thickener_->solid_mesh(model.mesh()), executor);
@@ -103,7 +106,7 @@ void ContactDetection::follow(const TopologyEdit& edit, std::span<const double> 
     for (Index o = 0; o < mesh.element_slots(); ++o) {
       if (!mesh.is_live(o) || !is_shell(mesh.type(o))) continue;
       ElementSpec spec = thickener_->solid_element(mesh, o);
-      if (!same(spec, solid_->mesh(), o)) solid_->apply({{o}, {}, {std::move(spec)}});
+      if (!same(spec, solid_->mesh(), o)) solid_->apply({.removed = {o}, .added = {std::move(spec)}});
     }
   }
   surface_->update(collision_topology(), origins);
@@ -124,16 +127,16 @@ void ContactDetection::set_motion(std::span<const Vec3> x0, std::span<const Vec3
   motion_.set_linear(place(x0, placed0_, executor), place(x1, placed1_, executor));
 }
 
-void ContactDetection::query(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const Vec3> ahead,
-                             Executor& executor) {
-  set_motion(x0, ahead.empty() ? x1 : ahead, executor);
+void ContactDetection::query(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const Vec3> ahead) {
+  set_motion(x0, ahead.empty() ? x1 : ahead, runner_.executor());
   queried_ = motion_;
   queried_end_ = ahead.empty() ? 1 : 0.5;
   find_middles();
   reach_ = std::clamp(spread(), config_.min_margin, config_.max_margin);
-  pipeline_.run({collision_topology(), motion_, filter_, config_.separation + reach_}, workspace_, executor, result_);
+  runner_.set_separation(config_.separation + reach_);
+  const StepResult& found = runner_.run(collision_topology(), motion_);
   candidates_.clear();
-  for (const Contact& contact : result_.contacts)
+  for (const Contact& contact : found.contacts)
     if (!thickener_ || !share_shell_vertex(contact.kind, contact.vertices))
       candidates_.push_back({contact.kind, contact.vertices});
   find_slots();
@@ -211,7 +214,7 @@ FeaturePair ContactDetection::slots(const FoundContact& c) const {
 
 void ContactDetection::test(const std::vector<FeaturePair>& vf, const std::vector<FeaturePair>& ee, double separation,
                             Executor& executor, std::vector<FoundContact>& found) {
-  const Step step{collision_topology(), motion_, filter_, separation};
+  const Step step{collision_topology(), motion_, runner_.filter(), separation};
   const ContactJudge judge(
       {collision_topology(), motion_, *surface_, reference_, middles_, copies(), config_.adjacent, config_.separation});
   const std::size_t vf_chunks = (vf.size() + kChunk - 1) / kChunk, ee_chunks = (ee.size() + kChunk - 1) / kChunk;

@@ -16,7 +16,7 @@
 #include <volccd/mesh/shells.hpp>
 #include <volccd/mesh/topology.hpp>
 #include <volccd/narrowphase/inclusion/inclusion.hpp>
-#include <volccd/pipelines/pipeline.hpp>
+#include <volccd/pipelines/step_runner.hpp>
 #include <volccd/query/test_block.hpp>
 #include <volccd/simulation/archive.hpp>
 #include <volccd/simulation/contact/contact_features.hpp>
@@ -44,8 +44,8 @@ class ContactDetection {
   };
 
   /// `model` must outlive this object, and follow() must be called after each change of it. `thickness`: by element
-  /// slot. `reference`: positions at rest, by vertex. The executor builds the topology of thickened shells and is not
-  /// stored. Throws ConfigError for an invalid configuration.
+  /// slot. `reference`: positions at rest, by vertex. The executor builds the topology of thickened shells and runs
+  /// query(); it must outlive this object. Throws ConfigError for an invalid configuration.
   ContactDetection(const Topology& model, std::span<const double> thickness, std::span<const Vec3> reference,
                    Config config, Executor& executor);
   ~ContactDetection();
@@ -57,7 +57,7 @@ class ContactDetection {
 
   /// Finds the pairs for the motion from x0 to x1. `ahead`: estimated positions after another step of the same length,
   /// so that pairs are also found for the motion up to there; or empty.
-  void query(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const Vec3> ahead, Executor& executor);
+  void query(std::span<const Vec3> x0, std::span<const Vec3> x1, std::span<const Vec3> ahead);
   /// Whether each vertex is, at both ends, within half the margin of its position in the last query. If so, contacts()
   /// misses no pair.
   bool covers(std::span<const Vec3> x0, std::span<const Vec3> x1, Executor& executor);
@@ -102,17 +102,14 @@ class ContactDetection {
   std::vector<double> thickness_;
   std::vector<Vec3> reference_;
   Config config_;
-  ObjectFilter filter_;
   std::optional<ShellThickener> thickener_;
   ShellThickener::Scratch scratch_;
   std::unique_ptr<Topology> solid_;  ///< null where there are no shells
   std::optional<ContactSurface> surface_;
-  Pipeline pipeline_;
-  Workspace workspace_;
+  StepRunner runner_;
   FeatureKdopFilter kdop_filter_{FeatureKdopFilter::Config{}};
   CsatFilter csat_filter_{CsatFilter::Config{}};
   Inclusion narrow_;
-  StepResult result_;
 
   Motion motion_, queried_;
   double reach_ = 0;        ///< margin of the last query

@@ -44,8 +44,8 @@ ContactConstraint ContactResponse::constraint(const FoundContact& found, double 
   c.share = c.left / dt;
   c.offset = found.gap1 - ContactForces::gap(c, moving.x1);
   c.goal = goal(found);
-  const Material& a = parts_[static_cast<std::size_t>(found.object_a)].material;
-  const Material& b = parts_[static_cast<std::size_t>(found.object_b)].material;
+  const Material& a = bodies_[static_cast<std::size_t>(found.object_a)].material;
+  const Material& b = bodies_[static_cast<std::size_t>(found.object_b)].material;
   c.friction = std::min(a.friction, b.friction);
   c.restitution = std::min(a.restitution, b.restitution);
   if (found.at_start && c.restitution == 0) c.rebound = -std::max(0.0, found.gap0 - c.goal) / elapsed;
@@ -54,7 +54,7 @@ ContactConstraint ContactResponse::constraint(const FoundContact& found, double 
   return c;
 }
 
-bool ContactResponse::add_walls(std::span<const Vec3> x0, std::span<const Index> part_of, double dt,
+bool ContactResponse::add_walls(std::span<const Vec3> x0, std::span<const Index> object_of, double dt,
                                 const MovingVertices& moving) {
   added_.clear();
   for (std::size_t w = 0; w < walls_.size(); ++w) {
@@ -76,7 +76,7 @@ bool ContactResponse::add_walls(std::span<const Vec3> x0, std::span<const Index>
       c.offset = -level;
       c.goal = std::min(0.0, start < 0 ? start + kPush * config_.separation : 0.0);
       c.friction = wall.friction;
-      c.restitution = parts_[part_of[v]].material.restitution;
+      c.restitution = bodies_[object_of[v]].material.restitution;
       added_.push_back(c);
     }
   }
@@ -85,10 +85,10 @@ bool ContactResponse::add_walls(std::span<const Vec3> x0, std::span<const Index>
   return true;
 }
 
-void ContactResponse::solve(std::span<const Vec3> x0, std::span<const Index> part_of, double dt,
+void ContactResponse::solve(std::span<const Vec3> x0, std::span<const Index> object_of, double dt,
                             const MovingVertices& moving, ContactWork& work) {
   forces_.solve(moving, config_.sweeps, work);
-  if (add_walls(x0, part_of, dt, moving)) forces_.solve(moving, config_.sweeps, work);
+  if (add_walls(x0, object_of, dt, moving)) forces_.solve(moving, config_.sweeps, work);
 }
 
 bool ContactResponse::add_found(double elapsed, double dt, bool first, const MovingVertices& moving) {
@@ -108,37 +108,37 @@ bool ContactResponse::add_found(double elapsed, double dt, bool first, const Mov
   return true;
 }
 
-void ContactResponse::substep(std::span<const Vec3> x0, std::span<const Index> part_of, double dt,
+void ContactResponse::substep(std::span<const Vec3> x0, std::span<const Index> object_of, double dt,
                               const MovingVertices& moving, Executor& executor, ContactWork& work) {
-  resist_known(x0, part_of, dt, moving, executor, work);
+  resist_known(x0, object_of, dt, moving, executor, work);
   count_pressed();
 }
 
 /// Resolves contacts with walls and contacts of the pairs of the last query.
-void ContactResponse::resist_known(std::span<const Vec3> x0, std::span<const Index> part_of, double dt,
+void ContactResponse::resist_known(std::span<const Vec3> x0, std::span<const Index> object_of, double dt,
                                    const MovingVertices& moving, Executor& executor, ContactWork& work) {
   forces_.clear();
-  bool any = add_walls(x0, part_of, dt, moving);
+  bool any = add_walls(x0, object_of, dt, moving);
   if (detection_ && detection_->candidates() > 0) {
     detection_->contacts(x0, moving.x1, config_.separation, executor, found_);
     ++counts_.retests;
     any |= add_found(dt, dt, true, moving);
   }
-  if (any) solve(x0, part_of, dt, moving, work);
+  if (any) solve(x0, object_of, dt, moving, work);
 }
 
 void ContactResponse::query_substep(std::span<const Vec3> x0, std::span<const Vec3> since, double elapsed,
-                                    std::span<const Index> part_of, double dt, const MovingVertices& moving,
+                                    std::span<const Index> object_of, double dt, const MovingVertices& moving,
                                     Executor& executor, ContactWork& work) {
-  if (!detection_) return substep(x0, part_of, dt, moving, executor, work);
+  if (!detection_) return substep(x0, object_of, dt, moving, executor, work);
   // Known contacts are resisted first, because a query that does not cover the motion after the response is repeated.
-  resist_known(x0, part_of, dt, moving, executor, work);
-  query(since, elapsed, dt, moving, executor);
+  resist_known(x0, object_of, dt, moving, executor, work);
+  query(since, elapsed, dt, moving);
   for (int pass = 0;; ++pass) {
     detection_->contacts(since, moving.x1, config_.separation, executor, found_);
     ++counts_.retests;
     if (pass == config_.passes || !add_found(elapsed, dt, pass == 0, moving)) break;
-    solve(x0, part_of, dt, moving, work);
+    solve(x0, object_of, dt, moving, work);
     requery(since, elapsed, dt, moving, executor);
   }
   // Features that slide past each other may touch at other points than those at which the gap was smallest.
@@ -150,7 +150,7 @@ void ContactResponse::query_substep(std::span<const Vec3> x0, std::span<const Ve
       added_.back().goal = kClear * config_.separation;
     }
     forces_.add(added_, moving);
-    solve(x0, part_of, dt, moving, work);
+    solve(x0, object_of, dt, moving, work);
     find_touching(since, elapsed, dt, moving, executor);
   }
   if (!found_.empty()) hold_apart(since, elapsed, dt, moving, executor);
@@ -165,14 +165,13 @@ void ContactResponse::find_touching(std::span<const Vec3> since, double elapsed,
   detection_->keep_touching(executor, found_);
 }
 
-void ContactResponse::query(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
-                            Executor& executor) {
+void ContactResponse::query(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving) {
   ahead_.clear();
   // The substeps until the next query test the pairs that this one finds. The motion is extrapolated with its mean
   // velocity, so that the line passes through x1, and covers() is true.
   if (elapsed > dt)
     for (std::size_t i = 0; i < moving.x1.size(); ++i) ahead_.push_back(2 * moving.x1[i] - since[i]);
-  detection_->query(since, moving.x1, ahead_, executor);
+  detection_->query(since, moving.x1, ahead_);
   if (ahead_.empty())
     queried_end_.assign(moving.x1.begin(), moving.x1.end());
   else
@@ -182,7 +181,7 @@ void ContactResponse::query(std::span<const Vec3> since, double elapsed, double 
 
 void ContactResponse::requery(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
                               Executor& executor) {
-  if (!detection_->covers(since, moving.x1, executor)) query(since, elapsed, dt, moving, executor);
+  if (!detection_->covers(since, moving.x1, executor)) query(since, elapsed, dt, moving);
 }
 
 void ContactResponse::count_pressed() {

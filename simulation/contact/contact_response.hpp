@@ -24,10 +24,10 @@ class ContactResponse {
     double separation = 0;
   };
 
-  /// `detection`: null if only walls act. `parts` and `walls` must outlive this object.
-  ContactResponse(std::unique_ptr<ContactDetection> detection, std::span<const Part> parts, std::span<const Wall> walls,
-                  Config config)
-      : config_(config), detection_(std::move(detection)), parts_(parts), walls_(walls) {}
+  /// `detection`: null if only walls act. `bodies` and `walls` must outlive this object.
+  ContactResponse(std::unique_ptr<ContactDetection> detection, std::span<const Body> bodies,
+                  std::span<const Wall> walls, Config config)
+      : config_(config), detection_(std::move(detection)), bodies_(bodies), walls_(walls) {}
 
   ContactDetection* detection() { return detection_.get(); }
   /// Positions at the end of the last query, its look-ahead included.
@@ -36,11 +36,11 @@ class ContactResponse {
   /// Resolve the contacts of a substep of length dt from the positions `x0`. substep() tests the pairs of the last
   /// query only. query_substep() makes a query over the motion since the last one, which began at the positions `since`
   /// (when RigidBodies::mark() was called), `elapsed` ago; afterwards no two features touch, except for the pairs that
-  /// counts().unresolved counts. `part_of`: part by vertex, for walls.
-  void substep(std::span<const Vec3> x0, std::span<const Index> part_of, double dt, const MovingVertices& moving,
+  /// counts().unresolved counts. `object_of`: body by vertex, for walls.
+  void substep(std::span<const Vec3> x0, std::span<const Index> object_of, double dt, const MovingVertices& moving,
                Executor& executor, ContactWork& work);
   void query_substep(std::span<const Vec3> x0, std::span<const Vec3> since, double elapsed,
-                     std::span<const Index> part_of, double dt, const MovingVertices& moving, Executor& executor,
+                     std::span<const Index> object_of, double dt, const MovingVertices& moving, Executor& executor,
                      ContactWork& work);
 
   /// The constraints of the last substep.
@@ -48,16 +48,16 @@ class ContactResponse {
   ContactCounts& counts() { return counts_; }
 
  private:
-  bool add_walls(std::span<const Vec3> x0, std::span<const Index> part_of, double dt, const MovingVertices& moving);
-  void resist_known(std::span<const Vec3> x0, std::span<const Index> part_of, double dt, const MovingVertices& moving,
+  bool add_walls(std::span<const Vec3> x0, std::span<const Index> object_of, double dt, const MovingVertices& moving);
+  void resist_known(std::span<const Vec3> x0, std::span<const Index> object_of, double dt, const MovingVertices& moving,
                     Executor& executor, ContactWork& work);
-  void solve(std::span<const Vec3> x0, std::span<const Index> part_of, double dt, const MovingVertices& moving,
+  void solve(std::span<const Vec3> x0, std::span<const Index> object_of, double dt, const MovingVertices& moving,
              ContactWork& work);
   bool add_found(double elapsed, double dt, bool first, const MovingVertices& moving);
   ContactConstraint constraint(const FoundContact& found, double elapsed, double dt,
                                const MovingVertices& moving) const;
   double goal(const FoundContact& found) const;
-  void query(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving, Executor& executor);
+  void query(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving);
   void requery(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
                Executor& executor);
   void find_touching(std::span<const Vec3> since, double elapsed, double dt, const MovingVertices& moving,
@@ -71,7 +71,7 @@ class ContactResponse {
 
   Config config_;
   std::unique_ptr<ContactDetection> detection_;
-  std::span<const Part> parts_;
+  std::span<const Body> bodies_;
   std::span<const Wall> walls_;
   ContactForces forces_;
   ContactCounts counts_;

@@ -15,8 +15,8 @@ void check(bool good, const char* dataset, std::size_t index, const char* proble
 void check_guide(const Model& model, std::size_t i) {
   const Guide& guide = model.guides[i];
   const auto object = static_cast<std::size_t>(guide.object);
-  check(guide.object >= 0 && object < model.parts.size() && model.parts[object].rigid, "guides", i,
-        "is of no rigid part");
+  check(guide.object >= 0 && object < model.bodies.size() && model.bodies[object].rigid, "guides", i,
+        "is of no rigid body");
   check(!guide.path.empty(), "guides", i, "has no points");
   for (std::size_t k = 0; k < guide.path.size(); ++k) {
     const auto& [time, displacement] = guide.path[k];
@@ -25,11 +25,11 @@ void check_guide(const Model& model, std::size_t i) {
   }
   check(guide.displacement(0).isZero(0), "guides", i, "has a displacement at time 0");
   for (std::size_t k = 0; k < i; ++k)
-    check(model.guides[k].object != guide.object, "guides", i, "is of a part that has a guide already");
+    check(model.guides[k].object != guide.object, "guides", i, "is of a body that has a guide already");
   for (Index o = 0; o < model.mesh.element_slots(); ++o)
     if (model.mesh.is_live(o) && model.mesh.object(o) == guide.object)
       for (const Index v : model.mesh.vertices(o))
-        check(std::ranges::find(model.fixed, v) == model.fixed.end(), "guides", i, "is of a part with a fixed vertex");
+        check(std::ranges::find(model.fixed, v) == model.fixed.end(), "guides", i, "is of a body with a fixed vertex");
 }
 
 }  // namespace
@@ -42,15 +42,15 @@ void check_model(const Model& model) {
     check(model.positions[v].allFinite(), "positions", v, "is not finite");
     check(model.velocities[v].allFinite(), "velocities", v, "is not finite");
   }
-  const auto is_part = [&](std::int32_t object) {
-    return object >= 0 && static_cast<std::size_t>(object) < model.parts.size();
+  const auto is_body = [&](std::int32_t object) {
+    return object >= 0 && static_cast<std::size_t>(object) < model.bodies.size();
   };
   for (Index o = 0; o < model.mesh.element_slots(); ++o)
-    check(!model.mesh.is_live(o) || is_part(model.mesh.object(o)), "mesh", o, "is of an object that is no part");
+    check(!model.mesh.is_live(o) || is_body(model.mesh.object(o)), "mesh", o, "is of an object without a body");
   for (std::size_t i = 0; i < model.fixed.size(); ++i) check(model.fixed[i] < vertices, "fixed", i, "is no vertex");
   for (std::size_t i = 0; i < model.walls.size(); ++i)
     check(std::abs(model.walls[i].normal.norm() - 1) < 1e-9, "walls", i, "has a normal of another length than 1");
-  for (std::size_t i = 0; i < model.cuts.size(); ++i) check(is_part(model.cuts[i].object), "cuts", i, "is of no part");
+  for (std::size_t i = 0; i < model.cuts.size(); ++i) check(is_body(model.cuts[i].object), "cuts", i, "is of no body");
   check(model.gravity.allFinite(), "gravity", 0, "is not finite");
   for (std::size_t i = 0; i < model.guides.size(); ++i) check_guide(model, i);
 }

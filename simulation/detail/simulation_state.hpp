@@ -67,7 +67,7 @@ struct Simulation::State {
 
   // Data that follow from this state.
   std::vector<double> mass, inverse_mass, damping;
-  std::vector<Index> part_of;
+  std::vector<Index> object_of;
   std::vector<double> cut_advance;
   std::vector<Index> origins;  ///< by vertex: the vertex of the initial mesh of which it is a copy, or itself
   bool may_split = false, may_merge = false;

@@ -55,7 +55,7 @@ bool Simulation::State::merge(double dt) {
     loaded.push_back({contact, (c.normal_impulse + c.earlier) / dt});
   }
   if (loaded.empty()) return false;
-  TopologyProposal proposal = propose_merging(*topology, model.parts, loaded, x, v, mass);
+  TopologyProposal proposal = propose_merging(*topology, model.bodies, loaded, x, v, mass);
   if (proposal.empty()) return false;
   counts.merges += proposal.moved.size();
   apply(std::move(proposal));
@@ -72,11 +72,11 @@ bool Simulation::State::break_and_split() {
     if (c.normal_impulse + c.earlier > 0)
       for (int i = 0; i < c.size; ++i) pressed[c.vertices[i]] = 1;
   // This edit adds no vertices, and does not change the stress at the existing ones.
-  if (TopologyProposal breaking = propose_breaking(*topology, model.parts, x, stress, pressed); !breaking.empty()) {
+  if (TopologyProposal breaking = propose_breaking(*topology, model.bodies, x, stress, pressed); !breaking.empty()) {
     counts.breaks += breaking.edit.removed.size();
     apply(std::move(breaking));
   }
-  if (TopologyProposal splitting = propose_splitting(*topology, model.parts, x, stress); !splitting.empty()) {
+  if (TopologyProposal splitting = propose_splitting(*topology, model.bodies, x, stress); !splitting.empty()) {
     counts.splits += splitting.edit.new_vertex_ids.size();
     apply(std::move(splitting));
   }

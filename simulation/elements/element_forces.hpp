@@ -26,13 +26,13 @@ struct VertexStress {
   double volume = 0;
 };
 
-/// Computes the forces of the elements of its family in the mesh, except for those of rigid parts, and ignores other
+/// Computes the forces of the elements of its family in the mesh, except for those of rigid bodies, and ignores other
 /// elements. Not thread-safe.
 class ElementForces {
  public:
   virtual ~ElementForces() = default;
 
-  /// Adds the lumped masses of ALL elements of the family, those of rigid parts included.
+  /// Adds the lumped masses of ALL elements of the family, those of rigid bodies included.
   virtual void add_masses(std::span<double> mass) const = 0;
 
   /// Adds internal forces at positions `x`, and advances plasticity by the step that led there, of length `dt` with

@@ -8,9 +8,9 @@
 
 namespace volccd::simulation {
 
-void check_material(const Material& m, const std::string& part) {
+void check_material(const Material& m, const std::string& body) {
   const auto require = [&](bool holds, const char* what) {
-    if (!holds) throw InputError("model", "material of part '" + part + "'", what);
+    if (!holds) throw InputError("model", "material of body '" + body + "'", what);
   };
   const auto positive = [](double value) { return value > 0 && std::isfinite(value); };
   const auto not_negative = [](double value) { return value >= 0 && std::isfinite(value); };

@@ -7,9 +7,9 @@
 
 namespace volccd::simulation {
 
-/// Throws InputError (dataset `part`) unless all numbers are in range: density, Young's modulus, yield stress and
+/// Throws InputError (dataset `body`) unless all numbers are in range: density, Young's modulus, yield stress and
 /// reference rate positive, -1 < Poisson's ratio < 0.5, the rest not negative; only limits may be infinite.
-void check_material(const Material& material, const std::string& part);
+void check_material(const Material& material, const std::string& body);
 
 /// Lame's constants.
 double shear_modulus(const Material& material);

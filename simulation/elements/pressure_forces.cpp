@@ -13,11 +13,11 @@ namespace {
 /// Triangles or vertices in a chunk; the power is summed by chunks of vertices.
 constexpr std::size_t kGrain = 2048;
 
-void check_load(const Pressure& load, std::size_t index, std::size_t parts) {
+void check_load(const Pressure& load, std::size_t index, std::size_t bodies) {
   const auto require = [&](bool good, const char* problem) {
     if (!good) throw InputError("model", "pressures", static_cast<std::int64_t>(index), problem);
   };
-  require(load.object >= 0 && static_cast<std::size_t>(load.object) < parts, "acts on a part that does not exist");
+  require(load.object >= 0 && static_cast<std::size_t>(load.object) < bodies, "acts on a body that does not exist");
   require(!load.curve.empty(), "has no curve");
   for (std::size_t i = 0; i < load.curve.size(); ++i) {
     const auto& [time, pressure] = load.curve[i];
@@ -40,7 +40,7 @@ double pressure_at(const Pressure& load, double time) {
 }
 
 PressureForces::PressureForces(const Model& model) : loads_(model.pressures), pressure_(loads_.size()) {
-  for (std::size_t i = 0; i < loads_.size(); ++i) check_load(loads_[i], i, model.parts.size());
+  for (std::size_t i = 0; i < loads_.size(); ++i) check_load(loads_[i], i, model.bodies.size());
   update(model.mesh);
 }
 

@@ -1,4 +1,4 @@
-// Pressure loads on the shells of a part.
+// Pressure loads on the shells of a body.
 #pragma once
 
 #include <span>
@@ -9,13 +9,13 @@
 
 namespace volccd::simulation {
 
-/// The loads of Model::pressures. The force on each triangle of the part (rigid parts included) is the pressure at the
+/// The loads of Model::pressures. The force on each triangle of the body (rigid bodies included) is the pressure at the
 /// time times the triangle's present area, along the normal that follows from its node order; each vertex gets a third.
-/// On a closed surface of any shape, the sums of forces and of moments are zero. Several loads on one part add up. Not
+/// On a closed surface of any shape, the sums of forces and of moments are zero. Several loads on one body add up. Not
 /// thread-safe.
 class PressureForces {
  public:
-  /// Throws InputError for a curve that is empty, not ascending in time or not finite, and for a part that does not
+  /// Throws InputError for a curve that is empty, not ascending in time or not finite, and for a body that does not
   /// exist.
   explicit PressureForces(const Model& model);
 

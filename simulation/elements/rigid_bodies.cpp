@@ -44,20 +44,20 @@ Eigen::Matrix3d RigidBody::inverse_inertia_now() const {
 
 RigidBodies::RigidBodies(const Model& model, std::span<const double> mass)
     : body_of_(model.mesh.vertex_count(), kNone) {
-  std::vector<Index> body_of_part(model.parts.size(), kNone);
+  std::vector<Index> body_of_object(model.bodies.size(), kNone);
   const Mesh& mesh = model.mesh;
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     if (!mesh.is_live(o)) continue;
-    const auto part = static_cast<std::size_t>(mesh.object(o));
-    if (!model.parts[part].rigid) continue;
-    if (body_of_part[part] == kNone) {
-      body_of_part[part] = static_cast<Index>(bodies_.size());
+    const auto object = static_cast<std::size_t>(mesh.object(o));
+    if (!model.bodies[object].rigid) continue;
+    if (body_of_object[object] == kNone) {
+      body_of_object[object] = static_cast<Index>(bodies_.size());
       bodies_.emplace_back();
     }
     for (Index v : mesh.vertices(o)) {
-      if (body_of_[v] == body_of_part[part]) continue;
-      if (body_of_[v] != kNone) throw InputError("model", "mesh", v, "is a vertex of two rigid parts");
-      body_of_[v] = body_of_part[part];
+      if (body_of_[v] == body_of_object[object]) continue;
+      if (body_of_[v] != kNone) throw InputError("model", "mesh", v, "is a vertex of two rigid bodies");
+      body_of_[v] = body_of_object[object];
     }
   }
   for (Index v = 0; v < mesh.vertex_count(); ++v)
@@ -65,7 +65,7 @@ RigidBodies::RigidBodies(const Model& model, std::span<const double> mass)
   for (Index v : model.fixed)
     if (body_of_[v] != kNone) bodies_[body_of_[v]].held = true;
   for (const Guide& guide : model.guides) {
-    const Index b = body_of_part[static_cast<std::size_t>(guide.object)];
+    const Index b = body_of_object[static_cast<std::size_t>(guide.object)];
     if (b == kNone) continue;
     bodies_[b].held = true;
     bodies_[b].guide = guide;
@@ -81,7 +81,7 @@ void RigidBodies::measure(RigidBody& body, const Model& model, std::span<const d
     body.center += mass[v] * model.positions[v];
     momentum += mass[v] * model.velocities[v];
   }
-  if (!(body.mass > 0)) throw InputError("model", "parts", "a rigid part has no mass");
+  if (!(body.mass > 0)) throw InputError("model", "bodies", "a rigid body has no mass");
   body.center /= body.mass;
   body.velocity = momentum / body.mass;
   body.inertia.setZero();

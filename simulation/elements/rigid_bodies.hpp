@@ -1,4 +1,4 @@
-// Rigid parts.
+// Rigid bodies.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@
 namespace volccd::simulation {
 
 /// Mass and inertia are those of the lumped masses of its vertices, which include the masses of deformable elements
-/// attached to them. So energy and momentum are sums over vertices, as for deformable parts.
+/// attached to them. So energy and momentum are sums over vertices, as for deformable bodies.
 struct RigidBody {
   bool held = false;  ///< no force moves the body: one of its vertices is fixed, or it is guided
   std::optional<Guide> guide = {};
@@ -39,9 +39,9 @@ struct RigidBody {
 
 class RigidBodies {
  public:
-  /// Makes a body for each rigid part that has elements. Its initial velocity is the rigid motion with the momentum and
-  /// angular momentum of the model's velocities. Throws InputError for a vertex of two rigid parts, and for a body
-  /// without mass. A body with a guide is at rest at first.
+  /// Makes a RigidBody for each rigid body of the model that has elements. Its initial velocity is the rigid motion
+  /// with the momentum and angular momentum of the model's velocities. Throws InputError for a vertex of two rigid
+  /// bodies, and for a body without mass. A body with a guide is at rest at first.
   RigidBodies(const Model& model, std::span<const double> mass);
 
   std::vector<RigidBody>& bodies() { return bodies_; }

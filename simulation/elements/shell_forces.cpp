@@ -39,12 +39,12 @@ std::vector<ShellElement> read_elements(const Mesh& mesh, std::span<const Vec3> 
 }
 
 std::vector<ShellLaw> read_laws(const Model& model, const std::vector<ShellElement>& elements) {
-  std::vector<ShellLaw> laws(model.parts.size());
-  std::vector<bool> done(model.parts.size(), false);
+  std::vector<ShellLaw> laws(model.bodies.size());
+  std::vector<bool> done(model.bodies.size(), false);
   for (const ShellElement& e : elements) {
     const auto object = static_cast<std::size_t>(e.object);
-    if (e.object < 0 || object >= laws.size()) throw InputError("model", "parts", e.object, "does not exist");
-    if (!done[object]) laws[object] = ShellLaw(model.parts[object], e.object);
+    if (e.object < 0 || object >= laws.size()) throw InputError("model", "bodies", e.object, "does not exist");
+    if (!done[object]) laws[object] = ShellLaw(model.bodies[object], e.object);
     done[object] = true;
   }
   return laws;
@@ -188,7 +188,7 @@ class Before {
 
 /// Corners of the rest shape after an edit: those of the parent where its vertex is kept or was merged into another,
 /// the reference position where the vertex came with the edit.
-void take_over_corners(const ShellElement& parent, Index vertices_before, ShellElement& child) {
+void inherit_corners(const ShellElement& parent, Index vertices_before, ShellElement& child) {
   for (std::size_t k = 0; k < 3; ++k) {
     if (child.vertices[k] >= vertices_before) continue;
     const auto same = std::find(parent.vertices.begin(), parent.vertices.end(), child.vertices[k]);
@@ -315,10 +315,10 @@ void ShellForces::update(const Mesh& mesh, std::span<const Vec3> reference, std:
   std::copy(old.positions.begin(), old.positions.end(), t.positions.begin());
   for (ShellElement& e : elements) {
     if (static_cast<std::size_t>(e.object) >= t.laws.size())
-      throw InputError("model", "parts", e.object, "does not exist");
+      throw InputError("model", "bodies", e.object, "does not exist");
     const ShellElement* parent = before.element(source[e.slot]);
     if (!parent) continue;
-    take_over_corners(*parent, old.mesh_vertices, e);
+    inherit_corners(*parent, old.mesh_vertices, e);
     for (std::size_t k = 0; k < 3; ++k) {
       if (e.vertices[k] >= old.mesh_vertices) t.positions[e.vertices[k]] = old.positions[parent->vertices[k]];
     }

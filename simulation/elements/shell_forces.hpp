@@ -26,7 +26,7 @@ struct ShellTables;
 /// 19 % too soft, and twist along the sides too stiff. Rest angles are those of the reference positions. Beyond yield
 /// the rest angle flows at the fully plastic moment Y h^2 / 4 a length, where Y hardens with the mean strain over the
  /// thickness and with the rate factor. Bending and membrane yield independently. If n > 2 triangles meet at an edge,
-/// each pair has a hinge, which is so stiff that the edge acts as a rigid joint; a triangle of a rigid part clamps the
+/// each pair has a hinge, which is so stiff that the edge acts as a rigid joint; a triangle of a rigid body clamps the
 /// edges of its neighbours.
 ///
 /// Damping: viscosity proportional to stiffness, 5 % of critical damping at each element's highest frequency, and less
@@ -39,7 +39,7 @@ struct ShellTables;
 class ShellForces final : public ElementForces {
  public:
   /// Model::positions are the rest shape. Throws InputError for quads, for positions that are not finite, and for a
-  /// part with shells whose thickness or material is invalid. O(n log n).
+  /// body with shells whose thickness or material is invalid. O(n log n).
   explicit ShellForces(const Model& model);
   ~ShellForces() override;
 

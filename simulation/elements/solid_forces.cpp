@@ -155,9 +155,9 @@ class SolidForces final : public ElementForces {
 SolidForces::SolidForces(const Model& model) : vertices_(model.mesh.vertex_count()) {
   const Mesh& mesh = model.mesh;
   if (model.positions.size() != vertices_) throw InputError("model", "positions", "one a vertex is needed");
-  for (const Part& part : model.parts) {
-    check_material(part.material, part.name);
-    materials_.emplace_back(part);
+  for (const Body& body : model.bodies) {
+    check_material(body.material, body.name);
+    materials_.emplace_back(body);
   }
   places_.resize(mesh.element_slots());
   for (Index o = 0; o < mesh.element_slots(); ++o) {
@@ -176,7 +176,7 @@ template <int N>
 void SolidForces::add_masses(const Table<N>& table, std::span<double> mass) const {
   for (const SolidShape<N>& shape : table.shapes) {
     if (shape.slot == kNone) continue;
-    const double share = shape.volume * materials_[shape.part].material.density * shape.packing / N;
+    const double share = shape.volume * materials_[shape.body].material.density * shape.packing / N;
     for (const Index v : shape.vertices) mass[v] += share;
   }
 }
@@ -224,7 +224,7 @@ void SolidForces::add_vertex_stress(const Table<N>& table, std::span<VertexStres
     const SolidShape<N>& shape = table.shapes[row];
     if (!active(shape)) continue;
     const SolidState<N>& state = table.states[row];
-    const Eigen::Matrix3d stress = detail::stress_times_volume(shape, materials_[shape.part], state) / N;
+    const Eigen::Matrix3d stress = detail::stress_times_volume(shape, materials_[shape.body], state) / N;
     // A flat element still has stress, and needs a weight for it.
     const double volume = shape.volume * std::max(0.05, state.deformation.determinant()) / N;
     for (const Index v : shape.vertices) {
@@ -303,7 +303,7 @@ void SolidForces::add(const Mesh& mesh, Index slot, const Positions& positions, 
   element.state.plastic_work = element.state.numerical_work = 0;  // counted for the parent already
   element.shape.vertices = corners;
   element.shape.slot = slot;
-  element.shape.part = static_cast<std::uint32_t>(mesh.object(slot));
+  element.shape.body = static_cast<std::uint32_t>(mesh.object(slot));
 
   Table<N>& to = table<N>();
   if (to.empty.empty()) {
@@ -324,8 +324,8 @@ void SolidForces::add(const Mesh& mesh, Index slot, const Positions& positions, 
 void SolidForces::add(const Mesh& mesh, Index slot, const Positions& positions, const Parent& parent) {
   const std::int32_t object = mesh.object(slot);
   if (object < 0 || static_cast<std::size_t>(object) >= materials_.size()) {
-    throw InputError("model", "parts", slot,
-                     "the element in this slot is of object " + std::to_string(object) + ", which has no part");
+    throw InputError("model", "bodies", slot,
+                     "the element in this slot is of object " + std::to_string(object) + ", which has no body");
   }
   switch (mesh.type(slot)) {
     case ElementType::tetrahedron: return add<4>(mesh, slot, positions, parent);

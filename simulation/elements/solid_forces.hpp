@@ -40,7 +40,7 @@ namespace volccd::simulation {
 /// mass is half the parent's, distributed so that the mass of each vertex does not change: the second vertex of each
 /// triangle has twice the share of the others.
 ///
-/// Throws InputError for solids of other types, elements without volume at rest, a missing part, and an invalid
+/// Throws InputError for solids of other types, elements without volume at rest, a missing body, and an invalid
 /// material. add_forces throws Error when an element's deformation is not finite. It allocates memory only after an
 /// edit.
 std::unique_ptr<ElementForces> make_solid_forces(const Model& model);

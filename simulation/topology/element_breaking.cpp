@@ -92,7 +92,7 @@ VertexStress stress_in(std::span<const Index> vertices, std::span<const VertexSt
 
 }  // namespace
 
-TopologyProposal propose_breaking(const Topology& topology, std::span<const Part> parts,
+TopologyProposal propose_breaking(const Topology& topology, std::span<const Body> bodies,
                                   std::span<const Vec3> positions, std::span<const VertexStress> stress,
                                   std::span<const char> pressed) {
   const Mesh& mesh = topology.mesh();
@@ -100,17 +100,17 @@ TopologyProposal propose_breaking(const Topology& topology, std::span<const Part
          pressed.size() >= mesh.vertex_count());
   TopologyProposal proposal;
   proposal.shapes_of_parents = false;
-  if (std::ranges::none_of(parts, [](const Part& part) { return part.material.breaking_strain < kNever; }))
+  if (std::ranges::none_of(bodies, [](const Body& body) { return body.material.breaking_strain < kNever; }))
     return proposal;
   std::int64_t last_id = 0;
   for (Index o = 0; o < mesh.element_slots(); ++o)
     if (mesh.is_live(o)) last_id = std::max(last_id, mesh.element_id(o));
   for (Index o = 0; o < mesh.element_slots(); ++o) {
     if (!mesh.is_live(o) || mesh.type(o) != ElementType::hexahedron) continue;
-    const Part& part = parts[static_cast<std::size_t>(mesh.object(o))];
-    if (part.rigid || part.material.breaking_strain == kNever) continue;
+    const Body& body = bodies[static_cast<std::size_t>(mesh.object(o))];
+    if (body.rigid || body.material.breaking_strain == kNever) continue;
     const VertexStress mean = stress_in(mesh.vertices(o), stress);
-    if (!(mean.plastic_strain > part.material.breaking_strain * mean.volume)) continue;
+    if (!(mean.plastic_strain > body.material.breaking_strain * mean.volume)) continue;
     if (!(mean.stress.trace() > 0) || std::ranges::any_of(mesh.vertices(o), [&](Index v) { return pressed[v] != 0; }))
       continue;
     const Vec3 tension = greatest_principal(mean.stress / mean.volume).direction;

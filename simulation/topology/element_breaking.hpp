@@ -17,14 +17,14 @@
 
 namespace volccd::simulation {
 
-/// Breaks, in order of slots, all hexahedra of deformable parts that meet these conditions: their plastic strain (the
-/// mean over their vertices) exceeds the part's breaking strain, the mean stress is tension, and no contact presses on
+/// Breaks, in order of slots, all hexahedra of deformable bodies that meet these conditions: their plastic strain (the
+/// mean over their vertices) exceeds the body's breaking strain, the mean stress is tension, and no contact presses on
 /// them. Hexahedra that are folded, or would break into pieces of very different volume, do not break. One piece keeps
 /// the id, the other gets a new one.
 ///
-/// `positions`, `stress`, `pressed` (whether a contact presses on the vertex): by vertex slot; `parts`: by object id.
+/// `positions`, `stress`, `pressed` (whether a contact presses on the vertex): by vertex slot; `bodies`: by object id.
 /// O(elements).
-TopologyProposal propose_breaking(const Topology& topology, std::span<const Part> parts,
+TopologyProposal propose_breaking(const Topology& topology, std::span<const Body> bodies,
                                   std::span<const Vec3> positions, std::span<const VertexStress> stress,
                                   std::span<const char> pressed);
 

@@ -65,24 +65,24 @@ class Cutter {
   }
 
   TopologyProposal run(double snap) {
-    take_edges();
-    take_sides(snap);
+    collect_edges();
+    assign_sides(snap);
     divide_edges();
     subdivide();
-    part();
+    separate();
     write();
     return std::move(proposal_);
   }
 
  private:
-  void take_edges();
-  void take_sides(double snap);
+  void collect_edges();
+  void assign_sides(double snap);
   void divide_edges();
   void check_tetrahedra(std::array<Index, 2> edge) const;
   void subdivide();
-  void part();
+  void separate();
   std::vector<PieceFace> cut_faces() const;
-  void part_star(Index v, std::span<const Index> star, std::span<const PieceFace> faces);
+  void separate_star(Index v, std::span<const Index> star, std::span<const PieceFace> faces);
   void join_star(Index v, std::span<const Index> star, std::span<const PieceFace> faces);
   void write();
 
@@ -117,7 +117,7 @@ bool Cutter::is_covered(const Vec3& p) const {
   return t >= -tolerance && t <= depth_ + tolerance;
 }
 
-void Cutter::take_edges() {
+void Cutter::collect_edges() {
   for (Index o = 0; o < mesh_.element_slots(); ++o)
     if (mesh_.is_live(o) && in_object(o) && mesh_.type(o) != ElementType::tetrahedron)
       throw InputError("cut", "elements", mesh_.element_id(o), "only tetrahedra can be cut");
@@ -128,7 +128,7 @@ void Cutter::take_edges() {
   std::sort(edges_.begin(), edges_.end());  // slots depend on the history of changes
 }
 
-void Cutter::take_sides(double snap) {
+void Cutter::assign_sides(double snap) {
   side_.assign(mesh_.vertex_count(), 0);
   for (const auto& edge : edges_)
     for (Index v : edge) side_[v] = distance(v) > 0 ? 1 : -1;
@@ -157,7 +157,7 @@ void Cutter::check_tetrahedra(std::array<Index, 2> edge) const {
   const Features& features = topology_.features();
   for (Index o : features.edge_elements(features.find_edge(edge[0], edge[1])))
     if (!in_object(o))
-      throw InputError("cut", "elements", mesh_.element_id(o), "shares a divided edge, but belongs to another part");
+      throw InputError("cut", "elements", mesh_.element_id(o), "shares a divided edge, but belongs to another object");
 }
 
 /// Bisects each tetrahedron by its divided edges, one after the other in their order. The triangulation of a face then
@@ -229,7 +229,7 @@ std::vector<PieceFace> Cutter::cut_faces() const {
   return parted;
 }
 
-void Cutter::part() {
+void Cutter::separate() {
   const std::vector<PieceFace> faces = cut_faces();
   std::vector<std::pair<Index, std::size_t>> at;  // (vertex, its cut face)
   for (std::size_t f = 0; f < faces.size(); ++f)
@@ -252,7 +252,7 @@ void Cutter::part() {
     while (next->first != v) ++next;
     star.clear();
     for (; next != stars.end() && next->first == v; ++next) star.push_back(next->second);
-    part_star(v, star, faces_at);
+    separate_star(v, star, faces_at);
   }
 }
 
@@ -280,7 +280,7 @@ void Cutter::join_star(Index v, std::span<const Index> star, std::span<const Pie
 
 /// Gives a copy of v to each group of pieces that has been cut off, on the positive side. A group that reaches from one
 /// side of the cut to the other goes around its front and keeps v.
-void Cutter::part_star(Index v, std::span<const Index> star, std::span<const PieceFace> faces) {
+void Cutter::separate_star(Index v, std::span<const Index> star, std::span<const PieceFace> faces) {
   join_star(v, star, faces);
   std::vector<int> sides(star.size(), 0);  // by group: bit 0, it has a cut face as the negative side; bit 1, positive
   for (const PieceFace& face : faces) {

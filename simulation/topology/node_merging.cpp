@@ -19,7 +19,7 @@ struct Candidate {
   Index a, b;  ///< a < b
 };
 
-/// Merging limits that satisfy all parts at a vertex; never, if one of them is rigid.
+/// Merging limits that satisfy all bodies at a vertex; never, if one of them is rigid.
 struct Terms {
   double force = 0, distance = kNever;
 
@@ -35,10 +35,10 @@ constexpr int kHexCorners[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
 
 class Merger {
  public:
-  Merger(const Topology& topology, std::span<const Part> parts, std::span<const Vec3> positions)
+  Merger(const Topology& topology, std::span<const Body> bodies, std::span<const Vec3> positions)
       : topology_(topology),
         mesh_(topology.mesh()),
-        parts_(parts),
+        bodies_(bodies),
         x_(positions),
         changed_(mesh_.vertex_count(), false) {}
 
@@ -60,7 +60,7 @@ class Merger {
 
   const Topology& topology_;
   const Mesh& mesh_;
-  std::span<const Part> parts_;
+  std::span<const Body> bodies_;
   std::span<const Vec3> x_;
   std::vector<bool> changed_;  ///< vertices of elements at those that have merged
 };
@@ -69,12 +69,12 @@ Terms Merger::terms(Index v) const {
   if (elements(v).empty()) return {kNever, 0};
   Terms result;
   for (Index o : elements(v)) {
-    const Part& part = parts_[static_cast<std::size_t>(mesh_.object(o))];
+    const Body& body = bodies_[static_cast<std::size_t>(mesh_.object(o))];
     const ElementType type = mesh_.type(o);
     const bool suits =
         type == ElementType::tetrahedron || type == ElementType::hexahedron || type == ElementType::triangle;
-    if (part.rigid || !suits) return {kNever, 0};
-    result.tighten({part.material.merging_force, part.material.merging_distance});
+    if (body.rigid || !suits) return {kNever, 0};
+    result.tighten({body.material.merging_force, body.material.merging_distance});
   }
   return result;
 }
@@ -184,16 +184,16 @@ void Merger::merge(const Candidate& pair, TopologyProposal& proposal) {
 
 }  // namespace
 
-TopologyProposal propose_merging(const Topology& topology, std::span<const Part> parts,
+TopologyProposal propose_merging(const Topology& topology, std::span<const Body> bodies,
                                  std::span<const LoadedContact> contacts, std::span<const Vec3> positions,
                                  std::span<const Vec3> velocities, std::span<const double> mass) {
   assert(positions.size() >= topology.mesh().vertex_count() && velocities.size() >= topology.mesh().vertex_count() &&
          mass.size() >= topology.mesh().vertex_count());
   TopologyProposal proposal;
-  if (std::ranges::none_of(parts, [](const Part& part) { return part.material.merging_force != kNever; }))
+  if (std::ranges::none_of(bodies, [](const Body& body) { return body.material.merging_force != kNever; }))
     return proposal;
 
-  Merger merger(topology, parts, positions);
+  Merger merger(topology, bodies, positions);
   for (const Candidate& pair : merger.candidates(contacts)) {
     const double total = mass[pair.a] + mass[pair.b];
     if (!(total > 0)) continue;

@@ -19,24 +19,24 @@ struct Failure {
   Vec3 direction;
 };
 
-/// Failure limits of the weakest part at a vertex.
+/// Failure limits of the weakest body at a vertex.
 struct Strength {
   double stress = kNever, strain = kNever;
 };
 
-Strength strength_at(const Topology& topology, std::span<const Part> parts, Index v) {
+Strength strength_at(const Topology& topology, std::span<const Body> bodies, Index v) {
   Strength strength;
   for (Index o : topology.features().vertex_elements(v)) {
     const auto object = static_cast<std::size_t>(topology.mesh().object(o));
-    assert(object < parts.size());
-    if (parts[object].rigid) return {};
-    strength.stress = std::min(strength.stress, parts[object].material.failure_stress);
-    strength.strain = std::min(strength.strain, parts[object].material.failure_strain);
+    assert(object < bodies.size());
+    if (bodies[object].rigid) return {};
+    strength.stress = std::min(strength.stress, bodies[object].material.failure_stress);
+    strength.strain = std::min(strength.strain, bodies[object].material.failure_strain);
   }
   return strength;
 }
 
-std::vector<Failure> failures(const Topology& topology, std::span<const Part> parts,
+std::vector<Failure> failures(const Topology& topology, std::span<const Body> bodies,
                               std::span<const VertexStress> stress) {
   std::vector<Failure> failed;
   for (Index v = 0; v < topology.mesh().vertex_count(); ++v) {
@@ -46,7 +46,7 @@ std::vector<Failure> failures(const Topology& topology, std::span<const Part> pa
     if (!mean.allFinite() || !std::isfinite(strain))
       throw Error(fmt::format("the stress at vertex {} is not finite: the simulation has become unstable",
                               topology.mesh().vertex_id(v)));
-    const Strength strength = strength_at(topology, parts, v);
+    const Strength strength = strength_at(topology, bodies, v);
     // The norm bounds every principal stress, so that principal directions are needed for few vertices only.
     if (!(mean.norm() > strength.stress) && !(strain > strength.strain)) continue;
     const PrincipalStress principal = greatest_principal(mean);
@@ -68,19 +68,19 @@ Vec3 centroid(std::span<const Index> vertices, std::span<const Vec3> positions) 
 
 }  // namespace
 
-TopologyProposal propose_splitting(const Topology& topology, std::span<const Part> parts,
+TopologyProposal propose_splitting(const Topology& topology, std::span<const Body> bodies,
                                    std::span<const Vec3> positions, std::span<const VertexStress> stress) {
   const Mesh& mesh = topology.mesh();
   assert(positions.size() >= mesh.vertex_count() && stress.size() >= mesh.vertex_count());
   TopologyProposal proposal;
-  const auto fails = [](const Part& part) {
-    return part.material.failure_stress != kNever || part.material.failure_strain != kNever;
+  const auto fails = [](const Body& body) {
+    return body.material.failure_stress != kNever || body.material.failure_strain != kNever;
   };
-  if (std::none_of(parts.begin(), parts.end(), fails)) return proposal;
+  if (std::none_of(bodies.begin(), bodies.end(), fails)) return proposal;
 
   std::vector<bool> barred(mesh.vertex_count(), false);
   std::vector<Index> positive;
-  for (const Failure& failure : failures(topology, parts, stress)) {
+  for (const Failure& failure : failures(topology, bodies, stress)) {
     if (barred[failure.vertex]) continue;
     const std::span<const Index> elements = topology.features().vertex_elements(failure.vertex);
     const Vec3& x = positions[failure.vertex];

@@ -113,7 +113,8 @@ void change(benchmark::State& state, bool scattered, bool removal) {
     removed.removed = one_percent(topology, scattered, random);
     for (Index o : removed.removed) {
       const auto v = mesh.vertices(o);
-      added.added.push_back({mesh.type(o), {v.begin(), v.end()}, {}, mesh.object(o), mesh.element_id(o)});
+      added.added.push_back(
+          {.type = mesh.type(o), .vertices = {v.begin(), v.end()}, .object = mesh.object(o), .id = mesh.element_id(o)});
     }
     if (!removal) {
       topology.apply(removed);

@@ -29,7 +29,7 @@ Scene extreme_scene(std::size_t elements, std::mt19937_64& random) {
   Shape shape;
   std::vector<Vec3> x1;
   for (std::size_t o = 0; o < elements; ++o) {
-    ElementSpec spec{ElementType::tetrahedron, {}, {}, 0, static_cast<std::int64_t>(o)};
+    ElementSpec spec{.type = ElementType::tetrahedron, .id = static_cast<std::int64_t>(o)};
     const Vec3 at(coordinate(0), coordinate(1), coordinate(2));
     for (int v = 0; v < 4; ++v) {
       spec.vertices.push_back(static_cast<Index>(shape.positions.size()));
@@ -95,16 +95,16 @@ TEST(ExtremeCoordinates, TreesContainEachElementOnce) {
   EXPECT_GT(infinite, 1000u);  // otherwise the test proves nothing
 }
 
-/// Each element is twice as large and as far away as the one before, so that the best split separates it alone. Halves
-/// of a ratio of 1 : 7 or better give a depth of at most log(120) / log(8/7) = 36, and one more.
+/// Each of 60 elements is 16 times as large and as far away as the one before, so that all smaller ones are in one bin,
+/// and the best split separates it alone. The depth is bounded by the ratio of the halves, which is 1 : 7 or better.
 TEST(ExtremeCoordinates, TreesOfElementsOfAllSizesAreNotDeep) {
-  constexpr Index kCount = 120;
+  constexpr Index kCount = 100;  // 40 of the same size, because few elements are divided at the median
   Shape shape;
   for (Index o = 0; o < kCount; ++o) {
-    ElementSpec spec{ElementType::tetrahedron, {}, {}, 0, o};
+    ElementSpec spec{.type = ElementType::tetrahedron, .id = o};
     for (const Vec3& p : {Vec3(1, 1, 1), Vec3(1.5, 1, 1), Vec3(1, 1.5, 1), Vec3(1, 1, 1.5)}) {
       spec.vertices.push_back(static_cast<Index>(shape.positions.size()));
-      shape.positions.push_back(std::ldexp(1.0, static_cast<int>(o)) * p);
+      shape.positions.push_back(std::ldexp(1.0, 4 * std::max(0, static_cast<int>(o) - 40) - 120) * p);
     }
     shape.elements.push_back(spec);
   }
@@ -116,7 +116,11 @@ TEST(ExtremeCoordinates, TreesOfElementsOfAllSizesAreNotDeep) {
   list.assign(scene.topology->mesh(), executor);
   detail::TreeBuilder builder;
   std::vector<detail::TreeNode> nodes(detail::tree_nodes(kCount, 1));
-  EXPECT_LE(builder.build(list, table, {0, 0, kCount, 0}, 1, nodes.data(), executor), 37);
+  int most = 0;
+  for (Index n = kCount; n > 1; n -= std::max<Index>(1, n / 8)) ++most;
+  const int depth = builder.build(list, table, {0, 0, kCount, 0}, 1, nodes.data(), executor);
+  EXPECT_LE(depth, most);
+  EXPECT_LT(most, 60);  // otherwise the test proves nothing
 }
 
 TEST(ExtremeCoordinates, TreesFindThePairsOfBoxes) {

@@ -17,7 +17,7 @@ inline Shape soup(std::size_t elements, std::uint64_t seed, double max_exponent)
   }
   for (std::size_t i = 0; i < elements; ++i) {
     const ElementType type = i % 3 == 0 ? ElementType::triangle : ElementType::tetrahedron;
-    ElementSpec spec{type, {}, {}, static_cast<std::int32_t>(i % 2), static_cast<std::int64_t>(i)};
+    ElementSpec spec{.type = type, .object = static_cast<std::int32_t>(i % 2), .id = static_cast<std::int64_t>(i)};
     std::set<Index> vertices;
     while (vertices.size() < static_cast<std::size_t>(vertex_count(type)))
       vertices.insert(static_cast<Index>(random() % shape.positions.size()));

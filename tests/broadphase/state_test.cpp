@@ -39,11 +39,10 @@ TopologyEdit random_edit(const Topology& topology, std::size_t removals, std::si
       vertices.insert(random() % 8 == 0
                           ? static_cast<Index>(random() % mesh.vertex_count())
                           : std::min<Index>(near + static_cast<Index>(random() % 6), mesh.vertex_count() - 1));
-    edit.added.push_back({count == 3 ? ElementType::triangle : ElementType::tetrahedron,
-                          {vertices.begin(), vertices.end()},
-                          {},
-                          static_cast<std::int32_t>(random() % 3),
-                          next_id++});
+    edit.added.push_back({.type = count == 3 ? ElementType::triangle : ElementType::tetrahedron,
+                          .vertices = {vertices.begin(), vertices.end()},
+                          .object = static_cast<std::int32_t>(random() % 3),
+                          .id = next_id++});
   }
   return edit;
 }
@@ -93,7 +92,7 @@ TEST(TopologyChanges, LargerElementsThanBefore) {
     run(*phase, scene.step(), *state, PairRange::every, executor);
     TopologyEdit edit;
     edit.removed = {3, 5};
-    edit.added.push_back({ElementType::hexahedron, {0, 1, 6, 5, 25, 26, 31, 30}, {}, 0, 100000});
+    edit.added.push_back({.type = ElementType::hexahedron, .vertices = {0, 1, 6, 5, 25, 26, 31, 30}, .id = 100000});
     scene.topology->apply(edit);
     for (PairRange range : {PairRange::nonadjacent, PairRange::every})
       EXPECT_EQ(run(*phase, scene.step(), *state, range, executor), run_fresh(*phase, scene.step(), range));
@@ -200,7 +199,7 @@ TopologyEdit edit_of_many(const Topology& topology, const std::vector<Vec3>& pos
   for (std::size_t i = 0; i < additions; ++i) {
     const bool scattered = i % 3 == 0;
     const std::size_t first = scattered ? i * 7919 : i;
-    ElementSpec element{ElementType::tetrahedron, {}, {}, 0, next_id++};
+    ElementSpec element{.type = ElementType::tetrahedron, .id = next_id++};
     for (std::size_t k = 0; k < 4; ++k)
       element.vertices.push_back(scattered ? static_cast<Index>((first + k) % mesh.vertex_count())
                                            : near[(first + k) % near.size()]);

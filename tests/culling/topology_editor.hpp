@@ -51,11 +51,11 @@ inline ElementSpec random_element(Random& random, Index vertices, ElementType ty
 
 inline ElementSpec spec_of(const Mesh& mesh, Index o) {
   const auto vertices = mesh.vertices(o), faces = mesh.polytope_faces(o);
-  return {mesh.type(o),
-          {vertices.begin(), vertices.end()},
-          {faces.begin(), faces.end()},
-          mesh.object(o),
-          mesh.element_id(o)};
+  return {.type = mesh.type(o),
+          .vertices = {vertices.begin(), vertices.end()},
+          .faces = {faces.begin(), faces.end()},
+          .object = mesh.object(o),
+          .id = mesh.element_id(o)};
 }
 
 /// Random changes that keep the topology similar to that of its generator: elements are removed, added again, or made

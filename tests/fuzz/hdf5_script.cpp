@@ -11,7 +11,7 @@
 #include <volccd/core/error.hpp>
 
 #include "byte_reader.hpp"
-#include "io/raw_hdf5.hpp"
+#include "io/sequence/raw_hdf5.hpp"
 
 namespace volccd::fuzz {
 

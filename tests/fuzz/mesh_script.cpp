@@ -198,7 +198,11 @@ Index MeshScript::new_vertex(const Vec3& position) {
 void MeshScript::push(ElementType type, std::vector<Index> vertices, std::vector<Index> faces) {
   Scene& s = scene();
   if (s.element_count() >= kMaxElements || !all_different(vertices)) return;
-  s.edit.added.push_back({type, std::move(vertices), std::move(faces), s.object, s.next_id++});
+  s.edit.added.push_back({.type = type,
+                          .vertices = std::move(vertices),
+                          .faces = std::move(faces),
+                          .object = s.object,
+                          .id = s.next_id++});
 }
 
 void MeshScript::append(const Shape& shape, const Vec3& origin, double spacing) {

@@ -127,7 +127,7 @@ std::string wrong_time(const Contestants::Narrow& narrow, const ExactAnswer& exa
                        bool unbounded) {
   if (exact.touches && toi > exact.toi) return fmt::format("is late: {:a}, not {:a}", toi, exact.toi);
   if (!exact.touches) {
-    // The test was reported because it may touch; tests/conservative checks how near such features come.
+    // The test was reported because it may touch; inclusion_promises_test.cpp checks how near such features come.
     if (undecided && !narrow.exact) return {};
     return fmt::format("reports a contact at {:a}, there is none", toi);
   }

@@ -133,13 +133,14 @@ class Judge {
     const StepOptions& options = script_->options();
     ShuffledExecutor shuffled(options.executor);
     Executor& executor = options.executor == 0 ? serial_executor() : shuffled;
-    contestant.pipeline.run(step, contestant.workspace, executor, result, {query, options.overlaps});
+    contestant.pipeline.run(step, contestant.workspace, executor, result,
+                            {.query = query, .initial_overlaps = options.overlaps});
   }
 
   StepResult run_new(const Step& step, const Pipeline& pipeline) const {
     Workspace workspace = pipeline.make_workspace();
     StepResult result;
-    pipeline.run(step, workspace, serial_executor(), result, {Query::all, script_->options().overlaps});
+    pipeline.run(step, workspace, serial_executor(), result, {.initial_overlaps = script_->options().overlaps});
     return result;
   }
 

@@ -2,7 +2,7 @@
 #include <volccd/oracle/cases/query_set.hpp>
 
 #include "hdf5_script.hpp"
-#include "io/raw_hdf5.hpp"
+#include "io/sequence/raw_hdf5.hpp"
 
 namespace volccd::fuzz {
 

@@ -6,8 +6,8 @@
 #include <volccd/io/sequence/stepper.hpp>
 
 #include "hdf5_script.hpp"
-#include "io/raw_hdf5.hpp"
-#include "io/sequences.hpp"
+#include "io/sequence/raw_hdf5.hpp"
+#include "io/sequence/sequences.hpp"
 
 namespace volccd::fuzz {
 
@@ -49,9 +49,9 @@ void read_sequence(const std::string& name, std::uint8_t choice) {
                   : choice & 16 ? MotionModel::tentative
                                 : MotionModel::linear;
   SequenceStepper stepper(reader, config);
-  for (int k = 0; k < std::min(stepper.motion_count(), 4); ++k) {
+  for (int k = 0; k < std::min(stepper.step_count(), 4); ++k) {
     try {
-      stepper.go_to(choice & 8 ? stepper.motion_count() - 1 - k : k);
+      stepper.go_to(choice & 8 ? stepper.step_count() - 1 - k : k);
     } catch (const InputError&) {
       continue;
     }

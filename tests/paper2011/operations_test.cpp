@@ -203,7 +203,7 @@ TEST(Operations, OfARealMotionAreOfThePapersOrder) {
   QuerySourceConfig source;
   source.candidates = true;
   source.sample = 4000;
-  source.motion = 5;
+  source.step = 5;
   const std::vector<KnownQueries> queries = load_queries(file, source);
   std::vector<TestList> lists;
   for (const KnownQueries& known : queries) lists.push_back({known.kind, known.step, known.pairs});

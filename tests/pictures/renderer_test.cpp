@@ -19,7 +19,7 @@ using namespace test;
 
 TEST(Pictures, CubeCoversItsSquareAndNothingElse) {
   const Surface surface = surface_of_shape(block(ElementType::hexahedron, 1, 1, 1));
-  const std::vector<Colour> colours{part_colour(0)};
+  const std::vector<Colour> colours{object_colour(0)};
   const Camera camera = Camera::fit(surface.points, front(), 120, 100, 0.1);
   const Image image = render(surface, colours, {}, camera, 120, 100, plain());
   for (int y = 0; y < 100; ++y)
@@ -56,7 +56,7 @@ TEST(Pictures, NearerHidesFartherAsRaysSay) {
     Shape shape;
     shape.positions = jittered(std::vector<Vec3>(36, Vec3::Zero()), 1, seed);
     for (Index i = 0; i < 12; ++i)
-      shape.elements.push_back({ElementType::triangle, {3 * i, 3 * i + 1, 3 * i + 2}, {}, 0, i});
+      shape.elements.push_back({.type = ElementType::triangle, .vertices = {3 * i, 3 * i + 1, 3 * i + 2}, .id = i});
     const SequenceCells cells = cells_of_shape(shape);
     std::vector<std::uint16_t> colour_of(12);
     for (std::size_t i = 0; i < 12; ++i) colour_of[i] = static_cast<std::uint16_t>(i % 6);

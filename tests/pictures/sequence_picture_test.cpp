@@ -29,17 +29,17 @@ class TipOnTriangle {
     for (std::size_t v = 4; v < 7; ++v) points.push_back(points[v]);
     const auto cells_with = [&](const std::vector<Index>& triangle, std::int64_t id) {
       SequenceCells cells;
-      cells.add({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 1, 0});
-      cells.add({ElementType::triangle, triangle, {}, part_of_triangle, id});
+      cells.add({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}, .object = 1});
+      cells.add({.type = ElementType::triangle, .vertices = triangle, .object = part_of_triangle, .id = id});
       return cells;
     };
     const SequenceCells cells = cells_with({4, 5, 6}, 1), end = remade ? cells_with({7, 8, 9}, 2) : cells;
     SequenceMetadata metadata;
     metadata.part_names = {{1, "Tip, steel"}};
     SequenceWriter writer(path(), ids, metadata);
-    writer.write_step(0, points, cells);
+    writer.write_frame(0, points, cells);
     for (int v = 0; v < 4; ++v) points[v].z() -= 1;
-    writer.write_step(1, points, end);
+    writer.write_frame(1, points, end);
     writer.finish();
   }
 
@@ -203,7 +203,7 @@ TEST(SequencePicture, CutShowsTheSection) {
     std::vector<std::int64_t> ids(shape.positions.size());
     std::iota(ids.begin(), ids.end(), 0);
     SequenceWriter writer(file, ids);
-    writer.write_step(0, shape.positions, cells_of_shape(shape));
+    writer.write_frame(0, shape.positions, cells_of_shape(shape));
     writer.finish();
   }
   const PicturePanel panel{file, 0, "", ""};

@@ -179,7 +179,8 @@ std::size_t compare_scenes(std::uint64_t first_seed, int count) {
     if (i % 4 == 1) contest.compare({scene.topology, scene.quadratic, kNoFilter}, what + ", quadratic");
     if (i % 9 == 1) contest.compare({scene.topology, scene.quadratic, kNoFilter, separation}, apart + ", quadratic");
     if (i % 4 == 2) contest.compare({scene.topology, scene.linear, inter}, what + ", pairs of different objects");
-    if (i % 4 == 3) contest.compare({scene.topology, scene.linear, kNoFilter}, what + ", first", Query::first);
+    if (i % 4 == 3)
+      contest.compare({scene.topology, scene.linear, kNoFilter}, what + ", first", {.query = Query::first});
     TopologyEdit edit;
     Random random(seed);
     for (Index o = 0; o < scene.topology.mesh().element_slots(); ++o)
@@ -353,7 +354,8 @@ TEST(BoundaryFlood, GivesUpWithoutLosingAnything) {
   std::size_t contacts = 0;
   for (std::uint64_t seed = 500; seed < 505; ++seed) {
     const FloodScene scene = FloodScenes(seed).make();
-    contacts += Contest(spec).compare({scene.topology, scene.linear, kNoFilter}, scene.what, {Query::all, true});
+    contacts +=
+        Contest(spec).compare({scene.topology, scene.linear, kNoFilter}, scene.what, {.initial_overlaps = true});
   }
   EXPECT_GT(contacts, 0u);
 }

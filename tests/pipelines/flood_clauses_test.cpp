@@ -207,5 +207,148 @@ TEST(FloodClauses, AnElementReplacedInItsSlot) {
   EXPECT_GT(contest.compare({topology, motion, kNoFilter}, "joined"), 5u);
 }
 
+/// A body whose outside and inside are two objects that have vertices in common, and a bar that has been pushed through
+/// the one into the other. Contacts of the bar and the outside are not asked for, so that with the filter no pair at
+/// the boundary would be a seed.
+TEST(FloodClauses, ObjectsThatAreTheOutsideAndTheInsideOfABody) {
+  Shape both = block(ElementType::tetrahedron, 5, 5, 5);
+  for (ElementSpec& e : both.elements) {
+    Vec3 middle = Vec3::Zero();
+    for (const Index v : e.vertices) middle += both.positions[v] / 4;
+    e.object = (middle - Vec3(2.5, 2.5, 2.5)).lpNorm<Eigen::Infinity>() < 0.5 ? 1 : 0;
+  }
+  const std::size_t outside = both.positions.size();
+  Shape bar = block(ElementType::tetrahedron, 1, 1, 8);
+  for (Vec3& p : bar.positions) p = 0.4 * p + Vec3(2.23, 2.41, -0.57);
+  both.append(bar, 2);
+  std::vector<Vec3> end = both.positions;
+  for (std::size_t v = outside; v < end.size(); ++v) end[v] += Vec3(0.21, 0.13, 0.17);
+  const Topology topology(both.mesh());
+  EXPECT_TRUE(topology.objects_share_vertices());
+  ObjectFilter filter;
+  filter.exclude(0, 2);
+  EXPECT_GT(Contest().compare({topology, Motion::linear(both.positions, end), filter}, "bar"), 10u);
+}
+
+/// A needle through a body, in at one side and out at the other, without contacts of features at the boundary. In the
+/// middle, a vertex moves, so that edges at it touch the needle. On the way there are only pairs of elements that
+/// overlap while no feature of one touches a feature of the other (PairVerdict::contact_free).
+TEST(FloodClauses, ANeedleThroughElementsWithoutContacts) {
+  Shape both = block(ElementType::tetrahedron, 4, 4, 6);
+  std::vector<Vec3> end = both.positions;
+  for (Vec3& p : end)
+    if ((p - Vec3(2, 2, 3)).norm() < 1e-9) p.x() += 0.6;
+  ElementSpec needle{ElementType::tetrahedron, {}, {}, 1, static_cast<std::int64_t>(both.elements.size())};
+  for (const Vec3& p : {Vec3(0.01, 0, -1), Vec3(-0.01, 0, -1), Vec3(0, 0.01, 7), Vec3(0, -0.01, 7)}) {
+    needle.vertices.push_back(static_cast<Index>(both.positions.size()));
+    both.positions.push_back(p + Vec3(2.67, 2.33, 0));
+    end.push_back(both.positions.back());
+  }
+  both.elements.push_back(needle);
+  const Topology topology(both.mesh());
+  const Motion motion = Motion::linear(both.positions, end);
+  const Step step{topology, motion, kNoFilter};
+  PipelineSpec spec = test::spec_of("boundary-flood");
+  test::registry().apply_setting(spec, "csat.mode=features");
+  Contest contest(spec);
+  EXPECT_GT(contest.compare(step, "needle"), 4u);
+  contest.compare(step, "needle, with overlaps", {Query::all, true});
+  EXPECT_EQ(contest.initial_overlaps(), 18u);
+}
+
+/// A bar in a body of tetrahedra, of which an edit replaces the outer cells by hexahedra, and a further edit brings the
+/// tetrahedra back. The flood has processed steps before; after the first edit it has to copy and divide the mesh, or
+/// does not take the steps. The way to the tetrahedra inside leads through the hexahedra.
+TEST(FloodClauses, HexahedraAddedToABodyOfTetrahedra) {
+  Shape both = block(ElementType::tetrahedron, 5, 5, 5);
+  const Shape cells = block(ElementType::hexahedron, 5, 5, 5), tetrahedra = both;
+  const std::size_t outside = both.positions.size();
+  Shape bar = block(ElementType::tetrahedron, 1, 1, 8);
+  for (Vec3& p : bar.positions) p = 0.4 * p + Vec3(2.23, 2.41, -0.57);
+  both.append(bar, 1);
+  std::vector<Vec3> end = both.positions;
+  for (std::size_t v = outside; v < end.size(); ++v) end[v] += Vec3(0.21, 0.13, 0.17);
+  const Motion motion = Motion::linear(both.positions, end);
+  std::vector<ElementSpec> outer_tetrahedra, outer_cells;
+  for (std::size_t i = 0; i < cells.elements.size(); ++i) {  // cell i is divided into the tetrahedra 6 i to 6 i + 5
+    const ElementSpec& cell = cells.elements[i];
+    const Vec3 middle = (both.positions[cell.vertices[0]] + both.positions[cell.vertices[6]]) / 2;
+    if ((middle - Vec3(2.5, 2.5, 2.5)).lpNorm<Eigen::Infinity>() < 1.5) continue;
+    outer_cells.push_back(cell);
+    outer_cells.back().id += 10000;
+    for (std::size_t k = 6 * i; k < 6 * i + 6; ++k) outer_tetrahedra.push_back(tetrahedra.elements[k]);
+  }
+  for (const char* max_divided_fraction : {"1", "0"}) {  // 0: the flood does not take the steps with hexahedra
+    PipelineSpec spec = test::spec_of("boundary-flood");
+    spec.flood->options["max_divided_fraction"] = max_divided_fraction;
+    Contest contest(spec);
+    Topology topology(both.mesh());
+    const auto replace = [&](const std::vector<ElementSpec>& removed, const std::vector<ElementSpec>& added) {
+      TopologyEdit edit{{}, {}, added};
+      for (const ElementSpec& e : removed) edit.removed.push_back(topology.mesh().find_element(e.id));
+      topology.apply(edit);
+    };
+    for (int round = 0; round < 2; ++round) {
+      EXPECT_GT(contest.compare({topology, motion, kNoFilter}, "tetrahedra"), 20u);
+      replace(outer_tetrahedra, outer_cells);
+      EXPECT_GT(contest.compare({topology, motion, kNoFilter}, "hexahedra"), 10u);
+      contest.compare({topology, motion, kNoFilter}, "hexahedra, with overlaps", {Query::all, true});
+      EXPECT_GT(contest.initial_overlaps(), 20u);
+      replace(outer_cells, outer_tetrahedra);
+    }
+  }
+}
+
+/// A vertex of the boundary touches a face of another body. The test is assigned to the first element at the vertex,
+/// which has no other vertex on the boundary.
+TEST(FloodClauses, AnElementThatHasOneVertexOnTheBoundary) {
+  Shape both = block(ElementType::tetrahedron, 3, 3, 2);
+  const auto lowest = [](const Vec3& p) { return (p - Vec3(1, 1, 0)).norm() < 1e-9; };
+  const auto at = static_cast<Index>(std::ranges::find_if(both.positions, lowest) - both.positions.begin());
+  const auto first = std::ranges::find_if(both.elements, [&](const ElementSpec& e) {
+    return std::ranges::all_of(e.vertices, [&](Index v) { return v == at || both.positions[v].z() == 1; }) &&
+           std::ranges::count(e.vertices, at) == 1;
+  });
+  ASSERT_NE(first, both.elements.end());
+  std::swap(*first, both.elements.front());
+  both.positions[at].z() = -0.3;
+  std::vector<Vec3> end = both.positions;
+  for (Vec3& p : end) p.z() -= 0.4;
+  Shape below;
+  below.positions = {Vec3(-4, -4, -0.5), Vec3(8, -3, -0.5), Vec3(1, 9, -0.5), Vec3(1, 1, -5)};
+  below.elements = {{ElementType::tetrahedron, {0, 2, 1, 3}, {}, 0, 0}};
+  both.append(below, 1);
+  end.insert(end.end(), below.positions.begin(), below.positions.end());
+  const Topology topology(both.mesh());
+  EXPECT_EQ(Contest().compare({topology, Motion::linear(both.positions, end), kNoFilter}, "vertex"), 1u);
+}
+
+/// A body deep inside another one. Its last cell is missing, so that one of the vertices around the middle one is on
+/// the boundary. The middle vertex has a shell as well, and thus no clear star: the elements at it are outer as wholes.
+/// From the boundary they are reached over that one vertex.
+TEST(FloodClauses, WholeElementsThatHaveOneVertexOnTheBoundary) {
+  Shape both = block(ElementType::tetrahedron, 3, 3, 3);
+  for (Vec3& p : both.positions) p = 4 * p - Vec3(4, 4, 4);
+  const std::size_t outside = both.positions.size();
+  Shape inside = block(ElementType::tetrahedron, 4, 4, 4);
+  std::erase_if(inside.elements, [&](const ElementSpec& e) {
+    return std::ranges::all_of(e.vertices, [&](Index v) { return inside.positions[v].minCoeff() >= 3; });
+  });
+  ElementSpec shell{ElementType::triangle, {}, {}, 0, 1000};
+  for (Index v = 0; v < inside.positions.size(); ++v)
+    if ((inside.positions[v] - Vec3(2, 2, 2)).norm() < 1e-9) shell.vertices.push_back(v);
+  for (const Vec3& p : {Vec3(0.2, 0.1, 0.05), Vec3(0.05, 0.2, 0.1)}) {
+    shell.vertices.push_back(static_cast<Index>(inside.positions.size()));
+    inside.positions.push_back(p + Vec3(2, 2, 2));
+  }
+  inside.elements.push_back(shell);
+  for (Vec3& p : inside.positions) p = 0.9 * p + Vec3(0.13, 0.21, 0.17);
+  both.append(inside, 1);
+  std::vector<Vec3> end = both.positions;
+  for (std::size_t v = outside; v < end.size(); ++v) end[v] += Vec3(0.11, -0.08, 0.06);
+  const Topology topology(both.mesh());
+  EXPECT_GT(Contest().compare({topology, Motion::linear(both.positions, end), kNoFilter}, "shell"), 20u);
+}
+
 }  // namespace
 }  // namespace volccd

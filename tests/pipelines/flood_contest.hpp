@@ -45,12 +45,16 @@ class Contest {
     EXPECT_TRUE(d.empty()) << what << ": " << d.missing.size() << " of " << expected.contacts.size() << " missing, "
                            << d.extra.size() << " extra, " << d.changed.size() << " changed";
     EXPECT_EQ(expected.initial_overlaps, found.initial_overlaps) << what;
+    initial_overlaps_ = expected.initial_overlaps.size();
     return expected.contacts.size();
   }
+  /// Of the last step that was compared.
+  std::size_t initial_overlaps() const { return initial_overlaps_; }
 
  private:
   Pipeline plain_, flooded_;
   Workspace plain_workspace_, flooded_workspace_;
+  std::size_t initial_overlaps_ = 0;
 };
 
 }  // namespace volccd::test

@@ -94,7 +94,7 @@ TEST(InitialOverlaps, EveryPipelineListsWhatTheDefinitionSays) {
     const Pairs truth = expected(step);
     listed += truth.size();
     for (const PipelineSpec& spec : specs()) {
-      const StepResult result = run(spec, step, {Query::all, true});
+      const StepResult result = run(spec, step, {.initial_overlaps = true});
       EXPECT_EQ(result.initial_overlaps, truth) << scene.name << " " << spec.name;
       EXPECT_EQ(result.statistics.initial_overlaps, truth.size());
       EXPECT_EQ(result.statistics.stages.back().out, truth.size());
@@ -112,11 +112,13 @@ TEST(InitialOverlaps, ScopesSeparationFirstAndThreads) {
     const Pairs truth = expected(step);
     EXPECT_EQ(truth.empty(), scope == PairScope::intra);
     for (const PipelineSpec& spec : specs()) {
-      EXPECT_EQ(run(spec, step, {Query::first, true}, threads.get()).initial_overlaps, truth) << spec.name;
-      EXPECT_TRUE(run(spec, step, Query::all).initial_overlaps.empty()) << spec.name;
+      EXPECT_EQ(run(spec, step, {.query = Query::first, .initial_overlaps = true}, threads.get()).initial_overlaps,
+                truth)
+          << spec.name;
+      EXPECT_TRUE(run(spec, step, {}).initial_overlaps.empty()) << spec.name;
       Step short_step = step;
       short_step.t_max = 0.01;
-      EXPECT_EQ(run(spec, short_step, {Query::all, true}).initial_overlaps, truth) << spec.name;
+      EXPECT_EQ(run(spec, short_step, {.initial_overlaps = true}).initial_overlaps, truth) << spec.name;
     }
   }
 }
@@ -132,7 +134,7 @@ TEST(InitialOverlaps, ElementsOfTwoObjectsThatShareVertices) {
     const Pairs truth = expected(step);
     EXPECT_GT(truth.size(), 5u);
     for (const PipelineSpec& spec : specs())
-      EXPECT_EQ(run(spec, step, {Query::all, true}).initial_overlaps, truth) << spec.name;
+      EXPECT_EQ(run(spec, step, {.initial_overlaps = true}).initial_overlaps, truth) << spec.name;
   }
 }
 
@@ -145,8 +147,8 @@ Scene pierced(bool needle) {
     shape.positions.insert(shape.positions.end(), {{-0.1, 0.1, -3}, {0.1, 0.1, -3}, {0, -0.1, -3}, {0.3, 1.2, 9}});
   else
     shape.positions.insert(shape.positions.end(), {{0, 0, 1}, {0.1, 0, 1}, {0, 0.1, 1}, {0, 0, 1.1}});
-  shape.elements = {{ElementType::tetrahedron, {0, 1, 2, 3}, {}, 1, 0},
-                    {ElementType::tetrahedron, {4, 5, 6, 7}, {}, 2, 1}};
+  shape.elements = {{.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}, .object = 1},
+                    {.type = ElementType::tetrahedron, .vertices = {4, 5, 6, 7}, .object = 2, .id = 1}};
   std::vector<Vec3> end = shape.positions;
   for (Vec3& p : end) p.x() += 0.01;
   return {needle ? "pierced" : "inside", Topology(shape.mesh()), Motion::linear(shape.positions, end)};
@@ -158,7 +160,7 @@ TEST(InitialOverlaps, InsideAndPiercedAreFoundWhateverElementCullingDrops) {
     const Scene scene = pierced(needle);
     const Step step{scene.topology, scene.motion, everything};
     for (const PipelineSpec& spec : specs())
-      EXPECT_EQ(run(spec, step, {Query::all, true}).initial_overlaps, (Pairs{{0, 1}}))
+      EXPECT_EQ(run(spec, step, {.initial_overlaps = true}).initial_overlaps, (Pairs{{0, 1}}))
           << scene.name << " " << spec.name;
   }
 }
@@ -172,7 +174,7 @@ TEST(InitialOverlaps, RunningAgainGivesTheSame) {
   SerialExecutor serial;
   StepResult result;
   for (int i = 0; i < 3; ++i) {
-    pipeline.run(step, workspace, serial, result, {Query::all, i != 1});
+    pipeline.run(step, workspace, serial, result, {.initial_overlaps = i != 1});
     EXPECT_EQ(result.initial_overlaps, i != 1 ? expected(step) : Pairs{});
   }
 }

@@ -30,7 +30,8 @@ StepResult run(const PipelineSpec& spec, const Scene& scene, Query query = Query
   const Pipeline pipeline(registry(), spec);
   Workspace workspace = pipeline.make_workspace();
   StepResult result;
-  pipeline.run({scene.topology, scene.motion, filter}, workspace, executor ? *executor : serial, result, query);
+  pipeline.run({scene.topology, scene.motion, filter}, workspace, executor ? *executor : serial, result,
+               {.query = query});
   return result;
 }
 
@@ -178,7 +179,7 @@ Scene nearly_simultaneous(std::size_t pairs, double spread, std::uint64_t seed) 
     const Vec3 corners[2][4] = {{{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}, {0, 0, -1}},
                                 {tip, tip + Vec3(1, 0, 2), tip + Vec3(0, 1, 2), tip + Vec3(-1, -1, 2)}};
     for (std::size_t e = 0; e < 2; ++e) {
-      ElementSpec element{ElementType::tetrahedron, {}, {}, 0, static_cast<std::int64_t>(2 * pair + e)};
+      ElementSpec element{.type = ElementType::tetrahedron, .id = static_cast<std::int64_t>(2 * pair + e)};
       for (const Vec3& p : corners[e]) {
         element.vertices.push_back(static_cast<Index>(shape.positions.size()));
         shape.positions.push_back(place + turn * p);
@@ -236,8 +237,8 @@ TEST(Pipelines, FirstIsTheEarliestReportedTime) {
     const Pipeline pipeline(with_early_times, spec);
     Workspace workspace = pipeline.make_workspace();
     StepResult all, first;
-    pipeline.run(step, workspace, serial, all, Query::all);
-    pipeline.run(step, workspace, serial, first, Query::first);
+    pipeline.run(step, workspace, serial, all);
+    pipeline.run(step, workspace, serial, first, {.query = Query::first});
     ASSERT_EQ(first.contacts.size(), 1u) << name;
     EXPECT_EQ(first.contacts.front().toi, all.statistics.earliest_toi) << name;
   }

@@ -17,7 +17,7 @@ namespace {
 using test::registry;
 
 const ObjectFilter kAll;
-const Request kKeep, kLeaveOut(Query::all, false, true);
+const Request kKeep, kLeaveOut{.leave_out_shell_neighbours = true};
 
 /// Shells that move from `start` to `end`, thickened.
 struct Solids {
@@ -164,7 +164,8 @@ TEST(ShellNeighbours, AreNotTheFirstContact) {
     for (const PipelineSpec& spec : certified_pipelines())
       for (const unsigned threads : {1u, 3u}) {
         SCOPED_TRACE(spec.name + " " + std::to_string(threads));
-        const StepResult result = solids.run(spec.name, Request(Query::first, false, true), threads);
+        const StepResult result =
+            solids.run(spec.name, {.query = Query::first, .leave_out_shell_neighbours = true}, threads);
         ASSERT_EQ(result.contacts.size(), 1u);
         EXPECT_EQ(result.contacts.front(), first);
         EXPECT_TRUE(result.left_out.empty());

@@ -128,7 +128,7 @@ TEST(ThreadsWorkspace, CountsEachStepByItself) {
     for (std::size_t i = 0; i < 12; ++i) {
       const ObjectFilter filter = i % 5 == 3 ? ObjectFilter(PairScope::intra) : ObjectFilter();
       const Step step{topology, motions[i % motions.size()], filter};
-      const Request request(i % 6 == 4 ? Query::first : Query::all, i % 3 == 0);
+      const Request request{.query = i % 6 == 4 ? Query::first : Query::all, .initial_overlaps = i % 3 == 0};
       const std::string what = spec.name + " " + narrow + ", step " + std::to_string(i);
       StepResult with_kept, with_fresh;
       pipeline.run(step, kept, *executors[i % 4], with_kept, request);

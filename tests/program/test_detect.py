@@ -81,7 +81,7 @@ class Detect(ProgramTest):
         self.bad("verify", self.sequence, "--set", "broad-phase=nothing", says="kdop-bvh")
 
     def test_quadratic_motion(self):
-        self.assertIn("motions", self.good("info", self.sequence, "--motion", "quadratic"))
+        self.assertIn("steps: distances", self.good("info", self.sequence, "--motion", "quadratic"))
         self.bad("detect", self.sequence, "--motion", "quadratic", "--set", "narrow-phase=cubic", says="exact")
 
     def test_tentative_motion(self):

@@ -149,8 +149,8 @@ class Incomplete(ProgramTest):
         done = run("detect", target, "--steps", "0")
         self.assertEqual(done.returncode, 0)
         self.assertRegex(done.stderr,
-                         r"cut.vtkhdf is incomplete: steps 0 to \d+ of 0 to 4999 are complete; interrupted")
-        self.assertRegex(info, r"INCOMPLETE steps 0 to \d+ of 0 to 4999 are complete; interrupted")
+                         r"cut.vtkhdf is incomplete: frames 0 to \d+ of 0 to 4999 are complete; interrupted")
+        self.assertRegex(info, r"INCOMPLETE frames 0 to \d+ of 0 to 4999 are complete; interrupted")
 
 
 if __name__ == "__main__":

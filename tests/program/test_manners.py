@@ -177,7 +177,7 @@ class Manners(ProgramTest):
                                 (["info", self.sequence], "reading: 1 of 4 steps"),
                                 (["check", "csat", "--trials", "20"], "checking csat: 1 of 20 trials"),
                                 (["queries", self.sequence, "--candidates", "--steps", ":3", "--sample", "10"],
-                                 "testing queries: 1 of 3 motions"),
+                                 "testing queries: 1 of 3 steps"),
                                 (["scene", "picture", self.sequence, "--step", "0,1,2", "--size", "300", "-o",
                                   os.devnull],
                                  "drawing: 1 of 3 panels"),

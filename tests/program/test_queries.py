@@ -17,7 +17,7 @@ class Queries(ProgramTest):
         self.assertEqual([n["name"] for n in found["narrow_phases"]], ["cubic", "cubic:axis_test=false"])
         expected = self.contacts("--steps", "0", "--set", "narrow-phase=cubic")[1:]
         for group in found["groups"]:
-            self.assertEqual(group["scene"], "candidates, motion 0")
+            self.assertEqual(group["scene"], "candidates, step 0")
             self.assertIsNone(group["colliding"])
             for score in group["scores"]:
                 self.assertEqual(score["contacts"], sum(row[1] == group["kind"] for row in expected))

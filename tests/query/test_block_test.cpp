@@ -1,10 +1,10 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
+#include <volccd/oracle/cases/instruction_sets.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/query/test_block.hpp>
 
-#include "conservative/vector_targets.hpp"
 
 namespace volccd {
 namespace {
@@ -86,7 +86,7 @@ TEST(TestBlock, GathersEverySizeOnEveryInstructionSet) {
     TestBlock block;
     for (std::size_t n = 0; n <= TestBlock::kCapacity; ++n) {
       const auto pairs = scene.pairs(kind, n);
-      test::VectorTargets().with_each([&](const char* target) {
+      cases::InstructionSets().with_each([&](const char* target) {
         SCOPED_TRACE(target);
         block.clear();
         block.gather(scene.step(), kind, pairs);

@@ -47,7 +47,7 @@ TEST_F(SceneExport, ShowsSurfacePositionsAndContactsOfTheFile) {
   const ExportedScene scene = run(config);
   const Decoded d = decode(scene.script);
   SequenceReader reader(file_);
-  const int steps = reader.step_count();
+  const int steps = reader.frame_count();
   ASSERT_EQ(static_cast<std::size_t>(steps), d.frames.size());
   EXPECT_EQ(16, d.header.at("bits"));
   EXPECT_TRUE(scene.summary.at("notes").empty()) << scene.summary.at("notes");
@@ -237,7 +237,7 @@ TEST_F(SceneExport, BecomesCoarserWhereItWouldBeTooLargeAndSaysSo) {
   ASSERT_FALSE(coarse.summary.at("notes").empty());
   EXPECT_NE(std::string::npos, coarse.summary.at("notes").dump().find("frames are shown")) << coarse.summary.dump();
   EXPECT_EQ(0, d.header.at("frames").front().at("step"));
-  EXPECT_EQ(SequenceReader(file_).step_count() - 1, d.header.at("frames").back().at("step"));
+  EXPECT_EQ(SequenceReader(file_).frame_count() - 1, d.header.at("frames").back().at("step"));
 }
 
 TEST_F(SceneExport, ThinsTrianglesAndContactsButCountsThemAll) {

@@ -11,8 +11,8 @@ namespace {
 
 SequenceCells two_tetrahedra() {
   SequenceCells cells;
-  cells.add({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 7, 0});
-  cells.add({ElementType::tetrahedron, {1, 2, 3, 4}, {}, 7, 1});
+  cells.add({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}, .object = 7});
+  cells.add({.type = ElementType::tetrahedron, .vertices = {1, 2, 3, 4}, .object = 7, .id = 1});
   return cells;
 }
 
@@ -29,9 +29,9 @@ TEST(SurfaceTrackTest, FollowsElementsThatGo) {
   EXPECT_EQ(4u, track.frame(2).size());
   EXPECT_EQ(7u, track.triangles().size());
   EXPECT_EQ(6u, track.largest_frame());
-  ASSERT_EQ(1u, track.parts().size());
-  EXPECT_EQ(7, track.parts()[0].id);
-  EXPECT_TRUE(track.parts()[0].solid);
+  ASSERT_EQ(1u, track.objects().size());
+  EXPECT_EQ(7, track.objects()[0].id);
+  EXPECT_TRUE(track.objects()[0].solid);
 }
 
 TEST(SurfaceTrackTest, ClusteringKeepsTheFormAndFewerTriangles) {
@@ -43,7 +43,9 @@ TEST(SurfaceTrackTest, ClusteringKeepsTheFormAndFewerTriangles) {
   for (Index y = 0; y < n; ++y)
     for (Index x = 0; x < n; ++x) {
       const Index a = y * (n + 1) + x;
-      cells.add({ElementType::quad, {a, a + 1, a + n + 2, a + n + 1}, {}, 0, static_cast<std::int64_t>(cells.size())});
+      cells.add({.type = ElementType::quad,
+                 .vertices = {a, a + 1, a + n + 2, a + n + 1},
+                 .id = static_cast<std::int64_t>(cells.size())});
     }
   SurfaceTrack track;
   track.add(cells, points.size());

@@ -309,12 +309,12 @@ class View(Page):
         return self.text(".clock")
 
     def test_time(self):
-        self.assertIn("motion 0 → 1 of 6", self.clock())
+        self.assertIn("frames 0 → 1 of 6", self.clock())
         self.redraws(lambda: BROWSER.set(".time", "70"), "the slider")
-        self.assertIn("motion 3 → 4 of 6, at 0.50", self.clock())
-        self.redraws(lambda: BROWSER.click("button[aria-label='next motion']"), "next")
-        self.assertIn("motion 4 → 5", self.clock())
-        self.redraws(lambda: BROWSER.click("button[aria-label='previous motion']"), "previous")
+        self.assertIn("frames 3 → 4 of 6, at 0.50", self.clock())
+        self.redraws(lambda: BROWSER.click("button[aria-label='next step']"), "next")
+        self.assertIn("frames 4 → 5", self.clock())
+        self.redraws(lambda: BROWSER.click("button[aria-label='previous step']"), "previous")
         BROWSER.set(".time", "0")
         self.redraws(lambda: BROWSER.click(".timeline"), "the strip of contacts")
         self.changes("document.querySelector('.funnel-box').textContent", lambda: BROWSER.set(".time", "0"), "funnel")
@@ -381,8 +381,8 @@ class View(Page):
         self.redraws(lambda: BROWSER.click("input[name=lines]"), "edges")
         self.redraws(lambda: BROWSER.click("input[name=marks]"), "contacts")
         BROWSER.click("input[name=marks]")
-        self.redraws(lambda: BROWSER.set("select[name=kinds]", "0"), "contacts within a part")
-        self.redraws(lambda: BROWSER.set("select[name=kinds]", "1"), "contacts between parts")
+        self.redraws(lambda: BROWSER.set("select[name=kinds]", "0"), "contacts within an object")
+        self.redraws(lambda: BROWSER.set("select[name=kinds]", "1"), "contacts between objects")
         for name in ("input[name=part-0]", "button[name=no-parts]", "button[name=all-parts]"):
             self.redraws(lambda n=name: BROWSER.click(n), name)
 
@@ -471,8 +471,8 @@ CONTROLS = {
     "report": ["a.skip", "header a", ".records a", "a.card", ".list a", ".sort", ".plot", "table.data tr[tabindex]",
                ".controls select", ".controls input", ".choices summary", ".choices input", "svg.chart .pick",
                "select[name=scene]", ".scenes > details > summary"],
-    "view": ["a.skip", "header a", "canvas", ".timeline", ".time", ".speed", ".play", "button[aria-label='next motion']",
-             "button[aria-label='previous motion']", ".stage-choice", "input[name=lines]", "input[name=marks]",
+    "view": ["a.skip", "header a", "canvas", ".timeline", ".time", ".speed", ".play", "button[aria-label='next step']",
+             "button[aria-label='previous step']", ".stage-choice", "input[name=lines]", "input[name=marks]",
              "select[name=kinds]", "select[name=up]", "button[name^=view-]", "input[name^=cut-]", "input[name^=at-]",
              "button[name^=flip-]", "input[name^=part-]", "button[name=all-parts]", "button[name=no-parts]"],
     "drawer": ["button[name=close]", ".scene-name a", "details summary"]}

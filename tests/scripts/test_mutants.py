@@ -43,7 +43,7 @@ class List(unittest.TestCase):
             for test in m.tests:
                 module, _, suite = test.partition(".")
                 if module not in suites:
-                    files = (ROOT / "tests" / module).glob("*.cpp")
+                    files = (ROOT / "tests").glob(f"**/{module}/**/*.cpp")
                     suites[module] = {s for f in files for s in SUITE.findall(f.read_text())}
                 found = [s for s in suites[module] if re.match(suite, s) and not s.startswith("Long")]
                 self.assertTrue(found, f"[{m.name}]: no quick suite of tests/{module} begins with '{suite}'")

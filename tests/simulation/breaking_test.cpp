@@ -11,10 +11,10 @@
 namespace volccd::simulation {
 namespace {
 
-std::vector<Part> breakable(double strain = 0.5) {
-  Part part;
-  part.material.breaking_strain = strain;
-  return {part};
+std::vector<Body> breakable(double strain = 0.5) {
+  Body body;
+  body.material.breaking_strain = strain;
+  return {body};
 }
 
 std::vector<VertexStress> drawn(std::size_t vertices, const Vec3& direction, double strain = 0.6) {
@@ -22,13 +22,13 @@ std::vector<VertexStress> drawn(std::size_t vertices, const Vec3& direction, dou
   return std::vector<VertexStress>(vertices, VertexStress{2 * 10 * d * d.transpose(), 2 * strain, 2});
 }
 
-TopologyProposal propose(const Body& body, const Vec3& direction, const std::vector<Part>& parts = breakable()) {
-  return propose_breaking(body.topology, parts, body.x, drawn(body.x.size(), direction),
+TopologyProposal propose(const MovingMesh& body, const Vec3& direction, const std::vector<Body>& bodies = breakable()) {
+  return propose_breaking(body.topology, bodies, body.x, drawn(body.x.size(), direction),
                           std::vector<char>(body.x.size(), 0));
 }
 
 /// Volume by the divergence theorem over the boundary, triangulated in VTK's order.
-double solid_volume(const Body& body, Index o) {
+double solid_volume(const MovingMesh& body, Index o) {
   constexpr std::size_t kWedge[8][3] = {{0, 1, 2}, {3, 5, 4}, {0, 3, 4}, {0, 4, 1},
                                         {1, 4, 5}, {1, 5, 2}, {2, 5, 3}, {2, 3, 0}};
   double six = 0;
@@ -40,7 +40,7 @@ double solid_volume(const Body& body, Index o) {
 using Triangle = std::array<Index, 3>;
 
 /// Triangles of the boundary; no triangle may have more than two elements.
-std::set<Triangle> surface(const Body& body) {
+std::set<Triangle> surface(const MovingMesh& body) {
   std::set<Triangle> result;
   const Features& features = body.topology.features();
   for (Index f = 0; f < features.triangle_slots(); ++f) {
@@ -54,7 +54,7 @@ TEST(ElementBreaking, CutsAHexahedronAcrossTheTension) {
   // In a cell whose vertices have ascending numbers, the diagonals contain its first vertex.
   const Vec3 normals[] = {Vec3(1, -1, 0), Vec3(0, 1, -1), Vec3(1, 0, -1)};
   for (const Vec3& normal : normals) {
-    Body body(block(ElementType::hexahedron, 1, 1, 1));
+    MovingMesh body(block(ElementType::hexahedron, 1, 1, 1));
     const std::set<Triangle> before = surface(body);
     const TopologyProposal proposal = propose(body, normal + Vec3(0.1, 0.2, 0.1));
     ASSERT_EQ(proposal.edit.added.size(), 2u);
@@ -77,13 +77,13 @@ TEST(ElementBreaking, CutsAHexahedronAcrossTheTension) {
 
 TEST(ElementBreaking, LeavesAloneWhatCannotBreak) {
   const Vec3 pull(1, -1, 0);
-  Body body(block(ElementType::hexahedron, 1, 1, 1));
+  MovingMesh body(block(ElementType::hexahedron, 1, 1, 1));
   EXPECT_FALSE(propose(body, pull).empty());
   EXPECT_TRUE(propose(body, Vec3(1, 1, 0)).empty()) << "the surface is not triangulated along that plane";
   EXPECT_TRUE(propose(body, Vec3(1, 0.1, 0.1)).empty()) << "across no diagonal";
   EXPECT_TRUE(propose(body, pull, breakable(0.7)).empty()) << "not drawn so far";
   EXPECT_TRUE(propose(body, pull, breakable(kNever)).empty());
-  std::vector<Part> rigid = breakable();
+  std::vector<Body> rigid = breakable();
   rigid[0].rigid = true;
   EXPECT_TRUE(propose(body, pull, rigid).empty());
 
@@ -99,7 +99,7 @@ TEST(ElementBreaking, LeavesAloneWhatCannotBreak) {
   body.x[1] = Vec3(0.6, 0.4, 0);  // near the plane
   body.x[5] = Vec3(0.6, 0.4, 1);
   EXPECT_TRUE(propose(body, pull).empty()) << "one piece would be thin";
-  const Body inside(block(ElementType::hexahedron, 3, 3, 3));
+  const MovingMesh inside(block(ElementType::hexahedron, 3, 3, 3));
   for (const ElementSpec& piece : propose(inside, pull).edit.added)
     EXPECT_NE(piece.id, 13) << "faces inside are not divided";
 }
@@ -108,7 +108,7 @@ TEST(ElementBreaking, LeavesAloneWhatCannotBreak) {
 TEST(ElementBreaking, KeepsTheSurfaceOfAnyBlock) {
   std::size_t broken = 0;
   for (std::uint64_t seed = 1; seed <= 30; ++seed) {
-    Body body(permuted(block(ElementType::hexahedron, 3, 3, 1), seed));
+    MovingMesh body(permuted(block(ElementType::hexahedron, 3, 3, 1), seed));
     Random random(seed);
     for (Vec3& x : body.x)
       for (int k = 0; k < 3; ++k) x[k] += random.uniform(-0.1, 0.1);
@@ -130,7 +130,7 @@ TEST(ElementBreaking, KeepsTheSurfaceOfAnyBlock) {
 /// A strip of one layer of cells that is stretched along the diagonal of the cells until they break and then separate.
 Model drawn_strip() {
   Model model = blocks({{.nx = 3, .ny = 3, .nz = 1}});
-  Material& material = model.parts[0].material;
+  Material& material = model.bodies[0].material;
   material.yield_stress = 2e4;
   material.hardening_modulus = 2e4;
   material.breaking_strain = 0.3;
@@ -153,7 +153,7 @@ TEST(ElementBreaking, WithinTheLoopKeepsMassMomentumAndEnergy) {
   Simulation s(drawn_strip(), small_steps(), executor);
   const Ledger before = s.ledger();
   s.advance_to(0.03);
-  const SimulationCounts counts = s.take_counts();
+  const SimulationCounts counts = s.drain_counts();
   EXPECT_GE(counts.breaks, 5u);
   EXPECT_GT(counts.splits, 0u);
   EXPECT_EQ(counts.unresolved, 0u);
@@ -168,7 +168,7 @@ TEST(ElementBreaking, GoesOnBitForBitFromACheckpoint) {
   double time = 0;
   while (breaks == 0 && time < 0.03) {
     s.advance_to(time += 0.001);
-    breaks = s.take_counts().breaks;
+    breaks = s.drain_counts().breaks;
   }
   ASSERT_GT(breaks, 0u);
   std::stringstream file;

@@ -12,7 +12,7 @@ namespace {
 /// Number of pairs of non-adjacent elements that overlap, decided exactly by code that the response does not use.
 std::size_t overlaps(const Simulation& s) {
   const Motion motion = Motion::linear(s.positions(), s.positions());
-  return test::run_step({s.topology(), motion, test::kAllObjects}, {Query::all, true}).initial_overlaps.size();
+  return test::run_step({s.topology(), motion, test::kAllObjects}, {.initial_overlaps = true}).initial_overlaps.size();
 }
 
 /// Fraction of the energy by which the balance may be wrong. The work of bulk viscosity is computed with the velocity
@@ -23,7 +23,7 @@ TEST(ContactWall, BounceKeepsEnergy) {
   for (double restitution : {0.0, 1.0}) {
     Model model = blocks({{.nx = 3, .ny = 3, .nz = 4, .at = Vec3(0, 0, 0.01), .velocity = Vec3(0, 0, -1)}});
     model.walls.push_back({});
-    model.parts[0].material.restitution = restitution;
+    model.bodies[0].material.restitution = restitution;
     SerialExecutor executor;
     Simulation s(model, {}, executor);
     const Ledger before = s.ledger();
@@ -40,13 +40,13 @@ TEST(ContactWall, BounceKeepsEnergy) {
 TEST(ContactBlocks, ImpactKeepsMomentumAndBalancesEnergy) {
   for (double restitution : {0.0, 1.0}) {
     Model model = blocks({{.nx = 3, .velocity = Vec3(2, 0, 0)}, {.nx = 3, .at = Vec3(0.31, 0.03, -0.02)}});
-    for (Part& part : model.parts) part.material.restitution = restitution;
+    for (Body& body : model.bodies) body.material.restitution = restitution;
     SerialExecutor executor;
     Simulation s(model, {}, executor);
     const Ledger before = s.ledger();
     s.advance_to(0.06);
     const Ledger& after = s.ledger();
-    const SimulationCounts counts = s.take_counts();
+    const SimulationCounts counts = s.drain_counts();
     EXPECT_GT(counts.inter, 0u);
     EXPECT_EQ(counts.unresolved, 0u);
     EXPECT_LT((after.momentum - before.momentum).norm(), 1e-12 * before.momentum.norm());
@@ -63,8 +63,8 @@ TEST(ContactFastPlate, NothingPassesThrough) {
     Model model =
         blocks({{ElementType::tetrahedron, 2, 2, 2, Vec3(0.1, 0.1, 0.1), Vec3(-0.25, 0.05, 0.05), Vec3(40, 3, 1)},
                 {ElementType::tetrahedron, 1, 3, 3, Vec3(0.004, 0.1, 0.1)}});
-    model.parts[0].material.youngs_modulus = 1e8;
-    model.parts[1].material.youngs_modulus = 1e4;
+    model.bodies[0].material.youngs_modulus = 1e8;
+    model.bodies[1].material.youngs_modulus = 1e4;
     SimulationOptions options;
     options.substeps_per_query = group;
     SerialExecutor executor;
@@ -73,7 +73,7 @@ TEST(ContactFastPlate, NothingPassesThrough) {
       s.advance_to(time);
       ASSERT_EQ(overlaps(s), 0u) << "at " << time;
     }
-    const SimulationCounts counts = s.take_counts();
+    const SimulationCounts counts = s.drain_counts();
     EXPECT_GT(40 * 0.008 / static_cast<double>(counts.substeps), 0.004 / 2);
     EXPECT_GT(counts.inter, 0u);
     EXPECT_EQ(counts.unresolved, 0u);
@@ -85,7 +85,7 @@ TEST(ContactSlope, SticksBelowTheAngleAndSlidesAboveIt) {
   const double mu = 0.5, g = 9.81;
   for (double slope : {0.25, 0.8}) {
     Model model = blocks({{}});
-    model.parts[0].material.youngs_modulus = 1e7;
+    model.bodies[0].material.youngs_modulus = 1e7;
     model.walls.push_back({Vec3::Zero(), Vec3::UnitZ(), mu});
     const double angle = std::atan(slope), t = 0.2;
     model.gravity = g * Vec3(std::sin(angle), 0, -std::cos(angle));
@@ -104,12 +104,12 @@ TEST(ContactSlope, SticksBelowTheAngleAndSlidesAboveIt) {
 TEST(ContactBlockOnBlock, SlidesWithTheSmallerFriction) {
   // A rigid block on a fixed rigid table. The contacts come from the pipeline, not from a wall.
   const double g = 9.81, t = 0.1;
-  Part block_part{"block", soft()}, table{"table", soft()};
-  block_part.rigid = table.rigid = true;
-  block_part.material.friction = 0.2;
+  Body block_body{"block", soft()}, table{"table", soft()};
+  block_body.rigid = table.rigid = true;
+  block_body.material.friction = 0.2;
   table.material.friction = 0.6;
-  Model model = blocks({{.at = Vec3(0.211, 0.207, 1e-4), .part = block_part},
-                        {.nx = 1, .ny = 1, .nz = 1, .size = Vec3(1, 1, 0.1), .at = Vec3(0, 0, -0.1), .part = table}});
+  Model model = blocks({{.at = Vec3(0.211, 0.207, 1e-4), .body = block_body},
+                        {.nx = 1, .ny = 1, .nz = 1, .size = Vec3(1, 1, 0.1), .at = Vec3(0, 0, -0.1), .body = table}});
   model.fixed.push_back(model.mesh.vertex_count() - 1);
   model.gravity = g * Vec3(0.6, 0, -0.8);
   SimulationOptions options;
@@ -160,7 +160,7 @@ TEST(ContactAtStart, FacesInTouchGetTheirNormalFromTheElements) {
     ContactDetection detection(topology, std::vector<double>(topology.mesh().element_slots(), 0.0), model.positions,
                                {"VolCCD+", ContactFeatures::all, true, {}, 1e-3, 4e-3, 4e-3}, executor);
     std::vector<FoundContact> found;
-    detection.query(model.positions, model.positions, {}, executor);
+    detection.query(model.positions, model.positions, {});
     detection.contacts(model.positions, model.positions, 1e-3, executor, found);
     std::size_t resisted = 0;
     for (const FoundContact& c : found) {
@@ -188,7 +188,7 @@ TEST(ContactFeatureSets, InteriorFeaturesCollideOnlyWhereAskedFor) {
   Simulation all(model, {}, executor), outside(model, boundary, executor);
   all.advance_to(0.02);
   outside.advance_to(0.02);
-  const SimulationCounts a = all.take_counts(), b = outside.take_counts();
+  const SimulationCounts a = all.drain_counts(), b = outside.drain_counts();
   EXPECT_GT(a.inter, 0u);
   EXPECT_EQ(b.inter, 0u);
   EXPECT_GT(b.ignored, 0u);
@@ -199,7 +199,7 @@ TEST(ContactFeatureSets, InteriorFeaturesCollideOnlyWhereAskedFor) {
 TEST(ContactAdjacent, TurningOverIsResistedAndTurningBackIsNot) {
   Shape shape;
   shape.positions = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0.3, 0.3, 0.5)};
-  shape.elements.push_back({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 0, 0});
+  shape.elements.push_back({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}});
   const Topology topology(shape.mesh());
   std::vector<Vec3> over = shape.positions;
   over[3].z() = -0.5;
@@ -208,7 +208,7 @@ TEST(ContactAdjacent, TurningOverIsResistedAndTurningBackIsNot) {
     ContactDetection detection(topology, std::vector<double>(1, 0.0), shape.positions,
                                {"VolCCD+", ContactFeatures::all, adjacent, {}, 0.01, 0.02, 0.02}, executor);
     std::vector<FoundContact> found;
-    detection.query(x0, x1, {}, executor);
+    detection.query(x0, x1, {});
     detection.contacts(x0, x1, 0.01, executor, found);
     EXPECT_EQ(found.size(), 1u);
     EXPECT_EQ(found.at(0).contact_class, ContactClass::adjacent);
@@ -221,14 +221,14 @@ TEST(ContactAdjacent, TurningOverIsResistedAndTurningBackIsNot) {
 
 TEST(ContactShells, SheetIsHeldByItsThickness) {
   // A sheet of triangles falls onto a fixed block. The prisms of the sheet touch it at half the thickness above.
-  Part sheet{"sheet", soft(), 0.004};
+  Body sheet{"sheet", soft(), 0.004};
   Model model = blocks({{.size = Vec3(0.12, 0.12, 0.1), .at = Vec3(0.08, 0.07, -0.21)},
                         {ElementType::triangle, 4, 4, 1, Vec3(0.1, 0.1, 1), Vec3(0, 0, 0), Vec3(0, 0, -3), sheet}});
   for (Index v = 0; v < 27; ++v) model.fixed.push_back(v);
   SerialExecutor executor;
   Simulation s(model, {}, executor);
   s.advance_to(0.01);
-  const SimulationCounts counts = s.take_counts();
+  const SimulationCounts counts = s.drain_counts();
   EXPECT_GT(counts.inter, 0u);
   EXPECT_EQ(counts.unresolved, 0u);
   // The vertex above the middle of the block.

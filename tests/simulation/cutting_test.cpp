@@ -29,16 +29,16 @@ Cut random_cut(Random& random) {
   return cut;
 }
 
-Body random_block(std::uint64_t seed) {
+MovingMesh random_block(std::uint64_t seed) {
   Shape shape = permuted(block(ElementType::tetrahedron, 4, 3, 3), seed);
   shape.positions = jittered(shape.positions, 0.05, seed);
-  Body body(shape);
+  MovingMesh body(shape);
   Random random(seed);
   for (Vec3& v : body.v) v = Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
   return body;
 }
 
-void expect_sound(const Body& body, double volume, double area, const Cut& cut, double depth) {
+void expect_sound(const MovingMesh& body, double volume, double area, const Cut& cut, double depth) {
   EXPECT_NEAR(total_volume(body), volume, 1e-12 * volume);
   EXPECT_GT(min_volume(body), 0);
   const Boundary boundary = boundary_of(body);
@@ -56,7 +56,7 @@ void expect_sound(const Body& body, double volume, double area, const Cut& cut, 
 TEST(ElementCutting, FullCutPartsABlockOfAnyShapeInTwo) {
   for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     SCOPED_TRACE(seed);
-    Body body = random_block(seed);
+    MovingMesh body = random_block(seed);
     Random random(seed);
     const Cut cut = random_cut(random);
     const double volume = total_volume(body), area = boundary_of(body).outer_area;
@@ -78,7 +78,7 @@ TEST(ElementCutting, FullCutPartsABlockOfAnyShapeInTwo) {
 TEST(ElementCutting, BladeThatAdvancesPartsWhatItHasPassed) {
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     SCOPED_TRACE(seed);
-    Body body = random_block(seed);
+    MovingMesh body = random_block(seed);
     Random random(seed);
     const Cut cut = random_cut(random);
     const double volume = total_volume(body), area = boundary_of(body).outer_area;
@@ -104,7 +104,7 @@ TEST(ElementCutting, BladeThatAdvancesPartsWhatItHasPassed) {
 
 TEST(ElementCutting, WithoutSnappingTheSidesAreTheHalfSpaces) {
   for (std::uint64_t seed = 1; seed <= 4; ++seed) {
-    Body body = random_block(seed);
+    MovingMesh body = random_block(seed);
     Random random(seed);
     const Cut cut = random_cut(random);
     body.apply(propose_cut(body.topology, body.x, cut, cut.length, 0));
@@ -124,14 +124,14 @@ TEST(ElementCutting, WithoutSnappingTheSidesAreTheHalfSpaces) {
 }
 
 TEST(ElementCutting, PartedAreaIsThatOfTheSection) {
-  Body body(block(ElementType::tetrahedron, 4, 3, 3));
+  MovingMesh body(block(ElementType::tetrahedron, 4, 3, 3));
   body.apply(propose_cut(body.topology, body.x, level_cut(), 100, 0.3));
   EXPECT_NEAR(boundary_of(body).parted_area, 2 * 12, 1e-12);
 
   // The plane contains a layer of vertices: nothing is subdivided, but the sides separate.
   Cut through = level_cut();
   through.point.z() = 2;
-  Body layers(block(ElementType::tetrahedron, 4, 3, 3));
+  MovingMesh layers(block(ElementType::tetrahedron, 4, 3, 3));
   layers.apply(propose_cut(layers.topology, layers.x, through, 100, 0.3));
   EXPECT_EQ(layers.mesh().element_count(), 216u);
   EXPECT_NEAR(boundary_of(layers).parted_area, 2 * 12, 1e-12);
@@ -139,7 +139,7 @@ TEST(ElementCutting, PartedAreaIsThatOfTheSection) {
 }
 
 TEST(ElementCutting, PartialCutEndsBehindTheEdge) {
-  Body body(block(ElementType::tetrahedron, 4, 3, 3));
+  MovingMesh body(block(ElementType::tetrahedron, 4, 3, 3));
   body.apply(propose_cut(body.topology, body.x, level_cut(), 3.2, kSnap));  // the edge is at x = 2.2
   EXPECT_EQ(components(body).size(), 1u);
   const double half = boundary_of(body).parted_area / 2;
@@ -148,7 +148,7 @@ TEST(ElementCutting, PartialCutEndsBehindTheEdge) {
 }
 
 TEST(ElementCutting, CrossingCutsMakeFourQuarters) {
-  Body body = random_block(7);
+  MovingMesh body = random_block(7);
   const double volume = total_volume(body);
   Cut second = level_cut();
   second.normal = Vec3(0, 0.8, 0.6), second.point = Vec3(-1, 1.4, 1.4);
@@ -163,7 +163,7 @@ TEST(ElementCutting, CrossingCutsMakeFourQuarters) {
 }
 
 TEST(ElementCutting, PiecesKnowTheirParents) {
-  Body body = random_block(3);
+  MovingMesh body = random_block(3);
   std::vector<double> before;
   const auto ids = by_id(body);
   for (Index o : body.elements()) before.push_back(tet_volume(body, o));
@@ -183,7 +183,7 @@ TEST(ElementCutting, CutsOneObjectOnly) {
   const Shape one = block(ElementType::tetrahedron, 2, 2, 2);
   Shape two;
   two.append(one, 0).append(Shape(one).translate(Vec3(5, 0, 0)), 1).append(block(ElementType::hexahedron, 1, 1, 3), 2);
-  Body body(two);
+  MovingMesh body(two);
   Cut cut = level_cut();
   cut.object = 1;
   body.apply(propose_cut(body.topology, body.x, cut, 100, kSnap));
@@ -194,7 +194,7 @@ TEST(ElementCutting, CutsOneObjectOnly) {
 
   Shape joined = one;
   for (std::size_t i = 0; i < joined.elements.size(); i += 2) joined.elements[i].object = 1;
-  const Body mixed(joined);
+  const MovingMesh mixed(joined);
   EXPECT_THROW(propose_cut(mixed.topology, mixed.x, cut = level_cut(), 100, kSnap), InputError);
 }
 

@@ -17,8 +17,8 @@
 
 namespace volccd::simulation {
 
-struct Body {
-  explicit Body(const Shape& shape) : topology(shape.mesh()), x(shape.positions), v(x.size(), Vec3::Zero()) {}
+struct MovingMesh {
+  explicit MovingMesh(const Shape& shape) : topology(shape.mesh()), x(shape.positions), v(x.size(), Vec3::Zero()) {}
 
   /// Applies the proposal as a time loop does.
   void apply(const TopologyProposal& proposal) {
@@ -40,26 +40,26 @@ struct Body {
   std::vector<Vec3> x, v;
 };
 
-inline double tet_volume(const Body& body, Index o) {
+inline double tet_volume(const MovingMesh& body, Index o) {
   const auto t = body.mesh().vertices(o);
   const Vec3& a = body.x[t[0]];
   return (body.x[t[1]] - a).dot((body.x[t[2]] - a).cross(body.x[t[3]] - a)) / 6;
 }
 
-inline double total_volume(const Body& body) {
+inline double total_volume(const MovingMesh& body) {
   double sum = 0;
   for (Index o : body.elements()) sum += tet_volume(body, o);
   return sum;
 }
 
-inline double min_volume(const Body& body) {
+inline double min_volume(const MovingMesh& body) {
   double min = 1e300;
   for (Index o : body.elements()) min = std::min(min, tet_volume(body, o));
   return min;
 }
 
 /// Sets of elements that are connected by vertices.
-inline std::vector<std::vector<Index>> components(const Body& body) {
+inline std::vector<std::vector<Index>> components(const MovingMesh& body) {
   std::vector<Index> root(body.mesh().vertex_count());
   std::iota(root.begin(), root.end(), Index{0});
   const auto find = [&](Index v) {
@@ -83,7 +83,7 @@ struct Boundary {
   std::vector<std::array<Vec3, 3>> parted;
 };
 
-inline Boundary boundary_of(const Body& body) {
+inline Boundary boundary_of(const MovingMesh& body) {
   std::map<std::array<Index, 3>, std::vector<std::array<Index, 3>>> faces;
   constexpr std::size_t kFaces[4][3] = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
   for (Index o : body.elements())
@@ -121,7 +121,7 @@ inline Boundary boundary_of(const Body& body) {
 }
 
 /// Vertices - edges + faces - elements of some tetrahedra, which is 1 if they form a ball and are conforming.
-inline int euler_characteristic(const Body& body, const std::vector<Index>& elements) {
+inline int euler_characteristic(const MovingMesh& body, const std::vector<Index>& elements) {
   std::set<std::vector<Index>> simplices;
   for (Index o : elements) {
     std::vector<Index> t(body.mesh().vertices(o).begin(), body.mesh().vertices(o).end());
@@ -139,21 +139,21 @@ inline int euler_characteristic(const Body& body, const std::vector<Index>& elem
 }
 
 /// Lumped masses of tetrahedra of density 1.
-inline std::vector<double> tet_masses(const Body& body) {
+inline std::vector<double> tet_masses(const MovingMesh& body) {
   std::vector<double> mass(body.mesh().vertex_count(), 0.0);
   for (Index o : body.elements())
     for (Index v : body.mesh().vertices(o)) mass[v] += tet_volume(body, o) / 4;
   return mass;
 }
 
-inline Vec3 momentum(const Body& body, const std::vector<double>& mass) {
+inline Vec3 momentum(const MovingMesh& body, const std::vector<double>& mass) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t v = 0; v < mass.size(); ++v) sum += mass[v] * body.v[v];
   return sum;
 }
 
 /// Type, object and vertices of every element by its id.
-inline std::map<std::int64_t, std::vector<Index>> by_id(const Body& body) {
+inline std::map<std::int64_t, std::vector<Index>> by_id(const MovingMesh& body) {
   std::map<std::int64_t, std::vector<Index>> result;
   for (Index o : body.elements()) {
     auto& list = result[body.mesh().element_id(o)];

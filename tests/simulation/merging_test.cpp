@@ -8,11 +8,11 @@
 namespace volccd::simulation {
 namespace {
 
-std::vector<Part> sticky(double distance = 0.2, double force = 10) {
-  Part part;
-  part.material.merging_distance = distance;
-  part.material.merging_force = force;
-  return {part, part};
+std::vector<Body> sticky(double distance = 0.2, double force = 10) {
+  Body body;
+  body.material.merging_distance = distance;
+  body.material.merging_force = force;
+  return {body, body};
 }
 
 /// A contact of vertex a with the triangle that consists of b and two other vertices.
@@ -24,9 +24,9 @@ LoadedContact touch(Index a, Index b, Index c, Index d, double force = 11) {
   return loaded;
 }
 
-TopologyProposal propose(const Body& body, const std::vector<LoadedContact>& contacts,
-                         const std::vector<Part>& parts = sticky()) {
-  return propose_merging(body.topology, parts, contacts, body.x, body.v, std::vector<double>(body.x.size(), 1.0));
+TopologyProposal propose(const MovingMesh& body, const std::vector<LoadedContact>& contacts,
+                         const std::vector<Body>& bodies = sticky()) {
+  return propose_merging(body.topology, bodies, contacts, body.x, body.v, std::vector<double>(body.x.size(), 1.0));
 }
 
 Shape tetrahedra(std::vector<Vec3> positions, const std::vector<std::array<Index, 4>>& elements) {
@@ -44,7 +44,7 @@ Shape tetrahedra(std::vector<Vec3> positions, const std::vector<std::array<Index
 
 /// Two tetrahedra with the common edge 0-1. Vertices 2 and 4 are near each other; `side` says on which sides of them 3
 /// and 5 are.
-Body hinge(double side) {
+MovingMesh hinge(double side) {
   const Vec3 apex(0.5, side > 0 ? 0.5 : 0.3, side > 0 ? -1.0 : 1.2);
   Shape shape = tetrahedra({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 1, 0), Vec3(0.5, 0.5, 1), Vec3(0.5, 1, -0.1), apex},
                            {{0, 1, 2, 3}});
@@ -52,20 +52,20 @@ Body hinge(double side) {
   other.vertices = side > 0 ? std::vector<Index>{1, 0, 4, 5} : std::vector<Index>{0, 1, 4, 5};
   other.id = 1;
   shape.elements.push_back(other);
-  return Body(shape);
+  return MovingMesh(shape);
 }
 
 TEST(NodeMerging, UndoesASplit) {
   for (const ElementType type : {ElementType::hexahedron, ElementType::tetrahedron}) {
-    Body body(permuted(block(type, 2, 2, 2), 3));
+    MovingMesh body(permuted(block(type, 2, 2, 2), 3));
     const auto before = by_id(body);
     const std::vector<Vec3> x = body.x;
     const Index v = static_cast<Index>(std::ranges::find(body.x, Vec3(1, 1, 1)) - body.x.begin()), copy = 27;
-    Part part;
-    part.material.failure_stress = 1;
+    Body brittle;
+    brittle.material.failure_stress = 1;
     std::vector<VertexStress> stress(27, VertexStress{Eigen::Matrix3d::Zero(), 0, 1});
     stress[v].stress(0, 0) = 2;
-    const TopologyProposal split = propose_splitting(body.topology, std::vector{part}, body.x, stress);
+    const TopologyProposal split = propose_splitting(body.topology, std::vector{brittle}, body.x, stress);
     ASSERT_EQ(split.new_vertices.size(), 1u);
     body.apply(split);
     ASSERT_NE(by_id(body), before);
@@ -81,7 +81,7 @@ TEST(NodeMerging, UndoesASplit) {
 TEST(NodeMerging, KeepsMomentumAndCentreOfMass) {
   Shape shape = block(ElementType::tetrahedron, 1, 1, 1);
   shape.append(Shape(shape).translate(Vec3(1.05, 0.02, 0)), 1);
-  Body body(shape);
+  MovingMesh body(shape);
   Random random(2);
   for (Vec3& v : body.v) v = Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
   std::vector<double> mass = tet_masses(body);
@@ -104,7 +104,7 @@ TEST(NodeMerging, WeldsBlocksFaceToFaceInSteps) {
   for (const ElementType type : {ElementType::tetrahedron, ElementType::hexahedron}) {
     Shape shape = block(type, 2, 3, 3);
     shape.append(Shape(shape).translate(Vec3(2.05, 0.02, 0.01)), 1);
-    Body body(shape);
+    MovingMesh body(shape);
     std::vector<LoadedContact> contacts;
     const auto n = static_cast<Index>(body.x.size() / 2);
     for (Index v = 0; v < n; ++v)
@@ -130,29 +130,29 @@ TEST(NodeMerging, WeldsBlocksFaceToFaceInSteps) {
 TEST(NodeMerging, NeedsForceAndNearnessOfBothParts) {
   Shape shape = block(ElementType::tetrahedron, 1, 1, 1);
   shape.append(Shape(shape).translate(Vec3(1.1, 0, 0)), 1);
-  const Body body(shape);
+  const MovingMesh body(shape);
   EXPECT_FALSE(propose(body, {touch(1, 8, 10, 12)}).empty());
   EXPECT_TRUE(propose(body, {touch(1, 8, 10, 12, 9)}).empty());
   EXPECT_TRUE(propose(body, {touch(1, 8, 10, 12)}, sticky(0.09)).empty());
   EXPECT_TRUE(propose(body, {touch(1, 9, 10, 12)}).empty()) << "vertex 9 is far";
-  std::vector<Part> parts = sticky();
+  std::vector<Body> bodies = sticky();
   for (std::size_t i : {0, 1}) {
-    parts = sticky();
-    parts[i].material.merging_force = 12;
-    EXPECT_TRUE(propose(body, {touch(1, 8, 10, 12)}, parts).empty());
+    bodies = sticky();
+    bodies[i].material.merging_force = 12;
+    EXPECT_TRUE(propose(body, {touch(1, 8, 10, 12)}, bodies).empty());
   }
-  parts = sticky();
-  parts[1].material.merging_distance = 0.05;
-  EXPECT_TRUE(propose(body, {touch(1, 8, 10, 12)}, parts).empty());
-  parts = sticky();
-  parts[0].rigid = true;
-  EXPECT_TRUE(propose(body, {touch(1, 8, 10, 12)}, parts).empty());
+  bodies = sticky();
+  bodies[1].material.merging_distance = 0.05;
+  EXPECT_TRUE(propose(body, {touch(1, 8, 10, 12)}, bodies).empty());
+  bodies = sticky();
+  bodies[0].rigid = true;
+  EXPECT_TRUE(propose(body, {touch(1, 8, 10, 12)}, bodies).empty());
 }
 
 TEST(NodeMerging, NearestPairOfAnEdgeContactFirst) {
   Shape shape = block(ElementType::tetrahedron, 1, 1, 1);
   shape.append(Shape(shape).translate(Vec3(1.1, 0, 0)), 1);
-  Body body(shape);
+  MovingMesh body(shape);
   LoadedContact edges = touch(1, 3, 8, 10);
   edges.contact.kind = FeatureKind::ee;
   body.x[10].x() = 1.04;  // beside vertex 3
@@ -163,35 +163,35 @@ TEST(NodeMerging, NearestPairOfAnEdgeContactFirst) {
 }
 
 TEST(NodeMerging, RefusesWhatWouldDegenerate) {
-  const std::vector<Part> parts = sticky(10);
-  const Body one(tetrahedra({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}, {{0, 1, 2, 3}}));
-  EXPECT_TRUE(propose(one, {touch(0, 1, 2, 3)}, parts).empty()) << "one element has both";
+  const std::vector<Body> bodies = sticky(10);
+  const MovingMesh one(tetrahedra({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)}, {{0, 1, 2, 3}}));
+  EXPECT_TRUE(propose(one, {touch(0, 1, 2, 3)}, bodies).empty()) << "one element has both";
 
   EXPECT_FALSE(propose(hinge(1), {touch(4, 2, 0, 1)}).empty()) << "closes the hinge";
   EXPECT_TRUE(propose(hinge(-1), {touch(4, 2, 0, 1)}).empty()) << "both on one side of the face";
 
   // Vertex 4 is far behind the face 1 2 3 of the other tetrahedron, so that moving to the middle of 0 and 4 inverts it.
-  const Body behind(tetrahedra({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(2, 2, 2),
-                                Vec3(3, 2, 2), Vec3(2, 3, 2), Vec3(2, 2, 3)},
-                               {{0, 1, 2, 3}, {4, 5, 6, 7}}));
-  EXPECT_TRUE(propose(behind, {touch(0, 4, 5, 6)}, parts).empty());
-  EXPECT_FALSE(propose(behind, {touch(3, 4, 5, 6)}, parts).empty());
+  const MovingMesh behind(tetrahedra({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(2, 2, 2),
+                                      Vec3(3, 2, 2), Vec3(2, 3, 2), Vec3(2, 2, 3)},
+                                     {{0, 1, 2, 3}, {4, 5, 6, 7}}));
+  EXPECT_TRUE(propose(behind, {touch(0, 4, 5, 6)}, bodies).empty());
+  EXPECT_FALSE(propose(behind, {touch(3, 4, 5, 6)}, bodies).empty());
 }
 
 TEST(NodeMerging, RefusesAThirdElementAtAFaceAndDoubledShells) {
   // Two tetrahedra have the face 0 1 2, and a third one has 0, 1 and vertex 5, which is near 2. The two are on
   // different sides of the face or, in the invalid case, both on the side where the third one is not.
   for (const double z : {-1.0, 1.2}) {
-    const Body fan(tetrahedra({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 1, 0), Vec3(0.5, 0.3, 1), Vec3(0.5, 0.3, z),
-                               Vec3(0.5, 1.1, 0), Vec3(0.5, 1, -1.5)},
-                              {{0, 1, 2, 3}, {1, 0, 2, 4}, {1, 0, 5, 6}}));
+    const MovingMesh fan(tetrahedra({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0.5, 1, 0), Vec3(0.5, 0.3, 1),
+                                     Vec3(0.5, 0.3, z), Vec3(0.5, 1.1, 0), Vec3(0.5, 1, -1.5)},
+                                    {{0, 1, 2, 3}, {1, 0, 2, 4}, {1, 0, 5, 6}}));
     EXPECT_TRUE(propose(fan, {touch(5, 2, 3, 4)}).empty());
   }
 
   Shape sheet = block(ElementType::triangle, 1, 1, 0);  // 0 1 3 and 0 3 2
   sheet.positions[1] = Vec3(0.1, 0.95, 0);
   sheet.positions[2] = Vec3(0, 1, 0.1);
-  const Body shells(sheet);
+  const MovingMesh shells(sheet);
   EXPECT_TRUE(propose(shells, {touch(1, 2, 0, 3)}).empty());
 }
 

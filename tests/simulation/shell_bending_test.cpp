@@ -190,8 +190,8 @@ TEST(ShellBending, JointOfThreeIsAsStiffAsTheSheetThroughIt) {
 
 TEST(ShellBending, RigidNeighbourClamps) {
   Model model = flap(steel(), 0.05);
-  model.parts.push_back(model.parts[0]);
-  model.parts[1].rigid = true;
+  model.bodies.push_back(model.bodies[0]);
+  model.bodies[1].rigid = true;
   model.mesh.remove_element(0);
   add_triangle(model, 0, 1, 2, 1);
   Loop loop(model);
@@ -330,7 +330,8 @@ ElementHeritage shatter(Model& model, std::vector<Vec3>& x) {
     const std::int64_t id = model.mesh.element_id(slot);
     model.mesh.remove_element(slot);
     heritage.removed.push_back(slot);
-    heritage.added.push_back(model.mesh.add_element({ElementType::triangle, {first, first + 1, first + 2}, {}, 0, id}));
+    heritage.added.push_back(
+        model.mesh.add_element({.type = ElementType::triangle, .vertices = {first, first + 1, first + 2}, .id = id}));
     heritage.parents.push_back(slot);
   }
   return heritage;
@@ -389,7 +390,8 @@ TEST(ShellUpdate, HingesKeepTheirAngle) {
       }
       for (Index k : {0u, 1u}) {
         const Index parent = exchange ? k : 1 - k;
-        heritage.added.push_back(model.mesh.add_element({ElementType::triangle, vertices[parent], {}, 0, 10 + k}));
+        heritage.added.push_back(
+            model.mesh.add_element({.type = ElementType::triangle, .vertices = vertices[parent], .id = 10 + k}));
         heritage.parents.push_back(parent);
       }
       loop.shells->update(model.mesh, model.positions, loop.x, heritage);
@@ -413,7 +415,7 @@ TEST(ShellUpdate, WeldedSheetsRestAsTheyAreFound) {
   loop.compute(1e-6);
   EXPECT_LT(loop.greatest_force(), 1e-3);
   model.mesh.remove_element(1);
-  const Index added = model.mesh.add_element({ElementType::triangle, {1, 0, 5}, {}, 0, 1});
+  const Index added = model.mesh.add_element({.type = ElementType::triangle, .vertices = {1, 0, 5}, .id = 1});
   loop.shells->update(model.mesh, model.positions, loop.x, {{1}, {added}, {1}});
   EXPECT_EQ(loop.shells->hinge_count(), 1u);
   std::stringstream stream;  // before the first call of add_forces()

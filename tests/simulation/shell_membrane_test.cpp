@@ -56,8 +56,8 @@ TEST(ShellPatch, HomogeneousStrainOfAnIrregularSheet) {
 
 TEST(ShellForces, MassIsThatOfAllParts) {
   Model model = sheet(3, 2, 0.5, 0.5, steel(), 0.01);
-  model.parts.push_back(model.parts[0]);
-  model.parts[1].rigid = true;
+  model.bodies.push_back(model.bodies[0]);
+  model.bodies[1].rigid = true;
   add_vertices(model, {{9, 9, 9}});
   add_triangle(model, 0, 1, model.mesh.vertex_count() - 1, 1);
   const double area = 0.5 * (model.positions[1] - model.positions[0]).cross(Vec3(9, 9, 9) - model.positions[0]).norm();
@@ -306,13 +306,13 @@ TEST(ShellForces, RefuseWhatIsNotPossible) {
     spoil(model);
     EXPECT_THROW(ShellForces{model}, InputError);
   };
-  refused([](Model& m) { m.parts[0].thickness = 0; });
-  refused([](Model& m) { m.parts[0].material.youngs_modulus = -1; });
-  refused([](Model& m) { m.parts[0].material.poisson_ratio = 0.6; });
-  refused([](Model& m) { m.parts[0].material.density = std::nan(""); });
-  refused([](Model& m) { m.parts.clear(); });
+  refused([](Model& m) { m.bodies[0].thickness = 0; });
+  refused([](Model& m) { m.bodies[0].material.youngs_modulus = -1; });
+  refused([](Model& m) { m.bodies[0].material.poisson_ratio = 0.6; });
+  refused([](Model& m) { m.bodies[0].material.density = std::nan(""); });
+  refused([](Model& m) { m.bodies.clear(); });
   refused([](Model& m) { m.positions[0].x() = std::nan(""); });
-  refused([](Model& m) { m.mesh.add_element({ElementType::quad, {0, 1, 3, 2}, {}, 0, 77}); });
+  refused([](Model& m) { m.mesh.add_element({.type = ElementType::quad, .vertices = {0, 1, 3, 2}, .id = 77}); });
 }
 
 TEST(PortableMath, AgreesWithTheLibrary) {

@@ -31,11 +31,11 @@ inline Material yielding_steel() {
 
 inline Model one_part(const Material& material, double thickness) {
   Model model;
-  Part part;
-  part.name = "sheet";
-  part.material = material;
-  part.thickness = thickness;
-  model.parts.push_back(part);
+  Body body;
+  body.name = "sheet";
+  body.material = material;
+  body.thickness = thickness;
+  model.bodies.push_back(body);
   return model;
 }
 
@@ -47,7 +47,7 @@ inline void add_vertices(Model& model, const std::vector<Vec3>& positions) {
 
 inline Index add_triangle(Model& model, Index a, Index b, Index c, std::int32_t object = 0) {
   const std::int64_t id = model.mesh.element_slots();
-  return model.mesh.add_element({ElementType::triangle, {a, b, c}, {}, object, id});
+  return model.mesh.add_element({.type = ElementType::triangle, .vertices = {a, b, c}, .object = object, .id = id});
 }
 
 /// nx by ny rectangles of size a by b in the plane z = 0, each divided into two triangles by alternating diagonals.

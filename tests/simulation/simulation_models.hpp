@@ -25,10 +25,10 @@ struct BlockSpec {
   Vec3 size = Vec3(0.1, 0.1, 0.1);  ///< of a cell
   Vec3 at = Vec3::Zero();           ///< lowest corner
   Vec3 velocity = Vec3::Zero();
-  Part part = {"block", soft()};
+  Body body = {"block", soft()};
 };
 
-/// Makes each block a part of its own.
+/// Makes each block a body of its own.
 inline Model blocks(std::initializer_list<BlockSpec> specs) {
   Shape all;
   Model model;
@@ -36,8 +36,8 @@ inline Model blocks(std::initializer_list<BlockSpec> specs) {
     Shape shape = block(spec.type, spec.nx, spec.ny, spec.nz);
     for (Vec3& x : shape.positions) x = x.cwiseProduct(spec.size) + spec.at;
     model.velocities.insert(model.velocities.end(), shape.positions.size(), spec.velocity);
-    all.append(shape, static_cast<std::int32_t>(model.parts.size()));
-    model.parts.push_back(spec.part);
+    all.append(shape, static_cast<std::int32_t>(model.bodies.size()));
+    model.bodies.push_back(spec.body);
   }
   model.mesh = all.mesh();
   model.positions = all.positions;
@@ -51,13 +51,13 @@ inline void expect_kept(const Ledger& before, const Ledger& after, double energy
   EXPECT_LT(std::abs(after.balance_error()), energy * before.initial);
 }
 
-/// Mean of the positions (or velocities) of a part's vertices.
-inline Vec3 mean(const Simulation& s, std::span<const Vec3> values, std::int32_t part) {
+/// Mean of the positions (or velocities) of a body's vertices.
+inline Vec3 mean(const Simulation& s, std::span<const Vec3> values, std::int32_t body) {
   Vec3 sum = Vec3::Zero();
   double count = 0;
   const Mesh& mesh = s.topology().mesh();
   for (Index o = 0; o < mesh.element_slots(); ++o)
-    if (mesh.is_live(o) && mesh.object(o) == part)
+    if (mesh.is_live(o) && mesh.object(o) == body)
       for (Index v : mesh.vertices(o)) {
         sum += values[v];
         ++count;

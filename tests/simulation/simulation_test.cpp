@@ -26,7 +26,7 @@ TEST(SimulationFreeBody, KeepsMomentumAngularMomentumAndEnergy) {
     const Ledger before = s.ledger();
     s.advance_to(0.1);
     const Ledger after = s.ledger();
-    EXPECT_GT(s.take_counts().substeps, 50u);
+    EXPECT_GT(s.drain_counts().substeps, 50u);
     EXPECT_LT((after.momentum - before.momentum).norm(), 1e-12 * before.momentum.norm());
     EXPECT_LT((after.angular_momentum - before.angular_momentum).norm(), 1e-12 * before.angular_momentum.norm());
     EXPECT_LT(std::abs(after.balance_error()), 5e-3 * before.initial);
@@ -50,7 +50,7 @@ TEST(SimulationFall, IsAccountedForExactly) {
 
 TEST(SimulationDamping, TakesWhatItSays) {
   Model model = blocks({{.velocity = Vec3(1, 0, 0)}});
-  model.parts[0].material.damping = 10;
+  model.bodies[0].material.damping = 10;
   SerialExecutor executor;
   Simulation s(model, {}, executor);
   s.advance_to(0.1);
@@ -58,14 +58,14 @@ TEST(SimulationDamping, TakesWhatItSays) {
   EXPECT_LT(std::abs(s.ledger().balance_error()), 1e-6 * s.ledger().initial);
 }
 
-Part rigid_part() {
-  Part part{"rigid", soft()};
-  part.rigid = true;
-  return part;
+Body rigid_body() {
+  Body body{"rigid", soft()};
+  body.rigid = true;
+  return body;
 }
 
 TEST(SimulationRigidBody, SpinsWithConstantAngularMomentum) {
-  Model model = blocks({{.size = Vec3(0.3, 0.2, 0.05), .part = rigid_part()}});
+  Model model = blocks({{.size = Vec3(0.3, 0.2, 0.05), .body = rigid_body()}});
   for (std::size_t i = 0; i < model.positions.size(); ++i)
     model.velocities[i] = Vec3(1, 2, 3) + Vec3(0.3, 10, 0.1).cross(model.positions[i]);
   SimulationOptions options;
@@ -88,7 +88,7 @@ TEST(SimulationRigidBody, SpinsWithConstantAngularMomentum) {
 TEST(SimulationRigidBody, ImpactKeepsMomentumAndAngularMomentum) {
   // The impact is eccentric, so that both bodies rotate.
   Model model =
-      blocks({{.velocity = Vec3(5, 0, 0), .part = rigid_part()}, {.at = Vec3(0.25, 0.12, 0.07), .part = rigid_part()}});
+      blocks({{.velocity = Vec3(5, 0, 0), .body = rigid_body()}, {.at = Vec3(0.25, 0.12, 0.07), .body = rigid_body()}});
   SimulationOptions options;
   options.max_step = 1e-3;
   SerialExecutor executor;
@@ -96,7 +96,7 @@ TEST(SimulationRigidBody, ImpactKeepsMomentumAndAngularMomentum) {
   const Ledger before = s.ledger();
   s.advance_to(0.05);
   const Ledger& after = s.ledger();
-  EXPECT_GT(s.take_counts().inter, 0u);
+  EXPECT_GT(s.drain_counts().inter, 0u);
   EXPECT_LT((after.momentum - before.momentum).norm(), 1e-12 * before.momentum.norm());
   EXPECT_LT((after.angular_momentum - before.angular_momentum).norm(), 0.01 * before.angular_momentum.norm());
   EXPECT_GT(mean(s, s.velocities(), 1).x(), 0.5);
@@ -108,7 +108,7 @@ Model tearing_bar() {
   Model model = blocks({{.nx = 8, .ny = 2, .nz = 2}});
   for (std::size_t i = 0; i < model.positions.size(); ++i)
     model.velocities[i] = Vec3(40 * (model.positions[i].x() - 0.4), 1, 0);
-  model.parts[0].material.failure_stress = 2e5;
+  model.bodies[0].material.failure_stress = 2e5;
   return model;
 }
 
@@ -119,7 +119,7 @@ TEST(SimulationSplitting, KeepsMassAndMomentum) {
   const Index vertices = s.topology().mesh().vertex_count();
   s.advance_to(0.02);
   const Ledger& after = s.ledger();
-  EXPECT_GT(s.take_counts().splits, 0u);
+  EXPECT_GT(s.drain_counts().splits, 0u);
   EXPECT_GT(s.topology().mesh().vertex_count(), vertices);
   EXPECT_EQ(s.positions().size(), s.topology().mesh().vertex_count());
   EXPECT_NEAR(after.mass, before.mass, 1e-13 * before.mass);
@@ -134,8 +134,8 @@ TEST(SimulationSplitting, KeepsMassAndMomentum) {
 Model punched_model() {
   Model model = blocks(
       {{.nx = 3},
-       {.nx = 1, .ny = 1, .nz = 1, .size = Vec3(0.05, 0.1, 0.1), .at = Vec3(-0.06, 0.06, 0.04), .part = rigid_part()}});
-  model.parts[1].material.friction = model.parts[0].material.friction = 0.2;
+       {.nx = 1, .ny = 1, .nz = 1, .size = Vec3(0.05, 0.1, 0.1), .at = Vec3(-0.06, 0.06, 0.04), .body = rigid_body()}});
+  model.bodies[1].material.friction = model.bodies[0].material.friction = 0.2;
   model.guides.push_back({1, {{0.001, Vec3::Zero()}, {0.011, Vec3(0.03, 0, 0.004)}, {0.02, Vec3(0.01, 0, 0)}}});
   model.gravity = Vec3(0, 1, 0);
   return model;
@@ -164,7 +164,7 @@ TEST(SimulationGuide, MovesAsPrescribedAndItsWorkAndImpulseAreBooked) {
         EXPECT_EQ(s.positions()[v], model.positions[v] + model.guides[0].displacement(time)) << time;
     }
     const Ledger& after = s.ledger();
-    const SimulationCounts counts = s.take_counts();
+    const SimulationCounts counts = s.drain_counts();
     EXPECT_GT(counts.inter, 0u);
     EXPECT_EQ(counts.unresolved, 0u);
     EXPECT_GT(mean(s, s.velocities(), 0).x(), 1) << "it was pushed at 3 m/s";
@@ -184,7 +184,7 @@ TEST(SimulationGuide, StretchesWhatIsAttachedToIt) {
   model.mesh = bar.mesh();
   for (const Vec3& x : bar.positions) model.positions.push_back(0.1 * x);
   model.velocities.assign(model.positions.size(), Vec3::Zero());
-  model.parts = {{"bar", soft()}, rigid_part()};
+  model.bodies = {{"bar", soft()}, rigid_body()};
   for (Index v = 0; v < model.positions.size(); ++v)
     if (model.positions[v].x() == 0) model.fixed.push_back(v);
   model.guides.push_back({1, {{0, Vec3::Zero()}, {0.2, Vec3(0.03, 0, 0)}}});
@@ -200,12 +200,12 @@ TEST(SimulationGuide, StretchesWhatIsAttachedToIt) {
 Model busy_model() {
   Model model = blocks({{.nx = 3, .velocity = Vec3(6, 0, 0)},
                         {ElementType::tetrahedron, 2, 2, 2, Vec3(0.1, 0.1, 0.1), Vec3(0.31, 0.03, 0.01)},
-                        {.nx = 1, .ny = 1, .nz = 1, .at = Vec3(0.12, 0.06, 0.203), .part = rigid_part()}});
+                        {.nx = 1, .ny = 1, .nz = 1, .at = Vec3(0.12, 0.06, 0.203), .body = rigid_body()}});
   model.guides.push_back({2, {{0, Vec3::Zero()}, {0.01, Vec3(0.05, 0, -0.02)}, {0.03, Vec3(0.1, 0, 0.1)}}});
-  model.parts[0].material.failure_stress = 5e4;
+  model.bodies[0].material.failure_stress = 5e4;
   for (std::size_t i = 0; i < model.positions.size(); ++i)
     if (model.positions[i].x() < 0.305) model.velocities[i].x() += 50 * (model.positions[i].x() - 0.15);
-  model.parts[0].material.friction = model.parts[1].material.friction = 0.3;
+  model.bodies[0].material.friction = model.bodies[1].material.friction = 0.3;
   model.walls.push_back({Vec3(0, 0, -0.01), Vec3(0, 0, 1), 0.4});
   model.gravity = Vec3(0, 0, -9.81);
   return model;
@@ -224,7 +224,7 @@ TEST(SimulationDeterminism, ThreadsDoNotMatter) {
     }
     EXPECT_TRUE(same_bits(a.positions(), b.positions()));
     EXPECT_TRUE(same_bits(a.velocities(), b.velocities()));
-    const SimulationCounts counts = a.take_counts();
+    const SimulationCounts counts = a.drain_counts();
     EXPECT_GT(counts.inter, 0u);
     EXPECT_GT(counts.splits, 0u);
   }
@@ -237,7 +237,7 @@ TEST(SimulationCheckpoint, GoesOnBitForBit) {
     SerialExecutor executor;
     Simulation whole(busy_model(), options, executor);
     whole.advance_to(0.008);
-    EXPECT_GT(whole.take_counts().inter, 0u);
+    EXPECT_GT(whole.drain_counts().inter, 0u);
     ASSERT_GT(whole.topology().mesh().vertex_count(), busy_model().mesh.vertex_count());
     std::ostringstream out;
     Archive writer(out);
@@ -267,7 +267,7 @@ TEST(SimulationInput, RefusesWhatDoesNotHoldTogether) {
   model.fixed.push_back(model.mesh.vertex_count());
   refuses(model);
   model = blocks({{}});
-  model.parts.clear();
+  model.bodies.clear();
   refuses(model);
   model = blocks({{}});
   model.positions[3].y() = std::nan("");
@@ -277,7 +277,7 @@ TEST(SimulationInput, RefusesWhatDoesNotHoldTogether) {
   refuses(model);
   const auto guided = [&](std::vector<std::pair<double, Vec3>> path, bool rigid = true) {
     model = blocks({{}});
-    model.parts[0].rigid = rigid;
+    model.bodies[0].rigid = rigid;
     model.guides.push_back({0, std::move(path)});
     return model;
   };

@@ -46,7 +46,7 @@ TEST(SolidStableStep, BoundsTheGreatestFrequencyOfAnElement) {
       if (k % 2 == 0) {
         model.mesh = Mesh();
         model.mesh.add_vertices(4);
-        model.mesh.add_element({ElementType::tetrahedron, {0, 1, 2, 3}, {}, 0, 0});
+        model.mesh.add_element({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}});
         model.positions = {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1)};
         model.velocities.resize(4);
       }

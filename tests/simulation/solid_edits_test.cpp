@@ -15,7 +15,7 @@ ElementHeritage replace(Mesh& mesh, const std::vector<std::array<Index, 3>>& cha
   ElementHeritage heritage;
   std::vector<ElementSpec> specs;
   for (const auto& [slot, from, to] : changes) {
-    ElementSpec spec{mesh.type(slot), {mesh.vertices(slot).begin(), mesh.vertices(slot).end()}, {}, 0, 0};
+    ElementSpec spec{.type = mesh.type(slot), .vertices = {mesh.vertices(slot).begin(), mesh.vertices(slot).end()}};
     spec.id = mesh.element_id(slot);
     std::replace(spec.vertices.begin(), spec.vertices.end(), from, to);
     specs.push_back(spec);
@@ -90,7 +90,9 @@ TEST(SolidEdits, ResumeBetweenEditsBitForBit) {
   ElementHeritage removal{{2, 9, 17, 30, 31, 45}, {}, {}}, addition;
   std::vector<ElementSpec> specs;
   for (const Index o : removal.removed) {
-    specs.push_back({ElementType::tetrahedron, {mesh.vertices(o).begin(), mesh.vertices(o).end()}, {}, 0, 100 + o});
+    specs.push_back({.type = ElementType::tetrahedron,
+                     .vertices = {mesh.vertices(o).begin(), mesh.vertices(o).end()},
+                     .id = 100 + o});
   }
   for (const Index o : removal.removed) mesh.remove_element(o);
   loop.forces->update(mesh, loop.model.positions, loop.x, removal);
@@ -123,8 +125,10 @@ TEST(SolidEdits, PiecesOfATetrahedronHaveItsStress) {
   }
   mesh.remove_element(0);
   ElementHeritage heritage{{0}, {}, {0, 0}};
-  heritage.added.push_back(mesh.add_element({ElementType::tetrahedron, {c[0], c[1], p, c[3]}, {}, 0, 100}));
-  heritage.added.push_back(mesh.add_element({ElementType::tetrahedron, {p, c[1], c[2], c[3]}, {}, 0, 101}));
+  heritage.added.push_back(
+      mesh.add_element({.type = ElementType::tetrahedron, .vertices = {c[0], c[1], p, c[3]}, .id = 100}));
+  heritage.added.push_back(
+      mesh.add_element({.type = ElementType::tetrahedron, .vertices = {p, c[1], c[2], c[3]}, .id = 101}));
   loop.mass.assign(loop.x.size(), 0);
   loop.forces->update(mesh, loop.model.positions, loop.x, heritage);
   loop.forces->add_masses(loop.mass);
@@ -151,8 +155,8 @@ void break_all(Loop& loop) {
   const Index slots = mesh.element_slots();
   for (Index o = 0; o < slots; ++o) {
     const auto c = mesh.vertices(o);
-    specs.push_back({ElementType::wedge, {c[2], c[1], c[0], c[6], c[5], c[4]}, {}, 0, 2 * o + 1000});
-    specs.push_back({ElementType::wedge, {c[0], c[3], c[2], c[4], c[7], c[6]}, {}, 0, 2 * o + 1001});
+    specs.push_back({.type = ElementType::wedge, .vertices = {c[2], c[1], c[0], c[6], c[5], c[4]}, .id = 2 * o + 1000});
+    specs.push_back({.type = ElementType::wedge, .vertices = {c[0], c[3], c[2], c[4], c[7], c[6]}, .id = 2 * o + 1001});
     heritage.removed.push_back(o);
     heritage.parents.insert(heritage.parents.end(), 2, o);
   }
@@ -220,7 +224,9 @@ TEST(SolidEdits, WhatGoesTakesItsForcesAlong) {
   EXPECT_NEAR(loop.forces->plastic_work(), plastic, 1e-13 * plastic);
   EXPECT_EQ(loop.forces->stable_step(), kNever);
   // A new element without a parent, in a slot that was in use before.
-  heritage = {{}, {loop.model.mesh.add_element({ElementType::tetrahedron, {0, 1, 4, 6}, {}, 0, 500})}, {kNone}};
+  heritage = {{},
+              {loop.model.mesh.add_element({.type = ElementType::tetrahedron, .vertices = {0, 1, 4, 6}, .id = 500})},
+              {kNone}};
   loop.forces->update(loop.model.mesh, loop.model.positions, loop.x, heritage);
   loop.x = loop.model.positions;
   for (Vec3& v : loop.v) v.setZero();

@@ -156,19 +156,19 @@ TEST(SolidForces, RefuseWhatTheyCannotHold) {
   for (Vec3& x : flat.positions) x[1] = 0;
   EXPECT_THROW(make_solid_forces(flat), InputError);
   Model stranger = block(Solid::tetrahedra, {1, 1, 1}, 0.1, soft());
-  stranger.parts.clear();
+  stranger.bodies.clear();
   EXPECT_THROW(make_solid_forces(stranger), InputError);
   Material rubber = soft();
   rubber.poisson_ratio = 0.5;
   EXPECT_THROW(make_solid_forces(block(Solid::tetrahedra, {1, 1, 1}, 0.1, rubber)), InputError);
   Model wedge = block(Solid::tetrahedra, {1, 1, 1}, 0.1, soft());
-  wedge.mesh.add_element({ElementType::wedge, {0, 1, 2, 4, 5, 6}, {}, 0, 99});
+  wedge.mesh.add_element({.type = ElementType::wedge, .vertices = {0, 1, 2, 4, 5, 6}, .id = 99});
   EXPECT_THROW(make_solid_forces(wedge), InputError);
 }
 
 TEST(SolidForces, RigidPartsHaveMassOnly) {
   Model model = block(Solid::both, {2, 1, 1}, 0.1, steel());
-  model.parts[0].rigid = true;
+  model.bodies[0].rigid = true;
   Loop loop(model);
   double mass = 0;
   for (const double m : loop.mass) mass += m;

@@ -42,7 +42,7 @@ enum class Solid { tetrahedra, hexahedra, both };
 /// (`both`: alternating along x). Interior vertices are moved by up to `jitter` edges along each axis.
 inline Model block(Solid solid, std::array<int, 3> n, double h, const Material& material, double jitter = 0) {
   Model model;
-  model.parts.push_back({"block", material, 0, false});
+  model.bodies.push_back({"block", material, 0, false});
   const auto at = [&](int i, int j, int k) { return static_cast<Index>((k * (n[1] + 1) + j) * (n[0] + 1) + i); };
   model.mesh.add_vertices(static_cast<Index>((n[0] + 1) * (n[1] + 1) * (n[2] + 1)));
   for (int k = 0; k <= n[2]; ++k) {
@@ -63,11 +63,12 @@ inline Model block(Solid solid, std::array<int, 3> n, double h, const Material& 
             at(i, j, k),     at(i + 1, j, k),     at(i + 1, j + 1, k),     at(i, j + 1, k),
             at(i, j, k + 1), at(i + 1, j, k + 1), at(i + 1, j + 1, k + 1), at(i, j + 1, k + 1)};
         if (solid == Solid::hexahedra || (solid == Solid::both && i % 2 == 0)) {
-          model.mesh.add_element({ElementType::hexahedron, {c.begin(), c.end()}, {}, 0, id++});
+          model.mesh.add_element({.type = ElementType::hexahedron, .vertices = {c.begin(), c.end()}, .id = id++});
           continue;
         }
         for (const auto& t : kTets) {
-          model.mesh.add_element({ElementType::tetrahedron, {c[t[0]], c[t[1]], c[t[2]], c[t[3]]}, {}, 0, id++});
+          model.mesh.add_element(
+              {.type = ElementType::tetrahedron, .vertices = {c[t[0]], c[t[1]], c[t[2]], c[t[3]]}, .id = id++});
         }
       }
     }

@@ -9,11 +9,11 @@
 namespace volccd::simulation {
 namespace {
 
-std::vector<Part> brittle(double stress = 10, double strain = kNever) {
-  Part part;
-  part.material.failure_stress = stress;
-  part.material.failure_strain = strain;
-  return {part, part};
+std::vector<Body> brittle(double stress = 10, double strain = kNever) {
+  Body body;
+  body.material.failure_stress = stress;
+  body.material.failure_strain = strain;
+  return {body, body};
 }
 
 /// The stress of a tension along `direction`, at a vertex whose elements have a volume of 2.
@@ -23,19 +23,19 @@ VertexStress pull(double value, const Vec3& direction = Vec3::UnitX(), double st
   return {2 * stress, 2 * strain, 2};
 }
 
-Vec3 centre(const Body& body, Index o) {
+Vec3 centre(const MovingMesh& body, Index o) {
   Vec3 sum = Vec3::Zero();
   for (Index v : body.mesh().vertices(o)) sum += body.x[v];
   return sum / static_cast<double>(body.mesh().vertices(o).size());
 }
 
-Index vertex_at(const Body& body, const Vec3& x) {
+Index vertex_at(const MovingMesh& body, const Vec3& x) {
   return static_cast<Index>(std::ranges::find(body.x, x) - body.x.begin());
 }
 
 TEST(NodeSplitting, PartsTheElementsOfAnyTypeByThePlane) {
   for (const ElementType type : {ElementType::hexahedron, ElementType::tetrahedron, ElementType::triangle}) {
-    Body body(permuted(block(type, 4, 4, type == ElementType::triangle ? 0 : 4), 5));
+    MovingMesh body(permuted(block(type, 4, 4, type == ElementType::triangle ? 0 : 4), 5));
     const double z = type == ElementType::triangle ? 0 : 2;
     const Index v = vertex_at(body, Vec3(2, 2, z));
     const Vec3 direction(0.9, 0.3, 0.1);
@@ -65,13 +65,13 @@ TEST(NodeSplitting, PartsTheElementsOfAnyTypeByThePlane) {
 }
 
 TEST(NodeSplitting, PullThroughoutEndsInSlabs) {
-  Body body(permuted(block(ElementType::hexahedron, 4, 3, 2), 9));
-  const std::vector<Part> parts = brittle();
+  MovingMesh body(permuted(block(ElementType::hexahedron, 4, 3, 2), 9));
+  const std::vector<Body> bodies = brittle();
   int calls = 0;
   for (;; ++calls) {
     ASSERT_LT(calls, 100);
     const std::vector<VertexStress> stress(body.x.size(), pull(11));
-    const TopologyProposal proposal = propose_splitting(body.topology, parts, body.x, stress);
+    const TopologyProposal proposal = propose_splitting(body.topology, bodies, body.x, stress);
     if (proposal.empty()) break;
     body.apply(proposal);
   }
@@ -82,7 +82,7 @@ TEST(NodeSplitting, PullThroughoutEndsInSlabs) {
 }
 
 TEST(NodeSplitting, WorstFirstAndNoNeighbours) {
-  Body body(block(ElementType::hexahedron, 6, 6, 6));
+  MovingMesh body(block(ElementType::hexahedron, 6, 6, 6));
   Random random(4);
   std::vector<VertexStress> stress;
   std::vector<double> excess;
@@ -109,7 +109,7 @@ TEST(NodeSplitting, WorstFirstAndNoNeighbours) {
 }
 
 TEST(NodeSplitting, FailsByPlasticStrainToo) {
-  Body body(block(ElementType::hexahedron, 2, 2, 2));
+  MovingMesh body(block(ElementType::hexahedron, 2, 2, 2));
   std::vector<VertexStress> stress(body.x.size(), pull(1, Vec3::UnitZ(), 0.29));
   EXPECT_TRUE(propose_splitting(body.topology, brittle(kNever, 0.3), body.x, stress).empty());
   stress[13] = pull(1, Vec3::UnitZ(), 0.31);
@@ -119,7 +119,7 @@ TEST(NodeSplitting, FailsByPlasticStrainToo) {
 }
 
 TEST(NodeSplitting, PlasticStrainAloneDoesNotPartWhatIsPressedTogether) {
-  Body body(block(ElementType::hexahedron, 3, 3, 3));
+  MovingMesh body(block(ElementType::hexahedron, 3, 3, 3));
   VertexStress pressed{Eigen::Matrix3d::Zero(), 2 * 0.5, 2};
   for (const double max : {-1.0, 0.0}) {
     pressed.stress.diagonal() = Vec3(-3, max, -2);
@@ -133,18 +133,18 @@ TEST(NodeSplitting, PlasticStrainAloneDoesNotPartWhatIsPressedTogether) {
 
 TEST(NodeSplitting, LeavesAloneWhatCannotSplit) {
   Shape shape = block(ElementType::hexahedron, 2, 1, 1);
-  Body body(shape);
+  MovingMesh body(shape);
   std::vector<VertexStress> stress(body.x.size(), pull(50, Vec3::UnitY()));
   EXPECT_TRUE(propose_splitting(body.topology, brittle(), body.x, stress).empty()) << "all on one side";
   stress.assign(body.x.size(), pull(-50));
   EXPECT_TRUE(propose_splitting(body.topology, brittle(), body.x, stress).empty()) << "pressed";
   stress.assign(body.x.size(), pull(50));
   EXPECT_FALSE(propose_splitting(body.topology, brittle(), body.x, stress).empty());
-  std::vector<Part> parts = brittle();
+  std::vector<Body> bodies = brittle();
   shape.elements[1].object = 1;
-  parts[1].rigid = true;
-  const Body half_rigid(shape);
-  EXPECT_TRUE(propose_splitting(half_rigid.topology, parts, body.x, stress).empty());
+  bodies[1].rigid = true;
+  const MovingMesh half_rigid(shape);
+  EXPECT_TRUE(propose_splitting(half_rigid.topology, bodies, body.x, stress).empty());
   EXPECT_TRUE(propose_splitting(body.topology, brittle(kNever), body.x, stress).empty());
   stress[4].stress(0, 0) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(propose_splitting(body.topology, brittle(), body.x, stress), Error);

@@ -31,16 +31,16 @@ std::size_t pieces(const Simulation& s) {
 /// Two blocks with a common face, of a material that can merge.
 TEST(TopologyLoop, BlocksThatHitHardBecomeOne) {
   Model model = blocks({{.nx = 2, .velocity = Vec3(4, 0, 0)}, {.nx = 2, .at = Vec3(0.202, 0, 0)}});
-  for (Part& part : model.parts) {
-    part.material.merging_force = 1;
-    part.material.merging_distance = 0.01;
+  for (Body& body : model.bodies) {
+    body.material.merging_force = 1;
+    body.material.merging_distance = 0.01;
   }
   SerialExecutor executor;
   Simulation s(model, {}, executor);
   const Ledger before = s.ledger();
   EXPECT_EQ(pieces(s), 2u);
   s.advance_to(0.05);
-  const SimulationCounts counts = s.take_counts();
+  const SimulationCounts counts = s.drain_counts();
   EXPECT_GE(counts.merges, 2u);
   EXPECT_EQ(counts.unresolved, 0u);
   EXPECT_EQ(pieces(s), 1u);
@@ -63,7 +63,7 @@ TEST(TopologyLoop, CutBlockFliesOnAsTwo) {
   const Ledger before = s.ledger();
   const Index elements = s.topology().mesh().element_count();
   s.advance_to(0.05);
-  const SimulationCounts counts = s.take_counts();
+  const SimulationCounts counts = s.drain_counts();
   EXPECT_GT(counts.cuts, 1u) << "in steps, as the blade goes";
   EXPECT_GT(s.topology().mesh().element_count(), elements);
   EXPECT_EQ(pieces(s), 2u);
@@ -79,12 +79,12 @@ TEST(TopologyLoop, CracksOpenFreely) {
     const Vec3& x = model.positions[i];
     model.velocities[i] = Vec3(60 * (x.x() - 0.3), 25 * (x.z() - 0.15), 5);
   }
-  model.parts[0].material.failure_stress = 5e4;
+  model.bodies[0].material.failure_stress = 5e4;
   SerialExecutor executor;
   Simulation s(model, {}, executor);
   const Ledger before = s.ledger();
   s.advance_to(0.02);
-  const SimulationCounts counts = s.take_counts();
+  const SimulationCounts counts = s.drain_counts();
   EXPECT_GT(counts.splits, 20u);
   EXPECT_EQ(counts.held, 0u);
   EXPECT_EQ(counts.unresolved, 0u);
@@ -130,7 +130,7 @@ std::size_t resisted(ContactFeatures features, bool vf, const Vec3& from, const 
                    parted.origins);
   std::vector<FoundContact> found;
   const std::vector<Vec3> x0 = parted.moved(from), x1 = parted.moved(to);
-  detection.query(x0, x1, {}, executor);
+  detection.query(x0, x1, {});
   detection.contacts(x0, x1, 0.01, executor, found);
   return static_cast<std::size_t>(std::count_if(found.begin(), found.end(), [&](const FoundContact& c) {
     return c.verdict == ContactVerdict::resist && (c.kind == FeatureKind::vf) == vf;

@@ -100,16 +100,16 @@ class Importer(unittest.TestCase):
         for name, kept in (("boxes_22.msh", True), ("boxes_41.msh", True), ("boxes_41b.msh", False)):
             with self.subTest(name):
                 self.check_boxes(self.good(*data(name)), (7, 9), ids_kept=kept)
-                self.assertRegex(self.info, r"part 7 +24  soft body\n +part 9 +1  plate")
+                self.assertRegex(self.info, r"object 7 +24  soft body\n +object 9 +1  plate")
 
     def test_faces_are_kept_on_request(self):
         grid = self.good(*data("boxes_41.msh"), "--keep-faces")
         self.assertEqual(grid["Types"][:].tolist(), [5] * 24 + [10] * 24 + [12])
-        self.assertRegex(self.info, r"part 20 +24  skin")
+        self.assertRegex(self.info, r"object 20 +24  skin")
 
     def test_abaqus(self):
         self.check_boxes(self.good(*data("boxes.inp")), (1, 2))
-        self.assertRegex(self.info, r"part 1 +24  soft_body\n +part 2 +1  plate")
+        self.assertRegex(self.info, r"object 1 +24  soft_body\n +object 2 +1  plate")
         self.check_boxes(self.good(*data("boxes.inp"), "--sets", "plate,soft_body"), (2, 1))
         self.bad(*data("boxes.inp"), "--sets", "wheel", says="no set 'wheel'; there is: Surface1")
 
@@ -284,7 +284,7 @@ class Importer(unittest.TestCase):
                                   text=True, check=False, preexec_fn=lambda size=size: limit(size))
             self.assertEqual((done.returncode, done.stderr),
                              (2, f"import_sequence.py: {self.target}: cannot be written: File too large\n"))
-        with unittest.mock.patch.object(import_sequence, "read_step", side_effect=KeyboardInterrupt):
+        with unittest.mock.patch.object(import_sequence, "read_frame", side_effect=KeyboardInterrupt):
             done = self.run_tool(*data("cells_1.vtu"))
         self.assertEqual((done.returncode, "interrupted" in done.stderr), (130, True))
         self.assertEqual(os.listdir(self.folder), ["out.vtkhdf"])

@@ -132,7 +132,7 @@ class Plots(unittest.TestCase):
         self.good("--only", "speedup")
         self.assertIn("3.0×", self.texts("speedup"))
         self.record("table1", [row("NavCCD", motion=1), row("VolCCD", motion=2), row("HashCCD", motion=2, seconds=7)])
-        self.assertIn("octopi, VolCCD: has no motion in common with NavCCD; left out", self.good("--only", "speedup"))
+        self.assertIn("octopi, VolCCD: has no step in common with NavCCD; left out", self.good("--only", "speedup"))
         self.assertIn("7.0×", self.texts("speedup"))
 
     def test_variants_are_compared_with_their_like(self):
@@ -180,7 +180,7 @@ class Plots(unittest.TestCase):
             self.assertTrue({"my-scene"} <= set(self.texts(name)), name)
         self.assertEqual(self.texts("speedup").count("2.5×"), 2)
         self.assertIn("77", " ".join(self.texts("culling")))
-        self.assertIn("Mine, csat.k=1: sum of all motions", self.texts("culling"))
+        self.assertIn("Mine, csat.k=1: sum of all steps", self.texts("culling"))
         self.assertFalse(any("paper" in text for text in self.texts("culling")))
 
     def test_breakdown_has_all_of_the_time(self):
@@ -204,7 +204,7 @@ class Plots(unittest.TestCase):
                                row(motion=3, element_pairs=200)])
         out = self.good("--only", "false-positives")
         self.assertIn("98.00", self.texts("false-positives"))  # median of 90, 98 and 99
-        self.assertIn("octopi: 1 motions without pairs", out)
+        self.assertIn("octopi: 1 steps without pairs", out)
 
     def test_funnel_has_zeros(self):
         self.record("table1", [row(contacts=0), row("VolCCD+", vf_tests=3, ee_tests=1, contacts=0)])

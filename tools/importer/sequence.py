@@ -1,4 +1,4 @@
-"""Combines steps to a sequence: order, points, and times."""
+"""Combines frames to a sequence: order, points, and times."""
 
 import re
 
@@ -29,56 +29,56 @@ class Union:
     def __init__(self):
         self.ids = self.order = self.places = None
 
-    def add(self, step, file):
+    def add(self, frame, file):
         if self.places is None:
-            self.ids, self.places = step.point_ids, step.points
-        elif (step.point_ids is None) != (self.ids is None):
+            self.ids, self.places = frame.point_ids, frame.points
+        elif (frame.point_ids is None) != (self.ids is None):
             raise BadInput(file, "point ids", "given here but not in the first file" if self.ids is None else
                            "not given here but in the first file")
         elif self.ids is None:
-            if len(step.points) != len(self.places):
-                raise BadInput(file, "points", f"{len(step.points)}, the first file has {len(self.places)}, and there are no "
+            if len(frame.points) != len(self.places):
+                raise BadInput(file, "points", f"{len(frame.points)}, the first file has {len(self.places)}, and there are no "
                                "point ids")
         else:
-            new = ~np.isin(step.point_ids, self.ids)
-            self.ids = np.concatenate([self.ids, step.point_ids[new]])
-            self.places = np.concatenate([self.places, step.points[new]])
+            new = ~np.isin(frame.point_ids, self.ids)
+            self.ids = np.concatenate([self.ids, frame.point_ids[new]])
+            self.places = np.concatenate([self.places, frame.points[new]])
         self.order = None if self.ids is None else np.argsort(self.ids)
 
-    def renumber(self, step):
-        """Renumbers the points of a step. Points that it lacks keep their last positions and have no velocity."""
+    def renumber(self, frame):
+        """Renumbers the points of a frame. Points that it lacks keep their last positions and have no velocity."""
         if self.ids is None:
-            return step
-        row = self.order[np.searchsorted(self.ids, step.point_ids, sorter=self.order)]
+            return frame
+        row = self.order[np.searchsorted(self.ids, frame.point_ids, sorter=self.order)]
         self.places = self.places.copy()
-        self.places[row] = step.points
-        if step.velocity is not None:
+        self.places[row] = frame.points
+        if frame.velocity is not None:
             velocity = np.zeros_like(self.places)
-            velocity[row] = step.velocity
-            step.velocity = velocity
-        step.points, step.connectivity = self.places, row[step.connectivity]
-        return step
+            velocity[row] = frame.velocity
+            frame.velocity = velocity
+        frame.points, frame.connectivity = self.places, row[frame.connectivity]
+        return frame
 
 
-def check_same(step, first, file):
-    """Checks that a step has the same arrays, cells and part names as the first one, as far as steps must agree."""
+def check_same(frame, first, file):
+    """Checks that a frame has the same arrays, cells and object names as the first one, as far as frames must agree."""
     for what in ("velocity", "thickness", "cell_ids"):
-        if (getattr(step, what) is None) != (getattr(first, what) is None):
-            there = "not in this file" if getattr(step, what) is None else "not in the first file"
+        if (getattr(frame, what) is None) != (getattr(first, what) is None):
+            there = "not in this file" if getattr(frame, what) is None else "not in the first file"
             raise BadInput(file, what.replace("_", " "), f"{there}, but in others")
-    if step.cell_ids is None and not same_cells(step, first):
+    if frame.cell_ids is None and not same_cells(frame, first):
         raise BadInput(file, "cells", "differ from those of the first file, and there are no cell ids")
-    for number, name in step.part_names.items():
-        if first.part_names.setdefault(number, name) != name:
-            raise BadInput(file, "part", f"{number} is '{name}' here and '{first.part_names[number]}' before")
+    for number, name in frame.object_names.items():
+        if first.object_names.setdefault(number, name) != name:
+            raise BadInput(file, "object", f"{number} is '{name}' here and '{first.object_names[number]}' before")
 
 
 def same_cells(a, b):
-    return all(np.array_equal(getattr(a, name), getattr(b, name)) for name in ("types", "connectivity", "parts", "cell_ids"))
+    return all(np.array_equal(getattr(a, name), getattr(b, name)) for name in ("types", "connectivity", "objects", "cell_ids"))
 
 
 def times_of(files, options, found):
-    """Times of the steps: those of the options, else those in the files, else 0, 1, .."""
+    """Times of the frames: those of the options, else those in the files, else 0, 1, .."""
     if options.times is not None:
         times = options.times
         if len(times) != len(files):

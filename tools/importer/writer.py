@@ -71,7 +71,7 @@ class Sink(io.FileIO):
 
 
 class Writer:
-    """Writes the layout of docs/sequence_files.md, one step at a time."""
+    """Writes the layout of docs/sequence_files.md, one frame at a time."""
 
     def __init__(self, file):
         self.file = file
@@ -99,29 +99,29 @@ class Writer:
     def table(self, name, value):
         self.tables.setdefault(name, []).append(value)
 
-    def add(self, step):
-        if self.last is None or not same_cells(step, self.last):
-            self.first_cell = self.append("Types", step.types)
-            self.append("Offsets", step.offsets)
-            self.first_connectivity = self.append("Connectivity", step.connectivity)
-            self.append("CellData/PartId", step.parts)
-            ids = step.cell_ids if step.cell_ids is not None else np.arange(len(step.types), dtype=np.int64)
+    def add(self, frame):
+        if self.last is None or not same_cells(frame, self.last):
+            self.first_cell = self.append("Types", frame.types)
+            self.append("Offsets", frame.offsets)
+            self.first_connectivity = self.append("Connectivity", frame.connectivity)
+            self.append("CellData/PartId", frame.objects)
+            ids = frame.cell_ids if frame.cell_ids is not None else np.arange(len(frame.types), dtype=np.int64)
             self.append("CellData/GlobalCellIds", ids)
-            self.cells.append(len(step.types))
-            self.connectivity.append(len(step.connectivity))
-            self.last = step
+            self.cells.append(len(frame.types))
+            self.connectivity.append(len(frame.connectivity))
+            self.last = frame
         self.table("PartOffsets", len(self.cells) - 1)
         self.table("NumberOfParts", 1)
-        self.table("PointOffsets", self.append("Points", step.points))
+        self.table("PointOffsets", self.append("Points", frame.points))
         self.table("CellOffsets", self.first_cell)
         self.table("ConnectivityIdOffsets", self.first_connectivity)
         self.table("PointDataOffsets/GlobalPointIds", 0)
         self.table("CellDataOffsets/PartId", self.first_cell)
         self.table("CellDataOffsets/GlobalCellIds", self.first_cell)
-        if step.velocity is not None:
-            self.table("PointDataOffsets/Velocity", self.append("PointData/Velocity", step.velocity))
-        if step.thickness is not None:
-            self.table("CellDataOffsets/Thickness", self.append("CellData/Thickness", step.thickness))
+        if frame.velocity is not None:
+            self.table("PointDataOffsets/Velocity", self.append("PointData/Velocity", frame.velocity))
+        if frame.thickness is not None:
+            self.table("CellDataOffsets/Thickness", self.append("CellData/Thickness", frame.thickness))
 
     def finish(self, times, point_ids, points, about):
         self.root.attrs["Version"] = np.array([2, 2], np.int64)

@@ -57,11 +57,11 @@ class Bar:
 def draw_bar(page, panel, bar, looks, low):
     look = looks.bar(bar.label)
     panel.bar(bar.x, max(bar.total, low) - low, bottom=low, width=0.85, **look)
-    page.legend(f"{bar.label}: sum of all motions", Patch(**look))
+    page.legend(f"{bar.label}: sum of all steps", Patch(**look))
     mark = {"marker": "_", "markersize": 13, "color": "black", "markeredgewidth": 2.2, "linestyle": "none"}
     panel.plot([bar.x], [max(bar.mean, low)], **{**mark, "color": "white", "markeredgewidth": 4, "markersize": 15})
     panel.plot([bar.x], [max(bar.mean, low)], **mark)
-    page.legend("mean of a motion", Line2D([], [], **{**mark, "markersize": 9}))
+    page.legend("mean of a step", Line2D([], [], **{**mark, "markersize": 9}))
     if bar.printed:
         panel.plot([bar.x], [bar.printed], **PAPER_MARK)
         page.legend("paper (Tables II and III, as printed)", Line2D([], [], **PAPER_MARK))

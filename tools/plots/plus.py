@@ -9,7 +9,7 @@ from .records import grouped, label_of, scenes_of, seconds_with_edit
 
 
 def steady(rows):
-    """Rows of the motions after the first of their window; a window of one motion keeps its row."""
+    """Rows of the steps after the first of their window; a window of one step keeps its row."""
     result = []
     for window in grouped(rows, "window").values():
         later = [row for row in window if row["motion"] != row["window"]]
@@ -18,7 +18,7 @@ def steady(rows):
 
 
 def mean_ms(rows):
-    """Mean over motions of the median over rounds, in milliseconds, as in the tables."""
+    """Mean over steps of the median over rounds, in milliseconds, as in the tables."""
     rounds = grouped(steady(rows), "motion").values()
     return 1e3 * statistics.fmean(statistics.median(map(seconds_with_edit, some)) for some in rounds)
 
@@ -40,7 +40,7 @@ def plus_page(rows, title):
     pitch = slots + 1.2
     page = Page(DOUBLE, 12 + 3.1 * pitch * len(scenes))
     panel, looks = page.panels[0][0], Looks()
-    panel.set(xscale="log", xlabel="ms a step (mean over motions)", title=title, ylim=(len(scenes) * pitch - 1, -1))
+    panel.set(xscale="log", xlabel="ms a step (mean over steps)", title=title, ylim=(len(scenes) * pitch - 1, -1))
     low, _ = log_limits(panel.set_xlim, [ms for some in bars.values() for _, ms in some], 2)
     panel.grid(axis="x")
     log_axis(panel.xaxis)

@@ -86,14 +86,14 @@ def grouped(rows, *columns):
 
 
 def typical(rows):
-    """One row for each motion: that of the round with the (lower) median time, so that its stages add up."""
+    """One row for each step: that of the round with the (lower) median time, so that its stages add up."""
     by_time = [sorted(rounds, key=lambda row: (row["seconds"], row["round"]))
                for rounds in grouped(rows, "motion").values()]
     return [rounds[(len(rounds) - 1) // 2] for rounds in by_time]
 
 
-def median_over_motions(rows, value):
-    """The median over motions of the median over rounds of value(row)."""
+def median_over_steps(rows, value):
+    """The median over steps of the median over rounds of value(row)."""
     return statistics.median(statistics.median(map(value, rounds)) for rounds in grouped(rows, "motion").values())
 
 
@@ -106,7 +106,7 @@ def seconds_with_edit(row):
 
 
 def mean_count(rows, count):
-    """The mean over motions of count(row); counts are the same in all rounds."""
+    """The mean over steps of count(row); counts are the same in all rounds."""
     return statistics.fmean(count(row) for row in typical(rows))
 
 
@@ -142,12 +142,12 @@ def without_common_settings(record, say):
 
 
 def caption_of(record):
-    motions = {scene: len({row["motion"] for row in rows}) for scene, rows in grouped(record.rows, "scene").items()}
-    scenes = ", ".join(f"{scene}\N{NO-BREAK SPACE}({motions[scene]})" for scene in scenes_of(record.rows))
+    steps = {scene: len({row["motion"] for row in rows}) for scene, rows in grouped(record.rows, "scene").items()}
+    scenes = ", ".join(f"{scene}\N{NO-BREAK SPACE}({steps[scene]})" for scene in scenes_of(record.rows))
     facts = record.provenance
     incomplete = "" if record.complete else ", incomplete record"
     commit = facts["commit"].removesuffix("-dirty")
     changes = " with local changes" if commit != facts["commit"] else ""
     threads = f"{facts['threads']}\N{NO-BREAK SPACE}thread{'' if facts['threads'] == 1 else 's'}"
-    return (f"Scenes (motions): {scenes}. Setting: {facts['setting']}{incomplete}. Commit {commit}{changes}. "
+    return (f"Scenes (steps): {scenes}. Setting: {facts['setting']}{incomplete}. Commit {commit}{changes}. "
             f"{facts['cpu']}, {facts['cores']} cores, {threads}.")

@@ -1,4 +1,4 @@
-"""Scaling: time, memory and tests against elements and against motion per step."""
+"""Scaling: time, memory and tests against elements and against movement per step."""
 
 import math
 import statistics
@@ -6,11 +6,11 @@ import statistics
 from matplotlib.lines import Line2D
 
 from .page import DOUBLE, SMALL, Looks, Page, log_axis, pipeline_looks
-from .records import check_columns, grouped, label_of, mean_count, median_over_motions, scenes_of, seconds, tests
+from .records import check_columns, grouped, label_of, mean_count, median_over_steps, scenes_of, seconds, tests
 
-QUANTITIES = {"time, s": lambda rows: median_over_motions(rows, seconds),
+QUANTITIES = {"time, s": lambda rows: median_over_steps(rows, seconds),
               "memory, bytes": lambda rows: max(row["workspace_bytes"] for row in rows),
-              "elementary tests per motion": lambda rows: mean_count(rows, tests)}
+              "elementary tests per step": lambda rows: mean_count(rows, tests)}
 
 
 def exponent(lines):
@@ -89,5 +89,5 @@ def draw_scaling(record, say):
 def draw_scaling_motion(record, say):
     rows = [row for row in record.rows if row["variant"].startswith("motion=")]
     check_columns(record.with_rows(rows), ("moved_edges",))
-    page = draw_scaling_page(record, "motion=", "moved_edges", "motion per step, edge lengths", say)
+    page = draw_scaling_page(record, "motion=", "moved_edges", "movement per step, edge lengths", say)
     return [("scaling-motion", page)] if page else []

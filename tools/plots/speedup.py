@@ -5,7 +5,7 @@ import itertools
 from matplotlib.lines import Line2D
 
 from .page import DOUBLE, PAPER_MARK, SMALL, Page, log_axis, pipeline_looks, scene_axis, times
-from .records import grouped, is_baseline, label_of, median_over_motions, scenes_of, seconds_with_edit
+from .records import grouped, is_baseline, label_of, median_over_steps, scenes_of, seconds_with_edit
 
 # Numbers printed in the paper's Table I.
 PAPER_SPEEDUP = {"NavCCD": {"octopi": 12, "bullet": 21, "airbag": 10.2, "crash": 12.4, "liver": 10.3},
@@ -35,12 +35,12 @@ def comparisons(rows, family):
 
 
 def speedup(baseline, subject):
-    """Ratio of the median times, topology edits included, over the motions that both have; None if they share no
-    motion."""
-    motions = {row["motion"] for row in baseline} & {row["motion"] for row in subject}
-    if not motions:
+    """Ratio of the median times, topology edits included, over the steps that both have; None if they share no
+    step."""
+    steps = {row["motion"] for row in baseline} & {row["motion"] for row in subject}
+    if not steps:
         return None
-    before, after = (median_over_motions([row for row in rows if row["motion"] in motions], seconds_with_edit)
+    before, after = (median_over_steps([row for row in rows if row["motion"] in steps], seconds_with_edit)
                      for rows in (baseline, subject))
     return before / after
 
@@ -54,7 +54,7 @@ def speedups(record, say):
             for label, baseline, subject in comparisons(rows, family):
                 ratio = speedup(baseline, subject)
                 if ratio is None:
-                    say(f"speedup: table {table}, {scene}, {label}: has no motion in common with "
+                    say(f"speedup: table {table}, {scene}, {label}: has no step in common with "
                         f"{baseline[0]['pipeline']}; left out")
                 else:
                     entries.append((label, ratio))

@@ -25,7 +25,7 @@ def parts_of(row):
 
 
 def shares_of(rows):
-    """Share of each part in the time of all motions in per cent, with the remainder."""
+    """Share of each part in the time of all steps in per cent, with the remainder."""
     totals, measured = collections.Counter(), 0
     for row in typical(rows):
         totals.update(parts_of(row))
@@ -66,7 +66,7 @@ def draw_breakdown(record, _):
 
 
 def false_positives(rows, say):
-    """Per cent of the pairs of non-adjacent leaves that have no contact, by motion. Motions without such pairs are
+    """Per cent of the pairs of non-adjacent leaves that have no contact, by step. Steps without such pairs are
     left out."""
     shares = []
     for row in typical(rows):
@@ -75,7 +75,7 @@ def false_positives(rows, say):
             shares.append(100 * (1 - row["touching_pairs"] / pairs))
     left_out = len(typical(rows)) - len(shares)
     if left_out:
-        say(f"false-positives: {rows[0]['scene']}: {left_out} motions without pairs of non-adjacent leaves; left out")
+        say(f"false-positives: {rows[0]['scene']}: {left_out} steps without pairs of non-adjacent leaves; left out")
     return shares
 
 
@@ -145,7 +145,7 @@ def draw_funnel(record, say):
     for panel in list(page.panels.flat)[max(0, len(scenes) - columns):len(scenes)]:
         panel.tick_params(axis="x", labelbottom=True)
     for line in page.panels:
-        line[0].set_ylabel(f"mean of a motion (I-{tables[-1]})")
+        line[0].set_ylabel(f"mean of a step (I-{tables[-1]})")
     return [("funnel", page)]
 
 

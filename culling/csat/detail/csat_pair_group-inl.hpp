@@ -24,7 +24,7 @@ template <int kControlPoints>
 class PairGroup {
  public:
   PairGroup(const CsatFrame& frame, const Step& step)
-      : part_(frame.part), points_(step.motion.at(0)), separation_(float_separation(step.separation)) {
+      : interval_(frame.interval), points_(step.motion.at(0)), separation_(float_separation(step.separation)) {
     std::fill_n(first_, kPairs, kNone);
   }
 
@@ -60,7 +60,7 @@ class PairGroup {
   }
 
   HWY_INLINE PairThreshold threshold(const PairLanes3& axis, const PairLanes3& extent) const {
-    return {axis, extent, part_.levels, separation_};
+    return {axis, extent, interval_.levels, separation_};
   }
 
   /// The smallest gap over all control points, where the gap is the distance by which b is beyond a along the axis.
@@ -151,7 +151,7 @@ class PairGroup {
       PairLanes3 x[kControlPoints];
       load_points(v, x);
       for (int c = 0; c < kControlPoints; ++c) extent = max(extent, abs(x[c]));
-      restrict_to<kControlPoints>(part_, x);
+      restrict_to<kControlPoints>(interval_, x);
       for (int c = 0; c < kControlPoints; ++c) {
         total = add(total, x[c]);
         store(x[c], side, kPoints + v * kControlPoints + static_cast<std::size_t>(c), lane);
@@ -177,7 +177,7 @@ class PairGroup {
 
   static constexpr std::size_t kTriples = kPoints + PairList::kVertices * kControlPoints;
 
-  const StepPart& part_;
+  const StepInterval& interval_;
   const double* points_;
   float separation_;
   std::size_t count_[2] = {};

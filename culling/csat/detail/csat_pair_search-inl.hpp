@@ -48,10 +48,10 @@ class PairSearch {
     look_up(pairs);
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       if (i + 2 * PairList::kPairs < pairs.size()) prefetch(i + 2 * PairList::kPairs);
-      take(pairs, i, false);
+      enqueue(pairs, i, false);
     }
     test(false);
-    for (std::size_t i = 0; i < open_count_; ++i) take(pairs, open_[i], true);
+    for (std::size_t i = 0; i < open_count_; ++i) enqueue(pairs, open_[i], true);
     test(true);
   }
 
@@ -82,7 +82,7 @@ class PairSearch {
       for (std::size_t v = 0; v < side[i].count; ++v) hwy::Prefetch(step_.motion.at(side[i].data[v]));
   }
 
-  void take(std::span<const ElementPair> pairs, std::size_t i, bool search) {
+  void enqueue(std::span<const ElementPair> pairs, std::size_t i, bool search) {
     const Vertices a = vertices_[0][i], b = vertices_[1][i];
     if (pairs[i].a == pairs[i].b || std::max(a.count, b.count) > PairList::kVertices) return;
     if (list_.size == PairList::kPairs || a.count != list_.counts[0] || b.count != list_.counts[1]) {

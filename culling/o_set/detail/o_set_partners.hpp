@@ -31,9 +31,9 @@ class OSetPartners {
         literal_(literal),
         touch_(touch) {}
 
-  /// Calls take(f) once for each triangle f that forms an O-Set pair with vertex v.
-  template <class Take>
-  void triangles_of_vertex(Index v, Take&& take) {
+  /// Calls report(f) once for each triangle f that forms an O-Set pair with vertex v.
+  template <class Report>
+  void triangles_of_vertex(Index v, Report&& report) {
     const auto apart = [&](Index f, Index) {
       const auto& t = features_.triangle(f);
       return t[0] != v && t[1] != v && t[2] != v;
@@ -42,12 +42,12 @@ class OSetPartners {
       return literal_ ? features_.element_triangles(o) : features_.own_triangles(o);
     };
     const auto incident = [&](Index f) { return features_.triangle_elements(f); };
-    visit({&v, 1}, features_.vertex_elements(v), of_element, incident, apart, take);
+    visit({&v, 1}, features_.vertex_elements(v), of_element, incident, apart, report);
   }
 
-  /// Calls take(v) once for each vertex v that forms an O-Set pair with triangle f and for which wanted(v) is true.
-  template <class Wanted, class Take>
-  void vertices_of_triangle(Index f, Wanted&& wanted, Take&& take) {
+  /// Calls report(v) once for each vertex v that forms an O-Set pair with triangle f and for which wanted(v) is true.
+  template <class Wanted, class Report>
+  void vertices_of_triangle(Index f, Wanted&& wanted, Report&& report) {
     const std::array<Index, 3> t = features_.triangle(f);
     const auto apart = [&](Index v, Index o) {
       const bool once = literal_ || features_.first_element_of_vertex(v) == o;
@@ -55,12 +55,12 @@ class OSetPartners {
     };
     const auto of_element = [&](Index o) { return mesh_.vertices(o); };
     const auto incident = [&](Index v) { return features_.vertex_elements(v); };
-    visit(t, features_.triangle_elements(f), of_element, incident, apart, take);
+    visit(t, features_.triangle_elements(f), of_element, incident, apart, report);
   }
 
-  /// Calls take(e2) once for each edge e2 that forms an O-Set pair with edge e and for which wanted(e2) is true.
-  template <class Wanted, class Take>
-  void edges_of_edge(Index e, Wanted&& wanted, Take&& take) {
+  /// Calls report(e2) once for each edge e2 that forms an O-Set pair with edge e and for which wanted(e2) is true.
+  template <class Wanted, class Report>
+  void edges_of_edge(Index e, Wanted&& wanted, Report&& report) {
     const std::array<Index, 2> a = features_.edge(e);
     const auto apart = [&](Index e2, Index) {
       if (!wanted(e2)) return false;
@@ -69,7 +69,7 @@ class OSetPartners {
     };
     const auto of_element = [&](Index o) { return literal_ ? features_.element_edges(o) : features_.own_edges(o); };
     const auto incident = [&](Index e2) { return features_.edge_elements(e2); };
-    visit(a, features_.edge_elements(e), of_element, incident, apart, take);
+    visit(a, features_.edge_elements(e), of_element, incident, apart, report);
   }
 
  private:
@@ -79,16 +79,16 @@ class OSetPartners {
   Index pivot(std::span<const Index> vertices, std::span<const Index> inc) const;
 
   /// Finds the partners of a feature with these vertices and incident elements, among the features of_element(o).
-  template <class OfElement, class Incident, class Wanted, class Take>
+  template <class OfElement, class Incident, class Wanted, class Report>
   void visit(std::span<const Index> vertices, std::span<const Index> inc_a, OfElement&& of_element, Incident&& incident,
-             Wanted&& wanted, Take&& take) {
+             Wanted&& wanted, Report&& report) {
     find_covering(vertices, inc_a);
     const auto visit_all = [&](auto literal) {
       for (Index o : touch_.accepted_elements())
         for (Index b : of_element(o)) {
           if (!wanted(b, o)) continue;
           const std::span<const Index> inc = incident(b);
-          if (literal() ? first_covering(inc) == o && some_touches_all(inc_a, inc) : others_cover(inc)) take(b);
+          if (literal() ? first_covering(inc) == o && some_touches_all(inc_a, inc) : others_cover(inc)) report(b);
         }
     };
     literal_ ? visit_all(std::true_type()) : visit_all(std::false_type());

@@ -181,7 +181,7 @@ struct WaitingElements {
         signs[fresh.slots[i]] = {bits(), 0};
         continue;
       }
-      open.elements.take(fresh.elements, i, open.count);
+      open.elements.copy_element(fresh.elements, i, open.count);
       open.slots[open.count++] = fresh.slots[i];
       if (open.count == 8) decide(separation, signs);
     }

@@ -76,7 +76,7 @@ HWY_INLINE bool find_direction(const CornerVectors& a, const CornerVectors& b, V
     const Vec3 next = in_b.product < in_a.product ? b.at(in_b.place) : Vec3(-a.at(in_a.place));
     if (simplex.contains(next)) return false;
     simplex.add(next);
-    if (!simplex.nearest(direction)) return false;
+    if (!simplex.reduce(direction)) return false;
   }
   return false;
 }

@@ -40,7 +40,7 @@ class ElementLanes {
   }
 
   /// Copies an element from another block.
-  void take(const ElementLanes& from, std::size_t lane, std::size_t to) {
+  void copy_element(const ElementLanes& from, std::size_t lane, std::size_t to) {
     for (std::size_t v = 0; v < 8; ++v)
       for (std::size_t k = 0; k < 3 * kControlPoints; ++k) points_[v][k][to] = from.points_[v][k][lane];
     for (std::size_t f = 0; f < 6; ++f) turned_[f][to] = from.turned_[f][lane];

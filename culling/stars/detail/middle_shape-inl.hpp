@@ -1,4 +1,5 @@
-// Elements in the middle of a step, and how far they move from there: enough to see that most of them stay as they are.
+// Elements in the middle of a step, and how far they move from there, which proves for most elements that their volumes
+// keep their signs.
 // Included once for each instruction set by foreach_target.h of Highway.
 #include <cstddef>
 #include <limits>

@@ -1,5 +1,5 @@
-// Signs of the volumes of eight tetrahedra throughout a step. Included once for each instruction set by foreach_target.h
-// of Highway.
+// Signs of the volumes of eight tetrahedra throughout a step. Included once for each instruction set by
+// foreach_target.h of Highway.
 #include <array>
 #include <cstdint>
 #include <span>
@@ -21,8 +21,8 @@ namespace volccd::detail::HWY_NAMESPACE {
 template <int kControlPoints>
 class TetrahedronSigns {
  public:
-  /// Bit k of `positive` or `negative` is set if the volume det(v1 - v0, v2 - v0, v3 - v0) of tetrahedron k is proven to
-  /// have this sign at all t in [0, 1], with a separation for displaced vertices, too.
+  /// Bit k of `positive` or `negative` is set if the volume det(v1 - v0, v2 - v0, v3 - v0) of tetrahedron k is proven
+  /// to have this sign at all t in [0, 1], with a separation for displaced vertices, too.
   void find(const Motion& motion, std::span<const std::array<Index, 4>, 8> tetrahedra, double separation) {
     gather_tests<8, kControlPoints>(motion, tetrahedra, rows_);
     positive = negative = 0;
@@ -37,7 +37,7 @@ class TetrahedronSigns {
 
  private:
   HWY_INLINE DeterminantSigns signs_at(std::size_t lane, double separation) const {
-    const Differences<kControlPoints> e(Columns<8>{rows_ + lane}, StepPart(1, kControlPoints));
+    const Differences<kControlPoints> e(Columns<8>{rows_ + lane}, StepInterval(1, kControlPoints));
     const Determinant<kControlPoints> det(e.at);
     const DeterminantError rounding(e.extent, determinant_error_factor(kControlPoints, 0));
     if (separation == 0) return {det, rounding};

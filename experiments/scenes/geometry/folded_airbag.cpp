@@ -297,8 +297,10 @@ Shape folded_airbag(const AirbagShape& airbag, double spacing) {
   for (const int sheet : {0, 1})
     for (const auto& [a, b, c] : disc.triangles()) {
       const std::vector<Index>& of = vertex[static_cast<std::size_t>(sheet)];
-      ElementSpec element{
-          ElementType::triangle, {of[a], of[b], of[c]}, {}, sheet, static_cast<std::int64_t>(shape.elements.size())};
+      ElementSpec element{.type = ElementType::triangle,
+                          .vertices = {of[a], of[b], of[c]},
+                          .object = sheet,
+                          .id = static_cast<std::int64_t>(shape.elements.size())};
       if (sheet == 0) std::swap(element.vertices[1], element.vertices[2]);
       shape.elements.push_back(std::move(element));
     }

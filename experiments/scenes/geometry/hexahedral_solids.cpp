@@ -35,7 +35,7 @@ class SectionBuilder {
             {ring_point(ring, k), ring_point(ring + 1, k), ring_point(ring + 1, k + 1), ring_point(ring, k + 1)});
   }
 
-  Section take() { return std::move(section_); }
+  Section build() { return std::move(section_); }
 
  private:
   Index add(std::pair<int, int> key, double x, double y) {
@@ -74,8 +74,9 @@ class SectionBuilder {
 };
 
 void add_hexahedron(Shape& shape, const std::array<Index, 4>& low, const std::array<Index, 4>& high) {
-  ElementSpec element{
-      ElementType::hexahedron, {low.begin(), low.end()}, {}, 0, static_cast<std::int64_t>(shape.elements.size())};
+  ElementSpec element{.type = ElementType::hexahedron,
+                      .vertices = {low.begin(), low.end()},
+                      .id = static_cast<std::int64_t>(shape.elements.size())};
   element.vertices.insert(element.vertices.end(), high.begin(), high.end());
   shape.elements.push_back(std::move(element));
 }
@@ -107,7 +108,7 @@ Shape round_nosed_bullet(const BulletShape& bullet) {
   if (!(bullet.diameter > 0) || !(bullet.nose > 0) || !(bullet.length > bullet.nose) || bullet.core < 1 ||
       bullet.rings < 1 || bullet.layers < 2)
     throw ConfigError("bullet: a size or number is out of range");
-  const Section section = SectionBuilder(bullet).take();
+  const Section section = SectionBuilder(bullet).build();
   const auto points = static_cast<Index>(section.points.size());
   Shape shape;
   for (int layer = 0; layer <= bullet.layers; ++layer) {

@@ -170,8 +170,10 @@ void QuadComplex::fill(const Patch& patch, const std::vector<int>& divisions, co
       }
     }
   const auto add = [&](Index a, Index b, Index c) {
-    shape.elements.push_back(
-        {ElementType::triangle, {a, b, c}, {}, patch.part, static_cast<std::int64_t>(shape.elements.size())});
+    shape.elements.push_back({.type = ElementType::triangle,
+                              .vertices = {a, b, c},
+                              .object = patch.part,
+                              .id = static_cast<std::int64_t>(shape.elements.size())});
   };
   for (std::size_t j = 0; j + 1 < at.size() / row; ++j)
     for (std::size_t i = 0; i + 1 < row; ++i) {

@@ -391,8 +391,9 @@ Shape finish(const ImplicitSolid& solid, Stuffing stuffing) {
   Shape shape;
   shape.positions = std::move(stuffing.positions);
   for (const Tetrahedron& t : stuffing.tetrahedra)
-    shape.elements.push_back(
-        {ElementType::tetrahedron, {t.begin(), t.end()}, {}, 0, static_cast<std::int64_t>(shape.elements.size())});
+    shape.elements.push_back({.type = ElementType::tetrahedron,
+                              .vertices = {t.begin(), t.end()},
+                              .id = static_cast<std::int64_t>(shape.elements.size())});
   return shape;
 }
 

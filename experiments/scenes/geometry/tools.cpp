@@ -17,8 +17,9 @@ namespace {
 void add_tetrahedron(Shape& shape, Index a, Index b, Index c, Index d) {
   const std::vector<Vec3>& x = shape.positions;
   if ((x[b] - x[a]).cross(x[c] - x[a]).dot(x[d] - x[a]) < 0) std::swap(c, d);
-  shape.elements.push_back(
-      {ElementType::tetrahedron, {a, b, c, d}, {}, 0, static_cast<std::int64_t>(shape.elements.size())});
+  shape.elements.push_back({.type = ElementType::tetrahedron,
+                            .vertices = {a, b, c, d},
+                            .id = static_cast<std::int64_t>(shape.elements.size())});
 }
 
 /// A prism over the triangle `low`; vertex i of the other end is `high[i]`. Diagonals go by the order of the vertices

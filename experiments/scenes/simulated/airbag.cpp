@@ -41,11 +41,11 @@ simulation::Model airbag_model(int elements, std::uint64_t seed) {
   for (std::size_t e = 0; e < bag.elements.size(); ++e) all.elements[e] = bag.elements[e];
   model.mesh = all.mesh();
   model.positions = all.positions;
-  model.parts = {{"bag, side of the wheel", fabric(), 0.00035, false},
-                 {"bag, side of the driver", fabric(), 0.00035, false},
-                 {"steering wheel", {}, 0.001, true}};
-  model.parts[2].material.density = 1500;
-  model.parts[2].material.friction = 0.1;
+  model.bodies = {{"bag, side of the wheel", fabric(), 0.00035, false},
+                  {"bag, side of the driver", fabric(), 0.00035, false},
+                  {"steering wheel", {}, 0.001, true}};
+  model.bodies[2].material.density = 1500;
+  model.bodies[2].material.friction = 0.1;
 
   Random random(seed);
   model.velocities.assign(all.positions.size(), Vec3::Zero());

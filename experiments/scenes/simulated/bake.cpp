@@ -108,7 +108,7 @@ class Workplace {
     });
   }
 
-  void forget() const {
+  void remove_state() const {
     std::error_code ignored;
     fs::remove(folder_ + "/state", ignored);
   }
@@ -169,18 +169,18 @@ nlohmann::json frame_record(const Frame& frame) {
       {"angular_impulse", vector(l.angular_impulse)}};
 }
 
-/// Elements of parts that no force moves.
+/// Elements of bodies that no force moves.
 std::uint64_t tool_elements(const simulation::Model& model) {
-  std::vector<char> moves(model.mesh.vertex_count(), 1), is_tool(model.parts.size(), 0);
+  std::vector<char> moves(model.mesh.vertex_count(), 1), is_tool(model.bodies.size(), 0);
   for (const Index v : model.fixed) moves[v] = 0;
-  const auto part_of = [&](Index o) { return static_cast<std::size_t>(model.mesh.object(o)); };
+  const auto object_of = [&](Index o) { return static_cast<std::size_t>(model.mesh.object(o)); };
   for (Index o = 0; o < model.mesh.element_slots(); ++o)
-    if (model.parts[part_of(o)].rigid)
+    if (model.bodies[object_of(o)].rigid)
       for (const Index v : model.mesh.vertices(o))
-        if (!moves[v]) is_tool[part_of(o)] = 1;
+        if (!moves[v]) is_tool[object_of(o)] = 1;
   for (const simulation::Guide& guide : model.guides) is_tool[static_cast<std::size_t>(guide.object)] = 1;
   std::uint64_t count = 0;
-  for (Index o = 0; o < model.mesh.element_slots(); ++o) count += is_tool[part_of(o)] ? 1 : 0;
+  for (Index o = 0; o < model.mesh.element_slots(); ++o) count += is_tool[object_of(o)] ? 1 : 0;
   return count;
 }
 
@@ -260,7 +260,7 @@ std::optional<std::string> bake(const SimulatedScene& scene, const BakeSettings&
   Simulation simulation(model, scene.options, executor);
   const int done = place.restore(simulation);
   if (done == 0) {
-    place.forget();
+    place.remove_state();
     simulation = Simulation(model, scene.options, executor);
   }
   if (!run_frames(scene, settings, simulation, done, place, hooks)) return std::nullopt;
@@ -280,8 +280,8 @@ SequenceMetadata bake_metadata(const SimulatedScene& scene, const BakeSettings& 
   metadata.license = "Apache-2.0";
   metadata.units = "m (mass in kg)";
   metadata.time_unit = "second";
-  for (std::size_t i = 0; i < model.parts.size(); ++i)
-    if (!model.parts[i].name.empty()) metadata.part_names[static_cast<std::int32_t>(i) + 1] = model.parts[i].name;
+  for (std::size_t i = 0; i < model.bodies.size(); ++i)
+    if (!model.bodies[i].name.empty()) metadata.part_names[static_cast<std::int32_t>(i) + 1] = model.bodies[i].name;
   return metadata;
 }
 

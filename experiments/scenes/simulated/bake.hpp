@@ -48,7 +48,7 @@ std::string bake_record_file(const SimulatedScene& scene, const BakeSettings& se
 std::optional<std::string> bake(const SimulatedScene& scene, const BakeSettings& settings, Executor& executor,
                                 const BakeHooks& hooks = {});
 
-/// Metadata of the sequence: title, units (SI), names of the parts.
+/// Metadata of the sequence: title, units (SI), names of the bodies.
 SequenceMetadata bake_metadata(const SimulatedScene& scene, const BakeSettings& settings,
                                const simulation::Model& model);
 

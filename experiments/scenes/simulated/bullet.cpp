@@ -98,7 +98,7 @@ simulation::Model bullet_model(int elements, std::uint64_t seed) {
   model.positions = all.positions;
   model.velocities.assign(all.positions.size(), Vec3::Zero());
   std::fill_n(model.velocities.begin(), shot.positions.size(), Vec3(0, 0, -kBulletSpeed));
-  model.parts = {{"bullet", copper(), 0, false}, {"plate", steel(), 0, false}};
+  model.bodies = {{"bullet", copper(), 0, false}, {"plate", steel(), 0, false}};
   const double rim = plate.side / 2 * (1 - 1e-9);
   for (std::size_t v = shot.positions.size(); v < all.positions.size(); ++v)
     if (std::abs(all.positions[v].x()) > rim || std::abs(all.positions[v].y()) > rim)

@@ -83,9 +83,9 @@ double area_of(const Shape& shape, VehiclePart part) {
   return area;
 }
 
-simulation::Part vehicle_part(const Shape& shape, VehiclePart part) {
+simulation::Body vehicle_part(const Shape& shape, VehiclePart part) {
   const Sheet sheet = sheet_of(part);
-  simulation::Part result{to_string(part), sheet.material, sheet.thickness, false};
+  simulation::Body result{to_string(part), sheet.material, sheet.thickness, false};
   if (part == VehiclePart::engine || part == VehiclePart::rear) {
     const double mass = part == VehiclePart::engine ? kEngineMass : kRearMass;
     result.rigid = true;
@@ -103,10 +103,10 @@ Shape wall_sheet(double front, int triangles) {
   return sheet.mesh(sheet.spacing_for(triangles));
 }
 
-simulation::Part wall_part() {
-  simulation::Part part{"wall", {}, kWallThickness, true};
-  part.material.friction = 0.3;
-  return part;
+simulation::Body wall_part() {
+  simulation::Body body{"wall", {}, kWallThickness, true};
+  body.material.friction = 0.3;
+  return body;
 }
 
 double mean_edge(const Shape& shape) {
@@ -122,8 +122,8 @@ simulation::Model crash_model(int elements, std::uint64_t seed) {
   Shape shape = vehicle_front(static_cast<int>(std::lround((1 - kWallShare) * elements)));
   simulation::Model model;
   for (std::int32_t part = 0; part < kVehicleParts; ++part)
-    model.parts.push_back(vehicle_part(shape, static_cast<VehiclePart>(part)));
-  model.parts.push_back(wall_part());
+    model.bodies.push_back(vehicle_part(shape, static_cast<VehiclePart>(part)));
+  model.bodies.push_back(wall_part());
 
   double foremost = 0;
   for (const Vec3& p : shape.positions) foremost = std::min(foremost, p.x());

@@ -24,7 +24,7 @@ void archive_frame(simulation::Archive& archive, Frame& frame) {
   archive(frame.cells.types);
   archive(frame.cells.offsets);
   archive(frame.cells.connectivity);
-  archive(frame.cells.parts);
+  archive(frame.cells.objects);
   archive(frame.cells.ids);
   archive(frame.cells.face_offsets);
   archive(frame.cells.faces);
@@ -79,13 +79,13 @@ Frame capture_frame(simulation::Simulation& simulation, Index vertices_before) {
   frame.cells = cells_of(mesh);
   bool shells = false;
   for (const ElementType type : frame.cells.types) shells = shells || is_shell(type);
-  for (std::int32_t& part : frame.cells.parts) ++part;
+  for (std::int32_t& object : frame.cells.objects) ++object;
   if (shells) {
     const std::vector<double> thickness = simulation.thickness();
     for (Index o = 0; o < mesh.element_slots(); ++o)
       if (mesh.is_live(o)) frame.thickness.push_back(thickness[o]);
   }
-  frame.counts = simulation.take_counts();
+  frame.counts = simulation.drain_counts();
   frame.ledger = simulation.ledger();
   return frame;
 }
@@ -132,8 +132,8 @@ void write_frames(const std::vector<std::string>& frame_files, const std::string
     for (std::vector<Vec3>* places : {&frame.positions, &frame.query_start, &frame.query_end})
       if (!places->empty()) places->insert(places->end(), later, births.places.end());
     frame.velocities.resize(births.ids.size(), Vec3::Zero());
-    writer.write_step(frame.time, frame.positions, frame.cells,
-                      {frame.velocities, frame.thickness, frame.query_start, frame.query_end, frame.query_separation});
+    writer.write_frame(frame.time, frame.positions, frame.cells,
+                       {frame.velocities, frame.thickness, frame.query_start, frame.query_end, frame.query_separation});
   }
   writer.finish();
 }

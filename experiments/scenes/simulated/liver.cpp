@@ -67,7 +67,7 @@ KnifeShape scalpel_shape(int elements) {
 /// Appends a scalpel that goes with the cut through the liver as it has sagged.
 void add_scalpel(simulation::Model& model, Shape& all, int elements, const simulation::Cut& cut) {
   const Shape tool = knife(scalpel_shape(elements));
-  const auto object = static_cast<std::int32_t>(model.parts.size());
+  const auto object = static_cast<std::int32_t>(model.bodies.size());
   const Vec3 along = (cut.direction + kSagTilt * cut.normal).normalized();
   const Vec3 across = cut.normal - cut.normal.dot(along) * along;
   Eigen::Matrix3d axes;
@@ -75,9 +75,9 @@ void add_scalpel(simulation::Model& model, Shape& all, int elements, const simul
   const Vec3 start = cut.point + kSagAcross * cut.normal + (kSagAlong - kBehind * edge_of(elements)) * cut.direction;
   all.append(tool, object);
   for (const Vec3& p : tool.positions) model.positions.push_back(axes * p + start);
-  simulation::Part part{"scalpel", {}, 0, true};
-  part.material.friction = 0.05;
-  model.parts.push_back(part);
+  simulation::Body body{"scalpel", {}, 0, true};
+  body.material.friction = 0.05;
+  model.bodies.push_back(body);
   const double end = cut.begin + cut.length / cut.speed;
   model.guides.push_back({object, {{cut.begin, Vec3::Zero()}, {end, cut.length * along}}});
 }
@@ -95,14 +95,14 @@ simulation::Model liver_model(int elements, std::uint64_t seed) {
 
   simulation::Model model;
   model.positions = shape.positions;
-  simulation::Part part;
-  part.name = "liver";
-  part.material.density = 1060;
-  part.material.youngs_modulus = 7e3;
-  part.material.poisson_ratio = 0.4;
-  part.material.friction = 0.1;
-  part.material.damping = 10;
-  model.parts.push_back(part);
+  simulation::Body body;
+  body.name = "liver";
+  body.material.density = 1060;
+  body.material.youngs_modulus = 7e3;
+  body.material.poisson_ratio = 0.4;
+  body.material.friction = 0.1;
+  body.material.damping = 10;
+  model.bodies.push_back(body);
   for (Index v = 0; v < model.positions.size(); ++v) {
     const Vec3& p = model.positions[v];
     if (p.z() > kLowestHold && (p.x() < kLeftHold || p.x() > kRightHold)) model.fixed.push_back(v);

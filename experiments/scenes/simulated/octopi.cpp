@@ -91,18 +91,18 @@ FunnelShape funnel_around(const std::vector<Vec3>& positions, double gap, int ri
   return shape;
 }
 
-/// Appends the funnel as a part that does not move.
+/// Appends the funnel as a body that does not move.
 void add_funnel(simulation::Model& model, Shape& all, const FunnelShape& shape) {
   const Shape tool = funnel(shape);
-  all.append(tool, static_cast<std::int32_t>(model.parts.size()));
+  all.append(tool, static_cast<std::int32_t>(model.bodies.size()));
   for (const Vec3& p : tool.positions) {
     model.fixed.push_back(static_cast<Index>(model.positions.size()));
     model.positions.push_back(p);
   }
   model.velocities.resize(model.positions.size(), Vec3::Zero());
-  simulation::Part part{"funnel", {}, 0, true};
-  part.material.friction = 0.2;
-  model.parts.push_back(part);
+  simulation::Body body{"funnel", {}, 0, true};
+  body.material.friction = 0.2;
+  model.bodies.push_back(body);
 }
 
 }  // namespace
@@ -130,14 +130,14 @@ simulation::Model octopi_model(int elements, std::uint64_t seed) {
       model.positions.push_back(octopus.placed(p, distance));
       model.velocities.push_back(-kOctopiSpeed * octopus.outwards() + turning.cross(model.positions.back()));
     }
-    simulation::Part part;
-    part.name = "octopus " + std::to_string(i + 1);
-    part.material.density = 1000;
-    part.material.youngs_modulus = 5e4;
-    part.material.poisson_ratio = 0.4;
-    part.material.friction = 0.4;
-    part.material.damping = 4;
-    model.parts.push_back(part);
+    simulation::Body body;
+    body.name = "octopus " + std::to_string(i + 1);
+    body.material.density = 1000;
+    body.material.youngs_modulus = 5e4;
+    body.material.poisson_ratio = 0.4;
+    body.material.friction = 0.4;
+    body.material.damping = 4;
+    model.bodies.push_back(body);
   }
   add_funnel(model, all, funnel_around(model.positions, octopi.front().edge / 2, rings));
   model.mesh = all.mesh();

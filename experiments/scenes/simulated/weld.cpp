@@ -67,7 +67,7 @@ simulation::Model weld_model(int elements, std::uint64_t seed) {
   model.positions = all.positions;
   model.velocities.assign(all.positions.size(), Vec3::Zero());
   std::fill_n(model.velocities.begin(), flyer.positions.size(), Vec3(0, 0, -kSpeed));
-  model.parts = {{"flyer", aluminium(edge), 0, false}, {"target", aluminium(edge), 0, false}};
+  model.bodies = {{"flyer", aluminium(edge), 0, false}, {"target", aluminium(edge), 0, false}};
   return model;
 }
 

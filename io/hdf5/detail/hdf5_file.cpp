@@ -165,11 +165,11 @@ bool Hdf5File::found(const std::string& path, htri_t answer) const {
 std::vector<std::string> Hdf5File::root_names() const {
   const QuietHdf5 quiet;
   std::vector<std::string> names;
-  const auto take = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
+  const auto append_name = [](hid_t, const char* name, const H5L_info_t*, void* out) -> herr_t {
     static_cast<std::vector<std::string>*>(out)->emplace_back(name);
     return 0;
   };
-  if (H5Literate(id_.get(), H5_INDEX_NAME, H5_ITER_INC, nullptr, take, &names) < 0)
+  if (H5Literate(id_.get(), H5_INDEX_NAME, H5_ITER_INC, nullptr, append_name, &names) < 0)
     fail("/", "cannot be listed: the file is damaged" + hdf5_reason());
   return names;
 }

@@ -30,7 +30,7 @@ struct DriverFile {
 DriverFile& file_of(H5FD_t* base) { return *reinterpret_cast<DriverFile*>(base); }
 const DriverFile& file_of(const H5FD_t* base) { return *reinterpret_cast<const DriverFile*>(base); }
 
-void note_error(int* error) {
+void record_error(int* error) {
   if (*error == 0) *error = errno;
 }
 
@@ -44,7 +44,7 @@ H5FD_t* open_file(const char* name, unsigned flags, hid_t access, haddr_t) {
   const int descriptor = ::open(name, mode | O_CLOEXEC, 0666);
   struct stat status {};
   if (descriptor < 0 || ::fstat(descriptor, &status) != 0) {
-    note_error(*error);
+    record_error(*error);
     if (descriptor >= 0) ::close(descriptor);
     return nullptr;
   }
@@ -57,7 +57,7 @@ H5FD_t* open_file(const char* name, unsigned flags, hid_t access, haddr_t) {
 
 herr_t close_file(H5FD_t* base) {
   DriverFile* const file = &file_of(base);
-  if (::close(file->descriptor) != 0) note_error(file->error);
+  if (::close(file->descriptor) != 0) record_error(file->error);
   delete file;
   return 0;
 }
@@ -84,7 +84,7 @@ std::size_t transfer(const DriverFile& file, Io io, Byte* at, std::size_t size, 
   while (size > 0) {
     const ssize_t done = io(file.descriptor, at, size, static_cast<off_t>(address));
     if (done < 0 && errno == EINTR) continue;
-    if (done < 0) note_error(file.error);
+    if (done < 0) record_error(file.error);
     if (done <= 0) break;
     at += done;
     address += static_cast<haddr_t>(done);
@@ -111,7 +111,7 @@ herr_t write_bytes(H5FD_t* base, H5FD_mem_t, hid_t, haddr_t address, std::size_t
 herr_t truncate_file(H5FD_t* base, hid_t, hbool_t) {
   DriverFile& file = file_of(base);
   if (file.eof == file.eoa) return 0;
-  if (::ftruncate(file.descriptor, static_cast<off_t>(file.eoa)) != 0) note_error(file.error);
+  if (::ftruncate(file.descriptor, static_cast<off_t>(file.eoa)) != 0) record_error(file.error);
   file.eof = file.eoa;
   return 0;
 }

@@ -7,46 +7,46 @@
 
 #include <fmt/format.h>
 
+#include <volccd/io/sequence/detail/frame_check.hpp>
 #include <volccd/mesh/check_element.hpp>
-#include <volccd/io/sequence/detail/step_check.hpp>
 
 namespace volccd::detail {
 
-void CellReader::fail(const StepArray& array, std::size_t row, std::size_t cell, const SequenceCells& cells,
+void CellReader::fail(const FrameArray& array, std::size_t row, std::size_t cell, const SequenceCells& cells,
                       const std::string& problem) const {
-  array.fail(step_, row, fmt::format("{} (cell id {}, step {})", problem, cells.ids[cell], step_));
+  array.fail(frame_, row, fmt::format("{} (cell id {}, frame {})", problem, cells.ids[cell], frame_));
 }
 
-std::string CellReader::place(std::size_t step, std::size_t i) const {
+std::string CellReader::place(std::size_t frame, std::size_t i) const {
   std::vector<std::int64_t> id{static_cast<std::int64_t>(i)};
-  if (layout_.cell_ids) layout_.cell_ids->data.read(layout_.cell_ids->first[step] + id[0], 1, id);
-  return fmt::format(" (cell id {}, step {})", id[0], step);
+  if (layout_.cell_ids) layout_.cell_ids->data.read(layout_.cell_ids->first[frame] + id[0], 1, id);
+  return fmt::format(" (cell id {}, frame {})", id[0], frame);
 }
 
-bool CellReader::same(std::size_t step, std::size_t other) const {
-  const auto same_rows = [&](const StepArray& array) { return array.first[step] == array.first[other]; };
-  const auto same_data = [&](const std::optional<StepArray>& array) { return !array || same_rows(*array); };
-  if (layout_.topology[step] != layout_.topology[other] || !same_rows(layout_.types) ||
+bool CellReader::have_same_cells(std::size_t frame, std::size_t other) const {
+  const auto same_rows = [&](const FrameArray& array) { return array.first[frame] == array.first[other]; };
+  const auto same_data = [&](const std::optional<FrameArray>& array) { return !array || same_rows(*array); };
+  if (layout_.topology[frame] != layout_.topology[other] || !same_rows(layout_.types) ||
       !same_rows(layout_.connectivity) || !same_data(layout_.cell_ids) || !same_data(layout_.part_ids))
     return false;
   return !layout_.polyhedra || (same_rows(layout_.polyhedra->face_connectivity) &&
                                 same_rows(layout_.polyhedra->face_offsets) && same_rows(layout_.polyhedra->to_faces));
 }
 
-void CellReader::read(std::size_t step, SequenceCells& cells) {
-  step_ = step;
+void CellReader::read(std::size_t frame, SequenceCells& cells) {
+  frame_ = frame;
   cells.clear();
   read_ids(cells);  // first, so that the errors of the other arrays can name the cell
   read_types(cells);
   read_offsets(cells);
   read_connectivity(cells);
-  read_parts(cells);
+  read_objects(cells);
   read_polyhedra(cells);
   collapse(cells);
 }
 
 void CellReader::read_types(SequenceCells& cells) {
-  layout_.types.read(step_, layout_.cells_of(step_), numbers_);
+  layout_.types.read(frame_, layout_.cells_of(frame_), numbers_);
   cells.types.resize(numbers_.size());
   for (std::size_t i = 0; i < numbers_.size(); ++i) {
     if (!is_element_type(numbers_[i]))
@@ -55,12 +55,12 @@ void CellReader::read_types(SequenceCells& cells) {
   }
 }
 
-void CellReader::read_monotone(const StepArray& array, std::int64_t count, std::int64_t length,
+void CellReader::read_monotone(const FrameArray& array, std::int64_t count, std::int64_t length,
                                std::vector<std::int64_t>& out) const {
   const auto refuse = [&](std::size_t i, const std::string& problem) {
-    array.fail(step_, i, fmt::format("{} (step {})", problem, step_));
+    array.fail(frame_, i, fmt::format("{} (frame {})", problem, frame_));
   };
-  array.read(step_, count + 1, out);
+  array.read(frame_, count + 1, out);
   if (out[0] != 0) refuse(0, fmt::format("the offsets of a topology start at {}, not at 0", out[0]));
   for (std::size_t i = 1; i < out.size(); ++i)
     if (out[i] < out[i - 1] || out[i] > length)
@@ -69,7 +69,7 @@ void CellReader::read_monotone(const StepArray& array, std::int64_t count, std::
 }
 
 void CellReader::read_offsets(SequenceCells& cells) {
-  const std::size_t b = layout_.topology_of(step_);
+  const std::size_t b = layout_.topology_of(frame_);
   read_monotone(layout_.offsets, layout_.cells[b], layout_.connectivity_ids[b], numbers_);
   cells.offsets.assign(numbers_.begin(), numbers_.end());
   for (std::size_t i = 0; i < cells.size(); ++i) {
@@ -80,7 +80,7 @@ void CellReader::read_offsets(SequenceCells& cells) {
   }
 }
 
-Index CellReader::slot(const StepArray& array, std::size_t row, std::int64_t point, std::size_t cell,
+Index CellReader::slot(const FrameArray& array, std::size_t row, std::int64_t point, std::size_t cell,
                        const SequenceCells& cells) const {
   if (point < 0 || point >= layout_.points)
     fail(array, row, cell, cells, fmt::format("the point {} is out of range, there are {}", point, layout_.points));
@@ -88,8 +88,8 @@ Index CellReader::slot(const StepArray& array, std::size_t row, std::int64_t poi
 }
 
 void CellReader::read_connectivity(SequenceCells& cells) {
-  const StepArray& array = layout_.connectivity;
-  array.read(step_, static_cast<std::int64_t>(cells.offsets.back()), numbers_);
+  const FrameArray& array = layout_.connectivity;
+  array.read(frame_, static_cast<std::int64_t>(cells.offsets.back()), numbers_);
   cells.connectivity.resize(numbers_.size());
   repeated_.clear();
   // used_[v] == i + 1 means that vertex v occurs in cell i.
@@ -135,30 +135,30 @@ void CellReader::collapse(SequenceCells& cells) {
   cells = std::move(result);
 }
 
-void CellReader::read_parts(SequenceCells& cells) {
-  cells.parts.assign(cells.size(), 0);
+void CellReader::read_objects(SequenceCells& cells) {
+  cells.objects.assign(cells.size(), 0);
   if (!layout_.part_ids) return;
-  layout_.part_ids->read(step_, static_cast<std::int64_t>(cells.size()), numbers_);
+  layout_.part_ids->read(frame_, static_cast<std::int64_t>(cells.size()), numbers_);
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    cells.parts[i] = static_cast<std::int32_t>(numbers_[i]);
-    if (cells.parts[i] != numbers_[i])
+    cells.objects[i] = static_cast<std::int32_t>(numbers_[i]);
+    if (cells.objects[i] != numbers_[i])
       fail(*layout_.part_ids, i, i, cells, fmt::format("the part id {} exceeds 32 bits", numbers_[i]));
   }
 }
 
 void CellReader::read_ids(SequenceCells& cells) {
   if (!layout_.cell_ids) {
-    cells.ids.resize(static_cast<std::size_t>(layout_.cells_of(step_)));
+    cells.ids.resize(static_cast<std::size_t>(layout_.cells_of(frame_)));
     std::iota(cells.ids.begin(), cells.ids.end(), std::int64_t{0});
     return;
   }
-  layout_.cell_ids->read(step_, layout_.cells_of(step_), cells.ids);
+  layout_.cell_ids->read(frame_, layout_.cells_of(frame_), cells.ids);
   if (const std::optional<WrongId> wrong = find_wrong_id(cells.ids))
-    layout_.cell_ids->fail(step_, wrong->index, fmt::format("{} (step {})", wrong->problem, step_));
+    layout_.cell_ids->fail(frame_, wrong->index, fmt::format("{} (frame {})", wrong->problem, frame_));
 }
 
 void CellReader::read_polyhedra(SequenceCells& cells) {
-  const std::size_t b = layout_.topology_of(step_);
+  const std::size_t b = layout_.topology_of(frame_);
   const auto first = static_cast<std::size_t>(std::find(cells.types.begin(), cells.types.end(), ElementType::polytope) -
                                               cells.types.begin());
   // Faces are also checked if there should be none.
@@ -169,8 +169,8 @@ void CellReader::read_polyhedra(SequenceCells& cells) {
   const PolyhedronLayout& polyhedra = *layout_.polyhedra;
   read_monotone(polyhedra.face_offsets, polyhedra.faces[b], polyhedra.face_connectivity_ids[b], face_offsets_);
   read_monotone(polyhedra.offsets, layout_.cells[b], polyhedra.to_face_ids[b], cell_faces_);
-  polyhedra.face_connectivity.read(step_, polyhedra.face_connectivity_ids[b], face_connectivity_);
-  polyhedra.to_faces.read(step_, polyhedra.to_face_ids[b], to_faces_);
+  polyhedra.face_connectivity.read(frame_, polyhedra.face_connectivity_ids[b], face_connectivity_);
+  polyhedra.to_faces.read(frame_, polyhedra.to_face_ids[b], to_faces_);
   cells.face_offsets.assign(1, 0);
   face_uses_.assign(face_offsets_.size() - 1, 0);
   for (std::size_t i = 0; i < cells.size(); ++i) {

@@ -1,4 +1,4 @@
-// Reads and checks the cells of a step.
+// Reads and checks the cells of a frame.
 #pragma once
 
 #include <cstdint>
@@ -19,19 +19,19 @@ class CellReader {
   /// Both arguments must outlive the reader.
   CellReader(const SequenceLayout& layout, const PointOrder& order) : layout_(layout), order_(order) {}
 
-  /// Whether both steps read all their cell arrays (except thickness) from the same rows.
-  bool same(std::size_t step, std::size_t other) const;
+  /// Whether both frames read all their cell arrays (except thickness) from the same rows.
+  bool have_same_cells(std::size_t frame, std::size_t other) const;
 
-  /// Replaces `cells` by the cells of a step. Throws InputError with dataset and row; the text contains the cell's id
-  /// and the step.
-  void read(std::size_t step, SequenceCells& cells);
+  /// Replaces `cells` by the cells of a frame. Throws InputError with dataset and row; the text contains the cell's id
+  /// and the frame.
+  void read(std::size_t frame, SequenceCells& cells);
 
   /// Numbers of cells with repeated nodes in the last read(), by type in the file and type of the element read.
   using CollapsedCounts = std::map<std::pair<ElementType, ElementType>, std::uint64_t>;
   const CollapsedCounts& collapsed() const { return collapsed_counts_; }
 
-  /// Text such as " (cell id 7, step 2)" for cell i of a step. Reads one id from the file.
-  std::string place(std::size_t step, std::size_t i) const;
+  /// Text such as " (cell id 7, frame 2)" for cell i of a frame. Reads one id from the file.
+  std::string place(std::size_t frame, std::size_t i) const;
 
  private:
   /// A cell in which a node occurs twice, and the row of the second occurrence.
@@ -42,24 +42,24 @@ class CellReader {
   void read_types(SequenceCells& cells);
   void read_offsets(SequenceCells& cells);
   void read_connectivity(SequenceCells& cells);
-  void read_parts(SequenceCells& cells);
+  void read_objects(SequenceCells& cells);
   void read_ids(SequenceCells& cells);
   void read_polyhedra(SequenceCells& cells);
   void append_polyhedron(std::size_t cell, SequenceCells& cells);
   /// Replaces the cells listed in repeated_ by the elements that they represent.
   void collapse(SequenceCells& cells);
   /// Throws an InputError for a row of an array, which belongs to a cell.
-  [[noreturn]] void fail(const StepArray& array, std::size_t row, std::size_t cell, const SequenceCells& cells,
+  [[noreturn]] void fail(const FrameArray& array, std::size_t row, std::size_t cell, const SequenceCells& cells,
                          const std::string& problem) const;
 
   /// Reads `count` + 1 non-descending offsets that begin with 0 and end with `length`.
-  void read_monotone(const StepArray& array, std::int64_t count, std::int64_t length,
+  void read_monotone(const FrameArray& array, std::int64_t count, std::int64_t length,
                      std::vector<std::int64_t>& out) const;
   /// The vertex slot of a point of the file, which row `row` of the array has for a cell.
-  Index slot(const StepArray& array, std::size_t row, std::int64_t point, std::size_t cell,
+  Index slot(const FrameArray& array, std::size_t row, std::int64_t point, std::size_t cell,
              const SequenceCells& cells) const;
 
-  std::size_t step_ = 0;  ///< the step that is being read
+  std::size_t frame_ = 0;  ///< the frame that is being read
   const SequenceLayout& layout_;
   const PointOrder& order_;
   std::vector<std::int64_t> numbers_, face_connectivity_, face_offsets_, to_faces_, cell_faces_;

@@ -20,7 +20,7 @@ constexpr std::int64_t kGreatestCount = std::int64_t{1} << 62;
 
 std::string at(const std::string& name) { return std::string(kGrid) + "/" + name; }
 
-/// Reads the tables one after another; `steps_` and `topologies_` are determined first.
+/// Reads the tables one after another; `frames_` and `topologies_` are determined first.
 class LayoutReader {
  public:
   explicit LayoutReader(const Hdf5File& file) : file_(file) {}
@@ -93,62 +93,63 @@ class LayoutReader {
     if (!temporal_) {
       if (topologies_ != 1)
         file_.fail(at("NumberOfPoints"),
-                   to_string(topologies_) + " pieces in a file without steps, but only one can be read");
+                   to_string(topologies_) + " pieces in a file without frames, but only one can be read");
       layout_.times = {0.0};
       return;
     }
-    steps_ = file_.integer_attribute(at("Steps"), "NSteps", 1)[0];
-    if (steps_ < 1) file_.fail(at("Steps@NSteps"), "is " + to_string(steps_) + ": no steps");
-    if (steps_ > std::numeric_limits<int>::max())
-      file_.fail(at("Steps@NSteps"), "is " + to_string(steps_) + ": too many");
-    layout_.times = file_.values<double>(at("Steps/Values"), steps_);
+    frames_ = file_.integer_attribute(at("Steps"), "NSteps", 1)[0];
+    if (frames_ < 1) file_.fail(at("Steps@NSteps"), "is " + to_string(frames_) + ": no frames");
+    if (frames_ > std::numeric_limits<int>::max())
+      file_.fail(at("Steps@NSteps"), "is " + to_string(frames_) + ": too many");
+    layout_.times = file_.values<double>(at("Steps/Values"), frames_);
     for (std::size_t k = 0; k < layout_.times.size(); ++k) {
       if (!std::isfinite(layout_.times[k])) fail("Steps/Values", k, "the time is not finite");
       if (k > 0 && !(layout_.times[k] > layout_.times[k - 1]))
-        fail("Steps/Values", k, "the time is not after that of the step before");
+        fail("Steps/Values", k, "the time is not after that of the frame before");
     }
   }
 
   void read_topologies() {
     layout_.topology = {0};
     if (!temporal_) return;
-    layout_.topology = file_.values<std::int64_t>(at("Steps/PartOffsets"), steps_);
+    layout_.topology = file_.values<std::int64_t>(at("Steps/PartOffsets"), frames_);
     for (std::size_t k = 0; k < layout_.topology.size(); ++k)
       if (layout_.topology[k] < 0 || layout_.topology[k] >= topologies_)
         fail("Steps/PartOffsets", k,
              "is " + to_string(layout_.topology[k]) + ", there are " + to_string(topologies_) + " topologies");
     if (!file_.has(at("Steps/NumberOfParts"))) return;
-    const Integers pieces = file_.values<std::int64_t>(at("Steps/NumberOfParts"), steps_);
+    const Integers pieces = file_.values<std::int64_t>(at("Steps/NumberOfParts"), frames_);
     for (std::size_t k = 0; k < pieces.size(); ++k)
       if (pieces[k] != 1)
-        fail("Steps/NumberOfParts", k, "is " + to_string(pieces[k]) + ", but only one piece for each step can be read");
+        fail("Steps/NumberOfParts", k,
+             "is " + to_string(pieces[k]) + ", but only one piece for each frame can be read");
   }
 
-  /// An array and its table of the group Steps. A file without steps has no table, and a file with one step needs none
-  /// if it is `optional`.
-  StepArray array(const std::string& name, NumberKind kind, std::int64_t columns, const std::string& table_name,
-                  bool optional = false) const {
+  /// An array and its table of the group Steps. A file without frames has no table, and a file with one frame needs
+  /// none if it is `optional`.
+  FrameArray array(const std::string& name, NumberKind kind, std::int64_t columns, const std::string& table_name,
+                   bool optional = false) const {
     const std::string table = at("Steps/" + table_name);
-    const bool has_table = temporal_ && (!optional || steps_ > 1 || file_.has(table));
+    const bool has_table = temporal_ && (!optional || frames_ > 1 || file_.has(table));
     Hdf5Dataset data = file_.dataset(at(name), kind, columns);
     if (!has_table) return {std::move(data), {0}, ""};
-    return {std::move(data), file_.values<std::int64_t>(table, steps_), table};
+    return {std::move(data), file_.values<std::int64_t>(table, frames_), table};
   }
 
   /// Adjusts the first rows of an array that has one entry more than `count` for every topology stored before.
-  void add_topology_index(StepArray& array) const {
+  void add_topology_index(FrameArray& array) const {
     for (std::size_t k = 0; k < array.first.size(); ++k) {
       // A value out of range remains out of range, and the sum cannot overflow.
       if (array.first[k] >= 0 && array.first[k] <= array.data.rows()) array.first[k] += layout_.topology[k];
     }
   }
 
-  /// Checks for every step that its range [first, first + count(topology) + extra) is within the dataset.
-  void check_slices(const StepArray& array, const Integers& count, std::int64_t extra = 0) const {
-    for (std::size_t k = 0; k < layout_.steps(); ++k) {
+  /// Checks for every frame that its range [first, first + count(topology) + extra) is within the dataset.
+  void check_slices(const FrameArray& array, const Integers& count, std::int64_t extra = 0) const {
+    for (std::size_t k = 0; k < layout_.frames(); ++k) {
       const std::int64_t length = count[layout_.topology_of(k)] + extra, rows = array.data.rows();
       if (array.first[k] >= 0 && length <= rows && array.first[k] <= rows - length) continue;
-      const std::string problem = "step " + to_string(k) + " wants " + to_string(length) + " rows of " +
+      const std::string problem = "frame " + to_string(k) + " needs " + to_string(length) + " rows of " +
                                   array.data.path() + " from row " + to_string(array.first[k]) + " on, there are " +
                                   to_string(rows);
       if (array.table.empty()) array.data.fail(problem);
@@ -187,11 +188,11 @@ class LayoutReader {
   }
 
   /// An array of the group PointData or CellData, if there is one, with count[b] rows for topology b.
-  std::optional<StepArray> data_array(const std::string& group, const std::string& field, NumberKind kind,
-                                      std::int64_t columns, const Integers& count) const {
+  std::optional<FrameArray> data_array(const std::string& group, const std::string& field, NumberKind kind,
+                                       std::int64_t columns, const Integers& count) const {
     const std::string name = group + "/" + field;
     if (!file_.has(at(name))) return std::nullopt;
-    StepArray result = array(name, kind, columns, group + "Offsets/" + field, true);
+    FrameArray result = array(name, kind, columns, group + "Offsets/" + field, true);
     check_slices(result, count);
     return result;
   }
@@ -200,7 +201,7 @@ class LayoutReader {
   SequenceLayout layout_;
   Integers points_;  ///< number of points of each topology
   bool temporal_ = false;
-  std::int64_t steps_ = 1, topologies_ = 1;
+  std::int64_t frames_ = 1, topologies_ = 1;
 };
 
 }  // namespace

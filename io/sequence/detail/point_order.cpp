@@ -13,7 +13,7 @@ PointOrder::PointOrder(const SequenceLayout& layout) {
   std::iota(slots_.begin(), slots_.end(), Index{0});
   ids_.assign(slots_.begin(), slots_.end());
   if (!layout.point_ids) return;
-  const StepArray& array = *layout.point_ids;
+  const FrameArray& array = *layout.point_ids;
   std::vector<std::int64_t> given;
   array.read(0, layout.points, given);
   std::vector<Index> points = slots_;
@@ -29,16 +29,16 @@ PointOrder::PointOrder(const SequenceLayout& layout) {
   }
 }
 
-void PointOrder::check(const SequenceLayout& layout, std::size_t step) {
+void PointOrder::check(const SequenceLayout& layout, std::size_t frame) {
   if (!layout.point_ids) return;
-  const StepArray& array = *layout.point_ids;
-  if (array.first[step] == array.first[0]) return;
-  array.read(step, layout.points, step_ids_);
-  for (std::size_t i = 0; i < step_ids_.size(); ++i)
-    if (step_ids_[i] != ids_[slots_[i]])
-      array.fail(step, i,
-                 fmt::format("the id is {} at step {}, but {} at step 0: the points must be the same at all steps",
-                             step_ids_[i], step, ids_[slots_[i]]));
+  const FrameArray& array = *layout.point_ids;
+  if (array.first[frame] == array.first[0]) return;
+  array.read(frame, layout.points, frame_ids_);
+  for (std::size_t i = 0; i < frame_ids_.size(); ++i)
+    if (frame_ids_[i] != ids_[slots_[i]])
+      array.fail(frame, i,
+                 fmt::format("the id is {} at frame {}, but {} at frame 0: the points must be the same at all frames",
+                             frame_ids_[i], frame, ids_[slots_[i]]));
 }
 
 }  // namespace volccd::detail

@@ -1,4 +1,4 @@
-// The cells of a step with thickened shells, and the positions of their vertices.
+// The cells of a frame with thickened shells, and the positions of their vertices.
 #pragma once
 
 #include <cstdint>
@@ -25,7 +25,7 @@ class ShellSolids {
   /// The solids, in the order of the cells.
   const SequenceCells& cells() const { return solids_; }
 
-  /// Computes the positions of the solid mesh at both ends of a motion. Each end uses the thickness of its step,
+  /// Computes the positions of the solid mesh at both ends of a motion. Each end uses the thickness of its frame,
   /// `start` or `end`; the cells are those of `end`, and a shell that does not exist at `start` has its thickness of
   /// `end`. Returns the number of vertices without a mean normal, summed over both ends. Throws InputError if there are
   /// shells but the file has no thickness.

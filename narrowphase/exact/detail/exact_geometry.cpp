@@ -43,14 +43,15 @@ class Instant {
     return t_.sign(cross(x_[j] - x_[i], x_[k] - x_[i], static_cast<std::size_t>(axis)));
   }
 
-  bool point_on_edge(const PointAndEdge& p) {
+  bool test_point_on_edge(const PointAndEdge& p) {
     const Curve g = x_[p.g] - x_[p.point], h = x_[p.h] - x_[p.point];
     return t_.sign(dot(g, h)) <= 0 && axis_of(g, h) < 0;
   }
 
-  bool any_point_on_edge(FeatureKind kind) {
+  bool test_any_point_on_edge(FeatureKind kind) {
     const auto candidates = points_and_edges(kind);
-    return std::any_of(candidates.begin(), candidates.end(), [&](const PointAndEdge& p) { return point_on_edge(p); });
+    return std::any_of(candidates.begin(), candidates.end(),
+                       [&](const PointAndEdge& p) { return test_point_on_edge(p); });
   }
 
  private:
@@ -107,7 +108,7 @@ bool coplanar_features_touch(FeatureKind kind, const std::array<Curve, 4>& x, Al
   const int axis = vf ? now.axis_of(x[2] - x[1], x[3] - x[1]) : now.axis_of(x[1] - x[0], x[3] - x[2]);
   if (axis < 0) {
     degenerate = true;
-    return now.any_point_on_edge(kind);
+    return now.test_any_point_on_edge(kind);
   }
   // In the projection along this axis, the plane of the points is not a line.
   if (vf) {

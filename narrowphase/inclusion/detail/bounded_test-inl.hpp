@@ -21,13 +21,13 @@ inline double length_bound(const Vec3& v) {
 
 template <int kPoints>
 BoundedTest<kPoints>::BoundedTest(FeatureKind kind, const TestPoints& x, double separation) : kind_(kind) {
-  take(x, separation, 1);
+  store_differences(x, separation, 1);
   const double size = extent_.maxCoeff();
-  if (!(size >= kMinSize && size <= kGreatestSize)) take(x, separation, range_scale(x, kPoints));
+  if (!(size >= kMinSize && size <= kGreatestSize)) store_differences(x, separation, range_scale(x, kPoints));
 }
 
 template <int kPoints>
-void BoundedTest<kPoints>::take(const TestPoints& x, double separation, double scale) {
+void BoundedTest<kPoints>::store_differences(const TestPoints& x, double separation, double scale) {
   if (separation > 0) separation_ = std::nextafter(separation * scale, kInfinity);
   for (std::size_t i = 0; i < 3; ++i)
     for (std::size_t c = 0; c < kPoints; ++c)

@@ -1,5 +1,5 @@
 // One elementary test with proven bounds on rounding errors, as the `inclusion` narrow phase takes it. Derivations:
-// docs/numerics.md, "Parts of the step".
+// docs/numerics.md, "Intervals of the step".
 #pragma once
 
 #include <array>
@@ -27,7 +27,7 @@ class BoundedTest {
   const Vec3& extent() const { return extent_; }
   /// Whether no point moves relative to another, according to the rounded differences.
   bool rigid() const { return rigid_; }
-  /// The error of Bernstein coefficient k of the coplanarity polynomial over any part of the step, times
+  /// The error of Bernstein coefficient k of the coplanarity polynomial over any interval of the step, times
   /// binomial(degree, k), is less than binomial * coplanarity_error() + coplanarity_underflow(). The latter is of the
   /// order of kDeterminantUnderflow.
   double coplanarity_error() const { return coplanarity_error_; }
@@ -43,7 +43,7 @@ class BoundedTest {
   double gap_error() const { return gap_error_; }
 
  private:
-  void take(const TestPoints& x, double separation, double scale);
+  void store_differences(const TestPoints& x, double separation, double scale);
   void measure();
 
   FeatureKind kind_;

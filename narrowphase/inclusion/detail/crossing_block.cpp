@@ -20,7 +20,7 @@ HWY_ATTR HWY_INLINE Lanes3 between(const Lanes3& a, const Lanes3& b, Lanes t) {
 struct Cubic {
   Lanes b[4];      ///< Bernstein coefficients with binomials
   Lanes c[4];      ///< Bernstein coefficients without binomials
-  Lanes error;     ///< error bound of a value, and of a coefficient over a part
+  Lanes error;     ///< error bound of a value, and of a coefficient over an interval
 
   HWY_ATTR HWY_INLINE Lanes value(Lanes s) const {
     const Lanes r = hn::Sub(broadcast(1), s), ss = hn::Mul(s, s);
@@ -49,7 +49,7 @@ HWY_ATTR HWY_INLINE Cubic load_cubic(const CrossingBlock::Rows& rows, std::size_
 /// Whether the cubic is certainly positive up to s, and which sign it certainly has from s on.
 struct Halves {
   LaneMask positive_before, negative_after, positive_after;
-  Lanes rest[4];  ///< coefficients over the part from s on
+  Lanes rest[4];  ///< coefficients over the interval from s on
 
   HWY_ATTR HWY_INLINE Halves(const Cubic& cubic, Lanes s) : Halves(cubic.c, cubic.error, s) {}
   HWY_ATTR HWY_INLINE Halves(const Lanes (&c)[4], Lanes error, Lanes s) {
@@ -107,7 +107,7 @@ struct Shape {
   }
 };
 
-/// Differences of the points 1, 2, 3 at both ends of a short part around the root.
+/// Differences of the points 1, 2, 3 at both ends of a short interval around the root.
 struct ShortPiece {
   Lanes3 start[3], end[3];
   Lanes3 extents[3], extent;  ///< over the whole step

@@ -18,9 +18,9 @@ class CrossingBlock {
   void gather(const TestBlock& tests, const CoplanarityBlock& cubics);
 
   /// Decides as many tests as possible; the others remain open. Bernstein coefficients prove that the coplanarity cubic
-  /// has no root outside of short parts around one or two roots, in which the features are examined as by MotionPiece
-  /// (overlap_along, separated_along). `tolerance` as for inclusion_search(). Results have the same bits for every
-  /// vector length.
+  /// has no root outside of short intervals around one or two roots, in which the features are examined as by
+  /// MotionPiece (overlap_along, separated_along). `tolerance` as for inclusion_search(). Results have the same bits
+  /// for every vector length.
   void decide(double tolerance);
 
   std::size_t size() const { return size_; }

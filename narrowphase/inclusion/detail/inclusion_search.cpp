@@ -18,39 +18,39 @@ namespace {
 
 using Outcome = InclusionAnswer::Outcome;
 
-/// For this many levels, the part with a contact is reduced to a quarter per level, then to a half. The short outer
-/// parts are soon sufficient for a proof, if there is one.
+/// For this many levels, the interval with a contact is reduced to a quarter per level, then to a half. The short outer
+/// intervals are soon sufficient for a proof, if there is one.
 constexpr int kLevelsOfThree = 8;
 
 /// Distance below which features seem to touch, in units of the rounding error of the size, per axis.
 constexpr double kTouchUnits = 2;
 
-/// Distance, in shortest parts, by which the search first looks ahead of the first open part: a number of parts that it
-/// could also examine one by one.
-constexpr double kFewParts = 256;
-/// The greatest such distance, as a fraction of the allowed number of parts: more than it could examine one by one,
-/// because a shortest part costs about two.
-constexpr double kManyParts = 0.6;
+/// Distance, in shortest intervals, by which the search first looks ahead of the first open interval: a number of
+/// intervals that it could also examine one by one.
+constexpr double kFewIntervals = 256;
+/// The greatest such distance, as a fraction of the allowed number of intervals: more than it could examine one by one,
+/// because a shortest interval costs about two.
+constexpr double kManyIntervals = 0.6;
 
-struct Part {
+struct Interval {
   double lo, hi;
   int level;
 };
 
-/// The parts that remain to be examined, the earliest on top. Each level leaves at most two. From kLevelsOfThree on,
-/// parts are halved at each level, down to kShortestPiece.
-class PartStack {
+/// The intervals that remain to be examined, the earliest on top. Each level leaves at most two. From kLevelsOfThree
+/// on, intervals are halved at each level, down to kShortestInterval.
+class IntervalStack {
  public:
   bool empty() const { return size_ == 0; }
-  void push(const Part& part) {
-    assert(size_ < parts_.size());
-    if (part.lo < part.hi) parts_[size_++] = part;
+  void push(const Interval& interval) {
+    assert(size_ < intervals_.size());
+    if (interval.lo < interval.hi) intervals_[size_++] = interval;
   }
-  Part pop() { return parts_[--size_]; }
+  Interval pop() { return intervals_[--size_]; }
   void clear() { size_ = 0; }
 
  private:
-  std::array<Part, 2 * kLevelsOfThree + 64> parts_;
+  std::array<Interval, 2 * kLevelsOfThree + 64> intervals_;
   std::size_t size_ = 0;
 };
 
@@ -123,10 +123,10 @@ bool share_a_point_at_start(FeatureKind kind, const TestPoints& x) {
 }
 
 template <int kPoints>
-class PieceSearch {
+class InclusionSearch {
  public:
-  PieceSearch(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int max_pieces)
-      : points_(x), test_(kind, x, separation), tolerance_(tolerance), max_pieces_(max_pieces) {}
+  InclusionSearch(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int max_intervals)
+      : points_(x), test_(kind, x, separation), tolerance_(tolerance), max_intervals_(max_intervals) {}
 
   /// Whether an axis separates the features at t = 0.
   bool apart_at_start() const {
@@ -137,80 +137,81 @@ class PieceSearch {
 
   InclusionAnswer run(double t_max) {
     if (share_a_point_at_start(test_.kind(), points_)) return {.outcome = Outcome::touch, .at_start = true};
-    InclusionAnswer open{Outcome::apart};  // the first part that remains open, if any
+    InclusionAnswer open{Outcome::apart};  // the first interval that remains open, if any
     stack_.push({0, 1, 0});
-    for (; !stack_.empty(); ++pieces_) {
-      const Part part = stack_.pop();
+    for (; !stack_.empty(); ++examined_) {
+      const Interval interval = stack_.pop();
       const bool is_open = open.outcome == Outcome::undecided;
-      if (!is_open && part.lo > t_max) break;
-      if (pieces_ >= max_pieces_) return unsettled(is_open ? open : undecided(part.lo));
-      MotionPiece<kPoints> piece(test_, part.lo, part.hi);
-      if (free_at_once(piece)) continue;
-      look(piece);
+      if (!is_open && interval.lo > t_max) break;
+      if (examined_ >= max_intervals_) return unsettled(is_open ? open : undecided(interval.lo));
+      MotionPiece<kPoints> piece(test_, interval.lo, interval.hi);
+      if (prove_free_at_once(piece)) continue;
+      locate_likely_contact(piece);
       if (test_.separation() > 0) {
-        if (certainly_within(part.lo)) return touch(part.lo);  // all earlier parts are free
-        if (certainly_within(part.hi)) {
-          if (part.hi - part.lo <= tolerance_) return touch(part.lo);
-          if (part.level < kLevelsOfThree && split_at_approach(part)) continue;
+        if (certainly_within(interval.lo)) return touch(interval.lo);  // all earlier intervals are free
+        if (certainly_within(interval.hi)) {
+          if (interval.hi - interval.lo <= tolerance_) return touch(interval.lo);
+          if (interval.level < kLevelsOfThree && split_at_approach(interval)) continue;
         }
       }
-      // The root decides, and the polynomial determines its position; therefore a short part around it is examined
+      // The root decides, and the polynomial determines its position; therefore a short interval around it is examined
       // first.
-      if (part.level == 0 && crossing(piece)) {
-        split_at_root(piece, part, kRootMargin);
+      if (interval.level == 0 && crossing(piece)) {
+        split_at_root(piece, interval, kRootMargin);
         continue;
       }
       if (const InclusionAnswer answer = contact(piece); answer.outcome == Outcome::touch) {
         if (!is_open) return answer;
-        return part.hi <= open.toi + tolerance_ ? touch(open.toi) : unsettled(open);
+        return interval.hi <= open.toi + tolerance_ ? touch(open.toi) : unsettled(open);
       }
-      const bool splits = part.hi - part.lo > kShortestPiece && !test_.rigid();
-      if (separated(piece, part.level, splits && !is_open)) continue;
+      const bool splits = interval.hi - interval.lo > kShortestInterval && !test_.rigid();
+      if (find_separating_axis(piece, interval.level, splits && !is_open)) continue;
       if (splits) {
-        if (is_open || !split_around_touch(piece, part)) split(piece, part);
+        if (is_open || !split_around_touch(piece, interval)) split(piece, interval);
         continue;
       }
-      if (separated_closely(piece)) continue;
+      if (try_close_axes(piece)) continue;
       if (test_.separation() > 0 || (test_.rigid() && moves_as_one<kPoints>(points_)))
-        return is_open ? open : undecided(part.lo);
+        return is_open ? open : undecided(interval.lo);
       if (!is_open) {
-        open = undecided(part.lo);
-        if (const auto answer = look_ahead(open, part.hi)) return *answer;
+        open = undecided(interval.lo);
+        if (const auto answer = examine_later_times(open, interval.hi)) return *answer;
       }
-      if (part.hi > open.toi + tolerance_) return unsettled(open);
+      if (interval.hi > open.toi + tolerance_) return unsettled(open);
     }
     return open;
   }
 
  private:
-  /// Two proofs and one estimate for the step after the first open part, which replace hundreds of parts. `open` is the
-  /// answer for that part, which ends at hi. No value: the search must continue.
-  std::optional<InclusionAnswer> look_ahead(const InclusionAnswer& open, double hi) {
+  /// Two proofs and one estimate for the step after the first open interval, which replace hundreds of intervals.
+  /// `open` is the answer for that interval, which ends at hi. No value: the search must continue.
+  std::optional<InclusionAnswer> examine_later_times(const InclusionAnswer& open, double hi) {
     const bool moved_apart = moved_apart_;
     const Vec3 axis = axis_;
-    if (hi <= open.toi + tolerance_ && rest_is_free(open.toi, hi)) return open;
-    if (stays_open_for_long(open.toi)) return unsettled(open);
+    if (hi <= open.toi + tolerance_ && prove_rest_free(open.toi, hi)) return open;
+    if (check_open_for_long(open.toi)) return unsettled(open);
     moved_apart_ = moved_apart;
     axis_ = axis;
     return std::nullopt;
   }
 
-  /// Whether everything after t, except for the tolerance, is proven free, and the first part of it easily; otherwise
-  /// the search might end without an answer.
-  bool rest_is_free(double t, double hi) {
-    const double from = std::max(hi, std::min(t + tolerance_, t + kFewParts * kShortestPiece));
-    return from >= 1 || (is_free(from, std::min(1.0, 2 * from - t)) && is_free(from, 1));
+  /// Whether everything after t, except for the tolerance, is proven free, and the first interval of it easily;
+  /// otherwise the search might end without an answer.
+  bool prove_rest_free(double t, double hi) {
+    const double from = std::max(hi, std::min(t + tolerance_, t + kFewIntervals * kShortestInterval));
+    return from >= 1 || (prove_free(from, std::min(1.0, 2 * from - t)) && prove_free(from, 1));
   }
 
-  /// Whether parts after t seem to remain open for longer than the tolerance, or to be more than the search may
+  /// Whether intervals after t seem to remain open for longer than the tolerance, or to be more than the search may
   /// examine. This is not certain: if it is wrong, `exact` decides a test that the search could have decided.
-  bool stays_open_for_long(double t) {
-    const double many = std::min(1.5 * tolerance_, kManyParts * max_pieces_ * kShortestPiece);
+  bool check_open_for_long(double t) {
+    const double many = std::min(1.5 * tolerance_, kManyIntervals * max_intervals_ * kShortestInterval);
     for (const double after : {many, many / 2, many / 4, many / 8}) {
-      // If the features separate slowly, longer parts are easier to prove free; if they touch again, shorter parts are.
-      for (double length = kShortestPiece; length <= after; length *= 2) {
+      // If the features separate slowly, longer intervals are easier to prove free; if they touch again, shorter
+      // intervals are.
+      for (double length = kShortestInterval; length <= after; length *= 2) {
         const double later = t + std::floor(after / length) * length;
-        if (later + length > 1 || !stays_open(later, later + length)) return false;
+        if (later + length > 1 || !check_open(later, later + length)) return false;
       }
       if (always_coplanar()) break;
     }
@@ -219,43 +220,43 @@ class PieceSearch {
 
   bool always_coplanar() const {
     MotionPiece<kPoints> step(test_, 0, 1);
-    return !step.never_coplanar() && step.vanishes();
+    return !step.prove_never_coplanar() && step.vanishes();
   }
 
-  bool is_free(double lo, double hi) {
+  bool prove_free(double lo, double hi) {
     MotionPiece<kPoints> piece(test_, lo, hi);
-    if (free_at_once(piece)) return true;
-    look(piece);
-    return separated(piece, kLevelsOfThree, false);
+    if (prove_free_at_once(piece)) return true;
+    locate_likely_contact(piece);
+    return find_separating_axis(piece, kLevelsOfThree, false);
   }
 
-  /// Whether no proof succeeds for the part.
-  bool stays_open(double lo, double hi) {
+  /// Whether no proof succeeds for the interval.
+  bool check_open(double lo, double hi) {
     MotionPiece<kPoints> piece(test_, lo, hi);
-    if (free_at_once(piece)) return false;
-    look(piece);
-    return contact(piece).outcome != Outcome::touch && !separated(piece, kLevelsOfThree, false) &&
-           !separated_closely(piece);
+    if (prove_free_at_once(piece)) return false;
+    locate_likely_contact(piece);
+    return contact(piece).outcome != Outcome::touch && !find_separating_axis(piece, kLevelsOfThree, false) &&
+           !try_close_axes(piece);
   }
 
-  bool free_at_once(MotionPiece<kPoints>& piece) const {
-    return piece.never_coplanar() || (moved_apart_ && piece.separated_along(axis_));
+  bool prove_free_at_once(MotionPiece<kPoints>& piece) const {
+    return piece.prove_never_coplanar() || (moved_apart_ && piece.separated_along(axis_));
   }
 
   /// Computes the closest points at the likely time of contact.
-  void look(const MotionPiece<kPoints>& piece) {
+  void locate_likely_contact(const MotionPiece<kPoints>& piece) {
     root_ = test_.separation() > 0 ? 0.5 : piece.likely_root();
     likely_ = test_.at(piece.lo() + root_ * (piece.hi() - piece.lo()));
   }
 
   /// Features that remain close to each other for long require the best possible axis. If they seem to touch, there is
-  /// none, and a part that can be split does not require it.
-  bool separated(const MotionPiece<kPoints>& piece, int level, bool can_split) {
+  /// none, and an interval that can be split does not require it.
+  bool find_separating_axis(const MotionPiece<kPoints>& piece, int level, bool can_split) {
     closest_ = closest_points(test_.kind(), likely_);
     const Vec3 axis = separating_axis(test_.kind(), likely_, closest_);
-    if (separated_along(axis, piece)) return true;
-    if (test_.separation() > 0) return separated_by_search(axis, piece);
-    return level >= kLevelsOfThree && !(can_split && seem_to_touch(closest_)) && separated_by_search(axis, piece);
+    if (try_axis(axis, piece)) return true;
+    if (test_.separation() > 0) return search_separating_axis(axis, piece);
+    return level >= kLevelsOfThree && !(can_split && seem_to_touch(closest_)) && search_separating_axis(axis, piece);
   }
 
   /// Whether the points are so near that the features may touch, considering rounding errors.
@@ -265,28 +266,29 @@ class PieceSearch {
 
   /// Tests the direction to the nearest point of the hull of all differences of the features' control points, which
   /// separates if any axis does (Gilbert, Johnson, Keerthi).
-  bool separated_by_search(Vec3 axis, const MotionPiece<kPoints>& piece) {
+  bool search_separating_axis(Vec3 axis, const MotionPiece<kPoints>& piece) {
     constexpr int kMaxRounds = 8;
     HullSimplex<double> simplex;
     for (int round = 0; round < kMaxRounds; ++round) {
       const Vec3 next = piece.support(axis);
       if (!simplex.add({next.x(), next.y(), next.z()}, {}) || simplex.size == 4) return false;
       axis = {simplex.direction[0], simplex.direction[1], simplex.direction[2]};
-      if (separated_along(axis, piece)) return true;
+      if (try_axis(axis, piece)) return true;
     }
     return false;
   }
 
-  /// Last test before a part remains open, for features that are further apart than those of an undecided test may be.
-  bool separated_closely(const MotionPiece<kPoints>& piece) {
+  /// Last test before an interval remains open, for features that are further apart than those of an undecided test may
+  /// be.
+  bool try_close_axes(const MotionPiece<kPoints>& piece) {
     const Vec3& between = closest_.separation;
     if (between.norm() - test_.separation() < kUndecidedDistance / 2 * test_.extent().maxCoeff()) return false;
     for (const Vec3& axis : close_axes(test_.kind(), likely_, between))
-      if (separated_along(axis, piece)) return true;
+      if (try_axis(axis, piece)) return true;
     return false;
   }
 
-  bool separated_along(const Vec3& axis, const MotionPiece<kPoints>& piece) {
+  bool try_axis(const Vec3& axis, const MotionPiece<kPoints>& piece) {
     if (!piece.separated_along(axis)) return false;
     axis_ = axis;
     moved_apart_ = true;
@@ -325,11 +327,11 @@ class PieceSearch {
 
   bool certainly_within(double t) const { return test_.gap(t) < -test_.gap_error(); }
 
-  /// Splits the part around the time at which the distance reaches the separation, found by false position (Illinois
-  /// method). The inner part extends from that time by less than the tolerance to both sides. Pre: the features are
-  /// within the separation at the end of the part.
-  bool split_at_approach(const Part& part) {
-    double a = part.lo, b = part.hi, fa = test_.gap(a), fb = test_.gap(b), c = a;
+  /// Splits the interval around the time at which the distance reaches the separation, found by false position
+  /// (Illinois method). The inner interval extends from that time by less than the tolerance to both sides. Pre: the
+  /// features are within the separation at the end of the interval.
+  bool split_at_approach(const Interval& interval) {
+    double a = interval.lo, b = interval.hi, fa = test_.gap(a), fb = test_.gap(b), c = a;
     if (!(fa > 0)) return false;
     for (int round = 0; round < 8; ++round) {
       c = a + (b - a) * (fa / (fa - fb));
@@ -341,41 +343,41 @@ class PieceSearch {
         b = c, fb = fc, fa *= 0.5;
       }
     }
-    const double from = std::max(part.lo, c - tolerance_ / 4), to = std::min(part.hi, c + tolerance_ / 4);
+    const double from = std::max(interval.lo, c - tolerance_ / 4), to = std::min(interval.hi, c + tolerance_ / 4);
     if (!(from < to)) return false;
-    stack_.push({to, part.hi, part.level + 1});
-    stack_.push({from, to, part.level + 1});
-    stack_.push({part.lo, from, part.level + 1});
+    stack_.push({to, interval.hi, interval.level + 1});
+    stack_.push({from, to, interval.level + 1});
+    stack_.push({interval.lo, from, interval.level + 1});
     return true;
   }
 
-  /// Splits a part around a likely time of contact down to the shortest part, because no part that contains a contact
-  /// can be proven free. Returns false, without a change, if there seems to be no such time.
-  bool split_around_touch(const MotionPiece<kPoints>& piece, const Part& part) {
-    if (test_.separation() > 0 || (part.level < kLevelsOfThree && crossing(piece))) return false;
-    double t = part.lo + root_ * (part.hi - part.lo);
-    if (piece.vanishes() ? !find_touch(part, t) : !seem_to_touch(closest_)) return false;
-    stack_.push(split_down_to(part, t));
+  /// Splits an interval around a likely time of contact down to the shortest interval, because no interval that
+  /// contains a contact can be proven free. Returns false, without a change, if there seems to be no such time.
+  bool split_around_touch(const MotionPiece<kPoints>& piece, const Interval& interval) {
+    if (test_.separation() > 0 || (interval.level < kLevelsOfThree && crossing(piece))) return false;
+    double t = interval.lo + root_ * (interval.hi - interval.lo);
+    if (piece.vanishes() ? !find_touch(interval, t) : !seem_to_touch(closest_)) return false;
+    stack_.push(split_down_to(interval, t));
     return true;
   }
 
-  /// Halves the part until the half that contains t is sufficiently short, and returns it; then all earlier halves are
-  /// proven free. If an earlier half is not proven free at once, it is returned instead, and the half that contains t
-  /// is pushed. Pushes all later halves. Counts the parts that a search by splitting would examine.
-  Part split_down_to(Part part, double t) {
-    Part shortest = part;
-    while (shortest.hi - shortest.lo > kShortestPiece) {
+  /// Halves the interval until the half that contains t is sufficiently short, and returns it; then all earlier halves
+  /// are proven free. If an earlier half is not proven free at once, it is returned instead, and the half that contains
+  /// t is pushed. Pushes all later halves. Counts the intervals that a search by splitting would examine.
+  Interval split_down_to(Interval interval, double t) {
+    Interval shortest = interval;
+    while (shortest.hi - shortest.lo > kShortestInterval) {
       const double middle = shortest.lo + (shortest.hi - shortest.lo) / 2;
       (t < middle ? shortest.hi : shortest.lo) = middle;
     }
     const auto clear = [&](double lo, double hi) {
       MotionPiece<kPoints> before(test_, lo, hi);
-      return free_at_once(before);
+      return prove_free_at_once(before);
     };
-    const bool clear_before = part.lo == shortest.lo || clear(part.lo, shortest.lo);
-    for (; part.hi - part.lo > kShortestPiece; ++pieces_) {
-      const double middle = part.lo + (part.hi - part.lo) / 2;
-      const Part left{part.lo, middle, part.level + 1}, right{middle, part.hi, part.level + 1};
+    const bool clear_before = interval.lo == shortest.lo || clear(interval.lo, shortest.lo);
+    for (; interval.hi - interval.lo > kShortestInterval; ++examined_) {
+      const double middle = interval.lo + (interval.hi - interval.lo) / 2;
+      const Interval left{interval.lo, middle, interval.level + 1}, right{middle, interval.hi, interval.level + 1};
       if (t >= middle && !clear_before && !clear(left.lo, left.hi)) {
         stack_.push(right);
         return left;
@@ -383,53 +385,53 @@ class PieceSearch {
       if (t < middle)
         stack_.push(right);
       else
-        ++pieces_;
-      part = t < middle ? left : right;
+        ++examined_;
+      interval = t < middle ? left : right;
     }
-    return part;
+    return interval;
   }
 
-  /// The first time in the part at which the features seem to touch, found by Newton's method on their distance, and by
-  /// halving. Not certain. Returns false if none is found.
-  bool find_touch(const Part& part, double& t) const {
+  /// The first time in the interval at which the features seem to touch, found by Newton's method on their distance,
+  /// and by halving. Not certain. Returns false if none is found.
+  bool find_touch(const Interval& interval, double& t) const {
     constexpr int kMaxRounds = 16;
-    double before = part.lo;
-    t = part.lo;
+    double before = interval.lo;
+    t = interval.lo;
     for (int round = 0; round < kMaxRounds; ++round) {
       const ClosestPoints closest = closest_points(test_.kind(), test_.at(t));
       if (seem_to_touch(closest)) {
-        while (t - before > kShortestPiece / 4) {
+        while (t - before > kShortestInterval / 4) {
           const double middle = before + (t - before) / 2;
           (seem_to_touch(closest_points(test_.kind(), test_.at(middle))) ? t : before) = middle;
         }
         return true;
       }
-      // The same two points at the end of the part; for two control points their difference is linear in time.
-      const Vec3 end = separation_of(test_.kind(), test_.at(part.hi), closest.weights);
+      // The same two points at the end of the interval; for two control points their difference is linear in time.
+      const Vec3 end = separation_of(test_.kind(), test_.at(interval.hi), closest.weights);
       const double approach = closest.separation.dot(closest.separation - end);
       before = t;
-      t += (part.hi - t) * (closest.squared_distance / approach);
-      if (!(approach > 0 && t <= part.hi)) return false;
+      t += (interval.hi - t) * (closest.squared_distance / approach);
+      if (!(approach > 0 && t <= interval.hi)) return false;
     }
     return false;
   }
 
-  void split(const MotionPiece<kPoints>& piece, const Part& part) {
-    if (part.level < kLevelsOfThree && crossing(piece)) return split_at_root(piece, part, 0.125);
-    const double middle = part.lo + (part.hi - part.lo) / 2;
-    stack_.push({middle, part.hi, part.level + 1});
-    stack_.push({part.lo, middle, part.level + 1});
+  void split(const MotionPiece<kPoints>& piece, const Interval& interval) {
+    if (interval.level < kLevelsOfThree && crossing(piece)) return split_at_root(piece, interval, 0.125);
+    const double middle = interval.lo + (interval.hi - interval.lo) / 2;
+    stack_.push({middle, interval.hi, interval.level + 1});
+    stack_.push({interval.lo, middle, interval.level + 1});
   }
 
-  /// Splits the part around the root; the polynomial itself may prove the outer parts free, except for a margin that
-  /// belongs to the inner part.
-  void split_at_root(const MotionPiece<kPoints>& piece, const Part& part, double margin) {
-    const Split split(part.lo, part.hi, std::max(0.0, root_ - margin), std::min(1.0, root_ + margin));
-    if (split.to < part.hi && !piece.never_coplanar_after(split.after))
-      stack_.push({split.to, part.hi, part.level + 1});
-    stack_.push({split.from, split.to, part.level + 1});
-    if (part.lo < split.from && !piece.never_coplanar_before(split.before))
-      stack_.push({part.lo, split.from, part.level + 1});
+  /// Splits the interval around the root; the polynomial itself may prove the outer intervals free, except for a margin
+  /// that belongs to the inner interval.
+  void split_at_root(const MotionPiece<kPoints>& piece, const Interval& interval, double margin) {
+    const Split split(interval.lo, interval.hi, std::max(0.0, root_ - margin), std::min(1.0, root_ + margin));
+    if (split.to < interval.hi && !piece.never_coplanar_after(split.after))
+      stack_.push({split.to, interval.hi, interval.level + 1});
+    stack_.push({split.from, split.to, interval.level + 1});
+    if (interval.lo < split.from && !piece.never_coplanar_before(split.before))
+      stack_.push({interval.lo, split.from, interval.level + 1});
   }
 
   /// Whether the features certainly change sides.
@@ -440,12 +442,12 @@ class PieceSearch {
   const TestPoints& points_;
   BoundedTest<kPoints> test_;
   double tolerance_;
-  int max_pieces_;
-  int pieces_ = 0;  ///< number of parts examined
-  PartStack stack_;
-  bool moved_apart_ = false;  ///< whether an axis has separated a part
-  Vec3 axis_ = Vec3::Zero();  ///< the last axis that separated a part
-  double root_ = 0;           ///< local parameter at which the part was examined
+  int max_intervals_;
+  int examined_ = 0;  ///< number of intervals examined
+  IntervalStack stack_;
+  bool moved_apart_ = false;  ///< whether an axis has separated an interval
+  Vec3 axis_ = Vec3::Zero();  ///< the last axis that separated an interval
+  double root_ = 0;           ///< local parameter at which the interval was examined
   Differences likely_;        ///< differences at that time
   ClosestPoints closest_;     ///< closest points at that time
 };
@@ -454,14 +456,14 @@ class PieceSearch {
 /// undecided that may be the first one.
 template <int kPoints>
 std::optional<InclusionAnswer> flat_search(FeatureKind kind, const TestPoints& x, int axis, double tolerance,
-                                           int max_pieces) {
-  if (!PieceSearch<kPoints>(kind, x, 0, tolerance, max_pieces).apart_at_start()) return std::nullopt;
+                                           int max_intervals) {
+  if (!InclusionSearch<kPoints>(kind, x, 0, tolerance, max_intervals).apart_at_start()) return std::nullopt;
   InclusionAnswer first{Outcome::apart};
   double open = kInfinity, latest = 1;
   for (const FlatEvent& event : flat_events(kind)) {
     const DrawnOutEvent edges(event, x, kPoints, axis);
     const InclusionAnswer answer =
-        PieceSearch<kPoints>(FeatureKind::ee, edges.points(), 0, tolerance, max_pieces).run(latest);
+        InclusionSearch<kPoints>(FeatureKind::ee, edges.points(), 0, tolerance, max_intervals).run(latest);
     if (answer.outcome == Outcome::undecided) open = std::min(open, answer.toi);
     if (answer.outcome != Outcome::touch || answer.toi > latest) continue;
     first = {.outcome = Outcome::touch, .toi = answer.toi};
@@ -472,20 +474,20 @@ std::optional<InclusionAnswer> flat_search(FeatureKind kind, const TestPoints& x
 }
 
 template <int kPoints>
-InclusionAnswer search(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int max_pieces,
+InclusionAnswer search(FeatureKind kind, const TestPoints& x, double separation, double tolerance, int max_intervals,
                        double t_max) {
   const int axis = separation == 0 ? flat_axis(x, kPoints) : -1;
   if (axis >= 0)
-    if (const auto answer = flat_search<kPoints>(kind, x, axis, tolerance, max_pieces)) return *answer;
-  return PieceSearch<kPoints>(kind, x, separation, tolerance, max_pieces).run(t_max);
+    if (const auto answer = flat_search<kPoints>(kind, x, axis, tolerance, max_intervals)) return *answer;
+  return InclusionSearch<kPoints>(kind, x, separation, tolerance, max_intervals).run(t_max);
 }
 
 }  // namespace
 
 InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
-                                 double tolerance, int max_pieces, double t_max) {
-  InclusionAnswer answer = control_points == 2 ? search<2>(kind, x, separation, tolerance, max_pieces, t_max)
-                                               : search<3>(kind, x, separation, tolerance, max_pieces, t_max);
+                                 double tolerance, int max_intervals, double t_max) {
+  InclusionAnswer answer = control_points == 2 ? search<2>(kind, x, separation, tolerance, max_intervals, t_max)
+                                               : search<3>(kind, x, separation, tolerance, max_intervals, t_max);
   if (answer.toi > t_max) answer = {InclusionAnswer::Outcome::apart};
   return answer;
 }

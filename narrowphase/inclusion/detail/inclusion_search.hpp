@@ -22,16 +22,16 @@ struct InclusionAnswer {
   /// Whether the features are not proven to be apart at t = 0.
   bool at_start = false;
   /// For undecided tests: more is open than whether there is a contact. Either a first contact may occur later than
-  /// `toi` by more than the tolerance, or there were too many parts, and it is unknown how near the features come to
-  /// each other.
+  /// `toi` by more than the tolerance, or there were too many intervals, and it is unknown how near the features come
+  /// to each other.
   bool unsettled = false;
 };
 
-/// A division of a part [lo, hi] of the step into three parts. Times and their local parameters (0: lo, 1: hi) are
-/// rounded. The proof that an outer part is free of contact must cover it completely up to the inner part; otherwise
-/// some times would be in no part.
+/// A division of an interval [lo, hi] of the step into three intervals. Times and their local parameters (0: lo, 1: hi)
+/// are rounded. The proof that an outer interval is free of contact must cover it completely up to the inner interval;
+/// otherwise some times would be in no interval.
 struct Split {
-  double from, to;       ///< the inner part
+  double from, to;       ///< the inner interval
   double before, after;  ///< local parameters: `before` is not less than that of `from`, `after` not greater than that
                          ///< of `to`
 
@@ -48,18 +48,18 @@ struct Split {
   }
 };
 
-/// Features that have a point in common at t = 0, in equal doubles, touch then. Otherwise searches [0,1] in parts, in
-/// ascending order. Each part is proven to be free of contact, proven to begin with a contact, or split. The answer is
-/// `undecided` if a part that is shorter than kShortestPiece remains open; the first such part determines the time.
-/// Without a separation, the search then continues, in order to find out whether the first contact may be later. Tests
-/// in a plane of constant x, y or z are first searched by their events (detail/flat_motion.hpp). The
-/// answer does not depend on t_max, except that later contacts are reported as `apart`. The search ends after
-/// `max_pieces` parts. Pre: tolerance > 0, finite coordinates, separation >= 0.
+/// Features that have a point in common at t = 0, in equal doubles, touch then. Otherwise searches [0,1] in intervals,
+/// in ascending order. Each interval is proven to be free of contact, proven to begin with a contact, or split. The
+/// answer is `undecided` if an interval that is shorter than kShortestInterval remains open; the first such interval
+/// determines the time. Without a separation, the search then continues, in order to find out whether the first contact
+/// may be later. Tests in a plane of constant x, y or z are first searched by their events (detail/flat_motion.hpp).
+/// The answer does not depend on t_max, except that later contacts are reported as `apart`. The search ends after
+/// `max_intervals` intervals. Pre: tolerance > 0, finite coordinates, separation >= 0.
 InclusionAnswer inclusion_search(FeatureKind kind, const TestPoints& x, int control_points, double separation,
-                                 double tolerance, int max_pieces, double t_max);
+                                 double tolerance, int max_intervals, double t_max);
 
-/// Length of a part, as a fraction of the step, below which it is not split. Features that are closer than their motion
-/// in that time count as touching.
-inline constexpr double kShortestPiece = 0x1p-44;
+/// Length of an interval, as a fraction of the step, below which it is not split. Features that are closer than their
+/// motion in that time count as touching.
+inline constexpr double kShortestInterval = 0x1p-44;
 
 }  // namespace volccd::detail

@@ -35,7 +35,7 @@ double MotionPiece<kPoints>::error(int k) const {
 }
 
 template <int kPoints>
-bool MotionPiece<kPoints>::never_coplanar() {
+bool MotionPiece<kPoints>::prove_never_coplanar() {
   constexpr int n = kPoints - 1;
   std::array<Vec3, 2 * n + 1> normal;
   for (Vec3& v : normal) v.setZero();

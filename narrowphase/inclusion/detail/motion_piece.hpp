@@ -1,5 +1,5 @@
-// One elementary test over a part of the step, with proven bounds on rounding errors: the operations of the `inclusion`
-// narrow phase. Derivations: docs/numerics.md, "Parts of the step".
+// One elementary test over an interval of the step, with proven bounds on rounding errors: the operations of the
+// `inclusion` narrow phase. Derivations: docs/numerics.md, "Intervals of the step".
 #pragma once
 
 #include <array>
@@ -8,7 +8,8 @@
 
 namespace volccd::detail {
 
-/// The test over the part [lo, hi]: its control points, and the coplanarity polynomial. Holds a reference to the test.
+/// The test over the interval [lo, hi]: its control points, and the coplanarity polynomial. Holds a reference to the
+/// test.
 template <int kPoints>
 class MotionPiece {
  public:
@@ -21,14 +22,15 @@ class MotionPiece {
   double hi() const { return hi_; }
 
   /// Computes the Bernstein coefficients of the coplanarity polynomial. True only if they prove that the features are
-  /// further apart than the separation throughout the part. Must be called before the members below.
-  bool never_coplanar();
+  /// further apart than the separation throughout the interval. Must be called before the members below.
+  bool prove_never_coplanar();
   /// Bernstein coefficients, each times binomial(degree, k), and bounds on their errors.
   const std::array<double, kDegree + 1>& coefficients() const { return b_; }
   double error(int k) const;
-  /// Whether no coefficient exceeds its bound; then the polynomial gives no information on this part or any part of it.
+  /// Whether no coefficient exceeds its bound; then the polynomial gives no information on this interval or any
+  /// interval of it.
   bool vanishes() const;
-  /// Sign of the polynomial at the start and end of the part; 0 if rounding leaves it open.
+  /// Sign of the polynomial at the start and end of the interval; 0 if rounding leaves it open.
   int sign_at_start() const;
   int sign_at_end() const;
   /// Local parameter in [0,1] (0: lo, 1: hi) at which contact is most likely, without a proof: the first root if the
@@ -36,19 +38,20 @@ class MotionPiece {
   double likely_root() const;
 
   /// True only if the polynomial proves that the features do not touch before (after) the local parameter s of the
-  /// part. Pre: no separation.
+  /// interval. Pre: no separation.
   bool never_coplanar_before(double s) const;
   bool never_coplanar_after(double s) const;
 
-  /// True only if the projections onto `axis` (any vector) are further apart than the separation throughout the part.
+  /// True only if the projections onto `axis` (any vector) are further apart than the separation throughout the
+  /// interval.
   bool separated_along(const Vec3& axis) const;
 
   /// Among the differences of control points of the second feature and control points of the first at equal times, the
   /// one with the smallest component along `axis`. Rounded.
   Vec3 support(const Vec3& axis) const;
 
-  /// True only if the projections of the features along `direction` overlap throughout the part (the vertex is inside
-  /// the triangle, or the edges cross). Then each root of the polynomial in this part is a contact.
+  /// True only if the projections of the features along `direction` overlap throughout the interval (the vertex is
+  /// inside the triangle, or the edges cross). Then each root of the polynomial in this interval is a contact.
   bool overlap_along(const Vec3& direction) const;
 
   /// A time that is before the first root by less than `tolerance`, or the root itself; negative if no such time can be

@@ -58,21 +58,21 @@ double energy_of(const ShellLaw& law, const double (&stress)[2]) {
 }
 
 void require(bool good, std::int32_t object, const char* problem) {
-  if (!good) throw InputError("model", "parts", object, problem);
+  if (!good) throw InputError("model", "bodies", object, problem);
 }
 
 }  // namespace
 
-ShellLaw::ShellLaw(const Part& part, std::int32_t object)
-    : thickness(part.thickness),
-      density(part.material.density),
-      youngs_modulus(part.material.youngs_modulus),
-      poisson_ratio(part.material.poisson_ratio),
-      yield_stress(part.material.yield_stress),
-      hardening_modulus(part.material.hardening_modulus),
-      rate_factor(part.material.rate_factor),
-      reference_rate(part.material.reference_rate),
-      rigid(part.rigid) {
+ShellLaw::ShellLaw(const Body& body, std::int32_t object)
+    : thickness(body.thickness),
+      density(body.material.density),
+      youngs_modulus(body.material.youngs_modulus),
+      poisson_ratio(body.material.poisson_ratio),
+      yield_stress(body.material.yield_stress),
+      hardening_modulus(body.material.hardening_modulus),
+      rate_factor(body.material.rate_factor),
+      reference_rate(body.material.reference_rate),
+      rigid(body.rigid) {
   require(std::isfinite(thickness) && thickness > 0, object, "has shells, and no positive thickness");
   require(std::isfinite(density) && density > 0, object, "has no positive density");
   if (rigid) return;

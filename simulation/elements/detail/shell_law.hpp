@@ -15,7 +15,7 @@ inline constexpr double kGreatestFlow = 10;
 /// Viscosity, as a fraction of critical damping at an element's highest frequency.
 inline constexpr double kShellDamping = 0.05;
 
-/// Constants of a part.
+/// Constants of a body.
 struct ShellLaw {
   double thickness = 0, density = 0;
   double youngs_modulus = 0, poisson_ratio = 0;
@@ -25,8 +25,8 @@ struct ShellLaw {
   bool rigid = false;
 
   ShellLaw() = default;
-  /// Throws InputError, naming the part by `object`.
-  ShellLaw(const Part& part, std::int32_t object);
+  /// Throws InputError, naming the body by `object`.
+  ShellLaw(const Body& body, std::int32_t object);
 };
 
 /// Principal logarithmic strain of a squared stretch, and the factor that takes the principal Kirchhoff stress to the

@@ -21,7 +21,7 @@ std::uint64_t spread_bits(std::uint64_t x) {
   return (x | x << 2) & 0x1249249249249249;
 }
 
-/// Sorts the elements: deformable ones first, then by part, then along a space-filling curve. Removes those without
+/// Sorts the elements: deformable ones first, then by body, then along a space-filling curve. Removes those without
 /// area.
 void sort_elements(std::vector<ShellElement>& elements, const std::vector<ShellLaw>& laws) {
   std::erase_if(elements, [](const ShellElement& e) { return RestFrame(e.corners).area == 0; });

@@ -60,7 +60,7 @@ struct ShellHinges {
   std::vector<double> reference;    ///< angle at rest before any flow
   std::vector<double> virgin, slope, strain;   ///< capacity before any flow; its increase and plastic strain per angle
   std::vector<std::array<Index, 2>> elements;  ///< indices into elements, kNone: padding
-  std::vector<std::int32_t> object;            ///< part that yields first
+  std::vector<std::int32_t> object;            ///< body that yields first
   std::vector<std::uint8_t> opposed;           ///< whether the two triangles run through the edge in opposite senses
 };
 

@@ -195,12 +195,12 @@ void take(const SolidBatch<N>& b, int lane, double dt, Vec3* out) {
 
 }  // namespace
 
-SolidMaterial::SolidMaterial(const Part& part)
-    : material(part.material),
-      mu(shear_modulus(part.material)),
-      dilation(lame_lambda(part.material) + mu),
-      sound(sound_speed(part.material)),
-      rigid(part.rigid) {}
+SolidMaterial::SolidMaterial(const Body& body)
+    : material(body.material),
+      mu(shear_modulus(body.material)),
+      dilation(lame_lambda(body.material) + mu),
+      sound(sound_speed(body.material)),
+      rigid(body.rigid) {}
 
 template <int N>
 bool set_shape(const std::array<Vec3, N>& x, SolidShape<N>& shape, [[maybe_unused]] bool wedge) {
@@ -280,7 +280,7 @@ SolidBound solid_forces(const SolidRun<N>& run, std::size_t begin, std::size_t e
     const std::size_t last = rows[batch.count - 1];
     const SolidShape<N>& shape = run.shapes[last];
     for (int lane = batch.count; lane < kSolidLanes; ++lane) {
-      fill(batch, lane, shape, run.materials[shape.part], run.states[last]);
+      fill(batch, lane, shape, run.materials[shape.body], run.states[last]);
       gather(batch, lane, shape, run.x, run.v);
     }
     respond(batch, run.dt);
@@ -297,7 +297,7 @@ SolidBound solid_forces(const SolidRun<N>& run, std::size_t begin, std::size_t e
     const int lane = batch.count++;
     rows[lane] = row;
     batch.states[lane] = &run.states[row];
-    fill(batch, lane, shape, run.materials[shape.part], run.states[row]);
+    fill(batch, lane, shape, run.materials[shape.body], run.states[row]);
     gather(batch, lane, shape, run.x, run.v);
     if (batch.count == kSolidLanes) finish();
   }
@@ -310,7 +310,7 @@ double stable_step(const SolidShape<N>& shape, const SolidState<N>& state, std::
   SolidBatch<N> batch{};
   batch.deformation_given = true;
   for (int lane = 0; lane < kSolidLanes; ++lane) {
-    fill(batch, lane, shape, materials[shape.part], state);
+    fill(batch, lane, shape, materials[shape.body], state);
     for (int r = 0; r < 3; ++r) {
       for (int c = 0; c < 3; ++c) batch.f[r][c][lane] = state.deformation(r, c);
     }

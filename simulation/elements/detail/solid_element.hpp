@@ -13,9 +13,9 @@
 
 namespace volccd::simulation::detail {
 
-/// The material of a part, with constants for the kernel.
+/// The material of a body, with constants for the kernel.
 struct SolidMaterial {
-  explicit SolidMaterial(const Part& part);
+  explicit SolidMaterial(const Body& body);
 
   Material material;
   double mu, dilation;  ///< shear modulus; lambda + mu
@@ -48,7 +48,7 @@ struct SolidShape {
   std::array<Vec3, mode_count(N)> modes = filled<mode_count(N)>();  ///< a, from the rest positions
   std::array<Index, N> vertices{};
   Index slot = kNone;      ///< of the element; kNone: an empty row
-  std::uint32_t part = 0;  ///< object id
+  std::uint32_t body = 0;  ///< object id
 };
 
 /// The state of an element, which changes from step to step.
@@ -64,7 +64,7 @@ struct SolidState {
   static Symmetric identity() { return (Symmetric() << 1, 1, 1, 0, 0, 0).finished(); }
 };
 
-/// Sets the shape at rest for corners at `x`, except for vertices, slot and part. Returns false, and sets volume 0, if
+/// Sets the shape at rest for corners at `x`, except for vertices, slot and body. Returns false, and sets volume 0, if
 /// there is no volume. `wedge`: corners 1 and 2 are the same vertex, and so are 5 and 6.
 template <int N>
 bool set_shape(const std::array<Vec3, N>& x, SolidShape<N>& shape, bool wedge = false);
@@ -74,7 +74,7 @@ template <int N>
 struct SolidRun {
   std::span<const SolidShape<N>> shapes;
   std::span<SolidState<N>> states;
-  std::span<const SolidMaterial> materials;  ///< by part
+  std::span<const SolidMaterial> materials;  ///< by body
   std::span<const Vec3> x, v;                ///< by vertex
   double dt;
   Vec3* out;  ///< N forces for each row
@@ -90,7 +90,7 @@ struct SolidBound {
 /// Whether a row has forces: it is not empty, not rigid, and not flat at rest.
 template <int N>
 bool is_active(const SolidShape<N>& shape, std::span<const SolidMaterial> materials) {
-  return shape.slot != kNone && shape.volume > 0 && !materials[shape.part].rigid;
+  return shape.slot != kNone && shape.volume > 0 && !materials[shape.body].rigid;
 }
 
 /// Computes internal forces of the active rows in [begin, end) and advances their states by `dt` (dt = 0: only

@@ -1,0 +1,61 @@
+// A pipeline with everything that it needs to run steps, except for the mesh and the motion.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+#include <volccd/core/executor.hpp>
+#include <volccd/pipelines/pipeline.hpp>
+
+namespace volccd {
+
+/// How a StepRunner runs its pipeline.
+struct RunConfig {
+  /// Number of threads; 0: as many as the hardware has. Not used if there is an executor.
+  unsigned threads = 1;
+  /// Runs the steps, and must outlive the StepRunner; null: an executor of its own, from make_executor(threads).
+  Executor* executor = nullptr;
+  /// Distance at which features are in contact, in the unit of the coordinates; finite, >= 0. 0: when they touch.
+  double separation = 0;
+  /// The pairs of objects whose contacts are found; default: all, including contacts within an object.
+  ObjectFilter filter = {};
+};
+
+/// Runs a pipeline on the steps of topologies that belong to the caller, such as those of a SequenceStepper; Detector
+/// runs it on a mesh of its own. Owns the workspace, and with it the tables that stages keep from step to step: they
+/// follow the edits of a topology, and are rebuilt for another one. Movable; one thread at a time.
+class StepRunner {
+ public:
+  /// Throws ConfigError for an invalid separation or number of threads.
+  explicit StepRunner(Pipeline pipeline, RunConfig config = {});
+
+  /// Runs a step: `motion` has the control points of all vertices of the topology. Contacts later than t_max, in 0 .. 1
+  /// of the step, need not be found. Returns result(). Throws ConfigError for another t_max, and the exceptions of
+  /// Pipeline::run. After any exception result() is unspecified and the next step runs as with a new StepRunner.
+  const StepResult& run(const Topology& topology, const Motion& motion, const Request& request = {}, double t_max = 1);
+
+  /// The result of the last step; valid until the next one.
+  const StepResult& result() const { return result_; }
+  /// Moves the result of the last step out; result() is empty afterwards.
+  StepResult take_result();
+
+  const Pipeline& pipeline() const { return pipeline_; }
+  Executor& executor() const { return *executor_; }
+  const ObjectFilter& filter() const { return filter_; }
+  double separation() const { return separation_; }
+  /// Throws ConfigError if the value is negative or not finite.
+  void set_separation(double separation);
+  /// Memory that the pipeline keeps from step to step, without the result.
+  std::size_t workspace_bytes() const { return workspace_.bytes(); }
+
+ private:
+  Pipeline pipeline_;
+  Workspace workspace_;
+  std::unique_ptr<Executor> own_executor_;  ///< null if the caller gave one
+  Executor* executor_;
+  ObjectFilter filter_;
+  double separation_ = 0;
+  StepResult result_;
+};
+
+}  // namespace volccd

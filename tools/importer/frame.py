@@ -1,0 +1,278 @@
+"""One file as a frame of the sequence: points, cells, ids, objects, velocities, thickness, time."""
+
+import contextlib
+import dataclasses
+
+import numpy as np
+
+from .errors import BadInput, first_bad
+from .formats import CELLS, LEFT_OUT, NODES, meshio_read
+from .numbering import numbering_of
+
+FACES = {10: [(0, 1, 2), (0, 1, 3), (1, 2, 3), (0, 2, 3)],
+         12: [(0, 1, 2, 3), (4, 5, 6, 7), (0, 1, 5, 4), (1, 2, 6, 5), (2, 3, 7, 6), (3, 0, 4, 7)],
+         13: [(0, 1, 2), (3, 4, 5), (0, 1, 4, 3), (1, 2, 5, 4), (2, 0, 3, 5)],
+         14: [(0, 1, 2, 3), (0, 1, 4), (1, 2, 4), (2, 3, 4), (3, 0, 4)]}
+
+# Names that arrays may have, in lower case; earlier names are preferred.
+POINT_IDS = ("globalpointids", "globalnodeids", "globalnodeid", "node_id", "nodeid", "pointids")
+CELL_IDS = ("globalcellids", "globalelementids", "globalelementid", "element_id", "elementid", "cellids")
+OBJECT_IDS = ("partid", "part_id", "part", "gmsh:physical", "nastran:ref", "obj:group_ids")
+VELOCITIES = ("velocity", "velocities", "vel")
+THICKNESSES = ("thickness",)
+TIMES = ("timevalue", "time")
+
+
+@dataclasses.dataclass
+class Frame:
+    """A file after all checks. Cells are in CSR form. Without ids in the source, `point_ids` and `cell_ids` are
+    None."""
+
+    points: np.ndarray
+    types: np.ndarray
+    offsets: np.ndarray
+    connectivity: np.ndarray
+    objects: np.ndarray
+    point_ids: np.ndarray = None
+    cell_ids: np.ndarray = None
+    velocity: np.ndarray = None
+    thickness: np.ndarray = None
+    time: float = None
+    object_names: dict = dataclasses.field(default_factory=dict)
+    notes: list = dataclasses.field(default_factory=list)
+
+
+def pick(arrays, wanted, guesses, file, what):
+    """The array named `wanted`; if no name is given, the first array whose name is among the guesses, or None."""
+    if wanted == "none":
+        return None
+    if wanted:
+        if wanted not in arrays:
+            raise BadInput(file, what, f"no array '{wanted}'; there is: {', '.join(sorted(arrays)) or 'none'}")
+        return arrays[wanted]
+    by_lower = {name.lower(): name for name in arrays}
+    return next((arrays[by_lower[guess]] for guess in guesses if guess in by_lower), None)
+
+
+def integers(values, file, what, kind):
+    """The values as integers of type `kind`; an error if they are not integers in its range."""
+    values = np.asarray(values).reshape(-1)
+    bounds = np.iinfo(kind)
+    if not np.issubdtype(values.dtype, np.number):
+        raise BadInput(file, what, "not numbers")
+    with np.errstate(invalid="ignore"):
+        bad = ~((values >= bounds.min) & (values <= bounds.max) & (values == np.floor(values)))
+    if bad.any():
+        raise BadInput(file, what, f"{values[first_bad(bad)]} is not an integer of {bounds.bits} bits", first_bad(bad))
+    return values.astype(kind)
+
+
+def check_ids(ids, count, file, what):
+    if len(ids) != count:
+        raise BadInput(file, what, f"{len(ids)} ids for {count}")
+    negative = first_bad(ids < 0)
+    if negative is not None:
+        raise BadInput(file, what, f"{ids[negative]} is negative", negative)
+    order = np.argsort(ids, kind="stable")
+    again = np.flatnonzero(np.diff(ids[order]) == 0)
+    if len(again):
+        raise BadInput(file, what, f"{ids[order[again[0]]]} is there twice", int(order[again[0] + 1]))
+    return ids
+
+
+def vectors(mesh, wanted, file):
+    """Velocities [points, 3], or None. "vx,vy,vz" names three arrays."""
+    names = wanted.split(",") if wanted else []
+    if len(names) == 3:
+        columns = [np.asarray(pick(mesh.point_data, name, (), file, "velocity")).reshape(-1) for name in names]
+        values = np.column_stack(columns)
+    else:
+        values = pick(mesh.point_data, wanted, VELOCITIES, file, "velocity")
+    if values is None:
+        return None
+    values = np.asarray(values, np.float64)
+    if values.shape != (len(mesh.points), 3):
+        raise BadInput(file, "velocity", f"shape {values.shape} instead of ({len(mesh.points)}, 3)")
+    return finite(values, file, "velocity")
+
+
+def finite(values, file, what):
+    bad = first_bad(~np.isfinite(values))
+    if bad is not None:
+        raise BadInput(file, what, "not a finite number", bad)
+    return values
+
+
+def points_of(mesh, file):
+    points = np.asarray(mesh.points, np.float64)
+    if points.ndim != 2 or points.shape[1] < 2 or len(points) == 0:
+        raise BadInput(file, "points", "none" if len(points) == 0 else f"shape {points.shape}")
+    if points.shape[1] == 2:
+        points = np.column_stack([points, np.zeros(len(points))])
+    # In .obj files, a weight or a colour may follow the coordinates.
+    return np.ascontiguousarray(finite(points[:, :3], file, "points"))
+
+
+def refuse_unsupported(mesh, file):
+    bad = {}
+    for block in mesh.cells:
+        if block.type not in CELLS and not LEFT_OUT.fullmatch(block.type):
+            bad[block.type] = bad.get(block.type, 0) + len(block.data)
+    if bad:
+        listed = ", ".join(f"{count} {name}" for name, count in bad.items())
+        raise BadInput(file, "cells", f"{listed}: not supported; what is: {', '.join(CELLS)}")
+
+
+def is_face_of_volume(types, offsets, connectivity):
+    """For each cell, whether it is a triangle or quad whose vertices are those of a face of a volume cell."""
+    if (types >= 10).all():
+        return np.zeros(len(types), bool)
+    faces = set()
+    for kind, members in FACES.items():
+        cells = np.flatnonzero(types == kind)
+        if len(cells):
+            nodes = connectivity[offsets[cells][:, None] + np.arange(NODES[kind])]
+            for face in members:
+                faces.update(map(tuple, np.sort(nodes[:, face], axis=1)))
+    result = np.zeros(len(types), bool)
+    if faces:
+        for i in np.flatnonzero(types < 10):
+            result[i] = tuple(sorted(set(connectivity[offsets[i]:offsets[i + 1]].tolist()))) in faces
+    return result
+
+
+def objects_from_sets(sets, chosen, ids, file):
+    """The object of each element: the number of its set, counted from 1 in the order of `chosen` or of the file, or 0."""
+    if chosen:
+        for name in chosen:
+            if name not in sets:
+                raise BadInput(file, "sets", f"no set '{name}'; there is: {', '.join(sets) or 'none'}")
+        sets = {name: sets[name] for name in chosen}
+    here, objects, names = {int(element): i for i, element in enumerate(ids)}, np.zeros(len(ids), np.int32), {}
+    seen = {}
+    for name, members in sets.items():
+        rows = sorted({here[element] for element in members if element in here})
+        # Two sets have the same elements. The name of the later one is used, because it is that of the user's group.
+        if rows and tuple(rows) in seen:
+            names[seen[tuple(rows)]] = name
+            continue
+        if not rows:
+            continue
+        number = len(names) + 1
+        taken = [row for row in rows if objects[row]]
+        if taken:
+            raise BadInput(file, "sets", f"element {ids[taken[0]]} is in '{names[objects[taken[0]]]}' and in '{name}': "
+                           "choose with --sets, or --part none")
+        objects[rows], names[number], seen[tuple(rows)] = number, name, number
+    return objects, names
+
+
+def cell_arrays(mesh):
+    """Arrays with a value for every cell, in the order of the blocks."""
+    sizes = [len(block.data) for block in mesh.cells]
+    return {name: np.concatenate([np.asarray(values) for values in blocks]) for name, blocks in mesh.cell_data.items()
+            if [len(values) for values in blocks] == sizes and sizes}
+
+
+def objects_of(mesh, arrays, numbering, keep, options, file):
+    """The object of each kept cell, and the names of the objects."""
+    if options.part == "none":
+        return np.zeros(int(keep.sum()), np.int32), {}
+    values = None if options.sets else pick(arrays, options.part, OBJECT_IDS, file, "object")
+    if values is None:
+        if numbering is None or not numbering.sets:
+            if options.sets:
+                raise BadInput(file, "sets", "the file has no element sets")
+            return np.zeros(int(keep.sum()), np.int32), {}
+        return objects_from_sets(numbering.sets, options.sets, numbering.elements[keep], file)
+    objects = integers(values, file, "object", np.int32)[keep]
+    if not options.part and "obj:group_ids" in arrays and values is arrays["obj:group_ids"]:
+        objects = objects + 1  # meshio counts groups from 0, and -1 means that the cell has no group
+    names = {}
+    if values is arrays.get("gmsh:physical"):
+        dimensions = {CELLS[block.type][2] for block in mesh.cells if block.type in CELLS}
+        names = {int(number): name for name, (number, dimension) in mesh.field_data.items() if dimension in dimensions}
+    present = set(objects.tolist())
+    return objects, {number: name for number, name in names.items() if number in present}
+
+
+def time_of(mesh, file):
+    value = pick(dict(mesh.field_data or {}), None, TIMES, file, "time")
+    value = np.asarray(value, np.float64).reshape(-1) if value is not None else []
+    return float(value[0]) if len(value) == 1 and np.isfinite(value[0]) else None
+
+
+def thickness_of(arrays, keep, types, wanted, file):
+    with contextlib.suppress(TypeError, ValueError):
+        value = float(wanted)
+        return np.where(types < 10, value, 0.0)
+    values = pick(arrays, wanted, THICKNESSES, file, "thickness")
+    if values is None:
+        return None
+    values = finite(np.asarray(values, np.float64).reshape(len(keep), -1)[keep], file, "thickness")
+    if values.shape[1] != 1:
+        raise BadInput(file, "thickness", f"{values.shape[1]} numbers a cell instead of one")
+    if first_bad(values < 0) is not None:
+        raise BadInput(file, "thickness", "negative", first_bad(values < 0))
+    return values[:, 0]
+
+
+def check_repeated_vertices(frame, file):
+    """Raises an error for cells with too few distinct vertices, and notes how many other cells have a vertex twice."""
+    repeated = 0
+    for kind, nodes in NODES.items():
+        cells = np.flatnonzero(frame.types == kind)
+        members = np.sort(frame.connectivity[frame.offsets[cells][:, None] + np.arange(nodes)], axis=1)
+        distinct = 1 + (np.diff(members, axis=1) != 0).sum(axis=1)
+        minimum = 3 if kind < 10 else 4
+        bad = first_bad(distinct < minimum)
+        if bad is not None:
+            cell = int(cells[bad])
+            name = "" if frame.cell_ids is None else f" (cell id {frame.cell_ids[cell]})"
+            raise BadInput(file, "cells", f"has {distinct[bad]} distinct vertices, an element has at minimum {minimum}{name}", cell)
+        repeated += int((distinct < nodes).sum())
+    if repeated:
+        frame.notes.append(f"{repeated} cells have a vertex more than once, and stand for elements with fewer")
+
+
+def read_frame(file, options):
+    mesh, said = meshio_read(file)
+    refuse_unsupported(mesh, file)
+    points, numbering, arrays = points_of(mesh, file), numbering_of(file, mesh), cell_arrays(mesh)
+    blocks = [(CELLS.get(block.type, (0, 0, 0))[0], np.asarray(block.data)) for block in mesh.cells if len(block.data)]
+    if not any(kind for kind, _ in blocks):
+        raise BadInput(file, "cells", "no cells of a supported type: " + ", ".join(CELLS))
+    types = np.concatenate([np.full(len(data), kind, np.uint8) for kind, data in blocks])
+    keep = types > 0
+    connectivity = np.concatenate([data.reshape(-1) for kind, data in blocks if kind]).astype(np.int64)
+    offsets = np.concatenate([[0], np.cumsum([NODES[kind] for kind in types[keep]])]).astype(np.int64)
+    outside = (connectivity < 0) | (connectivity >= len(points))
+    if outside.any():
+        at = int(np.searchsorted(offsets, first_bad(outside), "right")) - 1
+        raise BadInput(file, "cells", f"uses point {connectivity[first_bad(outside)]} of {len(points)}", at)
+    notes = [said] if said else []
+    if not options.keep_faces:
+        face = is_face_of_volume(types[keep], offsets, connectivity)
+        if face.any():
+            notes.append(f"{int(face.sum())} triangles and quads that are faces of volume cells are left out")
+            connectivity = connectivity[np.repeat(~face, np.diff(offsets))]
+            keep[np.flatnonzero(keep)[face]] = False
+            offsets = np.concatenate([[0], np.cumsum([NODES[kind] for kind in types[keep]])]).astype(np.int64)
+    cells = int(keep.sum())
+    objects, names = objects_of(mesh, arrays, numbering, keep, options, file)
+    frame = Frame(points, types[keep], offsets, connectivity, objects, time=time_of(mesh, file), object_names=names,
+                  notes=notes)
+    ids = pick(mesh.point_data, options.point_ids, POINT_IDS, file, "point ids")
+    if ids is None and numbering is not None and options.point_ids != "none":
+        ids = numbering.nodes
+    if ids is not None:
+        frame.point_ids = check_ids(integers(ids, file, "point ids", np.int64), len(points), file, "point ids")
+    ids = pick(arrays, options.cell_ids, CELL_IDS, file, "cell ids")
+    if ids is None and numbering is not None and options.cell_ids != "none":
+        ids = numbering.elements
+    if ids is not None:
+        frame.cell_ids = check_ids(integers(ids, file, "cell ids", np.int64)[keep], cells, file, "cell ids")
+    frame.velocity = vectors(mesh, options.velocity, file) if options.velocity != "none" else None
+    frame.thickness = thickness_of(arrays, keep, frame.types, options.thickness, file)
+    check_repeated_vertices(frame, file)
+    return frame
