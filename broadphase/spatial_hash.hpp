@@ -25,8 +25,8 @@ namespace volccd {
 class SpatialHash final : public BroadPhase {
  public:
   struct Config {
-    int k = 16;              ///< k of the final test; 6 for boxes only. ConfigError for values that numerics/kdop.hpp does
-                             ///< not list
+    int k = 16;  ///< k of the final test; 6 for boxes only. ConfigError for values that numerics/kdop.hpp does
+                 ///< not list
     double cell_size = 1.0;  ///< in units of the median extent of the swept boxes, 0.05 .. 100
   };
   static const Options<Config>& options();
