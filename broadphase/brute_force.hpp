@@ -1,7 +1,7 @@
 // The broad phase `brute-force`: tests every pair of elements. The other broad phases are compared with it.
 #pragma once
 
-#include <volccd/broadphase/broad_phase.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
 
 namespace volccd {
 

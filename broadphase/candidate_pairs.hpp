@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include <volccd/broadphase/broad_phase.hpp>
 #include <volccd/core/function_ref.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
 
 namespace volccd {
 

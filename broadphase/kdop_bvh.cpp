@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <vector>
 
-#include <volccd/broadphase/detail/kdop_option.hpp>
 #include <volccd/broadphase/bvh/detail/kdop_tree.hpp>
-#include <volccd/broadphase/detail/pair_writer.hpp>
 #include <volccd/broadphase/bvh/detail/tree_kernels.hpp>
+#include <volccd/broadphase/detail/kdop_option.hpp>
+#include <volccd/broadphase/detail/pair_writer.hpp>
 #include <volccd/core/heap_bytes.hpp>
 #include <volccd/mesh/topology_delta.hpp>
 
@@ -36,9 +36,7 @@ struct KdopBvhState final : StageState {
   std::vector<Worker> workers;
   KdopBvh::Counters counters;
 
-  std::size_t bytes() const override {
-    return heap_bytes(delta, keys, vertices, tree, tasks, expanded, workers);
-  }
+  std::size_t bytes() const override { return heap_bytes(delta, keys, vertices, tree, tasks, expanded, workers); }
 };
 
 /// Computes the list of node pairs at which a query starts, which is deterministic, into state.tasks. Returns the
@@ -129,8 +127,8 @@ void KdopBvh::run(const Step& step, StageState& stage_state, unsigned w, std::si
   KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
   Worker& worker = state.workers[w];
   detail::PairWriter out(work);
-  worker.node_tests += detail::traverse(state.tree, detail::PairRules(step, state.keys), state.tasks[block],
-                                        worker.stack.data(), out);
+  worker.node_tests +=
+      detail::traverse(state.tree, detail::PairRules(step, state.keys), state.tasks[block], worker.stack.data(), out);
   out.flush();
 }
 

@@ -3,12 +3,12 @@
 
 #include <cstdint>
 
-#include <volccd/broadphase/broad_phase.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
 
 namespace volccd {
 
-/// A binary tree over n elements with k-DOPs in single precision, rounded outward (axes in numerics/kdop.hpp). Emits the
-/// pairs of elements whose swept k-DOPs overlap after each is widened by half of the separation on each side.
+/// A binary tree over n elements with k-DOPs in single precision, rounded outward (axes in numerics/kdop.hpp). Emits
+/// the pairs of elements whose swept k-DOPs overlap after each is widened by half of the separation on each side.
 /// `spatial-hash` with the same k emits the same pairs.
 ///
 /// prepare(): the first tree of a state is built top-down with the surface-area heuristic in O(n log n); later steps

@@ -6,10 +6,10 @@
 #include <utility>
 #include <vector>
 
-#include <volccd/broadphase/hash/detail/hash_grid.hpp>
-#include <volccd/broadphase/hash/detail/hash_kernels.hpp>
 #include <volccd/broadphase/detail/kdop_option.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
+#include <volccd/broadphase/hash/detail/hash_grid.hpp>
+#include <volccd/broadphase/hash/detail/hash_kernels.hpp>
 #include <volccd/core/heap_bytes.hpp>
 #include <volccd/mesh/topology_delta.hpp>
 
@@ -30,9 +30,7 @@ struct SpatialHashState final : StageState {
   std::size_t entry_blocks = 0, large_blocks = 0;
   std::vector<detail::BucketScratch> scratch;
 
-  std::size_t bytes() const override {
-    return heap_bytes(delta, keys, list, vertices, elements, grid, scratch);
-  }
+  std::size_t bytes() const override { return heap_bytes(delta, keys, list, vertices, elements, grid, scratch); }
 };
 
 /// Moves the low 21 bits to every third bit.

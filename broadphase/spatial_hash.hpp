@@ -2,7 +2,7 @@
 // Deformable Objects", extended to continuous collision detection; the paper's HashCCD.
 #pragma once
 
-#include <volccd/broadphase/broad_phase.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
 
 namespace volccd {
 
@@ -25,8 +25,8 @@ namespace volccd {
 class SpatialHash final : public BroadPhase {
  public:
   struct Config {
-    int k = 16;              ///< k of the final test; 6 for boxes only. ConfigError for values that numerics/kdop.hpp does
-                             ///< not list
+    int k = 16;  ///< k of the final test; 6 for boxes only. ConfigError for values that numerics/kdop.hpp does
+                 ///< not list
     double cell_size = 1.0;  ///< in units of the median extent of the swept boxes, 0.05 .. 100
   };
   static const Options<Config>& options();

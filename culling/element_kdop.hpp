@@ -1,7 +1,7 @@
 // Element culling: bounds of both elements along the eight fixed axes of the 16-DOP (numerics/kdop.hpp).
 #pragma once
 
-#include <volccd/culling/element_culling.hpp>
+#include <volccd/query/roles/element_culling.hpp>
 
 namespace volccd {
 

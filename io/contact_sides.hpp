@@ -27,7 +27,7 @@ std::array<ContactSide, 2> contact_sides(const Contact& contact, const Topology&
 /// Contacts between two parts, or within one.
 struct PartPairCount {
   std::uint64_t vf = 0, ee = 0;
-  int first_step = 0;     ///< motion of the earliest contact
+  int first_step = 0;    ///< motion of the earliest contact
   double first_toi = 2;  ///< its time in that motion
 };
 

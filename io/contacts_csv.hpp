@@ -16,8 +16,8 @@
 #include <string>
 #include <vector>
 
-#include <volccd/io/step_text.hpp>
 #include <volccd/io/contact_sides.hpp>
+#include <volccd/io/step_text.hpp>
 #include <volccd/mesh/mesh.hpp>
 #include <volccd/query/contact.hpp>
 

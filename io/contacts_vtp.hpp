@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include <volccd/io/step_text.hpp>
 #include <volccd/io/contacts_csv.hpp>
+#include <volccd/io/step_text.hpp>
 #include <volccd/mesh/topology.hpp>
 #include <volccd/query/contact.hpp>
 

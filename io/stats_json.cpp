@@ -78,8 +78,13 @@ json to_json(const Statistics& s) {
   for (const StageStatistics& stage : s.stages) {
     json counters = json::object();
     for (const StageCounter& counter : stage.counters) counters[counter.name] = counter.value;
-    stages.push_back({{"role", stage.role}, {"name", stage.name}, {"in", stage.in}, {"out", stage.out},
-                      {"prepare_seconds", stage.prepare_seconds}, {"seconds", stage.seconds}, {"counters", counters}});
+    stages.push_back({{"role", stage.role},
+                      {"name", stage.name},
+                      {"in", stage.in},
+                      {"out", stage.out},
+                      {"prepare_seconds", stage.prepare_seconds},
+                      {"seconds", stage.seconds},
+                      {"counters", counters}});
   }
   return {{"steps", s.steps},
           {"element_pairs", s.element_pairs},

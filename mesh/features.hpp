@@ -13,10 +13,10 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/core/heap_bytes.hpp>
-#include <volccd/mesh/tables/raw_vector.hpp>
-#include <volccd/mesh/tables/tuple_table.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/mesh.hpp>
+#include <volccd/mesh/tables/raw_vector.hpp>
+#include <volccd/mesh/tables/tuple_table.hpp>
 
 namespace volccd {
 

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/tables/slot_table.hpp>
 #include <volccd/mesh/element_type.hpp>
+#include <volccd/mesh/tables/slot_table.hpp>
 #include <volccd/numerics/types.hpp>
 
 namespace volccd {

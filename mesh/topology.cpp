@@ -9,8 +9,8 @@
 #include <volccd/core/heap_bytes.hpp>
 #include <volccd/core/sort_unique.hpp>
 #include <volccd/mesh/check_element.hpp>
-#include <volccd/mesh/tables/chunks.hpp>
 #include <volccd/mesh/detail/feature_edit.hpp>
+#include <volccd/mesh/tables/chunks.hpp>
 
 namespace volccd {
 

@@ -57,8 +57,7 @@ Contact contact_at(FeatureKind kind, const std::array<Index, 4>& vertices, const
                    double t, int side, double separation) {
   const auto contact_of_scaled = [&](const auto& scaled) {
     auto points = scaled(x, 1);
-    if (!(points.size >= kMinSize && points.size <= kGreatestSize))
-      points = scaled(x, range_scale(x, control_points));
+    if (!(points.size >= kMinSize && points.size <= kGreatestSize)) points = scaled(x, range_scale(x, control_points));
     return contact_of(kind, points, t, side, separation > 0);
   };
   Contact contact = control_points == 2 ? contact_of_scaled(moving_points) : contact_of_scaled(curved_points);

@@ -6,8 +6,8 @@
 
 #include <Eigen/Geometry>
 
-#include <volccd/numerics/types.hpp>
 #include <volccd/numerics/rounding.hpp>
+#include <volccd/numerics/types.hpp>
 
 namespace volccd::detail {
 

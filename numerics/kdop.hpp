@@ -33,7 +33,7 @@ inline float float_above(double x) {
 template <int K>
 constexpr std::array<std::array<int, 3>, K / 2> kdop_axes() {
   static_assert(K == 6 || K == 14 || K == 16 || K == 18 || K == 24 || K == 26);
-  constexpr int all[13][3] = {{1, 0, 0}, {0, 1, 0},  {0, 0, 1},  {1, 1, 0},  {1, 0, 1},  {0, 1, 1},  {1, -1, 0},
+  constexpr int all[13][3] = {{1, 0, 0},  {0, 1, 0},  {0, 0, 1},  {1, 1, 0},  {1, 0, 1},   {0, 1, 1}, {1, -1, 0},
                               {1, 0, -1}, {0, 1, -1}, {1, 1, -1}, {1, -1, 1}, {1, -1, -1}, {1, 1, 1}};
   constexpr int fourteen[7] = {0, 1, 2, 12, 9, 10, 11};
   std::array<std::array<int, 3>, K / 2> axes{};

@@ -9,8 +9,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include <volccd/paper2011/counted_double.hpp>
 #include <volccd/core/median.hpp>
+#include <volccd/paper2011/counted_double.hpp>
 #include <volccd/paper2011/reference_vectors.hpp>
 
 namespace volccd {

@@ -1,7 +1,7 @@
 #include <volccd/paper2011/csat_2011.hpp>
 
-#include <volccd/paper2011/csat_reference.hpp>
 #include <volccd/culling/csat/csat_axes.hpp>
+#include <volccd/paper2011/csat_reference.hpp>
 #include <volccd/paper2011/reference_vectors.hpp>
 
 namespace volccd {

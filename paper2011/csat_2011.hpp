@@ -1,8 +1,8 @@
 // The CSAT implementation of 2011, for Table I as the paper measured it: scalar code, as printed in Section 4.
 #pragma once
 
-#include <volccd/culling/element_culling.hpp>
-#include <volccd/culling/feature_filter.hpp>
+#include <volccd/query/roles/element_culling.hpp>
+#include <volccd/query/roles/feature_filter.hpp>
 
 namespace volccd {
 

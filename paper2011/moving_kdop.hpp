@@ -1,5 +1,6 @@
 // The 16-DOP of a moving element, as a scalar template over any number type. Section 7.2 of the paper compares its cost
-// with that of OBBs (moving_obb.hpp). For measurement only: the broad phases have bounds of their own (numerics/kdop.hpp).
+// with that of OBBs (moving_obb.hpp). For measurement only: the broad phases have bounds of their own
+// (numerics/kdop.hpp).
 //
 // Guarantee (double): the element, with its vertices at any time of [0, 1] on the segments between their two positions,
 // lies in the bounds, in exact arithmetic; bounds that are found apart have no point in common. Pre: at least one

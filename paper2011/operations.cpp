@@ -5,9 +5,9 @@
 #include <span>
 #include <string>
 
-#include <volccd/paper2011/csat_reference.hpp>
 #include <volccd/paper2011/coplanarity_reference.hpp>
 #include <volccd/paper2011/counted_operation.hpp>
+#include <volccd/paper2011/csat_reference.hpp>
 #include <volccd/paper2011/provot_test.hpp>
 #include <volccd/paper2011/reference_vectors.hpp>
 
@@ -159,7 +159,8 @@ Sample<double> sample_of(const Step& step, FeatureKind kind, FeaturePair pair, d
   return sample;
 }
 
-std::vector<Sample<double>> samples_of(FeatureKind kind, std::span<const TestList> lists, const OperationConfig& config) {
+std::vector<Sample<double>> samples_of(FeatureKind kind, std::span<const TestList> lists,
+                                       const OperationConfig& config) {
   std::vector<std::pair<const TestList*, FeaturePair>> all;
   for (const TestList& group : lists)
     if (group.kind == kind && group.step.motion.control_points() == 2)

@@ -25,9 +25,8 @@ struct OperationConfig {
 };
 
 /// Operations of the reference implementation of 2011 (paper2011/csat_reference.hpp, paper2011/provot_test.hpp,
-/// coplanarity_reference.hpp) on the tests of the lists, as mean and maximum over these, counted with CountedDouble; and
-/// nanoseconds of the same code in plain doubles.
-/// Lists whose motion has three control points are left out. Returns
+/// coplanarity_reference.hpp) on the tests of the lists, as mean and maximum over these, counted with CountedDouble;
+/// and nanoseconds of the same code in plain doubles. Lists whose motion has three control points are left out. Returns
 ///
 ///   {"tolerance": of the elementary test,
 ///    "rows": [{"operation", "kind": "vf" or "ee", "tests",

@@ -1,7 +1,7 @@
 // The elementary test of 2011, for Table I as the paper measured it: plain scalar code.
 #pragma once
 
-#include <volccd/narrowphase/narrow_phase.hpp>
+#include <volccd/query/roles/narrow_phase.hpp>
 
 namespace volccd {
 

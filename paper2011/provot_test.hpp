@@ -7,8 +7,8 @@
 #include <cmath>
 #include <cstddef>
 
-#include <volccd/query/pairs.hpp>
 #include <volccd/paper2011/reference_vectors.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd::reference {
 

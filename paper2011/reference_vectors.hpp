@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include <volccd/query/motion.hpp>
 #include <volccd/numerics/vector3.hpp>
+#include <volccd/query/motion.hpp>
 
 namespace volccd::reference {
 

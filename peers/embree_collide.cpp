@@ -18,8 +18,8 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
-#include <volccd/peers/detail/peer_phase.hpp>
 #include <volccd/core/error.hpp>
+#include <volccd/peers/detail/peer_phase.hpp>
 
 namespace volccd::detail {
 

@@ -4,7 +4,7 @@
 
 #include <vector>
 
-#include <volccd/broadphase/broad_phase.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
 
 namespace volccd {
 

@@ -45,7 +45,7 @@ struct PictureConfig {
   bool text = true;        ///< captions and legend
   double mark_radius = 0;  ///< pixels; 0: by the size of the picture and the number of contacts
   double crease = 50;      ///< degrees: edges with a greater angle are shaded as sharp
-  unsigned threads = 0;  ///< for the contacts; 0: as many as the machine has
+  unsigned threads = 0;    ///< for the contacts; 0: as many as the machine has
   /// Called from time to time with the number of panels that are done; may throw to stop.
   std::function<void(double panels)> progress = {};
   RenderOptions render = {};

@@ -320,8 +320,7 @@ std::vector<Index> vertices_of_bodies(const SequenceCells& cells, std::size_t ve
   for (const auto& [key, count] : pieces) largest[key.first] = std::max(largest[key.first], count);
   std::vector<char> body(vertex_count), wanted(vertex_count);
   for (const auto& [key, count] : pieces)
-    if (count == largest[key.first] ||
-        static_cast<double>(count) >= min_share * static_cast<double>(total[key.first]))
+    if (count == largest[key.first] || static_cast<double>(count) >= min_share * static_cast<double>(total[key.first]))
       body[key.second] = 1;
   for (const Index v : cells.connectivity) wanted[v] = body[root(v)];
   std::vector<Index> result;

@@ -11,8 +11,8 @@ namespace volccd {
 /// The differences between `found` and `expected`. Both are in canonical order without duplicates, as
 /// StepResult::contacts.
 struct ContactDifference {
-  std::vector<Contact> missing;  ///< expected, but not found
-  std::vector<Contact> extra;    ///< found, but not expected
+  std::vector<Contact> missing;                      ///< expected, but not found
+  std::vector<Contact> extra;                        ///< found, but not expected
   std::vector<std::pair<Contact, Contact>> changed;  ///< expected and found contact with different time, normal,
                                                      ///< weights or point
 

@@ -43,7 +43,7 @@ PairRange required_range(const PipelineSpec& spec, const Assignment& assignment)
     throw ConfigError(fmt::format("pipeline {}: {} would lose contacts: {}", spec.name, spec.assignment.name, reason));
   if (spec.flood && !spec.orphans)
     throw ConfigError(
-        fmt::format("pipeline {}: {} needs an assignment and an O-Set for the steps that it does not take; use "
+        fmt::format("pipeline {}: {} needs an orphan source for the steps that it does not take; use "
                     "orphans=o-set, or flood=none",
                     spec.name, spec.flood->name));
   return spec.orphans ? PairRange::nonadjacent : PairRange::every;
@@ -111,12 +111,14 @@ void Pipeline::check(const Step& step, const Workspace& workspace, const Request
 
 void Pipeline::check(const Step& step) const {
   if (step.motion.vertex_count() != step.mesh().vertex_count())
-    throw InputError("step", "motion", fmt::format("moves {} vertices, the mesh has {}", step.motion.vertex_count(),
-                                                   step.mesh().vertex_count()));
+    throw InputError(
+        "step", "motion",
+        fmt::format("moves {} vertices, the mesh has {}", step.motion.vertex_count(), step.mesh().vertex_count()));
   if (const int points = step.motion.control_points(); points < 2 || points > TestBlock::kMaxControlPoints)
-    throw ConfigError(fmt::format("motion: {} control points a vertex; there must be two (constant velocity) or three "
-                                  "(constant acceleration)",
-                                  points));
+    throw ConfigError(
+        fmt::format("motion: {} control points a vertex; there must be two (constant velocity) or three "
+                    "(constant acceleration)",
+                    points));
   if (step.motion.control_points() > narrow_phase_->max_control_points())
     throw ConfigError(fmt::format("narrow phase {} handles motion of degree {} at most, not {}; {}",
                                   spec_.narrow_phase.name, narrow_phase_->max_control_points() - 1,

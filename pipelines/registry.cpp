@@ -10,16 +10,16 @@
 #include <volccd/broadphase/spatial_hash.hpp>
 #include <volccd/core/suggest.hpp>
 #include <volccd/culling/assignment/all_pairs.hpp>
-#include <volccd/culling/flood/boundary_flood.hpp>
-#include <volccd/culling/filters/coplanarity_filter.hpp>
-#include <volccd/culling/csat/csat.hpp>
-#include <volccd/culling/filters/csat_filter.hpp>
 #include <volccd/culling/assignment/dynamic_assignment.hpp>
+#include <volccd/culling/assignment/static_assignment.hpp>
+#include <volccd/culling/csat/csat.hpp>
 #include <volccd/culling/element_kdop.hpp>
+#include <volccd/culling/filters/coplanarity_filter.hpp>
+#include <volccd/culling/filters/csat_filter.hpp>
 #include <volccd/culling/filters/feature_kdop_filter.hpp>
+#include <volccd/culling/flood/boundary_flood.hpp>
 #include <volccd/culling/o_set/o_set_source.hpp>
 #include <volccd/culling/stars/star_orphans.hpp>
-#include <volccd/culling/assignment/static_assignment.hpp>
 #include <volccd/narrowphase/cubic/cubic.hpp>
 #include <volccd/narrowphase/exact/exact.hpp>
 #include <volccd/narrowphase/inclusion/inclusion.hpp>
@@ -93,8 +93,9 @@ void set_option(PipelineSpec& spec, const std::string& stage, const std::string&
     choice->options[option] = value;
     found = true;
   }
-  if (!found) throw ConfigError(fmt::format("pipeline {} has no stage '{}'; it has {}{}", spec.name, stage, known,
-                                       did_you_mean(stage, known)));
+  if (!found)
+    throw ConfigError(
+        fmt::format("pipeline {} has no stage '{}'; it has {}{}", spec.name, stage, known, did_you_mean(stage, known)));
 }
 
 void set_role(PipelineSpec& spec, const std::string& role, const std::string& value) {

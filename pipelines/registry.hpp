@@ -8,13 +8,13 @@
 #include <tuple>
 #include <vector>
 
-#include <volccd/broadphase/broad_phase.hpp>
-#include <volccd/culling/element_culling.hpp>
-#include <volccd/culling/assignment.hpp>
-#include <volccd/culling/feature_filter.hpp>
-#include <volccd/culling/flood/flood.hpp>
-#include <volccd/culling/orphan_source.hpp>
-#include <volccd/narrowphase/narrow_phase.hpp>
+#include <volccd/query/roles/assignment.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
+#include <volccd/query/roles/element_culling.hpp>
+#include <volccd/query/roles/feature_filter.hpp>
+#include <volccd/query/roles/flood.hpp>
+#include <volccd/query/roles/narrow_phase.hpp>
+#include <volccd/query/roles/orphan_source.hpp>
 
 namespace volccd {
 
@@ -34,7 +34,7 @@ struct PipelineSpec {
   std::optional<StageChoice> orphans = std::nullopt;
   std::vector<StageChoice> feature_filters = {};  ///< may be empty
   StageChoice narrow_phase = {};
-  std::optional<StageChoice> flood = std::nullopt;  ///< replaces the orphan source in the steps that it accepts
+  std::optional<StageChoice> flood = std::nullopt;  ///< the only source in the steps that it takes
 
   /// All stages in the order in which they run, each with its role as used by `--set`.
   std::vector<std::pair<const char*, StageChoice*>> stages();

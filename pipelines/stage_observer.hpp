@@ -10,11 +10,10 @@
 
 namespace volccd {
 
-/// A run with an observer (Request::observer) hands it every batch of pairs that a stage has processed; it runs as without
-/// one. `stage` is the
-/// index of the stage in Statistics::stages, and keep[i] tells whether the stage kept pair i. An empty `keep` means
-/// that the stage produced the pairs: a broad phase, an assignment, an orphan source, and a flood with the pairs that
-/// it proposes and with its orphans. A narrow phase keeps the tests that are contacts.
+/// A run with an observer (Request::observer) hands it every batch of pairs that a stage has processed; it runs as
+/// without one. `stage` is the index of the stage in Statistics::stages, and keep[i] tells whether the stage kept pair
+/// i. An empty `keep` means that the stage produced the pairs: a broad phase, an assignment, an orphan source, and a
+/// flood with the pairs that it proposes and with its orphans. A narrow phase keeps the tests that are contacts.
 ///
 /// For each stage, the numbers of all pairs and of those kept are StageStatistics::in and `out`, with two exceptions:
 /// a flood counts in `in` the survivors that it receives, and it counts its orphans in Statistics::orphan_tests only.

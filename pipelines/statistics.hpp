@@ -12,9 +12,10 @@
 namespace volccd {
 
 /// Statistics of one stage of a pipeline. The role of the stage determines what `in` and `out` count: a broad phase
-/// outputs element pairs, a flood outputs element pairs and has those that survive culling as input, element culling and initial overlaps have element pairs as input and output, an assignment
-/// has element pairs as input and tests as output, an orphan source outputs tests, feature filters have tests as input
-/// and output, and a narrow phase has tests as input and contacts as output.
+/// outputs element pairs, a flood outputs element pairs and has those that survive culling as input, element culling
+/// and initial overlaps have element pairs as input and output, an assignment has element pairs as input and tests as
+/// output, an orphan source outputs tests, feature filters have tests as input and output, and a narrow phase has tests
+/// as input and contacts as output.
 struct StageStatistics {
   std::string role;  ///< as in `--set`: "broad-phase", "element-culling", ...; the last entry may be "initial-overlaps"
   std::string name;  ///< name in the registry
@@ -33,22 +34,22 @@ struct StageStatistics {
 
 struct Statistics {
   std::uint64_t steps = 0;
-  std::uint64_t element_pairs = 0;   ///< element pairs that the broad phase emitted
-  std::uint64_t adjacent_pairs = 0;  ///< adjacent pairs and self pairs among them; 0 if not requested
-  std::uint64_t surviving_pairs = 0; ///< element pairs after element culling
-  std::uint64_t owned_tests = 0;     ///< tests from the assignment
-  std::uint64_t orphan_tests = 0;    ///< tests from the O-Set
+  std::uint64_t element_pairs = 0;           ///< element pairs that the broad phase emitted
+  std::uint64_t adjacent_pairs = 0;          ///< adjacent pairs and self pairs among them; 0 if not requested
+  std::uint64_t surviving_pairs = 0;         ///< element pairs after element culling
+  std::uint64_t owned_tests = 0;             ///< tests from the assignment
+  std::uint64_t orphan_tests = 0;            ///< tests from an orphan source or a flood
   std::uint64_t vf_tests = 0, ee_tests = 0;  ///< elementary tests performed by the narrow phase
   std::uint64_t contacts = 0;
   std::uint64_t contacts_at_start = 0;  ///< contacts with Contact::at_start
-  std::uint64_t left_out = 0;  ///< contacts that are not in `contacts` because the request excludes them
-  std::uint64_t initial_overlaps = 0;  ///< element pairs listed; 0 if not requested
-  std::uint64_t duplicates = 0;      ///< contacts that were found repeatedly; not included in `contacts` and `left_out`
-  std::uint64_t degenerate = 0, undecided = 0;  ///< sums of NarrowCounters
+  std::uint64_t left_out = 0;           ///< contacts that are not in `contacts` because the request excludes them
+  std::uint64_t initial_overlaps = 0;   ///< element pairs listed; 0 if not requested
+  std::uint64_t duplicates = 0;  ///< contacts that were found repeatedly; not included in `contacts` and `left_out`
+  std::uint64_t degenerate = 0, undecided = 0;                    ///< sums of NarrowCounters
   double earliest_toi = std::numeric_limits<double>::infinity();  ///< of all contacts; infinity if there are none
-  double seconds = 0;                ///< wall-clock time of run(); with one worker, the sum of the stages and a
-                                     ///< remainder
-  std::size_t workspace_bytes = 0;   ///< maximum over the steps
+  double seconds = 0;                   ///< wall-clock time of run(); with one worker, the sum of the stages and a
+                                        ///< remainder
+  std::size_t workspace_bytes = 0;      ///< maximum over the steps
   std::vector<StageStatistics> stages;  ///< in the order of the pipeline
 
   /// Number of elementary tests performed.

@@ -9,11 +9,11 @@
 #include <span>
 #include <vector>
 
-#include <volccd/culling/feature_filter.hpp>
-#include <volccd/narrowphase/narrow_phase.hpp>
 #include <volccd/pipelines/stage_clock.hpp>
 #include <volccd/pipelines/stage_observer.hpp>
 #include <volccd/pipelines/statistics.hpp>
+#include <volccd/query/roles/feature_filter.hpp>
+#include <volccd/query/roles/narrow_phase.hpp>
 
 namespace volccd {
 

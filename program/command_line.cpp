@@ -9,11 +9,11 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/core/suggest.hpp>
-#include <volccd/io/build_facts.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/scenes/sequences.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/io/build_facts.hpp>
 #include <volccd/program/shell_documents.hpp>
 
 namespace volccd {

@@ -20,8 +20,8 @@ void add_queries_command(CLI::App& app, const Registry& registry, Action& action
 void add_stages_command(CLI::App& app, const Registry& registry, Action& action);
 void add_scene_command(CLI::App& app, Action& action);
 void add_generate_command(CLI::App& scene, Action& action);  ///< below `volccd scene`
-void add_picture_command(CLI::App& scene, Action& action);  ///< below `volccd scene`
-void add_export_command(CLI::App& scene, Action& action);  ///< below `volccd scene`
+void add_picture_command(CLI::App& scene, Action& action);   ///< below `volccd scene`
+void add_export_command(CLI::App& scene, Action& action);    ///< below `volccd scene`
 void add_report_command(CLI::App& app, const Registry& registry, Action& action);
 void add_view_command(CLI::App& app, const Registry& registry, Action& action);
 void add_experiment_command(CLI::App& app, const Registry& registry, Action& action);

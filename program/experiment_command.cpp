@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <volccd/io/output_file.hpp>
 #include <volccd/experiments/records/record_file.hpp>
-#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/compare_records.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
+#include <volccd/io/output_file.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/program/command_line.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/experiment_names.hpp>

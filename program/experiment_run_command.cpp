@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include <volccd/io/output_file.hpp>
 #include <volccd/experiments/harness/run.hpp>
 #include <volccd/experiments/records/record_file.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
@@ -15,6 +14,7 @@
 #include <volccd/experiments/scenes/simulated/bake.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
+#include <volccd/io/output_file.hpp>
 #include <volccd/program/command_line.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/experiment_names.hpp>

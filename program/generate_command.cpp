@@ -6,13 +6,13 @@
 
 #include <fmt/format.h>
 
-#include <volccd/io/output_file.hpp>
 #include <volccd/core/suggest.hpp>
-#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/scenes/scene.hpp>
 #include <volccd/experiments/scenes/sequences.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
+#include <volccd/io/output_file.hpp>
 #include <volccd/io/sequence/writer.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/output_plan.hpp>
 #include <volccd/program/query_options.hpp>

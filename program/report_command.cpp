@@ -7,12 +7,12 @@
 #include <fmt/format.h>
 
 #include <volccd/experiments/harness/motion_measures.hpp>
-#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/scenes/sequences.hpp>
 #include <volccd/experiments/scenes/shared_data.hpp>
 #include <volccd/experiments/scenes/simulated/bake.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
 #include <volccd/io/sequence/reader.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/program/commands.hpp>
 #include <volccd/program/progress.hpp>
 #include <volccd/program/query_options.hpp>
@@ -137,7 +137,8 @@ class SceneList {
 
   void add_missing(const RecordedInput& input) {
     const std::string command = how_to_get(input);
-    Report(options_.report).print("{}: not shown, because its file is not there:\n  {}\n  {}\n", input.scene, input.file, command);
+    Report(options_.report)
+        .print("{}: not shown, because its file is not there:\n  {}\n  {}\n", input.scene, input.file, command);
     list_.push_back({{"scene", input.scene},
                      {"name", fs::path(input.file).stem().string()},
                      {"file", input.file},

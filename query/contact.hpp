@@ -29,7 +29,11 @@ struct Contact {
   /// Of each feature, the slot of the incident element of smallest id.
   std::array<Index, 2> elements = {kNone, kNone};
 
-  friend bool operator==(const Contact&, const Contact&) = default;
+  /// Without slots of features and elements, which depend on the edits that made the topology.
+  friend bool operator==(const Contact& x, const Contact& y) {
+    return x.kind == y.kind && x.vertices == y.vertices && x.toi == y.toi && x.normal == y.normal &&
+           x.weights == y.weights && x.point == y.point && x.at_start == y.at_start;
+  }
 };
 
 /// Canonical order: by kind, then by vertices.

@@ -18,7 +18,8 @@ struct StageCounter {
 };
 
 /// Base of the stage interfaces BroadPhase, OrphanSource and Flood (by way of WorkSource), ElementCulling, Assignment,
-/// FeatureFilter and NarrowPhase. Each interface adds its own run(step, state, ...) and kRole, the name of its role in a pipeline.
+/// FeatureFilter and NarrowPhase. Each interface adds its own run(step, state, ...) and kRole, the name of its role in
+/// a pipeline.
 ///
 /// Stages are immutable: several threads may use one stage object at once, with different workspaces. All changes are
 /// made to the state. A state is used for one step at a time:
@@ -26,9 +27,11 @@ struct StageCounter {
 ///  - run() is called concurrently by the workers of the executor that was given to prepare(); each call gets the
 ///    number of its worker in [0, executor.workers()). It may read the whole state and may write only the part of its
 ///    worker, or what the stage synchronises itself.
-///  - prepare() is called at most once for a step, and not in steps that another stage processes. The step given to run()
-///    is that of the last prepare(): the same objects with the same contents, except that t_max may be smaller. run() may
-///    rely on everything that prepare() computed from it.
+///  - prepare() is called at most once for a step, and only for stages that work in it; a flood is prepared for each
+///  step,
+///    because it then decides whether it takes the step. The step given to run() is that of the last prepare(): the
+///    same objects with the same contents, except that t_max may be smaller. run() may rely on everything that
+///    prepare() computed from it.
 ///  - Whether a run is observed (StageObserver) changes nothing about these calls.
 /// prepare() and run() throw std::bad_alloc if memory is exhausted, and the errors that their own headers list. After
 /// an exception the state must not be used again.
@@ -48,7 +51,9 @@ class Stage {
   }
 
   /// Appends what the stage measured in the last step besides its inputs, outputs and times (Statistics).
-  virtual void append_counters(const StageState& state, std::vector<StageCounter>& out) const { (void)state, (void)out; }
+  virtual void append_counters(const StageState& state, std::vector<StageCounter>& out) const {
+    (void)state, (void)out;
+  }
 };
 
 }  // namespace volccd

@@ -41,8 +41,8 @@ struct Round {
 };
 
 /// Base of BroadPhase, OrphanSource and Flood. After prepare(), the pipeline asks for round 0, 1, ... until one has no
-/// blocks. It runs each block of a round once, on any worker, and gives the survivors of the round back before it asks
-/// for the next round.
+/// blocks. It runs each block of a round once, on any worker, and gives a flood the survivors of the round back before
+/// it asks for the next round.
 class WorkSource : public Stage {
  public:
   /// Begins a round. Runs alone, and may use the executor. The set of pairs and tests of a round does not depend on the
@@ -52,8 +52,8 @@ class WorkSource : public Stage {
   /// Appends the work of one block of the present round, of the kind of the round.
   virtual void run(const Step& step, StageState& state, unsigned worker, std::size_t block, Work& out) const = 0;
 
-  /// Receives pairs of the present round that element culling has not proven to be disjoint: those that it kept, and
-  /// those that it removed as PairVerdict::contact_free. Called by several workers at the same time.
+  /// Of a flood only: receives pairs of the present round that element culling has not proven to be disjoint: those
+  /// that it kept, and those that it removed as PairVerdict::contact_free. Called by several workers at the same time.
   virtual void record_survivors(StageState& state, unsigned worker, std::span<const ElementPair> pairs) const {
     (void)state, (void)worker, (void)pairs;
   }

@@ -9,9 +9,9 @@
 
 #include <volccd/core/error.hpp>
 #include <volccd/experiments/records/record_file.hpp>
-#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/scene_table.hpp>
+#include <volccd/io/stats_json.hpp>
 
 namespace volccd {
 

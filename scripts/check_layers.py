@@ -53,6 +53,7 @@ module("program", "report", "peers")
 # The rooms of a module, from the lowest to the highest; "" is the module's own folder with its detail/. A room includes
 # only what is not above it.
 ROOMS = {
+    "query": ["", "roles"],
     "culling": ["", "csat", "assignment", "o_set", "stars", "flood", "filters"],
     "narrowphase": ["", "exact", "inclusion", "cubic", "overlap"],
     "io": ["", "hdf5", "sequence"],

@@ -6,9 +6,9 @@
 #include <cstddef>
 #include <vector>
 
-#include <volccd/broadphase/broad_phase.hpp>
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/broadphase/detail/filter_keys.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
 
 namespace volccd::detail {
 

@@ -24,8 +24,9 @@ void apart_pair(const Step& step, ElementPair pair, const FeatureMask& mask, Tes
   if ((mask.edges_a | mask.edges_b) == 0)
     return detail::append_ee(features.element_edges(pair.a), features.element_edges(pair.b), out.ee);
   detail::for_each_unmasked(features.element_edges(pair.a), mask.edges_a, [&](Index e) {
-    detail::for_each_unmasked(features.element_edges(pair.b), mask.edges_b,
-                              [&](Index g) { out.ee.push_back({std::min(e, g), std::max(e, g)}); });
+    detail::for_each_unmasked(features.element_edges(pair.b), mask.edges_b, [&](Index g) {
+      out.ee.push_back({std::min(e, g), std::max(e, g)});
+    });
   });
 }
 
@@ -51,8 +52,7 @@ void adjacent_pair(const Step& step, ElementPair pair, const FeatureMask& mask, 
   detail::for_each_unmasked(edges_a, mask.edges_a, [&](Index e) {
     const bool common = contains(edges_b, e);
     detail::for_each_unmasked(edges_b, mask.edges_b, [&](Index g) {
-      if (!common || e < g || !contains(edges_a, g))
-        add(FeatureKind::ee, {std::min(e, g), std::max(e, g)}, out.ee);
+      if (!common || e < g || !contains(edges_a, g)) add(FeatureKind::ee, {std::min(e, g), std::max(e, g)}, out.ee);
     });
   });
 }

@@ -1,7 +1,7 @@
 // Assignment `all-pairs`: every element pair performs all of its tests (NavCCD and HashCCD, Sections 3.4 and 6.1).
 #pragma once
 
-#include <volccd/culling/assignment.hpp>
+#include <volccd/query/roles/assignment.hpp>
 
 namespace volccd {
 

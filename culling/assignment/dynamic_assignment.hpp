@@ -1,7 +1,7 @@
 // Dynamic feature assignment: Section 5.2, Algorithm 5.
 #pragma once
 
-#include <volccd/culling/assignment.hpp>
+#include <volccd/query/roles/assignment.hpp>
 
 namespace volccd {
 

@@ -1,7 +1,7 @@
 // Static feature assignment: Section 5.2, Algorithm 4.
 #pragma once
 
-#include <volccd/culling/assignment.hpp>
+#include <volccd/query/roles/assignment.hpp>
 
 namespace volccd {
 

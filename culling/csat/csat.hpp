@@ -1,7 +1,7 @@
 // Continuous separating axis test between elements (CSAT): Section 4, Theorem 1, Corollaries 2 and 4, Algorithm 2.
 #pragma once
 
-#include <volccd/culling/element_culling.hpp>
+#include <volccd/query/roles/element_culling.hpp>
 
 namespace volccd {
 

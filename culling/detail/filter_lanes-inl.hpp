@@ -6,8 +6,8 @@
 #include <cstring>
 #include <span>
 
-#include <volccd/query/test_block.hpp>
 #include <volccd/numerics/vector_lanes-inl.hpp>
+#include <volccd/query/test_block.hpp>
 
 #if defined(VOLCCD_FILTER_LANES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef VOLCCD_FILTER_LANES_INL

@@ -2,7 +2,7 @@
 // Tong 2010).
 #pragma once
 
-#include <volccd/culling/feature_filter.hpp>
+#include <volccd/query/roles/feature_filter.hpp>
 
 namespace volccd {
 

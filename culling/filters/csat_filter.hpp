@@ -1,7 +1,7 @@
 // Feature filter: continuous separating axis test of one VF or EE pair (Section 4, Corollaries 1 and 3).
 #pragma once
 
-#include <volccd/culling/feature_filter.hpp>
+#include <volccd/query/roles/feature_filter.hpp>
 
 namespace volccd {
 

@@ -1,7 +1,7 @@
 // Feature filter: bounds of the two features along the fixed axes of a k-DOP (numerics/kdop.hpp).
 #pragma once
 
-#include <volccd/culling/feature_filter.hpp>
+#include <volccd/query/roles/feature_filter.hpp>
 
 namespace volccd {
 

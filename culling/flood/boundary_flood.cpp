@@ -20,8 +20,8 @@ namespace {
 /// Pairs of a block in the rounds after the first one.
 constexpr std::size_t kPairs = 256;
 
-/// The rounds of a flood: first the pairs of outer parts, then rounds of the flood at t = 0, then rounds of the flood over
-/// the whole step, in their place all pairs of simplices if these are too many, and the orphans.
+/// The rounds of a flood: first the pairs of outer parts, then rounds of the flood at t = 0, then rounds of the flood
+/// over the whole step, in their place all pairs of simplices if these are too many, and the orphans.
 enum class Phase { parts, at_start, flood, everything, orphans };
 
 struct alignas(64) Worker {
@@ -224,16 +224,21 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
     state.divided_share = divided_share(step.mesh());
   }
   state.counted.confirm();
-  if (state.boundary_share > config_.max_boundary_fraction || state.divided_share > config_.max_divided_fraction) return;
+  if (state.boundary_share > config_.max_boundary_fraction || state.divided_share > config_.max_divided_fraction)
+    return;
   state.complex.update(step.topology, executor);
   const Topology& topology = state.complex.topology();
   // Object ids change along a chain of pairs only where objects share vertices. In that case only the tests are
   // filtered.
   state.filter = topology.objects_share_vertices() ? ObjectFilter() : step.filter;
-  state.step.emplace(Step{.topology = topology, .motion = step.motion, .filter = state.filter,
-                          .separation = step.separation, .t_max = step.t_max, .range = PairRange::nonadjacent});
-  // An edit changes which outer parts are next to each other, also if no part changes, as when an element is replaced in
-  // its slot.
+  state.step.emplace(Step{.topology = topology,
+                          .motion = step.motion,
+                          .filter = state.filter,
+                          .separation = step.separation,
+                          .t_max = step.t_max,
+                          .range = PairRange::nonadjacent});
+  // An edit changes which outer parts are next to each other, also if no part changes, as when an element is replaced
+  // in its slot.
   if (state.stars.update(*state.step, executor) != TopologyDelta::Extent::none) state.neighbours_version = 0;
   state.counters.simplices = topology.mesh().element_count();
   state.counters.suspect_vertices = state.stars.suspects().size();
@@ -244,8 +249,12 @@ void BoundaryFlood::prepare(const Step& step, StageState& stage_state, Executor&
   state.orphans.update(topology, state.suspects.pairs(), executor);
   state.outer.update(*state.step, state.stars, executor);
   state.counters.paired = state.outer.table().size();
-  state.parts_step.emplace(Step{.topology = state.outer.table().topology(), .motion = step.motion, .filter = state.filter,
-                                .separation = step.separation, .t_max = step.t_max, .range = PairRange::nonadjacent});
+  state.parts_step.emplace(Step{.topology = state.outer.table().topology(),
+                                .motion = step.motion,
+                                .filter = state.filter,
+                                .separation = step.separation,
+                                .t_max = step.t_max,
+                                .range = PairRange::nonadjacent});
   if (!state.parts_state) state.parts_state = state.broad_phase->make_state();
   state.broad_phase->prepare(*state.parts_step, *state.parts_state, executor);
   state.workers.resize(executor.workers());
@@ -291,15 +300,11 @@ Round BoundaryFlood::next_round(const Step&, StageState& stage_state, std::size_
 void BoundaryFlood::run(const Step&, StageState& stage_state, unsigned worker, std::size_t block, Work& out) const {
   BoundaryFloodState& state = own(stage_state);
   switch (state.phase) {
-    case Phase::parts:
-      return append_parts(state, worker, block, out);
-    case Phase::everything:
-      return append_everything(state, worker, block, out);
-    case Phase::orphans:
-      return append_orphans(state, block, out.tests);
+    case Phase::parts: return append_parts(state, worker, block, out);
+    case Phase::everything: return append_everything(state, worker, block, out);
+    case Phase::orphans: return append_orphans(state, block, out.tests);
     case Phase::at_start:
-    case Phase::flood:
-      break;
+    case Phase::flood: break;
   }
   const std::size_t begin = block * kPairs, end = std::min(begin + kPairs, state.front.size());
   out.pairs.insert(out.pairs.end(), state.front.begin() + static_cast<std::ptrdiff_t>(begin),

@@ -1,7 +1,7 @@
 // The flood `boundary-flood`: finds all contacts of a volume from its boundary (docs/boundary_flood.md).
 #pragma once
 
-#include <volccd/culling/flood/flood.hpp>
+#include <volccd/query/roles/flood.hpp>
 
 namespace volccd {
 
@@ -12,18 +12,21 @@ namespace volccd {
 /// all this is proven for vertices that are displaced by up to half of it.
 ///
 /// Accepts a step unless
-///  - the share of elements that have a boundary face or are shells exceeds `max_boundary_fraction`: almost everything is
+///  - the share of elements that have a boundary face or are shells exceeds `max_boundary_fraction`: almost everything
+///  is
 ///    boundary;
-///  - the share of elements that have to be divided into tetrahedra exceeds `max_divided_fraction`: there are several simplices
+///  - the share of elements that have to be divided into tetrahedra exceeds `max_divided_fraction`: there are several
+///  simplices
 ///    for each of them, and their topology has to be edited with the mesh;
-///  - the share of vertices with suspect stars exceeds `max_suspect_fraction`, as in rubble: the flood would test more pairs
+///  - the share of vertices with suspect stars exceeds `max_suspect_fraction`, as in rubble: the flood would test more
+///  pairs
 ///    than a broad phase over all elements (docs/performance.md has the measurements for these limits);
 ///  - initial overlaps are requested and the mesh is not simplicial: the hulls of other elements may overlap where
 ///    their simplices do not.
 ///
-/// When it has examined more than `max_pairs` pairs for each simplex, it hands out all pairs of simplices that its broad
-/// phase finds, except those that it has already handed out for the whole step: if element culling separates few pairs,
-/// the flood would proceed through the whole volume.
+/// When it has examined more than `max_pairs` pairs for each simplex, it hands out all pairs of simplices that its
+/// broad phase finds, except those that it has already handed out for the whole step: if element culling separates few
+/// pairs, the flood would proceed through the whole volume.
 ///
 /// prepare(): linear time in the number of simplices. Memory: about 140 bytes per simplex, or about 550 for meshes with
 /// elements other than tetrahedra and triangles, which require a second topology.
@@ -33,14 +36,14 @@ class BoundaryFlood final : public Flood {
     double max_boundary_fraction = 0.8;  ///< largest share of elements
     double max_divided_fraction = 0.5;   ///< largest share of elements
     double max_suspect_fraction = 0.03;  ///< largest share of vertices
-    double max_pairs = 4;       ///< largest number of proposed pairs per simplex
+    double max_pairs = 4;                ///< largest number of proposed pairs per simplex
   };
   static const Options<Config>& options();
 
   /// Counters of the last step.
   struct Counters {
-    std::size_t simplices = 0;   ///< all simplices
-    std::size_t paired = 0;      ///< simplices of which the broad phase pairs a face or the whole
+    std::size_t simplices = 0;  ///< all simplices
+    std::size_t paired = 0;     ///< simplices of which the broad phase pairs a face or the whole
     std::size_t suspect_vertices = 0;
     std::size_t examined = 0;           ///< pairs handed out after those of outer parts
     std::size_t examined_at_start = 0;  ///< of these, for t = 0 only

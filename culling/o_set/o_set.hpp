@@ -6,8 +6,8 @@
 #include <memory>
 
 #include <volccd/core/executor.hpp>
-#include <volccd/culling/assignment.hpp>
 #include <volccd/mesh/topology.hpp>
+#include <volccd/query/roles/assignment.hpp>
 
 namespace volccd {
 

@@ -2,7 +2,7 @@
 #pragma once
 
 #include <volccd/culling/o_set/o_set.hpp>
-#include <volccd/culling/orphan_source.hpp>
+#include <volccd/query/roles/orphan_source.hpp>
 
 namespace volccd {
 

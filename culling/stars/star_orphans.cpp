@@ -6,10 +6,10 @@
 #include <vector>
 
 #include <volccd/core/heap_bytes.hpp>
+#include <volccd/culling/o_set/o_set.hpp>
 #include <volccd/culling/stars/suspect_orphans.hpp>
 #include <volccd/culling/stars/suspect_pairs.hpp>
 #include <volccd/culling/stars/vertex_stars.hpp>
-#include <volccd/culling/o_set/o_set.hpp>
 
 namespace volccd {
 
@@ -81,8 +81,9 @@ void list_pairs(const Step& step, StarOrphansState& state, Executor& executor) {
 
 const Options<StarOrphans::Config>& StarOrphans::options() {
   static const Options<Config> options =
-      Options<Config>().add("max_suspect_fraction", &Config::max_suspect_fraction, 0, 1,
-                            "share of vertices whose stars may fold above which the O-Set provides the orphans")
+      Options<Config>()
+          .add("max_suspect_fraction", &Config::max_suspect_fraction, 0, 1,
+               "share of vertices whose stars may fold above which the O-Set provides the orphans")
           .renamed("most_suspect", "max_suspect_fraction");
   return options;
 }

@@ -9,9 +9,9 @@
 
 #include <volccd/core/executor.hpp>
 #include <volccd/core/heap_bytes.hpp>
-#include <volccd/culling/assignment.hpp>
 #include <volccd/mesh/topology_delta.hpp>
 #include <volccd/query/pairs.hpp>
+#include <volccd/query/roles/assignment.hpp>
 
 namespace volccd::detail {
 

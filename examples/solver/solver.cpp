@@ -28,7 +28,7 @@ constexpr double kDensity = 1000, kShearModulus = 2e5, kLame = 3e5, kGravity = 9
 constexpr double kStrainLimit = 0.3;  // of the largest principal Green strain; beyond it, an element breaks
 constexpr double kSeparation = 1e-5;  // distance at which features stop approaching each other
 constexpr int kSweeps = 5;            // passes over the contacts in which impulses are applied
-constexpr int kMaxParts = 10;        // parts of a step; the rest of its time is omitted
+constexpr int kMaxParts = 10;         // parts of a step; the rest of its time is omitted
 // The block at the beginning; the beam has its corner at the origin.
 const Vec3 kImpactVelocity(0, 0, -6), kSpin(6, 4, 2);
 const Vec3 kBlockSize(0.4, 0.36, 0.4), kBlockCentre(0.97, 0.21, 0.41);

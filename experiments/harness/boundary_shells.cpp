@@ -11,8 +11,8 @@ namespace {
 
 bool on_boundary(const Topology& mesh, Index triangle) {
   const std::span<const Index> elements = mesh.features().triangle_elements(triangle);
-  const auto volumes = std::count_if(elements.begin(), elements.end(),
-                                     [&](Index o) { return !is_shell(mesh.mesh().type(o)); });
+  const auto volumes =
+      std::count_if(elements.begin(), elements.end(), [&](Index o) { return !is_shell(mesh.mesh().type(o)); });
   return volumes == 1 || static_cast<std::size_t>(volumes) < elements.size();
 }
 

@@ -9,8 +9,8 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <volccd/core/executor.hpp>
-#include <volccd/mesh/element_type.hpp>
 #include <volccd/io/sequence/reader.hpp>
+#include <volccd/mesh/element_type.hpp>
 
 namespace volccd {
 
@@ -29,7 +29,7 @@ struct MotionStatistics {
   double median_motion = 0, p99_motion = 0, largest_motion = 0;  ///< of vertices in use, in mean edges
   ContactCounts contacts;
   std::uint64_t contacts_at_start = 0;  ///< of them, at t = 0
-  std::uint64_t left_out = 0;  ///< not included in `contacts`: those of shell neighbours (Request)
+  std::uint64_t left_out = 0;           ///< not included in `contacts`: those of shell neighbours (Request)
 };
 
 /// Statistics of all motions of a file, with contacts of the pipeline VolCCD+; shells are solid if the file has their

@@ -7,9 +7,9 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
+#include <volccd/core/median.hpp>
 #include <volccd/experiments/records/record_file.hpp>
 #include <volccd/io/stats_json.hpp>
-#include <volccd/core/median.hpp>
 
 namespace volccd {
 

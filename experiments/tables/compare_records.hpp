@@ -13,7 +13,7 @@ struct RecordComparison {
   std::size_t compared = 0;  ///< entrants and scenes that both folders have
   std::size_t slower = 0;    ///< of those, slower by more than the spread and 3 %
   std::size_t faster = 0;
-  std::size_t single = 0;  ///< with one round on a side: the spread is unknown; times are not compared
+  std::size_t single = 0;        ///< with one round on a side: the spread is unknown; times are not compared
   std::size_t other_counts = 0;  ///< with different tests or contacts on the same step
 };
 

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
+#include <volccd/experiments/tables/query_source.hpp>
 #include <volccd/paper2011/bound_operations.hpp>
 #include <volccd/paper2011/operations.hpp>
-#include <volccd/experiments/tables/query_source.hpp>
 
 namespace volccd {
 

@@ -11,9 +11,9 @@
 
 #include <fmt/format.h>
 
-#include <volccd/io/stats_json.hpp>
 #include <volccd/core/median.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/pipelines/test_chain.hpp>
 
 namespace volccd {

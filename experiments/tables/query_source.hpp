@@ -19,9 +19,9 @@ struct KnownQueries {
   Step step;
   std::shared_ptr<const void> owner;  ///< owner of the objects to which `step` refers
   std::vector<FeaturePair> pairs;
-  std::vector<std::uint64_t> index;    ///< index of each pair in its file, or among all candidates
-  std::vector<std::uint8_t> collides;  ///< by pair; empty if no answers are known
-  std::vector<double> toi;             ///< by pair, NaN if it has none; empty if no times are known
+  std::vector<std::uint64_t> index;                       ///< index of each pair in its file, or among all candidates
+  std::vector<std::uint8_t> collides;                     ///< by pair; empty if no answers are known
+  std::vector<double> toi;                                ///< by pair, NaN if it has none; empty if no times are known
   std::function<std::string(std::uint64_t index)> place;  ///< origin of a query, for messages
 
   std::size_t size() const { return pairs.size(); }

@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/io/stats_json.hpp>
-#include <volccd/experiments/scenes/sequence_statistics.hpp>
 #include <volccd/core/median.hpp>
+#include <volccd/experiments/scenes/sequence_statistics.hpp>
 #include <volccd/experiments/tables/text_table.hpp>
+#include <volccd/io/stats_json.hpp>
 #include <volccd/numerics/types.hpp>
 
 namespace volccd {

@@ -39,7 +39,7 @@ struct PipelineVerdict {
   /// VerifyConfig::truth_time_tolerance, and the others are shown but do not count as a failure.
   bool held = true;
   ContactDifference difference;
-  ContactDifference left_out;  ///< of StepResult::left_out
+  ContactDifference left_out;                                 ///< of StepResult::left_out
   std::vector<ElementPair> missing_overlaps, extra_overlaps;  ///< of the lists of initial overlaps
   Statistics statistics;
 
@@ -50,10 +50,10 @@ struct PipelineVerdict {
 
 /// Result of comparing the reference with the file's ground truth.
 struct TruthVerdict {
-  std::uint64_t colliding = 0;     ///< pairs that touch according to the truth
-  std::vector<ContactRow> missing; ///< pairs of the truth that are not among the contacts
-  std::vector<ContactRow> extra;   ///< contacts that are not in the truth
-  double largest_time_error = 0;   ///< over common pairs with a true time
+  std::uint64_t colliding = 0;         ///< pairs that touch according to the truth
+  std::vector<ContactRow> missing;     ///< pairs of the truth that are not among the contacts
+  std::vector<ContactRow> extra;       ///< contacts that are not in the truth
+  double largest_time_error = 0;       ///< over common pairs with a true time
   std::vector<ContactRow> wrong_time;  ///< contacts whose time is off by more than the tolerance
 
   bool clean() const { return missing.empty() && extra.empty() && wrong_time.empty(); }

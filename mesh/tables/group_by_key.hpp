@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/tables/distribution.hpp>
 #include <volccd/mesh/incidence_pool.hpp>
+#include <volccd/mesh/tables/distribution.hpp>
 
 namespace volccd::detail {
 

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include <volccd/mesh/tables/distribution.hpp>
 #include <volccd/mesh/features.hpp>
+#include <volccd/mesh/tables/distribution.hpp>
 
 namespace volccd::detail {
 

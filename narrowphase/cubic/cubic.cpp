@@ -4,8 +4,8 @@
 
 #include <volccd/narrowphase/contact_frame.hpp>
 #include <volccd/narrowphase/cubic/detail/coplanar_events.hpp>
-#include <volccd/narrowphase/detail/coplanarity_block.hpp>
 #include <volccd/narrowphase/cubic/detail/polynomial_roots.hpp>
+#include <volccd/narrowphase/detail/coplanarity_block.hpp>
 
 namespace volccd {
 namespace {

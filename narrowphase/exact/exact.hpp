@@ -1,8 +1,8 @@
 // The reference elementary test: exact arithmetic.
 #pragma once
 
-#include <volccd/narrowphase/narrow_phase.hpp>
 #include <volccd/query/contact.hpp>
+#include <volccd/query/roles/narrow_phase.hpp>
 
 namespace volccd {
 

@@ -36,7 +36,7 @@ Rational vertex_triangle(const std::array<IntegerPoint, 4>& x) {
 
 Rational edge_edge(const std::array<IntegerPoint, 4>& x) {
   Rational min = std::min({point_edge(x[0], x[2], x[3]), point_edge(x[1], x[2], x[3]), point_edge(x[2], x[0], x[1]),
-                             point_edge(x[3], x[0], x[1])});
+                           point_edge(x[3], x[0], x[1])});
   const IntegerPoint u = x[1] - x[0], v = x[3] - x[2], r = x[2] - x[0], normal = cross(u, v);
   const Integer square = dot(normal, normal);
   if (square == 0) return min;

@@ -1,9 +1,9 @@
 #include <volccd/narrowphase/inclusion/inclusion.hpp>
 
 #include <volccd/narrowphase/contact_frame.hpp>
+#include <volccd/narrowphase/exact/exact_predicates.hpp>
 #include <volccd/narrowphase/inclusion/detail/crossing_block.hpp>
 #include <volccd/narrowphase/inclusion/detail/inclusion_search.hpp>
-#include <volccd/narrowphase/exact/exact_predicates.hpp>
 
 namespace volccd {
 

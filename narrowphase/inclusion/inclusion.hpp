@@ -1,8 +1,8 @@
 // The certified elementary test: never misses a contact, and reports almost no false contacts.
 #pragma once
 
-#include <volccd/narrowphase/narrow_phase.hpp>
 #include <volccd/query/contact.hpp>
+#include <volccd/query/roles/narrow_phase.hpp>
 
 namespace volccd {
 

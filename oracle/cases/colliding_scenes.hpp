@@ -5,8 +5,8 @@
 #include <vector>
 
 #include <volccd/core/random.hpp>
-#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/mesh/topology.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/query/motion.hpp>
 
 namespace volccd::cases {

@@ -33,7 +33,7 @@ class ContactBuilder {
 
   /// Makes the features; must be called first.
   enum class Shape {
-    any,  ///< all kinds: they may touch at boundaries, move within a plane, or move along with each other
+    any,        ///< all kinds: they may touch at boundaries, move within a plane, or move along with each other
     general,    ///< they touch in the interior of both, and all points move freely
     degenerate  ///< triangles and edges without extent, parallel edges
   };

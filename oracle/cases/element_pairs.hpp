@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include <volccd/culling/element_culling.hpp>
 #include <volccd/oracle/cases/attack_cases.hpp>
+#include <volccd/query/roles/element_culling.hpp>
 
 namespace volccd::cases {
 

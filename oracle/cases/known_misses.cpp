@@ -26,8 +26,8 @@ std::vector<KnownMiss> known_misses() {
   for (const FeatureKind kind : {FeatureKind::vf, FeatureKind::ee}) {
     all.push_back({"a skewed curve, missed",
                    crossing_frame(kind, 3, {.069, .0161, 1.13}, {.499, .00357, .00285}, {-11, .0785, .064})});
-    all.push_back({"a skewed curve, early",
-                   crossing_frame(kind, 3, {.0057, .0069, .66}, {1.7, .28, .12}, {-.034, -.042, 5.8})});
+    all.push_back(
+        {"a skewed curve, early", crossing_frame(kind, 3, {.0057, .0069, .66}, {1.7, .28, .12}, {-.034, -.042, 5.8})});
   }
 
   // A coordinate difference is infinite at both ends; the difference of the two is NaN.
@@ -49,16 +49,18 @@ std::vector<KnownMiss> known_misses() {
                             Vec3(-0x1.f6202p-432, 0x1.7f6f3p-431, -0x1.983bcp-431)};
   all.push_back(
       {"near a sliver",
-       linear(FeatureKind::vf,
-              {{Vec3(-0x1.3p-447, 0x1.1p-447, 0x1p-449), Vec3(-0x1.f620ep-432, 0x1.7f6edp-431, -0x1.983a4p-431)},
-               {Vec3(-0x1.dp-447, 0x1.cp-449, 0x1p-448), Vec3(-0x1.f6202p-432, 0x1.7f6f300000002p-431, -0x1.983bcp-431)},
-               sliver,
-               sliver})});
+       linear(
+           FeatureKind::vf,
+           {{Vec3(-0x1.3p-447, 0x1.1p-447, 0x1p-449), Vec3(-0x1.f620ep-432, 0x1.7f6edp-431, -0x1.983a4p-431)},
+            {Vec3(-0x1.dp-447, 0x1.cp-449, 0x1p-448), Vec3(-0x1.f6202p-432, 0x1.7f6f300000002p-431, -0x1.983bcp-431)},
+            sliver,
+            sliver})});
 
   // Differences are one or two units of the smallest double. All such tests are reported, near or not.
   constexpr double u = 0x1p-1074;
   const auto at = [](double x, double y) { return TwoPoints{Vec3(x, y, 0), Vec3(x, y, 0)}; };
-  all.push_back({"differences of the smallest double", linear(FeatureKind::vf, {at(0, 0), at(-u, u), at(0, u), at(-u, -u)})});
+  all.push_back(
+      {"differences of the smallest double", linear(FeatureKind::vf, {at(0, 0), at(-u, u), at(0, u), at(-u, -u)})});
   return all;
 }
 

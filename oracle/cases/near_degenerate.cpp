@@ -39,7 +39,7 @@ Real vertex_to_triangle(const std::array<Point, 4>& p) {
 
 Real edge_to_edge(const std::array<Point, 4>& p) {
   Real min = std::min({point_to_edge(p[0], p[2], p[3]), point_to_edge(p[1], p[2], p[3]),
-                         point_to_edge(p[2], p[0], p[1]), point_to_edge(p[3], p[0], p[1])});
+                       point_to_edge(p[2], p[0], p[1]), point_to_edge(p[3], p[0], p[1])});
   const Point d = p[1] - p[0], e = p[3] - p[2], r = p[2] - p[0], n = cross(d, e);
   const Real square = dot(n, n);
   if (!(square > 0)) return min;

@@ -7,8 +7,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include <volccd/narrowphase/narrow_phase.hpp>
 #include <volccd/pipelines/registry.hpp>
+#include <volccd/query/roles/narrow_phase.hpp>
 
 namespace volccd {
 

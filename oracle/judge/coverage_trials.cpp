@@ -2,12 +2,12 @@
 #include <algorithm>
 #include <iterator>
 
-#include <volccd/core/sort_unique.hpp>
 #include <volccd/broadphase/kdop_bvh.hpp>
-#include <volccd/culling/assignment.hpp>
-#include <volccd/culling/orphan_source.hpp>
-#include <volccd/oracle/judge/detail/stage_trials.hpp>
+#include <volccd/core/sort_unique.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
+#include <volccd/oracle/judge/detail/stage_trials.hpp>
+#include <volccd/query/roles/assignment.hpp>
+#include <volccd/query/roles/orphan_source.hpp>
 
 namespace volccd::detail {
 
@@ -291,8 +291,8 @@ void try_stage(const OrphanSource& stage, StageTrials& trials) {
   expect_no_allocation(stage, *stage.make_state(), trials, [](const StageState&) { return true; });
 }
 
-/// The pairs that a flood reaches depend on broad phase and culling, and are therefore checked in pipelines. Here, no pair
-/// survives.
+/// The pairs that a flood reaches depend on broad phase and culling, and are therefore checked in pipelines. Here, no
+/// pair survives.
 void try_stage(const Flood& stage, StageTrials& trials) {
   const KdopBvh broad_phase{KdopBvh::Config{}};
   expect_no_allocation(stage, *stage.make_state_with(broad_phase), trials,

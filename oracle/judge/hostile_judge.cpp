@@ -67,7 +67,10 @@ bool contains(const std::vector<Contact>& contacts, const Contact& c) {
 
 PipelineSpec forced_flood(const Registry& registry) {
   PipelineSpec spec = plus(registry, "flood forced");
-  spec.flood->options = {{"max_boundary_fraction", "1"}, {"max_divided_fraction", "1"}, {"max_suspect_fraction", "1"}, {"max_pairs", "1e9"}};
+  spec.flood->options = {{"max_boundary_fraction", "1"},
+                         {"max_divided_fraction", "1"},
+                         {"max_suspect_fraction", "1"},
+                         {"max_pairs", "1e9"}};
   return spec;
 }
 

@@ -3,11 +3,11 @@
 #include <map>
 #include <mutex>
 
-#include <volccd/core/random.hpp>
 #include <volccd/broadphase/candidate_pairs.hpp>
-#include <volccd/oracle/judge/detail/stage_trials.hpp>
+#include <volccd/core/random.hpp>
 #include <volccd/oracle/cases/element_pairs.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
+#include <volccd/oracle/judge/detail/stage_trials.hpp>
 
 namespace volccd::detail {
 
@@ -187,8 +187,7 @@ class BroadTrials {
 
  private:
   /// Each pair, and how often it was emitted.
-  std::map<ElementPair, int> emitted(Step step, StageState& state, Executor& executor,
-                                     const std::string& where) {
+  std::map<ElementPair, int> emitted(Step step, StageState& state, Executor& executor, const std::string& where) {
     std::map<ElementPair, int> pairs;
     std::mutex mutex;
     bool regular = true;
@@ -198,8 +197,7 @@ class BroadTrials {
       const std::lock_guard lock(mutex);
       for (const ElementPair pair : block) regular = regular && pair.a <= pair.b && ++pairs[pair] == 1;
     });
-    trials_.expect(kEmitsOnce, regular,
-                   [&] { return where + "a pair is repeated, or is (b, a) instead of (a, b)"; });
+    trials_.expect(kEmitsOnce, regular, [&] { return where + "a pair is repeated, or is (b, a) instead of (a, b)"; });
     return pairs;
   }
 

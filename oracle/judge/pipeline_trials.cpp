@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include <volccd/oracle/judge/detail/stage_trials.hpp>
 #include <volccd/oracle/cases/colliding_scenes.hpp>
+#include <volccd/oracle/judge/detail/stage_trials.hpp>
 #include <volccd/oracle/judge/hostile_judge.hpp>
 #include <volccd/pipelines/compare.hpp>
 #include <volccd/pipelines/pipeline.hpp>
@@ -198,8 +198,8 @@ class PipelineTrials {
 
   static std::string text_of(const Step& step, const Contact& contact) {
     const auto id = [&](std::size_t i) { return step.mesh().vertex_id(contact.vertices[i]); };
-    return fmt::format("{} of the vertices {} {} {} {} at t = {:g}", contact.kind == FeatureKind::vf ? "VF" : "EE", id(0),
-                       id(1), id(2), id(3), contact.toi);
+    return fmt::format("{} of the vertices {} {} {} {} at t = {:g}", contact.kind == FeatureKind::vf ? "VF" : "EE",
+                       id(0), id(1), id(2), id(3), contact.toi);
   }
 
   StageTrials& trials_;

@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/oracle/judge/detail/stage_trials.hpp>
 #include <volccd/oracle/cases/attack_cases.hpp>
 #include <volccd/oracle/cases/known_misses.hpp>
 #include <volccd/oracle/cases/test_scene.hpp>
+#include <volccd/oracle/judge/detail/stage_trials.hpp>
 
 namespace volccd::detail {
 
@@ -245,13 +245,14 @@ class NarrowStage final : public BlockStage {
     const TestMotion motion = coordinates.motion();
     double at;
     if (compare_distance(motion, 0, c.separation) <= 0)
-      trials_.expect(kTimes, toi == 0 && answer.contact.at_start, text("does not report as near at the start"), required);
+      trials_.expect(kTimes, toi == 0 && answer.contact.at_start, text("does not report as near at the start"),
+                     required);
     if (toi > 0) {
       const double before = std::nextafter(toi, 0);
-      trials_.expect(kTimes,
-                     !cases::seen_within_separation(c, 0, before, &at) &&
-                         compare_distance(motion, before, c.separation) > 0,
-                     text("reports late, within the separation before"), required);
+      trials_.expect(
+          kTimes,
+          !cases::seen_within_separation(c, 0, before, &at) && compare_distance(motion, before, c.separation) > 0,
+          text("reports late, within the separation before"), required);
     }
     if (answer.undecided) return;
     // Whether the features are within the separation at some time from the reported one to the tolerance later, as
@@ -320,7 +321,8 @@ class BlockTrials {
   void compare_earlier_ends(const Group& group, std::span<const FeaturePair> pairs, std::span<const Answer> all,
                             const std::string& where) {
     std::vector<double> ends{group.t_max / 2};
-    const auto some = std::find_if(all.begin(), all.end(), [](const Answer& a) { return a.found && a.contact.toi > 0; });
+    const auto some =
+        std::find_if(all.begin(), all.end(), [](const Answer& a) { return a.found && a.contact.toi > 0; });
     if (some != all.end()) {
       const double toi = some->contact.toi;
       for (const double end : {std::nextafter(toi, 0), toi, std::nextafter(toi, 1)})

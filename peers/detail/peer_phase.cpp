@@ -12,7 +12,9 @@ constexpr std::size_t kBlock = 4096;  ///< pairs, or self pairs, of a block
 
 }  // namespace
 
-std::size_t PeerState::bytes() const { return heap_bytes(delta, keys, list, vertices, boxes, pairs, chunks) + peer_bytes(); }
+std::size_t PeerState::bytes() const {
+  return heap_bytes(delta, keys, list, vertices, boxes, pairs, chunks) + peer_bytes();
+}
 
 void PeerState::set_scale() {
   float reach = 0;
@@ -52,7 +54,9 @@ void PeerPhase::run(const Step& step, StageState& stage_state, unsigned, std::si
   if (block < state.chunks.size()) {
     const auto [w, begin] = state.chunks[block];
     const auto first = state.pairs[w].begin() + static_cast<std::ptrdiff_t>(begin);
-    work.pairs.insert(work.pairs.end(), first, first + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(kBlock), state.pairs[w].end() - first));
+    work.pairs.insert(
+        work.pairs.end(), first,
+        first + std::min<std::ptrdiff_t>(static_cast<std::ptrdiff_t>(kBlock), state.pairs[w].end() - first));
     return;
   }
   const std::size_t begin = (block - state.chunks.size()) * kBlock;

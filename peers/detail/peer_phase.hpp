@@ -6,13 +6,13 @@
 #include <cstddef>
 #include <vector>
 
-#include <volccd/broadphase/broad_phase.hpp>
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/broadphase/detail/filter_keys.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
 #include <volccd/broadphase/detail/swept_bounds.hpp>
 #include <volccd/core/heap_bytes.hpp>
 #include <volccd/mesh/topology_delta.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
 
 namespace volccd::detail {
 
@@ -22,9 +22,9 @@ struct PeerState : StageState {
   FilterKeys keys;
   ElementList list;             ///< live elements by slot, without gaps
   BoundsTable vertices, boxes;  ///< k = 6; row p of `boxes` is the swept box of the element at position p of the list
-  std::vector<std::vector<ElementPair>> pairs;  ///< by worker: all pairs of the step, without self pairs
+  std::vector<std::vector<ElementPair>> pairs;     ///< by worker: all pairs of the step, without self pairs
   std::vector<std::array<std::size_t, 2>> chunks;  ///< of `pairs`: worker and begin
-  const PairRules* rules = nullptr;  ///< those of the step, while collide() runs
+  const PairRules* rules = nullptr;                ///< those of the step, while collide() runs
   double bounds_seconds = 0;
   float scale = 1;
 

@@ -109,8 +109,8 @@ class Pipeline::Run {
         worker.sums.adjacent_pairs += step_.topology.adjacency().adjacent(pair.a, pair.b);
   }
 
-  /// Processes the pairs of the worker in batches, if there are at least `min_count` of them. Tests are assigned only to
-  /// pairs that were culled for the whole step: others could leave out features that touch.
+  /// Processes the pairs of the worker in batches, if there are at least `min_count` of them. Tests are assigned only
+  /// to pairs that were culled for the whole step: others could leave out features that touch.
   void process_pairs(const Source& source, const Round& round, unsigned w, std::size_t min_count) {
     WorkerScratch& worker = scratch(w);
     std::vector<ElementPair>& pairs = worker.work.pairs;

@@ -2,6 +2,7 @@
 
 #include <pybind11/stl.h>
 
+#include <volccd/paper2011/paper2011.hpp>
 #include <volccd/peers/peers.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
@@ -13,6 +14,7 @@ namespace {
 
 Registry standard() {
   Registry made = Registry::standard();
+  add_paper2011(made);
   add_peers(made);
   return made;
 }

@@ -194,8 +194,8 @@ void ContactDetection::keep_touching(Executor& executor, std::vector<FoundContac
     for (std::size_t i = 0; i < first; ++i)
       for (std::size_t j = first; j < 4; ++j)
         max = std::max(max, (motion_.point(c.features[i], 1) - motion_.point(c.features[i], 0) -
-                               motion_.point(c.features[j], 1) + motion_.point(c.features[j], 0))
-                                  .norm());
+                             motion_.point(c.features[j], 1) + motion_.point(c.features[j], 0))
+                                .norm());
     const double apart = c.at_start ? std::abs(c.gap0) : config_.separation;
     if ((1 - c.toi + 1e-3) * max >= apart * (1 - 1e-3)) (c.kind == FeatureKind::vf ? vf : ee).push_back(slots(c));
   }

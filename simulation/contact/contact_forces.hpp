@@ -49,7 +49,7 @@ struct ContactConstraint {
   double normal_impulse = 0;
   double earlier = 0;       ///< normal impulse before the geometry was updated
   double inverse_mass = 0;  ///< along the normal
-  bool solid = true;         ///< no shell is involved
+  bool solid = true;        ///< no shell is involved
   ContactClass contact_class = ContactClass::inter;
 
   bool is_wall() const { return features[0] == kNone; }

@@ -25,7 +25,7 @@ struct ShellTables;
 /// triangles bend as a plate of ratio -1/3, so that a free strip is 2 % too soft for steel; on squares cut in two it is
 /// 19 % too soft, and twist along the sides too stiff. Rest angles are those of the reference positions. Beyond yield
 /// the rest angle flows at the fully plastic moment Y h^2 / 4 a length, where Y hardens with the mean strain over the
- /// thickness and with the rate factor. Bending and membrane yield independently. If n > 2 triangles meet at an edge,
+/// thickness and with the rate factor. Bending and membrane yield independently. If n > 2 triangles meet at an edge,
 /// each pair has a hinge, which is so stiff that the edge acts as a rigid joint; a triangle of a rigid body clamps the
 /// edges of its neighbours.
 ///

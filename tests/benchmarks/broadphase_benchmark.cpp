@@ -12,8 +12,8 @@
 
 #include <benchmark/benchmark.h>
 
-#include <volccd/broadphase/candidate_pairs.hpp>
 #include <volccd/broadphase/brute_force.hpp>
+#include <volccd/broadphase/candidate_pairs.hpp>
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/broadphase/spatial_hash.hpp>
 #include <volccd/io/sequence/cells.hpp>
@@ -108,11 +108,11 @@ void query(benchmark::State& timer, const StageDescriptor<BroadPhase>& descripto
       benchmark::Counter(static_cast<double>(pairs), benchmark::Counter::kIsIterationInvariantRate);
 }
 
-#define VOLCCD_BROAD_PHASE(name, descriptor, scene, ...)                                                     \
-  BENCHMARK_CAPTURE(update, name, descriptor, OptionValues{__VA_ARGS__}, scene)->Unit(benchmark::kMillisecond); \
+#define VOLCCD_BROAD_PHASE(name, descriptor, scene, ...)                                                             \
+  BENCHMARK_CAPTURE(update, name, descriptor, OptionValues{__VA_ARGS__}, scene)->Unit(benchmark::kMillisecond);      \
   BENCHMARK_CAPTURE(query, name##_nonadjacent, descriptor, OptionValues{__VA_ARGS__}, scene, PairRange::nonadjacent) \
-      ->Unit(benchmark::kMillisecond);                                                                       \
-  BENCHMARK_CAPTURE(query, name##_every, descriptor, OptionValues{__VA_ARGS__}, scene, PairRange::every)     \
+      ->Unit(benchmark::kMillisecond);                                                                               \
+  BENCHMARK_CAPTURE(query, name##_every, descriptor, OptionValues{__VA_ARGS__}, scene, PairRange::every)             \
       ->Unit(benchmark::kMillisecond)
 
 VOLCCD_BROAD_PHASE(kdop_bvh_16, describe_kdop_bvh(), large_scene(), {"k", "16"});

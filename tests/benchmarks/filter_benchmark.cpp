@@ -1,8 +1,8 @@
 // Nanoseconds of each feature filter for a test, on blocks of random tests of which some touch.
 #include <algorithm>
+#include <deque>
 #include <random>
 #include <string>
-#include <deque>
 #include <vector>
 
 #include <benchmark/benchmark.h>

@@ -10,11 +10,11 @@
 #include <benchmark/benchmark.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/narrowphase/cubic/cubic.hpp>
 #include <volccd/narrowphase/detail/coplanarity_block.hpp>
 #include <volccd/narrowphase/exact/exact.hpp>
 #include <volccd/narrowphase/inclusion/inclusion.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 #include "support/stages.hpp"
 

@@ -14,8 +14,8 @@
 #include <volccd/core/random.hpp>
 #include <volccd/culling/assignment/all_pairs.hpp>
 #include <volccd/culling/assignment/dynamic_assignment.hpp>
-#include <volccd/culling/o_set/o_set.hpp>
 #include <volccd/culling/assignment/static_assignment.hpp>
+#include <volccd/culling/o_set/o_set.hpp>
 #include <volccd/io/sequence/cells.hpp>
 #include <volccd/io/sequence/reader.hpp>
 #include <volccd/oracle/cases/shapes.hpp>

@@ -13,14 +13,14 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/broadphase/broad_phase.hpp>
-#include <volccd/broadphase/candidate_pairs.hpp>
 #include <volccd/broadphase/brute_force.hpp>
+#include <volccd/broadphase/candidate_pairs.hpp>
 #include <volccd/broadphase/kdop_bvh.hpp>
 #include <volccd/broadphase/spatial_hash.hpp>
-#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/numerics/kdop.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/query/pairs.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
 
 #include "broadphase/kdop_oracle.hpp"
 

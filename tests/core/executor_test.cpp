@@ -58,8 +58,8 @@ TEST_P(ExecutorContract, ChunksCoverEachIndexOnce) {
       std::vector<std::atomic<int>> visits(n);
       std::atomic<int> bad_chunks = 0;
       executor_->parallel_for(n, grain, [&](std::size_t begin, std::size_t end, unsigned worker) {
-        const bool good = begin < end && end <= n && end - begin <= std::max<std::size_t>(grain, 1) &&
-                          worker < executor_->workers();
+        const bool good =
+            begin < end && end <= n && end - begin <= std::max<std::size_t>(grain, 1) && worker < executor_->workers();
         if (!good) ++bad_chunks;
         for (std::size_t i = begin; i < end; ++i) ++visits[i];
       });

@@ -87,7 +87,8 @@ TEST(Options, RefusalNamesTheOptionTheTextAndWhatIsAllowed) {
 }
 
 TEST(Options, UnknownNameListsTheKnownOnes) {
-  EXPECT_EQ(refusal({{"leafsize", "4"}}), "no option 'leafsize'; there are refit, leaf_size, cell, gap, axis; did you mean 'leaf_size'?");
+  EXPECT_EQ(refusal({{"leafsize", "4"}}),
+            "no option 'leafsize'; there are refit, leaf_size, cell, gap, axis; did you mean 'leaf_size'?");
   EXPECT_EQ(refusal({{"other", "4"}}), "no option 'other'; there are refit, leaf_size, cell, gap, axis");
   EXPECT_THROW(Options<Config>().parse({{"any", "1"}}), ConfigError);
 }
@@ -96,7 +97,8 @@ TEST(Options, FormerNameIsRefusedWithThePresentOne) {
   struct Limits {
     double max_share = 0.5;
   };
-  const auto options = Options<Limits>().add("max_share", &Limits::max_share, 0, 1, "a share").renamed("most", "max_share");
+  const auto options =
+      Options<Limits>().add("max_share", &Limits::max_share, 0, 1, "a share").renamed("most", "max_share");
   try {
     options.parse({{"most", "0.3"}});
     FAIL() << "accepted";

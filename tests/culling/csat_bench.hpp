@@ -1,8 +1,8 @@
 // Pairs of elements whose control points can be set, for tests of CSAT.
 #pragma once
 
-#include <volccd/culling/element_culling.hpp>
 #include <volccd/mesh/topology.hpp>
+#include <volccd/query/roles/element_culling.hpp>
 
 #include "filter_touching.hpp"
 

@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
-#include <volccd/query/test_block.hpp>
 #include <volccd/oracle/cases/query_set.hpp>
+#include <volccd/query/test_block.hpp>
 
 namespace volccd::test {
 
@@ -51,13 +51,27 @@ struct TouchingStyle {
 
 /// All styles of the tests.
 inline const std::vector<TouchingStyle>& touching_styles() {
-  static const std::vector<TouchingStyle> styles = {
-      {1 << 20, 0, 0, 0},      {1, 0, 0, 0},           {2, 0, 0, 0},         {5, 0, -10, 0},
-      {1 << 10, 0, 0, 0x1p47}, {1 << 4, 0, 0, 0x1p49}, {1 << 20, 1, 0, 0},   {1 << 8, 1, 0, 0x1p47},
-      {1 << 20, 2, 0, 0},      {1 << 20, 0, -500, 0},  {1 << 20, 0, 480, 0}, {1 << 20, 0, -1074, 0},
-      {1 << 20, 0, 970, 0},    {3, 0, -1074, 0},       {3, 0, 970, 0},       {1 << 10, 0, -340, 0},
-      // Determinants that underflow partly.
-      {1 << 10, 0, -368, 0},   {1 << 10, 0, -371, 0},  {1 << 10, 0, -374, 0}, {1 << 10, 0, -377, 0}};
+  static const std::vector<TouchingStyle> styles = {{1 << 20, 0, 0, 0},
+                                                    {1, 0, 0, 0},
+                                                    {2, 0, 0, 0},
+                                                    {5, 0, -10, 0},
+                                                    {1 << 10, 0, 0, 0x1p47},
+                                                    {1 << 4, 0, 0, 0x1p49},
+                                                    {1 << 20, 1, 0, 0},
+                                                    {1 << 8, 1, 0, 0x1p47},
+                                                    {1 << 20, 2, 0, 0},
+                                                    {1 << 20, 0, -500, 0},
+                                                    {1 << 20, 0, 480, 0},
+                                                    {1 << 20, 0, -1074, 0},
+                                                    {1 << 20, 0, 970, 0},
+                                                    {3, 0, -1074, 0},
+                                                    {3, 0, 970, 0},
+                                                    {1 << 10, 0, -340, 0},
+                                                    // Determinants that underflow partly.
+                                                    {1 << 10, 0, -368, 0},
+                                                    {1 << 10, 0, -371, 0},
+                                                    {1 << 10, 0, -374, 0},
+                                                    {1 << 10, 0, -377, 0}};
   return styles;
 }
 

@@ -8,8 +8,8 @@
 
 #include <volccd/narrowphase/exact/exact_predicates.hpp>
 #include <volccd/narrowphase/inclusion/inclusion.hpp>
-#include <volccd/pipelines/registry.hpp>
 #include <volccd/oracle/cases/query_set.hpp>
+#include <volccd/pipelines/registry.hpp>
 
 #include "byte_reader.hpp"
 #include "support/stages.hpp"

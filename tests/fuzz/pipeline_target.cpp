@@ -46,8 +46,9 @@ struct Pipelines {
   const Pipeline flood, standard, star_orphans;
 
   Pipelines()
-      : flood(registry, spec("VolCCD+", {"boundary-flood.max_boundary_fraction=1", "boundary-flood.max_divided_fraction=1",
-                                         "boundary-flood.max_suspect_fraction=1", "boundary-flood.max_pairs=1e9"})),
+      : flood(registry,
+              spec("VolCCD+", {"boundary-flood.max_boundary_fraction=1", "boundary-flood.max_divided_fraction=1",
+                               "boundary-flood.max_suspect_fraction=1", "boundary-flood.max_pairs=1e9"})),
         standard(registry, spec("VolCCD+", {})),
         star_orphans(registry, spec("VolCCD+", {"flood=none", "star-orphans.max_suspect_fraction=1"})) {}
 

@@ -45,9 +45,7 @@ void read_sequence(const std::string& name, std::uint8_t choice) {
   SequenceStepper::Config config;
   config.edge_set = choice & 1 ? EdgeSet::polytope : EdgeSet::triangulated;
   config.shells = choice & 2 ? ShellModel::solid : ShellModel::surface;
-  config.motion = choice & 4    ? MotionModel::quadratic
-                  : choice & 16 ? MotionModel::tentative
-                                : MotionModel::linear;
+  config.motion = choice & 4 ? MotionModel::quadratic : choice & 16 ? MotionModel::tentative : MotionModel::linear;
   SequenceStepper stepper(reader, config);
   for (int k = 0; k < std::min(stepper.step_count(), 4); ++k) {
     try {

@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/io/step_text.hpp>
 #include <volccd/io/contacts_csv.hpp>
+#include <volccd/io/step_text.hpp>
 
 #include "support/full_disk.hpp"
 #include "support/scratch_folder.hpp"

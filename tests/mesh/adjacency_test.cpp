@@ -2,8 +2,8 @@
 
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/adjacency.hpp>
-#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/mesh/topology.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {
 namespace {

@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/mesh/topology.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 #include "mesh/naive_features.hpp"
 

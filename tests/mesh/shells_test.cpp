@@ -8,8 +8,8 @@
 #include <volccd/core/error.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/element_type.hpp>
-#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/mesh/shells.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 #include "support/allocations.hpp"
 

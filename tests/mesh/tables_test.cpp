@@ -7,9 +7,9 @@
 #include <volccd/core/executor.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/mesh/detail/incidences.hpp>
+#include <volccd/mesh/incidence_pool.hpp>
 #include <volccd/mesh/tables/slot_table.hpp>
 #include <volccd/mesh/tables/tuple_table.hpp>
-#include <volccd/mesh/incidence_pool.hpp>
 
 namespace volccd::detail {
 namespace {

@@ -5,9 +5,9 @@
 #include <limits>
 
 #include <volccd/core/error.hpp>
-#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/mesh/topology.hpp>
 #include <volccd/mesh/topology_delta.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 #include "mesh/naive_features.hpp"
 

@@ -3,9 +3,9 @@
 
 #include <volccd/core/random.hpp>
 #include <volccd/narrowphase/closest_points.hpp>
+#include <volccd/narrowphase/cubic/detail/polynomial_roots.hpp>
 #include <volccd/narrowphase/detail/coplanarity_block.hpp>
 #include <volccd/numerics/double_double.hpp>
-#include <volccd/narrowphase/cubic/detail/polynomial_roots.hpp>
 
 #include "oracle.hpp"
 #include "query_set.hpp"

@@ -4,9 +4,9 @@
 #include <array>
 #include <vector>
 
-#include <volccd/narrowphase/narrow_phase.hpp>
-#include <volccd/query/contact.hpp>
 #include <volccd/oracle/cases/query_set.hpp>
+#include <volccd/query/contact.hpp>
+#include <volccd/query/roles/narrow_phase.hpp>
 
 #include "support/stages.hpp"
 

@@ -19,7 +19,7 @@ struct Score {
   std::size_t contacts = 0, missed = 0, extra = 0;
   std::uint64_t undecided = 0;
   double worst_time = 0, latest = -1;  ///< greatest error, greatest lateness
-  Real worst_distance = 0;  ///< of an extra contact, relative to its size
+  Real worst_distance = 0;             ///< of an extra contact, relative to its size
 };
 
 Score score(const NarrowPhase& narrow, FeatureKind kind, const std::vector<Query>& queries,
@@ -53,17 +53,17 @@ TEST(NarrowPhaseTruth, SampleQueries) {
   VOLCCD_NEEDS_DATA(path, "ccd-queries.h5");
   const Hdf5File file(path);
   const std::map<std::string, std::size_t> max_extra = {{"erleben-cube-cliff-edges/VertexFace", 38},
-                                                         {"erleben-cube-cliff-edges/EdgeEdge", 64},
-                                                         {"erleben-sliding-spike/VertexFace", 0},
-                                                         {"erleben-sliding-spike/EdgeEdge", 0},
-                                                         {"erleben-spike-hole/VertexFace", 0},
-                                                         {"erleben-spike-hole/EdgeEdge", 0},
-                                                         {"erleben-spike-wedge/VertexFace", 0},
-                                                         {"erleben-spike-wedge/EdgeEdge", 0},
-                                                         {"erleben-spikes/VertexFace", 6},
-                                                         {"erleben-spikes/EdgeEdge", 9},
-                                                         {"unit-tests/VertexFace", 0},
-                                                         {"unit-tests/EdgeEdge", 0}};
+                                                        {"erleben-cube-cliff-edges/EdgeEdge", 64},
+                                                        {"erleben-sliding-spike/VertexFace", 0},
+                                                        {"erleben-sliding-spike/EdgeEdge", 0},
+                                                        {"erleben-spike-hole/VertexFace", 0},
+                                                        {"erleben-spike-hole/EdgeEdge", 0},
+                                                        {"erleben-spike-wedge/VertexFace", 0},
+                                                        {"erleben-spike-wedge/EdgeEdge", 0},
+                                                        {"erleben-spikes/VertexFace", 6},
+                                                        {"erleben-spikes/EdgeEdge", 9},
+                                                        {"unit-tests/VertexFace", 0},
+                                                        {"unit-tests/EdgeEdge", 0}};
   for (const auto& [group, extra] : max_extra) {
     const std::vector<double> x = file.doubles(group + "/Points");
     const std::vector<int> collides = file.integers(group + "/Collides");

@@ -3,10 +3,10 @@
 
 #include <volccd/core/random.hpp>
 #include <volccd/culling/csat/csat.hpp>
-#include <volccd/paper2011/csat_2011.hpp>
 #include <volccd/narrowphase/exact/exact_predicates.hpp>
 #include <volccd/oracle/cases/colliding_scenes.hpp>
 #include <volccd/oracle/cases/query_set.hpp>
+#include <volccd/paper2011/csat_2011.hpp>
 
 #include "support/stages.hpp"
 

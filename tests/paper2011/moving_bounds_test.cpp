@@ -8,8 +8,8 @@
 #include <boost/multiprecision/cpp_int.hpp>
 
 #include <volccd/core/random.hpp>
-#include <volccd/paper2011/counted_double.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
+#include <volccd/paper2011/counted_double.hpp>
 
 namespace volccd {
 namespace {

@@ -4,12 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/random.hpp>
-#include <volccd/paper2011/csat_reference.hpp>
+#include <volccd/experiments/tables/query_source.hpp>
+#include <volccd/oracle/cases/query_set.hpp>
 #include <volccd/paper2011/coplanarity_reference.hpp>
 #include <volccd/paper2011/counted_double.hpp>
-#include <volccd/experiments/tables/query_source.hpp>
+#include <volccd/paper2011/csat_reference.hpp>
 #include <volccd/paper2011/provot_test.hpp>
-#include <volccd/oracle/cases/query_set.hpp>
 
 #include "support/test_data.hpp"
 

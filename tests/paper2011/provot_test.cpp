@@ -7,9 +7,9 @@
 #include <volccd/core/random.hpp>
 #include <volccd/narrowphase/cubic/cubic.hpp>
 #include <volccd/narrowphase/exact/exact_predicates.hpp>
-#include <volccd/paper2011/provot.hpp>
 #include <volccd/oracle/cases/near_degenerate.hpp>
 #include <volccd/oracle/cases/test_scene.hpp>
+#include <volccd/paper2011/provot.hpp>
 
 #include "narrowphase/query_set.hpp"
 

@@ -1,6 +1,6 @@
 // `boundary-flood` loses no contact, whatever the deformation; compared with the same pipeline without it.
-#include <volccd/culling/flood/boundary_flood.hpp>
 #include <volccd/broadphase/kdop_bvh.hpp>
+#include <volccd/culling/flood/boundary_flood.hpp>
 
 #include <array>
 #include <cmath>

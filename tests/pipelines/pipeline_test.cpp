@@ -11,8 +11,8 @@
 #include <Eigen/Geometry>
 
 #include <volccd/core/random.hpp>
-#include <volccd/pipelines/compare.hpp>
 #include <volccd/numerics/kdop.hpp>
+#include <volccd/pipelines/compare.hpp>
 
 #include "pipelines/scenes.hpp"
 

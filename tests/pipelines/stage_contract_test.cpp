@@ -361,7 +361,9 @@ TEST(StageContract, EachStageRunsOnTheStepOfItsOnlyPrepare) {
           watched.expect_one_prepare(what);
           expect_features(topology, result.contacts);
           if (&request == requests) plain = result.contacts;
-          if (request.observer) EXPECT_EQ(result.contacts, plain) << what << ": an observer changes the result";
+          if (request.observer) {
+            EXPECT_EQ(result.contacts, plain) << what << ": an observer changes the result";
+          }
           contacts += result.contacts.size();
         }
         topology.apply({{static_cast<Index>(3 * step)}, {}, {}});

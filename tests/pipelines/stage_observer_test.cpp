@@ -95,7 +95,10 @@ std::vector<PipelineSpec> observed_pipelines() {
   std::vector<PipelineSpec> specs(registry().pipelines().begin(), registry().pipelines().end());
   PipelineSpec flood = registry().pipeline("VolCCD+");
   flood.name = "unlimited flood";
-  flood.flood->options = {{"max_boundary_fraction", "1"}, {"max_divided_fraction", "1"}, {"max_suspect_fraction", "1"}, {"max_pairs", "1e9"}};
+  flood.flood->options = {{"max_boundary_fraction", "1"},
+                          {"max_divided_fraction", "1"},
+                          {"max_suspect_fraction", "1"},
+                          {"max_pairs", "1e9"}};
   specs.push_back(flood);
   return specs;
 }

@@ -139,7 +139,15 @@ TEST(TestChain, KeepsWhatAllFiltersKeepWhicheverWayTestsCome) {
         std::size_t stage = 0;
         while (stage < bench.sieves.size() && bench.sieves[stage]->keeps(pair)) ++kept[stage++];
         if (stage < bench.sieves.size()) continue;
-        expected.push_back({kind, test_vertices(features, kind, pair), 0, Vec3::Zero(), {}, Vec3::Zero(), false, pair, {kNone, kNone}});
+        expected.push_back({kind,
+                            test_vertices(features, kind, pair),
+                            0,
+                            Vec3::Zero(),
+                            {},
+                            Vec3::Zero(),
+                            false,
+                            pair,
+                            {kNone, kNone}});
       }
     bench.run(step, vf, ee, random);
     std::vector<Contact> found = bench.chain.contacts();

@@ -222,8 +222,10 @@ TEST(Workspace, ASteadyStepAllocatesNothingButItsResult) {
       const bool flood = std::string(name) == "flood";
       PipelineSpec spec = registry().pipeline(flood ? "VolCCD+" : name);
       if (flood)
-        spec.flood->options = {
-            {"max_boundary_fraction", "1"}, {"max_divided_fraction", "1"}, {"max_suspect_fraction", "1"}, {"max_pairs", "1e9"}};
+        spec.flood->options = {{"max_boundary_fraction", "1"},
+                               {"max_divided_fraction", "1"},
+                               {"max_suspect_fraction", "1"},
+                               {"max_pairs", "1e9"}};
       const Pipeline pipeline(registry(), spec);
       EXPECT_EQ(steady_allocations(pipeline, block(type, 5, 5, 4), serial), steady_allocations(pipeline, tiny, serial))
           << name << ", " << to_string(type);

@@ -5,7 +5,6 @@
 #include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/query/test_block.hpp>
 
-
 namespace volccd {
 namespace {
 

@@ -14,8 +14,8 @@
 #include <volccd/pictures/surface.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
-#include "support/all_stages.hpp"
 #include "report/decode_script.hpp"
+#include "support/all_stages.hpp"
 #include "support/scratch_folder.hpp"
 
 namespace volccd {

@@ -87,9 +87,9 @@ class CheckLayers(unittest.TestCase):
         self.assert_found({**detail, "pipelines/x.cpp": text}, "pipelines/x.cpp:1", "is a detail of broadphase")
 
     def test_rooms_of_a_module(self):
-        flood = {"culling/flood/flood.hpp": "#pragma once\n#include <volccd/culling/csat/csat.hpp>\n"}
+        flood = {"culling/flood/front.hpp": "#pragma once\n#include <volccd/culling/csat/csat.hpp>\n"}
         self.assertEqual(self.findings(flood), [])
-        self.assert_found({**flood, "culling/csat/x.cpp": "#include <volccd/culling/flood/flood.hpp>\n"},
+        self.assert_found({**flood, "culling/csat/x.cpp": "#include <volccd/culling/flood/front.hpp>\n"},
                           "culling/csat/x.cpp:1", "culling/csat may not include culling/flood")
         self.assert_found({"culling/x.cpp": "#include <volccd/culling/csat/csat.hpp>\n"}, "culling/x.cpp:1",
                           "culling/ may not include culling/csat")

@@ -78,7 +78,7 @@ inline std::vector<std::vector<Index>> components(const MovingMesh& body) {
 /// The boundary of a body of tetrahedra. Where a boundary face coincides with another one, the body has been separated.
 struct Boundary {
   double outer_area = 0, parted_area = 0;  ///< both sides of a separated face count
-  int max_elements = 0;                   ///< of the elements at one face
+  int max_elements = 0;                    ///< of the elements at one face
   bool pairs = true;                       ///< coinciding faces occur in pairs with opposite orientations
   std::vector<std::array<Vec3, 3>> parted;
 };

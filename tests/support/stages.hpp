@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include <volccd/culling/element_culling.hpp>
-#include <volccd/culling/feature_filter.hpp>
-#include <volccd/narrowphase/narrow_phase.hpp>
+#include <volccd/query/roles/element_culling.hpp>
+#include <volccd/query/roles/feature_filter.hpp>
+#include <volccd/query/roles/narrow_phase.hpp>
 
 namespace volccd::test {
 

@@ -18,6 +18,6 @@ inline std::string shared_data(const std::string& name) {
 }  // namespace volccd::test
 
 /// Skips the test with a message if the file does not exist.
-#define VOLCCD_NEEDS_DATA(path, name)                                 \
-  const std::string path = ::volccd::test::shared_data(name);         \
+#define VOLCCD_NEEDS_DATA(path, name)                         \
+  const std::string path = ::volccd::test::shared_data(name); \
   if (path.empty()) GTEST_SKIP() << name << " is not there: put the shared data beside the project, or set VOLCCD_DATA"

@@ -11,10 +11,10 @@
 #include <vector>
 
 #include <volccd/broadphase/bvh/detail/adjacent_leaves.hpp>
+#include <volccd/broadphase/bvh/detail/tree_builder.hpp>
 #include <volccd/broadphase/detail/element_list.hpp>
 #include <volccd/broadphase/detail/filter_keys.hpp>
 #include <volccd/broadphase/detail/swept_bounds.hpp>
-#include <volccd/broadphase/bvh/detail/tree_builder.hpp>
 #include <volccd/core/executor.hpp>
 #include <volccd/core/heap_bytes.hpp>
 

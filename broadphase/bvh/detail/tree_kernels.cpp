@@ -4,8 +4,8 @@
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "volccd/broadphase/bvh/detail/tree_kernels.cpp"
-#include <hwy/foreach_target.h>
 #include <hwy/cache_control.h>
+#include <hwy/foreach_target.h>
 #include <hwy/highway.h>
 
 #include <volccd/broadphase/detail/bounds-inl.hpp>
@@ -39,7 +39,8 @@ void refit_leaf(const RefitArrays& t, Index node) {
   }
   float* const bound = t.node_bounds->row(node);
   const float* const rows = t.element_bounds->row(begin);
-  unite_rows<kWidth>(end - begin, [&](std::size_t r) HWY_ATTR { return rows + r * 2 * kWidth; }, bound);
+  unite_rows<kWidth>(
+      end - begin, [&](std::size_t r) HWY_ATTR { return rows + r * 2 * kWidth; }, bound);
   t.costs[node] = {size_of<kWidth>(bound), elements};
 }
 
@@ -52,7 +53,8 @@ void refit_kernel(const RefitArrays& t, Index begin, Index end) {
         continue;
       }
       const float* const halves[] = {t.node_bounds->row(left), t.node_bounds->row(right)};
-      unite_rows<width>(2, [&](std::size_t i) HWY_ATTR { return halves[i]; }, t.node_bounds->row(node));
+      unite_rows<width>(
+          2, [&](std::size_t i) HWY_ATTR { return halves[i]; }, t.node_bounds->row(node));
       t.costs[node] = {size_of<width>(t.node_bounds->row(node)) + t.costs[left].nodes + t.costs[right].nodes,
                        t.costs[left].elements + t.costs[right].elements};
     }
@@ -325,8 +327,8 @@ std::uint64_t expand_kernel(const KdopTree& tree, const PairRules& rules, const 
   });
 }
 
-std::uint64_t traverse_kernel(const KdopTree& tree, const PairRules& rules, NodePair start,
-                              NodePair* stack, PairWriter& out) {
+std::uint64_t traverse_kernel(const KdopTree& tree, const PairRules& rules, NodePair start, NodePair* stack,
+                              PairWriter& out) {
   return with_traversal(tree, rules, [&](auto& traversal) { traversal.run(start, stack, out); });
 }
 
@@ -349,8 +351,7 @@ std::uint64_t expand_pairs(const KdopTree& tree, const PairRules& rules, const s
   return HWY_DYNAMIC_DISPATCH(expand_kernel)(tree, rules, pairs, out);
 }
 
-std::uint64_t traverse(const KdopTree& tree, const PairRules& rules, NodePair start, NodePair* stack,
-                       PairWriter& out) {
+std::uint64_t traverse(const KdopTree& tree, const PairRules& rules, NodePair start, NodePair* stack, PairWriter& out) {
   return HWY_DYNAMIC_DISPATCH(traverse_kernel)(tree, rules, start, stack, out);
 }
 

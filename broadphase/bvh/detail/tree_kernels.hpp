@@ -36,7 +36,6 @@ inline std::size_t stack_length(const KdopTree& tree) { return 6 * static_cast<s
 
 /// Writes every requested pair of elements with overlapping bounds below the node pair; for a == b each unordered pair
 /// once, and self pairs if requested. Returns the number of node tests.
-std::uint64_t traverse(const KdopTree& tree, const PairRules& rules, NodePair start, NodePair* stack,
-                       PairWriter& out);
+std::uint64_t traverse(const KdopTree& tree, const PairRules& rules, NodePair start, NodePair* stack, PairWriter& out);
 
 }  // namespace volccd::detail

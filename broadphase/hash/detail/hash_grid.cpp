@@ -99,8 +99,7 @@ void HashGrid::choose_cell(const BoundsTable& bounds, std::size_t elements, doub
   inverse_cell_ = 1 / cell;
 }
 
-void HashGrid::find_cells(const BoundsTable& bounds, std::size_t elements, std::int64_t max_cells,
-                          Executor& executor) {
+void HashGrid::find_cells(const BoundsTable& bounds, std::size_t elements, std::int64_t max_cells, Executor& executor) {
   const auto width = static_cast<std::size_t>(bounds.width());
   cells_.resize(elements);
   // floor, multiplication and clamping are monotone; therefore the cell of the greater lower end of two overlapping

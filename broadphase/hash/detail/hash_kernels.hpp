@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
-#include <volccd/broadphase/hash/detail/hash_grid.hpp>
 #include <volccd/broadphase/detail/pair_writer.hpp>
+#include <volccd/broadphase/hash/detail/hash_grid.hpp>
 #include <volccd/core/heap_bytes.hpp>
 
 namespace volccd::detail {

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <limits>
 
-#include <volccd/culling/csat/detail/csat_pair_lanes-inl.hpp>
 #include <volccd/culling/csat/csat_points.hpp>
+#include <volccd/culling/csat/detail/csat_pair_lanes-inl.hpp>
 #include <volccd/query/step.hpp>
 
 #if defined(VOLCCD_CSAT_PAIR_GROUP_INL) == defined(HWY_TARGET_TOGGLE)

@@ -5,8 +5,8 @@
 #include <cstdint>
 #include <limits>
 
-#include <volccd/query/pairs.hpp>
 #include <volccd/numerics/vector_lanes-inl.hpp>
+#include <volccd/query/pairs.hpp>
 
 #if defined(VOLCCD_CSAT_PAIR_LANES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef VOLCCD_CSAT_PAIR_LANES_INL

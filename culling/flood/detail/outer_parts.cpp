@@ -103,8 +103,8 @@ void OuterParts::mark_vertices(const Step& step, const VertexStars& stars, bool 
   for (const Index v : vertices_) is_marked_[v] = std::binary_search(marked_.begin(), marked_.end(), v);
 }
 
-/// Sets slots_ to the elements whose parts may have changed: those at vertices that became marked or unmarked, and those
-/// at vertices whose elements changed.
+/// Sets slots_ to the elements whose parts may have changed: those at vertices that became marked or unmarked, and
+/// those at vertices whose elements changed.
 void OuterParts::find_changed_slots(const Step& step) {
   slots_ = delta_.changed_slots();
   for (const TopologyChange* change : delta_.changes()) {

@@ -13,9 +13,9 @@
 namespace volccd::detail {
 
 /// The outer part of a simplex is the whole simplex if it is a triangle, has a *marked* vertex, or has several boundary
-/// faces; otherwise its boundary face, if it has one. A simplex that is not outer as a whole has an inside. All vertices
-/// with suspect stars are marked. Those of earlier steps remain marked until they are many, so that few parts change from
-/// step to step. The union of the outer parts is the set S of docs/boundary_flood.md. Not thread-safe.
+/// faces; otherwise its boundary face, if it has one. A simplex that is not outer as a whole has an inside. All
+/// vertices with suspect stars are marked. Those of earlier steps remain marked until they are many, so that few parts
+/// change from step to step. The union of the outer parts is the set S of docs/boundary_flood.md. Not thread-safe.
 class OuterParts {
  public:
   /// Updates the parts for the step of the last stars.update(). O(marked vertices + elements at vertices that became
@@ -28,7 +28,8 @@ class OuterParts {
   const std::vector<Index>& chosen_vertices() const { return chosen_; }
 
   std::size_t bytes() const {
-    return heap_bytes(delta_, table_, boundary_kinds_, components_, parents_, marked_, is_marked_, vertices_, chosen_, slots_);
+    return heap_bytes(delta_, table_, boundary_kinds_, components_, parents_, marked_, is_marked_, vertices_, chosen_,
+                      slots_);
   }
 
  private:
@@ -40,13 +41,13 @@ class OuterParts {
   TopologyDelta delta_;
   PartTable table_;
   std::vector<PartTable::Kind> boundary_kinds_;  ///< by slot: the part if no star but irregular ones is suspect
-  std::vector<Index> components_;  ///< a vertex of each connected component of the boundary parts
-  std::vector<Index> parents_;     ///< by vertex: scratch memory of find_components()
-  std::vector<Index> marked_;      ///< ascending
-  std::vector<std::uint8_t> is_marked_;  ///< by vertex
-  std::vector<Index> vertices_;    ///< those that became marked or unmarked; scratch memory of update()
+  std::vector<Index> components_;                ///< a vertex of each connected component of the boundary parts
+  std::vector<Index> parents_;                   ///< by vertex: scratch memory of find_components()
+  std::vector<Index> marked_;                    ///< ascending
+  std::vector<std::uint8_t> is_marked_;          ///< by vertex
+  std::vector<Index> vertices_;                  ///< those that became marked or unmarked; scratch memory of update()
   std::vector<Index> chosen_;
-  std::vector<Index> slots_;       ///< scratch memory of update()
+  std::vector<Index> slots_;  ///< scratch memory of update()
 };
 
 }  // namespace volccd::detail

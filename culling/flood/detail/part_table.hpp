@@ -15,8 +15,8 @@
 namespace volccd::detail {
 
 /// For each simplex of a complex: no part, one of its faces, or the whole simplex. The parts are the elements of a
-/// topology of their own, with the vertices of the complex, on which a broad phase can run. Changes become edits of that
-/// topology. Not thread-safe during changes.
+/// topology of their own, with the vertices of the complex, on which a broad phase can run. Changes become edits of
+/// that topology. Not thread-safe during changes.
 class PartTable {
  public:
   /// The vertices of a simplex that belong to its part, as bits, three of them for a face; none, or the whole simplex.

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <volccd/core/executor.hpp>
-#include <volccd/culling/assignment.hpp>
 #include <volccd/mesh/topology_delta.hpp>
+#include <volccd/query/roles/assignment.hpp>
 
 namespace volccd::detail {
 

@@ -138,7 +138,7 @@ HWY_INLINE ProductBound plane_normal(const Vec3& edge, const Vec3& way, double s
     rounding += of_normal;
   }
   error.min = kMinProduct + separation_gap(separation, normal[0], normal[1], normal[2]) +
-                separation * (rounding + turn * kAreaSlack);
+              separation * (rounding + turn * kAreaSlack);
   return error;
 }
 

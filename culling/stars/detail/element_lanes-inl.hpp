@@ -4,8 +4,8 @@
 #include <span>
 
 #include <volccd/culling/stars/detail/cone_faces.hpp>
-#include <volccd/query/motion.hpp>
 #include <volccd/numerics/vector_lanes-inl.hpp>
+#include <volccd/query/motion.hpp>
 
 #if defined(VOLCCD_ELEMENT_LANES_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef VOLCCD_ELEMENT_LANES_INL

@@ -12,9 +12,10 @@ namespace volccd {
 ///
 /// All tetrahedra have positive volume in VTK's node order. The mesh is conforming and connected through faces (of
 /// several pieces, the largest is kept; parts thinner than 1.2 edges may break off or be lost).
-/// tests/experiments/scenes/tetrahedra_test.cpp checks that the dihedral angles for a ball are between 18 and 150 degrees. Vertices
-/// of the surface lie on it up to about 1e-3 edges; where the solid is thinner than two edges, up to a third of an edge
-/// outside. Element ids 0, 1, 2, ..; object 0. Deterministic. Time about the box's volume over edge^3.
+/// tests/experiments/scenes/tetrahedra_test.cpp checks that the dihedral angles for a ball are between 18 and 150
+/// degrees. Vertices of the surface lie on it up to about 1e-3 edges; where the solid is thinner than two edges, up to
+/// a third of an edge outside. Element ids 0, 1, 2, ..; object 0. Deterministic. Time about the box's volume over
+/// edge^3.
 ///
 /// Throws ConfigError if `edge` is not positive, the box has more than 10^7 lattice cells, or no tetrahedron is inside.
 Shape fill_with_tetrahedra(const ImplicitSolid& solid, double edge);

@@ -16,11 +16,11 @@
 #include <nlohmann/json.hpp>
 
 #include <volccd/core/error.hpp>
-#include <volccd/io/output_file.hpp>
-#include <volccd/io/build_facts.hpp>
-#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/scenes/simulated/frame_store.hpp>
+#include <volccd/io/build_facts.hpp>
+#include <volccd/io/output_file.hpp>
 #include <volccd/io/sequence/writer.hpp>
+#include <volccd/io/stats_json.hpp>
 
 namespace volccd {
 

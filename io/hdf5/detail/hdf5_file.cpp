@@ -56,8 +56,7 @@ void Hdf5Dataset::check_shape(std::int64_t columns, std::int64_t depth) {
   if (!space) fail("has no readable shape" + hdf5_reason());
   rank_ = H5Sget_simple_extent_type(space.get()) == H5S_SIMPLE ? H5Sget_simple_extent_ndims(space.get()) : 0;
   const int min = depth > 1 ? 3 : columns > 1 ? 2 : 1, max = depth > 1 ? 3 : 2;
-  if (rank_ < min || rank_ > max)
-    fail("has rank " + std::to_string(rank_) + ", but must have " + std::to_string(min));
+  if (rank_ < min || rank_ > max) fail("has rank " + std::to_string(rank_) + ", but must have " + std::to_string(min));
   hsize_t extent[3] = {0, 1, 1};
   if (H5Sget_simple_extent_dims(space.get(), extent, nullptr) < 0) fail("has no readable shape" + hdf5_reason());
   if (extent[1] != static_cast<hsize_t>(columns))

@@ -7,10 +7,10 @@
 #include <utility>
 #include <vector>
 
-#include <volccd/mesh/collapse_element.hpp>
 #include <volccd/io/sequence/cells.hpp>
 #include <volccd/io/sequence/detail/layout.hpp>
 #include <volccd/io/sequence/detail/point_order.hpp>
+#include <volccd/mesh/collapse_element.hpp>
 
 namespace volccd::detail {
 

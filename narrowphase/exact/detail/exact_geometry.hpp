@@ -6,8 +6,8 @@
 #include <span>
 
 #include <volccd/narrowphase/exact/detail/algebraic_time.hpp>
-#include <volccd/numerics/vector3.hpp>
 #include <volccd/narrowphase/exact/exact_predicates.hpp>
+#include <volccd/numerics/vector3.hpp>
 #include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {

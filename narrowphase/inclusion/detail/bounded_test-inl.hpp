@@ -62,8 +62,7 @@ void BoundedTest<kPoints>::measure() {
   }
   // The sides were computed from rounded differences, with errors of a few units of roundoff relative to the extent.
   const double slack = 16 * kUnitRoundoff * extent_.sum();
-  coplanarity_within_separation_ =
-      separation_ * kAreaSlack * std::max((first + slack) * (second + slack), kMinSquare);
+  coplanarity_within_separation_ = separation_ * kAreaSlack * std::max((first + slack) * (second + slack), kMinSquare);
   gap_error_ = kDistanceError * extent_.sum() + 32 * kUnitRoundoff * separation_;
 }
 

@@ -18,9 +18,9 @@ HWY_ATTR HWY_INLINE Lanes3 between(const Lanes3& a, const Lanes3& b, Lanes t) {
 
 /// The coplanarity cubic, multiplied by the sign that makes it positive at t = 0.
 struct Cubic {
-  Lanes b[4];      ///< Bernstein coefficients with binomials
-  Lanes c[4];      ///< Bernstein coefficients without binomials
-  Lanes error;     ///< error bound of a value, and of a coefficient over an interval
+  Lanes b[4];   ///< Bernstein coefficients with binomials
+  Lanes c[4];   ///< Bernstein coefficients without binomials
+  Lanes error;  ///< error bound of a value, and of a coefficient over an interval
 
   HWY_ATTR HWY_INLINE Lanes value(Lanes s) const {
     const Lanes r = hn::Sub(broadcast(1), s), ss = hn::Mul(s, s);
@@ -69,7 +69,7 @@ struct Halves {
 /// are verified later.
 struct Shape {
   Lanes a, h, c0;
-  Lanes min;         ///< position of the local minimum in [0,1], or 1/2
+  Lanes min;           ///< position of the local minimum in [0,1], or 1/2
   Lanes root, second;  ///< the first root in [0,1], if `found`, and the next, if `again`
   LaneMask found, again;
 
@@ -81,8 +81,8 @@ struct Shape {
     h = hn::Sub(d1, d0);
     c0 = d0;
     const Lanes root_of = hn::Sqrt(hn::Max(zero, hn::Sub(hn::Mul(h, h), hn::Mul(a, c0))));
-    const Lanes minimum = hn::IfThenElse(hn::Lt(h, zero), hn::Div(hn::Sub(root_of, h), a),
-                                     hn::Neg(hn::Div(c0, hn::Add(h, root_of))));
+    const Lanes minimum =
+        hn::IfThenElse(hn::Lt(h, zero), hn::Div(hn::Sub(root_of, h), a), hn::Neg(hn::Div(c0, hn::Add(h, root_of))));
     const LaneMask inside = hn::And(hn::Gt(minimum, zero), hn::Lt(minimum, one));
     min = hn::IfThenElse(inside, minimum, broadcast(0.5));
     const LaneMask dips = hn::And(inside, hn::Lt(cubic.value(min), hn::Neg(cubic.error)));
@@ -161,7 +161,7 @@ class Overlap {
     const auto minor = [](Lanes p, Lanes q, Lanes r, Lanes s)
                            HWY_ATTR { return hn::Add(hn::Mul(p, q), hn::Mul(r, s)); };
     const Lanes sum = add3(hn::Mul(size_.x, minor(a.y, b.z, a.z, b.y)), hn::Mul(size_.y, minor(a.z, b.x, a.x, b.z)),
-                        hn::Mul(size_.z, minor(a.x, b.y, a.y, b.x)));
+                           hn::Mul(size_.z, minor(a.x, b.y, a.y, b.x)));
     return hn::Mul(broadcast(quadric_error_factor(1)), sum);
   }
 
@@ -214,8 +214,8 @@ struct Look {
     const Lanes3 first = rows.edges ? at[0] : sub(at[1], at[0]), second = sub(at[2], at[rows.edges ? 1 : 0]);
     const Lanes3 normal = cross(first, second);
     overlap = Overlap(piece, normal).certain(rows.edges);
-    apart = hn::Or(separated(piece, cross(normal, first), rows.edges),
-                   separated(piece, cross(normal, second), rows.edges));
+    apart =
+        hn::Or(separated(piece, cross(normal, first), rows.edges), separated(piece, cross(normal, second), rows.edges));
     if (!rows.edges) apart = hn::Or(apart, separated(piece, cross(normal, sub(second, first)), false));
   }
 };

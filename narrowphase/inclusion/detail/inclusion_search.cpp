@@ -7,11 +7,11 @@
 #include <Eigen/Geometry>
 
 #include <volccd/narrowphase/closest_points.hpp>
-#include <volccd/numerics/double_double.hpp>
 #include <volccd/narrowphase/inclusion/detail/flat_motion.hpp>
-#include <volccd/numerics/hull_simplex.hpp>
 #include <volccd/narrowphase/inclusion/detail/motion_piece.hpp>
 #include <volccd/narrowphase/inclusion/inclusion.hpp>
+#include <volccd/numerics/double_double.hpp>
+#include <volccd/numerics/hull_simplex.hpp>
 
 namespace volccd::detail {
 namespace {

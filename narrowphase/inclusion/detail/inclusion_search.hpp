@@ -4,8 +4,8 @@
 #include <algorithm>
 
 #include <volccd/narrowphase/moving_points.hpp>
-#include <volccd/query/pairs.hpp>
 #include <volccd/numerics/rounding.hpp>
+#include <volccd/query/pairs.hpp>
 
 namespace volccd::detail {
 

@@ -214,8 +214,8 @@ auto MotionPiece<kPoints>::quadric(const Vec3& direction, std::size_t i, std::si
   Quadric q{};
   for (std::size_t a = 0; a <= n; ++a)
     for (std::size_t b = 0; b <= n; ++b)
-      q[a + b] += binomial(n, static_cast<int>(a)) * binomial(n, static_cast<int>(b)) *
-                  direction.dot(e_[i][a].cross(e_[j][b]));
+      q[a + b] +=
+          binomial(n, static_cast<int>(a)) * binomial(n, static_cast<int>(b)) * direction.dot(e_[i][a].cross(e_[j][b]));
   return q;
 }
 

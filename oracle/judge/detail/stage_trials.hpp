@@ -6,9 +6,9 @@
 #include <memory>
 
 #include <volccd/core/executor.hpp>
-#include <volccd/oracle/judge/stage_check.hpp>
 #include <volccd/oracle/cases/instruction_sets.hpp>
 #include <volccd/oracle/cases/near_degenerate.hpp>
+#include <volccd/oracle/judge/stage_check.hpp>
 
 namespace volccd::detail {
 
@@ -60,8 +60,8 @@ class StageTrials {
   void each_trial(int count, const std::function<void(cases::Choices&, const std::string& where)>& body) const;
 
   static constexpr int kWarmUp = 4;
-  /// Calls step(k), which prepares and runs the stage on step k of one topology, 2 * kWarmUp times, and expects that the
-  /// calls after the warm-up do not allocate.
+  /// Calls step(k), which prepares and runs the stage on step k of one topology, 2 * kWarmUp times, and expects that
+  /// the calls after the warm-up do not allocate.
   void expect_no_allocation(const std::function<void(int k)>& step, bool required = true);
 
   /// Calls body(name) while kernels use another instruction set than that of the trial; the trials use all others in

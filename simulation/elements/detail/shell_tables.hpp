@@ -50,14 +50,14 @@ struct ShellTriangles {
 };
 
 struct ShellHinges {
-  std::vector<std::int32_t> vertices[4];  ///< those of the edge, then the opposite ones of both triangles
-  std::vector<double> stiffness;          ///< moment over angle
-  std::vector<double> rest, last;         ///< angles (state)
-  std::vector<double> capacity;           ///< moment at which it flows (state)
-  std::vector<double> min[2];           ///< squares of twice the areas below which the moment is reduced
-  std::vector<double> viscosity;          ///< time
-  std::vector<double> mobility[3];  ///< stiffness over share of mass: at the edge, at the opposite vertices
-  std::vector<double> reference;    ///< angle at rest before any flow
+  std::vector<std::int32_t> vertices[4];       ///< those of the edge, then the opposite ones of both triangles
+  std::vector<double> stiffness;               ///< moment over angle
+  std::vector<double> rest, last;              ///< angles (state)
+  std::vector<double> capacity;                ///< moment at which it flows (state)
+  std::vector<double> min[2];                  ///< squares of twice the areas below which the moment is reduced
+  std::vector<double> viscosity;               ///< time
+  std::vector<double> mobility[3];             ///< stiffness over share of mass: at the edge, at the opposite vertices
+  std::vector<double> reference;               ///< angle at rest before any flow
   std::vector<double> virgin, slope, strain;   ///< capacity before any flow; its increase and plastic strain per angle
   std::vector<std::array<Index, 2>> elements;  ///< indices into elements, kNone: padding
   std::vector<std::int32_t> object;            ///< body that yields first

@@ -54,11 +54,11 @@ struct SolidShape {
 /// The state of an element, which changes from step to step.
 template <int N>
 struct SolidState {
-  Eigen::Matrix3d deformation = Eigen::Matrix3d::Identity();  ///< F of the last call
-  Symmetric plastic_metric = identity();                      ///< Cp^-1
-  double plastic_strain = 0;                                  ///< equivalent
-  double viscous_pressure = 0;                                ///< of the last call, Pa
-  double energy = 0, plastic_work = 0, numerical_work = 0;    ///< J; energy at the last call, works so far
+  Eigen::Matrix3d deformation = Eigen::Matrix3d::Identity();        ///< F of the last call
+  Symmetric plastic_metric = identity();                            ///< Cp^-1
+  double plastic_strain = 0;                                        ///< equivalent
+  double viscous_pressure = 0;                                      ///< of the last call, Pa
+  double energy = 0, plastic_work = 0, numerical_work = 0;          ///< J; energy at the last call, works so far
   std::array<Vec3, mode_count(N)> modes = filled<mode_count(N)>();  ///< a, as hourglass modes flowed
 
   static Symmetric identity() { return (Symmetric() << 1, 1, 1, 0, 0, 0).finished(); }

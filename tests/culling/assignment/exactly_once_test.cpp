@@ -8,13 +8,13 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/broadphase/broad_phase.hpp>
 #include <volccd/core/random.hpp>
 #include <volccd/culling/assignment/all_pairs.hpp>
 #include <volccd/culling/assignment/dynamic_assignment.hpp>
-#include <volccd/culling/o_set/o_set_source.hpp>
 #include <volccd/culling/assignment/static_assignment.hpp>
+#include <volccd/culling/o_set/o_set_source.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
 
 #include "support/stages.hpp"
 
@@ -83,15 +83,16 @@ std::set<FeatureTest> naive_minimal(const Topology& topology) {
 std::set<FeatureTest> naive_literal(const Topology& topology) {
   const Mesh& mesh = topology.mesh();
   std::set<FeatureTest> set;
-  for_each_test(topology.features(), [&](const FeatureTest& test, std::span<const Index> inc_a,
-                                         std::span<const Index> inc_b) {
-    const auto all_adjacent = [&](std::span<const Index> elements, Index o) {
-      return std::all_of(elements.begin(), elements.end(), [&](Index k) { return adjacent(mesh, k, o); });
-    };
-    for (const Index oi : inc_a)
-      for (const Index oj : inc_b)
-        if (adjacent(mesh, oi, oj) && all_adjacent(inc_a, oj) && all_adjacent(inc_b, oi)) set.insert(test);
-  });
+  for_each_test(topology.features(),
+                [&](const FeatureTest& test, std::span<const Index> inc_a, std::span<const Index> inc_b) {
+                  const auto all_adjacent = [&](std::span<const Index> elements, Index o) {
+                    return std::all_of(elements.begin(), elements.end(), [&](Index k) { return adjacent(mesh, k, o); });
+                  };
+                  for (const Index oi : inc_a)
+                    for (const Index oj : inc_b)
+                      if (adjacent(mesh, oi, oj) && all_adjacent(inc_a, oj) && all_adjacent(inc_b, oi))
+                        set.insert(test);
+                });
   return set;
 }
 
@@ -201,9 +202,8 @@ TEST(ExactlyOnce, DynamicAssignmentWithTheMinimalOSet) {
 }
 
 TEST(ExactlyOnce, StaticAssignmentOnAllPairs) {
-  for_each_topology([](const Topology& topology) {
-    expect_each_once(topology, Harness(topology).tests(StaticAssignment({})));
-  });
+  for_each_topology(
+      [](const Topology& topology) { expect_each_once(topology, Harness(topology).tests(StaticAssignment({}))); });
 }
 
 TEST(ExactlyOnce, AllPairsMissNothing) {

@@ -68,7 +68,8 @@ TEST(FloodFront, AdjacentElementsThatTouchElsewhereAreNotApart) {
       StarTable table;
       table.update(topology, serial);
       PartTable parts;
-      parts.build(topology.mesh(), [](Index) { return PartTable::kWhole; }, serial);
+      parts.build(
+          topology.mesh(), [](Index) { return PartTable::kWhole; }, serial);
       PairSet seen;
       std::vector<ElementPair> out;
       bool touches = false;
@@ -105,7 +106,8 @@ TEST(FloodFront, ProposesElementsWhoseBoxesContainAVertexWithTheSeparation) {
                         {ElementType::tetrahedron, {4, 5, 6, 7}, {}, 0, 1}};
       const Topology topology(shape.mesh());
       PartTable parts;
-      parts.build(topology.mesh(), [](Index o) { return o == 0 ? PartTable::kNoPart : PartTable::kWhole; }, serial);
+      parts.build(
+          topology.mesh(), [](Index o) { return o == 0 ? PartTable::kNoPart : PartTable::kWhole; }, serial);
       const Motion rest = Motion::linear(shape.positions, shape.positions);
       const Step step{topology, rest, kAnyObjects, 0.1};
       StarTable table;
@@ -137,7 +139,8 @@ TEST(FloodFront, ProposesNextOuterPartsWhereTheyMeetABoxWithTheSeparation) {
                         {ElementType::tetrahedron, {4, 8, 9, 10}, {}, 0, 2}};
       const Topology topology(shape.mesh());
       PartTable parts;
-      parts.build(topology.mesh(), [](Index o) { return o == 0 ? PartTable::kNoPart : PartTable::kWhole; }, serial);
+      parts.build(
+          topology.mesh(), [](Index o) { return o == 0 ? PartTable::kNoPart : PartTable::kWhole; }, serial);
       const Motion rest = Motion::linear(shape.positions, shape.positions);
       const Step step{topology, rest, kAnyObjects, 0.1};
       StarTable table;
@@ -179,7 +182,8 @@ TEST(FloodFront, OuterPartsAreNextToWholeElementsAtOneVertex) {
   for (Index whole = 0; whole < mesh.element_slots(); ++whole) {
     if (boundary_part(whole) != PartTable::kNoPart) continue;
     PartTable parts;
-    parts.build(mesh, [&](Index o) { return o == whole ? PartTable::kWhole : boundary_part(o); }, serial);
+    parts.build(
+        mesh, [&](Index o) { return o == whole ? PartTable::kWhole : boundary_part(o); }, serial);
     const Step step{topology, rest, kAnyObjects};
     OuterNeighbours neighbours;
     neighbours.clear(mesh.element_slots());

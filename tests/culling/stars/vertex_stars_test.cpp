@@ -14,8 +14,8 @@
 #include <volccd/culling/stars/star_orphans.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 
-#include "culling/stars/ends_in_loop.hpp"
 #include "culling/exact_contacts.hpp"
+#include "culling/stars/ends_in_loop.hpp"
 #include "culling/stars/jittered_block.hpp"
 
 namespace volccd::detail {

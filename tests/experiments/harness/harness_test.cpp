@@ -7,13 +7,13 @@
 #include <gtest/gtest.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/io/output_file.hpp>
 #include <volccd/experiments/harness/motion_measures.hpp>
 #include <volccd/experiments/harness/subdivide.hpp>
 #include <volccd/experiments/tables/catalog.hpp>
 #include <volccd/experiments/tables/inversion_table.hpp>
 #include <volccd/experiments/tables/operation_table.hpp>
 #include <volccd/experiments/tables/rows.hpp>
+#include <volccd/io/output_file.hpp>
 #include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 

@@ -1,7 +1,7 @@
 // The table of coplanarity against CSAT: from rows whose numbers are known, and from a run.
-#include <volccd/io/stats_json.hpp>
 #include <volccd/experiments/tables/ablation.hpp>
 #include <volccd/experiments/tables/coplanarity_table.hpp>
+#include <volccd/io/stats_json.hpp>
 
 #include <set>
 

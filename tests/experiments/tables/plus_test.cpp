@@ -180,9 +180,8 @@ class Plus : public Harness {
  protected:
   ExperimentPlan small_plan(bool full) const {
     return plus_plan({registry_, full, {}, {}, [&](const std::string& name) {
-                                       return name == "octopi" || name == "octopi-quick" ? std::optional(file_)
-                                                                                           : std::nullopt;
-                                     }});
+                        return name == "octopi" || name == "octopi-quick" ? std::optional(file_) : std::nullopt;
+                      }});
   }
 };
 
@@ -217,9 +216,9 @@ TEST_F(Plus, SummaryHasTheDocumentedKeysAndRatios) {
   const json summary = plus_summary(record);
   ASSERT_EQ(summary.size(), plan.runs.size());
   for (const json& line : summary) {
-    for (const char* key : {"scene", "motion", "threads", "volccd_ms", "volccd_plus_ms", "boundary_only_ms",
-                            "boundary_without_flood_ms", "speedup_volccd", "speedup_volccd_cubic",
-                            "volume_over_surface", "flood_gain", "contacts"})
+    for (const char* key :
+         {"scene", "motion", "threads", "volccd_ms", "volccd_plus_ms", "boundary_only_ms", "boundary_without_flood_ms",
+          "speedup_volccd", "speedup_volccd_cubic", "volume_over_surface", "flood_gain", "contacts"})
       EXPECT_TRUE(line.contains(key)) << key;
     EXPECT_EQ(line.at("motions"), 2) << "the first motion of the window counts";
     EXPECT_NEAR(line.at("speedup_volccd").get<double>() * line.at("volccd_plus_ms").get<double>(),

@@ -8,9 +8,9 @@
 #include <volccd/io/sequence/stepper.hpp>
 #include <volccd/oracle/cases/query_set.hpp>
 
-#include "support/all_stages.hpp"
 #include "io/sequence/raw_hdf5.hpp"
 #include "io/sequence/sequences.hpp"
+#include "support/all_stages.hpp"
 
 namespace volccd::test {
 namespace {

@@ -9,8 +9,8 @@
 #include <volccd/io/sequence/stepper.hpp>
 #include <volccd/mesh/shells.hpp>
 
-#include "support/all_stages.hpp"
 #include "pipelines/scenes.hpp"
+#include "support/all_stages.hpp"
 #include "support/one_step.hpp"
 #include "support/test_data.hpp"
 

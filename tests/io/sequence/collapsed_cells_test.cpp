@@ -3,9 +3,9 @@
 
 #include <set>
 
-#include <volccd/mesh/features.hpp>
 #include <volccd/io/sequence/reader.hpp>
 #include <volccd/io/sequence/stepper.hpp>
+#include <volccd/mesh/features.hpp>
 
 #include "raw_hdf5.hpp"
 #include "sequences.hpp"

@@ -8,8 +8,8 @@
 #include <sys/resource.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/io/sequence/ground_truth.hpp>
 #include <volccd/io/hdf5/hdf5_messages.hpp>
+#include <volccd/io/sequence/ground_truth.hpp>
 #include <volccd/io/sequence/reader.hpp>
 
 #include "raw_hdf5.hpp"

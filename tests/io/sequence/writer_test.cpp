@@ -9,8 +9,8 @@
 #include <sys/stat.h>
 
 #include <volccd/core/error.hpp>
-#include <volccd/io/step_text.hpp>
 #include <volccd/io/sequence/reader.hpp>
+#include <volccd/io/step_text.hpp>
 
 #include "raw_hdf5.hpp"
 #include "sequences.hpp"

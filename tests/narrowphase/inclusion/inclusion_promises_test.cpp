@@ -20,16 +20,16 @@ namespace volccd::test::inclusion_promises {
 namespace {
 
 using cases::Attack;
+using cases::attack_test;
 using cases::Case;
 using cases::Choices;
 using cases::Coordinates;
 using cases::Curve;
 using cases::InstructionSets;
-using cases::KnownMiss;
-using cases::Separation;
-using cases::attack_test;
 using cases::known_misses;
+using cases::KnownMiss;
 using cases::near_degenerate_test;
+using cases::Separation;
 using cases::separation_attacks;
 using cases::touching_attacks;
 
@@ -90,7 +90,8 @@ class Promises {
     return run(plain_, c, answer.toi()).contacts == answer.contacts ? "" : "another answer for t_max = time";
   }
 
-  /// An undecided test is early by no more than the tolerance, and `undecided=exact` decides it as exact arithmetic does.
+  /// An undecided test is early by no more than the tolerance, and `undecided=exact` decides it as exact arithmetic
+  /// does.
   std::string wrong_decision(const Case& c, const Answer& answer) {
     const Coordinates coordinates(c);
     const ExactAnswer truth = exact_first_touch(coordinates.motion());
@@ -129,7 +130,7 @@ class Promises {
   static constexpr double kTolerance = 1e-9;
   Inclusion plain_{{.time_tolerance = kTolerance}};
   Inclusion deciding_{{.time_tolerance = kTolerance, .undecided = Undecided::exact}};
-  Inclusion patient_{{.time_tolerance = kTolerance, .max_parts = 100'000}};
+  Inclusion patient_{{.time_tolerance = kTolerance, .max_intervals = 100'000}};
   InstructionSets sets_;
   std::size_t cases_ = 0;
   OneTest test_;

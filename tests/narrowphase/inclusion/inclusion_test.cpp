@@ -7,9 +7,9 @@
 #include <gtest/gtest.h>
 #include <boost/multiprecision/gmp.hpp>
 
+#include <volccd/narrowphase/exact/exact_predicates.hpp>
 #include <volccd/narrowphase/inclusion/detail/inclusion_search.hpp>
 #include <volccd/narrowphase/inclusion/detail/motion_piece.hpp>
-#include <volccd/narrowphase/exact/exact_predicates.hpp>
 #include <volccd/narrowphase/inclusion/inclusion.hpp>
 
 #include "narrowphase/query_set.hpp"

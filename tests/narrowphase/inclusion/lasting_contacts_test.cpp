@@ -6,8 +6,8 @@
 
 #include <gtest/gtest.h>
 
-#include <volccd/narrowphase/inclusion/detail/inclusion_search.hpp>
 #include <volccd/narrowphase/exact/exact_predicates.hpp>
+#include <volccd/narrowphase/inclusion/detail/inclusion_search.hpp>
 #include <volccd/narrowphase/inclusion/inclusion.hpp>
 
 #include "narrowphase/query_set.hpp"

@@ -10,8 +10,8 @@
 #include <Eigen/Geometry>
 
 #include <volccd/core/random.hpp>
-#include <volccd/narrowphase/overlap/detail/hull_overlap.hpp>
 #include <volccd/narrowphase/exact/exact_predicates.hpp>
+#include <volccd/narrowphase/overlap/detail/hull_overlap.hpp>
 
 namespace volccd {
 namespace {

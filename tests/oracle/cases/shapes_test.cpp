@@ -3,8 +3,8 @@
 
 #include <Eigen/Geometry>
 
-#include <volccd/oracle/cases/shapes.hpp>
 #include <volccd/mesh/shells.hpp>
+#include <volccd/oracle/cases/shapes.hpp>
 
 namespace volccd {
 namespace {

@@ -4,12 +4,12 @@
 #include <atomic>
 #include <utility>
 
-#include <volccd/broadphase/broad_phase.hpp>
-#include <volccd/culling/assignment.hpp>
-#include <volccd/culling/element_culling.hpp>
-#include <volccd/culling/feature_filter.hpp>
-#include <volccd/culling/orphan_source.hpp>
-#include <volccd/narrowphase/narrow_phase.hpp>
+#include <volccd/query/roles/assignment.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
+#include <volccd/query/roles/element_culling.hpp>
+#include <volccd/query/roles/feature_filter.hpp>
+#include <volccd/query/roles/narrow_phase.hpp>
+#include <volccd/query/roles/orphan_source.hpp>
 
 namespace volccd::test {
 

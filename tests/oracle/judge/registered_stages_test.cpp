@@ -1,5 +1,5 @@
-// All stages of the library keep their promises: check_stage() with each combination of the choices among their options,
-// on each instruction set. Stages that are registered later are checked without a change here.
+// All stages of the library keep their promises: check_stage() with each combination of the choices among their
+// options, on each instruction set. Stages that are registered later are checked without a change here.
 #include <algorithm>
 #include <sstream>
 #include <string>

@@ -19,9 +19,9 @@
 #include <volccd/narrowphase/exact/exact.hpp>
 #include <volccd/narrowphase/inclusion/inclusion.hpp>
 
+#include "oracle/judge/made_stage.hpp"
 #include "support/all_stages.hpp"
 #include "support/allocations.hpp"
-#include "oracle/judge/made_stage.hpp"
 
 namespace volccd {
 namespace {

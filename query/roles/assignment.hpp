@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include <volccd/culling/element_culling.hpp>
+#include <volccd/query/roles/element_culling.hpp>
 #include <volccd/query/work_source.hpp>
 
 namespace volccd {

@@ -4,18 +4,18 @@
 #include <cstddef>
 #include <memory>
 
-#include <volccd/broadphase/broad_phase.hpp>
+#include <volccd/query/roles/broad_phase.hpp>
 #include <volccd/query/work_source.hpp>
 
 namespace volccd {
 
-/// In the steps that it takes, a flood stands in place of the broad phase and the orphan source. It works on a simplicial
-/// complex of the mesh: the pairs that it hands out are pairs of simplices, and element culling and assignment run on its
-/// step, whose topology is that of the complex. It hands out further pairs from those that survive, round by round, and
-/// at last the orphans, as features of the mesh.
+/// In the steps that it takes, a flood stands in place of the broad phase and the orphan source. It works on a
+/// simplicial complex of the mesh: the pairs that it hands out are pairs of simplices, and element culling and
+/// assignment run on its step, whose topology is that of the complex. It hands out further pairs from those that
+/// survive, round by round, and at last the orphans, as features of the mesh.
 ///
-/// Guarantee (conservative): for each feature pair {a,b} that touches, the pairs of RoundKind::pairs contain, each once,
-/// every pair of non-adjacent simplices that covers it, and the orphans contain {a,b} if there is no such pair of
+/// Guarantee (conservative): for each feature pair {a,b} that touches, the pairs of RoundKind::pairs contain, each
+/// once, every pair of non-adjacent simplices that covers it, and the orphans contain {a,b} if there is no such pair of
 /// simplices. This holds for all element-culling and broad-phase stages that are conservative.
 class Flood : public WorkSource {
  public:
@@ -25,9 +25,9 @@ class Flood : public WorkSource {
   /// has none and must not be used.)
   virtual std::unique_ptr<StageState> make_state_with(const BroadPhase& broad_phase) const = 0;
 
-  /// Whether the flood takes the step of the last prepare(), for which it may be too slow, or not proven. If not, no other
-  /// member is called, and the other sources process the step. `overlaps`: whether initial overlaps of elements are
-  /// requested.
+  /// Whether the flood takes the step of the last prepare(), for which it may be too slow, or not proven. If not, no
+  /// other member is called, and the other sources process the step. `overlaps`: whether initial overlaps of elements
+  /// are requested.
   virtual bool takes(const StageState& state, bool overlaps) const = 0;
 
   /// The step for element culling and assignment. It refers to `state` and is valid until the next prepare().

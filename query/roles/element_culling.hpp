@@ -24,8 +24,8 @@ struct FeatureMask {
 /// The result of a stage for one pair.
 enum class PairVerdict {
   keep,
-  disjoint,      ///< the convex hulls of the elements are more than step.separation apart during [0, step.t_max]
-  contact_free   ///< no feature of one element touches the other; but one element may contain or intersect the other
+  disjoint,     ///< the convex hulls of the elements are more than step.separation apart during [0, step.t_max]
+  contact_free  ///< no feature of one element touches the other; but one element may contain or intersect the other
 };
 
 /// A batch of element pairs in element culling. Reused for all batches: no allocation in steady state.
