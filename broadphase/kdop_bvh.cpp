@@ -19,6 +19,8 @@ using detail::NodePair;
 /// Number of node pairs at which expansion stops; the workers share these pairs. The last expansion at most quadruples
 /// the number.
 constexpr std::size_t kTasks = 1024;
+/// Node pairs of a block: so many that the cost of a block is negligible.
+constexpr std::size_t kTasksOfBlock = 8;
 
 struct alignas(64) Worker {
   std::vector<NodePair> stack;
@@ -120,15 +122,17 @@ std::size_t KdopBvh::blocks(const Step& step, StageState& stage_state, Executor&
   state.workers.resize(std::max<std::size_t>(state.workers.size(), executor.workers()));
   for (Worker& worker : state.workers)
     worker.stack.resize(std::max(worker.stack.size(), detail::stack_length(state.tree)));
-  return state.tasks.size();
+  return (state.tasks.size() + kTasksOfBlock - 1) / kTasksOfBlock;
 }
 
 void KdopBvh::run(const Step& step, StageState& stage_state, unsigned w, std::size_t block, Work& work) const {
   KdopBvhState& state = static_cast<KdopBvhState&>(stage_state);
   Worker& worker = state.workers[w];
   detail::PairWriter out(work);
-  worker.node_tests +=
-      detail::traverse(state.tree, detail::PairRules(step, state.keys), state.tasks[block], worker.stack.data(), out);
+  const detail::PairRules rules(step, state.keys);
+  const std::size_t end = std::min(state.tasks.size(), (block + 1) * kTasksOfBlock);
+  for (std::size_t i = block * kTasksOfBlock; i < end; ++i)
+    worker.node_tests += detail::traverse(state.tree, rules, state.tasks[i], worker.stack.data(), out);
   out.flush();
 }
 

@@ -101,10 +101,11 @@ class Pipeline::Run {
     worker.sums.orphan_tests += tests;
     statistics(w, source.index).out += pairs.size() + (flooded_ ? 0 : tests);
     if (round.kind == RoundKind::tests) return observe_tests(source.index, w, old_vf, old_ee);
-    if (!request_.observer && !request_.count_adjacent) return;
+    const bool count_adjacent = request_.count_adjacent && step_.range == PairRange::every;
+    if (!request_.observer && !count_adjacent) return;
     const StageTimer none(clock(w));
     if (request_.observer) request_.observer->observe(source.index, w, pair_step(), pairs, {});
-    if (request_.count_adjacent && step_.range == PairRange::every)
+    if (count_adjacent)
       for (const ElementPair pair : pairs)
         worker.sums.adjacent_pairs += step_.topology.adjacency().adjacent(pair.a, pair.b);
   }
