@@ -38,7 +38,7 @@ class SphereCulling final : public ElementCulling {
   /// Called for each batch of pairs, by several threads at once; the state is only read.
   void run(const Step& step, StageState& state, unsigned, PairBatch& batch) const override {
     const std::vector<Sphere>& spheres = static_cast<const State&>(state).spheres;
-    batch.cull([&](ElementPair pair, FeatureMask&) {
+    batch.cull([&](ElementPair pair, auto& /* which features cannot touch */) {
       const Sphere &a = spheres[pair.a], &b = spheres[pair.b];
       const Vec3 d = a.centre - b.centre;
       // With this comparison, a NaN or an infinity (overflow) keeps the pair, because a conservative stage may drop
@@ -88,7 +88,7 @@ int main(int argc, char** argv) {
   Registry registry = Registry::standard();
   registry.add(describe_stage<ElementCulling, SphereCulling>(
       "spheres", "drops pairs whose swept bounding spheres are apart", Guarantee::conservative));
-  PipelineSpec spec = registry.pipeline("VolCCD+");
+  auto spec = registry.pipeline("VolCCD+");
   spec.name = "Spheres";
   spec.description = "VolCCD+ with bounding spheres in the place of CSAT";
   spec.element_culling = {{"spheres", {}}};
