@@ -83,7 +83,7 @@ class Pipeline {
   /// standard one (core/floating_point.hpp). Throws InputError if motion and mesh have different numbers of vertices.
   /// After any exception the workspace is equivalent to a new one, and the result is unspecified. Once the workspace
   /// has grown to the size of the scene, a step on an unchanged topology allocates memory only for the vectors of the
-  /// result and for tests that exact arithmetic decides.
+  /// result, for tests that exact arithmetic decides, and where outer parts of a flood change.
   void run(const Step& step, Workspace& workspace, Executor& executor, StepResult& result,
            const Request& request = {}) const;
 
