@@ -61,8 +61,9 @@ class Pipeline::Run {
   /// Number of element pairs that are culled together, and number of tests that are given to the chain together: small
   /// enough for the caches, and large enough that the cost of clocks and virtual calls is negligible.
   static constexpr std::size_t kPairs = 256, kTests = 1024;
-  /// Chunks of blocks for each worker, which share the work evenly.
-  static constexpr std::size_t kChunks = 32;
+  /// Chunks of blocks for each worker: so many that workers share the work evenly, and that an executor can interrupt a
+  /// long step in between.
+  static constexpr std::size_t kChunks = 128;
 
   // ---- the loop
 
