@@ -139,7 +139,7 @@ bool seen_within_separation(const Case& c, double from, double to, double* at) {
       low = a;
   }
   const Real near = Real(c.separation) * (1 + 1e-6) + Real(x.size()) * 1e-12;
-  for (const double t : {best, low, high}) {
+  for (const double t : {best, low, high, to}) {  // distances to slivers may be wrong, the comparison is exact
     if (x.distance(t) > near || compare_distance(x.motion(), t, c.separation) > 0) continue;
     *at = t;
     return true;
