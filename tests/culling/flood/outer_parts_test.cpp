@@ -79,5 +79,31 @@ TEST(OuterParts, FollowEditsAndMotions) {
   }
 }
 
+/// An edit replaces an element in its slot by one with the same vertices that belongs to another object.
+TEST(OuterParts, HaveTheObjectsOfTheirElements) {
+  const Shape shape = block(ElementType::tetrahedron, 1, 1, 1);
+  Topology topology(shape.mesh());
+  const Motion rest = Motion::linear(shape.positions, shape.positions);
+  const ObjectFilter everything;
+  SerialExecutor serial;
+  VertexStars stars;
+  OuterParts outer;
+  for (const std::int32_t object : {0, 7}) {
+    ElementSpec first = topology.mesh().spec(0);
+    first.object = object;
+    first.id = 1000 + object;
+    topology.apply({{0}, {}, {first}});
+    const Step step{topology, rest, everything};
+    stars.update(step, serial);
+    outer.update(step, stars, serial);
+    const Mesh& parts = outer.table().topology().mesh();
+    ASSERT_EQ(topology.mesh().object(0), object);
+    for (Index part = 0; part < parts.element_slots(); ++part)
+      if (parts.is_live(part)) {
+        EXPECT_EQ(parts.object(part), topology.mesh().object(outer.table().simplices({part, part}).a));
+      }
+  }
+}
+
 }  // namespace
 }  // namespace volccd::detail
