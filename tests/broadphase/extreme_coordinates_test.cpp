@@ -116,10 +116,10 @@ TEST(ExtremeCoordinates, TreesOfElementsOfAllSizesAreNotDeep) {
   list.assign(scene.topology->mesh(), executor);
   detail::TreeBuilder builder;
   std::vector<detail::TreeNode> nodes(detail::tree_nodes(kCount, 1));
-  int most = 0;
-  for (Index n = kCount; n > 1; n -= std::max<Index>(1, n / 8)) ++most;
+  int max = 0;
+  for (Index n = kCount; n > 1; n -= std::max<Index>(1, n / 8)) ++max;
   const int depth = builder.build(list, table, {0, 0, kCount, 0}, 1, nodes.data(), executor);
-  EXPECT_LE(depth, most);
+  EXPECT_LE(depth, max);
   EXPECT_LT(most, 60);  // otherwise the test proves nothing
 }
 
