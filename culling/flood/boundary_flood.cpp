@@ -148,7 +148,13 @@ Round round_of_front(BoundaryFloodState& state, RoundKind kind) {
   return {(state.front.size() + kPairs - 1) / kPairs, kind};
 }
 
-/// A round of all pairs of simplices but those that were handed out for the whole step.
+Round begin_orphans(BoundaryFloodState& state) {
+  state.phase = Phase::orphans;
+  return {state.orphans.blocks(), RoundKind::tests};
+}
+
+/// A round of all pairs of simplices but those that were handed out for the whole step; that of the orphans if the
+/// broad phase has none, because a round without blocks would be the last one.
 Round begin_everything(BoundaryFloodState& state, Executor& executor) {
   if (state.phase == Phase::at_start)
     for (std::size_t i = 0; i < state.seeds; ++i) state.seen.insert(state.reached[i]);
@@ -156,12 +162,8 @@ Round begin_everything(BoundaryFloodState& state, Executor& executor) {
   state.counters.all_paired = true;
   if (!state.simplices_state) state.simplices_state = state.broad_phase->make_state();
   state.broad_phase->prepare(*state.step, *state.simplices_state, executor);
-  return {state.broad_phase->blocks(*state.step, *state.simplices_state, executor), RoundKind::pairs};
-}
-
-Round begin_orphans(BoundaryFloodState& state) {
-  state.phase = Phase::orphans;
-  return {state.orphans.blocks(), RoundKind::tests};
+  const std::size_t blocks = state.broad_phase->blocks(*state.step, *state.simplices_state, executor);
+  return blocks > 0 ? Round{blocks, RoundKind::pairs} : begin_orphans(state);
 }
 
 /// Pairs whose outer parts may touch. Parts without a common vertex may belong to adjacent simplices.
