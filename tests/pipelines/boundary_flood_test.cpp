@@ -360,6 +360,43 @@ TEST(BoundaryFlood, GivesUpWithoutLosingAnything) {
   EXPECT_GT(contacts, 0u);
 }
 
+/// Has no blocks, as a broad phase that makes them of the pairs that it has found, if there are none.
+class NoBlocks final : public BroadPhase {
+ public:
+  std::size_t blocks(const Step&, StageState&, Executor&) const override { return 0; }
+  void run(const Step&, StageState&, unsigned, std::size_t, Work&) const override {}
+};
+
+/// A vertex is on the wrong side of its star from the start.
+TEST(BoundaryFlood, ListsOrphansAlsoWhereTheBroadPhaseHasNoPairs) {
+  Shape shape = block(ElementType::tetrahedron, 4, 4, 4);
+  for (Vec3& p : shape.positions)
+    if (p == Vec3(2, 2, 2)) p += Vec3(1.4, 0.3, 0.2);
+  const Topology topology(shape.mesh());
+  const Motion rest = Motion::linear(shape.positions, shape.positions);
+  const Step step{topology, rest, kNoFilter};
+  SerialExecutor serial;
+  const NoBlocks broad_phase;
+  for (const double max_pairs : {1e9, 0.0}) {
+    const BoundaryFlood flood({1, 1, 1, max_pairs});
+    const auto state = flood.make_state_with(broad_phase);
+    flood.prepare(step, *state, serial);
+    ASSERT_TRUE(flood.takes(*state, false));
+    Work work;
+    std::size_t orphan_blocks = 0;
+    for (std::size_t number = 0;; ++number) {
+      const Round round = flood.next_round(step, *state, number, serial);
+      orphan_blocks += round.kind == RoundKind::tests ? round.blocks : 0;
+      if (round.blocks == 0) break;
+      const std::size_t old_pairs = work.pairs.size();
+      for (std::size_t block = 0; block < round.blocks; ++block) flood.run(step, *state, 0, block, work);
+      if (max_pairs > 0) flood.record_survivors(*state, 0, std::span(work.pairs).subspan(old_pairs));
+    }
+    EXPECT_GT(orphan_blocks, 0u) << max_pairs;
+    EXPECT_EQ(BoundaryFlood::counters(*state).all_paired, max_pairs == 0);
+  }
+}
+
 TEST(ThreadsBoundaryFlood, SameContactsAndCountsForAnyNumberOfWorkers) {
   const Pipeline pipeline(registry(), spec_of("boundary-flood"));
   const auto three = make_thread_executor(3);
