@@ -8,21 +8,21 @@
 #include <utility>
 #include <vector>
 
-#include <volccd/mesh/topology.hpp>
+#include <volccd/mesh/mesh.hpp>
 #include <volccd/query/contact.hpp>
 
 namespace volccd {
 
-/// Of one feature of a contact: the element of smallest id that has the feature, and the part (object) of that element.
-/// Both are -1 where no element has it; an element's id is not negative otherwise, a part may be.
+/// Of one feature of a contact: the element Contact::elements as its id, and the part (object) of that element. Both
+/// are -1 where the contact names no element; an element's id is not negative otherwise, a part may be.
 struct ContactSide {
   std::int64_t part = -1, element = -1;
 
   friend bool operator==(const ContactSide&, const ContactSide&) = default;
 };
 
-/// Of the first feature (vertex, edge 1) and the second (triangle, edge 2). O(elements at the features) expected.
-std::array<ContactSide, 2> contact_sides(const Contact& contact, const Topology& topology);
+/// Of the first feature (vertex, edge 1) and the second (triangle, edge 2).
+std::array<ContactSide, 2> contact_sides(const Contact& contact, const Mesh& mesh);
 
 /// Contacts between two parts, or within one.
 struct PartPairCount {
@@ -35,6 +35,6 @@ struct PartPairCount {
 using PartPairs = std::map<std::pair<std::int64_t, std::int64_t>, PartPairCount>;
 
 /// Adds the contacts of motion `step`. Motions come in ascending order.
-void add_part_pairs(int step, std::span<const Contact> contacts, const Topology& topology, PartPairs& pairs);
+void add_part_pairs(int step, std::span<const Contact> contacts, const Mesh& mesh, PartPairs& pairs);
 
 }  // namespace volccd

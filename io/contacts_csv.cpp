@@ -44,14 +44,10 @@ bool canonical_less(const ContactRow& x, const ContactRow& y) {
 }
 
 ContactRow contact_row(int step, const Contact& contact, const Mesh& mesh) {
-  ContactRow row{step, contact.kind, {}, contact.toi, contact.normal, contact.point, true, contact.at_start, {}};
+  ContactRow row{step,        contact.kind,     {},
+                 contact.toi, contact.normal,   contact.point,
+                 true,        contact.at_start, contact_sides(contact, mesh)};
   for (std::size_t i = 0; i < 4; ++i) row.ids[i] = mesh.vertex_id(contact.vertices[i]);
-  return row;
-}
-
-ContactRow contact_row(int step, const Contact& contact, const Topology& topology) {
-  ContactRow row = contact_row(step, contact, topology.mesh());
-  row.sides = contact_sides(contact, topology);
   return row;
 }
 
@@ -87,10 +83,10 @@ ContactsCsvWriter::ContactsCsvWriter(const std::string& file) : impl_(std::make_
 ContactsCsvWriter::ContactsCsvWriter(ContactsCsvWriter&&) noexcept = default;
 ContactsCsvWriter::~ContactsCsvWriter() = default;
 
-void ContactsCsvWriter::write_step(int step, std::span<const Contact> contacts, const Topology& topology) {
+void ContactsCsvWriter::write_step(int step, std::span<const Contact> contacts, const Mesh& mesh) {
   Impl& o = *impl_;
   o.rows.clear();
-  for (const Contact& contact : contacts) o.rows.push_back(contact_row(step, contact, topology));
+  for (const Contact& contact : contacts) o.rows.push_back(contact_row(step, contact, mesh));
   std::sort(o.rows.begin(), o.rows.end(),
             [](const ContactRow& x, const ContactRow& y) { return canonical_less(x, y); });
   o.text.clear();

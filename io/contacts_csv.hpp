@@ -41,9 +41,8 @@ struct ContactRow {
 /// Canonical order: step, kind (VF first), ids.
 bool canonical_less(const ContactRow& x, const ContactRow& y);
 
-/// The row of a contact in motion `step`: on `mesh` without `sides`, on `topology` with them.
+/// The row of a contact in motion `step`.
 ContactRow contact_row(int step, const Contact& contact, const Mesh& mesh);
-ContactRow contact_row(int step, const Contact& contact, const Topology& topology);
 
 /// Writes the file step by step, with the rows of each step in canonical order. Behaves as StepTextWriter; also throws
 /// InputError for a number that is not finite.
@@ -53,8 +52,8 @@ class ContactsCsvWriter {
   ContactsCsvWriter(ContactsCsvWriter&&) noexcept;
   ~ContactsCsvWriter();
 
-  /// Contacts of motion `step` on `topology`, in any order. `step` is greater than before.
-  void write_step(int step, std::span<const Contact> contacts, const Topology& topology);
+  /// Contacts of motion `step` on `mesh`, in any order. `step` is greater than before.
+  void write_step(int step, std::span<const Contact> contacts, const Mesh& mesh);
   void finish();
   StepsDone finish_incomplete(const StepsDone& steps);
 

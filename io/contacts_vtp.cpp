@@ -67,9 +67,9 @@ std::string point_data(const std::vector<ContactRow>& rows, const std::vector<do
 ContactsVtpWriter::ContactsVtpWriter(const std::string& file) : output_(file) {}
 
 void ContactsVtpWriter::write_step(int step, double begin_time, double end_time, std::span<const Contact> contacts,
-                                   const Topology& topology) {
+                                   const Mesh& mesh) {
   const std::size_t first = rows_.size();
-  for (const Contact& contact : contacts) rows_.push_back(contact_row(step, contact, topology));
+  for (const Contact& contact : contacts) rows_.push_back(contact_row(step, contact, mesh));
   std::sort(rows_.begin() + static_cast<std::ptrdiff_t>(first), rows_.end(),
             [](const ContactRow& x, const ContactRow& y) { return canonical_less(x, y); });
   for (std::size_t i = first; i < rows_.size(); ++i)

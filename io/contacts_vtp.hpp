@@ -9,7 +9,7 @@
 
 #include <volccd/io/contacts_csv.hpp>
 #include <volccd/io/step_text.hpp>
-#include <volccd/mesh/topology.hpp>
+#include <volccd/mesh/mesh.hpp>
 #include <volccd/query/contact.hpp>
 
 namespace volccd {
@@ -24,8 +24,7 @@ class ContactsVtpWriter {
   explicit ContactsVtpWriter(const std::string& file);
 
   /// Contacts of motion `step`, from `begin_time` to `end_time`, in any order. `step` is greater than before.
-  void write_step(int step, double begin_time, double end_time, std::span<const Contact> contacts,
-                  const Topology& topology);
+  void write_step(int step, double begin_time, double end_time, std::span<const Contact> contacts, const Mesh& mesh);
   /// Writes the file by the rules of OutputFile.
   void finish();
   /// Keeps the complete steps and a comment with steps.text() in the second line.

@@ -146,10 +146,10 @@ class Detection {
     const Topology& topology = stepper_.topology();
     runner_.set_separation(options_.query.separation_in(stepper_));
     const StepResult& result = runner_.run(topology, stepper_.motion(), request_);
-    if (contacts_) contacts_->write_step(k, result.contacts, topology);
-    if (vtk_) vtk_->write_step(k, reader_.time(k), reader_.time(k + 1), result.contacts, topology);
+    if (contacts_) contacts_->write_step(k, result.contacts, topology.mesh());
+    if (vtk_) vtk_->write_step(k, reader_.time(k), reader_.time(k + 1), result.contacts, topology.mesh());
     if (overlaps_) overlaps_->write_step(k, overlap_rows(k, result.initial_overlaps));
-    add_part_pairs(k, result.contacts, topology, part_pairs_);
+    add_part_pairs(k, result.contacts, topology.mesh(), part_pairs_);
     steps_.push_back(result.statistics);
     total_ += result.statistics;
   }

@@ -21,26 +21,26 @@
 namespace volccd::test {
 namespace {
 
-Topology vertices_of_ids(std::vector<std::int64_t> ids) {
+Mesh vertices_of_ids(std::vector<std::int64_t> ids) {
   Mesh mesh;
   mesh.add_vertices(ids);
-  return Topology(std::move(mesh));
+  return mesh;
 }
 
 /// Two tetrahedra with a common triangle (slots 1 2 3), of parts 7 and -2, and a separate one. Vertex ids are 10 times
 /// the slots.
-Topology three_tetrahedra() {
+Mesh three_tetrahedra() {
   Mesh mesh;
   mesh.add_vertices(std::vector<std::int64_t>{0, 10, 20, 30, 40, 50, 60, 70, 80});
   mesh.add_element({.type = ElementType::tetrahedron, .vertices = {0, 1, 2, 3}, .object = 7, .id = 500});
   mesh.add_element({.type = ElementType::tetrahedron, .vertices = {1, 2, 3, 4}, .object = -2, .id = 400});
   mesh.add_element({.type = ElementType::tetrahedron, .vertices = {5, 6, 7, 8}, .object = 3, .id = 900});
-  return Topology(std::move(mesh));
+  return mesh;
 }
 
 TEST(ContactsCsv, ExactText) {
   const ScratchFolder folder;
-  const Topology mesh = vertices_of_ids({10, 20, 30, 40, 50});
+  const Mesh mesh = vertices_of_ids({10, 20, 30, 40, 50});
   const std::vector<Contact> contacts = {
       {FeatureKind::ee, {0, 2, 1, 3}, 0.5, Vec3(0, 0, 1), {}, Vec3(1, 2, 3)},
       {FeatureKind::vf, {4, 0, 1, 2}, 0.1, Vec3(-1, 0, 0), {}, Vec3(1e-300, 1e20, -0.0)},
@@ -58,42 +58,35 @@ TEST(ContactsCsv, ExactText) {
   EXPECT_EQ(folder.entries(), 1u);
 }
 
-/// If several elements have a feature, the one with the smallest id is written.
-TEST(ContactsCsv, PartsAndElementsOfBothFeatures) {
-  const Topology mesh = three_tetrahedra();
-  const auto sides = [&](FeatureKind kind, std::array<Index, 4> vertices) {
-    return contact_sides({kind, vertices, 0, Vec3::Zero(), {}, Vec3::Zero()}, mesh);
-  };
-  using Sides = std::array<ContactSide, 2>;
-  EXPECT_EQ(sides(FeatureKind::vf, {5, 0, 1, 2}), (Sides{{{3, 900}, {7, 500}}}));
-  EXPECT_EQ(sides(FeatureKind::vf, {1, 6, 7, 8}), (Sides{{{-2, 400}, {3, 900}}}));
-  EXPECT_EQ(sides(FeatureKind::vf, {8, 1, 2, 3}), (Sides{{{3, 900}, {-2, 400}}})) << "the common triangle";
-  EXPECT_EQ(sides(FeatureKind::ee, {0, 1, 5, 6}), (Sides{{{7, 500}, {3, 900}}}));
-  EXPECT_EQ(sides(FeatureKind::ee, {1, 2, 3, 4}), (Sides{{{-2, 400}, {-2, 400}}}));
-  EXPECT_EQ(sides(FeatureKind::ee, {0, 4, 5, 6})[0], ContactSide{}) << "no edge";
+/// A contact between two elements of three_tetrahedra(), by slot.
+Contact contact_of(FeatureKind kind, std::array<Index, 4> vertices, std::array<Index, 2> elements, double toi = 0.5) {
+  Contact contact{kind, vertices, toi, Vec3::Zero(), {}, Vec3::Zero()};
+  contact.elements = elements;
+  return contact;
+}
 
+TEST(ContactsCsv, PartsAndElementsOfBothFeatures) {
+  const Mesh mesh = three_tetrahedra();
   const ScratchFolder folder;
   ContactsCsvWriter writer(folder / "c.csv");
-  const std::vector<Contact> contacts = {{FeatureKind::vf, {5, 1, 2, 3}, 0.5, Vec3::Zero(), {}, Vec3::Zero()}};
-  writer.write_step(0, contacts, mesh);
+  writer.write_step(0, std::vector{contact_of(FeatureKind::vf, {5, 1, 2, 3}, {2, 1})}, mesh);
   writer.finish();
   EXPECT_NE(text_of(folder / "c.csv").find(",0,3,-2,900,400\n"), std::string::npos);
-  EXPECT_EQ(read_contacts_csv(folder / "c.csv").at(0).sides, (Sides{{{3, 900}, {-2, 400}}}));
+  EXPECT_EQ(read_contacts_csv(folder / "c.csv").at(0).sides, (std::array<ContactSide, 2>{{{3, 900}, {-2, 400}}}));
 }
 
 TEST(ContactsCsv, PairsOfParts) {
-  const Topology mesh = three_tetrahedra();
-  const auto contact = [](FeatureKind kind, std::array<Index, 4> vertices, double toi) {
-    return Contact{kind, vertices, toi, Vec3::Zero(), {}, Vec3::Zero()};
-  };
+  const Mesh mesh = three_tetrahedra();
   PartPairs pairs;
   add_part_pairs(2, {}, mesh, pairs);
   add_part_pairs(3,
-                 std::vector{contact(FeatureKind::vf, {5, 0, 1, 2}, 0.75), contact(FeatureKind::ee, {0, 1, 5, 6}, 0.5)},
+                 std::vector{contact_of(FeatureKind::vf, {5, 0, 1, 2}, {2, 0}, 0.75),
+                             contact_of(FeatureKind::ee, {0, 1, 5, 6}, {0, 2}, 0.5)},
                  mesh, pairs);
-  add_part_pairs(
-      4, std::vector{contact(FeatureKind::vf, {0, 6, 7, 8}, 0.25), contact(FeatureKind::ee, {1, 2, 3, 4}, 0.125)}, mesh,
-      pairs);
+  add_part_pairs(4,
+                 std::vector{contact_of(FeatureKind::vf, {0, 6, 7, 8}, {0, 2}, 0.25),
+                             contact_of(FeatureKind::ee, {1, 2, 3, 4}, {1, 1}, 0.125)},
+                 mesh, pairs);
   ASSERT_EQ(pairs.size(), 2u);
   const PartPairCount& between = pairs.at({3, 7});
   EXPECT_EQ(between.vf, 2u);
@@ -113,7 +106,7 @@ TEST(ContactsCsv, ThereAndBackToTheLastBit) {
   std::vector<std::int64_t> ids;
   for (std::int64_t i = 0; i < 40; ++i) ids.push_back(i * i * i);
   ids.push_back(std::numeric_limits<std::int64_t>::max());
-  const Topology mesh = vertices_of_ids(ids);
+  const Mesh mesh = vertices_of_ids(ids);
   const auto real = [&] {
     for (;;) {
       const std::uint64_t bits = random();
@@ -200,7 +193,7 @@ TEST(ContactsCsv, WriterRefuses) {
   const ScratchFolder folder;
   for (const std::string& file : {folder / "no/such/folder/c.csv", folder / "", std::string("/proc/c.csv")})
     EXPECT_THROW(ContactsCsvWriter{file}, InputError);
-  const Topology mesh = vertices_of_ids({0, 1, 2, 3});
+  const Mesh mesh = vertices_of_ids({0, 1, 2, 3});
   {
     ContactsCsvWriter writer(folder / "c.csv");
     const std::vector<Contact> bad = {
