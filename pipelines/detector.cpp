@@ -47,7 +47,8 @@ struct Detector::State {
                {.threads = config.threads,
                 .executor = config.executor,
                 .separation = config.separation,
-                .filter = config.filter}),
+                .filter = config.filter,
+                .lists = config.lists}),
         shells(std::move(its_shells)),
         topology(std::move(mesh), runner.executor(), config.edge_set) {}
 

@@ -29,6 +29,8 @@ struct DetectorConfig {
   /// The pairs of objects whose contacts are found: all, ObjectFilter(PairScope::inter) for those between objects,
   /// PairScope::intra for those within objects; ObjectFilter::exclude removes single pairs.
   ObjectFilter filter = {};
+  /// Whether steps test lists of candidates of earlier steps (docs/candidate_lists.md). Contacts are the same.
+  ListConfig lists = {};
   /// Which edges of quads and polygons have contacts; the default is complete for faces that are not planar.
   EdgeSet edge_set = EdgeSet::triangulated;
 };

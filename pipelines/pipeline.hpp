@@ -10,6 +10,7 @@
 #include <volccd/pipelines/stage_observer.hpp>
 #include <volccd/pipelines/statistics.hpp>
 #include <volccd/query/contact.hpp>
+#include <volccd/query/work_source.hpp>
 
 namespace volccd {
 
@@ -46,6 +47,12 @@ struct Request {
   /// The mesh is the solid mesh of a ShellThickener: contacts of features that correspond to the same vertex of the
   /// shell mesh (share_shell_vertex) are not reported as contacts. All stages process their tests like all others.
   bool leave_out_shell_neighbours = false;
+  /// The tests to perform, in place of those that the stages find: a list that contains all that can be in contact
+  /// (CandidateList). Only the feature filters and the narrow phase run; there are no initial overlaps.
+  const TestBatch* tests = nullptr;
+  /// Receives the tests that the feature filters keep, ascending, each once, in place of being performed by the narrow
+  /// phase; the step has no contacts then.
+  TestBatch* candidates = nullptr;
   /// Receives the pairs between the stages; may be null, and then costs one comparison per batch. Must outlive the run.
   StageObserver* observer = nullptr;
 };

@@ -26,6 +26,10 @@ double StageStatistics::counter(std::string_view which) const {
 
 Statistics& Statistics::operator+=(const Statistics& other) {
   steps += other.steps;
+  list_steps += other.list_steps;
+  reused_steps += other.reused_steps;
+  list_tests += other.list_tests;
+  list_seconds += other.list_seconds;
   element_pairs += other.element_pairs;
   adjacent_pairs += other.adjacent_pairs;
   surviving_pairs += other.surviving_pairs;

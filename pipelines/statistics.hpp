@@ -34,6 +34,10 @@ struct StageStatistics {
 
 struct Statistics {
   std::uint64_t steps = 0;
+  std::uint64_t list_steps = 0;              ///< steps that made a candidate list; those below and these are not fresh
+  std::uint64_t reused_steps = 0;            ///< steps that used a candidate list of an earlier step
+  std::uint64_t list_tests = 0;              ///< tests in the lists of these steps
+  double list_seconds = 0;                   ///< part of `seconds`: to make lists, and to compare motions with them
   std::uint64_t element_pairs = 0;           ///< element pairs that the broad phase emitted
   std::uint64_t adjacent_pairs = 0;          ///< adjacent pairs and self pairs among them; 0 if not requested
   std::uint64_t surviving_pairs = 0;         ///< element pairs after element culling

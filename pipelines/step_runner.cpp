@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <volccd/core/error.hpp>
+#include <volccd/pipelines/stage_clock.hpp>
 
 namespace volccd {
 
@@ -14,8 +15,17 @@ StepRunner::StepRunner(Pipeline pipeline, RunConfig config)
       workspace_(pipeline_.make_workspace()),
       own_executor_(config.executor ? nullptr : make_executor(config.threads)),
       executor_(config.executor ? config.executor : own_executor_.get()),
-      filter_(std::move(config.filter)) {
+      filter_(std::move(config.filter)),
+      lists_(config.lists) {
   set_separation(config.separation);
+  if (lists_.use == ListConfig::Use::never) return;
+  if (pipeline_.guarantee() == Guarantee::approximate)
+    throw ConfigError(
+        fmt::format("candidate lists: pipeline {} may lose contacts, and so would its lists", pipeline_.spec().name));
+  if (!(lists_.budget >= 0) || !std::isfinite(lists_.budget))
+    throw ConfigError(fmt::format("candidate lists: budget {} is not a finite number >= 0", lists_.budget));
+  if (!(lists_.steps >= 0) || !std::isfinite(lists_.steps))
+    throw ConfigError(fmt::format("candidate lists: {} steps: not a finite number >= 0", lists_.steps));
 }
 
 const StepResult& StepRunner::run(const Topology& topology, const Motion& motion, const Request& request,
@@ -23,8 +33,75 @@ const StepResult& StepRunner::run(const Topology& topology, const Motion& motion
   if (!(t_max >= 0 && t_max <= 1)) throw ConfigError(fmt::format("t_max: {} is not within 0 .. 1", t_max));
   Step step{topology, motion, filter_, separation_};
   step.t_max = t_max;
-  pipeline_.run(step, workspace_, *executor_, result_, request);
+  // Observers and initial overlaps need the stages that a list leaves out.
+  if (lists_.use == ListConfig::Use::never || request.observer || request.initial_overlaps) {
+    pipeline_.run(step, workspace_, *executor_, result_, request);
+    return result_;
+  }
+  try {
+    if (!reuse_list(step, request) && !make_list(step, request)) run_fresh(step, request);
+  } catch (...) {
+    list_.clear();
+    sample_.forget();
+    throw;
+  }
   return result_;
+}
+
+/// Runs the tests of the list, if it contains all contacts of the step.
+bool StepRunner::reuse_list(const Step& step, const Request& request) {
+  if (list_.empty()) return false;
+  double seconds = 0;
+  bool covered = false;
+  {
+    StageClock clock;
+    const StageTimer timer(clock, seconds);
+    covered = list_.covers(step, *executor_);
+  }
+  if (!covered) {
+    policy_.record_end(list_.reached() < 1, distance_);
+    return false;
+  }
+  distance_ = std::max(distance_, list_.distance());
+  run_tests(step, request, seconds);
+  policy_.record_reuse(result_.statistics.seconds);
+  ++result_.statistics.reused_steps;
+  return true;
+}
+
+/// Makes a list and runs its tests, if a list is wanted and possible.
+bool StepRunner::make_list(const Step& step, const Request& request) {
+  std::optional<ListPolicy::Plan> plan = ListPolicy::Plan{lists_.steps, lists_.budget};
+  if (lists_.use == ListConfig::Use::automatic) plan = policy_.plan(sample_.compare(step));
+  if (!plan) return false;
+  double seconds = 0;
+  bool made = false;
+  {
+    StageClock clock;
+    const StageTimer timer(clock, seconds);
+    made = list_.build(pipeline_, step, workspace_, *executor_, plan->steps, plan->budget);
+  }
+  if (!made) return false;
+  distance_ = 0;
+  const double build = seconds;
+  run_tests(step, request, seconds);
+  policy_.record_list(build, result_.statistics.seconds - build);
+  ++result_.statistics.list_steps;
+  return true;
+}
+
+/// `seconds`: the time that was spent on the list in this step.
+void StepRunner::run_tests(const Step& step, Request request, double seconds) {
+  request.tests = &list_.tests();
+  pipeline_.run(step, workspace_, *executor_, result_, request);
+  result_.statistics.seconds += seconds;
+  result_.statistics.list_seconds = seconds;
+  result_.statistics.list_tests = list_.tests().size();
+}
+
+void StepRunner::run_fresh(const Step& step, const Request& request) {
+  pipeline_.run(step, workspace_, *executor_, result_, request);
+  policy_.record_fresh(result_.statistics.seconds);
 }
 
 StepResult StepRunner::take_result() { return std::exchange(result_, {}); }

@@ -5,6 +5,9 @@
 #include <memory>
 
 #include <volccd/core/executor.hpp>
+#include <volccd/pipelines/candidate_list.hpp>
+#include <volccd/pipelines/detail/motion_sample.hpp>
+#include <volccd/pipelines/list_policy.hpp>
 #include <volccd/pipelines/pipeline.hpp>
 
 namespace volccd {
@@ -19,6 +22,9 @@ struct RunConfig {
   double separation = 0;
   /// The pairs of objects whose contacts are found; default: all, including contacts within an object.
   ObjectFilter filter = {};
+  /// Whether steps test lists of candidates of earlier steps. Contacts are those of fresh steps
+  /// (docs/candidate_lists.md).
+  ListConfig lists = {};
 };
 
 /// Runs a pipeline on the steps of topologies that belong to the caller, such as those of a SequenceStepper; Detector
@@ -26,7 +32,8 @@ struct RunConfig {
 /// follow the edits of a topology, and are rebuilt for another one. Movable; one thread at a time.
 class StepRunner {
  public:
-  /// Throws ConfigError for an invalid separation or number of threads.
+  /// Throws ConfigError for an invalid separation, number of threads or budget, and for lists with a pipeline that is
+  /// neither exact nor conservative.
   explicit StepRunner(Pipeline pipeline, RunConfig config = {});
 
   /// Runs a step: `motion` has the control points of all vertices of the topology. Contacts later than t_max, in 0 .. 1
@@ -46,9 +53,14 @@ class StepRunner {
   /// Throws ConfigError if the value is negative or not finite.
   void set_separation(double separation);
   /// Memory that the pipeline keeps from step to step, without the result.
-  std::size_t workspace_bytes() const { return workspace_.bytes(); }
+  std::size_t workspace_bytes() const { return workspace_.bytes() + list_.bytes() + sample_.bytes(); }
 
  private:
+  bool reuse_list(const Step& step, const Request& request);
+  bool make_list(const Step& step, const Request& request);
+  void run_tests(const Step& step, Request request, double seconds);
+  void run_fresh(const Step& step, const Request& request);
+
   Pipeline pipeline_;
   Workspace workspace_;
   std::unique_ptr<Executor> own_executor_;  ///< null if the caller gave one
@@ -56,6 +68,11 @@ class StepRunner {
   ObjectFilter filter_;
   double separation_ = 0;
   StepResult result_;
+  ListConfig lists_;
+  CandidateList list_;
+  ListPolicy policy_;
+  detail::MotionSample sample_;
+  double distance_ = 0;  ///< the largest distance of a step that the list covered from its prediction
 };
 
 }  // namespace volccd

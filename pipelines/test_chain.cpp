@@ -18,6 +18,7 @@ void TestChain::start(const Step& step, const TestStages& stages, std::span<Stag
     list.resize(stages.filters.size() + 1);
     for (TestBlock& block : list) block.clear();
   }
+  collected_.clear();
   contacts_.clear();
   counters_ = {};
   tests_ = {};
@@ -25,7 +26,7 @@ void TestChain::start(const Step& step, const TestStages& stages, std::span<Stag
 }
 
 std::size_t TestChain::bytes() const {
-  std::size_t sum = contacts_.capacity() * sizeof(Contact);
+  std::size_t sum = heap_bytes(contacts_, collected_.vf, collected_.ee);
   for (const Blocks& list : blocks_) sum += list.size() * sizeof(TestBlock);
   return sum;
 }
@@ -75,6 +76,8 @@ void TestChain::run(FeatureKind kind, std::size_t stage) {
   statistics_[stage].in += block.size();
   if (stage < stages_->filters.size())
     run_filter(kind, stage);
+  else if (stages_->collect)
+    collect(block);
   else
     run_narrow_phase(block);
   block.clear();
@@ -98,6 +101,11 @@ void TestChain::run_filter(FeatureKind kind, std::size_t stage) {
     begin = next.append_kept(block, keep, begin);
     if (next.full()) run(kind, stage + 1);
   }
+}
+
+void TestChain::collect(const TestBlock& block) {
+  std::vector<FeaturePair>& list = block.kind() == FeatureKind::vf ? collected_.vf : collected_.ee;
+  list.insert(list.end(), block.pairs().begin(), block.pairs().end());
 }
 
 void TestChain::run_narrow_phase(const TestBlock& block) {

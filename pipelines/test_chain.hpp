@@ -14,6 +14,7 @@
 #include <volccd/pipelines/statistics.hpp>
 #include <volccd/query/roles/feature_filter.hpp>
 #include <volccd/query/roles/narrow_phase.hpp>
+#include <volccd/query/work_source.hpp>
 
 namespace volccd {
 
@@ -25,6 +26,7 @@ struct TestStages {
   std::span<const std::unique_ptr<StageState>> states;
   StageObserver* observer = nullptr;  ///< may be null
   std::size_t first_stage = 0;        ///< index of the first of these stages for the observer
+  bool collect = false;               ///< tests that the filters keep are collected in place of being performed
 };
 
 /// The tests of a worker are gathered once into blocks. The tests that a filter keeps are collected, separately for
@@ -50,6 +52,9 @@ class TestChain {
   /// Runs the later stages on the tests that remain in their blocks.
   void finish();
 
+  /// With TestStages::collect: the tests that the filters kept, in no particular order.
+  const TestBatch& collected() const { return collected_; }
+
   std::vector<Contact>& contacts() { return contacts_; }
   const std::vector<Contact>& contacts() const { return contacts_; }
   const NarrowCounters& counters() const { return counters_; }
@@ -66,6 +71,7 @@ class TestChain {
   std::span<FeaturePair> select(FeatureKind kind, std::span<FeaturePair> tests);
   void run(FeatureKind kind, std::size_t stage);
   void run_filter(FeatureKind kind, std::size_t stage);
+  void collect(const TestBlock& block);
   void run_narrow_phase(const TestBlock& block);
   void observe(std::size_t stage, const TestBlock& block, std::span<const std::uint8_t> keep);
   void observe_dropped(FeatureKind kind, std::span<const FeaturePair> kept);
@@ -76,6 +82,7 @@ class TestChain {
   unsigned worker_ = 0;
   double t_max_ = 1;
   std::array<Blocks, 2> blocks_;
+  TestBatch collected_;
   std::vector<Contact> contacts_;
   NarrowCounters counters_;
   std::array<std::uint64_t, 2> tests_{};

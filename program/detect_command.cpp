@@ -32,8 +32,23 @@ struct DetectOptions {
   ReportOptions report;
   std::string pipeline = "VolCCD+", contacts, vtk, overlaps, stats;
   std::vector<std::string> settings;
+  std::string lists;
+  int substeps = 1;
   bool first = false;
+
+  ListConfig list_config() const;
 };
+
+/// "off", "auto", or a budget and a number of steps, "B:N".
+ListConfig DetectOptions::list_config() const {
+  if (lists == "off" || (lists.empty() && substeps == 1)) return {};
+  if (lists == "auto" || lists.empty()) return {.use = ListConfig::Use::automatic};
+  ListConfig config{.use = ListConfig::Use::always};
+  char rest = 0;
+  if (std::sscanf(lists.c_str(), "%lf:%lf%c", &config.budget, &config.steps, &rest) != 2)
+    throw ConfigError(fmt::format("--lists: '{}' is not off, auto, or BUDGET:STEPS, such as 0.001:20", lists));
+  return config;
+}
 
 constexpr std::size_t kPartPairsShown = 20;
 
@@ -82,7 +97,7 @@ class Detection {
       : options_(options),
         executor_(make_interruptible_executor(options.query.threads)),
         runner_(Pipeline(registry, registry.pipeline(options.pipeline, options.settings)),
-                {.executor = executor_.get(), .filter = options.query.filter()}),
+                {.executor = executor_.get(), .filter = options.query.filter(), .lists = options.list_config()}),
         reader_(options.sequence.file),
         stepper_(reader_, options.sequence.stepper()),
         range_(parse_steps(options.sequence.steps, stepper_.step_count(), options.sequence.file)),
@@ -145,13 +160,28 @@ class Detection {
     if (k == range_.begin) options_.query.check(stepper_);
     const Topology& topology = stepper_.topology();
     runner_.set_separation(options_.query.separation_in(stepper_));
-    const StepResult& result = runner_.run(topology, stepper_.motion(), request_);
-    if (contacts_) contacts_->write_step(k, result.contacts, topology.mesh());
-    if (vtk_) vtk_->write_step(k, reader_.time(k), reader_.time(k + 1), result.contacts, topology.mesh());
-    if (overlaps_) overlaps_->write_step(k, overlap_rows(k, result.initial_overlaps));
-    add_part_pairs(k, result.contacts, topology.mesh(), part_pairs_);
-    steps_.push_back(result.statistics);
-    total_ += result.statistics;
+    const int n = options_.substeps;
+    Statistics sum;
+    for (int i = 0; i < n; ++i) {
+      if (n > 1) part_.set_part(stepper_.motion(), static_cast<double>(i) / n, static_cast<double>(i + 1) / n);
+      run_substep(k, i, n > 1 ? part_ : stepper_.motion());
+      Statistics one = runner_.result().statistics;
+      one.earliest_toi = (i + one.earliest_toi) / n;
+      sum += one;
+    }
+    steps_.push_back(sum);
+    total_ += sum;
+  }
+
+  void run_substep(int k, int i, const Motion& motion) {
+    const Topology& topology = stepper_.topology();
+    const int n = options_.substeps, number = k * n + i;
+    const StepResult& result = runner_.run(topology, motion, request_);
+    const double begin = reader_.time(k), length = (reader_.time(k + 1) - begin) / n;
+    if (contacts_) contacts_->write_step(number, result.contacts, topology.mesh());
+    if (vtk_) vtk_->write_step(number, begin + i * length, begin + (i + 1) * length, result.contacts, topology.mesh());
+    if (overlaps_) overlaps_->write_step(number, overlap_rows(number, result.initial_overlaps));
+    add_part_pairs(number, result.contacts, topology.mesh(), part_pairs_);
   }
 
   /// Rows are in ascending order of the pairs of element ids; in each pair, the smaller id is first.
@@ -203,6 +233,11 @@ class Detection {
                      reader_.time(k) + toi * (reader_.time(k + 1) - reader_.time(k)), time_unit());
     }
     report_->print("contacts at t = 0: {} of {}\n", grouped(total_.contacts_at_start), grouped(total_.contacts));
+    if (const std::uint64_t listed = total_.list_steps + total_.reused_steps; listed > 0)
+      report_->print("{}: {} fresh, {} made a candidate list, {} used one; {} tests a list; lists took {} ms\n",
+                     options_.substeps > 1 ? "substeps" : "steps", grouped(total_.steps - listed),
+                     grouped(total_.list_steps), grouped(total_.reused_steps), grouped(total_.list_tests / listed),
+                     milliseconds(total_.list_seconds));
   }
 
   std::string time_unit() const {
@@ -294,6 +329,7 @@ class Detection {
   StepRunner runner_;
   SequenceReader reader_;
   SequenceStepper stepper_;
+  Motion part_;  ///< of the motion, in the present substep
   StepRange range_;
   Request request_;
   OutputPlan plan_;
@@ -328,6 +364,18 @@ void add_detect_command(CLI::App& app, const Registry& registry, Action& action)
                    "also find the elements that overlap at the start of a step, and write them as CSV")
       ->type_name("FILE");
   command->add_option("--stats", options->stats, "write counts and times as JSON")->type_name("FILE");
+  command
+      ->add_option("--substeps", options->substeps,
+                   "divide each motion into N steps; steps in files are then numbered N k to N k + N - 1")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1000000))
+      ->capture_default_str();
+  command
+      ->add_option("--lists", options->lists,
+                   "test the candidates of earlier steps: off; auto, where that is faster; or with a budget (a "
+                   "distance) and a number of steps ahead; the contacts are the same; default: auto with --substeps, "
+                   "off without")
+      ->type_name("off|auto|B:N");
   command->add_flag("--first", options->first, "find only the earliest contact of each step, which is faster");
   options->query.add_to(*command);
   options->sequence.add_parts_to(*command);

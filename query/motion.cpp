@@ -59,6 +59,21 @@ void Motion::set_quadratic(std::span<const Vec3> x0, std::span<const Vec3> xm, s
   }
 }
 
+void Motion::set_part(const Motion& whole, double begin, double end) {
+  vertices_ = whole.vertices_;
+  control_points_ = whole.control_points_;
+  data_.resize(whole.data_.size());
+  const auto between = [](const Vec3& a, const Vec3& b, double t) -> Vec3 { return (1 - t) * a + t * b; };
+  for (Index v = 0; v < vertices_; ++v) {
+    set(v, 0, whole.position(v, begin));
+    if (control_points_ == 3)  // the blossom at (begin, end)
+      set(v, 1,
+          between(between(whole.point(v, 0), whole.point(v, 1), begin),
+                  between(whole.point(v, 1), whole.point(v, 2), begin), end));
+    set(v, control_points_ - 1, whole.position(v, end));
+  }
+}
+
 Vec3 Motion::position(Index v, double t) const {
   if (t == 0) return point(v, 0);
   if (t == 1) return point(v, control_points_ - 1);

@@ -28,6 +28,10 @@ class Motion {
   /// The same as quadratic() for this object. No allocation if the number of vertices and the degree are unchanged.
   void set_quadratic(std::span<const Vec3> x0, std::span<const Vec3> xm, std::span<const Vec3> x1);
 
+  /// The part of another motion between two of its times, as a motion of its own: the same curves, but for rounding.
+  /// Parts that follow each other agree at their common time. No allocation if vertices and degree are unchanged.
+  void set_part(const Motion& whole, double begin, double end);
+
   Index vertex_count() const { return vertices_; }
   int control_points() const { return control_points_; }
   int degree() const { return control_points_ - 1; }

@@ -25,7 +25,7 @@ class Pipeline::Run {
         executor_(executor),
         request_(request),
         test_stages_{pipeline.feature_filters_, *pipeline.narrow_phase_, std::span(data.states).subspan(first_filter()),
-                     request.observer, first_filter()},
+                     request.observer,          first_filter(),          request.candidates != nullptr},
         earliest_(request.query, step.t_max, pipeline.narrow_phase_->time_tolerance()) {
     step_.range = pipeline.range_;
   }
@@ -37,7 +37,9 @@ class Pipeline::Run {
       const StageTimer timer(clock, wall);
       prepare_workers();
       prepare_stages();
-      if (flooded_) {
+      if (request_.tests) {
+        run_given_tests();
+      } else if (flooded_) {
         run_source({*pipeline_.flood_, flood()});
       } else {
         run_source({*pipeline_.broad_phase_, kBroadPhase});
@@ -83,6 +85,21 @@ class Pipeline::Run {
       });
       for_each_worker([&](unsigned w) { process_pairs(source, round, w, 1); });
     }
+  }
+
+  /// Performs the tests of the request.
+  void run_given_tests() {
+    const TestBatch& given = *request_.tests;
+    const auto run = [&](const std::vector<FeaturePair>& tests, std::vector<FeaturePair> TestBatch::*list) {
+      executor_.parallel_for(tests.size(), kTests, [&](std::size_t begin, std::size_t end, unsigned w) {
+        const auto part = std::span(tests).subspan(begin, end - begin);
+        std::vector<FeaturePair>& own = scratch(w).work.tests.*list;
+        own.insert(own.end(), part.begin(), part.end());
+        run_tests(w);
+      });
+    };
+    run(given.vf, &TestBatch::vf);
+    run(given.ee, &TestBatch::ee);
   }
 
   Round next_round(const Source& source, std::size_t number) {
@@ -205,7 +222,7 @@ class Pipeline::Run {
 
   /// Each stage that works in this step is prepared once, for the step that it then runs on.
   void prepare_stages() {
-    if (pipeline_.flood_) {
+    if (pipeline_.flood_ && !request_.tests) {
       prepare_stage(flood(), step_);
       flooded_ = pipeline_.flood_->takes(state(flood()), request_.initial_overlaps);
     }
@@ -220,8 +237,10 @@ class Pipeline::Run {
     pipeline_.stages_[stage]->prepare(step, state(stage), executor_);
   }
 
-  /// Whether a stage works in this step: a flood stands in place of the other sources.
+  /// Whether a stage works in this step: a flood stands in place of the other sources, given tests in place of all
+  /// stages that find tests.
   bool works(std::size_t stage) const {
+    if (request_.tests) return stage >= first_filter();
     const Stage* const one = pipeline_.stages_[stage];
     if (one == pipeline_.flood_.get()) return flooded_;
     return !flooded_ || (one != pipeline_.broad_phase_.get() && one != pipeline_.orphans_.get());
@@ -231,6 +250,7 @@ class Pipeline::Run {
     for (std::size_t i = 0; i < pipeline_.stages_.size(); ++i)
       if (works(i)) pipeline_.stages_[i]->append_counters(state(i), statistics(0, i).counters);
     data_.merger.merge(data_.workers, executor_, result);
+    if (request_.candidates) data_.merger.merge_collected(data_.workers, *request_.candidates);
     if (request_.query == Query::first) detail::keep_earliest(result.contacts);
     detail::complete(result, step_.topology);
   }

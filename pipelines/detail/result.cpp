@@ -4,6 +4,8 @@
 #include <span>
 #include <utility>
 
+#include <volccd/core/sort_unique.hpp>
+
 namespace volccd::detail {
 
 namespace {
@@ -44,6 +46,17 @@ void ResultMerger::merge(std::span<const std::unique_ptr<WorkerScratch>> workers
   result.statistics.duplicates = order_.collect(contacts_of_, executor, result.contacts);
   result.statistics.duplicates += order_.collect(left_out_of_, executor, result.left_out);
   std::sort(result.initial_overlaps.begin(), result.initial_overlaps.end());
+}
+
+void ResultMerger::merge_collected(std::span<const std::unique_ptr<WorkerScratch>> workers, TestBatch& tests) {
+  tests.clear();
+  for (const auto& worker : workers) {
+    const TestBatch& part = worker->chain.collected();
+    tests.vf.insert(tests.vf.end(), part.vf.begin(), part.vf.end());
+    tests.ee.insert(tests.ee.end(), part.ee.begin(), part.ee.end());
+  }
+  sort_unique(tests.vf);
+  sort_unique(tests.ee);
 }
 
 void keep_earliest(std::vector<Contact>& contacts) {

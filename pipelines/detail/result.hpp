@@ -17,6 +17,9 @@ class ResultMerger {
   /// Sets contacts, in canonical order and each once, and initial overlaps; and the sums of the counts of all workers.
   void merge(std::span<const std::unique_ptr<WorkerScratch>> workers, Executor& executor, StepResult& result);
 
+  /// Sets the tests that the chains of the workers collected, ascending and each once.
+  static void merge_collected(std::span<const std::unique_ptr<WorkerScratch>> workers, TestBatch& tests);
+
   std::size_t bytes() const { return heap_bytes(order_, contacts_of_, left_out_of_); }
 
  private:

@@ -1,0 +1,62 @@
+// A list of tests that contains all contacts of the motions near a predicted one.
+#pragma once
+
+#include <cstddef>
+
+#include <volccd/core/executor.hpp>
+#include <volccd/mesh/topology_delta.hpp>
+#include <volccd/pipelines/detail/predicted_motion.hpp>
+#include <volccd/pipelines/pipeline.hpp>
+
+namespace volccd {
+
+/// Theorem. Let P be a motion, s >= 0 a separation and b >= 0 a budget. If a motion q is within b of P
+/// (detail::PredictedMotion), every two features that come within s of each other under q come within S = s + 2 b of
+/// each other under P. So the tests that a conservative pipeline finds for P with the separation S contain every
+/// contact of q with the separation s. Proof: at the time t of the contact, two points of the features are at most s
+/// apart; their weights in the vertices are at least 0 and add up to 1, so that under P, at the time of P that belongs
+/// to t, each of the two points is at most b from where it is under q. (docs/candidate_lists.md)
+///
+/// The tests are those that all feature filters of the pipeline keep. Removed features leave the list; a feature that
+/// an edit adds, or whose elements it adds to, ends it. Not thread-safe.
+class CandidateList {
+ public:
+  /// Makes the list anew, by a run of the pipeline on the motion that goes on from that of the step for `steps` steps
+  /// (0: that rests at its end). The budget is a distance, finite and >= 0, in the unit of the coordinates. Returns
+  /// whether there is a list, and that it covers the step itself; there is none where coordinates are too large for
+  /// bounds of rounding. Pre: the pipeline is exact or conservative. Throws what Pipeline::run throws; then there is no
+  /// list.
+  bool build(const Pipeline& pipeline, const Step& step, Workspace& workspace, Executor& executor, double steps,
+             double budget);
+
+  /// Whether the list contains all contacts of the step, after the edits of the topology since it was made. If not,
+  /// there is no list afterwards. The step has the object filter, and at most the separation, of the list. O(vertices +
+  /// edits), and O(list) after edits.
+  bool covers(const Step& step, Executor& executor);
+
+  bool empty() const { return !made_; }
+  void clear() { made_ = false; }
+  const TestBatch& tests() const { return tests_; }
+  double budget() const { return budget_; }
+  /// By how much the last step that was compared with the list is away from its prediction.
+  double distance() const { return distance_; }
+  /// The time of the prediction, from 0 to 1, at which that step ended.
+  double reached() const { return reached_; }
+  /// How far the fastest vertex goes in the time of the prediction.
+  double length() const { return prediction_.length(); }
+
+  std::size_t bytes() const { return heap_bytes(prediction_, delta_, tests_.vf, tests_.ee, gone_); }
+
+ private:
+  bool follow_edits(const Step& step);
+  bool is_near(const Step& step, Executor& executor);
+
+  detail::PredictedMotion prediction_;
+  TopologyDelta delta_;
+  TestBatch tests_;
+  std::vector<std::uint8_t> gone_;  ///< by slot, scratch memory of follow_edits()
+  bool made_ = false;
+  double separation_ = 0, budget_ = 0, distance_ = 0, reached_ = 0;
+};
+
+}  // namespace volccd

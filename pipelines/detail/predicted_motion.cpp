@@ -1,0 +1,97 @@
+#include <volccd/pipelines/detail/predicted_motion.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <volccd/numerics/rounding.hpp>
+
+namespace volccd::detail {
+
+namespace {
+
+constexpr std::size_t kGrain = 4096, kSample = 64;
+/// Coordinates above this value are not predicted, so that no square overflows.
+constexpr double kMaxCoordinate = 0x1p500;
+/// Squares below this value may have lost digits by underflow.
+constexpr double kMinDistance = 0x1p-400;
+
+bool is_live(const Features& features, Index v) { return features.first_element_of_vertex(v) != kNone; }
+
+}  // namespace
+
+bool PredictedMotion::set(const Motion& motion, double steps, const Features& features) {
+  const int last = motion.control_points() - 1;
+  if (lines_.vertex_count() != motion.vertex_count()) lines_ = Motion(motion.vertex_count(), 2);
+  double largest = 0, square = 0;
+  bool finite = true;
+  for (Index v = 0; v < motion.vertex_count(); ++v) {
+    const Vec3 x0 = motion.point(v, 0), x1 = motion.point(v, last);
+    const bool live = is_live(features, v);
+    const Vec3 from = steps == 0 ? x1 : x0, to = steps == 0 || !live ? from : Vec3(x0 + steps * (x1 - x0));
+    lines_.set(v, 0, from);
+    lines_.set(v, 1, to);
+    if (!live) continue;
+    const double magnitude = std::max(from.cwiseAbs().maxCoeff(), to.cwiseAbs().maxCoeff());
+    finite = finite && magnitude <= kMaxCoordinate;  // false for NaN
+    largest = std::max(largest, magnitude);
+    square = std::max(square, (to - from).squaredNorm());
+  }
+  length_ = std::sqrt(square);
+  // P(tau) = p0 + tau (p1 - p0): three roundings of numbers of at most 2, 2 and 1 times `largest`, and tau itself may
+  // be rounded once (the middle of an interval); in each of three coordinates.
+  rounding_ = 32 * kUnitRoundoff * largest;
+  if (finite) choose_sample();
+  return finite;
+}
+
+/// The fastest vertices tell best how far a motion has gone.
+void PredictedMotion::choose_sample() {
+  speeds_.clear();
+  for (Index v = 0; v < lines_.vertex_count(); ++v)
+    if (const double speed = (lines_.point(v, 1) - lines_.point(v, 0)).squaredNorm(); speed > 0)
+      speeds_.emplace_back(-speed, v);
+  const std::size_t count = std::min(kSample, speeds_.size());
+  std::nth_element(speeds_.begin(), speeds_.begin() + static_cast<std::ptrdiff_t>(count), speeds_.end());
+  sample_.clear();
+  for (std::size_t i = 0; i < count; ++i) sample_.push_back(speeds_[i].second);
+}
+
+PredictedMotion::Interval PredictedMotion::nearest(const Motion& motion) const {
+  double begin = 0, end = 0, squares = 0;
+  for (const Index v : sample_) {
+    const Vec3 from = lines_.point(v, 0), way = lines_.point(v, 1) - from;
+    begin += way.dot(motion.point(v, 0) - from);
+    end += way.dot(motion.point(v, motion.control_points() - 1) - from);
+    squares += way.squaredNorm();
+  }
+  const auto time = [&](double sum) { return squares > 0 ? std::clamp(sum / squares, 0.0, 1.0) : 0; };
+  return {time(begin), time(end)};
+}
+
+double PredictedMotion::distance(const Motion& motion, const Features& features, Interval at, Executor& executor) {
+  const int points = motion.control_points();
+  const double times[3] = {at.begin, points == 2 ? at.end : 0.5 * (at.begin + at.end), at.end};
+  worst_.assign(executor.workers(), 0);
+  executor.parallel_for(motion.vertex_count(), kGrain, [&](std::size_t begin, std::size_t end, unsigned worker) {
+    double worst = worst_[worker];
+    for (auto v = static_cast<Index>(begin); v < end; ++v) {
+      const Vec3 from = lines_.point(v, 0), way = lines_.point(v, 1) - from;
+      double square = 0;
+      for (int i = 0; i < points; ++i) {
+        const double one = (motion.point(v, i) - (from + times[i] * way)).squaredNorm();
+        if (!(one <= square)) square = one;
+      }
+      if (!(square <= worst) && is_live(features, v)) worst = square;
+      if (std::isnan(worst)) break;
+    }
+    worst_[worker] = worst;
+  });
+  double square = 0;
+  for (const double one : worst_)
+    if (!(one <= square)) square = one;
+  if (!(square <= std::numeric_limits<double>::max())) return std::numeric_limits<double>::infinity();
+  return std::max(std::sqrt(square), kMinDistance) * kLengthSlack + rounding_;
+}
+
+}  // namespace volccd::detail
