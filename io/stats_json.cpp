@@ -87,6 +87,10 @@ json to_json(const Statistics& s) {
                       {"counters", counters}});
   }
   return {{"steps", s.steps},
+          {"list_steps", s.list_steps},
+          {"reused_steps", s.reused_steps},
+          {"list_tests", s.list_tests},
+          {"list_seconds", s.list_seconds},
           {"element_pairs", s.element_pairs},
           {"adjacent_pairs", s.adjacent_pairs},
           {"surviving_pairs", s.surviving_pairs},

@@ -18,10 +18,10 @@ struct ListConfig {
 };
 
 /// Decides from measured times where lists are made, so that all steps together take at most a few percent more than
-/// fresh steps would. A list is made after two steps whose motions agree, if it is expected to serve at least
-/// kMinSteps; its number of steps and its budget follow what the last lists were used for. What lists cost is paid from
-/// a credit: a share of the time of fresh steps, and what earlier lists saved. Knows nothing of lists, so that it can
-/// be tested with made-up times.
+/// fresh steps would. A list is made after two steps whose motions agree, if it is expected to serve at least kMinSteps;
+/// how far it goes follows from what earlier lists cost and were used for. What lists cost is paid from a credit: a
+/// share of the time of fresh steps, and what earlier lists saved. Knows nothing of lists, so that it can be tested with
+/// made-up times.
 class ListPolicy {
  public:
   struct Plan {
@@ -34,36 +34,40 @@ class ListPolicy {
     double edge;      ///< a typical length of an edge
   };
 
+  /// Whether a list can be paid for. If not, plan() need not be asked.
+  bool has_credit() const { return fresh_steps_ > 0 && cost_ - 1 <= credit_; }
   /// Whether a list is to be made now, and how.
   std::optional<Plan> plan(const Motion& motion);
-  void record_fresh(double seconds);
-  /// `build`: the time that it took to make the list, `seconds` that of the step with it.
-  void record_list(double build, double seconds);
-  void record_reuse(double seconds);
-  /// The list was used up: by steps that are farther than the budget from the prediction, or by the steps planned.
-  /// `distance`: the largest distance of a step that it covered.
-  void record_end(bool by_budget, double distance);
 
-  static constexpr double kMinSteps = 6;
+  void record_fresh(double seconds);
+  /// A list was made in `build` seconds.
+  void record_list(double build);
+  /// A step took `seconds` with the list; `waste` is the share of its tests without a contact.
+  void record_use(double seconds, double waste);
+  /// Whether steps with the present list take less time than fresh ones. If not, it is to be given up.
+  bool is_worthwhile() const { return last_use_ < 0.95 * fresh_; }
+  /// The list is no longer used. `covered`: the largest distance of a step that it covered from its prediction;
+  /// `missed`: that of the step that it does not cover, 0 if its steps were used up.
+  void record_end(double covered, double missed);
+
+  static constexpr double kMinSteps = 5;
 
  private:
-  static constexpr double kShare = 0.02;    ///< of the time of fresh steps, that lists may cost
-  static constexpr double kMaxCredit = 20;  ///< in times of fresh steps
-  static constexpr double kFirstCost = 3;   ///< of a list, before one was measured, in times of a fresh step
+  static constexpr double kShare = 0.02;      ///< of the time of fresh steps, that lists may cost
+  static constexpr double kMaxCredit = 20;    ///< in times of a fresh step
+  static constexpr double kFirstCost = 3;     ///< of a list, before one was made, in times of a fresh step
   static constexpr double kMaxSteps = 4096;
 
-  void pay(double seconds);
-
-  double fresh_ = 0;            ///< seconds of a fresh step
-  double credit_ = kFirstCost;  ///< in times of a fresh step
-  double cost_ = kFirstCost;    ///< of a list, in times of a fresh step
-  double reach_ = 0.25;         ///< way of the fastest vertex that a list is made for, in edges
-  double ratio_ = 0.125;        ///< budget, in ways of the fastest vertex
-  double trend_ = 1.5;          ///< by which reach_ is multiplied next
-  double last_mean_ = 0;        ///< mean time of a step with the list before, in times of a fresh step
-  double spent_ = 0;            ///< with the present list, in seconds
+  int fresh_steps_ = 0;
+  double fresh_ = 0;             ///< seconds of a fresh step; the first one, which builds tables, does not count
+  double credit_ = kFirstCost;   ///< in times of a fresh step
+  double cost_ = kFirstCost;     ///< of a list, in times of a fresh step
+  double reach_ = 0.25;          ///< way of the fastest vertex that a list is made for, in edges
+  double ratio_ = 1.0 / 64;      ///< part of the budget that is proportional to this way
+  // of the present list
+  double build_ = 0, wasted_ = 0, last_use_ = 0;  ///< seconds
   double planned_steps_ = 0, planned_budget_ = 0;
-  int used_ = 0;  ///< steps with the present list
+  int uses_ = 0;
 };
 
 }  // namespace volccd

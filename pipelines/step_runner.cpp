@@ -1,5 +1,6 @@
 #include <volccd/pipelines/step_runner.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -59,12 +60,11 @@ bool StepRunner::reuse_list(const Step& step, const Request& request) {
     covered = list_.covers(step, *executor_);
   }
   if (!covered) {
-    policy_.record_end(list_.reached() < 1, distance_);
+    policy_.record_end(distance_, list_.reached() < 1 ? list_.distance() : 0);
     return false;
   }
   distance_ = std::max(distance_, list_.distance());
   run_tests(step, request, seconds);
-  policy_.record_reuse(result_.statistics.seconds);
   ++result_.statistics.reused_steps;
   return true;
 }
@@ -72,7 +72,8 @@ bool StepRunner::reuse_list(const Step& step, const Request& request) {
 /// Makes a list and runs its tests, if a list is wanted and possible.
 bool StepRunner::make_list(const Step& step, const Request& request) {
   std::optional<ListPolicy::Plan> plan = ListPolicy::Plan{lists_.steps, lists_.budget};
-  if (lists_.use == ListConfig::Use::automatic) plan = policy_.plan(sample_.compare(step));
+  if (lists_.use == ListConfig::Use::automatic)
+    plan = policy_.has_credit() ? policy_.plan(sample_.compare(step)) : std::nullopt;
   if (!plan) return false;
   double seconds = 0;
   bool made = false;
@@ -83,9 +84,8 @@ bool StepRunner::make_list(const Step& step, const Request& request) {
   }
   if (!made) return false;
   distance_ = 0;
-  const double build = seconds;
+  policy_.record_list(seconds);
   run_tests(step, request, seconds);
-  policy_.record_list(build, result_.statistics.seconds - build);
   ++result_.statistics.list_steps;
   return true;
 }
@@ -94,9 +94,16 @@ bool StepRunner::make_list(const Step& step, const Request& request) {
 void StepRunner::run_tests(const Step& step, Request request, double seconds) {
   request.tests = &list_.tests();
   pipeline_.run(step, workspace_, *executor_, result_, request);
-  result_.statistics.seconds += seconds;
-  result_.statistics.list_seconds = seconds;
-  result_.statistics.list_tests = list_.tests().size();
+  Statistics& statistics = result_.statistics;
+  statistics.list_tests = list_.tests().size();
+  statistics.list_seconds = seconds;
+  const double found = static_cast<double>(statistics.contacts + statistics.left_out);
+  policy_.record_use(statistics.seconds, 1 - found / static_cast<double>(std::max<std::uint64_t>(1, statistics.list_tests)));
+  statistics.seconds += seconds;
+  if (lists_.use == ListConfig::Use::automatic && !policy_.is_worthwhile()) {
+    policy_.record_end(distance_, 0);
+    list_.clear();
+  }
 }
 
 void StepRunner::run_fresh(const Step& step, const Request& request) {

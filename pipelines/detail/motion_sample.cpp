@@ -8,7 +8,7 @@ namespace volccd::detail {
 
 namespace {
 
-constexpr Index kVertices = 1024, kEdges = 256;
+constexpr Index kVertices = 256, kEdges = 64;
 
 /// The mean length of some edges at the start of the step.
 double mean_edge(const Step& step) {
