@@ -20,6 +20,10 @@ void remove_tests(std::vector<FeaturePair>& tests, Index FeaturePair::*which, st
 
 }  // namespace
 
+double CandidateList::separation(double s, double budget) {
+  return std::nextafter(s + 2 * budget, std::numeric_limits<double>::infinity());
+}
+
 bool CandidateList::build(const Pipeline& pipeline, const Step& step, Workspace& workspace, Executor& executor,
                           double steps, double budget) {
   made_ = false;
@@ -29,9 +33,10 @@ bool CandidateList::build(const Pipeline& pipeline, const Step& step, Workspace&
   delta_.sync(step.topology);
   delta_.confirm();
   if (!is_near(step, executor)) return false;
-  const double reach = std::nextafter(step.separation + 2 * budget, std::numeric_limits<double>::infinity());
-  const Step ahead{
-      .topology = step.topology, .motion = prediction_.lines(), .filter = step.filter, .separation = reach};
+  const Step ahead{.topology = step.topology,
+                   .motion = prediction_.lines(),
+                   .filter = step.filter,
+                   .separation = separation(step.separation, budget)};
   StepResult result;
   pipeline.run(ahead, workspace, executor, result, {.count_adjacent = false, .candidates = &tests_});
   made_ = true;

@@ -34,6 +34,9 @@ class CandidateList {
   /// edits), and O(list) after edits.
   bool covers(const Step& step, Executor& executor);
 
+  /// s + 2 b, rounded up.
+  static double separation(double s, double budget);
+
   bool empty() const { return !made_; }
   void clear() { made_ = false; }
   const TestBatch& tests() const { return tests_; }

@@ -1,0 +1,305 @@
+// Steps with candidate lists have the contacts of fresh steps, bit for bit, whatever the motion does; and the bounds on
+// which that rests hold as written.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include <volccd/core/error.hpp>
+#include <volccd/core/random.hpp>
+#include <volccd/mesh/shells.hpp>
+#include <volccd/pipelines/detector.hpp>
+
+#include "scenes.hpp"
+
+namespace volccd::test {
+namespace {
+
+Vec3 random_vector(Random& random, double amount) {
+  return amount * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+}
+
+Shape two_bodies(const Shape& shape) {
+  Shape both, other = shape;
+  double height = 0;
+  for (const Vec3& p : shape.positions) height = std::max(height, p.z());
+  both.append(shape, 1);
+  both.append(other.translate(Vec3(0.31, 0.27, height + 0.1)), 2);
+  return permuted(both, 5);
+}
+
+/// Motions of a mesh, one after the other: vertices go on, shake, rest, jump and come back.
+class Course {
+ public:
+  Course(std::vector<Vec3> positions, double pace, std::uint64_t seed)
+      : home_(positions), x_(std::move(positions)), speed_(x_.size(), Vec3::Zero()), pace_(pace), random_(seed) {
+    change_speeds();
+  }
+
+  Motion next(int control_points) {
+    const std::vector<Vec3> from = x_;
+    std::vector<Vec3> middle(x_.size());
+    const std::uint64_t kind = random_.below(8);
+    if (kind == 0) change_speeds();
+    if (kind == 1) x_ = home_;                                                 // all come back
+    if (kind == 2) x_[random_.below(x_.size())] += random_vector(random_, 2);  // one jumps
+    if (kind != 3)                                                             // or all rest
+      for (std::size_t v = 0; v < x_.size(); ++v)
+        x_[v] += speed_[v] + (kind == 4 ? random_vector(random_, pace_) : Vec3::Zero());
+    for (std::size_t v = 0; v < x_.size(); ++v)
+      middle[v] = 0.5 * (from[v] + x_[v]) + random_vector(random_, 0.3 * pace_);
+    return control_points == 2 ? Motion::linear(from, x_) : Motion::quadratic(from, middle, x_);
+  }
+
+  void add_vertex(const Vec3& at) { home_.push_back(at), x_.push_back(at), speed_.push_back(Vec3::Zero()); }
+  const std::vector<Vec3>& positions() const { return x_; }
+
+ private:
+  void change_speeds() {
+    const Vec3 common = random_vector(random_, pace_);
+    for (Vec3& speed : speed_) speed = common + random_vector(random_, 0.3 * pace_);
+  }
+
+  std::vector<Vec3> home_, x_, speed_;
+  double pace_;
+  Random random_;
+};
+
+void expect_equal(const StepResult& fresh, const StepResult& listed, const std::string& what) {
+  EXPECT_EQ(fresh.contacts, listed.contacts) << what;
+  EXPECT_EQ(fresh.left_out, listed.left_out) << what;
+  EXPECT_EQ(fresh.initial_overlaps, listed.initial_overlaps) << what;
+  EXPECT_EQ(fresh.statistics.earliest_toi, listed.statistics.earliest_toi) << what;
+}
+
+/// How the lists of a run are made.
+struct Lists {
+  double budget, steps;
+};
+constexpr Lists kLists[] = {{0.05, 0}, {0.02, 8}, {0.3, 3}, {0, 5}, {1e-310, 0}};
+
+/// Removes some elements, and adds removed ones and one on a new vertex in some of the edits.
+void edit(Topology& topology, Course& course, std::vector<ElementSpec>& out, Random& random) {
+  const Mesh& mesh = topology.mesh();
+  TopologyEdit edit;
+  std::int64_t next = 1000 + mesh.vertex_count();
+  const bool adds = random.below(2) == 0;
+  if (adds) {
+    edit.added = std::move(out);
+    out.clear();
+    const Index n = mesh.vertex_count();
+    edit.new_vertex_ids = {mesh.vertex_ids().back() + 1};
+    edit.added.push_back({.type = ElementType::triangle, .vertices = {0, 1, n}, .object = 2, .id = next});
+    course.add_vertex(course.positions()[0] + random_vector(random, 1));
+  }
+  for (Index o = 0; o < mesh.element_slots(); ++o)
+    if (mesh.is_live(o) && random.below(9) == 0) edit.removed.push_back(o), out.push_back(mesh.spec(o));
+  topology.apply(edit);
+}
+
+/// Compares a runner that makes lists with fresh runners over many steps. Returns how many steps used a list.
+std::uint64_t compare(const Shape& shape, const Lists& lists, double separation, int control_points, double pace,
+                      bool edits, std::uint64_t seed) {
+  const std::string what = "budget " + std::to_string(lists.budget) + ", steps " + std::to_string(lists.steps) +
+                           ", separation " + std::to_string(separation) + ", seed " + std::to_string(seed);
+  Topology topology(shape.mesh());
+  Course course(shape.positions, pace, seed);
+  Random random(seed + 1);
+  std::vector<ElementSpec> out;
+  const auto runner = [&](ListConfig config) {
+    return StepRunner(Pipeline(registry(), registry().pipeline("VolCCD+")),
+                      {.separation = separation, .lists = config});
+  };
+  StepRunner fresh = runner({}), listed = runner({ListConfig::Use::always, lists.budget, lists.steps});
+  std::uint64_t reused = 0;
+  for (int k = 0; k < 24; ++k) {
+    if (edits && k % 3 == 2) edit(topology, course, out, random);
+    if (random.below(6) == 0) {
+      const double factor = std::exp2(random.uniform(-1, 1));
+      for (StepRunner* const one : {&fresh, &listed}) one->set_separation(factor * one->separation());
+    }
+    const Motion motion = course.next(control_points);
+    const Request request{.query = random.below(4) == 0 ? Query::first : Query::all,
+                          .initial_overlaps = random.below(6) == 0};
+    const double t_max = random.below(5) == 0 ? 0.5 : 1;
+    expect_equal(fresh.run(topology, motion, request, t_max), listed.run(topology, motion, request, t_max),
+                 what + ", step " + std::to_string(k));
+    reused += listed.result().statistics.reused_steps;
+  }
+  return reused;
+}
+
+TEST(CandidateLists, HaveTheContactsOfFreshSteps) {
+  std::uint64_t reused = 0, seed = 0;
+  for (const ElementType type : {ElementType::tetrahedron, ElementType::hexahedron, ElementType::quad})
+    for (const Lists& lists : kLists)
+      for (const double separation : {0.0, 0.03})
+        for (const int control_points : {2, 3})
+          for (const double pace : {0.004, 0.05})
+            reused += compare(two_bodies(block(type, 2, 2, 1)), lists, separation, control_points, pace, false, ++seed);
+  EXPECT_GT(reused, 700u);
+}
+
+TEST(CandidateLists, FollowEdits) {
+  std::uint64_t reused = 0, seed = 1000;
+  for (const Shape& shape : {block(ElementType::tetrahedron, 2, 2, 1), mixed_block(1, 1)})
+    for (const Lists& lists : kLists)
+      for (const double separation : {0.0, 0.03})
+        reused += compare(two_bodies(shape), lists, separation, 2, 0.004, true, ++seed);
+  EXPECT_GT(reused, 60u);
+}
+
+/// Far from the origin, where positions are rounded to 1.5e-8.
+TEST(CandidateLists, HoldFarFromTheOrigin) {
+  std::uint64_t reused = 0, seed = 2000;
+  Shape shape = two_bodies(block(ElementType::tetrahedron, 2, 2, 1));
+  shape.translate(Vec3(1e8, -1e8, 1e8));
+  for (const Lists& lists : {Lists{0.05, 0}, Lists{0.02, 8}, Lists{2e-8, 8}})
+    for (const double separation : {0.0, 0.03}) reused += compare(shape, lists, separation, 2, 0.004, false, ++seed);
+  EXPECT_GT(reused, 30u);
+}
+
+/// All scopes of pairs, and the lists that a detector makes by itself.
+TEST(CandidateLists, OfDetectorsFollowTheFilterAndTheThickness) {
+  std::uint64_t reused = 0;
+  for (const bool thick : {false, true})
+    for (const PairScope scope : {PairScope::all, PairScope::inter, PairScope::intra})
+      for (const ListConfig::Use use : {ListConfig::Use::always, ListConfig::Use::automatic}) {
+        const Shape shape = two_bodies(block(thick ? ElementType::quad : ElementType::tetrahedron, 2, 2, 1));
+        const std::vector<double> thickness(shape.elements.size(), 0.05);
+        const auto detector = [&](ListConfig lists) {
+          const DetectorConfig config{.separation = 0.01, .filter = ObjectFilter(scope), .lists = lists};
+          return thick ? Detector(shape.mesh(), thickness, config) : Detector(shape.mesh(), config);
+        };
+        Detector fresh = detector({}), listed = detector({use, 0.05, 8});
+        Course course(shape.positions, 0.002, 7);
+        for (int k = 0; k < 40; ++k) {
+          const Motion motion = course.next(2);
+          std::vector<Vec3> x0, x1;
+          for (Index v = 0; v < motion.vertex_count(); ++v)
+            x0.push_back(motion.point(v, 0)), x1.push_back(motion.point(v, 1));
+          expect_equal(fresh.step(x0, x1), listed.step(x0, x1), "step " + std::to_string(k));
+          if (use == ListConfig::Use::always) reused += listed.result().statistics.reused_steps;
+        }
+      }
+  EXPECT_GT(reused, 60u);
+}
+
+TEST(CandidateLists, AreRefusedWhereTheyWouldLoseContacts) {
+  PipelineSpec spec = registry().pipeline("VolCCD");
+  spec.narrow_phase = {"provot"};
+  const auto make = [&](ListConfig lists) { StepRunner(Pipeline(registry(), spec), {.lists = lists}); };
+  EXPECT_NO_THROW(make({}));
+  EXPECT_THROW(make({ListConfig::Use::automatic}), ConfigError);
+  spec = registry().pipeline("VolCCD+");
+  for (const double bad : {-1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()}) {
+    EXPECT_THROW(make({ListConfig::Use::always, bad, 1}), ConfigError);
+    EXPECT_THROW(make({ListConfig::Use::always, 1, bad}), ConfigError);
+  }
+}
+
+// ---- the bounds
+
+using Quad = __float128;
+
+/// The distance of control points from the prediction, to 113 bits.
+Quad square_distance(const Motion& motion, const Motion& lines, Index v, int i, double at) {
+  Quad sum = 0;
+  for (int k = 0; k < 3; ++k) {
+    const Quad from = lines.point(v, 0)[k], to = lines.point(v, 1)[k],
+               d = Quad(motion.point(v, i)[k]) - (from + Quad(at) * (to - from));
+    sum += d * d;
+  }
+  return sum;
+}
+
+/// Vertices of a tetrahedron and their features.
+Topology tetrahedron() { return Topology(block(ElementType::tetrahedron, 1, 1, 1).mesh()); }
+
+TEST(PredictedMotion, DistanceIsAnUpperBound) {
+  const Topology topology = tetrahedron();
+  Random random(3);
+  int tight = 0;
+  for (int round = 0; round < 4000; ++round) {
+    const double size = std::exp2(random.uniform(-60, 60)), offset = random.below(2) * 1e8 * size;
+    const Index n = topology.mesh().vertex_count();
+    std::vector<Vec3> x0(n), x1(n), q0(n), q1(n);
+    for (Index v = 0; v < n; ++v) {
+      x0[v] = offset * Vec3(1, -1, 1) + random_vector(random, size);
+      x1[v] = x0[v] + random_vector(random, size);
+    }
+    detail::PredictedMotion predicted;
+    ASSERT_TRUE(predicted.set(Motion::linear(x0, x1), random.uniform(0, 50), topology.features()));
+    const detail::PredictedMotion::Interval at{random.uniform(0, 1), random.uniform(0, 1)};
+    const double away = random.below(3) == 0 ? 0 : size * std::exp2(random.uniform(-60, 0));
+    for (Index v = 0; v < n; ++v) {
+      q0[v] = predicted.lines().position(v, at.begin) + random_vector(random, away);
+      q1[v] = predicted.lines().position(v, at.end) + random_vector(random, away);
+    }
+    const Motion motion = Motion::linear(q0, q1);
+    const double bound = predicted.distance(motion, topology.features(), at, serial_executor());
+    Quad worst = 0;
+    for (Index v = 0; v < n; ++v)
+      for (int i = 0; i < 2; ++i)
+        worst = std::max(worst, square_distance(motion, predicted.lines(), v, i, i == 0 ? at.begin : at.end));
+    EXPECT_LE(worst, Quad(bound) * Quad(bound));
+    tight += Quad(bound) * Quad(bound) < Quad(1.0001) * worst ? 1 : 0;
+  }
+  EXPECT_GT(tight, 500);
+}
+
+/// A vertex that no element uses may be anywhere.
+TEST(PredictedMotion, VerticesWithoutElementsDoNotCount) {
+  Shape shape = block(ElementType::tetrahedron, 1, 1, 1);
+  shape.positions.push_back(Vec3(1, 2, 3));
+  const Topology topology(shape.mesh());
+  detail::PredictedMotion predicted;
+  std::vector<Vec3> moved = shape.positions;
+  ASSERT_TRUE(predicted.set(Motion::linear(shape.positions, moved), 4, topology.features()));
+  moved.back() = Vec3(1e300, 0, 0);
+  EXPECT_LT(predicted.distance(Motion::linear(moved, moved), topology.features(), {0, 1}, serial_executor()), 1e-12);
+  moved.front() += Vec3(0.5, 0, 0);
+  EXPECT_GE(predicted.distance(Motion::linear(moved, moved), topology.features(), {0, 1}, serial_executor()), 0.5);
+}
+
+/// The separation of a list is at least s + 2 b without rounding, and a budget is used to the last bit.
+TEST(CandidateList, SeparationIsRoundedUp) {
+  Random random(5);
+  for (int round = 0; round < 10000; ++round) {
+    const double s = std::exp2(random.uniform(-80, 0)), b = std::exp2(random.uniform(-80, 0));
+    EXPECT_GE(Quad(CandidateList::separation(s, b)), Quad(s) + 2 * Quad(b));
+    EXPECT_LE(CandidateList::separation(s, b), (s + 2 * b) * (1 + 1e-15));
+  }
+}
+
+/// Two sheets that rest s + 2 b apart, and approach by b each: every vertex uses its budget up, and touches.
+TEST(CandidateList, CoversMotionsThatUseUpTheBudget) {
+  const double s = 0.25, b = 0.125;
+  Shape shape, other = block(ElementType::quad, 2, 2, 1);
+  shape.append(block(ElementType::quad, 2, 2, 1), 1);
+  shape.append(other.translate(Vec3(0.25, 0.25, s + 2 * b)), 2);
+  const Topology topology(shape.mesh());
+  std::vector<Vec3> near = shape.positions;
+  for (Vec3& p : near) p.z() += p.z() > 0 ? -b : b;
+  const auto runner = [&](double budget) {
+    return StepRunner(Pipeline(registry(), registry().pipeline("VolCCD+")),
+                      {.separation = s, .lists = {ListConfig::Use::always, budget, 0}});
+  };
+  const Motion rest = Motion::linear(shape.positions, shape.positions),
+               approach = Motion::linear(shape.positions, near);
+  const double slack = 1e-15;
+  for (const auto& [budget, reused] :
+       {std::pair{b * (1 + 16 * slack) + 32 * slack, true}, std::pair{b * (1 - slack), false}}) {
+    StepRunner listed = runner(budget), fresh = runner(budget);
+    EXPECT_EQ(listed.run(topology, rest).contacts.size(), 0u);
+    expect_equal(fresh.run(topology, approach), listed.run(topology, approach), "budget " + std::to_string(budget));
+    EXPECT_EQ(listed.result().statistics.reused_steps, reused ? 1u : 0u);
+    EXPECT_GT(listed.result().contacts.size(), 0u);
+  }
+}
+
+}  // namespace
+}  // namespace volccd::test
